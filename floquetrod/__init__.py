@@ -69,6 +69,7 @@ if TYPE_CHECKING:
     from floquetrod.plane import Chart as Chart
     from floquetrod.rod.answers.mean_force import MeanForce as MeanForce
     from floquetrod.rod.answers.reach import Reach as Reach
+    from floquetrod.rod.answers.rod_branches import RodBranches as RodBranches
     from floquetrod.rod.answers.safe_box import SafeBox as SafeBox
     from floquetrod.rod.answers.safe_kick import SafeKick as SafeKick
     from floquetrod.rod.answers.steady_motion import SteadyMotion as SteadyMotion
@@ -150,6 +151,7 @@ _WHERE = {
     "SquareWave": "equations",
     "Stability": "floquet.verdict",
     "StabilityIntervals": "rod.ranges",
+    "RodBranches": "rod.answers.rod_branches",
     "SafeKick": "rod.answers.safe_kick",
     "SteadyMotion": "rod.answers.steady_motion",
     "Study": "ensembles.study",

@@ -11,6 +11,7 @@ import pytest
 from scipy.integrate import quad
 
 import floquetrod as fr
+from floquetrod.orbits import continuation
 
 
 def cycles(t: Any, x: Any, mu: float) -> Any:
@@ -193,3 +194,42 @@ def test_what_is_no_orbit(fold: fr.Branch) -> None:
         fr.follow(fold, {"mu": (0.0, 1.0)})
     with pytest.raises(ValueError, match="no branch crosses at a fold"):
         fold.special_points[0].switch()
+
+
+def test_a_component_that_grows_fast_is_followed() -> None:
+    system = fr.NonlinearSystem(
+        lambda t, x, p: (np.exp(p) * np.cos(t) - x[0],), period=2.0 * math.pi, parameters={"p": 0.0}
+    )
+    branch = fr.follow(fr.periodic_orbit(system, [0.0]), {"p": (-1.0, 3.0)}, longest=0.5)
+    assert branch.values[-1] == 3.0
+    assert np.abs(branch.amplitude[:, 0] / np.exp(branch.values) * math.sqrt(2.0) - 1.0).max() < 1e-5
+
+
+def test_a_branch_is_followed_until_something_is_told() -> None:
+    asked: list[tuple[float, float]] = []
+
+    def until(before: fr.PeriodicOrbit, orbit: fr.PeriodicOrbit) -> str:
+        asked.append((before.system.parameters["p"], orbit.system.parameters["p"]))
+        return "far enough" if abs(asked[-1][1] + 0.3) > 0.1 else ""
+
+    branch = fr.follow(fr.periodic_orbit(PITCHFORK, [0.0]), {"p": (-0.5, 0.5)}, longest=0.2, until=until)
+    assert branch.ends == ("far enough", "far enough")
+    assert np.abs(branch.values + 0.3).max() <= 0.1
+    assert {p for _, p in asked} - set(branch.values) == {p for _, p in asked if abs(p + 0.3) > 0.1}
+    assert not branch.special_points
+
+
+def test_an_orbit_that_is_lost_on_a_finer_mesh_ends_the_branch(monkeypatch: pytest.MonkeyPatch) -> None:
+    orbit = fr.periodic_orbit(PITCHFORK, [0.0])
+    found, calls = continuation.sampled, [0]
+
+    def lost(*given: Any) -> Any:
+        calls[0] += 1
+        if calls[0] > 2:
+            raise fr.NoOrbitError("no periodic orbit was found")
+        return found(*given)
+
+    monkeypatch.setattr(continuation, "sampled", lost)
+    branch = fr.follow(orbit, {"p": (-0.5, 0.5)}, longest=0.2)
+    assert len(branch.orbits) == 3
+    assert all("was lost: no periodic orbit was found" in end for end in branch.ends)

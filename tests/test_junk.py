@@ -190,7 +190,7 @@ CALLS: list[tuple[Callable[..., Any], dict[str, Any]]] = [
     (
         fr.follow,
         {"orbit": DRIVEN_ORBIT, "over": {"rate": (0.9, 1.1)}, "steps": 2, "longest": 0.04, "tolerance": 1e-8}
-        | {"progress": None},
+        | {"until": None, "progress": None},
     ),
     (fr.periodic_orbit, {"system": DRIVEN, "start": [1.0], "period": 2.0, "tolerance": 1e-6}),
     (fr.solve, {"equation": fr.Mathieu(0.5, -0.3), "initial": (1.0, 0.0), "span": 2.0}),
@@ -633,6 +633,7 @@ def test_the_table_has_every_public_function_and_every_argument() -> None:
         "SecondMoments",
         "SpecialPoint",
         "SteadyMotion",
+        "RodBranches",
         "Proof",
         "Reach",
         "ReachProbability",

@@ -29,7 +29,7 @@ _REST = 1e-4  # motion as a part of the largest on the branch, below which an or
 
 
 class Task(NamedTuple):
-    """What is followed: a parameter by name, its range, the tolerance of the states, the longest step, and until when."""
+    """What is followed: a parameter by name, its range, the tolerance of the states, the longest step, until when."""
 
     parameter: str
     low: float
@@ -101,11 +101,17 @@ class Continuation:
         bound = self._bound_passed(place.point.value)
         if bound is not None:
             place, self.at_end = self._at(bound, place), True
-        found = sampled(self._resolved(place), self.measure)
+        place = self._resolved(place)
+        try:
+            found = sampled(place, self.measure)
+        except NoOrbitError as error:
+            raise Ended(f"the orbit at {self.task.parameter} = {place.point.value:.9g} was lost: {error}") from None
         self._require_motion(found)
         self.measure = self.measure.grown(found.place.point)
-        self.sample = found
-        return found
+        place = found.place
+        unit = self.measure.unit(place.collocation, place.point, place.direction)  # which has other units now
+        self.sample = found._replace(place=place._replace(direction=unit))
+        return self.sample
 
     def _stepped(self) -> Place:
         """Return the place a step on, the step as long as Newton's method and the branch's bends allow."""

@@ -6,17 +6,21 @@ from itertools import pairwise
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from floquetrod.plotting import palette
 from floquetrod.plotting.charts import new_axes
 from floquetrod.plotting.orbits import STYLES
+
+Floats = NDArray[np.float64]
 
 _LINES: dict[str, dict[str, Any]] = {
     "stable": {"color": "black", "linewidth": 1.8},
     "unstable": {"color": palette.UNSTABLE, "linewidth": 1.4},
     "undecided": {"color": "0.5", "linewidth": 1.4},
 }
-_OFF_WALL: dict[str, Any] = {"color": "0.6", "linewidth": 1.0, "linestyle": (0, (1, 2)), "zorder": 4}
+_FINE = 12  # parts between two orbits of a rod
+_OFF_WALL: dict[str, Any] = {"color": "black", "marker": "x", "linestyle": "none", "markersize": 7, "zorder": 6}
 _MARKERS = {"fold": "^", "branch point": "D", "period doubling": "s", "Neimark-Sacker": "o"}
 _NAMES = {1: "stable", 0: "unstable", -1: "undecided"}
 
@@ -45,22 +49,32 @@ def draw_over_parameter(
     of_points: list[float],
     scale: float = 1.0,
     rests: tuple[float | None, float | None] = (None, None),
+    fine: int = 1,
 ) -> None:
     """Draw heights of orbits and of special points over the parameter times ``scale``.
 
     ``rests`` are values of the parameter at which the branch comes to height 0 beyond its first orbit and its last.
+    With ``fine`` parts between two orbits, squares of heights go along straight lines, as those of motion do near rest.
     """
     lines = _parts(branch, heights, of_points, rests)
     for status, style in _LINES.items():
         for x, y in lines[status]:
-            x = [scale * value for value in x]
-            ax.plot(x, y, linestyle=STYLES[status], label=_new(ax, status), solid_capstyle="butt", **style)
+            finer = _finer(scale * np.array(x), np.array(y), fine)
+            ax.plot(*finer, linestyle=STYLES[status], label=_new(ax, status), solid_capstyle="butt", **style)
     for kind, marker in _MARKERS.items():
         at = [i for i, point in enumerate(branch.special_points) if point.kind == kind]
         if at:
             x, y = [scale * branch.special_points[i].value for i in at], [of_points[i] for i in at]
             style = {**palette.POINT, "marker": marker, "linestyle": "none", "markersize": 6, "zorder": 5}
             ax.plot(x, y, label=_new(ax, kind), **style)
+
+
+def _finer(x: Floats, y: Floats, parts: int) -> tuple[Floats, Floats]:
+    """Return points between points, so that squares of y go along straight lines."""
+    if parts == 1:
+        return x, y
+    places, whole = np.arange((len(x) - 1) * parts + 1) / parts, np.arange(len(x))
+    return np.interp(places, whole, x), np.sqrt(np.interp(places, whole, y * y))
 
 
 def _parts(
@@ -105,11 +119,11 @@ def draw_rod_branches(result: Any, ax: Any, unit: Any) -> Any:
     ax = new_axes() if ax is None else ax
     for each in result.parts:
         degrees = np.degrees(each.amplitude), np.degrees(each.special_amplitudes)
-        draw_over_parameter(ax, each.branch, degrees[0].tolist(), degrees[1].tolist(), 1.0 / unit.size, each.rests)
-        for first, last in each.off_wall:
-            x, y = each.branch.values[first:last] / unit.size, degrees[0][first:last]
-            ax.plot(x, y, color="white", alpha=0.75, linewidth=2.6, zorder=3)
-            ax.plot(x, y, label=_new(ax, "leaves its wall"), **_OFF_WALL)
+        draw_over_parameter(
+            ax, each.branch, degrees[0].tolist(), degrees[1].tolist(), 1.0 / unit.size, each.rests, _FINE
+        )
+        for i in each.leaves:
+            ax.plot(each.branch.values[i] / unit.size, degrees[0][i], label=_new(ax, "leaves its wall"), **_OFF_WALL)
     ax.set_xlabel(f"{result.parameter} ({unit.name})")
     ax.set_ylabel("largest angle (degrees)")
     ax.set_ylim(bottom=0.0)

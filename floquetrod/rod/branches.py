@@ -14,7 +14,7 @@ from floquetrod._util import validate
 from floquetrod._util.arrays import Floats
 from floquetrod._util.progress import Progress, shifted
 from floquetrod.orbits import Branch, PeriodicOrbit, follow, periodic_orbit
-from floquetrod.rod.answers.rod_branches import RodBranch, RodBranches
+from floquetrod.rod.answers.rod_branches import OFF_WALL, RodBranch, RodBranches
 from floquetrod.rod.large_orbits import (
     MOST_HALF_WAVES,
     Found,
@@ -28,8 +28,9 @@ from floquetrod.rod.large_orbits import (
 from floquetrod.rod.loads.load import QUANTITIES, AnyLoad, Load, Quantity, load_number, require_load
 from floquetrod.rod.mode_equations.large_motion import LargeMotion, Shapes
 from floquetrod.rod.mode_equations.one_mode import LARGEST
-from floquetrod.rod.motion import TOLERANCE, Motions, chosen, largest, orbit_near
+from floquetrod.rod.model.lift_off import LEAST_CONTACT
 from floquetrod.rod.modes.mode_model import ModeModel
+from floquetrod.rod.motion import NEAR, TOLERANCE, Motions, chosen, largest, orbit_near
 
 _LOADS = 5  # of the range, at which orbits are looked for (a choice)
 _SAME = 0.02  # of an angle, by which an orbit may differ from one on a branch, between its points
@@ -50,7 +51,7 @@ def branches(
     model: ModeModel,
     given: AnyLoad,
     over: Any,
-    mode: int | None,
+    which: tuple[int | None, bool],
     indentation: float,
     steps: int,
     longest: float,
@@ -58,6 +59,7 @@ def branches(
 ) -> RodBranches:
     """Return the branches of a rod's motion; see `floquetrod.Rod.follow`."""
     load, rod = require_load("load", given), model.rod
+    mode, all_modes = which[0], validate.flag("all_modes", which[1])
     quantity, low, high = _range(over)
     load = load.varied(quantity, min(max(float(getattr(load, quantity)), low), high))
     indentation = validate.within("indentation", indentation, 1e-8, 0.1, "a part of the radial clearance, such as 1e-4")
@@ -67,12 +69,14 @@ def branches(
     if mode is not None:
         mode = validate.integer("mode", mode, 1, MOST_HALF_WAVES, "half waves of the motion to follow")
     require_possible(rod, load)
-    if quantity != "frequency" and load.amplitude == 0.0 and quantity != "amplitude":
-        load = load.varied("frequency", rod.pendulum_frequency)
+    if quantity != "amplitude" and load.amplitude == 0.0:
+        raise validate.wrong_value("load", "must vibrate: under a constant force steady_motion tells the angle")
     shapes = Shapes.of(rod, load, beam_functions(rod, mode))
     loads = [load, *(load.varied(quantity, value) for value in _values(low, high))]
     mode = _moving(model, loads, shapes, indentation) if mode is None else mode
-    motion = LargeMotion(rod, load, shapes.some(chosen(shapes, mode, 0, 0)), indentation)
+    motion = LargeMotion(
+        rod, load, shapes.some(chosen(shapes, mode, *(NEAR[-1] if all_modes else NEAR[0]))), indentation
+    )
     task = _Task(Motions(motion), quantity, (low, high), steps, longest)
     parts = _searched(task, mode, loads, shapes, progress)
     if not parts:
@@ -90,7 +94,7 @@ def resumed(result: RodBranches, over: Any, steps: int, longest: float, progress
     quantity, low, high = (result.parameter, *result.over) if over is None else _range(over)
     parts = []
     for i, part in enumerate(result.parts):
-        motions = part.branch.system.function.motions
+        motions = cast(Any, part.branch.system.function).motions
         task = _Task(motions, quantity, (low, high), steps, longest)
         parts.append(_followed(task, part.branch, shifted(progress, 2 * i * steps, 2 * i * steps)))
     return replace(result, over=(low, high), parts=tuple(parts))
@@ -111,7 +115,7 @@ def _range(over: Any) -> tuple[Quantity, float, float]:
 
 def _values(low: float, high: float) -> list[float]:
     """Return values at which to look for orbits, not those at the ends of the range."""
-    return (low + (high - low) * (np.arange(_LOADS) + 0.5) / _LOADS).tolist()
+    return [low + (high - low) * (k + 0.5) / _LOADS for k in range(_LOADS)]
 
 
 def _moving(model: ModeModel, loads: list[Load], shapes: Shapes, indentation: float) -> int:
@@ -128,10 +132,8 @@ def _moving(model: ModeModel, loads: list[Load], shapes: Shapes, indentation: fl
     )
 
 
-def _searched(
-    task: _Task, mode: int, loads: list[Load], shapes: Shapes, progress: Progress | None
-) -> list[RodBranch]:
-    """Return the branches on which orbits lie that are found at some loads; those found so far on Ctrl-C."""
+def _searched(task: _Task, mode: int, loads: list[Load], shapes: Shapes, progress: Progress | None) -> list[RodBranch]:
+    """Return the branches on which orbits lie that are found at some loads, up to the first that is not whole."""
     parts: list[RodBranch] = []
     try:
         for orbit in _starts(task, mode, loads, shapes):
@@ -139,7 +141,7 @@ def _searched(
             if not _is_on_one(parts, value, orbit, task):
                 told = shifted(progress, 2 * len(parts) * task.steps, 2 * len(parts) * task.steps)
                 parts.append(_followed(task, orbit, told))
-                if any(end.startswith("interrupted") for end in parts[-1].branch.ends):
+                if any("goes on" in end for end in parts[-1].branch.ends):
                     break
     except KeyboardInterrupt:
         if not parts:
@@ -161,7 +163,7 @@ def _starts(task: _Task, mode: int, loads: list[Load], shapes: Shapes) -> Iterat
                 found = periodic_orbit(system, (times, states), period, tolerance=TOLERANCE)
             except ValueError:
                 continue  # of one mode alone, not of two
-            if _angle(motion, found) > 0.1 * orbit.amplitude:  # not at rest
+            if _angle(motion, found) > 0.1 * orbit.amplitude and not _beyond(motion, found):  # not at rest
                 yield found
 
 
@@ -203,7 +205,7 @@ def _followed(task: _Task, start: PeriodicOrbit | Branch, progress: Progress | N
         until=partial(_leaves, motion),
         progress=progress,
     )
-    seen = np.array([_seen(task, branch.parameter, orbit) for orbit in branch.orbits])
+    seen = np.array([_seen(motion, orbit) for orbit in branch.orbits])
     special = np.array([_angle(motion, point.orbit) for point in branch.special_points])
     ends = [seen[:2, 0], seen[-2:, 0][::-1]]
     values = [branch.values[:2], branch.values[-2:][::-1]]
@@ -226,16 +228,27 @@ def _leaves(motion: LargeMotion, before: PeriodicOrbit, orbit: PeriodicOrbit) ->
     ((name, value),) = before.system.parameters.items()
     shares = np.arange(16) / 16.0
     if float((before(before.period * shares) * orbit(orbit.period * shares) / orbit.point.scale**2).sum()) <= 0.0:
-        return f"motion shrinks to rest near {name} = {value:.6g}"
-    if _angle(motion, orbit) > LARGEST:
-        return f"angles beyond {name} = {value:.6g} are larger than {math.degrees(LARGEST):.0f} degrees"
+        return f"motion shrinks to rest beyond {name} = {value:.6g}"
+    reason = _beyond(motion, orbit)
+    return f"{reason} beyond {name} = {value:.6g}" if reason else ""
+
+
+def _beyond(motion: LargeMotion, orbit: PeriodicOrbit) -> str:
+    """Return why the equations on the wall do not hold for an orbit, "" where they do."""
+    angle, least, _ = _seen(motion, orbit)
+    if angle > LARGEST:
+        return f"angles are larger than {math.degrees(LARGEST):.0f} degrees"
+    rod = motion.rod
+    share = LEAST_CONTACT if "hinged" in (rod.end_conditions.upper, rod.end_conditions.lower) else 0.0
+    if least < share * rod.mass_per_length * rod.effective_gravity:
+        return OFF_WALL if share == 0.0 else f"{OFF_WALL}: it presses on it with less than {share:g} of its weight"
     return ""
 
 
-def _seen(task: _Task, name: str, orbit: PeriodicOrbit) -> tuple[float, float, float]:
+def _seen(motion: LargeMotion, orbit: PeriodicOrbit) -> tuple[float, float, float]:
     """Return the largest angle in rad, the least contact force in N/m, and the largest slope of an orbit."""
-    motion = task.motions.first
-    motion = motion.under(motion.load.varied(task.quantity, orbit.system.parameters[name]))
+    ((name, value),) = orbit.system.parameters.items()
+    motion = motion.under(motion.load.varied(cast(Quantity, name), value))
     times = orbit.period * np.arange(_INSTANTS) / _INSTANTS
     states = orbit(times)
     steep = np.abs(states[:, : motion.size] @ motion.shapes.slopes).max() * motion.rod.radial_clearance

@@ -24,7 +24,7 @@ from floquetrod.rod.mode_equations.one_mode import LARGEST
 from floquetrod.rod.model.data import RodData
 from floquetrod.rod.modes.mode_model import ModeModel
 
-_NEAR = ((0, 0), (6, 2), (12, 6))
+NEAR = ((0, 0), (6, 2), (12, 6))
 """Modes on either side of the one that moves, and of the one three times as short, taken in turn: the last answers."""
 
 TOLERANCE = 1e-5  # of the orbit
@@ -67,7 +67,7 @@ class Motions:
     def system(self, quantity: Quantity | None = None) -> NonlinearSystem:
         """Return the equations, with a quantity of the load as their parameter, or with none."""
         load = self.first.load
-        parameters = {} if quantity is None else {quantity: float(getattr(load, quantity))}
+        parameters: dict[str, float] = {} if quantity is None else {quantity: float(getattr(load, quantity))}
         period = "2*pi/frequency" if quantity == "frequency" else 2.0 * math.pi / load.frequency
         return NonlinearSystem(_Function(self), _Function(self, True), period, parameters)
 
@@ -110,7 +110,7 @@ def _motion(
     rod: RodData, load: Load, rest: RodStability, shapes: Shapes, found: Found, indentation: float
 ) -> SteadyMotion:
     """Return the motion near an orbit of one mode, with all modes that matter."""
-    sets = [chosen(shapes, found.mode, *near) for near in _NEAR]
+    sets = [chosen(shapes, found.mode, *near) for near in NEAR]
     every: list[PeriodicOrbit] = []
     for i, taken in enumerate(sets):
         fewer = (every[-1], sets[i - 1], taken) if every else None

@@ -15,6 +15,8 @@ import floquetrod as fr
 
 ROD = fr.Rod.nitinol()
 LOAD = fr.AxialLoad(0.34, 0.34, 150.0)
+_FOLLOWED = {"load": fr.AxialLoad(0.17, 0.51, 110.0), "over": {"frequency": (109.0, 111.0)}, "mode": 2, "steps": 1}
+_FOLLOWED |= {"all_modes": False, "indentation": 1e-4, "longest": 0.3, "progress": None}
 CLAMPED = fr.Rod(207e9, 7850.0, 0.01, 9.0, 0.05, ends="clamped-hinged", inclination=1.0)
 PUSH = {"mean": 500.0, "amplitude": 700.0, "frequency": 29.0}
 TRAVELLING = fr.AxialWave(**PUSH, axial_damping=3.0)
@@ -153,6 +155,9 @@ LEFT_OUT = {
     "Reach": "constructed by Rod.reach",
     "SafeKick": "constructed by Rod.safe_kick",
     "SteadyMotion": "constructed by Rod.steady_motion",
+    "RodBranches": "constructed by Rod.follow",
+    "RodBranches.plot": "its axes are objects of matplotlib",
+    **dict.fromkeys(("RodBranches.report", "RodBranches.as_dict", "RodBranches.to_xarray"), "takes no argument"),
     "VibrationTool.as_dict": "takes no argument",
     "WellPath.as_dict": "takes no argument",
     "WellPath.report": "takes no argument",
@@ -396,7 +401,8 @@ def _of_orbits(place: Path) -> dict[str, Call]:
     orbit = fr.periodic_orbit(forked, [0.0])
     branch = fr.follow(orbit, {"p": (-0.3, 0.3)}, longest=0.3)
     branch.save(place / "branch.npz")
-    over = {"over": {"p": (-0.3, 0.3)}, "steps": 1, "longest": 0.3, "tolerance": 1e-8, "progress": None}
+    over = {"over": {"p": (-0.3, 0.3)}, "steps": 1, "longest": 0.3, "tolerance": 1e-8}
+    over |= {"until": None, "progress": None}
     return {
         "NonlinearSystem": Call(fr.NonlinearSystem, given),
         "NonlinearSystem.with_parameters": Call(system.with_parameters, {"mu": 0.7}),
@@ -489,6 +495,7 @@ def _of_rods(place: Path) -> dict[str, Call]:
             {"load": LOAD, "modes": None, "friction": None, "kick": None, "progress": None, **tolerance},
         ),
         "Rod.safe_kick": Call(ROD.replace(damping_rate=1.0, length=1.0).safe_kick, {"load": LOAD, "indentation": 1e-4}),
+        "Rod.follow": Call(ROD.replace(damping_rate=3.0, length=1.2).follow, _FOLLOWED),
         "Rod.steady_motion": Call(ROD.steady_motion, {"load": LOAD, "mode": 2, "indentation": 1e-4}),
         "Rod.critical_kick": Call(ROD.critical_kick, {"load": LOAD, **mu, **tolerance}),
         "Rod.critical_kicks": Call(ROD.critical_kicks, {**load, **mu, **tolerance, "like": LOAD, "workers": 1}),

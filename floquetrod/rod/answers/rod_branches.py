@@ -21,6 +21,9 @@ from floquetrod.rod.model.data import RodData
 
 Floats = NDArray[np.float64]
 
+OFF_WALL = "the rod leaves its wall"
+"""What the ends of branches begin with beyond which the equations do not hold."""
+
 LARGE_SLOPE = 0.1
 """Slope of a rod along its channel from which its square, a percent, is said to count (a choice)."""
 
@@ -36,7 +39,7 @@ class RodBranch(ByContent):
     amplitude : ndarray (k,)
         Largest angle in rad of each orbit.
     contact : ndarray (k,)
-        Least contact force in N/m; the rod leaves its wall where that is negative, and the orbit is none of it.
+        Least contact force in N/m of each, of a rod on its wall up to its ends.
     slope : ndarray (k,)
         Largest slope along the channel, R theta_s, which the equations take for small.
     special_amplitudes : ndarray (p,)
@@ -58,10 +61,16 @@ class RodBranch(ByContent):
         return int(self.branch.orbits[0].collocation.turns or 1)
 
     @property
-    def off_wall(self) -> list[tuple[int, int]]:
-        """Ranges of orbits (first, one after the last) where the rod leaves its wall."""
-        edges = np.flatnonzero(np.diff(np.concatenate([[False], self.contact < 0.0, [False]]).astype(int)))
-        return [(int(first), int(last)) for first, last in edges.reshape(-1, 2)]
+    def ends(self) -> tuple[str, str]:
+        """Why the branch ends where it does, before its first orbit and after its last."""
+        name, (begins, ends) = self.branch.parameter, self.branch.ends
+        told = [None if at is None else f"motion shrinks to rest at {name} = {at:.6g}" for at in self.rests]
+        return told[0] or begins, told[1] or ends
+
+    @property
+    def leaves(self) -> list[int]:
+        """Orbits beyond which the rod leaves its wall: 0, the first, or -1, the last."""
+        return [i for i, end in zip((0, -1), self.branch.ends, strict=True) if end.startswith(OFF_WALL)]
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -79,7 +88,7 @@ class RodBranches(ByContent, Reported, NoTruthValue):
     mode : int
         Mode that moves, by its number of half waves.
     modes : tuple of int
-        Modes of the equations: it, and the one three times as short.
+        Modes of the equations: it, and the one three times as short, or all that matter.
     parts : tuple of RodBranch
         The branches that were found: a search from some loads of the range, not a proof that there are no others.
     """
@@ -116,7 +125,7 @@ class RodBranches(ByContent, Reported, NoTruthValue):
 
     @property
     def contact(self) -> Floats:
-        """Least contact forces in N/m (k,), likewise; negative where the rod leaves its wall."""
+        """Least contact forces in N/m (k,), likewise."""
         return np.concatenate([part.contact for part in self.parts])
 
     @property
@@ -140,19 +149,21 @@ class RodBranches(ByContent, Reported, NoTruthValue):
         Between two orbits of a branch, by a straight line.
         """
         names = {code: name for name, code in STATUS_CODES.items()}
-        found = []
+        found: list[tuple[float, str]] = []
+        near = 1e-9 * (self.over[1] - self.over[0])
         for part in self.parts:
             orbits = zip(part.branch.values.tolist(), part.amplitude.tolist(), part.branch.status.tolist(), strict=True)
             for (x0, y0, s0), (x1, y1, s1) in pairwise(orbits):
-                if min(x0, x1) <= value < max(x0, x1):
+                if min(x0, x1) - near <= value <= max(x0, x1) + near:
                     y = y0 + (value - x0) / (x1 - x0) * (y1 - y0)
-                    found.append((y, names[s0] if s0 == s1 else "undecided"))
+                    if not found or abs(found[-1][0] - y) > 1e-6 * y:  # not the end of the piece before
+                        found.append((y, names[s0] if s0 == s1 else "undecided"))
         return sorted(found)
 
     def plot(self, ax: Any = None, *, unit: str = "") -> Any:
         """Draw the largest angle over the parameter: solid where stable, dashed where unstable, dotted undecided.
 
-        Pale and dotted where the rod leaves its wall, so that the motion is another one.
+        A cross is where the rod leaves its wall: beyond, it has to be simulated.
 
         Parameters
         ----------
@@ -175,11 +186,11 @@ class RodBranches(ByContent, Reported, NoTruthValue):
         """Return the branches in a table, with their ends, and where the equations cease to hold."""
         lines = []
         for i, part in enumerate(self.parts):
-            lines += [(f"{i}", f"begins: {part.branch.ends[0]}"), ("", f"ends: {part.branch.ends[1]}")]
+            lines += [(f"{i}", f"begins: {part.ends[0]}"), ("", f"ends: {part.ends[1]}")]
             lines += [("", f"{point}") for point in part.branch.special_points]
-        if (self.contact < 0.0).any():
-            least = math.degrees(self.amplitude[self.contact < 0.0].min())
-            lines.append(("contact", f"lost from {least:.3g} degrees on: there motion is another one, simulate it"))
+        lost = [math.degrees(part.amplitude[i]) for part in self.parts for i in part.leaves]
+        if lost:
+            lines.append(("contact", f"is lost from {min(lost):.3g} degrees on: simulate the rod there"))
         if self.slope.max() > LARGE_SLOPE:
             lines.append(("slopes", f"up to {self.slope.max():.2g}: the equations are those of small ones"))
         lines.append(
@@ -204,7 +215,7 @@ class RodBranches(ByContent, Reported, NoTruthValue):
                     "slope": part.slope.tolist(),
                     "turns": part.turns,
                     "special_points": [point.as_dict() for point in part.branch.special_points],
-                    "ends": list(part.branch.ends),
+                    "ends": list(part.ends),
                 }
                 for part in self.parts
             ],
@@ -215,8 +226,8 @@ class RodBranches(ByContent, Reported, NoTruthValue):
         xarray = extras.xarray()
         names = {"amplitude": "rad", "status": "", "contact": "N/m", "slope": "", "number": ""}
         data = {name: ("orbit", getattr(self, name), {"units": unit}) for name, unit in names.items()}
-        attributes = {"parameter": self.parameter, "mode": self.mode, "ends": [part.branch.ends for part in self.parts]}
-        attributes["ends"] = [end for part in self.parts for end in part.branch.ends]
+        ends = [end for part in self.parts for end in part.ends]
+        attributes = {"parameter": self.parameter, "mode": self.mode, "ends": ends}
         return xarray.Dataset(data, {self.parameter: ("orbit", self.values, {"units": self.unit})}, attributes)
 
     def __str__(self) -> str:
