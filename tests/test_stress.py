@@ -75,7 +75,7 @@ def test_no_strength(bad: object) -> None:
 def test_the_terminal_says_it_where_the_grade_is_known(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
     path = tmp_path / "rod.toml"
     path.write_text('catalogue = "2.00x0.156 CT90"\nbore = "4.778in"\nlength = 60.0\ncurvature = "0.1 1/m"\n')
-    load = ["--mean", "5kN", "--amplitude", "1kN", "--frequency", "1Hz"]
+    load = ["--mean", "5kN", "--amplitude", "1kN", "--frequency", "1Hz", "--no-margins"]
     main(["check", "--rod", str(path), *load])
     assert "stress    at most 536 MPa, 86 % of the yield strength 621 MPa: axial 10.3 MPa" in capsys.readouterr().out
     main(["check", "--rod", str(path), *load, "--json"])

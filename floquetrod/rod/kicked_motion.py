@@ -33,14 +33,14 @@ class _Scan(NamedTuple):
 
 
 def safe_kick(model: ModeModel, given: AnyLoad, indentation: float) -> SafeKick:
-    """Return which kicks a stable rod comes to rest from; see `floquetrod.Rod.safe_kick`."""
+    """Return which kicks a stable rod was found to come to rest from; see `floquetrod.Rod.safe_kick`."""
     indentation = validate.within("indentation", indentation, 1e-8, 0.1, "a part of the radial clearance, such as 1e-4")
     load, rod = require_load("load", given), model.rod
     require_possible(rod, load)
     _require_returning(model, load)
     shapes = Shapes.of(rod, load, beam_functions(rod, None))
     best: tuple[_Scan, int, OneMode, Orbit] | None = None
-    safe, tried = math.inf, 0
+    safe, safe_mode, tried = math.inf, 0, 0
     for mode in sorted(set(shapes.numbers.tolist())):
         equation = alone(rod, load, shapes, mode, indentation)
         large = [orbit for orbit in orbits_alone(equation) if orbit.is_stable]
@@ -48,15 +48,17 @@ def safe_kick(model: ModeModel, given: AnyLoad, indentation: float) -> SafeKick:
             continue
         scan = _scanned(equation, large[0])
         tried += _ROUNDS * _SPEEDS * _PHASES
-        safe = min(safe, scan.safe * equation.peak * rod.radial_clearance)
+        own = scan.safe * equation.peak * rod.radial_clearance
+        safe, safe_mode = min((safe, safe_mode), (own, mode))
         if best is None or scan.escapes * equation.peak < best[0].escapes * best[2].peak:
             best = scan, mode, equation, large[0]
     if best is None or math.isinf(best[0].escapes):
-        return SafeKick(rod, load, safe, math.inf, 0, 0.0, math.inf, 0.0, tried)
+        return SafeKick(rod, load, safe, safe_mode, math.inf, 0, 0.0, math.inf, 0.0, tried)
     scan, mode, equation, orbit = best
     speed = scan.escapes * equation.peak
     swing = speed / math.sqrt(max(float(equation.stiffness(0.0)), load.frequency**2 * 1e-6))
-    return SafeKick(rod, load, safe, speed * rod.radial_clearance, mode, scan.phase, swing, orbit.amplitude, tried)
+    kick = speed * rod.radial_clearance
+    return SafeKick(rod, load, safe, safe_mode, kick, mode, scan.phase, swing, orbit.amplitude, tried)
 
 
 def _require_returning(model: ModeModel, load: Load) -> None:

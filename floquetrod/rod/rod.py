@@ -775,10 +775,11 @@ class Rod(RodData):
         return branches.branches(model, load, over, (mode, all_modes), indentation, steps, longest, progress)
 
     def safe_kick(self, load: AnyLoad, *, indentation: float = 1e-4) -> SafeKick:
-        """Return which kicks a rod that is stable at rest comes to rest from, and which lead to a large motion.
+        """Return which kicks a stable rod was found to come to rest from, and which to lead to a large motion.
 
-        A scan, for each mode alone that has a large stable orbit, over kicks and phases of the load: two-sided, up to
-        ``safe_up_to`` all that were tried came to rest, at ``escapes_at`` one did not.
+        A search for large stable orbits of each mode alone, up to 40 degrees, and for each mode that has one a scan
+        over kicks of that mode and phases of the load: up to ``safe_up_to`` all that were tried came to rest, at
+        ``escapes_at`` one did not.  The first is no proof: it says nothing of kicks between those, nor of several modes.
 
         Parameters
         ----------
@@ -801,7 +802,7 @@ class Rod(RodData):
         >>> import floquetrod as fr
         >>> rod = Rod.nitinol().replace(damping_rate=3.0, length=1.2)
         >>> rod.safe_kick(fr.AxialLoad(mean=0.1, amplitude=0.01, frequency=40.0))
-        <safe against any kick: no large motion was found>
+        <no large motion of one mode found up to 40 degrees>
         """
         from floquetrod.rod import kicked_motion
 

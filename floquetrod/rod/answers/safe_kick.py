@@ -1,4 +1,4 @@
-"""Which kicks a stable rod comes to rest from, and which lead to a large motion."""
+"""Which kicks a stable rod was found to come to rest from, and which to lead to a large motion."""
 
 from __future__ import annotations
 
@@ -8,26 +8,31 @@ from typing import Any
 
 from floquetrod._util.report import Report, Reported, number
 from floquetrod.rod.loads.load import Load
+from floquetrod.rod.mode_equations.one_mode import LARGEST
 from floquetrod.rod.model.data import RodData
 
 
 @dataclass(frozen=True, repr=False)
 class SafeKick(Reported):
-    """How hard a knock a rod takes that is stable at rest, by a scan of kicks to one mode after the other.
+    """How hard a knock a rod was found to take that is stable at rest: a search and a scan of one mode at a time.
 
     A kick is a transverse velocity that a mode is given at rest, at any phase of the load: that of the place of the rod
-    where it is largest.
+    where it is largest.  Kicked are the modes that carry, each alone, a large stable orbit that a search finds.  Nothing
+    is proved: between kicks, of several modes at once, and of modes in which none was found, nothing is known.
 
     Attributes
     ----------
     rod : Rod
     load : AxialLoad or AxialWave
     safe_up_to : float
-        Kick in m/s up to which every one that was tried came to rest; infinite where no large motion was found.
+        Kick in m/s up to which every one that was tried came to rest; infinite where no large motion was found, and no
+        kick tried.
+    safe_mode : int
+        The mode of which it is the limit, which may be another than ``mode``; 0 for none.
     escapes_at : float
         Least kick in m/s found that leads to a large motion; infinite where none was found.
     mode : int
-        The mode that it kicks; 0 for none.
+        The mode that this kick is of; 0 for none.
     phase : float
         Phase of the load in rad, omega t, at which it does.
     angle : float
@@ -41,6 +46,7 @@ class SafeKick(Reported):
     rod: RodData
     load: Load
     safe_up_to: float
+    safe_mode: int
     escapes_at: float
     mode: int
     phase: float
@@ -50,28 +56,32 @@ class SafeKick(Reported):
 
     @property
     def _in_words(self) -> str:
+        if self.safe_mode == 0:
+            return f"no large motion of one mode found up to {math.degrees(LARGEST):.0f} degrees"
+        rests = f"kicks of mode {self.safe_mode} up to {1e3 * self.safe_up_to:.4g} mm/s came to rest"
         if self.mode == 0:
-            return "safe against any kick: no large motion was found"
+            return f"{rests}; none was found that does not"
+        which = "" if self.mode == self.safe_mode else f" of mode {self.mode}"
         return (
-            f"safe up to {1e3 * self.safe_up_to:.4g} mm/s; {1e3 * self.escapes_at:.4g} mm/s in mode {self.mode} "
-            f"leads to a motion of {math.degrees(self.large):.3g} degrees"
+            f"{rests}; {1e3 * self.escapes_at:.4g} mm/s{which} leads to a motion of {math.degrees(self.large):.3g} "
+            "degrees"
         )
 
     def report(self) -> Report:
         """Return the kicks in lines."""
-        if self.mode == 0:
-            return Report(self._in_words)
-        lines = [
-            ("kick", f"of mode {self.mode} at {math.degrees(self.phase):.3g} degrees of the load"),
-            ("swings", f"by about {math.degrees(self.angle):.3g} degrees"),
-            ("tried", f"{self.tried:,} kicks, each of one mode alone: between the two nothing is known"),
-        ]
+        lines = [("searched", f"orbits of one mode alone up to {math.degrees(LARGEST):.0f} degrees; nothing is proved")]
+        if self.tried:
+            lines.append(("tried", f"{self.tried:,} kicks, each of one mode alone that carries such an orbit"))
+        if self.mode:
+            lines.append(("kick", f"of mode {self.mode} at {math.degrees(self.phase):.3g} degrees of the load"))
+            lines.append(("swings", f"by about {math.degrees(self.angle):.3g} degrees"))
         return Report(self._in_words, lines)
 
     def as_dict(self) -> dict[str, Any]:
         """Return the kicks as numbers for JSON, units in the keys; None for infinite ones."""
         return {
             "safe_up_to_m_per_s": number(self.safe_up_to),
+            "safe_mode": self.safe_mode,
             "escapes_at_m_per_s": number(self.escapes_at),
             "mode": self.mode,
             "phase_rad": self.phase,
