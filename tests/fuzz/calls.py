@@ -251,7 +251,8 @@ def table() -> dict[str, Call]:
     mapped = fr.stability_map(ROD, mean=(0.1, 0.5, 3), amplitude=0.3, frequency=(100.0, 150.0, 4))
     run = simulation()
     run.save(place / "run.npz")
-    sheet = "\n".join(f"{name} = {getattr(ROD, name)!r}" for name in ROD.__dataclass_fields__)
+    given = {name: getattr(ROD, name) for name in ROD.__dataclass_fields__}
+    sheet = "\n".join(f"{name} = {value!r}" for name, value in given.items() if value is not None)
     (place / "rod.toml").write_text(sheet, encoding="utf-8")
     (place / "study.toml").write_text(STUDY, encoding="utf-8")
     good = system_files()[0].read_text(encoding="utf-8")
