@@ -275,7 +275,7 @@ class DelaySystem(ByContent):
 
     @property
     def structure(self) -> Structure:
-        """That of no special kind, "general": delayed terms leave multipliers unpaired."""
+        """The word "general", since delayed terms leave multipliers unpaired."""
         return "general"
 
     @property

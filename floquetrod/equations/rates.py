@@ -49,7 +49,7 @@ class Rates:
 
     @property
     def derivatives_error(self) -> float:
-        """Relative error of the derivatives: rounding, or that of differences where they are found by those."""
+        """Relative error of the derivatives, rounding, or that of differences where they are found by those."""
         return 16.0 * _EPS if self.jacobian is not None or self.complex_steps else _DIFFERENCES_ERROR
 
     def __reduce__(self) -> tuple[Any, ...]:

@@ -55,7 +55,7 @@ def solve(maps: Floats, columns: Floats, right: Floats, rows: Floats, corner: Fl
     Parameters
     ----------
     maps : ndarray (N, n, n)
-        G.
+        The matrices G_i.
     columns : ndarray (N, n, S)
         How the scalars drive the equations.
     right : ndarray (N, n, q)

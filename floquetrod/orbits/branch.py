@@ -71,7 +71,7 @@ class Branch(ByContent, Reported, NoTruthValue):
 
     @cached_property
     def status(self) -> NDArray[np.int8]:
-        """Verdicts (k,): 1 stable, 0 unstable, -1 undecided."""
+        """Verdicts (k,), 1 stable, 0 unstable, -1 undecided."""
         return np.array([STATUS_CODES[orbit.status] for orbit in self.orbits], dtype=np.int8)
 
     @cached_property

@@ -104,7 +104,7 @@ class Point(NamedTuple):
 
     @property
     def scale(self) -> Floats:
-        """What errors of each component are compared with: its largest magnitude, not less than 1e-6 of them all."""
+        """What errors of each component are compared with, its largest magnitude, not less than 1e-6 of them all."""
         sizes = np.maximum(np.abs(self.nodes).max(axis=0), np.abs(self.stages).max(axis=(0, 1)))
         return np.asarray(np.maximum(sizes, max(1e-6 * float(sizes.max()), 1e-150)))
 
@@ -175,7 +175,7 @@ class Collocation(ByContent):
 
     @property
     def scalars(self) -> tuple[str, ...]:
-        """Names of the free scalars, in their order: "period", "parameter"."""
+        """Names of the free scalars, in their order, such as "period", "parameter"."""
         return (*(() if self.turns else ("period",)), *(() if self.parameter is None else ("parameter",)))
 
     @property

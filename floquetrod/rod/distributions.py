@@ -59,7 +59,7 @@ class Sampling:
 
     @cached_property
     def rows(self) -> dict[str, slice]:
-        """Which levels of probability each quantity takes: one, or one of each station."""
+        """Which levels of probability each quantity takes, one, or one of each station."""
         return rows(self.parameters, self.rod.path)
 
     def verdicts(self, levels: Floats) -> NDArray[np.int8]:

@@ -69,7 +69,7 @@ class RodBranch(ByContent):
 
     @property
     def leaves(self) -> list[int]:
-        """Orbits beyond which the rod leaves its wall: 0, the first, or -1, the last."""
+        """Orbits beyond which the rod leaves its wall, 0, the first, or -1, the last."""
         return [i for i, end in zip((0, -1), self.branch.ends, strict=True) if end.startswith(OFF_WALL)]
 
 
@@ -120,7 +120,7 @@ class RodBranches(ByContent, Reported, NoTruthValue):
 
     @property
     def status(self) -> NDArray[np.int8]:
-        """Verdicts (k,), likewise: 1 stable, 0 unstable, -1 undecided, of deviations in ``modes``."""
+        """Verdicts (k,), likewise, 1 stable, 0 unstable, -1 undecided, of deviations in ``modes``."""
         return np.concatenate([part.branch.status for part in self.parts])
 
     @property

@@ -17,8 +17,8 @@ class SafeKick(Reported):
     """How hard a knock a rod was found to take that is stable at rest: a search and a scan of one mode at a time.
 
     A kick is a transverse velocity that a mode is given at rest, at any phase of the load: that of the place of the rod
-    where it is largest.  Kicked are the modes that carry, each alone, a large stable orbit that a search finds.  Nothing
-    is proved: between kicks, of several modes at once, and of modes in which none was found, nothing is known.
+    where it is largest.  Kicked are the modes that carry, each alone, a large stable orbit that a search finds.
+    Nothing is proved: between kicks, of several modes at once, and of modes in which none was found, nothing is known.
 
     Attributes
     ----------

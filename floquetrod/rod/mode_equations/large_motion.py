@@ -239,14 +239,14 @@ class LargeMotion(ByContent):
 
     @cached_property
     def _is_mirrored(self) -> bool:
-        """Whether motion in the shapes looks the same from either end: all are even, or all odd."""
+        """Whether motion in the shapes looks the same from either end, as all are even, or all odd."""
         values = self.shapes.values
         odd = -1.0 if float((values[0] * values[0, ::-1] * self.shapes.weights).sum()) < 0.0 else 1.0
         return bool(np.abs(values - odd * values[:, ::-1]).max() < _MIRRORED * np.abs(values).max())
 
     @cached_property
     def _quadrature(self) -> tuple[Floats, Floats, Floats]:
-        """Weights (q,), functions and slopes (n, q) at nodes that suffice: half the rod where the other is alike."""
+        """Weights (q,), functions and slopes (n, q) at nodes that suffice, half the rod where the other is alike."""
         shapes, half = self.shapes, len(self.shapes.nodes) // 2
         if not self._is_mirrored:
             return shapes.weights, shapes.values, shapes.slopes
@@ -280,7 +280,7 @@ class LargeMotion(ByContent):
 
     @cached_property
     def _lifting(self) -> list[tuple[Floats, float, Floats, float]]:
-        """Of ends that lift off: first and third derivatives by s (2, n), mean force, parts (2 H,) of vibration.
+        """Of ends that lift off, first and third derivatives by s (2, n), mean force, parts (2 H,) of vibration.
 
         And how many there are that do so alike.
         """

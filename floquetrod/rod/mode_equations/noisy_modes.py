@@ -76,7 +76,7 @@ class Parts(NamedTuple):
 
     @property
     def rate(self) -> Floats:
-        """The unit of time of `moments`: its inverse in 1/s."""
+        """The unit of time of `moments`, by its inverse in 1/s."""
         if self.unit is not None:
             return np.full_like(self.squared, self.unit)
         return np.asarray(np.sqrt(np.maximum(np.abs(self.squared), 1e-12 * np.square(self.frequency))))

@@ -80,7 +80,7 @@ class OneMode:
 
     @cached_property
     def _shortening(self) -> float:
-        """J."""
+        """The factor J of the inertia that shortening has."""
         return float(np.sum(self.motion.shortening_inertia[0, 0] ** 2))
 
     @cached_property

@@ -50,7 +50,7 @@ class NoisyModel(ModeModel):
 
     @property
     def coupling(self) -> tuple[str, ...]:
-        """What keeps the modes from obeying Mathieu's equation each: the noise, and what couples them."""
+        """What keeps the modes from obeying Mathieu's equation each, the noise and what couples them."""
         return (*super().coupling, noise_in_words(self.like.noise))
 
     def require(self, name: str) -> NoReturn:

@@ -93,7 +93,7 @@ class NoisyEvidence(Evidence):
 
     @property
     def resonances(self) -> tuple[Resonance, ...]:
-        """Nothing: noise may make modes grow that resonate with nothing; `unstable_modes` are those that grow."""
+        """Nothing, as noise may make modes grow that resonate with nothing; `unstable_modes` are those that grow."""
         return ()
 
     def unstable_modes(self, verdict: RodStability) -> tuple[int, ...]:
