@@ -59,9 +59,7 @@ FORMULAS = {
     "m_cr = [w_e sin(inclination) L^4 / (pi^4 R E I)]^(1/4)": (
         r"m_{cr} = \left[\frac{w_e L^4 \sin(\text{inclination})}{\pi^4 R E I}\right]^{1/4}"
     ),
-    "pi [E I R / (w_e sin(inclination))]^(1/4)": (
-        r"\pi \left[\frac{E I R}{w_e \sin(\text{inclination})}\right]^{1/4}"
-    ),
+    "pi [E I R / (w_e sin(inclination))]^(1/4)": (r"\pi \left[\frac{E I R}{w_e \sin(\text{inclination})}\right]^{1/4}"),
     "sqrt(E / rho)": r"\sqrt{E / \rho}",
     "omega L / (2 pi c_0)": r"\omega L / (2 \pi c_0)",
     "F(t) = mean + amplitude sin(frequency t)": (
