@@ -13,6 +13,7 @@ GALLERY = (
     "friction",
     "simulation",
     "simulation_tubing",
+    "rod_backbone",
     "helical_buckling",
     "vibration_and_drag",
     "well_bends",

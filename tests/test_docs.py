@@ -102,6 +102,7 @@ LONG = {
     "theory/validation.md",
     "theory/orbits.md",
     "how_to/limit_cycle.md",
+    "how_to/how_large.md",
     "theory/simulator.md",
     "theory/simulated_wells.md",
     "theory/real_rods.md",

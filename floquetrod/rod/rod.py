@@ -779,7 +779,8 @@ class Rod(RodData):
 
         A search for large stable orbits of each mode alone, up to 40 degrees, and for each mode that has one a scan
         over kicks of that mode and phases of the load: up to ``safe_up_to`` all that were tried came to rest, at
-        ``escapes_at`` one did not.  The first is no proof: it says nothing of kicks between, nor of several modes.
+        ``escapes_at`` one did not.  The first is no proof: of kicks between those, and of several modes at once, it
+        says nothing.
 
         Parameters
         ----------

@@ -18,7 +18,7 @@ class SafeKick(Reported):
 
     A kick is a transverse velocity that a mode is given at rest, at any phase of the load: that of the place of the rod
     where it is largest.  Kicked are the modes that carry, each alone, a large stable orbit that a search finds.
-    Nothing is proved: between kicks, of several modes at once, and of modes in which none was found, nothing is known.
+    Nothing is proved: of kicks between those, of several modes at once, and of other modes nothing is known.
 
     Attributes
     ----------
