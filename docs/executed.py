@@ -35,6 +35,9 @@ LIBRARIES = {
     "ipykernel",
     "sphinx-gallery",
 }
+BESIDE = ("benchmarks/**/*.py", "tests/strategies.py", "tests/published.py", "tests/*_cases.py")
+"""What pages take from beside the package."""
+
 KEPT = "executed"
 """The folder beside the built site that holds one folder, named by the digest."""
 
@@ -58,7 +61,8 @@ def parts(package: Path, root: Path) -> Iterator[str]:
     """Yield everything the digest covers: versions, code, the data of examples, and how thumbnails are drawn."""
     yield sys.version
     yield from libraries()
-    for path in [*package.rglob("*.py"), *(root / "benchmarks").rglob("*.py"), HERE / "thumbnails.py"]:
+    beside = [path for pattern in BESIDE for path in root.glob(pattern)]
+    for path in [*package.rglob("*.py"), *beside, HERE / "thumbnails.py"]:
         yield f"{path.relative_to(root) if root in path.parents else path.name}: {code(path.read_text('utf-8'))}"
     for path in (*package.rglob("*"), *(root / "examples").glob("*")):
         if path.suffix in {".toml", ".csv", ".json", ".mplstyle"}:

@@ -397,8 +397,21 @@ def test_what_is_executed_depends_on_code_and_on_nothing_that_a_reader_of_it_onl
         (package / "one.py").write_text(text, encoding="utf-8")
         digests.append(module["digest"].__wrapped__(package, tmp_path))
     assert digests[0] == digests[1] != digests[2]
-    (package / "rods.toml").write_text("a = 1", encoding="utf-8")
-    assert module["digest"].__wrapped__(package, tmp_path) != digests[2]
+    for name in ("package/rods.toml", "tests/strategies.py", "benchmarks/peers/one.py"):
+        (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
+        (tmp_path / name).write_text("a = 1", encoding="utf-8")
+        digests.append(module["digest"].__wrapped__(package, tmp_path))
+    assert len(set(digests)) == 5
+
+
+def test_what_pages_take_from_the_tests_is_in_the_digest() -> None:
+    """A page that imports a module of the tests is executed again where that module changes."""
+    covered = {
+        path.stem for pattern in runpy.run_path(str(DOCS / "executed.py"))["BESIDE"] for path in ROOT.glob(pattern)
+    }
+    modules = {path.stem for path in (ROOT / "tests").glob("*.py")}
+    used = {name for page in WRITTEN for name in re.findall(r"^(?:from|import) (\w+)", page.read_text("utf-8"), re.M)}
+    assert {"published"} <= used & modules <= covered
 
 
 @pytest.mark.slow  # needs Sphinx
