@@ -227,6 +227,15 @@ def with_unit(value: float, unit_name: str, digits: int = 6) -> str:
     return f"{float(f'{value:.{digits}g}'):g} {unit_name}".strip()
 
 
+def lengths(name: str, values: Any) -> Any:
+    """Return lengths in m, one or several, each a number or with a unit, such as "9000ft"; others as they are."""
+    if is_written(values):
+        return quantity(values, name, "length")
+    if isinstance(values, list | tuple):
+        return [quantity(each, name, "length") if is_written(each) else each for each in values]
+    return values
+
+
 def quantity(
     value: Any,
     name: str,

@@ -189,7 +189,7 @@ def test_compare(capsys: pytest.CaptureFixture[str]) -> None:
     assert cli.main(["compare", "--alpha", "0.5", "--beta", "-0.25"]) == 0
     text = capsys.readouterr().out
     assert "all methods agree" in text
-    assert cli.main(["compare", "--alpha", "0.5", "--beta", "-0.25", "--wave", "square", "--json"]) == 0
+    assert cli.main(["compare", "--alpha", "0.5", "--beta", "-0.25", "--waveform", "square", "--json"]) == 0
     record = json.loads(capsys.readouterr().out)
     assert record["agree"]
     assert [row["method"] for row in record["methods"]] == ["monodromy", "square_wave", "leapfrog", "reference"]

@@ -7,11 +7,12 @@ import inspect
 import re
 import sys
 from collections.abc import Callable, Mapping
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar, cast
 
 from floquetrod._util.suggest import did_you_mean
 
 T = TypeVar("T")
+F = TypeVar("F", bound=Callable[..., Any])
 
 _UNKNOWN = re.compile(r"(.+ got an unexpected keyword argument '(\w+)')")
 
@@ -40,6 +41,24 @@ def constructor_hints(**instead: str) -> Callable[[type[T]], type[T]]:
 
         setattr(target, "__init__", called)  # noqa: B010  (an assignment, which mypy takes for unsound)
         return target
+
+    return decorate
+
+
+def call_hints(**instead: str) -> Callable[[F], F]:
+    """Return a decorator of functions whose TypeErrors about how they are called name the remedy, likewise."""
+
+    def decorate(function: F) -> F:
+        @functools.wraps(function)
+        def called(*given: Any, **named: Any) -> Any:
+            try:
+                return function(*given, **named)
+            except TypeError as error:
+                if error.__traceback__ is None or error.__traceback__.tb_next is not None:
+                    raise
+                raise TypeError(_with_remedy(str(error), function, instead)) from None
+
+        return cast(F, called)
 
     return decorate
 

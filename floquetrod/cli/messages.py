@@ -35,7 +35,7 @@ def in_options(message: Exception | str, options: argparse.Namespace) -> str:
     if typed is None:
         return written(message, mentioned)
     said = about.named(option(about.name), mentioned)
-    return said if str(typed) in said else f"{said}; it was given as {typed!r}"
+    return said if str(typed) in said else f"{said}; it was given as {str(typed)!r}"
 
 
 def _mentioned(options: argparse.Namespace, mention: Mention) -> str:

@@ -27,7 +27,7 @@ class Parser(argparse.ArgumentParser):
 
     def __init__(self, **options: Any) -> None:
         # Errors are raised, which know the option that they are about.
-        super().__init__(**options, add_help=False, exit_on_error=False)
+        super().__init__(**options, add_help=False, exit_on_error=False, allow_abbrev=False)
         self.add_argument("-h", "--help", action=_Help, help="show help and exit")
 
     def show_most_used(self, *common: str) -> None:
@@ -88,12 +88,15 @@ class Parser(argparse.ArgumentParser):
         return self._subparsers is None or word[:1] in _DASHES
 
     def _require_known(self, word: str) -> None:
-        """Refuse a word that looks like an option, or the beginning of one, and is none."""
+        """Refuse a word that looks like an option and is none, the beginning of one among them."""
         written = _OPTION.fullmatch(word)
         known = self._option_string_actions
-        if written is None or any(option.startswith(written[1] + written[2]) for option in known):
+        if written is None or written[1] + written[2] in known:
             return
         typed = written[1] + written[2]
+        begun = [option for option in known if typed.startswith("--") and option.startswith(typed)]
+        if begun:
+            self.error(f"unknown option {typed}; did you mean {' or '.join(begun[:3])}?")
         option = "--" + written[2].replace("_", "-")
         of_another = "" if option in known else self.elsewhere(option)
         self.error(f"unknown option {typed}{of_another or did_you_mean(option, known)}")

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from floquetrod._util import validate
 from floquetrod._util.arrays import broadcast, shaped
+from floquetrod._util.calling import call_hints
 from floquetrod._util.compilation import INTERPRETED_UP_TO, over_chunks
 from floquetrod.floquet.kernels import mathieu as kernels
 from floquetrod.floquet.kernels import mathieu_counts as counts
@@ -24,7 +25,12 @@ _CHUNK = 1024
 _COMPILE_AFTER = 100
 """Times as many points as are always interpreted before growth is compiled, which takes seconds (heuristic)."""
 
+_hints = call_hints(
+    a="conventions.from_aq(a, q) returns alpha and beta", q="conventions.from_aq(a, q) returns alpha and beta"
+)
 
+
+@_hints
 def is_stable(alpha: Any, beta: Any, damping: Any = 0.0, *, workers: int | None = None) -> Any:
     """Return whether every solution stays bounded.
 
@@ -74,6 +80,7 @@ def is_stable(alpha: Any, beta: Any, damping: Any = 0.0, *, workers: int | None 
     return shaped(out.view(np.bool_), shape)
 
 
+@_hints
 def growth_rate(alpha: Any, beta: Any, damping: Any = 0.0, *, workers: int | None = None) -> Any:
     """Return the growth rate of the fastest solution, per unit tau; 0 where stable.
 
@@ -107,6 +114,7 @@ def _growth(
     return out
 
 
+@_hints
 def discriminant(alpha: Any, beta: Any, damping: Any = 0.0, *, workers: int | None = None) -> Any:
     """Return the trace of the monodromy matrix, +-inf beyond the range of a double.
 
@@ -123,6 +131,7 @@ def discriminant(alpha: Any, beta: Any, damping: Any = 0.0, *, workers: int | No
     return shaped(out, shape)
 
 
+@_hints
 def multipliers(alpha: Any, beta: Any, damping: Any = 0.0, *, workers: int | None = None) -> Any:
     """Return both Floquet multipliers, the larger first, in a last axis of length 2 (complex).
 
@@ -139,6 +148,7 @@ def multipliers(alpha: Any, beta: Any, damping: Any = 0.0, *, workers: int | Non
     return shaped(out, (*shape, 2))
 
 
+@_hints
 def exponents(alpha: Any, beta: Any, damping: Any = 0.0, *, per: str = "tau", workers: int | None = None) -> Any:
     """Return both Floquet exponents, in a last axis of length 2 (complex), the one that grows faster first.
 

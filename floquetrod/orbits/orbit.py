@@ -118,6 +118,11 @@ class PeriodicOrbit(ByContent, Reported, NoTruthValue):
         return self.stability.status
 
     @property
+    def multipliers(self) -> tuple[complex, ...]:
+        """Multipliers of the orbit, those of ``stability``, the largest first."""
+        return self.stability.multipliers
+
+    @property
     def trivial_multiplier_less_1(self) -> float | None:
         """How far from 1 the multiplier of the orbit's own motion was found; None of a forced system."""
         return self._verdict.trivial

@@ -243,7 +243,8 @@ class Rod(RodData):
         bottom : float or str, optional
             Measured depth of the lower end in m; by default the end of the path.
         depth : array_like, optional
-            Measured depths in m at which the force is wanted, beside both ends; by default every 10 m or so.
+            Measured depths in m, or each with a unit, at which the force is wanted, beside both ends; by default every
+            10 m or so.
         tool : VibrationTool, optional
             It shakes the string, and lessens friction where its speed exceeds that of sliding.
         speed : float or str
@@ -297,8 +298,8 @@ class Rod(RodData):
         push : float or str, optional
             Greatest compression in N that the upper end can be given; by default any, so that lock-up alone stops it.
         depth : array_like, optional
-            Measured depths in m of the lower end at which the force at the upper end is wanted; 100 by default.  The
-            reach is searched for between the first of them at which the string is stopped and the one before.
+            Measured depths in m, or each with a unit such as "9000ft", of the lower end at which the force at the upper
+            end is wanted; 100 by default.  The reach is searched for between the first of them at which the string is stopped and the one before.
 
         Examples
         --------

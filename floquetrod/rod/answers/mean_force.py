@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from floquetrod import units
 from floquetrod._util import validate
 from floquetrod._util.content import ByContent
 from floquetrod._util.report import Report, Reported, number
@@ -212,7 +213,7 @@ def _asked(top: float, bottom: float, depth: Any) -> Floats:
     if depth is None:
         number = int(np.clip((bottom - top) / _SPACING, 50, _MOST))
         return np.linspace(top, bottom, number + 1)
-    asked = validate.array("depth", depth, least=0.0, largest=1e6).ravel()
+    asked = validate.array("depth", units.lengths("depth", depth), least=0.0, largest=1e6).ravel()
     outside = (asked < top) | (asked > bottom)
     if outside.any():
         raise validate.wrong_value(

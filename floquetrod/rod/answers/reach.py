@@ -9,6 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from floquetrod import units
 from floquetrod._util import validate
 from floquetrod._util.content import ByContent
 from floquetrod._util.report import Report, Reported, Table, number
@@ -365,7 +366,8 @@ def depths_of(path: WellPath, depth: Any) -> Floats:
     """Return the measured depths of the lower end that are asked for, increasing."""
     if depth is None:
         return np.linspace(path.start, path.end, _DEPTHS + 1)[1:]
-    asked = np.unique(validate.array("depth", depth, least=0.0, largest=1e6))
+    given = units.lengths("depth", depth)
+    asked = np.unique(validate.array("depth", given, least=0.0, largest=1e6))
     if not asked.size or asked[0] < path.start + 1e-6 or asked[-1] > path.end:
         raise validate.wrong_value(
             "depth", f"must lie below {path.start:g} and not below {path.end:g} m, got {validate.short(depth)}"

@@ -18,7 +18,7 @@ from floquetrod import units
 from floquetrod._util import validate
 from floquetrod._util.columns import MISSING, NUMBER, Line, cells_of, delimiter_of, text_of, written
 
-_DEFAULTS = {"time": ("time", "t"), "force": ("force", "f")}
+_DEFAULTS = {"time": ("time", "t", "timestamp", "date", "datetime", "date/time"), "force": ("force", "f")}
 _CLOCK = re.compile(
     r"(?:(\d{4}-\d\d-\d\d)[T ])?([01]?\d|2[0-3]):([0-5]\d):([0-5]\d(?:\.\d*)?)\s*([Zz]|[-+]\d\d(?::?\d\d)?)?", re.ASCII
 )

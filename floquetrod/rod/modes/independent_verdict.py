@@ -115,8 +115,8 @@ class ModeVerdicts(Evidence):
         """Raise ValueError: there is no shape to draw where modes are independent."""
         raise wrong_value(
             "plot",
-            "draws the shape in which coupled modes grow, and these modes are independent: each grows as a sine; "
-            "stability_map draws where they do",
+            "draws the shape in which coupled modes grow, and these modes are independent: each grows as a sine; leave "
+            "it out, a stability map draws where they grow",
         )
 
     has_exact_margins: ClassVar[bool] = True
