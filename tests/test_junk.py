@@ -369,6 +369,7 @@ CALLS: list[tuple[Callable[..., Any], dict[str, Any]]] = [
             "kick": None,
             "like": LOAD,
             "certified": False,
+            "large_motion": False,
             "workers": 1,
             "progress": None,
         },
@@ -453,6 +454,7 @@ CALLS: list[tuple[Callable[..., Any], dict[str, Any]]] = [
 
 NAN_MEANS = {
     fr.follow: "NaN unknown",
+    fr.stability_map: "NaN where rest is not stable",
     fr.mathieu.transition_curves: "order 0 has no second curve",
     fr.friction.critical_kick: "could not be decided",
     CLAMPED.growth_rate: "it cannot be computed",

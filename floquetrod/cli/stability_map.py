@@ -80,6 +80,11 @@ def add(chart: Parser) -> None:
     chart.add_argument("--points", metavar="COLUMNSxROWS", default="400x300", help="columns x rows (default 400x300)")
     chart.add_argument("--growth", action="store_true", help="shade by growth rate")
     chart.add_argument(
+        "--large-motion",
+        action="store_true",
+        help="hatch where the rod at rest is stable and a large motion of one mode was found, too",
+    )
+    chart.add_argument(
         "--paper-criterion",
         choices=("exact", "leapfrog"),
         help="the paper's test (a millionfold growth in 100 periods) in place of stability, computed in this way",
@@ -132,6 +137,7 @@ def _map(options: argparse.Namespace) -> Output:
             friction=None if mu_and_kick is None else mu_and_kick[0],
             kick=None if mu_and_kick is None else mu_and_kick[1],
             like=like if like.features else None,
+            large_motion=options.large_motion,
             progress=progress,
         )
     prompt = chart.source is not None and chart.source.prompt
@@ -158,6 +164,7 @@ def _map(options: argparse.Namespace) -> Output:
         "written": written,
         "points": int(chart.stable.size),
         "stable_share": share,
+        "with_large_motion": int(chart.carries_large_motion.sum()) if options.large_motion else None,
         "bands": len(chart.bands) if bands else None,
         "tongues_left_out": chart.bands.tongues_left_out if bands else None,
     }

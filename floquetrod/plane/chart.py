@@ -80,6 +80,9 @@ class Chart(NoTruthValue, ByContent):
     cells : ndarray (ny, nx) of int8 or None
         What is proved of the rectangle about each point, up to the middle between it and its neighbours: 1 stable
         everywhere, 0 unstable everywhere, 2 each somewhere, -1 undecided.  None unless asked for.
+    large_motion : ndarray (ny, nx) or None
+        Where the rod at rest is stable: about the largest angle in rad of a large motion that it carries, too, 0 where
+        a search finds none on the wall; NaN elsewhere.  None unless asked for.
     """
 
     ask = ".stable, an array"
@@ -97,6 +100,7 @@ class Chart(NoTruthValue, ByContent):
     version: str
     source: BandSource | None = field(default=None, compare=False)
     cells: NDArray[np.int8] | None = None
+    large_motion: NDArray[np.float64] | None = None
 
     @cached_property
     def bands(self) -> Bands:
@@ -149,7 +153,16 @@ class Chart(NoTruthValue, ByContent):
         if self.cells is not None:
             counts = [int((self.cells == value).sum()) for value in CELLS.values()]
             text += "; cells: " + ", ".join(f"{n} {name}" for name, n in zip(CELLS, counts, strict=True) if n)
+        if self.large_motion is not None:
+            text += f"; a large motion found, too, at {int(self.carries_large_motion.sum())} stable points"
         return text + (f"; {self.criterion}" if self.criterion else "")
+
+    @property
+    def carries_large_motion(self) -> NDArray[np.bool_]:
+        """Where `large_motion` was found (ny, nx)."""
+        if self.large_motion is None:
+            return np.zeros_like(self.stable)
+        return np.asarray(np.nan_to_num(self.large_motion) > 0.0)
 
     def in_units(self, **names: str) -> Chart:
         """Return the same chart in other units, for axes, caption and drawings.
@@ -230,7 +243,7 @@ class Chart(NoTruthValue, ByContent):
         An older file of that name stays whole until the new one is complete.
         """
         arrays: dict[str, Any] = {"x": self.x.values, "y": self.y.values, "stable": self.stable}
-        for name in ("growth_rate", "first_mode", "cells"):
+        for name in ("growth_rate", "first_mode", "cells", "large_motion"):
             if getattr(self, name) is not None:
                 arrays[name] = getattr(self, name)
         meta: dict[str, Any] = {
@@ -261,7 +274,7 @@ class Chart(NoTruthValue, ByContent):
         """Return an xarray.Dataset (needs xarray, an extra: pip install floquetrod[xarray])."""
         xarray = extras.xarray()
         coords = {axis.name: (axis.name, axis.values, {"units": axis.unit}) for axis in (self.x, self.y)}
-        names = ("stable", "growth_rate", "first_mode", "cells")
+        names = ("stable", "growth_rate", "first_mode", "cells", "large_motion")
         data = {n: ((self.y.name, self.x.name), getattr(self, n)) for n in names if getattr(self, n) is not None}
         attributes = {n: getattr(self, n) for n in ("growth_unit", "growth_tolerance", "criterion", "version")}
         return xarray.Dataset(data, coords, attributes)
@@ -291,6 +304,7 @@ def _chart(meta: dict[str, Any], arrays: dict[str, NDArray[Any]]) -> Chart:
         undecided,
         files.entry(meta, "version", str),
         cells=_cells(arrays, shape),
+        large_motion=files.field(arrays, "large_motion", np.float64, shape) if "large_motion" in arrays else None,
     )
     if "bands" in meta:
         chart._keep(_bands(chart, files.entry(meta, "bands", dict), arrays))

@@ -38,8 +38,17 @@ def draw_chart(chart: Any, ax: Any = None) -> Any:
         ax.figure.colorbar(mesh, ax=ax, label=growth_label(chart.growth_unit))
     if chart.cells is None and chart.stable.any() and not chart.stable.all():
         ax.contour(x, y, chart.stable, levels=[0.5], colors="black", linewidths=0.6)
+    draw_large_motion(chart, ax)
     finish(ax, chart, title(chart), chart.caption, areas(chart))
     return ax
+
+
+def draw_large_motion(chart: Any, ax: Any, zorder: float = 1.0) -> None:
+    """Hatch where a rod that is stable at rest carries a large motion, too."""
+    if chart.carries_large_motion.any():
+        area = chart.carries_large_motion.astype(float)
+        hatch = [palette.LARGE["hatch"]]
+        ax.contourf(chart.x.values, chart.y.values, area, [0.5, 1.5], colors="none", hatches=hatch, zorder=zorder)
 
 
 def finish(ax: Any, plane: Any, heading: str, note: str, handles: Sequence[Any]) -> None:
@@ -76,7 +85,17 @@ def explain(ax: Any, handles: Sequence[Any], note: str = "", columns: int = 4) -
 
 
 def areas(chart: Any) -> list[Any]:
-    """Return what the colours of a chart mean, as a legend shows it."""
+    """Return what the colours and the hatch of a chart mean, as a legend shows it."""
+    large = (
+        [patch("stable at rest, a large motion on the wall found", palette.LARGE)]
+        if chart.carries_large_motion.any()
+        else []
+    )
+    return [*_verdicts(chart), *large]
+
+
+def _verdicts(chart: Any) -> list[Any]:
+    """Return what the colours of a chart mean."""
     if chart.cells is not None:
         neutral, undecided = {"facecolor": palette.NEUTRAL}, palette.OPEN
         return [

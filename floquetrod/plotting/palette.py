@@ -29,6 +29,9 @@ NO_KICK: dict[str, Any] = {"facecolor": STABLE, "hatch": "////", "edgecolor": NE
 OPEN: dict[str, Any] = {"facecolor": NEUTRAL, "hatch": "xxxxxx", "edgecolor": "black", "linewidth": 0.0}
 """Style of an area where stability is undecided."""
 
+LARGE: dict[str, Any] = {"facecolor": "none", "hatch": "....", "edgecolor": "black", "linewidth": 0.0}
+"""Style of an area where a rod that is stable at rest carries a large motion, too."""
+
 BOX: dict[str, Any] = {"boxstyle": "round", "facecolor": STABLE, "edgecolor": "black", "linewidth": 0.6}
 """Style of the box about a remark."""
 

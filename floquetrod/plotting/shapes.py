@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from floquetrod.plotting import labels, palette
-from floquetrod.plotting.charts import areas, colours, finish, growth_label, new_axes, title
+from floquetrod.plotting.charts import areas, colours, draw_large_motion, finish, growth_label, new_axes, title
 
 _LINE = 0.6
 """Width in points of a band's edge, and of a band thinner than that."""
@@ -41,6 +41,7 @@ def draw_banded_chart(chart: Any, ax: Any = None) -> Any:
             image.set_clip_path(_outline(bands), ax.transData)
         image.set_visible(len(bands) > 0)
         ax.figure.colorbar(image, ax=ax, label=growth_label(chart.growth_unit))
+    draw_large_motion(chart, ax, 0.5)
     labels.add_labels(ax, bands.bands, halo=chart.growth_rate is not None)
     undecided = f"{chart.undecided} of {chart.stable.size} points undecided" if chart.undecided else ""
     note = "; ".join(filter(None, [f"{chart.heading}: {said(bands)}", chart.criterion, undecided]))

@@ -5,15 +5,20 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Any
 
+import numpy as np
+
 from floquetrod._util import validate
 from floquetrod._util.progress import Progress
 from floquetrod.mathieu.criterion import FiniteTimeCriterion
 from floquetrod.plane import Axis, Chart, axis_values, charted
+from floquetrod.rod import motion_map
 from floquetrod.rod.friction.mode_friction import friction_and_kick
+from floquetrod.rod.large_orbits import require_possible
 from floquetrod.rod.loads.axial import require_off_resonance
-from floquetrod.rod.loads.load import LIMITS, AnyLoad, Quantity, kind, require_load
+from floquetrod.rod.loads.load import LIMITS, QUANTITIES, AnyLoad, Quantity, kind, require_load
 from floquetrod.rod.model.assumptions import warn_unless_uniform
 from floquetrod.rod.modes.mode_model import ModeModel
+from floquetrod.rod.motion_map import Numbers
 from floquetrod.rod.plane import AXES, LoadPlane
 from floquetrod.rod.rod import Rod
 
@@ -32,6 +37,7 @@ def stability_map(
     kick: float | None = None,
     like: AnyLoad | None = None,
     certified: bool = False,
+    large_motion: bool = False,
     workers: int | None = None,
     progress: Progress | None = None,
 ) -> Chart:
@@ -65,10 +71,14 @@ def stability_map(
         Whether to prove, too, what holds in the cell about every point, see `Chart.cells`: nothing then hides between
         the points.  For independent modes and stability for all time, with damping or a growth tolerance: without
         either, tongues too thin to matter are everywhere.
+    large_motion : bool
+        Whether to look, too, for loads under which the rod at rest is stable and carries a large motion that a kick may
+        find: `Chart.large_motion`, hatched in its picture.  In each mode alone, on the wall, to some percent of the
+        angle; a search, in some milliseconds a point; NaN where rest is not stable.  For stability for all time without friction.
     workers : int, optional
         Threads; by default one for each core when there is enough to do.
     progress : callable, optional
-        Called with the numbers of points, then of cells, done and to do.
+        Called with the numbers of points, then of cells, then of stable points, done and to do.
 
     Examples
     --------
@@ -112,21 +122,33 @@ def stability_map(
         require_off_resonance(model.like, rod.wave_speed, rod.length, value)
     friction, kick = mu_and_kick or (None, None)
     plane = LoadPlane(rod, across, up, fixed[0], value, tolerance, criterion, friction, kick, like, workers)
+    if validate.flag("large_motion", large_motion):
+        _require_plain("large_motion", criterion=criterion, friction=mu_and_kick)
+        require_possible(rod, model.like)
     found = charted(plane, x, y, growth=growth, progress=progress)
-    if not certified:
+    if certified:
+        cells = model.certified_cells({across: x, up: y}, (fixed[0], value), tolerance, workers, progress)
+        found = replace(found, cells=cells)
+    if not large_motion:
         return found
-    return replace(
-        found, cells=model.certified_cells({across: x, up: y}, (fixed[0], value), tolerance, workers, progress)
-    )
+    given = {across: x.values, up: y.values[:, None], fixed[0]: np.array(value)}
+    numbers = Numbers(*np.broadcast_arrays(*(given[name] for name in QUANTITIES)))
+    angles = motion_map.large_motion(rod, model.like, numbers, found.stable, progress)
+    return replace(found, large_motion=angles)
+
+
+def _require_plain(argument: str, **others: Any) -> None:
+    """Raise ValueError where a criterion or friction are given."""
+    given = [name for name, value in others.items() if value is not None]
+    if given:
+        raise validate.wrong_value(
+            argument, f"is about stability for all time without friction; leave out either it or {given[0]}"
+        )
 
 
 def _require_provable(model: ModeModel, tolerance: float, **others: Any) -> None:
     """Raise ValueError for a map whose cells cannot be proved."""
-    given = [name for name, value in others.items() if value is not None]
-    if given:
-        raise validate.wrong_value(
-            "certified", f"is about stability for all time without friction; leave out either it or {given[0]}"
-        )
+    _require_plain("certified", **others)
     model.require("certified")
     if tolerance == 0.0 and model.rod.damping_rate == 0.0:
         raise validate.wrong_value(

@@ -539,6 +539,7 @@ def _of_rods(place: Path) -> dict[str, Call]:
                 "amplitude": 0.3,
                 "frequency": (100.0, 150.0, 4),
                 "growth": False,
+                "large_motion": False,
                 "damping": 1.0,
                 **tolerance,
                 **judged,

@@ -216,6 +216,11 @@ class LargeMotion(ByContent):
         """What the parts of `parts` take from the stiffness, (2 H, n, n)."""
         return self._pushed(self._profiles(self.shapes.nodes))
 
+    @cached_property
+    def pushed_alike(self) -> Floats:
+        """What a force of one newton, the same all along, takes from the stiffness, (n, n)."""
+        return self._pushed(np.ones_like(self.shapes.nodes))
+
     def _pushed(self, force: Floats) -> Floats:
         """Return what forces (..., q) in N take from the stiffness, in 1/s^2, (..., n, n)."""
         slopes, weights = self.shapes.slopes, self.shapes.weights

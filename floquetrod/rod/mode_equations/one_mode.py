@@ -8,6 +8,7 @@ percent or so.
 
 from __future__ import annotations
 
+import functools
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -26,6 +27,18 @@ _ANGLES, _PHASES = 14, 6  # starts of a search (a choice)
 _INSTANTS = 24  # of a period and harmonic of the load, at which the equation holds
 _NEWTON = 14
 _SAME = 1e-4  # of an amplitude, by which orbits found from two starts may differ
+
+
+class Driven(NamedTuple):
+    """What drives motions (k, count): their rates in rad/s and what is added to the stiffness (k, 1), the vibration."""
+
+    rate: Floats
+    added: Floats
+    force: Floats
+
+    def some(self, kept: Any) -> Driven:
+        """Return some of them."""
+        return Driven(self.rate[kept], self.added[kept], self.force[kept])
 
 
 class Orbit(NamedTuple):
@@ -72,15 +85,15 @@ class OneMode:
         return float(np.abs(self.motion.shapes.there).max())
 
     @cached_property
-    def _slope(self) -> Floats:
+    def hardening(self) -> Floats:
         """Coefficients of g(a) / a in powers of (a / a_max)^2."""
         a = LARGEST / self.peak * np.sin(0.5 * math.pi * (np.arange(40) + 0.5) / 40.0)
         found = self.motion.resting(a[:, None])[:, 0] / a
         return np.polynomial.polynomial.polyfit((a * self.peak / LARGEST) ** 2, found, _DEGREE)
 
     @cached_property
-    def _shortening(self) -> float:
-        """The factor J of the inertia that shortening has."""
+    def shortening(self) -> float:
+        """J, the inertia of shortening."""
         return float(np.sum(self.motion.shortening_inertia[0, 0] ** 2))
 
     @cached_property
@@ -90,7 +103,7 @@ class OneMode:
 
     def stiffness(self, a: Any) -> Any:
         """Return g(a) / a in 1/s^2 under the mean force."""
-        return np.polynomial.polynomial.polyval(np.minimum((a * self.peak / LARGEST) ** 2, 1.5), self._slope)
+        return np.polynomial.polynomial.polyval(np.minimum((a * self.peak / LARGEST) ** 2, 1.5), self.hardening)
 
     @property
     def fastest(self) -> float:
@@ -129,8 +142,8 @@ class OneMode:
 
     def _acceleration(self) -> Callable[[Floats, Floats, Any], Floats]:
         """Return the function that gives a_tt of a, a_t and the force."""
-        last, *others = self._slope[::-1].tolist()
-        unit, j, c = (self.peak / LARGEST) ** 2, self._shortening, 2.0 * self.motion.rod.damping_rate
+        last, *others = self.hardening[::-1].tolist()
+        unit, j, c = (self.peak / LARGEST) ** 2, self.shortening, 2.0 * self.motion.rod.damping_rate
 
         def rate(a: Floats, v: Floats, force: Any) -> Floats:
             squared = a * a
@@ -163,16 +176,29 @@ class OneMode:
         A search, not a proof: of orbits that differ by sign or by whole periods of the load one is returned.  The
         equation is that at equal instants, derivatives those of the Fourier series through them.
         """
-        load, count = self.motion.load, _INSTANTS * turns * len(self.motion.load.harmonics)
+        load, count = self.motion.load, self.instants(turns)
         times = turns * 2.0 * math.pi / load.frequency * np.arange(count) / count
-        first = _derivative(count) * (load.frequency / turns)
-        second = first @ first
-        force = self.motion.parts(times) @ self._vibration
         a = self._starts(times, turns)
-        found = [np.empty((0, count))]
+        force = np.broadcast_to(self.motion.parts(times) @ self._vibration, a.shape)
+        rate = load.frequency / turns
+        a, _ = self.solved(a, Driven(np.full((len(a), 1), rate), np.zeros((len(a), 1)), force))
+        return self._apart(a, rate * (a @ derivative(count).T), turns)
+
+    def instants(self, turns: int) -> int:
+        """Return at how many instants of so many periods of the load the equation holds."""
+        return _INSTANTS * turns * len(self.motion.load.harmonics)
+
+    def solved(self, a: Floats, driven: Driven) -> tuple[Floats, Any]:
+        """Return the periodic motions (m, count) that Newton's method comes to, and from which of the starts ``a``.
+
+        Not those at rest, and those that are too large.
+        """
+        first = derivative(a.shape[1])
+        second, start = first @ first, np.arange(len(a))
+        found, of = [a[:0]], [start[:0]]
         with np.errstate(all="ignore"):
             for _ in range(_NEWTON):
-                missed, slope = self._missed(a, first, second, force)
+                missed, slope = self.missed(a, first, second, driven)
                 try:
                     step = np.linalg.solve(slope, -missed[..., None])[..., 0]
                 except np.linalg.LinAlgError:
@@ -182,18 +208,20 @@ class OneMode:
                 kept = np.isfinite(a).all(axis=1) & (np.abs(a).max(axis=1) * self.peak < 1.2 * LARGEST)
                 ends = moved < 1e-8  # the step after this one would be below rounding
                 found.append(a[kept & ends])
-                a = a[kept & ~ends]
+                of.append(start[kept & ends])
+                on = kept & ~ends
+                a, start, driven = a[on], start[on], driven.some(on)
                 if not len(a):
                     break
-        a = np.concatenate(found)
-        a = a[np.abs(a).max(axis=1) * self.peak > 1e-3]
-        return self._apart(a, a @ first.T, turns)
+        a, start = np.concatenate(found), np.concatenate(of)
+        moves = np.abs(a).max(axis=1) * self.peak > 1e-3
+        return a[moves], start[moves]
 
     def equilibria(self) -> list[Orbit]:
         """Return the angles but 0 at which a constant force holds the mode, as orbits of a period, smallest first."""
-        roots = np.polynomial.polynomial.polyroots(self._slope)
+        roots = np.polynomial.polynomial.polyroots(self.hardening)
         squares = np.sort(roots[(np.abs(roots.imag) < 1e-9) & (roots.real > 0.0) & (roots.real < 1.0)].real)
-        slope = np.polynomial.polynomial.polyder(self._slope)
+        slope = np.polynomial.polynomial.polyder(self.hardening)
         period, c = 2.0 * math.pi / self.motion.load.frequency, self.motion.rod.damping_rate
         found = []
         for x in squares.tolist():
@@ -216,19 +244,26 @@ class OneMode:
                     found.append(a * np.cos(angle + phases[:, None]))
         return np.concatenate(found) if found else np.empty((0, len(times)))
 
-    def _missed(self, a: Floats, first: Floats, second: Floats, force: Floats) -> tuple[Floats, Floats]:
+    def missed(self, a: Floats, first: Floats, second: Floats, driven: Driven) -> tuple[Floats, Floats]:
         """Return by how much motions a (k, count) miss the equation, and the derivatives of that."""
-        v, w = a @ first.T, a @ second.T
-        j, c = self._shortening, self.motion.rod.damping_rate
-        unit = (self.peak / LARGEST) ** 2
-        x = np.minimum(unit * a * a, 1.5)
+        rate, v, w = driven.rate, driven.rate * (a @ first.T), driven.rate**2 * (a @ second.T)
+        stiff = self.stiffness(a) + driven.added - driven.force
+        inertia, drag, diagonal = self.beside(a, v, w, stiff)
+        slope = (inertia * rate**2)[..., None] * second + (drag * rate)[..., None] * first
+        slope[:, np.arange(a.shape[1]), np.arange(a.shape[1])] += diagonal
+        j, c = self.shortening, self.motion.rod.damping_rate
+        return inertia * w + (j * a * v + 2.0 * c) * v + stiff * a, slope
+
+    def beside(self, a: Floats, v: Floats, w: Floats, stiff: Floats) -> tuple[Floats, Floats, Floats]:
+        """Return the factors of b_tt, b_t and b in the equation of small deviations b from motions a, a_t, a_tt.
+
+        ``stiff`` is the stiffness of the motions at each instant, g(a) / a less the vibration.
+        """
+        j, c = self.shortening, self.motion.rod.damping_rate
+        x = np.minimum((self.peak / LARGEST * a) ** 2, 1.5)
         polynomial = np.polynomial.polynomial
-        stiff, by_x = polynomial.polyval(x, self._slope), polynomial.polyval(x, polynomial.polyder(self._slope))
-        missed = (1.0 + j * a * a) * w + j * a * v * v + 2.0 * c * v + (stiff - force) * a
-        diagonal = 2.0 * j * a * w + j * v * v + stiff - force + 2.0 * x * by_x
-        slope = (1.0 + j * a * a)[..., None] * second + (2.0 * j * a * v + 2.0 * c)[..., None] * first
-        slope[:, np.arange(len(force)), np.arange(len(force))] += diagonal
-        return missed, slope
+        stiffening = 2.0 * x * polynomial.polyval(x, polynomial.polyder(self.hardening))
+        return 1.0 + j * a * a, 2.0 * (j * a * v + c), 2.0 * j * a * w + j * v * v + stiff + stiffening
 
     def _apart(self, a: Floats, v: Floats, turns: int) -> list[Orbit]:
         """Return the orbits that are different, from their states (orbits, instants)."""
@@ -251,7 +286,8 @@ class OneMode:
         return bool(stiff.min() - spread < wanted < stiff.max() + spread)
 
 
-def _derivative(count: int) -> Floats:
+@functools.cache
+def derivative(count: int) -> Floats:
     """Return the matrix from an even number of samples of a function of period 2 pi to those of its derivative."""
     k = np.arange(1, count)
     column = np.concatenate([[0.0], 0.5 * (-1.0) ** k / np.tan(math.pi * k / count)])
