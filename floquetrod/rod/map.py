@@ -73,8 +73,9 @@ def stability_map(
         either, tongues too thin to matter are everywhere.
     large_motion : bool
         Whether to look, too, for loads under which the rod at rest is stable and carries a large motion that a kick may
-        find: `Chart.large_motion`, hatched in its picture.  In each mode alone, on the wall, to some percent of the
-        angle; a search, in some milliseconds a point; NaN where rest is not stable.  For stability for all time without friction.
+        find: `Chart.large_motion`, hatched in its picture, NaN where rest is not stable.  In each mode alone, on the
+        wall, to some percent of the angle; a search, in some milliseconds a point.  For stability for all time without
+        friction.
     workers : int, optional
         Threads; by default one for each core when there is enough to do.
     progress : callable, optional

@@ -3,8 +3,8 @@
 With the first harmonic of the vibration, f = Re(F e^(i w t)), motion a = Re(B e^(i s t)) of half that frequency,
 s = w / 2, obeys on average (S(|B|) - s^2 + 2 i c s) B = F conj(B) / 2, S the stiffness at that size, J |B|^2 s^2 / 2
 less by the inertia of shortening: a size for either sign of the root of |F|^2 / 4 - (2 c s)^2, and a phase (A. H.
-Nayfeh and D. T. Mook, Nonlinear Oscillations, Wiley 1979, 5.7).  Motion of the frequency of the load itself has about the size at which
-it is as fast, at a phase that is tried.
+Nayfeh and D. T. Mook, Nonlinear Oscillations, Wiley 1979, 5.7).  Motion of the frequency of the load itself has about
+the size at which it is as fast, at a phase that is tried.
 """
 
 from __future__ import annotations
