@@ -45,7 +45,7 @@ ROD_AND_LOAD = ("rod", "mean", "amplitude", "frequency")
 """Options that every question about a rod under a load needs."""
 
 ROD_OPTIONS = (
-    *("rod", "length", "bore", "inclination", "curvature"),
+    *("rod", "length", "bore", "fluid_inside", "fluid_outside", "inclination", "curvature"),
     *("path", "depth", "depth_unit", "angle_unit", "damping_rate"),
 )
 """Options of `add_rod` that describe the rod."""
@@ -69,6 +69,12 @@ def add_rod(
     command.add_argument(
         "--bore", metavar="LENGTH", help="diameter of the channel such as 4.778in (replaces that of the rod)"
     )
+    for side in ("inside", "outside"):
+        command.add_argument(
+            f"--fluid-{side}",
+            metavar="DENSITY",
+            help=f"density of the fluid {side} such as 8.5ppg or 1.02g/cm3 (replaces that of the rod)",
+        )
     command.add_argument(
         "--inclination",
         metavar="ANGLE",
@@ -222,15 +228,22 @@ def read_rod(options: argparse.Namespace) -> fr.Rod:
         for key, kind in (("length", "length"), ("bore", "length"), ("inclination", "angle"))
         if (text := getattr(options, key)) is not None
     }
+    changes |= {
+        key: units.quantity(text, f"--{key.replace('_', '-')}", "density", least=0.0, largest=LARGEST)
+        for key in ("fluid_inside", "fluid_outside")
+        if (text := getattr(options, key)) is not None
+    }
     if getattr(options, "curvature", None) is not None:
         changes["curvature"] = units.quantity(options.curvature, "--curvature", "curvature")
     changes |= _on_path(options)
     if is_pipe(options.rod):
+        if getattr(options, "well", None) is not None:
+            changes.setdefault("length", 1000.0)  # that of a string in a well follows from there
         missing = [f"--{key}" for key in ("bore", "length") if key not in changes]
         if missing:
             raise ValueError(
-                f"--rod {options.rod!r} needs {' and '.join(missing)}, the diameter of its hole and its length; or "
-                "write all of it into a TOML file"
+                f"--rod {options.rod!r} needs {' and '.join(missing)}: a pipe's size says neither the diameter of its "
+                "hole nor its length; or write all of it into a TOML file"
             )
         rod = fr.Rod.catalogue(options.rod, **changes)
     else:

@@ -172,10 +172,12 @@ class Branch(ByContent, Reported, NoTruthValue):
         data |= {name: (("orbit", "state"), getattr(self, name)) for name in ("largest", "least", "amplitude")}
         data |= {name: (("orbit", "multiplier"), getattr(self, name)) for name in ("multipliers", "multiplier_errors")}
         points = self.special_points
+        attributes = {"parameter": self.parameter, "begins": self.ends[0], "ends": self.ends[1]}
+        if not points:  # an empty dimension would leave a DataFrame of xarray without rows
+            return xarray.Dataset(data, {self.parameter: ("orbit", self.values)}, attributes)
         data["special_kind"] = ("special_point", np.array([point.kind for point in points], dtype=str))
         data["special_value"] = ("special_point", np.array([point.value for point in points], dtype=float))
         data["special_error"] = ("special_point", np.array([point.error for point in points], dtype=float))
-        attributes = {"parameter": self.parameter, "begins": self.ends[0], "ends": self.ends[1]}
         return xarray.Dataset(data, {self.parameter: ("orbit", self.values)}, attributes)
 
     def save(self, path: str | Path) -> Path:

@@ -299,7 +299,8 @@ class Rod(RodData):
             Greatest compression in N that the upper end can be given; by default any, so that lock-up alone stops it.
         depth : array_like, optional
             Measured depths in m, or each with a unit such as "9000ft", of the lower end at which the force at the upper
-            end is wanted; 100 by default.  The reach is searched for between the first of them at which the string is stopped and the one before.
+            end is wanted; 100 by default.  The reach is searched for between the first of them at which the string is
+            stopped and the one before.
 
         Examples
         --------
@@ -765,7 +766,7 @@ class Rod(RodData):
         >>> rod = Rod.nitinol().replace(damping_rate=3.0, length=1.2)
         >>> load = fr.AxialLoad(mean=0.1 * rod.critical_force, amplitude=0.3 * rod.critical_force, frequency=110.0)
         >>> rod.follow(load, over={"frequency": (108.0, 111.0)}, steps=2)
-        <1 branch of motion in mode 2, up to 6.5 degrees>
+        <1 branch of motion in mode 2, up to 6.5... degrees>
         """
         from floquetrod.rod import branches
         from floquetrod.rod.answers.rod_branches import RodBranches

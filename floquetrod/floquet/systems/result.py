@@ -149,8 +149,10 @@ class SystemStability(FloquetVerdict):
             return []
         if math.isinf(rate):
             return [("damping", "no damping suffices: the mean stiffness alone is unstable")]
-        tried = "" if isinstance(self.system, PeriodicSystem) else ", as far as tried"
-        return [("damping", f"stable at uniform rates above {rate:.6g} per unit time{tried}, added to what there is")]
+        if isinstance(self.system, PeriodicSystem):
+            return [("damping", f"stable at uniform rates above {rate:.6g} per unit time: A - {rate:.6g} I")]
+        added = f"C + {2.0 * rate:.6g} {'M' if getattr(self.system, 'mass', None) is not None else 'I'}"
+        return [("damping", f"stable at uniform rates above {rate:.6g} per unit time, as far as tried: {added}")]
 
     @property
     def _headline(self) -> str:

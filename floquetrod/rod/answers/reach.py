@@ -85,6 +85,8 @@ class Reach(Reported, ByContent):
         E r_o times the curvature of the well and of the helix there, in Pa; waves are taken as bent as a helix.
     yield_strength : float or None
         That of the string in Pa, None where it is not known.
+    weight_per_length : float
+        Weight of the string in its fluids in N/m.
     sliding : float
         Speed in m/s at which the string slides down.
     growth : ndarray
@@ -122,6 +124,7 @@ class Reach(Reported, ByContent):
     axial_stress: Floats
     bending_stress: Floats
     yield_strength: float | None
+    weight_per_length: float
     sliding: float
     growth: Floats
     growth_free: Floats
@@ -177,6 +180,7 @@ class Reach(Reported, ByContent):
         """Return the reach, the buckled and the unstable depths, and the force at the upper end."""
         along = self.along
         lines = [
+            ("string", f"weighs {self.weight_per_length:.4g} N/m in its fluids"),
             ("at", f"{along.depth[-1]:.6g} m, {'with the tool' if self.tool else 'pushed'}:"),
             ("snaking", _listed(along.depth, along.is_snaking)),
             ("helix", _listed(along.depth, along.is_helix)),
@@ -272,6 +276,7 @@ class Reach(Reported, ByContent):
             "growth_without_friction_per_s": self.growth_free.tolist(),
             "half_wave_m": self.half_wave.tolist(),
             "kick_m_per_s": _numbers(self.kick),
+            "weight_N_per_m": self.weight_per_length,
             "sliding_m_per_s": self.sliding,
             "frequencies_rad_per_s": self.frequencies.tolist(),
             "growth_by_frequency_per_s": self.frequency_growth.tolist(),
@@ -296,7 +301,8 @@ def _reached(depth: float, is_stopped: bool, end: float) -> str:
 
 
 def _listed(depth: Floats, is_so: NDArray[np.bool_]) -> str:
-    return ", ".join(f"{a:.4g} to {b:.4g} m" for a, b in spans(depth, is_so)) or "nowhere"
+    found = [(f"{a:.4g}", f"{b:.4g}") for a, b in spans(depth, is_so)]
+    return ", ".join(f"{a} to {b} m" if a != b else f"at {a} m" for a, b in found) or "nowhere"
 
 
 def _kilo(force: float) -> str:
@@ -352,6 +358,7 @@ def reach(
         axial_stress=stress.axial,
         bending_stress=stress.bending,
         yield_strength=rod.yield_strength,
+        weight_per_length=rod.weight_per_length,
         sliding=sliding,
         growth=grown.net,
         growth_free=grown.free,

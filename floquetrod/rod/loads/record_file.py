@@ -138,7 +138,7 @@ class _Rows:
             return float(cell)
         is_clock = column.name == "time" and self.clock.is_used
         wanted = "a time of day as in the lines before" if is_clock else "a number"
-        hint = "; times of day are like 12:00:00.000" if ":" in cell else ""
+        hint = "; times are like 12:00:00.000 or 2024-01-31 12:00:00.000" if ":" in cell else ""
         raise ValueError(
             f"line {number}: {column.name} must be {wanted}, got {validate.short(cell)}{hint}; put # before lines "
             "without data"
@@ -238,7 +238,7 @@ def _place(name: str, wanted: str | None, headings: Sequence[str] | None, many: 
         what = "a heading of one column" if headings else f"a column from 0 to {many - 1}"
         raise validate.wrong_value(
             name,
-            f"must be {what}, got {validate.short(wanted)}"
+            f"must be {what}, {'and none of them says ' + name if wanted is None else 'got ' + validate.short(wanted)}"
             + (f"; the headings are {', '.join(map(repr, listed))}" if listed else ""),
         )
     return found[0]
