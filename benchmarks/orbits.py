@@ -1,4 +1,4 @@
-"""Periodic orbits with multipliers: time and error beside SKHiPPR's harmonic balance, and shooting by DOP853.
+"""Periodic orbits with multipliers, and a branch of them: time and error beside SKHiPPR, and shooting by DOP853.
 
 All start from the same guess.  SKHiPPR is left out where it is not installed; see `benchmarks.skhippr`.
 """
@@ -69,7 +69,66 @@ def run() -> list[Row]:
         rows.append(Row(f"{case.name}, error of multipliers", missed(case, found), "of the largest, or 1"))
         for name, call in peers.items():
             rows.append(Row(f"{case.name}, that of {name}", missed(case, call()), "of the largest, or 1"))
-    return rows
+    return [*rows, *branches()]
+
+
+SWEPT, FOLDS = (0.5, 2.8), (2.2131659546287503, 1.635305551337615)
+"""Range of omega of the branch of Duffing orbits, and its folds by DOP853 and Newton's method, to about 1e-14."""
+
+
+def branches() -> list[Row]:
+    """Return times of the branch round both folds, per orbit, and errors of the folds, ours and theirs."""
+    start = fr.periodic_orbit(DUFFING.with_parameters(omega=SWEPT[0]), (0.6, 0.0))
+    ours, found = best_of(lambda: follow(start), repeats=3), follow(start)
+    folds = [point.value for point in found.special_points if point.kind == "fold"]
+    name, count = "Duffing branch", len(found.orbits)
+    rows = [Row(f"{name}, error of folds", float(np.abs(np.array(folds) - FOLDS).max()), "rad/s")]
+    if importlib.util.find_spec("skhippr") is None:
+        return [*rows, Row(f"{name}, {count} orbits", 1e3 * ours, "ms")]
+    call = continuation(start)
+    theirs, values = best_of(call, repeats=3), call()
+    steps = np.diff(values)
+    turns = values[1 + np.flatnonzero(steps[1:] * steps[:-1] < 0.0)]
+    missed_by = float(np.abs(turns - FOLDS).max())
+    return [
+        Row(f"{name}, {count} orbits", 1e3 * ours, "ms", f"{PEER}, {len(values)}", 1e3 * theirs),
+        Row(f"{name}, an orbit of it", 1e3 * ours / count, "ms", PEER, 1e3 * theirs / len(values)),
+        *rows,
+        Row(f"{name}, that of {PEER}, which does not locate folds", missed_by, "rad/s"),
+    ]
+
+
+def follow(start: fr.PeriodicOrbit) -> fr.Branch:
+    """Return our branch, in steps about as long as theirs."""
+    return fr.follow(start, over={"omega": SWEPT}, longest=0.1)
+
+
+def continuation(start: fr.PeriodicOrbit) -> Callable[[], Floats]:
+    """Return a call of SKHiPPR's pseudo-arclength continuation, which returns the values of omega it passes."""
+    from skhippr.cycles.hbm import HBMSystem
+    from skhippr.Fourier import Fourier
+    from skhippr.odes.nonautonomous import Duffing
+    from skhippr.solvers.continuation import pseudo_arclength_continuator
+    from skhippr.solvers.newton import NewtonSolver
+    from skhippr.stability.KoopmanHillProjection import KoopmanHillSubharmonic
+
+    fourier = Fourier(N_HBM=25, L_DFT=200, n_dof=2, real_formulation=True)
+    guess = fourier.DFT(np.asarray(start(fourier.time_samples(SWEPT[0]))).T)
+
+    def call() -> Floats:
+        ode = Duffing(t=0.0, x=start.states[0], alpha=1.0, beta=1.0, delta=0.2, F=1.0, omega=SWEPT[0])
+        method = KoopmanHillSubharmonic(fourier=fourier, tol=1e-4, autonomous=False)
+        system = HBMSystem(ode, SWEPT[0], fourier, guess.copy(), stability_method=method)
+        solver, values = NewtonSolver(tolerance=1e-10, verbose=False), []
+        for point in pseudo_arclength_continuator(
+            system, solver, 0.02, (1e-4, 0.2), 1, continuation_parameter="omega", num_steps=2000
+        ):
+            values.append(float(np.squeeze(point.omega)))
+            if not 0.4 <= values[-1] <= SWEPT[1]:
+                break
+        return np.array(values)
+
+    return call
 
 
 def missed(case: Case, found: Any) -> float:

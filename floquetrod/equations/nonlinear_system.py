@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import ast
+import functools
 import inspect
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from types import MappingProxyType
+from types import CodeType, MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -24,6 +25,7 @@ from floquetrod.equations.rates import Rates
 Floats = NDArray[np.float64]
 
 _ALL_AT_ONCE = ("p", "params", "parameters")  # names of an argument that takes all parameters
+_FUNCTIONS = {name: getattr(math, name) for name in ("pi", "sqrt", "exp", "log", "sin", "cos", "tan")}
 _ALLOWED = (
     ast.Expression,
     ast.BinOp,
@@ -323,23 +325,30 @@ def _require_names(argument: str, function: Any, given: Mapping[str, float], oth
 
 def _formula(text: str, parameters: Mapping[str, float]) -> Any:
     """Return the value of a formula of parameters."""
-    known = {name: getattr(math, name) for name in ("pi", "sqrt", "exp", "log", "sin", "cos", "tan")} | dict(parameters)
+    known = _FUNCTIONS | dict(parameters)
     try:
-        tree = ast.parse(text, mode="eval")
-        names = [node.id for node in ast.walk(tree) if isinstance(node, ast.Name)]
+        code, names, is_formula = _parsed(text)
         if unknown := [name for name in names if name not in known]:
             hint = did_you_mean(unknown[0], list(known))
             raise ValueError(
                 f"period {validate.short(text)} has {validate.short(unknown[0])}, which is no parameter{hint}"
             )
-        if not all(isinstance(node, _ALLOWED) for node in ast.walk(tree)):
+        if not is_formula:
             raise SyntaxError("not a formula")
-        return eval(compile(tree, "period", "eval"), {"__builtins__": {}}, known)
+        return eval(code, {"__builtins__": {}}, known)
     except (SyntaxError, TypeError, ArithmeticError, RecursionError, MemoryError) as error:
         raise ValueError(
             f"period must be a number or a formula such as '2*pi/omega', got {validate.short(text)}: "
             f"{validate.short(str(error))}"
         ) from None
+
+
+@functools.lru_cache(64)
+def _parsed(text: str) -> tuple[CodeType, list[str], bool]:
+    """Return a formula compiled, the names in it, and whether it is one."""
+    tree = ast.parse(text, mode="eval")
+    names = [node.id for node in ast.walk(tree) if isinstance(node, ast.Name)]
+    return compile(tree, "period", "eval"), names, all(isinstance(node, _ALLOWED) for node in ast.walk(tree))
 
 
 def _is_number(value: Any) -> bool:
