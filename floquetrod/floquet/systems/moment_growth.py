@@ -1,0 +1,253 @@
+"""How fast second moments of many equations grow, without the matrix of all their moments.
+
+P' = A P + P A^T + s^2 sum_i G_i P G_i^T maps semidefinite P to such, so that the fastest growth belongs to a semidefinite
+matrix (M. G. Krein and M. A. Rutman, Amer. Math. Soc. Transl. 26 (1950)).  Over a step h noise is one kick,
+
+    P -> Phi (P + h s^2 sum_i G_i P G_i^T) Phi^T,   Phi by Magnus's series to fourth order,
+
+which errs by the fourth power of h only, as kicks that are evenly spread over a period sample it like harmonics do.
+
+In Floquet's coordinates, P = V R V^H with V the eigenvectors of the map over a period, the map of R without noise is
+diagonal, with mu_i conj(mu_j).  Noise couples most what these tell apart least: pairs of nearly equal products, among
+them all i = j, whose small eigenvalue problem is a first approximation, and with the diagonal elsewhere preconditions
+Davidson's method for the map over a period itself (E. R. Davidson, J. Comput. Phys. 17 (1975) 87).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import Any, NamedTuple, Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from floquetrod.equations import HillSystem
+
+Complex = NDArray[np.complex128]
+Floats = NDArray[np.float64]
+
+_TURN = 0.6  # radians that the fastest mode turns by in a step
+_LEAST_STEPS = 64
+_FINER = 1.5  # steps of the finer of two meshes over those of the other
+_MOST_PAIRS = 120  # whose eigenvalue problem is solved as a whole, beside the pairs i = j (a choice)
+_NEAR = 8.0  # pairs are taken whose products turn apart by less than this much of what noise couples (a choice)
+_LEAST_GAP = 1e-6  # of multipliers, in the preconditioner
+_FEW = 4  # equations up to which the map is computed as a whole
+_ROUNDS = 60
+_SETTLED = 3e-11  # part of the moments that the map changes beyond a factor, at which rounds end
+_SEMIDEFINITE = 1e-6  # most negative eigenvalue over the largest of what counts as semidefinite
+
+
+class Growth(NamedTuple):
+    """Growth rate of second moments per unit of time, and its error: twice what a coarser mesh changes, an estimate.
+
+    NaN and infinite where it was not found.
+    """
+
+    rate: float
+    error: float
+
+
+class MomentGrowth(NamedTuple):
+    """A system of the kind q'' + C q' + K(t) q = s sum_i G_i q xi_i, of which s is still open, on two meshes."""
+
+    coarse: _OnSteps
+    fine: _OnSteps
+
+    @classmethod
+    def of(cls, system: HillSystem, noise: Sequence[Floats]) -> Self:
+        """Return that of a single system of mass 1 and the matrices G_i of its sources, (n, n)."""
+        fastest = math.sqrt(float(np.abs(np.linalg.eigvalsh(system.stiffness)).max()))
+        steps = math.ceil(max(_LEAST_STEPS, fastest * float(system.period) / _TURN))
+        scale = max(fastest, 1.0 / float(system.period))
+        return cls(*(_OnSteps.of(system, noise, count, scale) for count in (steps, math.ceil(_FINER * steps))))
+
+    def __call__(self, density: float) -> Growth:
+        """Return how fast second moments grow at an intensity s, ``density`` its square."""
+        try:
+            rate, change = self.fine.growth(density)
+            other, changed = self.coarse.growth(density)
+        except np.linalg.LinAlgError:
+            return Growth(math.nan, math.inf)
+        error = 2.0 * abs(rate - other) + change + changed
+        return Growth(rate, error) if math.isfinite(error) else Growth(math.nan, math.inf)
+
+
+class _OnSteps(NamedTuple):
+    """The map over a period by equal steps.
+
+    Attributes
+    ----------
+    period : float
+    steps : ndarray (N, 2 n, 2 n)
+        Maps over the steps, of (scale q, q').
+    kicks : list of ndarray (2 n, 2 n)
+        Square root of h times the matrices of noise.
+    multipliers : ndarray (2 n,)
+    vectors, inverse : ndarray (2 n, 2 n)
+        Of the map over a period.
+    turned : ndarray (N * sources, 2 n, 2 n)
+        The kicks in Floquet's coordinates at the beginning.
+    """
+
+    period: float
+    steps: Floats
+    kicks: list[Floats]
+    multipliers: Complex
+    vectors: Complex
+    inverse: Complex
+    turned: Complex
+
+    @classmethod
+    def of(cls, system: HillSystem, noise: Sequence[Floats], count: int, scale: float) -> Self:
+        """Return it for so many steps and unknowns (scale q, q')."""
+        steps = _magnus(system, count, scale)
+        kicks = [np.zeros_like(steps[0]) for _ in noise]
+        n = system.order
+        for kick, matrix in zip(kicks, noise, strict=True):
+            kick[n:, :n] = math.sqrt(float(system.period) / count) / scale * np.asarray(matrix)
+        before = [np.eye(2 * n)]
+        for step in steps:
+            before.append(step @ before[-1])
+        multipliers, vectors = np.linalg.eig(before.pop())
+        along = np.array(before) @ vectors
+        back = np.linalg.inv(along)
+        turned = np.concatenate([back @ kick @ along for kick in kicks])
+        vectors = vectors.astype(complex)
+        every = steps, kicks, multipliers.astype(complex), vectors, np.linalg.inv(vectors), turned.astype(complex)
+        return cls(float(system.period), *every)
+
+    @property
+    def products(self) -> Complex:
+        """What the map over a period multiplies each entry of R with where there is no noise."""
+        return np.asarray(self.multipliers[:, None] * self.multipliers.conj()[None, :])
+
+    def growth(self, density: float) -> tuple[float, float]:
+        """Return the growth rate of second moments, and what the last round changed; infinite where none settled."""
+        if not density:
+            return math.log(float(np.abs(self.multipliers).max()) ** 2) / self.period, 0.0
+        near = _Near.of(self, density)
+        factor, fresh = near.factor, self._every() if len(self.vectors) <= 2 * _FEW else [self._moments(near.start)]
+        basis = images = np.zeros((0, self.vectors.size))
+        for _ in range(_ROUNDS):
+            basis = np.linalg.qr(np.concatenate([basis, fresh]).T)[0].T
+            images = np.concatenate([images, [self._over_period(each, density) for each in basis[len(images) :]]])
+            values, vectors = np.linalg.eig(basis @ images.T)
+            if len(self.vectors) <= 2 * _FEW:
+                factor = float(values.real.max())
+            nearest = int(np.abs(values - factor).argmin())  # farther ones may be of no solution
+            change, factor = abs(float(values[nearest].real) - factor), float(values[nearest].real)
+            found, excess = vectors[:, nearest].real @ basis, vectors[:, nearest].real @ (images - factor * basis)
+            if np.linalg.norm(excess) < _SETTLED * factor:
+                known = _is_semidefinite(found)
+                return math.log(factor) / self.period, change / factor / self.period if known else math.inf
+            fresh = [self._moments(near.towards(self._coefficients(excess), factor))]
+        return math.nan, math.inf
+
+    def _every(self) -> list[Floats]:
+        """Return a basis of all moments."""
+        m = len(self.vectors)
+        units = [np.zeros((m, m)) for _ in range(m * (m + 1) // 2)]
+        for unit, i, j in zip(units, *np.triu_indices(m), strict=True):
+            unit[i, j] = unit[j, i] = 1.0
+        return [unit.ravel() for unit in units]
+
+    def _moments(self, coefficients: Complex) -> Floats:
+        """Return the moments, (4 n^2,), of coefficients in Floquet's coordinates; of norm one."""
+        moments = (self.vectors @ coefficients.reshape(self.vectors.shape) @ self.vectors.conj().T).real
+        found = (moments + moments.T).ravel()
+        return np.asarray(found / np.linalg.norm(found))
+
+    def _coefficients(self, moments: Floats) -> Complex:
+        """Return moments in Floquet's coordinates."""
+        return np.asarray(self.inverse @ moments.reshape(self.inverse.shape) @ self.inverse.conj().T).ravel()
+
+    def _over_period(self, moments: Floats, density: float) -> Floats:
+        """Return moments a period later."""
+        moments = moments.reshape(self.vectors.shape)
+        for step in self.steps:
+            kicked = sum((kick @ moments @ kick.T for kick in self.kicks), np.zeros_like(moments))
+            moments = step @ (moments + density * kicked) @ step.T
+        return (0.5 * (moments + moments.T)).ravel()
+
+
+class _Near(NamedTuple):
+    """The pairs that noise couples most, and the map over a period among them.
+
+    Attributes
+    ----------
+    products : ndarray (4 n^2,)
+        Diagonal of the map without noise.
+    pairs : ndarray (k,)
+        Their places.
+    values, vectors, inverse : ndarray (k,), (k, k)
+        Eigenvalues of the map among them, its eigenvectors and the inverse of their matrix.
+    start : ndarray (4 n^2,)
+        That of the largest value.
+    factor : float
+        This value.
+    """
+
+    products: Complex
+    pairs: Any
+    values: Complex
+    vectors: Complex
+    inverse: Complex
+    start: Complex
+    factor: float
+
+    @classmethod
+    def of(cls, steps: _OnSteps, density: float) -> Self:
+        """Return them for an intensity."""
+        m, turned = len(steps.multipliers), steps.turned
+        logarithms = np.log(steps.products)
+        reach = _NEAR * density * float(np.square(np.abs(turned)).sum(0).max())
+        apart = np.abs(logarithms.imag).ravel()
+        apart[:: m + 1] = -1.0
+        pairs = np.argsort(apart, kind="stable")[: max(m, min(m + _MOST_PAIRS, int((apart < reach).sum())))]
+        i, j = np.unravel_index(pairs, (m, m))
+        within = np.diag(logarithms[i, j])
+        for kick in turned:
+            within += density * kick[np.ix_(i, i)] * kick[np.ix_(j, j)].conj()
+        values, vectors = np.linalg.eig(within)
+        largest = int(values.real.argmax())
+        start = np.zeros(m * m, dtype=complex)
+        start[pairs] = vectors[:, largest] / vectors[:m, largest].sum()  # the first pairs are the diagonal
+        factor = math.exp(values[largest].real)
+        return cls(steps.products.ravel(), pairs, np.exp(values), vectors, np.linalg.inv(vectors), start, factor)
+
+    def towards(self, excess: Complex, factor: float) -> Complex:
+        """Return the direction in which to look for moments, given what the map makes of some beyond a factor."""
+        found = excess / _away(self.products - factor)
+        found[self.pairs] = self.vectors @ ((self.inverse @ excess[self.pairs]) / _away(self.values - factor))
+        return np.asarray(found)
+
+
+def _away(gaps: Complex) -> Complex:
+    """Return gaps, those next to zero a little larger."""
+    return np.asarray(np.where(np.abs(gaps) > _LEAST_GAP, gaps, _LEAST_GAP))
+
+
+def _magnus(system: HillSystem, count: int, scale: float) -> Floats:
+    """Return the maps over equal steps of a period, (count, 2 n, 2 n), of (scale q, q')."""
+    from scipy.linalg import expm
+
+    n, step = system.order, float(system.period) / count
+    places = np.arange(count)[:, None] + 0.5 + np.array([-1.0, 1.0]) * math.sqrt(3.0) / 6.0
+    rates = np.zeros((2 * count, 2 * n, 2 * n))
+    rates[:, :n, n:] = scale * np.eye(n)
+    rates[:, n:, :n] = -system.coefficient(places.ravel() * step) / scale
+    for friction in (system.damping, system.gyroscopic):
+        if friction is not None:
+            rates[:, n:, n:] -= friction
+    one, other = rates[::2], rates[1::2]
+    return np.asarray(expm(0.5 * step * (one + other) + math.sqrt(3.0) / 12.0 * step**2 * (other @ one - one @ other)))
+
+
+def _is_semidefinite(moments: Floats) -> bool:
+    """Return whether a symmetric matrix is semidefinite, up to its sign: then it is the one that grows fastest."""
+    n = math.isqrt(len(moments))
+    values = np.linalg.eigvalsh(moments.reshape(n, n))
+    least, most = sorted((float(values[0]), float(values[-1])), key=abs)
+    return least * math.copysign(1.0, most) > -_SEMIDEFINITE * abs(most)
