@@ -36,7 +36,7 @@ _LEAST_GAP = 1e-6  # of multipliers, in the preconditioner
 _FEW = 4  # equations up to which the map is computed as a whole
 _ROUNDS = 60
 _SETTLED = 3e-11  # part of the moments that the map changes beyond a factor, at which rounds end
-_SEMIDEFINITE = 1e-6  # most negative eigenvalue over the largest of what counts as semidefinite
+_SEMIDEFINITE = 1e-6  # share of negative eigenvalues in what counts as semidefinite
 
 
 class Growth(NamedTuple):
@@ -127,20 +127,17 @@ class _OnSteps(NamedTuple):
         """Return the growth rate of second moments, and what the last round changed; infinite where none settled."""
         if not density:
             return math.log(float(np.abs(self.multipliers).max()) ** 2) / self.period, 0.0
-        near = _Near.of(self, density)
-        factor, fresh = near.factor, self._every() if len(self.vectors) <= 2 * _FEW else [self._moments(near.start)]
+        near, factor = _Near.of(self, density), math.nan
+        fresh = self._every() if len(self.vectors) <= 2 * _FEW else [self._moments(near.start)]
         basis = images = np.zeros((0, self.vectors.size))
         for _ in range(_ROUNDS):
             basis = np.linalg.qr(np.concatenate([basis, fresh]).T)[0].T
             images = np.concatenate([images, [self._over_period(each, density) for each in basis[len(images) :]]])
-            values, vectors = np.linalg.eig(basis @ images.T)
-            if len(self.vectors) <= 2 * _FEW:
-                factor = float(values.real.max())
-            nearest = int(np.abs(values - factor).argmin())  # farther ones may be of no solution
-            change, factor = abs(float(values[nearest].real) - factor), float(values[nearest].real)
-            found, excess = vectors[:, nearest].real @ basis, vectors[:, nearest].real @ (images - factor * basis)
+            value, vector = _most_positive(basis, basis @ images.T)
+            change, factor = 0.0 if math.isnan(factor) else abs(value - factor), value
+            found, excess = vector @ basis, vector @ (images - factor * basis)
             if np.linalg.norm(excess) < _SETTLED * factor:
-                known = _is_semidefinite(found)
+                known = _positivity(found) > 1.0 - _SEMIDEFINITE
                 return math.log(factor) / self.period, change / factor / self.period if known else math.inf
             fresh = [self._moments(near.towards(self._coefficients(excess), factor))]
         return math.nan, math.inf
@@ -185,8 +182,6 @@ class _Near(NamedTuple):
         Eigenvalues of the map among them, its eigenvectors and the inverse of their matrix.
     start : ndarray (4 n^2,)
         That of the largest value.
-    factor : float
-        This value.
     """
 
     products: Complex
@@ -195,7 +190,6 @@ class _Near(NamedTuple):
     vectors: Complex
     inverse: Complex
     start: Complex
-    factor: float
 
     @classmethod
     def of(cls, steps: _OnSteps, density: float) -> Self:
@@ -214,8 +208,7 @@ class _Near(NamedTuple):
         largest = int(values.real.argmax())
         start = np.zeros(m * m, dtype=complex)
         start[pairs] = vectors[:, largest] / vectors[:m, largest].sum()  # the first pairs are the diagonal
-        factor = math.exp(values[largest].real)
-        return cls(steps.products.ravel(), pairs, np.exp(values), vectors, np.linalg.inv(vectors), start, factor)
+        return cls(steps.products.ravel(), pairs, np.exp(values), vectors, np.linalg.inv(vectors), start)
 
     def towards(self, excess: Complex, factor: float) -> Complex:
         """Return the direction in which to look for moments, given what the map makes of some beyond a factor."""
@@ -245,9 +238,22 @@ def _magnus(system: HillSystem, count: int, scale: float) -> Floats:
     return np.asarray(expm(0.5 * step * (one + other) + math.sqrt(3.0) / 12.0 * step**2 * (other @ one - one @ other)))
 
 
-def _is_semidefinite(moments: Floats) -> bool:
-    """Return whether a symmetric matrix is semidefinite, up to its sign: then it is the one that grows fastest."""
+def _most_positive(basis: Floats, within: Floats) -> tuple[float, Floats]:
+    """Return the eigenvalue and the eigenvector of a map within a space whose moments are nearest to semidefinite.
+
+    Others may be of no solution, and larger.  Of several that are semidefinite it is the largest.
+    """
+    values, vectors = np.linalg.eig(within)
+    real = np.flatnonzero(np.abs(values.imag) <= 1e-12 * np.abs(values))
+    real = real if real.size else np.arange(len(values))
+    positivity = np.array([_positivity(vectors[:, i].real @ basis) for i in real])
+    order = np.where(positivity > 1.0 - _SEMIDEFINITE, 1.0 + np.maximum(values.real[real], 0.0), positivity)
+    best = real[int(order.argmax())]
+    return float(values[best].real), np.asarray(vectors[:, best].real)
+
+
+def _positivity(moments: Floats) -> float:
+    """Return 1 for a symmetric matrix that is semidefinite, up to its sign, less for others."""
     n = math.isqrt(len(moments))
     values = np.linalg.eigvalsh(moments.reshape(n, n))
-    least, most = sorted((float(values[0]), float(values[-1])), key=abs)
-    return least * math.copysign(1.0, most) > -_SEMIDEFINITE * abs(most)
+    return float(abs(values.sum()) / np.abs(values).sum())
