@@ -34,6 +34,7 @@ extensions = [
     "command_pages",
     "executed",
     "formulas",
+    "parameters",
     "search_excerpts",
 ]
 exclude_patterns = ["_build", "gallery/*.ipynb"]  # the gallery offers its notebooks for download

@@ -363,6 +363,38 @@ def test_parameters_and_fields_have_an_entry_each() -> None:
     assert len(found) > 500
 
 
+def test_reference_has_one_entry_for_every_parameter_of_a_rod_and_of_friction() -> None:
+    """Those without an entry of their own have that of the docstring referred to, or one that many share."""
+    page = runpy.run_path(str(DOCS / "parameters.py"))
+    lacking, used = [], set()
+    for name, thing in referred():
+        if inspect.isclass(thing):
+            continue
+        found = page["own"](page["parted"](page["filled"](name, thing, inspect.getdoc(thing)))[1])
+        for each in page["parameters"](thing):
+            entry = page["shared"](name, each)
+            used |= {(entry[1], each.name)} if entry and entry[1] == "\n".join(found[each.name][1:]) else set()
+            lacking += [(name, each.name)] if each.name not in found else []
+    assert [each for each in lacking if each[0].startswith(("floquetrod.Rod.", "floquetrod.friction."))] == []
+    assert len(lacking) < 120
+    assert {name for entries in page["SHARED"].values() for name in entries} <= {name for _, name in used}
+
+
+def test_defaults_and_entries_of_other_docstrings_are_shown() -> None:
+    page = runpy.run_path(str(DOCS / "parameters.py"))
+
+    def section(thing: Any, place: str) -> str:
+        return page["parted"](page["filled"](place, thing, inspect.getdoc(thing)))[1]
+
+    kicks = section(fr.friction.escapes, "floquetrod.friction.escapes")
+    assert "max_steps : int, default 500000\n    Steps" in kicks
+    forces = section(fr.Rod.stable_amplitudes, "floquetrod.Rod.stable_amplitudes")
+    assert "bounds : tuple of float, optional\n    Amplitudes" in forces
+    assert "growth_tolerance : float\n" in forces
+    examples = page["filled"]("floquetrod.Rod.verdicts", fr.Rod.verdicts, inspect.getdoc(fr.Rod.verdicts))
+    assert "Examples\n--------\n>>> Rod" in examples
+
+
 def lost_names(text: str) -> list[str]:
     """Return names of the package, of members of its classes and of files that a page mentions and nobody finds."""
     lost = []

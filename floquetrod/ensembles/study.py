@@ -177,7 +177,8 @@ class Study:
     ) -> Any:
         """Return what `floquetrod.ensemble` does for this study, whose options these are.
 
-        Where ``layout``, ``samples``, ``seed`` and ``frames`` are None they are those of the file.
+        Where ``layout``, ``samples``, ``seed`` and ``frames`` are None they are those of the file.  Other arguments
+        as in `ensemble`.
 
         Raises what it does; ValueError names file and table where what the file says is the cause.
         """

@@ -31,8 +31,18 @@ def leapfrog_escapes(
     """Return what the paper's test says: whether abs(A) / kick reaches ``limit`` after 100 periods of leapfrog.
 
     Kick, drift, kick; friction is an impulse that stops a motion without turning it, so that it sticks.  Motions that
-    grow more slowly than ln(limit) over the time followed count as stable.  gamma must be positive; other arguments
-    as in `fates`.
+    grow more slowly than ln(limit) over the time followed count as stable.  Other arguments as in `fates`.
+
+    Parameters
+    ----------
+    gamma : array_like
+        Friction force over inertia, greater than 0.
+    periods : int
+        Periods 2 pi that are followed, 1 or more.
+    step : float
+        Step of tau, 1e-6 to 0.5.
+    limit : float
+        Growth abs(A) / kick from which a motion counts as escaped, greater than 0.
 
     Examples
     --------

@@ -77,6 +77,11 @@ def escape_ranges(
     every change of fate between neighbours is bisected to 1e-10.  The edges may be fractal: more samples then show
     more and narrower ranges.
 
+    Parameters
+    ----------
+    samples : int
+        Kicks that are followed, 2 or more.
+
     Examples
     --------
     >>> escape_ranges(FrictionalMathieu(alpha=0.0, beta=0.25, gamma=1.0))

@@ -58,6 +58,11 @@ def trajectory(equation: FrictionalMathieu, kick: float, *, periods: int = 20) -
 
     It ends early where it would exceed the range of a double.
 
+    Parameters
+    ----------
+    periods : int
+        Periods 2 pi of the coefficient that are followed, 1 or more.
+
     Examples
     --------
     >>> motion = trajectory(FrictionalMathieu(alpha=0.0, beta=0.25, gamma=1.0), 1.9)

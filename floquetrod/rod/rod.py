@@ -486,11 +486,16 @@ class Rod(RodData):
         like: AnyLoad | None = None,
         progress: Progress | None = None,
     ) -> StabilityIntervals:
-        """Return all stability intervals of the amplitude within ``bounds`` (N; by default 0 to one critical force).
+        """Return all stability intervals of the amplitude.
 
         Complete for independent modes that the mean force alone would buckle.  For others growth need not be concave in
         the amplitude: with damping or tolerance unstable parts narrower than the ``resolution`` of the result may be
-        missed (docs/theory/ranges.md).  See `stable_mean_forces` for the other arguments.
+        missed (docs/theory/ranges.md).  Other arguments as in `stable_mean_forces`.
+
+        Parameters
+        ----------
+        bounds : tuple of float, optional
+            Amplitudes between which to search, (low, high) in N; by default from 0 to one critical force.
         """
         from floquetrod.rod.ranges import stable_values
 
@@ -507,11 +512,16 @@ class Rod(RodData):
         like: AnyLoad | None = None,
         progress: Progress | None = None,
     ) -> StabilityIntervals:
-        """Return all stability intervals of the frequency within ``bounds`` (rad/s).
+        """Return all stability intervals of the frequency.
 
         Complete where modes are independent, with damping and tolerance too: as 1 / omega^2 grows eigenvalues pass zero
         in one direction only, so that counting finds every tongue, and inside one the growth per period is concave in
-        1 / omega^2 (docs/theory/ranges.md).  See `stable_mean_forces` for the other arguments.
+        1 / omega^2 (docs/theory/ranges.md).  Other arguments as in `stable_mean_forces`.
+
+        Parameters
+        ----------
+        bounds : tuple of float
+            Frequencies between which to search, (low, high) in rad/s, the first greater than 0.
         """
         from floquetrod.rod.ranges import stable_values
 
