@@ -432,7 +432,11 @@ def test_columns_are_chosen_by_heading_and_empty_cells_left_out(tmp_path: Path) 
         (b"time,force\n1_0,2.0\n", {}, "line 2: time must be a number, got '1_0'"),
         (b"time,force\n2024-05-01 12:00,2.0\n", {}, "line 2: time must be a number"),
         (b'a,b\n"1,2\n', {}, "line 2 cannot be read"),
-        (b"a,b,c\n1,2,3\n", {}, "time must be a heading of one column, and none of them says time; the headings are 'a', 'b', 'c'"),
+        (
+            b"a,b,c\n1,2,3\n",
+            {},
+            "time must be a heading of one column, and none of them says time; the headings are 'a', 'b', 'c'",
+        ),
         (b"1,2,3\n", {}, "time must be a column from 0 to 2"),
         (b"1,2\n", {"time": "t"}, "time must be the number of a column"),
         (b"1,2\n", {"force": 2}, "force must be a column from 0 to 1, got 2"),

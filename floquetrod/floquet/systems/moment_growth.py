@@ -1,6 +1,6 @@
 """How fast second moments of many equations grow, without the matrix of all their moments.
 
-P' = A P + P A^T + s^2 sum_i G_i P G_i^T maps semidefinite P to such, so that the fastest growth belongs to a semidefinite
+P' = A P + P A^T + s^2 sum_i G_i P G_i^T maps semidefinite P to such: the fastest growth belongs to a semidefinite
 matrix (M. G. Krein and M. A. Rutman, Amer. Math. Soc. Transl. 26 (1950)).  Over a step h noise is one kick,
 
     P -> Phi (P + h s^2 sum_i G_i P G_i^T) Phi^T,   Phi by Magnus's series to fourth order,
