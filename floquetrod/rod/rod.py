@@ -21,7 +21,7 @@ from floquetrod.rod.loads.load import (
     kind,
     require_load,
 )
-from floquetrod.rod.mode_equations.coupling import coupling
+from floquetrod.rod.mode_equations.coupling import WAVEFORM, coupling
 from floquetrod.rod.mode_equations.modal_systems import ModalSystem, ModalSystems
 from floquetrod.rod.model.constants import SLOW_GROWTH
 from floquetrod.rod.model.data import RodData
@@ -145,13 +145,21 @@ class Rod(RodData):
         ('CoupledModel', ('clamped ends',))
         """
         like = kind(like)
-        if not coupling(self, like) and not like.noise:
+        coupled = coupling(self, like)
+        if not coupled and not like.noise:
             return IndependentModel(self, like)
         # Loaded where they are needed: a rod with hinged ends under a sine answers without.
-        from floquetrod.rod.modes.coupled import CoupledModel
-        from floquetrod.rod.modes.noisy import NoisyModel
+        if not like.noise:
+            from floquetrod.rod.modes.coupled import CoupledModel
 
-        return NoisyModel(self, like) if like.noise else CoupledModel(self, like)
+            return CoupledModel(self, like)
+        if set(coupled) <= {WAVEFORM}:
+            from floquetrod.rod.modes.noisy import NoisyModel
+
+            return NoisyModel(self, like)
+        from floquetrod.rod.modes.noisy_together import NoisyTogetherModel
+
+        return NoisyTogetherModel(self, like)
 
     def modal_system(self, load: AnyLoad, modes: Iterable[int] | None = None) -> ModalSystem | HillSystem:
         """Return the equations of the rod's modes under a load.
@@ -825,7 +833,8 @@ class Rod(RodData):
         """Return by which factor the noise of a load may be multiplied with the rod still stable in mean square.
 
         Of noise 1 that is the largest density in N^2/Hz.  It is found to 1e-10, between a factor at which the verdict
-        is stable and one at which it is not; infinite where no change is found.
+        is stable and one at which it is not; infinite where no change is found.  Where modes are coupled it is that of
+        the modes a verdict takes, and of a density that depends on the frequency a lower bound.
 
         Parameters
         ----------
@@ -849,10 +858,11 @@ class Rod(RodData):
         >>> round(rod.critical_noise(fr.AxialLoad(-1.0, 0.0, 150.0, noise=1.0)) / bound, 6)
         1.0
         """
-        from floquetrod.rod.modes.noisy_search import critical_noise
-
-        found = require_load("load", load)
-        return critical_noise(self.modes_under(found), found, growth_tolerance)
+        found, tolerance = require_load("load", load), validate.tolerance("growth_tolerance", growth_tolerance)
+        if not found.noise:
+            raise validate.wrong_value("load", "must have noise, such as noise=1.0, to be asked how much it bears")
+        model: Any = self.modes_under(found)
+        return float(model.critical_noise(found, tolerance))
 
     # --- proofs ---
 

@@ -208,6 +208,16 @@ class CoupledModes(CoupledEquations):
         """Return (1 / m L^2) int F phi_i' phi_j' for a force in N at the nodes."""
         return self.basis.coupling(force) * float(self.constants.per_newton / math.pi**2)
 
+    def softening(self, mean: float) -> Floats:
+        """Return what a newton of compression, uniform along the rod, takes from the stiffness, in 1/(N s^2).
+
+        In a channel that bends it presses the string on its wall, too, by what holds next to a mean force.
+        """
+        taken = self._static[1]
+        if self.rod.course.is_straight:
+            return taken
+        return np.asarray(taken - self.basis.pressing(self._wall.per_newton * self._lying(mean).bend))
+
     def _vibration(self, frequency: float) -> NDArray[np.float64]:
         """Return cosine and sine matrices of every harmonic for an amplitude of one newton, (2, H, n, n)."""
         along = self.rod.wave_speed, self.rod.length

@@ -18,19 +18,17 @@ from floquetrod.floquet.verdict import tolerated
 from floquetrod.rod.answers.intervals import FoundIntervals, Search, StabilityInterval, UnstableBand
 from floquetrod.rod.answers.verdict import RodStability
 from floquetrod.rod.loads.load import Load, Loads, noise_in_words
-from floquetrod.rod.mode_equations.coupling import WAVEFORM, coupling
 from floquetrod.rod.mode_equations.noisy_modes import NoisyModes
 from floquetrod.rod.model.constants import mode_constants
 from floquetrod.rod.model.contact import constants_under, require_on_wall
 from floquetrod.rod.modes.mode_model import Answers, ModeModel, Statuses
-from floquetrod.rod.modes.noisy_search import damping_required, edge, stable_at
+from floquetrod.rod.modes.noisy_search import critical_noise, damping_required, edge, stable_at
 
 if TYPE_CHECKING:
     from floquetrod.floquet.proof.region import RegionProof
     from floquetrod.rod.mode_equations.coupled_systems import CoupledEquations
 
 _AT_ONCE = 1 << 17  # modes under loads that are judged at once (a choice)
-_SAMPLES = 257  # of a search between bounds (a choice)
 _CLOSER = 17  # places in a band at which growth is looked at (a choice)
 
 
@@ -42,11 +40,9 @@ class NoisyModel(ModeModel):
     """
 
     loads_at_once: ClassVar[int | None] = 2000
+    samples: ClassVar[int] = 257
+    """Places between the bounds of a search."""
     damping_found: ClassVar[str] = "that of the load whose growth in mean square is worst"
-
-    def __post_init__(self) -> None:
-        """Refuse modes that are coupled."""
-        _require_independent(coupling(self.rod, self.like), self.like)
 
     @property
     def coupling(self) -> tuple[str, ...]:
@@ -206,13 +202,13 @@ class NoisyModel(ModeModel):
     def ranges(self, search: Search, progress: Progress | None) -> FoundIntervals:
         """Return the stability intervals of one quantity of the load, sampled; ``resolution`` is their distance."""
         self.require_on_wall(search)
-        places = np.linspace(*search.bounds, _SAMPLES)
+        places = np.linspace(*search.bounds, self.samples)
         stable = stable_at(self, search, places, progress)
         runs = np.flatnonzero(np.diff(np.concatenate([[False], stable, [False]]).astype(np.int8)))
         found = []
         for first, after in zip(runs[::2].tolist(), runs[1::2].tolist(), strict=True):
             low = search.bounds[0] if first == 0 else edge(self, search, places[first], places[first - 1])
-            ends = after == _SAMPLES
+            ends = after == self.samples
             high = search.bounds[1] if ends else edge(self, search, places[after - 1], places[after])
             found.append(StabilityInterval(low, high, None if first == 0 else "unnamed", None if ends else "unnamed"))
         modes = self.count_for(Loads.along(search.load, search.varied, places), search.growth_tolerance)
@@ -221,7 +217,7 @@ class NoisyModel(ModeModel):
     def first_unstable(self, search: Search, progress: Progress | None = None) -> float:
         """Return where a quantity that grows from zero first meets growth; infinite without any."""
         self.require_on_wall(search)
-        places = np.linspace(*search.bounds, _SAMPLES)
+        places = np.linspace(*search.bounds, self.samples)
         stable = stable_at(self, search, places, progress)
         unstable = np.flatnonzero(~stable)
         if not unstable.size:
@@ -239,11 +235,19 @@ class NoisyModel(ModeModel):
             growth = model.answers(Loads.along(search.load, search.varied, places)).growth
             worst = int(np.nan_to_num(growth).argmax())
             at = float(places[worst])
-            damping = damping_required(model, search.load.varied(search.varied, at), search.growth_tolerance)
+            damping = model.damping_required(search.load.varied(search.varied, at), search.growth_tolerance)
             found.append(UnstableBand(low, high, float(np.nan_to_num(growth)[worst]), at, "unnamed", damping))
             if progress is not None:
                 progress(done, len(bands))
         return tuple(found)
+
+    def damping_required(self, load: Load, growth_tolerance: float) -> float:
+        """Return the least damping rate in 1/s above which a load is stable in mean square, as far as tried."""
+        return damping_required(self, load, growth_tolerance)
+
+    def critical_noise(self, load: Load, growth_tolerance: float) -> float:
+        """Return the largest factor of the noise of a load at which it is stable in mean square, to 1e-10."""
+        return critical_noise(self, load, growth_tolerance)
 
     def certify(
         self,
@@ -271,20 +275,6 @@ def _together(status: Statuses, growth: Floats, growth_tolerance: float, left_ou
     if left_out > growth_tolerance:
         together[together == STABLE] = UNDECIDED
     return together, growth.max(axis=1)
-
-
-def _require_independent(coupled: tuple[str, ...], load: Load) -> None:
-    """Raise ValueError for noise on modes that are coupled."""
-    if rest := [name for name in coupled if name != WAVEFORM]:
-        neglected = ("; ", Mention("mean_at", "mean_at=None", "none"), " neglects the weight along the rod")
-        raise wrong_value(
-            "noise",
-            f"is judged where modes are independent, those of hinged ends in a uniform channel, got {', '.join(rest)}",
-            *(neglected if "weight along the rod" in rest else ()),
-            "; give ",
-            Mention("noise", "noise=0", "0"),
-            " or the system of a few modes to second_moments",
-        )
 
 
 def refusal(name: str, load: Load) -> ValueError:

@@ -7,7 +7,6 @@ from dataclasses import replace
 
 import numpy as np
 
-from floquetrod._util import validate
 from floquetrod._util.arguments import wrong_value
 from floquetrod._util.arrays import Bools, Floats
 from floquetrod._util.progress import Progress
@@ -85,12 +84,9 @@ def damping_required(model: ModeModel, load: Load, growth_tolerance: float) -> f
 
 def critical_noise(model: ModeModel, load: Load, growth_tolerance: float) -> float:
     """Return the largest factor of the noise of a load at which it is stable in mean square, to 1e-10."""
-    if not load.noise:
-        raise wrong_value("load", "must have noise, such as noise=1.0, to be asked how much it bears")
-    tolerance = validate.tolerance("growth_tolerance", growth_tolerance)
 
     def is_stable(factor: float) -> bool:
-        return is_stable_under(model, replace(load, noise=louder(load.noise, factor)), tolerance)
+        return is_stable_under(model, replace(load, noise=louder(load.noise, factor)), growth_tolerance)
 
     constants = mode_constants(model.rod)
     loudest = largest_density(load.noise, 0.0)

@@ -1,0 +1,427 @@
+"""Coupled modes under a force that is partly random: verdicts in mean square, from the second moments of all together.
+
+One random force acts on all modes, q'' + 2 c q' + K(t) q = s B q xi, where a newton of compression takes B from the
+stiffness and s^2 is half its one-sided density.  Where that depends on the frequency, sums and differences of the modes'
+frequencies matter: the largest density of all then bounds the growth from above, none at all from below, as more noise
+always means more growth.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from dataclasses import dataclass, field, replace
+from typing import Any, ClassVar, NamedTuple, NoReturn
+
+import numpy as np
+
+from floquetrod._util.arguments import wrong_value
+from floquetrod._util.progress import Progress
+from floquetrod._util.report import number
+from floquetrod.floquet.references import references
+from floquetrod.floquet.systems.damping import least_damping
+from floquetrod.floquet.systems.many import STABLE, UNDECIDED, UNSTABLE
+from floquetrod.floquet.systems.moment_growth import Growth, MomentGrowth
+from floquetrod.floquet.systems.result import Resonance
+from floquetrod.floquet.verdict import Cost, Status
+from floquetrod.rod.answers.margins import Edge
+from floquetrod.rod.answers.verdict import Evidence, RodStability
+from floquetrod.rod.loads.load import Load, Loads, Quantity, largest_density
+from floquetrod.rod.mode_equations.coupled_matrices import CoupledModes
+from floquetrod.rod.model.assumptions import assumptions
+from floquetrod.rod.model.constants import mode_constants
+from floquetrod.rod.model.contact import require_on_wall, up_to_wall
+from floquetrod.rod.modes.coupled import CoupledModel, chosen_count
+from floquetrod.rod.modes.mode_model import Answers
+from floquetrod.rod.modes.noisy import NoisyModel, refusal
+
+_LEFT_OUT = 5.0  # error over the change from 5/6 of the modes, as of modes without noise
+_ENLARGEMENTS = 3  # times that more modes are taken while two numbers of them disagree (a choice)
+_MOST_NUMBERS = 1 << 24  # of all steps of a period: half a gigabyte
+_STILL = 0.1  # frequency over that of the fastest mode at which a force without vibration is looked at
+_PLACES = 17  # at most, of a search for a margin (a choice)
+_SECONDS = 0.3  # about what a verdict takes
+_HALVINGS = 20  # of a search for a margin
+
+_ASSUMED = (
+    "growth is that of second moments, twice that of amplitudes: the verdict is in mean square",
+    "one random force acts on all modes, as white noise of its density, where that varies of its largest",
+)
+
+
+@dataclass(frozen=True)
+class NoisyTogetherModel(NoisyModel):
+    """Coupled modes under a force that has noise."""
+
+    loads_at_once: ClassVar[int | None] = 50  # some seconds
+    samples: ClassVar[int] = 65
+
+    @property
+    def quiet(self) -> CoupledModel:
+        """The modes without noise."""
+        return CoupledModel(self.rod, replace(self.like, noise=0.0))
+
+    def modes_needed(self, load: Load, growth_tolerance: float) -> tuple[int, float]:
+        """Return how many modes to take, and the growth in 1/s that all others are expected not to exceed."""
+        return self.quiet.modes_needed(load, growth_tolerance)
+
+    def count_for(self, loads: Loads, growth_tolerance: float) -> int:
+        """Return how many modes serve all of some loads."""
+        return self.quiet.count_for(loads, growth_tolerance)
+
+    def in_modes(self, count: int) -> Any:
+        """Return the first modes as systems of equations without noise."""
+        return self.quiet.in_modes(count)
+
+    def told_apart(self, modes: Iterable[int]) -> tuple[int, ...]:
+        """Return none: all share one growth."""
+        return ()
+
+    def density(self) -> float:
+        """Return the density in N^2/Hz of white noise that makes everything grow as fast at least."""
+        return largest_density(self.like.noise, 0.0)
+
+    def trial(self, load: Load, count: int) -> Trial:
+        """Return what is known of the first modes under a load."""
+        return Trial.of(self.in_modes(count), replace(load, noise=0.0))
+
+    # --- verdicts ---
+
+    def verdict(
+        self,
+        load: Load,
+        modes: Iterable[int] | None = None,
+        growth_tolerance: float = 0.0,
+        progress: Progress | None = None,
+    ) -> RodStability:
+        """Return the verdict in mean square under one load, with as many modes as two numbers of them agree upon."""
+        require_on_wall(self.rod, load)
+        count = None if modes is None else chosen_count(modes)
+        return _classified(self.under(load), load, count, growth_tolerance, progress)
+
+    def answers(
+        self,
+        loads: Loads,
+        growth_tolerance: float = 0.0,
+        workers: int | None = None,
+        progress: Progress | None = None,
+    ) -> Answers:
+        """Return status, growth of second moments in 1/s, and -1 where something grows, one load after another."""
+        quiet = self.quiet.answers(loads, 0.5 * growth_tolerance, workers)
+        status, growth = quiet.status.copy(), 2.0 * quiet.growth
+        for i in np.flatnonzero(status == STABLE).tolist():
+            load = self.like.with_numbers(*(float(values[i]) for values in loads.flat))
+            trial = self.trial(load, self.count_for(Loads.single(load), growth_tolerance))
+            found = trial.growth(self.density())
+            judged, _ = _judged(self, load, found, trial.growth(0.0), growth_tolerance)
+            status[i] = {"stable": STABLE, "unstable": UNSTABLE}.get(judged, UNDECIDED)
+            growth[i] = max(0.0, found.rate, self.growth_beyond(load))
+            if progress is not None:
+                progress(i + 1, loads.size)
+        return Answers(status, growth, np.where(growth > 0.0, -1, 0))
+
+    def growth_of_modes(self, load: Load, modes: Iterable[int]) -> tuple[float, ...]:
+        """Return the growth of second moments in 1/s, which coupled modes share."""
+        return (self.verdict(load).growth_rate,) * len(tuple(modes))
+
+    # --- searches ---
+
+    def damping_required(self, load: Load, growth_tolerance: float) -> float:
+        """Return the damping rate in 1/s at which second moments no longer grow faster than a tolerance."""
+        count = self.count_for(Loads.single(load), growth_tolerance)
+        modes, quiet = self.in_modes(count), replace(load, noise=0.0)
+        if float(np.linalg.eigvalsh(modes.system(Loads.single(quiet)).stiffness)[0]) <= 0.0:
+            return math.inf
+        constants = mode_constants(self.rod)
+        beyond = 0.0
+        if not isinstance(load.noise, tuple):  # all high modes grow at their share of the density
+            beyond = max(0.0, 0.125 * load.noise * constants.per_newton**2 / constants.bending - 0.5 * growth_tolerance)
+
+        def excess(rate: float) -> float:
+            found = Trial.of(modes.damped(rate), quiet).growth(largest_density(load.noise, 0.0)).rate
+            return -1.0 if math.isnan(found) else found - growth_tolerance
+
+        start = max(beyond, 0.5 * self.rod.damping_rate, 1e-6 * load.frequency)
+        return max(beyond, least_damping(excess, start, load.frequency))
+
+    def critical_noise(self, load: Load, growth_tolerance: float) -> float:
+        """Return the largest factor of the noise of a load at which it is stable in mean square, to 1e-10.
+
+        With as many modes as a verdict takes, and what high modes bear.
+        """
+        from scipy.optimize import brentq
+
+        require_on_wall(self.rod, load)
+        under = self.under(load)
+        trial = under.trial(load, _counted(under, load, growth_tolerance)[-1].count)
+        loudest, constants = under.density(), mode_constants(self.rod)
+
+        def excess(factor: float) -> float:
+            found = trial.growth(factor * loudest)
+            if math.isnan(found.rate):
+                raise wrong_value("load", "must be one whose second moments can be computed, got one where they cannot")
+            return found.rate - growth_tolerance
+
+        if not excess(0.0) < 0.0:
+            raise wrong_value("load", "must be stable without noise to bear any, got one that is not")
+        high_modes = (8.0 * self.rod.damping_rate + 4.0 * growth_tolerance) * constants.bending / constants.per_newton**2
+        high = high_modes / loudest
+        if excess(high) < 0.0:
+            if not isinstance(load.noise, tuple):
+                return float(high)
+            while excess(high) < 0.0:
+                high *= 4.0
+        return float(brentq(excess, 0.0, high, xtol=1e-13 * high, rtol=1e-12))
+
+    def certify(self, *given: Any) -> NoReturn:
+        """Raise ValueError: proofs under noise are of independent modes."""
+        raise refusal("certify", self.like)
+
+
+class Trial(NamedTuple):
+    """So many modes under one load.
+
+    Attributes
+    ----------
+    count : int
+    moments : MomentGrowth
+        Of intensities per newton.
+    """
+
+    count: int
+    moments: MomentGrowth
+
+    @classmethod
+    def of(cls, modes: CoupledModes, load: Load) -> Trial:
+        """Return them; ValueError where a period takes too many steps."""
+        at = Loads.single(load)
+        system = modes.system(at)
+        fastest = math.sqrt(float(np.abs(np.linalg.eigvalsh(system.stiffness)).max()))
+        if load.amplitude == 0.0:
+            system = replace(system, period=2.0 * math.pi / (_STILL * fastest))
+        steps = fastest * float(system.period)
+        if (steps + 64.0) * (2 * system.order) ** 2 > 0.2 * _MOST_NUMBERS:
+            raise wrong_value(
+                "load",
+                f"needs {modes.count} coupled modes, the fastest of which turns {steps / 2.0 / math.pi:,.0f} times in a "
+                "period: too many for their second moments; choose fewer modes, a shorter rod or a higher frequency",
+            )
+        return cls(modes.count, MomentGrowth.of(system, [modes.softening(load.mean)]))
+
+    def growth(self, density: float) -> Growth:
+        """Return the growth of second moments in 1/s under a one-sided density in N^2/Hz."""
+        return self.moments(0.5 * density)
+
+
+@dataclass(frozen=True)
+class NoisyTogether(Evidence):
+    """Coupled modes under noise, as many as two numbers of them agree upon.
+
+    Attributes
+    ----------
+    model : ModeModel
+    convergence : tuple of (int, float)
+        Numbers of modes and the growth rate of second moments in 1/s with each, negative where they decay.
+    """
+
+    kind: ClassVar[str] = "coupled modes under noise"
+
+    model: NoisyTogetherModel = field(compare=False)
+    convergence: tuple[tuple[int, float], ...]
+
+    @property
+    def load(self) -> Load:
+        """The load."""
+        return self.model.like
+
+    @property
+    def modes(self) -> tuple[int, ...]:
+        """Modes looked at."""
+        return tuple(range(1, self.convergence[-1][0] + 1))
+
+    @property
+    def cutoff(self) -> str:
+        """Why these modes and no others."""
+        if len(self.convergence) == 1:
+            return f"{len(self.modes)} coupled modes, as requested"
+        (fewer, first), (last, final) = self.convergence[-2:]
+        return f"{last} coupled modes; with {fewer} growth in mean square differs by {abs(final - first):.1g} 1/s"
+
+    @property
+    def references(self) -> tuple[str, ...]:
+        """What to cite for the methods used."""
+        return references(("any", "noise"))
+
+    @property
+    def resonances(self) -> tuple[Resonance, ...]:
+        """Nothing: noise may make modes grow that resonate with nothing."""
+        return ()
+
+    def damping_to_stabilise(self, verdict: RodStability) -> float:
+        """Return the damping rate in 1/s from which second moments do not grow, to ten digits."""
+        return self.model.damping_required(self.load, verdict.growth_tolerance)
+
+    def growth_of(self, verdict: RodStability, mode: int) -> float:
+        """Return the growth rate of second moments in 1/s, which all modes share."""
+        return verdict.growth_rate
+
+    def is_fastest(self, verdict: RodStability, mode: int | None) -> bool:
+        """Return that the growth rate is that of any mode: all take part in it."""
+        return True
+
+    def plot(self, verdict: RodStability, ax: Any = None) -> Any:
+        """Raise ValueError: second moments have no one shape."""
+        raise wrong_value("plot", "draws the shape in which coupled modes grow, and random motion has none")
+
+    def headline(self, verdict: RodStability) -> str:
+        """Return that it is a verdict in mean square."""
+        return "in mean square"
+
+    def fastest_in_words(self, verdict: RodStability) -> str:
+        """Return what grows."""
+        return "coupled modes grow in mean square"
+
+    def grows_in(self, verdict: RodStability) -> str:
+        """Return in what sense."""
+        return " in mean square"
+
+    def method(self, verdict: RodStability) -> str:
+        """Return the method, and how good the growth rate is."""
+        good = f"; growth good to {verdict.error:.0e} 1/s" if math.isfinite(verdict.error) else ""
+        return f"second moments of coupled modes{good}"
+
+    def numbers(self, verdict: RodStability) -> dict[str, Any]:
+        """Return the error, the numbers of modes tried and the kind of load."""
+        return {
+            "in_mean_square": True,
+            "growth_rate_error_per_s": number(verdict.error),
+            "convergence": [
+                {"modes": modes, "growth_of_second_moments_per_s": number(rate)} for modes, rate in self.convergence
+            ],
+            "load": self.load.kind_as_dict(),
+            "note": verdict.note,
+        }
+
+    def edge(
+        self,
+        verdict: RodStability,
+        varied: Quantity,
+        piece: tuple[float, float],
+        seconds: float,
+        progress: Progress | None,
+    ) -> Edge:
+        """Return where the verdict first changes from ``piece[0]`` to ``piece[1]``, by as many samples as time allows."""
+        piece = up_to_wall(verdict.rod, self.load, varied, piece)
+        if piece[0] == piece[1]:
+            return Edge(None, piece[0], 0.0)
+        places = np.linspace(*piece, max(3, min(_PLACES, int(seconds / _SECONDS))))
+        resolution = abs(float(places[1] - places[0]))
+        known = piece[0] == getattr(self.load, varied)
+        for done, (near, far) in enumerate(zip(places[:-1].tolist(), places[1:].tolist(), strict=True), 1):
+            try:
+                if done == 1 and not known and self._is_stable(verdict, varied, near) != verdict.stable:
+                    return Edge(near, near, resolution)
+                if self._is_stable(verdict, varied, far) != verdict.stable:
+                    at = self._between(verdict, varied, near, far)
+                    return Edge(at, at, resolution)
+            except ValueError:  # too many modes, or loads too large or too slow: nothing is known of them
+                return Edge(None, near, resolution)
+            if progress is not None:
+                progress(done, len(places) - 1)
+        return Edge(None, piece[1], resolution)
+
+    def _is_stable(self, verdict: RodStability, varied: Quantity, value: float) -> bool:
+        load = self.load.varied(varied, value)
+        loads = Loads((1,), *Loads.single(load).flat)
+        return bool(self.model.under(load).status(loads, verdict.growth_tolerance)[0] == STABLE)
+
+    def _between(self, verdict: RodStability, varied: Quantity, inside: float, outside: float) -> float:
+        for _ in range(_HALVINGS):
+            middle = 0.5 * (inside + outside)
+            if self._is_stable(verdict, varied, middle) == verdict.stable:
+                inside = middle
+            else:
+                outside = middle
+        return inside
+
+    def sentence(self, verdict: RodStability) -> str:
+        """Return status and growth."""
+        if verdict.status != "unstable":
+            return f"{verdict.status} in mean square"
+        return f"unstable in mean square: {verdict.growth_rate:.6g} 1/s, tenfold in {verdict.time_to_grow():.3g} s"
+
+
+def _classified(
+    model: NoisyTogetherModel,
+    load: Load,
+    count: int | None,
+    growth_tolerance: float,
+    progress: Progress | None,
+) -> RodStability:
+    """Classify the second moments with as many modes as two numbers of them agree upon, or with ``count``."""
+    if count is None:
+        trials = _counted(model, load, growth_tolerance, progress)
+    else:
+        trials = [model.trial(load, count)]
+    found = [trial.growth(model.density()) for trial in trials]
+    final = _with_left_out(found)
+    status, note = _judged(model, load, final, trials[-1].growth(0.0), growth_tolerance)
+    rate = max(0.0, float(np.nan_to_num(final.rate)), 0.0 if count else model.growth_beyond(load))
+    steps = sum(len(trial.moments.fine.steps) for trial in trials)
+    return RodStability(
+        rod=model.rod,
+        evidence=NoisyTogether(model, tuple((t.count, g.rate) for t, g in zip(trials, found, strict=True))),
+        growth_tolerance=growth_tolerance,
+        status=status,
+        growth_rate=rate,
+        exponents=() if math.isnan(final.rate) else (complex(final.rate),),
+        period=2.0 * math.pi / load.frequency,
+        error=final.error,
+        cost=Cost(steps, "steps"),
+        note=note,
+        assumptions=(*assumptions(model.rod, load), *_ASSUMED),
+    )
+
+
+def _counted(
+    model: NoisyTogetherModel, load: Load, growth_tolerance: float, progress: Progress | None = None
+) -> list[Trial]:
+    """Return the trials made, the fewest modes first."""
+    last = model.count_for(Loads.single(load), growth_tolerance)
+    trials = [model.trial(load, last - max(2, last // 6)), model.trial(load, last)]
+    for _ in range(_ENLARGEMENTS):
+        if progress is not None:
+            progress(len(trials), len(trials) + 1)
+        final = _with_left_out([trial.growth(model.density()) for trial in trials])
+        if not final.error < math.inf or abs(final.rate - growth_tolerance) > final.error:
+            break
+        trials.append(model.trial(load, math.ceil(1.25 * trials[-1].count)))
+    return trials
+
+
+def _with_left_out(found: list[Growth]) -> Growth:
+    """Return the growth with the most modes, its error enlarged for those left out, by what fewer change."""
+    final = found[-1]
+    change = max((abs(final.rate - other.rate) for other in found[-2:-1]), default=0.0)
+    return Growth(final.rate, final.error + _LEFT_OUT * change)
+
+
+def _judged(
+    model: NoisyTogetherModel, load: Load, found: Growth, quiet: Growth, growth_tolerance: float
+) -> tuple[Status, str]:
+    """Return the verdict, and what to know of it, given the growth with noise and without."""
+    beyond = model.growth_beyond(load)
+    if beyond > growth_tolerance:
+        alike = f"all high modes grow at {beyond:.3g} 1/s in mean square: the noise has this density at every frequency"
+        return "unstable", f"{alike}; give pairs of frequency and density where it has not"
+    if not found.error < math.inf:
+        return "undecided", "the growth of second moments could not be computed"
+    if found.rate + found.error < growth_tolerance:
+        return "stable", ""
+    if isinstance(load.noise, tuple):
+        if quiet.rate - quiet.error > growth_tolerance:
+            return "unstable", "without noise already"
+        return "undecided", "white noise of the largest density would make it grow, that given may not"
+    if found.rate - found.error > growth_tolerance:
+        return "unstable", ""
+    return "undecided", f"growth {found.rate:.3g} 1/s in mean square is within its error {found.error:.1g}"
