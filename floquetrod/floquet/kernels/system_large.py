@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import NamedTuple
+from typing import NamedTuple, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from floquetrod.floquet.kernels.system_series import ROUNDING
 
 Floats = NDArray[np.float64]
+Ints = NDArray[np.int_]
 
 _WORTH_STOPPING = 50
 """Number of equations beyond which a product of matrices costs more than bounding the rest of a series (heuristic)."""
@@ -21,6 +22,55 @@ _COLUMNS = 256  # of a series that are computed at once, so that its last terms 
 LEVELS = 6
 """Levels of a `split` matrix of at most 2,000 rows, the blocks at its ends included."""
 _FARTHEST = 500  # terms that it follows at most
+
+
+class Parts(NamedTuple):
+    """The equations v'' + (diag(rates) + sum_k F_k cos(m_k w t + pi turn_k)) v = 0 of u = q v.
+
+    Attributes
+    ----------
+    rates : ndarray (n,)
+        The mean stiffness.
+    basis : ndarray (n, n)
+        q, orthogonal: eigenvectors of the mean stiffness.
+    matrices : list of ndarray (n, n)
+        F_k.
+    orders, turns : ndarray
+        m_k and the phases in half turns.
+    norms : ndarray (H,)
+        Bounds of the amplitudes of each harmonic in the 2-norm.
+    slack : float
+        Relative error of the rates and matrices.
+    """
+
+    rates: Floats
+    basis: Floats
+    matrices: list[Floats]
+    orders: Ints
+    turns: Floats
+    norms: Floats
+    slack: float
+
+    @classmethod
+    def of(cls, stiffness: Floats, harmonics: NDArray[np.complex128]) -> Self:
+        """Return the parts of u'' + (S + Re sum_m Z_m exp(i m w t)) u = 0."""
+        n = len(stiffness)
+        if np.count_nonzero(stiffness) == np.count_nonzero(stiffness.diagonal()):
+            rates, slack, q = stiffness.diagonal().copy(), 2.0 * ROUNDING, np.eye(n)
+        else:
+            rates, q = np.linalg.eigh(stiffness)
+            harmonics = q.T @ harmonics.real @ q + 1j * (q.T @ harmonics.imag @ q)
+            slack = ROUNDING * (4.0 + 4.0 * math.sqrt(n))
+        # Re Z exp(i m w t) = Re Z cos(m w t) + Im Z cos(m w t + pi / 2)
+        found = [
+            (m, turn, f) for m, z in enumerate(harmonics, 1) for turn, f in ((0.0, z.real), (0.5, z.imag)) if f.any()
+        ]
+        norms = np.zeros(max((m for m, _, _ in found), default=0))
+        for m, _, f in found:
+            norms[m - 1] = math.hypot(norms[m - 1], norm_bound(f))
+        matrices = [np.ascontiguousarray(f) for _, _, f in found]
+        orders, turns = np.array([m for m, _, _ in found], dtype=int), np.array([turn for _, turn, _ in found])
+        return cls(rates, q, matrices, orders, turns, norms, slack)
 
 
 class Split(NamedTuple):

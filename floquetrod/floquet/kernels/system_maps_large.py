@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from floquetrod.floquet.kernels.system_even_steps import balance
-from floquetrod.floquet.kernels.system_large import LEVELS, chain, crossing, joined, norm_bound, split, stop_rule
+from floquetrod.floquet.kernels.system_large import LEVELS, Parts, chain, crossing, joined, norm_bound, split, stop_rule
 from floquetrod.floquet.kernels.system_series import MOST_TERMS, ROUNDING, coefficient_bound, plan_segments, reach
 
 Floats = NDArray[np.float64]
@@ -53,18 +53,7 @@ def period_map_large(
     """
     n, omega = len(stiffness), 2.0 * math.pi / period
     accuracy = max(accuracy, n * _FINEST)
-    if np.count_nonzero(stiffness) == np.count_nonzero(stiffness.diagonal()):
-        s, slack, q = stiffness.diagonal().copy(), 2.0 * ROUNDING, np.eye(n)
-    else:
-        s, q = np.linalg.eigh(stiffness)
-        harmonics = q.T @ harmonics.real @ q + 1j * (q.T @ harmonics.imag @ q)
-        slack = ROUNDING * (4.0 + 4.0 * math.sqrt(n))
-    # Re Z exp(i k w t) = Re Z cos(k w t) + Im Z cos(k w t + pi / 2)
-    parts = [(k, turn, m) for k, z in enumerate(harmonics, 1) for turn, m in ((0.0, z.real), (0.5, z.imag)) if m.any()]
-    matrices = [np.ascontiguousarray(matrix) for _, _, matrix in parts]
-    norms = np.zeros(max((k for k, _, _ in parts), default=0))
-    for k, _, matrix in parts:
-        norms[k - 1] = math.hypot(norms[k - 1], norm_bound(matrix))
+    s, q, matrices, orders, turns, norms, slack = Parts.of(stiffness, harmonics)
     g = np.empty(n)
     size, slow, fast = balance(s, np.abs(np.reshape(matrices, (-1, n, n))), omega, g)
     bound = math.sqrt(coefficient_bound(size, norms, 1, 0.0))
@@ -79,8 +68,6 @@ def period_map_large(
     forcing = (largest - size) / largest if largest > 0.0 else 0.0
     noise = ROUNDING * (1.0 + 0.5 * phase) * (4.0 + forcing * (n + 6.0)) * math.cosh(phase)
     index = np.arange(order + 1)
-    orders = np.array([k for k, _, _ in parts], dtype=int)
-    turns = np.array([turn for _, turn, _ in parts])
     powers = (orders[:, None] * (omega * h)) ** index / np.cumprod(np.maximum(index, 1.0))
     # Powers of the factors too small to matter are left out.
     ends = np.cumsum((norms[orders - 1] @ powers)[::-1])[::-1] * 2.0 * h / slow

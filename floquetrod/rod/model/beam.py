@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from floquetrod._util.arrays import Floats
+from floquetrod._util.caching import cached_property
 from floquetrod._util.content import ByContent
 from floquetrod._util.roots import roots
 from floquetrod.rod.model.parts import Ends
@@ -73,8 +74,34 @@ class Basis(ByContent):
 
     def coupling(self, force: Floats) -> Floats:
         """Return the integrals of F phi_i' phi_j', symmetric to the bit; force (..., q) at the nodes."""
+        if self._is_of_many_waves:
+            return self._coupling_of_waves(force)
         found = (self.slopes * (force * self.weights)[..., None, :]) @ self.slopes.T
         return np.asarray(0.5 * (found + np.swapaxes(found, -1, -2)))
+
+    @cached_property
+    def _is_of_many_waves(self) -> bool:
+        """Whether these are many sines or cosines, on panels of equal length."""
+        if not _are_trigonometric(self.ends) or self.count <= _LARGE:
+            return False
+        return np.array_equal(self.nodes, _quadrature(len(self.nodes) // _POINTS, ())[0])
+
+    def _coupling_of_waves(self, force: Floats) -> Floats:
+        """Return `coupling` from the integrals of F cos(m pi x), in a thousandth of the time of products of matrices.
+
+        Points of the same place in each of P panels add up to a discrete Fourier transform of 2 P numbers.
+        """
+        waves, panels = wavenumbers(self.ends, self.count), len(self.nodes) // _POINTS
+        m = np.arange(2 * self.count + 1)
+        each = np.swapaxes((force * self.weights).reshape(*force.shape[:-1], panels, _POINTS), -1, -2)
+        turned = np.fft.fft(each, 2 * panels)[..., m % (2 * panels)]
+        angles = math.pi * self.nodes[:_POINTS, None] * m
+        moments = (turned.real * np.cos(angles) + turned.imag * np.sin(angles)).sum(axis=-2)
+        apart = np.rint(np.abs(np.subtract.outer(waves, waves)) / math.pi).astype(int)
+        both = np.rint(np.add.outer(waves, waves) / math.pi).astype(int)
+        sign = 1.0 if self.ends.upper == "hinged" else -1.0
+        sizes = 0.5 * waves * np.diagonal(self.transform)
+        return np.asarray((moments[..., apart] + sign * moments[..., both]) * (sizes[:, None] * (2.0 * sizes)))
 
     def pressing(self, density: Floats) -> Floats:
         """Return the integrals of d phi_i phi_j, symmetric to the bit; density (..., q) at the nodes."""
@@ -240,6 +267,12 @@ def _beam_functions(ends: Ends, waves: Floats, x: Floats) -> tuple[Floats, Float
     if not waves.size:
         empty = np.empty((0, len(x)))
         return empty, empty, empty
+    if _are_trigonometric(ends):
+        angle = waves[:, None] * x
+        sine, cosine = np.sin(angle), np.cos(angle)
+        k = waves[:, None]
+        waving, slope = (sine, k * cosine) if ends.upper == "hinged" else (cosine, -k * sine)
+        return waving, slope, -k * k * waving
     mixture = np.linalg.svd(_conditions(ends, waves))[2][:, -1, :]
     largest = np.take_along_axis(mixture, np.abs(mixture[:, :2]).argmax(axis=1)[:, None], axis=1)
     mixture = mixture / largest
@@ -247,8 +280,6 @@ def _beam_functions(ends: Ends, waves: Floats, x: Floats) -> tuple[Floats, Float
     a, b, c, d = (part[:, None] for part in mixture.T)
     sine, cosine = np.sin(k * x), np.cos(k * x)
     waving, turned = a * sine + b * cosine, a * cosine - b * sine
-    if _are_trigonometric(ends):
-        return waving, k * turned, -k * k * waving
     first, last = c * np.exp(-k * x), d * np.exp(-k * (1.0 - x))
     return waving + first + last, k * (turned - first + last), k * k * (first + last - waving)
 

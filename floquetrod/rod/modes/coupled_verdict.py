@@ -19,6 +19,7 @@ from floquetrod.floquet.dispatch import judge, stability
 from floquetrod.floquet.methods.system_monodromy import solved_many
 from floquetrod.floquet.systems.classification import undamped_pairs
 from floquetrod.floquet.systems.damping import least_damping
+from floquetrod.floquet.systems.fastest import fast_solutions
 from floquetrod.floquet.systems.result import Resonance, SystemStability
 from floquetrod.floquet.systems.whole import period_maps
 from floquetrod.floquet.verdict import Status
@@ -371,8 +372,14 @@ def _modes_to_begin_with(model: ModeModel, load: Load, growth_tolerance: float) 
 def _judged(system: HillSystem) -> tuple[SystemStability, Fastest | None]:
     """Return the verdict on many equations, and the fastest solution where it is known."""
     freed = system.undamped
-    solved = None if freed is None or freed[0].is_even else solved_many(system)
-    if freed is None or solved is None:
+    if freed is None or freed[0].is_even:
+        return stability(system), None
+    fast = fast_solutions(*freed)
+    verdict = None if fast is None else fast.verdict(system)
+    if fast is not None and verdict is not None and verdict.status != "undecided":
+        return verdict, Fastest.followed(fast, freed)
+    solved = solved_many(system)
+    if solved is None:
         return stability(system), None
     return judge(system, solved.verdict), Fastest.of(solved, freed)
 

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from floquetrod.equations import HillSystem
 from floquetrod.floquet.methods.system_monodromy import SolvedMany
+from floquetrod.floquet.systems.fastest import FastSolutions
 
 _ACCURACY = 1e-12  # of the motion over a period, relative
 _LARGEST_CHANGE = 1e-3  # of x over a period, beyond growth, up to which the solution is that of the fewer (a choice)
@@ -52,6 +53,13 @@ class Fastest(NamedTuple):
             return None
         other = int(np.abs(discs.values * np.conj(mu) - 1.0).argmin())
         return cls(*freed, solved.state(i), solved.state(other))
+
+    @classmethod
+    def followed(cls, fast: FastSolutions, freed: tuple[HillSystem, float]) -> Fastest | None:
+        """Return the fastest solution of those that grow fast; None where none does."""
+        if fast.start is None or fast.partner is None:
+            return None
+        return cls(*freed, fast.start, fast.partner)
 
     def rate_with(self, count: int) -> float | None:
         """Return the growth rate in 1/s of the first ``count`` modes; None where the solution is not one of theirs."""

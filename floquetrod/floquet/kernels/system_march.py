@@ -1,0 +1,115 @@
+"""Solutions of many equations u'' + K(t) u = 0, K symmetric, carried over a period: some of them, not the whole map."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from typing import Self
+
+import numpy as np
+
+from floquetrod.floquet.kernels.system_even_steps import balance
+from floquetrod.floquet.kernels.system_large import LEVELS, Floats, Matrix, Parts, applied, split
+from floquetrod.floquet.kernels.system_series import MOST_TERMS, ROUNDING, coefficient_bound
+
+_REACH = 4.0  # phase that a series crosses: beyond it as many terms are needed in all (measured)
+_MOST_SEGMENTS = 100
+
+
+@dataclass(frozen=True)
+class March:
+    """The map over a period in the coordinates of `period_map_large`, as a linear function of states.
+
+    Attributes
+    ----------
+    parts : Parts
+        The equations.
+    scaling : ndarray (n,)
+        g of the states (v, p) = (g u, u' / g), u in eigenvectors of the mean stiffness.
+    blocks : list of Matrix
+        The amplitudes of K.
+    factors : ndarray (segments, parts, terms)
+        Taylor coefficients of what these are multiplied by, from the beginning of each segment.
+    reach : float
+        Length of a segment.
+    terms : int
+        Highest power of each series.
+    error : float
+        Of the map, in the 2-norm: estimated from what more terms would add to states drawn at random.
+    """
+
+    parts: Parts
+    scaling: Floats
+    blocks: list[Matrix]
+    factors: Floats
+    reach: float
+    terms: int
+    error: float = math.inf
+
+    @classmethod
+    def of(cls, parts: Parts, period: float, accuracy: float, start: Floats) -> Self | None:
+        """Return the map with the terms that orthonormal states drawn at random need; None where these are too many."""
+        n, omega = len(parts.rates), 2.0 * math.pi / period
+        g = np.empty(n)
+        size, slow, _ = balance(parts.rates, np.abs(np.reshape(parts.matrices, (-1, n, n))), omega, g)
+        phase = period * math.sqrt(coefficient_bound(size, parts.norms, 1, 0.0))
+        segments = math.ceil(min(phase / _REACH, 1e9))
+        if not 0 < segments <= _MOST_SEGMENTS:
+            return None
+        h, index = period / segments, np.arange(2 * MOST_TERMS - 1)
+        powers = (parts.orders[:, None] * (omega * h)) ** index / np.cumprod(np.maximum(index, 1.0))
+        turns = 2.0 * parts.orders * np.arange(segments)[:, None] / segments + parts.turns
+        factors = np.cos(math.pi * turns[..., None] + 0.5 * math.pi * index) * powers
+        dropped = accuracy * slow / (period * LEVELS * len(parts.matrices))
+        blocks = [split(matrix, dropped) for matrix in parts.matrices]
+        return cls(parts, g, blocks, factors, h, len(index) - 1)._shortened(start, accuracy)
+
+    def _shortened(self, start: Floats, accuracy: float) -> Self | None:
+        """Return the map with as many terms as some states need."""
+        rest = np.zeros(self.terms + 1)
+        state = self._entered(start)
+        for factors in self.factors:
+            x = self._series(state, factors)
+            rest += np.cumsum(self._sizes(x)[::-1])[::-1]
+            state = _summed(x)
+        more = math.sqrt(2.0 * len(self.scaling) / start.shape[1])  # of the whole map, in the Frobenius norm
+        enough = np.flatnonzero(more * rest < accuracy)
+        if not enough.size:
+            return None
+        rounding = ROUNDING * self.terms * math.exp(_REACH) * len(self.factors)
+        return replace(self, terms=int(enough[0]) - 1, error=2.0 * accuracy + rounding)
+
+    def _entered(self, states: Floats) -> Floats:
+        """Return u and h u' of states (v, p), (2, n, q)."""
+        g, n = self.scaling[:, None], len(self.scaling)
+        return np.array([states[:n] / g, states[n:] * g * self.reach])
+
+    def _series(self, state: Floats, factors: Floats) -> Floats:
+        """Return the terms of u from the beginning of a segment, in powers of its length."""
+        x = np.zeros((self.terms + 1, *state.shape[1:]))
+        x[:2] = state
+        for i in range(self.terms - 1):
+            out = applied(x, i, factors, self.terms, self.parts.rates, self.blocks, constant=False)
+            np.multiply(out, -(self.reach**2) / ((i + 1.0) * (i + 2.0)), out=x[i + 2])
+        return x
+
+    def _sizes(self, x: Floats) -> Floats:
+        """Return the norms in the coordinates of states of what each term adds."""
+        values = np.linalg.norm(x * self.scaling[:, None], axis=(1, 2))
+        slopes = np.linalg.norm(x / self.scaling[:, None], axis=(1, 2)) * np.arange(len(x)) / self.reach
+        return np.asarray(np.hypot(values, slopes))
+
+    def __call__(self, states: Floats) -> Floats:
+        """Return states (2 n, q) after a period: the same linear function of them every time."""
+        state = self._entered(states)
+        for factors in self.factors:
+            state = _summed(self._series(state, factors))
+        g = self.scaling[:, None]
+        return np.concatenate([state[0] * g, state[1] / (g * self.reach)])
+
+
+def _summed(x: Floats) -> Floats:
+    """Return u and h u' at the end of a segment from the terms of u."""
+    flat = x.reshape(len(x), -1)
+    weights = np.array([np.ones(len(x)), np.arange(len(x))])
+    return (weights @ flat).reshape(2, *x.shape[1:])

@@ -1,0 +1,329 @@
+"""The fastest solutions of many equations u'' + K(t) u = 0, and that no other is as fast, without the whole map.
+
+Let S be the map over a period, V orthonormal columns, H = V^T S V and R = S V - V H.  A left eigenvector w^H of S with
+the multiplier mu has w^H V (mu - H) = w^H R, so that with q columns V E of V
+
+    |w^H V E| <= G(mu),  G(z) = |R (z - H)^-1 E|,  |w| = 1.
+
+Where V E spans a subspace drawn at random, the left-hand side is small with no chance worth mentioning: there is no
+multiplier where G is below that.  Eigenvalues of H outside a circle |z| = r are taken out of G as poles, each with a
+disc within which G may be larger; what is left has its maximum for |z| >= r on the circle.
+
+V is a Krylov space of the random columns, and holds what a few modes, those that the fastest solutions are made of,
+contribute on their own.
+Saad, Numerical Methods for Large Eigenvalue Problems, SIAM 2011, chapter 6; for random starts Dixon, SIAM J. Numer.
+Anal. 20 (1983) 812.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from floquetrod.equations import HillSystem
+from floquetrod.floquet.kernels.system_large import Parts
+from floquetrod.floquet.kernels.system_maps_large import period_map_large
+from floquetrod.floquet.kernels.system_march import March
+from floquetrod.floquet.systems.classification import LogDiscs, classify_multipliers
+from floquetrod.floquet.systems.result import SystemStability
+from floquetrod.floquet.systems.spectra import log_distances, touching
+from floquetrod.floquet.verdict import Cost
+
+Floats = NDArray[np.float64]
+Complexes = NDArray[np.complex128]
+
+_FEWEST = 200  # equations: the map of fewer takes no longer (measured)
+_COLUMNS = 10  # drawn at random
+_SEED = 20151101
+_SHARE = 1e-3
+"""|w^H V E|^2 over its mean, q / N: below it with a chance of 1e-10 for all eigenvectors together (see `_least`)."""
+_ACCURACY = 1e-10  # of the map over a period
+_PROBED = 5  # periods after which it shows whether anything grows, and after as many more of which modes (measured)
+_FOLD = 20.0  # logarithm of the growth after which other solutions are shown to be slower (measured)
+_LEFT_OUT = 0.01  # share of the growing motion that the modes beyond either end of a window have
+_ANGLES = 240  # on half a circle at which G is computed
+_LEVELS = 0.9, 0.6
+"""Growth down to which solutions are sought, over that of the fastest, in turn."""
+_GROWING = 0.5  # growth in a window over its largest from which solutions are taken along (a choice)
+_SMALL = 1e-13  # length of a column of R that is rounding
+_ROUNDING = 2.2e-16
+_WIDEST = 0.6  # share of all modes in a window: the map of more takes long (a choice)
+_ENOUGH = 1e-6  # error of the fastest growth, relative (a choice)
+_EVERY = 4  # blocks of columns between two looks
+
+
+class FastSolutions(NamedTuple):
+    """The multipliers outside a circle of a system freed of damping.
+
+    Attributes
+    ----------
+    logs : LogDiscs
+        Logarithms of these multipliers and of their inverses, last of all two that stand for all others.
+    rest : float
+        Bound of the real parts of the logarithms of all others.
+    start, partner : ndarray (2 n,) or None
+        (u, u') at the beginning of the fastest solution, and about that of the one that decays as fast.
+    columns : int
+        Solutions that were carried over a period.
+    """
+
+    logs: LogDiscs
+    rest: float
+    start: Complexes | None
+    partner: Complexes | None
+    columns: int
+
+    def verdict(self, system: HillSystem) -> SystemStability:
+        """Return the verdict that follows on the system, damping included."""
+        rest = self.rest / float(system.period)
+        damping = 0.0 if system.damping is None else 0.5 * float(system.damping[0, 0])
+        note = f"only solutions that grow faster than {rest - damping:.3g} per unit time were looked for"
+        cost = Cost(self.columns, "solutions over a period")
+        return classify_multipliers(system, "monodromy", self.logs, cost=cost, note=note)
+
+
+class _Space(NamedTuple):
+    """V and S V, the random columns first; ``last`` of them were added last of the Krylov space."""
+
+    basis: Floats
+    images: Floats
+    last: slice
+
+    def with_columns(self, march: March, added: Floats, krylov: int) -> _Space:
+        """Return the space with more columns, the first ``krylov`` of which continue the Krylov space."""
+        for _ in range(2):
+            added = added - self.basis @ (self.basis.T @ added)
+            added = np.linalg.qr(added)[0]
+        count = self.basis.shape[1]
+        last = slice(count, count + krylov) if krylov else self.last
+        return _Space(np.hstack([self.basis, added]), np.hstack([self.images, march(added)]), last)
+
+
+class _Spectrum(NamedTuple):
+    """Eigenvalues of H and what they contribute to G(z) = |sum_i right_i left_i / (z - value_i)|.
+
+    ``right`` is R x_i in coordinates of fewer rows, ``left`` is y_i E.
+    """
+
+    values: Complexes
+    vectors: Complexes
+    right: Complexes
+    left: Complexes
+
+    @classmethod
+    def of(cls, space: _Space) -> _Spectrum:
+        """Return the eigenvalues of a space."""
+        projected = space.basis.T @ space.images
+        values, vectors = np.linalg.eig(projected)
+        rest = space.images - space.basis @ projected
+        large = np.linalg.norm(rest, axis=0) > _SMALL  # all but those of the last columns and of the window
+        right = np.linalg.qr(rest[:, large], mode="r") @ vectors[large]
+        left = np.linalg.inv(vectors)[:, :_COLUMNS]
+        return cls(values.astype(complex), vectors.astype(complex), right.astype(complex), left.astype(complex))
+
+    @property
+    def fastest(self) -> int:
+        """Index of the largest eigenvalue."""
+        return int(np.abs(self.values).argmax())
+
+    def fastest_state(self, space: _Space) -> Complexes:
+        """Return the state at the beginning of the fastest solution."""
+        return np.asarray(space.basis @ self.vectors[:, self.fastest])
+
+    def radii(self, radius: float, least: float, error: float) -> Floats | None:
+        """Return the radii of discs about eigenvalues that hold all multipliers beyond a circle.
+
+        Each holds one if it is apart from all others; 0 for those well inside.  None where G is too large there.
+        """
+        sizes = np.abs(self.values)
+        residuals = np.linalg.norm(self.right, axis=0) + error
+        weights = np.linalg.norm(self.left, axis=1)
+        far = sizes < radius * (1.0 - 4.0 * math.pi / _ANGLES)  # G hardly changes between two angles
+        circle = radius * np.exp(1j * np.linspace(0.0, math.pi, _ANGLES))[:, None] - self.values[far]
+        along = [float(np.linalg.norm((self.right[:, far] / at) @ self.left[far])) for at in circle]
+        largest = max([0.0, *along]) + error * float(weights[far] @ (1.0 / (radius - sizes[far])))
+        if not 1.2 * largest < least:
+            return None
+        count = max(2, int(np.count_nonzero(~far)))
+        return np.where(far, 0.0, 2.0 * count / (least - largest) * residuals * weights)
+
+
+def fast_solutions(system: HillSystem, damping: float) -> FastSolutions | None:
+    """Return the solutions of q'' + K(t) q = 0, K symmetric, that grow fastest, or that none grows faster than damping.
+
+    None where they are not found for less than the whole map would take: where growth hardly exceeds the damping, or
+    many solutions grow about as fast as the fastest.
+    """
+    n, period = system.order, float(system.period)
+    if n < _FEWEST:
+        return None
+    start = np.linalg.qr(np.random.default_rng(_SEED).standard_normal((2 * n, _COLUMNS)))[0]
+    parts = Parts.of(system.stiffness, system.harmonics)
+    march = March.of(parts, period, _ACCURACY, start)
+    if march is None:
+        return None
+    limit, error = damping * period, march.error + n * _ROUNDING
+    space = _probed(march, _Space(start, march(start), slice(0, _COLUMNS)))
+    if _is_slow(_Spectrum.of(space), limit, n):
+        return None
+    space = _probed(march, space)
+    spectrum, partner = _Spectrum.of(space), None
+    window = None if float(np.abs(spectrum.values).max()) < math.exp(limit) else _window(spectrum, space, n)
+    if window is not None:
+        added, partner = _alone(parts, march, period, window)
+        space = space.with_columns(march, added, 0)
+    while (columns := space.basis.shape[1]) <= n // 2 + 60:
+        spectrum = _Spectrum.of(space)
+        found = _outside(spectrum, error, 2 * n, limit)
+        if found is not None and partner is not None:
+            found = _sharpened(found[0], limit, *_condition(spectrum, space, partner, march.error)), found[1]
+        if found is not None and _is_sharp(found[0], limit):
+            state = space.basis @ spectrum.vectors[:, spectrum.fastest]
+            other = None if partner is None else _state(march, partner)
+            return FastSolutions(*found, None if partner is None else _state(march, state), other, columns)
+        residual = _residual(spectrum, space)
+        for _ in range(max(_EVERY, columns // (8 * _COLUMNS))):
+            space = _longer(march, space, residual)
+            residual = residual[:, :0]
+    return None
+
+
+def _probed(march: March, space: _Space) -> _Space:
+    """Return a Krylov space of some periods more."""
+    for _ in range(_PROBED):
+        space = _longer(march, space)
+    return space
+
+
+def _is_slow(spectrum: _Spectrum, limit: float, n: int) -> bool:
+    """Return whether nothing grows or decays fast enough to be told from the rest in a space of n columns."""
+    fastest = max(limit, math.log(float(np.abs(spectrum.values).max())))
+    return not fastest * n > _FOLD * _COLUMNS
+
+
+def _is_sharp(logs: LogDiscs, limit: float) -> bool:
+    """Return whether the fastest growing solution, if there is one, is known well enough."""
+    fastest = int(logs.values.real.argmax())
+    growth = float(logs.values[fastest].real) + limit
+    return growth <= 0.0 or float(logs.radii[fastest]) < _ENOUGH * growth
+
+
+def _longer(march: March, space: _Space, added: Floats | None = None) -> _Space:
+    """Return the space with another block of the Krylov space, and columns that are added to it."""
+    block = space.images[:, space.last]
+    krylov = block.shape[1]
+    return space.with_columns(march, block if added is None else np.hstack([block, added]), krylov)
+
+
+def _residual(spectrum: _Spectrum, space: _Space) -> Floats:
+    """Return what the fastest solutions lack, real and imaginary parts."""
+    sizes = np.abs(spectrum.values)
+    fast = np.flatnonzero((sizes > sizes.max() ** _LEVELS[0]) & (spectrum.values.imag >= 0.0))
+    fast = fast[np.argsort(-sizes[fast])[: _COLUMNS // 2]]
+    x = spectrum.vectors[:, fast]
+    lack = space.images @ x - space.basis @ (x * spectrum.values[fast])
+    return np.hstack([lack.real, lack.imag[:, lack.imag.any(axis=0)]])
+
+
+def _window(spectrum: _Spectrum, space: _Space, n: int) -> slice | None:
+    """Return the modes that growing solutions are made of, or the fastest of them; None where they are most modes."""
+    growth = np.log(np.maximum(np.abs(spectrum.values), 1.0))
+    motion = np.square(np.abs(space.basis @ spectrum.vectors))
+    for least in (_GROWING, 0.95):
+        share = np.cumsum((motion[:n] + motion[n:]) @ np.where(growth > least * growth.max(), growth, 0.0))
+        low, high = np.searchsorted(share, np.array([_LEFT_OUT, 1.0 - _LEFT_OUT]) * share[-1]).tolist()
+        wider = 2 * (high - low) // 3 + 1
+        low, high = max(0, low - wider), min(n, high + wider + 1)
+        if high - low <= _WIDEST * n:
+            return slice(low, high)
+    return None
+
+
+def _alone(parts: Parts, march: March, period: float, window: slice) -> tuple[Floats, Complexes]:
+    """Return growing solutions of some modes alone, real columns, and the one that decays as the fastest grows."""
+    n, count = len(parts.rates), window.stop - window.start
+    harmonics = np.zeros((len(parts.norms), count, count), dtype=complex)
+    for matrix, order, turn in zip(parts.matrices, parts.orders, parts.turns, strict=True):
+        harmonics[order - 1] += (1j if turn else 1.0) * matrix[window, window]
+    full, _, basis = period_map_large(np.diag(parts.rates[window]), harmonics, period, 0.0, _ACCURACY)
+    values, vectors = np.linalg.eig(full)
+    scales = march.scaling[window, None] * basis.diagonal()[:, None]
+    states = np.zeros((2, n, 2 * count), dtype=complex)
+    states[0, window], states[1, window] = vectors[:count] * scales, vectors[count:] / scales
+    states = states.reshape(2 * n, -1)
+    fastest = values[np.abs(values).argmax()]
+    partner = states[:, np.abs(values * np.conj(fastest) - 1.0).argmin()]
+    growing = states[:, (np.abs(values) > abs(fastest) ** _GROWING) & (values.imag >= 0.0)]
+    return np.hstack([growing.real, growing.imag[:, growing.imag.any(axis=0)]]), partner
+
+
+def _state(march: March, state: Complexes) -> Complexes:
+    """Return (u, u') of (v, p)."""
+    n, g = len(march.scaling), march.scaling
+    q = march.parts.basis
+    return np.concatenate([q @ (state[:n] / g), q @ (state[n:] * g)])
+
+
+def _outside(spectrum: _Spectrum, error: float, rows: int, limit: float) -> tuple[LogDiscs, float] | None:
+    """Return the multipliers outside a circle as in `FastSolutions`, and its logarithm; None where none serves."""
+    least = math.sqrt(_SHARE * _COLUMNS / (2.0 * rows))  # of a complex vector, one part of which has half its square
+    fastest = math.log(float(np.abs(spectrum.values).max()))
+    levels = [limit] if fastest < limit else [share * fastest for share in _LEVELS if share * fastest > limit] + [limit]
+    found = None
+    for level in levels:
+        radii = spectrum.radii(math.exp(level), least, error)
+        if radii is None:
+            break
+        found = _discs(spectrum.values, radii, level, limit) or found
+    return found
+
+
+def _condition(spectrum: _Spectrum, space: _Space, partner: Complexes, error: float) -> tuple[complex, float]:
+    """Return the logarithm of the largest multiplier and its error, if no other is near.
+
+    The left eigenvector is J^T y, y nearly the solution that decays as fast.
+    """
+    i, n = spectrum.fastest, len(partner) // 2
+    state = space.basis @ spectrum.vectors[:, i]
+    left = np.concatenate([-partner[n:], partner[:n]]).conj()
+    product = left @ state
+    change = abs(left @ (space.images @ spectrum.vectors[:, i]) / product - spectrum.values[i])
+    condition = np.linalg.norm(left) * np.linalg.norm(state) / abs(product)
+    radius = change + 2.0 * condition * (np.linalg.norm(spectrum.right[:, i]) + error)
+    return complex(np.log(spectrum.values[i])), float(radius / abs(spectrum.values[i]))
+
+
+def _sharpened(logs: LogDiscs, limit: float, fastest: complex, radius: float) -> LogDiscs:
+    """Return discs of which that of the fastest solution, its conjugate and their inverses have a radius of their own.
+
+    Where they touch no other.
+    """
+    radii = logs.radii.copy()
+    for cluster in logs.clusters:
+        value = logs.values[cluster[0]] + limit
+        same = abs(abs(value.real) - fastest.real) + abs(abs(value.imag) - abs(fastest.imag)) < _SMALL
+        if len(cluster) == 1 and same:
+            radii[cluster] = np.minimum(radii[cluster], radius)
+    return logs._replace(low=logs.values.real - radii, high=logs.values.real + radii, radii=radii)
+
+
+def _discs(values: Complexes, radii: Floats, level: float, limit: float) -> tuple[LogDiscs, float] | None:
+    """Return discs about logarithms less the damping, of multipliers, of their inverses and of two for all others.
+
+    Also the bound of the others.  None where a disc is as large as its multiplier lies outside the circle.
+    """
+    sizes = np.abs(values)
+    outside = sizes - radii > math.exp(level)
+    rest = max(level, math.log(float((sizes + radii)[~outside & (radii > 0.0)].max(initial=1.0))))
+    if rest > limit and not math.exp(rest) < float((sizes - radii).max()):
+        return None
+    found, errors = np.log(values[outside]), 2.0 * (radii / sizes)[outside]
+    logs = np.concatenate([found, -found, np.zeros(2)])
+    errors = np.concatenate([errors, errors, np.full(2, rest)])
+    count = 2 * len(found)
+    clusters = *touching(log_distances(logs[:count], logs[:count]), errors[:count]), np.array([count, count + 1])
+    net = np.asarray(logs - limit, dtype=np.complex128)
+    return LogDiscs(net, net.real - errors, net.real + errors, errors, clusters), rest
