@@ -1,9 +1,9 @@
 """Coupled modes under a force that is partly random: verdicts in mean square, from the second moments of all together.
 
 One random force acts on all modes, q'' + 2 c q' + K(t) q = s B q xi, where a newton of compression takes B from the
-stiffness and s^2 is half its one-sided density.  Where that depends on the frequency, sums and differences of the modes'
-frequencies matter: the largest density of all then bounds the growth from above, none at all from below, as more noise
-always means more growth.
+stiffness and s^2 is half its one-sided density.  Where that depends on the frequency, sums and differences of
+the modes' frequencies matter: the largest density of all then bounds the growth from above, none at all from
+below, as more noise always means more growth.
 """
 
 from __future__ import annotations
@@ -135,7 +135,9 @@ class NoisyTogetherModel(NoisyModel):
         constants = mode_constants(self.rod)
         beyond = 0.0
         if not isinstance(load.noise, tuple):  # all high modes grow at their share of the density
-            beyond = max(0.0, 0.125 * load.noise * constants.per_newton**2 / constants.bending - 0.5 * growth_tolerance)
+            beyond = max(
+                0.0, 0.125 * float(load.noise) * constants.per_newton**2 / constants.bending - 0.5 * growth_tolerance
+            )
 
         def excess(rate: float) -> float:
             found = Trial.of(modes.damped(rate), quiet).growth(largest_density(load.noise, 0.0)).rate
@@ -153,7 +155,7 @@ class NoisyTogetherModel(NoisyModel):
 
         require_on_wall(self.rod, load)
         under = self.under(load)
-        trial = under.trial(load, _counted(under, load, growth_tolerance)[-1].count)
+        trial = under.trial(load, _counted(under, load, growth_tolerance)[-1].mode_count)
         loudest, constants = under.density(), mode_constants(self.rod)
 
         def excess(factor: float) -> float:
@@ -164,7 +166,9 @@ class NoisyTogetherModel(NoisyModel):
 
         if not excess(0.0) < 0.0:
             raise wrong_value("load", "must be stable without noise to bear any, got one that is not")
-        high_modes = (8.0 * self.rod.damping_rate + 4.0 * growth_tolerance) * constants.bending / constants.per_newton**2
+        high_modes = (
+            (8.0 * self.rod.damping_rate + 4.0 * growth_tolerance) * constants.bending / constants.per_newton**2
+        )
         high = high_modes / loudest
         if excess(high) < 0.0:
             if not isinstance(load.noise, tuple):
@@ -183,12 +187,12 @@ class Trial(NamedTuple):
 
     Attributes
     ----------
-    count : int
+    mode_count : int
     moments : MomentGrowth
         Of intensities per newton.
     """
 
-    count: int
+    mode_count: int
     moments: MomentGrowth
 
     @classmethod
@@ -203,8 +207,8 @@ class Trial(NamedTuple):
         if (steps + 64.0) * (2 * system.order) ** 2 > 0.2 * _MOST_NUMBERS:
             raise wrong_value(
                 "load",
-                f"needs {modes.count} coupled modes, the fastest of which turns {steps / 2.0 / math.pi:,.0f} times in a "
-                "period: too many for their second moments; choose fewer modes, a shorter rod or a higher frequency",
+                f"needs {modes.count} coupled modes, the fastest of which turns {steps / 2.0 / math.pi:,.0f} times in "
+                "a period: too many for their second moments; choose fewer modes, a shorter rod or a higher frequency",
             )
         return cls(modes.count, MomentGrowth.of(system, [modes.softening(load.mean)]))
 
@@ -310,7 +314,7 @@ class NoisyTogether(Evidence):
         seconds: float,
         progress: Progress | None,
     ) -> Edge:
-        """Return where the verdict first changes from ``piece[0]`` to ``piece[1]``, by as many samples as time allows."""
+        """Return where the verdict first changes from ``piece[0]`` to ``piece[1]``: as many samples as time allows."""
         piece = up_to_wall(verdict.rod, self.load, varied, piece)
         if piece[0] == piece[1]:
             return Edge(None, piece[0], 0.0)
@@ -370,7 +374,7 @@ def _classified(
     steps = sum(len(trial.moments.fine.steps) for trial in trials)
     return RodStability(
         rod=model.rod,
-        evidence=NoisyTogether(model, tuple((t.count, g.rate) for t, g in zip(trials, found, strict=True))),
+        evidence=NoisyTogether(model, tuple((t.mode_count, g.rate) for t, g in zip(trials, found, strict=True))),
         growth_tolerance=growth_tolerance,
         status=status,
         growth_rate=rate,
@@ -395,7 +399,7 @@ def _counted(
         final = _with_left_out([trial.growth(model.density()) for trial in trials])
         if not final.error < math.inf or abs(final.rate - growth_tolerance) > final.error:
             break
-        trials.append(model.trial(load, math.ceil(1.25 * trials[-1].count)))
+        trials.append(model.trial(load, math.ceil(1.25 * trials[-1].mode_count)))
     return trials
 
 
