@@ -66,7 +66,7 @@ coverage: $(READY)
 
 # Sphinx takes a warning for an error, and every page and example is run; then all links of the site are followed.
 docs: $(DOCS_READY)
-	$(BIN)/python -m sphinx -W --keep-going -T -b html -d docs/_build/doctrees docs docs/_build/html
+	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m sphinx -W --keep-going -T -b html -d docs/_build/doctrees docs docs/_build/html
 	$(BIN)/python docs/check_site.py docs/_build/html
 
 # Every page of that site in a browser, on a desktop, on a phone and in the dark; pictures of all into docs/_build/look.

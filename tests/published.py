@@ -86,13 +86,13 @@ class Shown:
         return "\n\n".join(parts)
 
     def _repr_html_(self) -> str:
-        titles = "".join(f'<th style="{_STYLE}">{each}</th>' for each in ("", "published", "here", "difference", ""))
+        titles = "".join(f'<th style="{_STYLE}">{each}</th>' for each in ("published", "here", "difference"))
         groups = "".join(
             f'<tr><th colspan="5" style="text-align: left; padding-top: 0.8em">{escape(source)}</th></tr>'
             + "".join(f"<tr>{''.join(map(_cell, cells, _STYLES))}</tr>" for cells in group)
             for source, group in self._groups
         )
-        return f"<table><tr>{titles}</tr>{groups}</table>"
+        return f"<table><tr><td></td>{titles}<td></td></tr>{groups}</table>"
 
     @property
     def _groups(self) -> list[tuple[str, list[tuple[str, ...]]]]:

@@ -118,3 +118,12 @@ def test_krein_signs_that_must_meet_before_anything_grows() -> None:
     assert found.opposite_signs_apart == pytest.approx(2.0 * 3.141592653589793 - 6.0, abs=1e-9)
     assert found.largest_multiplier_less_1 == 0.0
     assert fr.stability(fr.PeriodicSystem([[0.0, 1.0], [-1.0, -0.1]], period=2.0)).opposite_signs_apart is None
+
+
+def test_no_heading_of_a_table_is_empty() -> None:
+    """A screen reader says that there is one: lines and columns without a name begin with plain cells."""
+    html = Report(
+        "headline", [("label", "text"), ("", "more")], Table([("", "<4"), ("b", ">4")], [("1", "2")])
+    )._repr_html_()
+    assert "<th></th>" not in html
+    assert html.count("<th>") == 2

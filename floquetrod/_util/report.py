@@ -30,9 +30,16 @@ class Table(NamedTuple):
         """Return the table for a notebook."""
         from html import escape
 
-        head = "".join(f"<th>{escape(title)}</th>" for title, _ in self.columns)
+        head = "".join(heading(title) for title, _ in self.columns)
         rows = (f"<tr>{''.join(f'<td>{escape(cell.strip())}</td>' for cell in row)}</tr>" for row in self.rows)
         return f"<table><tr>{head}</tr>{''.join(rows)}</table>{escape(self.rest.strip())}"
+
+
+def heading(text: str) -> str:
+    """Return a heading of a table in HTML; without a text a plain cell, which nobody hears read out as one."""
+    from html import escape
+
+    return f"<th>{escape(text)}</th>" if text.strip() else "<td></td>"
 
 
 @dataclass(frozen=True)
@@ -73,7 +80,7 @@ class Report:
         """Return the report as a small table for a notebook."""
         from html import escape
 
-        rows = "".join(f"<tr><th>{escape(label)}</th><td>{escape(text)}</td></tr>" for label, text in self.lines)
+        rows = "".join(f"<tr>{heading(label)}<td>{escape(text)}</td></tr>" for label, text in self.lines)
         parts = [
             f"<p><strong>{escape(self.headline)}</strong></p>" if self.headline else "",
             f"<table>{rows}</table>" if rows else "",
