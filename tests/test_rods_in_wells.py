@@ -46,6 +46,8 @@ DIFFERS: dict[str, Callable[[fr.Rod], Any]] = {
     "weight_gained": lambda rod: rod.weight_gained(1.0, 0.0),
     "critical_forces": lambda rod: [each.force for each in rod.critical_forces().values()],
     "natural_frequency": lambda rod: rod.natural_frequency(3),
+    "critical_noise": lambda rod: rod.critical_noise(NOISY),
+    "stability with noise": lambda rod: rod.stability(NOISY).exponents[0].real,
 }
 """What is not that of a straight hole of the same mean inclination."""
 
@@ -72,9 +74,8 @@ REFUSED: dict[str, tuple[Callable[[fr.Rod], Any], str]] = {
     "largest_safe_box": (lambda rod: rod.largest_safe_box(WAVE), "a path that bends"),
     "lock_up": (lambda rod: rod.lock_up(0.2), "this one bends"),
     "steady_motion": (lambda rod: rod.steady_motion(WAVE), "bend"),
+    "follow": (lambda rod: rod.follow(WAVE, {"frequency": (1.0, 2.0)}), "bend"),
     "safe_kick": (lambda rod: rod.safe_kick(WAVE), "bend"),
-    "critical_noise": (lambda rod: rod.critical_noise(NOISY), "a path that bends"),
-    "stability with noise": (lambda rod: rod.stability(NOISY), "a path that bends"),
     "stability with friction": (lambda rod: rod.stability(WAVE, friction=0.1, kick=0.01), "a path that bends"),
     "verdicts with friction": (lambda rod: rod.verdicts(*NUMBERS, friction=0.1, kick=0.01), "a path that bends"),
 }

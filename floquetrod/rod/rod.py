@@ -833,8 +833,8 @@ class Rod(RodData):
         """Return by which factor the noise of a load may be multiplied with the rod still stable in mean square.
 
         Of noise 1 that is the largest density in N^2/Hz.  It is found to 1e-10, between a factor at which the verdict
-        is stable and one at which it is not; infinite where no change is found.  Where modes are coupled it is that of
-        the modes a verdict takes, and of a density that depends on the frequency a lower bound.
+        is stable and one at which it is not; infinite where no change is found.  Where modes are coupled it is found to
+        about a millionth, with the modes a verdict takes; of a density that depends on the frequency a lower bound.
 
         Parameters
         ----------

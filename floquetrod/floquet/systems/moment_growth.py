@@ -36,6 +36,8 @@ _LEAST_GAP = 1e-6  # of multipliers, in the preconditioner
 _FEW = 4  # equations up to which the map is computed as a whole
 _ROUNDS = 60
 _SETTLED = 3e-11  # part of the moments that the map changes beyond a factor, at which rounds end
+_SAME = 1e-8  # of the factor: a larger change means that others were followed
+_ALMOST = 0.9  # positivity of moments that may become those that grow fastest (a choice)
 _SEMIDEFINITE = 1e-6  # share of negative eigenvalues in what counts as semidefinite
 
 
@@ -128,27 +130,28 @@ class _OnSteps(NamedTuple):
         if not density:
             return math.log(float(np.abs(self.multipliers).max()) ** 2) / self.period, 0.0
         near, factor = _Near.of(self, density), math.nan
-        fresh = self._every() if len(self.vectors) <= 2 * _FEW else [self._moments(near.start)]
+        fresh = self._every() if len(self.vectors) <= 2 * _FEW else self._moments(near.start)[None]
         basis = images = np.zeros((0, self.vectors.size))
         for _ in range(_ROUNDS):
-            basis = np.linalg.qr(np.concatenate([basis, fresh]).T)[0].T
-            images = np.concatenate([images, [self._over_period(each, density) for each in basis[len(images) :]]])
+            fresh = _orthonormal(_orthonormal(fresh, basis), basis)
+            basis = np.concatenate([basis, fresh])
+            images = np.concatenate([images, [self._over_period(each, density) for each in fresh]])
             value, vector = _most_positive(basis, basis @ images.T)
             change, factor = 0.0 if math.isnan(factor) else abs(value - factor), value
             found, excess = vector @ basis, vector @ (images - factor * basis)
-            if np.linalg.norm(excess) < _SETTLED * factor:
+            if np.linalg.norm(excess) < _SETTLED * factor and change < _SAME * factor:
                 known = _positivity(found) > 1.0 - _SEMIDEFINITE
                 return math.log(factor) / self.period, change / factor / self.period if known else math.inf
-            fresh = [self._moments(near.towards(self._coefficients(excess), factor))]
+            fresh = self._moments(near.towards(self._coefficients(excess), factor))[None]
         return math.nan, math.inf
 
-    def _every(self) -> list[Floats]:
+    def _every(self) -> Floats:
         """Return a basis of all moments."""
         m = len(self.vectors)
         units = [np.zeros((m, m)) for _ in range(m * (m + 1) // 2)]
         for unit, i, j in zip(units, *np.triu_indices(m), strict=True):
             unit[i, j] = unit[j, i] = 1.0
-        return [unit.ravel() for unit in units]
+        return np.array([unit.ravel() for unit in units])
 
     def _moments(self, coefficients: Complex) -> Floats:
         """Return the moments, (4 n^2,), of coefficients in Floquet's coordinates; of norm one."""
@@ -238,6 +241,11 @@ def _magnus(system: HillSystem, count: int, scale: float) -> Floats:
     return np.asarray(expm(0.5 * step * (one + other) + math.sqrt(3.0) / 12.0 * step**2 * (other @ one - one @ other)))
 
 
+def _orthonormal(fresh: Floats, basis: Floats) -> Floats:
+    """Return rows orthogonal to others and to each other."""
+    return np.asarray(np.linalg.qr((fresh - fresh @ basis.T @ basis).T)[0].T)
+
+
 def _most_positive(basis: Floats, within: Floats) -> tuple[float, Floats]:
     """Return the eigenvalue and the eigenvector of a map within a space whose moments are nearest to semidefinite.
 
@@ -247,7 +255,7 @@ def _most_positive(basis: Floats, within: Floats) -> tuple[float, Floats]:
     real = np.flatnonzero(np.abs(values.imag) <= 1e-12 * np.abs(values))
     real = real if real.size else np.arange(len(values))
     positivity = np.array([_positivity(vectors[:, i].real @ basis) for i in real])
-    order = np.where(positivity > 1.0 - _SEMIDEFINITE, 1.0 + np.maximum(values.real[real], 0.0), positivity)
+    order = np.where(positivity > _ALMOST, 1.0 + np.maximum(values.real[real], 0.0), positivity)
     best = real[int(order.argmax())]
     return float(values[best].real), np.asarray(vectors[:, best].real)
 

@@ -1,0 +1,116 @@
+"""Coupled modes of rods under noise: clamped ends, weight along the rod, paths that bend."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import floquetrod as fr
+from conftest import depth
+from floquetrod.rod.modes.noisy_together import NoisyTogetherModel
+
+ROD = fr.Rod.nitinol().replace(damping_rate=1.0)
+CLAMPED = ROD.replace(ends="clamped")
+HIGH_MODES = 8.0 * ROD.damping_rate * ROD.flexural_rigidity * ROD.mass_per_length
+
+
+def load(rod: fr.Rod, noise: object, mean: float = 0.3, amplitude: float = 0.1) -> fr.AxialLoad:
+    return fr.AxialLoad(mean * rod.critical_force, amplitude * rod.critical_force, 150.0, noise=noise)
+
+
+@pytest.mark.slow
+def test_independent_modes_seen_as_coupled_grow_alike() -> None:
+    """The modes of hinged ends, all at once and one by one, within the error that is stated."""
+    force = load(ROD, 0.9 * HIGH_MODES, -0.3, 0.2)
+    together, alone = NoisyTogetherModel(ROD, force).verdict(force), ROD.stability(force)
+    assert together.status == alone.status == "stable"
+    assert abs(together.exponents[0].real - float(alone.mode_growth_rates.max())) <= together.error < 1e-4
+
+
+@pytest.mark.slow
+def test_independent_modes_seen_as_coupled_bear_alike() -> None:
+    rng, judged = np.random.default_rng(5), 0
+    for _ in range(depth(20, 8)):
+        force = load(ROD, float(rng.uniform(0.0, 1.2)) * HIGH_MODES, rng.uniform(-0.5, 0.6), rng.uniform(0.0, 0.3))
+        alone = ROD.stability(force)
+        model = NoisyTogetherModel(ROD, force)
+        assert model.verdict(force).status in (alone.status, "undecided")
+        judged += model.verdict(force).status == alone.status
+        if ROD.stability(load(ROD, 0.0, force.mean / ROD.critical_force, 0.0)).status == alone.status == "stable":
+            assert model.critical_noise(force, 0.0) == pytest.approx(ROD.critical_noise(force), rel=1e-5)
+    assert judged > 5
+
+
+def test_few_clamped_modes_grow_as_all_their_moments_do() -> None:
+    force = load(CLAMPED, 0.4 * HIGH_MODES, 0.05)
+    found = CLAMPED.stability(force, modes=range(1, 3))
+    model = CLAMPED.modes_under(force)
+    assert isinstance(model, NoisyTogetherModel)
+    modes = model.in_modes(2)
+    system = CLAMPED.modal_system(replace(force, noise=0.0), range(1, 3))
+    s = float(np.sqrt(0.2 * HIGH_MODES))
+    exact = fr.stability(fr.second_moments(system, [(modes.softening(force.mean), s)]), "monodromy")
+    assert abs(found.exponents[0].real - exact.exponents[0].real) <= found.error + 1e-9
+    assert found.error < 1e-4
+
+
+@pytest.mark.slow
+def test_clamped_ends_under_noise() -> None:
+    quiet, loud = (CLAMPED.stability(load(CLAMPED, share * HIGH_MODES)) for share in (0.2, 0.6))
+    assert (quiet.status, loud.status) == ("stable", "unstable")
+    assert "in mean square" in str(loud)
+    assert quiet.error < 1e-4
+    assert str(loud.report()).count("coupled modes") == 2
+    assert loud.as_dict()["in_mean_square"] is True
+
+
+@pytest.mark.slow
+def test_the_noise_that_clamped_ends_bear_separates_verdicts() -> None:
+    unit = load(CLAMPED, 1.0)
+    most = CLAMPED.critical_noise(unit)
+    assert most < HIGH_MODES
+    for factor, status in ((1.0 - 1e-4, "stable"), (1.0 + 1e-4, "unstable")):
+        assert CLAMPED.stability(replace(unit, noise=factor * most)).status == status
+    found = CLAMPED.stability(replace(unit, noise=1.3 * most))
+    rate = found.damping_to_stabilise
+    for factor, status in ((1.0 - 1e-3, "unstable"), (1.0 + 1e-3, "stable")):
+        assert CLAMPED.replace(damping_rate=factor * rate).stability(found.load).status == status
+    pulled = fr.AxialLoad(-1.0, 0.0, 150.0, noise=1.0)
+    assert CLAMPED.critical_noise(pulled) == pytest.approx(HIGH_MODES, rel=1e-9)
+
+
+@pytest.mark.slow
+def test_maps_and_arrays_say_what_single_loads_do() -> None:
+    like = load(CLAMPED, 0.2 * HIGH_MODES)
+    mean = np.array([0.1, 0.3, 0.5]) * CLAMPED.critical_force
+    status = CLAMPED.verdicts(mean, like.amplitude, like.frequency, like=like)
+    alone = [CLAMPED.stability(like.varied("mean", each)) for each in mean.tolist()]
+    assert status.tolist() == [{"stable": 1, "unstable": 0}[each.status] for each in alone]
+    chart = fr.stability_map(
+        CLAMPED, mean=(0.1 * CLAMPED.critical_force, 0.5 * CLAMPED.critical_force, 3), amplitude=like.amplitude,
+        frequency=(100.0, 200.0, 3), like=like,
+    )  # fmt: skip
+    assert chart.stable[:, 1].tolist() == [each.stable for each in alone]
+
+
+@pytest.mark.slow
+def test_a_density_that_varies_is_judged_by_its_largest() -> None:
+    """Stable where white noise of the largest density is; else only what grows without noise is unstable."""
+    share = ((0.0, 0.2 * HIGH_MODES), (300.0, 0.1 * HIGH_MODES), (301.0, 0.0))
+    assert CLAMPED.stability(load(CLAMPED, share)).status == "stable"
+    louder = tuple((at, 4.0 * density) for at, density in share)
+    found = CLAMPED.stability(load(CLAMPED, louder))
+    assert (found.status, found.note[:11]) == ("undecided", "white noise")
+    assert CLAMPED.critical_noise(load(CLAMPED, share)) == pytest.approx(
+        CLAMPED.critical_noise(load(CLAMPED, 0.2 * HIGH_MODES)), rel=1e-9
+    )
+
+
+def test_what_takes_too_long_or_is_not_known_is_told() -> None:
+    force = load(CLAMPED, 0.1 * HIGH_MODES)
+    with pytest.raises(ValueError, match="certify is not answered under noise"):
+        CLAMPED.certify(force.mean, force.amplitude, force.frequency, like=force)
+    with pytest.raises(ValueError, match="too many for their second moments"):
+        CLAMPED.stability(replace(force, frequency=0.01))
