@@ -164,7 +164,7 @@ class PieceArrays(NamedTuple):
         found = np.abs(self.mean) + np.abs(self.harmonics).sum(axis=2)
         return np.asarray(found if self.slope is None else found + np.abs(self.slope) * self.length[..., None, None])
 
-    def some(self, part: slice) -> PieceArrays:
+    def some(self, part: slice | NDArray[np.bool_]) -> PieceArrays:
         """Return those of some systems."""
         mean, slope, harmonics, length, period = self
         slope = None if slope is None else slope[part]

@@ -104,6 +104,16 @@ def log_errors(y: NDArray[Any], above: NDArray[Any], radii: NDArray[np.float64])
     return np.asarray(np.where(radii > 0.5 * nearest, whole, np.fmin(slopes(y, above, radii), whole)))
 
 
+def vague_growth(y: NDArray[Any], radii: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Return the middle of what the growth over a period may be within large discs, and the error of s.
+
+    From abs(y) = sinh(growth / 2)^2 + sin(turn / 2)^2.
+    """
+    low = np.arcsinh(np.sqrt(np.maximum(0.0, np.abs(y) - radii - 1.0)))
+    high = np.arcsinh(np.sqrt(np.abs(y) + radii))
+    return low + high, np.hypot(high - low, math.pi)
+
+
 def ldexp(value: float, exponent: int) -> float:
     """Return value * 2**exponent, infinite beyond the range of a double."""
     try:

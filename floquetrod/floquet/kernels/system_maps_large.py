@@ -84,6 +84,5 @@ def period_map_large(
         forth, back, rest = crossing(s, blocks, factors, most, h, order, ratio, stop, constant=False)
         matrix, wrong = joined(forth, back, noise + rest, g, h, symmetric=True)
         maps.append(matrix)
-        errors.append(wrong)
-    product, error = chain(maps, errors)
-    return product, error + period * coefficient_error / slow * max(norm_bound(product), 1.0) ** 2, q / g
+        errors.append(wrong + 2.0 * h * coefficient_error / slow * max(norm_bound(matrix), 1.0) ** 2)
+    return *chain(maps, errors), q / g

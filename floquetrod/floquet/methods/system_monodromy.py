@@ -24,6 +24,7 @@ from floquetrod.floquet.systems.result import SystemStability
 from floquetrod.floquet.verdict import Cost
 
 _COST = Cost(1, "period")
+_SEVERAL = 24  # equations: for as many or more, numpy's products take less time than kernels (measured)
 _MANY = 100  # equations: for as many or more, the eigenvalues of the map are computed, not those of pairs (a choice)
 
 
@@ -61,8 +62,11 @@ def monodromy(system: HillSystem | PeriodicSystem, *, rtol: float = 1e-12) -> Sy
     refused = too_long(system, "monodromy", float(whole.seconds_needed(pieces)[0]))
     if refused is not None:
         return refused
-    maps = whole.period_maps(pieces, uncertainty, rtol, paired=pairs is not None)
-    full, error = maps.matrix[0], float(maps.error[0])
+    if pairs is not None and not reversible and _are_oscillators(first, _SEVERAL):
+        full, error, _ = _map_of_many(first, rtol)
+    else:
+        maps = whole.period_maps(pieces, uncertainty, rtol, paired=pairs is not None)
+        full, error = maps.matrix[0], float(maps.error[0])
     discs = spectra.eigenvalue_discs(full, error)
     if pairs is None:
         return classify_multipliers(system, "monodromy", logarithms(discs) if discs else None, cost=_COST)
@@ -81,6 +85,23 @@ def _even_start(system: HillSystem) -> Fraction:
     """Return an instant of evenness: only from there on is the map reversible."""
     form = system.even_form
     return system.even_start or Fraction(0) if form is None else Fraction(float(form.start)) % Fraction(system.period)
+
+
+def _are_oscillators(first: PeriodicSystem, fewest: int) -> bool:
+    """Return whether a system is q'' + K(t) q = 0, K symmetric and without jumps, of enough equations."""
+    return first.is_smooth and first.order >= 2 * fewest and whole.is_oscillators(first.mean, first.harmonics)
+
+
+def _coefficients(first: PeriodicSystem) -> tuple[NDArray[np.float64], NDArray[np.complex128]]:
+    """Return the mean of K and its harmonics."""
+    n = first.order // 2
+    return -first.mean[n:, :n], -first.harmonics[:, n:, :n]
+
+
+def _map_of_many(first: PeriodicSystem, rtol: float) -> tuple[NDArray[np.float64], float, NDArray[np.float64]]:
+    """Return the map over a period of oscillators, its error, and its coordinates."""
+    error = first.order // 2 * first.coefficient_error
+    return period_map_large(*_coefficients(first), float(first.period), error, rtol)
 
 
 class SolvedMany(NamedTuple):
@@ -114,17 +135,16 @@ def solved_many(system: HillSystem | PeriodicSystem, rtol: float = 1e-12) -> Sol
     None for other systems; ``rtol`` as for `monodromy`.
     """
     subject, damping = undamped_pairs(system) or (None, 0.0)
-    if subject is None or not subject.is_smooth:
+    if subject is None:
         return None
     first = subject.as_periodic_system() if isinstance(subject, HillSystem) else subject
-    if first.order < 2 * _MANY or not whole.is_oscillators(first.mean, first.harmonics):
+    if not _are_oscillators(first, _MANY):
         return None
-    n, period = first.order // 2, float(first.period)
-    stiffness, harmonics = -first.mean[n:, :n], -first.harmonics[:, n:, :n]
-    refused = too_long(system, "monodromy", large_seconds(stiffness, harmonics, period))
+    period = float(first.period)
+    refused = too_long(system, "monodromy", large_seconds(*_coefficients(first), period))
     if refused is not None:
-        return SolvedMany(refused, None, np.eye(n))
-    full, error, basis = period_map_large(stiffness, harmonics, period, n * first.coefficient_error, rtol)
+        return SolvedMany(refused, None, np.eye(first.order // 2))
+    full, error, basis = _map_of_many(first, rtol)
     discs = spectra.eigenvalue_discs(full, error)
     logs = krein = None
     if discs is not None:

@@ -100,8 +100,12 @@ def classify_pairs(
         net = np.abs(pairs.logarithms(discs.values).real) - limit
         digits = ManyDigits(1.0 + discs.values, net, lambda cluster: spectra.discriminant(discs, cluster))
     logs = pairs.upper_logarithms(discs.values, digits.above)
-    net, outside = digits.net.copy(), pairs.outside(discs.values, digits.above)
     errors = pairs.log_errors(discs.values, digits.above, discs.radii)
+    net, outside = digits.net.copy(), pairs.outside(discs.values, digits.above)
+    vague = discs.radii > 0.5 * np.maximum(1.0, np.abs(discs.values))  # beside others that grow fast
+    net[vague], errors[vague] = pairs.vague_growth(discs.values[vague], discs.radii[vague])
+    net[vague] -= limit
+    digits = digits._replace(net=net)
     signs = np.zeros(len(logs), dtype=int)
     sides = _Sides.of(discs, digits, outside, errors, limit)
     parts, on_axis = [], np.zeros(len(logs), dtype=np.bool_)

@@ -13,6 +13,8 @@ from floquetrod.floquet.kernels.system_even import HalfPeriodMap, half_period_ma
 from floquetrod.floquet.systems import spectra, whole
 
 _EPS = 2.220446049250313e-16
+_FAST = 1e4  # norm of a map above which it matters how errors grow (a choice)
+_INSTANTS = 16  # of half a period, for a mean (a choice)
 
 
 class PairMatrices(NamedTuple):
@@ -54,7 +56,7 @@ def pair_matrices(
     half = half_period_map(stiffness, amplitudes, period, rtol, workers)
     with np.errstate(over="ignore", invalid="ignore"):  # of maps that overflow, whose errors are then not finite
         n = half.a.shape[-1]
-        whole, error = _whole(half, period, uncertainty)
+        whole, error = _whole(half, stiffness, amplitudes, period, uncertainty)
         if half.symmetric:
             return _numbers(half, error, np.swapaxes(half.b, -1, -2), error)
         inverse = inverses(whole)
@@ -65,7 +67,8 @@ def pair_matrices(
             # The inverse is the map back over the next half period, for -t and -u': it is even about that instant too.
             signs = (-1.0) ** np.arange(1, amplitudes.shape[1] + 1)[:, None, None]
             other = half_period_map(stiffness, signs * amplitudes, period, rtol, workers)
-            left[lost], left_error[lost] = other.b[lost], _whole(other, period, uncertainty)[1][lost]
+            back = _whole(other, stiffness, amplitudes, period, uncertainty)[1]
+            left[lost], left_error[lost] = other.b[lost], back[lost]
         return _numbers(half, error, left, left_error)
 
 
@@ -88,10 +91,34 @@ def of_pieces(
     return _numbers(half, half.error, back.matrix[:, :n, n:], back.error)
 
 
-def _whole(half: HalfPeriodMap, period: Any, uncertainty: Any) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def _whole(
+    half: HalfPeriodMap, stiffness: Any, amplitudes: Any, period: Any, uncertainty: Any
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Return maps (b, 2 n, 2 n) over half a period, and their errors, those of the coefficients included."""
     whole = joined(half)
-    return whole, half.error + 0.5 * period * uncertainty * (_sizes(half.basis) * _sizes(whole)) ** 2
+    size = _sizes(whole)
+    stretch = np.square(size)  # of an error on the way to the end of the half period, the way there included
+    fast = (size > _FAST) & np.isfinite(stretch)
+    if fast.any():
+        basis = half.basis[fast]
+        stretch[fast] = np.minimum(stretch[fast], _most_growth(basis, stiffness[fast], amplitudes[fast], period[fast]))
+    return whole, half.error + 0.5 * period * uncertainty * _sizes(half.basis) ** 2 * stretch
+
+
+def _most_growth(
+    basis: NDArray[np.float64], stiffness: Any, amplitudes: Any, period: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """Bound the product of the norms of the maps to any instant and from there on, (b,), by their logarithmic norm.
+
+    With v' = D p and p' = -B(t) v that is half the norm of D - B(t), whose mean is taken from a few instants.
+    """
+    turned = np.swapaxes(basis, -1, -2)
+    rates = inverses(turned @ basis) - turned @ stiffness @ basis
+    waves = turned[:, None] @ amplitudes @ basis[:, None]
+    orders = 1.0 + np.arange(waves.shape[1])
+    phases = np.pi / _INSTANTS * (0.5 + np.arange(_INSTANTS))
+    sums = sum(_spectral_norms(rates - np.tensordot(np.cos(phase * orders), waves, (0, 1))) for phase in phases)
+    return np.asarray(np.exp(0.25 * period * sums / _INSTANTS))
 
 
 def joined(half: HalfPeriodMap) -> NDArray[np.float64]:
@@ -103,6 +130,10 @@ def _sizes(matrices: NDArray[np.float64]) -> NDArray[np.float64]:
     """Bound the 2-norms of matrices (b, n, n); where n is large those of nearly diagonal ones are far below `norms`."""
     if matrices.shape[-1] < spectra.LARGE:
         return norms(matrices)
+    return np.array([spectra.spectral_norm(matrix) for matrix in matrices])
+
+
+def _spectral_norms(matrices: NDArray[np.float64]) -> NDArray[np.float64]:
     return np.array([spectra.spectral_norm(matrix) for matrix in matrices])
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -12,6 +13,7 @@ from floquetrod.equations.pieces import PieceArrays
 from floquetrod.floquet.kernels.system_maps import SegmentMaps, product, segment_maps
 
 _FEW_ROUNDS, _MANY_ROUNDS = 4, 10  # of balancing rows and columns: for an estimate of the time, and for maps (a choice)
+_FAST = 9.0  # logarithm of the norm of a map above which it matters how errors grow (a choice)
 
 
 class PeriodMaps(NamedTuple):
@@ -62,20 +64,44 @@ def period_maps(
 
     Where ``paired``, positions and velocities are scaled by inverse factors: the map stays symplectic or reversible.
     """
+    uncertainty = np.broadcast_to(np.asarray(uncertainty, dtype=float), pieces.mean.shape[:1])
+    found = _in_segments(pieces, uncertainty, rtol, 1, paired, workers)
+    growth = np.log(norms(found.matrix))
+    fast = (growth > _FAST) & np.isfinite(growth) & (uncertainty > 0.0)
+    if fast.any():
+        segments = math.ceil(0.5 * growth[fast].max())
+        again = _in_segments(pieces.some(fast), uncertainty[fast], rtol, segments, paired, workers)
+        for every, some in zip(found, again, strict=True):
+            every[fast] = some
+    return found
+
+
+def _in_segments(
+    pieces: PieceArrays, uncertainty: NDArray[np.float64], rtol: float, segments: int, paired: bool, workers: int | None
+) -> PeriodMaps:
+    """Return maps from those over so many segments of each piece; the more, the less the error is overestimated."""
     if paired:
         scaling = _paired_scaling(pieces.sizes.max(axis=1))
-        whole = product(_maps(pieces.scaled(scaling), rtol, 1, workers))
-        matrix, error = whole.matrix, whole.error * _spread(whole.scaling)
+        found = _maps(pieces.scaled(scaling), rtol, segments, workers)
     else:
-        maps, errors, scaling = balanced_maps(pieces, rtol, 1, workers)
-        matrix, error, _ = product(SegmentMaps(maps, errors, np.ones(scaling.shape)))
-    size = norms(matrix)
-    stretch = error_stretch(pieces.mean, scaling)
-    length = pieces.length.sum(axis=-1)
-    moved = np.where(
-        uncertainty > 0.0, length * uncertainty * pieces.mean.shape[-1] * stretch * np.maximum(size, 1.0) ** 2, 0.0
-    )
-    return PeriodMaps(matrix, error + moved, scaling)
+        found = balanced_maps(pieces, rtol, segments, workers)
+        scaling, found = found.scaling, found._replace(scaling=np.ones(found.scaling.shape))
+    matrix, error, inner = product(found)
+    lengths = np.repeat(pieces.length / segments, segments, axis=1)
+    change = uncertainty * pieces.mean.shape[-1] * error_stretch(pieces.mean, scaling)
+    moved = np.where(uncertainty > 0.0, change * _carried(found.maps, lengths), 0.0)
+    return PeriodMaps(matrix.copy(), error * _spread(inner) + moved, scaling)
+
+
+def _carried(maps: NDArray[np.float64], lengths: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return (b,) how much a change of A by one, in the 2-norm, may change the product of maps (b, S, N, N)."""
+    count = maps.shape[1]
+    before, after = np.ones((2, *lengths.shape))
+    prefix, suffix = maps[:, 0], maps[:, -1]
+    for j in range(1, count):
+        before[:, j], after[:, count - 1 - j] = norms(prefix), norms(suffix)
+        prefix, suffix = maps[:, j] @ prefix, suffix @ maps[:, count - 1 - j]
+    return np.asarray((after * lengths * np.maximum(norms(maps), 1.0) ** 2 * before).sum(axis=1))
 
 
 def balanced_maps(pieces: PieceArrays, rtol: float, segments: int = 1, workers: int | None = 1) -> SegmentMaps:
