@@ -254,6 +254,17 @@ def test_files_hold_systems_with_delays(tmp_path: Path) -> None:
     assert read_system(path) == fr.DelaySystem.first_order_from_pieces(pieces, delayed=[(0.75, back)])
 
 
+def test_arrays_hold_systems_with_delays(tmp_path: Path) -> None:
+    path, wave = tmp_path / "system.npz", [[[0.1]]]
+    arrays = {"stiffness": [[3.0]], "delays": [0.5, 2.0], "delayed": [[[0.15]], [[0.2]]], "delayed_sines": [wave, wave]}
+    np.savez(path, period=6.25, **arrays)
+    terms = [(0.5, [[0.15]], (), wave), (2.0, [[0.2]], (), wave)]
+    assert read_system(path) == fr.DelaySystem([[3.0]], period=6.25, delayed=terms)
+    np.savez(path, period=6.25, **arrays | {"delayed_sines": [wave]})
+    with pytest.raises(ValueError, match=r"'delayed_sines' must have 2 terms as delays has, got shape \(1, 1, 1, 1\)"):
+        read_system(path)
+
+
 @pytest.mark.parametrize(
     ("text", "old", "new", "message"),
     [

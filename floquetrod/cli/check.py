@@ -83,6 +83,10 @@ system files: TOML, or npz with arrays of the same names.  M q'' + (C + G) q' + 
   cosines = [[[0.1, 0.2], [0.2, 0.16]]]       # a matrix for each harmonic of K(t); also sines
   frequency = 3.0                             # angular; or period
 Optional are mass (symmetric, positive), damping and gyroscopic (skew).  For x' = A(t) x give mean, not stiffness.
+What comes back after a delay:
+  [[system.delayed]]
+  delay = 0.5
+  matrix = [[0.1, 0], [0, 0]]                 # also cosines and sines
 """
 
 

@@ -41,8 +41,10 @@ def read_system(path: str | Path) -> HillSystem | PeriodicSystem | DelaySystem:
     ``stiffness`` or ``mean``, and with ``slope``, ``cosines`` and ``sines`` where it varies as `Varying` does.  In an
     npz file an array of all ``durations`` says so; the other arrays then have the pieces as their first axis.
 
-    Delayed terms, in TOML files, have a table [[system.delayed]] each, with the ``delay`` and the ``matrix``, with
-    ``cosines`` and ``sines``, or with tables [[system.delayed.pieces]] of ``duration`` and ``matrix``.
+    Delayed terms have, in TOML files, a table [[system.delayed]] each, with the ``delay`` and the ``matrix``, with
+    ``cosines`` and ``sines``, or with tables [[system.delayed.pieces]] of ``duration`` and ``matrix``.  In npz files
+    they are arrays with the terms as their first axis: ``delays``, ``delayed``, ``delayed_cosines`` and
+    ``delayed_sines``.
 
     Raises
     ------
@@ -91,7 +93,22 @@ def _npz(path: Path) -> Mapping[str, Any]:
     if foreign:
         raise ValueError(f"{foreign[0]!r} is no array")
     table = {name: value if value.ndim else value.item() for name, value in arrays.items()}
-    return _by_piece(table) if "durations" in table else table
+    table = _by_piece(table) if "durations" in table else table
+    return _by_delay(table) if "delays" in table else table
+
+
+def _by_delay(table: Mapping[str, Any]) -> Mapping[str, Any]:
+    """Return arrays with an axis of delayed terms as a table of each."""
+    delays = np.atleast_1d(table["delays"]).tolist()
+    names = {"delayed": "matrix", "delayed_cosines": "cosines", "delayed_sines": "sines"}
+    terms = [{"delay": delay} for delay in delays]
+    for key, name in names.items():
+        if key in table:
+            value = np.asarray(table[key])
+            if value.shape[:1] != (len(delays),):
+                raise ValueError(f"array {key!r} must have {len(delays)} terms as delays has, got shape {value.shape}")
+            terms = [term | {name: value[i]} for i, term in enumerate(terms)]
+    return {key: value for key, value in table.items() if key not in ("delays", *names)} | {"delayed": terms}
 
 
 def _by_piece(table: dict[str, Any]) -> Mapping[str, Any]:
