@@ -201,6 +201,31 @@ def system(v: Any) -> Any:
     }
 
 
+def growth(v: Any) -> Any:
+    """Return status and growth of a verdict whose multipliers are no more than those that were asked for."""
+    rates, errors = np.array([x.real for x in v.exponents]), np.array(v.exponent_errors)
+    error = max((rates + errors).max() - rates.max(), rates.max() - (rates - errors).max())
+    return {"status": v.status, "fastest": number(float(rates.max()), float(error))}
+
+
+def orbit(v: Any) -> Any:
+    """Return period and multipliers of a periodic orbit with their errors, and where it begins."""
+    found = {"status": v.status, "period": number(v.period, v.period_error)}
+    verdict = v.stability
+    return found | {
+        "multipliers": {
+            "spectrum": [plain(mu) for mu in verdict.multipliers],
+            "error": list(verdict.multiplier_errors),
+        },
+        "reach": number(np.ptp(v.states, axis=0), 2.0 * v.error * np.abs(v.states).max(axis=0)),
+    }
+
+
+def noisy_rod(v: Any) -> Any:
+    """Return the verdict in mean square on a rod, whose error is that of the growth of its second moments."""
+    return fields("status", "unstable_modes", "fastest_mode")(v) | {"growth": number(v.growth_rate, 1e-9)}
+
+
 def proof(v: Any) -> Any:
     """Return what a proof says; the numbers it rests on are the business of its method."""
     return {"status": v.status, "interval": None if v.interval is None else str(v.interval)}

@@ -188,6 +188,17 @@ KINDS: dict[str, Kind] = {
         q.tongue_widths, answers.plain, 20, 1e-11, 0.0, "accurate relative to itself; eleven digits"
     ),
     "Floquet solution": Kind(q.floquet, answers.plain, 60, 1e-10, 1.0, "no stated error; values are of order one"),
+    "delayed system": Kind(lambda rng, i: q.call("fr.stability", q.delayed(rng, i)), answers.growth, 60),
+    "proof of a delayed system": Kind(lambda rng, i: q.call("fr.certify", q.delayed(rng, i)), answers.proof, 20),
+    "second moments": Kind(lambda rng, i: q.call("fr.stability", q.noisy(rng, i)), answers.growth, 40),
+    "critical noise": Kind(q.critical_noise, answers.plain, 12, 1e-9, 0.0, "between two verdicts, mostly to 1e-11"),
+    "filtered noise": Kind(q.filtered, answers.plain, 8, 1e-7, 1e-2, "orders are raised until 1e-8 apart"),
+    "noisy rod": Kind(q.noisy_rod, answers.noisy_rod, 40),
+    "milling": Kind(q.milled, answers.plain, 8, 1e-6, 0.0, "depths are bisected, of a multiplier to some digits"),
+    "well": Kind(q.of_well, answers.plain, 40, 1e-11, 1e3, "formulas; metres of a well of some km", cheap=True),
+    "rod in a bend": Kind(q.in_bend, answers.rod, 40),
+    "reach": Kind(q.reached, answers.fields("reach", "injector", "bit"), 8, 1e-6, 1.0, "integrals along the well"),
+    "periodic orbit": Kind(q.orbit, answers.orbit, 30),
     "solution": Kind(q.solved, answers.solution, 60),
     "first-order tongues": Kind(
         lambda rng, i: q.call("fr.systems.first_order_tongues", q.system(rng, 6 * i, n=2 + i % 2)),

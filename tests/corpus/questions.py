@@ -420,6 +420,129 @@ def floquet(rng: Rng, i: int) -> str:
     return f"{function}(np.linspace(0.1, 1.4, 5))"
 
 
+# --- delays, noise, wells, orbits -------------------------------------------------------------------------------------
+
+
+def delayed(rng: Rng, i: int) -> Code:
+    """Return a system with delays: one or two terms, of a share of the period or of none, every third constant."""
+    n, period = 1 + i % 2, short(float(decades(rng, 1.0, 8.0)))
+    w, size = decades(rng, 0.5, 3.0, n), decades(rng, 0.05, 1.0)
+
+    def matrix(scale: float) -> Any:
+        return scale * rng.normal(size=(n, n))
+
+    terms: list[Any] = []
+    for _ in range(1 + i % 4 // 3):
+        delay = period * one_of(rng, 0.5, 1.0, 1.5, 0.25) if i % 5 else float(decades(rng, 0.3, 3.0)) * period
+        terms.append((delay, matrix(0.2).tolist(), [matrix(0.1).tolist()] if i % 3 else []))
+    waves = [(size * (m + m.T)).tolist() for m in [matrix(0.5)]] if i % 3 else []
+    named = {"damping": np.diag(rng.uniform(0.0, 0.3, n)), "period": period, "delayed": terms}
+    return call("fr.DelaySystem", np.diag(w**2), waves, **named)
+
+
+def noisy(rng: Rng, i: int) -> Code:
+    """Return the second moments of a system with one or two sources of noise, of two structures in turn."""
+    n, kind = 1 + i % 2, (0, 1, 5)[i % 3]
+    order = 2 * n if kind == 5 else n
+    sources = [(rng.normal(size=(order, order)).tolist(), float(decades(rng, 0.01, 0.5))) for _ in range(1 + i % 2)]
+    return call("fr.second_moments", system(rng, kind, n=n), sources)
+
+
+def critical_noise(rng: Rng, i: int) -> str:
+    """Return a question for the noise that an oscillator bears whose stiffness varies a little."""
+    k, c = float(decades(rng, 0.5, 4.0)), float(decades(rng, 0.02, 0.3))
+    oscillator = call("fr.HillSystem", [[k]], [[[0.1 * c]]], damping=[[c]], period=float(decades(rng, 1.0, 8.0)))
+    return f"{call('fr.critical_noise', oscillator, [([[1.0]], 1.0)])}.factor"
+
+
+def filtered(rng: Rng, i: int) -> str:
+    """Return a question for the growth of second moments under noise of some correlation time."""
+    k, rate = float(decades(rng, 0.5, 4.0)), float(decades(rng, 0.5, 5.0))
+    oscillator = call("fr.HillSystem", [[k]], [[[0.2]]], damping=[[0.1]], period=float(decades(rng, 1.0, 8.0)))
+    return f"{call('fr.filtered_growth', oscillator, [[1.0]], ([[-rate]], [1.0], [0.2 * rate]))}.rate"
+
+
+def noisy_rod(rng: Rng, i: int) -> str:
+    """Return the verdict on a damped rod under white noise, or in turn under noise in bands."""
+    found = rod(rng, (1.5, 6.0))
+    found = found.replace(damping_rate=short(0.05 * found.pendulum_frequency))
+    high_modes = 8.0 * found.damping_rate * found.flexural_rigidity * found.mass_per_length
+    density = high_modes * float(decades(rng, 0.02, 2.0))
+    w = found.pendulum_frequency / 2.0 / math.pi
+    noise = [(0.0, density), (2.0 * w, density), (2.1 * w, 0.0)] if i % 3 == 2 else density
+    load = call("fr.AxialLoad", *numbers(rng, found).values(), noise=noise)
+    return call(f"{as_code(found)}.stability", load)
+
+
+def milled(rng: Rng, i: int) -> str:
+    """Return the critical depths of a cutter of one or two modes at three speeds."""
+    x, y = ([call("fr.ToolMode", f * 922.0, 0.011, 0.03993)] for f in (1.0, 1.0 + 0.3 * rng.random()))
+    named: dict[str, Any] = {"x": x, "teeth": 2 + i % 3, "tangential": 6e8, "radial": 2e8}
+    named |= {"immersion": float(rng.uniform(0.1, 1.0)), "direction": ("up", "down")[i % 2]}
+    cutter = call("fr.Milling", **(named | {"y": y} if i % 2 else named))
+    speeds = short((rng.uniform(4000.0, 20000.0, 2) * 2.0 * math.pi / 60.0).tolist())
+    return f"[{cutter}.critical_depth(speed) for speed in {speeds}]"
+
+
+def path(rng: Rng, i: int) -> Code:
+    """Return a well of some stations that builds, and in turn drops or turns."""
+    depth = np.concatenate([[0.0], np.cumsum(rng.uniform(200.0, 800.0, 4))])
+    inclination = np.array([0.0, 0.0, *np.sort(rng.uniform(0.2, 1.6, 2)), 1.5 if i % 2 else 0.8])
+    azimuth = rng.uniform(0.0, 0.6, 5) if i % 3 else 0.0
+    return call("fr.WellPath", depth, inclination, azimuth)
+
+
+def of_well(rng: Rng, i: int) -> str:
+    """Return a question about the geometry of a well."""
+    name = ("position", "curvature", "inclination_at", "azimuth_at", "dogleg_severity")[i % 5]
+    found = f"{path(rng, i)}.{name}"
+    return found if name == "dogleg_severity" else call(found, rng.uniform(0.0, 800.0, 3))
+
+
+def tubing(rng: Rng, **changes: Any) -> Code:
+    """Return tubing of 60 mm or so in a channel of 120 mm."""
+    radius = short(float(rng.uniform(0.022, 0.032)))
+    named: dict[str, Any] = {"youngs_modulus": 2.06e11, "density": 7850.0, "radius": radius, "channel_radius": 0.06}
+    return call("fr.Rod", **named, inner_radius=0.85 * radius, **changes)
+
+
+def in_bend(rng: Rng, i: int) -> str:
+    """Return the verdict on tubing in a bend: independent modes, or coupled by the ends or by gravity along it."""
+    inclination = float(rng.uniform(0.7, 1.4))
+    bend = call("fr.WellPath.arc", length=150.0, inclination=(inclination, inclination + float(rng.uniform(-0.2, 0.2))))
+    ends = ("hinged", "clamped", "hinged-clamped")[i % 3]
+    found = tubing(rng, length=100.0, path=bend, depth=20.0, ends=ends, damping_rate=0.05)
+    load = (float(decades(rng, 5e3, 8e4)), float(decades(rng, 1e3, 2e4)), float(decades(rng, 2.0, 20.0)))
+    return call(f"{found}.stability", call("fr.AxialLoad", *load))
+
+
+def reached(rng: Rng, i: int) -> str:
+    """Return how far tubing can be pushed into a well, and the forces at its upper end."""
+    mu, well = float(rng.uniform(0.15, 0.35)), path(rng, i)
+    return call(f"{tubing(rng, length=3000.0)}.reach", well, mu, depth=[700.0, 1200.0])
+
+
+ORBITS = (
+    ("lambda t, x, mu: (x[1], mu * (1 - x[0] ** 2) * x[1] - x[0])", "mu", (0.2, 3.0), None, [2.0, 0.0]),
+    (
+        "lambda t, x, f: (x[1], f * np.cos(1.3 * t) - 0.2 * x[1] - x[0] - x[0] ** 3)",
+        "f",
+        (0.05, 0.6),
+        "2*pi/1.3",
+        [0.0, 0.0],
+    ),
+    ("lambda t, x, c: (-x[1] - x[2], x[0] + 0.2 * x[1], 0.2 + x[2] * (x[0] - c))", "c", (2.3, 2.8), None, [3.0, 0, 0]),
+)
+"""Van der Pol's, Duffing's and Roessler's equations with a parameter and a start."""
+
+
+def orbit(rng: Rng, i: int) -> Code:
+    """Return a periodic orbit of one of three equations, in turn."""
+    function, name, bounds, period, start = ORBITS[i % 3]
+    parameters = {name: short(float(rng.uniform(*bounds)))}
+    return call("fr.periodic_orbit", call("fr.NonlinearSystem", Code(function), None, period, parameters), start)
+
+
 def solved(rng: Rng, i: int) -> str:
     """Return an initial value problem of an equation or a system."""
     if i % 2:
