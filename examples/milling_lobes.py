@@ -2,7 +2,7 @@
 Chatter of a milling cutter
 ===========================
 
-The stability lobes of a slotting cutter with two teeth: the depth of cut that it bears at each spindle speed.
+The stability lobes of a slotting cutter with two teeth: the depth of cut that is stable at each spindle speed.
 """
 
 import matplotlib.pyplot as plt

@@ -38,7 +38,7 @@ print(run)
 print(f"growth: simulated {fit}; predicted {verdict.growth_rate:.4g} 1/s")
 
 # %%
-# What grows has the shape that theory says.  Theory's shape is that of its largest instant, freed of its growth; the
+# What grows has the shape that theory says.  Theory's shape is that of its largest instant, its growth removed; the
 # simulated one is the instant of largest deflection of the last two periods of the vibration in which angles are small.
 shape = verdict.shape
 end = int(np.argmax(run.largest_angle > 0.1))

@@ -2,8 +2,8 @@
 A noisy tongue
 ==============
 
-White noise beside the periodic force widens a resonance tongue, and its tip comes down: less forcing is borne, and from
-some noise on none.  The verdicts are in mean square.
+White noise beside the periodic force widens a resonance tongue, and lowers its tip: the stable forcing decreases, and
+above some intensity there is none.  The verdicts are in mean square.
 """
 
 import matplotlib.pyplot as plt
@@ -20,10 +20,10 @@ def system(omega: float, epsilon: float) -> fr.HillSystem:
 
 noises = {0.0: "-", 0.2: "--", 0.35: "-.", 0.43: ":"}
 critical = fr.critical_noise(system(2.0, 0.0), [([[1.0]], 1.0)]).factor
-print(f"without forcing, noise is borne up to an intensity of {critical:.9f}, the root of 4 c w^2 = 0.2")
+print(f"without forcing, the system is stable up to a noise intensity of {critical:.9f}, the root of 4 c w^2 = 0.2")
 
 # %%
-# Left: the tongue at twice the frequency, for four intensities.  Right: the largest intensity that is borne at
+# Left: the tongue at twice the frequency, for four intensities.  Right: the largest intensity that is stable at
 # resonance and beside it, over the forcing.
 figure, (left, right) = plt.subplots(1, 2, figsize=(10.0, 4.2), layout="constrained")
 for noise, line in noises.items():
@@ -40,8 +40,8 @@ left.legend(loc="upper center")
 
 for omega, line in ((2.0, "-"), (2.1, "--"), (2.2, "-.")):
     stable = [e for e in np.linspace(0.0, 0.6, 16) if fr.stability(system(omega, e)).decay_rate > 0.0]
-    borne = [fr.critical_noise(system(omega, e), [([[1.0]], 1.0)]).factor for e in stable]
-    right.plot(stable, borne, line, color="black", label=rf"$\omega = {omega:g}$")
+    largest = [fr.critical_noise(system(omega, e), [([[1.0]], 1.0)]).factor for e in stable]
+    right.plot(stable, largest, line, color="black", label=rf"$\omega = {omega:g}$")
 right.plot(0.0, critical, linestyle="none", **palette.POINT)
 right.set(xlabel=r"forcing $\varepsilon$", ylabel="largest intensity $s$", ylim=(0.0, None))
 right.legend()

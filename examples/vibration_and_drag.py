@@ -19,7 +19,7 @@ weight = rod.mass_per_length * rod.effective_gravity
 # %%
 # First a short straight rod, too weakly pushed to buckle.  Its upper end is fed at v, a force of 10 Hz vibrates its
 # lower end, and at s the rod vibrates with the speed A(s).  Coulomb's law, averaged over a period, drags with
-# 2/pi asin(v / A) of its size where A > v.  (The simulated drag is 2 % smaller: the hinges bear the rod's ends.)
+# 2/pi asin(v / A) of its size where A > v.  (The simulated drag is 2 % smaller: the hinges carry the rod's ends.)
 friction, hertz, segments = 0.05, 10.0, 48
 load = fr.AxialLoad.hertz(0.1 * unit, 0.25 * unit, hertz)
 kappa, s = load.frequency / rod.wave_speed, np.linspace(0.0, rod.length, 2001)[1:]

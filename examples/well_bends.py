@@ -2,8 +2,8 @@
 A string in a bending well
 ==========================
 
-Where a well builds, compression presses the string onto its floor; where it drops, compression lifts it.  How much
-force does a string bear in a bend, and how far can it be pushed into a well, without and with a vibration tool?
+Where a well builds, compression presses the string onto its floor; where it drops, compression lifts it.  What
+force buckles a string in a bend, and how far can it be pushed into a well, without and with a vibration tool?
 """
 
 import sys
@@ -107,7 +107,7 @@ middles = 0.5 * (edges[1:] + edges[:-1])
 bent = [tubing.replace(path=well, depth=each - 5.0, length=10.0).critical_force for each in middles]
 fine = np.linspace(600.0, 4500.0, 201)
 slopes = well.inclination_at(fine)
-levelled = np.minimum(slopes, np.pi - slopes)  # a straight hole that rises bears what one that falls as much does
+levelled = np.minimum(slopes, np.pi - slopes)  # critical forces are those of a hole that falls as much
 straight = [tubing.replace(inclination=each).critical_force for each in levelled]
 along = chosen.along
 figure, axes = plt.subplots(figsize=(7.5, 4.2), layout="constrained")

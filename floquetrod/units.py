@@ -325,7 +325,7 @@ def is_measured(value: Any) -> bool:
 def in_si(value: Any, name: str, kind: str, number: Callable[[Any], Any]) -> Any:
     """Return what ``number``, float or of an array, makes of a quantity of pint in the SI unit of a kind.
 
-    To pint a hertz is 1/s and an angle has no dimension: what counts periods is told by the name of its unit.
+    To pint a hertz is 1/s and an angle has no dimension: what counts periods is given by the name of its unit.
     """
     counts = kind in ("frequency", "rate")
     target = re.sub(r"(?<=[a-z])(\d)$", r"^\1", next(iter(_UNITS[kind]))) or "dimensionless"

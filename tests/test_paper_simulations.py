@@ -70,9 +70,9 @@ def test_draws_that_end_as_expected_are_counted() -> None:
 def test_everything_is_simulated_and_told(made: tuple[SimulationStudy, list[str]]) -> None:
     study, said = made
     assert (len(study.figure_4), len(study.figure_7), len(study.redrawn), len(study.draws)) == (10, 30, 5, 4)
-    anew = [what for what in said if what == "Simulated Figure 4, drawn anew"]
-    assert (len(study.redrawn_4), len(anew), len(said)) == (10, 20, sum(map(len, short(True))) + 20)
-    said = [what for what in said if what not in anew]
+    again = [what for what in said if what == "Simulated Figure 4, drawn again"]
+    assert (len(study.redrawn_4), len(again), len(said)) == (10, 20, sum(map(len, short(True))) + 20)
+    said = [what for what in said if what not in again]
     assert sorted(said) == sorted(f"Simulated {trial}" for group in short(True) for trial in group)
     for outcome, trial in zip(study.figure_7, short(True)[1], strict=True):
         assert outcome.trial == trial

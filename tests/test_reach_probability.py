@@ -88,7 +88,7 @@ def test_the_same_seed_gives_the_same_samples() -> None:
     again = fr.probability_of_reach(TUBING, WELL, (0.2, 0.4), depth=[3000.0], samples=4, seed=one.seed)
     assert one == again == pickle.loads(pickle.dumps(one))
     assert json.loads(json.dumps(one.as_dict()))["depth_m"] == [3000.0]
-    assert repr(one).startswith("<gets to 3000 m with probability ")
+    assert repr(one).startswith("<reaches 3000 m with probability ")
     assert "independent of each other" in str(one.report())
 
 

@@ -25,7 +25,7 @@ from floquetrod.ensembles.axes import Design
 from floquetrod.ensembles.runs import DONE, FAILED, PENDING, Runs, Variable
 from floquetrod.simulation.arithmetic import arithmetic
 
-_RUNS_IN_A_CHUNK = 256  # at most: files of kilobytes, written anew with each save of a run of theirs
+_RUNS_IN_A_CHUNK = 256  # at most: files of kilobytes, written again with each save of a run of theirs
 _SECONDS_BETWEEN = 1.0  # of wall time, between saves: what a kill costs
 _LONGER = 50.0  # times the duration of a save until the next one: saves take at most a fiftieth
 MOST_MEMORY = 1 << 32  # bytes of frames in memory, half of what a laptop has

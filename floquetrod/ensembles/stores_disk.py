@@ -147,7 +147,7 @@ class NpzStore(DiskStore):
                 self.reasons[run] = str(reasons[run])
 
     def _write(self, chunks: Iterable[int]) -> None:
-        """Write the file anew."""
+        """Write the file again."""
         self._refresh(range(0))
         self.runs().save(self.path)
         self._known = _state(self.path)

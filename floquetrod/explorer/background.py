@@ -8,7 +8,7 @@ from queue import Empty, SimpleQueue
 from typing import Any, TypeAlias
 
 ViewParts: TypeAlias = dict[str, Any]
-"""What is shown anew, by the name of the place in the window."""
+"""What is shown again, by the name of the place in the window."""
 
 Stale: TypeAlias = Callable[[], bool]
 """Whether a job has been replaced and should end."""

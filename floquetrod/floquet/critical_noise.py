@@ -1,4 +1,4 @@
-"""How much noise a system bears: the largest intensity at which its second moments do not grow."""
+"""How much noise a system tolerates: the largest intensity at which its second moments do not grow."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ _NEAREST = 1e-12  # of verdicts on both sides, relative (a choice: what doubles 
 
 @dataclass(frozen=True, eq=False)
 class CriticalNoise(ByContent, NoTruthValue):
-    """The largest intensity of noise that a system bears in mean square.
+    """The largest intensity of noise at which a system is stable in mean square.
 
     Attributes
     ----------
@@ -72,7 +72,7 @@ def critical_noise(system: Problem, noise: Any, interpretation: str = "ito") -> 
     Raises
     ------
     TypeError, ValueError
-        As `floquetrod.second_moments`, and where the motion does not decay without noise, so that none can be borne.
+        As `floquetrod.second_moments`, and where the motion does not decay without noise.
 
     Examples
     --------
@@ -82,14 +82,14 @@ def critical_noise(system: Problem, noise: Any, interpretation: str = "ito") -> 
     >>> round(fr.critical_noise(fr.HillSystem([[1.0]], damping=[[0.2]]), [([[1.0]], 1.0)]).factor ** 2, 9)
     0.4
     """
-    loudest = second_moments(system, noise, interpretation)
+    whole = second_moments(system, noise, interpretation)
     if not isinstance(system, Equation):
         require_one(system)
-    if loudest.shape:
-        raise ValueError(f"noise must have one intensity for each source, got a batch of shape {loudest.shape}")
+    if whole.shape:
+        raise ValueError(f"noise must have one intensity for each source, got a batch of shape {whole.shape}")
     quiet = stability(system)
     if not quiet.decay_rate > 0.0:
-        raise ValueError(f"system must decay without noise for it to bear any, got one that is {_told(quiet)}")
+        raise ValueError(f"system must decay without noise to have a critical one, got one that is {_told(quiet)}")
 
     def moments(factor: float) -> SecondMoments:
         return balanced_moments(system, _scaled(system, noise, factor), interpretation)
@@ -98,7 +98,7 @@ def critical_noise(system: Problem, noise: Any, interpretation: str = "ito") -> 
         found: SystemStability = run("monodromy", moments(factor))
         return found.exponents[0].real if found.exponents else math.nan
 
-    size = float(np.abs(loudest.mean - second_moments(system, _scaled(system, noise, 0.0), interpretation).mean).max())
+    size = float(np.abs(whole.mean - second_moments(system, _scaled(system, noise, 0.0), interpretation).mean).max())
     if size == 0.0:
         raise ValueError("noise must have an intensity above zero and a matrix that is not zero, got none")
     first = math.sqrt(quiet.decay_rate / size)

@@ -2,7 +2,7 @@
 
 The motion is bounded where y lies between -1 and 0; near these ends y keeps digits that mu has lost.  By how much a
 real y lies beyond the nearer end is its *excess* X: sinh(growth / 2)^2 where the motion grows, -sin(turn / 2)^2 where
-it is bounded, growth and turn from the nearer end over a period.  Of one scalar equation freed of its damping, with the
+it is bounded, growth and turn from the nearer end over a period.  Of one scalar equation, its damping removed, with the
 discriminant D, X = (abs(D) - 2) / 4.  A computation gives y or X with an error, and what they lie between decides.
 
 Floats stand for one pair, X = excess * 2**exponent, so that growth may leave the range of a double; arrays for many.

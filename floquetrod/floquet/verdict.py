@@ -264,8 +264,8 @@ class Stability(FloquetVerdict):
     log_abs_discriminant : float
         Natural logarithm of its magnitude, finite where the discriminant itself is not.
     interval : Interval or None
-        The stability interval or resonance tongue, of the equation freed of its damping; None where the method cannot
-        tell.
+        The stability interval or resonance tongue, of the equation with its damping removed; None where the method
+        cannot tell.
     """
 
     unit: ClassVar[str] = "tau"
@@ -360,7 +360,7 @@ def classify(
     excess_error : float
         Error of X relative to max(1, abs(X)).
     undamped_status : Status, optional
-        Verdict on the equation freed of its damping when known otherwise than from X (by counting, say).
+        Verdict on the equation with its damping removed when known otherwise than from X (by counting, say).
     growth : (low, middle, high), optional
         Growth rate less damping and its bounds when known better than from X, where the undamped equation is unstable.
     tested : (status, growth rate), optional

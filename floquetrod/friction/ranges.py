@@ -43,7 +43,7 @@ class EscapeRanges(NoTruthValue):
     step : float
         Ratio of neighbouring kicks tried less one: ranges and gaps narrower than this may be missed.
     undecided : int
-        Kicks tried whose fate could not be told; they count as not escaping.
+        Kicks tried whose fate could not be determined; they count as not escaping.
     """
 
     ask = ".intervals"

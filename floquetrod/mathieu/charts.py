@@ -129,7 +129,7 @@ class MathieuPlane(Family):
         return {"kind": Mathieu(0.0, 0.0).title, "fixed": [list(_fixed(self.damping))]}
 
     def verdicts(self, x: Floats, y: Floats, *, growth: bool = False, quick: bool = False) -> Verdicts:
-        """Return verdicts; growth, where it need not be told, is not."""
+        """Return verdicts; growth, where it need not be known, is not."""
         place = self._coefficients(x, y)
         rate = growth_rate(*place, workers=self.workers) if growth or self.growth_tolerance else np.nan
         if self.growth_tolerance:

@@ -192,7 +192,7 @@ def floquet_solutions(equation: Mathieu, *, per: str = "tau") -> tuple[FloquetSo
     in_z = validate.choice("per", per, ("tau", "z")) == "z"
     alpha, beta, damping = equation.alpha, equation.beta, equation.damping
     validate.within("alpha", alpha, -0.5 * _LARGEST_Q, 0.5 * _LARGEST_Q)
-    level = beta + damping**2  # of the equation freed of its damping
+    level = beta + damping**2  # of the equation with its damping removed
     name, found = f"Floquet solution of {equation!r}", []
     for exponent in dict.fromkeys(_constant_exponents(level) if alpha == 0.0 else exponents(alpha, level).tolist()):
         if alpha == 0.0:

@@ -1,6 +1,6 @@
 """Outlines of tongues within a window: ranges of lines that they meet, and polygons as fine as an accuracy asks.
 
-The position of a line in a range is told by a share from 0 to 1, whose square it goes with beside a tip: there edges
+The position of a line in a range is given by a share from 0 to 1, whose square it goes with beside a tip: there edges
 part like square roots, and are smooth in the share.
 """
 

@@ -18,7 +18,7 @@ _CELLS = 32  # parts of a range of amplitudes in which tongues are counted (a ch
 
 
 class UndampedEquations(NamedTuple):
-    """Equations with ``stiffness`` (1/s^2) and ``gain``, as in `TongueCurves`, freed of their damping rate.
+    """Equations with ``stiffness`` (1/s^2) and ``gain``, as in `TongueCurves`, with their damping rate removed.
 
     Growth up to ``growth_tolerance`` counts as stable; without one, tongues that grow no faster than ``negligible``
     are left out.  All three in 1/s.

@@ -1,6 +1,6 @@
 """Where Mathieu's equation grows faster than a level, along its mean, its frequency and its amplitude.
 
-Equations are freed of their damping: u'' = (b + alpha sin tau) u with b = beta + c^2, whose growth rate is compared
+Damping is removed from the equations: u'' = (b + alpha sin tau) u with b = beta + c^2, whose growth rate is compared
 with c and a tolerance.  Every function takes arrays of questions, one for each equation and range, and returns the
 parts of all of them.  docs/theory/ranges.md derives what is complete, and what is not.
 """

@@ -155,7 +155,7 @@ class CuttingPlane(Family):
         return {"kind": repr(self.milling).strip("<>"), "fixed": []}
 
     def verdicts(self, x: Floats, y: Floats, *, growth: bool = False, quick: bool = False) -> Verdicts:
-        """Return verdicts, and growth rates in 1/s where they must be told or were needed."""
+        """Return verdicts, and growth rates in 1/s where they must be known or were needed."""
         speeds, depths = np.broadcast_arrays(x, y)
         found = judged(self.milling, speeds.ravel(), depths.ravel(), growth=growth)
         periods = self.milling.pitch / speeds

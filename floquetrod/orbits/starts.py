@@ -111,7 +111,7 @@ def _from_record(system: NonlinearSystem, times: Floats, states: Floats, period:
     if times[-1] - times[0] < period * (1.0 - 1e-9):
         raise ValueError(f"start must cover a period of {period:.6g}, got a record of {times[-1] - times[0]:.6g}")
     begin = times[-1] - period
-    if system.period is not None:  # from a time at which the forcing begins anew
+    if system.period is not None:  # from a time at which the forcing begins again
         begin = math.floor(begin / period + 1e-9) * period
         begin = begin if begin >= times[0] - 1e-9 * period else begin + period
     whole = Guess(times - times[0], states, rates)

@@ -63,7 +63,7 @@ class Family(ABC):
         Parameters
         ----------
         growth : bool
-            Whether growth must be told, and the mode where there is one; else it may be NaN.
+            Whether growth must be known, and the mode where there is one; else it may be NaN.
         quick : bool
             Whether what would take long may stay undecided.
         """

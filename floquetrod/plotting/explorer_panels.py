@@ -1,6 +1,6 @@
 """The panels of the explorer's window: a map, modes among tongues and their rates, growth over frequency, a shape.
 
-Each panel has ``moving`` artists, drawn anew for each view over a copy of everything else; `show` returns whether that
+Each panel has ``moving`` artists, drawn again for each view over a copy of everything else; `show` returns whether that
 everything else has changed.
 """
 

@@ -1,4 +1,4 @@
-"""Names of bands, placed inside them where there is room; laid out anew whenever a figure is drawn."""
+"""Names of bands, placed inside them where there is room; laid out again whenever a figure is drawn."""
 
 from __future__ import annotations
 

@@ -44,7 +44,7 @@ def draw_reach(found: Any, figure: Any = None) -> Any:
 
 
 def _draw_section(found: Any, ax: Any) -> None:
-    """Draw the well from its side, the string as deep as it gets."""
+    """Draw the well from its side, the string as deep as it reaches."""
     path, end = found.path, found.along.depth[-1]
     depths = np.unique(np.concatenate([np.linspace(path.start, path.end, 400), path.stations]))
     places = path.position(depths)
@@ -54,7 +54,7 @@ def _draw_section(found: Any, ax: Any) -> None:
     ax.plot(run[inside], places[inside, 2], color="black", linewidth=1.4, label="string")
     grows = np.interp(depths, found.along.depth, found.growth) > 0.0
     ax.plot(*_only(run, places[:, 2], grows & inside), color=palette.UNSTABLE, linewidth=1.8, label="grows")
-    ax.set_xlabel("along the level / m")
+    ax.set_xlabel("horizontal distance / m")
     ax.set_ylabel("true vertical depth / m")
     ax.set_aspect("equal", adjustable="datalim")
     ax.invert_yaxis()
@@ -75,7 +75,7 @@ def _draw_injector(found: Any, ax: Any) -> None:
         ax.axvline(found.reach_shaken, color="0.5", linewidth=0.8)
         ax.legend(loc="best", fontsize="x-small", frameon=False)
     ax.axhline(0.0, color="0.7", linewidth=0.6)
-    ax.set_ylabel("injector / kN")
+    ax.set_ylabel("at the injector / kN")
 
 
 def _draw_bit(found: Any, ax: Any) -> None:
@@ -85,7 +85,7 @@ def _draw_bit(found: Any, ax: Any) -> None:
         ax.plot(found.bit_depth, 1e-3 * found.bit_shaken, color="black", marker=".")
     deep = np.concatenate([found.bit[1:], found.bit_shaken[1:], [found.far_force + 1e3]])
     ax.set_ylim(1e-3 * found.far_force, 1e-3 * found.far_force + 1.1e-3 * (float(np.nanmax(deep)) - found.far_force))
-    ax.set_ylabel("at the bit / kN")
+    ax.set_ylabel("at the lower end / kN")
     ax.set_xlabel("measured depth of the lower end / m")
 
 
@@ -95,9 +95,9 @@ def _draw_line(ax: Any, depth: Any, values: Any, label: str) -> None:
 
 
 def _draw_stress(found: Any, ax: Any) -> None:
-    """Draw the stress of the worst fibre, what of it is bending, and the yield strength."""
+    """Draw the largest stress in the section, what of it is bending, and the yield strength."""
     depth, bending = found.along.depth, found.bending_stress
-    _draw_line(ax, depth, 1e-6 * (found.axial_stress + bending), "worst fibre / MPa")
+    _draw_line(ax, depth, 1e-6 * (found.axial_stress + bending), "largest stress / MPa")
     ax.plot(depth, 1e-6 * bending, color="black", linestyle="--", linewidth=0.8, label="bending")
     if found.yield_strength is not None:
         ax.axhline(1e-6 * found.yield_strength, color=palette.UNSTABLE, linewidth=1.2, label="yield strength")

@@ -108,7 +108,7 @@ class LoadPlane(Family):
         return subject
 
     def verdicts(self, x: Floats, y: Floats, *, growth: bool = False, quick: bool = False) -> Verdicts:
-        """Return verdicts, with growth rates in 1/s and the numbers of the fastest modes where they must be told."""
+        """Return verdicts, with growth rates in 1/s and the numbers of the fastest modes where they must be known."""
         if growth and self.is_plain:
             loads = Loads.of(*self._load(x, y))
             found = self.model.answers(loads, self.growth_tolerance, self.workers)

@@ -82,12 +82,12 @@ class ReachProbability(Reported, ByContent):
     @property
     def _in_words(self) -> str:
         return (
-            f"gets to {self.depth[-1]:.6g} m with probability {self.probability[-1]:.3g}, between {self.low[-1]:.3g} "
+            f"reaches {self.depth[-1]:.6g} m with probability {self.probability[-1]:.3g}, between {self.low[-1]:.3g} "
             f"and {self.high[-1]:.3g} with {100.0 * self.confidence:g} % confidence; {self.samples:,} samples"
         )
 
     def report(self) -> Report:
-        """Return the probability by depth, and what is taken for granted."""
+        """Return the probability by depth, and what is assumed."""
         table = zip(self.depth, self.probability, self.low, self.high, strict=True)
         columns = [("depth m", ">9"), ("probability", ">11"), ("from", ">6"), ("to", ">6")]
         rows = [[f"{depth:.6g}", *(f"{each:.3f}" for each in others)] for depth, *others in table]
@@ -124,7 +124,7 @@ class _Pushed(NamedTuple):
         return drag_of(rod, sampled_path(self.path, sample), friction, "pushed", helical, tool, speed)
 
     def arrives(self, friction: Any, sample: Mapping[str, Any]) -> Bools:
-        """Return which depths a string of one sample gets to."""
+        """Return which depths a string of one sample reaches."""
         drag = self.drag(friction, sample)
         is_shaken = drag.shaking is not None
         found = strings.run(drag, self.path.start, self.depths, self.far_force, np.empty(0), SOUGHT, is_shaken)
@@ -204,7 +204,7 @@ def probability_of_reach(
     >>> well = fr.WellPath([0.0, 1000.0, 1450.0, 4000.0], ["0deg", "0deg", "90deg", "90deg"])
     >>> tubing = fr.Rod.catalogue("2.00x0.156", bore="4.778in", length=1.0, fluid_inside=1e3, fluid_outside=1e3)
     >>> fr.probability_of_reach(tubing, well, (0.25, 0.35), depth=[3000.0], samples=20, seed=1)
-    <gets to 3000 m with probability 0.6, between 0.361 and 0.809 with 95 % confidence; 20 samples>
+    <reaches 3000 m with probability 0.6, between 0.361 and 0.809 with 95 % confidence; 20 samples>
     """
     validate.instance("rod", rod, Rod, "Rod.nitinol(), say")
     path = validate.instance("path", path, WellPath, "fr.WellPath.from_csv reads one from a survey")

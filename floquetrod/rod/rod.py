@@ -361,7 +361,7 @@ class Rod(RodData):
         """Return the verdict on the rod under a load: stable when every mode is.
 
         Under a load with noise it is the verdict in mean square, and growth is that of second moments, twice that of
-        amplitudes (docs/theory/noise.md); `critical_noise` tells how much noise is borne.
+        amplitudes (docs/theory/noise.md); `critical_noise` is the largest noise that is stable.
 
         Parameters
         ----------
@@ -860,7 +860,7 @@ class Rod(RodData):
         """
         found, tolerance = require_load("load", load), validate.tolerance("growth_tolerance", growth_tolerance)
         if not found.noise:
-            raise validate.wrong_value("load", "must have noise, such as noise=1.0, to be asked how much it bears")
+            raise validate.wrong_value("load", "must have noise, such as noise=1.0, to find its critical multiple")
         model: Any = self.modes_under(found)
         return float(model.critical_noise(found, tolerance))
 

@@ -274,7 +274,7 @@ def clopper_pearson(hits: int, samples: int, confidence: float) -> tuple[float, 
 
 
 def independence(names: Iterable[str]) -> tuple[str, ...]:
-    """Return what is taken for granted of distributions."""
+    """Return what is assumed of distributions."""
     stations = [name for name in names if SURVEY.get(name, ("", ""))[1] == "random"]
     more = (f"{', '.join(stations)}: independent from station to station",) if stations else ()
     return (f"{', '.join(names)}: independent of each other", *more)

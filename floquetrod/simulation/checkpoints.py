@@ -177,7 +177,7 @@ class Checkpoint:
         Raises ValueError, with a remedy, when it is damaged, of another format or another run, or cannot be continued
         to the bit here.
         """
-        remedy = "or remove it to start anew"
+        remedy = "or remove it to start again"
         try:
             foreign, state = files.read_npz(
                 self.path, _FORMAT, "a checkpoint of a simulation", lambda *content: self._read(expected, *content)

@@ -128,7 +128,7 @@ def fit_growth(time: Floats, amplitudes: Floats, period: float, damping_rate: fl
     """Return the growth rate of motion sampled at equal times, (frames,) or (frames, amplitudes).
 
     The multipliers of a Floquet system of ``period`` T, damped in proportion to its mass at a ``damping_rate`` c, come
-    in pairs z, 1 / z once the motion is freed of its decay: B(t) = e^(c t) A(t).  With Y B(t) = B(t + n T) + B(t - n T)
+    in pairs z, 1 / z once its decay is removed, B(t) = e^(c t) A(t).  With Y B(t) = B(t + n T) + B(t - n T)
     and any n, a pair obeys Y B = D B, D = z^n + z^-n, whatever the phase.  Of the functions B, Y B, ..., Y^(p-1) B,
     all amplitudes with the same factors, those mixtures are found that Y multiplies by numbers, in the least-squares
     sense: p pairs, which may be complex.  The rate is that of the largest z.  n is as large as p leaves room for, which

@@ -185,7 +185,7 @@ class SimulationProblem:
             ) from None
 
     def __getstate__(self) -> dict[str, Any]:
-        """Return the parameters alone: what follows from them is computed anew in another process."""
+        """Return the parameters alone: what follows from them is computed again in another process."""
         return {part.name: getattr(self, part.name) for part in fields(self)}
 
     @cached_property
@@ -229,7 +229,7 @@ class SimulationProblem:
         )
 
     def replace(self, **changes: Any) -> SimulationProblem:
-        """Return a copy with some parameters changed, checked anew; a default number of segments is chosen anew."""
+        """Return a copy with some parameters changed, checked again; a default number of segments is chosen again."""
         if self.segments == self._fair_segments():
             changes = {"segments": None, **changes}
         return replace(self, **changes)

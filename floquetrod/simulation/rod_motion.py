@@ -56,7 +56,7 @@ def rod_type(segments: int) -> np.dtype[np.void]:
     """Return the record that holds a rod of so many segments.
 
     The lengths of its fields are part of its type: compilers then know that fields do not overlap, and vectorise loops
-    over any number of them.  They come in few sizes because each is compiled anew, for some five seconds: one serves
+    over any number of them.  They come in few sizes because each is compiled again, for some five seconds: one serves
     every rod of up to 514 segments, and is no slower for few of them (measured).  Sizes are odd multiples of 64 bytes
     because rows at powers of two would compete for the same lines of the cache.
     """

@@ -33,7 +33,7 @@ DRAWN = (150.0, 0.118), (150.0, 0.424)
 """Loads (rad/s, F_cr) of Figure 7 where case C led by mode 10 depends on the draw; the reason is isolated there."""
 
 REDRAWN = (85.0, 0.825, "C 10"), (150.0, 0.118, "C 8"), (150.0, 0.424, "C 8"), (150.0, 0.825, "C 8")
-"""Other entries of Figure 7 that come out otherwise; they are drawn anew, the first for fewer modes, too."""
+"""Other entries of Figure 7 that come out otherwise; they are drawn again, the first for fewer modes, too."""
 
 FEWER = 10
 
@@ -96,7 +96,7 @@ def _seeds(quick: bool) -> tuple[int, ...]:
 
 
 def draws(quick: bool) -> int:
-    """Return how often the speeds of every run of Figure 4 are drawn anew."""
+    """Return how often the speeds of every run of Figure 4 are drawn again."""
     return 2 if quick else 10
 
 
@@ -118,7 +118,7 @@ def make_study(quick: bool, progress: Callable[[str], None] | None = None) -> Si
     every = [
         drawn
         for group in _by_frequency(fourth).values()
-        for drawn in redraw([o.trial for o in group], draws(quick), lambda *_: say("Simulated Figure 4, drawn anew"))
+        for drawn in redraw([o.trial for o in group], draws(quick), lambda *_: say("Simulated Figure 4, drawn again"))
     ]
     return SimulationStudy(fourth, tuple(every), seventh, redrawn, led_by_10)
 

@@ -149,7 +149,7 @@ def verdicts(
 
 
 class _Batch(ABC):
-    """Systems freed of uniform damping, flat: their periods (b,), the damping, and equations of first order in each."""
+    """Systems with uniform damping removed, flat: periods (b,), the damping, and first-order equations in each."""
 
     period: NDArray[np.float64]
     damping: float

@@ -177,7 +177,7 @@ class Members(Family):
 
 
 def _delayed(systems: Sequence[Any], *, growth: bool) -> tuple[NDArray[np.int8], Floats]:
-    """Return status and growth rate of systems with delays, the rate where it must be told or was needed."""
+    """Return status and growth rate of systems with delays, the rate where it must be known or was needed."""
     status, rate = delay_many.of_systems(systems, growth=growth)
     for i in np.flatnonzero(status == UNDECIDED).tolist():
         found = stability(systems[i])

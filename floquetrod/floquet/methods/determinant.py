@@ -13,7 +13,7 @@ from floquetrod.floquet.verdict import Cost, Interval, Stability, Status, classi
 
 _EPS = 2.220446049250313e-16
 _MOST_TERMS = 20000  # a choice: about 30 ms
-_MOST_LEFT_OUT = 0.1  # of a determinant, beyond which its error can no longer be told (a choice)
+_MOST_LEFT_OUT = 0.1  # of a determinant, beyond which its error can no longer be determined (a choice)
 _PRODUCT_TERMS = 32  # powers of h^2 / k^2, at most 1/4: 4^-32 is far below rounding
 
 

@@ -131,7 +131,7 @@ def monodromy_matrix(equation: Equation, *, rtol: float = 1e-12, start: float = 
 
 
 def _stretches(pieces: tuple[Piece, ...], start: float, equation: Equation) -> list[_Stretch]:
-    """Return pieces that follow one another from ``start`` as what is integrated, freed of the damping."""
+    """Return pieces that follow one another from ``start`` as what is integrated, with the damping removed."""
     square = Fraction(equation.damping) ** 2
     stretches, share = [], Fraction(0)
     for piece in pieces:

@@ -105,7 +105,7 @@ def _map_of_many(first: PeriodicSystem, rtol: float) -> tuple[NDArray[np.float64
 
 
 class SolvedMany(NamedTuple):
-    """The verdict on many equations, and the solutions that it rests upon, freed of damping: none where there are none.
+    """The verdict on many equations, and the solutions that it rests upon, without damping; none where there are none.
 
     Attributes
     ----------
@@ -130,7 +130,7 @@ class SolvedMany(NamedTuple):
 
 
 def solved_many(system: HillSystem | PeriodicSystem, rtol: float = 1e-12) -> SolvedMany | None:
-    """Classify many equations, freed of damping q'' + K(t) q = 0 with K symmetric, by the eigenvalues of their map.
+    """Classify many equations q'' + K(t) q = 0, damping removed, with K symmetric, by the eigenvalues of their map.
 
     None for other systems; ``rtol`` as for `monodromy`.
     """

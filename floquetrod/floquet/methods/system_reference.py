@@ -206,7 +206,7 @@ def _size(
 def _first_order(
     system: HillSystem, kind: str, damping: float, context: Any
 ) -> tuple[Callable[..., NDArray[Any]], Callable[..., NDArray[Any]], float]:
-    """Return what makes of a mean of K, and of its other matrices, those of the first-order system freed of damping.
+    """Return what makes of a mean of K, and of its other matrices, those of the first-order system without damping.
 
     In (q, p), p = M q' + G q / 2, where it is Hamiltonian, else in (q, q').  Also by how much an error of K's entries
     may grow on the way.

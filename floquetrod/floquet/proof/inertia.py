@@ -42,7 +42,7 @@ def inertia(arithmetic: Arithmetic, matrix: Matrix, sizes: Array) -> Inertia:
     np.fill_diagonal(sizes, 0.0)
     others = up(up(sizes.sum(1)) + offset)
     if not (np.abs(diagonal) > others).all():
-        raise Unresolved("the sign of an eigenvalue of Hill's matrix cannot be told")
+        raise Unresolved("the sign of an eigenvalue of Hill's matrix cannot be determined")
     return Inertia(int((diagonal < 0.0).sum()), float((1.0 - others / np.abs(diagonal)).min()))
 
 

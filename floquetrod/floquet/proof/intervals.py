@@ -16,7 +16,7 @@ _LARGEST_WORK = 4e6  # interval operations, about ten seconds' worth (heuristic)
 
 
 class Unresolved(Exception):
-    """The sign of a quantity cannot be told at the present precision."""
+    """The sign of a quantity cannot be determined at the present precision."""
 
 
 class TooMuchWork(Exception):

@@ -44,7 +44,7 @@ class Proof(Reported, Answer):
     status : {"stable", "unstable", "undecided"}
         What was proved; "stable": every solution stays bounded (decays, if damped and not at rest).
     interval : Interval or None
-        Stability interval or tongue of the equation freed of its damping, where the proof was by counting.
+        Stability interval or tongue of the equation with its damping removed, where the proof was by counting.
     digits : int
         Decimal digits of the arithmetic that decided, or of the last attempt; 0 where no arithmetic was needed.
     statement : str

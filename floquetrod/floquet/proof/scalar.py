@@ -119,10 +119,10 @@ def _against_damping(context: Any, problem: ExactProblem, above: Any, below: Any
         enclose("(-trace - 2 cosh(c period)) / 4", below),
     )
     if above < 0 and below < 0:
-        statement = "freed of its damping no solution grows as fast as the damping, so every solution decays"
+        statement = "with its damping removed no solution grows as fast as the damping, so every solution decays"
         return _proof(problem, "stable", interval, context.dps, statement, *enclosures)
     if above > 0 or below > 0:
-        statement = "freed of its damping a solution grows faster than the damping, so a solution grows"
+        statement = "with its damping removed a solution grows faster than the damping, so a solution grows"
         return _proof(problem, "unstable", interval, context.dps, statement, *enclosures)
     raise Unresolved("growth equals the damping within the error")
 

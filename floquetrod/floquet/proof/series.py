@@ -1,4 +1,4 @@
-"""The coefficient of the equation freed of its damping, as a Fourier series with enclosed coefficients."""
+"""The coefficient of the equation with its damping removed, as a Fourier series with enclosed coefficients."""
 
 from __future__ import annotations
 

@@ -68,7 +68,7 @@ def angles_between(multipliers: Array) -> list[float]:
 
 
 def count(arithmetic: Arithmetic, system: Oscillators, angles: Sequence[float]) -> Counts:
-    """Count the negative eigenvalues of Hill's operator at the angles where that can be told."""
+    """Count the negative eigenvalues of Hill's operator at the angles where that can be determined."""
     truncation = _truncation(arithmetic, system)
     arithmetic.check_work(8.0 * len(angles) * ((2 * truncation.last + 1) * system.stiffness.shape[0]) ** 3)
     known: list[tuple[float, Inertia]] = []

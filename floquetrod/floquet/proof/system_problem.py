@@ -74,7 +74,7 @@ class SecondOrder:
 
     @cached_property
     def is_hamiltonian(self) -> bool:
-        """Whether the system, freed of uniform damping, is Hamiltonian."""
+        """Whether the system, with uniform damping removed, is Hamiltonian."""
         damping = self.uniform_damping
         return self.is_symmetric and damping is not None and (damping == 0 or not self.gyroscopic.any())
 

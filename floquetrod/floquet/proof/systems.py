@@ -222,7 +222,7 @@ def _by_signs(arithmetic: Arithmetic, enclosed: _Enclosed, angles: list[float], 
         f"for, so all multipliers are on the unit circle and definite, and {end}"
     )
     if damped:
-        statement = f"freed of its damping, {statement}"
+        statement = f"with its damping removed, {statement}"
     return _Finding("stable", statement, (_enclose("least margin of a sign", arcs.margin, 1.0),))
 
 
@@ -237,7 +237,7 @@ def _by_count(counts: Counts, order: int, *, damped: bool) -> _Finding | None:
         end = "every solution decays" if damped else "every solution is bounded"
         statement = f"{known}; they vary by {order}, so all multipliers are on the unit circle and definite, and {end}"
         if damped:
-            statement = f"freed of its damping, {statement}"
+            statement = f"with its damping removed, {statement}"
         return _Finding("stable", statement, (margin,))
     across = counts.across
     if not damped and across is not None and (order - across) % 2 == 1:

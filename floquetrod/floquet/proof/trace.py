@@ -21,7 +21,7 @@ _LARGEST = 300.0  # exponent of a trace in doubles; growth beyond it is taken ou
 
 
 def enclose_trace(context: Any, problem: ExactProblem) -> Any:
-    """Enclose the trace of the equation freed of its damping, with the digits of a context of intervals."""
+    """Enclose the trace of the equation with its damping removed, with the digits of a context of intervals."""
     arithmetic = Doubles() if context.dps <= Doubles.digits else Integers(context.dps)
     shift = _shift(problem)
     with np.errstate(all="ignore"):  # what is not finite decides nothing

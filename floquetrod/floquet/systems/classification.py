@@ -62,7 +62,7 @@ class _Part(NamedTuple):
 
 
 def undamped_pairs(system: AnySystem) -> tuple[System, float] | None:
-    """Return the system freed of uniform damping c, and c, where its multipliers come in mu, 1 / mu; else None."""
+    """Return the system without its uniform damping c, and c, where its multipliers come in mu, 1 / mu; else None."""
     if isinstance(system, DelaySystem):
         return None
     freed = system.undamped if isinstance(system, HillSystem) else (system, 0.0)
@@ -79,7 +79,7 @@ def classify_pairs(
     cost: Cost,
     note: str = "",
 ) -> SystemStability:
-    """Return the verdict that follows from the numbers y of the pairs, of the system freed of uniform damping.
+    """Return the verdict that follows from the numbers y of the pairs, of the system with uniform damping removed.
 
     Parameters
     ----------

@@ -49,7 +49,7 @@ def judged(maps: Maps, counts: NDArray[np.intp], *, growth: bool = False) -> Jud
     counts : ndarray (b,) of int
         Nodes in each piece with which each system is about resolved.
     growth : bool
-        Whether the logarithms of all must be told.
+        Whether the logarithms of all must be known.
     """
     found = Judged(np.full(counts.size, UNDECIDED, dtype=np.int8), np.full(counts.size, np.nan))
     for count in np.unique(counts):
@@ -59,7 +59,7 @@ def judged(maps: Maps, counts: NDArray[np.intp], *, growth: bool = False) -> Jud
 
 
 def of_systems(systems: Sequence[DelaySystem], *, growth: bool = False) -> Judged:
-    """Return verdicts on systems, and growth rates per unit of time where they must be told or were needed.
+    """Return verdicts on systems, and growth rates per unit of time where they must be known or were needed.
 
     Those whose pieces and delays are the same parts of their periods are judged together.
     """

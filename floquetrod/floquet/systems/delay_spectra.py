@@ -34,7 +34,7 @@ class Multipliers(NamedTuple):
 
 @np.errstate(over="ignore", invalid="ignore")  # what overflows is then not finite
 def leading(matrix: NDArray[np.float64], least: float) -> Multipliers | None:
-    """Return the eigenvalues of modulus above ``least``, the largest in any case; None where they cannot be told.
+    """Return the eigenvalues of modulus above ``least``, the largest in any case; None where they cannot be determined.
 
     With T11 the block of an ordered Schur form of the invariant subspace and P the spectral projector upon it, a change
     E of the map moves T11 by P E to first order, at most |P| |E|: G. W. Stewart, J.-G. Sun, Matrix Perturbation Theory.

@@ -56,7 +56,7 @@ _EVERY = 4  # blocks of columns between two looks
 
 
 class FastSolutions(NamedTuple):
-    """The multipliers outside a circle of a system freed of damping.
+    """The multipliers outside a circle of a system with damping removed.
 
     Attributes
     ----------

@@ -47,7 +47,7 @@ class Nodes(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Line(ByContent):
-    """Systems freed of uniform damping, without mass and gyroscopic matrices, K symmetric.
+    """Systems with uniform damping removed, without mass and gyroscopic matrices, K symmetric.
 
     Attributes
     ----------

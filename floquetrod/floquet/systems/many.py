@@ -67,7 +67,7 @@ def _apart(values: NDArray[Any], radii: NDArray[np.float64]) -> NDArray[np.bool_
 
 @np.errstate(over="ignore", invalid="ignore")
 def pair_verdicts(discs: ManyDiscs, period: NDArray[np.float64], damping: float) -> ManyVerdicts:
-    """Return verdicts from y = (mu + 1/mu - 2) / 4 of the pairs of systems freed of uniform damping."""
+    """Return verdicts from y = (mu + 1/mu - 2) / 4 of the pairs of systems with uniform damping removed."""
     y, radii, apart = discs
     growth = np.abs(pairs.logarithms(y).real)
     off = np.abs(y - np.clip(y.real, -1.0, 0.0)) > radii
@@ -88,7 +88,7 @@ def pair_verdicts(discs: ManyDiscs, period: NDArray[np.float64], damping: float)
 
 @np.errstate(over="ignore", invalid="ignore")
 def multiplier_verdicts(discs: ManyDiscs, period: NDArray[np.float64], *, paired: bool, damping: float) -> ManyVerdicts:
-    """Return verdicts from the multipliers themselves, of systems freed of uniform damping where they are paired."""
+    """Return verdicts from the multipliers themselves, of systems without uniform damping where they are paired."""
     values, radii, apart = discs
     sizes = np.abs(values)
     with np.errstate(divide="ignore"):

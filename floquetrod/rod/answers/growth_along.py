@@ -28,7 +28,7 @@ class Growth(NamedTuple):
 def growth_along(rod: RodData, place: Place, force: Floats, amplitude: Floats, frequency: float) -> Growth:
     """Return the fastest growth at places under a mean compression and a vibration in N, without friction across.
 
-    After the rod's damping rate; what friction takes is told by `sliding.damping_across`.
+    After the rod's damping rate; what friction takes is given by `sliding.damping_across`.
 
     Of all wavelengths, as if force and well were the same around: the waves that grow are short against both.  A wave
     k obeys Mathieu's equation with m beta w^2 = -(E I k^4 - F k^2 + N / R) and m alpha w^2 = dF (k^2 - N' / R), N the

@@ -16,7 +16,7 @@ QUANTITIES: dict[Quantity, tuple[str, str]] = {
 """Name and unit of what may vary."""
 
 WhatGrows: TypeAlias = tuple[int, int] | Resonance | Literal["unnamed"]
-"""What grows: (mode, tongue), a resonance of coupled modes, or "unnamed" where that could not be told."""
+"""What grows: (mode, tongue), a resonance of coupled modes, or "unnamed" where that could not be determined."""
 
 Cause: TypeAlias = WhatGrows | Literal["axial resonance"] | None
 """What closes a stability interval: (mode, tongue), a resonance of coupled modes, or None at an end of the search.
@@ -33,7 +33,7 @@ class BucklingWarning(UserWarning):
 class StabilityInterval(NamedTuple):
     """Stable from ``low`` to ``high``; what closes each end is (mode, tongue), where modes are coupled a `Resonance`.
 
-    "unnamed" where that could not be told; None at an end of the search.
+    "unnamed" where that could not be determined; None at an end of the search.
     """
 
     low: float

@@ -92,7 +92,7 @@ class MeanForce(Reported, ByContent):
         return f"{where} needs {size} of {'push' if self.at_top >= 0.0 else 'pull'} at {self.depth[0]:.6g} m"
 
     def report(self) -> Report:
-        """Return the force, the buckled depths and what is taken for granted."""
+        """Return the force, the buckled depths and what is assumed."""
         lines = [("snaking", _depths(self.depth, self.is_snaking)), ("helix", _depths(self.depth, self.is_helix))]
         return Report(self._in_words, [*lines, ("assumed", "; ".join(ASSUMED))])
 
@@ -112,12 +112,12 @@ class MeanForce(Reported, ByContent):
 
 
 ASSUMED = (
-    "the string follows the well, bent without shear: soft but for buckling",
+    "the string follows the well and transmits no shear force (soft string), but buckles",
     "effective force; a helix adds F^2 R / (4 E I) to the contact force, snaking nothing",
     "no torque",
-    "waves of a tool run up and down the string, lose what friction takes, and are not thrown back by its ends",
+    "waves of a tool run up and down the string, lose energy to friction alone, and are not reflected by its ends",
 )
-"""What mean forces take for granted."""
+"""What mean forces assume."""
 
 
 def _depths(depth: Floats, is_so: NDArray[np.bool_]) -> str:

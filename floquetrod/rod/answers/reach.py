@@ -56,7 +56,7 @@ class Reach(Reported, ByContent):
         Some of the depths, 12 at most.
     bit : ndarray (m,)
         Greatest compression in N that reaches the lower end there without a tool, the upper end pushed with ``push``;
-        NaN where the string does not get.  To 4e-4 (S + F^2 / S) and up to 10 S, S the critical force in a level
+        NaN where the string does not reach.  To 4e-4 (S + F^2 / S) and up to 10 S, S the critical force in a level
         hole.
     bit_shaken : ndarray (m,)
         The same with the tool.
@@ -75,7 +75,7 @@ class Reach(Reported, ByContent):
         The same with the tool.
     tool : VibrationTool or None
     along : MeanForce
-        Along the string with the tool, its lower end as deep as it gets.
+        Along the string with the tool, its lower end as deep as it reaches.
     amplitude : ndarray
         Vibration of the force in N at the depths of ``along``.
     axial_stress : ndarray
@@ -90,7 +90,7 @@ class Reach(Reported, ByContent):
     sliding : float
         Speed in m/s at which the string slides down.
     growth : ndarray
-        Fastest growth in 1/s there of a wave across the string that the vibration causes, which moves across as fast
+        Fastest growth in 1/s there of a lateral wave that the vibration causes, which moves across as fast
         as the string slides: after the rod's damping rate and the friction of a string that slides.  0 where nothing
         grows, and where the string is buckled by the mean force already.
     growth_free : ndarray
@@ -140,27 +140,27 @@ class Reach(Reported, ByContent):
 
     @property
     def stress(self) -> Stress:
-        """The stress where a fibre is stressed most, its ``position`` from the upper end in m."""
+        """The stress where it is largest along the string, its ``position`` from the upper end in m."""
         k = int(np.argmax(self.axial_stress + self.bending_stress))
         position = float(self.along.depth[k] - self.along.depth[0])
         return Stress(float(self.axial_stress[k]), float(self.bending_stress[k]), position, self.yield_strength)
 
     @property
     def yields(self) -> NDArray[np.bool_]:
-        """Whether a fibre is stressed beyond yield at the depths of ``along``; nowhere if its strength is not known."""
+        """Whether the stress exceeds the yield strength at the depths of ``along``; False if that is unknown."""
         strength = math.inf if self.yield_strength is None else self.yield_strength
         return np.asarray(self.axial_stress + self.bending_stress > strength)
 
     @property
     def stable_frequencies(self) -> tuple[tuple[float, float], ...]:
-        """Ranges of the tool's frequency in rad/s, of those looked at, with which nothing across the string grows."""
+        """Ranges of the tool's frequency in rad/s, of those examined, at which no lateral wave grows."""
         return tuple(spans(self.frequencies, self.frequency_growth <= _GROWS))
 
     @property
     def useful_frequencies(self) -> tuple[tuple[float, float], ...]:
         """The ranges of `stable_frequencies` where the tool gains reach, else none.
 
-        What it gains does not depend on its frequency here, as waves are not thrown back by the ends.
+        What it gains does not depend on its frequency here, as waves are not reflected by the ends.
         """
         return self.stable_frequencies if self.gain > 0.0 else ()
 
@@ -187,17 +187,17 @@ class Reach(Reported, ByContent):
         ]
         lines += self._stress_lines
         if self.tool is not None:
-            lines += [("shaken", self._shaken_in_words), ("grows", self._growth_in_words)]
-            lines.append(("useful", self._useful_in_words))
+            lines += [("vibration", self._vibration_in_words), ("grows", self._growth_in_words)]
+            lines.append(("frequency", self._frequency_in_words))
         lines.append(("assumed", "; ".join(self.assumptions)))
         return Report(self._in_words, lines, self._table)
 
     @property
     def assumptions(self) -> tuple[str, ...]:
-        """What is taken for granted."""
+        """What is assumed."""
         local = (
-            "growth place by place, of a long string under the forces there, after the rod's damping and friction, "
-            f"which damps a wave across the less the faster it moves: one of {with_unit(self.sliding, 'm/s', 3)}"
+            "growth is that of a long string under the force at each depth, with the rod's damping and with friction, "
+            f"which damps a lateral wave the less the faster it moves: here {with_unit(self.sliding, 'm/s', 3)}"
         )
         more = (local,) if self.tool else ()
         return (*ASSUMED, *more, "linear elasticity, beyond yield too; stress with equal pressures inside and outside")
@@ -209,15 +209,15 @@ class Reach(Reported, ByContent):
         return [*lines, ("yields", _listed(depth, self.yields))] if self.yields.any() else lines
 
     @property
-    def _shaken_in_words(self) -> str:
+    def _vibration_in_words(self) -> str:
         least = self.along.friction.min()
-        return f"vibration of {with_unit(self.amplitude.max(), 'N', 3)} at most, friction {least:.3g} at least"
+        return f"at most {with_unit(self.amplitude.max(), 'N', 3)}; it reduces friction to {least:.3g}"
 
     @property
     def _growth_in_words(self) -> str:
         grows = self.growth > _GROWS
         if not grows.any():
-            return f"nothing across the string: {self._kick_in_words}"
+            return f"no lateral wave: {self._kick_in_words}"
         k = int(np.argmax(self.growth))
         return (
             f"{_listed(self.along.depth, grows)}: {self.growth[k]:.3g} 1/s at {self.along.depth[k]:.6g} m in half "
@@ -226,23 +226,27 @@ class Reach(Reported, ByContent):
 
     @property
     def _kick_in_words(self) -> str:
-        """Which waves across friction holds back."""
+        """Which lateral waves friction holds back."""
         k = int(np.argmin(self.kick))
         if not math.isfinite(self.kick[k]):
-            return "no wave grows, however fast it moves"
-        return f"one that moves {with_unit(self.kick[k], 'm/s', 3)} across does, at {self.along.depth[k]:.6g} m"
+            return "none would, however fast it moves"
+        return f"one that moves at {with_unit(self.kick[k], 'm/s', 3)} would, at {self.along.depth[k]:.6g} m"
 
     @property
-    def _useful_in_words(self) -> str:
+    def _frequency_in_words(self) -> str:
+        """With which frequencies the tool gains depth while no lateral wave grows."""
+        if not self.gain > 0.0:
+            return "the tool gains no depth at any"
         if not self.useful_frequencies:
-            return "no frequency that was looked at: " + ("something grows" if self.gain > 0.0 else "nothing is gained")
+            low, high = self.frequencies[[0, -1]] / (2 * math.pi)
+            return f"a lateral wave grows at all that were examined, {low:.3g} to {high:.3g} Hz"
         ranges = ", ".join(f"{a / 2 / math.pi:.3g} to {b / 2 / math.pi:.3g} Hz" for a, b in self.useful_frequencies)
-        return f"{ranges}: gains {self.gain:.4g} m, and nothing grows"
+        return f"no lateral wave grows at {ranges}"
 
     @property
     def _table(self) -> Table:
         rows = np.searchsorted(self.depth, self.bit_depth)
-        names = ("injector kN", "bit kN"), ("with tool kN", "with tool kN")
+        names = ("injector kN", "lower end kN"), ("with tool kN", "with tool kN")
         forces = (self.injector[rows], self.bit), (self.injector_shaken[rows], self.bit_shaken)
         kept = range(2 if self.tool else 1)
         columns = [("depth m", ">9"), *((names[k][i], ">12") for i in range(2) for k in kept)]
@@ -427,7 +431,7 @@ class _Search:
         return found
 
     def ends(self, depths: Floats, forces: Floats) -> list[tuple[float, bool]]:
-        """Return how deep the lower end gets, and whether it is stopped there, for each row of forces."""
+        """Return how deep the lower end reaches, and whether it is stopped there, for each row of forces."""
         found = [self._around(self.drag.path.start, depths, each) for each in forces]
         is_stopped = [high is not None for _, high in found]
         brackets = [(low, low if high is None else high) for low, high in found]

@@ -149,7 +149,7 @@ class _Proving:
         """Return whether there is a proved example of each kind; proves candidates where there is one of each.
 
         The numbers of the modes are halved one by one, so that a part may hold those of no rod: a load on a rod is
-        proved anew.
+        proved again.
         """
         if self.searches and self.tried < _CANDIDATES and self.examples.keys() | self.candidates.keys() >= _BOTH:
             self.tried += 1

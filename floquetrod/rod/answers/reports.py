@@ -170,7 +170,7 @@ class ReportedVerdict(Reported, _RodVerdict):
         )
 
     def _subject(self, shown: Mapping[str, Unit]) -> list[ReportLine]:
-        """Return lines about rod and load, and what is taken for granted where that is more than the study does."""
+        """Return lines about rod and load, and what is assumed where that is more than the study does."""
         rod, load = self.rod, self.load
         lines = [("rod", f"critical force {rod.critical_force:.4g} N, critical mode {rod.critical_mode:.3g}")]
         special = special_parameters(rod)

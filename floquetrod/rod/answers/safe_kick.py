@@ -14,7 +14,7 @@ from floquetrod.rod.model.data import RodData
 
 @dataclass(frozen=True, repr=False)
 class SafeKick(Reported):
-    """How hard a knock a rod was found to take that is stable at rest: a search and a scan of one mode at a time.
+    """The kick up to which a rod that is stable at rest was found to return to it: a search, one mode at a time.
 
     A kick is a transverse velocity that a mode is given at rest, at any phase of the load: that of the place of the rod
     where it is largest.  Kicked are the modes that carry, each alone, a large stable orbit that a search finds.

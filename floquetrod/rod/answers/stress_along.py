@@ -20,7 +20,7 @@ class StressAlong(NamedTuple):
 
 
 def stress_along(rod: RodData, path: WellPath, along: MeanForce, amplitude: Floats) -> StressAlong:
-    """Return the stress in the worst fibre, with the vibration of the force in N.
+    """Return the largest stress in the section, with the vibration of the force in N.
 
     E r_o times the curvature of the well, and of a helix R theta'^2 = R F / (2 E I), which waves are given, too.  Both
     are added, as where a turn of the helix bends the string the way the well does.

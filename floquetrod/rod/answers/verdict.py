@@ -37,7 +37,7 @@ _TOLD_OF_ONE = ("mode_verdicts", "mode_growth_rates", "mode_equations", "whole",
 
 
 class Shape(NamedTuple):
-    """The fastest growing solution along the rod, freed of its growth; its largest deflection is 1.
+    """The fastest growing solution along the rod, with its growth removed; its largest deflection is 1.
 
     Attributes
     ----------

@@ -255,7 +255,7 @@ def critical_kick(linear: RodStability, friction: float) -> CriticalKick:
 def kicked_loads(
     rod: RodData, systems: ModalSystems, friction: float, kick: float, tolerance: float, workers: int | None
 ) -> NDArray[np.int8]:
-    """Return whether the kick destabilises no mode (1), one (0), or cannot be told (-1), for each load."""
+    """Return whether the kick destabilises no mode (1), one (0), or cannot be determined (-1), for each load."""
     found = np.full(systems.loads.size, BOUNDED, dtype=np.int8)
     for part in _parts(systems.loads.size):
         loads = systems.loads.some(part)

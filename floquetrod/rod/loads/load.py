@@ -499,7 +499,7 @@ def largest_density(noise: Noise, hertz: float) -> float:
     return max([float(density_at(noise, hertz)), *(density for at, density in noise if at >= hertz)])
 
 
-def louder(noise: Noise, factor: float) -> Noise:
+def scaled_noise(noise: Noise, factor: float) -> Noise:
     """Return noise whose density is a factor as large."""
     if isinstance(noise, tuple):
         return tuple((at, factor * density) for at, density in noise)
@@ -507,7 +507,7 @@ def louder(noise: Noise, factor: float) -> Noise:
 
 
 def noise_in_words(noise: Noise) -> str:
-    """Return how loud noise is."""
+    """Return the largest density of noise in words."""
     if not isinstance(noise, tuple):
         return f"noise of {float(noise):.4g} N^2/Hz"
     return f"noise of up to {max(density for _, density in noise):.4g} N^2/Hz below {noise[-1][0]:.4g} Hz"

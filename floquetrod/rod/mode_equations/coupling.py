@@ -14,7 +14,7 @@ def coupling(rod: RodData, load: Load) -> tuple[str, ...]:
     """Return in words what keeps the modes from obeying an equation of Mathieu's each, empty where nothing does.
 
     They do with hinged ends, under a force that is a sine and uniform along the rod, in a channel whose inclination and
-    curvature are told as uniform, or on a path that is straight there: along an arc the inclination changes, and with
+    curvature are given as uniform, or on a path that is straight there: along an arc the inclination changes, and with
     it the weight across.
     """
     ends = rod.end_conditions

@@ -2,7 +2,7 @@
 
 No count tells how many boundaries lie between two loads when modes are coupled, so that an unstable part narrower than
 the distance of two samples may be missed; results say how wide that is.  Samples are evenly spaced, and more are taken
-where the modes that may resonate, most often far fewer than all, grow faster than between them: freed of its damping a
+where the modes that may resonate, most often far fewer than all, grow faster than between them: without damping a
 tongue is wider than the part of it that outgrows the damping, about four times the largest growth in frequency.
 """
 
@@ -157,7 +157,7 @@ class _SampledSearch(NamedTuple):
 
     @property
     def level(self) -> float:
-        """Growth in 1/s, freed of damping, up to which loads are stable."""
+        """Growth in 1/s, with damping removed, up to which loads are stable."""
         return self.modes.damping_rate + self.tolerance
 
     def _loads(self, places: Floats) -> Loads:
@@ -250,7 +250,7 @@ class _SampledSearch(NamedTuple):
         return 0.5 - _NEAR, 0.5 * len(self.load.harmonics) + _NEAR
 
     def _growth_of_few(self, places: Floats, reach: tuple[float, float]) -> Floats:
-        """Return the growth in 1/s of the modes that may resonate, freed of their damping; infinite where unknown."""
+        """Return the undamped growth in 1/s of the modes that may resonate; infinite where unknown."""
         found = []
         for start in range(0, places.size, _AT_ONCE):
             system = self._few(self._loads(places[start : start + _AT_ONCE]), reach)
@@ -349,12 +349,12 @@ def _seconds(systems: HillSystem) -> float:
 
 
 def _freed(systems: HillSystem) -> HillSystem:
-    """Return systems freed of uniform damping."""
+    """Return systems with uniform damping removed."""
     return (systems.undamped or (systems, 0.0))[0]
 
 
 class _Secants:
-    """Where the squared growth, freed of damping, comes down to a level: at an edge it ends like a straight line.
+    """Where the squared growth, with damping removed, comes down to a level: at an edge it ends like a straight line.
 
     Only places with growth tell, most often those to one side; what is proposed lies beyond the zero of secants, as
     seen from the end next to it, by as much as that zero moved last, for both ends to close in on it.

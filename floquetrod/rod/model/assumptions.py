@@ -1,4 +1,4 @@
-"""What the equations of a rod take for granted, listed in every verdict."""
+"""What the equations of a rod assume, listed in every verdict."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ WALL = "the load is the compression in the wall"
 """Which force is meant without fluids."""
 
 IMMERSED = ("the load is the effective force, F_wall + p_i A_i - p_o A_o", "fluids at rest, added mass constant")
-"""Which force is meant with a fluid inside or outside, and what else is taken for granted then."""
+"""Which force is meant with a fluid inside or outside, and what else is assumed then."""
 
 _LIMITS = (
     ("axial waves", "friction on the wall takes from them along the rod, which rod.reach and simulations count"),
@@ -90,7 +90,7 @@ def forced_in_words(angle: float) -> str:
 
 
 def in_a_channel(rod: RodData) -> tuple[str, ...]:
-    """Return what is taken for granted of the channel, in one that bends with numbers that should be small.
+    """Return what is assumed of the channel, in one that bends with numbers that should be small.
 
     In a bend ends without a moment lift a straight rod off its wall near them, and growth differs, of a rod of seven
     half waves by 6 % in simulations, less by one over their number; with clamped ends, or where the rod's own shape is
@@ -137,7 +137,7 @@ def warn_unless_uniform(rod: RodData, load: Load) -> None:
 
 
 def assumptions(rod: RodData, load: Load) -> tuple[str, ...]:
-    """Return what the equations take for granted."""
+    """Return what the equations assume."""
     if isinstance(load, AxialWave):
         vibration = "axial waves without friction on them"
         vibration += "" if load.axial_damping else ", undamped"

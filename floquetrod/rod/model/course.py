@@ -65,7 +65,7 @@ class Course(ABC):
 
 @dataclass(frozen=True)
 class Told(Course):
-    """A channel whose inclination in rad and curvature in 1/m are told as uniform."""
+    """A channel whose inclination in rad and curvature in 1/m are given as uniform."""
 
     inclination: float
     curvature: float
@@ -125,7 +125,7 @@ class Along(Course):
 
 
 def course_of(inclination: float, curvature: float, path: WellPath | None, depth: float, length: float) -> Course:
-    """Return the channel along a rod; a path that is straight there is told by its inclination."""
+    """Return the channel along a rod; a path that is straight there is given by its inclination."""
     if path is None:
         return Told(inclination, curvature)
     upper = max(0, int(np.searchsorted(path.stations, depth, side="right")) - 1)

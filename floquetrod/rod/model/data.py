@@ -568,7 +568,7 @@ def _modes(mode: Any) -> NDArray[np.float64]:
 
 
 def require_not_of_path(rod: RodData, names: Iterable[str], argument: str) -> None:
-    """Raise ValueError where parameters that are to vary are told by the path of a rod."""
+    """Raise ValueError where parameters that are to vary are given by the path of a rod."""
     told = next((name for name in names if name in _OF_A_LINE), None)
     if rod.path is not None and told is not None:
         raise validate.wrong_value(

@@ -17,7 +17,7 @@ _PLACES = 257  # and 64 more for each axial wave: a largest stress between two o
 
 @dataclass(frozen=True)
 class Stress:
-    """Stress in the fibre of a rod that is stressed most, while the rod lies still in its channel.
+    """Largest stress in a rod that lies still in its channel, in the outer fibre of the section where it occurs.
 
     Attributes
     ----------

@@ -24,7 +24,7 @@ _CERTAIN = 100.0  # errors by which it is certain to grow
 
 
 class Fastest(NamedTuple):
-    """The fastest solution of a system freed of damping.
+    """The fastest solution of a system with damping removed.
 
     Attributes
     ----------

@@ -117,7 +117,7 @@ class ModeModel(ABC):
         """Return how many modes serve all of some loads; ValueError where that would be too many."""
 
     def told_apart(self, modes: Iterable[int]) -> tuple[int, ...]:
-        """Return those of some modes whose growth can be told from their own motion, whatever the others do."""
+        """Return those of some modes whose growth can be determined from their own motion, whatever the others do."""
         return tuple(modes) if self.in_modes(1).are_apart else ()
 
     def showing(self, load: Load, mode: int | None, rate: float) -> CoupledEquations:

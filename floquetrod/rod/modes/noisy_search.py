@@ -12,7 +12,7 @@ from floquetrod._util.arrays import Bools, Floats
 from floquetrod._util.progress import Progress
 from floquetrod.floquet.systems.many import STABLE
 from floquetrod.rod.answers.intervals import Search
-from floquetrod.rod.loads.load import Load, Loads, largest_density, louder
+from floquetrod.rod.loads.load import Load, Loads, largest_density, scaled_noise
 from floquetrod.rod.mode_equations.noisy_modes import NoisyModes
 from floquetrod.rod.model.constants import mode_constants
 from floquetrod.rod.model.contact import constants_under
@@ -20,7 +20,7 @@ from floquetrod.rod.modes.mode_model import ModeModel
 
 _CLOSER, _ROUNDS = 17, 9  # places between two samples in each round of a search: to 4e-11 of their distance
 _STRONGEST = 10.0  # damping rate that is tried, in terms of the frequency of the load (a choice)
-_LOUDEST = 1e9  # density that is tried, in terms of what high modes bear (a choice)
+_LARGEST = 1e9  # density that is tried, in terms of the limit of high modes (a choice)
 _DAMPINGS = 60  # halvings at most of what damping stabilises
 
 
@@ -86,19 +86,19 @@ def critical_noise(model: ModeModel, load: Load, growth_tolerance: float) -> flo
     """Return the largest factor of the noise of a load at which it is stable in mean square, to 1e-10."""
 
     def is_stable(factor: float) -> bool:
-        return is_stable_under(model, replace(load, noise=louder(load.noise, factor)), growth_tolerance)
+        return is_stable_under(model, replace(load, noise=scaled_noise(load.noise, factor)), growth_tolerance)
 
     constants = mode_constants(model.rod)
-    loudest = largest_density(load.noise, 0.0)
+    largest = largest_density(load.noise, 0.0)
     bound = 8.0 * model.rod.damping_rate * constants.bending / constants.per_newton**2
-    low, high = 0.0, bound / loudest or 1.0
+    low, high = 0.0, bound / largest or 1.0
     while is_stable(high):
         low, high = high, 4.0 * high
-        if high * loudest > _LOUDEST * bound:
+        if high * largest > _LARGEST * bound:
             return math.inf
     while high - low > 1e-10 * high:
         middle = 0.5 * (low + high)
         low, high = (middle, high) if is_stable(middle) else (low, middle)
-        if low == 0.0 and high * loudest <= bound / _LOUDEST:
-            raise wrong_value("load", "must be stable without noise to bear any, got one that is not")
+        if low == 0.0 and high * largest <= bound / _LARGEST:
+            raise wrong_value("load", "must be stable without noise to have a critical one, got one that is not")
     return low

@@ -149,27 +149,27 @@ class NoisyTogetherModel(NoisyModel):
     def critical_noise(self, load: Load, growth_tolerance: float) -> float:
         """Return the largest factor of the noise of a load at which it is stable in mean square, to 1e-10.
 
-        With as many modes as a verdict takes, and what high modes bear.
+        With as many modes as a verdict takes, and the limit of high modes.
         """
         from scipy.optimize import brentq
 
         require_on_wall(self.rod, load)
         under = self.under(load)
         trial = under.trial(load, _counted(under, load, growth_tolerance)[-1].mode_count)
-        loudest, constants = under.density(), mode_constants(self.rod)
+        largest, constants = under.density(), mode_constants(self.rod)
 
         def excess(factor: float) -> float:
-            found = trial.growth(factor * loudest)
+            found = trial.growth(factor * largest)
             if math.isnan(found.rate):
                 raise wrong_value("load", "must be one whose second moments can be computed, got one where they cannot")
             return found.rate - growth_tolerance
 
         if not excess(0.0) < 0.0:
-            raise wrong_value("load", "must be stable without noise to bear any, got one that is not")
+            raise wrong_value("load", "must be stable without noise to have a critical one, got one that is not")
         high_modes = (
             (8.0 * self.rod.damping_rate + 4.0 * growth_tolerance) * constants.bending / constants.per_newton**2
         )
-        high = high_modes / loudest
+        high = high_modes / largest
         if excess(high) < 0.0:
             if not isinstance(load.noise, tuple):
                 return float(high)

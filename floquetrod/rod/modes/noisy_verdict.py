@@ -35,7 +35,7 @@ ASSUMED = (
     "the random force acts on each mode as white noise of its density at twice the mode's frequency (Ito's sense and "
     "Stratonovich's are the same)",
 )
-"""What is taken for granted of noise."""
+"""What is assumed of noise."""
 
 
 @dataclass(frozen=True)
