@@ -93,8 +93,8 @@ def _npz(path: Path) -> Mapping[str, Any]:
     if foreign:
         raise ValueError(f"{foreign[0]!r} is no array")
     table = {name: value if value.ndim else value.item() for name, value in arrays.items()}
-    table = _by_piece(table) if "durations" in table else table
-    return _by_delay(table) if "delays" in table else table
+    whole = _by_piece(table) if "durations" in table else table
+    return _by_delay(whole) if "delays" in whole else whole
 
 
 def _by_delay(table: Mapping[str, Any]) -> Mapping[str, Any]:
