@@ -250,7 +250,14 @@ def test_what_the_model_cannot_do_it_refuses() -> None:
 ASKED = ("has_mathieu_modes", "are_modes_apart", "CoupledRodStability", "IndependentModel", "CoupledModel")
 """What nobody asks but the models themselves, and the one place that chooses."""
 
-MODELS = {"rod/modes/independent.py", "rod/modes/coupled.py", "rod/rod.py", "rod/answers/verdict.py", "__init__.py"}
+MODELS = {
+    "rod/modes/independent.py",
+    "rod/modes/coupled.py",
+    "rod/modes/noisy_together.py",
+    "rod/rod.py",
+    "rod/answers/verdict.py",
+    "__init__.py",
+}
 
 
 def test_nobody_asks_which_model_it_has() -> None:

@@ -16,6 +16,7 @@ from floquetrod.rod import many_loads, one_load
 from floquetrod.rod.loads.load import (
     QUANTITIES,
     AnyLoad,
+    Load,
     Loads,
     Quantity,
     kind,
@@ -42,6 +43,24 @@ if TYPE_CHECKING:
     from floquetrod.rod.loads.tool import VibrationTool
     from floquetrod.rod.ranges import StabilityIntervals
     from floquetrod.wells.path import WellPath
+
+
+def _model(rod: RodData, like: Load) -> ModeModel:
+    """Return what the modes are; of a rod with hinged ends under a sine nothing else is loaded."""
+    coupled = coupling(rod, like)
+    if not coupled and not like.noise:
+        return IndependentModel(rod, like)
+    if not like.noise:
+        from floquetrod.rod.modes.coupled import CoupledModel
+
+        return CoupledModel(rod, like)
+    if set(coupled) <= {WAVEFORM}:
+        from floquetrod.rod.modes.noisy import NoisyModel
+
+        return NoisyModel(rod, like)
+    from floquetrod.rod.modes.noisy_together import NoisyTogetherModel
+
+    return NoisyTogetherModel(rod, like)
 
 
 @dataclass(frozen=True, init=False, repr=False)
@@ -144,22 +163,7 @@ class Rod(RodData):
         >>> type(rod.modes_under()).__name__, rod.modes_under().coupling
         ('CoupledModel', ('clamped ends',))
         """
-        like = kind(like)
-        coupled = coupling(self, like)
-        if not coupled and not like.noise:
-            return IndependentModel(self, like)
-        # Loaded where they are needed: a rod with hinged ends under a sine answers without.
-        if not like.noise:
-            from floquetrod.rod.modes.coupled import CoupledModel
-
-            return CoupledModel(self, like)
-        if set(coupled) <= {WAVEFORM}:
-            from floquetrod.rod.modes.noisy import NoisyModel
-
-            return NoisyModel(self, like)
-        from floquetrod.rod.modes.noisy_together import NoisyTogetherModel
-
-        return NoisyTogetherModel(self, like)
+        return _model(self, kind(like))
 
     def modal_system(self, load: AnyLoad, modes: Iterable[int] | None = None) -> ModalSystem | HillSystem:
         """Return the equations of the rod's modes under a load.

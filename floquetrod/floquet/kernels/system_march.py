@@ -8,6 +8,7 @@ from typing import Self
 
 import numpy as np
 
+from floquetrod._util.content import ByContent
 from floquetrod.floquet.kernels.system_even_steps import balance
 from floquetrod.floquet.kernels.system_large import LEVELS, Floats, Matrix, Parts, applied, split
 from floquetrod.floquet.kernels.system_series import MOST_TERMS, ROUNDING, coefficient_bound
@@ -16,8 +17,8 @@ _REACH = 4.0  # phase that a series crosses: beyond it as many terms are needed 
 _MOST_SEGMENTS = 100
 
 
-@dataclass(frozen=True)
-class March:
+@dataclass(frozen=True, eq=False)
+class March(ByContent):
     """The map over a period in the coordinates of `period_map_large`, as a linear function of states.
 
     Attributes
