@@ -21,6 +21,7 @@ from floquetrod.rod.loads.load import (
     Quantity,
     kind,
     require_load,
+    require_noise,
 )
 from floquetrod.rod.mode_equations.coupling import WAVEFORM, coupling
 from floquetrod.rod.mode_equations.modal_systems import ModalSystem, ModalSystems
@@ -862,9 +863,7 @@ class Rod(RodData):
         >>> round(rod.critical_noise(fr.AxialLoad(-1.0, 0.0, 150.0, noise=1.0)) / bound, 6)
         1.0
         """
-        found, tolerance = require_load("load", load), validate.tolerance("growth_tolerance", growth_tolerance)
-        if not found.noise:
-            raise validate.wrong_value("load", "must have noise, such as noise=1.0, to find its critical multiple")
+        found, tolerance = require_noise("load", load), validate.tolerance("growth_tolerance", growth_tolerance)
         model: Any = self.modes_under(found)
         return float(model.critical_noise(found, tolerance))
 

@@ -345,6 +345,14 @@ def require_load(name: str, value: Any) -> Load:
     raise validate.wrong_type(name, f"must be an AxialLoad, AxialWave or ForceRecord, got {validate.short(value)}")
 
 
+def require_noise(name: str, load: Any) -> Load:
+    """Return a load, which has noise; ValueError where it has none, and as `require_load`."""
+    found = require_load(name, load)
+    if not found.noise:
+        raise validate.wrong_value(name, "must have noise, such as noise=1.0, to find its critical multiple")
+    return found
+
+
 def kind(like: AnyLoad | None) -> Load:
     """Return the argument ``like``, by default a sine."""
     return AxialLoad(0.0, 0.0, 1.0) if like is None else require_load("like", like)
