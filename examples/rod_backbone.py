@@ -18,7 +18,7 @@ over = (134.0, 168.0)
 
 # %%
 # Both branches of mode 7 for two amplitudes of the force: the stable one begins at the lower edge of its tongue, the
-# unstable one at the upper edge.  Crosses are where the rod leaves its wall.
+# unstable one at the upper edge.  Crosses are where the rod is about to leave its wall.
 figure, axes = plt.subplots(figsize=(7.0, 4.6), layout="constrained")
 for amplitude, height in ((0.25, 0.0), (0.15, 1.0)):
     load = fr.AxialLoad(mean=0.2 * unit, amplitude=amplitude * unit, frequency=146.0)
@@ -32,6 +32,6 @@ for amplitude, height in ((0.25, 0.0), (0.15, 1.0)):
 # %%
 # At a frequency above the tongue the rod at rest is stable, and so is a large motion.  The unstable motion between the
 # two is about how far a kick has to swing the rod; :doc:`/how_to/how_large` scans kicks for how hard that is.
-for angle, status in branches.at(151.5):
+for angle, status in branches.at(150.8):
     print(f"{np.degrees(angle):5.1f} degrees, {status}")
-print(rod.stability(load.varied("frequency", 151.5)).status, "at rest")
+print(rod.stability(load.varied("frequency", 150.8)).status, "at rest")

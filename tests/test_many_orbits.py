@@ -61,7 +61,7 @@ def test_the_map_shows_where_rest_is_not_all(chart: fr.Chart, tmp_path: Path) ->
     assert chart.large_motion is not None
     assert np.isnan(chart.large_motion[1, 0])
     assert chart.carries_large_motion.tolist() == [[False, False, False], [False, True, False]]
-    assert chart.large_motion[1, 1] == pytest.approx(0.3375, rel=0.05)  # of Rod.follow, with lift-off
+    assert chart.large_motion[1, 1] == pytest.approx(0.3375, rel=0.05)  # of the mode with lift-off
     assert chart.large_motion[1, 2] == 0.0  # 25 degrees, which leave the wall
     assert "a large motion found, too, at 1 stable points" in chart.caption
     assert fr.Chart.load(chart.save(tmp_path / "chart.npz")) == chart

@@ -53,7 +53,7 @@ def add(command: Parser) -> None:
         help="search the margins and the damping that stabilises (default: where that takes some seconds)",
     )
     command.add_argument(
-        "--motion", action="store_true", help="say how large the motion gets, all modes together: up to a minute"
+        "--motion", action="store_true", help="say how large the motion gets, all modes together: some seconds"
     )
     command.add_argument(
         "--out", metavar="FILE", type=Path, default=Path("report.html"), help=".html or .pdf (default report.html)"

@@ -123,7 +123,9 @@ def draw_rod_branches(result: Any, ax: Any, unit: Any) -> Any:
             ax, each.branch, degrees[0].tolist(), degrees[1].tolist(), 1.0 / unit.size, each.rests, _FINE
         )
         for i in each.leaves:
-            ax.plot(each.branch.values[i] / unit.size, degrees[0][i], label=_new(ax, "leaves its wall"), **_OFF_WALL)
+            ax.plot(
+                each.branch.values[i] / unit.size, degrees[0][i], label=_new(ax, "about to leave its wall"), **_OFF_WALL
+            )
     ax.set_xlabel(f"{result.parameter} ({unit.name})")
     ax.set_ylabel("largest angle (degrees)")
     ax.set_ylim(bottom=0.0)

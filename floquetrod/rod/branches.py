@@ -28,12 +28,13 @@ from floquetrod.rod.large_orbits import (
 from floquetrod.rod.loads.load import QUANTITIES, AnyLoad, Load, Quantity, load_number, require_load
 from floquetrod.rod.mode_equations.large_motion import LargeMotion, Shapes
 from floquetrod.rod.mode_equations.one_mode import LARGEST
-from floquetrod.rod.model.lift_off import LEAST_CONTACT
+from floquetrod.rod.model.data import RodData
 from floquetrod.rod.modes.mode_model import ModeModel
 from floquetrod.rod.motion import NEAR, TOLERANCE, Motions, chosen, largest, orbit_near
 
 _LOADS = 5  # of the range, at which orbits are looked for (a choice)
 _SAME = 0.02  # of an angle, by which an orbit may differ from one on a branch, between its points
+_PRESSED = 1.0 / 3.0  # of the weight: with less contact than that motion and the simulator's part
 _INSTANTS = 256  # of a period, at which a motion is looked at
 
 
@@ -89,8 +90,12 @@ def branches(
     return RodBranches(rod, load, quantity, (low, high), mode, modes, tuple(parts))
 
 
-def resumed(result: RodBranches, over: Any, steps: int, longest: float, progress: Progress | None) -> RodBranches:
+def resumed(
+    rod: RodData, result: RodBranches, over: Any, steps: int, longest: float, progress: Progress | None
+) -> RodBranches:
     """Return branches with what follows their ends; see `floquetrod.Rod.follow`."""
+    if result.rod != rod:
+        raise validate.wrong_value("load", "must be branches of this rod; follow them with the rod that they are of")
     quantity, low, high = (result.parameter, *result.over) if over is None else _range(over)
     parts = []
     for i, part in enumerate(result.parts):
@@ -238,11 +243,8 @@ def _beyond(motion: LargeMotion, orbit: PeriodicOrbit) -> str:
     angle, least, _ = _seen(motion, orbit)
     if angle > LARGEST:
         return f"angles are larger than {math.degrees(LARGEST):.0f} degrees"
-    rod = motion.rod
-    share = LEAST_CONTACT if "hinged" in (rod.end_conditions.upper, rod.end_conditions.lower) else 0.0
-    if least < share * rod.mass_per_length * rod.effective_gravity:
-        return OFF_WALL if share == 0.0 else f"{OFF_WALL}: it presses on it with less than {share:g} of its weight"
-    return ""
+    weight = motion.rod.mass_per_length * motion.rod.effective_gravity
+    return f"{OFF_WALL}: it presses on it with less than a third of its weight" if least < _PRESSED * weight else ""
 
 
 def _seen(motion: LargeMotion, orbit: PeriodicOrbit) -> tuple[float, float, float]:

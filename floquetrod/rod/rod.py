@@ -744,14 +744,16 @@ class Rod(RodData):
         """Return how large motion gets over a range of loads: the branches of periodic motion in one mode.
 
         Orbits, stable and unstable ones, are looked for at a few loads of the range, and followed by
-        `floquetrod.follow` through it and round folds, until motion shrinks to rest, the rod leaves its wall, or angles
-        exceed 40 degrees.  Where two stable ones stand over one load, or one beside a stable state of rest, which one
-        the rod takes depends on where it comes from: hysteresis.  Ctrl-C returns what has been found.
+        `floquetrod.follow` through it and round folds, until motion shrinks to rest, the rod presses on its wall with
+        less than a third of its weight and is about to leave it, or angles exceed 40 degrees.  Where two stable ones
+        stand over one load, or one beside a stable state of rest, which one the rod takes depends on where it comes
+        from: hysteresis.  Ctrl-C returns what has been found.
 
         Parameters
         ----------
         load : AxialLoad, AxialWave or RodBranches
-            Its other quantities stay as they are; or branches, to go on with from their ends.
+            Where the search begins, or next to it in the range; other quantities stay as they are.  Or branches of this
+            rod, to go on with from their ends.
         over : mapping of str to (float, float)
             "frequency", "mean" or "amplitude", and the range in rad/s or N; of branches their own by default.
         mode : int, optional
@@ -795,7 +797,7 @@ class Rod(RodData):
         from floquetrod.rod.answers.rod_branches import RodBranches
 
         if isinstance(load, RodBranches):
-            return branches.resumed(load, over, steps, longest, progress)
+            return branches.resumed(self, load, over, steps, longest, progress)
         model = self.modes_under(require_load("load", load))
         return branches.branches(model, load, over, (mode, all_modes), indentation, steps, longest, progress)
 

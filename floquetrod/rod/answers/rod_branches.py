@@ -21,7 +21,7 @@ from floquetrod.rod.model.data import RodData
 
 Floats = NDArray[np.float64]
 
-OFF_WALL = "the rod leaves its wall"
+OFF_WALL = "the rod is about to leave its wall"
 """What the ends of branches begin with beyond which the equations do not hold."""
 
 LARGE_SLOPE = 0.1
@@ -69,7 +69,7 @@ class RodBranch(ByContent):
 
     @property
     def leaves(self) -> list[int]:
-        """Orbits beyond which the rod leaves its wall, 0, the first, or -1, the last."""
+        """Orbits beyond which the rod is about to leave its wall, 0, the first, or -1, the last."""
         return [i for i, end in zip((0, -1), self.branch.ends, strict=True) if end.startswith(OFF_WALL)]
 
 
@@ -163,7 +163,7 @@ class RodBranches(ByContent, Reported, NoTruthValue):
     def plot(self, ax: Any = None, *, unit: str = "") -> Any:
         """Draw the largest angle over the parameter: solid where stable, dashed where unstable, dotted undecided.
 
-        A cross is where the rod leaves its wall: beyond, it has to be simulated.
+        A cross is where the rod is about to leave its wall: beyond, it has to be simulated.
 
         Parameters
         ----------
@@ -190,7 +190,7 @@ class RodBranches(ByContent, Reported, NoTruthValue):
             lines += [("", f"{point}") for point in part.branch.special_points]
         lost = [math.degrees(part.amplitude[i]) for part in self.parts for i in part.leaves]
         if lost:
-            lines.append(("contact", f"is lost from {min(lost):.3g} degrees on: simulate the rod there"))
+            lines.append(("contact", f"is about to be lost from {min(lost):.3g} degrees on: simulate the rod there"))
         if self.slope.max() > LARGE_SLOPE:
             lines.append(("slopes", f"up to {self.slope.max():.2g}: the equations are those of small ones"))
         lines.append(

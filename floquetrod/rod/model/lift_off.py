@@ -23,9 +23,7 @@ import numpy as np
 from floquetrod._util.arrays import Floats
 
 _LARGEST = 60.0  # K up to which the slope is solved for; beyond it goes like K^1.5 to 4e-4
-LEAST_CONTACT = 0.2
-"""Part of the weight below which contact is about to be lost, and what is saved grows no more."""
-
+_LEAST_CONTACT = 0.2  # of the weight: below, contact is about to be lost, and what is saved grows no more
 _ROUNDED = 0.1  # of the weight, over which it ceases to grow
 _SOLVED = 32  # values of K it is solved for
 _DEGREE = 14  # of the polynomial through them, smooth for integrators, right to 0.3 %
@@ -66,9 +64,9 @@ class LiftOff:
 
         The indentation goes like contact^(2/3), so that b goes like contact^(-1/12) and K like contact^(-5/6).
         """
-        root = np.hypot(contact - LEAST_CONTACT, _ROUNDED)
-        n = 0.5 * (contact + LEAST_CONTACT + root)  # contact, but for where it is about to be lost
-        dn, ddn = 0.5 * (1.0 + (contact - LEAST_CONTACT) / root), 0.5 * _ROUNDED**2 / root**3
+        root = np.hypot(contact - _LEAST_CONTACT, _ROUNDED)
+        n = 0.5 * (contact + _LEAST_CONTACT + root)  # contact, but for where it is about to be lost
+        dn, ddn = 0.5 * (1.0 + (contact - _LEAST_CONTACT) / root), 0.5 * _ROUNDED**2 / root**3
         squared = np.sqrt(self.rigidity * self.indentation / self.weight)  # b^2 under the weight
         unit = squared / self.indentation
         scale = -self.rigidity * np.sqrt(squared)
