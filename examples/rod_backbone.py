@@ -2,8 +2,8 @@
 How large a vibrated rod moves
 ==============================
 
-A verdict says where a rod at rest is unstable; how large its motion gets there follows from finite angles.  Bending
-stiffens the rod, so that motion bends over to higher frequencies, where the rod at rest is stable again.
+A verdict says under which force a rod at rest is unstable; how large its motion becomes follows from finite angles.
+Bending stiffens the rod, so that near the upper edge of a tongue a large motion outlasts the force that began it.
 """
 
 import matplotlib.pyplot as plt
@@ -14,24 +14,28 @@ from floquetrod.plotting import palette
 
 rod = fr.Rod.nitinol().replace(damping_rate=3.0)
 unit = rod.critical_force
-over = (134.0, 168.0)
+load = fr.AxialLoad(mean=0.2 * unit, amplitude=0.15 * unit, frequency=150.0)
 
 # %%
-# Both branches of mode 7 for two amplitudes of the force: the stable one begins at the lower edge of its tongue, the
-# unstable one at the upper edge.  Crosses are where the rod is about to leave its wall.
+# The branch of mode 7 over the amplitude of the force, 150 rad/s being near the upper edge of its tongue.  It leaves rest
+# backwards, unstable up to its fold, and stable from there on; at the cross the rod is about to
+# leave its wall.
+branches = rod.follow(load, over={"amplitude": (0.06 * unit, 0.2 * unit)}, mode=7)
+print(branches)
+part = branches.parts[0]
+onset, fold = part.rests[0], part.branch.special_points[0].value
+
 figure, axes = plt.subplots(figsize=(7.0, 4.6), layout="constrained")
-for amplitude, height in ((0.25, 0.0), (0.15, 1.0)):
-    load = fr.AxialLoad(mean=0.2 * unit, amplitude=amplitude * unit, frequency=146.0)
-    branches = rod.follow(load, over={"frequency": over}, mode=7)
-    print(branches, end="\n\n")
-    branches.plot(axes)
-    low, high = (part.rests[0] for part in branches.parts)
-    axes.plot([low, high], [height, height], color=palette.UNSTABLE, linewidth=5.0, solid_capstyle="butt", alpha=0.5)
-    axes.annotate(f"{amplitude:g} $F_{{cr}}$", (high, height), (6, 3), textcoords="offset points", fontsize="small")
+branches.plot(axes)
+axes.axvspan(fold, onset, color=palette.NEUTRAL, alpha=0.5, linewidth=0.0)
+axes.set_xlim(0.9 * fold, None)
 
 # %%
-# At a frequency above the tongue the rod at rest is stable, and so is a large motion.  The unstable motion between the
-# two is about how far a kick has to swing the rod; :doc:`/how_to/how_large` scans kicks for how hard that is.
-for angle, status in branches.at(150.8):
+# Between fold and onset, shaded, the rod at rest is stable, and so is a large motion: as the force rises the rod jumps
+# to it at the onset, and as the force falls it jumps back at the fold.  The unstable motion between the two is about how
+# far a kick has to swing the rod; :doc:`/how_to/how_large` scans kicks, and shows the branches over the frequency.
+middle = 0.5 * (fold + onset)
+print(f"onset {onset / unit:.4f} F_cr, fold {fold / unit:.4f} F_cr; between them")
+print(rod.stability(load.varied("amplitude", middle)).status, "at rest")
+for angle, status in branches.at(middle):
     print(f"{np.degrees(angle):5.1f} degrees, {status}")
-print(rod.stability(load.varied("frequency", 150.8)).status, "at rest")
