@@ -11,6 +11,7 @@ import floquetrod as fr
 from conftest import depth
 from coupled_cases import TUBING
 from floquetrod.floquet.methods.system_monodromy import solved_many
+from floquetrod.floquet.systems import fastest
 from floquetrod.floquet.systems.fastest import FastSolutions, fast_solutions
 from floquetrod.rod.modes import coupled_verdict
 
@@ -70,6 +71,63 @@ def test_the_fastest_of_a_few_is_found_among_many() -> None:
     assert found.exponent_errors[0] < 1e-5
     slower = [e.real for e in expected.exponents if e.real > fast.rest / float(few.period)]
     assert len(found.exponents) == 2 * len(slower) + 2  # their inverses, and two that stand for all others
+
+
+@pytest.mark.parametrize("columns", [2, 6])
+def test_a_random_subspace_meets_every_direction_as_often_as_stated(
+    columns: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    rows, each = 400, 0.02  # the chance for one vector; stated for rows / 2 of them
+    monkeypatch.setattr(fastest, "_COLUMNS", columns)
+    monkeypatch.setattr(fastest, "_CHANCE", each * rows / 2.0)
+    rng = np.random.default_rng(7)
+    drawn = np.concatenate([np.linalg.qr(rng.standard_normal((rows, columns)))[0] for _ in range(25)])
+    real = float(np.mean(np.linalg.norm(drawn, axis=1) < math.sqrt(2.0) * fastest._least(rows)))
+    whirling = np.sqrt(0.5) * np.linalg.norm(drawn[::2] + 1j * drawn[1::2], axis=1)
+    spread = math.sqrt(each / len(drawn))
+    assert 0.8 * each - 3.0 * spread < real < each + 3.0 * spread
+    assert np.mean(whirling < fastest._least(rows)) < 0.2 * each
+
+
+def multiplied(gap: float, seed: int) -> tuple[np.ndarray, np.ndarray]:
+    """Return a matrix that is not normal and its eigenvalues beyond 1, some near one another; others have size 0.3."""
+    rng = np.random.default_rng(seed)
+    outside = np.array([2.0, 1.6, 1.6, 1.6, 1.3])
+    angles = rng.uniform(0.0, math.pi, 40)
+    blocks = np.zeros((85, 85))
+    blocks[:5, :5] = np.diag(outside)
+    blocks[1:3, 1:3] += np.array([[0.0, 0.1], [gap, 0.0]])
+    blocks[0, 4] = 5.0
+    for i, angle in enumerate(angles):
+        at = slice(5 + 2 * i, 7 + 2 * i)
+        blocks[at, at] = 0.3 * np.array([[math.cos(angle), -math.sin(angle)], [math.sin(angle), math.cos(angle)]])
+    mixed = np.eye(85) + 0.03 * rng.standard_normal((85, 85))
+    shift = math.sqrt(0.1 * gap)
+    return np.linalg.solve(mixed, blocks @ mixed), np.array([2.0, 1.6 + shift, 1.6 - shift, 1.6, 1.3])
+
+
+def held(matrix: np.ndarray, multipliers: np.ndarray, seed: int) -> list[bool]:
+    """Return whether the discs of each Krylov space that has any hold all multipliers outside the circle."""
+    rows, found = len(matrix), []
+    start = np.linalg.qr(np.random.default_rng(seed).standard_normal((rows, fastest._COLUMNS)))[0]
+    space = fastest._Space(start, matrix @ start, slice(0, fastest._COLUMNS))
+    for _ in range(9):
+        spectrum = fastest._Spectrum.of(space)
+        for radius in (1.05, 1.2, 1.5, 1.8):
+            radii = spectrum.radii(radius, fastest._least(rows), 1e-12)
+            if radii is not None:
+                outside = multipliers[multipliers > radius]
+                apart = np.abs(np.subtract.outer(outside, spectrum.values))
+                found.append(bool((apart <= np.where(radii > 0.0, radii, -1.0)).any(axis=1).all()))
+        space = fastest._longer(lambda states: matrix @ states, space)
+    return found
+
+
+@pytest.mark.parametrize("gap", [1e-3, 1e-8, 0.0])
+def test_discs_hold_all_multipliers_outside_the_circle_nearly_defective_ones_too(gap: float) -> None:
+    found = [held(*multiplied(gap, seed), seed + 50) for seed in range(depth(20, 1))]
+    assert all(all(each) for each in found)
+    assert all(len(each) > 2 for each in found)  # some spaces are large enough for the bound to say something
 
 
 def test_nothing_is_said_where_nothing_grows_fast() -> None:

@@ -5,9 +5,16 @@ the multiplier mu has w^H V (mu - H) = w^H R, so that with q columns V E of V
 
     |w^H V E| <= G(mu),  G(z) = |R (z - H)^-1 E|,  |w| = 1.
 
-Where V E spans a subspace drawn at random, the left-hand side is small with no chance worth mentioning: there is no
-multiplier where G is below that.  Eigenvalues of H outside a circle |z| = r are taken out of G as poles, each with a
-disc within which G may be larger; what is left has its maximum for |z| >= r on the circle.
+Where V E spans a subspace of N dimensions drawn at random, |w^H V E|^2 of a real w is distributed as Beta(q / 2,
+(N - q) / 2), and less than x with a chance of at most (x N / 2)^(q / 2) / (q / 2)!.  Of a complex w the real or the
+imaginary part has half its square, and at most N / 2 of the multipliers, which come in mu, 1 / mu, lie outside a circle
+|z| = r >= 1: with a chance of 1 - 1e-10 the left-hand side is above `_least` for one left eigenvector of each of them,
+however near to one another these are, and there is no multiplier where G is below that.
+
+Eigenvalues of H outside the circle are taken out of G as poles, each with a disc within which G may be larger; what is
+left has its maximum for |z| >= r on the circle.  X and Y, the eigenvectors of H and their inverse as computed, give G
+but for |X Y - I| and H X - X Lambda, which are added to the bound: where H is nearly defective, G is too large to say
+anything.
 
 V is a Krylov space of the random columns, and holds what a few modes, those that the fastest solutions are made of,
 contribute on their own.
@@ -36,23 +43,26 @@ Floats = NDArray[np.float64]
 Complexes = NDArray[np.complex128]
 
 _FEWEST = 200  # equations: the map of fewer takes no longer (measured)
-_COLUMNS = 10  # drawn at random
+_COLUMNS = 6  # drawn at random
 _SEED = 20151101
-_SHARE = 1e-3
-"""|w^H V E|^2 over its mean, q / N: below it with a chance of 1e-10 for all eigenvectors together (see `_least`)."""
+_CHANCE = 1e-10  # that of any multiplier outside the circle w^H V E is shorter than `_least`
 _ACCURACY = 1e-10  # of the map over a period
-_PROBED = 5  # periods after which it shows whether anything grows, and after as many more of which modes (measured)
+_PROBED = 6  # periods after which it shows whether anything grows, and after as many more of which modes (measured)
 _FOLD = 20.0  # logarithm of the growth after which other solutions are shown to be slower (measured)
 _LEFT_OUT = 0.01  # share of the growing motion that the modes beyond either end of a window have
 _ANGLES = 240  # on half a circle at which G is computed
+_BETWEEN = 1.2  # largest value on the circle over that at these angles, of poles 4 of their distances away (a choice)
 _LEVELS = 0.9, 0.6
 """Growth down to which solutions are sought, over that of the fastest, in turn."""
 _GROWING = 0.5  # growth in a window over its largest from which solutions are taken along (a choice)
+_FAINT = 1e-4  # part of R, over the bound of G, that is bounded without regard to phases (a choice)
 _SMALL = 1e-13  # length of a column of R that is rounding
 _ROUNDING = 2.2e-16
+_STANDING_OUT = 0.8, 0.95  # growth over that of the fastest of those of which modes are taken, in turn (a choice)
 _WIDEST = 0.6  # share of all modes in a window: the map of more takes long (a choice)
+_CORRECTED = 5  # of the fastest solutions, what they lack is added to the space (a choice)
 _ENOUGH = 1e-6  # error of the fastest growth, relative (a choice)
-_EVERY = 4  # blocks of columns between two looks
+_EVERY = 5  # blocks of columns between two looks
 
 
 class FastSolutions(NamedTuple):
@@ -80,7 +90,10 @@ class FastSolutions(NamedTuple):
         """Return the verdict that follows on the system, damping included."""
         rest = self.rest / float(system.period)
         damping = 0.0 if system.damping is None else 0.5 * float(system.damping[0, 0])
-        note = f"only solutions that grow faster than {rest - damping:.3g} per unit time were looked for"
+        note = (
+            f"only solutions that grow faster than {rest - damping:.3g} per unit time were looked for; that one was "
+            f"missed has a chance of {_CHANCE:.0e}"
+        )
         cost = Cost(self.columns, "solutions over a period")
         return classify_multipliers(system, "monodromy", self.logs, cost=cost, note=note)
 
@@ -105,13 +118,16 @@ class _Space(NamedTuple):
 class _Spectrum(NamedTuple):
     """Eigenvalues of H and what they contribute to G(z) = |sum_i right_i left_i / (z - value_i)|.
 
-    ``right`` is R x_i in coordinates of fewer rows, ``left`` is y_i E.
+    ``right`` is R x_i in coordinates of fewer rows, ``left`` is y_i E.  ``rounding`` is the size of H x_i - value_i x_i
+    and of what R x_i is wrong by, ``defect`` the distance of sum_i x_i y_i E from E.
     """
 
     values: Complexes
     vectors: Complexes
     right: Complexes
     left: Complexes
+    rounding: float
+    defect: float
 
     @classmethod
     def of(cls, space: _Space) -> _Spectrum:
@@ -122,7 +138,11 @@ class _Spectrum(NamedTuple):
         large = np.linalg.norm(rest, axis=0) > _SMALL  # all but those of the last columns and of the window
         right = np.linalg.qr(rest[:, large], mode="r") @ vectors[large]
         left = np.linalg.inv(vectors)[:, :_COLUMNS]
-        return cls(values.astype(complex), vectors.astype(complex), right.astype(complex), left.astype(complex))
+        rounding = float(np.linalg.norm(projected @ vectors - vectors * values, axis=0).max())
+        defect = float(np.linalg.norm(vectors @ left - np.eye(len(values), _COLUMNS)))
+        rounding += _SMALL * math.sqrt(len(values))
+        values, vectors, right, left = (part.astype(complex) for part in (values, vectors, right, left))
+        return cls(values, vectors, right, left, rounding, defect)
 
     @property
     def fastest(self) -> int:
@@ -138,14 +158,19 @@ class _Spectrum(NamedTuple):
 
         Each holds one if it is apart from all others; 0 for those well inside.  None where G is too large there.
         """
-        sizes = np.abs(self.values)
+        sizes, error = np.abs(self.values), error + self.rounding
         residuals = np.linalg.norm(self.right, axis=0) + error
         weights = np.linalg.norm(self.left, axis=1)
         far = sizes < radius * (1.0 - 4.0 * math.pi / _ANGLES)  # G hardly changes between two angles
         circle = radius * np.exp(1j * np.linspace(0.0, math.pi, _ANGLES))[:, None] - self.values[far]
-        along = [float(np.linalg.norm((self.right[:, far] / at) @ self.left[far])) for at in circle]
-        largest = max([0.0, *along]) + error * float(weights[far] @ (1.0 / (radius - sizes[far])))
-        if not 1.2 * largest < least:
+        turned, parts, _ = np.linalg.svd(self.right[:, far], full_matrices=False)
+        few = turned[:, parts > least * _FAINT].conj().T @ self.right[:, far]
+        along = [float(np.linalg.norm((few / at) @ self.left[far])) for at in circle]
+        faint = error + float(parts[parts <= least * _FAINT].max(initial=0.0))
+        largest = (
+            _BETWEEN * max([0.0, *along]) + faint * float(weights[far] @ (1.0 / (radius - sizes[far]))) + self.defect
+        )
+        if not largest < least:
             return None
         count = max(2, int(np.count_nonzero(~far)))
         return np.where(far, 0.0, 2.0 * count / (least - largest) * residuals * weights)
@@ -201,7 +226,7 @@ def _probed(march: March, space: _Space) -> _Space:
 def _is_slow(spectrum: _Spectrum, limit: float, n: int) -> bool:
     """Return whether nothing grows or decays fast enough to be told from the rest in a space of n columns."""
     fastest = max(limit, math.log(float(np.abs(spectrum.values).max())))
-    return not fastest * n > _FOLD * _COLUMNS
+    return not fastest * n > _FOLD * 10.0
 
 
 def _is_sharp(logs: LogDiscs, limit: float) -> bool:
@@ -222,7 +247,7 @@ def _residual(spectrum: _Spectrum, space: _Space) -> Floats:
     """Return what the fastest solutions lack, real and imaginary parts."""
     sizes = np.abs(spectrum.values)
     fast = np.flatnonzero((sizes > sizes.max() ** _LEVELS[0]) & (spectrum.values.imag >= 0.0))
-    fast = fast[np.argsort(-sizes[fast])[: _COLUMNS // 2]]
+    fast = fast[np.argsort(-sizes[fast])[:_CORRECTED]]
     x = spectrum.vectors[:, fast]
     lack = space.images @ x - space.basis @ (x * spectrum.values[fast])
     return np.hstack([lack.real, lack.imag[:, lack.imag.any(axis=0)]])
@@ -232,7 +257,7 @@ def _window(spectrum: _Spectrum, space: _Space, n: int) -> slice | None:
     """Return the modes that growing solutions are made of, or the fastest of them; None where they are most modes."""
     growth = np.log(np.maximum(np.abs(spectrum.values), 1.0))
     motion = np.square(np.abs(space.basis @ spectrum.vectors))
-    for least in (_GROWING, 0.95):
+    for least in _STANDING_OUT:
         share = np.cumsum((motion[:n] + motion[n:]) @ np.where(growth > least * growth.max(), growth, 0.0))
         low, high = np.searchsorted(share, np.array([_LEFT_OUT, 1.0 - _LEFT_OUT]) * share[-1]).tolist()
         wider = 2 * (high - low) // 3 + 1
@@ -267,9 +292,15 @@ def _state(march: March, state: Complexes) -> Complexes:
     return np.concatenate([q @ (state[:n] / g), q @ (state[n:] * g)])
 
 
+def _least(rows: int) -> float:
+    """Return what |w^H V E| is below, of any of rows / 2 eigenvectors w, with a chance of `_CHANCE` (see above)."""
+    half = _COLUMNS // 2
+    return math.sqrt((_CHANCE * math.factorial(half) / (0.5 * rows)) ** (1.0 / half) / rows)
+
+
 def _outside(spectrum: _Spectrum, error: float, rows: int, limit: float) -> tuple[LogDiscs, float] | None:
     """Return the multipliers outside a circle as in `FastSolutions`, and its logarithm; None where none serves."""
-    least = math.sqrt(_SHARE * _COLUMNS / (2.0 * rows))  # of a complex vector, one part of which has half its square
+    least = _least(rows)
     fastest = math.log(float(np.abs(spectrum.values).max()))
     levels = [limit] if fastest < limit else [share * fastest for share in _LEVELS if share * fastest > limit] + [limit]
     found = None
