@@ -274,6 +274,13 @@ def test_a_thousand_functions_are_orthonormal(word: str) -> None:
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize("word", ["hinged", "guided"])
+def test_a_uniform_force_couples_hardly_any_of_many_waves(word: str) -> None:
+    found = beam.basis(Ends.of(word), 240)
+    push = found.coupling(np.full_like(found.nodes, 0.3))
+    assert np.count_nonzero(push) < 0.05 * push.size
+
+
 def test_of_large_bases_only_the_last_is_kept() -> None:
     ends = Ends.of("clamped")
     small = beam.basis(ends, 20)

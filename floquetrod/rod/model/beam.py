@@ -27,6 +27,7 @@ _POLYNOMIALS = 4  # added (a choice: more would raise the highest frequency furt
 _SAME = 1e-7  # length of what is left of a polynomial beside the beam functions below which it adds nothing
 _POINTS = 24  # of Gauss-Legendre quadrature in a panel, exact to rounding for 6 half waves of a product
 _PER_PANEL = 12.0  # largest wavenumber times length of a panel
+_ROUNDING = 2.2e-16  # of F and of its product with a weight, summed over the nodes, over the integral of |F|
 _LARGE = 200  # functions beyond which only one basis is kept (a choice)
 
 _DERIVATIVES = {"hinged": (0, 2), "clamped": (0, 1), "guided": (1, 3), "free": (2, 3)}
@@ -97,6 +98,8 @@ class Basis(ByContent):
         turned = np.fft.fft(each, 2 * panels)[..., m % (2 * panels)]
         angles = math.pi * self.nodes[:_POINTS, None] * m
         moments = (turned.real * np.cos(angles) + turned.imag * np.sin(angles)).sum(axis=-2)
+        size = np.abs(force * self.weights).sum(axis=-1, keepdims=True)
+        moments[np.abs(moments) < _ROUNDING * size] = 0.0  # what is uniform couples nothing, and matrices stay sparse
         apart = np.rint(np.abs(np.subtract.outer(waves, waves)) / math.pi).astype(int)
         both = np.rint(np.add.outer(waves, waves) / math.pi).astype(int)
         sign = 1.0 if self.ends.upper == "hinged" else -1.0
