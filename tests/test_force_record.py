@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import datetime
 import math
 import pickle
 import re
@@ -370,6 +371,12 @@ def test_the_drawing_shows_fit_and_spectrum() -> None:
     assert record.plot((above, below)) == (above, below)
 
 
+def test_the_axis_of_a_record_with_dates_begins_at_its_first_sample() -> None:
+    above, _ = fr.ForceRecord(TIME + 50878.0, FORCE).plot()
+    assert above.lines[0].get_xdata()[0] == 0.0
+    assert above.get_xlabel() == "time after the first sample / s"
+
+
 # --- files ---
 
 
@@ -449,10 +456,14 @@ def test_columns_are_chosen_by_heading_and_empty_cells_left_out(tmp_path: Path) 
         (b"t,F\n1,2 \xb5\n", {}, "line 2: force must be a number, got '2 \N{MICRO SIGN}'"),
         (b"t,F\n1,2 \x81\n", {}, "line 2 is not text in UTF-8"),
         (b"t,F\n12:00:01,2\n13.5,2\n", {}, "line 3: time must be a time of day as in the lines before, got '13.5'"),
-        (b"t,F\n2024-02-30 12:00:01,2\n", {}, "dates such as 2024-01-31, got '2024-02-30"),
+        (b"t,F\n2024-02-30 12:00:01,2\n", {}, "dates such as 2024-01-31, .* got '2024-02-30"),
         (b"t,F\n2024-02-03 12:00:01,2\n12:00:02,2\n", {}, "a date in every line or in none, got '12:00:02'"),
         (b"t,F\n12:00:01,2\n", {"time_unit": "ms"}, "time_unit is for numbers, got 'ms'"),
-        (b"t,F\n12:00,2\n", {}, "times are like 12:00:00.000 or 2024-01-31"),
+        (b"t,F\n12:00,2\n", {}, "times are like 12:00:00.000, with a date such as 2024"),
+        (b"t,F\n31.01.2024 12:00:01,2\n2024-02-01 12:00:01,2\n", {}, "all alike, got '2024-02-01'"),
+        (b"t,F\n01/31/2024 13:00:01 PM,2\n", {}, "hours from 1 to 12 before AM or PM"),
+        (b"time,zeit,F\n1,2,3\n", {}, "and 2 of them say time"),
+        (b"report\n\nof May\n", {}, "put # before lines without data"),
         (b"t,F\n1,2\n2,3\n", {}, "12 samples or more, got 2"),
         (b"1,2\n", {"delimiter": "ab"}, "delimiter must be one character"),
         (b"1,2\n", {"harmonics": 0}, "harmonics must be 1 or more"),
@@ -535,6 +546,47 @@ def test_times_of_day(date: str, zone: str, tmp_path: Path) -> None:
     assert (record.frequency, record.mean) == pytest.approx((plain.frequency, plain.mean), rel=1e-6)
     assert record.time[0] == (82799.5 if zone.startswith("+") else 86399.5)
     assert record.harmonic_numbers == plain.harmonic_numbers
+
+
+@pytest.mark.parametrize(
+    ("head", "row", "mark"),
+    [
+        ("Date/Time,Load (lbf)", "%m/%d/%Y %I:%M:%S.%f %p", ","),
+        ("Date,Time,Force (lbf)", "%m/%d/%Y,%H:%M:%S.%f", ","),
+        ("Date;Time (hh:mm:ss);Force (lbf)", "%d/%m/%y;%H:%M:%S,%f", ";"),
+        ("Logger; HX-200\nSerial; 4711\n\nZeit;Kraft\n;[lbf]", "%d.%m.%Y %H:%M:%S,%f", ";"),
+        ("Timestamp [UTC]\tCh1 Force (lbf)", "%Y/%m/%d %H:%M:%S.%f", "\t"),
+    ],
+)
+@pytest.mark.parametrize("start", ["2024-03-04T23:59:59.5", "2024-02-29T23:59:58", "2024-12-31T23:59:59.1"])
+def test_dates_and_headings_as_loggers_write_them(head: str, row: str, mark: str, start: str, tmp_path: Path) -> None:
+    """All pass midnight, where 04/03 is followed by 05/03 and 03/04 by 03/05: the days are one apart."""
+    path, begin = tmp_path / "force.csv", datetime.datetime.fromisoformat(start)
+    seconds = np.arange(40) / 8.0
+    times = [(begin + datetime.timedelta(seconds=t)).strftime(row) for t in seconds]
+    path.write_text("\n".join([head, *(f"{t}{mark}{i}" for i, t in enumerate(times))]), encoding="utf-8")
+    found = record_file.read_columns(path, None, None, None, None, None)
+    assert np.allclose(found.time - found.time[0], seconds, rtol=0.0, atol=1e-9)
+    assert found.force[1] == 4.4482216152605
+    assert found.has_unit
+
+
+@pytest.mark.parametrize(
+    ("text", "row"),
+    [
+        ("No.\tElapsed (ms)\tCh1 Force (kN)\tCh2 Temp (degC)\n{}", "{i}\t{ms}\t{f}\t23"),
+        ('"Time","Force"\n"ms","kN"\n{}', "{ms},{f}"),
+        ("epoch_ms,force_kN\n{}", "{ms},{f}"),
+        ("rig 4, 12 May\nrate, 8 Hz\nTime (ms), Axial load (kN)\n{}", "{ms},{f}"),
+    ],
+)
+def test_headings_below_other_lines_and_units_below_headings(text: str, row: str, tmp_path: Path) -> None:
+    path = tmp_path / "force.csv"
+    rows = [row.format(i=i, ms=125.0 * i, f=0.5 * i) for i in range(20)]
+    path.write_text(text.format("\n".join(rows)), encoding="utf-8")
+    found = record_file.read_columns(path, None, None, None, None, None)
+    assert found.time.tolist() == pytest.approx((np.arange(20) / 8.0).tolist())
+    assert found.force.tolist() == [500.0 * i for i in range(20)]
 
 
 def test_text_of_windows(tmp_path: Path) -> None:

@@ -26,12 +26,12 @@ def _draw_fit(record: Any, ax: Any) -> None:
     start = record.time[0]
     end = min(record.time[-1], start + _SHOWN * record.period)
     seen = record.time <= end
-    ax.plot(record.time[seen], record.samples[seen], ".", color="0.65", markersize=2.5, label="record")
+    ax.plot(record.time[seen] - start, record.samples[seen], ".", color="0.65", markersize=2.5, label="record")
     times = np.linspace(start, end, 2000)
     middle = 0.5 * (record.time[0] + record.time[-1])
     fit = record.force(times) + record.trend * (times - middle)
-    ax.plot(times, fit, color="black", linewidth=1.0, label="fit with its trend" if record.trend else "fit")
-    ax.set_xlabel("time $t$ / s")
+    ax.plot(times - start, fit, color="black", linewidth=1.0, label="fit with its trend" if record.trend else "fit")
+    ax.set_xlabel("time after the first sample / s" if start else "time $t$ / s")
     ax.set_ylabel("force $F$ / N")
     ax.legend(fontsize="x-small", loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=2, frameon=False)
 

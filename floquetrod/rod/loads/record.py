@@ -163,18 +163,20 @@ class ForceRecord(LoadSource, ByContent):
         """Read a record from a text file of columns; lines that begin with # are comments.
 
         The text is in UTF-8 or, where it cannot be, in Windows-1252.  Times are numbers, times of day such as
-        12:00:00.000, or dates with them such as 2024-01-31T12:00:00.000+01:00.
+        12:00:00.000 or 02:00:00.000 PM, or dates with them, such as 2024-01-31T12:00:00.000+01:00, 31.01.2024 or
+        01/31/2024, also in a column of their own, "Date".  Which number of 01/02/2024 is the month is taken such that
+        the days of the record are the closer together.
 
         Parameters
         ----------
         path : path
-            The first line may hold headings.
+            The first line may hold headings, with units in the line below; up to 200 other lines may precede them.
         time : str or int, optional
-            Heading of the column of times, or its number from 0.  By default the one headed time or t; of two columns
-            with other headings or none, the first.
+            Heading of the column of times, or its number from 0.  By default the one headed time, t, timestamp,
+            elapsed or alike; of two columns with other headings or none, the first.
         force : str or int, optional
-            Heading of the column of forces, or its number from 0.  By default the one headed force or f; of two columns
-            with other headings or none, the second.
+            Heading of the column of forces, or its number from 0.  By default the one headed force, f or
+            load, or with such a word; of two columns with other headings or none, the second.
         time_unit : str, optional
             Unit of the times, such as "ms".  By default that in the heading, as in "t [ms]" or "time_ms", else s.
         force_unit : str, optional
