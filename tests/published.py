@@ -116,6 +116,7 @@ def _cells(row: Row) -> tuple[str, ...]:
 # --- Mathieu's equation -----------------------------------------------------------------------------------------------
 
 BURKARDT = "Abramowitz & Stegun, table 20.1, to the digits of Mathematica in J. Burkardt's test_values"
+WOLFRAM = "Wolfram Alpha, MathieuCharacteristicA and B, as in SciPy's tests (special/tests/test_basic.py)"
 ZHANG = "S. Zhang & J. Jin, Computation of Special Functions, Wiley 1996, "
 SERIES = "Abramowitz & Stegun 20.2.25, DLMF 28.6(i)"
 
@@ -142,6 +143,14 @@ def characteristic() -> Iterator[Row]:
         ("b", 15, 20, "225.8951534161768"),
     ):  # fmt: skip
         yield Row(f"{kind}_{order}({q})", printed, BURKARDT, value(kind, order, q), allowed=4e-14 * abs(float(printed)))
+    for kind, order, q, printed in (
+        ("a", 0, 8.0, "-10.6067292355526479852024"), ("a", 3, 1.5, "9.19330104768060974047804"),
+        ("a", 5, 0.25, "25.0013021454698022809572"), ("a", 8, -10.0, "64.8008910105046444848962"),
+        ("b", 1, 15.0, "-22.5130034974234666335"), ("b", 5, 3.0, "25.1870798027185125480"),
+        ("b", 9, 0.25, "81.00039062627570760760"), ("b", 10, -3.0, "100.0454683359769326164"),
+    ):  # fmt: skip
+        row = f"{kind}_{order}({q:g})"
+        yield Row(row, printed, WOLFRAM, value(kind, order, q), allowed=4e-15 * abs(float(printed)))
     for order, a, b in (
         (3, "12.964079444", "-3.520941527"), (4, "27.805240581", "12.986489953"), (6, "48.975786716", "41.801071292"),
         (7, "57.534689001", "55.002957151"), (8, "69.524065166", "69.057988351"), (9, "85.076999882", "85.023356505"),
@@ -153,12 +162,23 @@ def characteristic() -> Iterator[Row]:
 
 def functions() -> Iterator[Row]:
     """Yield values of ce and se."""
-    table_20_1 = "Abramowitz & Stegun, table 20.1, to the digits of GSL's tests"
-    for z, name, q, printed in (
-        (0.0, "0", 5, "0.04480018165188902"), (math.pi / 2, "pi/2", 5, "1.334848674698019"),
-        (0.0, "0", 10, "0.007626517570935782"), (math.pi / 2, "pi/2", 10, "1.468660470712856"),
+    table_20_1 = "Abramowitz & Stegun, table 20.1, to the digits of GSL's tests (specfunc/test_mathieu.c)"
+    for name, order, place, q, printed in (
+        ("ce", 0, "0", 5, "0.04480018165188902"), ("ce", 0, "pi/2", 5, "1.334848674698019"),
+        ("ce", 0, "0", 10, "0.007626517570935782"), ("ce", 0, "pi/2", 10, "1.468660470712856"),
+        ("ce", 0, "0", 25, "0.0002158630184146612"), ("ce", 0, "pi/2", 25, "1.657510298323475"),
+        ("ce", 1, "0", 5, "0.2565428793223637"), ("ce", 1, "0", 25, "0.001911051506657645"),
+        ("se", 1, "pi/2", 5, "1.337433887022345"), ("se", 1, "pi/2", 25, "1.657510398374516"),
+        ("ce", 2, "0", 5, "0.7352943084006845"), ("ce", 2, "pi/2", 5, "-0.7244881519676682"),
+        ("ce", 2, "0", 25, "0.0115128663308875"), ("ce", 2, "pi/2", 25, "-1.116278953295253"),
+        ("ce", 5, "0", 5, "1.12480725063848"), ("ce", 5, "0", 25, "0.6106943100506986"),
+        ("se", 5, "pi/2", 5, "0.9060779302023551"), ("se", 5, "pi/2", 25, "0.8992683245108413"),
+        ("ce", 10, "0", 25, "1.156239918632239"), ("ce", 10, "pi/2", 25, "-0.8826919105636903"),
+        ("ce", 15, "0", 25, "1.059800441813937"), ("se", 15, "pi/2", 25, "-0.9467086958780897"),
     ):  # fmt: skip
-        yield Row(f"ce_0({name}, {q})", printed, table_20_1, function("a", 0, q, z), allowed=1e-14)
+        kind, z = "a" if name == "ce" else "b", 0.0 if place == "0" else math.pi / 2
+        row = f"{name}_{order}({place}, {q})"
+        yield Row(row, printed, table_20_1, function(kind, order, q, z), allowed=1e-14)
     for kind, order, q, printed in (
         ("a", 0, 5, ".3025683"), ("a", 1, 5, ".7669652"), ("b", 1, 5, ".2988052"), ("a", 5, 5, "-.9810931"),
         ("b", 5, 5, ".1694850"), ("b", 2, 25, ".2074275"), ("b", 5, 25, "1.1881232"),
