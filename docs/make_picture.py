@@ -1,4 +1,6 @@
-"""Draw the picture of the README: how far a string can be pushed into a well, without and with a vibration tool.
+"""Draw the picture of the README and of the first page: how far a string can be pushed, without and with a tool.
+
+Well, string and tool are those of the first page's code; its two panels are two pictures, which a phone stacks.
 
 python docs/make_picture.py
 """
@@ -6,37 +8,60 @@ python docs/make_picture.py
 from __future__ import annotations
 
 import io
+import re
 from pathlib import Path
+from typing import Any
 
 import matplotlib as mpl
+import numpy as np
 
 mpl.use("Agg")
 
 from matplotlib import pyplot
 from PIL import Image
 
-import floquetrod as fr
 from floquetrod.plotting import palette
 
-ROOT = Path(__file__).parent.parent
-well = fr.WellPath.from_csv(ROOT / "examples/survey.csv")
-found = fr.Rod.from_toml(ROOT / "examples/tubing.toml").reach(well, 0.3, tool=fr.VibrationTool("5kN", "18Hz"))
+HERE = Path(__file__).parent
+COLOURS = 48  # which are enough, and keep the files small
+
+
+def save(figure: Any, name: str, panel: Any = None) -> None:
+    """Save a figure, or one panel of it, with few colours."""
+    drawn, box = io.BytesIO(), None
+    if panel is not None:
+        box = panel.get_tightbbox().padded(8.0).transformed(figure.dpi_scale_trans.inverted())
+    figure.savefig(drawn, dpi=150, bbox_inches=box)
+    Image.open(drawn).convert("RGB").quantize(COLOURS).save(HERE / name, optimize=True)
+
+
+(code,) = re.findall(r"^```\{code-cell\}\n(import.*?)^```", (HERE / "index.md").read_text("utf-8"), re.M | re.S)
+*defined, last = code.splitlines()
+names: dict[str, Any] = {}
+exec("\n".join(defined), names)
+found = eval(last, names)
+curve = names["tubing"].reach(names["well"], 0.3, tool=names["tool"])
 
 figure, (left, right) = pyplot.subplots(1, 2, figsize=(9.6, 3.6), layout="constrained")
-left.plot(1e-3 * found.bit_depth, 1e-3 * found.bit, color="black", label="pushed")
-left.plot(1e-3 * found.bit_depth, 1e-3 * found.bit_shaken, "--", color="black", label="pushed, with the tool")
+for force, reach, line, label in (
+    (curve.bit, found.reach, "-", "pushed"),
+    (curve.bit_shaken, found.reach_shaken, "--", "pushed, with the tool"),
+):
+    arrives = np.isfinite(force)  # and where the string is stuck nothing is left
+    depth = np.append(curve.bit_depth[arrives], reach)
+    left.plot(1e-3 * depth, 1e-3 * np.append(force[arrives], 0.0), line, color="black", label=label)
 for depth, text in ((found.reach, "stuck"), (found.reach_shaken, "stuck, with the tool")):
     left.annotate(
         f"{text}\n{depth:.0f} m",
         (1e-3 * depth, 0.0),
-        xytext=(-70, 20) if text == "stuck" else (0, 84),
+        xytext=(-84, 14) if text == "stuck" else (20, 84),
         textcoords="offset points",
         ha="center",
         fontsize="small",
         bbox=palette.BOX,
         arrowprops={"arrowstyle": "->", "linewidth": 0.8},
     )
-left.set(xlim=(0.0, 4.5), ylim=(0.0, 45.0), xlabel="measured depth of the bit / km", ylabel="force at the bit / kN")
+left.set(xlim=(0.0, 4.5), ylim=(0.0, 45.0), xlabel="measured depth / km", ylabel="force at the lower end / kN")
 left.set_title("How far can I push it?", fontsize="medium")
 left.legend(loc="upper right", fontsize="small", frameon=False)
 
@@ -49,11 +74,9 @@ right.fill_between(1e-3 * along.depth, 0.0, 1.0, where=buckled, color=palette.NE
 grows = found.growth > 0.0
 right.fill_between(1e-3 * along.depth, 0.0, 1.0, where=grows, color=palette.UNSTABLE, label="vibration grows", **tall)
 right.set(xlim=(0.0, 4.5), xlabel="measured depth / km", ylabel="force in the string / kN")
-right.set_title(f"Where does it buckle or shake, with the bit at {found.reach_shaken:.0f} m?", fontsize="medium")
-
+right.set_title(f"Where does it buckle or vibrate, at {found.reach_shaken:.0f} m?", fontsize="medium")
 right.legend(loc="best", fontsize="small", frameon=False)
 
-drawn = io.BytesIO()
-figure.savefig(drawn, dpi=150)
-# So many colours are enough, and small.
-Image.open(drawn).convert("RGB").quantize(48).save(Path(__file__).with_name("picture.png"), optimize=True)
+save(figure, "picture.png")
+for name, panel in (("picture_left.png", left), ("picture_right.png", right)):
+    save(figure, name, panel)

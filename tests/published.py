@@ -88,7 +88,7 @@ class Shown:
     def _repr_html_(self) -> str:
         titles = "".join(f'<th style="{_STYLE}">{each}</th>' for each in ("published", "here", "difference"))
         groups = "".join(
-            f'<tr><th colspan="5" style="text-align: left; padding-top: 0.8em">{escape(source)}</th></tr>'
+            f'<tr><th colspan="5" style="{_SOURCE}">{escape(source)}</th></tr>'
             + "".join(f"<tr>{''.join(map(_cell, cells, _STYLES))}</tr>" for cells in group)
             for source, group in self._groups
         )
@@ -100,7 +100,8 @@ class Shown:
 
 
 _STYLE = "padding-right: 1.2em; white-space: nowrap; text-align: left"
-_TEXT = "padding-right: 1.2em; text-align: left; min-width: 10em"
+_SOURCE = "text-align: left; padding-top: 0.8em; white-space: normal"
+_TEXT = "padding-right: 1.2em; text-align: left; min-width: 7em; white-space: normal"
 _STYLES = (_TEXT, _STYLE, _STYLE, _STYLE, _TEXT)
 
 

@@ -187,8 +187,8 @@ class Reach(Reported, ByContent):
         ]
         lines += self._stress_lines
         if self.tool is not None:
-            lines += [("vibration", self._vibration_in_words), ("grows", self._growth_in_words)]
-            lines.append(("frequency", self._frequency_in_words))
+            lines += [("tool", self._vibration_in_words), ("grows", self._growth_in_words)]
+            lines.append(("tool Hz", self._frequency_in_words))
         lines.append(("assumed", "; ".join(self.assumptions)))
         return Report(self._in_words, lines, self._table)
 
@@ -211,7 +211,7 @@ class Reach(Reported, ByContent):
     @property
     def _vibration_in_words(self) -> str:
         least = self.along.friction.min()
-        return f"at most {with_unit(self.amplitude.max(), 'N', 3)}; it reduces friction to {least:.3g}"
+        return f"vibration of at most {with_unit(self.amplitude.max(), 'N', 3)}, which reduces friction to {least:.3g}"
 
     @property
     def _growth_in_words(self) -> str:
