@@ -6,6 +6,7 @@ import os
 import re
 import secrets
 import signal
+import sys
 import threading
 import zlib
 from collections.abc import Generator
@@ -80,6 +81,14 @@ def rng(request: pytest.FixtureRequest) -> np.random.Generator:
 def _no_lines_of_progress(monkeypatch: pytest.MonkeyPatch) -> None:
     """Let no slow machine add lines to stderr that a test reads."""
     monkeypatch.setattr("floquetrod.cli.waiting.PLAIN", 1e6)
+
+
+@pytest.fixture(autouse=True, scope="module")
+def _no_figures_of_other_files() -> Generator[None]:
+    """Close the figures that the tests of a file have left open."""
+    yield
+    if "matplotlib.pyplot" in sys.modules:
+        sys.modules["matplotlib.pyplot"].close("all")
 
 
 # --- how often each property bit -------------------------------------------------------------------------------------

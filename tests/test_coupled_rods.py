@@ -408,15 +408,15 @@ def test_where_more_modes_are_needed_fewer_than_the_first_are_not_asked(monkeypa
 
 
 def test_a_long_rod_that_buckles_fast_is_unstable_with_two_numbers_of_modes() -> None:
-    """It grows 600-fold in a period: multipliers that decay as fast are lost in rounding, and decide nothing."""
+    """It grows 2,600-fold in a period: multipliers that decay as fast are lost in rounding, and decide nothing."""
     rod = fr.Rod.catalogue("2.00x0.156 CT90", bore="4.778in", length=250.0, inclination=1.22, ends="clamped")
     unit = rod.critical_force
-    found = rod.replace(damping_rate=0.2).stability(fr.AxialWave.hertz(1.9 * unit, 0.3 * unit, 4.0, axial_damping=0.5))
+    found = rod.replace(damping_rate=0.2).stability(fr.AxialWave.hertz(2.2 * unit, 0.3 * unit, 4.0, axial_damping=0.5))
     assert not np.isfinite(found.whole.exponent_errors).all()
     assert found.status == "unstable"
     assert len(found.convergence) == 2
     assert 0.0 < found.error < 0.1
-    assert found.growth_rate == pytest.approx(25.566, abs=found.error)
+    assert found.growth_rate == pytest.approx(31.4843, abs=found.error)  # of 130 modes
 
 
 @pytest.mark.parametrize(("tolerance", "status"), [(0.0, "unstable"), (1.8, "unstable"), (2.1, "undecided")])

@@ -41,6 +41,10 @@ def test_what_was_found_is_kept_when_interrupted(few: fr.RodBranches) -> None:
     ((angle, status),) = few.at(110.0)
     assert angle == pytest.approx(0.11365, rel=1e-3)  # of steady_motion, in all modes
     assert status == "stable"
+    assert few.at(f"{110.0 / (2.0 * math.pi)!r}Hz")[0][0] == pytest.approx(angle, rel=1e-9)
+    assert few.at(200.0) == []
+    with pytest.raises(ValueError, match="value must be"):
+        few.at(math.nan)
     weight = SHORT.mass_per_length * SHORT.effective_gravity
     assert (0.9 * weight < few.contact).all()
     assert (few.contact < weight).all()

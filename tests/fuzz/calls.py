@@ -57,7 +57,7 @@ VALUES += (
 """Classes that people construct, and whose methods they call with arguments."""
 
 RESULTS = (fr.Chart, fr.RodStability, fr.StabilityIntervals, fr.Simulation, fr.mathieu.TransitionCurves)
-RESULTS += (fr.Bands, fr.SafeBox, fr.systems.FirstOrderTongue, fr.Branch, fr.SpecialPoint)
+RESULTS += (fr.Bands, fr.SafeBox, fr.systems.FirstOrderTongue, fr.Branch, fr.RodBranches, fr.SpecialPoint)
 """Classes that only the package constructs, and whose methods people call with arguments."""
 
 LEFT_OUT = {
@@ -156,6 +156,7 @@ LEFT_OUT = {
     "SafeKick": "constructed by Rod.safe_kick",
     "SteadyMotion": "constructed by Rod.steady_motion",
     "RodBranches": "constructed by Rod.follow",
+    "RodBranches.at": "of branches that take seconds: attacked in tests/test_rod_branches.py",
     "RodBranches.plot": "its axes are objects of matplotlib",
     **dict.fromkeys(("RodBranches.report", "RodBranches.as_dict", "RodBranches.to_xarray"), "takes no argument"),
     "VibrationTool.as_dict": "takes no argument",

@@ -16,7 +16,7 @@ from floquetrod._util.content import ByContent, NoTruthValue
 from floquetrod._util.report import Report, Reported, Table
 from floquetrod.floquet.status import STATUS_CODES
 from floquetrod.orbits import Branch
-from floquetrod.rod.loads.load import KINDS, Load, Quantity
+from floquetrod.rod.loads.load import KINDS, Load, Quantity, load_number
 from floquetrod.rod.model.data import RodData
 
 Floats = NDArray[np.float64]
@@ -143,11 +143,17 @@ class RodBranches(ByContent, Reported, NoTruthValue):
         """Whether no branch was interrupted, or ran out of steps."""
         return not any("goes on" in end for part in self.parts for end in part.branch.ends)
 
-    def at(self, value: float) -> list[tuple[float, str]]:
+    def at(self, value: float | str) -> list[tuple[float, str]]:
         """Return the largest angles in rad at a value of the parameter, smallest first, and whether each is stable.
 
-        Between two orbits of a branch, by a straight line.
+        Between two orbits of a branch, by a straight line; none where no branch comes to the value.
+
+        Parameters
+        ----------
+        value : float or str
+            In rad/s or N, or with a unit, such as "23.5Hz".
         """
+        value = load_number(self.parameter, value, "value")
         names = {code: name for name, code in STATUS_CODES.items()}
         found: list[tuple[float, str]] = []
         near = 1e-9 * (self.over[1] - self.over[0])
@@ -155,7 +161,7 @@ class RodBranches(ByContent, Reported, NoTruthValue):
             orbits = zip(part.branch.values.tolist(), part.amplitude.tolist(), part.branch.status.tolist(), strict=True)
             for (x0, y0, s0), (x1, y1, s1) in pairwise(orbits):
                 if min(x0, x1) - near <= value <= max(x0, x1) + near:
-                    y = y0 + (value - x0) / (x1 - x0) * (y1 - y0)
+                    y = y0 + (value - x0) / (x1 - x0) * (y1 - y0) if x0 != x1 else y0
                     if not found or abs(found[-1][0] - y) > 1e-6 * y:  # not the end of the piece before
                         found.append((y, names[s0] if s0 == s1 else "undecided"))
         return sorted(found)
