@@ -34,8 +34,8 @@ examples:
 
 It holds the verdict with growth and margins, a map of mean forces and frequencies about the load, the constant forces
 at which the literature has the rod buckle, the stress and its share of yield where the grade is known, what is assumed,
-and the command that makes it again; with --motion how large the motion gets, and with --well how far the string can be
-pushed into that well.
+and the command that makes it again; with --motion how large the motion becomes, and with --well how far the string can
+be pushed into that well.
 """
 
 
@@ -53,7 +53,7 @@ def add(command: Parser) -> None:
         help="search the margins and the damping that stabilises (default: where that takes some seconds)",
     )
     command.add_argument(
-        "--motion", action="store_true", help="say how large the motion gets, all modes together: some seconds"
+        "--motion", action="store_true", help="say how large the motion becomes, all modes together: some seconds"
     )
     command.add_argument(
         "--out", metavar="FILE", type=Path, default=Path("report.html"), help=".html or .pdf (default report.html)"

@@ -13,7 +13,7 @@ from floquetrod.units import Unit, label
 QUANTITIES = ("mean", "amplitude", "frequency")
 
 _TICK = 80  # milliseconds between two looks for what has been found meanwhile
-_DIGITS = 12  # of a slider's value: what it is meant to be, freed of rounding
+_DIGITS = 12  # of a slider's value: what it is meant to be, without rounding
 _NARROW = 8.0  # inches: side by side in less, titles overlap
 _PER_INCH = {"verdict": 9.0, "details": 11.0, "command": 11.0}
 """Characters in an inch of the lines of each text."""

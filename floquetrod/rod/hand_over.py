@@ -55,7 +55,7 @@ def save_report(
     reach : Reach, optional
         What ``rod.reach`` returned, to be told too.
     motion : SteadyMotion, optional
-        What ``rod.steady_motion(load)`` returned, which takes some seconds: how large the motion gets, all modes
+        What ``rod.steady_motion(load)`` returned, which takes some seconds: how large the motion becomes, all modes
         together, and what it does to the rod.
     units : mapping, optional
         In which to show the load, as in ``verdict.report``.

@@ -687,7 +687,7 @@ class Rod(RodData):
     # --- after the onset ---
 
     def steady_motion(self, load: AnyLoad, mode: int | None = None, *, indentation: float = 1e-4) -> SteadyMotion:
-        """Return how large the motion gets that a load sets off: a periodic orbit of the rod on its wall.
+        """Return how large the motion under a load becomes: a periodic orbit of the rod on its wall.
 
         Parameters
         ----------
@@ -741,7 +741,7 @@ class Rod(RodData):
         longest: float = 0.3,
         progress: Progress | None = None,
     ) -> RodBranches:
-        """Return how large motion gets over a range of loads: the branches of periodic motion in one mode.
+        """Return how large motion becomes over a range of loads: the branches of periodic motion in one mode.
 
         Orbits, stable and unstable ones, are looked for at a few loads of the range, and followed by
         `floquetrod.follow` through it and round folds, until motion shrinks to rest, the rod presses on its wall with

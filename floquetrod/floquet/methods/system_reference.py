@@ -59,7 +59,7 @@ def reference(
 ) -> SystemStability:
     """Classify a system with the map over a period computed to ``digits`` digits.
 
-    Systems whose multipliers come in mu, 1 / mu are classified by y = (mu + 1/mu - 2) / 4 of their pairs, freed of
+    Systems whose multipliers come in mu, 1 / mu are classified by y = (mu + 1/mu - 2) / 4 of their pairs, without
     uniform damping; others by their multipliers.
 
     Parameters

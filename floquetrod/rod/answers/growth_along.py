@@ -1,4 +1,4 @@
-"""How fast waves across a string grow while a tool shakes it, place by place along a well."""
+"""How fast waves across a string grow while a tool shakes it, at each depth of a well."""
 
 from __future__ import annotations
 

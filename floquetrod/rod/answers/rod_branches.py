@@ -1,4 +1,4 @@
-"""How large a rod's motion gets over a range of loads: its branches of periodic orbits, with angles as ordinates."""
+"""How large a rod's motion becomes over a range of loads: its branches of periodic orbits, with angles as ordinates."""
 
 from __future__ import annotations
 

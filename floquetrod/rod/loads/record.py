@@ -427,10 +427,10 @@ def _note(samples: Samples, found: PeriodicFit, missing: int, most: int | None) 
     if found.beyond:
         some = ", ".join(map(str, found.beyond[:3])) + (" and others" if len(found.beyond) > 3 else "")
         parts.append(f"harmonics {some} above the noise but not fitted: give harmonics={found.beyond[-1]} or so")
-    loud = [number for number, factor in zip((0, *found.fit.numbers), found.factors, strict=True) if factor > 1.0]
-    if loud:
+    above = [number for number, factor in zip((0, *found.fit.numbers), found.factors, strict=True) if factor > 1.0]
+    if above:
         where = " and ".join(
-            [*["frequency 0"] * (0 in loud), *[f"harmonics {', '.join(map(str, filter(None, loud)))}"] * any(loud)]
+            [*["frequency 0"] * (0 in above), *[f"harmonics {', '.join(map(str, filter(None, above)))}"] * any(above)]
         )
         parts.append(
             f"noise about {where} up to {found.factors.max():.2g} times its average, which the errors account for"

@@ -31,7 +31,7 @@ class Fastest(NamedTuple):
     system : HillSystem
         Without damping.
     damping : float
-        The rate it was freed of, in 1/s.
+        The rate that was removed, in 1/s.
     start, partner : ndarray (2 n,)
         (u, u') at the beginning of the solution and of the one that decays as fast.
     """
