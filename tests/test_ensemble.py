@@ -17,6 +17,7 @@ from scipy import stats
 import floquetrod as fr
 from ensemble_cases import LOAD, OVER, PROBLEM, assert_same, depth, fails_at_150, in_memory, undisturbed
 from floquetrod.ensembles import Runs, axes
+from floquetrod.ensembles.runs import Variable
 from floquetrod.ensembles.stores import RESULTS, chunk_shape
 
 
@@ -331,6 +332,24 @@ def test_runs_can_be_saved(tmp_path: Path) -> None:
 
 def test_exact_numbers_become_the_nearest_double() -> None:
     assert fr.ensemble(PROBLEM, {"friction": [Fraction(1, 3)]}).friction.values[0] == 1 / 3
+
+
+def test_a_file_of_runs_that_there_is_not(tmp_path: Path) -> None:
+    with pytest.raises(ValueError, match=r"none\.npz is not an ensemble that can be read: there is no such file"):
+        Runs.load(tmp_path / "none.npz")
+
+
+def test_probabilities_print_as_a_table() -> None:
+    kick = Variable(("kick",), np.array([0.04, 0.08]), {"units": "m/s"})
+    dims, even = ("kick", "seed"), np.arange(8).reshape(2, 4) % 2 == 0
+    runs = Runs(
+        {"status": Variable(dims, np.ones((2, 4), int), {}), "buckled": Variable(dims, even, {})}, {"kick": kick}, {}
+    )
+    heading, first, _ = str(fr.ensembles.probability(runs, over="seed")).splitlines()
+    assert heading.split() == ["kick", "m/s", "probability", "lower", "upper", "done", "failed"]
+    assert first.split()[:2] == ["0.04", "0.5"]
+    assert str(runs) == repr(runs)
+    assert str(Runs({}, {}, {})) == repr(Runs({}, {}, {}))
 
 
 def test_probability_is_that_of_binomial_tests() -> None:

@@ -73,6 +73,12 @@ MISTAKES = [
     (f"{CHECK} \N{EN DASH}kick 1mm/s", "option", "\N{EN DASH}kick", "did you mean --kick?"),
     (f"{CHECK} frequency=24Hz", "option", "'frequency=24Hz'", "did you mean --frequency=24Hz?"),
     (f"{CHECK} --largest", "option", "--largest", "floquetrod certify has it"),
+    (
+        "reach --well survey.csv --rod nitinol --friction 0.3 --out reach.png",
+        "option",
+        "--out",
+        "did you mean --figure?",
+    ),
     (f"{MAP} --output map.png", "option", "--output", "did you mean --out?"),
     (f"check {LOAD}", "--rod", "--rod", "is required"),
     ("check --rod nitinol --mean 1N", "--amplitude", "--frequency", "are required"),

@@ -152,7 +152,10 @@ def test_a_long_title_is_cut_to_what_was_asked_and_the_note_has_the_whole() -> N
 def test_solutions_tell_their_exponent_with_its_unit() -> None:
     title = floquet_solutions(fr.Mathieu(1.5, -0.6))[0].plot().get_title()
     assert title.endswith(r"i per unit of $\tau$")
-    assert ", exponent 0.1" in title
+    ax = floquet_solutions(fr.Mathieu.from_aq(a=-3.98765432, q=1.23456789))[0].plot()
+    drawn = ax.title.get_window_extent(ax.figure.canvas.get_renderer())
+    assert ax.figure.bbox.x0 <= drawn.x0 < drawn.x1 <= ax.figure.bbox.x1
+    assert "\nexponent 0.1" in title
     assert characteristic_function(3, 10.0, "a").plot().get_title() == "ce_3(z, 10)"
 
 

@@ -215,6 +215,8 @@ def read_npz(
     wants it.
     """
     path = validate.path("path", path)
+    if not path.exists():
+        raise ValueError(f"{path} is not {what} that can be read: there is no such file")
     try:
         meta, arrays = _unpack(path)
         if meta["format"] != file_format:

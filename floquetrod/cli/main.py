@@ -219,8 +219,15 @@ def _parser(only: str | None = None) -> Parser:
     return parser
 
 
+_FIGURES = ("--out", "--figure", "--plot")
+"""Options of one command or another that name the file of a figure."""
+
+
 def _elsewhere(name: str, option: str) -> str:
-    """Return which command but one, if any, has an option that this one has not."""
+    """Return what to say of an unknown option: the command's own that does the same, or another command that has it."""
+    own = [each for each in _FIGURES if each in _options(name)]
+    if own and option in (*_FIGURES, "--output"):
+        return f"; did you mean {' or '.join(own)}?"
     found = (other for other in _COMMANDS if other != name and option in _options(other))
     return next((f"; floquetrod {other} has it" for other in found), "")
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -11,8 +12,10 @@ from numpy.typing import NDArray
 
 from floquetrod._util import extras, files, validate
 from floquetrod._util.content import ByContent, NoTruthValue
+from floquetrod._util.report import Table
 
 _FORMAT = "floquetrod runs 1"
+_PRINTED = 200  # values of one variable that are printed (a choice)
 
 PENDING, DONE, FAILED = 0, 1, 2
 """Values of ``status``."""
@@ -78,6 +81,20 @@ class Runs(NoTruthValue, ByContent):
             return f"<{', '.join(self.variables)} ({shape})>"
         counts = np.bincount(self["status"].ravel(), minlength=3)
         return f"<{counts[DONE]:,} runs done, {counts[FAILED]:,} failed, {counts[PENDING]:,} pending ({shape})>"
+
+    def __str__(self) -> str:
+        """Return the values as a table where they are no runs but what was computed from them, and not too many."""
+        shape = tuple(self.dims.values())
+        if "status" in self.variables or not self.variables or math.prod(shape) > _PRINTED:
+            return repr(self)
+        every = {
+            name: np.broadcast_to(v.values[tuple(slice(None) if dim in v.dims else None for dim in self.dims)], shape)
+            for name, v in (self.coords | self.variables).items()
+            if v.dims == tuple(dim for dim in self.dims if dim in v.dims)
+        }
+        columns = [(f"{name} {unit}" if (unit := self.units[name]) != "1" else name, ">11") for name in every]
+        values = zip(*(each.ravel().tolist() for each in every.values()), strict=True)
+        return str(Table(columns, [[f"{x:.6g}" if isinstance(x, float) else str(x) for x in row] for row in values]))
 
     def to_xarray(self) -> Any:
         """Return an xarray.Dataset (needs xarray, an extra: pip install floquetrod[ensemble])."""

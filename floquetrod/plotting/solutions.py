@@ -20,8 +20,8 @@ def draw_solution(solution: Any, ax: Any, periods: float) -> Any:
         ax.legend(loc="best", fontsize="small")
     ax.axhline(0.0, color="0.7", linewidth=0.6, zorder=0)
     per = "$z$" if solution.period < 4.0 else r"$\tau$"
-    exponent = f", exponent {solution.exponent:.5g} per unit of {per}".replace("j", "i") if solution.exponent else ""
+    exponent = f"\nexponent {solution.exponent:.5g} per unit of {per}".replace("j", "i") if solution.exponent else ""
     ax.set_xlabel(per)
     ax.set_ylabel("solution, without unit")
-    ax.set_title(f"{solution.name}{exponent}", fontsize="small")
+    ax.set_title(f"{solution.name}{exponent}", fontsize="small", wrap=True)
     return ax
