@@ -4,11 +4,14 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
+from types import SimpleNamespace
 
+import numpy as np
 import pytest
 
 import floquetrod as fr
 from floquetrod import cli
+from floquetrod.plotting import reach
 
 EXAMPLES = Path(__file__).parents[1] / "examples"
 SURVEY = "MD (m),Inc (deg),Azi (deg)\n0,0,0\n1000,0,0\n1450,90,0\n2000,90,0\n"
@@ -53,6 +56,9 @@ def test_it_draws(line: list[str], tmp_path: Path, capsys: pytest.CaptureFixture
         (["--friction", "0.3", "--tool", "5kN@18m"], "frequency must be a number with"),
         (["--friction", "0.3", "--push", "3 furlong"], "--push must be a number with"),
         (["--friction", "0.3", "--figure", "reach.doc"], "--figure must end in"),
+        (["--friction", "0.3", "--unit", "Hz"], "--unit must name a unit of length, of force or both"),
+        (["--friction", "0.3", "--depths", "1:2:3ft"], "--depths must be a list such as"),
+        (["--friction", "0.3", "--depths", "deep"], "--depths must be a number with"),
         ([], "--friction"),
     ],
 )
@@ -71,3 +77,29 @@ def test_a_bad_survey_is_refused_with_its_line(line: list[str], capsys: pytest.C
     Path(line[2]).write_text(SURVEY + "1900,90,0\n", encoding="utf-8")
     assert cli.main([*line, "--friction", "0.3"]) == 2
     assert "line 6: depth at station 5 must increase" in capsys.readouterr().err
+
+
+@pytest.mark.slow
+def test_depths_and_units_that_were_asked_for(
+    line: list[str], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    rod, path = fr.Rod.from_toml(EXAMPLES / "tubing.toml"), fr.WellPath.from_csv(tmp_path / "survey.csv")
+    foot, pound = 0.3048, 4.4482216152605
+    assert cli.main([*line, "--friction", "0.3", "--depths", "4000,5000,6000ft", "--unit", "ft,lbf"]) == 0
+    text = capsys.readouterr().out
+    found = rod.reach(path, 0.3, depth=[4000 * foot, 5000 * foot, 6000 * foot])
+    assert "to 6000 ft, the deepest asked for" in text or f"to {found.reach / foot:.5g} ft" in text
+    rows = [row.split() for row in text.split("lower end lbf\n")[1].splitlines()]
+    assert [row[0] for row in rows] == ["4000", "5000", "6000"]
+    assert [row[1] for row in rows] == [f"{each / pound:.0f}" for each in found.injector]
+    assert cli.main([*line, "--friction", "0.3", "--depths", "4000:6000ft", "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)["depth_m"] == pytest.approx(np.linspace(4000, 6000, 10) * foot)
+
+
+@pytest.mark.parametrize(("is_stopped", "depths"), [(True, [100.0, 200.0, 260.0]), (False, [100.0, 200.0])])
+def test_the_curve_of_what_arrives_ends_at_the_reach(is_stopped: bool, depths: list[float]) -> None:
+    found = SimpleNamespace(bit_depth=np.array([100.0, 200.0, 300.0]), far_force=500.0)
+    forces = np.array([3e3, 2e3, np.nan])
+    depth, force = reach._to_the_reach(found, forces, 260.0 if is_stopped else 300.0, is_stopped)
+    assert depth.tolist() == depths
+    assert force.tolist() == [3.0, 2.0, 0.5][: len(depths)]

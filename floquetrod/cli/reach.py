@@ -3,7 +3,11 @@
 from __future__ import annotations
 
 import argparse
+from collections.abc import Sequence
+from functools import partial
 from pathlib import Path
+
+import numpy as np
 
 import floquetrod as fr
 from floquetrod import units
@@ -11,6 +15,8 @@ from floquetrod.cli.common import add_rod, add_survey_units, check_out, describe
 from floquetrod.cli.output import Output, output
 from floquetrod.cli.parser import Parser
 from floquetrod.cli.waiting import Waiting
+
+_EVEN = 10  # depths between two ends
 
 _HELP = """\
 Say how far a string of this section can be pushed into a well, and what a tool that shakes it changes.
@@ -20,6 +26,7 @@ examples:
   floquetrod reach --well examples/survey.csv --rod examples/tubing.toml --friction 0.3 --tool 5kN@18Hz@30m
   floquetrod reach --well examples/survey.csv --rod examples/tubing.toml --friction 0.25,0.35@1500m --push 50kN
   floquetrod reach --well examples/survey.csv --rod examples/tubing.toml --friction 0.3 --figure reach.png
+  floquetrod reach --well examples/survey.csv --rod examples/tubing.toml --mu 0.3 --depths 9000:9900ft --unit ft,lbf
 
 The survey has columns such as MD (m), Inc (deg) and Azi (deg).  The string is pushed at the first station; its length
 and inclination follow from the well.  At lock-up no force there moves the lower end.  The table has the force that it
@@ -33,10 +40,17 @@ depths; forces are effective, push positive; without --push the upper end is pus
 
 def add(command: Parser) -> None:
     """Add help and options of the command to its parser."""
-    describe_command(command, _HELP, _reach, ("well", "rod", "friction", "tool", "figure"))
+    describe_command(command, _HELP, _reach, ("well", "rod", "bore", "length", "friction", "tool", "unit", "figure"))
     add_well(command, required=True)
     add_survey_units(command)
     add_rod(command, classified=False, in_a_well=True)
+    command.add_argument(
+        "--depths",
+        metavar="LIST",
+        help="measured depths of the lower end to look at, such as 9000ft,9500ft, or 9000:9900ft for ten of them "
+        "(default: all of the well)",
+    )
+    command.add_argument("--unit", metavar="UNITS", help="units of the answer, such as ft,lbf (default: m,kN)")
     command.add_argument("--figure", metavar="FILE", type=Path, help="write a figure of all of it (.png, .pdf, .svg)")
 
 
@@ -64,8 +78,8 @@ def add_well(command: argparse.ArgumentParser, *, required: bool) -> None:
     )
 
 
-def read_reach(options: argparse.Namespace, rod: fr.Rod) -> fr.Reach:
-    """Return how far a string can be pushed into the well of the options."""
+def read_reach(options: argparse.Namespace, rod: fr.Rod, depth: Sequence[float] | None = None) -> fr.Reach:
+    """Return how far a string can be pushed into the well of the options, with the forces at depths in m."""
     from floquetrod.rod import reading
 
     path = read_survey(options, options.well)
@@ -78,6 +92,7 @@ def read_reach(options: argparse.Namespace, rod: fr.Rod) -> fr.Reach:
             far_force=_force(options.far_force, "--far-force", rod),
             push=None if options.push is None else _force(options.push, "--push", rod),
             helical=options.helical,
+            depth=depth,
         )
 
 
@@ -86,10 +101,35 @@ def _reach(options: argparse.Namespace) -> Output:
 
     if options.figure is not None:
         check_out(options.figure, charts.FIGURES, "--figure")
-    found = read_reach(options, read_rod(options))
+    shown = _units(options.unit)
+    found = read_reach(options, read_rod(options), None if options.depths is None else _depths(options.depths))
     if options.figure is not None:
         charts.save_figure(found.plot(), options.figure)
-    return output(options, found.report, found.as_dict)
+    return output(options, partial(found.report, **shown), found.as_dict)
+
+
+def _units(text: str | None) -> dict[str, str]:
+    """Return the units of --unit by what they are of."""
+    found = {}
+    for name in filter(None, (each.strip() for each in (text or "").split(","))):
+        kind = units.kind_of(name)
+        if kind not in ("length", "force"):
+            raise ValueError(f"--unit must name a unit of length, of force or both, such as ft,lbf, got {text!r}")
+        found["depth" if kind == "length" else "force"] = name
+    return found
+
+
+def _depths(text: str) -> list[float]:
+    """Return the depths in m of a list, or ten from one to another; one unit at the end is that of all."""
+    parts = text.replace(":", ",").split(",")
+    last = units.unit_of(parts[-1]) or ""
+    values = [units.quantity(each if units.unit_of(each) else each + last, "--depths", "length") for each in parts]
+    if ":" not in text:
+        return values
+    if len(values) != 2:
+        raise ValueError(f"--depths must be a list such as 9000ft,9500ft or two ends such as 9000:9900ft, got {text!r}")
+    low, high = values
+    return [float(each) for each in np.linspace(low, high, _EVEN)]
 
 
 def _force(text: str, name: str, rod: fr.Rod) -> float:

@@ -80,13 +80,22 @@ def _draw_injector(found: Any, ax: Any) -> None:
 
 def _draw_bit(found: Any, ax: Any) -> None:
     """Draw what arrives at the lower end over its depth; what would arrive near the injector is far more."""
-    ax.plot(found.bit_depth, 1e-3 * found.bit, color="black", linestyle="--" if found.tool else "-", marker=".")
+    still = _to_the_reach(found, found.bit, found.reach, found.is_stopped)
+    ax.plot(*still, color="black", linestyle="--" if found.tool else "-", marker=".")
     if found.tool:
-        ax.plot(found.bit_depth, 1e-3 * found.bit_shaken, color="black", marker=".")
+        shaken = _to_the_reach(found, found.bit_shaken, found.reach_shaken, found.is_stopped_shaken)
+        ax.plot(*shaken, color="black", marker=".")
     deep = np.concatenate([found.bit[1:], found.bit_shaken[1:], [found.far_force + 1e3]])
     ax.set_ylim(1e-3 * found.far_force, 1e-3 * found.far_force + 1.1e-3 * (float(np.nanmax(deep)) - found.far_force))
     ax.set_ylabel("at the lower end / kN")
     ax.set_xlabel("measured depth of the lower end / m")
+
+
+def _to_the_reach(found: Any, forces: Any, reach: float, is_stopped: bool) -> tuple[Any, Any]:
+    """Return depths and forces in kN at the lower end, where the string stops that which it was sought with."""
+    arrives = np.isfinite(forces) & (found.bit_depth < reach)
+    depth, force = found.bit_depth[arrives], 1e-3 * forces[arrives]
+    return (np.append(depth, reach), np.append(force, 1e-3 * found.far_force)) if is_stopped else (depth, force)
 
 
 def _draw_line(ax: Any, depth: Any, values: Any, label: str) -> None:

@@ -20,7 +20,7 @@ from floquetrod.rod.answers.stress_along import stress_along
 from floquetrod.rod.loads.tool import VibrationTool
 from floquetrod.rod.model.data import RodData
 from floquetrod.rod.model.stress import Stress
-from floquetrod.units import with_unit
+from floquetrod.units import Unit, with_unit
 from floquetrod.wells import strings
 from floquetrod.wells.drag import FAST, LOCKED, SOUGHT, Drag, Effort, Place
 from floquetrod.wells.path import WellPath
@@ -166,31 +166,45 @@ class Reach(Reported, ByContent):
 
     def __repr__(self) -> str:
         """Return the reach as a sentence."""
-        return f"<{self._in_words}>"
+        return f"<{self._in_words(units.unit('m', 'depth', 'length'))}>"
 
-    @property
-    def _in_words(self) -> str:
+    def _in_words(self, unit: Unit) -> str:
         end = self.path.end
-        text = _reached(self.reach, self.is_stopped, end)
+        text = _reached(self.reach, self.is_stopped, end, unit)
         if self.tool is None:
             return f"can be pushed {text}"
-        return f"can be pushed {text}, and with the tool {_reached(self.reach_shaken, self.is_stopped_shaken, end)}"
+        with_tool = _reached(self.reach_shaken, self.is_stopped_shaken, end, unit)
+        return f"can be pushed {text}, and with the tool {with_tool}"
 
-    def report(self) -> Report:
-        """Return the reach, the buckled and the unstable depths, and the force at the upper end."""
+    def report(self, depth: str = "m", force: str = "kN") -> Report:
+        """Return the reach, the buckled and the unstable depths, and the force at the upper end.
+
+        Parameters
+        ----------
+        depth : str
+            Unit of depths and lengths, such as "ft".
+        force : str
+            Unit of forces, such as "lbf".
+
+        Raises
+        ------
+        ValueError
+            For what is no unit of a length or a force.
+        """
         along = self.along
+        unit = units.unit(depth, "depth", "length")
         lines = [
             ("string", f"weighs {self.weight_per_length:.4g} N/m in its fluids"),
-            ("at", f"{along.depth[-1]:.6g} m, {'with the tool' if self.tool else 'pushed'}:"),
-            ("snaking", _listed(along.depth, along.is_snaking)),
-            ("helix", _listed(along.depth, along.is_helix)),
+            ("at", f"{unit.show(along.depth[-1])}, {'with the tool' if self.tool else 'pushed'}:"),
+            ("snaking", _listed(along.depth, along.is_snaking, unit)),
+            ("helix", _listed(along.depth, along.is_helix, unit)),
         ]
-        lines += self._stress_lines
+        lines += self._stress_lines(unit)
         if self.tool is not None:
-            lines += [("tool", self._vibration_in_words), ("grows", self._growth_in_words)]
+            lines += [("tool", self._vibration_in_words), ("grows", self._growth_in_words(unit))]
             lines.append(("tool Hz", self._frequency_in_words))
         lines.append(("assumed", "; ".join(self.assumptions)))
-        return Report(self._in_words, lines, self._table)
+        return Report(self._in_words(unit), lines, self._table(unit, units.unit(force, "force", "force")))
 
     @property
     def assumptions(self) -> tuple[str, ...]:
@@ -202,35 +216,32 @@ class Reach(Reported, ByContent):
         more = (local,) if self.tool else ()
         return (*ASSUMED, *more, "linear elasticity, beyond yield too; stress with equal pressures inside and outside")
 
-    @property
-    def _stress_lines(self) -> list[tuple[str, str]]:
+    def _stress_lines(self, unit: Unit) -> list[tuple[str, str]]:
         stress, depth = self.stress, self.along.depth
-        lines = [("stress", f"{stress}; at {depth[0] + stress.position:.6g} m")]
-        return [*lines, ("yields", _listed(depth, self.yields))] if self.yields.any() else lines
+        lines = [("stress", f"{stress}; at {unit.show(depth[0] + stress.position)}")]
+        return [*lines, ("yields", _listed(depth, self.yields, unit))] if self.yields.any() else lines
 
     @property
     def _vibration_in_words(self) -> str:
         least = self.along.friction.min()
         return f"vibration of at most {with_unit(self.amplitude.max(), 'N', 3)}, which reduces friction to {least:.3g}"
 
-    @property
-    def _growth_in_words(self) -> str:
+    def _growth_in_words(self, unit: Unit) -> str:
         grows = self.growth > _GROWS
         if not grows.any():
-            return f"no lateral wave: {self._kick_in_words}"
+            return f"no lateral wave: {self._kick_in_words(unit)}"
         k = int(np.argmax(self.growth))
         return (
-            f"{_listed(self.along.depth, grows)}: {self.growth[k]:.3g} 1/s at {self.along.depth[k]:.6g} m in half "
-            f"waves of {self.half_wave[k]:.3g} m"
+            f"{_listed(self.along.depth, grows, unit)}: {self.growth[k]:.3g} 1/s at {unit.show(self.along.depth[k])} "
+            f"in half waves of {unit.show(self.half_wave[k], 3)}"
         )
 
-    @property
-    def _kick_in_words(self) -> str:
+    def _kick_in_words(self, unit: Unit) -> str:
         """Which lateral waves friction holds back."""
         k = int(np.argmin(self.kick))
         if not math.isfinite(self.kick[k]):
             return "none would, however fast it moves"
-        return f"one that moves at {with_unit(self.kick[k], 'm/s', 3)} would, at {self.along.depth[k]:.6g} m"
+        return f"one that moves at {with_unit(self.kick[k], 'm/s', 3)} would, at {unit.show(self.along.depth[k])}"
 
     @property
     def _frequency_in_words(self) -> str:
@@ -243,17 +254,15 @@ class Reach(Reported, ByContent):
         ranges = ", ".join(f"{a / 2 / math.pi:.3g} to {b / 2 / math.pi:.3g} Hz" for a, b in self.useful_frequencies)
         return f"no lateral wave grows at {ranges}"
 
-    @property
-    def _table(self) -> Table:
+    def _table(self, depth: Unit, force: Unit) -> Table:
         rows = np.searchsorted(self.depth, self.bit_depth)
-        names = ("injector kN", "lower end kN"), ("with tool kN", "with tool kN")
+        names = (f"injector {force.name}", f"lower end {force.name}"), (f"with tool {force.name}",) * 2
         forces = (self.injector[rows], self.bit), (self.injector_shaken[rows], self.bit_shaken)
         kept = range(2 if self.tool else 1)
-        columns = [("depth m", ">9"), *((names[k][i], ">12") for i in range(2) for k in kept)]
+        columns = [(f"depth {depth.name}", ">9"), *((names[k][i], ">12") for i in range(2) for k in kept)]
         values = [forces[k][i] for i in range(2) for k in kept]
-        return Table(
-            columns, [[f"{d:.0f}", *(_kilo(each[j]) for each in values)] for j, d in enumerate(self.bit_depth)]
-        )
+        where = [f"{each:.0f}" for each in depth.of(self.bit_depth)]
+        return Table(columns, [[d, *(_force(each[j], force) for each in values)] for j, d in enumerate(where)])
 
     def as_dict(self) -> dict[str, Any]:
         """Return everything as numbers for JSON, units in the keys; None where a force is infinite."""
@@ -298,19 +307,25 @@ class Reach(Reported, ByContent):
         return draw_reach(self, figure)
 
 
-def _reached(depth: float, is_stopped: bool, end: float) -> str:
+def _reached(depth: float, is_stopped: bool, end: float, unit: Unit) -> str:
     if is_stopped:
-        return f"to {depth:.5g} m"
-    return f"to the end of the well at {end:.6g} m" if depth >= end else f"to {depth:.6g} m, the deepest asked for"
+        return f"to {unit.show(depth, 5)}"
+    return (
+        f"to the end of the well at {unit.show(end)}"
+        if depth >= end
+        else f"to {unit.show(depth)}, the deepest asked for"
+    )
 
 
-def _listed(depth: Floats, is_so: NDArray[np.bool_]) -> str:
-    found = [(f"{a:.4g}", f"{b:.4g}") for a, b in spans(depth, is_so)]
-    return ", ".join(f"{a} to {b} m" if a != b else f"at {a} m" for a, b in found) or "nowhere"
+def _listed(depth: Floats, is_so: NDArray[np.bool_], unit: Unit) -> str:
+    found = [(f"{unit.of(a):.4g}", unit.show(b, 4)) for a, b in spans(depth, is_so)]
+    return ", ".join(f"{a} to {b}" if a != b.split()[0] else f"at {b}" for a, b in found) or "nowhere"
 
 
-def _kilo(force: float) -> str:
-    return f"{force / 1e3:.2f}" if math.isfinite(force) else "locked" if math.isinf(force) else "-"
+def _force(force: float, unit: Unit) -> str:
+    """Return a force to about 10 N."""
+    digits = max(0, round(math.log10(unit.size / 10.0)))
+    return f"{unit.of(force):.{digits}f}" if math.isfinite(force) else "locked" if math.isinf(force) else "-"
 
 
 def _numbers(values: Floats) -> list[float | None]:
