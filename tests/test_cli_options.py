@@ -12,7 +12,7 @@ from floquetrod.cli.main import _parser
 _COMMANDS = next(a for a in _parser()._actions if isinstance(a, argparse._SubParsersAction)).choices
 
 # Options that mean something else in some commands, which their help says.
-_OTHERWISE = {"--out", "--kick", "--friction", "--mu", "--exit-code", "--speed", "--depth"}
+_OTHERWISE = {"--out", "--kick", "--friction", "--mu", "--exit-code", "--speed", "--depth", "--unit"}
 
 # `explore` has its own words until it shares `add_load`.
 _OWN_WORDS = {"explore"}

@@ -372,11 +372,26 @@ def test_what_coupled_modes_do_not_have(arguments: list[str], message: str, caps
     assert re.search(message, refused(capsys, "check", "--rod", WIRE, *PUSH, *arguments))
 
 
+def test_independent_modes_draw_the_sine_that_grows_and_keep_the_verdict_where_none_does(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    picture, load = tmp_path / "shape.svg", ["--amplitude", "0.2Fcr", "--frequency", "150rad/s", "--no-margins"]
+    for mean in "0.2Fcr", "0.3Fcr":
+        assert cli.main(["check", "--rod", "nitinol", "--mean", mean, *load, "--plot", str(picture)]) == 0
+        text = capsys.readouterr().out
+        grows = text.startswith("UNSTABLE")
+        assert picture.exists() is grows is ("written" in text)
+        assert ("shape     not drawn: --plot draws the shape in which the rod grows" in text) is not grows
+        picture.unlink(missing_ok=True)
+    rod = fr.Rod.nitinol()
+    verdict = rod.stability(fr.AxialLoad(0.2 * rod.critical_force, 0.2 * rod.critical_force, 150.0))
+    drawn = verdict.plot().lines[0].get_ydata()
+    assert np.count_nonzero(np.diff(np.sign(drawn[1:-1][np.abs(drawn[1:-1]) > 1e-9]))) == verdict.fastest_mode - 1
+
+
 def test_other_refusals(record: str, capsys: pytest.CaptureFixture[str]) -> None:
     rubbing = ["--friction", "0.1", "--kick", "5mm/s"]
     assert "; --mean-at none neglects the weight" in refused(capsys, "check", "--rod", WELL, *SHAKE, *rubbing)
-    message = refused(capsys, "check", "--rod", "nitinol", *PUSH, "--plot", "shape.png")
-    assert "--plot draws the shape in which coupled modes grow, and these modes are independent" in message
     plane = ["--mean", "0:1Fcr", "--amplitude", "0:1Fcr", "--frequency", "20Hz", "--paper-criterion", "exact"]
     assert "--paper-criterion needs independent modes" in refused(capsys, "map", "--rod", WIRE, *plane)
     assert "the following arguments are required: --mean, --frequency (see floquetrod ranges --help)" in refused(

@@ -138,7 +138,7 @@ def add(check: Parser) -> None:
         "--plot",
         metavar="FILE",
         type=Path,
-        help="write the shape along the rod in which coupled modes grow (.png, .pdf, .svg)",
+        help="write the shape along the rod in which it grows (.png, .pdf, .svg)",
     )
     check.add_argument(
         "--plot-force", metavar="FILE", type=Path, help="write the measured force with its fit (.png, .pdf, .svg)"
@@ -178,18 +178,15 @@ def _check(options: argparse.Namespace) -> Output:
     result = _verdict(question)
     known = STATUS_CODES[result.linear.status] if question.modes is None else None  # a hint is about all modes
     warn_of_hertz("--frequency", options.frequency, rod, [question.load], question.tolerance, known)
-    if options.plot is not None:
-        from floquetrod.plotting import charts
-
-        with Waiting(f"writing {options.plot}"):
-            charts.save_figure(result.plot(), options.plot)
+    undrawn = _draw_shape(result, options.plot)
     said = _Said(result, _margins(question, result), *_sine_beside(question))
     angle, about = _grown(question, result)
     said.numbers.update(about)
     said = said._replace(grown=angle)
     if said.margins is None and options.margins is None:
         said = said._replace(not_searched=[("margins", _NOT_SEARCHED)])
-    if written := [str(path) for path in (options.plot, options.plot_force) if path is not None]:
+    said.lines.extend(undrawn)
+    if written := [str(path) for path in (None if undrawn else options.plot, options.plot_force) if path is not None]:
         said.lines.append(("written", ", ".join(written)))
         said.numbers["written"] = written
     status = _STATUS[result.status] if options.exit_code else 0
@@ -307,6 +304,21 @@ def _require_figures(paths: dict[str, Path | None]) -> None:
             from floquetrod.plotting import charts
 
             check_out(path, charts.FIGURES, name)
+
+
+def _draw_shape(result: RodStability | fr.FrictionalRodStability, path: Path | None) -> list[tuple[str, str]]:
+    """Draw the shape that grows into a file, where one was asked for; return why there is none."""
+    if path is None:
+        return []
+    from floquetrod.plotting import charts
+
+    try:
+        axes = result.plot()
+    except ValueError as error:
+        return [("shape", f"not drawn: {str(error).replace('plot draws', '--plot draws', 1)}")]
+    with Waiting(f"writing {path}"):
+        charts.save_figure(axes, path)
+    return []
 
 
 def _draw_record(record: fr.ForceRecord | None, path: Path | None) -> None:

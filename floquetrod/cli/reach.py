@@ -40,7 +40,7 @@ depths; forces are effective, push positive; without --push the upper end is pus
 
 def add(command: Parser) -> None:
     """Add help and options of the command to its parser."""
-    describe_command(command, _HELP, _reach, ("well", "rod", "bore", "length", "friction", "tool", "unit", "figure"))
+    describe_command(command, _HELP, _reach, ("well", "rod", "friction", "tool", "figure"))
     add_well(command, required=True)
     add_survey_units(command)
     add_rod(command, classified=False, in_a_well=True)

@@ -182,17 +182,15 @@ def _frame_axes(ax: Any, run: Any) -> None:
     ax.set_ylabel("across the channel $y$ / mm")
 
 
-def draw_shape(verdict: Any, ax: Any = None) -> Any:
-    """Draw the shape in which a rod grows, at one instant and its envelope; return the axes."""
+def draw_shape(verdict: Any, shape: Any, name: str, ax: Any = None) -> Any:
+    """Draw the shape in which a rod grows, at one instant and its envelope, and what grows; return the axes."""
     ax = new_axes() if ax is None else ax
-    shape = verdict.shape
     ax.fill_between(shape.s, -shape.envelope, shape.envelope, color=palette.NEUTRAL, alpha=0.35, linewidth=0.0)
     ax.collections[-1].set_label("over a period")
     (line,) = ax.plot(shape.s, shape.deflection, color="black", linewidth=1.0, label="one instant")
     ax.set(xlabel="position from the upper end $s$ / m", ylabel="deflection / largest", ylim=(-1.1, 1.1))
     ax.set_xlim(shape.s[0], shape.s[-1])
     growth = f"{verdict.status}, growth {verdict.growth_rate:.4g} 1/s"
-    name = f": {verdict.resonances[0]}" if verdict.resonances else ""
-    ax.set_title(f"{growth}{name}", fontsize="medium", wrap=True)
+    ax.set_title(f"{growth}: {name}" if name else growth, fontsize="medium", wrap=True)
     explain(ax, [line, ax.collections[-1]])
     return ax

@@ -115,7 +115,7 @@ class Evidence(ABC):
         """Draw the shape in which the rod grows; return the axes."""
         from floquetrod.plotting.rod import draw_shape
 
-        return draw_shape(verdict, ax)
+        return draw_shape(verdict, verdict.shape, str(next(iter(verdict.resonances), "")), ax)
 
     # --- what a report says of it ---
 
@@ -329,7 +329,7 @@ class RodStability(Verdict, ReportedVerdict):
         return self.evidence.is_fastest(self, mode)
 
     def plot(self, ax: Any = None) -> Any:
-        """Draw the `shape` in which coupled modes grow along the rod; return the axes."""
+        """Draw the `shape` in which the rod grows; return the axes.  ValueError where independent modes do not."""
         return self.evidence.plot(self, ax)
 
     def _told(self, name: str) -> Any:

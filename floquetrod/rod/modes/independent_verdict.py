@@ -18,7 +18,7 @@ from floquetrod.floquet.references import united
 from floquetrod.floquet.systems.result import Resonance
 from floquetrod.floquet.verdict import Cost, Stability, Status, tolerated
 from floquetrod.rod.answers.margins import Edge
-from floquetrod.rod.answers.verdict import Evidence, RodStability
+from floquetrod.rod.answers.verdict import Evidence, RodStability, Shape
 from floquetrod.rod.loads.load import Load, Quantity
 from floquetrod.rod.mode_equations.modal_systems import ModalSystem
 from floquetrod.rod.mode_equations.tongues import gaps, unstable_loads
@@ -112,12 +112,15 @@ class ModeVerdicts(Evidence):
         return classify_modes(verdict.rod, replace(self.system, modes=(mode,)), 0.0).growth_rate
 
     def plot(self, verdict: RodStability, ax: Any = None) -> Any:
-        """Raise ValueError: there is no shape to draw where modes are independent."""
-        raise wrong_value(
-            "plot",
-            "draws the shape in which coupled modes grow, and these modes are independent: each grows as a sine; leave "
-            "it out, a stability map draws where they grow",
-        )
+        """Draw the sine in which the fastest mode grows; ValueError where none does."""
+        if verdict.growth_rate <= 0.0:
+            raise wrong_value("plot", "draws the shape in which the rod grows, and of these modes none does")
+        from floquetrod.plotting.rod import draw_shape
+
+        mode = self.modes[int(self.mode_growth_rates.argmax())]
+        s = np.linspace(0.0, verdict.rod.length, 24 * mode + 1)
+        sine = np.sin(math.pi * mode * s / s[-1])
+        return draw_shape(verdict, Shape(s, sine, np.abs(sine)), f"mode {mode}", ax)
 
     has_exact_margins: ClassVar[bool] = True
     enough: ClassVar[str] = "stable at any rate above {}"
