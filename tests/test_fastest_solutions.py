@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
 import pytest
@@ -137,6 +138,17 @@ def test_nothing_is_said_where_nothing_grows_fast() -> None:
     assert fast_solutions(*freed) is None
     few = fr.HillSystem(still.stiffness[:50, :50], [still.cosines[0][:50, :50]], period=still.period)
     assert fast_solutions(few, 0.0) is None
+
+
+def test_nothing_is_said_of_other_systems() -> None:
+    system = many(4, 0.0)
+    turn = np.diag(np.full(219, 0.1), 1)
+    others: list[dict[str, Any]] = [{"gyroscopic": turn - turn.T}, {"mass": 2.0 * np.eye(220)}]
+    for given in others:
+        other = fr.HillSystem(system.stiffness, system.cosines, system.sines, period=system.period, **given)
+        assert fast_solutions(other, 0.0) is None
+    follower = fr.HillSystem(system.stiffness + turn, system.cosines, system.sines, period=system.period)
+    assert fast_solutions(follower, 0.0) is None
 
 
 @pytest.mark.slow

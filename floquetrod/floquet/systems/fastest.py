@@ -179,11 +179,12 @@ class _Spectrum(NamedTuple):
 def fast_solutions(system: HillSystem, damping: float) -> FastSolutions | None:
     """Return the solutions of q'' + K(t) q = 0, K symmetric, that grow fastest, or that none grows faster than damping.
 
-    None where they are not found for less than the whole map would take: where growth hardly exceeds the damping, or
-    many solutions grow about as fast as the fastest.
+    None of other systems, and where they are not found for less than the whole map would take: where growth hardly
+    exceeds the damping, or many solutions grow about as fast as the fastest.
     """
     n, period = system.order, float(system.period)
-    if n < _FEWEST:
+    more = system.gyroscopic is not None or system.mass is not None or bool(system.pieces)
+    if n < _FEWEST or more or system.structure != "hamiltonian":
         return None
     start = np.linalg.qr(np.random.default_rng(_SEED).standard_normal((2 * n, _COLUMNS)))[0]
     parts = Parts.of(system.stiffness, system.harmonics)
