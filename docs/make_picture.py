@@ -54,7 +54,7 @@ for depth, text in ((found.reach, "stuck"), (found.reach_shaken, "stuck, with th
     left.annotate(
         f"{text}\n{depth:.0f} m",
         (1e-3 * depth, 0.0),
-        xytext=(-84, 14) if text == "stuck" else (20, 84),
+        xytext=(-84, 14) if text == "stuck" else (8, 84),
         textcoords="offset points",
         ha="center",
         fontsize="small",

@@ -105,7 +105,7 @@ def test_a_helix_that_comes_and_goes_between_stations_is_found_with_any_step() -
     friction = [(0.0, 0.040631155557995235), (566.345924757363, 0.16154657980403428)]
     found = drag_of(TUBING, path, friction, "pushed", "loading", None, 0.05)
     bottoms = path.end - np.linspace(0.0, 3e-9, 13)
-    for effort in (CHECKED._replace(tolerance=1e-11, steps=3), FAST, SOUGHT):
+    for effort in (CHECKED[1]._replace(tolerance=1e-11, steps=3), FAST, SOUGHT):
         force = found.force(strings.run(found, path.start, bottoms, 14983.829300062029, np.empty(0), effort).top_y)
         np.testing.assert_allclose(force, -5454.0844, atol=0.02)
 
@@ -188,25 +188,18 @@ def left_of_friction(distance: float, mu: float, speed: float, source: float) ->
     return mu * WEIGHT * (shaken + max(0.0, distance - reach))
 
 
-@pytest.mark.parametrize("length", [200.0, 900.0])
-def test_a_tool_at_the_end_takes_from_friction_what_the_closed_form_says(length: float) -> None:
-    path = fr.WellPath.straight(length=length, inclination=math.pi / 2.0)
-    tool = fr.VibrationTool("5kN", "18Hz")
-    found = TUBING.mean_force(path, 0.2, tool=tool, speed=0.04)
-    assert found.at_top == pytest.approx(left_of_friction(length, 0.2, 0.04, 5000.0 / IMPEDANCE), rel=1e-9)
-    assert found.speed[-1] == pytest.approx(5000.0 / IMPEDANCE)
-
-
-def test_a_tool_in_the_string_shakes_both_ways() -> None:
-    path = fr.WellPath.straight(length=900.0, inclination=math.pi / 2.0)
-    found = TUBING.mean_force(
-        path, 0.2, tool=fr.VibrationTool("8kN", "18Hz", "150m"), speed=0.04, depth=[600.0, 750.0, 900.0]
-    )
-    one_way = 4000.0 / IMPEDANCE
-    expected = [left_of_friction(each, 0.2, 0.04, one_way) for each in (150.0, 150.0, 750.0)]
-    np.testing.assert_allclose(found.force[[2, 0]], [expected[0], expected[0] + expected[2]], rtol=1e-8)
-    np.testing.assert_allclose(found.speed[[1, 3]], found.speed[1], rtol=1e-7)
-    assert found.speed[2] == pytest.approx(one_way, rel=1e-8)
+@pytest.mark.parametrize(("frequency", "within"), [("18Hz", 3e-3), pytest.param("72Hz", 3e-4, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("distance", [200.0, 700.0])
+def test_a_wave_that_ends_before_it_is_reflected_obeys_the_closed_form(
+    distance: float, frequency: str, within: float
+) -> None:
+    """That of a wave that runs one way, which changes little along its length: the shorter it is the better."""
+    path = fr.WellPath.straight(length=3000.0, inclination=math.pi / 2.0)
+    tool, speed = fr.VibrationTool("5kN", frequency), 1e-3
+    found = TUBING.mean_force(path, 0.2, tool=tool, speed=speed, depth=[3000.0 - distance])
+    expected = left_of_friction(distance, 0.2, speed, 5000.0 / IMPEDANCE)
+    assert found.force[1] == pytest.approx(expected, rel=within)
+    assert found.speed[-1] == pytest.approx(5000.0 / IMPEDANCE, rel=within)
 
 
 def test_the_law_of_friction_is_the_mean_over_a_period() -> None:

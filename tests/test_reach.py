@@ -9,7 +9,9 @@ import numpy as np
 import pytest
 
 import floquetrod as fr
+from floquetrod.rod.answers import reach
 from floquetrod.rod.answers.growth_along import growth_along
+from floquetrod.rod.answers.mean_force import drag_of
 from floquetrod.wells.drag import Drag, Place
 
 TUBING = fr.Rod.catalogue("2.00x0.156", bore="4.778in", length=1.0, fluid_inside=1e3, fluid_outside=1e3)
@@ -43,7 +45,8 @@ def test_each_force_with_the_tool_is_that_of_its_own_string(above_end: float) ->
     found = TUBING.reach(WELL, 0.3, tool=tool, depth=[2500.0])
     still, shaken = (TUBING.mean_force(WELL, 0.3, bottom=2500.0, tool=each, depth=[0.0]) for each in (None, tool))
     assert found.injector[0] == pytest.approx(still.at_top, rel=1e-6)
-    assert found.injector_shaken[0] == pytest.approx(shaken.at_top, rel=1e-6)
+    assert found.injector_shaken[0] == pytest.approx(shaken.at_top, abs=2.0 * shaken.error)
+    assert shaken.error < 5e-3 * abs(still.at_top)
 
 
 @pytest.mark.parametrize("push", [None, "15kN"])
@@ -97,7 +100,7 @@ def test_a_tool_gains_reach_and_says_where_it_hurts() -> None:
     assert shaken.gain > 50.0
     assert (shaken.injector_shaken <= shaken.injector + 1.0).all()
     assert not shaken.growth.any()
-    assert "nothing across the string" in str(shaken.report())
+    assert "no lateral wave" in str(shaken.report())
     held = shaken.growth_free > 0.0
     assert held.any()
     assert (shaken.kick[held] > shaken.sliding).all()
@@ -105,6 +108,32 @@ def test_a_tool_gains_reach_and_says_where_it_hurts() -> None:
     assert shaken.useful_frequencies == shaken.stable_frequencies != ()
     assert still.useful_frequencies == ()
     assert (shaken.bit_shaken >= shaken.bit - 1.0)[np.isfinite(shaken.bit)].all()
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("frequency", "above_end", "expected"),
+    [
+        ("18Hz", 0.0, 3771.0),
+        ("9Hz", 30.0, 3717.0),
+        ("18Hz", 30.0, 3574.0),
+        ("25Hz", 30.0, 3408.0),
+        ("18Hz", 71.3, 3045.0),
+    ],
+)
+def test_the_reach_is_that_with_finer_waves(
+    frequency: str, above_end: float, expected: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The table of docs/theory/mean_force.md; a quarter of a wave above the lower end, 71.3 m, little is gained."""
+    well = fr.WellPath([0.0, 1000.0, 1450.0, 5000.0], ["0deg", "0deg", "90deg", "90deg"])
+    drag = drag_of(TUBING, well, 0.3, "pushed", "energy", fr.VibrationTool("8kN", frequency, above_end), 0.05)
+    search, depth = reach._Search(drag, 0.0, math.inf), expected + np.linspace(-30.0, 30.0, 7)
+    found = []
+    for cells in (reach.FAST.cells, 36):
+        for name in ("FAST", "SOUGHT"):
+            monkeypatch.setattr(reach, name, getattr(reach, name)._replace(cells=cells))
+        found.append(search.ends(depth, search.injector(np.array([depth, depth]), reach.FAST))[1][0])
+    assert found == pytest.approx([expected, found[0]], rel=5e-4)
 
 
 @pytest.mark.slow
@@ -150,12 +179,12 @@ def test_what_it_says_and_draws() -> None:
     assert repr(found).startswith("<can be pushed to 3")
     assert "with the tool" in repr(found)
     text = str(found.report())
-    assert "kN at most" in text
+    assert "at most" in text
     assert "locked" in text
     sheet = json.loads(json.dumps(found.as_dict(), allow_nan=False))
     assert sheet["reach_m"] == found.reach
     assert sheet["injector_N"][-1] is None
-    assert [ax.get_ylabel() for ax in found.plot().axes][:2] == ["true vertical depth / m", "injector / kN"]
+    assert [ax.get_ylabel() for ax in found.plot().axes][:2] == ["true vertical depth / m", "at the injector / kN"]
     plain = TUBING.reach(WELL, 0.1, depth=[1000.0])
     assert plain.as_dict()["tool"] is None
     assert "grows" not in str(plain.report())

@@ -129,7 +129,7 @@ class _Pushed(NamedTuple):
         is_shaken = drag.shaking is not None
         found = strings.run(drag, self.path.start, self.depths, self.far_force, np.empty(0), SOUGHT, is_shaken)
         force = drag.force(found.top_y)
-        return np.asarray(np.logical_and.accumulate(np.isfinite(force) & (force <= self.push)))
+        return np.asarray(np.logical_and.accumulate(found.is_settled & np.isfinite(force) & (force <= self.push)))
 
 
 def probability_of_reach(

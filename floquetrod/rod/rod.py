@@ -259,7 +259,8 @@ class Rod(RodData):
             Measured depths in m, or each with a unit, at which the force is wanted, beside both ends; by default every
             10 m or so.
         tool : VibrationTool, optional
-            It shakes the string, and lessens friction where its speed exceeds that of sliding.
+            It shakes the string, and lessens friction where its speed exceeds that of sliding.  The ends of the string
+            reflect its wave; friction and the rod's ``damping_rate`` damp it.  500 waves at most along the string.
         speed : float or str
             Speed of sliding in m/s, which counts with a tool only.
         helical : str

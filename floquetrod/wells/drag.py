@@ -37,21 +37,29 @@ the critical force; or wherever the string is compressed.  The first follows by 
 class Effort(NamedTuple):
     """How finely forces are integrated: relative tolerance, and least number of steps between stations.
 
-    Of all strings, or of each its own, (n,).
+    With a tool, how many cells its wave has, and the share of friction that is taken to be left before the wave is
+    known: forces are approached from above with 1, and from below with 0; and how far the corner of friction against a
+    wave that is as fast as the string slides is rounded, of which forces have an error in proportion.
     """
 
-    tolerance: Any
-    steps: Any
+    tolerance: float
+    steps: int
+    cells: int
+    share: float = 1.0
+    soft: float = 1e-4
 
 
-CHECKED, FAST, SOUGHT = Effort(np.array([1e-12, 1e-10]), np.array([2, 1])), Effort(1e-8, 1), Effort(1e-6, 1)
-"""Of one string, and what it is compared with, whose error is the difference; of many strings; of a depth sought."""
+CHECKED = Effort(1e-12, 2, 24), Effort(1e-10, 1, 12, 0.0, 3e-4)
+FAST, SOUGHT, TRIED = Effort(1e-8, 1, 12), Effort(1e-6, 1, 12), Effort(1e-6, 1, 6)
+"""Of one string, and what it is compared with, whose error is the difference; of many strings; of a depth sought; of a
+force sought at the lower end."""
 
 LOCKED = 0.5 * math.pi
 """The y from which on the force is infinite."""
 
+_DIVIDED = 300.0  # m (a choice)
 _NEARLY = LOCKED - 1e-13  # to rounding
-_LEAST = 1e-3  # cos^2 y below which a wave is not damped any more: it has ended long before (a choice)
+MOST_PRESSED = 1e3  # times its weight: more does not damp the wave of a string that locks up (a choice)
 
 MOTIONS = {"pushed": 1.0, "standing": 0.0, "pulled": -1.0}
 """Ways in which a string moves, and the sign of friction upwards."""
@@ -132,59 +140,63 @@ FRICTIONLESS = Friction((0.0,), (0.0,))
 
 @dataclass(frozen=True)
 class Shaking:
-    """A wave that runs along the string from a tool, and what is left of friction.
-
-    By energy: a wave whose velocity V exceeds the speed v of sliding loses (2 / pi) mu N sqrt(V^2 - v^2) a length, and
-    so W = sqrt(V^2 - v^2) falls by 2 mu N / (pi Z) a length, Z = A_s sqrt(E rho); below v it loses nothing.
+    """A tool that shakes a string along its axis, and what is left of friction.
 
     Attributes
     ----------
-    impedance : float
-        Z in N s/m.
-    speed : float
-        v in m/s.
-    source : float
-        V in m/s where the wave leaves the tool.
+    amplitude : float
+        Of its force in N.
+    frequency : float
+        In rad/s.
     above_end : float
         Distance of the tool from the lower end of the string in m.
+    impedance : float
+        Z of the string in N s/m.
+    wave_speed : float
+        Of axial waves in m/s.
+    damping : float
+        Rate in 1/s at which the string's own damping, without friction, makes waves decay.
+    speed : float
+        v, at which the string slides, in m/s.
     """
 
+    amplitude: float
+    frequency: float
+    above_end: float
     impedance: float
+    wave_speed: float
+    damping: float
     speed: float
-    source: float
-    above_end: float = 0.0
 
     @property
-    def wave(self) -> float:
-        """W in m/s at the tool."""
-        return math.sqrt(max(self.source**2 - self.speed**2, 0.0))
+    def length(self) -> float:
+        """Of a wave in m."""
+        return 2.0 * math.pi * self.wave_speed / self.frequency
 
-    def speed_of(self, wave: Floats) -> Floats:
-        """Return the amplitude V in m/s for W: from that of sliding on friction takes nothing from a wave."""
-        return np.asarray(np.hypot(np.maximum(wave, 0.0), min(self.speed, self.source)))
+    @property
+    def divided(self) -> float:
+        """Length in m that is divided into cells: that of a wave, or less, since friction changes along long ones."""
+        return min(self.length, _DIVIDED)
 
-    def left(self, wave: Floats) -> Floats:
-        """Return mean friction over that without vibration, (2 / pi) asin(v / V), for W in m/s."""
-        return np.asarray(2.0 / math.pi * np.arctan2(self.speed, np.maximum(wave, 0.0)))
+    def left(self, speed: Floats) -> Floats:
+        """Return mean friction over that without vibration, (2 / pi) asin(v / V), for V in m/s."""
+        return np.asarray(2.0 / math.pi * np.arcsin(self.speed / np.maximum(speed, self.speed)))
 
 
 class Strings(NamedTuple):
-    """Strings in one well: measured depths of their ends in m, and y and W at the lower one, (n,) each."""
+    """Strings in one well: measured depths of their ends in m, and y at the lower one, (n,) each."""
 
     top: Floats
     bottom: Floats
     y: Floats
-    wave: Floats
 
 
 class States(NamedTuple):
-    """Y and W of strings at measured depths, (m, n), NaN where a string is not; and at their upper ends, (n,)."""
+    """Y of strings at measured depths, (m, n), NaN where a string is not; and at their upper ends, (n,)."""
 
     depth: Floats
     y: Floats
-    wave: Floats
     top_y: Floats
-    top_wave: Floats
 
 
 @dataclass(frozen=True)
@@ -225,16 +237,18 @@ class Drag:
         bent = self.pipe.weight * place.sine * cosine + push * place.kappa_n
         return np.asarray(np.abs(cosine) * np.hypot(bent, push * place.kappa_b))
 
-    def slopes(self, place: Place, mu: Floats, state: Floats, is_helix: NDArray[np.bool_], towards: float) -> Floats:
-        """Return d/ds of y and W, (2, n), of strings at a place of each."""
-        y, wave = state
+    def slopes(self, place: Place, mu: Floats, y: Floats, helix: Any) -> Floats:
+        """Return d/ds of y of strings at a place of each, of which a part is wound into a helix."""
         sine, cosine, weight = np.sin(y), np.cos(y), self.pipe.weight
-        square = cosine * cosine
-        contact = mu * (self._lying(place, sine, cosine) + weight * is_helix * sine * sine)
-        slope = np.zeros(state.shape)
-        held = contact if self.shaking is None else contact * self.shaking.left(wave)
-        slope[0] = (weight * place.cosine * square - MOTIONS[self.motion] * held) / self.pipe.scale
-        if self.shaking is not None:
-            lost = -towards * 2.0 / math.pi / self.shaking.impedance
-            slope[1] = lost * contact / np.maximum(square, _LEAST)
-        return slope
+        contact = self._lying(place, sine, cosine) + weight * helix * sine * sine
+        held = MOTIONS[self.motion] * mu * contact
+        return np.asarray((weight * place.cosine * cosine * cosine - held) / self.pipe.scale)
+
+    def pressed(self, place: Place, friction: Floats, y: Floats, helix: Floats) -> Floats:
+        """Return mu N in N/m at places of strings, bounded where y says that one is locked up.
+
+        ``helix`` is the part that is wound into one.
+        """
+        sine, cosine = np.sin(y), np.cos(y)
+        contact = self._lying(place, sine, cosine) + self.pipe.weight * helix * sine * sine
+        return np.asarray(friction * contact / np.maximum(cosine * cosine, 1.0 / MOST_PRESSED))

@@ -27,28 +27,25 @@ _AT_ONCE = 1e-12  # of a step: a string that changes its shape before does so wh
 _MOST_STEPS = 100_000  # of a string: a few hundred are usual
 
 
-def up(drag: Drag, strings: Strings, depths: Floats, effort: Effort, towards: float = -1.0) -> States:
-    """Return the states of strings at measured depths in m and at their upper ends, from those at their lower ends.
-
-    W falls upwards with ``towards`` = -1, away from the tool, and grows with +1, towards it.
-    """
-    march = _March(drag, strings, np.unique(depths), effort, towards)
+def up(drag: Drag, strings: Strings, depths: Floats, effort: Effort) -> States:
+    """Return the states of strings at measured depths in m and at their upper ends, from those at their lower ends."""
+    march = _March(drag, strings, np.unique(depths), effort)
     march.go()
-    return States(march.wanted, *march.noted, *march.state)
+    return States(march.wanted, march.noted, march.state)
 
 
 class _March:
-    """Strings on their way up: where each is, its state (2, n) there, and what has been noted of it (2, m, n)."""
+    """Strings on their way up: where each is, its y (n,) there, and what has been noted of it (m, n)."""
 
-    def __init__(self, drag: Drag, strings: Strings, wanted: Floats, effort: Effort, towards: float) -> None:
+    def __init__(self, drag: Drag, strings: Strings, wanted: Floats, effort: Effort) -> None:
         size = strings.y.size
-        self.drag, self.top, self.wanted, self.towards = drag, strings.top, wanted, towards
-        self.tolerance, self.steps = (np.broadcast_to(each, size) for each in effort)
+        self.drag, self.top, self.wanted = drag, strings.top, wanted
+        self.tolerance, self.steps = np.full(size, effort.tolerance), np.full(size, effort.steps)
         self.depth = strings.bottom.copy()
-        self.state = np.array([strings.y, strings.wave])
+        self.state = strings.y.copy()
         self.is_helix = np.zeros(size, bool)
         self.longest = np.full(size, math.inf)  # next step
-        self.noted = np.full((2, wanted.size, size), math.nan)
+        self.noted = np.full((wanted.size, size), math.nan)
         ends = np.unique(np.concatenate([drag.path.stations, drag.friction.depths]))
         self.ends = ends[(ends >= drag.path.start) & (ends <= drag.path.end)]  # of pieces of one arc and friction
         middle = 0.5 * (self.ends[:-1] + self.ends[1:])
@@ -59,7 +56,7 @@ class _March:
         moving = np.arange(self.top.size)
         self._enter(moving)
         for _ in range(_MOST_STEPS):
-            is_locked = self.state[0, moving] >= LOCKED
+            is_locked = self.state[moving] >= LOCKED
             self._lock(moving[is_locked])
             moving = moving[~is_locked & (self.depth[moving] > self.top[moving])]
             if not moving.size:
@@ -74,18 +71,18 @@ class _March:
     def _enter(self, strings: Ints) -> None:
         """Let strings enter the pieces above them, where they may have another shape."""
         place = self._slopes(strings).place(self.depth[strings])
-        self.is_helix[strings] = self.drag.is_helix(place, self.state[0, strings])
+        self.is_helix[strings] = self.drag.is_helix(place, self.state[strings])
         self.longest[strings] = math.inf
 
     def _slopes(self, strings: Ints) -> _Slopes:
         piece = self._piece(strings)
-        return _Slopes(self.drag, self.arc[piece], self.friction[piece], self.is_helix[strings], self.towards)
+        return _Slopes(self.drag, self.arc[piece], self.friction[piece], self.is_helix[strings])
 
     def _lock(self, strings: Ints) -> None:
         """Note the states of strings that are locked up, which hold all the way up."""
         for k in strings.tolist():
             above = (self.wanted >= self.top[k]) & (self.wanted <= self.depth[k])
-            self.noted[:, above, k] = self.state[:, k, None]
+            self.noted[above, k] = self.state[k]
 
     def _advance(self, moving: Ints) -> None:
         """Try a step of every string that moves, and take those that are accurate enough."""
@@ -108,7 +105,7 @@ class _March:
         length = np.minimum(self.longest[moving], most)
         is_last = length >= (1.0 - 1e-9) * (depth - upper)
         end = np.where(is_last, upper, depth - length)
-        return _Step.of(self._slopes(moving), depth, end, is_last, self.state[:, moving])
+        return _Step.of(self._slopes(moving), depth, end, is_last, self.state[moving])
 
     def _take(self, strings: Ints, step: _Step) -> None:
         """Move strings to the ends of their steps, or to where their shape changes on the way; note what is wanted."""
@@ -122,9 +119,9 @@ class _March:
             if change.size:
                 share = part.changes(curve, change)
                 end[curved[change]] -= (share - 1.0) * part.length[change]
-                state[:, curved[change]] = curve.at(share, change)
+                state[curved[change]] = curve.at(share, change)
             self._note(strings[curved], part, curve, (np.searchsorted(self.wanted, end[curved]), last[curved]))
-        self.depth[strings], self.state[:, strings] = end, state
+        self.depth[strings], self.state[strings] = end, state
         self.is_helix[strings[is_changing]] ^= True
         self._enter(strings[step.is_last & ~is_changing])
 
@@ -134,7 +131,7 @@ class _March:
         which = np.repeat(np.arange(number.size), number)
         row = np.arange(which.size) + (rows[0] - np.cumsum(number) + number)[which]
         share = (step.depth[which] - self.wanted[row]) / step.length[which]
-        self.noted[:, row, strings[which]] = curve.at(share, which)
+        self.noted[row, strings[which]] = curve.at(share, which)
 
 
 @dataclass(frozen=True, eq=False)
@@ -145,7 +142,6 @@ class _Slopes(ByContent):
     arc: Ints
     friction: Floats
     is_helix: NDArray[np.bool_]
-    towards: float
 
     def some(self, i: Ints) -> _Slopes:
         """Return that of some strings."""
@@ -157,13 +153,13 @@ class _Slopes(ByContent):
         return Place.at(Points(arcs, self.arc, depth - arcs.start[self.arc]))
 
     def at(self, place: Place, state: Floats) -> Floats:
-        """Return d/ds of y and W at a place of each string."""
-        return self.drag.slopes(place, self.friction, state, self.is_helix, self.towards)
+        """Return d/ds of y at a place of each string."""
+        return self.drag.slopes(place, self.friction, state, self.is_helix)
 
 
 @dataclass(frozen=True, eq=False)
 class _Step(ByContent):
-    """A step up of n strings: its ends, the states there, and minus the slopes on the way (13, 2, n).
+    """A step up of n strings: its ends, the states there, and minus the slopes on the way (13, n).
 
     ``is_last`` says whether it is the last in its piece.
     """
@@ -197,7 +193,7 @@ class _Step(ByContent):
 
     def some(self, i: Ints) -> _Step:
         """Return the step of some strings."""
-        columns = self.old[:, i], self.new[:, i], self.rises[:, :, i]
+        columns = self.old[i], self.new[i], self.rises[:, i]
         return _Step(self.slopes.some(i), self.depth[i], self.end[i], self.is_last[i], *columns)
 
     def error(self, tolerance: Floats) -> Floats:
@@ -205,20 +201,20 @@ class _Step(ByContent):
         from scipy.integrate import DOP853
 
         scale = tolerance * (1.0 + np.maximum(np.abs(self.old), np.abs(self.new)))
-        fifth, third = (np.sum((_sum(each, self.rises) / scale) ** 2, axis=0) for each in (DOP853.E5, DOP853.E3))
-        under = np.sqrt(len(self.old) * np.maximum(fifth + 0.01 * third, 1e-300))
+        fifth, third = ((_sum(each, self.rises) / scale) ** 2 for each in (DOP853.E5, DOP853.E3))
+        under = np.sqrt(np.maximum(fifth + 0.01 * third, 1e-300))
         return np.asarray(self.length * fifth / under)
 
     @cached_property
     def is_changing(self) -> NDArray[np.bool_]:
         """Whether strings that are not locked up have another shape at the end than it is taken to be."""
-        wants = self.slopes.drag.is_helix(self.slopes.place(self.end), self.new[0])
-        return np.asarray((wants != self.slopes.is_helix) & (self.new[0] < LOCKED))
+        wants = self.slopes.drag.is_helix(self.slopes.place(self.end), self.new)
+        return np.asarray((wants != self.slopes.is_helix) & (self.new < LOCKED))
 
     @property
     def is_passing(self) -> NDArray[np.bool_]:
         """Whether strings have another shape half way, by a cubic, and their own again at the end."""
-        middle = 0.5 * (self.old[0] + self.new[0]) + 0.125 * self.length * (self.rises[0, 0] - self.rises[12, 0])
+        middle = 0.5 * (self.old + self.new) + 0.125 * self.length * (self.rises[0] - self.rises[12])
         is_helix = self.slopes.drag.is_helix(self.slopes.place(0.5 * (self.depth + self.end)), middle)
         return np.asarray((is_helix != self.slopes.is_helix) & (middle < LOCKED) & ~self.is_changing)
 
@@ -241,7 +237,7 @@ class _Step(ByContent):
 
         def wants(share: Floats, j: Ints) -> Floats:
             place = some.slopes.some(j).place(some.depth[j] - share * some.length[j])
-            return some.slopes.drag.wants_helix(place, curve.at(share, i[j])[0])
+            return some.slopes.drag.wants_helix(place, curve.at(share, i[j]))
 
         every, begin, end = np.arange(i.size), np.zeros(i.size), np.ones(i.size)
         at_begin, at_end = wants(begin, every), wants(end, every)
@@ -252,19 +248,19 @@ class _Step(ByContent):
 
 
 class _Curve(NamedTuple):
-    """States (2, n) at the beginning of a step, and the coefficients (7, 2, n) of what is added to them on the way."""
+    """States (n,) at the beginning of a step, and the coefficients (7, n) of what is added to them on the way."""
 
     old: Floats
     parts: Floats
 
     def at(self, share: Floats, i: Ints) -> Floats:
-        """Return the states (2, k) of strings i after shares of the step."""
-        added = np.zeros((2, i.size))
-        for k, part in enumerate(self.parts[::-1, :, i]):
+        """Return the states of strings i after shares of the step."""
+        added = np.zeros(i.size)
+        for k, part in enumerate(self.parts[::-1, i]):
             added = (added + part) * (share if k % 2 == 0 else 1.0 - share)
-        return np.asarray(self.old[:, i] + added)
+        return np.asarray(self.old[i] + added)
 
 
 def _sum(weights: Floats, rises: Floats) -> Floats:
-    """Return the weighted sum (2, n) of as many slopes as there are weights."""
-    return np.asarray((weights @ rises[: len(weights)].reshape(len(weights), -1)).reshape(rises.shape[1:]))
+    """Return the weighted sum (n,) of as many slopes as there are weights."""
+    return np.asarray(weights @ rises[: len(weights)])

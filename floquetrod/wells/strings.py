@@ -1,56 +1,121 @@
-"""Strings that are pushed or pulled through a well, with a tool or without: their force from the lower end up."""
+"""Strings that are pushed or pulled through a well, with a tool or without: their force from the lower end up.
+
+The wave of a tool depends on the contact force along the string, and the force on what the wave leaves of friction.
+The two are found in turns until the force stays along all of the string.  A string that does not settle is about to
+lock up or has: it counts as one that is stopped.
+"""
 
 from __future__ import annotations
 
-from typing import Any
+import math
+from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
+from floquetrod._util import validate
 from floquetrod.wells import march
 from floquetrod.wells.arcs import Floats
-from floquetrod.wells.drag import LOCKED, Drag, Effort, States, Strings
+from floquetrod.wells.drag import FAST, LOCKED, Drag, Effort, Shaking, Strings
+from floquetrod.wells.shaken import Pieces
+from floquetrod.wells.waves import Waves
 
-_PASSES = 30  # over what is below a tool at most: four are usual
-_STEEP = 0.1, 10.0  # slopes of what is missing, negative, between which a secant is trusted
-_CLOSE = 1e-10  # m/s of a wave, between passes
+_TURNS = 30  # at most: seven are usual
+_LOCKS = 4  # turns one after the other in which a string is locked up, after which it is: where, may swing without end
+_STAYS = 1e-7, 10.0  # by which y may move in the last turn: at least, and over the tolerance
+_MOST_WAVES = 500  # along a string (a choice): those of tools are some twenty
+
+
+class Run(NamedTuple):
+    """Y of strings at depths, (m, n), and at their upper ends, (n,).
+
+    And amplitudes of their tools' waves, of the velocity in m/s and of the force in N, (2, m, n), 0 without a tool; and
+    whether forces and waves have settled, (n,), without which nothing is known of a string.
+    """
+
+    depth: Floats
+    y: Floats
+    top_y: Floats
+    wave: Floats
+    is_settled: NDArray[np.bool_]
 
 
 def run(
     drag: Drag, top: float, bottoms: Floats, far_force: Any, depths: Floats, effort: Effort, is_shaken: Any = True
-) -> States:
+) -> Run:
     """Return the states at measured depths of strings whose lower ends are at ``bottoms`` in m.
 
     The force in N at the lower end is one for all or of each its own; so is ``is_shaken``, which says in which of them
     the tool works, where there is one.
     """
-    size = bottoms.size
-    start = np.broadcast_to(drag.y_of(np.asarray(far_force)), size)
-    wave = np.where(np.broadcast_to(is_shaken, size), 0.0 if drag.shaking is None else drag.shaking.wave, 0.0)
-    strings = Strings(np.full(size, top), bottoms, start, wave)
-    if drag.shaking is None or not drag.shaking.above_end:
-        return march.up(drag, strings, depths, effort)
-    tools = np.maximum(bottoms - drag.shaking.above_end, top)
-    wave = np.where(tools > top, wave, 0.0)
-    below = _below(drag, strings._replace(top=tools), wave, depths, effort)
-    above = march.up(drag, strings._replace(bottom=tools, y=below.top_y, wave=wave), depths, effort)
-    y, waves = (np.where(np.isnan(a), b, a) for a, b in ((above.y, below.y), (above.wave, below.wave)))
-    return above._replace(y=y, wave=waves)
-
-
-def _below(drag: Drag, strings: Strings, wave: Floats, depths: Floats, effort: Effort) -> States:
-    """Return the states below the tools, where waves run down: they have ``wave`` at the tool, which is on top.
-
-    The wave at the lower end is found by secants, that of a string that hardly moves by what is missing at the tool.
-    """
-    close = max(_CLOSE, 1e-2 * float(np.max(effort.tolerance))) * (1.0 + wave.max())
-    at_end, before, lacked = wave, wave, np.zeros(wave.size)
-    for _ in range(_PASSES):
-        found = march.up(drag, strings._replace(wave=at_end), depths, effort, towards=1.0)
-        missing = np.where(found.top_y < LOCKED, wave - found.top_wave, 0.0)  # none passes a lock-up
-        if np.abs(missing).max() <= close:
-            break
-        with np.errstate(divide="ignore", invalid="ignore"):
-            slope = (missing - lacked) / (at_end - before)
-        before, lacked = at_end, missing
-        at_end = at_end - missing / np.where((slope < -_STEEP[0]) & (slope > -_STEEP[1]), slope, -1.0)
+    size, depths = bottoms.size, np.unique(depths)
+    start = np.array(np.broadcast_to(drag.y_of(np.asarray(far_force)), size))
+    strings = Strings(np.full(size, top), bottoms, start)
+    y, wave = np.empty((depths.size, size)), np.zeros((2, depths.size, size))
+    found = Run(depths, y, np.empty(size), wave, np.ones(size, bool))
+    works = np.zeros(size, bool)
+    if drag.shaking is not None:
+        works = (
+            np.broadcast_to(is_shaken, size) & (bottoms - drag.shaking.above_end > top) & (drag.shaking.amplitude > 0.0)
+        )
+    for i, is_working in ((np.flatnonzero(~works), False), (np.flatnonzero(works), True)):
+        if i.size:
+            some = Strings(*(each[i] for each in strings))
+            if is_working and drag.shaking is not None:
+                states = _shaken(drag, drag.shaking, some, depths, effort)
+            else:
+                states = _still(drag, some, depths, effort)
+            found.y[:, i], found.top_y[i], found.wave[..., i] = states.y, states.top_y, states.wave
+            found.is_settled[i] = states.is_settled
     return found
+
+
+def _still(drag: Drag, strings: Strings, depths: Floats, effort: Effort) -> Run:
+    states = march.up(drag, strings, depths, effort)
+    wave, is_settled = np.zeros((2, *states.y.shape)), np.ones(strings.y.size, bool)
+    return Run(depths, states.y, states.top_y, wave, is_settled)
+
+
+def _shaken(drag: Drag, shaking: Shaking, strings: Strings, depths: Floats, effort: Effort) -> Run:
+    """Return the states of strings with a tool."""
+    ends = _ends(drag, shaking, strings, effort.cells)
+    pieces, waves = Pieces(drag, strings, ends), Waves(shaking, float(strings.top[0]), strings.bottom, effort)
+    moving, stays = np.arange(strings.y.size), max(_STAYS[0], _STAYS[1] * effort.tolerance)
+    states = pieces.up(np.full(pieces.length.shape, effort.share), moving)
+    is_settled, locked = np.zeros(strings.y.size, bool), np.zeros(strings.y.size, int)
+    for _ in range(_TURNS):
+        before = states.some(moving)
+        is_known = waves.feel(moving, ends, pieces.pressed(before, moving))
+        after = pieces.up(waves.left(moving, ends), moving)
+        states.put(moving, after)
+        is_settled[moving] = is_known & (np.abs(after.y - before.y).max(axis=0) <= stays)
+        locked[moving] = np.where(after.y[0] >= LOCKED, locked[moving] + 1, 0)
+        moving = moving[~is_settled[moving] & (locked[moving] < _LOCKS)]
+        if not moving.size:
+            break
+    wave = np.stack([waves.at(depths, i) for i in range(strings.y.size)], axis=-1)
+    return Run(depths, pieces.at(states, depths), states.y[0], wave, is_settled)
+
+
+def wave(shaking: Shaking, depth: Floats, pressed: Floats) -> Floats:
+    """Return the amplitudes (2, n) of a tool's wave at measured depths against friction mu N in N/m there.
+
+    NaN where it is not found.
+    """
+    waves = Waves(shaking, float(depth[0]), depth[-1:], FAST)
+    is_known = waves.feel(np.arange(1), depth, 0.5 * (pressed[1:] + pressed[:-1])[:, None])
+    return np.where(is_known, waves.at(depth, 0), math.nan)
+
+
+def _ends(drag: Drag, shaking: Shaking, strings: Strings, cells: int) -> Floats:
+    """Return the measured depths of the ends of pieces along which friction has a mean."""
+    top, bottom = float(strings.top[0]), float(strings.bottom.max())
+    number = (bottom - top) / shaking.length
+    if number > _MOST_WAVES:
+        raise validate.wrong_value(
+            "tool", f"must make {_MOST_WAVES} waves along the string at most, got {number:.4g}: give a lower frequency"
+        )
+    parts = max(1.0, (bottom - top) / shaking.divided)
+    even = np.linspace(top, bottom, 1 + math.ceil(0.75 * cells * parts))
+    more = np.concatenate([drag.path.stations, drag.friction.depths])
+    return np.unique(np.concatenate([even, more[(more > top) & (more < bottom)]]))

@@ -48,7 +48,9 @@ class MeanForce(Reported, ByContent):
     friction : ndarray (n,)
         Mean coefficient of friction, less where a tool shakes the string.
     speed : ndarray (n,)
-        Amplitude in m/s of the axial vibration, 0 without a tool; slower than the string slides it loses nothing.
+        Amplitude in m/s of the axial vibration, 0 without a tool.
+    vibration : ndarray (n,)
+        Amplitude in N of the vibration of the force.
     is_snaking : ndarray of bool (n,)
         Whether the string is buckled, into waves or a helix.
     is_helix : ndarray of bool (n,)
@@ -56,7 +58,8 @@ class MeanForce(Reported, ByContent):
     motion : str
         "pushed", "standing" or "pulled".
     error : float
-        Estimated error of ``force`` in N where it is finite, that of the integration alone.
+        Estimated error of ``force`` in N where it is finite, that of the integration alone.  With a tool its wave and
+        the force are found in turns, and from above and below; infinite where these have not settled.
     """
 
     depth: Floats
@@ -64,6 +67,7 @@ class MeanForce(Reported, ByContent):
     contact: Floats
     friction: Floats
     speed: Floats
+    vibration: Floats
     is_snaking: NDArray[np.bool_]
     is_helix: NDArray[np.bool_]
     motion: str
@@ -105,9 +109,10 @@ class MeanForce(Reported, ByContent):
             "contact_N_per_m": [number(each) for each in self.contact.tolist()],
             "friction": self.friction.tolist(),
             "speed_m_per_s": self.speed.tolist(),
+            "vibration_N": self.vibration.tolist(),
             "is_snaking": self.is_snaking.tolist(),
             "is_helix": self.is_helix.tolist(),
-            "error_N": self.error,
+            "error_N": number(self.error),
         }
 
 
@@ -115,7 +120,8 @@ ASSUMED = (
     "the string follows the well and transmits no shear force (soft string), but buckles",
     "effective force; a helix adds F^2 R / (4 E I) to the contact force, snaking nothing",
     "no torque",
-    "waves of a tool run up and down the string, lose energy to friction alone, and are not reflected by its ends",
+    "waves of a tool lose energy to damping and to the first harmonic of friction, and are reflected by the lower end, "
+    "which is free, and by the upper one, which moves steadily",
 )
 """What mean forces assume."""
 
@@ -139,9 +145,8 @@ def drag_of(
     shaking = None
     if tool is not None:
         tool = validate.instance("tool", tool, VibrationTool, "such as fr.VibrationTool('5kN', '18Hz', '30m')")
-        impedance = rod.mass_along * rod.wave_speed
         sliding = validate.within("speed", in_si("speed", speed, "speed"), *_SPEEDS, "give it in m/s")
-        shaking = Shaking(impedance, sliding, tool.share * tool.amplitude / impedance, tool.above_end)
+        shaking = shaking_of(rod, tool, tool.frequency, sliding)
     return Drag(
         path,
         Pipe(rod.flexural_rigidity, rod.weight_per_length, rod.radial_clearance),
@@ -150,6 +155,12 @@ def drag_of(
         validate.choice("helical", helical, HELICAL),
         shaking,
     )
+
+
+def shaking_of(rod: RodData, tool: VibrationTool, frequency: float, sliding: float) -> Shaking:
+    """Return a tool in a string that slides at a speed in m/s, with a frequency in rad/s."""
+    impedance = rod.mass_along * rod.wave_speed
+    return Shaking(tool.amplitude, frequency, tool.above_end, impedance, rod.wave_speed, rod.damping_rate, sliding)
 
 
 def friction_along(given: Any) -> Friction:
@@ -181,26 +192,25 @@ def mean_force(drag: Drag, far_force: float, bottom: float, depth: Any) -> MeanF
     """Return what `Rod.mean_force` does."""
     path = drag.path
     depths = _asked(path.start, bottom, depth)
-    found = strings.run(drag, path.start, np.array([bottom, bottom]), far_force, depths, CHECKED)
-    y, wave = found.y[:, 0], found.wave[:, 0]
-    force, other = drag.force(found.y).T
+    found, rough = (strings.run(drag, path.start, np.array([bottom]), far_force, depths, each) for each in CHECKED)
+    y, (speed, vibration) = found.y[:, 0], found.wave[..., 0]
+    force, other = drag.force(y), drag.force(rough.y[:, 0])
     is_free = np.isfinite(force) & np.isfinite(other)
-    error = float(np.abs(force[is_free] - other[is_free]).max(initial=0.0))
+    is_settled = bool(found.is_settled[0] and rough.is_settled[0])
+    error = float(np.abs(force[is_free] - other[is_free]).max(initial=0.0)) if is_settled else math.inf
     place = Place.at(path.arcs.at(depths))
     held = np.where(np.isfinite(force), force, 0.0)
     lying = drag.pipe.lying(held, place)
     is_helix = drag.is_helix(place, y) | np.isinf(force)
     contact = lying + np.where(is_helix, drag.pipe.helix(held), 0.0)
-    shaking = drag.shaking
-    left = np.ones(depths.size) if shaking is None else shaking.left(wave)
-    is_shaken = shaking is not None and bottom - shaking.above_end > path.start
-    speed = np.zeros(depths.size) if shaking is None or not is_shaken else shaking.speed_of(wave)
+    left = np.ones(depths.size) if drag.shaking is None else drag.shaking.left(speed)
     return MeanForce(
         depth=depths,
         force=force,
         contact=np.where(np.isfinite(force), contact, math.inf),
         friction=left * drag.friction.at(depths),
         speed=speed,
+        vibration=vibration,
         is_snaking=np.isinf(force) | ((held > 0.0) & (drag.pipe.helix(held) >= lying)),
         is_helix=is_helix,
         motion=drag.motion,

@@ -14,7 +14,15 @@ from floquetrod._util import validate
 from floquetrod._util.content import ByContent
 from floquetrod._util.report import Report, Reported, Table, number
 from floquetrod.rod.answers.growth_along import growth_along
-from floquetrod.rod.answers.mean_force import ASSUMED, MeanForce, drag_of, force_in_newtons, mean_force, spans
+from floquetrod.rod.answers.mean_force import (
+    ASSUMED,
+    MeanForce,
+    drag_of,
+    force_in_newtons,
+    mean_force,
+    shaking_of,
+    spans,
+)
 from floquetrod.rod.answers.sliding import damping_across, least_speed
 from floquetrod.rod.answers.stress_along import stress_along
 from floquetrod.rod.loads.tool import VibrationTool
@@ -22,7 +30,7 @@ from floquetrod.rod.model.data import RodData
 from floquetrod.rod.model.stress import Stress
 from floquetrod.units import Unit, with_unit
 from floquetrod.wells import strings
-from floquetrod.wells.drag import FAST, LOCKED, SOUGHT, Drag, Effort, Place
+from floquetrod.wells.drag import FAST, LOCKED, MOST_PRESSED, SOUGHT, TRIED, Drag, Effort, Place
 from floquetrod.wells.path import WellPath
 
 Floats = NDArray[np.float64]
@@ -51,7 +59,7 @@ class Reach(Reported, ByContent):
         Compression in N at the upper end that it takes to push the lower end there, without a tool; negative for a pull
         that holds it, infinite where it is locked up.
     injector_shaken : ndarray (n,)
-        The same with the tool.
+        The same with the tool; infinite also where force and wave do not settle, which strings do not that lock up.
     bit_depth : ndarray (m,)
         Some of the depths, 12 at most.
     bit : ndarray (m,)
@@ -59,7 +67,7 @@ class Reach(Reported, ByContent):
         NaN where the string does not reach.  To 4e-4 (S + F^2 / S) and up to 10 S, S the critical force in a level
         hole.
     bit_shaken : ndarray (m,)
-        The same with the tool.
+        The same with the tool, to 1e-2 (S + F^2 / S).
     far_force : float
         Compression in N at the lower end.
     push : float
@@ -68,7 +76,7 @@ class Reach(Reported, ByContent):
         Measured depth in m down to which the string can be pushed without a tool, that of the end of the path where
         nothing stops it before.
     reach_shaken : float
-        The same with the tool.
+        The same with the tool, to some 5e-4 of it.
     is_stopped : bool
         Whether the string without a tool is stopped before the end of the path.
     is_stopped_shaken : bool
@@ -102,7 +110,9 @@ class Reach(Reported, ByContent):
     frequencies : ndarray
         Frequencies of the tool in rad/s that were looked at.
     frequency_growth : ndarray
-        Fastest ``growth`` with each of them, at fifty places along the string.
+        Fastest ``growth`` with each of them, at fifty places along the string; infinite where the wave was not found.
+    frequency_speed : ndarray
+        Largest speed to and fro in m/s with each of them, under the contact force with the tool's own.
     """
 
     path: WellPath
@@ -132,6 +142,7 @@ class Reach(Reported, ByContent):
     kick: Floats
     frequencies: Floats
     frequency_growth: Floats
+    frequency_speed: Floats
 
     @property
     def gain(self) -> float:
@@ -160,9 +171,11 @@ class Reach(Reported, ByContent):
     def useful_frequencies(self) -> tuple[tuple[float, float], ...]:
         """The ranges of `stable_frequencies` where the tool gains reach, else none.
 
-        What it gains does not depend on its frequency here, as waves are not reflected by the ends.
+        It does where the string vibrates faster than it slides, since less friction anywhere lets less force suffice
+        everywhere; how much is that of `gain` at the tool's own frequency alone.
         """
-        return self.stable_frequencies if self.gain > 0.0 else ()
+        is_useful = (self.frequency_growth <= _GROWS) & (self.frequency_speed > self.sliding)
+        return tuple(spans(self.frequencies, is_useful)) if self.gain > 0.0 else ()
 
     def __repr__(self) -> str:
         """Return the reach as a sentence."""
@@ -252,7 +265,7 @@ class Reach(Reported, ByContent):
             low, high = self.frequencies[[0, -1]] / (2 * math.pi)
             return f"a lateral wave grows at all that were examined, {low:.3g} to {high:.3g} Hz"
         ranges = ", ".join(f"{a / 2 / math.pi:.3g} to {b / 2 / math.pi:.3g} Hz" for a, b in self.useful_frequencies)
-        return f"no lateral wave grows at {ranges}"
+        return f"friction is reduced and no lateral wave grows at {ranges}"
 
     def _table(self, depth: Unit, force: Unit) -> Table:
         rows = np.searchsorted(self.depth, self.bit_depth)
@@ -292,7 +305,8 @@ class Reach(Reported, ByContent):
             "weight_N_per_m": self.weight_per_length,
             "sliding_m_per_s": self.sliding,
             "frequencies_rad_per_s": self.frequencies.tolist(),
-            "growth_by_frequency_per_s": self.frequency_growth.tolist(),
+            "growth_by_frequency_per_s": _numbers(self.frequency_growth),
+            "speed_by_frequency_m_per_s": self.frequency_speed.tolist(),
             "useful_frequencies_rad_per_s": [list(each) for each in self.useful_frequencies],
             "assumptions": list(self.assumptions),
         }
@@ -353,10 +367,9 @@ def reach(
     few = np.unique(np.linspace(0, depths.size - 1, _BITS).round().astype(int))
     bits = search.bit(depths[few], forces[:, few])
     along = mean_force(drag, far_force, _standing_end(path, *reached[-1]), None)
-    amplitude = along.speed * rod.mass_along * rod.wave_speed
     sliding = 0.0 if drag.shaking is None else drag.shaking.speed
-    grown = _grown(rod, drag, along, amplitude, tool)
-    stress = stress_along(rod, path, along, amplitude)
+    grown = _grown(rod, drag, along, tool)
+    stress = stress_along(rod, path, along, along.vibration)
     return Reach(
         path=path,
         depth=depths,
@@ -373,7 +386,7 @@ def reach(
         is_stopped_shaken=reached[-1][1],
         tool=tool,
         along=along,
-        amplitude=amplitude,
+        amplitude=along.vibration,
         axial_stress=stress.axial,
         bending_stress=stress.bending,
         yield_strength=rod.yield_strength,
@@ -385,6 +398,7 @@ def reach(
         kick=grown.kick,
         frequencies=grown.frequencies,
         frequency_growth=grown.by_frequency,
+        frequency_speed=grown.speed,
     )
 
 
@@ -419,7 +433,7 @@ class _Search:
         is_shaken = np.repeat([False, True][: len(depths)], depths.shape[1])
         start, bottoms = self.drag.path.start, depths.ravel()
         found = strings.run(self.drag, start, bottoms, self.far_force, np.empty(0), effort, is_shaken)
-        return self.drag.force(found.top_y).reshape(depths.shape)
+        return np.where(found.is_settled, self.drag.force(found.top_y), math.inf).reshape(depths.shape)
 
     def bit(self, depths: Floats, forces: Floats) -> Floats:
         """Return the greatest compression in N at the lower end at depths, for each row of ``injector`` there.
@@ -437,8 +451,9 @@ class _Search:
         for _ in range(_BIT_ROUNDS):
             tried = np.linspace(low, high, _TRIED + 1)[1:]
             far = self.drag.pipe.scale * np.tan(tried.ravel())
-            top = strings.run(self.drag, self.drag.path.start, bottoms, far, np.empty(0), SOUGHT, is_shaken).top_y
-            arrives = (self.drag.force(top).reshape(tried.shape) <= self.push) & (top.reshape(tried.shape) < LOCKED)
+            run = strings.run(self.drag, self.drag.path.start, bottoms, far, np.empty(0), TRIED, is_shaken)
+            arrives = run.is_settled & (run.top_y < LOCKED) & (self.drag.force(run.top_y) <= self.push)
+            arrives = arrives.reshape(tried.shape)
             last, each = np.cumprod(arrives, axis=0).sum(axis=0), np.arange(row.size)
             steps = np.concatenate([low[None], tried])
             low, high = steps[last, each], steps[np.minimum(last + 1, _TRIED), each]
@@ -483,27 +498,36 @@ class _Grown(NamedTuple):
     kick: Floats
     frequencies: Floats
     by_frequency: Floats
+    speed: Floats
 
 
-def _grown(rod: RodData, drag: Drag, along: MeanForce, amplitude: Floats, tool: VibrationTool | None) -> _Grown:
+def _grown(rod: RodData, drag: Drag, along: MeanForce, tool: VibrationTool | None) -> _Grown:
     """Return what grows along a string with a tool."""
     size = along.depth.size
-    found = _Grown(np.zeros(size), np.zeros(size), np.zeros(size), np.full(size, math.inf), np.empty(0), np.empty(0))
-    chosen = np.flatnonzero(~along.is_snaking & np.isfinite(along.force) & (amplitude > 0.0))
+    none, empty = np.zeros((3, size)), np.empty(0)
+    found = _Grown(none[0], none[1], none[2], np.full(size, math.inf), empty, empty, empty)
+    chosen = np.flatnonzero(~along.is_snaking & np.isfinite(along.force) & (along.vibration > 0.0))
     if tool is None or drag.shaking is None or not chosen.size:
         return found
-    pressed = drag.friction.at(along.depth) * along.contact / rod.mass_per_length
+    contact = np.minimum(along.contact, MOST_PRESSED * rod.weight_per_length)
+    pressed = drag.friction.at(along.depth) * contact / rod.mass_per_length
     place, sliding = Place.at(drag.path.arcs.at(along.depth)), drag.shaking.speed
 
-    def grown(i: NDArray[np.intp], frequency: float) -> tuple[Floats, Floats, Floats]:
-        there = Place(*(each[i] for each in place))
-        rate, half_wave = growth_along(rod, there, along.force[i], amplitude[i], frequency)
-        lost = damping_across(pressed[i], sliding, along.speed[i], np.full(i.size, sliding))
+    def grown(i: NDArray[np.intp], wave: Floats, frequency: float) -> tuple[Floats, Floats, Floats]:
+        there, (shaken, vibration) = Place(*(each[i] for each in place)), wave
+        rate, half_wave = growth_along(rod, there, along.force[i], vibration, frequency)
+        lost = damping_across(pressed[i], sliding, shaken, np.full(i.size, sliding))
         return np.maximum(rate - lost, 0.0), rate, half_wave
 
-    found.net[chosen], found.free[chosen], found.half_wave[chosen] = grown(chosen, tool.frequency)
+    own = np.array([along.speed, along.vibration])[:, chosen]
+    found.net[chosen], found.free[chosen], found.half_wave[chosen] = grown(chosen, own, tool.frequency)
     found.kick[chosen] = least_speed(found.free[chosen], pressed[chosen], sliding, along.speed[chosen])
     few = chosen[np.unique(np.linspace(0, chosen.size - 1, _PLACES).round().astype(int))]
     frequencies = tool.frequency * _FREQUENCIES
-    fastest = [float(grown(few, each)[0].max()) for each in frequencies.tolist()]
-    return found._replace(frequencies=frequencies, by_frequency=np.array(fastest))
+    fastest, speed = [], []
+    for each in frequencies.tolist():
+        wave = strings.wave(shaking_of(rod, tool, each, sliding), along.depth, pressed * rod.mass_per_length)
+        is_known = bool(np.isfinite(wave).all())
+        fastest.append(float(grown(few, wave[:, few], each)[0].max()) if is_known else math.inf)
+        speed.append(float(wave[0].max()) if is_known else 0.0)
+    return found._replace(frequencies=frequencies, by_frequency=np.array(fastest), speed=np.array(speed))

@@ -19,8 +19,8 @@ _LARGEST = 1e6  # m
 class VibrationTool:
     """A tool in a string that pushes and pulls it along its axis with a sine.
 
-    Inside the string half the force goes each way; at its lower end all of it goes up.  Waves that an end of the string
-    throws back are not counted.
+    Inside the string half the force goes each way, at its lower end all of it up.  The ends of the string reflect the
+    waves: the lower end as a free one, at which the force stays, the upper one as held, as it moves steadily.
 
     Parameters
     ----------

@@ -1,0 +1,127 @@
+"""The axial wave of a tool along a string: closed forms, its energy, and turns between wave and force."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+import floquetrod as fr
+from floquetrod.rod.answers.mean_force import drag_of
+from floquetrod.wells import strings
+from floquetrod.wells.drag import CHECKED, FAST, LOCKED
+from floquetrod.wells.waves import Waves
+
+TUBING = fr.Rod.catalogue("2.00x0.156", bore="4.778in", length=1.0, fluid_inside=1e3, fluid_outside=1e3)
+WEIGHT = TUBING.weight_per_length
+IMPEDANCE = TUBING.mass_along * TUBING.wave_speed
+LEVEL = 0.5 * math.pi
+WELL = fr.WellPath([0.0, 1000.0, 1450.0, 5000.0], ["0deg", "0deg", "90deg", "90deg"])
+
+
+@pytest.mark.parametrize(("above_end", "frequency"), [(0.0, "18Hz"), (30.0, "18Hz"), (170.0, "7Hz"), (299.0, "40Hz")])
+def test_without_friction_it_stands_between_a_free_and_a_held_end(above_end: float, frequency: str) -> None:
+    """From the lower end up cos k x below the tool, sin k (L - x) above, and at the tool the force falls by its own."""
+    length, tool = 300.0, fr.VibrationTool("5kN", frequency, above_end)
+    path = fr.WellPath.straight(length=length, inclination=LEVEL)
+    found = TUBING.mean_force(path, 0.0, tool=tool, speed=1e-9, depth=np.linspace(0.0, length, 61))
+    k, x = tool.frequency / TUBING.wave_speed, length - found.depth
+    below, scale = x < above_end, tool.amplitude / abs(math.cos(k * length))
+    sine, cosine = np.sin(k * (length - x)), np.cos(k * (length - x))
+    ends = math.sin(k * (length - above_end)), math.cos(k * above_end)
+    speed = np.abs(np.where(below, ends[0] * np.cos(k * x), ends[1] * sine)) * scale
+    force = np.abs(np.where(below, ends[0] * np.sin(k * x), ends[1] * cosine)) * scale
+    smooth = abs(x - above_end) > 1e-6
+    np.testing.assert_allclose(IMPEDANCE * found.speed, speed, atol=2e-5 * speed.max())
+    np.testing.assert_allclose(found.vibration[smooth], force[smooth], atol=2e-5 * speed.max())
+
+
+@pytest.mark.parametrize("frequency", ["7Hz", "18Hz", "40Hz"])
+@pytest.mark.parametrize("bottom", [300.0, 1000.0])
+def test_viscous_damping_takes_from_it_what_the_closed_form_says(frequency: str, bottom: float) -> None:
+    """It is cos k x and sin k (L - x) with k^2 = (w^2 - 2 i c w) / c_0^2."""
+    tool, damped = fr.VibrationTool("5kN", frequency), TUBING.replace(damping_rate=8.0)
+    path = fr.WellPath.straight(length=bottom, inclination=LEVEL)
+    found = damped.mean_force(path, 0.0, tool=tool, speed=1e-9, depth=np.linspace(0.0, bottom, 61))
+    w, c = tool.frequency, TUBING.wave_speed
+    k = complex(w * w, -2.0 * 8.0 * w) ** 0.5 / c
+    speed = tool.amplitude * abs(w / (c * k)) * np.abs(np.sin(k * found.depth) / np.cos(k * bottom)) / IMPEDANCE
+    force = tool.amplitude * np.abs(np.cos(k * found.depth) / np.cos(k * bottom))
+    np.testing.assert_allclose(found.speed, speed, atol=2e-3 * speed.max())
+    np.testing.assert_allclose(found.vibration[:-1], force[:-1], atol=2e-3 * force.max())
+
+
+def test_a_tool_that_does_not_push_changes_no_digit() -> None:
+    one, other = (
+        TUBING.mean_force(WELL, 0.3, bottom=2500.0, depth=[0.0, 1200.0], tool=each)
+        for each in (None, fr.VibrationTool(0.0, 100.0))
+    )
+    assert one == other
+
+
+def test_along_a_long_string_it_falls_on_a_straight_line() -> None:
+    """V' = (2 / pi) mu N / Z where the string slides slowly: what comes from the upper end is as slow as that."""
+    path, tool = fr.WellPath.straight(length=3000.0, inclination=LEVEL), fr.VibrationTool("4kN", "18Hz")
+    found = TUBING.mean_force(path, 0.2, tool=tool, speed=1e-4)
+    start, fall = tool.amplitude / IMPEDANCE, 2.0 / math.pi * 0.2 * WEIGHT / IMPEDANCE
+    expected = start - fall * (3000.0 - found.depth)
+    moves = expected > 0.1 * start
+    assert 50 < moves.sum() < 0.8 * moves.size
+    np.testing.assert_allclose(found.speed[moves], expected[moves], atol=0.03 * start)
+    assert (found.speed[expected < -0.05 * start] < 2e-4).all()
+
+
+@pytest.mark.parametrize("above_end", [0.0, 30.0, 200.0])
+def test_friction_takes_what_the_tool_gives(above_end: float) -> None:
+    """Half the force times the velocity in phase with it, and mu N (2 / pi) sqrt(V^2 - v^2) of every metre."""
+    speed, tool = 0.05, fr.VibrationTool("8kN", "18Hz", above_end)
+    shaking = drag_of(TUBING, WELL, 0.2, "pushed", "energy", tool, speed).shaking
+    assert shaking is not None
+    ends = np.linspace(0.0, 2000.0, 4001)
+    pressed = 0.2 * WEIGHT * (1.0 + 0.5 * np.sin(ends[1:] / 100.0))
+    waves = Waves(shaking, 0.0, np.array([2000.0]), FAST._replace(cells=24))
+    waves.feel(np.arange(1), ends, pressed[:, None])
+    tool_speed = np.interp(2000.0 - above_end, waves.depth[0][::-1], waves.q[0].real[::-1])
+    found = waves.at(0.5 * (ends[1:] + ends[:-1]), 0)[0]
+    taken = np.sum(pressed * 2.0 / math.pi * np.sqrt(np.maximum(found**2 - speed**2, 0.0))) * 0.5
+    assert taken == pytest.approx(0.5 * tool.amplitude * tool_speed, rel=5e-4)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("frequency", "above_end"), [("9Hz", 0.0), ("18Hz", 30.0), ("18Hz", 200.0), ("25Hz", 200.0)])
+def test_forces_from_above_and_from_below_meet(frequency: str, above_end: float) -> None:
+    tool = fr.VibrationTool("8kN", frequency, above_end)
+    drag = drag_of(TUBING, WELL, 0.3, "pushed", "energy", tool, 0.05)
+    bottoms = np.array([2000.0, 3250.0, 4000.0])
+    runs = [strings.run(drag, 0.0, bottoms, 0.0, np.empty(0), FAST._replace(share=share)) for share in (1.0, 0.0)]
+    assert all(run.is_settled[:2].all() and run.top_y[2] >= LOCKED for run in runs)
+    np.testing.assert_allclose(runs[0].top_y, runs[1].top_y, atol=1e-5)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("frequency", "above_end"), [("9Hz", 0.0), ("18Hz", 30.0), ("25Hz", 200.0)])
+@pytest.mark.parametrize("bottom", [1700.0, 2500.0, 3100.0])
+def test_the_error_is_that_of_the_wave(frequency: str, above_end: float, bottom: float) -> None:
+    tool = fr.VibrationTool("8kN", frequency, above_end)
+    found = TUBING.mean_force(WELL, 0.3, bottom=bottom, tool=tool, depth=np.linspace(0.0, bottom, 100))
+    drag = drag_of(TUBING, WELL, 0.3, "pushed", "energy", tool, 0.05)
+    fine = strings.run(drag, 0.0, np.array([bottom]), 0.0, found.depth, CHECKED[0]._replace(cells=96, soft=3e-5))
+    assert 0.0 < found.error < 100.0
+    np.testing.assert_allclose(found.force, drag.force(fine.y[:, 0]), atol=2.0 * found.error)
+
+
+def test_what_has_not_settled_is_said(monkeypatch: pytest.MonkeyPatch) -> None:
+    tool = fr.VibrationTool("8kN", "18Hz", 30.0)
+    monkeypatch.setattr(strings, "_TURNS", 2)
+    assert math.isinf(TUBING.mean_force(WELL, 0.3, bottom=2500.0, tool=tool, depth=[0.0]).error)
+
+
+@pytest.mark.slow
+def test_a_string_that_has_not_settled_is_taken_as_stopped(monkeypatch: pytest.MonkeyPatch) -> None:
+    tool = fr.VibrationTool("8kN", "18Hz", 30.0)
+    assert np.isfinite(TUBING.reach(WELL, 0.3, tool=tool, depth=[2500.0]).injector_shaken[0])
+    monkeypatch.setattr(strings, "_TURNS", 2)
+    cut = TUBING.reach(WELL, 0.3, tool=tool, depth=[2500.0])
+    assert np.isinf(cut.injector_shaken[0])
+    assert cut.is_stopped_shaken
