@@ -27,6 +27,7 @@ from floquetrod._util import compilation, interrupt, kernel_cache
 from floquetrod.cli import common
 from floquetrod.floquet.kernels import mathieu_counts
 from floquetrod.mathieu.kernels import powers
+from floquetrod.rod.mode_equations import modal_systems
 from floquetrod.simulation import integration
 
 ROOT = Path(__file__).parents[1]
@@ -615,6 +616,37 @@ def test_small_work_and_little_work_are_interpreted(monkeypatch: pytest.MonkeyPa
 # --- one compilation for a kernel ------------------------------------------------------------------------------------
 
 
+def test_first_loads_of_a_rod_are_interpreted_unless_they_take_long(monkeypatch: pytest.MonkeyPatch) -> None:
+    rod, rng, asked = fr.Rod.nitinol(), np.random.default_rng(1), []
+    mean, amplitude = rod.critical_force * rng.uniform(0.0, 1.0, (2, 100))
+    monkeypatch.setattr(compilation, "_ASKED", {})
+    monkeypatch.setattr(compilation, "compiled", lambda kernel: asked.append(kernel.__name__) or kernel)
+    monkeypatch.setattr(modal_systems, "is_at_hand", lambda kernel: False)
+    monkeypatch.setattr(modal_systems, "_LOADING", 100.0)
+    rod.is_stable(mean, amplitude, 150.0)
+    assert not asked
+    for _ in range(4):
+        rod.is_stable(mean, amplitude, 150.0)
+    assert "modes_stable_fill" in asked
+    asked.clear()
+    rod.replace(length=100.0 * rod.length).is_stable(mean[:65], amplitude[:65], 150.0)
+    assert asked == ["modes_stable_fill"]
+
+
+@pytest.mark.slow
+@needs_jit
+def test_first_loads_of_a_rod_have_the_bits_of_machine_code(monkeypatch: pytest.MonkeyPatch) -> None:
+    rod, rng = fr.Rod.nitinol(), np.random.default_rng(1)
+    mean, amplitude, frequency = np.array([[1.0], [0.6], [150.0]]) * rng.uniform(0.2, 1.0, (3, 1000))
+    monkeypatch.setattr(compilation, "_ASKED", {})
+    answers = []
+    for at_hand in (False, True):
+        monkeypatch.setattr(modal_systems, "is_at_hand", lambda kernel, answer=at_hand: answer)
+        answers.append(rod.fastest(mean, amplitude, frequency))
+        assert np.count_nonzero(answers[-1][0])
+    assert all(map(np.array_equal, *answers))
+
+
 @needs_jit
 def test_a_kernel_is_compiled_once_whatever_arrays_come(tmp_path: Path) -> None:
     locked = np.linspace(0.1, 1.0, 100)
@@ -655,6 +687,8 @@ class Compiled(event.Listener):
         pass
 event.register("numba:compile", Compiled())
 floquetrod.mathieu.arrays._COMPILE_AFTER = 0  # short questions are compiled here too
+from floquetrod.rod.mode_equations import modal_systems
+modal_systems.is_at_hand = lambda kernel: True
 a = np.linspace(0.1, 1.0, 200)
 locked = a.copy()
 locked.flags.writeable = False

@@ -19,13 +19,15 @@ from floquetrod import mathieu
 from floquetrod._util import validate
 from floquetrod._util.arrays import Floats
 from floquetrod._util.caching import cached_property
-from floquetrod._util.compilation import over_chunks
+from floquetrod._util.compilation import INTERPRETED_UP_TO, is_at_hand, over_chunks
 from floquetrod.equations import Mathieu
 from floquetrod.mathieu.criterion import FiniteTimeCriterion
 from floquetrod.mathieu.tongues import damping_to_stabilise
 from floquetrod.rod.kernels import modes as kernels
 from floquetrod.rod.loads.load import AxialLoad, Load, Loads
 from floquetrod.rod.model.constants import NEGLIGIBLE_GROWTH, ModeConstants
+
+_LOADING = 1000.0  # ms of interpreted work after which numba is loaded, about as long as that takes (measured)
 
 
 @dataclass(frozen=True, repr=False)
@@ -224,5 +226,7 @@ class ModalSystems:
         return np.asarray(self.constants.damping_rate / self.loads.frequency)
 
     def _fill(self, kernel: Any, out: NDArray[Any], limits: tuple[float, ...], workers: int | None) -> None:
-        chunk = self.constants.loads_at_once(self.loads)
-        over_chunks(kernel, self.loads.flat, out, tuple(self.constants), *limits, workers=workers, chunk=chunk)
+        constants, inputs = self.constants, self.loads.flat
+        chunk = constants.loads_at_once(self.loads)
+        later = 0 if is_at_hand(kernel) else int(_LOADING / (INTERPRETED_UP_TO * constants.interpreted_ms(self.loads)))
+        over_chunks(kernel, inputs, out, tuple(constants), *limits, workers=workers, chunk=chunk, compile_after=later)

@@ -171,6 +171,12 @@ class ModeConstants(NamedTuple):
         modes, fastest = self._extent(loads)
         return at_once(modes, fastest / float(np.min(loads.frequency, initial=math.inf)))
 
+    def interpreted_ms(self, loads: Loads) -> float:
+        """Return about how many milliseconds each load takes an interpreted kernel, no less (measured)."""
+        modes, fastest = self._extent(loads)
+        turns = fastest / float(np.min(loads.frequency, initial=math.inf))
+        return 1e-3 * (1.0 + modes) * (20.0 + 0.1 * turns)
+
     def _extent(self, loads: Loads) -> tuple[float, float]:
         """Return `extent` for the largest mean, in size too, and the largest amplitude taken together."""
         strongest = np.max(loads.amplitude, initial=0.0)
