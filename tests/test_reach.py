@@ -159,6 +159,23 @@ def test_growth_along_a_level_hole_is_that_of_a_long_rod() -> None:
     assert found.rate[0] == pytest.approx(verdict.growth_rate, rel=5e-3)
 
 
+@pytest.mark.slow
+@pytest.mark.filterwarnings("ignore::floquetrod.UniformForceWarning")
+def test_growth_along_a_string_is_that_of_sections_cut_out_of_it() -> None:
+    """Of 100 m with hinged ends, with their weight and bends, whose modes come within 5 % of the fastest wave."""
+    well = fr.WellPath(["0m", "900m", "1350m", "2600m"], ["0deg", "0deg", "85deg", "88deg"])
+    rod = fr.Rod.catalogue("2.00x0.156 CT90", bore="4.778in", length=2600.0).replace(damping_rate=0.05)
+    found = rod.reach(well, 0.2, tool=fr.VibrationTool("20kN", "18Hz", 300.0), depth=[2200.0])
+    for depth in (1500.0, 1800.0, 2000.0):
+        k = int(np.abs(found.along.depth - depth).argmin())
+        section = rod.replace(length=100.0, path=well, depth=float(found.along.depth[k]) - 50.0)
+        load = fr.AxialLoad(float(found.along.force[k]), float(found.amplitude[k]), found.tool.frequency)
+        verdict = section.stability(load)
+        assert verdict.status == "unstable"
+        assert verdict.growth_rate == pytest.approx(found.growth_free[k], rel=0.05)
+        assert section.length / verdict.fastest_mode == pytest.approx(found.half_wave[k], rel=0.06)
+
+
 def test_in_a_bend_the_force_enters_twice() -> None:
     """Waves as long as the bend holds down, k^2 = kappa / R, feel no vibration: there no tongue lies."""
     rod = fr.Rod.nitinol()
