@@ -381,7 +381,7 @@ def test_independent_modes_draw_the_sine_that_grows_and_keep_the_verdict_where_n
         text = capsys.readouterr().out
         grows = text.startswith("UNSTABLE")
         assert picture.exists() is grows is ("written" in text)
-        assert ("shape     not drawn: --plot draws the shape in which the rod grows" in text) is not grows
+        assert ("shape     not drawn: plot draws the shape in which the rod grows" in text) is not grows
         picture.unlink(missing_ok=True)
     rod = fr.Rod.nitinol()
     verdict = rod.stability(fr.AxialLoad(0.2 * rod.critical_force, 0.2 * rod.critical_force, 150.0))

@@ -315,7 +315,7 @@ def _draw_shape(result: RodStability | fr.FrictionalRodStability, path: Path | N
     try:
         axes = result.plot()
     except ValueError as error:
-        return [("shape", f"not drawn: {str(error).replace('plot draws', '--plot draws', 1)}")]
+        return [("shape", f"not drawn: {error}")]
     with Waiting(f"writing {path}"):
         charts.save_figure(axes, path)
     return []

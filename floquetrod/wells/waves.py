@@ -32,7 +32,7 @@ Ints = NDArray[np.intp]
 
 _CLOSE, _ROUNDING = 1e-9, 1e-13  # residual over the force of the tool, and over the largest forces between nodes
 _STEPS, _SHRINKS = 60, 30  # of Newton's method at most, and of a step: ten are usual
-_SOFTER = 1e-1  # with which it begins anew where it has not come to an end
+_SOFTER = 1e-1  # with which it begins again where it has not come to an end
 _PARTS = 4  # of a cell, at whose midpoints friction acts
 _LEAST = 1e-6  # damping ratio: without friction and damping a resonance is infinite (a choice)
 
