@@ -430,3 +430,11 @@ def test_help_teaches_real_rods(capsys: pytest.CaptureFixture[str]) -> None:
             cli.main([command, "--help-all"])
         text = capsys.readouterr().out
         assert [word for word in words if word not in text] == []
+
+
+def test_margins_of_a_record_wait_until_they_are_asked_for_and_its_frequency_is_in_hertz(
+    record: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    text = said(capsys, "check", "--rod", "nitinol", "--force", record)
+    assert "margins   not searched, because this takes hundreds of verdicts; add --margins" in text
+    assert re.search(r"load .* [\d.]+ Hz \(", text)

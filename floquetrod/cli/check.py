@@ -132,7 +132,8 @@ def add(check: Parser) -> None:
     check.add_argument(
         "--margins",
         action=argparse.BooleanOptionalAction,
-        help=f"search the margins and the damping that stabilises (default: up to {FEW_MODES} coupled modes)",
+        help="search the margins and the damping that stabilises (default: up to "
+        f"{FEW_MODES} coupled modes, not under a record)",
     )
     check.add_argument(
         "--plot",
@@ -245,11 +246,12 @@ def _verdict(asked: _Question) -> RodStability | fr.FrictionalRodStability:
 
 
 def _margins(asked: _Question, result: RodStability | fr.FrictionalRodStability) -> dict[Quantity, Margin] | None:
-    """Return the margins, where they were asked for, else where they take some seconds; None without.
+    """Return the margins, where they were asked for, else where they take some seconds, not of a record; None without.
 
     The verdict is said while the search takes its time.
     """
-    if not (result.has_quick_margins if asked.margins is None else asked.margins):
+    unasked = asked.force is None and result.has_quick_margins
+    if not (unasked if asked.margins is None else asked.margins):
         return None
     with Waiting(f"{result.status}; searching the margins", "percent") as progress:
         return result.margins(progress=progress)

@@ -24,6 +24,7 @@ if TYPE_CHECKING:
 
 _TINY, LARGEST = 1e-9, 1e12  # what the library takes, in SI units: a typing error lies beyond
 
+_UNASKED = {"speed": "mm/s"}  # units of answers that are not SI
 _SHOWN = ("force", "frequency", "speed")  # kinds of quantity that --unit is for
 
 _MOST_POINTS = 25_000_000  # half a gigabyte with growth rates
@@ -196,7 +197,8 @@ def read_range(text: str, name: Quantity, rod: fr.Rod) -> list[float]:
 def read_units(options: argparse.Namespace, rod: fr.Rod) -> dict[str, Unit]:
     """Return the unit in which to speak of each quantity: that of --unit, else the one it was given in, else SI.
 
-    The end of a range without a unit has that of the other.  The options may have no --kick; its unit is then mm/s.
+    The end of a range without a unit has that of the other.  The options may have no --kick; its unit is then mm/s.  A
+    frequency that a record tells is in Hz, as its spectrum is.
     """
     from floquetrod.rod.loads.load import KINDS
 
@@ -214,7 +216,8 @@ def read_units(options: argparse.Namespace, rod: fr.Rod) -> dict[str, Unit]:
     for name, kind in [*KINDS.items(), ("kick", "speed")]:
         text = getattr(options, name, None)
         typed = units.unit_of(text.rpartition(":")[2]) if isinstance(text, str) else None
-        wanted = chosen.get(kind, ("mm/s" if kind == "speed" else "") if typed is None else typed)
+        unasked = "Hz" if name == "frequency" and getattr(options, "force", None) else _UNASKED.get(kind, "")
+        wanted = chosen.get(kind, unasked if typed is None else typed)
         found[name] = units.unit(wanted, f"--{name}", kind, rod.critical_force)
     return found
 

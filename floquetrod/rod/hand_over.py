@@ -139,8 +139,16 @@ def _verdict(verdict: RodStability, asked: _Asked) -> Section:
 
 def _data(rod: RodData) -> Section:
     """Return what the rod is, parameter by parameter."""
-    rows = [(name.replace("_", " "), _shown(name, value)) for name, value in rod.as_dict().items()]
+    rows = [_row(name, value) for name, value in rod.as_dict().items()]
     return Section("The rod", Report("", (), Table((("parameter", "<24"), ("value", "<1")), rows)))
+
+
+def _row(name: str, value: Any) -> tuple[str, str]:
+    """Return the name and the value of a parameter, diameters for radii as on drawings and in catalogues."""
+    if name in ("radius", "inner_radius", "channel_radius"):
+        shown = (unit(each, name, "length").show(2.0 * value) for each in ("mm", "in"))
+        return name.replace("radius", "diameter").replace("_", " "), "{} ({})".format(*shown)
+    return name.replace("_", " "), _shown(name, value)
 
 
 def _shown(name: str, value: Any) -> str:
