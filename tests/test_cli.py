@@ -307,7 +307,7 @@ LONG = (
     "ensemble_phase_diagram", "ensemble_probability", "helical_buckling", "real_lengths", "simulation_tubing",
     "systems_coupled", "uncertainty", "vibration_and_drag", "real_guidewire", "real_inclined", "thin_tongues",
     "friction", "real_clamped", "systems_ground", "orbit_duffing", "orbit_van_der_pol", "orbit_period_doubling",
-    "well_bends", "systems_noise", "milling_lobes", "systems_damping", "simulation",
+    "well_bends", "systems_noise", "milling_lobes", "systems_damping", "simulation", "rod_backbone",
 )  # fmt: skip
 """Examples of many runs or verdicts, which `make slow` and `make docs` run."""
 

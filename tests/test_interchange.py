@@ -147,6 +147,7 @@ def test_tables_of_pandas() -> None:
         fr.to_pandas(ALL["stress"]())
 
 
+@pytest.mark.slow
 def test_a_branch_is_a_table_with_a_row_for_each_orbit() -> None:
     pytest.importorskip("pandas", reason="pip install floquetrod[pandas]")
 

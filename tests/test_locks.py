@@ -47,7 +47,7 @@ def test_parts_that_do_not_overlap_are_locked_at_once(tmp_path: Path) -> None:
         Lock(path, range(1), remove=False)
 
 
-@pytest.mark.parametrize("remove", [False, True])
+@pytest.mark.parametrize("remove", [pytest.param(False, marks=pytest.mark.slow), True])
 def test_a_killed_process_has_no_lock(remove: bool, tmp_path: Path) -> None:
     path = tmp_path / "lock"
     body = (
