@@ -17,6 +17,7 @@ from floquetrod.friction.kernels import orbit as kernels
 from floquetrod.friction.kernels.fates import follow_fill
 from floquetrod.friction.kernels.records import COEFFICIENTS, FINDINGS, ORBIT, PERIOD
 from floquetrod.friction.propagators import Propagators, Records, cell_counts, propagators
+from floquetrod.mathieu.arrays import flat_stable
 
 MAX_STEPS = 500_000
 """Cells an orbit may take, 32 or more to a period: a few thousandths of a second."""
@@ -59,7 +60,9 @@ def growth_without_friction(
     alpha: NDArray[np.float64], beta: NDArray[np.float64], damping: NDArray[np.float64], workers: int | None
 ) -> NDArray[np.float64]:
     """Return growth rates without friction, -1 where nothing grows; 0 where it is linear or too slow for a double."""
-    stable = mathieu.is_stable(alpha, beta, damping, workers=workers)
+    damped = damping if damping.any() else None
+    # A kick takes longer than a verdict one by one, and that kernel is soon compiled.
+    stable = flat_stable(alpha, beta, damped, workers=workers, in_blocks=False)
     return np.where(stable, -1.0, mathieu.growth_rate(alpha, beta, damping, workers=workers))
 
 

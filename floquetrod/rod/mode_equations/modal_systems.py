@@ -21,6 +21,7 @@ from floquetrod._util.arrays import Floats
 from floquetrod._util.caching import cached_property
 from floquetrod._util.compilation import INTERPRETED_UP_TO, is_at_hand, over_chunks
 from floquetrod.equations import Mathieu
+from floquetrod.mathieu.arrays import flat_stable
 from floquetrod.mathieu.criterion import FiniteTimeCriterion
 from floquetrod.mathieu.tongues import damping_to_stabilise
 from floquetrod.rod.kernels import modes as kernels
@@ -210,7 +211,10 @@ class ModalSystems:
         a, b, c, d = (np.reshape(part, (-1, 1)) for part in family)
         alpha, beta = kernels.mode_coefficients(a, b, c, d, held, modes)
         damping = np.broadcast_to(self._damping()[:, None], alpha.shape)
-        load, column = np.nonzero(~mathieu.is_stable(alpha, beta, damping, workers=workers))
+        every = alpha.ravel(), beta.ravel(), damping.ravel() if damping.any() else None
+        # Kicks follow, which take longer than a verdict one by one.
+        stable = flat_stable(*every, workers=workers, in_blocks=False)
+        load, column = np.nonzero(~stable.reshape(alpha.shape))
         chosen = alpha[load, column], beta[load, column], damping[load, column]
         rate = mathieu.growth_rate(*chosen, workers=workers)
         found = GrowingModes(load, modes[column], *chosen, rate)
