@@ -107,6 +107,26 @@ def test_an_orbit_starts_from_a_record_of_motion_and_from_another_orbit() -> Non
     assert np.abs(fr.periodic_orbit(DUFFING, (times, forced(times))).states[0] - forced.states[0]).max() < 1e-11
 
 
+@pytest.mark.parametrize(
+    "field",
+    [
+        lambda t, x: (x[1], -x[0] - x[0] ** 3),  # the periods differ: deviations grow linearly
+        lambda t, x: (x[0] * (1.0 - x[1]), x[1] * (x[0] - 1.0)),
+    ],
+)
+def test_the_verdict_on_an_orbit_of_a_conservative_system_is_undecided(field: Any) -> None:
+    orbit = fr.periodic_orbit(fr.NonlinearSystem(field), [1.2, 1.0], period=6.0)
+    assert orbit.status == "undecided"
+    assert not orbit.stability.strongly_stable
+    assert "another one to rounding" in str(orbit)
+
+
+def test_an_orbit_of_a_linear_oscillator_is_stable_but_not_strongly() -> None:
+    orbit = fr.periodic_orbit(fr.NonlinearSystem(lambda t, x: (x[1], -x[0])), [1.2, 1.0], period=6.0)
+    assert orbit.status == "stable"
+    assert not orbit.stability.strongly_stable
+
+
 def test_orbits_of_a_conservative_system_form_a_family() -> None:
     """The period of the pendulum by the arithmetic-geometric mean; its multipliers are both 1."""
     system = fr.NonlinearSystem(lambda t, x: (x[1], -np.sin(x[0])))

@@ -76,8 +76,16 @@ def judged(linearised: PeriodicSystem, segments: Segments) -> OrbitVerdict:
         return 0 if found is None else independent_solutions.krein_sign(found, cluster)
 
     note = "" if trivial is None else f"the multiplier 1 of the orbit's own motion is set aside, {trivial:.1g} from it"
+    if trivial is not None and logs is not None and bool((np.abs(logs.values) <= logs.radii).any()):
+        note += "; there is another one to rounding, as where orbits form a family with one energy each"
     stability = classify_multipliers(
-        linearised, "segmented", logs, krein=krein if hamiltonian else None, cost=cost, note=note
+        linearised,
+        "segmented",
+        logs,
+        krein=krein if hamiltonian else None,
+        cost=cost,
+        note=note,
+        are_all=trivial is None,
     )
     return OrbitVerdict(stability, trivial)
 

@@ -228,16 +228,23 @@ def logarithms(discs: Discs, shift: float = 0.0) -> LogDiscs:
 
 
 def classify_multipliers(
-    system: AnySystem, method: str, logs: LogDiscs | None, *, krein: Krein | None = None, cost: Cost, note: str = ""
+    system: AnySystem,
+    method: str,
+    logs: LogDiscs | None,
+    *,
+    krein: Krein | None = None,
+    cost: Cost,
+    note: str = "",
+    are_all: bool = True,
 ) -> SystemStability:
     """Return the verdict that follows from the multipliers themselves.
 
-    Where they come in mu, 1 / mu, a disc on the circle apart from all others holds one on it exactly; ``krein`` gives
-    the Krein sign of a cluster on the circle, 0 where mixed.
+    Where they come in mu, 1 / mu, a disc on the circle apart from all others holds one on it exactly, if ``are_all`` of
+    them are there; ``krein`` gives the Krein sign of a cluster on the circle, 0 where mixed.
     """
     if logs is None:
         return SystemStability.declined(system, method, cost, "the eigenvectors cannot be computed accurately enough")
-    freed = undamped_pairs(system)
+    freed = undamped_pairs(system) if are_all else None
     damping = freed[1] if freed else 0.0
     shift = damping * float(system.period)
     values = logs.values + shift
@@ -262,7 +269,16 @@ def classify_multipliers(
         values[cluster] = 1j * values[cluster].imag
         signs[cluster] = parts[-1].krein
     return _verdict(
-        system, method, parts, net=values - shift, errors=logs.radii, signs=signs, damping=damping, cost=cost, note=note
+        system,
+        method,
+        parts,
+        net=values - shift,
+        errors=logs.radii,
+        signs=signs,
+        damping=damping,
+        cost=cost,
+        note=note,
+        are_paired=freed is not None,
     )
 
 
@@ -287,14 +303,14 @@ def _verdict(
     damping: float,
     cost: Cost,
     note: str,
+    are_paired: bool = True,
 ) -> SystemStability:
     """Return the result that follows from its clusters and the net logarithms of the multipliers, damping included."""
     period = float(system.period)
     damped = damping > 0.0
-    paired = undamped_pairs(system) is not None
     status: Status
     strongly: bool | None
-    if any(part.low > 0.0 or (paired and not damped and not part.bounded and not part.reason) for part in parts):
+    if any(part.low > 0.0 or (are_paired and not damped and not part.bounded and not part.reason) for part in parts):
         status, strongly = "unstable", False
     elif all(part.high < 0.0 or (part.bounded and not damped) for part in parts):
         status, strongly = "stable", True
