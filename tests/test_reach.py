@@ -12,6 +12,7 @@ import floquetrod as fr
 from floquetrod.rod.answers import reach
 from floquetrod.rod.answers.growth_along import growth_along
 from floquetrod.rod.answers.mean_force import drag_of
+from floquetrod.rod.answers.sliding import damping_across
 from floquetrod.wells.drag import Drag, Place
 
 TUBING = fr.Rod.catalogue("2.00x0.156", bore="4.778in", length=1.0, fluid_inside=1e3, fluid_outside=1e3)
@@ -105,7 +106,10 @@ def test_a_tool_gains_reach_and_says_where_it_hurts() -> None:
     assert held.any()
     assert (shaken.kick[held] > shaken.sliding).all()
     assert np.isinf(shaken.kick[~held]).all()
-    assert shaken.useful_frequencies == shaken.stable_frequencies != ()
+    assert shaken.useful_frequencies == ()
+    assert "lateral waves grow with all" in str(shaken.report())  # where it hangs free, without damping
+    damped = TUBING.replace(damping_rate=0.6).reach(WELL, 0.3, tool=TOOL, depth=DEPTHS)
+    assert damped.useful_frequencies == damped.stable_frequencies != ()
     assert still.useful_frequencies == ()
     assert (shaken.bit_shaken >= shaken.bit - 1.0)[np.isfinite(shaken.bit)].all()
 
@@ -146,6 +150,35 @@ def test_a_strong_tool_makes_waves_grow_against_friction() -> None:
     assert (found.kick[grows] < found.sliding).all()
     assert np.isfinite(found.half_wave[grows]).all()
     assert found.frequency_growth[np.isclose(found.frequencies, TOOL.frequency)] > 0.0
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("force", "frequency"), [("8kN", "18Hz"), ("20kN", "12Hz"), ("14kN", "4Hz")])
+def test_with_another_frequency_it_says_what_a_tool_of_that_frequency_does(force: str, frequency: str) -> None:
+    """Whose string has another mean force: all waves at all places under that say what few of them said."""
+    tool = fr.VibrationTool(force, frequency, "30m")
+    found = TUBING.reach(WELL, 0.3, tool=tool, depth=DEPTHS)
+    bottoms = found.frequency_depth
+    assert found.reach < bottoms[0] < bottoms[-1] < found.reach_shaken
+    places = np.linspace(0.0, bottoms[-1], 1 + math.ceil(bottoms[-1] / reach._SPACING))
+    for k in range(1, found.frequencies.size, 5):
+        other = fr.VibrationTool(tool.amplitude, float(found.frequencies[k]), tool.above_end)
+        ask = [(bottom, np.append(places[places < bottom], bottom)) for bottom in bottoms]
+        own = [TUBING.mean_force(WELL, 0.3, bottom=bottom, tool=other, depth=depth) for bottom, depth in ask]
+        assert math.isinf(found.frequency_growth[k]) == any(each.is_locked or each.error > 1e5 for each in own)
+        if math.isfinite(found.frequency_growth[k]):
+            grown = max(_growth(each, other.frequency, found.sliding) for each in own)
+            assert found.frequency_growth[k] == pytest.approx(grown, rel=0.02, abs=0.02)  # by quick forces
+
+
+def _growth(along: fr.MeanForce, frequency: float, sliding: float) -> float:
+    """Return the largest growth along a string less what friction takes from it."""
+    free = ~along.is_snaking
+    place = Place.at(WELL.arcs.at(along.depth[free]))
+    found = growth_along(TUBING, place, along.force[free], along.vibration[free], frequency).rate
+    pressed = 0.3 * along.contact[free] / TUBING.mass_per_length
+    lost = damping_across(pressed, sliding, along.speed[free], np.full(found.size, sliding))
+    return float(np.maximum(found - lost, 0.0).max())
 
 
 @pytest.mark.filterwarnings("ignore::floquetrod.UniformForceWarning")

@@ -15,7 +15,7 @@ up F becomes infinite, and y passes through pi/2 as smoothly as anywhere.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -146,8 +146,8 @@ class Shaking:
     ----------
     amplitude : float
         Of its force in N.
-    frequency : float
-        In rad/s.
+    frequency : float or ndarray (n,)
+        In rad/s, the same for all strings or of each its own.
     above_end : float
         Distance of the tool from the lower end of the string in m.
     impedance : float
@@ -161,22 +161,26 @@ class Shaking:
     """
 
     amplitude: float
-    frequency: float
+    frequency: Any
     above_end: float
     impedance: float
     wave_speed: float
     damping: float
     speed: float
 
-    @property
-    def length(self) -> float:
-        """Of a wave in m."""
-        return 2.0 * math.pi * self.wave_speed / self.frequency
+    def of(self, size: int, strings: NDArray[np.intp]) -> Shaking:
+        """Return that of some of so many strings, of each its own frequency."""
+        return replace(self, frequency=np.broadcast_to(self.frequency, size)[strings])
 
     @property
-    def divided(self) -> float:
+    def length(self) -> Floats:
+        """Of a wave in m, of each string."""
+        return np.asarray(2.0 * math.pi * self.wave_speed / self.frequency)
+
+    @property
+    def divided(self) -> Floats:
         """Length in m that is divided into cells: that of a wave, or less, since friction changes along long ones."""
-        return min(self.length, _DIVIDED)
+        return np.minimum(self.length, _DIVIDED)
 
     def left(self, speed: Floats) -> Floats:
         """Return mean friction over that without vibration, (2 / pi) asin(v / V), for V in m/s."""

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from floquetrod._util import validate
 from floquetrod.wells import march
 from floquetrod.wells.arcs import Floats
-from floquetrod.wells.drag import FAST, LOCKED, Drag, Effort, Shaking, Strings
+from floquetrod.wells.drag import LOCKED, Drag, Effort, Shaking, Strings
 from floquetrod.wells.shaken import Pieces
 from floquetrod.wells.waves import Waves
 
@@ -62,7 +62,7 @@ def run(
         if i.size:
             some = Strings(*(each[i] for each in strings))
             if is_working and drag.shaking is not None:
-                states = _shaken(drag, drag.shaking, some, depths, effort)
+                states = _shaken(drag, drag.shaking.of(size, i), some, depths, effort)
             else:
                 states = _still(drag, some, depths, effort)
             found.y[:, i], found.top_y[i], found.wave[..., i] = states.y, states.top_y, states.wave
@@ -97,25 +97,20 @@ def _shaken(drag: Drag, shaking: Shaking, strings: Strings, depths: Floats, effo
     return Run(depths, pieces.at(states, depths), states.y[0], wave, is_settled)
 
 
-def wave(shaking: Shaking, depth: Floats, pressed: Floats) -> Floats:
-    """Return the amplitudes (2, n) of a tool's wave at measured depths against friction mu N in N/m there.
-
-    NaN where it is not found.
-    """
-    waves = Waves(shaking, float(depth[0]), depth[-1:], FAST)
-    is_known = waves.feel(np.arange(1), depth, 0.5 * (pressed[1:] + pressed[:-1])[:, None])
-    return np.where(is_known, waves.at(depth, 0), math.nan)
+def highest_frequency(shaking: Shaking, length: float) -> float:
+    """Return the highest frequency in rad/s of a tool in a string of a length in m."""
+    return 2.0 * math.pi * shaking.wave_speed * _MOST_WAVES / length
 
 
 def _ends(drag: Drag, shaking: Shaking, strings: Strings, cells: int) -> Floats:
     """Return the measured depths of the ends of pieces along which friction has a mean."""
     top, bottom = float(strings.top[0]), float(strings.bottom.max())
-    number = (bottom - top) / shaking.length
+    number = (bottom - top) / float(shaking.length.min())
     if number > _MOST_WAVES:
         raise validate.wrong_value(
             "tool", f"must make {_MOST_WAVES} waves along the string at most, got {number:.4g}: give a lower frequency"
         )
-    parts = max(1.0, (bottom - top) / shaking.divided)
+    parts = max(1.0, (bottom - top) / float(shaking.divided.min()))
     even = np.linspace(top, bottom, 1 + math.ceil(0.75 * cells * parts))
     more = np.concatenate([drag.path.stations, drag.friction.depths])
     return np.unique(np.concatenate([even, more[(more > top) & (more < bottom)]]))

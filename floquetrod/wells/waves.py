@@ -71,15 +71,19 @@ class Waves:
     def __init__(self, shaking: Shaking, top: float, bottoms: Floats, effort: Effort) -> None:
         """Lay nodes along strings, so many cells to a wave, and to a string."""
         self.shaking, self.soft = shaking, effort.soft
-        self.wavenumber = shaking.frequency / shaking.wave_speed
-        parts = [_nodes(top, each, shaking, effort.cells) for each in bottoms.tolist()]
+        self.wavenumber = np.broadcast_to(shaking.frequency / shaking.wave_speed, bottoms.shape)
+        divided = np.broadcast_to(shaking.divided, bottoms.shape)
+        parts = [
+            _nodes(top, bottom, bottom - shaking.above_end, longest / effort.cells)
+            for bottom, longest in zip(bottoms.tolist(), np.minimum(divided, bottoms - top).tolist(), strict=True)
+        ]
         self.depth = [each for each, _ in parts]
         size = np.array([each.size - 1 for each in self.depth])  # the upper end is held: as many cells
         self.first = np.concatenate([[0], np.cumsum(size)])
         self.tool = self.first[:-1] + np.array([tool for _, tool in parts])
         self.of = np.repeat(np.arange(size.size), size)
         self.length = np.concatenate([-np.diff(each) for each in self.depth])
-        self.elastic = _Elastic.of(shaking, self.length, self.first)
+        self.elastic = _Elastic.of(shaking, self.wavenumber[self.of], self.length, self.first)
         self.flat, self.most = np.zeros(self.of.size, complex), np.zeros((_PARTS, self.of.size))
 
     def feel(self, moving: Ints, ends: Floats, pressed: Floats) -> NDArray[np.bool_]:
@@ -134,7 +138,7 @@ class Waves:
 
         NaN below its lower end.
         """
-        nodes, q, k = self.depth[i], self.q[i], self.wavenumber
+        nodes, q, k = self.depth[i], self.q[i], self.wavenumber[i]
         cell = np.clip(np.searchsorted(-nodes, -depth, side="right") - 1, 0, nodes.size - 2)
         up, length = k * (nodes[cell] - depth), k * (nodes[cell] - nodes[cell + 1])
         speed = q[cell] * np.sin(length - up) + q[cell + 1] * np.sin(up)
@@ -190,15 +194,16 @@ class _Elastic(NamedTuple):
     above: Floats
 
     @classmethod
-    def of(cls, shaking: Shaking, length: Floats, first: Ints) -> _Elastic:
+    def of(cls, shaking: Shaking, wavenumber: Floats, length: Floats, first: Ints) -> _Elastic:
         """Return that of cells of lengths in m; a string begins with each of ``first`` but the last."""
-        phase = shaking.frequency / shaking.wave_speed * length
+        phase = wavenumber * length
         parts = (np.arange(_PARTS)[:, None] + 0.5) / _PARTS
         below, above = np.sin(phase * (1.0 - parts)) / np.sin(phase), np.sin(phase * parts) / np.sin(phase)
         moves = np.ones(length.size)
         moves[first[1:] - 1] = 0.0
         z, cotangent = shaking.impedance, 1.0 / np.tan(phase)
-        loss = 2.0 * max(shaking.damping, _LEAST * shaking.frequency) * z / shaking.wave_speed * length / _PARTS
+        damping = np.maximum(shaking.damping, _LEAST * shaking.wave_speed * wavenumber)
+        loss = 2.0 * damping * z / shaking.wave_speed * length / _PARTS
         own, across, other = (loss * np.sum(a * b, axis=0) for a, b in ((below, below), (below, above), (above, above)))
         beside = moves * (1j * z / np.sin(phase) + across)
         both = np.append(0.0, (moves * (other - 1j * z * cotangent))[:-1])
@@ -313,10 +318,12 @@ def _band(diagonal: Complex, own: tuple[Floats, Floats, Floats], beside: Complex
     return band
 
 
-def _nodes(top: float, bottom: float, shaking: Shaking, cells: int) -> tuple[Floats, int]:
-    """Return the measured depths of the nodes of a string from its lower end up, and the number of its tool's node."""
-    tool, longest = bottom - shaking.above_end, min(shaking.divided, bottom - top) / cells
-    below = max(1, math.ceil(shaking.above_end / longest)) if shaking.above_end else 0
+def _nodes(top: float, bottom: float, tool: float, longest: float) -> tuple[Floats, int]:
+    """Return the measured depths of the nodes of a string from its lower end up, and the number of its tool's node.
+
+    ``longest`` is the length of a cell at most.
+    """
+    below = max(1, math.ceil((bottom - tool) / longest)) if bottom > tool else 0
     above = max(2, math.ceil((tool - top) / longest))
     lower = np.linspace(bottom, tool, below + 1)[:-1]
     return np.concatenate([lower, np.linspace(tool, top, above + 1)]), below

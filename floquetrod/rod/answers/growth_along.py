@@ -16,6 +16,10 @@ Floats = NDArray[np.float64]
 _TONGUES = 2  # subharmonics whose waves are looked at closely: those of a higher order hardly grow
 _CLOSE = np.linspace(-1.0, 1.0, 25)  # of a tongue's width about its middle
 _WIDE = np.linspace(0.02, 1.5, 60)  # of the wavenumber that resonates
+_FEW = np.array([-0.3, 0.0, 0.3]), np.array([0.0, 1.0 / 6.0, 1.0 / 3.0])
+"""The same for a first look: about the middles of the tongues of alpha sin tau, of width alpha and alpha^2."""
+_FEW_WIDE = np.linspace(0.1, 1.5, 8)
+_LOOKED_AT = 8  # places at which the first look sees most growth
 
 
 class Growth(NamedTuple):
@@ -34,24 +38,52 @@ def growth_along(rod: RodData, place: Place, force: Floats, amplitude: Floats, f
     k obeys Mathieu's equation with m beta w^2 = -(E I k^4 - F k^2 + N / R) and m alpha w^2 = dF (k^2 - N' / R), N the
     contact force of the string that lies and N' its slope over F.
     """
+    rates, squares = _rates(rod, place, force, amplitude, frequency, (_CLOSE,) * _TONGUES, _WIDE)
+    best = np.argmax(rates, axis=1)[:, None]
+    rate = np.take_along_axis(rates, best, axis=1)[:, 0]
+    wave = np.sqrt(np.take_along_axis(squares, best, axis=1)[:, 0])
+    return Growth(rate, np.where(rate > 0.0, math.pi / wave, 0.0))
+
+
+def fastest_along(
+    rod: RodData, place: Place, force: Floats, amplitude: Floats, frequency: float, lost: Floats
+) -> float:
+    """Return the largest of `growth_along` less what is ``lost`` at places in 1/s, 0 where nothing grows.
+
+    Few waves are looked at everywhere, all of them where these come nearest to growth.
+    """
+    free = rod.replace(damping_rate=0.0)
+    seen = _rates(free, place, force, amplitude, frequency, _FEW, _FEW_WIDE)[0].max(axis=1) - lost
+    some = np.argsort(-seen, kind="stable")[:_LOOKED_AT]
+    there = Place(*(each[some] for each in place))
+    found = growth_along(rod, there, force[some], amplitude[some], frequency).rate - lost[some]
+    return float(found.max(initial=0.0))
+
+
+def _rates(
+    rod: RodData,
+    place: Place,
+    force: Floats,
+    amplitude: Floats,
+    frequency: float,
+    close: tuple[Floats, ...],
+    wide: Floats,
+) -> tuple[Floats, Floats]:
+    """Return the growth in 1/s of waves at places, and the squares of their wavenumbers, (n, m)."""
     from floquetrod.mathieu import growth_rate
 
     pipe = Pipe(rod.flexural_rigidity, rod.weight_per_length, rod.radial_clearance)
     held = pipe.lying(force, place) / pipe.clearance
     slope = _slope(pipe, place, force) / pipe.clearance
     scale = rod.mass_per_length * frequency**2
-    squares = _squares(pipe.rigidity, force, held, slope, amplitude, scale)
+    squares = _squares(pipe.rigidity, (force, held, slope, amplitude), scale, close, wide)
     columns = (each[:, None] for each in (force, held, slope, amplitude))
     mean, hold, tilt, size = columns
     beta = -(pipe.rigidity * squares**2 - mean * squares + hold) / scale
     alpha = size * (squares - tilt) / scale
     limits = (np.abs(alpha) < 1e6) & (np.abs(beta) < 1e6)
     damping = rod.damping_rate / frequency
-    rates = frequency * growth_rate(np.where(limits, alpha, 0.0), np.where(limits, beta, -0.1), damping)
-    best = np.argmax(rates, axis=1)[:, None]
-    rate = np.take_along_axis(rates, best, axis=1)[:, 0]
-    wave = np.sqrt(np.take_along_axis(squares, best, axis=1)[:, 0])
-    return Growth(rate, np.where(rate > 0.0, math.pi / wave, 0.0))
+    return frequency * growth_rate(np.where(limits, alpha, 0.0), np.where(limits, beta, -0.1), damping), squares
 
 
 def _slope(pipe: Pipe, place: Place, force: Floats) -> Floats:
@@ -62,19 +94,24 @@ def _slope(pipe: Pipe, place: Place, force: Floats) -> Floats:
         return np.where(contact > 0.0, (bent * place.kappa_n + side * place.kappa_b) / contact, 0.0)
 
 
-def _squares(rigidity: float, force: Floats, held: Floats, slope: Floats, amplitude: Floats, scale: float) -> Floats:
-    """Return the squares of wavenumbers to look at in 1/m^2, those about each subharmonic closely, (n, m)."""
+def _squares(rigidity: float, at: tuple[Floats, ...], scale: float, close: tuple[Floats, ...], wide: Floats) -> Floats:
+    """Return the squares of wavenumbers to look at in 1/m^2, (n, m).
+
+    ``at`` are the force, N / R, its slope and the amplitude; ``close`` are shares of the width of each tongue about its
+    middle, and ``wide`` of the wavenumber that resonates.
+    """
+    force, held, slope, amplitude = at
     found = []
-    for order in range(1, _TONGUES + 1):
+    for order, shares in enumerate(close, start=1):
         middle = (0.5 * order) ** 2
         for sign in (1.0, -1.0):
             centre = _resonant(rigidity, force, held, middle * scale, sign)
             alpha = np.abs(amplitude * (centre - slope) / scale)
             width = np.minimum(alpha**order, 0.9 * middle)
-            shifted = (middle + _CLOSE * width[:, None]) * scale
+            shifted = (middle + shares * width[:, None]) * scale
             found.append(_resonant(rigidity, force[:, None], held[:, None], shifted, sign))
     top = _resonant(rigidity, force, held, scale, 1.0)
-    found.append((_WIDE * np.sqrt(top)[:, None]) ** 2)
+    found.append((wide * np.sqrt(top)[:, None]) ** 2)
     return np.concatenate(found, axis=1)
 
 

@@ -20,7 +20,7 @@ from floquetrod.rod.model.data import RodData
 from floquetrod.rod.model.parts import friction_coefficient
 from floquetrod.units import with_unit
 from floquetrod.wells import strings
-from floquetrod.wells.drag import CHECKED, HELICAL, MOTIONS, Drag, Friction, Pipe, Place, Shaking
+from floquetrod.wells.drag import CHECKED, HELICAL, MOTIONS, TRIED, Drag, Friction, Pipe, Place, Shaking
 from floquetrod.wells.path import WellPath
 from floquetrod.wells.survey import LENGTHS
 from floquetrod.wells.survey import number as in_si
@@ -146,7 +146,9 @@ def drag_of(
     if tool is not None:
         tool = validate.instance("tool", tool, VibrationTool, "such as fr.VibrationTool('5kN', '18Hz', '30m')")
         sliding = validate.within("speed", in_si("speed", speed, "speed"), *_SPEEDS, "give it in m/s")
-        shaking = shaking_of(rod, tool, tool.frequency, sliding)
+        impedance = rod.mass_along * rod.wave_speed
+        along = impedance, rod.wave_speed, rod.damping_rate, sliding
+        shaking = Shaking(tool.amplitude, tool.frequency, tool.above_end, *along)
     return Drag(
         path,
         Pipe(rod.flexural_rigidity, rod.weight_per_length, rod.radial_clearance),
@@ -155,12 +157,6 @@ def drag_of(
         validate.choice("helical", helical, HELICAL),
         shaking,
     )
-
-
-def shaking_of(rod: RodData, tool: VibrationTool, frequency: float, sliding: float) -> Shaking:
-    """Return a tool in a string that slides at a speed in m/s, with a frequency in rad/s."""
-    impedance = rod.mass_along * rod.wave_speed
-    return Shaking(tool.amplitude, frequency, tool.above_end, impedance, rod.wave_speed, rod.damping_rate, sliding)
 
 
 def friction_along(given: Any) -> Friction:
@@ -193,22 +189,40 @@ def mean_force(drag: Drag, far_force: float, bottom: float, depth: Any) -> MeanF
     path = drag.path
     depths = _asked(path.start, bottom, depth)
     found, rough = (strings.run(drag, path.start, np.array([bottom]), far_force, depths, each) for each in CHECKED)
-    y, (speed, vibration) = found.y[:, 0], found.wave[..., 0]
-    force, other = drag.force(y), drag.force(rough.y[:, 0])
+    force, other = drag.force(found.y[:, 0]), drag.force(rough.y[:, 0])
     is_free = np.isfinite(force) & np.isfinite(other)
     is_settled = bool(found.is_settled[0] and rough.is_settled[0])
     error = float(np.abs(force[is_free] - other[is_free]).max(initial=0.0)) if is_settled else math.inf
-    place = Place.at(path.arcs.at(depths))
+    return _along(drag, found, 0, error)
+
+
+def mean_forces(drag: Drag, far_force: float, bottoms: Floats, spacing: float) -> list[MeanForce | None]:
+    """Return quick mean forces of strings to measured depths, every so many m; None where one is stopped before.
+
+    Their tools have the frequencies of ``drag``, of each its own; errors are not known.
+    """
+    start, deepest = drag.path.start, float(bottoms.max())
+    depths = np.append(np.linspace(start, deepest, 1 + math.ceil((deepest - start) / spacing)), bottoms)
+    found = strings.run(drag, start, bottoms, far_force, depths, TRIED)
+    goes = found.is_settled & np.isfinite(drag.force(found.top_y))
+    return [_along(drag, found, k, math.nan) if goes[k] else None for k in range(bottoms.size)]
+
+
+def _along(drag: Drag, found: strings.Run, k: int, error: float) -> MeanForce:
+    """Return what there is along string k."""
+    there = np.isfinite(found.y[:, k])
+    depth, y, (speed, vibration) = found.depth[there], found.y[there, k], found.wave[:, there, k]
+    force, place = drag.force(y), Place.at(drag.path.arcs.at(depth))
     held = np.where(np.isfinite(force), force, 0.0)
     lying = drag.pipe.lying(held, place)
     is_helix = drag.is_helix(place, y) | np.isinf(force)
     contact = lying + np.where(is_helix, drag.pipe.helix(held), 0.0)
-    left = np.ones(depths.size) if drag.shaking is None else drag.shaking.left(speed)
+    left = np.ones(depth.size) if drag.shaking is None else drag.shaking.left(speed)
     return MeanForce(
-        depth=depths,
+        depth=depth,
         force=force,
         contact=np.where(np.isfinite(force), contact, math.inf),
-        friction=left * drag.friction.at(depths),
+        friction=left * drag.friction.at(depth),
         speed=speed,
         vibration=vibration,
         is_snaking=np.isinf(force) | ((held > 0.0) & (drag.pipe.helix(held) >= lying)),

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -13,14 +13,14 @@ from floquetrod import units
 from floquetrod._util import validate
 from floquetrod._util.content import ByContent
 from floquetrod._util.report import Report, Reported, Table, number
-from floquetrod.rod.answers.growth_along import growth_along
+from floquetrod.rod.answers.growth_along import fastest_along, growth_along
 from floquetrod.rod.answers.mean_force import (
     ASSUMED,
     MeanForce,
     drag_of,
     force_in_newtons,
     mean_force,
-    shaking_of,
+    mean_forces,
     spans,
 )
 from floquetrod.rod.answers.sliding import damping_across, least_speed
@@ -39,8 +39,9 @@ _DEPTHS = 100  # where none are asked for
 _PARTS = 25  # into which what holds the depth sought is divided, so often:
 _ROUNDS = 2
 _GROWS = 1e-6  # 1/s: tenfold in a month (a choice)
-_FREQUENCIES = np.linspace(0.25, 2.0, 36)  # of the tool's, which is among them
-_PLACES = 50  # along the string, for each of them
+_FREQUENCIES = np.linspace(0.25, 2.0, 22)  # of the tool's, which is among them
+_WAY = np.array([0.2, 0.45, 0.7, 0.95])  # of what the tool gains, where they are looked at (a choice)
+_SPACING = 20.0  # m along the string then (a choice)
 _BITS = 12  # depths for which the force at the lower end is sought
 _TRIED, _BIT_ROUNDS = 12, 3  # forces tried at once, so often
 _LARGEST = math.atan(10.0)  # y of the largest: ten critical forces (a choice: pipes yield before)
@@ -109,10 +110,13 @@ class Reach(Reported, ByContent):
         Speed across in m/s from which on a wave grows there against friction; infinite where none does.
     frequencies : ndarray
         Frequencies of the tool in rad/s that were looked at.
+    frequency_depth : ndarray
+        Measured depths in m of the lower end then, on the way from ``reach`` to ``reach_shaken``, 95 % of it the last.
     frequency_growth : ndarray
-        Fastest ``growth`` with each of them, at fifty places along the string; infinite where the wave was not found.
+        Fastest ``growth`` with each of them at any of these depths, mean force and wave those of that frequency;
+        infinite where the string is stopped before.
     frequency_speed : ndarray
-        Largest speed to and fro in m/s with each of them, under the contact force with the tool's own.
+        Largest speed to and fro in m/s with each of them; 0 where the string is stopped before.
     """
 
     path: WellPath
@@ -141,6 +145,7 @@ class Reach(Reported, ByContent):
     half_wave: Floats
     kick: Floats
     frequencies: Floats
+    frequency_depth: Floats
     frequency_growth: Floats
     frequency_speed: Floats
 
@@ -164,16 +169,12 @@ class Reach(Reported, ByContent):
 
     @property
     def stable_frequencies(self) -> tuple[tuple[float, float], ...]:
-        """Ranges of the tool's frequency in rad/s, of those examined, at which no lateral wave grows."""
+        """Ranges of the tool's frequency in rad/s, of those examined, with which no lateral wave grows."""
         return tuple(spans(self.frequencies, self.frequency_growth <= _GROWS))
 
     @property
     def useful_frequencies(self) -> tuple[tuple[float, float], ...]:
-        """The ranges of `stable_frequencies` where the tool gains reach, else none.
-
-        It does where the string vibrates faster than it slides, since less friction anywhere lets less force suffice
-        everywhere; how much is that of `gain` at the tool's own frequency alone.
-        """
+        """The ranges of `stable_frequencies` with which vibration brings the string as deep as was looked."""
         is_useful = (self.frequency_growth <= _GROWS) & (self.frequency_speed > self.sliding)
         return tuple(spans(self.frequencies, is_useful)) if self.gain > 0.0 else ()
 
@@ -215,7 +216,7 @@ class Reach(Reported, ByContent):
         lines += self._stress_lines(unit)
         if self.tool is not None:
             lines += [("tool", self._vibration_in_words), ("grows", self._growth_in_words(unit))]
-            lines.append(("tool Hz", self._frequency_in_words))
+            lines.append(("tool Hz", self._frequency_in_words(unit)))
         lines.append(("assumed", "; ".join(self.assumptions)))
         return Report(self._in_words(unit), lines, self._table(unit, units.unit(force, "force", "force")))
 
@@ -256,16 +257,23 @@ class Reach(Reported, ByContent):
             return "none would, however fast it moves"
         return f"one that moves at {with_unit(self.kick[k], 'm/s', 3)} would, at {unit.show(self.along.depth[k])}"
 
-    @property
-    def _frequency_in_words(self) -> str:
+    def _frequency_in_words(self, unit: Unit) -> str:
         """With which frequencies the tool gains depth while no lateral wave grows."""
         if not self.gain > 0.0:
-            return "the tool gains no depth at any"
-        if not self.useful_frequencies:
-            low, high = self.frequencies[[0, -1]] / (2 * math.pi)
-            return f"a lateral wave grows at all that were examined, {low:.3g} to {high:.3g} Hz"
-        ranges = ", ".join(f"{a / 2 / math.pi:.3g} to {b / 2 / math.pi:.3g} Hz" for a, b in self.useful_frequencies)
-        return f"friction is reduced and no lateral wave grows at {ranges}"
+            return "the tool gains no depth with its own"
+        hertz = self.frequencies / (2.0 * math.pi)
+        first, last = self.frequency_depth[[0, -1]]
+        looked = (
+            f"of {hertz.size} from {hertz[0]:.3g} to {hertz[-1]:.3g} Hz, with the string at "
+            f"{self.frequency_depth.size} depths from {unit.of(first):.4g} to {unit.show(last, 4)}"
+        )
+        ranges = ", ".join(f"{_range(a / 2 / math.pi, b / 2 / math.pi)} Hz" for a, b in self.useful_frequencies)
+        if ranges:
+            return f"no lateral wave grows with {ranges}, {looked}"
+        k = int(np.argmin(self.frequency_growth))
+        least = f": at {self.frequency_growth[k]:.3g} 1/s least, with {hertz[k]:.3g} Hz"
+        known = math.isfinite(self.frequency_growth[k])
+        return f"{f'lateral waves grow with all{least}' if known else 'it gets there with none'}, {looked}"
 
     def _table(self, depth: Unit, force: Unit) -> Table:
         rows = np.searchsorted(self.depth, self.bit_depth)
@@ -305,6 +313,7 @@ class Reach(Reported, ByContent):
             "weight_N_per_m": self.weight_per_length,
             "sliding_m_per_s": self.sliding,
             "frequencies_rad_per_s": self.frequencies.tolist(),
+            "frequency_depth_m": self.frequency_depth.tolist(),
             "growth_by_frequency_per_s": _numbers(self.frequency_growth),
             "speed_by_frequency_m_per_s": self.frequency_speed.tolist(),
             "useful_frequencies_rad_per_s": [list(each) for each in self.useful_frequencies],
@@ -334,6 +343,11 @@ def _reached(depth: float, is_stopped: bool, end: float, unit: Unit) -> str:
 def _listed(depth: Floats, is_so: NDArray[np.bool_], unit: Unit) -> str:
     found = [(f"{unit.of(a):.4g}", unit.show(b, 4)) for a, b in spans(depth, is_so)]
     return ", ".join(f"{a} to {b}" if a != b.split()[0] else f"at {b}" for a, b in found) or "nowhere"
+
+
+def _range(low: float, high: float) -> str:
+    """Return the ends of a range, or its only number."""
+    return f"{low:.3g} to {high:.3g}" if high > low else f"{low:.3g}"
 
 
 def _force(force: float, unit: Unit) -> str:
@@ -369,6 +383,8 @@ def reach(
     along = mean_force(drag, far_force, _standing_end(path, *reached[-1]), None)
     sliding = 0.0 if drag.shaking is None else drag.shaking.speed
     grown = _grown(rod, drag, along, tool)
+    (without, _), (shaken, _) = reached[0], reached[-1]
+    others = _with_others(rod, drag, far_force, without + _WAY * (shaken - without))
     stress = stress_along(rod, path, along, along.vibration)
     return Reach(
         path=path,
@@ -396,9 +412,10 @@ def reach(
         growth_free=grown.free,
         half_wave=grown.half_wave,
         kick=grown.kick,
-        frequencies=grown.frequencies,
-        frequency_growth=grown.by_frequency,
-        frequency_speed=grown.speed,
+        frequencies=others.frequency,
+        frequency_depth=others.depth,
+        frequency_growth=others.growth,
+        frequency_speed=others.speed,
     )
 
 
@@ -496,38 +513,70 @@ class _Grown(NamedTuple):
     free: Floats
     half_wave: Floats
     kick: Floats
-    frequencies: Floats
-    by_frequency: Floats
-    speed: Floats
 
 
 def _grown(rod: RodData, drag: Drag, along: MeanForce, tool: VibrationTool | None) -> _Grown:
     """Return what grows along a string with a tool."""
     size = along.depth.size
-    none, empty = np.zeros((3, size)), np.empty(0)
-    found = _Grown(none[0], none[1], none[2], np.full(size, math.inf), empty, empty, empty)
+    none = np.zeros((3, size))
+    found = _Grown(none[0], none[1], none[2], np.full(size, math.inf))
     chosen = np.flatnonzero(~along.is_snaking & np.isfinite(along.force) & (along.vibration > 0.0))
     if tool is None or drag.shaking is None or not chosen.size:
         return found
-    contact = np.minimum(along.contact, MOST_PRESSED * rod.weight_per_length)
-    pressed = drag.friction.at(along.depth) * contact / rod.mass_per_length
-    place, sliding = Place.at(drag.path.arcs.at(along.depth)), drag.shaking.speed
+    some = _Places.of(rod, drag, along, chosen)
+    found.free[chosen], found.half_wave[chosen] = growth_along(
+        rod, some.place, some.force, some.vibration, tool.frequency
+    )
+    found.net[chosen] = np.maximum(found.free[chosen] - some.lost, 0.0)
+    found.kick[chosen] = least_speed(found.free[chosen], some.pressed, drag.shaking.speed, some.speed)
+    return found
 
-    def grown(i: NDArray[np.intp], wave: Floats, frequency: float) -> tuple[Floats, Floats, Floats]:
-        there, (shaken, vibration) = Place(*(each[i] for each in place)), wave
-        rate, half_wave = growth_along(rod, there, along.force[i], vibration, frequency)
-        lost = damping_across(pressed[i], sliding, shaken, np.full(i.size, sliding))
-        return np.maximum(rate - lost, 0.0), rate, half_wave
 
-    own = np.array([along.speed, along.vibration])[:, chosen]
-    found.net[chosen], found.free[chosen], found.half_wave[chosen] = grown(chosen, own, tool.frequency)
-    found.kick[chosen] = least_speed(found.free[chosen], pressed[chosen], sliding, along.speed[chosen])
-    few = chosen[np.unique(np.linspace(0, chosen.size - 1, _PLACES).round().astype(int))]
-    frequencies = tool.frequency * _FREQUENCIES
-    fastest, speed = [], []
-    for each in frequencies.tolist():
-        wave = strings.wave(shaking_of(rod, tool, each, sliding), along.depth, pressed * rod.mass_per_length)
-        is_known = bool(np.isfinite(wave).all())
-        fastest.append(float(grown(few, wave[:, few], each)[0].max()) if is_known else math.inf)
-        speed.append(float(wave[0].max()) if is_known else 0.0)
-    return found._replace(frequencies=frequencies, by_frequency=np.array(fastest), speed=np.array(speed))
+class _Places(NamedTuple):
+    """Places along a string, what shakes it there, and what friction takes from waves across in 1/s."""
+
+    place: Place
+    force: Floats
+    speed: Floats
+    vibration: Floats
+    pressed: Floats
+    lost: Floats
+
+    @classmethod
+    def of(cls, rod: RodData, drag: Drag, along: MeanForce, chosen: NDArray[np.intp]) -> _Places:
+        """Return some places of a string that slides; mu N is over its mass per length, in m/s^2."""
+        depth, speed = along.depth[chosen], along.speed[chosen]
+        contact = np.minimum(along.contact[chosen], MOST_PRESSED * rod.weight_per_length)
+        pressed = drag.friction.at(depth) * contact / rod.mass_per_length
+        sliding = 0.0 if drag.shaking is None else drag.shaking.speed
+        lost = damping_across(pressed, sliding, speed, np.full(chosen.size, sliding))
+        place = Place.at(drag.path.arcs.at(depth))
+        return cls(place, along.force[chosen], speed, along.vibration[chosen], pressed, lost)
+
+
+class _Others(NamedTuple):
+    """Frequencies of a tool in rad/s, depths of a string in m; the fastest growth in 1/s and largest speed in m/s."""
+
+    frequency: Floats
+    depth: Floats
+    growth: Floats
+    speed: Floats
+
+
+def _with_others(rod: RodData, drag: Drag, far_force: float, depth: Floats) -> _Others:
+    """Return what a string to measured depths in m would do with other frequencies of its tool."""
+    if drag.shaking is None or not depth[-1] > depth[0]:
+        return _Others(np.empty(0), np.empty(0), np.empty(0), np.empty(0))
+    frequency = drag.shaking.frequency * _FREQUENCIES
+    frequency = frequency[frequency <= strings.highest_frequency(drag.shaking, depth[-1] - drag.path.start)]
+    one, bottom = (each.ravel() for each in np.meshgrid(frequency, depth, indexing="ij"))
+    together = replace(drag, shaking=replace(drag.shaking, frequency=one))
+    growth, speed = np.full(one.size, math.inf), np.zeros(one.size)
+    for k, along in enumerate(mean_forces(together, far_force, bottom, _SPACING)):
+        if along is None:
+            continue
+        speed[k] = along.speed.max()
+        some = _Places.of(rod, together, along, np.flatnonzero(~along.is_snaking & (along.vibration > 0.0)))
+        growth[k] = fastest_along(rod, some.place, some.force, some.vibration, float(one[k]), some.lost)
+    growth, speed = (each.reshape(frequency.size, depth.size) for each in (growth, speed))
+    return _Others(frequency, depth, growth.max(axis=1), speed.min(axis=1))
