@@ -90,7 +90,7 @@ def add(certify: Parser) -> None:
         help="a tolerance of the rod, such as length=3.05:3.15, radius=1%% or radius=±0.01mm, the latter two to either "
         "side of its own value; may be repeated",
     )
-    certify.add_argument("--largest", action="store_true", help="search the widest safe box about one load")
+    certify.add_argument("--largest", action="store_true", help="find the widest safe box about one load")
     certify.add_argument(
         "--max-boxes", metavar="N", type=whole_number, default=MAX_BOXES, help=f"work allowed (default {MAX_BOXES})"
     )

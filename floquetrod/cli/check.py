@@ -83,7 +83,7 @@ system files: TOML, or npz with arrays of the same names.  M q'' + (C + G) q' + 
   cosines = [[[0.1, 0.2], [0.2, 0.16]]]       # a matrix for each harmonic of K(t); also sines
   frequency = 3.0                             # angular; or period
 Optional are mass (symmetric, positive), damping and gyroscopic (skew).  For x' = A(t) x give mean, not stiffness.
-What comes back after a delay:
+Delayed terms:
   [[system.delayed]]
   delay = 0.5
   matrix = [[0.1, 0], [0, 0]]                 # also cosines and sines
@@ -132,7 +132,7 @@ def add(check: Parser) -> None:
     check.add_argument(
         "--margins",
         action=argparse.BooleanOptionalAction,
-        help="search the margins and the damping that stabilises (default: up to "
+        help="compute the margins and the damping that stabilises (default: up to "
         f"{FEW_MODES} coupled modes, not under a record)",
     )
     check.add_argument(

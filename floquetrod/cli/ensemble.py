@@ -71,7 +71,7 @@ def add(command: Parser) -> None:
     command.add_argument(
         "--store", metavar="FILE", type=Path, help="folder.zarr or file.npz to write while results come"
     )
-    command.add_argument("--resume", action="store_true", help="go on with a store that exists, as is done without it")
+    command.add_argument("--resume", action="store_true", help="continue an existing store, which is also the default")
     command.add_argument(
         "--workers", metavar="N", type=whole_number, help="processes (default: threads, one for each processor)"
     )

@@ -37,7 +37,7 @@ from floquetrod.rod.loads.load import KINDS, Load
 from floquetrod.rod.reading import RECORD_OPTIONS
 
 _HELP = """\
-Open a window with a slider for mean force, amplitude and frequency; map, modes, growth and verdict follow.
+Open a window with a slider for mean force, amplitude and frequency; map, modes, growth and verdict are updated.
 
 examples:
   floquetrod explore --rod nitinol
@@ -64,7 +64,7 @@ def add(explore: Parser) -> None:
     add_rod(explore, classified=False)
     add_units(explore)
     for name in KINDS:
-        explore.add_argument(f"--{name}", help=f"{name} to begin with; give all three or none, or --force")
+        explore.add_argument(f"--{name}", help=f"initial {name}; give all three or none, or --force")
     add_kind(explore)
     explore.add_argument("--out", type=Path, help="write the picture (.png, .pdf, .svg) and open no window")
     explore.add_argument("--web", action="store_true", help="show a page in the browser in place of a window")

@@ -68,8 +68,8 @@ def add_kind(command: argparse.ArgumentParser) -> None:
     command.add_argument(
         "--noise",
         metavar="DENSITY",
-        help="one-sided spectral density of what is random of the force, such as 0.02N^2/Hz, or spectrum, that of what "
-        "the fit leaves of --force; verdicts are then in mean square",
+        help="one-sided spectral density of the random part of the force, such as 0.02N^2/Hz, or spectrum, that of the "
+        "residual of --force; verdicts are then in mean square",
     )
     command.add_argument(
         "--force",

@@ -25,8 +25,9 @@ examples:
   floquetrod lobes examples/tool.toml --at 5000rpm --json
 
 The file has the cutter's modes, teeth, immersion and cutting coefficients, and may have the ranges of speed and depth.
-A "Hopf" lobe chatters with a frequency of its own, a "flip" lobe with twice the time between teeth as its period; their
-number counts whole vibrations between two teeth.  With --at a speed, the critical depth of cut there is said instead.
+On a "Hopf" lobe the frequency of chatter is near that of a mode, on a "flip" lobe its period is twice the time between
+teeth; the number of a lobe counts whole vibrations between two teeth.  With --at only the critical depth of cut at that
+speed is printed.
 
 A .png, .pdf or .svg file is a figure, a .csv file the vertices of the boundary in rpm and mm, a .npz file all the
 numbers (floquetrod.Chart.load reads it); --out may be repeated.
@@ -43,7 +44,7 @@ def add(command: Parser) -> None:
     command.add_argument("--depth", metavar="LOW:HIGH", help="axial depths of cut, such as 0mm:4mm")
     command.add_argument("--points", metavar="COLUMNSxROWS", default="200x100", help="columns x rows (default 200x100)")
     command.add_argument("--growth", action="store_true", help="shade by growth rate")
-    command.add_argument("--at", metavar="SPEED", help="say the critical depth at this spindle speed only")
+    command.add_argument("--at", metavar="SPEED", help="print only the critical depth at this spindle speed")
     command.add_argument(
         "--out", metavar="FILE", action="append", type=Path, help="file to write; may be repeated (default lobes.png)"
     )

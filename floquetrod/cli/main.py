@@ -181,7 +181,7 @@ _COMMANDS = {
     "map": _Command(
         "draw stability over two quantities of the load", lambda: import_module("floquetrod.cli.stability_map")
     ),
-    "explore": _Command("move a load by sliders and watch", lambda: import_module("floquetrod.cli.explore")),
+    "explore": _Command("show stability while sliders move the load", lambda: import_module("floquetrod.cli.explore")),
     "compare": _Command("compare all methods on one equation", lambda: import_module("floquetrod.cli.compare")),
     "simulate": _Command("simulate a rod and compare it with theory", lambda: import_module("floquetrod.cli.simulate")),
     "ensemble": _Command(
@@ -195,7 +195,7 @@ _COMMANDS = {
         "write a rod under a load into one file, a page or a PDF", lambda: import_module("floquetrod.cli.report")
     ),
     "lobes": _Command("draw the stability lobes of a milling cutter", lambda: import_module("floquetrod.cli.lobes")),
-    "reproduce": _Command("make the published study again", lambda: import_module("floquetrod.cli.reproduce")),
+    "reproduce": _Command("reproduce the published study", lambda: import_module("floquetrod.cli.reproduce")),
 }
 """The commands in the order of the help; what one of them imports is imported for it alone."""
 

@@ -19,7 +19,7 @@ from floquetrod.cli.waiting import Waiting
 _EVEN = 10  # depths between two ends
 
 _HELP = """\
-Say how far a string of this section can be pushed into a well, and what a tool that shakes it changes.
+Compute how far a string of this section can be pushed into a well, without and with a vibration tool.
 
 examples:
   floquetrod reach --well examples/survey.csv --rod examples/tubing.toml --friction 0.3
@@ -29,12 +29,12 @@ examples:
   floquetrod reach --well examples/survey.csv --rod examples/tubing.toml --mu 0.3 --depths 9000:9900ft --unit ft,lbf
 
 The survey has columns such as MD (m), Inc (deg) and Azi (deg).  The string is pushed at the first station; its length
-and inclination follow from the well.  At lock-up no force there moves the lower end.  The table has the force that it
-takes at the injector, and the greatest that arrives at the bit.  A tool inside the string sends half its force each
-way, one at the lower end all of it up.  Friction is less as far as the wave moves the string faster than it slides,
---speed.  The wave may make waves across the string grow against friction: the answer says where, how fast and in which
-half wave, and which frequencies of the tool are useful: they gain reach, and nothing grows.  Depths are measured
-depths; forces are effective, push positive; without --push the upper end is pushed as hard as it takes.
+and inclination follow from the well.  At lock-up no force there moves the lower end.  The table has the force required
+at the injector, and the largest force that reaches the bit.  A tool inside the string sends half its force each way,
+one at the lower end all of it up.  Friction is reduced where the wave moves the string faster than it slides (--speed).
+The wave may make lateral waves grow against friction: the answer says where, at what rate and with which half wave, and
+which frequencies of the tool are useful, that is, gain reach without such growth.  Depths are measured depths; forces
+are effective, positive in compression; without --push the force at the upper end is not limited.
 """
 
 
@@ -47,7 +47,7 @@ def add(command: Parser) -> None:
     command.add_argument(
         "--depths",
         metavar="LIST",
-        help="measured depths of the lower end to look at, such as 9000ft,9500ft, or 9000:9900ft for ten of them "
+        help="measured depths of the lower end, such as 9000ft,9500ft, or 9000:9900ft for ten of them "
         "(default: all of the well)",
     )
     command.add_argument("--unit", metavar="UNITS", help="units of the answer, such as ft,lbf (default: m,kN)")
@@ -65,7 +65,9 @@ def add_well(command: argparse.ArgumentParser, *, required: bool) -> None:
         help="coefficient of friction with the wall, such as 0.3, or 0.2,0.35@1500m with another from 1500 m on",
     )
     command.add_argument(
-        "--tool", metavar="FORCE@FREQUENCY[@LENGTH]", help="a tool that shakes the string, that far above its lower end"
+        "--tool",
+        metavar="FORCE@FREQUENCY[@LENGTH]",
+        help="a vibration tool, this far above the lower end of the string",
     )
     command.add_argument("--speed", default="0.05m/s", help="speed at which the string slides (default 0.05m/s)")
     command.add_argument("--far-force", metavar="FORCE", default="0", help="mean force at the lower end (default: 0)")

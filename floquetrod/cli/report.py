@@ -1,4 +1,4 @@
-"""`floquetrod report`: a rod under a load in one file that can be passed on."""
+"""`floquetrod report`: a rod under a load in one file."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ from floquetrod.cli.parser import Parser
 from floquetrod.cli.waiting import Waiting
 
 _HELP = """\
-Write all there is to say of a rod under a load into one file that can be passed on: a page with its figures, or a PDF.
+Write a report on a rod under a load into one file: a page with its figures, or a PDF.
 
 examples:
   floquetrod report --rod nitinol --mean 0.2Fcr --amplitude 0.2Fcr --frequency 150rad/s --out nitinol.html
@@ -33,7 +33,7 @@ examples:
   floquetrod report --rod examples/tubing.toml --mean 3kN --amplitude 2kN --frequency 4Hz --well survey.csv --mu 0.3
 
 It holds the verdict with growth and margins, a map of mean forces and frequencies about the load, the constant forces
-at which the literature has the rod buckle, the stress and its share of yield where the grade is known, what is assumed,
+at which the rod buckles by the literature, the stress and its share of yield where the grade is known, the assumptions,
 and the command that makes it again; with --motion how large the motion becomes, and with --well how far the string can
 be pushed into that well.
 """
@@ -50,7 +50,7 @@ def add(command: Parser) -> None:
     command.add_argument(
         "--margins",
         action=argparse.BooleanOptionalAction,
-        help="search the margins and the damping that stabilises (default: where that takes some seconds)",
+        help="compute the margins and the damping that stabilises (default: where that takes some seconds)",
     )
     command.add_argument(
         "--motion", action="store_true", help="say how large the motion becomes, all modes together: some seconds"
