@@ -34,7 +34,7 @@ SHARED = {
         "criterion": ("FiniteTimeCriterion", "A test over a finite time in place of the verdict for all time."),
         "like": (
             "AxialLoad, AxialWave or ForceRecord",
-            "What all else of the load is taken from; by default a sine, uniform but for the weight along the rod.",
+            "Gives all other properties of the load; by default a sine, uniform except for the weight along the rod.",
         ),
     },
     "floquetrod.friction.": {

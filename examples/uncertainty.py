@@ -2,7 +2,7 @@
 Sweeping uncertainty
 ====================
 
-A rod's stiffness and a drive's speed are never known exactly.  A million samples of both, judged in about a second,
+A rod's stiffness and a drive's speed are never known exactly.  A million samples of both, decided in about a second,
 turn a verdict into a probability, and say which quantity is worth knowing better.
 """
 

@@ -1,4 +1,4 @@
-"""floquetrod: Floquet and spectral stability of periodically forced equations, and of a rod shaken in a channel.
+"""floquetrod: Floquet and spectral stability of periodically forced equations, and of a rod vibrated in a channel.
 
 >>> import floquetrod as fr
 >>> fr.stability(fr.Mathieu(alpha=0.5, beta=-0.25)).status

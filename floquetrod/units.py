@@ -147,7 +147,7 @@ def _known(name: str, units: Iterable[str]) -> str | None:
 
 
 def _folded(name: str) -> str:
-    """Return a unit in small letters, but for M and m at its beginning; the letter mu as u, raised digits as digits."""
+    """Return a unit in small letters, except M and m at its beginning; the letter mu as u, raised digits as digits."""
     name = unicodedata.normalize("NFKC", name).replace("\N{GREEK SMALL LETTER MU}", "u") if not name.isascii() else name
     return name[:1] + name[1:].lower() if name[:1] in ("m", "M") else name.lower()
 

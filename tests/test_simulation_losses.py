@@ -230,7 +230,7 @@ def test_what_another_version_or_machine_wrote_is_refused_with_a_remedy(
         other.setattr(checkpoints, "arithmetic", lambda: {**here, name: "7.5"})
         run(checkpoint=path, progress=Stop(3))
     before = path.read_bytes()
-    with pytest.raises(ValueError, match=rf"cannot be continued to the bit here: .* {name} 7\.5; continue .*remove"):
+    with pytest.raises(ValueError, match=rf"cannot be continued bit for bit here: .* {name} 7\.5; continue .*remove"):
         run(checkpoint=path)
     assert path.read_bytes() == before
     meta, _ = files._unpack(path)

@@ -193,7 +193,7 @@ def write_npz(path: str | Path, meta: Mapping[str, Any], arrays: Mapping[str, ND
 
 
 def _seal(file: IO[bytes]) -> bytes:
-    """Return the checksum over a file but for its own place at the end."""
+    """Return the checksum over a file except for its own place at the end."""
     left = file.seek(0, os.SEEK_END) - _SEALED
     file.seek(0)
     digest = hashlib.sha256()

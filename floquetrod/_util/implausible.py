@@ -9,4 +9,4 @@ SILENCE = Mention("", ' (silence with warnings.simplefilter("ignore", fr.Plausib
 
 
 class PlausibilityWarning(UserWarning):
-    """A number that is allowed, and is probably in another unit or of another kind than it is taken to be."""
+    """A number that is allowed, but is probably in another unit or of another kind than assumed."""

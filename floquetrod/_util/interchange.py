@@ -34,9 +34,9 @@ def to_json(result: Any, *, indent: int | None = None) -> str:
     Parameters
     ----------
     result
-        What any function of the package returned.
+        The result of any function of the package.
     indent : int, optional
-        Spaces by which to indent what is inside; by default the text is one line.
+        Spaces of indentation; by default the text is one line.
 
     Raises
     ------
@@ -67,8 +67,8 @@ def to_pandas(result: Any) -> Any:
 
     A row for each depth of a string in a well, interval of a range, method of a comparison, station of a path, point of
     a chart, orbit of a branch, band, or run of an ensemble, with units in the names of the columns where they are
-    known.  What a row has several of, such as the multipliers of an orbit, stands in columns counted from 0; vertices
-    of bands and frames of runs are in ``to_xarray()`` alone.
+    known.  Several values of a row, such as the multipliers of an orbit, are in columns counted from 0; vertices of
+    bands and frames of runs are in ``to_xarray()`` only.
 
     Parameters
     ----------
@@ -79,7 +79,7 @@ def to_pandas(result: Any) -> Any:
     Raises
     ------
     TypeError
-        For a result without a table, and what is no result.
+        For anything that is not a result with a table.
     ImportError
         Without pandas.
 

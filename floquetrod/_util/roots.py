@@ -72,7 +72,7 @@ def bisected(
     low : ndarray of float
         One end of each bracket, where the statement holds.
     high : ndarray of float
-        The other, lower or higher, where it does not; it is not looked at.
+        The other, lower or higher, where it does not; it is not examined.
     halvings : int
         How often they are halved at most.
     relative : float

@@ -55,4 +55,4 @@ def require_file(name: str, path: Path, wanted: str, others: Sequence[str] = ())
     raise ValueError(f"{name} must be {wanted}, got {str(path)!r}: there is no such file{folder or hint}")
 
 
-_LOOKED_AT = 10_000  # files of a folder among which one is looked for (a choice)
+_LOOKED_AT = 10_000  # files of a folder among which one is searched for (a choice)

@@ -1,4 +1,4 @@
-"""One simulation with many values of what it depends on: what is varied, who makes the runs, where results go."""
+"""One simulation with many values of its parameters: axes, workers, stores and statistics."""
 
 from __future__ import annotations
 

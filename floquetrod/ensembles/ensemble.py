@@ -34,7 +34,7 @@ def ensemble(
     retry_failed: bool = True,
     progress: Callable[[int, int], None] | None = None,
 ) -> Any:
-    """Simulate a problem with many values of what it depends on; results come as arrays over named axes.
+    """Simulate a problem with many values of its parameters; results are arrays over named axes.
 
     Parameters
     ----------
@@ -52,9 +52,9 @@ def ensemble(
     samples : int, optional
         How many values are drawn from distributions.
     seed : int
-        Of what is drawn from distributions: the same gives the same.
+        Seed of the values drawn from distributions.
     executor : concurrent.futures.Executor, optional
-        Makes the runs, in any order; it is not shut down.  Whatever has ``submit`` as these have: a process pool,
+        Makes the runs, in any order; it is not shut down.  Any object with the same ``submit``: a process pool,
         ``MPIPoolExecutor`` of mpi4py, or a ``Client`` of dask.distributed.  By default threads, as many as there are
         processors.
     workers : int, optional
@@ -69,8 +69,8 @@ def ensemble(
     part : tuple of int, optional
         (k, n): makes the k-th of n parts only, for the jobs of an array that share a store ending in ".zarr".
     retry_failed : bool
-        Whether runs of a store that failed for what may pass, a MemoryError, an OSError or workers that died, are made
-        again.  A run that failed by any other error would fail again and is not.
+        Whether runs of a store that failed for a temporary cause, a MemoryError, an OSError or workers that died, are
+        made again.  A run that failed by any other error would fail again and is not.
     progress : callable, optional
         Called with the numbers of runs done and to do.
 
@@ -99,13 +99,13 @@ def ensemble(
     Warns
     -----
     CheckpointWarning
-        Once, when the store cannot be written: what came is returned all the same, and the same call makes later what
-        the store lacks.  Frames are returned as far as 4 GiB of memory hold those of all runs, else those in the store.
-        Also where the file system has no locks.
+        Once, when the store cannot be written: the results are returned all the same, and the same call makes the
+        missing runs later.  Frames are returned as far as 4 GiB of memory hold those of all runs, else those in the
+        store.  Also where the file system has no locks.
 
     Notes
     -----
-    Every run depends on the problem and its values alone: results are the same to the bit, whatever makes them.
+    Every run depends on the problem and its values alone: results are the same bit for bit, whatever makes them.
 
     Examples
     --------

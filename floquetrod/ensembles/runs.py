@@ -38,9 +38,9 @@ class Runs(NoTruthValue, ByContent):
     variables : dict of Variable
         Results by name: (dims, values, attrs).
     coords : dict of Variable
-        What was varied, in the same form.
+        The quantities varied, in the same form.
     attrs : dict
-        The package's version, the problem as JSON, and what varies.
+        The package's version, the problem as JSON, and the quantities varied.
 
     Examples
     --------
@@ -113,7 +113,7 @@ class Runs(NoTruthValue, ByContent):
         return cls(content(dataset.data_vars), content(dataset.coords), dict(dataset.attrs))
 
     def save(self, path: str | Path) -> Path:
-        """Write everything to an npz file; an older file of that name stays whole until the new one is complete."""
+        """Write everything to an npz file; an older file of that name is kept until the new one is complete."""
         kinds = {"variables": self.variables, "coords": self.coords}
         meta = {
             "format": _FORMAT,

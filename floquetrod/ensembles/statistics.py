@@ -12,12 +12,12 @@ from floquetrod.ensembles.runs import DONE, FAILED, Runs, Variable, require_runs
 
 
 def probability(runs: Any, name: str = "buckled", *, over: str | Iterable[str], confidence: float = 0.95) -> Any:
-    """Return how probable a result is, with its confidence interval, along the axes that are not averaged.
+    """Return the probability of a result, with its confidence interval, along the axes that are not averaged.
 
     Parameters
     ----------
     runs : xarray.Dataset or Runs
-        What `floquetrod.ensemble` returned.
+        The result of `floquetrod.ensemble`.
     name : str
         A result that is true or false, or 1 or 0.
     over : str or several

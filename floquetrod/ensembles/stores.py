@@ -159,7 +159,7 @@ class Layout:
 
 
 def identity(study: Design, frames: bool) -> dict[str, Any]:
-    """Return plain data that distinguishes a study from every other, but for the names of its summary."""
+    """Return plain data that distinguishes a study from every other, except for the names of its summary."""
     return {
         "problem": study.problem.as_dict(),
         "axes": [[axis.name, axis.dim, hashlib.sha256(axis.values.tobytes()).hexdigest()] for axis in study.axes],

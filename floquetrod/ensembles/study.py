@@ -81,14 +81,14 @@ _BOUNDS = ("low", "high")  # that a normal distribution may have
 
 @dataclass(frozen=True, eq=False)
 class Study:
-    """What is simulated, what of it is varied and how: all that a study file says.
+    """A problem, the quantities that are varied, and options: the content of a study file.
 
     Attributes
     ----------
     problem : SimulationProblem
         Gives everything that ``over`` does not.
     over : mapping
-        What is varied, by name: values in SI units, or a distribution.
+        The quantities that are varied, by name: values in SI units, or a distribution.
     options : mapping
         Of `floquetrod.ensemble`: ``layout``, ``samples``, ``seed``, ``frames``.
     units : mapping of str to Unit
@@ -175,7 +175,7 @@ class Study:
         retry_failed: bool = True,
         progress: Callable[[int, int], None] | None = None,
     ) -> Any:
-        """Return what `floquetrod.ensemble` does for this study, whose options these are.
+        """Return the result of `floquetrod.ensemble` for this study; the options are those of `ensemble`.
 
         Where ``layout``, ``samples``, ``seed`` and ``frames`` are None they are those of the file.  Other arguments
         as in `ensemble`.
@@ -245,7 +245,7 @@ def _rod(path: Path, given: Any) -> Rod:
 
 
 def _load(path: Path, table: Mapping[str, Any], rod: Rod) -> Any:
-    """Return the load; a measured force is looked for beside the study file."""
+    """Return the load; a measured force is searched for beside the study file."""
     require_known(table, _LOAD)
     given = {key: _scalar(key, table.get(key)) for key in _LOAD}
     if given["force"] is None and (missing := [key for key in KINDS if given[key] is None]):

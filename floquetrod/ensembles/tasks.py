@@ -58,7 +58,7 @@ def failure(run: int, error: BaseException) -> Outcome:
 
 
 def results(made: Simulation) -> dict[str, float]:
-    """Return the results of a run by name, those of `floquetrod.ensembles.stores.RESULTS` but for the status."""
+    """Return the results of a run by name, those of `floquetrod.ensembles.stores.RESULTS` except for the status."""
     mode = made.dominant_mode
     try:
         growth = made.growth_rate(mode)

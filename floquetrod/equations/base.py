@@ -30,7 +30,7 @@ class Piece(NamedTuple):
     Attributes
     ----------
     share : Fraction
-        Its length as a part of the period; an exact number, so that pieces meet without rounding.
+        Its length as a fraction of the period; an exact number, so that pieces meet without rounding.
     mean : Fraction or float
         Taken as the exact number it is.
     slope : Fraction or float

@@ -21,8 +21,8 @@ def stack(systems: Sequence[System]) -> System:
     """Return single systems as one batch of shape (m,), in their order.
 
     Missing harmonics become zeros; systems in pieces must all have as many, and durations that are no doubles are
-    rounded.  What is the same in all stays one matrix, so that structure that can only be seen in shared matrices (C =
-    2 c M) is kept.
+    rounded.  A matrix that is the same in all stays one matrix, so that structure that can only be seen in shared
+    matrices (C = 2 c M) is kept.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Converters between the ways people write Mathieu's equation.
+"""Converters between the common forms of Mathieu's equation.
 
 ======================  ================================================  ==========================
 name                    equation                                          time

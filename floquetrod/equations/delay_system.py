@@ -46,8 +46,8 @@ class DelaySystem(ByContent):
     """The system M q'' + (C + G) q' + K(t) q + sum_j D_j(t) q(t - tau_j) = 0 of n equations, K and D_j periodic.
 
     `from_pieces` takes coefficients that jump, `first_order` the form x' = A(t) x + sum_j B_j(t) x(t - tau_j).  Delays
-    may be any positive numbers, shorter or longer than the period, commensurate with it or not; what comes back without
-    a delay belongs to the stiffness.
+    may be any positive numbers, shorter or longer than the period, commensurate with it or not; terms without a delay
+    belong to the stiffness.
 
     Parameters
     ----------

@@ -70,13 +70,13 @@ class Hill(Equation):
         """Return the equation whose coefficient a function computes: a Fourier series, or pieces between its jumps.
 
         Every value is within 1e-12 of the largest value of the function; where that cannot be reached, as with a jump
-        that is not named, ValueError says so.  ``HillSystem.from_function``, of one equation, states larger errors, and
-        heeds them in its verdicts.
+        that is not named, ValueError says so.  ``HillSystem.from_function``, of one equation, allows larger errors, and
+        includes them in its verdicts.
 
         Parameters
         ----------
         function : callable (tau) -> float
-            p, periodic and smooth but for its jumps.
+            p, periodic and smooth except for its jumps.
         period : float
             Its period.
         damping : float

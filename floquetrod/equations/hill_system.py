@@ -199,12 +199,12 @@ class HillSystem(matrices.PeriodicMatrixSystem):
     ) -> HillSystem:
         """Return the system whose K(t) a function computes, expanded as `PeriodicSystem.from_function` does.
 
-        Where all samples are symmetric, entry by entry, so is what is found.
+        Where all samples are symmetric, entry by entry, the result is symmetric, too.
 
         Parameters
         ----------
         function : callable (t) -> array_like (n, n)
-            K, periodic and smooth but for its jumps.
+            K, periodic and smooth except for its jumps.
         period : float
             Its period.
         jumps : sequence of float
@@ -245,7 +245,7 @@ class HillSystem(matrices.PeriodicMatrixSystem):
 
     @cached_property
     def structure(self) -> Structure:
-        """What is exactly so of the matrices, entry by entry; it decides how multipliers come in pairs.
+        """Structure of the matrices, exactly, entry by entry; it decides how multipliers come in pairs.
 
         "hamiltonian": C = 0, K symmetric; multipliers in mu, 1 / mu.  "reversible": C = G = 0, K not symmetric, but
         even about an instant; in mu, 1 / mu too.  "damped": K symmetric, C symmetric and not negative (to rounding).
@@ -329,8 +329,8 @@ class HillSystem(matrices.PeriodicMatrixSystem):
     def as_periodic_system(self) -> PeriodicSystem:
         """Return the same system in first order, of mass 1: x = (u, u') with q = L u, M^-1 = L L^T.
 
-        Where the system is Hamiltonian, x = (u, p) with p = u' + G u / 2, in which it is Hamiltonian too.
-        ``coefficient_error`` is what rounding adds to that of the system.
+        Where the system is Hamiltonian, x = (u, p) with p = u' + G u / 2, in which it is Hamiltonian too.  Its
+        ``coefficient_error`` includes that of the system and the rounding.
         """
         inverse = None if self.mass is None else np.linalg.inv(np.linalg.cholesky(self.mass))
         canonical = self.structure == "hamiltonian"

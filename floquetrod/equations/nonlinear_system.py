@@ -149,7 +149,7 @@ class NonlinearSystem(ByContent):
         system : HillSystem
             The linear part.
         force : callable (t, q, velocity, and parameters by name) -> n numbers
-            The nonlinear part and what drives it, on the right side; of arrays q (n, k) as a function of a system.
+            The nonlinear part and the forcing, on the right side; of arrays q (n, k) as a function of a system.
         period : float, str or callable, optional
             Of both together; by default that of the linear part, None where its coefficients are constant and the
             force does not depend on time either.

@@ -112,13 +112,13 @@ class PeriodicSystem(matrices.PeriodicMatrixSystem):
         Without jumps A is sampled over the period at twice as many instants until its harmonics have decayed to
         rounding, or to the noise of its values, and the series agrees with it at instants in between.  Between jumps,
         and there never at the jumps themselves, a few harmonics are fitted, over pieces halved until they agree with A
-        in between.  ``coefficient_error`` is an estimate of what is neglected, and of what sampling confuses with what
-        is kept.  A change far shorter than a hundredth of the period, or of a piece, may be missed.
+        in between.  ``coefficient_error`` is an estimate of the neglected harmonics, and of those that sampling
+        confuses with the others.  A change far shorter than a hundredth of the period, or of a piece, may be missed.
 
         Parameters
         ----------
         function : callable (t) -> array_like (N, N)
-            A, periodic and smooth but for its jumps.
+            A, periodic and smooth except for its jumps.
         period : float
             Its period.
         jumps : sequence of float
@@ -146,7 +146,7 @@ class PeriodicSystem(matrices.PeriodicMatrixSystem):
 
     @cached_property
     def structure(self) -> Structure:
-        """What is exactly so of A, entry by entry; it decides how multipliers come in pairs.
+        """Structure of A, exactly, entry by entry; it decides how multipliers come in pairs.
 
         "hamiltonian" where J A(t) is symmetric, J = [[0, I], [-I, 0]], x = (q, p); "reversible" where R A(-t) R = -A(t)
         with R = diag(I, -I), x = (q, q'), and A is one Fourier series; else "general".  Of a batch: of all its systems.

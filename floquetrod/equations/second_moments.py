@@ -37,8 +37,8 @@ _LEAST_EXACT = 1e-280  # products above it have an exact remainder
 class SecondMoments(PeriodicSystem):
     """The system p' = L(t) p of the second moments of another: p = P_11, P_12, ..., P_1n, P_22, ..., P = E[x x^T].
 
-    Made by `floquetrod.second_moments`.  What is stable, grows or decays are the second moments, which are bounded
-    exactly where all solutions are in mean square; an amplitude, as the root of a moment, grows half as fast.
+    Made by `floquetrod.second_moments`.  Verdicts and growth are those of the second moments, which are bounded exactly
+    where all solutions are in mean square; an amplitude, as the root of a moment, grows half as fast.
     """
 
     MEANING: ClassVar[str] = "mean-square"
@@ -67,7 +67,7 @@ class _Known(NamedTuple):
         return _Known(total, rounding + self.error + other.error)
 
     def times(self, other: _Known) -> _Known:
-        """Return the product; its rounding is known exactly (Dekker), but for the smallest numbers."""
+        """Return the product; its rounding is known exactly (Dekker), except for the smallest numbers."""
         a, b = np.broadcast_arrays(self.value, other.value)
         product = a * b
         (high, low), (top, bottom) = _halves(a), _halves(b)
@@ -113,8 +113,8 @@ def second_moments(
     Returns
     -------
     SecondMoments
-        N = n (n + 1) / 2 equations, n those of first order, 2 for an oscillator.  ``coefficient_error`` bounds what
-        rounding changes, and what the error of the system does; it is zero where nothing was rounded.
+        N = n (n + 1) / 2 equations, n those of first order, 2 for an oscillator.  ``coefficient_error`` bounds the
+        rounding and the effect of the system's error; it is zero where nothing was rounded.
 
     Raises
     ------

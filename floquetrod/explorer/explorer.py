@@ -22,8 +22,8 @@ from floquetrod.rod.rod import Rod
 class Explorer:
     """A rod under a load that can be moved.
 
-    What takes longer than following a slider, curves in place of points, margins, everything of coupled modes, is found
-    while the sliders rest and shown as it is found.
+    Longer computations (curves in place of points, margins, coupled modes) run while the sliders rest, and their
+    results are shown as they arrive.
 
     Parameters
     ----------
@@ -33,7 +33,7 @@ class Explorer:
         a short rod 0.2 of its buckling force at three times the frequency of its first mode.  At most 50 such forces,
         and between a thousandth of that frequency and a thousand times it.  Waveform and axial waves stay as they are.
     units : mapping, optional
-        Units that axes and sliders speak, by quantity: ``{"mean": "Fcr", "frequency": "Hz"}``; by default N and rad/s.
+        Units of axes and sliders, by quantity: ``{"mean": "Fcr", "frequency": "Hz"}``; by default N and rad/s.
     options : sequence of str, optional
         Options of the terminal that name the rod, and the measured force if there is one, for `command`:
         ``["--rod", "my_rod.toml"]``.
@@ -48,7 +48,7 @@ class Explorer:
     Raises
     ------
     TypeError, ValueError
-        For loads and units out of reach.
+        For loads out of range, and for unknown units.
     """
 
     def __init__(
@@ -90,7 +90,7 @@ class Explorer:
 
     @property
     def command(self) -> str:
-        """The command that judges exactly this load, the terminal's, or Python's where the terminal has no name for it.
+        """The command that checks exactly this load, the terminal's, or Python's where the terminal has no name for it.
 
         >>> import matplotlib
         >>> matplotlib.use("agg")
@@ -100,7 +100,7 @@ class Explorer:
         return command(self.rod, self.load, self._units, self._options)
 
     def refine(self) -> None:
-        """Find and show at once what a window finds while its sliders rest: for pictures, and where there is no window.
+        """Compute and show at once what a window computes while its sliders rest: for pictures, and without a window.
 
         Some tenths of a second where modes are independent, up to minutes where they are coupled.
         """

@@ -41,18 +41,18 @@ class AlmostSureExponent(ByContent, NoTruthValue):
     estimate : float
         Mean of log|x| / time over the paths, per unit of time; negative: almost every solution decays.
     interval : (float, float)
-        Confidence interval of the exponent: Student's for the mean of independent paths, widened on both sides by what
-        steps twice as long change.
+        Confidence interval of the exponent: Student's for the mean of independent paths, widened on both sides by the
+        change with steps twice as long.
     confidence : float
     discretisation : float
-        What steps twice as long, under the same noise, change.
+        Change of the estimate with steps twice as long, under the same noise.
     paths : int
     time : float
         Over which paths are followed, in which the first tenth is left out.
     step : float
         Longest time step.
     seed : int
-        What gives the same paths again.
+        Seed of the paths.
     """
 
     estimate: float
@@ -106,7 +106,7 @@ def almost_sure_exponent(
     confidence : float
         Of the interval, between 0 and 1.
     seed : int
-        What gives the same paths again.
+        Seed of the paths.
     progress : callable, optional
         Called with the numbers of periods done and to do after each.  What it raises ends the work.
 

@@ -25,7 +25,7 @@ class Comparison(Reported, NoTruthValue):
     Attributes
     ----------
     equation : Equation, HillSystem or PeriodicSystem
-        What was classified.
+        The problem that was classified.
     results : tuple of Stability or SystemStability
         One for each method that applies, in a fixed order.
     seconds : tuple of float
@@ -64,7 +64,7 @@ class Comparison(Reported, NoTruthValue):
 
     @property
     def references(self) -> tuple[str, ...]:
-        """What to cite, in plain text with DOI, floquetrod first, then the sources of what was used."""
+        """Publications to cite, in plain text with DOI: floquetrod first, then the sources of the methods used."""
         return united(*(result.references for result in self.results))
 
     def report(self) -> Report:

@@ -36,7 +36,7 @@ class CriticalNoise(ByContent, NoTruthValue):
     above : SystemStability or None
         That with ``factor + error``.
     searched : float
-        Factor up to which a change was looked for.
+        Factor up to which a change was searched for.
     """
 
     factor: float
@@ -51,9 +51,9 @@ class CriticalNoise(ByContent, NoTruthValue):
 def critical_noise(system: Problem, noise: Any, interpretation: str = "ito") -> CriticalNoise:
     """Return the largest noise at which a system is still stable in mean square.
 
-    Second moments grow the faster the stronger the noise is, since they map what is positive semidefinite to what is:
-    in Ito's sense there is one change and no other.  In Stratonovich's noise may stabilise; there the first is found
-    among factors that double from what the decay rate suggests.
+    Second moments grow faster with stronger noise, since their map keeps matrices positive semidefinite: in Ito's sense
+    there is exactly one change.  In Stratonovich's noise may stabilise; there the first is found among factors that
+    double from what the decay rate suggests.
 
     Parameters
     ----------

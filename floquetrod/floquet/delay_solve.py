@@ -54,8 +54,8 @@ class DelaySolution(ByContent):
     states : ndarray (steps + 1, N)
         There: q and then q', or x.
     error : float
-        Estimate of the largest error of a state, as a part of the largest state until then: twice the difference from
-        steps with more nodes, and rounding.
+        Estimate of the largest error of a state, as a fraction of the largest state until then: twice the difference
+        from steps with more nodes, and rounding.
     """
 
     equation: DelaySystem

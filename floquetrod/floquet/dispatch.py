@@ -60,12 +60,12 @@ def stability(
     most_digits: int | None = None,
     above: float | None = None,
 ) -> Stability | SystemStability:
-    """Classify an equation or a system: is it stable, how fast does it grow, and how sure is that?
+    """Classify an equation or a system: is it stable, and how fast does it grow?
 
     Parameters
     ----------
     equation : Equation, HillSystem, PeriodicSystem or DelaySystem
-        What to classify: `Mathieu`, `Meissner`, `Hill`, or any other `floquetrod.equations.Equation`; or a system of
+        The problem: `Mathieu`, `Meissner`, `Hill`, or any other `floquetrod.equations.Equation`; or a system of
         equations, with delays or without.
     method : str
         "auto", or the name of one: of equations "spectral", "determinant", "monodromy", "square_wave", "leapfrog",

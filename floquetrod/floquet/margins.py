@@ -32,7 +32,7 @@ class Margin(_Distances):
     resolution : float
         Changes closer together than this may have been passed over, in the unit of the distances; 0 where none can be.
     searched : (float, float)
-        Up to which distances below and above was searched: where there is a change, it is that.
+        Distances below and above up to which was searched; where a change was found, its distance.
 
     Comparing compares the distances.
     """
@@ -50,7 +50,7 @@ class Margin(_Distances):
 
     @property
     def nearest(self) -> float:
-        """The smaller of both."""
+        """The smaller of the two distances."""
         return min(self)
 
 
@@ -66,9 +66,9 @@ def margin(
     along : str
         The parameter that varies, one of ``at``.
     within : (float, float)
-        Values between which the change is looked for; that of ``at`` lies between them.
+        Values between which the change is searched for; that of ``at`` lies between them.
     samples : int
-        Verdicts asked for on either side, 2 or more: a change and its reverse between two of them are passed over.
+        Verdicts on either side, 2 or more: a change and its reverse between two of them are passed over.
     **at
         Arguments of the family at which the verdict is, all of them.
 

@@ -70,9 +70,9 @@ class FloquetMode(ByContent):
         Its real part is the growth rate; the imaginary one lies between -pi / period and pi / period.
     period : float
     error : float
-        Estimate of the largest error of a state, as a part of the largest state within a period: that of both parts,
-        by how much the state at the end of the period differs from exp(exponent period) times that at its start, and
-        the angle by which the error of the map may turn the start.
+        Estimate of the largest error of a state, as a fraction of the largest state within a period: that of both
+        parts, by how much the state at the end of the period differs from exp(exponent period) times that at its start,
+        and the angle by which the error of the map may turn the start.
     """
 
     equation: Any

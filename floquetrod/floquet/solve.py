@@ -108,8 +108,8 @@ class Solution(ByContent):
     states : ndarray (steps + 1, N)
         There: A and A' of a scalar equation; q and then q' of a `HillSystem`; x of a `PeriodicSystem`.
     error : float
-        Estimate of the largest error of a state, as a part of the largest state until then: twice the difference from
-        a solution with another order and other steps, whose coefficient is off by what it may be, and rounding.
+        Estimate of the largest error of a state, as a fraction of the largest state until then: twice the difference
+        from a solution with another order and other steps, whose coefficient is changed by its error, and rounding.
     """
 
     equation: Any
@@ -196,7 +196,7 @@ def solve(equation: Any, initial: Any, span: Any) -> Any:
     Returns
     -------
     Solution
-        Of a `DelaySystem` a `floquetrod.floquet.delay_solve.DelaySolution`, which is used alike.
+        Of a `DelaySystem` a `floquetrod.floquet.delay_solve.DelaySolution`, which is used in the same way.
 
     Raises
     ------
@@ -330,7 +330,7 @@ def _steps(
 ) -> Iterator[tuple[Fraction, Floats]]:
     """Yield times and states at the ends of steps, the start among them.
 
-    Times are exact: doubles but for the ends of pieces, which far from 0 rounding would move by much of a step.
+    Times are exact: doubles except for the ends of pieces, which far from 0 rounding would move by much of a step.
     """
     time, last, sign = Fraction(start), Fraction(stop), math.copysign(1.0, stop - start)
     yield time, state

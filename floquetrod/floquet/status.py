@@ -16,7 +16,7 @@ STATUS_CODES: dict[Status, int] = {"stable": 1, "unstable": 0, "undecided": -1}
 
 
 class UndecidedWarning(UserWarning):
-    """Some of what was asked could not be decided, and counts as what is not known: not stable, not escaping."""
+    """Some problems could not be decided, and count as not known to be stable, or not known to escape."""
 
 
 def are(status: Status, codes: Any, what: str, remedy: str) -> Any:

@@ -163,7 +163,7 @@ class FloquetVerdict(ByContent, Reported, Verdict):
 
     @property
     def system(self) -> Any:
-        """What was classified, as ``equation``."""
+        """The same as ``equation``."""
         return self.equation
 
     @cached_property
@@ -185,9 +185,9 @@ class FloquetVerdict(ByContent, Reported, Verdict):
 
     @cached_property
     def damping_to_stabilise(self) -> float:
-        """Uniform damping rate, per unit of time, that it takes to keep motion from growing; 0 where none.
+        """Uniform damping rate, per unit of time, at which motion no longer grows; 0 where none is needed.
 
-        The rate c is added to what damping there is: to that of a scalar equation, as C + 2 c M in a `HillSystem`, as
+        The rate c is added to the existing damping: to that of a scalar equation, as C + 2 c M in a `HillSystem`, as
         A - c I in a `PeriodicSystem`, where it is the growth rate itself.  Else it is searched, to ten digits: nothing
         grows at larger rates among those tried, which are two, four and eight times the growth rate, and those from the
         fastest frequency down in 12 steps by halves.  Damping can destabilise: of a stable system it need not be 0.
@@ -415,7 +415,7 @@ def tolerated(rate: Any, tolerance: float) -> Any:
 
 
 def static_status(stiffness: Any, error: float, damping: Any) -> Status | None:
-    """Return the verdict on q'' + 2 c q' + k q = 0, k known but for its error: the sign of k decides.
+    """Return the verdict on q'' + 2 c q' + k q = 0, k known up to its error: the sign of k decides.
 
     Where k is exactly zero motion drifts without damping, and comes to rest with any.  None where not known.
     """

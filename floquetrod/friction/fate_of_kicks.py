@@ -71,7 +71,7 @@ def fates(
     Notes
     -----
     Without friction an orbit escapes where Mathieu's equation is unstable and the kick is not zero.  Where it is
-    stable no kick escapes: proved but for exact resonances, which no double hits (docs/theory/friction.md).
+    stable no kick escapes: proved except for exact resonances, which no double hits (docs/theory/friction.md).
 
     Examples
     --------
@@ -182,9 +182,9 @@ class Fate(NoTruthValue):
     Attributes
     ----------
     equation : FrictionalMathieu
-        The equation asked about.
+        The equation.
     kick : float
-        The initial velocity asked about.
+        The initial velocity.
     status : {"bounded", "escapes", "undecided"}
     reason : str
         How it is known.

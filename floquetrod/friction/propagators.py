@@ -94,7 +94,7 @@ def propagators(alpha: Floats, beta: Floats, damping: Floats, rate: Floats, work
 def _fill_cells(
     sine: Floats, cosine: Floats, beta: Floats, damping: Floats, h: Floats, cells: Records, bases: Records
 ) -> None:
-    """Fill ``bases``, and ``cells`` but for their escape tests."""
+    """Fill ``bases``, and ``cells`` except for their escape tests."""
     p, a = np.empty((TERMS, h.size)), np.empty((TERMS, h.size))
     steps = np.arange(TERMS)[:, None]
     for basis, end, end_velocity, change, (a0, a1, s) in (

@@ -94,7 +94,7 @@ def _start(growth: Growth, low: Floats, high: Floats) -> _Pieces:
     number = np.tile(np.arange(_POINTS + 2), low.size)  # of a point in its interval
     share = 0.5 - 0.5 * np.cos(np.pi * np.clip((number - 0.5) / _POINTS, 0.0, 1.0))
     x = np.minimum(low[which] + (high - low)[which] * share, high[which])
-    x = np.where(share == 1.0, high[which], x)  # the end to the bit
+    x = np.where(share == 1.0, high[which], x)  # exactly the end
     g = growth(x, which)
     left = np.flatnonzero((which[1:] == which[:-1]) & (x[1:] > x[:-1]))
     window = left[:, None] + np.arange(-1, 3)

@@ -27,7 +27,7 @@ _SWEEPS = 3  # of inverse iteration (heuristic: two suffice)
 
 @dataclass(frozen=True, eq=False, repr=False)
 class FloquetSolution(ByContent):
-    """A solution y(t) = sum_k c_k exp((mu + i w_k) t): periodic but for the exponential of mu, and me of exp(i nu z).
+    """A solution y(t) = sum_k c_k exp((mu + i w_k) t): periodic apart from exp(mu t), and for me from exp(i nu z).
 
     Attributes
     ----------
@@ -288,13 +288,13 @@ def _sign_of_me(nu: float, frequencies: Floats, vector: Floats) -> float:
 
 
 def _seen_from_half_period(order: float, frequencies: Floats, vector: Floats) -> Floats:
-    """Return coefficients about pi / 2 but for a common factor: exp(i s pi / 2) = (-1)^k exp(i order pi / 2)."""
+    """Return coefficients about pi / 2 up to a common factor: exp(i s pi / 2) = (-1)^k exp(i order pi / 2)."""
     turns = np.round(0.5 * (frequencies - order))
     return np.where(turns % 2.0 == 0.0, vector, -vector)
 
 
 def _inverse_iteration(off: Any, diagonal: Any) -> NDArray[np.complex128]:
-    """Return the null vector of a symmetric tridiagonal matrix that is singular but for rounding."""
+    """Return the null vector of a symmetric tridiagonal matrix that is singular up to rounding."""
     from scipy.linalg import solve_banded
 
     bands = np.zeros((3, diagonal.size), dtype=complex)

@@ -23,7 +23,7 @@ from floquetrod.mathieu import enclosures
 from floquetrod.mathieu.concave import Parts, level, parts_above
 from floquetrod.mathieu.kernels import characteristic
 
-_SPACING = 1e-3  # of points along the amplitude where nothing is proved, as a share of the range (a choice)
+_SPACING = 1e-3  # of points along the amplitude where nothing is proved, as a fraction of the range (a choice)
 _SHARE = 2.0**-8  # of a tongue, where it is narrower than that many points (a choice)
 _INTERPRETED_ROWS = 4000.0  # of Hill's matrices, left to the interpreter: about a millisecond (heuristic)
 COMPILE_AFTER = 300  # times as many before anything is compiled: what compiling takes at the least (heuristic)

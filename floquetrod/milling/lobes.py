@@ -1,4 +1,4 @@
-"""Stability lobes: spindle speeds and depths of cut judged together, critical depths, and which lobe is what."""
+"""Stability lobes: spindle speeds and depths of cut judged together, critical depths, and the kind of each lobe."""
 
 from __future__ import annotations
 

@@ -19,8 +19,9 @@ from floquetrod.milling.tool_file import read_tool
 class Milling(Cutter):
     """A cutter with straight teeth, evenly spaced, fed along x, whose tip vibrates in modes along x and y.
 
-    A tooth at the angle phi from y takes a chip as thick as the feed and what the tip's vibration q(t) and that a tooth
-    before, q(t - tau), make it; its force is depth times (tangential, radial) times that.  About the periodic motion
+    The chip of a tooth at the angle phi from y has a thickness given by the feed and by the tip's vibration now, q(t),
+    and one tooth earlier, q(t - tau); its force is depth times (tangential, radial) times that.  About the periodic
+    motion
 
         M q'' + C q' + K q = -depth H(t) (q(t) - q(t - tau)),   tau = 2 pi / (teeth speed),
 
@@ -39,7 +40,7 @@ class Milling(Cutter):
     radial : str or float
         That of the force away from the chip, likewise.
     immersion : str or float
-        Width of cut as part of the cutter's diameter, above 0 and up to 1, a slot.
+        Width of cut as a fraction of the cutter's diameter, above 0 and up to 1, a slot.
     direction : {"up", "down"}
         Whether a tooth enters where the chip is thin ("up") or thick; of a slot it does not matter.
 
@@ -77,21 +78,21 @@ class Milling(Cutter):
     def critical_depth(self, speed: Any, most: Any = None) -> float:
         """Return the least depth of cut, in m, at which chatter begins, infinite where none is up to ``most``.
 
-        Depths are tried in steps of a quarter of about the least that chatters at any speed; of the first change ten
-        digits are found.
+        Depths are tried in steps of about a quarter of the smallest one that chatters at any speed; the first change is
+        found to ten digits.
 
         Parameters
         ----------
         speed : str or float
             As of `system`.
         most : str or float, optional
-            Depth up to which is searched; by default fifty times that least one.
+            Depth up to which is searched; by default fifty times that smallest one.
         """
         limit = None if most is None else read_depth(most, "most")
         return float(lobes.critical_depths(self, np.array([read_speed(speed)]), limit)[0])
 
     def lobes(self, speed: Any, depth: Any, *, growth: bool = False) -> Lobes:
-        """Return the stability lobes: the chart of spindle speed and depth of cut, and which lobe is what.
+        """Return the stability lobes: the chart of spindle speed and depth of cut, and the kind of each lobe.
 
         Parameters
         ----------

@@ -1,9 +1,9 @@
 """Points of a branch of orbits: how far they are apart, and Newton's method across the direction it goes on in.
 
-The length of a change (dx, dT, dp) of the states, the period and the parameter is the square root of
-mean(|dx / scale|^2) + (dT / T)^2 + (dp / width)^2: the mean over the period and the sum over the states, each as a part
-of its largest magnitude, the period only where it is unknown, and the parameter as a part of the range it is followed
-over (H. B. Keller, in Applications of Bifurcation Theory, Academic Press 1977, 359).
+The length of a change (dx, dT, dp) of the states, the period and the parameter is the square root of mean(|dx /
+scale|^2) + (dT / T)^2 + (dp / width)^2: the mean over the period and the sum over the states, each as a fraction of its
+largest magnitude, the period only where it is unknown, and the parameter as a fraction of the range it is followed over
+(H. B. Keller, in Applications of Bifurcation Theory, Academic Press 1977, 359).
 """
 
 from __future__ import annotations

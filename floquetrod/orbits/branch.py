@@ -26,7 +26,7 @@ Floats = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Branch(ByContent, Reported, NoTruthValue):
-    """Periodic orbits that go over into each other as a parameter of the system changes, in their order.
+    """Periodic orbits that change continuously with a parameter of the system, in their order.
 
     Attributes
     ----------
@@ -42,7 +42,7 @@ class Branch(ByContent, Reported, NoTruthValue):
     ends : (str, str)
         Why the branch ends where it does, before its first orbit and after its last.
     tolerance : float
-        Error of the states that meshes were chosen for.
+        Error of the states for which the meshes were chosen.
     """
 
     ask = ".status, an array with 1 where an orbit is stable, 0 where not and -1 where undecided"
@@ -86,7 +86,7 @@ class Branch(ByContent, Reported, NoTruthValue):
 
     @property
     def amplitude(self) -> Floats:
-        """Half of what lies between the largest and the least value of each state (k, n)."""
+        """Half the difference between the largest and the least value of each state (k, n)."""
         return 0.5 * (self.largest - self.least)
 
     @cached_property
@@ -183,7 +183,7 @@ class Branch(ByContent, Reported, NoTruthValue):
     def save(self, path: str | Path) -> Path:
         """Write everything but the function of the system to an npz file.
 
-        An older file of that name stays whole until the new one is complete.
+        An older file of that name is kept until the new one is complete.
         """
         return save(self, path)
 

@@ -25,7 +25,7 @@ _TURN = 0.9  # cosine of the angle between directions below which a step is made
 _GENTLE = 0.985  # above which the next one is longer
 _FEW = 4  # steps of Newton's method up to which the next step is longer
 _MOST_MESHES = 4
-_REST = 1e-4  # motion as a part of the largest on the branch, below which an orbit has shrunk to a state of rest
+_REST = 1e-4  # motion as a fraction of the largest on the branch, below which an orbit has shrunk to a state of rest
 
 
 class Task(NamedTuple):

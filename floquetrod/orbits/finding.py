@@ -46,7 +46,7 @@ def periodic_orbit(
         simulation, say; or the orbit for other values of the parameters.
     period : float, optional
         Of a forced system a whole multiple of its own, which is the default.  Of an autonomous one about the orbit's;
-        where it is left out, it is read off motion that returns.
+        if it is left out, it is estimated from motion that returns.
     tolerance : float
         Error of the states to aim at, from 1e-12 to 1e-3 of the largest of each.
 
@@ -57,8 +57,8 @@ def periodic_orbit(
     Raises
     ------
     ValueError
-        Where the function is not as it should be; where motion flows away or comes to rest; and, as `NoOrbitError`,
-        where Newton's method does not converge, with where it stood.
+        Where the function is not as required; where motion diverges or comes to rest; and, as `NoOrbitError`, where
+        Newton's method does not converge, with its last point.
 
     Examples
     --------

@@ -40,24 +40,24 @@ def follow(
     """Return the branch of periodic orbits on which one lies, over a range of a parameter, with its special points.
 
     By pseudo-arclength, so that the branch is followed round folds, too: from the orbit to both sides, until it leaves
-    the range, closes on itself, shrinks to a state of rest, or cannot be followed on; `Branch.ends` says which.  Meshes
+    the range, closes on itself, shrinks to a state of rest, or cannot be continued; `Branch.ends` says which.  Meshes
     adapt to the orbits.  Every orbit has its verdict; where a multiplier crosses the unit circle between two of them,
-    the place is located.  Two crossings of the same kind within a step cancel and are not seen: make steps shorter.
+    the point is located.  Two crossings of the same kind within a step cancel and are not seen: make steps shorter.
     Ctrl-C ends the search and returns what has been found.
 
     Parameters
     ----------
     orbit : PeriodicOrbit or Branch
-        Where to begin; a branch is continued from both of its ends that can go on.
+        Where to begin; a branch is continued from each of its ends that can be continued.
     over : mapping of str to (float, float)
         Name of the parameter, and the range; of a branch its own by default.  The period of the forcing may depend on
         the parameter.
     steps : int
-        Most orbits to each side.
+        Largest number of orbits on each side.
     longest : float
         Length of the longest step, in units of the range and of the largest magnitudes of the states.
     tolerance : float
-        Error of the states that meshes are chosen for, from 1e-12 to 1e-3 of the largest of each.
+        Error of the states for which the meshes are chosen, from 1e-12 to 1e-3 of the largest of each.
     until : callable, optional
         Called with an orbit and the next one: where it returns a text, that side ends before the next, and
         `Branch.ends` holds the text.
@@ -69,7 +69,7 @@ def follow(
     ValueError
         Where there is no parameter of the name, and where the orbit is not within the range.
     TypeError
-        Where what is to be followed is no orbit.
+        For anything but an orbit or a branch.
 
     Examples
     --------

@@ -148,7 +148,7 @@ def _across(maps: Floats, errors: Floats, flow: Floats) -> tuple[Floats, Floats,
     turned = np.swapaxes(ahead, 1, 2) @ maps @ frames
     signs = np.sign((frames[:, :, 0] * flow).sum(axis=1))
     along = turned[:, 0, 0] * speed / np.roll(speed, -1) * signs * np.roll(signs, -1)
-    leaks = np.linalg.norm(turned[:, 1:, 0], axis=1)  # which are zero but for errors
+    leaks = np.linalg.norm(turned[:, 1:, 0], axis=1)  # which are zero up to errors
     return turned[:, 1:, 1:], errors + leaks, abs(math.expm1(float(np.log(np.abs(along)).sum())))
 
 

@@ -19,12 +19,12 @@ _LEAST_SHARE = 2.0**-12  # of a step, below which there is none that leads on
 
 
 class NoOrbitError(ValueError):
-    """Newton's method found no periodic orbit; the message says where it stood.
+    """Newton's method found no periodic orbit; the message gives its last point.
 
     Attributes
     ----------
     point : Point or None
-        Where it stood.
+        The last point.
     """
 
     point: Point | None = None
@@ -54,7 +54,7 @@ def corrected(collocation: Collocation, point: Point, rows: Sequence[Row], most_
 
 
 def step_size(step: Step, point: Point) -> float:
-    """Return the size of a step, as a part of the states and of the free scalars."""
+    """Return the size of a step, as a fraction of the states and of the free scalars."""
     scalars = np.abs(step.scalars).max(initial=0.0) / max(point.period, 1e-300)
     return max(float((np.abs(step.nodes) / point.scale).max()), float(scalars) if len(step.scalars) == 1 else 0.0)
 
@@ -87,7 +87,7 @@ def _followed(
 
 
 def _missed(residual: Floats, point: Point) -> float:
-    """Return the size of a residual, as a part of the states."""
+    """Return the size of a residual, as a fraction of the states."""
     return float(np.sqrt(np.square(residual / point.scale).mean()))
 
 

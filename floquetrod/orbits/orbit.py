@@ -48,9 +48,9 @@ class PeriodicOrbit(ByContent, Reported, NoTruthValue):
     states : ndarray (N + 1, n)
         There; the last is the first.
     error : float
-        Estimate of the largest error of a state at any instant, as a part of the largest magnitude of its component
-        over the period: twice the difference from the orbit with two points less in each interval of the mesh, and
-        what rounding does to the equations.  Where the mesh resolves the orbit it is far more than the true error.
+        Estimate of the largest error of a state at any instant, as a fraction of the largest magnitude of its component
+        over the period: twice the difference from the orbit with two points less in each interval of the mesh, and the
+        effect of rounding on the equations.  Where the mesh resolves the orbit it is far more than the true error.
     steps : int
         Steps of Newton's method on all meshes.
     """
@@ -79,7 +79,7 @@ class PeriodicOrbit(ByContent, Reported, NoTruthValue):
     def linearised(self) -> PeriodicSystem:
         """The system x' = A(t) x of small deviations, A(t) the derivatives of f along the orbit, as a Fourier series.
 
-        Its ``coefficient_error`` has the error of the orbit in it, and what the series leaves out.
+        Its ``coefficient_error`` includes the error of the orbit and that of the truncated series.
         """
         found = sampling.smooth(self._derivatives, self.period, math.inf)
         return PeriodicSystem.from_pieces(found.pieces, coefficient_error=found.error + self._derivatives_error)
@@ -105,10 +105,10 @@ class PeriodicOrbit(ByContent, Reported, NoTruthValue):
 
     @property
     def stability(self) -> SystemStability:
-        """The verdict of the stack of `floquetrod.stability` on the linearised system, from maps over the mesh.
+        """The verdict of `floquetrod.stability` on the linearised system, from maps over the mesh.
 
-        Of an autonomous system without the multiplier 1 that every orbit has by its own motion; "stable" then is that
-        of the orbit, not of the phase on it.  The errors of the multipliers hold those of the orbit.
+        For an autonomous system, without the multiplier 1 of a shift along the orbit; "stable" then refers to the
+        orbit, not to the phase on it.  The errors of the multipliers include those of the orbit.
         """
         return self._verdict.stability
 
@@ -124,7 +124,7 @@ class PeriodicOrbit(ByContent, Reported, NoTruthValue):
 
     @property
     def trivial_multiplier_less_1(self) -> float | None:
-        """How far from 1 the multiplier of the orbit's own motion was found; None of a forced system."""
+        """Distance from 1 of the computed multiplier of a shift along the orbit; None for a forced system."""
         return self._verdict.trivial
 
     @cached_property

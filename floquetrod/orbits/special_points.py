@@ -26,7 +26,7 @@ class SpecialPoint(ByContent):
     ----------
     kind : {"fold", "branch point", "period doubling", "Neimark-Sacker"}
         At +1 where the parameter turns back; at +1 where another branch crosses; at -1; a complex pair, where motion
-        with a second frequency is born.
+        with a second frequency appears.
     parameter : str
         Name of the parameter.
     value : float
@@ -68,7 +68,7 @@ class SpecialPoint(ByContent):
 
     @property
     def amplitude(self) -> Floats:
-        """Half of what lies between them (n,)."""
+        """Half the difference between the largest and the least value of each state (n,)."""
         return 0.5 * (self.largest - self.least)
 
     def switch(self, *, side: int = 1, distance: float = 0.05) -> PeriodicOrbit:
@@ -80,7 +80,7 @@ class SpecialPoint(ByContent):
             To which side of this branch, of two; of a doubled orbit they are the same half a period later.
             Where the branch is that of doubled orbits, the orbit of half the period is returned.
         distance : float
-            How far away, as a part of the largest magnitudes of the states, from 1e-4 to 1; less where there is no
+            How far away, as a fraction of the largest magnitudes of the states, from 1e-4 to 1; less where there is no
             orbit so far out.
 
         Raises

@@ -41,7 +41,7 @@ class Guess(NamedTuple):
 
     @property
     def gap(self) -> float:
-        """By how much it does not close, as a part of the motion."""
+        """By how much it does not close, as a fraction of the motion."""
         return _gap(self.states)
 
     def at(self, shares: Floats) -> Floats:
@@ -244,5 +244,5 @@ def _sizes(states: Floats) -> Floats:
 
 
 def _gap(states: Floats) -> float:
-    """Return by how much motion does not close, as a part of how far it goes."""
+    """Return by how much motion does not close, as a fraction of how far it goes."""
     return float((np.abs(states[-1] - states[0]) / _sizes(states)).max())

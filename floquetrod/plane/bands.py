@@ -76,7 +76,7 @@ class Bands(NoTruthValue, ByContent):
     y : Axis
         The vertical axis likewise.
     bands : tuple of Band
-        They may overlap; of those in which nothing grows faster than the tolerance none is here.
+        They may overlap; those in which nothing grows faster than the tolerance are left out.
     growth_unit : str
         As in `Chart`.
     growth_tolerance : float
@@ -85,12 +85,12 @@ class Bands(NoTruthValue, ByContent):
         Resonance tongues left out, in which nothing grows faster than the tolerance, or, where that is 0, than
         1e-6 1/s, for equations 1e-9 per tau.
     accuracy : float
-        Distance up to which edges of the polygons may depart from the boundary between two vertices, as a share of
+        Distance up to which edges of the polygons may depart from the boundary between two vertices, as a fraction of
         each axis.
     resolution : tuple of float
         Bands, and stable gaps in and between them, narrower than this along x and y may have been missed; (0, 0) where
-        tongues are found by counts and not among points of the plane (docs/theory/maps.md says what of that is
-        proved, and what observed).
+        tongues are found by counts and not among points of the plane (docs/theory/maps.md says which part of that is
+        proved, and which observed).
 
     Iterating gives the bands.
     """
@@ -122,7 +122,7 @@ class Bands(NoTruthValue, ByContent):
 
     @property
     def caption(self) -> str:
-        """How many bands there are, of which growth, and what has been left out."""
+        """The number of bands, their growth, and the number of tongues left out."""
         count = f"{len(self.bands):,} unstable band{'s' * (len(self.bands) != 1)}"
         if self.growth_tolerance:
             count += f" of growth above {self.growth_tolerance:g} {self.growth_unit}"
@@ -144,7 +144,7 @@ class Bands(NoTruthValue, ByContent):
         return "; ".join(parts)
 
     def scaled(self, x: Axis, y: Axis, factors: tuple[float, float]) -> Bands:
-        """Return the same bands over axes in other units, places multiplied by the factors."""
+        """Return the same bands over axes in other units, coordinates multiplied by the factors."""
         fx, fy = factors
         bands = tuple(
             replace(band, x=band.x * fx, y=band.y * fy, place=(band.place[0] * fx, band.place[1] * fy)) for band in self
@@ -152,9 +152,9 @@ class Bands(NoTruthValue, ByContent):
         return replace(self, x=x, y=y, bands=bands, resolution=(self.resolution[0] * fx, self.resolution[1] * fy))
 
     def to_csv(self, path: str | Path) -> Path:
-        """Write a table of all vertices to a file, a line each: band, mode, partner, tongue, growth, x, y.
+        """Write a table of all vertices to a file, one per line: band, mode, partner, tongue, growth, x, y.
 
-        Units stand in the first line.  An older file of that name stays whole until the new one is complete.
+        Units stand in the first line.  An older file of that name is kept until the new one is complete.
         """
         path = validate.path("path", path)
         text = io.StringIO(newline="")

@@ -29,7 +29,7 @@ CELLS = {"proved stable": 1, "proved unstable": 0, "with a boundary": 2, "undeci
 """What the values of `Chart.cells` mean: the codes of every status, and 2 where both are proved of parts."""
 
 ACCURACY = 1.0 / 3000.0
-"""Accuracy of bands as a share of each axis: half a pixel of a picture 1,500 pixels wide (a choice)."""
+"""Accuracy of bands as a fraction of each axis: half a pixel of a picture 1,500 pixels wide (a choice)."""
 
 
 class BandSource(Protocol):
@@ -43,7 +43,7 @@ class BandSource(Protocol):
         """Whether the bands are found about as fast as the chart."""
 
     def __call__(self, accuracy: float, progress: Progress | None) -> Bands:
-        """Return the bands with an accuracy as a share of each axis."""
+        """Return the bands with an accuracy as a fraction of each axis."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -70,16 +70,16 @@ class Chart(NoTruthValue, ByContent):
     growth_tolerance : float
         Growth, in ``growth_unit``, up to which a point counts as stable.
     criterion : str
-        What "stable" means where it is not the equation's own stability; "" where it is.
+        Meaning of "stable" where it is not the equation's own stability; "" where it is.
     undecided : int
         Points that no method could decide; they count as not stable.
     version : str
         Version of the package that made it.
     source : callable or None
-        What `find_bands` asks; None where it is not known, as in a chart read from a file.
+        Source of the bands for `find_bands`; None where it is not known, as in a chart read from a file.
     cells : ndarray (ny, nx) of int8 or None
-        What is proved of the rectangle about each point, up to the middle between it and its neighbours: 1 stable
-        everywhere, 0 unstable everywhere, 2 each somewhere, -1 undecided.  None unless asked for.
+        Proved status of the rectangle about each point, up to the middle between it and its neighbours: 1 stable
+        everywhere, 0 unstable everywhere, 2 both occur, -1 undecided.  None unless requested.
     large_motion : ndarray (ny, nx) or None
         Where the rod at rest is stable: about the largest angle in rad of a large motion that it carries, too, 0 where
         a search finds none on the wall; NaN elsewhere.  None unless asked for.
@@ -115,9 +115,9 @@ class Chart(NoTruthValue, ByContent):
         Parameters
         ----------
         accuracy : float
-            How far edges may depart from the boundary between two vertices, as a share of each axis, 1e-6 to 0.1.
+            How far edges may depart from the boundary between two vertices, as a fraction of each axis, 1e-6 to 0.1.
         progress : callable, optional
-            Called with what is done and what is to do.
+            Called with the work done and the work to do.
 
         Raises
         ------
@@ -139,13 +139,13 @@ class Chart(NoTruthValue, ByContent):
 
     @property
     def heading(self) -> str:
-        """What is charted, and the values of what does not vary."""
+        """Subject of the chart, and the values of the fixed quantities."""
         fixed = ", ".join(f"{name} {units.with_unit(value, unit)}" for name, value, unit in self.subject["fixed"])
         return ", ".join(filter(None, [self.subject["kind"], fixed]))
 
     @property
     def caption(self) -> str:
-        """One sentence that says what is shown."""
+        """One sentence that describes the chart."""
         share = f"{100.0 * self.stable.mean():.1f} % of {self.stable.size} points stable"
         tolerance = f"; growth up to {self.growth_tolerance:g} {self.growth_unit} counts as stable"
         text = f"{self.heading}: {share}" + (tolerance if self.growth_tolerance else "")
@@ -240,7 +240,7 @@ class Chart(NoTruthValue, ByContent):
     def save(self, path: str | Path) -> Path:
         """Write everything to an npz file, bands if they have been computed.
 
-        An older file of that name stays whole until the new one is complete.
+        An older file of that name is kept until the new one is complete.
         """
         arrays: dict[str, Any] = {"x": self.x.values, "y": self.y.values, "stable": self.stable}
         for name in ("growth_rate", "first_mode", "cells", "large_motion"):

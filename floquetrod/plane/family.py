@@ -111,7 +111,7 @@ class Family(ABC):
 
     @property
     def vertex(self) -> float:
-        """How far traced vertices may be from the boundary, as a share of the axes.
+        """How far traced vertices may be from the boundary, as a fraction of the axes.
 
         Tongues ten times as thin are not followed.
         """

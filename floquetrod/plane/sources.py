@@ -38,7 +38,7 @@ class FamilyBands(ByContent):
         return self.family.prompt
 
     def __call__(self, accuracy: float, progress: Progress | None) -> Bands:
-        """Return the bands with an accuracy as a share of each axis."""
+        """Return the bands with an accuracy as a fraction of each axis."""
         found = self.family.exact_bands(self.x.ends, self.y.ends, accuracy, progress)
         if found is None:
             found = traced(self.family, self.x, self.y, self.status == 0, accuracy, progress)

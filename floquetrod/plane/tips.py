@@ -16,8 +16,8 @@ THINNEST = 10.0
 
 _MOST_STEPS = 600  # of one tip (a choice)
 _TOUCHING = 1e-6  # share of a step by which it may end before the edge of the plane that it goes to (rounding)
-_LOOKS = 16  # parts of a step in which sides in the way are looked for (a choice)
-_LONGEST = 0.08  # step along a tongue, as a share of the axes (a choice)
+_LOOKS = 16  # parts of a step in which sides in the way are searched for (a choice)
+_LONGEST = 0.08  # step along a tongue, as a fraction of the axes (a choice)
 _OFFSETS = np.array([-1, 1, -2, 2, -3, 3, -4, 4]) / 3.0  # across a tongue, in widths, where its middle is missed
 
 
@@ -45,7 +45,7 @@ class _Tongue:
         return _curve(recent, at, recent)
 
     def plan(self) -> None:
-        """Set where the next cross-section is looked for: its middle, direction and width."""
+        """Set where the next cross-section is searched for: its middle, direction and width."""
         here = self.middles[-1]
         place = self.aim(self.step)
         widths = np.array(self.widths[-3:])
@@ -86,7 +86,8 @@ def follow(plane: Plane, outline: Outline, sides: Ints, unstable: Bools, accurac
     unstable : ndarray of bool
         Of each side, whether the tongue is unstable and goes outward, or stable and goes inward.
     accuracy : float
-        How far the tip and the middle between two cross-sections may be from where they should, as a share of the axes.
+        How far the tip and the middle between two cross-sections may be from where they should, as a fraction of the
+        axes.
 
     Returns
     -------

@@ -20,7 +20,7 @@ _FEWEST, _EACH = 30_000, 30
 
 _STARTS = 64  # points of a band at which growth is examined first (a choice)
 _CLIMBS = 40  # rounds of looking for larger growth nearby, at most (a choice)
-_SMALL = 1e-3  # step of that at which it ends, as a share of the grid's (a choice)
+_SMALL = 1e-3  # step of that at which it ends, as a fraction of the grid's (a choice)
 
 
 def traced(

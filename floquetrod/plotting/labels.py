@@ -14,7 +14,7 @@ from floquetrod.plotting import palette
 
 Mask = NDArray[np.bool_]
 
-_CELL = 1.5  # side in points of the cells in which room is looked for (a choice)
+_CELL = 1.5  # side in points of the cells in which room is searched for (a choice)
 _MOST = 300  # bands examined, the largest ones (a choice)
 _ROOM = 3.0  # points around a label (a choice)
 

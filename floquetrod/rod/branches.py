@@ -32,10 +32,10 @@ from floquetrod.rod.model.data import RodData
 from floquetrod.rod.modes.mode_model import ModeModel
 from floquetrod.rod.motion import NEAR, TOLERANCE, Motions, chosen, largest, orbit_near
 
-_LOADS = 5  # of the range, at which orbits are looked for (a choice)
+_LOADS = 5  # of the range, at which orbits are searched for (a choice)
 _SAME = 0.02  # of an angle, by which an orbit may differ from one on a branch, between its points
 _PRESSED = 1.0 / 3.0  # of the weight: with less contact than that motion and the simulator's part
-_INSTANTS = 256  # of a period, at which a motion is looked at
+_INSTANTS = 256  # of a period, at which a motion is examined
 
 
 class _Task(NamedTuple):

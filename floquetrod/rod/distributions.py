@@ -48,7 +48,7 @@ class Sampling:
 
     @property
     def at_once(self) -> int:
-        """How many samples are judged at a time."""
+        """How many samples are decided at a time."""
         return _ONE_BY_ONE if self.is_one_by_one else self.model.samples_at_once
 
     @cached_property

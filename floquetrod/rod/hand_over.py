@@ -39,30 +39,30 @@ def save_report(
     command: str = "",
     progress: Progress | None = None,
 ) -> Path:
-    """Write what there is to say of a result into one file that can be passed on, HTML or PDF.
+    """Write a report on a result into one file, HTML or PDF.
 
-    Of most results what they say and draw.  Of a verdict on a rod more: rod, load and verdict with margins, and about
-    how far what grows gets; a map about the load; constant forces at which the literature has the rod buckle, and the
-    stress; how far its string can be pushed; what is assumed; versions and what makes it again.
+    For most results their text and figure.  For a verdict on a rod more: rod, load and verdict with margins, and about
+    how large the motion becomes; a map about the load; constant forces at which the rod buckles by the literature, and
+    the stress; how far its string can be pushed; the assumptions; versions and the command that makes the report again.
 
     Parameters
     ----------
     result : RodStability or another result with a ``report()``
-        What ``rod.stability(load)`` returned, or, say, `Reach`, `SteadyMotion`, `PeriodicOrbit`, `SafeBox`, `Proof`.
-        The options from ``reach`` to ``margins`` are about verdicts on rods.
+        The result of ``rod.stability(load)``, or, for example, `Reach`, `SteadyMotion`, `PeriodicOrbit`, `SafeBox`,
+        `Proof`.  The options from ``reach`` to ``margins`` are about verdicts on rods.
     path : str or path
         Ends in .html, a page with its figures inside, or .pdf.  It is written completely or not at all.
     reach : Reach, optional
-        What ``rod.reach`` returned, to be told too.
+        The result of ``rod.reach``, to be included.
     motion : SteadyMotion, optional
-        What ``rod.steady_motion(load)`` returned, which takes some seconds: how large the motion becomes, all modes
-        together, and what it does to the rod.
+        The result of ``rod.steady_motion(load)``, which takes some seconds: the size of the motion with all modes, and
+        its effect on the rod.
     units : mapping, optional
         In which to show the load, as in ``verdict.report``.
     margins : bool, optional
         Whether to search the margins; by default where they take some seconds at most.
     command : str
-        What makes the file again; by default the expression in Python.
+        The command that makes the file again; by default the expression in Python.
     progress : callable, optional
         Of the margins, as in ``verdict.margins``.
 
@@ -73,7 +73,7 @@ def save_report(
     Raises
     ------
     ValueError, TypeError
-        For other endings, and for what is no result with a report, no reach or no steady motion.
+        For other endings, and for arguments that are not a result with a report, a reach or a steady motion.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""Large orbits of a rod's modes, each alone: which rods and modes are looked at, and what is found."""
+"""Large orbits of a rod's modes, each alone: which rods and modes are examined, and what is found."""
 
 from __future__ import annotations
 

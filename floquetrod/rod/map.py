@@ -51,7 +51,7 @@ def stability_map(
     amplitude : float, tuple (low, high, number) or increasing array
         dF in N, 0 or more.
     frequency : float, tuple (low, high, number) or increasing array
-        omega in rad/s, greater than 0.  All modes that can matter are looked at, everywhere.
+        omega in rad/s, greater than 0.  All modes that can matter are examined, everywhere.
     growth : bool
         Whether to compute the growth rate (1/s) and the fastest mode too.
     growth_tolerance : float
@@ -66,16 +66,16 @@ def stability_map(
     kick : float, optional
         Transverse velocity in m/s that every mode is given, 0 or more; it needs ``friction``.
     like : AxialLoad, AxialWave or ForceRecord, optional
-        What everything else of the loads is taken from; by default a sine, uniform but for the weight along the rod.
+        Gives all other properties of the loads; by default a sine, uniform except for the weight along the rod.
     certified : bool
-        Whether to prove, too, what holds in the cell about every point, see `Chart.cells`: nothing then hides between
-        the points.  For independent modes and stability for all time, with damping or a growth tolerance: without
+        Whether to prove, too, the status of the cell about every point, see `Chart.cells`: nothing between the points
+        is then missed.  For independent modes and stability for all time, with damping or a growth tolerance: without
         either, tongues too thin to matter are everywhere.
     large_motion : bool
         Whether to look, too, for loads under which the rod at rest is stable and carries a large motion that a kick may
-        find: `Chart.large_motion`, hatched in its picture, NaN where rest is not stable.  In each mode alone, on the
-        wall, to some percent of the angle; a search, in some milliseconds a point.  For stability for all time without
-        friction.
+        find: `Chart.large_motion`, hatched in its picture, NaN where the rod at rest is not stable.  In each mode
+        alone, on the wall, to some percent of the angle; a search, in some milliseconds a point.  For stability for all
+        time without friction.
     workers : int, optional
         Threads; by default one for each core when there is enough to do.
     progress : callable, optional

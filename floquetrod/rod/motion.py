@@ -29,7 +29,7 @@ NEAR = ((0, 0), (6, 2), (12, 6))
 
 TOLERANCE = 1e-5  # of the orbit
 _KEPT = 8  # loads: those of differences, and one to compare with
-_INSTANTS = 512  # of a period, at which a motion is looked at: the largest angle is 2e-5 low at most
+_INSTANTS = 512  # of a period, at which a motion is examined: the largest angle is 2e-5 low at most
 
 
 @dataclass(frozen=True)
@@ -90,7 +90,7 @@ def steady_motion(model: ModeModel, given: AnyLoad, mode: int | None, indentatio
 
 
 def _resting(rod: RodData, load: Load, rest: RodStability, mode: int | None) -> SteadyMotion:
-    """Return rest, where it is stable; ValueError where the rod moves further than is looked at."""
+    """Return rest, where it is stable; ValueError where the rod moves further than is examined."""
     if rest.status == "unstable" and (mode is None or mode in rest.unstable_modes):
         raise validate.wrong_value(
             "load",
@@ -145,7 +145,7 @@ def _motion(
     )
 
 
-_SHORT = 2e-5  # part of the largest angle, by which it is low where it falls between instants and places looked at
+_SHORT = 2e-5  # part of the largest angle, by which it is low where it falls between instants and places examined
 
 
 def largest(motion: LargeMotion, states: Floats) -> float:

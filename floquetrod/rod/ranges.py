@@ -43,13 +43,13 @@ class StabilityIntervals(Reported, NoTruthValue):
     unit : str
         Its unit: "N" or "rad/s".
     bounds : tuple of float
-        Where was searched, (low, high).
+        Range of the search, (low, high).
     intervals : tuple of StabilityInterval
-        In increasing order; nothing between them is stable but, perhaps, what is ``not_computed``.
+        In increasing order; between them nothing is stable, except perhaps in the gaps ``not_computed``.
     growth_tolerance : float
         Growth in 1/s up to which a mode counts as stable; resonance tongues that never exceed it are left out.
     modes : int
-        Modes looked at, 1 to this; every higher mode grows at less than 1e-12 per second or the tolerance.
+        Modes examined, 1 to this; every higher mode grows at less than 1e-12 per second or the tolerance.
     tongues_left_out : int
         Resonance tongues within the stability intervals in which a mode grows, but nowhere faster than the tolerance.
     resolution : float
@@ -98,7 +98,7 @@ class StabilityIntervals(Reported, NoTruthValue):
 
     @cached_property
     def unstable(self) -> tuple[UnstableBand, ...]:
-        """What lies between the stability intervals, the fastest growth and the damping required there; computed once.
+        """The bands between the stability intervals, with the fastest growth and the damping required; computed once.
 
         Where modes are independent, growth is evaluated at 17 loads in every tongue of a band and refined about the
         largest: along the mean force, where growth in a tongue is concave (docs/theory/ranges.md), that is its maximum;
@@ -134,7 +134,7 @@ class StabilityIntervals(Reported, NoTruthValue):
 
     @property
     def note(self) -> str:
-        """What has been left out."""
+        """The tongues that were left out."""
         slow = max(self.growth_tolerance, 1e-12)
         text = f"modes 1 to {self.modes}; growth at or below {slow:g} 1/s does not count"
         if self.tongues_left_out:
@@ -148,8 +148,8 @@ class StabilityIntervals(Reported, NoTruthValue):
     def table(self, unit: str | None = None, size: float | None = None) -> str:
         """Return what is stable and what is not, in order, in another unit: "Hz", "rpm", "kN", "Fcr".
 
-        ``size`` is that of a unit of your own in `unit`.  Unstable bands are followed by what grows fastest in it, how
-        fast and where, and the damping required.  ValueError for units that are unknown.
+        ``size`` is that of a unit of your own in `unit`.  Unstable bands are followed by the mode that grows fastest,
+        its growth and where, and the damping required.  ValueError for units that are unknown.
         """
         return str(self.report(unit, size))
 

@@ -46,7 +46,7 @@ _OF_STRING = (
 
 @dataclass(frozen=True, eq=False, repr=False)
 class ReachProbability(Reported, ByContent):
-    """How probable it is that a string can be pushed to measured depths.
+    """The probability that a string can be pushed to measured depths.
 
     Attributes
     ----------
@@ -62,7 +62,7 @@ class ReachProbability(Reported, ByContent):
     samples : int
         Number of strings and wells drawn.
     seed : int
-        What gives the same samples again.
+        Seed of the samples.
     assumptions : tuple of str
     """
 
@@ -149,12 +149,12 @@ def probability_of_reach(
     confidence: float = 0.95,
     progress: Progress | None = None,
 ) -> ReachProbability:
-    """Return how probable it is that a string can be pushed to measured depths of a well.
+    """Return the probability that a string can be pushed to measured depths of a well.
 
     Parameters
     ----------
     rod : Rod
-        Its length, inclination and path count for nothing, as in `Rod.reach`.
+        Its length, inclination and path are not used, as in `Rod.reach`.
     path : WellPath
     friction : float, distribution or sequence of (float or str, float or distribution)
         Coefficient of friction with the wall: a number, a pair (low, high) between which all values are equally
@@ -169,9 +169,9 @@ def probability_of_reach(
         Measured depths in m of the lower end; twenty by default.  A string counts as stopped where it is at one of
         them: between two it may be stopped unseen.
     tool : VibrationTool, optional
-        It shakes the string, as in `Rod.reach`.
+        It vibrates the string, as in `Rod.reach`.
     speed : float or str
-        Speed of sliding in m/s, which counts with a tool only.
+        Speed of sliding in m/s, which is used with a tool only.
     far_force : float or str
         Compression at the lower end in N.
     push : float or str, optional
@@ -181,7 +181,7 @@ def probability_of_reach(
     samples : int
         Number of strings and wells drawn at random; each takes some tenths of a second.
     seed : int, optional
-        The same gives the same samples; by default a new one, which the result tells.
+        The same gives the same samples; by default a new one, which the result contains.
     confidence : float
         Of the intervals, between 0 and 1.
     progress : callable, optional

@@ -140,7 +140,7 @@ def is_pipe(text: str) -> bool:
 
 
 def named_rod(name: str, text: str, folder: Path | None = None) -> Rod:
-    """Return nitinol or the rod of a TOML file, which is looked for in ``folder``; messages begin with ``name``."""
+    """Return nitinol or the rod of a TOML file, which is searched for in ``folder``; messages begin with ``name``."""
     if text.strip().lower() == "nitinol":
         return Rod.nitinol()
     wanted = "nitinol, a steel pipe such as '2.00x0.156 CT90', or a TOML file"

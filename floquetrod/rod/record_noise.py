@@ -28,7 +28,7 @@ def with_noise(
     Twenty forces are drawn, the same ones in every call, whose mean, frequency and harmonics, their sizes and phases,
     depart from those of the fit by two standard errors.  The root mean square of the change in growth adds to the
     error; where one of them has another verdict, it is undecided.  ``progress`` is called with the numbers of forces
-    judged and to judge.
+    decided and to decide.
     """
     if verdict.status == "undecided":
         return verdict

@@ -132,7 +132,7 @@ class Rod(RodData):
     and what follows from them, are those of `floquetrod.rod.model.data.RodData`, the data sheet.
 
     Where the channel bends the force enters twice, m R theta_tt + E I R theta_ssss + (F R theta_s)_s + N theta = 0 with
-    the contact force N = w_e sin(inclination) + F curvature per length: it holds long waves down where the channel
+    the contact force N = w_e sin(inclination) + F curvature per length: it restores long waves where the channel
     builds.  On a path that turns N = hypot(w_e sin(phi) + F kappa_n, F kappa_b), and verdicts are those on small motion
     about the mean position.  On an arc the inclination changes along the rod, which couples the modes.
 
@@ -155,7 +155,7 @@ class Rod(RodData):
     # --- modes ---
 
     def modes_under(self, like: AnyLoad | None = None) -> ModeModel:
-        """Return what the modes are under any load of the kind of ``like``, by default a sine.
+        """Return the model of the modes under any load of the kind of ``like``, by default a sine.
 
         This is the one place where a model of the modes is chosen.
 
@@ -202,7 +202,7 @@ class Rod(RodData):
         return self.modes_under(load).equations(load, modes)
 
     def modal_systems(self, mean: Any, amplitude: Any, frequency: Any, *, like: AnyLoad | None = None) -> ModalSystems:
-        """Return the modal systems over arrays of loads (N, N, rad/s) that broadcast; all else is that of ``like``.
+        """Return the modal systems over arrays of loads (N, N, rad/s) that broadcast; all else as in ``like``.
 
         Raises ValueError where modes are coupled, and for loads that need more than 20,000 modes, or too large
         coefficients.
@@ -241,7 +241,7 @@ class Rod(RodData):
     ) -> MeanForce:
         """Return the mean force along a string of this section in a well, from the beginning of its path down.
 
-        The rod's own length and inclination count for nothing.
+        The rod's own length and inclination are not used.
 
         Parameters
         ----------
@@ -259,10 +259,11 @@ class Rod(RodData):
             Measured depths in m, or each with a unit, at which the force is wanted, beside both ends; by default every
             10 m or so.
         tool : VibrationTool, optional
-            It shakes the string, and lessens friction where its speed exceeds that of sliding.  The ends of the string
-            reflect its wave; friction and the rod's ``damping_rate`` damp it.  500 waves at most along the string.
+            It vibrates the string, and reduces friction where its speed exceeds that of sliding.  The ends of the
+            string reflect its wave; friction and the rod's ``damping_rate`` damp it.  500 waves at most along the
+            string.
         speed : float or str
-            Speed of sliding in m/s, which counts with a tool only.
+            Speed of sliding in m/s, which is used with a tool only.
         helical : str
             When a pushed string becomes a helix: "energy", "loading" or "alone", from sqrt(2), 1.83 or 2 sqrt(2) times
             the force at which it begins to snake, see `critical_forces`; "always", wherever it is compressed.
@@ -303,7 +304,7 @@ class Rod(RodData):
         depth: Any = None,
         helical: str = "energy",
     ) -> Reach:
-        """Return how far a string of this section can be pushed into a well, without and with a tool that shakes it.
+        """Return how far a string of this section can be pushed into a well, without and with a vibration tool.
 
         Arguments are as in `mean_force`, and besides:
 
@@ -374,12 +375,12 @@ class Rod(RodData):
         load : AxialLoad, AxialWave or ForceRecord
             The noise of a record enters the error, and makes the verdict undecided where it would change it.
         modes : iterable of int, optional
-            Modes to look at; by default all that can matter, see `modes_needed`.  Where modes are coupled, 1 to n.
+            Modes to examine; by default all that can matter, see `modes_needed`.  Where modes are coupled, 1 to n.
         growth_tolerance : float
             Growth rate in 1/s up to which a mode counts as stable.
         friction : float, optional
-            Coefficient of friction with the floor, static and kinetic, 0 or more.  Friction holds every rod that
-            nothing disturbs, so it needs a ``kick``.  For independent modes only.
+            Coefficient of friction with the floor, static and kinetic, 0 or more.  Friction holds every undisturbed
+            rod, so it needs a ``kick``.  For independent modes only.
         kick : float, optional
             Transverse velocity in m/s that every mode is given, 0 or more: stable when it destabilises none of them.
             It needs ``friction``.
@@ -415,8 +416,8 @@ class Rod(RodData):
     def critical_kick(self, load: AnyLoad, *, friction: float, growth_tolerance: float = 0.0) -> CriticalKick:
         """Return the smallest kick, a transverse velocity in m/s, found to buckle the rod against friction.
 
-        Every mode is taken to be kicked alike; infinite where nothing grows even without friction.  Beside it stand the
-        mode that it destabilises, and the kick up to which none buckles the rod, which is proved.
+        Every mode is assumed to have the same kick; infinite where nothing grows even without friction.  The result
+        also has the mode that the kick destabilises, and the proved kick up to which none buckles the rod.
 
         Examples
         --------
@@ -441,7 +442,7 @@ class Rod(RodData):
         like: AnyLoad | None = None,
         workers: int | None = None,
     ) -> CriticalKick:
-        """Return what `critical_kick` does over arrays of loads (N, N, rad/s) that broadcast; mode 0 for none."""
+        """Return the results of `critical_kick` over arrays of loads (N, N, rad/s) that broadcast; mode 0 for none."""
         numbers = mean, amplitude, frequency
         return many_loads.critical_kicks(self.modes_under(like), numbers, friction, growth_tolerance, workers)
 
@@ -473,7 +474,7 @@ class Rod(RodData):
             in which nothing grows tenfold within a month; with 0 every tongue is resolved, which takes long where
             there are thousands, at low frequencies.
         like : AxialLoad, AxialWave or ForceRecord, optional
-            What everything else of the load is taken from; by default a sine, uniform but for the weight along the rod.
+            Gives all other properties of the load; by default a sine, uniform except for the weight along the rod.
             Where modes are coupled loads are sampled, and the ``resolution`` of the result says what may be missed.
         progress : callable, optional
             Called with the numbers of modes searched and to search.
@@ -604,9 +605,9 @@ class Rod(RodData):
 
         A mode counts as stable up to ``growth_tolerance`` (1/s), or when it passes the ``criterion``.  With
         ``friction`` and a ``kick`` (m/s): whether the kick destabilises no mode.  Loads that cannot be decided are
-        False, with an UndecidedWarning that counts them; `verdicts` tells which.  ``like`` (AxialLoad or AxialWave)
-        gives everything else of the loads; by default a sine, uniform but for the weight along the rod.  ``progress``
-        is called now and then with the numbers of loads done and of all; what it raises ends the work.
+        False, with an UndecidedWarning that counts them; `verdicts` shows which.  ``like`` (AxialLoad or AxialWave)
+        gives all other properties of the loads; by default a sine, uniform except for the weight along the rod.
+        ``progress`` is called now and then with the numbers of loads done and of all; what it raises ends the work.
 
         >>> Rod.nitinol().is_stable([0.34, 0.9], 0.34, 150.0)
         array([False, False])
@@ -694,11 +695,11 @@ class Rod(RodData):
         ----------
         load : AxialLoad or AxialWave
         mode : int, optional
-            Mode that moves most, from 1; by default the one that grows fastest, and where nothing grows the lowest
-            that carries a large orbit, which takes a kick to reach.
+            Mode that moves most, from 1; by default the one that grows fastest, and where nothing grows the lowest that
+            has a large orbit, which only a kick reaches.
         indentation : float
-            Depth to which the weight of the rod at rest indents the wall, as a part of the radial clearance, from 1e-8
-            to 0.1, as in `floquetrod.simulate`: next to hinged ends the rod lifts off a little.
+            Depth to which the weight of the rod at rest indents the wall, as a fraction of the radial clearance, from
+            1e-8 to 0.1, as in `floquetrod.simulate`: next to hinged ends the rod lifts off a little.
 
         Returns
         -------
@@ -744,17 +745,17 @@ class Rod(RodData):
     ) -> RodBranches:
         """Return how large motion becomes over a range of loads: the branches of periodic motion in one mode.
 
-        Orbits, stable and unstable ones, are looked for at a few loads of the range, and followed by
+        Orbits, stable and unstable ones, are searched for at a few loads of the range, and followed by
         `floquetrod.follow` through it and round folds, until motion shrinks to rest, the rod presses on its wall with
-        less than a third of its weight and is about to leave it, or angles exceed 40 degrees.  Where two stable ones
-        stand over one load, or one beside a stable state of rest, which one the rod takes depends on where it comes
-        from: hysteresis.  Ctrl-C returns what has been found.
+        less than a third of its weight and is about to leave it, or angles exceed 40 degrees.  If a load has two stable
+        orbits, or one and a stable state of rest, the motion depends on the initial conditions: hysteresis.  Ctrl-C
+        returns what has been found.
 
         Parameters
         ----------
         load : AxialLoad, AxialWave or RodBranches
-            Where the search begins, or next to it in the range; other quantities stay as they are.  Or branches of this
-            rod, to go on with from their ends.
+            Where the search begins, or next to it in the range; other quantities are not varied.  Or branches of this
+            rod, to be continued from their ends.
         over : mapping of str to (float, float)
             "frequency", "mean" or "amplitude", and the range in rad/s or N; of branches their own by default.
         mode : int, optional
@@ -764,7 +765,7 @@ class Rod(RodData):
         indentation : float
             As in `steady_motion`.
         steps : int
-            Most orbits to each side of where a branch is found.
+            Largest number of orbits on each side of the start of a branch.
         longest : float
             Length of the longest step, in units of the range and of the largest magnitudes of the states.
         progress : callable, optional
@@ -803,12 +804,12 @@ class Rod(RodData):
         return branches.branches(model, load, over, (mode, all_modes), indentation, steps, longest, progress)
 
     def safe_kick(self, load: AnyLoad, *, indentation: float = 1e-4) -> SafeKick:
-        """Return which kicks a stable rod was found to come to rest from, and which to lead to a large motion.
+        """Return the kicks after which a stable rod was found to come to rest, and those that lead to a large motion.
 
         A search for large stable orbits of each mode alone, up to 40 degrees, and for each mode that has one a scan
         over kicks of that mode and phases of the load: up to ``safe_up_to`` all that were tried came to rest, at
-        ``escapes_at`` one did not.  The first is no proof: of kicks between those, and of several modes at once, it
-        says nothing.
+        ``escapes_at`` one did not.  The first is not proved: kicks between those tried, and in several modes at once,
+        may lead to a large motion.
 
         Parameters
         ----------
@@ -838,7 +839,7 @@ class Rod(RodData):
         return kicked_motion.safe_kick(self.modes_under(require_load("load", load)), load, indentation)
 
     def critical_noise(self, load: AnyLoad, *, growth_tolerance: float = 0.0) -> float:
-        """Return by which factor the noise of a load may be multiplied with the rod still stable in mean square.
+        """Return the factor by which the noise of a load may be multiplied with the rod still stable in mean square.
 
         Of noise 1 that is the largest density in N^2/Hz.  It is found to 1e-10, between a factor at which the verdict
         is stable and one at which it is not; infinite where no change is found.  Where modes are coupled it is found to
@@ -892,11 +893,11 @@ class Rod(RodData):
         Parameters
         ----------
         mean : float or (low, high)
-            F_ave in N: a number, or both ends of what it may be.
+            F_ave in N: a number, or both ends of its range.
         amplitude : float or (low, high)
-            dF in N, 0 or more: a number, or both ends of what it may be.
+            dF in N, 0 or more: a number, or both ends of its range.
         frequency : float or (low, high)
-            omega in rad/s, greater than 0: a number, or both ends of what it may be.
+            omega in rad/s, greater than 0: a number, or both ends of its range.
         growth_tolerance : float
             Growth rate in 1/s up to which a mode counts as stable.  Without damping no box of positive size can be
             proved stable with 0: thin tongues are everywhere.
@@ -904,12 +905,12 @@ class Rod(RodData):
             Parameters of the rod that vary, by name, each a number or (low, high) in SI units:
             ``{"length": (3.05, 3.15)}``; diameters may be given in place of radii.
         like : AxialLoad, optional
-            What everything else of the load is taken from: ``AxialLoad(0, 0, 1, mean_at=None)`` neglects the weight
+            Gives all other properties of the load: ``AxialLoad(0, 0, 1, mean_at=None)`` neglects the weight
             along an inclined rod.
         max_boxes : int
-            Parts of the box to look at before it is given up.
+            Parts of the box to examine before it is given up.
         progress : callable, optional
-            Called with the numbers of parts looked at and of those allowed.
+            Called with the numbers of parts examined and of those allowed.
 
         Returns
         -------
@@ -962,7 +963,7 @@ class Rod(RodData):
         rod : mapping, optional
             Tolerances of the rod, as in `certify`: the box is safe for every rod within them.
         accuracy : float
-            How closely sides are found, as a share of the width of the box, 1e-4 to 0.5.
+            How closely sides are found, as a fraction of the width of the box, 1e-4 to 0.5.
         progress : callable, optional
             Called with the numbers of sides moved and of those to move at most.
 

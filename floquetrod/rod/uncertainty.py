@@ -52,7 +52,7 @@ class SobolIndex(NamedTuple):
 
 @dataclass(frozen=True, repr=False)
 class InstabilityProbability(NoTruthValue):
-    """How probable it is that a rod is unstable.
+    """The probability that a rod is unstable.
 
     Attributes
     ----------
@@ -71,7 +71,7 @@ class InstabilityProbability(NoTruthValue):
     growth_tolerance : float
         Growth in 1/s up to which a mode counts as stable.
     seed : int
-        What gives the same samples again.
+        Seed of the samples.
     assumptions : tuple of str
     sampling : Sampling
         The rod, the load and the distributions.
@@ -111,7 +111,7 @@ class InstabilityProbability(NoTruthValue):
 
     @property
     def note(self) -> str:
-        """What could not be decided or computed, "" where nothing."""
+        """Samples that were not decided, and indices that were not computed; "" without any."""
         found = []
         if self.undecided:
             found.append(f"{self.undecided:,} of the samples could not be decided")
@@ -164,7 +164,7 @@ def probability_of_instability(
     workers: int | None = None,
     progress: Progress | None = None,
 ) -> InstabilityProbability:
-    """Return how probable it is that a rod is unstable under a load when some of their numbers are distributed.
+    """Return the probability that a rod is unstable under a load when some of their numbers are distributed.
 
     Parameters
     ----------
@@ -177,22 +177,22 @@ def probability_of_instability(
         its survey in rad: "inclination_systematic" and "azimuth_systematic", the same at all stations, and
         "inclination_random" and "azimuth_random", at each station its own.  Each a pair (low, high), between which all
         values are equally probable, such as ``("-0.5deg", "0.5deg")``, or a distribution of `scipy.stats` with its
-        parameters given; what has a method ``ppf`` or ``icdf``, the quantile function, will do.  They are independent
-        of each other.
+        parameters given; any object with a method ``ppf`` or ``icdf``, the quantile function, is accepted.  They are
+        independent of each other.
     samples : int, optional
         Number of rods and loads drawn at random; by default 1,000,000, and 1,000 where each is a rod with coupled modes
         of its own, which takes some ten milliseconds.
     growth_tolerance : float
-        Growth rate in 1/s up to which a mode counts as stable; the default leaves out what grows less than tenfold in a
+        Growth rate in 1/s up to which a mode counts as stable; the default neglects growth of less than tenfold in a
         month.
     seed : int, optional
-        The same gives the same samples, on any number of threads; by default a new one, which the result tells.
+        The same gives the same samples, on any number of threads; by default a new one, which the result contains.
     confidence : float
         Of the intervals, between 0 and 1.
     workers : int, optional
         Threads; by default one per core.
     progress : callable, optional
-        Called with the numbers of samples judged and to judge.
+        Called with the numbers of samples decided and to decide.
 
     Returns
     -------

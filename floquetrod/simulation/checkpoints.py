@@ -1,4 +1,4 @@
-"""Checkpoints: files from which a simulation continues to the bit."""
+"""Checkpoints: files from which a simulation continues bit for bit."""
 
 from __future__ import annotations
 
@@ -175,7 +175,7 @@ class Checkpoint:
         """Return the state that the file holds.
 
         Raises ValueError, with a remedy, when it is damaged, of another format or another run, or cannot be continued
-        to the bit here.
+        bit for bit here.
         """
         remedy = "or remove it to start again"
         try:
@@ -192,7 +192,7 @@ class Checkpoint:
         self, expected: Resumable, meta: dict[str, Any], arrays: dict[str, NDArray[Any]]
     ) -> tuple[str, RunState | None]:
         """Return why the content is not for this run, or the state it holds."""
-        unlike = f"of floquetrod {files.entry(meta, 'version', str)} cannot be continued to the bit here"
+        unlike = f"of floquetrod {files.entry(meta, 'version', str)} cannot be continued bit for bit here"
         theirs, ours = files.entry(meta, "arithmetic", dict), arithmetic()
         if theirs != ours:
             other = [f"{name} {value}" for name, value in theirs.items() if ours.get(name) != value]

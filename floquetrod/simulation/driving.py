@@ -19,7 +19,7 @@ from floquetrod.simulation.well_axis import WellAxis
 MOST_HARMONICS = 100  # of a simulated force: they are summed in every step
 _ACROSS = {"hinged": HINGED, "clamped": CLAMPED, "guided": GUIDED, "free": FREE}
 LARGEST_STRAIN = 0.02  # that a load may cause: beyond it linear elasticity has no meaning
-_FINE = 513  # places at which a wave is looked at for its largest force (a choice)
+_FINE = 513  # places at which a wave is examined for its largest force (a choice)
 _NEAR = 1e-4  # of an axial wave or of the length, over which its profile is differentiated (heuristic)
 
 

@@ -24,7 +24,7 @@ _MOST_PAIRS = 6  # fitted (a choice)
 _LEAST_ROWS = 6  # frames for each pair (a choice)
 _LEAST_SHARE = 0.01  # of the motion that a pair must make up: the cube of a growing mode grows three times as fast
 _ROUNDING = 1e-6  # of a frame, up to which a lag counts as whole frames
-_SEEN = 0.01  # of the largest amplitude, above which a mode's growth is looked at (a choice)
+_SEEN = 0.01  # of the largest amplitude, above which a mode's growth is examined (a choice)
 _TINY = 1e-300  # keeps 0 / 0 out
 _MOST_NODES = 64  # whose motion is followed where modes are coupled (a choice)
 
@@ -43,8 +43,8 @@ class GrowthFit(NamedTuple):
     fit_error : float
         Estimate in 1/s of the fit's part of the error, from its residual and the disagreement of its halves.
     model_error : float
-        Estimate in 1/s, by theory, of what parts the simulated rod from the linear equations: the segments, the floor
-        indented by the weight, strain, and angles that are not small; `floquetrod.simulation.model_error`.
+        Estimate in 1/s, by theory, of the difference of the simulated rod from the linear equations by the segments,
+        the floor indented by the weight, strain, and angles that are not small; `floquetrod.simulation.model_error`.
     """
 
     rate: float

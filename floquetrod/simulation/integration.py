@@ -152,7 +152,7 @@ class Integration(Generic[Result]):
         )
 
     def _has_ended(self) -> bool:
-        """Return whether there is nothing more to do, which is looked at where frames are kept."""
+        """Return whether there is nothing more to do, which is checked where frames are kept."""
         return self._between_frames == 0 and self._ended() is not None
 
     def _ended(self) -> str | None:

@@ -45,10 +45,10 @@ class DiscreteRod:
     poisson_ratio : float
         In (-1, 0.5]; with Young's modulus it gives the shear modulus, for twist.
     indentation : float
-        Depth to which the weight of the rod at rest indents the floor, as a part of R: it sets the stiffness of the
+        Depth to which the weight of the rod at rest indents the floor, as a fraction of R: it sets the stiffness of the
         contact.
     contact_damping : float
-        Damping of small motion against the wall about rest, as a part of the critical damping.
+        Damping of small motion against the wall about rest, as a fraction of the critical damping.
 
     Examples
     --------
@@ -259,7 +259,7 @@ class DiscreteRod:
         return places, moving
 
     def cartesian(self, positions: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Return the Cartesian places of nodes at recorded positions."""
+        """Return the Cartesian positions of nodes at recorded positions."""
         return positions
 
     def energies(self, rod: Any, driving: Driving) -> dict[str, float]:

@@ -45,8 +45,8 @@ def model_errors(
 ) -> ModelErrors:
     """Return the changes for motion of a wavenumber in 1/m, in a mode that is independent or, with None, in all modes.
 
-    ``segment`` is the length of a segment in m, ``indentation`` the depth to which the floor is indented, as a part of
-    the radial clearance, and ``rate`` about the growth rate in 1/s: modes that cannot grow so fast are left out.
+    ``segment`` is the length of a segment in m, ``indentation`` the depth to which the floor is indented, as a fraction
+    of the radial clearance, and ``rate`` about the growth rate in 1/s: modes that cannot grow so fast are left out.
 
     With sigma = sin(k l / 2) the scheme has (2 sigma / l) (1 + sigma^2 / 6) for a derivative and
     (2 sigma / l)^2 (1 + sigma^2 / 3) for the curvature of directions, in place of k and k^2.  Large angles: the cubic

@@ -57,11 +57,10 @@ Intervals = tuple[tuple[float, float], ...]
 class SimulationProblem:
     """A rod, its load, and how both are simulated: everything a simulation depends on, in SI units.
 
-    The rod starts on the floor, squeezed by the mean force, with the speeds of ``perturbation``; in a well it starts
-    where weight and mean force press it to the wall.  Across the
-    channel its ends are held as `Rod.ends` says.  Along it both are pushed inwards by the force of an `AxialLoad`;
-    under an `AxialWave` the upper one alone, with the lower one held, pushed by the mean force, or pushed alike.
-    Options are given by keyword.
+    The rod starts on the floor, compressed by the mean force, with the speeds of ``perturbation``; in a well it starts
+    where weight and mean force press it to the wall.  Across the channel its ends are held as `Rod.ends` says.  Along
+    it both are pushed inwards by the force of an `AxialLoad`; under an `AxialWave` only the upper one, with the lower
+    one held, pushed by the mean force, or pushed by the same force.  Options are given by keyword.
 
     Parameters
     ----------
@@ -89,9 +88,9 @@ class SimulationProblem:
     poisson_ratio : float
         In (-1, 0.5]; with Young's modulus it gives the shear modulus.
     indentation : float
-        Depth to which the weight of the rod at rest indents the floor, as a part of the radial clearance R.
+        Depth to which the weight of the rod at rest indents the floor, as a fraction of the radial clearance R.
     contact_damping : float
-        Damping of small motion against the wall about rest, as a part of the critical damping.
+        Damping of small motion against the wall about rest, as a fraction of the critical damping.
     feed_speed : float, optional
         Speed in m/s at which the upper end is moved down the channel, in place of the force there.  A vibration then
         acts on the lower end alone.
@@ -99,7 +98,7 @@ class SimulationProblem:
         Mean effective compression at the lower end in N, where that end is pushed; by default the mean of the load.
     tool : VibrationTool, optional
         In the rod, which it pushes down the channel and pulls up by amplitude * sin(frequency * t), shared by the two
-        nodes beside it; waves run from it both ways, and the ends throw them back.
+        nodes beside it; waves run from it both ways, and the ends reflect them.
     stop_early : bool
         Whether the run ends at the frame at which it has clearly buckled, the largest angle beyond 45 degrees (a
         choice), or at which friction holds it at rest: no node's angle has changed by more than 1e-5 rad over the last
@@ -199,7 +198,7 @@ class SimulationProblem:
 
     @cached_property
     def driving(self) -> Driving:
-        """What drives the ends along the channel."""
+        """The driving of the ends along the channel."""
         return Driving(self.rod, self.load, self.feed_speed, self.far_force, self.tool)
 
     @property
@@ -215,7 +214,7 @@ class SimulationProblem:
 
     @property
     def unresolved(self) -> str:
-        """What the load makes grow, by theory, and too few segments cannot carry, in words; "" where there is nothing.
+        """Modes that grow by theory and that too few segments cannot represent, in words; "" without any.
 
         An estimate: growth is that of hinged ends under the force where it is largest along the rod.
         """
@@ -242,7 +241,7 @@ class SimulationProblem:
         progress : callable, optional
             Called with the numbers of steps done and to do.
         checkpoint : path, optional
-            A file that is kept up to date; when it exists at the start, the run continues from it, to the bit the same
+            A file that is kept up to date; when it exists at the start, the run continues from it, bit for bit the same
             as if it had never stopped.  A save that fails later warns with `CheckpointWarning`, is tried again, and
             loses no frame.
 
@@ -257,7 +256,7 @@ class SimulationProblem:
             When the rod leaves the range of the model; its ``simulation`` holds the frames before.
         ValueError
             Before anything is computed, for a checkpoint that cannot be written, is damaged, belongs to another run, is
-            in use by one under way, or cannot be continued to the bit here (docs/theory/simulator.md says when).
+            in use by one under way, or cannot be continued bit for bit here (docs/theory/simulator.md says when).
         """
         place = None if checkpoint is None else validate.path("checkpoint", checkpoint)
         validate.progress(progress)
@@ -278,7 +277,7 @@ class SimulationProblem:
         )
 
     def as_dict(self) -> dict[str, Any]:
-        """Return the parameters as plain data, for files: what JSON gives back as it was."""
+        """Return the parameters as plain data, for files, which JSON preserves."""
         plain: dict[str, Any] = json.loads(
             json.dumps(asdict(self) | {"rod": self.rod.as_dict(), "load": self._load_as_dict()})
         )
@@ -426,7 +425,7 @@ class Simulation(Reported, RecordedMotion):
     Attributes
     ----------
     problem : SimulationProblem
-        What was simulated: rod, load, perturbation, friction, segments and so on.
+        The problem: rod, load, perturbation, friction, segments and so on.
     time_steps : TimeSteps
         The steps taken: their number, how many between frames, their size in s, and what limited it.
     time : ndarray (frames,)
@@ -443,13 +442,13 @@ class Simulation(Reported, RecordedMotion):
         contact, friction and damping together and apart ("dissipated_contact", ...), and the work of the end forces.
     ended : str
         How it ended: "duration" where nothing stopped it, "buckled" or "at rest" where it stopped early, "interrupted"
-        by Ctrl-C; but for the last it is ``complete``.
+        by Ctrl-C; except for the last it is ``complete``.
     seconds : float
         Wall time it took.
     version : str
         Version of the package that made it.
 
-    Simulations are equal when all but time taken and version is, to the bit.
+    Simulations are equal when all but time taken and version is, bit for bit.
     """
 
     problem: SimulationProblem
@@ -496,25 +495,25 @@ class Simulation(Reported, RecordedMotion):
         )
 
     def findings(self, *, theory: bool = True) -> Findings:
-        """Return the growth that can be fitted and what theory says of the load: `Findings`, to be read as a report.
+        """Return the fitted growth and that of theory as `Findings`, which can be read as a report.
 
         Without ``theory`` what was simulated alone; theory takes half a minute for coupled modes of a kilometre.
         """
         return Findings.of(self, theory=validate.flag("theory", theory))
 
     def report(self, units: Mapping[str, str] | None = None) -> Report:
-        """Return what was simulated in lines, without theory; `findings` compares."""
+        """Return the simulation in lines, without theory; `findings` compares."""
         return self.findings(theory=False).report(units)
 
     def as_dict(self) -> dict[str, Any]:
-        """Return what was simulated as numbers for JSON, without theory, units in the keys; `findings` compares."""
+        """Return the simulation as numbers for JSON, without theory, units in the keys; `findings` compares."""
         return self.findings(theory=False).as_dict()
 
     @cached_property
     def contact_force(self) -> NDArray[np.float64]:
         """Force per length in N/m with which the wall pushes every node, (frames, nodes); 0 where it is off the wall.
 
-        By the contact law of the model.  What holds an end across the channel pushes on top of that.
+        By the contact law of the model, without the force that holds an end across the channel.
         """
         return contact_force(self.problem.mesh, self.positions, self.velocities)
 
@@ -527,7 +526,7 @@ class Simulation(Reported, RecordedMotion):
     def left_wall(self) -> float:
         """Share of the frames of the last quarter in which a node is off the wall by more than 1 % of the clearance.
 
-        Modes of the angle describe a rod that lies against the wall all along.
+        Modes of the angle describe a rod that lies on the wall along its whole length.
         """
         radius = np.hypot(*np.moveaxis(self.positions[-self._last_quarter :, :, 1:], -1, 0))
         off = radius.min(axis=1) < (1.0 - _OFF_THE_WALL) * self.rod.radial_clearance
@@ -535,7 +534,7 @@ class Simulation(Reported, RecordedMotion):
 
     @property
     def note(self) -> str:
-        """Why the mode named may not be that of the rod, "" where nothing speaks against it.
+        """Why the mode named may not be that of the rod, "" without a reason.
 
         Segments too few for what grows by theory, or a rod that has left the wall.
         """
@@ -558,7 +557,7 @@ class Simulation(Reported, RecordedMotion):
 
     @property
     def caption(self) -> str:
-        """Load and friction of what was simulated, in a line."""
+        """Load and friction of the simulation, in a line."""
         load, scale = self.problem.load, self.rod.critical_force
         return (
             f"mean {load.mean / scale:.3g} Fcr, amplitude {load.amplitude / scale:.3g} Fcr, "
@@ -590,9 +589,9 @@ class Simulation(Reported, RecordedMotion):
         return draw_energy(self, ax)
 
     def plot_growth(self, ax: Any = None) -> Any:
-        """Draw the leading modes over time, dashed the growth `Rod.stability` predicts them; return the axes.
+        """Draw the leading modes over time, dashed the growth that `Rod.stability` predicts; return the axes.
 
-        With friction nothing is predicted: what grows is not exponential.
+        With friction nothing is predicted: growth is not exponential.
         """
         from floquetrod.plotting.rod import draw_growth
 
@@ -601,7 +600,7 @@ class Simulation(Reported, RecordedMotion):
     def plot_run(self, figure: Any = None) -> Any:
         """Draw the rod from above over the growth of its leading modes; return the figure, a new one by default.
 
-        ``figure`` may be one of matplotlib, or a part of one.
+        ``figure`` may be a figure or subfigure of matplotlib.
         """
         from floquetrod.plotting.rod import draw_run
 
@@ -623,7 +622,7 @@ class Simulation(Reported, RecordedMotion):
         return self.rod.modes_under(load).growth_of_modes(load, modes)
 
     def save(self, path: str | Path) -> Path:
-        """Write everything to an npz file; an older file of that name stays whole until the new one is complete."""
+        """Write everything to an npz file; an older file of that name is kept until the new one is complete."""
         meta = {
             "format": _FORMAT,
             "version": self.version,

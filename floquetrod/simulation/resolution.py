@@ -17,7 +17,7 @@ from floquetrod.rod.model.constants import ModeConstants, mode_constants
 from floquetrod.simulation.driving import Driving
 from floquetrod.simulation.start import LEAST_SEGMENTS
 
-_PLACES = 9  # along the rod at which the force is looked at, besides where it vibrates most (a choice)
+_PLACES = 9  # along the rod at which the force is examined, besides where it vibrates most (a choice)
 _HARMONICS = 4  # of a force, the strongest (a choice)
 _MOST_MODES = 2000  # whose growth is computed; of more, some evenly spread (a choice)
 _SHARE = 0.5  # of the fastest growth from which a mode counts (a choice)

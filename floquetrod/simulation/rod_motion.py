@@ -165,7 +165,7 @@ def grip_at(place: float, p: Any) -> float:
 
 @kernel
 def set_grips(rod: Any, places: Any, p: Any) -> None:
-    """Give nodes the friction of where they are, but for ends whose share is taken apart."""
+    """Give nodes the friction of where they are, except for ends whose share is taken apart."""
     grip = rod["grip"]
     first = 1 if p.upper.moved or p.upper.across in (HINGED, CLAMPED) else 0
     last = p.segments - (1 if p.lower.moved or p.lower.across in (HINGED, CLAMPED) else 0)
@@ -301,8 +301,8 @@ def _forces(rod: Any, p: Any) -> None:
 def frictionless_step(rod: Any, p: Any) -> None:
     """Give the nodes of a frictionless rod their new velocities, and move them.
 
-    The indentation is taken as d = (y^2 + z^2 - R^2) / (2 R), the distance beyond R but for a relative d / (2 R): its
-    gradient (y, z) / R costs neither a root nor a quotient.
+    The indentation is taken as d = (y^2 + z^2 - R^2) / (2 R), the distance beyond R except for a relative d / (2 R):
+    its gradient (y, z) / R costs neither a root nor a quotient.
     """
     x, y, z, vx, vy, vz, lost = rod["x"], rod["y"], rod["z"], rod["vx"], rod["vy"], rod["vz"], rod["lost_contact"]
     f1, f2, f3, share = rod["f1"], rod["f2"], rod["f3"], rod["share"]

@@ -58,9 +58,9 @@ def simulate(
     poisson_ratio : float
         In (-1, 0.5]; with Young's modulus it gives the shear modulus.
     indentation : float
-        Depth to which the weight of the rod at rest indents the floor, as a part of the radial clearance.
+        Depth to which the weight of the rod at rest indents the floor, as a fraction of the radial clearance.
     contact_damping : float
-        Damping of small motion against the wall about rest, as a part of the critical damping.
+        Damping of small motion against the wall about rest, as a fraction of the critical damping.
     feed_speed : float, optional
         Speed in m/s at which the upper end is moved down the channel, in place of the force there.
     far_force : float, optional

@@ -98,7 +98,7 @@ class Perturbation:
         seed : int
             Of C and D.
         highest : int
-            The last mode of C, which the paper does not tell.
+            The last mode of C, which the paper does not state.
         """
         name = validate.choice("name", name, tuple("ABCD"))
         speed, mode, seed = _speed("speed", speed), _mode("mode", mode), validate.integer("seed", seed, 0)

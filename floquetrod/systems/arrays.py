@@ -43,7 +43,7 @@ def is_stable(systems: System, *, workers: int | None = None, progress: Progress
     workers : int, optional
         Threads; by default one for each core when there is enough to do.
     progress : callable, optional
-        Called now and then with the numbers of systems done and to do: those on a boundary to rounding are judged one
+        Called now and then with the numbers of systems done and to do: those on a boundary to rounding are decided one
         by one, with up to 60 digits, which takes a tenth of a second of two equations, and seconds of many.  What it
         raises ends the work.
 
@@ -56,7 +56,7 @@ def is_stable(systems: System, *, workers: int | None = None, progress: Progress
     -----
     UndecidedWarning
         When some could not be decided, on a boundary to 60 digits or where multipliers cannot be distinguished: False
-        there means "not known to be stable"; `floquetrod.stability` of one says why, and goes on to 120 digits.
+        there means "not known to be stable"; `floquetrod.stability` of one says why, and continues to 120 digits.
 
     Examples
     --------

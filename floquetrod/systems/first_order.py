@@ -84,8 +84,8 @@ class FirstOrderTongue:
         Parameters
         ----------
         frequency : array_like
-            Forcing frequency w, in radians per unit of time.  Far from the centre the answer means little: the two
-            modes then move on their own, with their own decay rates.
+            Forcing frequency w, in radians per unit of time.  Far from the centre the answer is not meaningful: the two
+            modes are then independent, with their own decay rates.
 
         Returns
         -------
@@ -134,10 +134,10 @@ def first_order_tongues(system: HillSystem) -> tuple[FirstOrderTongue, ...]:
 
     Notes
     -----
-    A difference resonance needs couplings of opposite sign, d_ij d_ji < 0, and a sum resonance of the same sign.
-    A symmetric stiffness therefore has none of difference type.  A difference resonance broader than its frequency is
-    left out: there averaging says nothing.  Unequal damping widens a tongue: it ends at
-    D^2 = (c_i + c_j)^2 (g^2 / (c_i c_j) - 1) in D = k w - (w_i + w_j), beyond 2 g where c_i and c_j differ enough.
+    A difference resonance needs couplings of opposite sign, d_ij d_ji < 0, and a sum resonance of the same sign.  A
+    symmetric stiffness therefore has none of difference type.  A difference resonance broader than its frequency is
+    left out: averaging does not apply to it.  Unequal damping widens a tongue: it ends at D^2 = (c_i + c_j)^2 (g^2 /
+    (c_i c_j) - 1) in D = k w - (w_i + w_j), beyond 2 g where c_i and c_j differ enough.
 
     Examples
     --------

@@ -295,13 +295,13 @@ class WellPath(Reported, ByContent, TellsAttributes):
         return type(self).__new__(type(self))._keep(*kept)
 
     def with_errors(self, inclination: Any = 0.0, azimuth: Any = 0.0) -> Self:
-        """Return the path with errors added to what was measured at its stations.
+        """Return the path with errors added to the angles measured at its stations.
 
         Parameters
         ----------
         inclination : float, str or array_like (n,)
-            In rad, or strings with a unit such as "0.2deg": one for all stations, or of each station its own.  What
-            would come to lie beyond the vertical goes on on its other side, the azimuth turned round.
+            In rad, or strings with a unit such as "0.2deg": one for all stations, or of each station its own.  An
+            inclination beyond the vertical continues on its other side, with the azimuth reversed.
         azimuth : float, str or array_like (n,)
             Likewise; of any size, as directions repeat after a turn.
 

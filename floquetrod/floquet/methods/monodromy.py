@@ -177,7 +177,7 @@ def _carry(pieces: list[_Stretch], period: float, steps: int, order: int = ORDER
     whole = sum(piece.length for piece in pieces)
     y = np.array([1.0, 0.0, 0.0, 1.0])
     exponent, taken = 0, 0
-    # Machine code is a hundred times faster, but for a few steps not worth loading numba.
+    # Machine code is a hundred times faster, not worth loading numba for a few steps.
     run = runner(advance, steps, interpret_up_to=0 if "numba" in sys.modules else INTERPRETED_UP_TO)
     for piece in pieces:
         share = max(1, math.ceil(steps * piece.length / whole - 1e-9))

@@ -122,7 +122,7 @@ def _alike(systems: Sequence[HillSystem | PeriodicSystem]) -> list[Coefficients]
 
 
 def require_affine(system: Any, weighted: Sequence[tuple[float, Any]]) -> None:
-    """Raise `NotAffine` where a system is not the weighted sum of others, but for rounding and its stated error."""
+    """Raise `NotAffine` where a system is not the weighted sum of others, except for rounding and its stated error."""
     found, *others = _alike([system, *(other for _, other in weighted)])
     stated = system.coefficient_error + max(other.coefficient_error for _, other in weighted)
     gaps, rounding = {}, {}

@@ -60,15 +60,15 @@ def certify(
         A value, `Mathieu`, `Meissner`, `Hill` or an equation of your own, whose parameters are taken as the exact
         binary numbers they are; so is the period, unless ``period_over_pi`` states it exactly.  Of a system, the
         verdict holds for all coefficients within its ``coefficient_error``.  One with delays is proved stable where it
-        is for all delays, else judged where delays and period are whole numbers of a step, exactly.  Or one of the
-        three classes, with its parameters following.  Or a family, any callable that makes an equation or a system of
-        its arguments: its coefficients must be affine in each of them.
+        is for all delays, otherwise decided where delays and period are whole numbers of a step, exactly.  Or one of
+        the three classes, with its parameters following.  Or a family, any callable that makes an equation or a system
+        of its arguments: its coefficients must be affine in each of them.
     max_digits : int
         Decimal digits at which to stop trying, 5 to 10,000.
     growth_tolerance : float
         Growth per unit tau that counts as none; other than 0 for the class `Mathieu` only.
     max_boxes : int
-        Parts of a box to look at before it is given up.
+        Parts of a box to examine before it is given up.
     seconds : float
         To spend on a box of a family before it is given up.
     noise : sequence of (matrix, intensity), or float, optional

@@ -44,7 +44,7 @@ _LEFT_OUT = 1e-15  # of f, which the points are chosen for
 _CLEAR = 0.7  # part of its centre's modulus that a disc about f may have as radius; the turn is then below 90 degrees
 _FIRST_ARCS = 128
 _TERMS = 10  # of Taylor's series on an arc (a choice)
-_MOST_ARCS = 2**12  # looked at in one round (a choice)
+_MOST_ARCS = 2**12  # examined in one round (a choice)
 _FINEST = 2**34  # arcs of a circle
 
 

@@ -219,7 +219,7 @@ class Integers:
             raise TooMuchWork(f"{operations:.0e} multiplications with {self.digits} digits")
 
     def exact(self, array: Array) -> Wide:
-        """Return an array of doubles as the exact numbers they are, but for what lies below the last bit."""
+        """Return an array of doubles as the exact numbers they are, except for what lies below the last bit."""
         array = np.asarray(array)
         real, rest = self._integers(np.real(array))
         if not np.iscomplexobj(array):

@@ -55,12 +55,12 @@ class Shares(NamedTuple):
 
 @dataclass(frozen=True, repr=False)
 class RegionProof(Reported, NoTruthValue):
-    """What is proved of every point of a box.
+    """A proof for every point of a box.
 
     Attributes
     ----------
     subject : Rod or callable
-        The rod, which gives what does not vary; of equations their class, or what makes one of parameters.
+        The rod, which gives the fixed parameters; of equations their class, or a function of the parameters.
     status : {"stable", "unstable", "mixed", "undecided"}
         "stable": at every point nothing grows faster than ``growth_tolerance``; "unstable": at every point something
         does; "mixed": each holds somewhere, see ``examples``; "undecided": the work allowed was not enough.
@@ -86,7 +86,7 @@ class RegionProof(Reported, NoTruthValue):
     note : str
         Where undecided, why.
     assumptions : tuple of str
-        What the proof rests on.
+        Assumptions of the proof.
     """
 
     ask = ".stable (True, False, or None when mixed or undecided)"
@@ -176,7 +176,7 @@ class RegionProof(Reported, NoTruthValue):
 
     @property
     def assumed(self) -> list[tuple[str, str]]:
-        """Lines about what the proof rests on."""
+        """Lines on the assumptions of the proof."""
         wrapped = textwrap.wrap("; ".join(self.assumptions), 100)
         return [("" if i else "assumes", text) for i, text in enumerate(wrapped)]
 

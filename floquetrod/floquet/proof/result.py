@@ -40,7 +40,8 @@ class Proof(Reported, Answer):
     Attributes
     ----------
     equation : Equation, HillSystem, PeriodicSystem or DelaySystem
-        The equation or system, its parameters taken as the exact binary numbers they are, but for those in ``exact``.
+        The equation or system, its parameters taken as the exact binary numbers they are, except for those in
+        ``exact``.
     status : {"stable", "unstable", "undecided"}
         What was proved; "stable": every solution stays bounded (decays, if damped and not at rest).
     interval : Interval or None
@@ -78,7 +79,7 @@ class Proof(Reported, Answer):
         return {"status": self.status, "statement": self.statement, "digits": self.digits}
 
     def where(self, _shown: Any = None, _sides: Any = ()) -> str:
-        """Return what it is a proof of, as `RegionProof` writes its examples."""
+        """Return the subject of the proof, as `RegionProof` writes its examples."""
         return repr(self.equation)
 
     def __repr__(self) -> str:

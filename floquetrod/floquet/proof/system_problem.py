@@ -29,7 +29,7 @@ _MOST_TERMS = 40  # of the series for the inverse mass (a choice)
 
 @dataclass(frozen=True)
 class SecondOrder:
-    """M q'' + (C + G) q' + K(t) q = 0, all numbers exact, K known but for ``error`` in each entry.
+    """M q'' + (C + G) q' + K(t) q = 0, all numbers exact, K known up to ``error`` in each entry.
 
     M is symmetric and positive definite, G = -G^T.  ``is_reversible``: C = G = 0 and K is even about an instant.
     """
@@ -90,7 +90,7 @@ class SecondOrder:
 
 @dataclass(frozen=True)
 class FirstOrder:
-    """x' = A(t) x, all numbers exact, A known but for ``error`` in each entry.
+    """x' = A(t) x, all numbers exact, A known up to ``error`` in each entry.
 
     ``is_paired``: with every multiplier mu there is 1 / conj(mu).  ``is_hamiltonian``: x are positions and momenta.
     """

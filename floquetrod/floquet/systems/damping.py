@@ -38,7 +38,7 @@ def least_damping(
     excess : callable (rate) -> float
         Growth rate at a damping rate; not above zero at some large rate.
     growth : float
-        About the rate looked for: half, one, two, four and eight times as much are tried.
+        About the rate searched for: half, one, two, four and eight times as much are tried.
     frequency : float
         Angular frequency of the forcing; of a smaller growth rate than a millionth of it, that is tried.
     further : ndarray, optional

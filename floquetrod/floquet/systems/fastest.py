@@ -13,8 +13,8 @@ however near to one another these are, and there is no multiplier where G is bel
 
 Eigenvalues of H outside the circle are taken out of G as poles, each with a disc within which G may be larger; what is
 left has its maximum for |z| >= r on the circle.  X and Y, the eigenvectors of H and their inverse as computed, give G
-but for |X Y - I| and H X - X Lambda, which are added to the bound: where H is nearly defective, G is too large to say
-anything.
+except for |X Y - I| and H X - X Lambda, which are added to the bound: where H is nearly defective, G is too large to
+say anything.
 
 V is a Krylov space of the random columns, and holds what a few modes, those that the fastest solutions are made of,
 contribute on their own.
@@ -91,7 +91,7 @@ class FastSolutions(NamedTuple):
         rest = self.rest / float(system.period)
         damping = 0.0 if system.damping is None else 0.5 * float(system.damping[0, 0])
         note = (
-            f"only solutions that grow faster than {rest - damping:.3g} per unit time were looked for; that one was "
+            f"only solutions that grow faster than {rest - damping:.3g} per unit time were searched for; that one was "
             f"missed has a chance of {_CHANCE:.0e}"
         )
         cost = Cost(self.columns, "solutions over a period")

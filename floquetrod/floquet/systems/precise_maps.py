@@ -1,8 +1,8 @@
 """Maps of x' = A(t) x to any number of digits, with a bound of their error: Taylor series in fixed-point arithmetic.
 
 Matrices hold integers, multiples of 2^-bits, and every operation rounds down by less than one of them.  Norms are the
-largest sums of magnitudes along a row, but for that of the map's error at last.  Nothing but the matrices is used: no
-symmetry, and no code of the maps in doubles.
+largest sums of magnitudes along a row, except for that of the map's error at last.  Nothing but the matrices is used:
+no symmetry, and no code of the maps in doubles.
 """
 
 from __future__ import annotations

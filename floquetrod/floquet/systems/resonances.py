@@ -15,7 +15,7 @@ from floquetrod.floquet.systems.result import Resonance
 Floats = NDArray[np.float64]
 Ints = NDArray[np.intp]
 
-_HIGHEST_ORDER = 40  # of a resonance that is looked for
+_HIGHEST_ORDER = 40  # of a resonance that is searched for
 _MOST_MODES = 200  # of a system whose resonances are named: their number grows with the square
 _PER_ORDER = 0.05  # what an order is thought to cost, in detuning relative to w: low orders grow faster
 _UNCOUPLED = 0.2  # what it costs that the harmonic of that order does not couple the modes, alike

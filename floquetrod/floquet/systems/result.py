@@ -74,7 +74,7 @@ class SystemStability(FloquetVerdict):
     It has all that every `FloquetVerdict` has: as many exponents as equations of first order, with delays those of the
     multipliers above a modulus that the note says, which of constant coefficients are characteristic roots; and as
     ``error`` the relative error of the multipliers as they were computed, the largest of ``exponent_errors`` times the
-    period but for the rounding of the exponents to doubles.
+    period except for the rounding of the exponents to doubles.
 
     Attributes
     ----------

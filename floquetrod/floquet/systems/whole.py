@@ -25,7 +25,7 @@ class PeriodMaps(NamedTuple):
 
 
 def is_oscillators(mean: NDArray[np.float64], harmonics: NDArray[np.complex128]) -> bool:
-    """Return whether x' = A(t) x is q'' + K(t) q = 0, K symmetric to the bit, as it stands."""
+    """Return whether x' = A(t) x is q'' + K(t) q = 0, K symmetric bit for bit, as it stands."""
     n = len(mean) // 2
     lower = np.concatenate([mean[None, n:, :n], harmonics[:, n:, :n]])
     velocities = not mean[:n, :n].any() and not mean[n:, n:].any() and np.array_equal(mean[:n, n:], np.eye(n))

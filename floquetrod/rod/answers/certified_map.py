@@ -18,7 +18,7 @@ from floquetrod.rod.model.constants import MOST_MODES
 from floquetrod.rod.model.data import RodData
 
 _FIRST = 16  # cells along a side of the first blocks (a choice)
-_PARTS = 64  # parts of a single cell looked at before it is given up (a choice)
+_PARTS = 64  # parts of a single cell examined before it is given up (a choice)
 _AT_ONCE = 4096  # boxes between two reports of progress (a choice)
 _CHUNK = 64  # boxes a thread takes at a time: some milliseconds
 

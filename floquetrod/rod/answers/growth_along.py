@@ -13,7 +13,7 @@ from floquetrod.wells.drag import Pipe, Place
 
 Floats = NDArray[np.float64]
 
-_TONGUES = 2  # subharmonics whose waves are looked at closely: those of a higher order hardly grow
+_TONGUES = 2  # subharmonics whose waves are examined closely: those of a higher order hardly grow
 _CLOSE = np.linspace(-1.0, 1.0, 25)  # of a tongue's width about its middle
 _WIDE = np.linspace(0.02, 1.5, 60)  # of the wavenumber that resonates
 _FEW = np.array([-0.3, 0.0, 0.3]), np.array([0.0, 1.0 / 6.0, 1.0 / 3.0])

@@ -97,7 +97,7 @@ class FoundIntervals(NamedTuple):
     ----------
     intervals : tuple of StabilityInterval
     modes : int
-        Modes looked at, 1 to this.
+        Modes examined, 1 to this.
     tongues_left_out : int
         Resonance tongues left out.
     resolution : float

@@ -44,9 +44,9 @@ class MeanForce(Reported, ByContent):
     force : ndarray (n,)
         Effective compression in N, negative for a pull; infinite where the string is locked up.
     contact : ndarray (n,)
-        Contact force in N/m, that of a helix counted in.
+        Contact force in N/m, that of a helix included.
     friction : ndarray (n,)
-        Mean coefficient of friction, less where a tool shakes the string.
+        Mean coefficient of friction, smaller where a tool vibrates the string.
     speed : ndarray (n,)
         Amplitude in m/s of the axial vibration, 0 without a tool.
     vibration : ndarray (n,)
@@ -59,7 +59,7 @@ class MeanForce(Reported, ByContent):
         "pushed", "standing" or "pulled".
     error : float
         Estimated error of ``force`` in N where it is finite, that of the integration alone.  With a tool its wave and
-        the force are found in turns, and from above and below; infinite where these have not settled.
+        the force are computed alternately, and from above and below; infinite where these have not converged.
     """
 
     depth: Floats
@@ -75,7 +75,7 @@ class MeanForce(Reported, ByContent):
 
     @property
     def at_top(self) -> float:
-        """Compression in N at the upper end, which the injector must push, negative for a pull; infinite locked up."""
+        """Compression in N at the upper end, required of the injector, negative for a pull; infinite if locked up."""
         return float(self.force[0])
 
     @property

@@ -60,24 +60,23 @@ class Reach(Reported, ByContent):
         Compression in N at the upper end that it takes to push the lower end there, without a tool; negative for a pull
         that holds it, infinite where it is locked up.
     injector_shaken : ndarray (n,)
-        The same with the tool; infinite also where force and wave do not settle, which strings do not that lock up.
+        The same with the tool; infinite also where force and wave do not converge, as for a string that locks up.
     bit_depth : ndarray (m,)
         Some of the depths, 12 at most.
     bit : ndarray (m,)
         Greatest compression in N that reaches the lower end there without a tool, the upper end pushed with ``push``;
-        NaN where the string does not reach.  To 4e-4 (S + F^2 / S) and up to 10 S, S the critical force in a level
-        hole.
+        NaN where the string does not reach.  Accurate to 4e-4 (S + F^2 / S), up to 10 S, with the critical force S in a
+        level hole.
     bit_shaken : ndarray (m,)
-        The same with the tool, to 1e-2 (S + F^2 / S).
+        The same with the tool, accurate to 1e-2 (S + F^2 / S).
     far_force : float
         Compression in N at the lower end.
     push : float
         Greatest compression in N that the upper end can be given, infinite for any.
     reach : float
-        Measured depth in m down to which the string can be pushed without a tool, that of the end of the path where
-        nothing stops it before.
+        Measured depth in m to which the string can be pushed without a tool, at most that of the end of the path.
     reach_shaken : float
-        The same with the tool, to some 5e-4 of it.
+        The same with the tool, accurate to some 5e-4 of it.
     is_stopped : bool
         Whether the string without a tool is stopped before the end of the path.
     is_stopped_shaken : bool
@@ -99,24 +98,24 @@ class Reach(Reported, ByContent):
     sliding : float
         Speed in m/s at which the string slides down.
     growth : ndarray
-        Fastest growth in 1/s there of a lateral wave that the vibration causes, which moves across as fast
-        as the string slides: after the rod's damping rate and the friction of a string that slides.  0 where nothing
-        grows, and where the string is buckled by the mean force already.
+        Fastest growth in 1/s there of a lateral wave caused by the vibration, whose velocity is that at which the
+        string slides, with the rod's damping rate and the friction of a sliding string.  0 where no wave grows, and
+        where the mean force has buckled the string.
     growth_free : ndarray
-        The same without friction across.
+        The same without lateral friction.
     half_wave : ndarray
-        Half wave in m that grows fastest, 0 where none does even without friction.
+        Half wave in m that grows fastest, 0 where none grows even without friction.
     kick : ndarray
-        Speed across in m/s from which on a wave grows there against friction; infinite where none does.
+        Lateral velocity in m/s above which a wave grows there against friction; infinite where none does.
     frequencies : ndarray
-        Frequencies of the tool in rad/s that were looked at.
+        Frequencies of the tool in rad/s that were examined.
     frequency_depth : ndarray
         Measured depths in m of the lower end then, on the way from ``reach`` to ``reach_shaken``, 95 % of it the last.
     frequency_growth : ndarray
         Fastest ``growth`` with each of them at any of these depths, mean force and wave those of that frequency;
         infinite where the string is stopped before.
     frequency_speed : ndarray
-        Largest speed to and fro in m/s with each of them; 0 where the string is stopped before.
+        Largest axial velocity of the vibration in m/s with each of them; 0 where the string is stopped before.
     """
 
     path: WellPath
@@ -151,7 +150,7 @@ class Reach(Reported, ByContent):
 
     @property
     def gain(self) -> float:
-        """What the tool adds to the reach in m."""
+        """Increase of the reach by the tool in m."""
         return self.reach_shaken - self.reach
 
     @property
@@ -174,7 +173,7 @@ class Reach(Reported, ByContent):
 
     @property
     def useful_frequencies(self) -> tuple[tuple[float, float], ...]:
-        """The ranges of `stable_frequencies` with which vibration brings the string as deep as was looked."""
+        """The ranges of `stable_frequencies` with which the string reaches the last of ``frequency_depth``."""
         is_useful = (self.frequency_growth <= _GROWS) & (self.frequency_speed > self.sliding)
         return tuple(spans(self.frequencies, is_useful)) if self.gain > 0.0 else ()
 
@@ -203,7 +202,7 @@ class Reach(Reported, ByContent):
         Raises
         ------
         ValueError
-            For what is no unit of a length or a force.
+            For a unit that is not one of length or force.
         """
         along = self.along
         unit = units.unit(depth, "depth", "length")
@@ -222,7 +221,7 @@ class Reach(Reported, ByContent):
 
     @property
     def assumptions(self) -> tuple[str, ...]:
-        """What is assumed."""
+        """The assumptions."""
         local = (
             "growth is that of a long string under the force at each depth, with the rod's damping and with friction, "
             f"which damps a lateral wave the less the faster it moves: here {with_unit(self.sliding, 'm/s', 3)}"
@@ -321,9 +320,9 @@ class Reach(Reported, ByContent):
         }
 
     def plot(self, figure: Any = None) -> Any:
-        """Draw the section of the well, the force at the injector, and along the string what there is.
+        """Draw the section of the well, the force at the injector, and the results along the string.
 
-        Into a figure of matplotlib or a part of one, a new one by default, which is returned.
+        Draws into a figure or subfigure of matplotlib, a new one by default, which is returned.
         """
         from floquetrod.plotting.reach import draw_reach
 

@@ -32,8 +32,8 @@ from floquetrod.rod.model.assumptions import IMMERSED, SHAPE, WALL, in_a_channel
 from floquetrod.rod.model.constants import MOST_MODES, NEGLIGIBLE_GROWTH, mode_constants
 from floquetrod.rod.model.data import RodData
 
-_BOXES_A_ROD = 64  # parts of a box looked at before its rods are halved: a millisecond or so
-_FEWEST_RODS = 16  # boxes of rods looked at, at least; at most one for each so many parts (a choice)
+_BOXES_A_ROD = 64  # parts of a box examined before its rods are halved: a millisecond or so
+_FEWEST_RODS = 16  # boxes of rods examined, at least; at most one for each so many parts (a choice)
 _BOTH = {"stable", "unstable"}
 _CANDIDATES = 8  # times that parts are tried as examples, one of each kind: some milliseconds each
 _LEAST_GROWTH = 1e-9  # in 1/s: growth that an example is searched with where less would do, tenfold in 73 years

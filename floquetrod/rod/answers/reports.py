@@ -153,7 +153,7 @@ class ReportedVerdict(Reported, _RodVerdict):
         units : mapping, optional
             In which to show mean, amplitude and frequency: ``{"mean": "Fcr", "frequency": "Hz"}``; N and rad/s without.
         margins : mapping, optional
-            What `margins` returned, to be said with the damping that stabilises.
+            The result of `margins`, reported with the damping that stabilises.
 
         Returns
         -------

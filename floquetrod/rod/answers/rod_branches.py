@@ -169,7 +169,7 @@ class RodBranches(ByContent, Reported, NoTruthValue):
     def plot(self, ax: Any = None, *, unit: str = "") -> Any:
         """Draw the largest angle over the parameter: solid where stable, dashed where unstable, dotted undecided.
 
-        A cross is where the rod is about to leave its wall: beyond, it has to be simulated.
+        A cross marks where the rod is about to leave its wall: beyond it, the rod must be simulated.
 
         Parameters
         ----------
@@ -189,7 +189,7 @@ class RodBranches(ByContent, Reported, NoTruthValue):
         return f"{count} of motion in mode {self.mode}, up to {math.degrees(self.amplitude.max()):.3g} degrees"
 
     def report(self) -> Report:
-        """Return the branches in a table, with their ends, and where the equations cease to hold."""
+        """Return the branches in a table, with their ends, and the limits of the equations."""
         lines = []
         for i, part in enumerate(self.parts):
             lines += [(f"{i}", f"begins: {part.ends[0]}"), ("", f"ends: {part.ends[1]}")]

@@ -29,7 +29,7 @@ from floquetrod.rod.model.assumptions import warn_unless_uniform
 from floquetrod.rod.model.constants import mode_constants
 from floquetrod.rod.model.data import RodData
 
-_BOXES = 200  # parts of a box looked at before it counts as not safe, in a search of many (a choice)
+_BOXES = 200  # parts of a box examined before it counts as not safe, in a search of many (a choice)
 _ROUNDS = 8  # times that every side is moved, at most: two or three are usual
 _GRID = 5  # loads a quantity that are judged before a proof is tried (a choice)
 _CORNERS = 16  # corners of the tolerances of a rod whose rods are judged likewise: all those of four parameters
@@ -55,9 +55,9 @@ class SafeBox(Reported, NoTruthValue):
     load : Load
         The working point.
     ranges : tuple of SafeRange
-        Mean force, amplitude, frequency: from where to where each may go, whatever the others do; SI units.
+        Mean force, amplitude, frequency: range of each, independent of the others; SI units.
     accuracy : float
-        How closely the sides were searched, as a share of their distance.
+        How closely the sides were searched, as a fraction of their distance.
     proof : RegionProof
         That every load of the box is safe on every rod within its tolerances.
     """
@@ -76,7 +76,7 @@ class SafeBox(Reported, NoTruthValue):
 
     @property
     def rod_tolerances(self) -> tuple[Side, ...]:
-        """Parameters of the rod that were given, and from where to where each may be."""
+        """Parameters of the rod that were given, and the range of each."""
         return self.proof.box[3:]
 
     def in_units(self, **names: str) -> tuple[SafeRange, ...]:
@@ -94,7 +94,7 @@ class SafeBox(Reported, NoTruthValue):
         return tuple(found)
 
     def table(self, **names: str) -> str:
-        """Return a table for who turns the knobs, in units as for `in_units`.
+        """Return a table for an operator, in units as for `in_units`.
 
         Ends are rounded inwards to six digits, so that what is printed is proved, too.
         """

@@ -16,17 +16,17 @@ from floquetrod.rod.model.data import RodData
 class SafeKick(Reported):
     """The kick up to which a rod that is stable at rest was found to return to it: a search, one mode at a time.
 
-    A kick is a transverse velocity that a mode is given at rest, at any phase of the load: that of the place of the rod
-    where it is largest.  Kicked are the modes that carry, each alone, a large stable orbit that a search finds.
-    Nothing is proved: of kicks between those, of several modes at once, and of other modes nothing is known.
+    A kick is a transverse velocity of a mode at rest, at any phase of the load, at the point of the rod where it is
+    largest.  Tried are the modes for each of which, alone, a search finds a large stable orbit.  Nothing is proved:
+    kicks between those tried, in several modes at once, and in other modes may behave differently.
 
     Attributes
     ----------
     rod : Rod
     load : AxialLoad or AxialWave
     safe_up_to : float
-        Kick in m/s up to which every one that was tried came to rest; infinite where no large motion was found, and no
-        kick tried.
+        Kick in m/s up to which the rod came to rest after every kick tried; infinite where no large motion was found,
+        and no kick tried.
     safe_mode : int
         The mode of which it is the limit, which may be another than ``mode``; 0 for none.
     escapes_at : float

@@ -25,7 +25,7 @@ class SteadyMotion(ByContent, Reported, NoTruthValue):
     mode : int
         Mode that moves most, by its number of half waves; 0 at rest.
     amplitude : float
-        Largest angle in rad that any place of the rod reaches; 0 at rest.
+        Largest angle in rad that any point of the rod reaches; 0 at rest.
     error : float
         Estimate of the error of the amplitude in rad as a solution of the equations on the wall: how much it changes
         with more modes, and that of the orbit.
@@ -41,11 +41,11 @@ class SteadyMotion(ByContent, Reported, NoTruthValue):
         Least and largest contact force in N/m along the rod over a period, of a rod on the wall up to its ends; it
         leaves the wall where that is negative.
     lost_at : float or None
-        Where the least is negative: that place in m from the upper end.
+        Where the least is negative: its position in m from the upper end.
     shortening : tuple of float
-        Least and largest shortening in m along the channel over a period, by waving.
+        Least and largest shortening in m along the channel over a period, by the lateral motion.
     note : str
-        What else is to be known.
+        Further remarks.
     """
 
     ask = ".status ('stable', 'unstable' or 'undecided')"
@@ -66,7 +66,7 @@ class SteadyMotion(ByContent, Reported, NoTruthValue):
 
     @property
     def stays_on_wall(self) -> bool:
-        """Whether the contact force stays positive, without which the answer is none."""
+        """Whether the contact force stays positive; otherwise the result does not hold."""
         return self.lost_at is None
 
     @property

@@ -71,7 +71,7 @@ class Evidence(ABC):
     @property
     @abstractmethod
     def modes(self) -> tuple[int, ...]:
-        """Modes looked at."""
+        """Modes examined."""
 
     @property
     @abstractmethod
@@ -195,10 +195,10 @@ class RodStability(Verdict, ReportedVerdict):
     growth_tolerance : float
         Growth in 1/s up to which a mode counts as stable.
     evidence : Evidence
-        What the verdict rests on.
+        Basis of the verdict.
 
-    Modes are numbered as those of the rod without axial force, which have the same ends.  What is told of one kind of
-    modes alone, such as `mode_verdicts` or `shape`, raises an AttributeError that says so for the other.
+    Modes are numbered as those of the rod without axial force, which have the same ends.  Attributes of one kind of
+    modes only, such as `mode_verdicts` or `shape`, raise an AttributeError that says so for the other.
     """
 
     rod: RodData
@@ -222,12 +222,12 @@ class RodStability(Verdict, ReportedVerdict):
 
     @property
     def modes(self) -> tuple[int, ...]:
-        """Modes looked at."""
+        """Modes examined."""
         return self.evidence.modes
 
     @property
     def modes_checked(self) -> int:
-        """Number of modes looked at; `cutoff` says why that many."""
+        """Number of modes examined; `cutoff` says why that many."""
         return len(self.modes)
 
     @property
@@ -352,7 +352,7 @@ class RodStability(Verdict, ReportedVerdict):
 
         Tongues that nowhere grow faster than `margin_tolerance` do not count, in this margin and the other two.  Where
         modes are coupled the search is sampled, and ends early where it would take more than about ten seconds: see
-        `Margin.resolution` and `Margin.searched`; `margin` goes on.
+        `Margin.resolution` and `Margin.searched`; `margin` continues the search.
         """
         return self.margin("mean", seconds=MARGIN_SECONDS)
 
@@ -445,8 +445,8 @@ class RodStability(Verdict, ReportedVerdict):
     def margin_tolerance(self) -> float:
         """Growth in 1/s up to which loads count as stable in the margins.
 
-        The growth tolerance, and at least 1e-6: a margin to a tongue in which nothing grows within a month would tell
-        nothing.  Where the load itself lies in such a tongue the margins are those of the tongue.
+        The growth tolerance, and at least 1e-6: a margin to a tongue in which nothing grows within a month would be of
+        no use.  Where the load itself lies in such a tongue the margins are those of the tongue.
         """
         least = max(self.growth_tolerance, SLOW_GROWTH)
         return least if self.stable or self.growth_rate > least else self.growth_tolerance

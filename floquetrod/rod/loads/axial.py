@@ -196,7 +196,7 @@ def gaps(
 ) -> list[AxialGap]:
     """Return the frequencies within bounds at which `require_off_resonance` raises, in increasing order, apart.
 
-    ``room`` is added to each, as a share of it, so that the ends are answered to rounding.
+    ``room`` is added to each, as a fraction of it, so that the ends are answered to rounding.
     """
     if not isinstance(load, AxialWave) or load.axial_damping > 0.0:
         return []

@@ -235,7 +235,7 @@ class Load(TellsAttributes, ABC):
 
     @property
     def features(self) -> str:
-        """In words what this load has that a sine, uniform but for the weight along the rod, has not; "" if nothing."""
+        """In words, how this load differs from a sine, uniform except for the weight along the rod; "" if not."""
         found = []
         if self.waveform != "sine":
             found.append(f"waveform of {len(self.harmonics)} harmonic{'s' * (len(self.harmonics) > 1)}")
@@ -271,7 +271,7 @@ class Load(TellsAttributes, ABC):
 @constructor_hints()
 @dataclass(frozen=True, repr=False)
 class AxialLoad(Load):
-    """Force F(t) = mean + amplitude sin(frequency t) that pushes both ends of the rod inwards, alike along the rod.
+    """Force F(t) = mean + amplitude sin(frequency t) that pushes both ends of the rod inwards, uniform along the rod.
 
     Parameters
     ----------
@@ -288,7 +288,7 @@ class AxialLoad(Load):
         sin(omega t), the default, or h_1, h_2, ...: the amplitude times Re(h_1 e^(i omega t) + h_2 e^(2 i omega t) +
         ...).
     noise : float, str or sequence of (float, float)
-        One-sided spectral density S of what is random of the force, in N^2/Hz or with a unit, "0.02 N^2/Hz": the mean
+        One-sided spectral density S of the random part of the force, in N^2/Hz or with a unit, "0.02 N^2/Hz": the mean
         square of the force in a band is S times its width in Hz.  Or pairs of a frequency in Hz and the density there,
         linear in between, the first one below the first frequency, and none above the last.  0, none, by default.
         Verdicts are then those in mean square, see `floquetrod.Rod.stability`.
@@ -382,8 +382,8 @@ class AxialWave(Load):
     noise : float
         None but 0: random waves are not computed.
     far_end : {"held", "free", "driven"}
-        The lower end, s = L: held against axial motion, the default; free of axial vibration; driven alike, as both
-        ends are in the study.
+        The lower end, s = L: held against axial motion, the default; free of axial vibration; driven by the same force,
+        as both ends are in the paper.
     axial_damping : float
         Decay rate c_a of free axial waves in 1/s, zero or more, by default 0: u_tt + 2 c_a u_t = c_0^2 u_ss.
 
@@ -460,7 +460,7 @@ class AxialWave(Load):
 
     @property
     def features(self) -> str:
-        """In words what this load has that a sine, uniform but for the weight along the rod, has not."""
+        """In words, how this load differs from a sine, uniform except for the weight along the rod."""
         ends = "both ends driven" if self.far_end == "driven" else f"lower end {self.far_end}"
         rate = f", axial damping {self.axial_damping:g} 1/s" if self.axial_damping else ""
         return ", ".join(filter(None, [f"axial waves, {ends}{rate}", super().features]))

@@ -49,7 +49,7 @@ class ForceRecord(LoadSource, ByContent):
         In N.  Samples whose time or force is NaN are left out, at most half of them.
     harmonics : int, optional
         Largest number of harmonics searched for, 20 by default; fewer where the sampling rate or the number of samples
-        allows no more, which ``note`` says where ``harmonics`` is given.
+        allows no more; ``note`` then says so if ``harmonics`` is given.
     frequency : float, optional
         Approximate frequency of the fundamental in rad/s, known to within a tenth or half a period per record; it is
         refined.  By default it is searched for: the strongest frequency of the record is then one of its first ten
@@ -72,13 +72,13 @@ class ForceRecord(LoadSource, ByContent):
     frequency_error : float
         Its standard error.
     harmonics : ndarray of complex
-        Amplitudes c_h in N of the harmonics 1, 2, ... looked for, 0 for those in the noise.
+        Amplitudes c_h in N of the harmonics 1, 2, ... searched for, 0 for those in the noise.
     harmonic_errors : ndarray
         Standard errors of their sizes in N.
     noise : float
         Root mean square in N of the residual of the fit.
     note : str
-        What was left out or limited, and where the noise is not white.
+        Harmonics and samples left out, limits, and where the noise is not white.
     force_unit_named : bool
         Whether the unit of force is known: False for a file that names none and was read without ``force_unit``.
 
@@ -237,7 +237,7 @@ class ForceRecord(LoadSource, ByContent):
         """Frequencies in Hz, and the one-sided spectral density there in N^2/Hz of the residual of the fit.
 
         The power of the residual averaged over bands of 16 independent frequencies or more, 32 bands at most: each is
-        good to a quarter or better.  Of what is above half of the sampling rate nothing is known.
+        accurate to a quarter or better.  Nothing is known above half of the sampling rate.
         """
         samples = Samples.of(self.time, self.samples)
         level = self.samples - self.mean - self.trend * (self.time - samples.centre)
@@ -252,7 +252,7 @@ class ForceRecord(LoadSource, ByContent):
     def noisy_load(self) -> AxialLoad:
         """The `load` with the spectrum of the residual as its noise, so that verdicts are those in mean square.
 
-        With the record itself, or its `load`, in place of a load the noise makes the verdict uncertain, no more.
+        With the record itself, or its `load`, in place of a load the noise only makes the verdict uncertain.
         """
         return replace(self.load, noise=self.noise_spectrum)
 

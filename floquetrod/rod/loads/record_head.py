@@ -19,7 +19,7 @@ _USUAL = {
 """Headings of a column, or words of them."""
 
 HEAD = 200
-"""Lines among which headings are looked for (a choice)."""
+"""Lines among which headings are searched for (a choice)."""
 
 
 class Column(NamedTuple):

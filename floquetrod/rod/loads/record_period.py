@@ -15,9 +15,9 @@ FALSE_HARMONIC = 0.01
 """Chance that white noise alone puts any harmonic of a record among those kept (a choice)."""
 
 FEWEST_PERIODS = 1.9
-"""Periods that a record has at least: two, but for the error of the period."""
+"""Periods that a record has at least: two, less the error of the period."""
 
-_MOST_HARMONICS = 20  # looked for by default (a choice)
+_MOST_HARMONICS = 20  # searched for by default (a choice)
 _DEEPEST = 10  # number of the strongest harmonic at most (a choice)
 _FALSE_PERIOD = 1e-3  # chance that white noise alone passes for a period, or multiplies it (a choice)
 _COLOURED = 1e-3  # chance that white noise counts as stronger about one frequency than on average (a choice)
@@ -42,9 +42,9 @@ class PeriodicFit(NamedTuple):
     fit : Fit
         Of the harmonics kept.
     every : Fit
-        Of all harmonics looked for.
+        Of all harmonics searched for.
     beyond : tuple of int
-        Harmonics above the noise that were not looked for.
+        Harmonics above the noise that were not searched for.
     factors : ndarray
         How many times the noise about frequency 0 and about each harmonic kept exceeds its average, in amplitude.
     """
@@ -64,7 +64,7 @@ def find(samples: Samples, guess: float | None, most: int | None) -> PeriodicFit
     guess : float or None
         Periods in the record, known within a tenth or half a period.
     most : int or None
-        Harmonics looked for at most.
+        Harmonics searched for at most.
 
     Raises
     ------
@@ -315,8 +315,8 @@ def coloured(samples: Samples, found: Fit, residual: Spectrum) -> Floats:
     """Return how many times the noise about frequency 0 and about each harmonic exceeds its average, in amplitude.
 
     1 where the excess may be chance.  The noise about a harmonic is the power of the residual within half the
-    fundamental, or four frequencies that the record tells apart, but for what the fit has taken out: on the side where
-    it is stronger, as the noise of a drift falls with frequency.
+    fundamental, or four frequencies that the record tells apart, except for what the fit has taken out: on the side
+    where it is stronger, as the noise of a drift falls with frequency.
     """
     from scipy.special import chdtri
 

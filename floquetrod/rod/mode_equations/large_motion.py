@@ -170,11 +170,11 @@ class LargeMotion(ByContent):
     ----------
     rod : RodData
     load : Load
-        The same all along the rod, but for the weight of an inclined one.
+        The same all along the rod, except for the weight of an inclined one.
     shapes : Shapes
     indentation : float
-        Depth to which the weight of the rod at rest indents the wall, as a part of the radial clearance; 0 keeps the
-        rod on the wall up to hinged ends, where it lifts off a little.
+        Depth to which the weight of the rod at rest indents the wall, as a fraction of the radial clearance; 0 keeps
+        the rod on the wall up to hinged ends, where it lifts off a little.
     shortens : bool
         Whether the inertia of shortening counts.
     """

@@ -41,7 +41,7 @@ class ModalSystem:
         What they need of the rod.
     load : AxialLoad
     modes : tuple of int
-        Modes looked at.
+        Modes examined.
     left_out_bound : float
         Bound in 1/s on the growth of every mode beyond them; infinite where nothing is said of others.
     """

@@ -9,7 +9,7 @@ With Q = q' + a q, K = w^2 + a^2 - 2 a c + p, V = Q^2 + K q^2 and a = c + s^2 / 
     d E[U] / dt = (-2 c + s^2 / 2 K) E[U] + (g (p' + s^2) / 2 K - g') E[q Q] / sqrt(K),
 
 and abs(q Q) <= V / 2 sqrt(K): between these bounds second moments grow where K is positive.  Without p they are sharp:
-2 c against s^2 / 2 w^2, but for c^2.
+2 c against s^2 / 2 w^2, except for c^2.
 """
 
 from __future__ import annotations

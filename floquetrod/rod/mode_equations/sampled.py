@@ -31,7 +31,7 @@ _AT_ONCE = 128  # steps between samples of all modes, unless fewer modes tell of
 _ACCURACY = 1e-10  # relative, of a change
 _MOST_STEPS = 80  # to it: most often about ten
 _UNTOLD = 2.0  # seconds between two reports, about (a choice)
-_CLOSE_LOOKS = 1.5  # verdicts of few modes for each step: some are looked at more closely
+_CLOSE_LOOKS = 1.5  # verdicts of few modes for each step: some are examined more closely
 _FEWEST_STEPS = 8  # of a search: with fewer it tells little (a choice)
 _IN_REACH = 2.5  # frequencies of the load up to which a mode may resonate: to order five (a choice)
 _NEAR = 0.2  # frequencies of the load about half of it within which modes grow fast (a choice)
@@ -39,8 +39,8 @@ _RULED = 5.0  # squared frequency over vibration up to which a mode is no follow
 _FEWEST = 4  # modes that are asked in place of all
 _STRONGEST = 8  # harmonics of a load whose vibration of modes far above is taken into account
 _ABOUT = np.arange(-8.0, 9.0)  # steps from where all modes do not answer as few did, asked of all (a choice)
-_CLOSER, _ROUNDS = 9, 2  # places between the neighbours of an extremum, each time it is looked at more closely
-_MOST_EXTREMA = 16  # that are looked at more closely, those next to the level first (a choice)
+_CLOSER, _ROUNDS = 9, 2  # places between the neighbours of an extremum, each time it is examined more closely
+_MOST_EXTREMA = 16  # that are examined more closely, those next to the level first (a choice)
 
 
 @dataclass(frozen=True)
@@ -113,7 +113,7 @@ def first_change(
 
     ``begins_stable`` is the verdict it changes from, that at ``piece[0]`` by default.  Samples are further apart where
     that many would take more than ``most_seconds``, as estimated; nothing is searched where even few would.
-    ``progress`` is called with the numbers of samples looked at and to look at.
+    ``progress`` is called with the numbers of samples examined and to examine.
     """
     search = _SampledSearch(varied, modes, load, tolerance)
     if not search.costs(piece, grows=not begins_stable).steps(most_seconds):
@@ -320,7 +320,7 @@ def _less(parts: list[Floats], taken: list[Floats]) -> list[Floats]:
 
 
 class _Costs(NamedTuple):
-    """Estimated seconds of a verdict with all modes, and of a step looked at with few; none depends on the machine."""
+    """Estimated seconds of a verdict with all modes, and of a step examined with few; none depends on the machine."""
 
     each: float
     step: float

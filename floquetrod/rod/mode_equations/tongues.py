@@ -102,7 +102,7 @@ def _likely_first(varied: Quantity, system: ModalSystem, bounds: tuple[float, fl
 def tongues_within(
     varied: Quantity, system: ModalSystem, tolerance: float, intervals: Sequence[tuple[float, float]]
 ) -> UnstableLoads:
-    """Search every mode over every interval: return all that grows there, ends to the bit those of the intervals."""
+    """Search every mode over every interval: return all that grows there, ends bit for bit those of the intervals."""
     still = system.per_newton == 0.0
     if still.any():
         moved = replace(system, modes=tuple(np.array(system.modes)[~still].tolist()))
@@ -178,7 +178,7 @@ def _converted(
     ends: Sequence[Floats],
     limits: tuple[Floats, Floats],
 ) -> Tongues:
-    """Return parts in the quantity of the load; one that ends where its search does ends there to the bit."""
+    """Return parts in the quantity of the load; one that ends where its search does ends there bit for bit."""
     i = found.which
     first = np.where(found.first <= ends[0][i], limits[0][i], back(found.first, i))
     last = np.where(found.last >= ends[1][i], limits[1][i], back(found.last, i))

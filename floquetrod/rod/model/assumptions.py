@@ -73,7 +73,7 @@ class UniformForceWarning(UserWarning):
 
 
 class ForcedAngleWarning(UserWarning):
-    """The vibration moves a rod along the wall of a channel that turns, about which a linear verdict knows nothing."""
+    """The vibration moves a rod along the wall of a channel that turns, which a linear verdict neglects."""
 
 
 def forced_in_words(angle: float) -> str:

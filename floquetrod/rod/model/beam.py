@@ -74,7 +74,7 @@ class Basis(ByContent):
         return len(self.bending)
 
     def coupling(self, force: Floats) -> Floats:
-        """Return the integrals of F phi_i' phi_j', symmetric to the bit; force (..., q) at the nodes."""
+        """Return the integrals of F phi_i' phi_j', symmetric bit for bit; force (..., q) at the nodes."""
         if self._is_of_many_waves:
             return self._coupling_of_waves(force)
         found = (self.slopes * (force * self.weights)[..., None, :]) @ self.slopes.T
@@ -107,7 +107,7 @@ class Basis(ByContent):
         return np.asarray((moments[..., apart] + sign * moments[..., both]) * (sizes[:, None] * (2.0 * sizes)))
 
     def pressing(self, density: Floats) -> Floats:
-        """Return the integrals of d phi_i phi_j, symmetric to the bit; density (..., q) at the nodes."""
+        """Return the integrals of d phi_i phi_j, symmetric bit for bit; density (..., q) at the nodes."""
         found = (self.values * (density * self.weights)[..., None, :]) @ self.values.T
         return np.asarray(0.5 * (found + np.swapaxes(found, -1, -2)))
 
@@ -168,7 +168,7 @@ _large_basis = functools.lru_cache(maxsize=1)(_basis)
 
 
 def _orthogonal(rows: Floats, count: int) -> Floats:
-    """Return combinations of rows that are orthonormal, nearly; the first ``count`` are so but for their sizes."""
+    """Return combinations of rows that are orthonormal, nearly; the first ``count`` are so except for their sizes."""
     found = np.zeros((len(rows), len(rows)))
     np.fill_diagonal(found[:count, :count], 1.0 / np.linalg.norm(rows[:count], axis=1))
     kept = count

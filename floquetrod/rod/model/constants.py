@@ -200,7 +200,7 @@ def extent(constants: ModeConstants, push: Any, force: Any) -> tuple[Any, Any]:
 
 
 def highest_frequency(bending: Any) -> Any:
-    """Return the natural frequency of the last mode that is looked at, in rad/s: no load may be faster."""
+    """Return the natural frequency of the last mode that is examined, in rad/s: no load may be faster."""
     return np.sqrt(bending) * MOST_MODES**2
 
 

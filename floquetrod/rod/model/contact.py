@@ -24,9 +24,9 @@ from floquetrod.rod.model.constants import ModeConstants, mode_constants
 from floquetrod.rod.model.course import Place
 from floquetrod.rod.model.data import RodData
 
-_INSTANTS = 8  # for each harmonic, at which a force is looked at for its least (a choice)
+_INSTANTS = 8  # for each harmonic, at which a force is examined for its least (a choice)
 _HALVINGS = 40  # of a piece, to where it leaves the wall (a choice)
-_ALONG_WAVES = np.linspace(0.0, 1.0, 257)  # places at which a wave is looked at (a choice)
+_ALONG_WAVES = np.linspace(0.0, 1.0, 257)  # places at which a wave is examined (a choice)
 
 
 class LeavesWallError(ValueError):

@@ -16,7 +16,7 @@ from floquetrod._util.roots import bisected
 if TYPE_CHECKING:
     from floquetrod.wells.path import WellPath
 
-_IN_AN_ARC = np.linspace(0.0, 1.0, 17)  # places of each arc at which the least of something is looked for (a choice)
+_IN_AN_ARC = np.linspace(0.0, 1.0, 17)  # places of each arc at which the least of something is searched for (a choice)
 _INSIDE = 1e-12  # of an arc, by which its ends are kept off the stations, where curvature jumps
 
 
@@ -156,7 +156,7 @@ def critical_forces(place: Place, rigidity: float, weight: float, clearance: flo
 
 
 def push(bend: Floats, across: Floats) -> Floats:
-    """Return 2 (b + sqrt(b^2 + a^2)) without cancellation: to the bit 2 a where b = 0."""
+    """Return 2 (b + sqrt(b^2 + a^2)) without cancellation: bit for bit 2 a where b = 0."""
     root = np.hypot(bend, across)
     with np.errstate(invalid="ignore", divide="ignore"):  # of what is not taken
         return np.asarray(2.0 * np.where(bend >= 0.0, bend + root, across * across / (root - bend)))

@@ -246,8 +246,8 @@ class RodData(TellsAttributes):
         Parameters
         ----------
         name : str
-            Outer diameter x wall thickness in inches, and a grade if wanted: "2.00x0.156 CT90".  The grade tells the
-            yield strength, to which `stress` is compared; the rod stays linearly elastic.
+            Outer diameter x wall thickness in inches, and a grade if wanted: "2.00x0.156 CT90".  The grade gives the
+            yield strength, with which `stress` is compared; the rod stays linearly elastic.
         bore : float or str
             Inner diameter of the hole in m, or a string with a unit such as "4.778in".
         length : float or str
@@ -274,7 +274,7 @@ class RodData(TellsAttributes):
         return type(self)(**(kept | changes))
 
     def as_dict(self) -> dict[str, Any]:
-        """Return the data sheet, plain numbers in SI units and the word for its ends, what makes an equal rod.
+        """Return the data sheet, from which an equal rod can be made: numbers in SI units and the word for its ends.
 
         Parameters of tubes, fluids, inclined channels and ends are left out where they have their defaults.
 
@@ -385,7 +385,7 @@ class RodData(TellsAttributes):
 
     @property
     def effective_gravity(self) -> float:
-        """What pulls the rod to the floor over its inertia, w_e sin(inclination) / m_t, in m/s^2."""
+        """Weight across the channel over inertia, w_e sin(inclination) / m_t, in m/s^2."""
         return float(formulas.effective_gravity(self.channel.gravity_across, self._weighing / self.mass_per_length))
 
     @property
@@ -414,7 +414,7 @@ class RodData(TellsAttributes):
         """F_cr = 2 sqrt(E I w_e sin(inclination) / R) in N; a constant push beyond it buckles a long rod.
 
         In a channel that bends 2 E I (k + sqrt(k^2 + q / (E I))), k = curvature / R, q = w_e sin(inclination) / R,
-        which solves F^2 = 4 E I (q + F k) (He & Kyllingstad 1995); along a path the least of all places.
+        which solves F^2 = 4 E I (q + F k) (He & Kyllingstad 1995); along a path the smallest along the rod.
         """
         across = math.sqrt(self.flexural_rigidity * self.mass_per_length) * self.pendulum_frequency
         if self.path is not None:
@@ -445,7 +445,7 @@ class RodData(TellsAttributes):
     def critical_forces(self) -> dict[str, BucklingForce]:
         """Return constant forces at which the rod buckles, by every criterion known here, each with its source.
 
-        Literature for long rods that nothing shakes; the first is `critical_force`.
+        From the literature, for long rods without vibration; the first is `critical_force`.
 
         Examples
         --------
@@ -532,8 +532,8 @@ class RodData(TellsAttributes):
         Returns
         -------
         Stress
-            Its ``largest`` in Pa at ``position`` in m, and ``share_of_yield``.  Before the rod moves: what grows, or
-            has buckled, bends it further.  Pressures inside and outside are taken as equal.
+            Its ``largest`` in Pa at ``position`` in m, and ``share_of_yield``.  Before the rod moves: growth or
+            buckling bends it further.  Pressures inside and outside are taken as equal.
         """
         return stress(self, require_load("load", load))
 

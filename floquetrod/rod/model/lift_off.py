@@ -65,7 +65,7 @@ class LiftOff:
         The indentation goes like contact^(2/3), so that b goes like contact^(-1/12) and K like contact^(-5/6).
         """
         root = np.hypot(contact - _LEAST_CONTACT, _ROUNDED)
-        n = 0.5 * (contact + _LEAST_CONTACT + root)  # contact, but for where it is about to be lost
+        n = 0.5 * (contact + _LEAST_CONTACT + root)  # contact, except for where it is about to be lost
         dn, ddn = 0.5 * (1.0 + (contact - _LEAST_CONTACT) / root), 0.5 * _ROUNDED**2 / root**3
         squared = np.sqrt(self.rigidity * self.indentation / self.weight)  # b^2 under the weight
         unit = squared / self.indentation

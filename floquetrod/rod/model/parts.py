@@ -221,7 +221,7 @@ class Section:
 
 @dataclass(frozen=True)
 class Fluids:
-    """Fluids inside and outside of a rod, at rest but for what its motion moves.
+    """Fluids inside and outside of a rod, at rest except for what its motion moves.
 
     Parameters
     ----------

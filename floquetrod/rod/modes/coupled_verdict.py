@@ -90,7 +90,7 @@ class ModesTogether(Evidence):
 
     @property
     def modes(self) -> tuple[int, ...]:
-        """Modes looked at."""
+        """Modes examined."""
         return tuple(range(1, self.coupled.count + 1))
 
     @property

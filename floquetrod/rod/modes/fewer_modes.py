@@ -2,8 +2,8 @@
 
 Let P be the map of the fewer modes over a period, x the start of a solution of all of them that grows by mu, cut to the
 fewer, and z^H the left eigenvector that belongs to it, cut likewise.  Then (z^H P x) / (z^H x) is the multiplier of the
-fewer but for an error of second order in what was cut off.  P being symplectic, z = J^T y, y the start of the solution
-that decays by 1 / conj(mu).
+fewer except for an error of second order in what was cut off.  P being symplectic, z = J^T y, y the start of the
+solution that decays by 1 / conj(mu).
 """
 
 from __future__ import annotations

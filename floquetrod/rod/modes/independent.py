@@ -183,7 +183,7 @@ class IndependentModel(ModeModel):
     # --- along a quantity, and over two ---
 
     def ranges(self, search: Search, progress: Progress | None) -> FoundIntervals:
-        """Return the stability intervals of one quantity of the load, complete but for ``resolution``."""
+        """Return the stability intervals of one quantity of the load, complete except for ``resolution``."""
         from floquetrod.rod.answers.intervals import FoundIntervals
 
         varied, load, bounds, tolerance = search

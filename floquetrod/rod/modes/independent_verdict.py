@@ -59,7 +59,7 @@ class ModeVerdicts(Evidence):
 
     @property
     def modes(self) -> tuple[int, ...]:
-        """Modes looked at."""
+        """Modes examined."""
         return self.system.modes
 
     @property
@@ -102,13 +102,13 @@ class ModeVerdicts(Evidence):
     def damping_to_stabilise(self, verdict: RodStability) -> float:
         """Return the smallest damping rate in 1/s from which every larger one keeps all modes from growing.
 
-        All modes that matter without damping are looked at, or those the caller chose.
+        All modes that matter without damping are examined, or those the caller chose.
         """
         undamped = verdict.rod.replace(damping_rate=0.0)
         return replace(self.system, modes=self._modes_for(undamped, self.load, 0.0)).damping_to_stabilise
 
     def growth_of(self, verdict: RodStability, mode: int) -> float:
-        """Return the growth rate of a mode in 1/s, looked at or not."""
+        """Return the growth rate of a mode in 1/s, examined or not."""
         return classify_modes(verdict.rod, replace(self.system, modes=(mode,)), 0.0).growth_rate
 
     def plot(self, verdict: RodStability, ax: Any = None) -> Any:

@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from floquetrod.rod.mode_equations.coupled_systems import CoupledEquations
 
 _AT_ONCE = 1 << 17  # modes under loads that are judged at once (a choice)
-_CLOSER = 17  # places in a band at which growth is looked at (a choice)
+_CLOSER = 17  # places in a band at which growth is examined (a choice)
 
 
 @dataclass(frozen=True)

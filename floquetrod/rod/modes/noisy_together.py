@@ -38,7 +38,7 @@ from floquetrod.rod.modes.noisy import NoisyModel, refusal
 _LEFT_OUT = 5.0  # error over the change from 5/6 of the modes, as of modes without noise
 _ENLARGEMENTS = 3  # times that more modes are taken while two numbers of them disagree (a choice)
 _MOST_NUMBERS = 1 << 24  # of all steps of a period: half a gigabyte
-_STILL = 0.1  # frequency over that of the fastest mode at which a force without vibration is looked at
+_STILL = 0.1  # frequency over that of the fastest mode at which a force without vibration is examined
 _PLACES = 17  # at most, of a search for a margin (a choice)
 _SECONDS = 0.3  # about what a verdict takes
 _HALVINGS = 20  # of a search for a margin
@@ -240,7 +240,7 @@ class NoisyTogether(Evidence):
 
     @property
     def modes(self) -> tuple[int, ...]:
-        """Modes looked at."""
+        """Modes examined."""
         return tuple(range(1, self.convergence[-1][0] + 1))
 
     @property

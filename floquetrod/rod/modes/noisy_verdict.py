@@ -46,7 +46,7 @@ class NoisyEvidence(Evidence):
     ----------
     model : ModeModel
     numbered : tuple of int
-        Modes looked at.
+        Modes examined.
     mode_verdicts : tuple of SystemStability
         Verdict on the second moments of each of them, in units of time in which its own frequency is 1.
     mode_growth_rates : ndarray
@@ -73,7 +73,7 @@ class NoisyEvidence(Evidence):
 
     @property
     def modes(self) -> tuple[int, ...]:
-        """Modes looked at."""
+        """Modes examined."""
         return self.numbered
 
     @property

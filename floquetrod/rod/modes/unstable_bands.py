@@ -38,7 +38,7 @@ class BandSearch:
     rod : RodData
     search : Search
     modes : int
-        Modes looked at, 1 to this.
+        Modes examined, 1 to this.
     """
 
     rod: RodData
