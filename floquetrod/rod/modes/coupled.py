@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from floquetrod._util import validate
 from floquetrod._util.arguments import Mention
-from floquetrod._util.arrays import Floats, Ints
+from floquetrod._util.arrays import Floats
 from floquetrod._util.progress import Progress, shifted
 from floquetrod.equations import HillSystem
 from floquetrod.floquet.systems.many import ManyVerdicts
@@ -24,7 +24,7 @@ from floquetrod.rod.mode_equations.coupled_systems import CoupledEquations
 from floquetrod.rod.model.constants import SLOW_GROWTH
 from floquetrod.rod.model.contact import require_on_wall
 from floquetrod.rod.modes.coupled_verdict import classify_coupled
-from floquetrod.rod.modes.mode_model import Answers, ModeModel, Statuses
+from floquetrod.rod.modes.mode_model import Answers, ModeModel
 from floquetrod.rod.modes.sampled_ranges import sampled_first_unstable, sampled_ranges
 from floquetrod.rod.modes.unstable_bands import sampled_bands
 
@@ -70,26 +70,15 @@ class CoupledModel(ModeModel):
         count = None if modes is None else chosen_count(modes)
         return classify_coupled(self, load, count, growth_tolerance, progress)
 
-    def status(
+    def answers(
         self,
         loads: Loads,
         growth_tolerance: float = 0.0,
         workers: int | None = None,
         progress: Progress | None = None,
-    ) -> Statuses:
-        """Return 1 where nothing grows faster than the tolerance, 0 where something does, -1 where undecided."""
-        return self.judged(loads, growth_tolerance, workers, progress=progress).status
-
-    def fastest(
-        self, loads: Loads, workers: int | None = None, progress: Progress | None = None
-    ) -> tuple[Floats, Ints]:
-        """Return the growth in 1/s, NaN where unknown, and -1 where something grows: `verdict` names the modes."""
-        growth = self.judged(loads, 0.0, workers, progress=progress).growth
-        return growth, np.where(growth > 0.0, -1, 0)
-
-    def answers(self, loads: Loads, growth_tolerance: float = 0.0, workers: int | None = None) -> Answers:
-        """Return status, growth and mode, all from one computation."""
-        status, growth = self.judged(loads, growth_tolerance, workers)
+    ) -> Answers:
+        """Return status, growth in 1/s, NaN where unknown, and -1 where something grows: `verdict` names the modes."""
+        status, growth = self.judged(loads, growth_tolerance, workers, progress=progress)
         return Answers(status, growth, np.where(growth > 0.0, -1, 0))
 
     def growth_estimate(self, loads: Loads, growth_tolerance: float = 0.0) -> Floats:

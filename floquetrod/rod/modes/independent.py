@@ -29,7 +29,7 @@ from floquetrod.rod.model.constants import (
 )
 from floquetrod.rod.model.contact import LeavesWallError, constants_under, require_on_wall
 from floquetrod.rod.modes.independent_verdict import classify_modes
-from floquetrod.rod.modes.mode_model import BandFinder, ModeModel, Statuses
+from floquetrod.rod.modes.mode_model import Answers, BandFinder, ModeModel, Statuses
 
 # Loaded by the methods that need them: a first verdict takes a quarter of the package.
 if TYPE_CHECKING:
@@ -175,6 +175,16 @@ class IndependentModel(ModeModel):
                 growth[at], mode[at] = systems.fastest(workers)
             found.append((growth, mode))
         return tuple(map(np.concatenate, zip(*found, strict=True)))  # type: ignore[return-value]
+
+    def answers(
+        self,
+        loads: Loads,
+        growth_tolerance: float = 0.0,
+        workers: int | None = None,
+        progress: Progress | None = None,
+    ) -> Answers:
+        """Return both of them, each found by itself."""
+        return Answers(self.status(loads, growth_tolerance, workers, progress), *self.fastest(loads, workers, progress))
 
     def growth_of_modes(self, load: Load, modes: Iterable[int]) -> tuple[float, ...]:
         """Return the growth in 1/s of modes."""

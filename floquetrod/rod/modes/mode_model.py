@@ -44,7 +44,7 @@ class BandFinder(Protocol):
 
 
 class Answers(NamedTuple):
-    """Of flat loads: status 1, 0 or -1; growth in 1/s; number of the fastest mode, 0 for none, -1 for several."""
+    """Of flat loads: status 1, 0 or -1; growth in 1/s, NaN where unknown; fastest mode, 0 for none, -1 for several."""
 
     status: Statuses
     growth: Floats
@@ -150,6 +150,15 @@ class ModeModel(ABC):
         """Return the verdict under one load, with some modes, by default all that can matter."""
 
     @abstractmethod
+    def answers(
+        self,
+        loads: Loads,
+        growth_tolerance: float = 0.0,
+        workers: int | None = None,
+        progress: Progress | None = None,
+    ) -> Answers:
+        """Return status, growth and number of the fastest mode of the rod under each load."""
+
     def status(
         self,
         loads: Loads,
@@ -158,16 +167,14 @@ class ModeModel(ABC):
         progress: Progress | None = None,
     ) -> Statuses:
         """Return 1 where the rod is stable, 0 where it is not, and -1 where that could not be decided."""
+        return self.answers(loads, growth_tolerance, workers, progress).status
 
-    @abstractmethod
     def fastest(
         self, loads: Loads, workers: int | None = None, progress: Progress | None = None
     ) -> tuple[Floats, Ints]:
         """Return the growth in 1/s and the number of the fastest mode: 0, 0 where stable, -1 where it has no number."""
-
-    def answers(self, loads: Loads, growth_tolerance: float = 0.0, workers: int | None = None) -> Answers:
-        """Return both of them."""
-        return Answers(self.status(loads, growth_tolerance, workers), *self.fastest(loads, workers))
+        found = self.answers(loads, 0.0, workers, progress)
+        return found.growth, found.mode
 
     def growth_estimate(self, loads: Loads, growth_tolerance: float = 0.0) -> Floats:
         """Return the growth in 1/s, NaN where unknown, none of which takes long; needed down to a tolerance."""

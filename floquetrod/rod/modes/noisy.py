@@ -176,23 +176,6 @@ class NoisyModel(ModeModel):
             require_on_wall(self.rod, self.like.with_numbers(*(float(part[0]) for part in loads.flat)))
         return np.asarray(mode_constants(self.rod).sides(*loads.flat[:2]) != 0)
 
-    def status(
-        self,
-        loads: Loads,
-        growth_tolerance: float = 0.0,
-        workers: int | None = None,
-        progress: Progress | None = None,
-    ) -> Statuses:
-        """Return 1 where no second moment grows faster than the tolerance, 0 where one does, -1 where undecided."""
-        return self.answers(loads, growth_tolerance, workers, progress).status
-
-    def fastest(
-        self, loads: Loads, workers: int | None = None, progress: Progress | None = None
-    ) -> tuple[Floats, Ints]:
-        """Return the growth of second moments in 1/s and the number of the fastest mode; 0, 0 where none grows."""
-        found = self.answers(loads, 0.0, workers, progress)
-        return found.growth, found.mode
-
     def growth_of_modes(self, load: Load, modes: Iterable[int]) -> tuple[float, ...]:
         """Return the growth of the second moments of modes in 1/s."""
         return tuple(self.under(load).rates(Loads.single(load), list(modes))[1][0].tolist())
