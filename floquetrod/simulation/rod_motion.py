@@ -134,6 +134,7 @@ class Physics(NamedTuple):
     upper: End
     lower: End
     tool: Tool
+    well: Any = None  # in a well its axis, and the weight about it, see `well_motion.Well`
 
 
 def energy_of_fixed_end(across: int, first: float, both: float, next_one: float) -> float:
@@ -329,12 +330,34 @@ def frictionless_step(rod: Any, p: Any) -> None:
 
 
 @kernel
-def _frictional_step(rod: Any, p: Any) -> None:
-    """Give the nodes their new velocities and spins under Coulomb's law, static = kinetic, and move them.
+def rub(
+    free_x: float, free_t: float, roll_x: float, roll_t: float, limit: float, lighter: float, by_spin: float
+) -> Any:
+    """Return the impulse of friction along and around, and the speed of the surface after it.
 
-    For each node the impulse that would stop its surface is computed; when it exceeds mu N dt the surface slips, and
-    the impulse opposes its slip.  Impulses are per mass in motion across.
+    Coulomb's law, static = kinetic: the impulse that would stop the surface, which else moves at ``free``; where that
+    exceeds ``limit`` the surface slips, and the impulse opposes its slip.  Impulses are per mass in motion across.
     """
+    # How an impulse changes the speed of the surface.
+    a, b, c = lighter + by_spin * roll_x * roll_x, by_spin * roll_x * roll_t, 1.0 + by_spin * roll_t * roll_t
+    determinant = a * c - b * b
+    opposed_x, opposed_t = c * free_x - b * free_t, a * free_t - b * free_x
+    share_x, share_t = opposed_x / determinant, opposed_t / determinant
+    # Fast slip is opposed along its own direction, slip that is about to stop along the impulse that stops it;
+    # between the two the direction changes smoothly.
+    square, squared_limit = free_x * free_x + free_t * free_t, limit * limit
+    weight = 3.0 * c * squared_limit
+    slip_x, slip_t = free_x * square + weight * opposed_x, free_t * square + weight * opposed_t
+    scale = limit / (math.sqrt(slip_x * slip_x + slip_t * slip_t) + TINY)
+    sticks = share_x * share_x + share_t * share_t <= squared_limit
+    px = -share_x if sticks else -scale * slip_x
+    pt = -share_t if sticks else -scale * slip_t
+    return px, pt, free_x + a * px + b * pt, free_t + b * px + c * pt
+
+
+@kernel
+def _frictional_step(rod: Any, p: Any) -> None:
+    """Give the nodes their new velocities and spins under Coulomb's law, see `rub`, and move them."""
     x, y, z, vx, vy, vz = rod["x"], rod["y"], rod["z"], rod["vx"], rod["vy"], rod["vz"]
     angle, spin, torque, share, grip = rod["angle"], rod["spin"], rod["torque"], rod["share"], rod["grip"]
     d1, d2, d3, f1, f2, f3 = rod["d1"], rod["d2"], rod["d3"], rod["f1"], rod["f2"], rod["f3"]
@@ -365,24 +388,9 @@ def _frictional_step(rod: Any, p: Any) -> None:
         w = vz[i + 2] + kick * (NEAR * (f3[i + 2] - f3[i + 1]) - FAR * (f3[i + 3] - f3[i])) - push * nz - fall
         turn = spin[i + 2] + turning * one_over * (torque[i + 2] - torque[i + 1])
         lost[i + 2] += 0.5 * (push - root * depth) * (before + v * ny + w * nz)
-        # Speed of the surface, and how an impulse changes it.
         free_x, free_t = u + radius * turn * roll_x, v * e + w * f + radius * turn * roll_t
-        by_spin = rolling * radius
-        a, b, c = lighter + by_spin * roll_x * roll_x, by_spin * roll_x * roll_t, 1.0 + by_spin * roll_t * roll_t
-        determinant = a * c - b * b
-        opposed_x, opposed_t = c * free_x - b * free_t, a * free_t - b * free_x
-        share_x, share_t = opposed_x / determinant, opposed_t / determinant
         limit = grip[i + 2] * push * (1.0 + beyond)  # |(y, z)| / R, to second order
-        # Fast slip is opposed along its own direction, slip that is about to stop along the impulse that stops it;
-        # between the two the direction changes smoothly.
-        square, squared_limit = free_x * free_x + free_t * free_t, limit * limit
-        weight = 3.0 * c * squared_limit
-        slip_x, slip_t = free_x * square + weight * opposed_x, free_t * square + weight * opposed_t
-        scale = limit / (math.sqrt(slip_x * slip_x + slip_t * slip_t) + TINY)
-        sticks = share_x * share_x + share_t * share_t <= squared_limit
-        px = -share_x if sticks else -scale * slip_x
-        pt = -share_t if sticks else -scale * slip_t
-        new_x, new_t = free_x + a * px + b * pt, free_t + b * px + c * pt
+        px, pt, new_x, new_t = rub(free_x, free_t, roll_x, roll_t, limit, lighter, rolling * radius)
         rubbed[i + 2] -= 0.5 * (px * (old_x + new_x) + pt * (old_t + new_t))
         u, v, w = u + lighter * px, v + pt * e, w + pt * f
         turn += rolling * (px * roll_x + pt * roll_t)

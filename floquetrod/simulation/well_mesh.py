@@ -68,13 +68,10 @@ class RodInWell(DiscreteRod):
 
     def physics(self, driving: Driving, step: float, friction: Friction = FRICTIONLESS) -> Any:
         """Return what the kernels compute with."""
-        plain = super().physics(driving, step, friction)._asdict()
         fall = self.rod.weight_per_length / self.rod.mass_per_length * self.axis.gravity
-        del plain["gravity_along"]
-        plain["gravity"] = tuple(map(float, fall))
-        return well_motion.Physics(
-            **plain, weight_along=0.0 if driving.load.mean_at is None else 1.0, arcs=self.axis.arcs
-        )
+        has_weight = 0.0 if driving.load.mean_at is None else 1.0
+        well = well_motion.Well(tuple(fall.tolist()), has_weight, self.axis.arcs)
+        return super().physics(driving, step, friction)._replace(well=well)
 
     @property
     def motion(self) -> Any:

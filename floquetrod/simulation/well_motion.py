@@ -32,8 +32,6 @@ from floquetrod.simulation.rod_motion import (
     HINGED,
     NEAR,
     TINY,
-    End,
-    Tool,
     directions,
     ghost_direction,
     ghost_force,
@@ -41,6 +39,7 @@ from floquetrod.simulation.rod_motion import (
     on_ends,
     push_node,
     pushed_speed,
+    rub,
     set_grips,
     tool_force,
     vibration,
@@ -70,40 +69,18 @@ def rod_type(segments: int) -> np.dtype[np.void]:
     return np.dtype([(name, np.float64, plain["x"].shape) for name in fields])
 
 
-class Physics(NamedTuple):
-    """What `rod_motion.Physics` has, with gravity as a vector, and the arcs of the axis."""
+class Well(NamedTuple):
+    """What `rod_motion.Physics` has of a well: the axis of its channel, and the weight as a vector."""
 
-    segments: int
-    step: float
-    segment: float
-    mass: float
-    mass_along: float
-    inertia: float
-    stretch: float
-    bend: float
-    twist: float
-    radius: float
-    radial_clearance: float
     gravity: tuple[float, float, float]  # weight over the mass in motion across
     weight_along: float  # 1 where the weight acts along the channel too, else 0
-    contact: float
-    contact_damping: float
-    friction: float
-    grips: NDArray[np.float64]
-    decay: float
-    decay_along: float
-    frequency: float
-    harmonics: int
-    upper: End
-    lower: End
-    tool: Tool
     arcs: NDArray[np.float64]  # a row each: place of its upper end; point, tangent and normal there; curvature
 
 
 @kernel
 def _follow(rod: Any, first: int, last: int, p: Any) -> None:
     """Move the anchors of nodes to the points of the axis nearest to them."""
-    arcs = p.arcs
+    arcs = p.well.arcs
     x, y, z, c1, c2, c3 = rod["x"], rod["y"], rod["z"], rod["c1"], rod["c2"], rod["c3"]
     t1, t2, t3, k1, k2, k3 = rod["t1"], rod["t2"], rod["t3"], rod["k1"], rod["k2"], rod["k3"]
     place, arc = rod["place"], rod["arc"]
@@ -156,19 +133,35 @@ def follow(rod: Any, p: Any) -> None:
 
 
 @kernel
-def _beyond_anchor(rod: Any, i: int) -> float:
-    """Return the distance of the point of the axis nearest to a node from its anchor."""
-    t1, t2, t3, k1, k2, k3 = rod["t1"][i], rod["t2"][i], rod["t3"][i], rod["k1"][i], rod["k2"][i], rod["k3"][i]
-    o1, o2, o3 = rod["x"][i] - rod["c1"][i], rod["y"][i] - rod["c2"][i], rod["z"][i] - rod["c3"][i]
-    distance: float = (t1 * o1 + t2 * o2 + t3 * o3) / (1.0 - (k1 * o1 + k2 * o2 + k3 * o3))
+def _beyond_anchor(o: Any, t: Any, k: Any) -> float:
+    """Return the distance of the axis's point nearest to a node at o from its anchor; tangent t, curvature k there."""
+    distance: float = (t[0] * o[0] + t[1] * o[1] + t[2] * o[2]) / (1.0 - (k[0] * o[0] + k[1] * o[1] + k[2] * o[2]))
     return distance
+
+
+@kernel
+def _at_wall(o: Any, t: Any, k: Any, inverse: float) -> Any:
+    """Return the tangent of the axis at a node, and the offset of that from there, in units of 1 / ``inverse``."""
+    along = _beyond_anchor(o, t, k)
+    half = 0.5 * along
+    n1 = inverse * (o[0] - along * (t[0] + half * k[0]))
+    n2 = inverse * (o[1] - along * (t[1] + half * k[1]))
+    n3 = inverse * (o[2] - along * (t[2] + half * k[2]))
+    return t[0] + along * k[0], t[1] + along * k[1], t[2] + along * k[2], n1, n2, n3
+
+
+@kernel
+def _anchored(rod: Any, i: int) -> Any:
+    """Return where a node is from its anchor, and tangent and curvature of the axis there."""
+    o = rod["x"][i] - rod["c1"][i], rod["y"][i] - rod["c2"][i], rod["z"][i] - rod["c3"][i]
+    return o, (rod["t1"][i], rod["t2"][i], rod["t3"][i]), (rod["k1"][i], rod["k2"][i], rod["k3"][i])
 
 
 @kernel
 def _tangent(rod: Any, i: int) -> Any:
     """Return the tangent of the axis at a node."""
-    along = _beyond_anchor(rod, i)
-    return rod["t1"][i] + along * rod["k1"][i], rod["t2"][i] + along * rod["k2"][i], rod["t3"][i] + along * rod["k3"][i]
+    o, t, k = _anchored(rod, i)
+    return _at_wall(o, t, k, 1.0)[:3]
 
 
 @kernel
@@ -277,24 +270,13 @@ def frictionless_step(rod: Any, p: Any) -> None:
     k1, k2, k3 = rod["k1"], rod["k2"], rod["k3"]
     step, stiffness, damping = p.step, p.step * p.contact, p.contact_damping
     kick, lighter = p.step / p.mass, p.mass / p.mass_along - 1.0
-    fall_1, fall_2, fall_3 = step * p.gravity[0], step * p.gravity[1], step * p.gravity[2]
-    fall_along = p.weight_along * (lighter + 1.0) - 1.0
+    fall_1, fall_2, fall_3 = step * p.well.gravity[0], step * p.well.gravity[1], step * p.well.gravity[2]
+    fall_along = p.well.weight_along * (lighter + 1.0) - 1.0
     inverse, half_gap = 1.0 / p.radial_clearance, 0.5 * p.radial_clearance
     for i in range(p.segments + 1):
-        o1, o2, o3, k_1, k_2, k_3 = (
-            x[i + 2] - c1[i + 2],
-            y[i + 2] - c2[i + 2],
-            z[i + 2] - c3[i + 2],
-            k1[i + 2],
-            k2[i + 2],
-            k3[i + 2],
-        )
-        along = (t1[i + 2] * o1 + t2[i + 2] * o2 + t3[i + 2] * o3) / (1.0 - (k_1 * o1 + k_2 * o2 + k_3 * o3))
-        half = 0.5 * along
-        e1, e2, e3 = t1[i + 2] + along * k_1, t2[i + 2] + along * k_2, t3[i + 2] + along * k_3
-        n1 = inverse * (o1 - along * (t1[i + 2] + half * k_1))
-        n2 = inverse * (o2 - along * (t2[i + 2] + half * k_2))
-        n3 = inverse * (o3 - along * (t3[i + 2] + half * k_3))
+        o = x[i + 2] - c1[i + 2], y[i + 2] - c2[i + 2], z[i + 2] - c3[i + 2]
+        t, k = (t1[i + 2], t2[i + 2], t3[i + 2]), (k1[i + 2], k2[i + 2], k3[i + 2])
+        e1, e2, e3, n1, n2, n3 = _at_wall(o, t, k, inverse)
         depth = max(half_gap * (n1 * n1 + n2 * n2 + n3 * n3 - 1.0), 0.0)
         root = stiffness * math.sqrt(depth)
         before = vx[i + 2] * n1 + vy[i + 2] * n2 + vz[i + 2] * n3
@@ -325,26 +307,15 @@ def _frictional_step(rod: Any, p: Any) -> None:
     k1, k2, k3 = rod["k1"], rod["k2"], rod["k3"]
     step, stiffness, damping = p.step, p.step * p.contact, p.contact_damping
     kick, turning = p.step / p.mass, p.step / p.inertia
-    fall_1, fall_2, fall_3 = step * p.gravity[0], step * p.gravity[1], step * p.gravity[2]
+    fall_1, fall_2, fall_3 = step * p.well.gravity[0], step * p.well.gravity[1], step * p.well.gravity[2]
     inverse, gap, radius = 1.0 / p.radial_clearance, p.radial_clearance, p.radius
     lighter = p.mass / p.mass_along
-    fall_along = p.weight_along * lighter - 1.0
+    fall_along = p.well.weight_along * lighter - 1.0
     rolling = p.mass * p.radius / p.inertia
     for i in range(p.segments + 1):
-        o1, o2, o3, k_1, k_2, k_3 = (
-            x[i + 2] - c1[i + 2],
-            y[i + 2] - c2[i + 2],
-            z[i + 2] - c3[i + 2],
-            k1[i + 2],
-            k2[i + 2],
-            k3[i + 2],
-        )
-        along = (t1[i + 2] * o1 + t2[i + 2] * o2 + t3[i + 2] * o3) / (1.0 - (k_1 * o1 + k_2 * o2 + k_3 * o3))
-        half = 0.5 * along
-        e1, e2, e3 = t1[i + 2] + along * k_1, t2[i + 2] + along * k_2, t3[i + 2] + along * k_3
-        n1 = inverse * (o1 - along * (t1[i + 2] + half * k_1))
-        n2 = inverse * (o2 - along * (t2[i + 2] + half * k_2))
-        n3 = inverse * (o3 - along * (t3[i + 2] + half * k_3))
+        o = x[i + 2] - c1[i + 2], y[i + 2] - c2[i + 2], z[i + 2] - c3[i + 2]
+        t, k = (t1[i + 2], t2[i + 2], t3[i + 2]), (k1[i + 2], k2[i + 2], k3[i + 2])
+        e1, e2, e3, n1, n2, n3 = _at_wall(o, t, k, inverse)
         beyond = max(0.5 * (n1 * n1 + n2 * n2 + n3 * n3 - 1.0), 0.0)
         depth = gap * beyond
         root = stiffness * math.sqrt(depth)
@@ -371,20 +342,8 @@ def _frictional_step(rod: Any, p: Any) -> None:
         lost[i + 2] += 0.5 * (push - root * depth) * (before + u * n1 + v * n2 + w * n3)
         free_x = u * e1 + v * e2 + w * e3 + radius * turn * roll_x
         free_t = u * a1 + v * a2 + w * a3 + radius * turn * roll_t
-        by_spin = rolling * radius
-        a, b, c = lighter + by_spin * roll_x * roll_x, by_spin * roll_x * roll_t, 1.0 + by_spin * roll_t * roll_t
-        determinant = a * c - b * b
-        opposed_x, opposed_t = c * free_x - b * free_t, a * free_t - b * free_x
-        share_x, share_t = opposed_x / determinant, opposed_t / determinant
         limit = grip[i + 2] * push * (1.0 + beyond)
-        square, squared_limit = free_x * free_x + free_t * free_t, limit * limit
-        weight = 3.0 * c * squared_limit
-        slip_x, slip_t = free_x * square + weight * opposed_x, free_t * square + weight * opposed_t
-        scale = limit / (math.sqrt(slip_x * slip_x + slip_t * slip_t) + TINY)
-        sticks = share_x * share_x + share_t * share_t <= squared_limit
-        px = -share_x if sticks else -scale * slip_x
-        pt = -share_t if sticks else -scale * slip_t
-        new_x, new_t = free_x + a * px + b * pt, free_t + b * px + c * pt
+        px, pt, new_x, new_t = rub(free_x, free_t, roll_x, roll_t, limit, lighter, rolling * radius)
         rubbed[i + 2] -= 0.5 * (px * (old_x + new_x) + pt * (old_t + new_t))
         u, v, w = u + lighter * px * e1 + pt * a1, v + lighter * px * e2 + pt * a2, w + lighter * px * e3 + pt * a3
         turn += rolling * (px * roll_x + pt * roll_t)
@@ -396,26 +355,15 @@ def _frictional_step(rod: Any, p: Any) -> None:
 
 
 @kernel
-def _offset(rod: Any, i: int, p: Any) -> Any:
-    """Return the offset of a node from the axis of the channel in radial clearances."""
-    along = _beyond_anchor(rod, i)
-    half = 0.5 * along
-    n1 = rod["x"][i] - rod["c1"][i] - along * (rod["t1"][i] + half * rod["k1"][i])
-    n2 = rod["y"][i] - rod["c2"][i] - along * (rod["t2"][i] + half * rod["k2"][i])
-    n3 = rod["z"][i] - rod["c3"][i] - along * (rod["t3"][i] + half * rod["k3"][i])
-    inverse = 1.0 / p.radial_clearance
-    return inverse * n1, inverse * n2, inverse * n3
-
-
-@kernel
 def _most_friction(rod: Any, i: int, p: Any) -> float:
     """Return the impulse per mass by which friction can hold an end node in the coming step: mu times the wall's."""
-    n1, n2, n3 = _offset(rod, i, p)
+    o, t, k = _anchored(rod, i)
+    _, _, _, n1, n2, n3 = _at_wall(o, t, k, 1.0 / p.radial_clearance)
     beyond = max(0.5 * (n1 * n1 + n2 * n2 + n3 * n3 - 1.0), 0.0)
     depth = p.radial_clearance * beyond
     before = rod["vx"][i] * n1 + rod["vy"][i] * n2 + rod["vz"][i] * n3
     push = p.step * p.contact * math.sqrt(depth) * (depth + p.contact_damping * before)
-    limit: float = grip_at(rod["place"][i] + _beyond_anchor(rod, i), p) * max(push, 0.0) * (1.0 + beyond)
+    limit: float = grip_at(rod["place"][i] + _beyond_anchor(o, t, k), p) * max(push, 0.0) * (1.0 + beyond)
     return limit
 
 
@@ -431,7 +379,8 @@ def _brake_end(rod: Any, end: Any, i: int, place: int, push: float, limit: float
     x, y, z, vx, vy, vz, axis = rod["x"], rod["y"], rod["z"], rod["vx"], rod["vy"], rod["vz"], rod["axis"]
     lighter = p.mass / p.mass_along
     e1, e2, e3 = axis[3 * place], axis[3 * place + 1], axis[3 * place + 2]
-    n1, n2, n3 = _offset(rod, i, p)
+    o, t, k = _anchored(rod, i)
+    _, _, _, n1, n2, n3 = _at_wall(o, t, k, 1.0 / p.radial_clearance)
     unit = 1.0 / (math.sqrt(n1 * n1 + n2 * n2 + n3 * n3) + TINY)
     a1, a2, a3 = unit * (e2 * n3 - e3 * n2), unit * (e3 * n1 - e1 * n3), unit * (e1 * n2 - e2 * n1)
     around = 0.0 if held else vx[i] * a1 + vy[i] * a2 + vz[i] * a3
