@@ -10,27 +10,8 @@ import floquetrod as fr
 from floquetrod import units
 from floquetrod._util.suggest import did_you_mean
 from floquetrod.cli import system
-from floquetrod.cli.common import (
-    LARGEST,
-    ROD_AND_LOAD,
-    ROD_OPTIONS,
-    add_rod,
-    add_units,
-    describe_command,
-    read_rod,
-    read_tolerance,
-    read_units,
-)
-from floquetrod.cli.loads import (
-    add_kind,
-    add_load,
-    corners,
-    read_kind,
-    read_record,
-    read_values,
-    require_quantities,
-    warn_of_hertz,
-)
+from floquetrod.cli.common import LARGEST, ROD_AND_LOAD, ROD_OPTIONS, add_subject, describe_command
+from floquetrod.cli.loads import add_ranges, read_ranges
 from floquetrod.cli.output import Output, names, output
 from floquetrod.cli.parser import Parser, whole_number
 from floquetrod.cli.waiting import Waiting
@@ -71,17 +52,8 @@ _STATUS = {"stable": 0, "unstable": 1, "mixed": 1, "undecided": 3}
 def add(certify: Parser) -> None:
     """Add help and options of the command to its parser."""
     describe_command(certify, _HELP, _certify, ("system", *ROD_AND_LOAD))
-    subject = certify.add_mutually_exclusive_group(required=True)
-    subject.add_argument(
-        "--system",
-        metavar="FILE",
-        help="a TOML or npz file with the matrices of a system, see floquetrod check --help-all",
-    )
-    add_rod(certify, subject)
-    add_units(certify)
-    add_kind(certify)
+    add_ranges(certify, add_subject(certify))
     certify.set_defaults(growth_tolerance=f"{SLOW_GROWTH:g}")
-    add_load(certify, ranges=True)
     certify.add_argument(
         "--vary",
         action="append",
@@ -119,18 +91,15 @@ def _certify(options: argparse.Namespace) -> Output:
         system.require_alone(options, given)
         answer, status = system.prove(options)
         return answer._replace(status=_STATUS[status] if options.exit_code else 0)
-    require_quantities(options)
-    rod = read_rod(options)
-    like = read_kind(options, read_record(options, rod))
-    values = read_values(options, rod, like)
-    tolerance, shown = read_tolerance(options), read_units(options, rod)
+    asked = read_ranges(options)
+    rod, like, values, tolerance, shown = asked
     tolerances = dict(_tolerance(text, rod) for text in options.vary)
-    warn_of_hertz("--frequency", options.frequency, rod, corners(values, like), tolerance)
+    asked.warn_of_hertz(options)
     if len(tolerances) < len(options.vary):
         raise ValueError(f"--vary must name a parameter once, got {', '.join(options.vary)}")
     if options.largest:
-        wide = next((name for name, ends in values.items() if len(ends) > 1), None)
-        if wide is not None:
+        if asked.varied:
+            wide = asked.varied[0]
             raise ValueError(
                 f"--largest needs one load to search about, got --{wide} {getattr(options, wide)}; give one value"
             )

@@ -16,6 +16,7 @@ from floquetrod.cli.common import (
     ROD_OPTIONS,
     add_friction,
     add_rod,
+    add_subject,
     add_units,
     check_out,
     describe_command,
@@ -114,13 +115,7 @@ _LAST_MODE = 20_000  # far beyond any mode that matters: a typing error must not
 def add(check: Parser) -> None:
     """Add help and options of the command to its parser."""
     describe_command(check, _HELP, _check, ("system", *ROD_AND_LOAD))
-    subject = check.add_mutually_exclusive_group(required=True)
-    subject.add_argument(
-        "--system",
-        metavar="FILE",
-        help="a TOML or npz file with the matrices of a system, see floquetrod check --help-all",
-    )
-    add_rod(check, subject)
+    add_rod(check, add_subject(check))
     add_friction(check)
     add_load(check)
     add_kind(check)

@@ -108,6 +108,17 @@ def add_rod(
         )
 
 
+def add_subject(command: argparse.ArgumentParser) -> Any:
+    """Add the option for a system, and return the group of what a question may be about, for `add_rod`."""
+    subject = command.add_mutually_exclusive_group(required=True)
+    subject.add_argument(
+        "--system",
+        metavar="FILE",
+        help="a TOML or npz file with the matrices of a system, see floquetrod check --help-all",
+    )
+    return subject
+
+
 def add_survey_units(command: argparse.ArgumentParser) -> None:
     """Add the options for units that the headings of a survey do not name."""
     command.add_argument("--depth-unit", metavar="UNIT", help="unit of depths in a survey whose headings name none")

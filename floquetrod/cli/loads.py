@@ -4,17 +4,27 @@ from __future__ import annotations
 
 import argparse
 import itertools
-from collections.abc import Iterable, Iterator, Mapping, Sequence
-from typing import TypeVar
+from collections.abc import Iterable
+from typing import Any, NamedTuple, TypeVar
 
 import floquetrod as fr
 from floquetrod import units
-from floquetrod.cli.common import read_quantity, read_range
+from floquetrod.cli.common import (
+    add_friction,
+    add_rod,
+    add_units,
+    read_quantity,
+    read_range,
+    read_rod,
+    read_tolerance,
+    read_units,
+)
 from floquetrod.cli.messages import option
 from floquetrod.cli.waiting import Waiting, say
 from floquetrod.rod import reading
 from floquetrod.rod.loads.load import KINDS, Load, Quantity
 from floquetrod.rod.model.plausibility import suspicion_of_hertz, warn_of_load
+from floquetrod.units import Unit
 
 _L = TypeVar("_L", bound=Load)
 
@@ -26,12 +36,24 @@ _LOAD_HELP: dict[Quantity, tuple[str, str]] = {
 """Help of the quantities of a load, and an example of a range."""
 
 
-def add_load(command: argparse.ArgumentParser, *, ranges: bool = False, together: bool = False) -> None:
-    """Add the options for mean, amplitude and frequency, which may be ``ranges`` or be left out ``together``."""
+def add_ranges(command: argparse.ArgumentParser, subject: Any = None, *, friction: bool = False) -> None:
+    """Add the options of a question about ranges of loads on a rod, as `read_ranges` reads them.
+
+    ``subject`` as in `add_rod`.
+    """
+    add_rod(command, subject)
+    if friction:
+        add_friction(command)
+    add_units(command)
+    add_kind(command)
+    add_load(command, ranges=True)
+
+
+def add_load(command: argparse.ArgumentParser, *, ranges: bool = False) -> None:
+    """Add the options for mean, amplitude and frequency, which may be ``ranges``."""
     for name, (text, example) in _LOAD_HELP.items():
         given = text.format(f", or a range such as {example}" if ranges else "")
-        rest = "; give all three or none" if together else ""
-        command.add_argument(f"--{name}", metavar=KINDS[name].upper(), help=given + rest)
+        command.add_argument(f"--{name}", metavar=KINDS[name].upper(), help=given)
     command.epilog = f"{command.epilog}\n{_units()}"
 
 
@@ -126,10 +148,40 @@ def read_load(options: argparse.Namespace, rod: fr.Rod, like: _L) -> _L:
     return like.with_numbers(**found)
 
 
-def read_values(options: argparse.Namespace, rod: fr.Rod, like: Load) -> dict[Quantity, list[float]]:
-    """Return every quantity of the load, one value or both ends of a range; those left out are those of ``like``."""
+class Ranges(NamedTuple):
+    """A question about loads on a rod: of each quantity one value or both ends of a range, or those of ``like``."""
+
+    rod: fr.Rod
+    like: Load
+    values: dict[Quantity, list[float]]
+    tolerance: float
+    shown: dict[str, Unit]
+
+    @property
+    def varied(self) -> list[Quantity]:
+        """Quantities with a range."""
+        return [name for name, ends in self.values.items() if len(ends) > 1]
+
+    @property
+    def varied_in_words(self) -> str:
+        """Those, as typed."""
+        return f"ranges for --{' and --'.join(self.varied)}" if self.varied else "one value for each"
+
+    def warn_of_hertz(self, options: argparse.Namespace) -> None:
+        """Warn as `warn_of_hertz` does of the loads at the ends of ranges."""
+        every = itertools.product(*self.values.values())
+        loads = (self.like.with_numbers(**dict(zip(self.values, each, strict=True))) for each in every)
+        warn_of_hertz("--frequency", options.frequency, self.rod, loads, self.tolerance)
+
+
+def read_ranges(options: argparse.Namespace) -> Ranges:
+    """Return the question that options ask."""
+    require_quantities(options)
+    rod = read_rod(options)
+    like = read_kind(options, read_record(options, rod))
     texts = {name: getattr(options, name) for name in KINDS}
-    return {n: [getattr(like, n)] if text is None else read_range(text, n, rod) for n, text in texts.items()}
+    values = {n: [getattr(like, n)] if text is None else read_range(text, n, rod) for n, text in texts.items()}
+    return Ranges(rod, like, values, read_tolerance(options), read_units(options, rod))
 
 
 def warn_of_hertz(
@@ -147,9 +199,3 @@ def warn_of_hertz(
     warning = "" if text is None else suspicion_of_hertz(name, text, rod, loads, tolerance, known)
     if warning:
         say(f"floquetrod: warning: {warning}")
-
-
-def corners(values: Mapping[Quantity, Sequence[float]], like: Load) -> Iterator[Load]:
-    """Yield the loads at the ends of ranges."""
-    for numbers in itertools.product(*values.values()):
-        yield like.with_numbers(**dict(zip(values, numbers, strict=True)))

@@ -7,25 +7,8 @@ from collections.abc import Callable
 from typing import Any
 
 import floquetrod as fr
-from floquetrod.cli.common import (
-    ROD_AND_LOAD,
-    add_rod,
-    add_units,
-    describe_command,
-    read_rod,
-    read_tolerance,
-    read_units,
-)
-from floquetrod.cli.loads import (
-    add_kind,
-    add_load,
-    corners,
-    read_kind,
-    read_record,
-    read_values,
-    require_quantities,
-    warn_of_hertz,
-)
+from floquetrod.cli.common import ROD_AND_LOAD, describe_command
+from floquetrod.cli.loads import add_ranges, read_ranges
 from floquetrod.cli.output import Output, output
 from floquetrod.cli.parser import Parser
 from floquetrod.cli.waiting import Waiting
@@ -56,27 +39,20 @@ stabilises the load with the fastest growth.
 def add(ranges: Parser) -> None:
     """Add help and options of the command to its parser."""
     describe_command(ranges, _HELP, _ranges, (*ROD_AND_LOAD, "growth_tolerance"))
-    add_rod(ranges)
-    add_units(ranges)
-    add_kind(ranges)
+    add_ranges(ranges)
     ranges.set_defaults(growth_tolerance=f"{SLOW_GROWTH:g}")
-    add_load(ranges, ranges=True)
 
 
 def _ranges(options: argparse.Namespace) -> Output:
-    require_quantities(options)
-    rod = read_rod(options)
-    tolerance = read_tolerance(options)
-    like = read_kind(options, read_record(options, rod))
-    values = read_values(options, rod, like)
-    varied = [name for name, ends in values.items() if len(ends) == 2]
+    asked = read_ranges(options)
+    rod, like, values, tolerance, shown = asked
+    varied = asked.varied
     if len(varied) != 1:
         raise ValueError(
             "exactly one of --mean, --amplitude, --frequency must be a range such as 0:1.2Fcr or 10Hz:60Hz, got "
-            + (f"ranges for --{' and --'.join(varied)}" if varied else "one value for each")
+            + asked.varied_in_words
         )
-    shown = read_units(options, rod)
-    warn_of_hertz("--frequency", options.frequency, rod, corners(values, like), tolerance)
+    asked.warn_of_hertz(options)
     bounds = tuple(values.pop(varied[0]))
     fixed: dict[str, Any] = {name: value for name, (value,) in values.items()}
     searches: dict[str, Callable[..., fr.StabilityIntervals]] = {

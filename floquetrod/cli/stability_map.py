@@ -7,30 +7,8 @@ from pathlib import Path
 from typing import Any
 
 import floquetrod as fr
-from floquetrod.cli.common import (
-    ROD_AND_LOAD,
-    add_friction,
-    add_rod,
-    add_units,
-    check_out,
-    describe_command,
-    read_friction,
-    read_points,
-    read_quantity,
-    read_rod,
-    read_tolerance,
-    read_units,
-)
-from floquetrod.cli.loads import (
-    add_kind,
-    add_load,
-    corners,
-    read_kind,
-    read_record,
-    read_values,
-    require_quantities,
-    warn_of_hertz,
-)
+from floquetrod.cli.common import ROD_AND_LOAD, check_out, describe_command, read_friction, read_points, read_quantity
+from floquetrod.cli.loads import add_ranges, read_ranges, warn_of_hertz
 from floquetrod.cli.output import Output, output
 from floquetrod.cli.parser import Parser
 from floquetrod.cli.waiting import Waiting
@@ -65,11 +43,7 @@ millisecond or more: begin with few points.
 def add(chart: Parser) -> None:
     """Add help and options of the command to its parser."""
     describe_command(chart, _HELP, _map, (*ROD_AND_LOAD, "out"))
-    add_rod(chart)
-    add_friction(chart)
-    add_units(chart)
-    add_kind(chart)
-    add_load(chart, ranges=True)
+    add_ranges(chart, friction=True)
     shape = chart.add_mutually_exclusive_group()
     shape.add_argument(
         "--bands",
@@ -100,23 +74,20 @@ def add(chart: Parser) -> None:
 def _map(options: argparse.Namespace) -> Output:
     from floquetrod.plotting import charts
 
-    require_quantities(options)
-    rod = read_rod(options)
     paths = options.out or [Path("map.png")]
     for path in paths:
         check_out(path, (*charts.FIGURES, ".csv", ".npz"))
         if path.suffix == ".csv" and options.pixels:
             raise ValueError(f"--out {path}: a .csv file holds the vertices of bands; leave out --pixels")
     columns, rows = read_points(options.points)
-    like = read_kind(options, read_record(options, rod))
-    values = read_values(options, rod, like)
-    tolerance, mu_and_kick = read_tolerance(options), read_friction(options)
-    shown = read_units(options, rod)
-    varied = [name for name, ends in values.items() if len(ends) == 2]
+    asked, mu_and_kick = read_ranges(options), read_friction(options)
+    rod, like, values, tolerance, shown = asked
+    varied = asked.varied
     if len(varied) != 2:
-        got = f"ranges for --{' and --'.join(varied)}" if varied else "one value for each"
-        raise ValueError(f"two of --mean, --amplitude, --frequency must be ranges such as 0:1.1Fcr, got {got}")
-    warn_of_hertz("--frequency", options.frequency, rod, corners(values, like), tolerance)
+        raise ValueError(
+            f"two of --mean, --amplitude, --frequency must be ranges such as 0:1.1Fcr, got {asked.varied_in_words}"
+        )
+    asked.warn_of_hertz(options)
     across = "frequency" if "frequency" in varied else "mean"
     load: dict[str, Any] = {
         name: (*ends, columns if name == across else rows) if name in varied else ends[0]
