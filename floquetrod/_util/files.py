@@ -204,10 +204,7 @@ def _seal(file: IO[bytes]) -> bytes:
 
 
 def read_npz(
-    path: str | Path,
-    file_format: str,
-    what: str,
-    build: Callable[[dict[str, Any], dict[str, NDArray[Any]]], Result],
+    path: str | Path, file_format: str, what: str, build: Callable[[dict[str, Any], dict[str, NDArray[Any]]], Result]
 ) -> Result:
     """Return what ``build`` makes of description and arrays that `write_npz` wrote with this ``meta["format"]``.
 

@@ -71,16 +71,7 @@ def add(certify: Parser) -> None:
     )
 
 
-_OF_A_ROD = (
-    *KINDS,
-    *LOAD_OPTIONS,
-    *ROD_OPTIONS,
-    "growth_tolerance",
-    "unit",
-    "vary",
-    "largest",
-    "max_boxes",
-)
+_OF_A_ROD = (*KINDS, *LOAD_OPTIONS, *ROD_OPTIONS, "growth_tolerance", "unit", "vary", "largest", "max_boxes")
 """Options that say nothing about a system."""
 
 

@@ -131,10 +131,7 @@ def add(check: Parser) -> None:
         f"{FEW_MODES} coupled modes, not under a record)",
     )
     check.add_argument(
-        "--plot",
-        metavar="FILE",
-        type=Path,
-        help="write the shape along the rod in which it grows (.png, .pdf, .svg)",
+        "--plot", metavar="FILE", type=Path, help="write the shape along the rod in which it grows (.png, .pdf, .svg)"
     )
     check.add_argument(
         "--plot-force", metavar="FILE", type=Path, help="write the measured force with its fit (.png, .pdf, .svg)"

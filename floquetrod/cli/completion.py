@@ -8,11 +8,7 @@ from typing import Any
 
 SHELLS = ("bash", "zsh", "tcsh")
 
-_PATTERNS = {
-    "system": ("*.toml", "*.npz"),
-    "force": ("*.csv", "*.txt", "*.dat"),
-    "study": ("*.toml",),
-}
+_PATTERNS = {"system": ("*.toml", "*.npz"), "force": ("*.csv", "*.txt", "*.dat"), "study": ("*.toml",)}
 """Files that are completed, by option; of other options for files, all of them."""
 
 _RODS = {

@@ -18,13 +18,7 @@ from floquetrod.cli.common import (
     read_rod,
     read_units,
 )
-from floquetrod.cli.loads import (
-    add_kind,
-    read_kind,
-    read_load,
-    read_record,
-    warn_of_hertz,
-)
+from floquetrod.cli.loads import add_kind, read_kind, read_load, read_record, warn_of_hertz
 from floquetrod.cli.messages import option
 from floquetrod.cli.output import Output, output
 from floquetrod.cli.parser import Parser

@@ -106,9 +106,7 @@ def add_kind(command: argparse.ArgumentParser) -> None:
             help=f"heading or number, from 0, of the column of {name} (default: {heading})",
         )
         command.add_argument(
-            f"--{name}-unit",
-            metavar="UNIT",
-            help=f"unit of {name}, such as {examples} (default: that of its heading)",
+            f"--{name}-unit", metavar="UNIT", help=f"unit of {name}, such as {examples} (default: that of its heading)"
         )
 
 
@@ -185,12 +183,7 @@ def read_ranges(options: argparse.Namespace) -> Ranges:
 
 
 def warn_of_hertz(
-    name: str,
-    text: str | None,
-    rod: fr.Rod,
-    loads: Iterable[Load],
-    tolerance: float = 0.0,
-    known: int | None = None,
+    name: str, text: str | None, rod: fr.Rod, loads: Iterable[Load], tolerance: float = 0.0, known: int | None = None
 ) -> None:
     """Warn where a frequency typed without a unit would, in Hz, change the verdict on one of the loads.
 

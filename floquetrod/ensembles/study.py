@@ -71,11 +71,7 @@ _ARGUMENTS = {
 """Arguments of `floquetrod.SimulationProblem`, and the tables that give them."""
 
 _SPACINGS = ("linear", "log")
-_DISTRIBUTIONS = {
-    "uniform": ("low", "high"),
-    "loguniform": ("low", "high"),
-    "normal": ("mean", "deviation"),
-}
+_DISTRIBUTIONS = {"uniform": ("low", "high"), "loguniform": ("low", "high"), "normal": ("mean", "deviation")}
 _BOUNDS = ("low", "high")  # that a normal distribution may have
 
 

@@ -105,13 +105,7 @@ def _direct_series(
 
 
 def _series(
-    start: tuple[int, int],
-    mean: int,
-    damping: int,
-    waves: list[tuple[int, int]],
-    reach: int,
-    shift: int,
-    bits: int,
+    start: tuple[int, int], mean: int, damping: int, waves: list[tuple[int, int]], reach: int, shift: int, bits: int
 ) -> tuple[int, int, int, int, int]:
     """Sum A and B = A' at both ends of a piece from ``start`` = (A, B) in its middle.
 

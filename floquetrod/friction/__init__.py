@@ -13,19 +13,8 @@ from floquetrod._util.lazy import names_of
 
 if TYPE_CHECKING:
     from floquetrod.floquet.status import UndecidedWarning
-    from floquetrod.friction.critical_kicks import (
-        CriticalKickBounds,
-        critical_kick,
-    )
-    from floquetrod.friction.fate_of_kicks import (
-        BOUNDED,
-        ESCAPES,
-        UNDECIDED,
-        Fate,
-        escapes,
-        fate,
-        fates,
-    )
+    from floquetrod.friction.critical_kicks import CriticalKickBounds, critical_kick
+    from floquetrod.friction.fate_of_kicks import BOUNDED, ESCAPES, UNDECIDED, Fate, escapes, fate, fates
     from floquetrod.friction.leapfrog import leapfrog_escapes
     from floquetrod.friction.proved_kicks import CertainKicks, certain_kicks
     from floquetrod.friction.ranges import EscapeRanges, KickRange, escape_ranges
@@ -56,33 +45,12 @@ __getattr__ = names_of(
     __name__,
     {
         "floquet.status": ("UndecidedWarning",),
-        "friction.critical_kicks": (
-            "CriticalKickBounds",
-            "critical_kick",
-        ),
-        "friction.fate_of_kicks": (
-            "BOUNDED",
-            "ESCAPES",
-            "UNDECIDED",
-            "Fate",
-            "escapes",
-            "fate",
-            "fates",
-        ),
+        "friction.critical_kicks": ("CriticalKickBounds", "critical_kick"),
+        "friction.fate_of_kicks": ("BOUNDED", "ESCAPES", "UNDECIDED", "Fate", "escapes", "fate", "fates"),
         "friction.leapfrog": ("leapfrog_escapes",),
-        "friction.proved_kicks": (
-            "CertainKicks",
-            "certain_kicks",
-        ),
-        "friction.ranges": (
-            "EscapeRanges",
-            "KickRange",
-            "escape_ranges",
-        ),
-        "friction.trajectories": (
-            "Trajectory",
-            "trajectory",
-        ),
+        "friction.proved_kicks": ("CertainKicks", "certain_kicks"),
+        "friction.ranges": ("EscapeRanges", "KickRange", "escape_ranges"),
+        "friction.trajectories": ("Trajectory", "trajectory"),
     },
 )
 

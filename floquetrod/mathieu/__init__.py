@@ -42,26 +42,10 @@ __all__ = [
 __getattr__ = names_of(
     __name__,
     {
-        "mathieu.arrays": (
-            "discriminant",
-            "exponents",
-            "growth_rate",
-            "is_stable",
-            "multipliers",
-        ),
-        "mathieu.characteristic": (
-            "TransitionCurves",
-            "characteristic_values",
-            "tongue_widths",
-            "transition_curves",
-        ),
+        "mathieu.arrays": ("discriminant", "exponents", "growth_rate", "is_stable", "multipliers"),
+        "mathieu.characteristic": ("TransitionCurves", "characteristic_values", "tongue_widths", "transition_curves"),
         "mathieu.charts": ("chart",),
-        "mathieu.solutions": (
-            "FloquetSolution",
-            "characteristic_function",
-            "floquet_solutions",
-            "real_order_values",
-        ),
+        "mathieu.solutions": ("FloquetSolution", "characteristic_function", "floquet_solutions", "real_order_values"),
     },
 )
 

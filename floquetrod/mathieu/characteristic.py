@@ -49,13 +49,7 @@ def characteristic_values(order: Any, q: Any, kind: str, *, workers: int | None 
     orders = validate.integer_array("order", order, 1 if odd_solution else 0, hint=hint)
     shape, (m, x) = broadcast(order=orders, q=validate.array("q", q))
     out = np.empty(m.size)
-    over_chunks(
-        kernels.characteristic_fill,
-        (m, x, np.full(m.size, odd_solution)),
-        out,
-        workers=workers,
-        chunk=_CHUNK,
-    )
+    over_chunks(kernels.characteristic_fill, (m, x, np.full(m.size, odd_solution)), out, workers=workers, chunk=_CHUNK)
     return shaped(out, shape)
 
 

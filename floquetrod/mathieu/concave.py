@@ -124,13 +124,7 @@ def _summit(pieces: _Pieces, left: Floats, right: Floats) -> tuple[Floats, Float
     return x1 + offset, np.maximum(np.minimum(from_left, from_right), np.maximum(g1, g2))
 
 
-def _settle(
-    pieces: _Pieces,
-    above: Level,
-    found: list[Parts],
-    crossing: list[_Pieces],
-    widths: Floats,
-) -> _Pieces:
+def _settle(pieces: _Pieces, above: Level, found: list[Parts], crossing: list[_Pieces], widths: Floats) -> _Pieces:
     """Store pieces above the level and those that cross it once; return those still open."""
     which, x1, x2 = pieces.which, pieces.x[:, 1], pieces.x[:, 2]
     f1, f2 = pieces.g[:, 1] - above(x1, which), pieces.g[:, 2] - above(x2, which)

@@ -210,12 +210,7 @@ def _out_of_reach(alpha: Floats, beta: Floats, bottom: Floats, top: Floats) -> N
 
 
 def _in_tongues(
-    growth: Callable[[Floats, Ints], Floats],
-    index: Ints,
-    bottom: Floats,
-    top: Floats,
-    constant: Floats,
-    root: Floats,
+    growth: Callable[[Floats, Ints], Floats], index: Ints, bottom: Floats, top: Floats, constant: Floats, root: Floats
 ) -> Parts:
     """Return the parts of tongues above their level, which are whole tongues where the level is zero."""
     every = np.arange(index.size)

@@ -294,14 +294,5 @@ def as_orbit(found: Compared, steps: int) -> PeriodicOrbit:
     for array in (times, states):
         array.flags.writeable = False
     return PeriodicOrbit(
-        system,
-        point.period,
-        found.period_error,
-        times,
-        states,
-        found.error,
-        steps,
-        collocation,
-        point,
-        found.segments,
+        system, point.period, found.period_error, times, states, found.error, steps, collocation, point, found.segments
     )

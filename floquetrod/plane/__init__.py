@@ -13,18 +13,7 @@ if TYPE_CHECKING:
     from floquetrod.plane.family import Family, FoundBands, Verdicts
     from floquetrod.plane.filling import charted
 
-__all__ = [
-    "Axis",
-    "Band",
-    "BandSource",
-    "Bands",
-    "Chart",
-    "Family",
-    "FoundBands",
-    "Verdicts",
-    "axis_values",
-    "charted",
-]
+__all__ = ["Axis", "Band", "BandSource", "Bands", "Chart", "Family", "FoundBands", "Verdicts", "axis_values", "charted"]
 
 __getattr__ = names_of(
     __name__,

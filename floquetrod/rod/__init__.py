@@ -41,31 +41,14 @@ __all__ = [
 __getattr__ = names_of(
     __name__,
     {
-        "rod.loads.axial": (
-            "AxialGap",
-            "AxialResonance",
-            "AxialResponse",
-        ),
+        "rod.loads.axial": ("AxialGap", "AxialResonance", "AxialResponse"),
         "rod.model.buckling": ("BucklingForce",),
         "rod.friction.kicks": ("CriticalKick",),
         "rod.friction.mode_friction": ("ModeFriction",),
-        "rod.mode_equations.modal_systems": (
-            "ModalSystem",
-            "ModalSystems",
-        ),
-        "rod.model.parts": (
-            "Channel",
-            "Ends",
-            "Fluids",
-            "Material",
-            "Section",
-        ),
+        "rod.mode_equations.modal_systems": ("ModalSystem", "ModalSystems"),
+        "rod.model.parts": ("Channel", "Ends", "Fluids", "Material", "Section"),
         "rod.model.stress": ("Stress",),
-        "rod.answers.intervals": (
-            "BucklingWarning",
-            "StabilityInterval",
-            "UnstableBand",
-        ),
+        "rod.answers.intervals": ("BucklingWarning", "StabilityInterval", "UnstableBand"),
         "rod.answers.margins": ("Margin",),
     },
 )

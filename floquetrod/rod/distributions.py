@@ -71,11 +71,7 @@ class Sampling:
         rods: dict[str, Any] = {name: values.get(name, known) for name, known in self.rod.parameters.items()}
         self._require(self._exist(rods, loads), values)
         return self.model.sample_status(
-            rods,
-            Loads.of(*loads),
-            self.growth_tolerance,
-            self.workers,
-            lambda good: self._require(good, values),
+            rods, Loads.of(*loads), self.growth_tolerance, self.workers, lambda good: self._require(good, values)
         )
 
     def _verdict(self, sample: Mapping[str, Any]) -> np.int8:

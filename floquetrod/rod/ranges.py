@@ -318,12 +318,7 @@ def _saying_how_far(progress: Progress | None, varied: Quantity, largest: Load) 
 def _unstable_rows(bands: Sequence[UnstableBand], size: float) -> Iterator[tuple[float, float, str]]:
     """Yield ends and text of unstable bands, the texts in columns."""
     columns = [
-        (
-            _end(band.cause),
-            f"{band.worst_growth:.4g}",
-            f"{band.at / size:.6g}",
-            _rounded_up(band.required_damping),
-        )
+        (_end(band.cause), f"{band.worst_growth:.4g}", f"{band.at / size:.6g}", _rounded_up(band.required_damping))
         for band in bands
     ]
     cause, growth, at, _ = (max(len(text) for text in column) for column in zip(*columns, strict=True))

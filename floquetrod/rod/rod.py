@@ -13,16 +13,7 @@ from floquetrod.floquet.proof.result import MAX_BOXES
 from floquetrod.floquet.status import are
 from floquetrod.mathieu.criterion import FiniteTimeCriterion
 from floquetrod.rod import many_loads, one_load
-from floquetrod.rod.loads.load import (
-    QUANTITIES,
-    AnyLoad,
-    Load,
-    Loads,
-    Quantity,
-    kind,
-    require_load,
-    require_noise,
-)
+from floquetrod.rod.loads.load import QUANTITIES, AnyLoad, Load, Loads, Quantity, kind, require_load, require_noise
 from floquetrod.rod.mode_equations.coupling import WAVEFORM, coupling
 from floquetrod.rod.mode_equations.modal_systems import ModalSystem, ModalSystems
 from floquetrod.rod.model.constants import SLOW_GROWTH

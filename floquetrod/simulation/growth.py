@@ -64,13 +64,7 @@ class GrowthFit(NamedTuple):
 
 
 def growth_of_motion(
-    motion: RecordedMotion,
-    rod: Rod,
-    load: Load,
-    mode: int | None,
-    duration: float,
-    frames: int,
-    indentation: float,
+    motion: RecordedMotion, rod: Rod, load: Load, mode: int | None, duration: float, frames: int, indentation: float
 ) -> GrowthFit:
     """Return the growth rate of a recorded motion while it is linear: of a mode or, with None, of the whole rod.
 

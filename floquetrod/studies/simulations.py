@@ -142,9 +142,7 @@ def redraw(trials: Sequence[Trial], draws: int, progress: Progress | None = None
 
 
 def figure_7(
-    cases: Sequence[str] = ("A", "B", "C first", "C 10", "D"),
-    seed: int = 1,
-    duration: float = 4.0,
+    cases: Sequence[str] = ("A", "B", "C first", "C 10", "D"), seed: int = 1, duration: float = 4.0
 ) -> list[Trial]:
     """Return the simulations with friction, dF = 0.7 F_cr, mu = 0.1, kicks of 50 mm/s, with the paper's table.
 

@@ -18,16 +18,9 @@ __getattr__ = names_of(
     __name__,
     {
         "equations.batches": ("stack",),
-        "systems.arrays": (
-            "growth_rate",
-            "is_stable",
-            "multipliers",
-        ),
+        "systems.arrays": ("growth_rate", "is_stable", "multipliers"),
         "systems.charts": ("chart",),
-        "systems.first_order": (
-            "FirstOrderTongue",
-            "first_order_tongues",
-        ),
+        "systems.first_order": ("FirstOrderTongue", "first_order_tongues"),
     },
 )
 

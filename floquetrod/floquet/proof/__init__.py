@@ -20,14 +20,7 @@ if TYPE_CHECKING:
 __all__ = ["Enclosure", "Proof", "certify"]
 
 __getattr__ = names_of(
-    __name__,
-    {
-        "floquet.proof.certification": ("certify",),
-        "floquet.proof.result": (
-            "Enclosure",
-            "Proof",
-        ),
-    },
+    __name__, {"floquet.proof.certification": ("certify",), "floquet.proof.result": ("Enclosure", "Proof")}
 )
 
 

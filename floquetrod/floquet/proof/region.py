@@ -273,11 +273,7 @@ class Subdivision(NamedTuple):
 
 
 def subdivide(
-    box: ModeBox,
-    last: int,
-    tolerance: float,
-    max_boxes: int,
-    progress: Callable[[int], None] | None = None,
+    box: ModeBox, last: int, tolerance: float, max_boxes: int, progress: Callable[[int], None] | None = None
 ) -> Subdivision:
     """Prove what can be proved of the modes 1 to ``last`` over a box, halved until it is decided.
 

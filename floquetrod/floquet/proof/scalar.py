@@ -114,10 +114,7 @@ def by_trace(context: Any, problem: ExactProblem, interval: Interval | None) -> 
 
 def _against_damping(context: Any, problem: ExactProblem, above: Any, below: Any, interval: Interval | None) -> Proof:
     """Conclude from (trace - 2 cosh(c period)) / 4 and (-trace - 2 cosh(c period)) / 4, the trace undamped."""
-    enclosures = (
-        enclose("(trace - 2 cosh(c period)) / 4", above),
-        enclose("(-trace - 2 cosh(c period)) / 4", below),
-    )
+    enclosures = (enclose("(trace - 2 cosh(c period)) / 4", above), enclose("(-trace - 2 cosh(c period)) / 4", below))
     if above < 0 and below < 0:
         statement = "with its damping removed no solution grows as fast as the damping, so every solution decays"
         return _proof(problem, "stable", interval, context.dps, statement, *enclosures)

@@ -144,12 +144,7 @@ class _Sides(NamedTuple):
 
     @classmethod
     def of(
-        cls,
-        discs: Discs,
-        digits: ManyDigits,
-        outside: NDArray[np.float64],
-        errors: NDArray[np.float64],
-        limit: float,
+        cls, discs: Discs, digits: ManyDigits, outside: NDArray[np.float64], errors: NDArray[np.float64], limit: float
     ) -> _Sides:
         """Return them all at once."""
         within = pairs.decided(pairs.excess(discs.values.real, digits.above.real), discs.radii) < 0

@@ -199,10 +199,7 @@ class _Proving:
         level = max(self.tolerance, _LEAST_GROWTH)
         system = ModalSystem(mode_constants(rod), load.varied(quantity, side.high), tuple(range(1, self.modes + 1)))
         intervals = unstable_loads(quantity, system, level, bounds, union=True).intervals
-        places = {
-            "unstable": [(each.low, each.high) for each in intervals],
-            "stable": gaps(intervals, bounds),
-        }
+        places = {"unstable": [(each.low, each.high) for each in intervals], "stable": gaps(intervals, bounds)}
         for status, ends in places.items():
             widest = max(ends, key=lambda pair: pair[1] - pair[0], default=None)
             if widest is not None and status not in self.examples:

@@ -173,10 +173,7 @@ def _level(system: ModalSystem, mode: Ints, tolerance: float) -> Floats:
 
 
 def _converted(
-    found: Tongues,
-    back: Callable[[Floats, Ints], Floats],
-    ends: Sequence[Floats],
-    limits: tuple[Floats, Floats],
+    found: Tongues, back: Callable[[Floats, Ints], Floats], ends: Sequence[Floats], limits: tuple[Floats, Floats]
 ) -> Tongues:
     """Return parts in the quantity of the load; one that ends where its search does ends there bit for bit."""
     i = found.which

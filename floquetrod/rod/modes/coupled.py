@@ -71,11 +71,7 @@ class CoupledModel(ModeModel):
         return classify_coupled(self, load, count, growth_tolerance, progress)
 
     def answers(
-        self,
-        loads: Loads,
-        growth_tolerance: float = 0.0,
-        workers: int | None = None,
-        progress: Progress | None = None,
+        self, loads: Loads, growth_tolerance: float = 0.0, workers: int | None = None, progress: Progress | None = None
     ) -> Answers:
         """Return status, growth in 1/s, NaN where unknown, and -1 where something grows: `verdict` names the modes."""
         status, growth = self.judged(loads, growth_tolerance, workers, progress=progress)

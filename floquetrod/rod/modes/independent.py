@@ -144,11 +144,7 @@ class IndependentModel(ModeModel):
         return classify_modes(self.rod, self.equations(load, modes), growth_tolerance)
 
     def status(
-        self,
-        loads: Loads,
-        growth_tolerance: float = 0.0,
-        workers: int | None = None,
-        progress: Progress | None = None,
+        self, loads: Loads, growth_tolerance: float = 0.0, workers: int | None = None, progress: Progress | None = None
     ) -> Statuses:
         """Return 1 where no mode grows faster than the tolerance, else 0."""
         self.constants.require_in_reach(loads)
@@ -177,11 +173,7 @@ class IndependentModel(ModeModel):
         return tuple(map(np.concatenate, zip(*found, strict=True)))  # type: ignore[return-value]
 
     def answers(
-        self,
-        loads: Loads,
-        growth_tolerance: float = 0.0,
-        workers: int | None = None,
-        progress: Progress | None = None,
+        self, loads: Loads, growth_tolerance: float = 0.0, workers: int | None = None, progress: Progress | None = None
     ) -> Answers:
         """Return both of them, each found by itself."""
         return Answers(self.status(loads, growth_tolerance, workers, progress), *self.fastest(loads, workers, progress))

@@ -151,20 +151,12 @@ class ModeModel(ABC):
 
     @abstractmethod
     def answers(
-        self,
-        loads: Loads,
-        growth_tolerance: float = 0.0,
-        workers: int | None = None,
-        progress: Progress | None = None,
+        self, loads: Loads, growth_tolerance: float = 0.0, workers: int | None = None, progress: Progress | None = None
     ) -> Answers:
         """Return status, growth and number of the fastest mode of the rod under each load."""
 
     def status(
-        self,
-        loads: Loads,
-        growth_tolerance: float = 0.0,
-        workers: int | None = None,
-        progress: Progress | None = None,
+        self, loads: Loads, growth_tolerance: float = 0.0, workers: int | None = None, progress: Progress | None = None
     ) -> Statuses:
         """Return 1 where the rod is stable, 0 where it is not, and -1 where that could not be decided."""
         return self.answers(loads, growth_tolerance, workers, progress).status

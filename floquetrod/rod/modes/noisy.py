@@ -140,11 +140,7 @@ class NoisyModel(ModeModel):
                 yield at, NoisyModes(constants.on_side(side), self.like)
 
     def answers(
-        self,
-        loads: Loads,
-        growth_tolerance: float = 0.0,
-        workers: int | None = None,
-        progress: Progress | None = None,
+        self, loads: Loads, growth_tolerance: float = 0.0, workers: int | None = None, progress: Progress | None = None
     ) -> Answers:
         """Return status, growth of second moments in 1/s and the number of the fastest mode."""
         mode_constants(self.rod).require_in_reach(loads)
@@ -263,7 +259,5 @@ def _together(status: Statuses, growth: Floats, growth_tolerance: float, left_ou
 def refusal(name: str, load: Load) -> ValueError:
     """Return the error for what is not asked of random motion."""
     return wrong_value(
-        name,
-        f"is not answered under {noise_in_words(load.noise)}; give the load ",
-        Mention("noise", "noise=0", "0"),
+        name, f"is not answered under {noise_in_words(load.noise)}; give the load ", Mention("noise", "noise=0", "0")
     )

@@ -100,11 +100,7 @@ class NoisyTogetherModel(NoisyModel):
         return _classified(self.under(load), load, count, growth_tolerance, progress)
 
     def answers(
-        self,
-        loads: Loads,
-        growth_tolerance: float = 0.0,
-        workers: int | None = None,
-        progress: Progress | None = None,
+        self, loads: Loads, growth_tolerance: float = 0.0, workers: int | None = None, progress: Progress | None = None
     ) -> Answers:
         """Return status, growth of second moments in 1/s, and -1 where something grows, one load after another."""
         quiet = self.quiet.answers(loads, 0.5 * growth_tolerance, workers)
@@ -356,11 +352,7 @@ class NoisyTogether(Evidence):
 
 
 def _classified(
-    model: NoisyTogetherModel,
-    load: Load,
-    count: int | None,
-    growth_tolerance: float,
-    progress: Progress | None,
+    model: NoisyTogetherModel, load: Load, count: int | None, growth_tolerance: float, progress: Progress | None
 ) -> RodStability:
     """Classify the second moments with as many modes as two numbers of them agree upon, or with ``count``."""
     if count is None:

@@ -224,11 +224,7 @@ class NoisyEvidence(Evidence):
 
 
 def classify_noisy(
-    model: ModeModel,
-    load: Load,
-    chosen: tuple[int, ...] | None,
-    growth_tolerance: float,
-    progress: Progress | None,
+    model: ModeModel, load: Load, chosen: tuple[int, ...] | None, growth_tolerance: float, progress: Progress | None
 ) -> RodStability:
     """Classify the second moments of every mode and put the verdicts together."""
     equations = NoisyModes(constants_under(model.rod, load.mean), load)
