@@ -6,19 +6,10 @@ import math
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from floquetrod._util import validate
-from floquetrod._util.arrays import shaped
-from floquetrod.friction.inputs import (
-    Prepared,
-    arguments,
-    elapsed,
-    growth_without_friction,
-    over_friction,
-    parts,
-    prepare,
-)
+from floquetrod._util.arrays import Floats, Ints, shaped
+from floquetrod.friction.inputs import Equations, Prepared, arguments, elapsed, over_friction
 from floquetrod.friction.kernels import orbit as kernels
 from floquetrod.friction.proved_kicks import proved
 
@@ -112,30 +103,20 @@ def critical_kick(
     shape, alpha, beta, gamma, c, limit = arguments(alpha, beta, gamma, damping, largest=limited)
     samples = validate.integer("samples", samples, 1, _MOST_SAMPLES)
     max_steps = validate.integer("max_steps", max_steps, 1)
-    rate = growth_without_friction(alpha, beta, c, workers)
-    result = known_bounds(alpha, beta, gamma, c, rate, limit, samples, max_steps, workers)
+    result = known_bounds(Equations.of(alpha, beta, c, workers), gamma, limit, workers, samples, max_steps)
     return CriticalKickBounds(*(shaped(part, shape) for part in result))
 
 
 def known_bounds(
-    alpha: NDArray[np.float64],
-    beta: NDArray[np.float64],
-    gamma: NDArray[np.float64],
-    damping: NDArray[np.float64],
-    rate: NDArray[np.float64],
-    limit: NDArray[np.float64],
-    samples: int = 24,
-    max_steps: int = 20_000,
-    workers: int | None = None,
+    every: Equations, gamma: Floats, limit: Floats, workers: int | None, samples: int = 24, max_steps: int = 20_000
 ) -> CriticalKickBounds:
-    """Return `critical_kick` of flat arrays that are checked, ``rate`` as `growth_without_friction` has it."""
-    grows = rate >= 0.0
+    """Return `critical_kick` of flat arrays that are checked."""
+    grows = every.rate >= 0.0
     floor = np.where(grows & (gamma == 0.0), 0.0, math.inf)  # without friction the slightest kick
     found = floor.copy()
     limit = over_friction(limit, gamma)
-    for part in parts(np.flatnonzero(grows & (gamma > 0.0) & ((alpha != 0.0) | (beta != 0.0))), alpha, beta, damping):
-        equations = prepare(alpha[part], beta[part], damping[part], rate[part], workers)
-        search = _KickSearch(equations, limit[part], max_steps, workers)
+    for part in every.parts(np.flatnonzero(grows & (gamma > 0.0) & ((every.alpha != 0.0) | (every.beta != 0.0)))):
+        search = _KickSearch(every.some(part).prepared(workers), limit[part], max_steps, workers)
         floor[part] = gamma[part] * search.floor
         smallest = search.smallest(samples)
         unknown = np.isinf(smallest) & np.isinf(limit[part])
@@ -158,7 +139,7 @@ class _KickSearch:
         What distinguishes the orbits of two kicks, and how long each went on until its fate was known.
     """
 
-    def __init__(self, equations: Prepared, limit: NDArray[np.float64], max_steps: int, workers: int | None) -> None:
+    def __init__(self, equations: Prepared, limit: Floats, max_steps: int, workers: int | None) -> None:
         self.equations, self.max_steps, self.workers = equations, max_steps, workers
         self.floor, ceiling = proved(equations)
         self.top = np.minimum(np.minimum(ceiling, _LARGEST * self.floor), limit)
@@ -168,14 +149,14 @@ class _KickSearch:
         self.life = np.zeros(self.tried.shape)
         self.findings = equations.no_findings()
 
-    def smallest(self, samples: int) -> NDArray[np.float64]:
+    def smallest(self, samples: int) -> Floats:
         """Return the smallest kick found to escape, infinite where none up to the limit was."""
         self.try_the_floor()
         self.climb(samples)
         self.look_closer()
         return self.narrow()
 
-    def look(self, which: NDArray[np.int64], kicks: NDArray[np.float64]) -> None:
+    def look(self, which: Ints, kicks: Floats) -> None:
         """Follow kicks, a row for each equation in ``which`` (NaN is none), and note what becomes of them."""
         if not kicks.size:
             return
@@ -190,7 +171,7 @@ class _KickSearch:
             which, kicks, np.where(rests, 10.0 + orbits["reversals"] + 1e6 * orbits["sticks"], fate), elapsed(orbits)
         )
 
-    def _insert(self, which: NDArray[np.int64], *news: NDArray[np.float64]) -> None:
+    def _insert(self, which: Ints, *news: Floats) -> None:
         """Sort kicks, their kinds and lives into the rows ``which``."""
         whole = []
         for old, new in zip((self.tried, self.kind, self.life), news, strict=True):
@@ -236,7 +217,7 @@ class _KickSearch:
             which = np.flatnonzero(~np.isnan(kicks).all(axis=1))
             self.look(which, kicks[which])
 
-    def narrow(self) -> NDArray[np.float64]:
+    def narrow(self) -> Floats:
         """Bisect down to an edge below the smallest kick that escapes, and return it."""
         low = np.where(self.tried < self.found[:, None], self.tried, 0.0).max(axis=1)
         while True:

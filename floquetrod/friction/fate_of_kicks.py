@@ -10,22 +10,20 @@ import numpy as np
 from numpy.typing import NDArray
 
 from floquetrod._util import validate
-from floquetrod._util.arrays import shaped
+from floquetrod._util.arrays import Floats, Ints, shaped
 from floquetrod._util.content import NoTruthValue
 from floquetrod.equations import FrictionalMathieu, require
 from floquetrod.floquet.status import STATUS_CODES, are
 from floquetrod.friction.inputs import (
     MAX_STEPS,
     SHORT,
+    Equations,
     Prepared,
     arguments,
     elapsed,
     growth_of,
-    growth_without_friction,
     never_freed,
     over_friction,
-    parts,
-    prepare,
     prepare_one,
     size_of,
 )
@@ -80,22 +78,23 @@ def fates(
     """
     shape, alpha, beta, gamma, c, kick = arguments(alpha, beta, gamma, damping, kick=size_of(kick))
     max_steps = validate.integer("max_steps", max_steps, 1)
-    rate = growth_without_friction(alpha, beta, c, workers)
-    return shaped(known_fates(alpha, beta, gamma, kick, c, rate, max_steps, workers), shape)
+    return shaped(known_fates(Equations.of(alpha, beta, c, workers), gamma, kick, max_steps, workers), shape)
 
 
 def known_fates(
-    alpha: NDArray[np.float64],
-    beta: NDArray[np.float64],
-    gamma: NDArray[np.float64],
-    kick: NDArray[np.float64],
-    damping: NDArray[np.float64],
-    rate: NDArray[np.float64],
-    max_steps: int = MAX_STEPS,
-    workers: int | None = None,
+    equations: Equations, gamma: Floats, kick: Floats, max_steps: int = MAX_STEPS, workers: int | None = None
 ) -> NDArray[np.int8]:
-    """Return `fates` of flat arrays that are checked, ``rate`` as `growth_without_friction` has it."""
-    ends = _ends(alpha, beta, gamma, kick, damping, rate, max_steps, workers)
+    """Return `fates` of flat arrays that are checked."""
+    ends = np.full(kick.size, kernels.NO_GROWTH, dtype=np.int8)  # why each run ended, as the kernels number it
+    if kick.size == 1:
+        alpha, beta, damping, rate = (float(part[0]) for part in equations)
+        one = FrictionalMathieu(alpha, beta, float(gamma[0]), damping)
+        ends[0] = int(_end(one, float(kick[0]), rate, max_steps)[0])
+    else:
+        free, grows = gamma == 0.0, equations.rate >= 0.0
+        ends[free & grows & (kick > 0.0)] = kernels.GROWS
+        chosen = np.flatnonzero(~free & grows)
+        ends[chosen] = _ends(equations.some(chosen), over_friction(kick, gamma)[chosen], max_steps, workers)
     result = np.where(ends == kernels.GROWS, ESCAPES, np.where(ends < kernels.GROWS, BOUNDED, UNDECIDED))
     return result.astype(np.int8)
 
@@ -127,42 +126,22 @@ def escapes(
     return are("unstable", found, what, "friction.fates tells which, a larger max_steps may settle them")
 
 
-def _ends(
-    alpha: NDArray[np.float64],
-    beta: NDArray[np.float64],
-    gamma: NDArray[np.float64],
-    kick: NDArray[np.float64],
-    damping: NDArray[np.float64],
-    rate: NDArray[np.float64],
-    max_steps: int,
-    workers: int | None,
-) -> NDArray[np.int8]:
-    """Return why each run ended, as the kernels number it."""
-    out = np.full(kick.size, kernels.NO_GROWTH, dtype=np.int8)
-    if kick.size == 1:
-        one = FrictionalMathieu(float(alpha[0]), float(beta[0]), float(gamma[0]), float(damping[0]))
-        out[0] = int(_end(one, float(kick[0]), float(rate[0]), max_steps)[0])
-        return out
-    free = gamma == 0.0
-    out[free & (rate >= 0.0) & (kick > 0.0)] = kernels.GROWS
-    chosen = np.flatnonzero(~free & (rate >= 0.0))
-    alpha, beta, damping, rate = (part[chosen] for part in (alpha, beta, damping, rate))
-    ratio = over_friction(kick, gamma)[chosen]
+def _ends(every: Equations, kicks: Floats, max_steps: int, workers: int | None) -> NDArray[np.int8]:
+    """Return why the run of each kick ended of equations that grow; gamma = 1."""
+    out = np.empty(kicks.size, dtype=np.int8)
     # Kicks of one equation that come one after the other share its cells.
-    new = np.ones(chosen.size, dtype=np.bool_)
-    new[1:] = (alpha[1:] != alpha[:-1]) | (beta[1:] != beta[:-1]) | (damping[1:] != damping[:-1])
+    new = np.ones(kicks.size, dtype=np.bool_)
+    new[1:] = np.any([part[1:] != part[:-1] for part in every[:3]], axis=0)
     begins = np.flatnonzero(new)
-    for part in parts(begins, alpha, beta, damping):
+    for part in every.parts(begins):
         end = begins[np.searchsorted(begins, part[-1]) + 1 :][:1]
-        members = np.arange(part[0], end[0] if end.size else chosen.size)
-        equations = prepare(alpha[part], beta[part], damping[part], rate[part], workers)
-        out[chosen[members]] = _ends_of_rows(equations, np.cumsum(new[members]) - 1, ratio[members], max_steps, workers)
+        members = np.arange(part[0], end[0] if end.size else kicks.size)
+        equations = every.some(part).prepared(workers)
+        out[members] = _ends_of_rows(equations, np.cumsum(new[members]) - 1, kicks[members], max_steps, workers)
     return out
 
 
-def _ends_of_rows(
-    equations: Prepared, of: NDArray[np.int64], kicks: NDArray[np.float64], max_steps: int, workers: int | None
-) -> NDArray[np.float64]:
+def _ends_of_rows(equations: Prepared, of: Ints, kicks: Floats, max_steps: int, workers: int | None) -> Floats:
     """Return why the run of each kick ended; ``of`` is its equation, ascending."""
     place = np.arange(of.size) - np.searchsorted(of, of)
     column = place % _ROW
@@ -171,7 +150,7 @@ def _ends_of_rows(
     rows[row, column] = kicks
     equation = of[column == 0]
     orbits = equations.follow(equation, rows, max_steps, workers, equations.no_findings()[equation], follow_slow=True)
-    ends: NDArray[np.float64] = orbits["fate"][row, column]
+    ends: Floats = orbits["fate"][row, column]
     return ends
 
 
@@ -243,7 +222,7 @@ def known_fate(equation: FrictionalMathieu, kick: float, rate: float, max_steps:
     return Fate(equation, kick, status, reason, float(tau), int(reversals), int(sticks))
 
 
-def _end(e: FrictionalMathieu, kick: float, rate: float, max_steps: int) -> NDArray[np.float64]:
+def _end(e: FrictionalMathieu, kick: float, rate: float, max_steps: int) -> Floats:
     """Return why the run of one kick ended, as the kernels number it, the time, and the numbers of stops and sticks."""
     orbit = np.zeros(1, ORBIT)[0]
     orbit["velocity"] = kick / e.gamma if e.gamma > 0.0 else kick

@@ -6,11 +6,10 @@ import math
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from floquetrod import mathieu
 from floquetrod._util import validate
-from floquetrod._util.arrays import broadcast
+from floquetrod._util.arrays import Floats, Ints, broadcast
 from floquetrod._util.compilation import over_chunks
 from floquetrod.equations import FrictionalMathieu
 from floquetrod.friction.kernels import orbit as kernels
@@ -29,7 +28,7 @@ _AT_ONCE = 100_000  # cells held at once: some 70 MB
 _SAMPLES = 8  # orbits of slow outward motion (heuristic)
 
 
-def arguments(alpha: Any, beta: Any, gamma: Any, damping: Any, **kicks: NDArray[np.float64]) -> tuple[Any, ...]:
+def arguments(alpha: Any, beta: Any, gamma: Any, damping: Any, **kicks: Floats) -> tuple[Any, ...]:
     """Return the common shape and the flat arrays of arguments that broadcast; ``kicks`` are checked already."""
     largest = np.finfo(np.float64).max
     arrays = {
@@ -43,33 +42,65 @@ def arguments(alpha: Any, beta: Any, gamma: Any, damping: Any, **kicks: NDArray[
     return (shape, *flat)
 
 
-def size_of(kick: Any) -> NDArray[np.float64]:
+def size_of(kick: Any) -> Floats:
     """Return the magnitude of kicks: their sign only mirrors the motion."""
     largest = np.finfo(np.float64).max
-    size: NDArray[np.float64] = np.abs(validate.array("kick", kick, least=-largest, largest=largest))
+    size: Floats = np.abs(validate.array("kick", kick, least=-largest, largest=largest))
     return size
 
 
-def over_friction(kick: NDArray[np.float64], gamma: NDArray[np.float64]) -> NDArray[np.float64]:
+def over_friction(kick: Floats, gamma: Floats) -> Floats:
     """Return kick / gamma, on which alone the motion depends; the kick itself where there is no friction."""
     with np.errstate(over="ignore"):
         return kick / np.where(gamma > 0.0, gamma, 1.0)
 
 
-def growth_without_friction(
-    alpha: NDArray[np.float64], beta: NDArray[np.float64], damping: NDArray[np.float64], workers: int | None
-) -> NDArray[np.float64]:
-    """Return growth rates without friction, -1 where nothing grows; 0 where it is linear or too slow for a double."""
-    damped = damping if damping.any() else None
-    # A kick takes longer than a verdict one by one, and that kernel is soon compiled.
-    stable = flat_stable(alpha, beta, damped, workers=workers, in_blocks=False)
-    return np.where(stable, -1.0, mathieu.growth_rate(alpha, beta, damping, workers=workers))
+class Equations(NamedTuple):
+    """Equations in flat arrays, without what friction adds.
+
+    Attributes
+    ----------
+    alpha, beta, damping : ndarray
+    rate : ndarray
+        Growth rate without friction, -1 where nothing grows; 0 where it is linear or too slow for a double.
+    """
+
+    alpha: Floats
+    beta: Floats
+    damping: Floats
+    rate: Floats
+
+    @classmethod
+    def of(cls, alpha: Floats, beta: Floats, damping: Floats, workers: int | None) -> Equations:
+        """Return equations with their growth rates."""
+        damped = damping if damping.any() else None
+        # A kick takes longer than a verdict one by one, and that kernel is soon compiled.
+        stable = flat_stable(alpha, beta, damped, workers=workers, in_blocks=False)
+        rate = np.where(stable, -1.0, mathieu.growth_rate(alpha, beta, damping, workers=workers))
+        return cls(alpha, beta, damping, rate)
+
+    def some(self, chosen: Ints) -> Equations:
+        """Return some of them."""
+        return Equations(*(part[chosen] for part in self))
+
+    def parts(self, chosen: Ints) -> list[Ints]:
+        """Return the indices ``chosen`` in parts whose cells fit into memory at once."""
+        if not chosen.size:
+            return []
+        part = np.cumsum(cell_counts(*self.some(chosen)[:3])) // _AT_ONCE
+        return np.split(chosen, np.flatnonzero(np.diff(part)) + 1)
+
+    def prepared(self, workers: int | None) -> Prepared:
+        """Return them ready for kicks to be followed."""
+        coefficients = np.empty(self.alpha.size, COEFFICIENTS)
+        coefficients["alpha"], coefficients["beta"], coefficients["damping"] = self[:3]
+        return Prepared(coefficients, propagators(*self, workers))
 
 
 def growth_of(equation: FrictionalMathieu) -> float:
-    """Return the growth rate of one equation without friction, as `growth_without_friction` does."""
+    """Return the growth rate of one equation without friction, as `Equations` have it."""
     alpha, beta, damping = (np.array([value]) for value in (equation.alpha, equation.beta, equation.damping))
-    return float(growth_without_friction(alpha, beta, damping, 1)[0])
+    return float(Equations.of(alpha, beta, damping, 1).rate[0])
 
 
 class Prepared(NamedTuple):
@@ -90,8 +121,8 @@ class Prepared(NamedTuple):
 
     def follow(
         self,
-        equation: NDArray[np.int64],
-        kicks: NDArray[np.float64],
+        equation: Ints,
+        kicks: Floats,
         max_steps: int,
         workers: int | None,
         findings: Records,
@@ -120,10 +151,10 @@ class Prepared(NamedTuple):
 
     def _follow(
         self,
-        equation: NDArray[np.int64],
-        velocity: NDArray[np.float64],
-        a: NDArray[np.float64] | float,
-        phase: NDArray[np.float64] | float,
+        equation: Ints,
+        velocity: Floats,
+        a: Floats | float,
+        phase: Floats | float,
         max_steps: int,
         workers: int | None,
         findings: Records,
@@ -138,9 +169,7 @@ class Prepared(NamedTuple):
         over_chunks(follow_fill, (rows,), orbits, *constants, workers=workers, chunk=32, interpret_up_to=0)
         return orbits
 
-    def _slow_fates(
-        self, equation: NDArray[np.int64], max_steps: int, workers: int | None, findings: Records
-    ) -> NDArray[np.float64]:
+    def _slow_fates(self, equation: Ints, max_steps: int, workers: int | None, findings: Records) -> Floats:
         """Return the fate of orbits that move outwards slowly from where the largest force just releases them.
 
         They go from the relative excess d to d + (9/2) Q^2 / abs(alpha) d^2 + ..., so all pass through one step's
@@ -155,7 +184,7 @@ class Prepared(NamedTuple):
         fates = self._follow(equation, rest, a, phase, max_steps, workers, findings, follow_slow=False)["fate"]
         escaped, bounded = fates == kernels.GROWS, fates < kernels.GROWS
         mixed = escaped.any(axis=1) & bounded.any(axis=1)
-        result: NDArray[np.float64] = np.select(
+        result: Floats = np.select(
             [mixed, escaped.all(axis=1), bounded.all(axis=1)],
             [float(kernels.MIXED), float(kernels.GROWS), float(kernels.STICK_SLIP)],
             float(kernels.LIMIT),
@@ -164,8 +193,8 @@ class Prepared(NamedTuple):
 
     def _follow_slow(
         self,
-        equation: NDArray[np.int64],
-        kicks: NDArray[np.float64],
+        equation: Ints,
+        kicks: Floats,
         orbits: Records,
         max_steps: int,
         workers: int | None,
@@ -185,13 +214,13 @@ class Prepared(NamedTuple):
             ends = self._follow(equation[rows], again, 0.0, 0.0, max_steps, workers, findings[rows], follow_slow=True)
             orbits[rows] = np.where(soon[rows], ends, orbits[rows])
 
-    def _outward(self, equation: NDArray[np.int64]) -> NDArray[np.float64]:
+    def _outward(self, equation: Ints) -> Floats:
         of = self.coefficients[equation]
-        outward: NDArray[np.float64] = of["beta"] + np.abs(of["alpha"])
+        outward: Floats = of["beta"] + np.abs(of["alpha"])
         return outward
 
 
-def _quadratic(alpha: NDArray[np.float64], outward: NDArray[np.float64]) -> NDArray[np.float64]:
+def _quadratic(alpha: Floats, outward: Floats) -> Floats:
     """Return by how much the square of the excess exceeds the next one, in slow outward motion."""
     return 4.5 * outward * outward / np.abs(alpha)
 
@@ -206,30 +235,7 @@ def never_freed(alpha: Any, beta: Any, kick: Any) -> Any:
     return kick * np.sqrt(np.abs(alpha) + np.abs(beta)) <= 1.0
 
 
-def prepare(
-    alpha: NDArray[np.float64],
-    beta: NDArray[np.float64],
-    damping: NDArray[np.float64],
-    rate: NDArray[np.float64],
-    workers: int | None,
-) -> Prepared:
-    """Return equations ready for kicks to be followed; ``rate`` is their growth without friction."""
-    coefficients = np.empty(alpha.size, COEFFICIENTS)
-    coefficients["alpha"], coefficients["beta"], coefficients["damping"] = alpha, beta, damping
-    return Prepared(coefficients, propagators(alpha, beta, damping, rate, workers))
-
-
 def prepare_one(equation: FrictionalMathieu, rate: float) -> Prepared:
     """Return one equation ready for kicks to be followed."""
-    alpha, beta, damping, rates = np.array([[equation.alpha], [equation.beta], [equation.damping], [rate]])
-    return prepare(alpha, beta, damping, rates, 1)
-
-
-def parts(
-    chosen: NDArray[np.int64], alpha: NDArray[np.float64], beta: NDArray[np.float64], damping: NDArray[np.float64]
-) -> list[NDArray[np.int64]]:
-    """Return the indices ``chosen`` in parts whose cells fit into memory at once."""
-    if not chosen.size:
-        return []
-    part = np.cumsum(cell_counts(alpha[chosen], beta[chosen], damping[chosen])) // _AT_ONCE
-    return np.split(chosen, np.flatnonzero(np.diff(part)) + 1)
+    values = equation.alpha, equation.beta, equation.damping, rate
+    return Equations(*(np.array([value]) for value in values)).prepared(1)

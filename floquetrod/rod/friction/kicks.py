@@ -15,9 +15,9 @@ from floquetrod._util.progress import Progress
 from floquetrod._util.report import Report, Reported, Table, number
 from floquetrod.equations import FrictionalMathieu, Mathieu
 from floquetrod.floquet.verdict import Status, Verdict
-from floquetrod.friction.critical_kicks import CriticalKickBounds, known_bounds
+from floquetrod.friction.critical_kicks import known_bounds
 from floquetrod.friction.fate_of_kicks import BOUNDED, ESCAPES, UNDECIDED, Fate, known_fate, known_fates
-from floquetrod.friction.inputs import growth_without_friction
+from floquetrod.friction.inputs import Equations
 from floquetrod.rod.answers.margins import MARGIN_SECONDS, Margin
 from floquetrod.rod.answers.reports import shown_in
 from floquetrod.rod.answers.verdict import RodStability
@@ -116,7 +116,8 @@ class FrictionalRodStability(Reported, Verdict):
     def critical_kicks(self) -> dict[int, float]:
         """Smallest kick in m/s found to destabilise each of ``modes``."""
         growing, rod, load = _as_arrays(_growing(self.linear)), self.linear.rod, self.linear.load
-        ratio = _bounds(growing, np.full(growing.load.size, math.inf), None).smallest_found
+        ones, every = np.ones(growing.load.size), Equations(*growing[2:])
+        ratio = known_bounds(every, ones, np.inf * ones, None).smallest_found
         kicks = kicks_of(rod, self.friction, load.amplitude, load.frequency, ratio)
         return dict(zip(growing.mode.tolist(), kicks.tolist(), strict=True))
 
@@ -259,10 +260,10 @@ def kicked_loads(
     found = np.full(systems.loads.size, BOUNDED, dtype=np.int8)
     for part in _parts(systems.loads.size):
         loads = systems.loads.some(part)
-        load, _, alpha, beta, damping, rate = ModalSystems(systems.constants, loads).growing(tolerance, workers)
+        load, _, *growing = ModalSystems(systems.constants, loads).growing(tolerance, workers)
         inside = mode_friction(rod, friction, kick, loads.amplitude, loads.frequency)
         gamma, epsilon = inside.gamma[load], inside.epsilon[load]
-        fates = known_fates(alpha, beta, gamma, epsilon, damping, rate, workers=workers)
+        fates = known_fates(Equations(*growing), gamma, epsilon, workers=workers)
         found[part][load[fates == UNDECIDED]] = UNDECIDED
         found[part][load[fates == ESCAPES]] = ESCAPES
     return found
@@ -295,8 +296,7 @@ def _as_arrays(growing: dict[int, Mathieu]) -> GrowingModes:
     values = np.array([(e.alpha, e.beta, e.damping) for e in growing.values()]).reshape(-1, 3)
     alpha, beta, damping = (np.ascontiguousarray(column) for column in values.T)
     mode = np.array(list(growing), dtype=np.int64)
-    rate = growth_without_friction(alpha, beta, damping, None)
-    return GrowingModes(np.zeros(mode.size, dtype=np.int64), mode, alpha, beta, damping, rate)
+    return GrowingModes(np.zeros(mode.size, dtype=np.int64), mode, *Equations.of(alpha, beta, damping, None))
 
 
 class _Least(NamedTuple):
@@ -326,19 +326,14 @@ def _least_kicks(growing: GrowingModes, workers: int | None, least: _Least) -> N
     for turn in range(int(place.max(initial=-1)) + 1):
         now = order[place == turn]
         at = load[now]
-        proved, found = _bounds(GrowingModes(*(part[now] for part in growing)), least.found[at], workers)
+        equations = Equations(*growing[2:]).some(now)
+        proved, found = known_bounds(equations, np.ones(now.size), least.found[at], workers)
         least.proved[at] = np.minimum(least.proved[at], proved)
         unknown[at] |= np.isnan(found)
         better = found < least.found[at]
         least.found[at[better]] = found[better]
         least.mode[at[better]] = growing.mode[now][better]
     least.found[unknown & np.isinf(least.found)] = math.nan
-
-
-def _bounds(growing: GrowingModes, limit: NDArray[np.float64], workers: int | None) -> CriticalKickBounds:
-    """Return the critical kicks over friction, up to a limit."""
-    _, _, alpha, beta, damping, rate = growing
-    return known_bounds(alpha, beta, np.ones(alpha.size), damping, rate, limit, workers=workers)
 
 
 def _parts(size: int) -> list[slice]:
