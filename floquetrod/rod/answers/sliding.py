@@ -10,9 +10,9 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
-Floats = NDArray[np.float64]
+from floquetrod._util.arrays import Floats
+from floquetrod._util.roots import bisected
 
 _FASTEST = 1e3  # m/s of a wave across: beyond, friction does nothing
 _HALVINGS = 60
@@ -54,8 +54,5 @@ def least_speed(rate: Floats, pressed: Floats, sliding: float, shaking: Floats) 
     low = np.zeros(rate.size)
     none = rate > damping_across(pressed, sliding, shaking, low)
     high = np.where(rate > 0.0, np.minimum(2.0 / math.pi * pressed / np.maximum(rate, 1e-300), _FASTEST), 0.0)
-    for _ in range(_HALVINGS):
-        middle = 0.5 * (low + high)
-        grows = rate > damping_across(pressed, sliding, shaking, middle)
-        low, high = np.where(grows, low, middle), np.where(grows, middle, high)
+    _, high = bisected(lambda speed: rate > damping_across(pressed, sliding, shaking, speed), low, high, _HALVINGS)
     return np.where(none, 0.0, np.where(rate > 0.0, high, math.inf))

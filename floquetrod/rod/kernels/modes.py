@@ -186,6 +186,34 @@ def modes_stable_fill(
 
 
 @kernel
+def samples_stable_fill(
+    mean: Any,
+    amplitude: Any,
+    frequency: Any,
+    bending: Any,
+    per_newton: Any,
+    pendulum_squared: Any,
+    held: Any,
+    damping_rate: Any,
+    out: Any,
+    tolerance: float,
+    smallest: float,
+) -> None:
+    """Fill ``out`` with whether no mode of each rod grows faster than ``tolerance`` under its load (rates per second).
+
+    Rates below ``smallest`` may be left out.
+    """
+    slowest = max(tolerance, smallest)
+    last = 1
+    suspect = 1
+    for i in range(len(mean)):
+        constants = bending[i], per_newton[i], pendulum_squared[i], held[i], damping_rate[i]
+        out[i], last, suspect = rod_is_stable(
+            constants, mean[i], amplitude[i], frequency[i], tolerance, slowest, last, suspect
+        )
+
+
+@kernel
 def modes_growth_fill(mean: Any, amplitude: Any, frequency: Any, out: Any, constants: Any, smallest: float) -> None:
     """Fill ``out`` (n, 2) with the largest growth rate per second and the mode that has it (0 where none grows)."""
     last = 1

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any, ClassVar
 
@@ -35,7 +36,6 @@ from floquetrod.rod.modes.mode_model import Answers, BandFinder, ModeModel, Stat
 if TYPE_CHECKING:
     from floquetrod.floquet.proof.region import RegionProof
     from floquetrod.mathieu.criterion import FiniteTimeCriterion
-    from floquetrod.plane import Axis
     from floquetrod.rod.answers.intervals import FoundIntervals, Search, StabilityInterval, UnstableBand
     from floquetrod.rod.answers.safe_box import SafeBox
     from floquetrod.rod.friction.kicks import CriticalKick, FrictionalRodStability
@@ -275,7 +275,7 @@ class IndependentModel(ModeModel):
 
         Those that leave their wall are not decided.
         """
-        from floquetrod.rod.kernels.samples import samples_stable_fill
+        from floquetrod.rod.kernels.modes import samples_stable_fill
 
         mean, amplitude, frequency = loads.flat
         constants = ModeConstants.of(rods, sin=np.sin)
@@ -298,54 +298,23 @@ class IndependentModel(ModeModel):
         )
         return np.where(side == 0, np.int8(-1), out.view(np.int8))
 
-    def certify(
-        self,
-        sides: tuple[Any, Any, Any],
-        growth_tolerance: float,
-        rod: Mapping[str, Any] | None,
-        max_boxes: int,
-        progress: Progress | None,
-    ) -> RegionProof:
+    def certify(self, *asked: Any) -> RegionProof:
         """Prove every load of a box stable or unstable."""
         from floquetrod.rod.answers.region import certify_rods
 
-        return certify_rods(self.rod, self.like, sides, growth_tolerance, rod, max_boxes, progress)
+        return certify_rods(self.rod, self.like, *asked)
 
-    def largest_safe_box(
-        self,
-        load: Load,
-        vary: Iterable[Quantity],
-        growth_tolerance: float,
-        rod: Mapping[str, Any] | None,
-        accuracy: float,
-        progress: Progress | None,
-    ) -> SafeBox:
+    def largest_safe_box(self, load: Load, *asked: Any) -> SafeBox:
         """Return the largest proved box about a load."""
         from floquetrod.rod.answers.safe_box import largest_safe_box
 
-        return largest_safe_box(
-            self.rod,
-            load,
-            lambda tolerance: self.verdict(load, None, tolerance),
-            vary,
-            growth_tolerance,
-            rod,
-            accuracy,
-            progress,
-        )
+        return largest_safe_box(self.rod, load, partial(self.verdict, load, None), *asked)
 
-    def certified_cells(
-        self,
-        axes: Mapping[Quantity, Axis],
-        fixed: tuple[Quantity, float],
-        tolerance: float,
-        workers: int | None,
-        progress: Progress | None,
-    ) -> Statuses:
+    def certified_cells(self, *asked: Any) -> Statuses:
         """Return what is proved of every cell of a map."""
         from floquetrod.rod.answers.certified_map import certified_cells
 
-        return certified_cells(self.rod, self.like, axes, fixed, tolerance, workers, progress)
+        return certified_cells(self.rod, self.like, *asked)
 
 
 def _between(unstable: Sequence[UnstableInterval], bounds: tuple[float, float]) -> Iterator[StabilityInterval]:

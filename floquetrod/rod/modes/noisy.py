@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, ClassVar, NoReturn
 
@@ -228,18 +228,11 @@ class NoisyModel(ModeModel):
         """Return the largest factor of the noise of a load at which it is stable in mean square, to 1e-10."""
         return critical_noise(self, load, growth_tolerance)
 
-    def certify(
-        self,
-        sides: tuple[Any, Any, Any],
-        growth_tolerance: float,
-        rod: Mapping[str, Any] | None,
-        max_boxes: int,
-        progress: Progress | None,
-    ) -> RegionProof:
+    def certify(self, *asked: Any) -> RegionProof:
         """Prove every load of a box of forces at one frequency stable or unstable in mean square."""
         from floquetrod.rod.modes.noisy_proof import certify_noisy
 
-        return certify_noisy(self, sides, growth_tolerance, rod, max_boxes, progress)
+        return certify_noisy(self, *asked)
 
     def largest_safe_box(self, *given: Any) -> NoReturn:
         """Raise ValueError: boxes are searched for without noise."""
