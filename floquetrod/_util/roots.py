@@ -5,9 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import NDArray
 
-from floquetrod._util.arrays import Floats, Ints
+from floquetrod._util.arrays import Bools, Floats, Ints
 
 _EPS = float(np.finfo(np.float64).eps)
 _GOLDEN = 0.3819660112501051  # (3 - sqrt(5)) / 2
@@ -61,7 +60,7 @@ def roots(
 
 
 def bisected(
-    holds: Callable[[Floats], NDArray[np.bool_]], low: Floats, high: Floats, halvings: int, *, relative: float = 0.0
+    holds: Callable[[Floats], Bools], low: Floats, high: Floats, halvings: int, *, relative: float = 0.0
 ) -> tuple[Floats, Floats]:
     """Return brackets in which a statement ceases to hold, halved.
 

@@ -12,17 +12,15 @@ from types import CodeType, MappingProxyType
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from floquetrod._util import validate
+from floquetrod._util.arrays import Floats
 from floquetrod._util.caching import cached_property
 from floquetrod._util.calling import constructor_hints
 from floquetrod._util.content import ByContent
 from floquetrod._util.suggest import did_you_mean
 from floquetrod.equations.hill_system import HillSystem
 from floquetrod.equations.rates import Rates
-
-Floats = NDArray[np.float64]
 
 _ALL_AT_ONCE = ("p", "params", "parameters")  # names of an argument that takes all parameters
 _FUNCTIONS = {name: getattr(math, name) for name in ("pi", "sqrt", "exp", "log", "sin", "cos", "tan")}

@@ -10,9 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from floquetrod._util import validate
+from floquetrod._util.arrays import Floats
 from floquetrod.equations.compiled_rates import at_points, is_compiled
 
-Floats = NDArray[np.float64]
 Parameters = Mapping[str, float]
 
 _EPS = 2.220446049250313e-16

@@ -11,9 +11,9 @@ from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from floquetrod._util import validate
+from floquetrod._util.arrays import Floats
 from floquetrod._util.content import ByContent, NoTruthValue
 from floquetrod._util.progress import Progress
 from floquetrod.equations import PeriodicSystem
@@ -21,8 +21,6 @@ from floquetrod.equations.matrices import coefficients_at, require_one
 from floquetrod.equations.pieces import in_time
 from floquetrod.equations.second_moments import INTERPRETATIONS, Source, of_first_order, sources_of, with_drift
 from floquetrod.floquet.problems import Problem
-
-Floats = NDArray[np.float64]
 
 _LEAST_STEPS = 32  # a period (a choice), an even number
 _MOST_STEPS = 1 << 16  # a period (a choice)

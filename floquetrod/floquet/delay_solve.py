@@ -14,7 +14,7 @@ from numpy.polynomial import legendre
 from numpy.typing import NDArray
 
 from floquetrod._util import validate
-from floquetrod._util.arrays import shaped
+from floquetrod._util.arrays import Floats, shaped
 from floquetrod._util.content import ByContent
 from floquetrod.equations import DelaySystem
 from floquetrod.equations import pieces as by_pieces
@@ -22,7 +22,6 @@ from floquetrod.floquet.references import references
 from floquetrod.floquet.systems import delay_maps
 from floquetrod.floquet.systems.delay_mesh import integral, rule
 
-Floats = NDArray[np.float64]
 History = Callable[[float], Any]
 
 _NODES = (16, 22)  # of a step, the second number to learn the error of the first (heuristic)

@@ -12,9 +12,9 @@ import math
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from floquetrod._util import validate
+from floquetrod._util.arrays import Floats
 from floquetrod.equations import PeriodicSystem, matrices
 from floquetrod.equations import pieces as by_pieces
 from floquetrod.equations.second_moments import linear_moments, of_first_order, source
@@ -22,8 +22,6 @@ from floquetrod.floquet.dispatch import run
 from floquetrod.floquet.problems import Problem
 from floquetrod.floquet.status import Status
 from floquetrod.floquet.systems.whole import seconds_needed
-
-Floats = NDArray[np.float64]
 
 _MOST_SECONDS = 20.0  # of one order, estimated (a choice)
 _MOST = 400  # moments of one truncation (a choice): a second or so

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from floquetrod._util import validate
-from floquetrod._util.arrays import shaped
+from floquetrod._util.arrays import Floats, shaped
 from floquetrod._util.content import ByContent
 from floquetrod.equations import Equation, HillSystem
 from floquetrod.floquet.problems import Problem, require_problem, require_without_delays
@@ -22,8 +22,6 @@ _LATEST = 1e6  # periods (a choice: beyond it rounding of the phase costs more t
 _DECAYS = 1.0 - 1e-6  # magnitudes of multipliers below it are found from the map backwards (a choice)
 _SURE = 1e-3  # rad that the error of the map may turn an eigenvector by (a choice)
 _LARGEST_RESIDUAL = 1e-6  # of a solution, relative (a choice)
-
-Floats = NDArray[np.float64]
 
 
 class MonodromyMatrix(NamedTuple):

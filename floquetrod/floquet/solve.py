@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from floquetrod._util import validate
-from floquetrod._util.arrays import shaped
+from floquetrod._util.arrays import Floats, shaped
 from floquetrod._util.content import ByContent
 from floquetrod.equations import DelaySystem, HillSystem, PeriodicSystem
 from floquetrod.equations.base import Equation, require
@@ -27,8 +27,6 @@ _EPS = 2.220446049250313e-16
 _PI = Fraction(round(Fraction(3141592653589793238462643383279502884197, 10**39) * 2**125), 2**125)
 _ROUNDING = 4.0 * _EPS  # of states, at least (measured)
 _LARGEST = 1e290  # of a solution (a choice: doubles reach 1e308)
-
-Floats = NDArray[np.float64]
 
 
 class _Piece(NamedTuple):

@@ -6,9 +6,8 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from floquetrod._util.arrays import Floats
+from floquetrod._util.arrays import Bools, Floats
 from floquetrod._util.roots import bisected
 from floquetrod.equations import FrictionalMathieu, require
 from floquetrod.friction.inputs import Prepared, growth_of, prepare_one
@@ -110,7 +109,7 @@ def _motion(bases: Records, a: Floats, velocity: Floats, s: float) -> Floats:
 def _kick_that_stops_at(safe: Floats, s: Floats, f: Floats) -> Floats:
     """Return the kick -F' / S' of the time in the cell at which the kick that stops there stops at ``safe``."""
 
-    def before(x: Floats) -> NDArray[np.bool_]:
+    def before(x: Floats) -> Bools:
         stops: Floats = slope(s, x) * (safe - value(f, x)) + value(s, x) * slope(f, x)
         return ~(stops <= 0.0)  # NaN too
 

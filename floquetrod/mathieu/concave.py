@@ -12,9 +12,8 @@ from collections.abc import Callable, Sequence
 from typing import NamedTuple, TypeAlias
 
 import numpy as np
-from numpy.typing import NDArray
 
-from floquetrod._util.arrays import Floats, Ints
+from floquetrod._util.arrays import Bools, Floats, Ints
 from floquetrod._util.roots import roots
 
 Growth: TypeAlias = Callable[[Floats, Ints], Floats]
@@ -61,7 +60,7 @@ class _Pieces(NamedTuple):
     x: Floats  # (n, 4)
     g: Floats  # (n, 4)
 
-    def some(self, chosen: NDArray[np.bool_]) -> _Pieces:
+    def some(self, chosen: Bools) -> _Pieces:
         return _Pieces(self.which[chosen], self.x[chosen], self.g[chosen])
 
 

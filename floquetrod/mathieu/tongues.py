@@ -15,7 +15,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from floquetrod._util.arrays import Floats, Ints
+from floquetrod._util.arrays import Bools, Floats, Ints
 from floquetrod._util.compilation import over_chunks
 from floquetrod._util.roots import bisected
 from floquetrod.floquet.kernels import mathieu, mathieu_counts
@@ -200,7 +200,7 @@ def damping_to_stabilise(alpha: Floats, beta: Floats, least: Floats | float = 0.
     return found
 
 
-def _out_of_reach(alpha: Floats, beta: Floats, bottom: Floats, top: Floats) -> NDArray[np.bool_]:
+def _out_of_reach(alpha: Floats, beta: Floats, bottom: Floats, top: Floats) -> Bools:
     """Return which tongues from ``bottom`` to ``top`` lie too far above beta for sqrt(b - beta) to be exceeded there.
 
     u <= alpha / (pi sqrt(-b)) wherever b < 0 (energy u'^2 - b u^2).
@@ -234,7 +234,7 @@ def _collect(
     )
 
 
-def _only(kept: NDArray[np.bool_], *arrays: NDArray[Any]) -> tuple[NDArray[Any], ...]:
+def _only(kept: Bools, *arrays: NDArray[Any]) -> tuple[NDArray[Any], ...]:
     return tuple(array[kept] for array in arrays)
 
 
@@ -246,7 +246,7 @@ def numbers_between(start: Ints, stop: Ints) -> tuple[Ints, Ints]:
     return index, np.arange(index.size) - first + start[index]
 
 
-def where_bounded(settled: Callable[[Floats, Ints], NDArray[np.bool_]], low: Floats, high: Floats) -> Floats:
+def where_bounded(settled: Callable[[Floats, Ints], Bools], low: Floats, high: Floats) -> Floats:
     """Return a place up to which ``settled`` holds, which it does from ``low`` up to some place or nowhere."""
     every = np.arange(low.size)
     if not low.size:

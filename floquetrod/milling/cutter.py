@@ -12,18 +12,16 @@ from fractions import Fraction
 from typing import Any, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
 from floquetrod import units
 from floquetrod._util import validate
+from floquetrod._util.arrays import Floats
 from floquetrod._util.caching import cached_property
 from floquetrod._util.calling import constructor_hints
 from floquetrod._util.content import ByContent
 from floquetrod.equations import DelaySystem, PeriodicSystem, Varying
 from floquetrod.floquet.dispatch import stability
 from floquetrod.floquet.systems.result import SystemStability
-
-Floats = NDArray[np.float64]
 
 _EDGE = 1e-12  # rad: a tooth so close to entering or leaving counts as beyond
 

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from floquetrod._util import validate
+from floquetrod._util.arrays import Floats
 from floquetrod._util.content import ByContent, NoTruthValue
 from floquetrod._util.report import Report, Reported, Table
 from floquetrod.floquet.systems import delay_growth, delay_many
@@ -19,8 +20,6 @@ from floquetrod.floquet.systems.delay_maps import Coefficients, period_maps
 from floquetrod.floquet.systems.delay_mesh import Mesh, mesh
 from floquetrod.milling.cutter import Cutter, read_depth, read_speed
 from floquetrod.plane import Axis, Chart, Family, Verdicts, axis_values, charted
-
-Floats = NDArray[np.float64]
 
 _PHASE = 36.0  # rad that solutions turn by in a piece, at most (a choice)
 _RESOLVED = (

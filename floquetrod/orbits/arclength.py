@@ -13,13 +13,11 @@ from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from floquetrod._util.arrays import Floats
 from floquetrod.orbits import mesh as meshes
 from floquetrod.orbits.collocation import Collocation, Condensed, Point, Row, Step
 from floquetrod.orbits.newton import corrected
-
-Floats = NDArray[np.float64]
 
 MOST_STEPS = 9  # of Newton's method, before a shorter step along the branch is tried
 

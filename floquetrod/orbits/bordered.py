@@ -11,9 +11,8 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-Floats = NDArray[np.float64]
+from floquetrod._util.arrays import Floats
 
 _FAMILY = 1e-10  # of the largest singular value: one below it is zero, and orbits form a family (a choice)
 

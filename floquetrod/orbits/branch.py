@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from floquetrod._util import extras
+from floquetrod._util.arrays import Floats
 from floquetrod._util.caching import cached_property
 from floquetrod._util.content import ByContent, NoTruthValue
 from floquetrod._util.report import Report, Reported, Table
@@ -20,8 +21,6 @@ from floquetrod.orbits.crossings import multipliers_of
 from floquetrod.orbits.extents import extent
 from floquetrod.orbits.orbit import PeriodicOrbit
 from floquetrod.orbits.special_points import SpecialPoint
-
-Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from floquetrod._util import files, validate
+from floquetrod._util.arrays import Floats
 from floquetrod.equations import NonlinearSystem
 from floquetrod.orbits.arclength import Measure
 from floquetrod.orbits.collocation import Collocation, Point, Step
@@ -17,8 +18,6 @@ from floquetrod.orbits.finding import Compared, as_orbit
 from floquetrod.orbits.multipliers import Segments
 from floquetrod.orbits.orbit import PeriodicOrbit
 from floquetrod.orbits.special_points import SpecialPoint
-
-Floats = NDArray[np.float64]
 
 _FORMAT = "floquetrod branch 1"
 _OTHER = 1e-6  # of the states, by which an orbit may miss the equations of the system it is said to be of

@@ -32,13 +32,11 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from floquetrod._util.arrays import Floats
 from floquetrod._util.content import ByContent
 from floquetrod.equations.nonlinear_system import NonlinearSystem
 from floquetrod.orbits import bordered
-
-Floats = NDArray[np.float64]
 
 _PARAMETER_STEP = 1e-3  # of differences in a parameter, relative: fourth order, good to about 12 digits
 

@@ -6,7 +6,6 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from floquetrod.orbits import arclength, finding
 from floquetrod.orbits import mesh as meshes
@@ -16,8 +15,6 @@ from floquetrod.orbits.crossings import Multipliers, Tests, multipliers_of, test
 from floquetrod.orbits.finding import Compared
 from floquetrod.orbits.newton import NoOrbitError
 from floquetrod.orbits.orbit import PeriodicOrbit
-
-Floats = NDArray[np.float64]
 
 _FIRST = 0.01  # length of the first step (a choice)
 _LEAST = 1e-7  # length of a step below which the branch is given up

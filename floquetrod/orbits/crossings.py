@@ -7,9 +7,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from floquetrod._util.arrays import Floats
 from floquetrod.orbits.orbit import PeriodicOrbit
 
-Floats = NDArray[np.float64]
 Complexes = NDArray[np.complex128]
 
 

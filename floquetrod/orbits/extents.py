@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from floquetrod._util.arrays import Floats
 from floquetrod.orbits.orbit import PeriodicOrbit
-
-Floats = NDArray[np.float64]
 
 _SAME = 1e-5  # of the states, by which two orbits are told apart (a choice)
 

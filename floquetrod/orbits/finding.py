@@ -6,9 +6,9 @@ import math
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from floquetrod._util import validate
+from floquetrod._util.arrays import Floats
 from floquetrod.equations import NonlinearSystem
 from floquetrod.orbits import mesh as meshes
 from floquetrod.orbits import starts
@@ -16,8 +16,6 @@ from floquetrod.orbits.collocation import Collocation, Condensed, Point, Row, ga
 from floquetrod.orbits.multipliers import Segments
 from floquetrod.orbits.newton import NoOrbitError, corrected
 from floquetrod.orbits.orbit import PeriodicOrbit
-
-Floats = NDArray[np.float64]
 
 _EPS = 2.220446049250313e-16
 _DEGREES = ((24, 8), (10**9, 6))  # Gauss points of systems of up to so many equations (a choice)

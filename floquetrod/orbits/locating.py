@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from floquetrod._util.arrays import Floats
 from floquetrod.orbits import arclength, crossings
 from floquetrod.orbits import mesh as meshes
 from floquetrod.orbits.arclength import Measure, Place
@@ -19,8 +19,6 @@ from floquetrod.orbits.newton import NoOrbitError
 from floquetrod.orbits.sensitivity import error_of
 from floquetrod.orbits.special_points import SpecialPoint
 from floquetrod.orbits.switching import Kind
-
-Floats = NDArray[np.float64]
 
 _ROOT = 1e-12  # length along the branch to which a test function's zero is found
 _NEAR = 0.02  # distance of the places about a branch point from which it is interpolated, part of a step (a choice)

@@ -7,13 +7,10 @@ import math
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
-from floquetrod._util.arrays import norms
+from floquetrod._util.arrays import Floats, norms
 from floquetrod.floquet.systems import independent_solutions
 from floquetrod.orbits.collocation import Collocation, Point, gauss, weights_at
-
-Floats = NDArray[np.float64]
 
 FEWEST, MOST = 8, 1024
 """Intervals of a mesh."""

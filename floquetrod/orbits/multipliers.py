@@ -8,15 +8,13 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from floquetrod._util.arrays import norms
+from floquetrod._util.arrays import Floats, norms
 from floquetrod.equations import PeriodicSystem
 from floquetrod.floquet.systems import cyclic, independent_solutions
 from floquetrod.floquet.systems.classification import classify_multipliers
 from floquetrod.floquet.systems.independent_solutions import Solutions
 from floquetrod.floquet.systems.result import SystemStability
 from floquetrod.floquet.verdict import Cost
-
-Floats = NDArray[np.float64]
 
 _EPS = 2.220446049250313e-16
 _LARGEST_CONDITION = 100.0  # of the map over a segment: rounding then costs two digits (a choice)

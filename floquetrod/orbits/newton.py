@@ -6,11 +6,9 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from floquetrod._util.arrays import Floats
 from floquetrod.orbits.collocation import Collocation, Condensed, Point, Row, Step
-
-Floats = NDArray[np.float64]
 
 _MOST_STEPS = 40
 _ENOUGH = 1e-10  # of a step, relative: what the next one would change is rounding

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from floquetrod._util import validate
-from floquetrod._util.arrays import shaped
+from floquetrod._util.arrays import Floats, shaped
 from floquetrod._util.caching import cached_property
 from floquetrod._util.content import ByContent, NoTruthValue
 from floquetrod._util.report import Report, Reported, number
@@ -21,8 +21,6 @@ from floquetrod.floquet.systems.result import SystemStability
 from floquetrod.orbits.collocation import Collocation, Point
 from floquetrod.orbits.mesh import evaluated
 from floquetrod.orbits.multipliers import OrbitVerdict, Segments, judged
-
-Floats = NDArray[np.float64]
 
 _LATEST = 1e6  # periods (a choice: beyond it rounding of the phase costs more than ten digits)
 _SAMPLES = 4096  # of a period, for harmonics

@@ -5,17 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Any
 
-import numpy as np
-from numpy.typing import NDArray
-
+from floquetrod._util.arrays import Floats
 from floquetrod._util.content import ByContent
 from floquetrod.orbits.arclength import Measure
 from floquetrod.orbits.collocation import Step
 from floquetrod.orbits.extents import extent
 from floquetrod.orbits.orbit import PeriodicOrbit
 from floquetrod.orbits.switching import Kind, Origin, switched
-
-Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -7,12 +7,10 @@ import warnings
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from floquetrod._util import validate
+from floquetrod._util.arrays import Floats
 from floquetrod.equations import NonlinearSystem
-
-Floats = NDArray[np.float64]
 
 _SAMPLES = 200  # of a period (a choice)
 _MOST_SAMPLES = 10_000

@@ -7,9 +7,9 @@ from dataclasses import replace
 from typing import Literal, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from floquetrod._util import validate
+from floquetrod._util.arrays import Floats
 from floquetrod.orbits import arclength, finding
 from floquetrod.orbits import mesh as meshes
 from floquetrod.orbits.arclength import Measure
@@ -18,7 +18,6 @@ from floquetrod.orbits.extents import returns_after
 from floquetrod.orbits.newton import NoOrbitError, corrected
 from floquetrod.orbits.orbit import PeriodicOrbit
 
-Floats = NDArray[np.float64]
 Kind = Literal["fold", "branch point", "period doubling", "Neimark-Sacker"]
 
 _SHORTER = (1.0, 0.4, 0.1, 0.02)  # parts of the distance that are tried (a choice)

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from floquetrod import units
 from floquetrod._util import validate
-from floquetrod._util.arrays import Floats
+from floquetrod._util.arrays import Bools, Floats
 from floquetrod._util.caching import cached_property
 from floquetrod.rod.loads.load import KINDS, LIMITS, Load, Loads
 from floquetrod.rod.model import formulas, parts
@@ -84,7 +84,7 @@ class Sampling:
         except ValueError as error:
             raise no_sample(sample, error) from None
 
-    def _exist(self, rods: Mapping[str, Any], loads: list[Floats]) -> NDArray[np.bool_]:
+    def _exist(self, rods: Mapping[str, Any], loads: list[Floats]) -> Bools:
         """Return which samples are a rod under a load."""
         good = np.ones(loads[0].shape, dtype=np.bool_)
         for values, limits in zip(loads, LIMITS.values(), strict=True):
@@ -102,7 +102,7 @@ class Sampling:
             good &= formulas.sinks(own, weighing)
         return good
 
-    def _require(self, good: NDArray[np.bool_], values: Mapping[str, Floats]) -> None:
+    def _require(self, good: Bools, values: Mapping[str, Floats]) -> None:
         """Raise ValueError unless all samples are good: what a rod or load made of the first that is not raises."""
         if good.all():
             return

@@ -5,9 +5,8 @@ from __future__ import annotations
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from floquetrod._util.arrays import Floats
+from floquetrod._util.arrays import Bools, Floats
 from floquetrod._util.progress import Progress
 from floquetrod.rod.large_orbits import Found, alone, beam_functions, require_possible
 from floquetrod.rod.loads.load import Load
@@ -27,9 +26,7 @@ class Numbers(NamedTuple):
     frequency: Floats
 
 
-def large_motion(
-    rod: RodData, kind: Load, numbers: Numbers, stable: NDArray[np.bool_], progress: Progress | None
-) -> Floats:
+def large_motion(rod: RodData, kind: Load, numbers: Numbers, stable: Bools, progress: Progress | None) -> Floats:
     """Return the largest angle in rad of the smallest stable orbit on the wall found under each load that is stable.
 
     0 where a search finds none, NaN where the rod at rest is not stable.  Each mode alone, without lift-off at hinged

@@ -9,11 +9,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from floquetrod._util.arrays import Floats
 from floquetrod._util.caching import cached_property
 from floquetrod.wells.arcs import Arcs
 from floquetrod.wells.path import WellPath
-
-Floats = NDArray[np.float64]
 
 _ROUNDS = 8  # of Newton's method from places some micrometres off: two are enough
 _VERTICAL = 1e-9  # sine of an inclination below which a well has no high side

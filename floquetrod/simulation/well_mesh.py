@@ -6,8 +6,8 @@ from dataclasses import KW_ONLY, dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from floquetrod._util.arrays import Floats
 from floquetrod._util.caching import cached_property
 from floquetrod.simulation import rod_motion, well_motion
 from floquetrod.simulation.driving import Driving
@@ -15,8 +15,6 @@ from floquetrod.simulation.mesh import ENERGIES, DiscreteRod
 from floquetrod.simulation.rod_motion import CLAMPED, FIRST, GUIDED
 from floquetrod.simulation.well_axis import Frames, WellAxis, dot
 from floquetrod.wells.drag import FRICTIONLESS, Friction
-
-Floats = NDArray[np.float64]
 
 _ROUNDS = 4  # in which nodes are laid so that the segments have the lengths the mean force gives them
 

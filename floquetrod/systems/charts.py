@@ -193,7 +193,7 @@ def _one_by_one(equations: Sequence[Problem]) -> tuple[NDArray[np.int8], Floats]
     return status, np.array([result.growth_rate for result in found])
 
 
-def _parameters(over: Any) -> list[tuple[str, NDArray[np.float64]]]:
+def _parameters(over: Any) -> list[tuple[str, Floats]]:
     """Return names and values of the two parameters, checked."""
     example = 'two parameters such as {"omega": (1.0, 4.0, 200), "epsilon": (0.0, 0.5, 100)}'
     if not isinstance(over, Mapping):

@@ -13,11 +13,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from floquetrod._util.arrays import Floats
 from floquetrod._util.content import ByContent
 
 _VERTICAL = 1e-12  # sine of an inclination below which an azimuth means nothing
-
-Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)

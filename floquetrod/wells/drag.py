@@ -19,10 +19,10 @@ from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from floquetrod._util.arrays import Bools, Floats
 from floquetrod._util.caching import cached_property
-from floquetrod.wells.arcs import Floats, Points
+from floquetrod.wells.arcs import Points
 from floquetrod.wells.path import WellPath
 
 HELICAL = {"energy": 2.0, "loading": 1.83**2, "alone": 8.0, "always": 0.0}
@@ -129,7 +129,7 @@ class Friction:
         """The largest coefficient."""
         return max(self.values)
 
-    def at(self, depth: NDArray[np.float64]) -> Floats:
+    def at(self, depth: Floats) -> Floats:
         """Return the coefficient at measured depths, that below on a boundary."""
         place = np.searchsorted(self.depths, depth, side="right") - 1
         return np.asarray(self.values)[np.maximum(place, 0)]
@@ -223,7 +223,7 @@ class Drag:
         """Return what stands for a compression in N."""
         return np.asarray(np.arctan(force / self.pipe.scale))
 
-    def is_helix(self, place: Place, y: Floats) -> NDArray[np.bool_]:
+    def is_helix(self, place: Place, y: Floats) -> Bools:
         """Return whether strings are wound into a helix."""
         return np.asarray(self.wants_helix(place, y) >= 0.0)
 

@@ -14,10 +14,11 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from floquetrod._util.arrays import Bools, Floats
 from floquetrod._util.caching import cached_property
 from floquetrod._util.content import ByContent
 from floquetrod._util.roots import roots
-from floquetrod.wells.arcs import Floats, Points
+from floquetrod.wells.arcs import Points
 from floquetrod.wells.drag import LOCKED, Drag, Effort, Place, States, Strings
 
 Ints = NDArray[np.intp]
@@ -141,7 +142,7 @@ class _Slopes(ByContent):
     drag: Drag
     arc: Ints
     friction: Floats
-    is_helix: NDArray[np.bool_]
+    is_helix: Bools
 
     def some(self, i: Ints) -> _Slopes:
         """Return that of some strings."""
@@ -167,13 +168,13 @@ class _Step(ByContent):
     slopes: _Slopes
     depth: Floats
     end: Floats
-    is_last: NDArray[np.bool_]
+    is_last: Bools
     old: Floats
     new: Floats
     rises: Floats
 
     @classmethod
-    def of(cls, slopes: _Slopes, depth: Floats, end: Floats, is_last: NDArray[np.bool_], old: Floats) -> _Step:
+    def of(cls, slopes: _Slopes, depth: Floats, end: Floats, is_last: Bools, old: Floats) -> _Step:
         """Return a step from a state."""
         from scipy.integrate import DOP853
 
@@ -206,13 +207,13 @@ class _Step(ByContent):
         return np.asarray(self.length * fifth / under)
 
     @cached_property
-    def is_changing(self) -> NDArray[np.bool_]:
+    def is_changing(self) -> Bools:
         """Whether strings that are not locked up have another shape at the end than it is taken to be."""
         wants = self.slopes.drag.is_helix(self.slopes.place(self.end), self.new)
         return np.asarray((wants != self.slopes.is_helix) & (self.new < LOCKED))
 
     @property
-    def is_passing(self) -> NDArray[np.bool_]:
+    def is_passing(self) -> Bools:
         """Whether strings have another shape half way, by a cubic, and their own again at the end."""
         middle = 0.5 * (self.old + self.new) + 0.125 * self.length * (self.rises[0] - self.rises[12])
         is_helix = self.slopes.drag.is_helix(self.slopes.place(0.5 * (self.depth + self.end)), middle)

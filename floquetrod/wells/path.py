@@ -13,7 +13,7 @@ import numpy as np
 from floquetrod import units
 from floquetrod._util import validate
 from floquetrod._util.arguments import Message, located
-from floquetrod._util.arrays import shaped
+from floquetrod._util.arrays import Floats, shaped
 from floquetrod._util.caching import cached_property
 from floquetrod._util.calling import TellsAttributes, constructor_hints, level_of_caller
 from floquetrod._util.columns import column_argument, delimiter_argument
@@ -21,7 +21,7 @@ from floquetrod._util.content import ByContent
 from floquetrod._util.implausible import SILENCE, PlausibilityWarning
 from floquetrod._util.report import Report, Reported, Table
 from floquetrod.wells import survey, survey_file
-from floquetrod.wells.arcs import Arcs, Floats, Points
+from floquetrod.wells.arcs import Arcs, Points
 
 _ROUNDING = 1e-9  # of a depth, by which it may miss the ends of the path
 _SHOWN = 40  # stations of a report

@@ -12,7 +12,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from floquetrod.wells.arcs import Floats, Points
+from floquetrod._util.arrays import Floats
+from floquetrod.wells.arcs import Points
 from floquetrod.wells.drag import LOCKED, Drag, Place, Strings
 
 Ints = NDArray[np.intp]

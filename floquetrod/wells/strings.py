@@ -11,11 +11,10 @@ import math
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from floquetrod._util import validate
+from floquetrod._util.arrays import Bools, Floats
 from floquetrod.wells import march
-from floquetrod.wells.arcs import Floats
 from floquetrod.wells.drag import LOCKED, Drag, Effort, Shaking, Strings
 from floquetrod.wells.shaken import Pieces
 from floquetrod.wells.waves import Waves
@@ -37,7 +36,7 @@ class Run(NamedTuple):
     y: Floats
     top_y: Floats
     wave: Floats
-    is_settled: NDArray[np.bool_]
+    is_settled: Bools
 
 
 def run(

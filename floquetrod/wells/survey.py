@@ -10,7 +10,8 @@ import numpy as np
 
 from floquetrod import units
 from floquetrod._util import validate
-from floquetrod.wells.arcs import Floats, doglegs
+from floquetrod._util.arrays import Floats
+from floquetrod.wells.arcs import doglegs
 
 KINDS = {"depth": "length", "inclination": "angle", "azimuth": "angle"}
 """The columns of a survey, each with its kind of quantity."""

@@ -13,8 +13,8 @@ import numpy as np
 
 from floquetrod import units
 from floquetrod._util import validate
+from floquetrod._util.arrays import Floats
 from floquetrod._util.columns import NUMBER, Line, cells_of, delimiter_of, text_of, written
-from floquetrod.wells.arcs import Floats
 from floquetrod.wells.survey import KINDS
 
 HEADINGS = {

@@ -23,8 +23,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from floquetrod._util.arrays import Bools, Floats
 from floquetrod._util.content import ByContent
-from floquetrod.wells.arcs import Floats
 from floquetrod.wells.drag import Effort, Shaking
 
 Complex = NDArray[np.complex128]
@@ -86,7 +86,7 @@ class Waves:
         self.elastic = _Elastic.of(shaking, self.wavenumber[self.of], self.length, self.first)
         self.flat, self.most = np.zeros(self.of.size, complex), np.zeros((_PARTS, self.of.size))
 
-    def feel(self, moving: Ints, ends: Floats, pressed: Floats) -> NDArray[np.bool_]:
+    def feel(self, moving: Ints, ends: Floats, pressed: Floats) -> Bools:
         """Find the waves of some strings, k, against mu N of their pieces between measured depths, (m, k) in N/m.
 
         Returns whether each has been found.
@@ -267,7 +267,7 @@ class _Some(ByContent):
         off[1:] += self.elastic.beside[:-1] * q[:-1]
         return _Now(q, within, damping, slope, off, _norms(off, self.first))
 
-    def is_away(self, now: _Now) -> NDArray[np.bool_]:
+    def is_away(self, now: _Now) -> Bools:
         """Return which strings lack more than rounding does."""
         rounding = _ROUNDING * _norms(self.elastic.diagonal * now.q, self.first)
         return now.size > _CLOSE * self.shaking.amplitude + rounding

@@ -8,14 +8,12 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from floquetrod._util.arrays import inverses, norms
+from floquetrod._util.arrays import Bools, Floats, inverses, norms
 from floquetrod._util.compilation import over_chunks
 from floquetrod.floquet.kernels.system_even_large import half_period_large
 from floquetrod.floquet.kernels.system_even_pairs import NOT_DONE, outcome_fill, pair_fill
 from floquetrod.floquet.kernels.system_even_steps import half_period_fill
 from floquetrod.floquet.kernels.system_series import ROUNDING, reach, run_of, usable
-
-Floats = NDArray[np.float64]
 
 _EXPLICIT_UP_TO = 20
 _MANY_UP_TO = 60  # equations: of several systems at once kernels take less time than numpy's products (measured)
@@ -190,6 +188,6 @@ def _symmetric(*values: Floats) -> bool:
     return all(bool(_symmetric_each(value).all()) for value in values)
 
 
-def _symmetric_each(matrices: Floats) -> NDArray[np.bool_]:
+def _symmetric_each(matrices: Floats) -> Bools:
     """Say which matrices of a stack are symmetric, to the bit."""
     return np.asarray((matrices == matrices.swapaxes(-1, -2)).all(axis=(-2, -1)))

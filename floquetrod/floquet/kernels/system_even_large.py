@@ -6,8 +6,8 @@ import math
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from floquetrod._util.arrays import Floats
 from floquetrod.floquet.kernels.system_even_steps import balance, cut_harmonics, plan
 from floquetrod.floquet.kernels.system_large import (
     LEVELS,
@@ -23,8 +23,6 @@ from floquetrod.floquet.kernels.system_large import (
     tail,
 )
 from floquetrod.floquet.kernels.system_series import ROUNDING, coefficient_bound
-
-Floats = NDArray[np.float64]
 
 
 @np.errstate(over="ignore", under="ignore", invalid="ignore")  # of maps that overflow, whose errors are then not finite

@@ -9,9 +9,9 @@ from typing import NamedTuple, Self
 import numpy as np
 from numpy.typing import NDArray
 
+from floquetrod._util.arrays import Floats
 from floquetrod.floquet.kernels.system_series import ROUNDING
 
-Floats = NDArray[np.float64]
 Ints = NDArray[np.int_]
 
 _WORTH_STOPPING = 50

@@ -6,8 +6,8 @@ import math
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from floquetrod._util.arrays import Floats
 from floquetrod._util.compilation import kernel, over_chunks, runner
 from floquetrod.floquet.kernels.system_maps_steps import series_work, step_map
 from floquetrod.floquet.kernels.system_series import (
@@ -21,8 +21,6 @@ from floquetrod.floquet.kernels.system_series import (
     spectral_bound,
     usable,
 )
-
-Floats = NDArray[np.float64]
 
 _LONGEST = 2.5
 """Phase a series is used for at most, to either side: beyond it rounding grows and little is saved (heuristic)."""

@@ -7,11 +7,10 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from floquetrod._util.arrays import Floats
 from floquetrod.floquet.kernels.system_even_steps import balance
 from floquetrod.floquet.kernels.system_large import LEVELS, Parts, chain, crossing, joined, norm_bound, split, stop_rule
 from floquetrod.floquet.kernels.system_series import MOST_TERMS, ROUNDING, coefficient_bound, plan_segments, reach
-
-Floats = NDArray[np.float64]
 
 _FINEST = 1e-13  # error of a segment for each equation: below it the bounds of rounding in products outweigh it
 

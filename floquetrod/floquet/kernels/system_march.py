@@ -8,9 +8,10 @@ from typing import Self
 
 import numpy as np
 
+from floquetrod._util.arrays import Floats
 from floquetrod._util.content import ByContent
 from floquetrod.floquet.kernels.system_even_steps import balance
-from floquetrod.floquet.kernels.system_large import LEVELS, Floats, Matrix, Parts, applied, split
+from floquetrod.floquet.kernels.system_large import LEVELS, Matrix, Parts, applied, split
 from floquetrod.floquet.kernels.system_series import MOST_TERMS, ROUNDING, coefficient_bound
 
 _REACH = 4.0  # phase that a series crosses: beyond it as many terms are needed in all (measured)

@@ -13,13 +13,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from floquetrod._util import validate
+from floquetrod._util.arrays import Floats
 from floquetrod.equations import DelaySystem
 from floquetrod.floquet.systems import delay_maps, delay_roots, spectra
 from floquetrod.floquet.systems.classification import LogDiscs, classify_multipliers
 from floquetrod.floquet.systems.result import SystemStability
 from floquetrod.floquet.verdict import Cost
-
-Floats = NDArray[np.float64]
 
 _MOST_ROWS = 2400  # of the map with the shortest steps (a choice: some seconds)
 _RADIANS = 0.25  # that solutions turn by in a coarse step, about (a choice)

@@ -12,11 +12,11 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from floquetrod._util.arrays import Floats
 from floquetrod.equations import DelaySystem
 from floquetrod.floquet.status import STATUS_CODES
 from floquetrod.floquet.systems import delay_growth, delay_maps
 
-Floats = NDArray[np.float64]
 Maps = Callable[[NDArray[np.intp], int], Floats]
 """Returns the maps over a period of some systems, by their places, with a number of nodes in each piece."""
 

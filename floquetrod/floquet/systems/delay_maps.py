@@ -8,13 +8,11 @@ from itertools import pairwise
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from floquetrod._util.arrays import Floats
 from floquetrod.equations import DelaySystem, HillSystem
 from floquetrod.equations import pieces as by_pieces
 from floquetrod.floquet.systems.delay_mesh import Mesh, mesh
-
-Floats = NDArray[np.float64]
 
 _MOST_BREAKS = 10  # pieces beyond the jumps of coefficients, for what delays make of these (a choice)
 _SMALLEST = 1e-12  # part of the period: breaks closer together than this are one

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.polynomial import legendre
 from numpy.typing import NDArray
 
-Floats = NDArray[np.float64]
+from floquetrod._util.arrays import Bools, Floats
 
 
 class DelayRows(NamedTuple):
@@ -168,10 +168,10 @@ def mesh(
     return Mesh(nodes, value, value_state, rate, rate_state, rows, end, end_state, periods)
 
 
-_Source = tuple[Floats, NDArray[np.intp], NDArray[np.intp], NDArray[np.bool_]]
+_Source = tuple[Floats, NDArray[np.intp], NDArray[np.intp], Bools]
 
 
-def _source(pieces: _Pieces, nodes: Floats, delay: float, on: NDArray[np.bool_]) -> _Source:
+def _source(pieces: _Pieces, nodes: Floats, delay: float, on: Bools) -> _Source:
     """Return when in which earlier period, and in which piece, the values of a delay lie, and where they are used."""
     earlier = nodes - delay
     turn = np.where(earlier < 0.0, np.ceil(-earlier), 0.0).astype(np.intp)

@@ -16,7 +16,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from floquetrod._util.arrays import norms
+from floquetrod._util.arrays import Floats, norms
 from floquetrod._util.caching import cached_property
 from floquetrod._util.content import ByContent
 from floquetrod.equations import HillSystem
@@ -26,8 +26,6 @@ from floquetrod.floquet.systems import even, many, whole
 from floquetrod.floquet.systems.classification import MOST_SECONDS, undamped_pairs
 from floquetrod.floquet.systems.many import ManyVerdicts
 from floquetrod.floquet.systems.whole import PeriodMaps
-
-Floats = NDArray[np.float64]
 
 _EPS = 2.220446049250313e-16
 _ACCURACY = 1e-12  # of maps at places, and of what the polynomial leaves out

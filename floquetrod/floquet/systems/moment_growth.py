@@ -22,10 +22,10 @@ from typing import Any, NamedTuple, Self
 import numpy as np
 from numpy.typing import NDArray
 
+from floquetrod._util.arrays import Floats
 from floquetrod.equations import HillSystem
 
 Complex = NDArray[np.complex128]
-Floats = NDArray[np.float64]
 
 _TURN = 0.6  # radians that the fastest mode turns by in a step
 _LEAST_STEPS = 64

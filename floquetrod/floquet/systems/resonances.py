@@ -8,11 +8,11 @@ from typing import Any, Literal, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from floquetrod._util.arrays import Bools, Floats
 from floquetrod.equations import DelaySystem, HillSystem, PeriodicSystem
 from floquetrod.equations.pieces import fourier
 from floquetrod.floquet.systems.result import Resonance
 
-Floats = NDArray[np.float64]
 Ints = NDArray[np.intp]
 
 _HIGHEST_ORDER = 40  # of a resonance that is searched for
@@ -72,7 +72,7 @@ class _Modes(NamedTuple):
     poles: NDArray[np.complex128]
     up: NDArray[np.intp]
     down: NDArray[np.intp]
-    coupling: NDArray[np.float64]
+    coupling: Floats
 
 
 def _mean_modes(system: HillSystem | PeriodicSystem) -> _Modes | None:
@@ -229,7 +229,7 @@ def _of_the_mean(modes: _Modes, exponent: complex, w: float) -> list[_Candidate]
     return found
 
 
-def _buckles(modes: _Modes) -> NDArray[np.bool_]:
+def _buckles(modes: _Modes) -> Bools:
     """Return which modes of the mean system grow without oscillating."""
     return np.asarray((modes.poles.real > 0.0) & (modes.poles.imag == 0.0))
 

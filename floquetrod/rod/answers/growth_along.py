@@ -6,12 +6,10 @@ import math
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from floquetrod._util.arrays import Floats
 from floquetrod.rod.model.data import RodData
 from floquetrod.wells.drag import Pipe, Place
-
-Floats = NDArray[np.float64]
 
 _TONGUES = 2  # subharmonics whose waves are examined closely: those of a higher order hardly grow
 _CLOSE = np.linspace(-1.0, 1.0, 25)  # of a tongue's width about its middle

@@ -9,10 +9,10 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from floquetrod import units
 from floquetrod._util import validate
+from floquetrod._util.arrays import Bools, Floats
 from floquetrod._util.content import ByContent
 from floquetrod._util.report import Report, Reported, number
 from floquetrod.rod.loads.tool import VibrationTool
@@ -24,8 +24,6 @@ from floquetrod.wells.drag import CHECKED, HELICAL, MOTIONS, TRIED, Drag, Fricti
 from floquetrod.wells.path import WellPath
 from floquetrod.wells.survey import LENGTHS
 from floquetrod.wells.survey import number as in_si
-
-Floats = NDArray[np.float64]
 
 _LARGEST = 1e12  # N
 _SPEEDS = 1e-9, 1e3  # m/s of sliding
@@ -68,8 +66,8 @@ class MeanForce(Reported, ByContent):
     friction: Floats
     speed: Floats
     vibration: Floats
-    is_snaking: NDArray[np.bool_]
-    is_helix: NDArray[np.bool_]
+    is_snaking: Bools
+    is_helix: Bools
     motion: str
     error: float
 
@@ -126,12 +124,12 @@ ASSUMED = (
 """What mean forces assume."""
 
 
-def _depths(depth: Floats, is_so: NDArray[np.bool_]) -> str:
+def _depths(depth: Floats, is_so: Bools) -> str:
     """Return where something is so, in words."""
     return ", ".join(f"{low:.6g} to {high:.6g} m" for low, high in spans(depth, is_so)) or "nowhere"
 
 
-def spans(depth: Floats, is_so: NDArray[np.bool_]) -> Sequence[tuple[float, float]]:
+def spans(depth: Floats, is_so: Bools) -> Sequence[tuple[float, float]]:
     """Return the ends in m of the depths, one after the other, where something is so."""
     edges = np.flatnonzero(np.diff(np.concatenate([[False], is_so, [False]]).astype(int)))
     return [(float(depth[a]), float(depth[b - 1])) for a, b in zip(edges[::2], edges[1::2], strict=True)]

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from floquetrod import units
 from floquetrod._util import validate
+from floquetrod._util.arrays import Bools, Floats
 from floquetrod._util.content import ByContent
 from floquetrod._util.report import Report, Reported, Table, number
 from floquetrod.rod.answers.growth_along import fastest_along, growth_along
@@ -32,8 +33,6 @@ from floquetrod.units import Unit, with_unit
 from floquetrod.wells import strings
 from floquetrod.wells.drag import FAST, LOCKED, MOST_PRESSED, SOUGHT, TRIED, Drag, Effort, Place
 from floquetrod.wells.path import WellPath
-
-Floats = NDArray[np.float64]
 
 _DEPTHS = 100  # where none are asked for
 _PARTS = 25  # into which what holds the depth sought is divided, so often:
@@ -161,7 +160,7 @@ class Reach(Reported, ByContent):
         return Stress(float(self.axial_stress[k]), float(self.bending_stress[k]), position, self.yield_strength)
 
     @property
-    def yields(self) -> NDArray[np.bool_]:
+    def yields(self) -> Bools:
         """Whether the stress exceeds the yield strength at the depths of ``along``; False if that is unknown."""
         strength = math.inf if self.yield_strength is None else self.yield_strength
         return np.asarray(self.axial_stress + self.bending_stress > strength)
@@ -339,7 +338,7 @@ def _reached(depth: float, is_stopped: bool, end: float, unit: Unit) -> str:
     )
 
 
-def _listed(depth: Floats, is_so: NDArray[np.bool_], unit: Unit) -> str:
+def _listed(depth: Floats, is_so: Bools, unit: Unit) -> str:
     found = [(f"{unit.of(a):.4g}", unit.show(b, 4)) for a, b in spans(depth, is_so)]
     return ", ".join(f"{a} to {b}" if a != b.split()[0] else f"at {b}" for a, b in found) or "nowhere"
 

@@ -12,14 +12,13 @@ from numpy.typing import NDArray
 
 from floquetrod import units
 from floquetrod._util import extras
+from floquetrod._util.arrays import Floats, Ints
 from floquetrod._util.content import ByContent, NoTruthValue
 from floquetrod._util.report import Report, Reported, Table
 from floquetrod.floquet.status import STATUS_CODES
 from floquetrod.orbits import Branch
 from floquetrod.rod.loads.load import KINDS, Load, Quantity, load_number
 from floquetrod.rod.model.data import RodData
-
-Floats = NDArray[np.float64]
 
 OFF_WALL = "the rod is about to leave its wall"
 """What the ends of branches begin with beyond which the equations do not hold."""
@@ -134,7 +133,7 @@ class RodBranches(ByContent, Reported, NoTruthValue):
         return np.concatenate([part.slope for part in self.parts])
 
     @property
-    def number(self) -> NDArray[np.int64]:
+    def number(self) -> Ints:
         """Number of the branch of each orbit (k,), from 0."""
         return np.repeat(np.arange(len(self.parts)), [len(part.amplitude) for part in self.parts])
 

@@ -9,7 +9,6 @@ from itertools import islice, pairwise
 from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from floquetrod._util import validate
 from floquetrod._util.arrays import Floats
@@ -49,9 +48,9 @@ class Shape(NamedTuple):
         Largest deflection over a period, at each position.
     """
 
-    s: NDArray[np.float64]
-    deflection: NDArray[np.float64]
-    envelope: NDArray[np.float64]
+    s: Floats
+    deflection: Floats
+    envelope: Floats
 
 
 class Evidence(ABC):

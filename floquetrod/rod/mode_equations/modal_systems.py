@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from floquetrod import mathieu
 from floquetrod._util import validate
-from floquetrod._util.arrays import Floats
+from floquetrod._util.arrays import Bools, Floats, Ints
 from floquetrod._util.caching import cached_property
 from floquetrod._util.compilation import INTERPRETED_UP_TO, is_at_hand, over_chunks
 from floquetrod.equations import Mathieu
@@ -144,8 +144,8 @@ class GrowingModes(NamedTuple):
         Growth without friction per unit tau; 0 where it is too slow for a double.
     """
 
-    load: NDArray[np.int64]
-    mode: NDArray[np.int64]
+    load: Ints
+    mode: Ints
     alpha: Floats
     beta: Floats
     damping: Floats
@@ -171,19 +171,19 @@ class ModalSystems:
         alpha, beta = kernels.mode_coefficients(*self._family(), modes)
         return np.asarray(alpha), np.asarray(beta)
 
-    def are_stable(self, growth_tolerance: float, workers: int | None) -> NDArray[np.bool_]:
+    def are_stable(self, growth_tolerance: float, workers: int | None) -> Bools:
         """Return under which loads no mode grows faster than the tolerance (1/s)."""
         out = np.empty(self.loads.size, dtype=np.bool_)
         self._fill(kernels.modes_stable_fill, out, (growth_tolerance, NEGLIGIBLE_GROWTH), workers)
         return out
 
-    def fastest(self, workers: int | None) -> tuple[Floats, NDArray[np.int64]]:
+    def fastest(self, workers: int | None) -> tuple[Floats, Ints]:
         """Return the growth rate in 1/s and the number of the fastest mode; 0, 0 where none grows."""
         out = np.empty((self.loads.size, 2))
         self._fill(kernels.modes_growth_fill, out, (NEGLIGIBLE_GROWTH,), workers)
         return out[:, 0], out[:, 1].astype(np.int64)
 
-    def pass_test(self, criterion: FiniteTimeCriterion, workers: int | None) -> NDArray[np.bool_]:
+    def pass_test(self, criterion: FiniteTimeCriterion, workers: int | None) -> Bools:
         """Return under which loads every mode passes a test of finite time.
 
         Half the threshold of growth bounds the modes left out: they are far from resonance, abs(A) / A'(0) is below 1
