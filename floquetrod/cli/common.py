@@ -185,6 +185,11 @@ def read_quantity(text: str, name: Quantity, rod: fr.Rod, given: str | None = No
     return reading.read_quantity(text, name, rod, option, given)
 
 
+def read_force(text: str, name: str, rod: fr.Rod) -> float:
+    """Return a force in N that an option gives."""
+    return units.quantity(text, name, "force", critical_force=rod.critical_force)
+
+
 _NO_COLON = re.compile(r"\s*(\d[\d.]*[a-zA-Z/%]*)\s*(?:[-\N{EN DASH};,]|\.\.+|to)\s*(\d[\d.]*[a-zA-Z/%]+)\s*")
 
 

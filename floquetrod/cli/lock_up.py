@@ -4,9 +4,7 @@ from __future__ import annotations
 
 import argparse
 
-import floquetrod as fr
-from floquetrod import units
-from floquetrod.cli.common import add_coefficient, add_rod, describe_command, read_rod
+from floquetrod.cli.common import add_coefficient, add_rod, describe_command, read_force, read_rod
 from floquetrod.cli.output import Output, output
 from floquetrod.cli.parser import Parser
 
@@ -35,11 +33,7 @@ def _lock_up(options: argparse.Namespace) -> Output:
     if options.friction is None:
         raise ValueError("--friction is required: without friction nothing locks up; add it, such as --friction 0.3")
     rod = read_rod(options)
-    far = _force(options.far_force or "0", "--far-force", rod)
-    push = None if options.push is None else _force(options.push, "--push", rod)
+    far = read_force(options.far_force or "0", "--far-force", rod)
+    push = None if options.push is None else read_force(options.push, "--push", rod)
     found = rod.lock_up(options.friction, far)
     return output(options, lambda: found.report(push), lambda: found.as_dict(push))
-
-
-def _force(text: str, name: str, rod: fr.Rod) -> float:
-    return units.quantity(text, name, "force", critical_force=rod.critical_force)

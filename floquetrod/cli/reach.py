@@ -11,7 +11,15 @@ import numpy as np
 
 import floquetrod as fr
 from floquetrod import units
-from floquetrod.cli.common import add_rod, add_survey_units, check_out, describe_command, read_rod, read_survey
+from floquetrod.cli.common import (
+    add_rod,
+    add_survey_units,
+    check_out,
+    describe_command,
+    read_force,
+    read_rod,
+    read_survey,
+)
 from floquetrod.cli.output import Output, output
 from floquetrod.cli.parser import Parser
 from floquetrod.cli.waiting import Waiting
@@ -91,8 +99,8 @@ def read_reach(options: argparse.Namespace, rod: fr.Rod, depth: Sequence[float] 
             reading.read_friction(options.friction, "--friction"),
             tool=None if options.tool is None else reading.read_tool(options.tool, "--tool"),
             speed=units.quantity(options.speed, "--speed", "speed"),
-            far_force=_force(options.far_force, "--far-force", rod),
-            push=None if options.push is None else _force(options.push, "--push", rod),
+            far_force=read_force(options.far_force, "--far-force", rod),
+            push=None if options.push is None else read_force(options.push, "--push", rod),
             helical=options.helical,
             depth=depth,
         )
@@ -132,7 +140,3 @@ def _depths(text: str) -> list[float]:
         raise ValueError(f"--depths must be a list such as 9000ft,9500ft or two ends such as 9000:9900ft, got {text!r}")
     low, high = values
     return [float(each) for each in np.linspace(low, high, _EVEN)]
-
-
-def _force(text: str, name: str, rod: fr.Rod) -> float:
-    return units.quantity(text, name, "force", critical_force=rod.critical_force)

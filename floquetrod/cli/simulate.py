@@ -19,6 +19,7 @@ from floquetrod.cli.common import (
     add_rod,
     add_units,
     describe_command,
+    read_force,
     read_rod,
     read_units,
     warnings_at_once,
@@ -142,7 +143,7 @@ def _simulate(options: argparse.Namespace) -> Output:
     force = read_record(options, rod)
     load = read_load(options, rod, read_kind(options, force))
     feed = None if options.feed_speed is None else units.quantity(options.feed_speed, "--feed-speed", "speed")
-    far = None if options.far_force is None else _far_force(options.far_force, rod)
+    far = None if options.far_force is None else read_force(options.far_force, "--far-force", rod)
     duration = units.quantity(options.duration, "--duration", "time")
     step = None if options.time_step is None else units.quantity(options.time_step, "--time-step", "time")
     perturbation, shown = read_perturbation(vars(options), option), read_units(options, rod)
@@ -218,11 +219,6 @@ class _Forewarning:
                     "was simulated by then is reported"
                 )
         self.progress(done, total)
-
-
-def _far_force(text: str, rod: fr.Rod) -> float:
-    """Return the mean force at the lower end in N."""
-    return units.quantity(text, "--far-force", "force", critical_force=rod.critical_force)
 
 
 def _frames(load: Load, duration: float, friction: float) -> int:

@@ -2,21 +2,18 @@
 
 from __future__ import annotations
 
-import warnings
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable
-from contextlib import suppress
 from pathlib import Path
 
 import numpy as np
 
 from floquetrod._util import files
-from floquetrod._util.calling import level_of_caller
 from floquetrod._util.locks import Lock, lock_beside
 from floquetrod.ensembles.axes import Design
 from floquetrod.ensembles.runs import DONE, FAILED, PENDING, Runs
 from floquetrod.ensembles.stores import Layout, MemoryStore, require_same
-from floquetrod.simulation.checkpoints import CheckpointWarning
+from floquetrod.simulation.checkpoints import warn
 
 
 class DiskStore(MemoryStore, ABC):
@@ -52,7 +49,7 @@ class DiskStore(MemoryStore, ABC):
                 "ends, or give each a store of its own, or its part=(k, n) of one that ends in .zarr"
             ) from None
         except OSError as error:  # not every file system has locks
-            _warn(f"store {self.path} cannot be locked ({error.strerror}): make sure that nothing else fills it")
+            warn(f"store {self.path} cannot be locked ({error.strerror}): make sure that nothing else fills it")
         self._refresh(chunks)
 
     def close(self) -> None:
@@ -74,7 +71,7 @@ class DiskStore(MemoryStore, ABC):
             cause = getattr(error, "strerror", None) or str(error) or type(error).__name__
             if not self._has_warned:
                 self._has_warned = True
-                _warn(
+                warn(
                     f"store {self.path} cannot be written ({cause}); the runs continue, their results are returned, "
                     "and writing is tried again until the end; to add what the store then lacks, remove the cause and "
                     "call fr.ensemble again with the same arguments"
@@ -93,12 +90,6 @@ class DiskStore(MemoryStore, ABC):
     @abstractmethod
     def _write(self, chunks: Iterable[int]) -> None:
         """Write chunks of results."""
-
-
-def _warn(text: str) -> None:
-    """Warn the caller of the package."""
-    with suppress(CheckpointWarning):  # raised where warnings are errors: the runs are worth more
-        warnings.warn(CheckpointWarning(text), stacklevel=level_of_caller())
 
 
 class NpzStore(DiskStore):

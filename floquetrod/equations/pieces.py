@@ -393,16 +393,11 @@ def even_start(pieces: tuple[TimedPiece, ...]) -> Fraction | None:
     period = pieces[-1].begin + pieces[-1].length
     for other in pieces:
         start = other.begin / 2  # the beginning of the period meets its mirror image, the beginning of another piece
-        if _is_even(between(pieces, start, period), period):
+        around = between(pieces, start, period)
+        pairs = zip(around, around[::-1], strict=True)
+        if all(one.length == other.length and _mirrored(one, other) for one, other in pairs):
             return start % (period / 2)
     return None
-
-
-def _is_even(pieces: tuple[TimedPiece, ...], period: Fraction) -> bool:
-    """Return whether pieces from an instant on, a period long, are the same back from there."""
-    return all(
-        one.length == other.length and _mirrored(one, other) for one, other in zip(pieces, pieces[::-1], strict=True)
-    )
 
 
 def _mirrored(one: TimedPiece, other: TimedPiece) -> bool:

@@ -206,18 +206,14 @@ def _combined(samples: list[Sample], factors: Floats) -> Sample:
     first = samples[len(samples) // 2]
     of = first.compared.collocation
     points = [each.compared.point for each in samples]
-    point = Point(
-        *(sum(f * part for f, part in zip(factors, parts, strict=True)) for parts in zip(*points, strict=True))
-    )
+    point = Point(*_weighed(factors, points))
     condensed = of.linearised(point)
     flow = None if of.turns else of.rates_at_mesh(point)
     traces = [each.compared.segments.trace for each in samples]
     segments = first.compared.segments._replace(maps=condensed.maps, flow=flow, trace=float(factors @ traces))
     compared = first.compared._replace(point=point, segments=segments)
     steps = [each.place.direction for each in samples]
-    direction = Step(
-        *(sum(f * part for f, part in zip(factors, parts, strict=True)) for parts in zip(*steps, strict=True))
-    )
+    direction = Step(*_weighed(factors, steps))
     place = first.place._replace(direction=direction)
     return Sample.of(place, compared)
 

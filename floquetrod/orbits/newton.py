@@ -44,7 +44,7 @@ def corrected(collocation: Collocation, point: Point, rows: Sequence[Row], most_
             condensed = collocation.linearised(point)
             step = _step(collocation, condensed, rows, point, count)
             size = step_size(step, point)
-            point = _followed(collocation, point, rows, step, condensed, count)
+            point = _followed(collocation, point, step, condensed, count)
             if size <= _ENOUGH or (size <= _NEARLY and size > 0.3 * before):
                 return Corrected(point, collocation.linearised(point), count)
             before = size
@@ -68,9 +68,7 @@ def _step(collocation: Collocation, condensed: Condensed, rows: Sequence[Row], p
     return step
 
 
-def _followed(
-    collocation: Collocation, point: Point, rows: Sequence[Row], step: Step, condensed: Condensed, count: int
-) -> Point:
+def _followed(collocation: Collocation, point: Point, step: Step, condensed: Condensed, count: int) -> Point:
     """Return the point after as much of a step as makes the residual smaller."""
     missed = _missed(condensed.residual, point)
     share = 1.0

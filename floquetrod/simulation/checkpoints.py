@@ -121,7 +121,7 @@ class Checkpoint:
                 "one; wait until that ends, or give another path"
             ) from None
         except OSError as error:  # not every file system has locks
-            _warn(f"checkpoint {self.path} cannot be locked ({_cause(error)}): make sure that no other run uses it")
+            warn(f"checkpoint {self.path} cannot be locked ({_cause(error)}): make sure that no other run uses it")
         return self
 
     def __exit__(self, *error: object) -> None:
@@ -146,7 +146,7 @@ class Checkpoint:
         try:
             self._save(state())
         except (OSError, ValueError, MemoryError) as error:
-            _warn(f"checkpoint {self.path} cannot be written ({_cause(error)}); the run continues, and tries again")
+            warn(f"checkpoint {self.path} cannot be written ({_cause(error)}); the run continues, and tries again")
         took = time.monotonic() - now
         self._due = now + took + _SECONDS_BETWEEN * max(1.0, took / _QUICK_SAVE)
 
@@ -216,9 +216,9 @@ class Checkpoint:
         return "", RunState(rod, before, frames, files.entry(meta, "seconds", float))
 
 
-def _warn(text: str) -> None:
-    """Warn the caller of the package of what must not end the run."""
-    with suppress(CheckpointWarning):  # raised where warnings are errors: the run is worth more
+def warn(text: str) -> None:
+    """Warn the caller of the package of what must not end a run."""
+    with suppress(CheckpointWarning):  # raised where warnings are errors: a run is worth more
         warnings.warn(CheckpointWarning(text), stacklevel=level_of_caller())
 
 

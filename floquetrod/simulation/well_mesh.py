@@ -148,7 +148,7 @@ class RodInWell(DiscreteRod):
 
     def recorded(self, rod: Any) -> tuple[Floats, Floats]:
         """Return positions and velocities of a record along the axis, sideways and up."""
-        places, moving = self._state(rod)
+        places, moving = super().recorded(rod)
         if not np.isfinite(places).all():
             return places, moving
         found, frames = self.axis.along(places, self.nodes(rod, "place"))
@@ -180,7 +180,7 @@ class RodInWell(DiscreteRod):
         Gravity and contact count from the rod at rest along the axis, free of force.
         """
         node = {name: self.nodes(rod, name) for name in (*rod_motion.NODE, *rod_motion.LOST, *rod_motion.PARTS)}
-        places, moving = self._state(rod)
+        places, moving = super().recorded(rod)
         found, frames = self.axis.along(places, self.nodes(rod, "place"))
         mass, along = self.segment_mass * node["share"], self.mass_along * node["share"]
         speed = dot(moving, frames.along)
@@ -213,11 +213,6 @@ class RodInWell(DiscreteRod):
         """Return the sum of squares by which bending stores energy, ``axes`` being the channel's at both ends."""
         natural = self._natural
         return self._curved(directions - natural.directions, driving, axes - natural.ends)
-
-    def _state(self, rod: Any) -> tuple[Floats, Floats]:
-        """Return Cartesian positions and velocities of a record, (nodes, 3) each."""
-        places, moving = (np.stack([self.nodes(rod, p + name) for name in "xyz"], axis=1) for p in ("", "v"))
-        return places, moving
 
     # --- how it is laid ---
 

@@ -112,11 +112,6 @@ class IndependentModel(ModeModel):
 
         return CoupledModes.of(self.rod, self.like, count)
 
-    def count_for(self, loads: Loads, growth_tolerance: float) -> int:
-        """Return how many modes serve all of some loads, taken to be as strong and as fast as the strongest of them."""
-        largest = self.like.with_numbers(*(float(values.max()) for values in loads.flat))
-        return self.modes_needed(largest, growth_tolerance)[0]
-
     def systems(self, loads: Loads) -> ModalSystems:
         """Return the equations of all modes under many loads."""
         self.constants.require_in_reach(loads)

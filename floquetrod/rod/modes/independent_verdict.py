@@ -7,9 +7,9 @@ from dataclasses import dataclass, field, replace
 from typing import Any, ClassVar, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
 from floquetrod._util.arguments import wrong_value
+from floquetrod._util.arrays import Floats
 from floquetrod._util.progress import Progress
 from floquetrod._util.report import Table, number
 from floquetrod.equations import Mathieu
@@ -27,8 +27,26 @@ from floquetrod.rod.model.contact import constants_under, up_to_wall
 from floquetrod.rod.model.data import RodData
 
 
+class EachMode(Evidence):
+    """Independent modes, each with its own verdict: of its motion, or of its second moments."""
+
+    mode_verdicts: tuple[Any, ...]
+    mode_growth_rates: Floats
+
+    @property
+    def references(self) -> tuple[str, ...]:
+        """What to cite for the methods used."""
+        return united(*(verdict.references for verdict in self.mode_verdicts))
+
+    def unstable_modes(self, verdict: RodStability) -> tuple[int, ...]:
+        """Return the modes that grow faster than the tolerance, drifting ones too where that is zero."""
+        found = zip(self.modes, self.mode_verdicts, self.mode_growth_rates, strict=True)
+        tolerance = verdict.growth_tolerance
+        return tuple(m for m, v, rate in found if v.status == "unstable" and not tolerated(rate, tolerance))
+
+
 @dataclass(frozen=True)
-class ModeVerdicts(Evidence):
+class ModeVerdicts(EachMode):
     """Independent modes, each with its own verdict.
 
     Attributes
@@ -45,12 +63,7 @@ class ModeVerdicts(Evidence):
 
     system: ModalSystem
     mode_verdicts: tuple[Stability, ...]
-    mode_growth_rates: NDArray[np.float64] = field(compare=False)
-
-    @property
-    def references(self) -> tuple[str, ...]:
-        """What to cite for the methods used."""
-        return united(*(verdict.references for verdict in self.mode_verdicts))
+    mode_growth_rates: Floats = field(compare=False)
 
     @property
     def load(self) -> Load:
@@ -88,12 +101,6 @@ class ModeVerdicts(Evidence):
                 kind: Literal["direct", "buckling"] = "direct" if order else "buckling"
                 found.append(Resonance(kind, (self.modes[i],), order, float(self.mode_growth_rates[i])))
         return tuple(found)
-
-    def unstable_modes(self, verdict: RodStability) -> tuple[int, ...]:
-        """Return the modes that grow faster than the tolerance, drifting ones too where that is zero."""
-        found = zip(self.modes, self.mode_verdicts, self.mode_growth_rates, strict=True)
-        tolerance = verdict.growth_tolerance
-        return tuple(m for m, v, rate in found if v.status == "unstable" and not tolerated(rate, tolerance))
 
     def fastest_mode(self, verdict: RodStability) -> int | None:
         """Return the mode that grows fastest, None when none grows."""

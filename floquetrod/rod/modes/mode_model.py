@@ -112,9 +112,13 @@ class ModeModel(ABC):
     def in_modes(self, count: int) -> CoupledEquations:
         """Return the first modes as systems of equations under any load of the kind."""
 
-    @abstractmethod
     def count_for(self, loads: Loads, growth_tolerance: float) -> int:
-        """Return how many modes serve all of some loads; ValueError where that would be too many."""
+        """Return how many modes serve all of some loads, taken to be as strong and as fast as the strongest of them.
+
+        ValueError where that would be too many.
+        """
+        largest = self.like.with_numbers(*(float(values.max()) for values in loads.flat))
+        return self.modes_needed(largest, growth_tolerance)[0]
 
     def told_apart(self, modes: Iterable[int]) -> tuple[int, ...]:
         """Return those of some modes whose growth can be determined from their own motion, whatever the others do."""

@@ -81,11 +81,6 @@ class NoisyModel(ModeModel):
         """Raise ValueError: second moments are not systems of second order."""
         raise refusal("modal_system", self.like)
 
-    def count_for(self, loads: Loads, growth_tolerance: float) -> int:
-        """Return how many modes serve all of some loads, taken to be as strong and as fast as the strongest of them."""
-        largest = self.like.with_numbers(*(float(values.max()) for values in loads.flat))
-        return self.modes_needed(largest, growth_tolerance)[0]
-
     def told_apart(self, modes: Iterable[int]) -> tuple[int, ...]:
         """Return the modes, each of which has an equation of its own."""
         return tuple(modes)

@@ -32,7 +32,7 @@ from floquetrod.rod.model.assumptions import assumptions
 from floquetrod.rod.model.constants import mode_constants
 from floquetrod.rod.model.contact import require_on_wall, up_to_wall
 from floquetrod.rod.modes.coupled import CoupledModel, chosen_count
-from floquetrod.rod.modes.mode_model import Answers
+from floquetrod.rod.modes.mode_model import Answers, ModeModel
 from floquetrod.rod.modes.noisy import NoisyModel, refusal
 
 _LEFT_OUT = 5.0  # error over the change from 5/6 of the modes, as of modes without noise
@@ -116,9 +116,7 @@ class NoisyTogetherModel(NoisyModel):
                 progress(i + 1, loads.size)
         return Answers(status, growth, np.where(growth > 0.0, -1, 0))
 
-    def growth_of_modes(self, load: Load, modes: Iterable[int]) -> tuple[float, ...]:
-        """Return the growth of second moments in 1/s, which coupled modes share."""
-        return (self.verdict(load).growth_rate,) * len(tuple(modes))
+    growth_of_modes = ModeModel.growth_of_modes
 
     # --- searches ---
 

@@ -14,16 +14,16 @@ from floquetrod._util.progress import Progress
 from floquetrod._util.report import Table, number
 from floquetrod.equations.batches import pick
 from floquetrod.floquet.dispatch import stability
-from floquetrod.floquet.references import united
 from floquetrod.floquet.systems.result import Resonance, SystemStability
 from floquetrod.floquet.verdict import Cost, Status, tolerated
 from floquetrod.rod.answers.intervals import Search
 from floquetrod.rod.answers.margins import Edge
-from floquetrod.rod.answers.verdict import Evidence, RodStability
+from floquetrod.rod.answers.verdict import RodStability
 from floquetrod.rod.loads.load import Load, Loads, Quantity
 from floquetrod.rod.mode_equations.noisy_modes import NoisyModes
 from floquetrod.rod.model.assumptions import assumptions
 from floquetrod.rod.model.contact import constants_under, up_to_wall
+from floquetrod.rod.modes.independent_verdict import EachMode
 from floquetrod.rod.modes.mode_model import ModeModel
 from floquetrod.rod.modes.noisy_search import damping_required, edge, stable_at
 
@@ -39,7 +39,7 @@ ASSUMED = (
 
 
 @dataclass(frozen=True)
-class NoisyEvidence(Evidence):
+class NoisyEvidence(EachMode):
     """Independent modes under noise, the second moments of each with its own verdict.
 
     Attributes
@@ -77,11 +77,6 @@ class NoisyEvidence(Evidence):
         return self.numbered
 
     @property
-    def references(self) -> tuple[str, ...]:
-        """What to cite for the methods used."""
-        return united(*(verdict.references for verdict in self.mode_verdicts))
-
-    @property
     def cutoff(self) -> str:
         """Why these modes and no others."""
         if math.isinf(self.left_out_bound):
@@ -95,12 +90,6 @@ class NoisyEvidence(Evidence):
     def resonances(self) -> tuple[Resonance, ...]:
         """Nothing, as noise may make modes grow that resonate with nothing; `unstable_modes` are those that grow."""
         return ()
-
-    def unstable_modes(self, verdict: RodStability) -> tuple[int, ...]:
-        """Return the modes that grow faster than the tolerance in mean square."""
-        found = zip(self.modes, self.mode_verdicts, self.mode_growth_rates, strict=True)
-        tolerance = verdict.growth_tolerance
-        return tuple(m for m, v, rate in found if v.status == "unstable" and not tolerated(rate, tolerance))
 
     def fastest_mode(self, verdict: RodStability) -> int | None:
         """Return the mode that grows fastest, None when none grows."""
