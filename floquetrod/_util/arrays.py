@@ -18,6 +18,9 @@ Floats: TypeAlias = NDArray[np.float64]
 Ints: TypeAlias = NDArray[np.int64]
 Bools: TypeAlias = NDArray[np.bool_]
 
+EPS = 2.220446049250313e-16
+"""The distance of 1 from the next double."""
+
 
 def broadcast(**arrays: NDArray[Any]) -> tuple[tuple[int, ...], tuple[NDArray[Any], ...]]:
     """Return the common shape of arrays and each of them in it, flat and contiguous; ValueError names them."""

@@ -6,9 +6,8 @@ from collections.abc import Callable
 
 import numpy as np
 
-from floquetrod._util.arrays import Bools, Floats, Ints
+from floquetrod._util.arrays import EPS, Bools, Floats, Ints
 
-_EPS = float(np.finfo(np.float64).eps)
 _GOLDEN = 0.3819660112501051  # (3 - sqrt(5)) / 2
 
 
@@ -49,7 +48,7 @@ def roots(
         width = np.abs(b[i] - a[i])
         size = np.abs(np.where(np.abs(fa[i]) < np.abs(fb[i]), a[i], b[i]))
         with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-            least = 2.0 * _EPS * size / width
+            least = 2.0 * EPS * size / width
             xi, phi = (a[i] - b[i]) / (c[i] - b[i]), (fa[i] - fb[i]) / (fc[i] - fb[i])
             inverse = fa[i] / (fb[i] - fa[i]) * fc[i] / (fb[i] - fc[i])
             inverse += (c[i] - a[i]) / (b[i] - a[i]) * fa[i] / (fc[i] - fa[i]) * fb[i] / (fc[i] - fb[i])

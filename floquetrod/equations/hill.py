@@ -13,11 +13,10 @@ from typing import Any
 import numpy as np
 
 from floquetrod._util import validate
-from floquetrod._util.arrays import shaped
+from floquetrod._util.arrays import EPS, shaped
 from floquetrod._util.calling import constructor_hints
 from floquetrod.equations.base import Equation, Piece, damping_rate, set_field, times
 
-_EPS = 2.220446049250313e-16
 _MOST_ERROR = 1e-12  # of the series of a function, over its size (a choice)
 
 
@@ -191,6 +190,6 @@ def _even_amplitudes(harmonics: tuple[complex, ...]) -> tuple[complex, ...] | No
     for turn in range(2 * first):
         phase = (math.pi * turn - math.atan2(harmonics[first - 1].imag, harmonics[first - 1].real)) / first
         turned = [z * cmath.exp(1j * k * phase) for k, z in enumerate(harmonics, start=1)]
-        if all(abs(z.imag) <= 8.0 * _EPS * k * abs(z) for k, z in enumerate(turned, start=1)):
+        if all(abs(z.imag) <= 8.0 * EPS * k * abs(z) for k, z in enumerate(turned, start=1)):
             return tuple(complex(z.real, 0.0) for z in turned)
     return None

@@ -13,15 +13,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from floquetrod._util import validate
-from floquetrod._util.arrays import norms
+from floquetrod._util.arrays import EPS, norms
 from floquetrod._util.caching import cached_property
 from floquetrod._util.calling import constructor_hints
 from floquetrod.equations import matrices, sampling
 from floquetrod.equations import pieces as by_pieces
 from floquetrod.equations.matrices import Matrix, Structure
 from floquetrod.equations.periodic_system import PeriodicSystem
-
-_EPS = 2.220446049250313e-16
 
 
 class EvenForm(NamedTuple):
@@ -280,7 +278,7 @@ class HillSystem(matrices.PeriodicMatrixSystem):
             error = self.coefficient_error
             freed = HillSystem(stiffness, *series, mass=self.mass, period=self.period, coefficient_error=error)
             largest = norms(stiffness)
-        object.__setattr__(freed, "_rounding", _EPS * (largest + 2.0 * c * c * norms(mass)))
+        object.__setattr__(freed, "_rounding", EPS * (largest + 2.0 * c * c * norms(mass)))
         return freed, c
 
     @property
@@ -305,7 +303,7 @@ class HillSystem(matrices.PeriodicMatrixSystem):
             amplitudes = _congruence(inverse[..., None, :, :], amplitudes)
             if self.is_symmetric:
                 stiffness, amplitudes = _mirrored(stiffness), _mirrored(amplitudes)
-            error = (error + 8.0 * self.order * _EPS) * norms(self.mass) * norms(inverse) ** 2
+            error = (error + 8.0 * self.order * EPS) * norms(self.mass) * norms(inverse) ** 2
             rounding = rounding * norms(inverse) ** 2
         error = error * (norms(stiffness) + norms(amplitudes).sum(axis=-1)) + rounding
         start = np.broadcast_to(phase * np.asarray(self.period) / (2.0 * math.pi), self.shape)
@@ -356,7 +354,7 @@ class HillSystem(matrices.PeriodicMatrixSystem):
             parts = [value.matrices for _, value in turned] or [(mean, *cosines, *sines)]
             size = max(sum(float(np.abs(matrix).max()) for matrix in part) for part in parts)
             condition = 1.0 if inverse is None else float(np.max(norms(np.asarray(self.mass)) * norms(inverse) ** 2))
-            error += 8.0 * self.order * _EPS * condition * size
+            error += 8.0 * self.order * EPS * condition * size
         if self.pieces:
             return PeriodicSystem.from_pieces(turned, coefficient_error=error)
         return PeriodicSystem(mean, cosines, sines, period=self.period, coefficient_error=error)
@@ -446,7 +444,7 @@ def _dissipative(damping: Matrix | None) -> bool:
     if damping is None or not matrices.symmetric(damping):
         return False
     values = np.linalg.eigvalsh(damping)
-    return bool((values[..., 0] >= -8.0 * _EPS * values[..., -1]).all())
+    return bool((values[..., 0] >= -8.0 * EPS * values[..., -1]).all())
 
 
 def _even_amplitudes(
@@ -469,10 +467,10 @@ def _even_amplitudes(
     found = plain | alone
     if found.all():
         return result, phase, np.zeros(shape)
-    uncertainty = np.where(found, 0.0, 16.0 * _EPS * count)
+    uncertainty = np.where(found, 0.0, 16.0 * EPS * count)
     flat = np.take_along_axis(harmonics.reshape(*shape, count, -1), first[..., None, None], axis=-2)[..., 0, :]
     largest = np.take_along_axis(flat, np.abs(flat).argmax(axis=-1)[..., None], axis=-1)[..., 0]
-    slack = 8.0 * _EPS * orders[:, None, None] * np.abs(harmonics).max(axis=(-2, -1), keepdims=True)
+    slack = 8.0 * EPS * orders[:, None, None] * np.abs(harmonics).max(axis=(-2, -1), keepdims=True)
     for turn in range(2 * (int(first.max()) + 1)):
         angle = (math.pi * turn - np.angle(largest)) / (first + 1)
         turned = harmonics * np.exp(1j * angle[..., None] * orders)[..., None, None]

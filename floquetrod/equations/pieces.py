@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from floquetrod._util import validate
+from floquetrod._util.arrays import EPS
 from floquetrod._util.calling import constructor_hints
 from floquetrod._util.content import ByContent
 from floquetrod.equations import matrices
@@ -20,7 +21,6 @@ from floquetrod.equations.matrices import Matrix
 MOST_PIECES = 1024
 """Most pieces of a period (a choice)."""
 
-_EPS = 2.220446049250313e-16
 
 Duration = float | Fraction | NDArray[np.float64]
 Pieces = tuple[tuple[Any, "Varying"], ...]
@@ -294,7 +294,7 @@ def from_instant(system: Any, start: Fraction, length: Fraction) -> tuple[PieceA
         return of_batch(system), system.coefficient_error
     found = between(in_time(system), start, length)
     rounding = max(
-        (_EPS * float(p.size.max()) for p in found if p.slope is not None and p.begin != p.origin), default=0.0
+        (EPS * float(p.size.max()) for p in found if p.slope is not None and p.begin != p.origin), default=0.0
     )
     return arrays_of(found, exact_period(system)), system.coefficient_error + rounding
 

@@ -10,12 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from floquetrod._util import validate
-from floquetrod._util.arrays import Floats
+from floquetrod._util.arrays import EPS, Floats
 from floquetrod.equations.compiled_rates import at_points, is_compiled
 
 Parameters = Mapping[str, float]
 
-_EPS = 2.220446049250313e-16
 _COMPLEX_STEP = 1e-100  # the derivative is exact to rounding however small it is
 _STEP = 4e-4  # of differences, part of a component's size: truncation 4e-14 of the fifth derivative, rounding 1e-12
 _DIFFERENCES = ((-2.0, 1.0 / 12.0), (-1.0, -8.0 / 12.0), (1.0, 8.0 / 12.0), (2.0, -1.0 / 12.0))
@@ -50,7 +49,7 @@ class Rates:
     @property
     def derivatives_error(self) -> float:
         """Relative error of the derivatives, rounding, or that of differences where they are found by those."""
-        return 16.0 * _EPS if self.jacobian is not None or self.complex_steps else _DIFFERENCES_ERROR
+        return 16.0 * EPS if self.jacobian is not None or self.complex_steps else _DIFFERENCES_ERROR
 
     def __reduce__(self) -> tuple[Any, ...]:
         return (Rates, (self.function, self.jacobian))

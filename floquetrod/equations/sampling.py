@@ -12,22 +12,22 @@ import numpy as np
 from numpy.typing import NDArray
 
 from floquetrod._util import validate
+from floquetrod._util.arrays import EPS
 from floquetrod.equations import matrices
 from floquetrod.equations.matrices import Matrix
 from floquetrod.equations.pieces import MOST_PIECES, Pieces, Varying
 
 Function = Callable[[float], Any]
 
-_EPS = 2.220446049250313e-16
 _FIRST_SAMPLES, _MOST_SAMPLES = 64, 2048  # of a function, over its period
 _TRIALS = 24  # instants between the samples at which the series is tried
 _GOLDEN = 0.6180339887498949  # whose multiples, less whole numbers, lie nowhere close together
-_NEGLIGIBLE = 4.0 * _EPS  # part of the largest coefficient: harmonics below it are rounding
+_NEGLIGIBLE = 4.0 * EPS  # part of the largest coefficient: harmonics below it are rounding
 _REQUIRED_DECAY = 1e-10  # part of the largest coefficient: where the last harmonics exceed it, the series is refused
 
 _NODES, _TRIALS_IN_A_PIECE = 96, 48  # instants at which a piece is fitted, and tried
 _HARMONICS = (0, 2, 4, 8, 12)  # of the fits to a piece that are tried in turn (a choice)
-_ROUNDED = 64.0 * _EPS  # part of the largest value: a fit that misses less has found all there is
+_ROUNDED = 64.0 * EPS  # part of the largest value: a fit that misses less has found all there is
 _LARGEST_FIT = 100.0  # sum of a fit's coefficients over the largest value: with larger ones it loses digits (a choice)
 _SHORTEST = 2.0**-12  # part of the period: a piece that is not smooth over it has a jump (a choice)
 
@@ -97,7 +97,7 @@ def smooth(sampled: Callable[[NDArray[Any]], Matrix], period: float, required: f
     tidy = _tidy(values, trials)
     waves = series[1 : kept + 1]
     found = Varying(tidy(series[0].real), None, tidy(2.0 * waves.real), tidy(-2.0 * waves.imag))
-    return Sampled(((period, found),), 2.0 * (neglected + missed + (kept + 1) * _EPS * size) + gap)
+    return Sampled(((period, found),), 2.0 * (neglected + missed + (kept + 1) * EPS * size) + gap)
 
 
 def _gap(sampled: Callable[[NDArray[Any]], Matrix], period: float, shares: NDArray[Any], size: float) -> float:
@@ -169,7 +169,7 @@ def _fit(function: Function, period: float, begin: Fraction, length: Fraction, s
             tidy = _tidy(values, trials)
             rows = tidy(np.asarray(solved, dtype=np.float64).reshape(-1, *shape))
             value = Varying(rows[0], rows[1] / lasts, rows[2 : 2 + count], rows[2 + count :])
-            return _Fit(value, 2.0 * missed + 4.0 * _EPS * total)
+            return _Fit(value, 2.0 * missed + 4.0 * EPS * total)
         before = missed
     return None
 

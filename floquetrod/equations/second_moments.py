@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from floquetrod._util import validate
-from floquetrod._util.arrays import norms
+from floquetrod._util.arrays import EPS, norms
 from floquetrod.equations import matrices
 from floquetrod.equations.base import Equation
 from floquetrod.equations.delay_system import DelaySystem
@@ -29,7 +29,6 @@ MOST_UNKNOWNS = 44
 
 _LARGEST_INTENSITY = 1e15  # whose square is within what a matrix may hold
 _EXAMPLE = "[(matrix, intensity), ...]"
-_EPS = 2.220446049250313e-16
 _SPLIT = 134217729.0  # 2^27 + 1, which splits a double in halves (Veltkamp)
 _LEAST_EXACT = 1e-280  # products above it have an exact remainder
 
@@ -73,7 +72,7 @@ class _Known(NamedTuple):
         (high, low), (top, bottom) = _halves(a), _halves(b)
         rounding = np.abs(((high * top - product) + high * bottom + low * top) + low * bottom)
         size = np.abs(product)
-        rounding = np.where((size > _LEAST_EXACT) | (a == 0.0) | (b == 0.0), rounding, _EPS * size + 1e-300)
+        rounding = np.where((size > _LEAST_EXACT) | (a == 0.0) | (b == 0.0), rounding, EPS * size + 1e-300)
         spread = np.abs(a) * other.error + np.abs(b) * self.error + np.multiply(self.error, other.error)
         return _Known(product, rounding + spread)
 
@@ -260,7 +259,7 @@ def _on_positions(system: HillSystem, matrix: Matrix) -> tuple[Matrix, float]:
         inverse = np.linalg.inv(np.linalg.cholesky(system.mass))
         matrix = inverse @ matrix @ np.swapaxes(inverse, -1, -2)
         condition = float(np.max(norms(system.mass) * norms(inverse) ** 2))
-        error = 8.0 * system.order * _EPS * condition * float(np.abs(matrix).max())
+        error = 8.0 * system.order * EPS * condition * float(np.abs(matrix).max())
     n = system.order
     whole = np.zeros((*matrix.shape[:-2], 2 * n, 2 * n))
     whole[..., n:, :n] = -matrix
@@ -274,7 +273,7 @@ def with_drift(system: PeriodicSystem, sources: list[Source], share: float) -> t
         square = abs(share) * np.square(intensity)[..., None, None]
         drift = drift + math.copysign(1.0, share) * square * (matrix @ matrix)
         size = float((square * (np.abs(matrix) @ np.abs(matrix))).max(initial=0.0))
-        error += (n + 4) * _EPS * size + 2.0 * n * unknown * float((square * np.abs(matrix)).max(initial=0.0))
+        error += (n + 4) * EPS * size + 2.0 * n * unknown * float((square * np.abs(matrix)).max(initial=0.0))
     if not drift.any():
         return system, error
     if system.pieces:
@@ -285,7 +284,7 @@ def with_drift(system: PeriodicSystem, sources: list[Source], share: float) -> t
         mean, others = system.mean + drift, (system.cosines, system.sines)
         largest = float(np.abs(mean).max())
         made = PeriodicSystem(mean, *others, period=system.period, coefficient_error=system.coefficient_error)
-    return made, error + _EPS * largest
+    return made, error + EPS * largest
 
 
 def _moments(system: PeriodicSystem, rounding: float, sources: list[Source]) -> SecondMoments:

@@ -14,7 +14,7 @@ from numpy.polynomial import legendre
 from numpy.typing import NDArray
 
 from floquetrod._util import validate
-from floquetrod._util.arrays import Floats, shaped
+from floquetrod._util.arrays import EPS, Floats, shaped
 from floquetrod._util.content import ByContent
 from floquetrod.equations import DelaySystem
 from floquetrod.equations import pieces as by_pieces
@@ -29,8 +29,7 @@ _RADIANS = 4.0  # that solutions turn by in a step, about (a choice)
 _GENERATIONS = 12  # of the images of a jump under delays that end a step (a choice)
 _MOST_STEPS = 20_000  # (a choice: some seconds)
 _MOST_IMAGES = 5_000  # of jumps (a choice)
-_EPS = 2.220446049250313e-16
-_ROUNDING = 16.0 * _EPS
+_ROUNDING = 16.0 * EPS
 
 
 class _Steps(NamedTuple):

@@ -11,13 +11,13 @@ Floats stand for one pair, X = excess * 2**exponent, so that growth may leave th
 from __future__ import annotations
 
 import math
-import sys
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-_EPS = sys.float_info.epsilon
+from floquetrod._util.arrays import EPS
+
 _HUGE = 900  # binary exponents of X from which X itself may not be formed
 
 
@@ -56,7 +56,7 @@ def growth_band(excess: float, exponent: int, error: float) -> tuple[float, floa
         return middle - 2.0 * error, middle + 2.0 * error
     value = ldexp(excess, exponent)
     size = error * max(1.0, abs(value))
-    slack = 4.0 * _EPS
+    slack = 4.0 * EPS
     return growth(value - size) * (1.0 - slack), growth(value + size) * (1.0 + slack)
 
 

@@ -10,14 +10,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from floquetrod._util import validate
-from floquetrod._util.arrays import Floats, shaped
+from floquetrod._util.arrays import EPS, Floats, shaped
 from floquetrod._util.content import ByContent
 from floquetrod.equations import Equation, HillSystem
 from floquetrod.floquet.problems import Problem, require_problem, require_without_delays
 from floquetrod.floquet.solve import Solution, solve
 from floquetrod.floquet.systems import spectra
 
-_EPS = 2.220446049250313e-16
 _LATEST = 1e6  # periods (a choice: beyond it rounding of the phase costs more than ten digits)
 _DECAYS = 1.0 - 1e-6  # magnitudes of multipliers below it are found from the map backwards (a choice)
 _SURE = 1e-3  # rad that the error of the map may turn an eigenvector by (a choice)
@@ -209,6 +208,6 @@ def _mode(equation: Problem, pair: _Eigenpair) -> FloquetMode:
             f"equation must have multipliers that a double can hold beside each other, got {validate.short(equation)}, "
             f"whose Floquet solution of multiplier {mu:.6g} misses its end by {residual:.1g}"
         )
-    error = max(real.error, imaginary.error, residual) + (pair.angle + _EPS) * float(np.abs(vector).max()) / size
+    error = max(real.error, imaginary.error, residual) + (pair.angle + EPS) * float(np.abs(vector).max()) / size
     exponent = complex(np.log(complex(mu.real, mu.imag + 0.0))) / period  # of -x + 0i, whatever the sign of zero
     return FloquetMode(equation, exponent, period, error, (real, imaginary))

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from floquetrod._util import validate
-from floquetrod._util.arrays import Floats, shaped
+from floquetrod._util.arrays import EPS, Floats, shaped
 from floquetrod._util.content import ByContent
 from floquetrod.equations import DelaySystem, HillSystem, PeriodicSystem
 from floquetrod.equations.base import Equation, require
@@ -23,9 +23,8 @@ from floquetrod.floquet.references import references
 _ORDERS = (26, 32)  # of the series, the second one to learn the error of the first (heuristic)
 _TOLERANCES = (1e-16, 1e-18)  # part of the solution that the last terms of a step may be
 _MOST_STEPS = 20_000  # in the limit of a small system, fewer of a large one (a choice: some seconds)
-_EPS = 2.220446049250313e-16
 _PI = Fraction(round(Fraction(3141592653589793238462643383279502884197, 10**39) * 2**125), 2**125)
-_ROUNDING = 4.0 * _EPS  # of states, at least (measured)
+_ROUNDING = 4.0 * EPS  # of states, at least (measured)
 _LARGEST = 1e290  # of a solution (a choice: doubles reach 1e308)
 
 
@@ -287,7 +286,7 @@ def _as_it_is(matrix: NDArray[Any], *, mean: bool = False) -> NDArray[Any]:
 def _inverse_error(system: Any) -> float:
     """Return the part by which rounding may change what the inverse of the mass multiplies; 0 without a mass."""
     mass = getattr(system, "mass", None)
-    return 0.0 if mass is None else _EPS * float((np.abs(np.linalg.inv(mass)) @ np.abs(mass)).sum(axis=1).max())
+    return 0.0 if mass is None else EPS * float((np.abs(np.linalg.inv(mass)) @ np.abs(mass)).sum(axis=1).max())
 
 
 def _of_equation(equation: Equation) -> _Course:

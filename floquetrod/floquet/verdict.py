@@ -8,12 +8,12 @@ because near a boundary X keeps digits that D_u has rounded away.
 from __future__ import annotations
 
 import math
-import sys
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, ClassVar, Literal, NamedTuple, Self
 
 import numpy as np
 
+from floquetrod._util.arrays import EPS
 from floquetrod._util.caching import cached_property
 from floquetrod._util.content import ByContent, NoTruthValue
 from floquetrod._util.report import Report, Reported, number
@@ -25,7 +25,6 @@ from floquetrod.floquet.status import Status as Status
 if TYPE_CHECKING:
     from floquetrod.floquet.solutions import MonodromyMatrix
 
-_EPS = sys.float_info.epsilon
 _STATUS: dict[int, Status] = {1: "unstable", -1: "stable"}
 
 
@@ -285,7 +284,7 @@ class Stability(FloquetVerdict):
             y, above = (np.array([half**2]) for half in (np.sinh(0.5 * s), np.cosh(0.5 * s)))
             radius = 0.25 * self.error * np.maximum(1.0, np.minimum(np.abs(y), np.abs(above)))
             error = float(pairs.log_errors(y, above, radius)[0])
-        return (error / self.period + 4.0 * _EPS * abs(self.exponents[0]),) * 2
+        return (error / self.period + 4.0 * EPS * abs(self.exponents[0]),) * 2
 
     def report(self) -> Report:
         """Return the verdict in lines: growth, discriminant, method."""
@@ -398,7 +397,7 @@ def classify(
         discriminant=discriminant,
         log_abs_discriminant=log_size,
         exponents=_exponents(sign, excess, undamped_growth, damping, period),
-        error=4.0 * excess_error + 4.0 * _EPS,
+        error=4.0 * excess_error + 4.0 * EPS,
         interval=interval,
         period=period,
         cost=cost,
@@ -452,9 +451,9 @@ def _exponents(sign: int, excess: float, growth: float, damping: float, period: 
 def _multiplier(exponent: complex, period: float) -> complex:
     size = _exp(exponent.real * period)
     angle = exponent.imag * period
-    if abs(angle) > math.pi * (1.0 + 2.0 * _EPS):  # a characteristic root, which has turned more than half
+    if abs(angle) > math.pi * (1.0 + 2.0 * EPS):  # a characteristic root, which has turned more than half
         angle = math.remainder(angle, 2.0 * math.pi)
-    if abs(angle) >= math.pi * (1.0 - _EPS):  # the half turn is exact, the sine of a rounded pi is not
+    if abs(angle) >= math.pi * (1.0 - EPS):  # the half turn is exact, the sine of a rounded pi is not
         return complex(-size, 0.0)
     if angle == 0.0:
         return complex(size, 0.0)

@@ -13,7 +13,7 @@ from typing import NamedTuple, TypeAlias
 
 import numpy as np
 
-from floquetrod._util.arrays import Bools, Floats, Ints
+from floquetrod._util.arrays import EPS, Bools, Floats, Ints
 from floquetrod._util.roots import roots
 
 Growth: TypeAlias = Callable[[Floats, Ints], Floats]
@@ -22,7 +22,6 @@ Growth: TypeAlias = Callable[[Floats, Ints], Floats]
 _POINTS = 3  # inside every interval evaluated at the start, closer together near its ends (a choice)
 TOUCHING = 1e-9  # a peak that exceeds its level by less than this share of it counts as below (heuristic: rounding)
 _NARROWEST = 1e-9  # share of its interval, or of its place, at which a piece is no longer divided (heuristic: rounding)
-_EPS = float(np.finfo(np.float64).eps)
 
 
 class Level(NamedTuple):
@@ -146,7 +145,7 @@ def _floor(pieces: _Pieces, widths: Floats) -> Floats:
     width = widths[pieces.which]
     place = np.maximum(np.abs(pieces.x[:, 1]), np.abs(pieces.x[:, 2]))
     least = _NARROWEST * np.minimum(width, place)
-    return np.maximum(least, 4.0 * _EPS * np.maximum(width, place))
+    return np.maximum(least, 4.0 * EPS * np.maximum(width, place))
 
 
 def _lowest(pieces: _Pieces, chord: Floats, above: Level) -> Floats:

@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from floquetrod._util import validate
-from floquetrod._util.arrays import Floats
+from floquetrod._util.arrays import EPS, Floats
 from floquetrod.equations import NonlinearSystem
 from floquetrod.orbits import mesh as meshes
 from floquetrod.orbits import starts
@@ -17,7 +17,6 @@ from floquetrod.orbits.multipliers import Segments
 from floquetrod.orbits.newton import NoOrbitError, corrected
 from floquetrod.orbits.orbit import PeriodicOrbit
 
-_EPS = 2.220446049250313e-16
 _DEGREES = ((24, 8), (10**9, 6))  # Gauss points of systems of up to so many equations (a choice)
 MORE = 2  # points of the finer of the two orbits that are compared
 FOLLOWED = 1.5  # lengths of intervals, of those that follow deviations to about 1e-12
@@ -247,7 +246,7 @@ def _rounding(
     terms = np.abs(rates) + np.einsum("ikab,ikb->ika", jacobians, np.abs(point.stages))
     size = np.abs(point.nodes) + (point.period * collocation.steps)[:, None] * terms.max(axis=1)
     waves = np.cos(np.arange(size.size).reshape(size.shape) * np.array([[[2.399]], [[0.731]], [[1.117]]]))
-    gaps = np.moveaxis(2.0 * _EPS * size * np.sign(waves), 0, -1)
+    gaps = np.moveaxis(2.0 * EPS * size * np.sign(waves), 0, -1)
     nodes, scalars = collocation.responses(condensed, rows, point.scale, gaps, np.zeros((len(rows), len(waves))))
     states = float((np.abs(nodes) / point.scale[:, None]).max())
     largest = (2.0 * np.abs(scalars).max(axis=1)).tolist()

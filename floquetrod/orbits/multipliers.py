@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from floquetrod._util.arrays import Floats, norms
+from floquetrod._util.arrays import EPS, Floats, norms
 from floquetrod.equations import PeriodicSystem
 from floquetrod.floquet.systems import cyclic, independent_solutions
 from floquetrod.floquet.systems.classification import classify_multipliers
@@ -16,7 +16,6 @@ from floquetrod.floquet.systems.independent_solutions import Solutions
 from floquetrod.floquet.systems.result import SystemStability
 from floquetrod.floquet.verdict import Cost
 
-_EPS = 2.220446049250313e-16
 _LARGEST_CONDITION = 100.0  # of the map over a segment: rounding then costs two digits (a choice)
 _SURE = 1e-9  # of logarithms: errors with which nobody needs other coordinates (a choice)
 _NEAR = -3.0  # logarithm of multipliers that may decide
@@ -107,7 +106,7 @@ def _scaled(segments: Segments) -> tuple[Floats, Floats, Floats, float | None]:
 
 def _alone(segments: Segments) -> Solutions:
     """Return the one solution where there is but one multiplier, by Liouville's formula."""
-    error = segments.trace_error + 4.0 * _EPS * abs(segments.trace)
+    error = segments.trace_error + 4.0 * EPS * abs(segments.trace)
     return Solutions(np.array([segments.trace + 0.0j]), np.array([error]), np.ones((1, 1), dtype=np.complex128))
 
 
@@ -135,7 +134,7 @@ def _doubt(found: Solutions) -> tuple[float, float]:
 
 def _rounding(maps: Floats) -> Floats:
     """Return what rounding makes of maps, computed and multiplied."""
-    return np.asarray(8.0 * maps.shape[1] * _EPS * norms(maps))
+    return np.asarray(8.0 * maps.shape[1] * EPS * norms(maps))
 
 
 def _across(maps: Floats, errors: Floats, flow: Floats) -> tuple[Floats, Floats, float]:

@@ -20,10 +20,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from floquetrod._util import validate
-from floquetrod._util.arrays import shaped
+from floquetrod._util.arrays import EPS, shaped
 from floquetrod.equations import HillSystem, matrices
 
-_EPS = 2.220446049250313e-16
 _NOTHING = 1e-12  # part of a harmonic's largest entry: what couples two modes less is rounding
 
 
@@ -184,7 +183,7 @@ def _modal(system: HillSystem) -> tuple[NDArray[np.float64], NDArray[np.float64]
     inverse = np.linalg.inv(np.linalg.cholesky(mass))
     squares, shapes = np.linalg.eigh(inverse @ system.stiffness @ inverse.T)
     modes = inverse.T @ shapes
-    if squares[0] <= 8.0 * _EPS * system.order * squares[-1]:
+    if squares[0] <= 8.0 * EPS * system.order * squares[-1]:
         raise ValueError(
             "system must have a positive definite mean stiffness, got one with the eigenvalue "
             f"{squares[0]:.3g}, relative to the mass: a mode without a frequency has no resonance of this kind"
@@ -192,7 +191,7 @@ def _modal(system: HillSystem) -> tuple[NDArray[np.float64], NDArray[np.float64]
     rates = np.zeros(system.order)
     if system.damping is not None:
         rates = 0.5 * np.diagonal(modes.T @ system.damping @ modes)
-        slack = 8.0 * _EPS * system.order * float(np.abs(rates).max())
+        slack = 8.0 * EPS * system.order * float(np.abs(rates).max())
         if rates.min() < -slack:
             mode = int(rates.argmin())
             raise ValueError(

@@ -15,12 +15,12 @@ from __future__ import annotations
 import math
 from typing import Any
 
+from floquetrod._util.arrays import EPS
 from floquetrod._util.compilation import kernel
 from floquetrod.floquet.kernels.mathieu_counts import STABLE, UNSTABLE, shown_by_count
 from floquetrod.floquet.kernels.mathieu_determinants import determinant, determinant_pair, two_product, two_sum
 from floquetrod.floquet.kernels.mathieu_tail import TAIL_ERROR, slack
 
-_EPS = 2.220446049250313e-16
 _ENOUGH = 2e-13  # relative error of the excess above which the minors are run again in double-double
 
 
@@ -30,11 +30,11 @@ def _unforced_excess(a: float) -> tuple[int, float, int, float, int]:
     root = 0.5 * math.sqrt(abs(a))
     if a > 0.0:
         f = root - math.floor(root + 0.5)
-        error = 4.0 * _EPS * (1.0 + math.pi * root)
+        error = 4.0 * EPS * (1.0 + math.pi * root)
         if abs(f) <= 0.25:
             return 1, -(math.sin(math.pi * f) ** 2), 0, error, 1
         return -1, -(math.cos(math.pi * f) ** 2), 0, error, 1
-    error = 8.0 * _EPS * (1.0 + math.pi * root)
+    error = 8.0 * EPS * (1.0 + math.pi * root)
     if root < 100.0:
         return 1, math.sinh(math.pi * root) ** 2, 0, error, 1
     power = 2.0 * math.pi * root / math.log(2.0)
@@ -78,7 +78,7 @@ def discriminant_excess(alpha: float, beta: float, damping: float) -> tuple[int,
         old = e
         e = eu + ev
         loss = abs(u * v / (uu * vv)) * 2.0 ** max(-900.0, min(900.0, float(old - e))) if x != 0.0 else math.inf
-        error = 2.0 * (TAIL_ERROR * slack(ah, q) + _EPS * rows) + 1e-15 * error * max(1.0, loss)
+        error = 2.0 * (TAIL_ERROR * slack(ah, q) + EPS * rows) + 1e-15 * error * max(1.0, loss)
         value = math.ldexp(x, e) if e < 60 else math.copysign(1e18, x)
     if cancels:
         return -1, x, e, error, 4 * rows

@@ -23,6 +23,7 @@ from typing import Any
 
 import numpy as np
 
+from floquetrod._util.arrays import EPS
 from floquetrod._util.compilation import kernel
 
 UNSTABLE, STABLE, NEAR_A_BAND = 0, 1, -1  # what a count shows, in the codes of a status: -1 is not shown
@@ -32,7 +33,6 @@ UNDECIDED = -1  # count of a chain whose pivots would not settle: a is an eigenv
 _TINY_Q = 1e-120  # below this a coupling acts only through its sign, and q^2 would leave the range of a double
 _WIDE = 104.0  # (2 q - a)^2 / q up to which bands take e^-8 of the room or more, far above rounding (a choice)
 _LANES = 32  # points counted side by side: a few vector registers' worth (measured)
-_EPS = 2.220446049250313e-16
 
 
 @kernel
@@ -80,7 +80,7 @@ def count_fill(a: Any, q: Any, out: Any) -> None:
     for i in range(len(a)):
         count = count_below(a[i], q[i])
         if count == UNDECIDED:
-            count = count_below(a[i] * (1.0 - 4.0 * _EPS), q[i])
+            count = count_below(a[i] * (1.0 - 4.0 * EPS), q[i])
         out[i] = max(count, 0)
 
 

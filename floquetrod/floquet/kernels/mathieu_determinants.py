@@ -9,10 +9,9 @@ from __future__ import annotations
 
 import math
 
+from floquetrod._util.arrays import EPS
 from floquetrod._util.compilation import kernel
 from floquetrod.floquet.kernels.mathieu_tail import TAIL_ERROR, slack, tail
-
-_EPS = 2.220446049250313e-16
 
 
 @kernel
@@ -85,8 +84,8 @@ def determinant_pair(a: float, q: float, odd_period: bool) -> tuple[float, float
     r = q2 / ((k + 2.0) * (k + 2.0))
     pu, iu = math.frexp(pu * (here - above * r / u))
     pv, iv = math.frexp(pv * (here - above * r / v))
-    scale = 4.0 * _EPS * (abs(a) + 2.0 * q)
-    rounding = TAIL_ERROR * slack(a, q) + _EPS * k
+    scale = 4.0 * EPS * (abs(a) + 2.0 * q)
+    rounding = TAIL_ERROR * slack(a, q) + EPS * k
     return pu, pv, eu + iu + e, ev + iv + e, rounding + scale * abs(lu), rounding + scale * abs(lv), int(k)
 
 

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import math
 
+from floquetrod._util.arrays import EPS
 from floquetrod._util.compilation import kernel
-
-_EPS = 2.220446049250313e-16
 
 
 @kernel
@@ -40,8 +39,8 @@ def square_wave_excess(high: float, low: float, slack: float) -> tuple[int, floa
     c2, s2, r2, e2 = _quarter(low)
     h = 0.5 * math.pi
     # Error of C: r S times that of its argument h r; of S: h times that of C over its own; d(r^2) enters both.
-    d1 = 4.0 * _EPS * (1.0 + h * r1) + h * slack / max(r1, 1.0)
-    d2 = 4.0 * _EPS * (1.0 + h * r2) + h * slack / max(r2, 1.0)
+    d1 = 4.0 * EPS * (1.0 + h * r1) + h * slack / max(r1, 1.0)
+    d2 = 4.0 * EPS * (1.0 + h * r2) + h * slack / max(r2, 1.0)
     dc1, ds1 = d1 * (abs(c1) + r1 * abs(s1)), d1 * (abs(s1) + h * abs(c1) / max(1.0, h * r1))
     dc2, ds2 = d2 * (abs(c2) + r2 * abs(s2)), d2 * (abs(s2) + h * abs(c2) / max(1.0, h * r2))
     e = 2 * (e1 + e2)
@@ -61,5 +60,5 @@ def square_wave_excess(high: float, low: float, slack: float) -> tuple[int, floa
         dfirst = common + abs(high) * product + slack * abs(s1 * s2)
         dsecond = common + abs(low) * product + slack * abs(s1 * s2)
     x = first * second
-    dx = dfirst * abs(second) + dsecond * abs(first) + dfirst * dsecond + 4.0 * _EPS * abs(x)
+    dx = dfirst * abs(second) + dsecond * abs(first) + dfirst * dsecond + 4.0 * EPS * abs(x)
     return sign, x, e, dx / max(one, abs(x))

@@ -7,11 +7,11 @@ import math
 import numpy as np
 
 from floquetrod._util import validate
+from floquetrod._util.arrays import EPS
 from floquetrod.equations import Mathieu
 from floquetrod.floquet import registry
 from floquetrod.floquet.verdict import Cost, Interval, Stability, Status, classify
 
-_EPS = 2.220446049250313e-16
 _MOST_TERMS = 20000  # a choice: about 30 ms
 _MOST_LEFT_OUT = 0.1  # of a determinant, beyond which its error can no longer be determined (a choice)
 _PRODUCT_TERMS = 32  # powers of h^2 / k^2, at most 1/4: 4^-32 is far below rounding
@@ -61,7 +61,7 @@ def determinant(equation: Mathieu, *, terms: int | None = None) -> Stability:
     if size < 0.0 and math.ldexp(size, min(exponent, 60)) < -0.5:
         sign, size, exponent = -1, -plus.value * minus.value, plus.exponent + minus.exponent
     scale = min(1.0, abs(math.ldexp(size, min(exponent, 60))))
-    rounding = 16.0 * _EPS * (rows + (abs(a) + 2.0 * q + 1e-300) * max(chain.sensitivity for chain in chains))
+    rounding = 16.0 * EPS * (rows + (abs(a) + 2.0 * q + 1e-300) * max(chain.sensitivity for chain in chains))
     error = (sum(chain.left_out for chain in chains) + rounding) * max(scale, 1e-300)
     status: Status = "undecided" if not settled or abs(size) == 0.0 else "stable" if below % 2 else "unstable"
     # The signs are known to rounding only: where a determinant is within its rounding of zero they say nothing.
@@ -188,10 +188,10 @@ def _log_product(kappa: float, h2: float) -> tuple[float, float]:
         powers = np.arange(1, _PRODUCT_TERMS)
         sums = zeta(2.0 * powers, first) * first ** (2.0 * powers)  # of (first / k)^2j, at most first + 1
         value = -float(np.sum((h2 / (first * first)) ** powers / powers * sums))
-        return value, 8.0 * _EPS * (1.0 + abs(value))
+        return value, 8.0 * EPS * (1.0 + abs(value))
     h = math.sqrt(abs(h2))
     far = first + h + 20.0  # what cancels is of the size far log(far), or below (heuristic)
-    rounding = 8.0 * _EPS * far * math.log(far)
+    rounding = 8.0 * EPS * far * math.log(far)
     if h2 >= 0.0:
         return 2.0 * math.lgamma(first) - math.lgamma(first - h) - math.lgamma(first + h), rounding
     return 2.0 * (math.lgamma(first) - float(loggamma(complex(first, h)).real)), rounding

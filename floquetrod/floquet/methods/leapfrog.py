@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from floquetrod import equations
 from floquetrod._util import validate
+from floquetrod._util.arrays import EPS
 from floquetrod._util.compilation import compiled
 from floquetrod.equations import Equation, Piece
 from floquetrod.equations.base import value_on
@@ -19,7 +20,6 @@ from floquetrod.floquet.verdict import Cost, Stability, Status, classify, discri
 _MOST_STEPS = 100_000_000  # steps of a run, a choice: a fraction of a second to a second
 _FINEST_GRID = 4096  # steps of a period that pieces may ask for so that they meet at steps (a choice)
 _STEPS_A_WAVE = 16  # fewest steps to a wave of the highest harmonic, a multiple of four (heuristic)
-_EPS = 2.220446049250313e-16
 _LARGEST_REACH = 1e50  # step^2 times coefficient: what one step multiplies by, beyond any useful step, yet in range
 
 
@@ -91,7 +91,7 @@ def leapfrog(equation: Equation, *, step: float = 5e-4, periods: int = 100, limi
     # comes what all maps hide where the motion lags far behind, and a rounding at every step.
     change = max(abs(double - fine), 0.25 * abs(fourfold - double))
     size = max(math.exp(-min(700.0, shift)), abs(trace))
-    error = change / size + _lag(table, step, equation) ** 2 + count * _EPS
+    error = change / size + _lag(table, step, equation) ** 2 + count * EPS
     sign, excess, exponent = _excess(trace, shift + equation.damping * equation.period)
     status: Status = "stable" if log_growth < math.log(limit) else "unstable"
     note = f"cannot see growth below about {math.log(limit) / time:.2g} per unit tau"

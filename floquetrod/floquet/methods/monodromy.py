@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from floquetrod import equations
 from floquetrod._util import validate
+from floquetrod._util.arrays import EPS
 from floquetrod._util.compilation import INTERPRETED_UP_TO, runner
 from floquetrod.equations import Equation, Piece
 from floquetrod.equations.base import from_instant
@@ -19,7 +20,6 @@ from floquetrod.floquet.kernels.taylor import ORDER, REACH, advance
 from floquetrod.floquet.verdict import Cost, Stability, classify
 
 _MOST_STEPS = 1_000_000
-_EPS = 2.220446049250313e-16
 
 
 class _Stretch(NamedTuple):
@@ -70,7 +70,7 @@ def monodromy(equation: Equation, *, rtol: float = 1e-12) -> Stability:
         note = f"would take {needed:.3g} steps or more, above the limit of {_MOST_STEPS}; use another method"
         return Stability.declined(equation, "monodromy", Cost(0, "steps"), note)
     fine, change, total = _converged(pieces, equation.period, frequency, rtol)
-    relative = change + 4.0 * _EPS * (fine.steps + 4)
+    relative = change + 4.0 * EPS * (fine.steps + 4)
     sign, excess, exponent, error = _excess(fine, relative, frequency, half is not None)
     return classify(
         equation,
@@ -167,7 +167,7 @@ def _converged(pieces: list[_Stretch], period: float, frequency: float, rtol: fl
         fine = _carry(pieces, period, 2 * wanted)
         total += fine.steps
         change = _change(coarse, fine, frequency)
-        if change <= max(rtol, 64.0 * _EPS * fine.steps) or 6 * wanted > _MOST_STEPS:
+        if change <= max(rtol, 64.0 * EPS * fine.steps) or 6 * wanted > _MOST_STEPS:
             return fine, change, total
         coarse, wanted = fine, 2 * wanted
 

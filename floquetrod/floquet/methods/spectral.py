@@ -8,12 +8,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from floquetrod._util.arrays import EPS
 from floquetrod.equations import Equation, Mathieu
 from floquetrod.floquet import registry
 from floquetrod.floquet.kernels import mathieu as kernels
 from floquetrod.floquet.verdict import Cost, Interval, Stability, Status, classify
 
-_EPS = 2.220446049250313e-16
 _MOST_ROWS = 250  # rows of a banded matrix beyond which `spectral` declines (a choice: a few seconds of work)
 _LARGEST_ERROR = 1e-3  # of the excess, relative: beyond it the growth rate is no longer worth stating (a choice)
 
@@ -153,7 +153,7 @@ def _hill(equation: Equation) -> Stability:
     # X responds to the square of the exponent near a boundary and to T times it far away.
     scale = math.pi / turn
     change = abs(fine - coarse) * scale * 2.0 * max(abs(fine * scale), 1.0) + abs(fine - coarse) ** 2 * scale**2
-    rounding = 8.0 * _EPS * (1.0 + scale * (abs(mean) + bound + (cut * turn) ** 2) / turn)
+    rounding = 8.0 * EPS * (1.0 + scale * (abs(mean) + bound + (cut * turn) ** 2) / turn)
     error = change + rounding
     if not error <= _LARGEST_ERROR:
         # The count holds, but the eigenvalues of a matrix so far from normal say nothing of the growth.
@@ -208,7 +208,7 @@ def _banded_count(mean: float, harmonics: NDArray[Any], bound: float, turn: floa
         for frequencies in (np.arange(-cut, cut + 1.0) * turn, (np.arange(-cut, cut) + 0.5) * turn):
             values = eigvals_banded(_bands(mean, harmonics, frequencies, correction), lower=True)
             norm = max(abs(values[0]), abs(values[-1]))
-            if np.abs(values).min() <= len(values) * _EPS * norm:
+            if np.abs(values).min() <= len(values) * EPS * norm:
                 return None, False
             total += int((values < 0.0).sum())
         counts.append(total)

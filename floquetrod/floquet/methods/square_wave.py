@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import math
 
+from floquetrod._util.arrays import EPS
 from floquetrod.equations import Mathieu, Meissner
 from floquetrod.floquet import registry
 from floquetrod.floquet.kernels.square_wave import square_wave_excess
 from floquetrod.floquet.verdict import Cost, Stability, classify
-
-_EPS = 2.220446049250313e-16
 
 
 def square_wave(equation: Meissner | Mathieu) -> Stability:
@@ -43,7 +42,7 @@ def square_wave(equation: Meissner | Mathieu) -> Stability:
     registry.require(equation, "square_wave")
     c2 = equation.damping**2
     high, low = math.fsum((equation.beta, equation.alpha, c2)), math.fsum((equation.beta, -equation.alpha, c2))
-    sign, excess, exponent, error = square_wave_excess(high, low, _EPS * c2)
+    sign, excess, exponent, error = square_wave_excess(high, low, EPS * c2)
     approximate = isinstance(equation, Mathieu)
     return classify(
         equation,

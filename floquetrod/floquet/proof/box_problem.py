@@ -12,7 +12,7 @@ import numpy as np
 from floquetrod._util.caching import cached_property
 from floquetrod.equations import HillSystem, PeriodicSystem
 from floquetrod.equations.pieces import TimedPiece, exact_period, in_time
-from floquetrod.floquet.proof.balls import up
+from floquetrod.floquet.proof.balls import Array, up
 from floquetrod.floquet.proof.system_problem import (
     Arithmetic,
     FirstOrder,
@@ -28,8 +28,6 @@ from floquetrod.floquet.proof.system_problem import (
     row_sum,
     stretches,
 )
-
-Array = Any
 
 _ROUNDING = 8.0 * 2.0**-52  # of the coefficients that a family computes, relative to their largest at a corner
 

@@ -29,13 +29,11 @@ import numpy as np
 
 from floquetrod.equations import DelaySystem, HillSystem
 from floquetrod.equations.pieces import TimedPiece, exact_period, in_time
-from floquetrod.floquet.proof.balls import Doubles, up
+from floquetrod.floquet.proof.balls import Array, Doubles, up
 from floquetrod.floquet.proof.exact import exact, inverse
 from floquetrod.floquet.proof.intervals import TooMuchWork, Unresolved
 from floquetrod.floquet.proof.system_flow import monodromy
 from floquetrod.floquet.proof.system_problem import Arithmetic, Flow, Matrix, Stretch
-
-Array = Any
 
 _MOST_STATES = 24  # of all parts together (a choice: seconds)
 _MOST_PERIODS = 32  # that a delay may last (a choice)

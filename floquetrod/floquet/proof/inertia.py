@@ -7,15 +7,13 @@ eigenvalues (Gershgorin, the others going to zero on a straight line), and V can
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
-from floquetrod.floquet.proof.balls import up
+from floquetrod.floquet.proof.balls import Array, up
 from floquetrod.floquet.proof.intervals import Unresolved
 from floquetrod.floquet.proof.system_problem import Arithmetic, Matrix
-
-Array = Any
 
 
 class Inertia(NamedTuple):

@@ -16,16 +16,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
-from floquetrod.floquet.proof.balls import down, up
+from floquetrod.floquet.proof.balls import Array, down, up
 from floquetrod.floquet.proof.inertia import Inertia, inertia
 from floquetrod.floquet.proof.intervals import TooMuchWork, Unresolved
 from floquetrod.floquet.proof.system_problem import Arithmetic, Matrix, Oscillators, row_sum
-
-Array = Any
 
 _GRID = 2.0**40
 _CLOSE = 1e-9  # in turns: no sample between closer multipliers separates them (a choice)

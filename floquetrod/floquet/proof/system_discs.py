@@ -6,15 +6,13 @@ matrix, and Gershgorin's theorem applies: discs that touch no others hold as man
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
-from floquetrod.floquet.proof.balls import down, up
+from floquetrod.floquet.proof.balls import Array, down, up
 from floquetrod.floquet.proof.intervals import Unresolved
 from floquetrod.floquet.proof.system_problem import Arithmetic, Matrix
-
-Array = Any
 
 _ROUND = 2.0**-51  # of two operations with doubles
 

@@ -7,15 +7,13 @@ from __future__ import annotations
 
 import math
 from fractions import Fraction
-from typing import Any
 
 import numpy as np
 
+from floquetrod.floquet.proof.balls import Array
 from floquetrod.floquet.proof.intervals import TooMuchWork, Unresolved
 from floquetrod.floquet.proof.system_problem import Arithmetic, Flow, Matrix, Stretch, row_sum
 from floquetrod.floquet.systems.precise_maps import last_power
-
-Array = Any
 
 _MOST_STEPS = 2**14
 _MOST_NUMBERS = 2**25  # of the terms of all series, held at once: half a gigabyte in balls of doubles (a choice)

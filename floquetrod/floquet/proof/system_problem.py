@@ -16,10 +16,9 @@ from floquetrod._util.caching import cached_property
 from floquetrod.equations import HillSystem, PeriodicSystem
 from floquetrod.equations.matrices import require_one
 from floquetrod.equations.pieces import TimedPiece, exact_period, in_time
-from floquetrod.floquet.proof.balls import up
+from floquetrod.floquet.proof.balls import Array, up
 from floquetrod.floquet.proof.intervals import Unresolved
 
-Array = Any
 Arithmetic = Any  # `Doubles` or `Integers`
 Matrix = Any  # their arrays of balls
 

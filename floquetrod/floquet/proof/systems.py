@@ -14,12 +14,12 @@ from __future__ import annotations
 import math
 from fractions import Fraction
 from itertools import pairwise
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
 from floquetrod.equations import HillSystem, PeriodicSystem
-from floquetrod.floquet.proof.balls import Doubles, up
+from floquetrod.floquet.proof.balls import Array, Doubles, up
 from floquetrod.floquet.proof.digits import settled
 from floquetrod.floquet.proof.integers import Integers
 from floquetrod.floquet.proof.intervals import TooMuchWork, Unresolved
@@ -37,8 +37,6 @@ from floquetrod.floquet.proof.system_problem import (
     system_problem,
 )
 from floquetrod.floquet.verdict import Status
-
-Array = Any
 
 _MOST_DIGITS_OF_INEXACT = 30  # more do not help where the coefficients are known to about 15
 

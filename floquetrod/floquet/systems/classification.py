@@ -15,6 +15,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from floquetrod._util.arrays import EPS
 from floquetrod.equations import DelaySystem, HillSystem
 from floquetrod.equations.batches import System
 from floquetrod.floquet import pairs
@@ -27,7 +28,6 @@ from floquetrod.floquet.verdict import Cost, Status, static_status
 Krein = Callable[[NDArray[np.intp]], int]
 AnySystem = System | DelaySystem
 
-_EPS = 2.220446049250313e-16
 _MIXED = "{} multipliers near {} cannot be distinguished, nor are their Krein signs known to be equal"
 _CLUSTER = "{} multipliers that cannot be distinguished are within {:.1g} of the unit circle"
 _EDGE = "a multiplier is within {:.1g} of {}"
@@ -325,7 +325,7 @@ def _verdict(
         status=status,
         growth_rate=0.0 if status == "stable" else fastest,
         exponents=result_exponents,
-        exponent_errors=tuple((errors[order] / period + 4.0 * _EPS * np.abs(exponents[order])).tolist()),
+        exponent_errors=tuple((errors[order] / period + 4.0 * EPS * np.abs(exponents[order])).tolist()),
         krein_signs=tuple(signs[order].tolist()),
         resonances=resonances.name(system, result_exponents) if status == "unstable" else (),
         strongly_stable=strongly,
@@ -381,5 +381,5 @@ def _static_status(system: HillSystem, freed: HillSystem, damping: float) -> Sta
         return None
     values = np.linalg.eigvalsh(form.stiffness)
     limit = damping * damping
-    slack = float(form.error) + 8.0 * _EPS * system.order * float(np.abs(values).max()) + 4.0 * _EPS * limit
+    slack = float(form.error) + 8.0 * EPS * system.order * float(np.abs(values).max()) + 4.0 * EPS * limit
     return static_status(float(values[0]) + limit, slack, damping)

@@ -14,9 +14,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from floquetrod._util.arrays import EPS
 from floquetrod.equations import HillSystem
 
-_EPS = 2.220446049250313e-16
 _MOST_ROWS = 800  # of a matrix (a choice: a second for each angle)
 
 
@@ -107,7 +107,7 @@ def _certain_count(system: HillSystem, theta: float, cut: int) -> int | None:
     """
     matrix = _matrix(system, theta, cut)
     rows = len(matrix)
-    slack = 8.0 * _EPS * math.sqrt(rows) * float(np.abs(matrix).sum(axis=0).max()) + float(system.error_norm)
+    slack = 8.0 * EPS * math.sqrt(rows) * float(np.abs(matrix).sum(axis=0).max()) + float(system.error_norm)
     upper = np.linalg.eigvalsh(matrix)
     lowered = matrix.copy()
     reach = system.order * len(system.harmonics)

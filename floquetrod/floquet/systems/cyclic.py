@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from floquetrod._util.arrays import norms
+from floquetrod._util.arrays import EPS, norms
 from floquetrod.floquet.systems import independent_solutions, spectra
 from floquetrod.floquet.systems.independent_solutions import Solutions
 
@@ -57,7 +57,7 @@ def evened(maps: NDArray[np.float64], errors: NDArray[np.float64], rounds: int =
     frames = frames * scales[:, None, :]
     ahead = np.roll(np.swapaxes(frames, 1, 2) / scales[:, :, None] ** 2, -1, axis=0)
     spread = np.sqrt(np.square(scales[:, None, :] / np.roll(scales, -1, axis=0)[:, :, None]).sum(axis=(1, 2)))
-    rounding = 8.0 * n * 2.220446049250313e-16 * norms(maps)
+    rounding = 8.0 * n * EPS * norms(maps)
     return Evened(ahead @ maps @ frames, (errors + rounding) * spread, frames[0])
 
 

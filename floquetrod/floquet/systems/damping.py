@@ -10,6 +10,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from floquetrod._util.arrays import EPS
 from floquetrod.equations import DelaySystem, HillSystem
 from floquetrod.equations import pieces as by_pieces
 from floquetrod.floquet.systems import delay_growth, delay_maps, whole
@@ -21,7 +22,6 @@ _MOST_SECONDS = 60.0  # estimated for all maps (a choice)
 _MAPS = 40  # about as many as a search takes
 _ACCURACY = 1e-12  # of a map; growth over a period up to ten times as much cannot be distinguished from none
 _PRECISION = 1e-10  # relative, of the rate found
-_EPS = 2.220446049250313e-16
 
 
 def least_damping(
@@ -88,7 +88,7 @@ def damping_to_stabilise(system: HillSystem, growth: float) -> float:
     parts = by_pieces.in_time(system) if system.pieces else ()
     sizes += [float(np.linalg.norm(np.linalg.solve(mass, part.size), 2)) for part in parts]
     size = float(np.linalg.norm(stiffness, 2))
-    if float(np.linalg.eigvals(stiffness).real.min()) < -8.0 * n * _EPS * size * float(np.linalg.cond(mass)):
+    if float(np.linalg.eigvals(stiffness).real.min()) < -8.0 * n * EPS * size * float(np.linalg.cond(mass)):
         return math.inf
     rates = math.sqrt(size + sum(sizes)) * _PARTS
     there = 0.0 if system.damping is None else system.damping
@@ -123,7 +123,7 @@ def damping_of_delayed(system: DelaySystem, growth: float) -> float:
     if isinstance(system.present, HillSystem):
         mass = np.eye(n) if system.present.mass is None else system.present.mass
         still = np.linalg.solve(mass, sum((term.coefficient.mean for term in system.delayed), system.present.stiffness))
-        if float(np.linalg.eigvals(still).real.min()) < -8.0 * n * _EPS * float(np.linalg.norm(still, 2)):
+        if float(np.linalg.eigvals(still).real.min()) < -8.0 * n * EPS * float(np.linalg.norm(still, 2)):
             return math.inf
         further = np.asarray(delay_maps.rate(system) * _PARTS)
 

@@ -7,12 +7,12 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from floquetrod._util.arrays import EPS
 from floquetrod.floquet.systems import spectra
 from floquetrod.floquet.systems.classification import LogDiscs
 from floquetrod.floquet.systems.independent_solutions import balance
 
-_EPS = 2.220446049250313e-16
-_ROUNDING = 8.0 * _EPS  # of the map, relative, beside what its eigenvalues add (heuristic)
+_ROUNDING = 8.0 * EPS  # of the map, relative, beside what its eigenvalues add (heuristic)
 
 
 class Multipliers(NamedTuple):
@@ -58,7 +58,7 @@ def leading(matrix: NDArray[np.float64], least: float) -> Multipliers | None:
     projector = 1.0
     if count < len(form):
         projector = float(np.hypot(1.0, np.linalg.norm(solve_sylvester(block, -rest, coupling), 2)))
-    rounding = _ROUNDING + 4.0 * _EPS * float(np.sqrt(len(matrix)))
+    rounding = _ROUNDING + 4.0 * EPS * float(np.sqrt(len(matrix)))
     error = projector * rounding * float(np.linalg.norm(balanced, 2))
     discs = spectra.eigenvalue_discs(block, error)
     return None if discs is None else Multipliers(discs.values, discs.radii, everything)

@@ -7,12 +7,11 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from floquetrod._util.arrays import inverses, norms
+from floquetrod._util.arrays import EPS, inverses, norms
 from floquetrod.equations.pieces import PieceArrays
 from floquetrod.floquet.kernels.system_even import HalfPeriodMap, half_period_map
 from floquetrod.floquet.systems import spectra, whole
 
-_EPS = 2.220446049250313e-16
 _FAST = 1e4  # norm of a map above which it matters how errors grow (a choice)
 _INSTANTS = 16  # of half a period, for a mean (a choice)
 
@@ -61,7 +60,7 @@ def pair_matrices(
             return _numbers(half, error, np.swapaxes(half.b, -1, -2), error)
         inverse = inverses(whole)
         left, reach = -inverse[..., :n, n:], norms(inverse)
-        left_error = 2.0 * reach**2 * (error + 4.0 * n * _EPS * norms(whole))
+        left_error = 2.0 * reach**2 * (error + 4.0 * n * EPS * norms(whole))
         lost = ~(reach * error < 0.5)
         if lost.any():
             # The inverse is the map back over the next half period, for -t and -u': it is even about that instant too.
@@ -152,4 +151,4 @@ def products(
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Return products of matrices (b, n, n) with errors (b,), and their errors."""
     one, other = _sizes(left), _sizes(right)
-    return left @ right, one * error + other * left_error + error * left_error + left.shape[-1] * _EPS * one * other
+    return left @ right, one * error + other * left_error + error * left_error + left.shape[-1] * EPS * one * other

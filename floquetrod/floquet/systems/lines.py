@@ -16,7 +16,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from floquetrod._util.arrays import Floats, norms
+from floquetrod._util.arrays import EPS, Floats, norms
 from floquetrod._util.caching import cached_property
 from floquetrod._util.content import ByContent
 from floquetrod.equations import HillSystem
@@ -27,7 +27,6 @@ from floquetrod.floquet.systems.classification import MOST_SECONDS, undamped_pai
 from floquetrod.floquet.systems.many import ManyVerdicts
 from floquetrod.floquet.systems.whole import PeriodMaps
 
-_EPS = 2.220446049250313e-16
 _ACCURACY = 1e-12  # of maps at places, and of what the polynomial leaves out
 _WORTH = 0.5  # places computed over places asked for, up to which the polynomial saves time (measured)
 _TOGETHER = 1e-12  # periods between instants that are one up to rounding
@@ -145,13 +144,13 @@ class Line(ByContent):
         back = np.asarray(np.linalg.inv(turn), dtype=float)
         stretch = np.maximum(*(np.linalg.norm(each, 2, axis=(1, 2)) for each in (turn, back))) ** 2
         maps = _both(turn, back) @ found.matrix @ _both(back, turn)
-        rounding = 8.0 * len(rates) * _EPS * norms(found.matrix)
+        rounding = 8.0 * len(rates) * EPS * norms(found.matrix)
         return Nodes(maps, float(((found.error + rounding) * stretch).max()))
 
     @cached_property
     def uncertainty(self) -> float:
         """Return the error of K in the coordinates of the line, times the duration; what is given and the rounding."""
-        rounding = 4.0 * _EPS * (norms(self.stiffness).sum() + norms(self._waves).sum())
+        rounding = 4.0 * EPS * (norms(self.stiffness).sum() + norms(self._waves).sum())
         return self.duration * (self.error + float(rounding)) / float(self.basis[1].min())
 
 
@@ -188,7 +187,7 @@ def maps_along(line: Line, nodes: Nodes, places: Floats) -> tuple[Floats, Floats
     count = len(nodes.maps)
     weights = _weights(count - 1, places)
     maps = (weights @ nodes.maps.reshape(count, -1)).reshape(-1, *nodes.maps.shape[1:])
-    rounding = count * _EPS * float(norms(nodes.maps).max())
+    rounding = count * EPS * float(norms(nodes.maps).max())
     error = np.abs(weights).sum(axis=1) * (nodes.error + rounding) + line.left_out(count - 1)
     return maps, error + line.uncertainty * norms(maps) ** 2
 

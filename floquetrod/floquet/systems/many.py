@@ -10,11 +10,9 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from floquetrod._util.arrays import inverses, norms
+from floquetrod._util.arrays import EPS, inverses, norms
 from floquetrod.floquet import pairs
 from floquetrod.floquet.status import STATUS_CODES
-
-_EPS = 2.220446049250313e-16
 
 STABLE, UNSTABLE, UNDECIDED = (STATUS_CODES[each] for each in ("stable", "unstable", "undecided"))
 
@@ -42,8 +40,8 @@ def many_discs(matrices: NDArray[Any], errors: NDArray[np.float64]) -> ManyDiscs
     values, right = np.linalg.eig(np.where(finite[:, None, None], matrices, np.eye(n)))
     left = inverses(right)
     conditions = np.linalg.norm(left, axis=-1)
-    uncertainty = n * _EPS * np.sqrt(np.square(conditions).sum(axis=-1))
-    total = errors + 4.0 * n * _EPS * norms(matrices)
+    uncertainty = n * EPS * np.sqrt(np.square(conditions).sum(axis=-1))
+    total = errors + 4.0 * n * EPS * norms(matrices)
     usable = finite & (uncertainty < 0.1)
     radii = np.where(usable[:, None], n * conditions * (total * (1.0 + 2.0 * uncertainty))[:, None], np.inf)
     values = np.where(finite[:, None], values.astype(np.complex128), np.nan)

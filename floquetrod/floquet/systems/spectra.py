@@ -15,9 +15,10 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from floquetrod._util.arrays import EPS
+
 Form = Callable[[NDArray[Any]], NDArray[Any]]
 
-_EPS = 2.220446049250313e-16
 LARGE = 200
 """Rows above which 2-norms are bounded, not computed: a decomposition takes seconds (a choice)."""
 
@@ -66,9 +67,9 @@ def eigenvalue_discs(matrix: NDArray[Any], error: float) -> Discs | None:
         left = _inverse(values, right)
     except np.linalg.LinAlgError:
         return None
-    total = error + 4.0 * n * _EPS * spectral_norm(matrix)
+    total = error + 4.0 * n * EPS * spectral_norm(matrix)
     conditions = np.linalg.norm(left, axis=1)
-    uncertainty = n * _EPS * float(np.linalg.norm(conditions))
+    uncertainty = n * EPS * float(np.linalg.norm(conditions))
     if not uncertainty < 0.1 or not np.isfinite(total):  # the inverse is not one
         return None
     many = float(n) if n < LARGE else min(n, math.sqrt(n) * spectral_norm(right))

@@ -11,11 +11,11 @@ from __future__ import annotations
 import math
 from typing import Any
 
+from floquetrod._util.arrays import EPS
 from floquetrod._util.compilation import kernel
 from floquetrod.floquet.kernels.mathieu import undamped_growth
 from floquetrod.mathieu.kernels.characteristic import chain_count, corner_shift, first_row
 
-_EPS = 2.220446049250313e-16
 _GOLDEN = 0.3819660112501051
 _CLOSE = 1e-8  # share of a tongue to which its summit is located: growth is then known to rounding
 
@@ -63,7 +63,7 @@ def summit(slope: float, q0: float, q1: float, w0: float, w1: float, low: float,
     width = high - low
     for _ in range(100):
         middle = 0.5 * (a + b)
-        least = _CLOSE * width + 2.0 * _EPS * abs(best)
+        least = _CLOSE * width + 2.0 * EPS * abs(best)
         if abs(best - middle) <= 2.0 * least - 0.5 * (b - a):
             break
         parabola = False
@@ -138,9 +138,9 @@ def _crossing(
         a, fa = place, value
         size = abs(a) if abs(fa) < abs(fb) else abs(b)
         width = abs(b - a)
-        if fa == 0.0 or width <= 4.0 * _EPS * size or width == 0.0:
+        if fa == 0.0 or width <= 4.0 * EPS * size or width == 0.0:
             break
-        least = 2.0 * _EPS * size / width
+        least = 2.0 * EPS * size / width
         xi = (a - b) / (c - b)
         phi = (fa - fb) / (fc - fb)
         t = 0.5

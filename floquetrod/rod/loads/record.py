@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from floquetrod import units
 from floquetrod._util import validate
 from floquetrod._util.arguments import located
-from floquetrod._util.arrays import shaped
+from floquetrod._util.arrays import EPS, shaped
 from floquetrod._util.caching import cached_property
 from floquetrod._util.calling import constructor_hints
 from floquetrod._util.columns import column_argument, delimiter_argument
@@ -366,7 +366,7 @@ def _checked(time: Any, force: Any) -> tuple[NDArray[np.float64], NDArray[np.flo
             f"must increase, got {float(times[at + 1])!r} after {float(times[at])!r} s "
             f"({int((steps <= 0.0).sum())} of {steps.size} steps do not increase); {remedy}",
         )
-    if np.ptp(forces) <= 4.0 * np.finfo(float).eps * np.abs(forces).max():
+    if np.ptp(forces) <= 4.0 * EPS * np.abs(forces).max():
         raise validate.wrong_value(
             "force", f"must vary, got {float(forces[0])!r} N throughout; for a constant force use AxialLoad"
         )

@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from floquetrod._util.arrays import Floats
+from floquetrod._util.arrays import EPS, Floats
 from floquetrod._util.caching import cached_property
 from floquetrod._util.content import ByContent
 
@@ -20,7 +20,7 @@ _SOME = 1 << 16  # samples of a long record that tell where its fit is (a choice
 _LONG = 4 * _SOME  # samples from which a record is long (a choice)
 _EVEN = 1e-3  # of an interval that evenly spaced times may be off: no spectrum shows it
 _STEPS = 40  # of Newton at most; four are usual
-_ROUNDING = 4.0 * np.finfo(float).eps  # of a frequency, relative to it
+_ROUNDING = 4.0 * EPS  # of a frequency, relative to it
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,7 +76,7 @@ class Samples(ByContent):
     @property
     def rounding(self) -> float:
         """Noise that the rounding of times and forces makes."""
-        return 8.0 * np.finfo(float).eps * (1.0 + abs(self.offset) / self.scale)
+        return 8.0 * EPS * (1.0 + abs(self.offset) / self.scale)
 
 
 @dataclass(frozen=True, eq=False)

@@ -10,6 +10,7 @@ import numpy as np
 
 from floquetrod._util import validate
 from floquetrod._util.arguments import wrong_value
+from floquetrod._util.arrays import EPS
 from floquetrod._util.progress import Progress
 from floquetrod.equations import SecondMoments
 from floquetrod.floquet.proof import certify
@@ -24,7 +25,7 @@ from floquetrod.rod.modes.mode_model import ModeModel
 from floquetrod.rod.modes.noisy_verdict import ASSUMED
 
 _SECONDS = 30.0  # to spend on one mode at most (a choice)
-_ROUNDING = 64.0 * np.finfo(float).eps  # relative, of the coefficients of modes
+_ROUNDING = 64.0 * EPS  # relative, of the coefficients of modes
 
 _PROOF_ASSUMED = (
     "coefficients of the modes are computed to within 64 units of rounding, and are affine in the forces",
