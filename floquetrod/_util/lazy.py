@@ -8,8 +8,8 @@ from collections.abc import Callable
 from typing import Any
 
 
-def names_of(package: str, where: dict[str, tuple[str, ...]]) -> Callable[[str], Any]:
-    """Return the ``__getattr__`` of a package whose names are in modules, ``where`` by module (PEP 562).
+def names_of(package: str, where: dict[str, tuple[str, ...]]) -> tuple[Callable[[str], Any], Callable[[], list[str]]]:
+    """Return ``__getattr__`` and ``__dir__`` of a package whose names are in modules, ``where`` by module (PEP 562).
 
     A name must not be that of a module of the package, which takes its place once it is imported.
     """
@@ -23,4 +23,4 @@ def names_of(package: str, where: dict[str, tuple[str, ...]]) -> Callable[[str],
         setattr(sys.modules[package], name, value)
         return value
 
-    return load
+    return load, lambda: sorted(module_of)

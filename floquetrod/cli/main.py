@@ -13,7 +13,7 @@ from contextlib import contextmanager, redirect_stderr
 from functools import partial
 from importlib import import_module
 from types import ModuleType
-from typing import Any, NamedTuple
+from typing import Any
 
 import floquetrod as fr
 from floquetrod.cli.common import compiling_told
@@ -162,42 +162,34 @@ completion, once floquetrod[completion] is installed:
 """
 
 
-class _Command(NamedTuple):
-    """What is known of a command before its module is imported: its line in the help, and where it is."""
-
-    summary: str
-    module: Callable[[], ModuleType]
-
-
-_COMMANDS = {
-    "check": _Command(
+_COMMANDS: dict[str, tuple[str, Callable[[], ModuleType]]] = {
+    "check": (
         "say whether a rod under an axial load, or a system of equations, is stable",
         lambda: import_module("floquetrod.cli.check"),
     ),
-    "certify": _Command("prove stability for every load of a box", lambda: import_module("floquetrod.cli.certify")),
-    "ranges": _Command(
-        "list every stability interval of one quantity of the load", lambda: import_module("floquetrod.cli.ranges")
+    "certify": ("prove stability for every load of a box", lambda: import_module("floquetrod.cli.certify")),
+    "ranges": (
+        "list every stability interval of one quantity of the load",
+        lambda: import_module("floquetrod.cli.ranges"),
     ),
-    "map": _Command(
-        "draw stability over two quantities of the load", lambda: import_module("floquetrod.cli.stability_map")
+    "map": ("draw stability over two quantities of the load", lambda: import_module("floquetrod.cli.stability_map")),
+    "explore": ("show stability while sliders move the load", lambda: import_module("floquetrod.cli.explore")),
+    "compare": ("compare all methods on one equation", lambda: import_module("floquetrod.cli.compare")),
+    "simulate": ("simulate a rod and compare it with theory", lambda: import_module("floquetrod.cli.simulate")),
+    "ensemble": ("simulate a rod many times, with statistics", lambda: import_module("floquetrod.cli.ensemble")),
+    "lock-up": (
+        "say how far a string can be pushed down a straight channel",
+        lambda: import_module("floquetrod.cli.lock_up"),
     ),
-    "explore": _Command("show stability while sliders move the load", lambda: import_module("floquetrod.cli.explore")),
-    "compare": _Command("compare all methods on one equation", lambda: import_module("floquetrod.cli.compare")),
-    "simulate": _Command("simulate a rod and compare it with theory", lambda: import_module("floquetrod.cli.simulate")),
-    "ensemble": _Command(
-        "simulate a rod many times, with statistics", lambda: import_module("floquetrod.cli.ensemble")
+    "reach": ("say how far a string can be pushed into a well", lambda: import_module("floquetrod.cli.reach")),
+    "report": (
+        "write a rod under a load into one file, a page or a PDF",
+        lambda: import_module("floquetrod.cli.report"),
     ),
-    "lock-up": _Command(
-        "say how far a string can be pushed down a straight channel", lambda: import_module("floquetrod.cli.lock_up")
-    ),
-    "reach": _Command("say how far a string can be pushed into a well", lambda: import_module("floquetrod.cli.reach")),
-    "report": _Command(
-        "write a rod under a load into one file, a page or a PDF", lambda: import_module("floquetrod.cli.report")
-    ),
-    "lobes": _Command("draw the stability lobes of a milling cutter", lambda: import_module("floquetrod.cli.lobes")),
-    "reproduce": _Command("reproduce the published study", lambda: import_module("floquetrod.cli.reproduce")),
+    "lobes": ("draw the stability lobes of a milling cutter", lambda: import_module("floquetrod.cli.lobes")),
+    "reproduce": ("reproduce the published study", lambda: import_module("floquetrod.cli.reproduce")),
 }
-"""The commands in the order of the help; what one of them imports is imported for it alone."""
+"""The commands in the order of the help, each its line there and its module, which is imported for it alone."""
 
 
 def _parser(only: str | None = None) -> Parser:
@@ -234,5 +226,5 @@ def _elsewhere(name: str, option: str) -> str:
 
 def _options(name: str) -> tuple[str, ...]:
     command = Parser()
-    _COMMANDS[name].module().add(command)
+    _COMMANDS[name][1]().add(command)
     return command.options

@@ -41,7 +41,7 @@ __all__ = [
     "trajectory",
 ]
 
-__getattr__ = names_of(
+__getattr__, __dir__ = names_of(
     __name__,
     {
         "floquet.status": ("UndecidedWarning",),
@@ -53,7 +53,3 @@ __getattr__ = names_of(
         "friction.trajectories": ("Trajectory", "trajectory"),
     },
 )
-
-
-def __dir__() -> list[str]:
-    return __all__

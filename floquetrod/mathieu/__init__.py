@@ -39,7 +39,7 @@ __all__ = [
     "transition_curves",
 ]
 
-__getattr__ = names_of(
+__getattr__, __dir__ = names_of(
     __name__,
     {
         "mathieu.arrays": ("discriminant", "exponents", "growth_rate", "is_stable", "multipliers"),
@@ -48,7 +48,3 @@ __getattr__ = names_of(
         "mathieu.solutions": ("FloquetSolution", "characteristic_function", "floquet_solutions", "real_order_values"),
     },
 )
-
-
-def __dir__() -> list[str]:
-    return __all__

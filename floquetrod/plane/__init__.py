@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 __all__ = ["Axis", "Band", "BandSource", "Bands", "Chart", "Family", "FoundBands", "Verdicts", "axis_values", "charted"]
 
-__getattr__ = names_of(
+__getattr__, __dir__ = names_of(
     __name__,
     {
         "plane.axes": ("Axis", "axis_values"),
@@ -25,7 +25,3 @@ __getattr__ = names_of(
         "plane.filling": ("charted",),
     },
 )
-
-
-def __dir__() -> list[str]:
-    return __all__

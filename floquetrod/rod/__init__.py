@@ -38,7 +38,7 @@ __all__ = [
     "UnstableBand",
 ]
 
-__getattr__ = names_of(
+__getattr__, __dir__ = names_of(
     __name__,
     {
         "rod.loads.axial": ("AxialGap", "AxialResonance", "AxialResponse"),
@@ -52,7 +52,3 @@ __getattr__ = names_of(
         "rod.answers.margins": ("Margin",),
     },
 )
-
-
-def __dir__() -> list[str]:
-    return __all__

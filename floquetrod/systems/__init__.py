@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 __all__ = ["FirstOrderTongue", "chart", "first_order_tongues", "growth_rate", "is_stable", "multipliers", "stack"]
 
-__getattr__ = names_of(
+__getattr__, __dir__ = names_of(
     __name__,
     {
         "equations.batches": ("stack",),
@@ -23,7 +23,3 @@ __getattr__ = names_of(
         "systems.first_order": ("FirstOrderTongue", "first_order_tongues"),
     },
 )
-
-
-def __dir__() -> list[str]:
-    return __all__

@@ -19,10 +19,6 @@ if TYPE_CHECKING:
 
 __all__ = ["Enclosure", "Proof", "certify"]
 
-__getattr__ = names_of(
+__getattr__, __dir__ = names_of(
     __name__, {"floquet.proof.certification": ("certify",), "floquet.proof.result": ("Enclosure", "Proof")}
 )
-
-
-def __dir__() -> list[str]:
-    return __all__

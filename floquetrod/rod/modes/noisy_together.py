@@ -34,6 +34,7 @@ from floquetrod.rod.model.contact import require_on_wall, up_to_wall
 from floquetrod.rod.modes.coupled import CoupledModel, chosen_count
 from floquetrod.rod.modes.mode_model import Answers, ModeModel
 from floquetrod.rod.modes.noisy import NoisyModel, refusal
+from floquetrod.rod.modes.noisy_verdict import HIGH_MODES_GROW, IN_MEAN_SQUARE
 
 _LEFT_OUT = 5.0  # error over the change from 5/6 of the modes, as of modes without noise
 _ENLARGEMENTS = 3  # times that more modes are taken while two numbers of them disagree (a choice)
@@ -44,7 +45,7 @@ _SECONDS = 0.3  # about what a verdict takes
 _HALVINGS = 20  # of a search for a margin
 
 _ASSUMED = (
-    "growth is that of second moments, twice that of amplitudes: the verdict is in mean square",
+    IN_MEAN_SQUARE,
     "one random force acts on all modes, as white noise of its density, where that varies of its largest",
 )
 
@@ -406,8 +407,7 @@ def _judged(
     """Return the verdict, and what to know of it, given the growth with noise and without."""
     beyond = model.growth_beyond(load)
     if beyond > growth_tolerance:
-        alike = f"all high modes grow at {beyond:.3g} 1/s in mean square: the noise has this density at every frequency"
-        return "unstable", f"{alike}; give pairs of frequency and density where it has not"
+        return "unstable", HIGH_MODES_GROW.format(beyond)
     if not found.error < math.inf:
         return "undecided", "the growth of second moments could not be computed"
     if found.rate + found.error < growth_tolerance:

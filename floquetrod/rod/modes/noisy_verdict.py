@@ -30,12 +30,19 @@ from floquetrod.rod.modes.noisy_search import damping_required, edge, stable_at
 _STEPS = 65  # of each piece of a search for a margin (a choice)
 _LISTED = 5  # modes in a report besides those that grow, those next to growth
 
+IN_MEAN_SQUARE = "growth is that of second moments, twice that of amplitudes: the verdict is in mean square"
+
 ASSUMED = (
-    "growth is that of second moments, twice that of amplitudes: the verdict is in mean square",
+    IN_MEAN_SQUARE,
     "the random force acts on each mode as white noise of its density at twice the mode's frequency (Ito's sense and "
     "Stratonovich's are the same)",
 )
 """What is assumed of noise."""
+
+HIGH_MODES_GROW = (
+    "all high modes grow at {:.3g} 1/s in mean square: the noise has this density at every frequency; give pairs of "
+    "frequency and density where it has not"
+)
 
 
 @dataclass(frozen=True)
@@ -254,9 +261,8 @@ def _concluded(
     beyond, left_out = others
     rates = [v.growth_rate * unit for v, unit in zip(verdicts, units.tolist(), strict=True)]
     found = list(zip(verdicts, rates, strict=True))
-    alike = f"all high modes grow at {beyond:.3g} 1/s in mean square: the noise has this density at every frequency"
     if beyond > growth_tolerance:
-        return "unstable", f"{alike}; give pairs of frequency and density where it has not"
+        return "unstable", HIGH_MODES_GROW.format(beyond)
     if any(v.status == "unstable" and not tolerated(rate, growth_tolerance) for v, rate in found):
         return "unstable", ""
     unsure = [v for v, rate in found if v.status == "undecided" and (rate == 0.0 or not rate < growth_tolerance)]
