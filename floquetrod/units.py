@@ -129,7 +129,8 @@ class Unit(NamedTuple):
 
 
 _NUMBER = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(\S*)\s*", re.ASCII)
-
+_FRACTION = re.compile(r"\s*([-+]?)(?:(\d{1,9})(?:\s*-\s*|\s+))?(\d{1,9})/([1-9]\d{0,8})\s*([^\s\d/]*)\s*", re.ASCII)
+_FRACTIONS_OF = ("in", "ft")
 
 _BRACKETS = re.compile(r"(.*?)\s*(?:[\[(]\s*([^\[\]()]*?)\s*[\])]|/\s*(\S+))")
 _LAST_WORD = re.compile(r"(.*[^\s_])[\s_]+([^\s_]+)")
@@ -253,8 +254,8 @@ def quantity(
     ----------
     value : str, number or quantity of pint
         A number with a unit, in any case but that of M for mega and m for milli; a number alone is in the SI unit of
-        its kind.  A percentage is one of ``nominal`` where that is given, else of the critical force where a force is
-        asked for, and of one where a ratio is.
+        its kind.  Inches and feet may be fractions: "3/4in", "2-3/8in", "2 3/8in".  A percentage is one of ``nominal``
+        where that is given, else of the critical force where a force is asked for, and of one where a ratio is.
     name : str
         What it is called in messages.
     kind : str
@@ -295,21 +296,22 @@ def quantity(
             raise wrong_value(name, "must be finite, got an integer beyond 1e308") from None
         return _bounded(number, name, units, least, largest, repr(value) if given is None else given)
     given = short(value) if given is None else given
-    match = _NUMBER.fullmatch(value) if isinstance(value, str) else None
-    if match is None or "," in match[2] or ":" in match[2]:
+    written = _written(value) if isinstance(value, str) else None
+    if written is None or "," in written[1] or ":" in written[1]:
         raise wrong_value(name, f"{_wanted(kind, units)}, got {given}: {_why_no_number(value)}")
+    number, unit_name = written
     whole = {"force": critical_force, "ratio": 1.0}.get(kind) if nominal is None else nominal
-    if match[2] == "%" and whole == 0.0:
+    if unit_name == "%" and whole == 0.0:
         raise wrong_value(name, f"must not be a percentage of zero, got {given}; give a number with its unit")
-    if match[2] == "%" and whole is not None:
-        return _bounded(float(match[1]) * whole / 100.0, name, units, least, largest, given)
-    unit = _known(match[2] or next(iter(units)), units)
+    if unit_name == "%" and whole is not None:
+        return _bounded(number * whole / 100.0, name, units, least, largest, given)
+    unit = _known(unit_name or next(iter(units)), units)
     if unit is None:
         raise wrong_value(
             name,
-            f"{_wanted(kind, units)}, got {given}: unit {short(match[2])} is not understood{_hint(match[2], units)}",
+            f"{_wanted(kind, units)}, got {given}: unit {short(unit_name)} is not understood{_hint(unit_name, units)}",
         )
-    return _bounded(float(match[1]) * units[unit], name, units, least, largest, given)
+    return _bounded(number * units[unit], name, units, least, largest, given)
 
 
 def is_written(value: Any) -> bool:
@@ -353,6 +355,8 @@ def _why_no_number(value: Any) -> str:
 
 def _hint(name: str, units: Iterable[str]) -> str:
     """Return what may be meant by a unit that is not one of ``units``."""
+    if re.match(r"-?\d*/\d", name, re.ASCII):
+        return "; fractions are those of inches and feet, such as 3/4in, 2-3/8in or 2 3/8in; else write decimals"
     if name == "%":
         return "; a percentage needs something it is a part of, such as the critical force of a rod"
     other = kind_of(name)
@@ -381,5 +385,19 @@ def unit_of(text: str) -> str | None:
     >>> unit_of("24Hz"), unit_of("150"), unit_of("fast")
     ('Hz', '', None)
     """
+    found = _written(text)
+    return None if found is None else found[1]
+
+
+def _written(text: str) -> tuple[float, str] | None:
+    """Return the number and the unit of a quantity as it is written, None where it is none.
+
+    >>> _written("24Hz"), _written("2-3/8in"), _written('2 3/8"'), _written("3/4 ft"), _written("fast")
+    ((24.0, 'Hz'), (2.375, 'in'), (2.375, '"'), (0.75, 'ft'), None)
+    """
+    fraction = _FRACTION.fullmatch(text)
+    if fraction is not None and _known(fraction[5], _FRACTIONS_OF):
+        size = int(fraction[2] or 0) + int(fraction[3]) / int(fraction[4])
+        return (-size if fraction[1] == "-" else size), fraction[5]
     match = _NUMBER.fullmatch(text)
-    return match[2] if match else None
+    return (float(match[1]), match[2]) if match else None

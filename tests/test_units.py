@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from floquetrod.units import _UNITS, _folded, _known, kind_of, label, quantity, unit, units_of
+from floquetrod.units import _UNITS, _folded, _known, kind_of, label, quantity, unit, unit_of, units_of
 
 
 @given(st.floats(-1e6, 1e6, allow_nan=False))
@@ -77,10 +77,23 @@ def test_a_number_alone_is_in_the_si_unit(value: float) -> None:
         ("9.81 m/s\N{SUPERSCRIPT TWO}", "acceleration", 9.81),
         ("20%", "force", 0.4),
         ("30 %", "ratio", 0.3),
+        ("3/4in", "length", 0.75 * 0.0254),
+        ("2-3/8in", "length", 2.375 * 0.0254),
+        ("2 3/8in", "length", 2.375 * 0.0254),
+        ('2 - 3/8 "', "length", 2.375 * 0.0254),
+        ("-1/2 IN", "length", -0.0127),
+        ("1/2ft", "length", 0.1524),
     ],
 )
 def test_units(text: str, kind: str, value: float) -> None:
     assert quantity(text, "x", kind, critical_force=2.0) == pytest.approx(value, rel=1e-15)
+
+
+@pytest.mark.parametrize("text", ["1.1/2in", "3/4", "2-3/8", "2 3/8", "3/4m", "1/0in", "1/2'"])
+def test_other_slashes_are_told_how_fractions_are_written(text: str) -> None:
+    with pytest.raises(ValueError, match="fractions are those of inches and feet, such as 3/4in, 2-3/8in or 2 3/8in"):
+        quantity(text, "diameter", "length")
+    assert unit_of("2-3/8in") == "in"
 
 
 @pytest.mark.parametrize("text", ["", "N", "1 2", "0x10", "nan", "inf", "1Fxr", "1 kg", "\u0663", None, [1], True])
