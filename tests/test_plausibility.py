@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import pickle
 import warnings
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -59,6 +60,37 @@ def test_slips_in_a_rod_are_suspected_once_and_where_they_are_made(parameters: d
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         assert pickle.loads(pickle.dumps(rod)) == rod
+
+
+WELL = fr.WellPath([0.0, 500.0, 950.0, 1500.0], ["0deg", "0deg", "90deg", "90deg"])
+
+
+@pytest.mark.parametrize(
+    "ask",
+    [
+        lambda rod: rod.lock_up(28),
+        lambda rod: rod.mean_force(WELL, 28, depth=[0.0]),
+        lambda rod: rod.mean_force(WELL, [(0.0, 0.2), ("1200m", 28)], depth=[0.0]),
+        lambda rod: rod.stability(fr.AxialLoad(1.0, 0.5, "20Hz"), friction=28, kick=0.05),
+    ],
+)
+def test_a_coefficient_of_friction_in_per_cent_is_suspected(ask: Callable[[fr.Rod], Any]) -> None:
+    rod = fr.Rod.nitinol()
+    with pytest.warns(fr.PlausibilityWarning, match=r"friction = 28 .*per cent.*friction=0\.28 \(") as heard:
+        ask(rod)
+    assert [each.filename for each in heard] == [__file__]
+
+
+@pytest.mark.parametrize("friction", [0.0, 0.28, 1.5, 200.0, 28.1234567])
+def test_other_coefficients_of_friction_are_not(friction: float) -> None:
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        fr.Rod.nitinol().lock_up(friction)
+
+
+def test_the_terminal_tells_of_friction_in_per_cent(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["lock-up", "--rod", "nitinol", "--friction", "28"]) == 0
+    assert capsys.readouterr().err.rstrip().endswith("was it in per cent? It is a coefficient: --friction 0.28")
 
 
 def test_silenced() -> None:

@@ -10,3 +10,8 @@ SILENCE = Mention("", ' (silence with warnings.simplefilter("ignore", fr.Plausib
 
 class PlausibilityWarning(UserWarning):
     """A number that is allowed, but is probably in another unit or of another kind than assumed."""
+
+
+def is_typed(value: float) -> bool:
+    """Return whether a number has four digits or fewer, as people type them."""
+    return value == float(f"{value:.4g}")

@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 import math
+import warnings
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from floquetrod import units
 from floquetrod._util import validate
+from floquetrod._util.arguments import Mention, Message
+from floquetrod._util.calling import level_of_caller
+from floquetrod._util.implausible import SILENCE, PlausibilityWarning, is_typed
 from floquetrod._util.suggest import did_you_mean
 from floquetrod.rod.model import formulas
 
@@ -18,6 +22,7 @@ if TYPE_CHECKING:
 _LEAST, _LARGEST = 1e-12, 1e15  # of any parameter in its SI unit: what is computed from them stays in range (a choice)
 _SHARPEST = 1e3  # curvature of a channel in 1/m: a bend of a millimetre (a choice: beyond any)
 _LARGEST_FRICTION = 1e6  # (a choice: beyond any)
+_ROUGHEST = 1.5  # coefficient of friction: rubber on dry concrete has about 1 (a choice)
 
 ON_A_FLOOR = math.pi**2 / 3.0 - 1.0
 """Added-mass coefficient of a cylinder that touches a plane floor, 2.29."""
@@ -139,9 +144,21 @@ def on_path(path: Any, depth: Any, length: float, instead: Mapping[str, Any]) ->
 
 
 def friction_coefficient(value: Any) -> float:
-    """Return a coefficient of friction as a float."""
+    """Return a coefficient of friction as a float; warns of one that was probably meant in per cent."""
     number = validate.nonnegative("friction", value, "friction opposes the motion")
-    return validate.within("friction", number, 0.0, _LARGEST_FRICTION, "it is a coefficient such as 0.1")
+    validate.within("friction", number, 0.0, _LARGEST_FRICTION, "it is a coefficient such as 0.1")
+    if _ROUGHEST < number <= 100.0 * _ROUGHEST and is_typed(number):
+        warnings.warn(
+            Message(
+                Mention("friction"),
+                f" = {number:g} is larger than that of rubber on concrete; was it in per cent? It is a coefficient: ",
+                Mention("friction", f"friction={number / 100.0:g}", f"{number / 100.0:g}"),
+                SILENCE,
+            ),
+            PlausibilityWarning,
+            stacklevel=level_of_caller(),
+        )
+    return number
 
 
 @dataclass(frozen=True)

@@ -15,7 +15,7 @@ from typing import Any
 
 from floquetrod._util.arguments import Mention, Message
 from floquetrod._util.calling import level_of_caller
-from floquetrod._util.implausible import SILENCE, PlausibilityWarning
+from floquetrod._util.implausible import SILENCE, PlausibilityWarning, is_typed
 from floquetrod.rod.model.catalogue import pipes
 from floquetrod.units import unit_of, units_of
 
@@ -74,23 +74,23 @@ def _level_of_user() -> int | None:
 def suspicions_of_rod(rod: Any) -> Iterator[str]:
     """Yield what is suspicious about a rod, each with the numbers that say so and a remedy."""
     diameter, slenderness = 2.0 * rod.radius, 0.5 * rod.length / rod.radius
-    if _is_typed(rod.radius) and _THICKEST < rod.radius <= 1e3 * _THICKEST:
+    if is_typed(rod.radius) and _THICKEST < rod.radius <= 1e3 * _THICKEST:
         yield (
             f"radius = {rod.radius:g} m makes a rod {diameter:g} m thick; were these millimetres? A number is taken in "
             f'm: radius="{rod.radius:g}mm"'
         )
-    elif _is_typed(rod.length) and _SLENDEREST < slenderness <= 1e3 * _SLENDEREST:
+    elif is_typed(rod.length) and _SLENDEREST < slenderness <= 1e3 * _SLENDEREST:
         yield (
             f"length = {rod.length:g} m is {slenderness:.3g} times the diameter of {diameter:g} m, and the rod would "
             f"buckle into mode {rod.critical_mode:.0f}; were these millimetres? A number is taken in m: "
             f'length="{rod.length:g}mm"'
         )
-    elif _is_typed(rod.radius) and 1e-3 * _STUBBIEST <= slenderness < _STUBBIEST:
+    elif is_typed(rod.radius) and 1e-3 * _STUBBIEST <= slenderness < _STUBBIEST:
         yield (
             f"length = {rod.length:g} m is {slenderness:.3g} times the diameter of {diameter:g} m, which is no slender "
             f'rod; is the radius of {rod.radius:g} m in another unit? Give it as "{rod.radius:g}mm", say'
         )
-    elif _is_typed(rod.channel_radius) and _WIDEST < rod.channel_radius / rod.radius <= 1e3 * _WIDEST:
+    elif is_typed(rod.channel_radius) and _WIDEST < rod.channel_radius / rod.radius <= 1e3 * _WIDEST:
         yield (
             f"channel_radius = {rod.channel_radius:g} m is {rod.channel_radius / rod.radius:.3g} times the radius of "
             f"the rod, {rod.radius:g} m; were these millimetres? A number is taken in m: "
@@ -127,21 +127,21 @@ def _alike(one: float, other: float) -> bool:
 def _material(rod: Any) -> Iterator[str]:
     """Yield what is suspicious about Young's modulus and the densities."""
     modulus, density = rod.youngs_modulus, rod.density
-    if _is_typed(modulus):
+    if is_typed(modulus):
         yield from _modulus(modulus, density)
-    if _is_typed(density) and 1e-3 * _LIGHTEST < density < _LIGHTEST and modulus > _SOLID:
+    if is_typed(density) and 1e-3 * _LIGHTEST < density < _LIGHTEST and modulus > _SOLID:
         yield (
             f"density = {density:g} kg/m^3 is too light for what has youngs_modulus = {modulus:g} Pa; was it in "
             f'g/cm^3? A number is taken in kg/m^3: density="{density:g}g/cm3"'
         )
     strength = rod.yield_strength
-    if strength is not None and _is_typed(strength) and strength < 1e-6 * modulus:
+    if strength is not None and is_typed(strength) and strength < 1e-6 * modulus:
         yield (
             f"yield_strength = {strength:g} Pa is that of no solid; was it in MPa? A number is taken in Pa: "
             f'yield_strength="{strength:g}MPa"'
         )
     for name in ("density", "fluid_inside", "fluid_outside"):
-        if _is_typed(value := getattr(rod, name)) and _HEAVIEST < value <= 1e3 * _HEAVIEST:
+        if is_typed(value := getattr(rod, name)) and _HEAVIEST < value <= 1e3 * _HEAVIEST:
             yield f"{name} = {value:g} kg/m^3 is heavier than any metal; a number is taken in kg/m^3"
 
 
@@ -170,7 +170,7 @@ def suspicions_of_load(rod: Any, load: Any) -> Iterator[str]:
     """Yield what is suspicious about a load on a rod, each with the numbers that say so and a remedy."""
     mean, amplitude, critical = load.mean, load.amplitude, rod.critical_force
     measured = load.waveform != "sine"  # in a file, whose heading may say kN
-    if (measured or _is_typed(mean)) and _STRONG * critical < mean <= 30.0 * _STRONG * critical:
+    if (measured or is_typed(mean)) and _STRONG * critical < mean <= 30.0 * _STRONG * critical:
         yield (
             f"mean = {mean:g} N is {mean / critical:.3g} times the critical force of {critical:.3g} N; was it in mN? A "
             f'number is taken in N: mean="{mean:g}mN", or a part of rod.critical_force'
@@ -178,7 +178,7 @@ def suspicions_of_load(rod: Any, load: Any) -> Iterator[str]:
     elif (
         critical > _THICK_STRING
         and all(0.01 * _WEAK < force / critical < _WEAK for force in (mean, amplitude))
-        and _is_typed(mean)
+        and is_typed(mean)
     ):
         yield (
             f"mean = {mean:g} N and amplitude = {amplitude:g} N are less than a thousandth of the critical force of "
@@ -221,15 +221,10 @@ def may_be_hertz(rod: Any, load: Any) -> bool:
     of order 1.
     """
     share = max(0.0, load.mean) / rod.critical_force
-    if share >= 1.0 or load.amplitude == 0.0 or load.waveform != "sine" or not _is_typed(load.frequency):
+    if share >= 1.0 or load.amplitude == 0.0 or load.waveform != "sine" or not is_typed(load.frequency):
         return False
     first = 2.0 * rod.pendulum_frequency * math.sqrt(1.0 - share * share)
     return bool(_ORDER * load.frequency < first <= 2.0 * math.pi * load.frequency)
-
-
-def _is_typed(value: float) -> bool:
-    """Return whether a number has four digits or fewer, as people type them."""
-    return value == float(f"{value:.4g}")
 
 
 def warn_of_load(rod: Any, load: Any) -> None:
