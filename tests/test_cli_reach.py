@@ -54,6 +54,10 @@ def test_it_draws(line: list[str], tmp_path: Path, capsys: pytest.CaptureFixture
         (["--friction", "much"], "--friction must be a number"),
         (["--friction", "0.3", "--tool", "5kN"], "--tool must be such as 5kN@18Hz"),
         (["--friction", "0.3", "--tool", "5kN@18m"], "frequency must be a number with"),
+        (
+            ["--friction", "0.3", "--tool", "5kN@18Hz@2000m"],
+            "--tool must lie in the string, less than its length 2000 m",
+        ),
         (["--friction", "0.3", "--push", "3 furlong"], "--push must be a number with"),
         (["--friction", "0.3", "--figure", "reach.doc"], "--figure must end in"),
         (["--friction", "0.3", "--unit", "Hz"], "--unit must name a unit of length, of force or both"),

@@ -240,6 +240,16 @@ def test_what_it_says_and_draws() -> None:
     assert "grows" not in str(plain.report())
 
 
+def test_a_tool_above_the_string_is_refused() -> None:
+    far = fr.VibrationTool("8kN", "18Hz", "4000m")
+    words = r"^tool must lie in the string, less than its length {} m above the lower end, got above_end = 4000 m"
+    with pytest.raises(ValueError, match=words.format(4000)):
+        TUBING.reach(WELL, 0.3, tool=far)
+    longer = fr.WellPath.straight(length=5000.0, inclination=1.0)
+    with pytest.raises(ValueError, match=words.format(3900)):
+        TUBING.mean_force(longer, 0.3, tool=far, bottom=3900.0)
+
+
 def test_depths_off_the_path_are_refused() -> None:
     with pytest.raises(ValueError, match="depth must lie below 0 and not below 4000 m"):
         TUBING.reach(WELL, 0.3, depth=[5000.0])

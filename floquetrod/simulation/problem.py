@@ -23,7 +23,7 @@ from floquetrod._util.report import Report, Reported
 from floquetrod._util.version import __version__
 from floquetrod.rod.answers.mean_force import friction_along
 from floquetrod.rod.loads.load import LIMITS, Load, load_from_dict, load_number, noise_in_words, require_load
-from floquetrod.rod.loads.tool import VibrationTool
+from floquetrod.rod.loads.tool import VibrationTool, tool_inside
 from floquetrod.rod.rod import Rod
 from floquetrod.simulation.checkpoints import Checkpoint
 from floquetrod.simulation.driving import LARGEST_STRAIN, MOST_HARMONICS, Driving, half_waves
@@ -165,7 +165,7 @@ class SimulationProblem:
             else validate.nonnegative("feed_speed", self.feed_speed, "in m/s"),
             "far_force": None if self.far_force is None else load_number("mean", self.far_force, "far_force"),
             "natural_curvature": _natural_curvature(self.natural_curvature),
-            "tool": None if self.tool is None else _tool(self.tool, self.rod),
+            "tool": None if self.tool is None else tool_inside(self.tool, self.rod.length, "rod"),
         }
         self._hold(cleaned)
         try:
@@ -401,18 +401,6 @@ def _friction(given: Any) -> float | Intervals:
     """Return a coefficient of friction, or pairs of a depth in m and the coefficient from there on."""
     along = friction_along(given)
     return along.values[0] if len(along.values) == 1 else tuple(zip(along.depths, along.values, strict=True))
-
-
-def _tool(given: Any, rod: Rod) -> VibrationTool:
-    """Return a tool that lies in a rod."""
-    tool: VibrationTool = validate.instance("tool", given, VibrationTool, "such as VibrationTool('5kN', '18Hz', '30m')")
-    if tool.above_end >= rod.length:
-        raise validate.wrong_value(
-            "tool",
-            f"must lie in the rod, less than its length {rod.length:g} m above the lower end, got above_end = "
-            f"{tool.above_end:g} m",
-        )
-    return tool
 
 
 _OF_THE_MESH = [part.name for part in fields(DiscreteRod) if part.name != "rod"]

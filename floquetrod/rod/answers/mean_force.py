@@ -15,7 +15,7 @@ from floquetrod._util import validate
 from floquetrod._util.arrays import Bools, Floats
 from floquetrod._util.content import ByContent
 from floquetrod._util.report import Report, Reported, number
-from floquetrod.rod.loads.tool import VibrationTool
+from floquetrod.rod.loads.tool import VibrationTool, tool_inside
 from floquetrod.rod.model.data import RodData
 from floquetrod.rod.model.parts import friction_coefficient
 from floquetrod.units import with_unit
@@ -142,7 +142,7 @@ def drag_of(
     path = validate.instance("path", path, WellPath, "fr.WellPath.from_csv reads one from a survey")
     shaking = None
     if tool is not None:
-        tool = validate.instance("tool", tool, VibrationTool, "such as fr.VibrationTool('5kN', '18Hz', '30m')")
+        tool = tool_inside(tool, path.end - path.start, "string")
         sliding = validate.within("speed", in_si("speed", speed, "speed"), *_SPEEDS, "give it in m/s")
         impedance = rod.mass_along * rod.wave_speed
         along = impedance, rod.wave_speed, rod.damping_rate, sliding

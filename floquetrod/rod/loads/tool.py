@@ -65,3 +65,17 @@ class VibrationTool:
     def as_dict(self) -> dict[str, float]:
         """Return the parameters in SI units."""
         return {"amplitude": self.amplitude, "frequency": self.frequency, "above_end": self.above_end}
+
+
+def tool_inside(given: Any, length: float, what: str) -> VibrationTool:
+    """Return a tool that lies inside a rod or a string of a length in m; ``what`` names it."""
+    tool: VibrationTool = validate.instance(
+        "tool", given, VibrationTool, "such as fr.VibrationTool('5kN', '18Hz', '30m')"
+    )
+    if tool.above_end >= length:
+        raise validate.wrong_value(
+            "tool",
+            f"must lie in the {what}, less than its length {length:g} m above the lower end, got above_end = "
+            f"{tool.above_end:g} m",
+        )
+    return tool
