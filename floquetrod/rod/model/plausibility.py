@@ -34,7 +34,8 @@ _STUBBIEST = 3.0  # length over diameter: no rod, and no theory of one
 _THICKEST = 0.75  # radius in m: pipelines reach 0.71 m
 _WIDEST = 500.0  # channel over rod: a glass fibre of 0.125 mm in a pipe of 50 mm has 400
 _SOFTEST, _STIFFEST = 1e8, 2e12  # Pa: what numbers in GPa are of; diamond has 1.2e12
-_LARGEST_IN_MPA = 1e6  # of a metal; numbers in psi are larger
+_USUAL = 1e11  # Pa: that of usual metals, magnesium to steel, within a factor of 2.5
+_READINGS = {"MPa": 1e6, "psi": units_of("pressure")["psi"], "GPa": 1e3}  # times Pa; the last of what is in MPa
 _METAL = 2500.0, 1e9  # kg/m^3 and Pa: nothing as heavy as aluminium is softer
 _LIGHTEST, _HEAVIEST = 25.0, 1e5  # kg/m^3: stiff foam; four times osmium, for fluids counted in
 _SOLID = 1e8  # Pa: nothing as stiff as this is lighter than stiff foam
@@ -154,10 +155,11 @@ def _modulus(modulus: float, density: float) -> Iterator[str]:
             f'youngs_modulus="{modulus:g}GPa"'
         )
     elif 1e-6 * stiff < modulus < stiff and density > heavy:
-        unit = "MPa" if modulus < _LARGEST_IN_MPA else "psi"
+        unit = min(_READINGS, key=lambda name: abs(math.log(modulus * _READINGS[name] / _USUAL)))
+        typed = 1e-6 * modulus if unit == "GPa" else modulus
         yield (
             f"youngs_modulus = {modulus:g} Pa is that of rubber, and density = {density:g} kg/m^3 that of a metal; was "
-            f'it in {unit}? A number is taken in Pa: youngs_modulus="{modulus:g}{unit}"'
+            f'it in {unit}? Give youngs_modulus="{typed:g}{unit}"'
         )
     elif _STIFFEST < modulus <= 1e3 * _STIFFEST:
         yield (
