@@ -97,6 +97,13 @@ def test_a_verdict_tells_of_the_forces_within_the_noise() -> None:
     assert calls == [(done, trials + 20) for done in range(1, trials + 21)]
 
 
+def test_where_nothing_grows_the_note_does_not_tell_of_an_error_of_zero() -> None:
+    load = fr.AxialLoad(0.1 * FCR, 0.005 * FCR, 150.0, waveform=(-1j, 0.5))
+    verdict = ROD.stability(recorded(load, np.random.default_rng(8)))
+    assert verdict.status == "stable"
+    assert verdict.note == "noise in the record: no mode grows at 20 forces within its errors either"
+
+
 @pytest.mark.slow
 def test_a_record_stands_for_its_load() -> None:
     record = recorded(fr.AxialLoad(0.3 * FCR, 0.1 * FCR, 150.0, waveform=(-1j, 0.5)), np.random.default_rng(3))

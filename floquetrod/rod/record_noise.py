@@ -43,6 +43,8 @@ def with_noise(
             progress(done, NOISE_DRAWS)
     noise = math.sqrt(float(np.mean(np.square(changes))))
     note = f"noise in the record makes the growth rate uncertain by {noise:.2g} 1/s"
+    if noise == verdict.growth_rate == 0.0:
+        note = f"noise in the record: no mode grows at {NOISE_DRAWS} forces within its errors either"
     if others:
         note = f"{note}; the fit is {verdict.status}, but {others} of {NOISE_DRAWS} forces within its errors are not"
     return replace(
