@@ -124,6 +124,16 @@ def test_a_verdict_is_a_sentence() -> None:
     assert "within the tolerance" in repr(ROD.stability(load(0.2, 0.2, 150.0), growth_tolerance=4.3))
 
 
+def test_many_unstable_modes_are_counted_and_not_listed() -> None:
+    rod = fr.Rod.nitinol()
+    verdict = rod.stability(fr.AxialLoad(150.0, 1.0, 150.0))
+    number = len(verdict.unstable_modes)
+    assert number > 20
+    for text in (repr(verdict), verdict.report().headline):
+        assert f"modes 1, 2, 3, 4, 5, 6, 7, 8 and {number - 8} more grow" in text
+    assert verdict.as_dict()["unstable_modes"] == list(verdict.unstable_modes)
+
+
 def test_growth_tolerance() -> None:
     weak = load(0.285, 0.2, 85.0)
     assert ROD.stability(weak).unstable_modes == (8,)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from reprlib import Repr
 from typing import Any
 
@@ -19,6 +19,17 @@ def short(value: Any) -> str:
     except Exception:  # an integer of more digits than Python prints, or whatever an object's own text raises
         text = f"a {type(value).__name__} that cannot be printed"
     return text if len(text) <= 80 else f"{text[:77]}..."
+
+
+def listed(values: Sequence[Any]) -> str:
+    """Return values one after the other; of more than nine the first eight, and how many more there are.
+
+    >>> listed([3, 4, 5]), listed(range(1, 156))
+    ('3, 4, 5', '1, 2, 3, 4, 5, 6, 7, 8 and 147 more')
+    """
+    if len(values) <= 9:
+        return ", ".join(map(str, values))
+    return f"{', '.join(map(str, values[:8]))} and {len(values) - 8:,} more"
 
 
 def did_you_mean(name: str, known: Iterable[str]) -> str:

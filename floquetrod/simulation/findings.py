@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
 from floquetrod._util.report import Report, Reported, number
+from floquetrod._util.suggest import listed
 from floquetrod.rod.answers.reports import load_lines, shown_in
 from floquetrod.rod.answers.verdict import RodStability
 from floquetrod.rod.friction.kicks import CriticalKick
@@ -168,8 +169,8 @@ class Findings(Reported):
         linear, needed = self.linear, self.needed
         if linear is None:
             return self.no_theory
-        modes = [str(mode) for mode in linear.unstable_modes]
-        which = f"modes {', '.join(modes)} grow" if len(modes) > 1 else f"mode {modes[0]} grows" if modes else ""
+        modes = linear.unstable_modes
+        which = f"modes {listed(modes)} grow" if len(modes) > 1 else f"mode {modes[0]} grows" if modes else ""
         text = f"{linear.status}{which and ': '}{which}"
         if self.run.problem.wall_friction.largest == 0.0:
             return text

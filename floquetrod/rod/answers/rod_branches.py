@@ -15,6 +15,7 @@ from floquetrod._util import extras
 from floquetrod._util.arrays import Floats, Ints
 from floquetrod._util.content import ByContent, NoTruthValue
 from floquetrod._util.report import Report, Reported, Table
+from floquetrod._util.suggest import listed
 from floquetrod.floquet.status import STATUS_CODES
 from floquetrod.orbits import Branch
 from floquetrod.rod.loads.load import KINDS, Load, Quantity, load_number
@@ -198,9 +199,7 @@ class RodBranches(ByContent, Reported, NoTruthValue):
             lines.append(("contact", f"is about to be lost from {min(lost):.3g} degrees on: simulate the rod there"))
         if self.slope.max() > LARGE_SLOPE:
             lines.append(("slopes", f"up to {self.slope.max():.2g}: the equations are those of small ones"))
-        lines.append(
-            ("status", f"of deviations in modes {', '.join(map(str, self.modes))}; steady_motion judges all modes")
-        )
+        lines.append(("status", f"of deviations in modes {listed(self.modes)}; steady_motion judges all modes"))
         return Report(self._in_words, lines, Table(_COLUMNS, [_row(i, part) for i, part in enumerate(self.parts)]))
 
     def as_dict(self) -> dict[str, Any]:

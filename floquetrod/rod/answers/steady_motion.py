@@ -8,6 +8,7 @@ from typing import Any
 
 from floquetrod._util.content import ByContent, NoTruthValue
 from floquetrod._util.report import Report, Reported, number
+from floquetrod._util.suggest import listed
 from floquetrod.floquet.status import Status
 from floquetrod.orbits import PeriodicOrbit
 from floquetrod.rod.loads.load import Load
@@ -90,7 +91,7 @@ class SteadyMotion(ByContent, Reported, NoTruthValue):
             ("angle", f"{self.amplitude:.6g} rad, +- {self.error:.1g} of the equations on the wall; {repeats}"),
             ("contact", f"{least:.4g} to {most:.4g} N/m, the weight is {weight:.4g}"),
             ("shorter", f"by {1e3 * self.shortening[0]:.3g} to {1e3 * self.shortening[1]:.3g} mm"),
-            ("status", f"{self.status}, in modes {', '.join(map(str, self.modes[:12]))} and all others that matter"),
+            ("status", f"{self.status}, in modes {listed(self.modes)} and all others that matter"),
         ]
         if self.lost_at is not None:
             lines.append(("contact", f"lost at {self.lost_at:.4g} m: the motion is another one, simulate it"))

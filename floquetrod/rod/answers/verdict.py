@@ -15,6 +15,7 @@ from floquetrod._util.arrays import Floats
 from floquetrod._util.caching import cached_property
 from floquetrod._util.progress import Progress
 from floquetrod._util.report import Table
+from floquetrod._util.suggest import listed
 from floquetrod.equations import HillSystem, Mathieu
 from floquetrod.floquet.references import references, united
 from floquetrod.floquet.systems.result import Resonance, SystemStability
@@ -171,7 +172,7 @@ class Evidence(ABC):
             return f"stable{slow}"
         if verdict.status == "undecided":
             return "undecided"
-        names = ", ".join(map(str, verdict.unstable_modes))
+        names = listed(verdict.unstable_modes)
         some = f"modes {names} grow" if len(verdict.unstable_modes) > 1 else f"mode {names} grows"
         return (
             f"unstable: {some}; mode {verdict.fastest_mode} at {verdict.growth_rate:.6g} 1/s, tenfold in "

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from floquetrod._util.caching import cached_property
 from floquetrod._util.progress import Progress
 from floquetrod._util.report import Report, Reported, Table, number
+from floquetrod._util.suggest import listed
 from floquetrod.equations import FrictionalMathieu, Mathieu
 from floquetrod.floquet.verdict import Status, Verdict
 from floquetrod.friction.critical_kicks import known_bounds
@@ -161,7 +162,7 @@ class FrictionalRodStability(Reported, Verdict):
         ]
         proved = known.proved(shown)
         lines += [("proved", proved)] if proved else []
-        modes = ", ".join(map(str, self.unstable_modes))
+        modes = listed(self.unstable_modes)
         grows = f": the kick destabilises mode{'s' * (len(self.unstable_modes) > 1)} {modes}" if modes else ""
         without = self.linear.report(units, margins)
         without = replace(without, headline=f"without friction:\n{without.headline}")
@@ -207,10 +208,10 @@ class FrictionalRodStability(Reported, Verdict):
         """Return the verdict as a sentence."""
         kick = f"a kick of {1e3 * self.kick:g} mm/s against mu = {self.friction:g}"
         if self.status == "unstable":
-            what = f"destabilises mode{'s' * (len(self.unstable_modes) > 1)} {', '.join(map(str, self.unstable_modes))}"
+            what = f"destabilises mode{'s' * (len(self.unstable_modes) > 1)} {listed(self.unstable_modes)}"
         else:
             what = "destabilises no mode" if self.status == "stable" else "could not be decided"
-        growing = f"without friction {', '.join(map(str, self.modes)) or 'none'} would grow"
+        growing = f"without friction {listed(self.modes) or 'none'} would grow"
         return f"<{self.status}: {kick} {what}; {growing}>"
 
 

@@ -12,6 +12,7 @@ from floquetrod._util.arguments import wrong_value
 from floquetrod._util.arrays import Floats
 from floquetrod._util.progress import Progress
 from floquetrod._util.report import Table, number
+from floquetrod._util.suggest import listed
 from floquetrod.equations import Mathieu
 from floquetrod.floquet.dispatch import stability
 from floquetrod.floquet.references import united
@@ -136,7 +137,7 @@ class ModeVerdicts(EachMode):
         """Return the modes that grow."""
         if verdict.status != "unstable":
             return ""
-        names = ", ".join(map(str, verdict.unstable_modes))
+        names = listed(verdict.unstable_modes)
         return f"modes {names} grow" if len(verdict.unstable_modes) > 1 else f"mode {names} grows"
 
     def fastest_in_words(self, verdict: RodStability) -> str:
