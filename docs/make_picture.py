@@ -40,16 +40,22 @@ def save(figure: Any, name: str, panel: Any = None) -> None:
 names: dict[str, Any] = {}
 exec("\n".join(defined), names)
 found = eval(last, names)
-curve = names["tubing"].reach(names["well"], 0.3, tool=names["tool"])
+# What arrives is found at a dozen of the depths asked for, here at other ones each time.
+curves = [
+    names["tubing"].reach(names["well"], 0.3, tool=names["tool"], depth=np.linspace(first, 4500.0, 12))
+    for first in np.linspace(150.0, 500.0, 5)
+]
 
 figure, (left, right) = pyplot.subplots(1, 2, figsize=(9.6, 3.6), layout="constrained")
-for force, reach, line, label in (
-    (curve.bit, found.reach, "-", "pushed"),
-    (curve.bit_shaken, found.reach_shaken, "--", "pushed, with the tool"),
+for kind, reach, line, label in (
+    ("bit", found.reach, "-", "pushed"),
+    ("bit_shaken", found.reach_shaken, "--", "pushed, with the tool"),
 ):
-    arrives = np.isfinite(force)  # and where the string is stuck nothing is left
-    depth = np.append(curve.bit_depth[arrives], reach)
-    left.plot(1e-3 * depth, 1e-3 * np.append(force[arrives], 0.0), line, color="black", label=label)
+    depth, force = (np.concatenate([getattr(each, name) for each in curves]) for name in ("bit_depth", kind))
+    arrives = np.flatnonzero(np.isfinite(force) & (depth < reach))
+    kept = arrives[depth[arrives].argsort()]
+    at = np.append(depth[kept], reach)  # where the string is stuck nothing is left
+    left.plot(1e-3 * at, 1e-3 * np.append(force[kept], 0.0), line, color="black", label=label)
 for depth, text in ((found.reach, "stuck"), (found.reach_shaken, "stuck, with the tool")):
     left.annotate(
         f"{text}\n{depth:.0f} m",

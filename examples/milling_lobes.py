@@ -12,7 +12,7 @@ import floquetrod as fr
 mode = fr.ToolMode("922Hz", damping_ratio=0.011, mass="39.93g")
 slot = fr.Milling(x=[mode], teeth=2, tangential="600MPa", radial="200MPa")
 
-lobes = slot.lobes(speed=("7000rpm", "25000rpm", 100), depth=("0mm", "4mm", 50))
+lobes = slot.lobes(speed=("9000rpm", "25000rpm", 100), depth=("0mm", "3mm", 30))
 print(lobes.report())
 
 axes = lobes.plot()

@@ -12,6 +12,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 import floquetrod as fr
+from floquetrod.plotting import palette
 
 
 def duffing(t: Any, x: Any, omega: float, c: float) -> Any:
@@ -26,14 +27,14 @@ system = fr.NonlinearSystem(duffing, period="2*pi/omega", parameters={"omega": 1
 branches = []
 for c in (0.2, 0.4):
     orbit = fr.periodic_orbit(system.with_parameters(c=c), [0.5, 0.0])
-    branches.append(fr.follow(orbit, over={"omega": (0.5, 2.8)}))
+    branches.append(fr.follow(orbit, over={"omega": (0.7, 2.6)}))
     print(branches[-1], end="\n\n")
 
 figure, axes = plt.subplots(figsize=(7.0, 4.4), layout="constrained")
 for branch in branches:
     branch.plot(axes)
-axes.annotate("c = 0.2", (2.0, 2.15), ha="right", fontsize="small")
-axes.annotate("c = 0.4", (1.5, 1.2), ha="right", fontsize="small")
+axes.annotate("c = 0.2", (1.6, 2.0), ha="right", fontsize="small")
+axes.annotate("c = 0.4", (1.5, 0.8), ha="right", fontsize="small")
 
 # %%
 # At a frequency between the folds, the three orbits: the unstable one parts the motions that end on one from those
@@ -44,11 +45,11 @@ figure, axes = plt.subplots(figsize=(5.0, 4.2), layout="constrained")
 for i in crossings:
     orbit = fr.periodic_orbit(system.with_parameters(omega=omega), branches[0].orbits[i])
     states = orbit(np.linspace(0.0, orbit.period, 800))
-    line = {"stable": "-", "unstable": "--", "undecided": ":"}[orbit.status]
+    colour, line = ("black", "-") if orbit.status == "stable" else (palette.UNSTABLE, "--")
     axes.plot(
         states[:, 0],
         states[:, 1],
-        color="black",
+        color=colour,
         linestyle=line,
         label=f"{orbit.status}, amplitude {0.5 * np.ptp(states[:, 0]):.2f}",
     )

@@ -26,7 +26,7 @@ orbit = fr.periodic_orbit(system, [1.0, 1.0, 0.0], 5.75)
 # From the point where a branch loses its stability, ``switch`` leads onto the branch of twice the period.
 doublings, branches = [], []
 for _ in range(3):
-    branches.append(fr.follow(orbit, over={"c": (2.4, 4.3)}))
+    branches.append(fr.follow(orbit, over={"c": (2.5, 4.15)}))
     doublings.append(branches[-1].special_points[-1])
     print(doublings[-1])
     orbit = doublings[-1].switch()

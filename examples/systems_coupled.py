@@ -23,7 +23,7 @@ for omega in (3.0, 2.0, 1.0):
 
 # %%
 # Growth over frequency and strength of the forcing.
-chart = fr.chart(family, over={"omega": (1.65, 4.5, 160), "epsilon": (0.0, 0.8, 60)}, growth=True)
+chart = fr.chart(family, over={"omega": (1.65, 4.5, 121), "epsilon": (0.0, 0.8, 41)}, growth=True)
 print(chart)
 
 # %%

@@ -28,14 +28,14 @@ for damping in cases:
 # Left: growth about the sum of the frequencies, 3; the circles are the first-order approximation.  Right: beside the
 # undamped tongue, at w = 3.1, over the damping of the second mode.  A little of it destabilises, and much more
 # is needed to stabilise again.
-omega = np.linspace(2.75, 3.25, 101)
+omega = np.linspace(2.75, 3.25, 61)
 figure, (left, right) = plt.subplots(1, 2, figsize=(10.0, 4.2), layout="constrained")
 for damping, line in cases.items():
     growth = [fr.stability(family(w, damping)).growth_rate for w in omega]
     left.plot(omega, growth, color="black", linestyle=line, label=f"$c_1 = {damping[0]:g}$, $c_2 = {damping[1]:g}$")
     tongue = next(one for one in fr.systems.first_order_tongues(family(3.0, damping)) if one.kind == "sum")
     estimate = tongue.growth_rate_at(omega)
-    shown = np.flatnonzero(estimate > 0.0)[::4]
+    shown = np.flatnonzero(estimate > 0.0)[::2]
     left.plot(omega[shown], estimate[shown], linestyle="none", **palette.POINT, markersize=4)
     print(tongue)
 left.axvline(3.1, color="black", linewidth=0.5)
@@ -46,7 +46,7 @@ left.set(
 left.set_title("lines: computed, circles: first order", fontsize="small")
 left.legend(fontsize="x-small", loc="upper left")
 
-second = np.geomspace(0.002, 2.0, 41)
+second = np.geomspace(0.002, 2.0, 31)
 exponents = np.array([max(e.real for e in fr.stability(family(3.1, (0.002, c))).exponents) for c in second])
 right.fill_between(second, 0.0, exponents, where=exponents > 0.0, color=palette.UNSTABLE, interpolate=True)
 right.semilogx(second, exponents, color="black")

@@ -32,14 +32,14 @@ for noise, line in noises.items():
         """Return its second moments."""
         return fr.second_moments(system(omega, epsilon), [([[1.0]], noise)])
 
-    bands = fr.chart(family, over={"omega": (1.6, 2.4, 13), "epsilon": (0.0, 0.6, 9)}).find_bands(accuracy=2e-3)
+    bands = fr.chart(family, over={"omega": (1.6, 2.4, 11), "epsilon": (0.0, 0.6, 7)}).find_bands(accuracy=4e-3)
     for band in bands.bands:
         left.plot([*band.x, band.x[0]], [*band.y, band.y[0]], line, color="black", label=f"$s = {noise:g}$")
 left.set(xlabel=r"frequency $\omega$", ylabel=r"forcing $\varepsilon$", xlim=(1.6, 2.4), ylim=(0.0, 0.6))
 left.legend(loc="upper center")
 
 for omega, line in ((2.0, "-"), (2.1, "--"), (2.2, "-.")):
-    stable = [e for e in np.linspace(0.0, 0.6, 11) if fr.stability(system(omega, e)).decay_rate > 0.0]
+    stable = [e for e in np.linspace(0.0, 0.6, 9) if fr.stability(system(omega, e)).decay_rate > 0.0]
     largest = [fr.critical_noise(system(omega, e), [([[1.0]], 1.0)]).factor for e in stable]
     right.plot(stable, largest, line, color="black", label=rf"$\omega = {omega:g}$")
 right.plot(0.0, critical, linestyle="none", **palette.POINT)

@@ -71,9 +71,9 @@ plt.show()
 # pushed in until it is stuck; then it is so again with a tool of 5 kN and 18 Hz at its end, whose wave moves it faster
 # than it slides and so lessens friction.
 tool = fr.VibrationTool("5kN", "18Hz")
-depths = np.linspace(400.0, 4500.0, 14)
-frictions = np.array([0.2, 0.3, 0.4])
-reaches = [tubing.reach(well, each, tool=tool, depth=depths) for each in frictions]
+depths = {0.2: [3000.0, 4500.0], 0.3: np.linspace(400.0, 4500.0, 14), 0.4: [2000.0, 4500.0]}
+frictions = np.array(list(depths))
+reaches = [tubing.reach(well, each, tool=tool, depth=depths[each]) for each in frictions]
 for friction, each in zip(frictions, reaches, strict=True):
     print(f"friction {friction:g}: {each}")
 

@@ -59,7 +59,7 @@ def test_branches_are_said_and_drawn(few: fr.RodBranches) -> None:
     with pytest.raises(TypeError, match="status"):
         bool(few)
     ax = few.plot(unit="Hz")
-    assert ax.get_xlabel() == "frequency (Hz)"
+    assert ax.get_xlabel() == r"frequency $\omega/2\pi$ / Hz"
     (line,) = ax.lines
     assert line.get_xdata()[0] == pytest.approx(few.values[0] / (2.0 * math.pi))
     assert line.get_ydata()[-1] == pytest.approx(math.degrees(few.amplitude[-1]))

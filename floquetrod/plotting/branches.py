@@ -8,8 +8,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from floquetrod import units
 from floquetrod.plotting import palette
-from floquetrod.plotting.charts import new_axes
+from floquetrod.plotting.charts import NAMES, new_axes
 from floquetrod.plotting.orbits import STYLES
 
 Floats = NDArray[np.float64]
@@ -126,7 +127,7 @@ def draw_rod_branches(result: Any, ax: Any, unit: Any) -> Any:
             ax.plot(
                 each.branch.values[i] / unit.size, degrees[0][i], label=_new(ax, "about to leave its wall"), **_OFF_WALL
             )
-    ax.set_xlabel(f"{result.parameter} ({unit.name})")
-    ax.set_ylabel("largest angle (degrees)")
+    ax.set_xlabel(units.label(*NAMES[result.parameter], unit.name))
+    ax.set_ylabel("largest angle / degree")
     ax.set_ylim(bottom=0.0)
     return finished(ax)

@@ -19,6 +19,14 @@ _SCALE = "critical force"  # of a rod, which a note tells and a title leaves out
 _TITLE = 70  # characters of a title, which then is as wide as the axes of `new_axes`
 _TAU = "\N{GREEK SMALL LETTER TAU}"
 _NOTE = 105  # characters of a line of a note, which then is as wide as the axes of `new_axes`
+_WIDE = 5.4  # inches: the width of these axes
+
+NAMES = {
+    "mean": ("mean force", r"F_\mathrm{ave}"),
+    "amplitude": ("amplitude", r"\Delta F"),
+    "frequency": ("frequency", r"\omega"),
+}
+"""Name and symbol of each quantity of a load."""
 
 FIGURES = (".png", ".pdf", ".svg")
 """Kinds of file a figure is written to."""
@@ -69,7 +77,7 @@ def explain(ax: Any, handles: Sequence[Any], note: str = "", columns: int = 4) -
         handles=handles,
         labels=[(handle[0] if isinstance(handle, tuple) else handle).get_label() for handle in handles],
         handler_map={tuple: HandlerTuple(ndivide=None, pad=0.0)},
-        title=typeset(textwrap.fill(note, _NOTE)),
+        title=typeset(textwrap.fill(note, _note_width(ax))),
         loc="upper left",
         bbox_to_anchor=(0.0, 0.0),
         bbox_transform=ax.transAxes + below,
@@ -82,6 +90,12 @@ def explain(ax: Any, handles: Sequence[Any], note: str = "", columns: int = 4) -
         alignment="left",
     )
     legend.set_zorder(1.0)
+
+
+def _note_width(ax: Any) -> int:
+    """Return how many characters a line of a note has: narrow axes beside others get shorter lines."""
+    width = ax.get_position(original=True).width * ax.figure.get_figwidth()
+    return min(_NOTE, int(_NOTE * width / _WIDE))
 
 
 def areas(chart: Any) -> list[Any]:

@@ -14,17 +14,11 @@ from numpy.typing import NDArray
 
 from floquetrod._util.arrays import Floats
 from floquetrod.plotting import labels, palette, shapes
+from floquetrod.plotting.charts import NAMES
 from floquetrod.units import Unit, label
 
 UNKNOWN = -2
 """Cells of a map that are not judged yet; the others are a status, undecided -1, unstable 0, stable 1."""
-
-NAMES = {
-    "mean": ("mean force", r"F_\mathrm{ave}"),
-    "amplitude": ("amplitude", r"\Delta F"),
-    "frequency": ("frequency", r"\omega"),
-}
-"""Name and symbol of each quantity."""
 
 _STRAIGHT = 2.0  # natural frequencies over the load's up to which their axis is linear: the first four tongues
 _TICKS = (0, 1, 10, 100, 1000, -1, -10, -100, -1000, 0.5, 2, 5, 20, 50, -2, 1.5)

@@ -11,11 +11,11 @@ from floquetrod.plotting import palette
 
 def draw_reach(found: Any, figure: Any = None) -> Any:
     """Return a figure of a `floquetrod.Reach`: the well's section, the force at the injector, and along the string."""
-    from matplotlib.figure import Figure
+    from matplotlib import pyplot
 
     more = [1.0] if found.tool else []
     if figure is None:
-        figure = Figure(figsize=(7.2, 12.3 + 1.4 * len(more)), layout="constrained")
+        figure = pyplot.figure(figsize=(7.2, 12.3 + 1.4 * len(more)), layout="constrained")
     axes = figure.subplots(7 + len(more), 1, height_ratios=[1.5, 1.2, 1.0, 1.2, 1.0, 1.0, 1.0, *more])
     section, injector, bit, force, contact, friction, stress = axes[:7]
     _draw_section(found, section)
