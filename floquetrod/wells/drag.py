@@ -20,7 +20,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from floquetrod._util.arrays import Bools, Floats
+from floquetrod._util.arrays import Bools, Floats, Ints
 from floquetrod._util.caching import cached_property
 from floquetrod.wells.arcs import Points
 from floquetrod.wells.path import WellPath
@@ -168,7 +168,7 @@ class Shaking:
     damping: float
     speed: float
 
-    def of(self, size: int, strings: NDArray[np.intp]) -> Shaking:
+    def of(self, size: int, strings: Ints) -> Shaking:
         """Return that of some of so many strings, of each its own frequency."""
         return replace(self, frequency=np.broadcast_to(self.frequency, size)[strings])
 
