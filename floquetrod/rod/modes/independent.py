@@ -170,7 +170,7 @@ class IndependentModel(ModeModel):
     def answers(
         self, loads: Loads, growth_tolerance: float = 0.0, workers: int | None = None, progress: Progress | None = None
     ) -> Answers:
-        """Return both of them, each found by itself."""
+        """Return status, growth and fastest mode of each load, the status by itself: counts decide it sooner."""
         return Answers(self.status(loads, growth_tolerance, workers, progress), *self.fastest(loads, workers, progress))
 
     def growth_of_modes(self, load: Load, modes: Iterable[int]) -> tuple[float, ...]:
