@@ -62,7 +62,7 @@ SHARED = {
         "workers": ("int", "Threads, 1 or more; by default one for each processor."),
         "progress": (
             "callable",
-            "Called now and then with how much is done and how much there is; raising ends the work.",
+            "Called repeatedly with the work done and all work; an exception that it raises ends the work.",
         ),
     },
 }

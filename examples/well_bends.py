@@ -69,7 +69,7 @@ plt.show()
 # %%
 # The well of the survey: vertical to 900 m, a build to 1800 m, a lateral that wavers.  With friction 0.3 the string is
 # pushed in until it is stuck; then it is so again with a tool of 5 kN and 18 Hz at its end, whose wave moves it faster
-# than it slides and so lessens friction.
+# than it slides and so reduces friction.
 tool = fr.VibrationTool("5kN", "18Hz")
 depths = {0.2: [3000.0, 4500.0], 0.3: np.linspace(400.0, 4500.0, 14), 0.4: [2000.0, 4500.0]}
 frictions = np.array(list(depths))

@@ -83,7 +83,7 @@ DOORS: dict[str, tuple[Callable[[Any], Any], tuple[Any, Any]]] = {
 def test_undecided_is_false_and_counted(door: str) -> None:
     ask, (known, unknown) = DOORS[door]
     with pytest.warns(
-        fr.UndecidedWarning, match=r"^2 of 3 .* could not be decided and count as not .*; .* (tells|says) "
+        fr.UndecidedWarning, match=r"^2 of 3 .* could not be decided and count as not .*; .* (shows|says) "
     ) as heard:
         three = ask(np.array([known, unknown, unknown]))
     assert len(heard) == 1

@@ -41,7 +41,7 @@ def to_json(result: Any, *, indent: int | None = None) -> str:
     Raises
     ------
     TypeError
-        For what is no result.
+        For anything that is not a result.
 
     Examples
     --------

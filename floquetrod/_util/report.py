@@ -94,7 +94,7 @@ class Reported:
 
     @abstractmethod
     def report(self) -> Report:
-        """Return what there is to say."""
+        """Return the result in words."""
 
     def _at_hand(self) -> Report:
         """Return what a notebook shows unasked, which must not take long."""

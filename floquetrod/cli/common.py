@@ -282,7 +282,7 @@ def _on_path(options: argparse.Namespace) -> dict[str, Any]:
         return {}
     for name in ("inclination", "curvature"):
         if getattr(options, name) is not None:
-            raise ValueError(f"--{name} must not be given with --path, whose survey tells it; leave one of them out")
+            raise ValueError(f"--{name} must not be given with --path, whose survey determines it; leave one out")
     start = 0.0 if depth is None else units.quantity(depth, "--depth", "length", least=0.0, largest=LARGEST)
     return {"path": read_survey(options, path), "depth": start}
 

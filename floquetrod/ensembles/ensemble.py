@@ -47,8 +47,8 @@ def ensemble(
         this, in m/s, and "seed" is that of its noise.  Values are a sequence, or a distribution of `scipy.stats` with
         its parameters given, from which ``samples`` are drawn.
     layout : {"grid", "list"}
-        "grid": every combination of the values, one dimension for each name; what is drawn shares the dimension
-        "sample".  "list": the first values together, the second ones, and so on, along the one dimension "run".
+        "grid": every combination of the values, one dimension for each name; values drawn share the dimension "sample".
+        "list": the first values together, the second ones, and so on, along the one dimension "run".
     samples : int, optional
         How many values are drawn from distributions.
     seed : int
@@ -80,7 +80,7 @@ def ensemble(
         Over the axes: ``status`` (0 pending, 1 done, 2 failed) and ``reason``, why a run failed; ``buckled``,
         ``time_to_buckle`` (s, NaN where it did not), ``dominant_mode``, ``growth_rate`` and ``growth_error`` of that
         mode (1/s, NaN with friction, or where there is too little to fit), ``largest_angle`` (rad), ``energy_error``
-        (J, the largest), ``wall_time`` (s), and what ``summary`` adds.  Some runs are pending after Ctrl-C, which
+        (J, the largest), ``wall_time`` (s), and the results of ``summary``.  Some runs are pending after Ctrl-C, which
         abandons those in progress, and where a part was made.
 
     Raises
@@ -88,7 +88,7 @@ def ensemble(
     TypeError, ValueError
         Before anything runs: for names that the problem does not have, values that are no numbers or of which no
         problem can be made, columns of a list whose lengths differ, a store of another study or one that another
-        process fills, what cannot be pickled to be sent to other processes.  One run that cannot be made is recorded as
+        process fills, arguments that cannot be pickled for other processes.  One run that cannot be made is recorded as
         failed.
     RuntimeError
         When the executor breaks, or three worker processes one after another end as soon as they start; results so far

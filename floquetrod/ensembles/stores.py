@@ -266,7 +266,7 @@ class MemoryStore:
         """Write what is new, where there is a disk to write to."""
 
     def runs(self) -> Runs:
-        """Return what there is."""
+        """Return the runs stored so far."""
         study = self.layout.study
         text = np.full(study.size, "", dtype=f"U{max(1, *map(len, self.reasons.values()), 1)}")
         for run, reason in self.reasons.items():
@@ -278,7 +278,7 @@ class MemoryStore:
         return Runs(variables | self._frame_variables(), self.layout.coords, self.layout.about)
 
     def to_xarray(self) -> Any:
-        """Return what there is as an xarray.Dataset."""
+        """Return the runs stored so far as an xarray.Dataset."""
         return self.runs().to_xarray()
 
     def _room_for_frames(self) -> dict[str, NDArray[np.float64]]:

@@ -127,7 +127,8 @@ class Study:
         Raises
         ------
         TypeError, ValueError
-            Naming file, table and key: for a file that cannot be read, and for what cannot be simulated or varied.
+            For a file that cannot be read, and for quantities that cannot be simulated or varied; the message names
+            file, table and key.
 
         Warns
         -----
@@ -176,7 +177,7 @@ class Study:
         Where ``layout``, ``samples``, ``seed`` and ``frames`` are None they are those of the file.  Other arguments
         as in `ensemble`.
 
-        Raises what it does; ValueError names file and table where what the file says is the cause.
+        Raises the same errors; ValueError names file and table where the file is the cause.
         """
         options = {"layout": layout, "samples": samples, "seed": seed, "frames": frames}
         given = {name: value for name, value in options.items() if value is not None}

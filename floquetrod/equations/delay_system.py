@@ -26,7 +26,7 @@ _PIECES = "(delay, pieces), pieces a sequence of (duration, matrix)"
 
 
 class DelayedTerm(NamedTuple):
-    """A term that comes back: D(t) q(t - delay), or B(t) x(t - delay).
+    """A delayed term: D(t) q(t - delay), or B(t) x(t - delay).
 
     Attributes
     ----------
@@ -81,8 +81,8 @@ class DelaySystem(ByContent):
     Raises
     ------
     TypeError, ValueError
-        For what a `HillSystem` refuses, for delays that are not greater than zero, for terms of another order or
-        period, and for batches.
+        For arguments that a `HillSystem` refuses, for delays that are not greater than zero, for terms of another order
+        or period, and for batches.
 
     Examples
     --------
@@ -146,7 +146,7 @@ class DelaySystem(ByContent):
 
         Examples
         --------
-        A force that comes back in half of the period only:
+        A delayed force that acts in half of the period only:
 
         >>> cut = [(0.5, [[0.3]]), (0.5, [[0.0]])]
         >>> system = DelaySystem.from_pieces([(0.5, [[1.3]]), (0.5, [[1.0]])], delayed=[(1.0, cut)])
@@ -360,7 +360,7 @@ def _listed(delayed: Any, lengths: tuple[int, ...], example: str) -> list[tuple[
 
 def _delay(name: str, value: Any) -> float | Fraction:
     """Return a delay, exactly: a double, or a Fraction where it is none."""
-    hint = "what comes back without a delay belongs to the stiffness, or to the matrix A"
+    hint = "terms without a delay belong to the stiffness, or to the matrix A"
     number = validate.within(
         name, float(value) if isinstance(value, Fraction) else value, 1.0 / _LONGEST, _LONGEST, hint
     )

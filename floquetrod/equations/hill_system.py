@@ -80,13 +80,14 @@ class HillSystem(matrices.PeriodicMatrixSystem):
         Bound or estimate of the error of K(t), entry by entry, in the unit of K; `from_function` states one.  Where K
         is symmetric its error is taken to be symmetric.
     pieces : sequence of (duration, matrix)
-        What `from_pieces` takes, beside the mean ``stiffness`` and the ``period`` that follow from it; none by default.
+        The argument of `from_pieces`, with the mean ``stiffness`` and the ``period`` that follow from it; none by
+        default.
 
     Raises
     ------
     TypeError, ValueError
-        For what is not a square real matrix, of another order than the stiffness, a mass that is not symmetric positive
-        definite, a gyroscopic matrix that is not skew-symmetric, NaN, and periods that are not positive.
+        For matrices that are not square and real, or of another order than the stiffness, a mass that is not symmetric
+        positive definite, a gyroscopic matrix that is not skew-symmetric, NaN, and periods that are not positive.
 
     Examples
     --------

@@ -40,7 +40,7 @@ class PeriodicSystem(matrices.PeriodicMatrixSystem):
     coefficient_error : float
         Bound or estimate of the error of A(t), entry by entry, in the unit of A; `from_function` states one.
     pieces : sequence of (duration, matrix)
-        What `from_pieces` takes, beside the ``mean`` and the ``period`` that follow from it; none by default.
+        The argument of `from_pieces`, with the ``mean`` and the ``period`` that follow from it; none by default.
 
     Examples
     --------

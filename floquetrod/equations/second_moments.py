@@ -106,7 +106,7 @@ def second_moments(
         Sources: G_i, of as many rows as the system has equations, and s_i, zero or more.  Either may have a leading
         shape, and makes a batch with that of the system.  A scalar equation takes s alone, too.
     interpretation : {"ito", "stratonovich"}
-        What G x dW means.  Stratonovich adds sum_i s_i^2 G_i^2 / 2 to A; where noise acts on positions alone, as in a
+        Meaning of G x dW.  Stratonovich adds sum_i s_i^2 G_i^2 / 2 to A; where noise acts on positions alone, as in a
         `HillSystem` and in a scalar equation, G_i^2 = 0 and both are the same.
 
     Returns

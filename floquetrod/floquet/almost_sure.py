@@ -106,7 +106,7 @@ def almost_sure_exponent(
     seed : int
         Seed of the paths.
     progress : callable, optional
-        Called with the numbers of periods done and to do after each.  What it raises ends the work.
+        Called with the numbers of periods done and to do after each.  An exception that it raises ends the work.
 
     Returns
     -------

@@ -53,7 +53,7 @@ def critical_noise(system: Problem, noise: Any, interpretation: str = "ito") -> 
 
     Second moments grow faster with stronger noise, since their map keeps matrices positive semidefinite: in Ito's sense
     there is exactly one change.  In Stratonovich's noise may stabilise; there the first is found among factors that
-    double from what the decay rate suggests.
+    double from an estimate by the decay rate.
 
     Parameters
     ----------
@@ -130,7 +130,7 @@ def _between(moments: Any, factor: float, searched: float) -> CriticalNoise:
             return CriticalNoise(factor, apart * factor, below, above, searched)
         apart *= 4.0
         if apart > 0.5:
-            raise ValueError("noise must have a largest stable intensity that verdicts tell, got none that they do")
+            raise ValueError("noise must have a largest stable intensity that verdicts can determine, got none")
 
 
 def _scaled(system: Problem, noise: Any, factor: float) -> Any:

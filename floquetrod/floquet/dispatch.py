@@ -78,7 +78,7 @@ def stability(
     interpretation : {"ito", "stratonovich"}
         Of the noise.
     terms : int, optional
-        Of the determinant.  This and the options below are for a method that is named, whose page says what they are;
+        Of the determinant.  This and the options below are for a method that is named, whose page describes them;
         TypeError where it does not take them.
     rtol : float, optional
         Of monodromy, half_period, segmented, collocation, and of spectral for systems.

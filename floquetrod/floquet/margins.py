@@ -75,7 +75,7 @@ def margin(
     Returns
     -------
     Margin
-        The nearest change on either side to 1e-10 of what is searched; its ``resolution`` is the distance of samples.
+        The nearest change on either side to 1e-10 of the range searched; its ``resolution`` is the distance of samples.
 
     Raises
     ------

@@ -28,7 +28,7 @@ def are(status: Status, codes: Any, what: str, remedy: str) -> Any:
     codes : int or ndarray of int
         `STATUS_CODES`.
     what : str
-        What there is one code of, and what is not known of it: "{} of {} loads ... and count as not stable".
+        Subject of the codes, and the property that is not known: "{} of {} loads ... and count as not stable".
     remedy : str
         What to call to see which they are.
 

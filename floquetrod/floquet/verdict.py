@@ -221,7 +221,7 @@ class FloquetVerdict(ByContent, Reported, Verdict):
 
     @property
     def references(self) -> tuple[str, ...]:
-        """What to cite, in plain text with DOI, floquetrod first, then the sources of what was used."""
+        """Publications to cite, in plain text with DOI: floquetrod first, then the sources of the methods used."""
         return references(*used_on(self.equation, self.method))
 
     @property
@@ -297,7 +297,7 @@ class Stability(FloquetVerdict):
         return Report(self.status.upper() + where, lines + ([("note", self.note)] if self.note else []))
 
     def as_dict(self) -> dict[str, Any]:
-        """Return the verdict as numbers for JSON, units in the keys; None for what is infinite or not known."""
+        """Return the verdict as numbers for JSON, units in the keys; None for infinite or unknown ones."""
         return {
             "method": self.method,
             "status": self.status,

@@ -114,7 +114,7 @@ def escapes(
     Warns
     -----
     UndecidedWarning
-        When some orbits could not be decided: False there means "not known to escape"; `fates` tells which.
+        When some orbits could not be decided: False there means "not known to escape"; `fates` shows which.
 
     Examples
     --------
@@ -123,7 +123,7 @@ def escapes(
     """
     found = fates(alpha, beta, gamma, kick, damping=damping, max_steps=max_steps, workers=workers)
     what = "kicks could not be decided and count as not escaping"
-    return are("unstable", found, what, "friction.fates tells which, a larger max_steps may settle them")
+    return are("unstable", found, what, "friction.fates shows which, a larger max_steps may decide them")
 
 
 def _ends(every: Equations, kicks: Floats, max_steps: int, workers: int | None) -> NDArray[np.int8]:
@@ -156,7 +156,7 @@ def _ends_of_rows(equations: Prepared, of: Ints, kicks: Floats, max_steps: int, 
 
 @dataclass(frozen=True, repr=False)
 class Fate(NoTruthValue):
-    """What becomes of one kick, for all time.
+    """The motion after one kick, for all time.
 
     Attributes
     ----------
@@ -202,7 +202,7 @@ _REASONS: dict[int, tuple[Literal["bounded", "escapes", "undecided"], str]] = {
 
 
 def fate(equation: FrictionalMathieu, kick: float, *, max_steps: int = MAX_STEPS) -> Fate:
-    """Return what becomes of one kick A(0) = 0, A'(0) = kick, and how that is known.
+    """Return the fate of one kick A(0) = 0, A'(0) = kick, and how it is known.
 
     Examples
     --------

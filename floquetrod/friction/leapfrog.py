@@ -28,7 +28,7 @@ def leapfrog_escapes(
     step: float = 5e-4,
     limit: float = 1e6,
 ) -> Any:
-    """Return what the paper's test says: whether abs(A) / kick reaches ``limit`` after 100 periods of leapfrog.
+    """Return the result of the paper's test: whether abs(A) / kick reaches ``limit`` after 100 periods of leapfrog.
 
     Kick, drift, kick; friction is an impulse that stops a motion without turning it, so that it sticks.  Motions that
     grow more slowly than ln(limit) over the time followed count as stable.  Other arguments as in `fates`.

@@ -32,7 +32,7 @@ class FloquetSolution(ByContent):
     Attributes
     ----------
     name : str
-        What it is, such as "ce_3(z, 10)".
+        Name, such as "ce_3(z, 10)".
     exponent : complex
         mu; its real part is the growth rate.  0 for ce, se and me.
     frequencies : ndarray (n,) of float

@@ -132,7 +132,7 @@ class Lobes(Reported, NoTruthValue, ByContent):
         }
 
     def __repr__(self) -> str:
-        """Return what there is."""
+        """Return the axes of the chart and the number of lobes."""
         return f"<{self.chart.y.name} over {self.chart.x.name}: {len(self.lobes)} lobes; {self.chart.caption}>"
 
 

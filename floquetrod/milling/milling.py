@@ -68,7 +68,7 @@ class Milling(Cutter):
         Raises
         ------
         ValueError
-            Naming file and key, for what cannot be read.
+            For a file that cannot be read; the message names file and key.
         """
         try:
             return cls(**read_tool(path).arguments)

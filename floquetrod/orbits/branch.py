@@ -108,7 +108,7 @@ class Branch(ByContent, Reported, NoTruthValue):
         state : int
             Which state, counted from 0.
         quantity : {"amplitude", "largest", "least", "period"}
-            What is drawn over the parameter.
+            The quantity drawn over the parameter.
         """
         from floquetrod._util import validate
         from floquetrod.plotting.branches import draw_branch

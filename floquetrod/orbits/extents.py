@@ -7,7 +7,7 @@ import numpy as np
 from floquetrod._util.arrays import Floats
 from floquetrod.orbits.orbit import PeriodicOrbit
 
-_SAME = 1e-5  # of the states, by which two orbits are told apart (a choice)
+_SAME = 1e-5  # of the states, by which two orbits are distinguished (a choice)
 
 
 def returns_after(orbit: PeriodicOrbit, parts: int) -> bool:

@@ -22,9 +22,9 @@ from floquetrod.orbits.newton import NoOrbitError
 from floquetrod.orbits.orbit import PeriodicOrbit
 from floquetrod.orbits.special_points import SpecialPoint
 
-_SAME = 1e-5  # of the extents of states, by which two orbits are told apart (a choice)
+_SAME = 1e-5  # of the extents of states, by which two orbits are distinguished (a choice)
 _CLOSED = "the branch closes on itself"
-_INTERRUPTED = "interrupted; fr.follow(branch) goes on"
+_INTERRUPTED = "interrupted; fr.follow(branch) continues"
 
 
 def follow(
@@ -147,7 +147,7 @@ def _both_ways(orbit: PeriodicOrbit, task: Task, steps: int, progress: Progress 
         start = sampled(started(orbit, task, measure), measure)
     except NoOrbitError as error:
         raise ValueError(
-            f"orbit must not lie on a special point, where the parameter does not tell which way to go: {error}"
+            f"orbit must not lie on a special point, where the parameter does not determine the direction: {error}"
         ) from None
     forward = _followed(Continuation(task, start, measure, 1.0), start, steps, progress, 0)
     if forward.end == _CLOSED:
@@ -182,7 +182,7 @@ def _followed(march: Continuation, start: Sample, steps: int, progress: Progress
     watch = Watch(march.sample, march.measure)
     orbits: list[PeriodicOrbit] = []
     points: list[SpecialPoint] = []
-    end = f"{steps} steps were made; fr.follow(branch) goes on"
+    end = f"{steps} steps were made; fr.follow(branch) continues"
     try:
         while len(orbits) < steps:
             last = march.sample

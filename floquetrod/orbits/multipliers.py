@@ -72,9 +72,11 @@ def judged(linearised: PeriodicSystem, segments: Segments) -> OrbitVerdict:
     def krein(cluster: NDArray[np.intp]) -> int:
         return 0 if found is None else independent_solutions.krein_sign(found, cluster)
 
-    note = "" if trivial is None else f"the multiplier 1 of the orbit's own motion is set aside, {trivial:.1g} from it"
-    if trivial is not None and logs is not None and bool((np.abs(logs.values) <= logs.radii).any()):
-        note += "; there is another one to rounding, as where orbits form a family with one energy each"
+    note = ""
+    if trivial is not None:
+        note = f"the multiplier 1 of a shift along the orbit is left out, computed to within {trivial:.1g}"
+        if logs is not None and bool((np.abs(logs.values) <= logs.radii).any()):
+            note += "; another one is 1 to rounding, as where orbits form a family with one energy each"
     stability = classify_multipliers(
         linearised,
         "segmented",

@@ -92,9 +92,9 @@ def _lost(collocation: Collocation, point: Point, how: str) -> NoOrbitError:
     missed = _missed(collocation.residual(point), point)
     state = ", ".join(f"{value:.6g}" for value in point.nodes[0, :6])
     error = NoOrbitError(
-        f"no periodic orbit was found: Newton's method ended {how}; it stood at the period {point.period:.6g} and the "
-        f"state ({state}{', ...' if point.nodes.shape[1] > 6 else ''}), with the equations missed by {missed:.1g} of "
-        "the states; start closer to an orbit"
+        f"no periodic orbit was found: Newton's method ended {how}; its last point has the period {point.period:.6g} "
+        f"and the state ({state}{', ...' if point.nodes.shape[1] > 6 else ''}), with the equations missed by "
+        f"{missed:.1g} of the states; start closer to an orbit"
     )
     error.point = point
     return error

@@ -145,7 +145,7 @@ class PeriodicOrbit(ByContent, Reported, NoTruthValue):
 
     @property
     def references(self) -> tuple[str, ...]:
-        """What to cite, in plain text with DOI, floquetrod first, then the sources of what was used."""
+        """Publications to cite, in plain text with DOI: floquetrod first, then the sources of the methods used."""
         return references(("orbit", "collocation"), ("system", "segmented"))
 
     def plot(self, ax: Any = None) -> Any:

@@ -176,7 +176,7 @@ def _autonomous(system: NonlinearSystem, state: Floats) -> Guess:
         last = slice(len(motion.times) // 3, None)
         if _rests(motion):
             rest = ", ".join(f"{value:.6g}" for value in motion.states[-1, :6])
-            raise ValueError(f"start flows to a state of rest at ({rest}), not to a periodic orbit")
+            raise ValueError(f"start leads to a state of rest at ({rest}), not to a periodic orbit")
         period = _returned(motion.times[last], motion.states[last], motion.rates[last])
         if period is not None:
             return _marched(system, motion.states[-1], period, "")
@@ -231,7 +231,7 @@ def _marched(system: NonlinearSystem, state: Floats, span: float, when: str, sam
         )
     if not (arrived and (np.abs(states) <= _LARGEST).all()):
         raise ValueError(
-            f"start flows away: {when + ' ' if when else ''}the motion grows without bounds, or is not finite"
+            f"start diverges: {when + ' ' if when else ''}the motion grows without bounds, or is not finite"
         )
     return Guess(times, states, system.rates(times, states))
 

@@ -23,7 +23,7 @@ Kind = Literal["fold", "branch point", "period doubling", "Neimark-Sacker"]
 _SHORTER = (1.0, 0.4, 0.1, 0.02)  # parts of the distance that are tried (a choice)
 _FARTHEST = 4.0  # times the distance: an orbit farther away is that of another place (a choice)
 _REFUSED = {
-    "fold": "no branch crosses at a fold; the branch itself goes on there",
+    "fold": "no branch crosses at a fold; the branch itself continues there",
     "Neimark-Sacker": "the motion that begins at a Neimark-Sacker point has two frequencies and is no periodic orbit",
 }
 

@@ -130,7 +130,7 @@ class Bands(NoTruthValue, ByContent):
 
     @property
     def note(self) -> str:
-        """What has been left out, "" where nothing."""
+        """The bands that were left out, "" without any."""
         parts = []
         if self.tongues_left_out:
             kind = "slower" if self.growth_tolerance else "negligible"

@@ -65,8 +65,8 @@ class Chart(NoTruthValue, ByContent):
     growth_unit : str
         "per tau", "per unit time" (of systems) or "1/s".
     subject : dict
-        "kind" says what is charted, "fixed" lists [name, value, unit] of what does not vary; a rod's data sheet is
-        under "rod".
+        "kind" is the subject of the chart, "fixed" lists [name, value, unit] of the fixed quantities; a rod's data
+        sheet is under "rod".
     growth_tolerance : float
         Growth, in ``growth_unit``, up to which a point counts as stable.
     criterion : str
@@ -122,7 +122,7 @@ class Chart(NoTruthValue, ByContent):
         Raises
         ------
         ValueError
-            Where the chart does not know what it is a chart of: one from a file, saved before its bands were computed.
+            Where the chart has no source: one from a file, saved before its bands were computed.
         """
         accuracy = validate.within("accuracy", accuracy, 1e-6, 0.1, "it is a share of each axis")
         validate.progress(progress)
@@ -216,7 +216,7 @@ class Chart(NoTruthValue, ByContent):
         Parameters
         ----------
         ax : matplotlib axes, optional
-            What to draw on; by default those of a new figure.
+            Axes to draw into; by default those of a new figure.
         bands : bool, optional
             Whether to draw `bands`, shapes named by mode and tongue where there is room, or the chart's points as
             pixels; by default bands, where they have been found or are found about as fast as the chart, and no `cells`

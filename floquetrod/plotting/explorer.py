@@ -51,7 +51,7 @@ class ExplorerWindow:
         """Open the window.
 
         ``moved`` is asked for what to show when a quantity has been moved, to a value in SI units; ``begin`` is called
-        when a live window has been drawn first, and then ``found``, now and then, is asked for what has been found
+        when a live window has been drawn first, and then ``found`` is called repeatedly for the results found
         since.  Limits, ``numbers`` to begin with and what is shown are in SI units, on
         the screen in ``units``; ``steps`` of the sliders are in these.
         """

@@ -71,7 +71,7 @@ def branches(
         mode = validate.integer("mode", mode, 1, MOST_HALF_WAVES, "half waves of the motion to follow")
     require_possible(rod, load)
     if quantity != "amplitude" and load.amplitude == 0.0:
-        raise validate.wrong_value("load", "must vibrate: under a constant force steady_motion tells the angle")
+        raise validate.wrong_value("load", "must vibrate: under a constant force steady_motion computes the angle")
     shapes = Shapes.of(rod, load, beam_functions(rod, mode))
     loads = [load, *(load.varied(quantity, value) for value in _values(low, high))]
     mode = _moving(model, loads, shapes, indentation) if mode is None else mode
@@ -146,7 +146,7 @@ def _searched(task: _Task, mode: int, loads: list[Load], shapes: Shapes, progres
             if not _is_on_one(parts, value, orbit, task):
                 told = shifted(progress, 2 * len(parts) * task.steps, 2 * len(parts) * task.steps)
                 parts.append(_followed(task, orbit, told))
-                if any("goes on" in end for end in parts[-1].branch.ends):
+                if any("continues" in end for end in parts[-1].branch.ends):
                     break
     except KeyboardInterrupt:
         if not parts:

@@ -215,7 +215,7 @@ def _assumed(verdict: RodStability, reach: Reach | None) -> Section:
         listed += [("", f"- {text}"), *(("", f"    {limit}") for limit in [limit_of(text)] if limit)]
     if reach is not None:
         listed += [("", f"- reach: {text}") for text in getattr(reach, "assumptions", ())]
-    return Section("What is assumed, and how far it holds", Report("", listed))
+    return Section("Assumptions, and their limits", Report("", listed))
 
 
 def _made(references: Iterable[str], again: str) -> Section:

@@ -39,7 +39,7 @@ class StabilityIntervals(Reported, NoTruthValue):
     Attributes
     ----------
     quantity : str
-        What varies: "mean force", "amplitude" or "frequency".
+        The quantity that varies: "mean force", "amplitude" or "frequency".
     unit : str
         Its unit: "N" or "rad/s".
     bounds : tuple of float
@@ -146,7 +146,7 @@ class StabilityIntervals(Reported, NoTruthValue):
         return str(self._report(self.unit, 1.0, ()))
 
     def table(self, unit: str | None = None, size: float | None = None) -> str:
-        """Return what is stable and what is not, in order, in another unit: "Hz", "rpm", "kN", "Fcr".
+        """Return the stable and unstable intervals, in order, in another unit: "Hz", "rpm", "kN", "Fcr".
 
         ``size`` is that of a unit of your own in `unit`.  Unstable bands are followed by the mode that grows fastest,
         its growth and where, and the damping required.  ValueError for units that are unknown.

@@ -87,7 +87,7 @@ class ReachProbability(Reported, ByContent):
         )
 
     def report(self) -> Report:
-        """Return the probability by depth, and what is assumed."""
+        """Return the probability by depth, and the assumptions."""
         table = zip(self.depth, self.probability, self.low, self.high, strict=True)
         columns = [("depth m", ">9"), ("probability", ">11"), ("from", ">6"), ("to", ">6")]
         rows = [[f"{depth:.6g}", *(f"{each:.3f}" for each in others)] for depth, *others in table]

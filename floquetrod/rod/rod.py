@@ -79,10 +79,10 @@ class Rod(RodData):
     inner_radius : float or str
         Inner radius r_i of a tube in m, or with a unit; from 0, a solid rod and the default, to less than ``radius``.
     fluid_inside : float or str
-        Density of what fills the tube in kg/m^3, or with a unit such as "10ppg"; 0 or more, by default 0, nothing.
+        Density of the fluid inside a tube in kg/m^3, or with a unit such as "10ppg"; 0 or more, by default 0, nothing.
         With a fluid inside or outside the load is the effective force F_wall + p_i A_i - p_o A_o.
     fluid_outside : float or str
-        Density of what surrounds the rod in kg/m^3, or with a unit; 0 or more, by default 0, nothing.  A rod that
+        Density of the fluid around the rod in kg/m^3, or with a unit; 0 or more, by default 0, nothing.  A rod that
         floats is refused.
     added_mass_coefficient : float
         Mass of the outer fluid that moves with the rod over the mass displaced, without unit; 0 or more, by default
@@ -120,7 +120,7 @@ class Rod(RodData):
     Notes
     -----
     Eq. (1) of DOI 10.1115/1.4031710, with the inertia, weight and bending stiffness of a tube in fluids.  Its parts,
-    and what follows from them, are those of `floquetrod.rod.model.data.RodData`, the data sheet.
+    and the quantities derived from them, are those of `floquetrod.rod.model.data.RodData`, the data sheet.
 
     Where the channel bends the force enters twice, m R theta_tt + E I R theta_ssss + (F R theta_s)_s + N theta = 0 with
     the contact force N = w_e sin(inclination) + F curvature per length: it restores long waves where the channel
@@ -469,7 +469,8 @@ class Rod(RodData):
             there are thousands, at low frequencies.
         like : AxialLoad, AxialWave or ForceRecord, optional
             Gives all other properties of the load; by default a sine, uniform except for the weight along the rod.
-            Where modes are coupled loads are sampled, and the ``resolution`` of the result says what may be missed.
+            Where modes are coupled loads are sampled, and the ``resolution`` of the result says how wide a band may be
+            missed.
         progress : callable, optional
             Called with the numbers of modes searched and to search.
 
@@ -552,8 +553,8 @@ class Rod(RodData):
         BucklingWarning where the weight along the rod alone buckles it, and with an UndecidedWarning where it could not
         be decided whether it is stable at zero.
 
-        ``progress`` is called with the numbers of parts of the search done and of all.  What it raises ends the search,
-        with a note up to which force nothing grows.
+        ``progress`` is called with the numbers of parts of the search done and of all.  An exception that it raises
+        ends the search, with a note up to which force nothing grows.
         """
         from floquetrod.rod.ranges import first_unstable
 
@@ -601,7 +602,8 @@ class Rod(RodData):
         ``friction`` and a ``kick`` (m/s): whether the kick destabilises no mode.  Loads that cannot be decided are
         False, with an UndecidedWarning that counts them; `verdicts` shows which.  ``like`` (AxialLoad or AxialWave)
         gives all other properties of the loads; by default a sine, uniform except for the weight along the rod.
-        ``progress`` is called now and then with the numbers of loads done and of all; what it raises ends the work.
+        ``progress`` is called repeatedly with the numbers of loads done and of all; an exception that it raises
+        ends the work.
 
         >>> Rod.nitinol().is_stable([0.34, 0.9], 0.34, 150.0)
         array([False, False])
@@ -619,7 +621,7 @@ class Rod(RodData):
             progress=progress,
         )
         what = "loads could not be decided and count as not stable"
-        return are("stable", found, what, "Rod.verdicts tells which, Rod.stability of one says why")
+        return are("stable", found, what, "Rod.verdicts shows which, Rod.stability of one says why")
 
     def verdicts(
         self,
@@ -773,7 +775,7 @@ class Rod(RodData):
         Raises
         ------
         ValueError
-            Where no orbit is found, where nothing vibrates, and for what `steady_motion` refuses.
+            Where no orbit is found, where nothing vibrates, and where `steady_motion` raises it.
 
         Notes
         -----
@@ -819,7 +821,7 @@ class Rod(RodData):
         Raises
         ------
         ValueError
-            Where the rod at rest is not stable, without damping, and for what `steady_motion` refuses.
+            Where the rod at rest is not stable, without damping, and where `steady_motion` raises it.
 
         Examples
         --------
@@ -919,7 +921,7 @@ class Rod(RodData):
             For a box whose ends do not increase, that reaches zero frequency, or that holds impossible rods; for modes
             that are coupled; for loads that need more than 20,000 modes.
         TypeError
-            For what is no number.
+            For anything that is not a number.
 
         Examples
         --------

@@ -29,8 +29,8 @@ _QUICK_SAVE = 0.25  # s: after one that takes longer, the next is put off as man
 class CheckpointWarning(UserWarning):
     """A checkpoint could not be written; the run continues, and its frames are kept in memory.
 
-    Where warnings are errors, this one is raised at the end alone: ``simulation`` is then what `simulate` would have
-    returned.
+    Where warnings are errors, this one is raised at the end alone: ``simulation`` is then the result that `simulate`
+    would have returned.
     """
 
     def __init__(self, message: str, simulation: Any = None) -> None:

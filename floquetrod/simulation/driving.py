@@ -154,7 +154,7 @@ class Driving:
                 amplitude = abs(self.harmonics[k]) * np.interp(s, fine, profile)
             most = LARGEST_STRAIN * self.rod.axial_rigidity
             found.append((frequency, first + (last - first) * s / self.rod.length, np.minimum(amplitude, most)))
-        if self.tool is not None:  # of which half goes each way, as far as no end throws it back
+        if self.tool is not None:  # of which half goes each way, as far as no end reflects it
             s = np.linspace(0.0, self.rod.length, places)
             shaken = np.full(places, self.tool.share * self.tool.amplitude)
             found.append((self.tool.frequency, first + (last - first) * s / self.rod.length, shaken))

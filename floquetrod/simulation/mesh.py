@@ -170,7 +170,7 @@ class DiscreteRod:
         return 2.0 * self.contact_damping * math.sqrt(1.5 * self.depth_at_rest / self.gravity_on_wall)
 
     def physics(self, driving: Driving, step: float, friction: Friction = FRICTIONLESS) -> rod_motion.Physics:
-        """Return what the kernels compute with."""
+        """Return the record of numbers for the kernels."""
         rod, load = self.rod, driving.load
         upper, lower = driving.ends
         return rod_motion.Physics(

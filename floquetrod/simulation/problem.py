@@ -107,8 +107,8 @@ class SimulationProblem:
     Raises
     ------
     TypeError, ValueError
-        For what cannot be simulated: among others an unstable time step, a run of more than 1e14 steps times segments,
-        some two weeks, and frames that take more than 4 GiB.
+        For problems that cannot be simulated: among others an unstable time step, a run of more than 1e14 steps times
+        segments, some two weeks, and frames that take more than 4 GiB.
 
     Notes
     -----
@@ -208,7 +208,7 @@ class SimulationProblem:
 
     @cached_property
     def time_steps(self) -> TimeSteps:
-        """The steps to be taken, with their number, how many between frames, their size in s, and what limits it."""
+        """The steps to be taken, with their number, how many between frames, their size in s, and the limit on it."""
         speed = float(np.abs(self.perturbation.velocities(self.segments)).max())
         return time_steps(self.mesh, self.duration, self.frames, self.time_step, speed)
 
@@ -360,8 +360,8 @@ class SimulationProblem:
         if axis is None and self.rod.curvature != 0.0:
             raise validate.wrong_value(
                 "rod",
-                "must have a path to be simulated where its channel bends: a curvature alone does not tell how the "
-                "inclination changes; give path=WellPath.arc(...)",
+                "must have a path to be simulated where its channel bends: a curvature alone does not determine how "
+                "the inclination changes; give path=WellPath.arc(...)",
             )
         if natural != 0.0 and axis is None:
             raise validate.wrong_value(
@@ -415,7 +415,7 @@ class Simulation(Reported, RecordedMotion):
     problem : SimulationProblem
         The problem: rod, load, perturbation, friction, segments and so on.
     time_steps : TimeSteps
-        The steps taken: their number, how many between frames, their size in s, and what limited it.
+        The steps taken: their number, how many between frames, their size in s, and the limit on it.
     time : ndarray (frames,)
         In s.
     positions : ndarray (frames, nodes, 3)
@@ -475,9 +475,9 @@ class Simulation(Reported, RecordedMotion):
             mode = validate.integer("mode", mode, 1, self._most_modes, self._why_no_more)
         problem = self.problem
         if problem.wall_friction.largest > 0.0:
-            raise validate.wrong_value("growth_rate", "needs a frictionless run; with friction look at mode_amplitudes")
+            raise validate.wrong_value("growth_rate", "needs a frictionless run; with friction use mode_amplitudes")
         if problem.tool is not None:
-            raise validate.wrong_value("growth_rate", "needs a run without a tool; with one look at mode_amplitudes")
+            raise validate.wrong_value("growth_rate", "needs a run without a tool; with one use mode_amplitudes")
         return growth_of_motion(
             self, problem.rod, problem.load, mode, problem.duration, problem.frames, problem.indentation
         )
@@ -485,7 +485,7 @@ class Simulation(Reported, RecordedMotion):
     def findings(self, *, theory: bool = True) -> Findings:
         """Return the fitted growth and that of theory as `Findings`, which can be read as a report.
 
-        Without ``theory`` what was simulated alone; theory takes half a minute for coupled modes of a kilometre.
+        Without ``theory`` only the simulation; theory takes half a minute for coupled modes of a kilometre.
         """
         return Findings.of(self, theory=validate.flag("theory", theory))
 
@@ -524,7 +524,7 @@ class Simulation(Reported, RecordedMotion):
     def note(self) -> str:
         """Why the mode named may not be that of the rod, "" without a reason.
 
-        Segments too few for what grows by theory, or a rod that has left the wall.
+        Too few segments for the modes that grow by theory, or a rod that has left the wall.
         """
         notes = [self.problem.unresolved] if self.buckled else []
         if self.left_wall > _MOSTLY_ON:

@@ -36,7 +36,7 @@ def simulate(
 ) -> Simulation:
     """Simulate a rod in its channel: stretch, bending and twist, contact with the wall, Coulomb friction.
 
-    All but the last two arguments make a `SimulationProblem`, which describes them, and raises for what it cannot take.
+    All but the last two arguments make a `SimulationProblem`, which describes them, and raises errors for invalid ones.
 
     Parameters
     ----------

@@ -19,7 +19,7 @@ STEP_LIMITS = ("stretch", "bend", "contact", "choice")
 
 @dataclass(frozen=True)
 class TimeSteps:
-    """The time steps of a run: their number, how many lie between frames, their size in s, and what limits it."""
+    """The time steps of a run: their number, how many lie between frames, their size in s, and the limit on it."""
 
     count: int
     per_frame: int
@@ -39,7 +39,7 @@ class TimeSteps:
 
 
 def critical_time_step(mesh: DiscreteRod, impact_speed: float = 0.0) -> tuple[float, str]:
-    """Return the largest stable time step in s, with a margin, and what limits it: "stretch", "bend" or "contact".
+    """Return the largest stable time step in s, with a margin, and its limit: "stretch", "bend" or "contact".
 
     The fastest motion of the linearised rod in which neighbours move against each other has the frequency w; a step
     below 2 / w is stable.  Stretch: w = (7/6) (2 / l) sqrt(E / rho).  Bending: w^2 = (7/6)^2 (4/3) 16 E I / (m_t l^4).

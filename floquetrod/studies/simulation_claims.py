@@ -245,7 +245,7 @@ def f7_c(study: SimulationStudy) -> Claim:
         draw_text(study.draws),
         not buckled,
         "A mode that friction holds when it moves alone escapes when others move as well, for friction opposes the "
-        "sign of the sum and is shared among them. What was drawn decides; the paper does not tell its draw.",
+        "sign of the sum and is shared among them. The draw decides; the paper does not state its draw.",
         none_buckles and len(buckled) > 0 and sum(o.buckled for o in alone) < 0.25 * len(alone),
     )
 

@@ -27,7 +27,7 @@ def figure_4(study: SimulationStudy) -> Any:
         f"Simulated rods without friction from above, {_segments(study.figure_4)}, amplitude {trial.amplitude:g} "
         f"F_cr, started with random speeds ({trial.case}): four times of the last quarter of {problem.duration:g} s, "
         "black where farthest out. The scale across is stretched; the forces at 85 rad/s, which the paper does not "
-        "tell, are ours.",
+        "state, are ours.",
         112,
     )
     return figure

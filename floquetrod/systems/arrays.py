@@ -43,7 +43,7 @@ def is_stable(systems: System, *, workers: int | None = None, progress: Progress
     workers : int, optional
         Threads; by default one for each core when there is enough to do.
     progress : callable, optional
-        Called now and then with the numbers of systems done and to do: those on a boundary to rounding are decided one
+        Called repeatedly with the numbers of systems done and to do: those on a boundary to rounding are decided one
         by one, with up to 60 digits, which takes a tenth of a second of two equations, and seconds of many.  What it
         raises ends the work.
 
@@ -68,7 +68,7 @@ def is_stable(systems: System, *, workers: int | None = None, progress: Progress
     """
     found = shaped(verdicts(systems, workers=workers, progress=progress).status, systems.shape)
     what = "systems could not be decided and count as not stable"
-    return are("stable", found, what, "floquetrod.stability of one says why, and goes on to more digits")
+    return are("stable", found, what, "floquetrod.stability of one says why, and continues to more digits")
 
 
 def growth_rate(systems: System, *, workers: int | None = None, progress: Progress | None = None) -> Any:
@@ -285,7 +285,7 @@ def _batch(systems: Any) -> _Batch:
 def _over(
     batch: _Batch, fill: Callable[[slice], None], workers: int | None, report: Callable[[int], None] | None
 ) -> None:
-    """Call ``fill`` with parts of a batch, in threads if it pays, and ``report`` now and then how many are done."""
+    """Call ``fill`` with parts of a batch, in threads if it pays, and ``report`` repeatedly how many are done."""
     size = len(batch.period)
     step = max(1, _AT_ONCE // batch.order**2)
     parts = [(slice(start, min(size, start + step)),) for start in range(0, size, step)]

@@ -129,7 +129,7 @@ def first_order_tongues(system: HillSystem) -> tuple[FirstOrderTongue, ...]:
     Raises
     ------
     TypeError, ValueError
-        For what is not one HillSystem as described, and for modes whose decay rate is negative.
+        For anything but one HillSystem as described, and for modes whose decay rate is negative.
 
     Notes
     -----

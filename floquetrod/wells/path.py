@@ -59,7 +59,7 @@ class WellPath(Reported, ByContent, TellsAttributes):
     Raises
     ------
     TypeError, ValueError
-        For what is no path; the message names the station, counted from 1.
+        For stations that make no path; the message names the station, counted from 1.
 
     Warns
     -----
@@ -189,7 +189,7 @@ class WellPath(Reported, ByContent, TellsAttributes):
         angle_unit : str, optional
             Unit of the angles, by default that in their headings, else deg.
         delimiter : str, optional
-            What separates columns, by default the first of semicolon, tab, comma and space in the line of the headings.
+            Separator of columns, by default the first of semicolon, tab, comma and space in the line of the headings.
             With another one than the comma, numbers may have decimal commas.
 
         Raises
@@ -308,7 +308,7 @@ class WellPath(Reported, ByContent, TellsAttributes):
         Raises
         ------
         TypeError, ValueError
-            For what are no angles, and where the path then reverses its direction between two stations.
+            For values that are not angles, and where the path then reverses its direction between two stations.
 
         Examples
         --------

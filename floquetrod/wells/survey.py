@@ -122,7 +122,7 @@ def _faults(columns: dict[str, Floats]) -> Iterator[Fault]:
             "inclination",
             int(i) + 2,
             f"must not reverse the direction, got {math.degrees(angles[i]):.4g} deg "
-            f"from that at {depth[i]:g} m; give stations between, which tell to which side",
+            f"from that at {depth[i]:g} m; give stations between, which determine the side",
         )
 
 

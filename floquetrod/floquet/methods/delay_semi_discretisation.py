@@ -27,7 +27,7 @@ _NEIGHBOURS = 4  # points of the history that a delayed value is interpolated fr
 
 
 def semi_discretisation(system: DelaySystem, *, above: float = 0.3) -> SystemStability:
-    """Classify by steps over which coefficients are those of the middle, and what comes back varies linearly.
+    """Classify by steps over which coefficients are those of the middle, and the delayed term varies linearly.
 
     A step is the exponential of the state's own matrix and of that of a linear force.  Delayed values are interpolated
     by cubics between the ends of steps, which lie on all jumps.  The multipliers of three maps, each with steps half as

@@ -228,7 +228,7 @@ def _check_work(pieces: int, bits: int, harmonics: int) -> None:
     terms = 4.0 * pieces * bits / 2.0
     work = terms * (1.0 + 0.5 * harmonics) * (1.0 + (bits / 1500.0) ** 1.6)
     if work > _LARGEST_WORK:
-        raise TooMuchWork(f"{pieces} pieces of the period with {bits} bits are more work than is worth waiting for")
+        raise TooMuchWork(f"{pieces} pieces of the period with {bits} bits would take too long")
 
 
 def _period(equation: Equation, context: Any) -> Any:

@@ -158,7 +158,7 @@ def _hill(equation: Equation) -> Stability:
     if not error <= _LARGEST_ERROR:
         # The count holds, but the eigenvalues of a matrix so far from normal say nothing of the growth.
         status, error = "undecided", math.inf
-        note = "grows too much in a period for eigenvalues in double precision to tell; use method='monodromy'"
+        note = "grows too much in a period for eigenvalues in double precision; use method='monodromy'"
     return classify(
         equation,
         "spectral",

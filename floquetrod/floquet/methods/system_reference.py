@@ -96,7 +96,7 @@ def reference(
         found, used, numerical = _attempt(system, context, digits, terms)
         terms += used
         if found is None:
-            note = f"{digits} digits are more work than is worth waiting for"
+            note = f"{digits} digits would take too long"
             return (
                 SystemStability.declined(system, "reference", Cost(terms, "terms"), note) if result is None else result
             )

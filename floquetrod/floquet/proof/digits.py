@@ -29,5 +29,5 @@ def settled(attempt: Callable[[int], Proof], most: int, undecided: Callable[[int
                 return undecided(digits, reason)
         except TooMuchWork as why:
             before = f"{reason}; " if reason else ""
-            return undecided(digits, f"{before}{why} are more work than is worth waiting for")
+            return undecided(digits, f"{before}{why} would take too long")
         digits = min(2 * digits, most)

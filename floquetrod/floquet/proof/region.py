@@ -82,7 +82,7 @@ class RegionProof(Reported, NoTruthValue):
     shares : Shares
         How much of the box was proved stable, and unstable.
     statement : str
-        What was proved, in a sentence.
+        The proved statement, in a sentence.
     note : str
         Where undecided, why.
     assumptions : tuple of str
@@ -107,7 +107,7 @@ class RegionProof(Reported, NoTruthValue):
 
     @property
     def references(self) -> tuple[str, ...]:
-        """What to cite, in plain text with DOI, floquetrod first, then the sources of what was used."""
+        """Publications to cite, in plain text with DOI: floquetrod first, then the sources of the methods used."""
         kind = "equation" if self._is_of_rods or isinstance(self.subject, type) else "system"
         return references((kind, "certify"), *((("rod", "model"),) if self._is_of_rods else ()))
 
@@ -286,7 +286,7 @@ def subdivide(
     max_boxes : int
         Parts to look at before it is given up.  It ends, too, once one is proved quiet and one growing.
     progress : callable, optional
-        Called with the number of parts examined, now and then.
+        Called repeatedly with the number of parts examined.
     """
     search = kernels.box_search(np.array(box), last, min(max_boxes, _MOST_AT_ONCE))
     counts = search.counts

@@ -43,17 +43,17 @@ class Proof(Reported, Answer):
         The equation or system, its parameters taken as the exact binary numbers they are, except for those in
         ``exact``.
     status : {"stable", "unstable", "undecided"}
-        What was proved; "stable": every solution stays bounded (decays, if damped and not at rest).
+        The proved status; "stable": every solution stays bounded (decays, if damped and not at rest).
     interval : Interval or None
         Stability interval or tongue of the equation with its damping removed, where the proof was by counting.
     digits : int
         Decimal digits of the arithmetic that decided, or of the last attempt; 0 where no arithmetic was needed.
     statement : str
-        What was proved, in a sentence.
+        The proved statement, in a sentence.
     enclosures : tuple of Enclosure
         The quantities whose signs decided.
     exact : tuple of (str, Fraction)
-        Parameters that are not binary numbers: what was proved holds for these, ``equation`` has the nearest doubles.
+        Parameters that are not binary numbers: the proof holds for these, ``equation`` has the nearest doubles.
     """
 
     equation: Equation | HillSystem | PeriodicSystem | DelaySystem
@@ -66,16 +66,16 @@ class Proof(Reported, Answer):
 
     @property
     def references(self) -> tuple[str, ...]:
-        """What to cite, in plain text with DOI, floquetrod first, then the sources of what was used."""
+        """Publications to cite, in plain text with DOI: floquetrod first, then the sources of the methods used."""
         return references(*used_on(self.equation, "certify"))
 
     def report(self) -> Report:
-        """Return what was proved."""
+        """Return the proof in lines."""
         head = "UNDECIDED" if self.status == "undecided" else f"PROVED {self.status.upper()}"
         return Report(f"{head}: {self.statement} ({self.digits} digits)")
 
     def as_dict(self) -> dict[str, Any]:
-        """Return what was proved for JSON."""
+        """Return the proof for JSON."""
         return {"status": self.status, "statement": self.statement, "digits": self.digits}
 
     def where(self, _shown: Any = None, _sides: Any = ()) -> str:

@@ -196,7 +196,7 @@ class SystemStability(FloquetVerdict):
         return Table([*columns, ("Krein sign", ">5")], rows, rest) if rows else None
 
     def as_dict(self, *, damping: bool = False) -> dict[str, Any]:
-        """Return the verdict as numbers for JSON; None for what is infinite or not known.
+        """Return the verdict as numbers for JSON; None for numbers that are infinite or not known.
 
         With the ``damping`` that stabilises, a search.
         """

@@ -94,7 +94,7 @@ class MeanForce(Reported, ByContent):
         return f"{where} needs {size} of {'push' if self.at_top >= 0.0 else 'pull'} at {self.depth[0]:.6g} m"
 
     def report(self) -> Report:
-        """Return the force, the buckled depths and what is assumed."""
+        """Return the force, the buckled depths and the assumptions."""
         lines = [("snaking", _depths(self.depth, self.is_snaking)), ("helix", _depths(self.depth, self.is_helix))]
         return Report(self._in_words, [*lines, ("assumed", "; ".join(ASSUMED))])
 
@@ -172,7 +172,7 @@ def friction_along(given: Any) -> Friction:
         values.append(friction_coefficient(pair[1]))
     if not depths or depths[0] > 0.0 or any(a >= b for a, b in itertools.pairwise(depths)):
         raise validate.wrong_value(
-            "friction", f"must begin at depth 0 and go on with greater depths, got {validate.short(given)}"
+            "friction", f"must begin at depth 0 and continue with greater depths, got {validate.short(given)}"
         )
     return Friction(tuple(depths), tuple(values))
 

@@ -223,7 +223,7 @@ class Reach(Reported, ByContent):
         """The assumptions."""
         local = (
             "growth is that of a long string under the force at each depth, with the rod's damping and with friction, "
-            f"which damps a lateral wave the less the faster it moves: here {with_unit(self.sliding, 'm/s', 3)}"
+            f"which damps a lateral wave less if it moves faster: here {with_unit(self.sliding, 'm/s', 3)}"
         )
         more = (local,) if self.tool else ()
         return (*ASSUMED, *more, "linear elasticity, beyond yield too; stress with equal pressures inside and outside")

@@ -146,7 +146,7 @@ class ReportedVerdict(Reported, _RodVerdict):
     def report(
         self, units: Mapping[str, str] | None = None, margins: Mapping[Quantity, Margin] | None = None
     ) -> Report:
-        """Return the verdict in lines and a table: what grows, rod and load, growth, margins, method, modes.
+        """Return the verdict in lines and a table: resonances, rod and load, growth, margins, method, modes.
 
         Parameters
         ----------
@@ -213,7 +213,7 @@ class ReportedVerdict(Reported, _RodVerdict):
         return lines
 
     def as_dict(self, margins: Mapping[Quantity, Margin] | None = None) -> dict[str, Any]:
-        """Return the verdict as numbers for JSON, units in the keys; None for what is infinite or not known.
+        """Return the verdict as numbers for JSON, units in the keys; None for numbers that are infinite or not known.
 
         With ``margins``, which `margins` returns, these and the damping that stabilises.
         """
@@ -258,7 +258,7 @@ class ReportedVerdict(Reported, _RodVerdict):
 def _unchanged(margin: Margin, name: Quantity, unit: Unit) -> str:
     """Return that no change was found, and up to where was searched."""
     if not any(margin.searched):
-        return "not searched: so many modes take minutes; in Python, verdict.margin goes on, with progress"
+        return "not searched: so many modes take minutes; in Python, verdict.margin continues, with progress"
     if not margin.resolution:
         return f"no change {_SEARCHED_TO[name]}"
     below, above = (unit.show(value, 4) for value in margin.searched)

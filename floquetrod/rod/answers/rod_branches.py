@@ -141,7 +141,7 @@ class RodBranches(ByContent, Reported, NoTruthValue):
     @property
     def is_whole(self) -> bool:
         """Whether no branch was interrupted, or ran out of steps."""
-        return not any("goes on" in end for part in self.parts for end in part.branch.ends)
+        return not any("continues" in end for part in self.parts for end in part.branch.ends)
 
     def at(self, value: float | str) -> list[tuple[float, str]]:
         """Return the largest angles in rad at a value of the parameter, smallest first, and whether each is stable.
@@ -199,7 +199,7 @@ class RodBranches(ByContent, Reported, NoTruthValue):
             lines.append(("contact", f"is about to be lost from {min(lost):.3g} degrees on: simulate the rod there"))
         if self.slope.max() > LARGE_SLOPE:
             lines.append(("slopes", f"up to {self.slope.max():.2g}: the equations are those of small ones"))
-        lines.append(("status", f"of deviations in modes {listed(self.modes)}; steady_motion judges all modes"))
+        lines.append(("status", f"of deviations in modes {listed(self.modes)}; steady_motion includes all modes"))
         return Report(self._in_words, lines, Table(_COLUMNS, [_row(i, part) for i, part in enumerate(self.parts)]))
 
     def as_dict(self) -> dict[str, Any]:

@@ -117,7 +117,7 @@ class SafeBox(Reported, NoTruthValue):
         return Table(list(zip(titles, layout, strict=True)), rows)
 
     def report(self, units: Mapping[str, str] | None = None) -> Report:
-        """Return the `table` with what its proof assumes; its text is ``str(report)``, a notebook shows it as a table.
+        """Return the `table` with the assumptions of its proof; its text is ``str(report)``, a notebook shows a table.
 
         ``units`` in which to show mean, amplitude and frequency: ``{"mean": "Fcr", "frequency": "Hz"}``.
         """

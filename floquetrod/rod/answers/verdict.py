@@ -33,7 +33,7 @@ if TYPE_CHECKING:
 
 
 _TOLD_OF_ONE = ("mode_verdicts", "mode_growth_rates", "mode_equations", "whole", "convergence", "shape", "system")
-"""What is told of one kind of modes alone."""
+"""Names that are defined for one kind of modes only."""
 
 
 class Shape(NamedTuple):
@@ -217,7 +217,7 @@ class RodStability(Verdict, ReportedVerdict):
 
     @property
     def references(self) -> tuple[str, ...]:
-        """What to cite, in plain text with DOI, floquetrod first, then the sources of what was used."""
+        """Publications to cite, in plain text with DOI: floquetrod first, then the sources of the methods used."""
         return united(references(("rod", "model")), self.evidence.references)
 
     @property
@@ -237,15 +237,15 @@ class RodStability(Verdict, ReportedVerdict):
 
     @property
     def resonances(self) -> tuple[Resonance, ...]:
-        """What grows, the fastest first, such as "direct resonance of mode 7, order 1", or a combination of two modes.
+        """The resonances that grow, the fastest first, such as "direct resonance of mode 7, order 1".
 
-        Where modes are coupled it is named by a heuristic, see `SystemStability`.
+        A combination resonance has two modes.  Coupled modes are named by a heuristic, see `SystemStability`.
         """
         return self.evidence.resonances
 
     @property
     def unstable_modes(self) -> tuple[int, ...]:
-        """Modes that grow, or take part in what grows, faster than the tolerance."""
+        """Modes that grow, alone or in a combination, faster than the tolerance."""
         return self.evidence.unstable_modes(self)
 
     @property
@@ -264,7 +264,7 @@ class RodStability(Verdict, ReportedVerdict):
         """
         return self.evidence.damping_to_stabilise(self)
 
-    # --- told of one kind of modes alone ---
+    # --- defined for one kind of modes only ---
 
     @property
     def system(self) -> ModalSystem | HillSystem:
@@ -333,12 +333,12 @@ class RodStability(Verdict, ReportedVerdict):
         return self.evidence.plot(self, ax)
 
     def _told(self, name: str) -> Any:
-        """Return what the evidence tells by a name; AttributeError where it does not."""
+        """Return an attribute of the evidence; AttributeError where it is not defined."""
         known = dir(self.evidence)
         if name in known:
             return getattr(self.evidence, name)
         told = ", ".join(each for each in _TOLD_OF_ONE if each in known)
-        raise AttributeError(f"{name} is not told of {self.evidence.kind}, which this verdict is on; look at {told}")
+        raise AttributeError(f"{name} is not defined for {self.evidence.kind}, the subject of this verdict; use {told}")
 
     def time_to_grow(self, factor: float = 10.0) -> float:
         """Return the time in s in which the fastest mode grows by ``factor``, infinite when none grows."""
@@ -380,7 +380,7 @@ class RodStability(Verdict, ReportedVerdict):
             take longer by an estimate that does not depend on the machine.
         progress : callable, optional
             Called with the numbers of hundredths of the parts of the search done and of all; a margin may be found
-            before the last.  What it raises ends the search.
+            before the last.  An exception that it raises ends the search.
 
         Returns
         -------

@@ -95,7 +95,7 @@ class FrictionalRodStability(Reported, Verdict):
 
     @property
     def references(self) -> tuple[str, ...]:
-        """What to cite, in plain text with DOI, floquetrod first, then the sources of what was used."""
+        """Publications to cite, in plain text with DOI: floquetrod first, then the sources of the methods used."""
         return self.linear.references
 
     @property
@@ -132,7 +132,7 @@ class FrictionalRodStability(Reported, Verdict):
         return self.linear.margins(seconds, progress)
 
     def plot(self, ax: Any = None) -> Any:
-        """Draw what ``linear`` does."""
+        """Draw the verdict ``linear``."""
         return self.linear.plot(ax)
 
     def report(
@@ -180,7 +180,7 @@ class FrictionalRodStability(Reported, Verdict):
     def as_dict(self, margins: Mapping[Quantity, Margin] | None = None) -> dict[str, Any]:
         """Return the verdicts with and without friction as numbers for JSON, units in the keys.
 
-        None is what is infinite or not known; ``margins`` are those of ``linear``.
+        None stands for numbers that are infinite or not known; ``margins`` are those of ``linear``.
         """
         inside, known = self.in_modes, self.critical_kick
         return {

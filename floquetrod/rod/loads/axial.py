@@ -211,7 +211,7 @@ def gaps(
             raise wrong_value(
                 "bounds",
                 f"hold {last - least + 1} axial resonances of harmonic {k}, more than {_MOST_RESONANCES} can be "
-                "gone round: give narrower bounds, or ",
+                "left out: give narrower bounds, or ",
                 Mention("axial_damping"),
             )
         for n in range(least, last + 1):

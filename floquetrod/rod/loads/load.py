@@ -227,7 +227,7 @@ class Load(TellsAttributes, ABC):
         return replace(self, mean=mean, amplitude=amplitude, frequency=frequency)
 
     def as_dict(self) -> dict[str, Any]:
-        """Return what makes an equal load, without what has its default."""
+        """Return the arguments of an equal load, without those at their defaults."""
         every = ((f, getattr(self, f.name)) for f in fields(self))
         return {f.name: value for f, value in every if f.default is MISSING or value != f.default}
 

@@ -184,7 +184,7 @@ class ForceRecord(LoadSource, ByContent):
             "FORCE_LBF" or "lbf" alone, else N: then `force_unit_named` is False, and verdicts warn where kN or mN are
             more likely, or where lbf are as likely and matter.
         delimiter : str, optional
-            What separates columns, by default the first of semicolon, tab, comma and space that the first line holds.
+            Separator of columns, by default the first of semicolon, tab, comma and space that the first line holds.
             With another one than the comma, numbers may have decimal commas.
         harmonics : int, optional
             As for `ForceRecord`.

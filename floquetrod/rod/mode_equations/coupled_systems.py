@@ -97,7 +97,7 @@ class CoupledEquations(ABC):
 
         The status is 1 where no solution grows faster than the tolerance (1/s), 0 where one does, -1 where undecided.
         With ``quick`` more loads are undecided, those next to a boundary, none of which then takes long.
-        ``progress`` is called now and then with the numbers of loads done and of all.
+        ``progress`` is called repeatedly with the numbers of loads done and of all.
         """
         status, growth = self._on_lines(loads, workers, progress)
         left = np.flatnonzero(status == -1)

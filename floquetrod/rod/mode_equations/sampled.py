@@ -327,7 +327,7 @@ class _Costs(NamedTuple):
 
     @property
     def at_once(self) -> int:
-        """Number of steps between verdicts with all modes, few enough that progress is reported now and then."""
+        """Number of steps between verdicts with all modes, few enough that progress is reported repeatedly."""
         return int(min(_AT_ONCE, max(_FEWEST_STEPS, _UNTOLD / self.step)))
 
     def seconds(self, steps: int) -> float:

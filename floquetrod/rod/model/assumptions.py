@@ -34,12 +34,12 @@ IMMERSED = ("the load is the effective force, F_wall + p_i A_i - p_o A_o", "flui
 """Which force is meant with a fluid inside or outside, and what else is assumed then."""
 
 _LIMITS = (
-    ("axial waves", "friction on the wall takes from them along the rod, which rod.reach and simulations count"),
+    ("axial waves", "friction on the wall damps them along the rod, which rod.reach and simulations include"),
     (
         "vibration uniform",
         "at a tenth of a wavelength the middle feels 5 % more than the ends; AxialWave has the waves",
     ),
-    ("the weight along", "matters where it is no small share of the mean force; give mean_at"),
+    ("the weight along", "matters where it is no small fraction of the mean force; give mean_at"),
     (
         "small angles",
         "at 15 degrees gravity acts as if 0.9 % weaker, at 30 by 3.4 %, at 60 by 13 %; beyond a quarter turn "
@@ -53,9 +53,9 @@ _LIMITS = (
     ),
     ("a wall which", "a load that lifts the rod off its wall is refused"),
     ("gentle bends", "growth differs by 0.7 % where curvature times clearance is 0.005, by 4 % where it is 0.04"),
-    ("the rod's own shape", "nothing of this where ends are clamped"),
+    ("the rod's own shape", "no effect where ends are clamped"),
     ("about the mean position", f"good below {math.degrees(MOST_FORCED):g} deg"),
-    ("weight across uniform", "give Rod(path=), which takes the weight across of every place"),
+    ("weight across uniform", "give Rod(path=), which uses the local transverse weight"),
     (WALL, "with fluids inside or outside give their densities and the effective force"),
     (IMMERSED[0], "the weight of the fluids acts, their flow does not"),
     (IMMERSED[1], "a fluid that flows, or a narrow gap in which it is squeezed, damps and adds more mass"),

@@ -232,8 +232,8 @@ class RodData(TellsAttributes):
 
         Keys are the parameters of `floquetrod.Rod`, or diameters and a wall in place of radii; values are numbers in SI
         units, or strings with a unit such as "68GPa", "0.8mm", "2.375in" or "60deg".  With ``catalogue``, the name of a
-        pipe, and ``bore`` they are the arguments of `catalogue`.  Raises ValueError, naming file and key, for what
-        cannot be read, is missing or unknown.
+        pipe, and ``bore`` they are the arguments of `catalogue`.  Raises ValueError, naming file and key, for keys that
+        cannot be read, are missing or unknown.
         """
         return read_rod(path, cls, INSTEAD)
 
@@ -241,7 +241,7 @@ class RodData(TellsAttributes):
     def catalogue(cls, name: str, *, bore: float | str, length: float | str, **changes: Any) -> Self:
         """Return a steel pipe of the catalogue, `floquetrod.rod.model.catalogue.pipes`, in a hole.
 
-        Raises ValueError or TypeError for names that are not in the catalogue and for what a rod refuses.
+        Raises ValueError or TypeError for names that are not in the catalogue and where `Rod` does.
 
         Parameters
         ----------
@@ -472,7 +472,7 @@ class RodData(TellsAttributes):
         """Return how far a string of this section, of any length, can be pushed down the channel from its upper end.
 
         ``friction`` is its coefficient along the channel, and ``far_force`` the effective compression at the lower end
-        in N, negative for a pull; ValueError or TypeError for what is neither.
+        in N, negative for a pull; ValueError or TypeError for other values.
 
         >>> RodData.nitinol().lock_up(friction=0.2)
         <locks up 103.9 m from the far end with friction 0.2>
@@ -481,7 +481,7 @@ class RodData(TellsAttributes):
         if not self.course.is_straight:
             raise validate.wrong_value(
                 "friction",
-                "is asked of a straight channel, and this one bends, where the closed form of lock-up does not hold; "
+                "is for a straight channel, and this one bends, where the closed form of lock-up does not hold; "
                 "give the rod an inclination and no curvature",
             )
         across = self.channel.gravity_across * self._weighing
@@ -572,7 +572,8 @@ def require_not_of_path(rod: RodData, names: Iterable[str], argument: str) -> No
     told = next((name for name in names if name in _OF_A_LINE), None)
     if rod.path is not None and told is not None:
         raise validate.wrong_value(
-            argument, f"must not name {told} of a rod on a path, which tells it; give the rod an inclination instead"
+            argument,
+            f"must not name {told} of a rod on a path, which determines it; give an inclination instead",
         )
 
 

@@ -128,7 +128,7 @@ def on_path(path: Any, depth: Any, length: float, instead: Mapping[str, Any]) ->
     for name, value in instead.items():
         if value is not None:
             raise validate.wrong_value(
-                name, f"must not be given with path, which tells it, got {validate.short(value)}; give one of them"
+                name, f"must not be given with path, which determines it, got {validate.short(value)}; give one of them"
             )
     if isinstance(path, Mapping):
         path = WellPath(**path)

@@ -59,8 +59,8 @@ class IndependentModel(ModeModel):
         if name == "friction" and not self.rod.course.is_straight:
             raise validate.wrong_value(
                 name,
-                "with a kick is judged in straight channels only: in this one the contact force changes with the force "
-                "along the rod; leave friction out, or give no curvature",
+                "with a kick is evaluated in straight channels only: in this one the contact force changes with the "
+                "force along the rod; leave friction out, or give no curvature",
             )
 
     @cached_property
