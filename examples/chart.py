@@ -2,7 +2,7 @@
 The stability chart
 ===================
 
-The Ince-Strutt chart of Mathieu's equation with its exact boundaries, each under its name.
+The Ince-Strutt chart of Mathieu's equation with its exact boundaries, each labelled with its name.
 """
 
 import matplotlib.pyplot as plt

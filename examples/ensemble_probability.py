@@ -36,9 +36,9 @@ found = runs.floquetrod.probability("buckled", over="seed", confidence=0.95)
 print(found.to_dataframe().round(3))
 
 # %%
-# The random kick has to be faster: it spreads over all modes, and each gets a small part of it.  The dashed curve is
-# what the mode equations say of such kicks, each mode by itself: how often one of them gets more than its own critical
-# kick.  The simulated rod buckles sooner: there all modes move at once, and friction opposes their sum, each less.
+# The random kick has to be larger, because it is spread over all modes. The dashed curve is the prediction of the mode
+# equations, one mode at a time: how often one of them gets more than its own critical kick. The simulated rod buckles
+# at smaller kicks, because all modes move at once, and friction, which opposes their sum, opposes each of them less.
 speeds = np.linspace(0.03, 0.3, 55)
 critical = {
     m: kick for m, kick in rod.stability(load, friction=mu, kick=0.3).critical_kicks.items() if np.isfinite(kick)

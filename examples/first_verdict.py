@@ -25,8 +25,8 @@ for share in (0.05, 0.20, 0.34, 0.52, 0.63):
     print(f"mean force {share:.2f} F_cr:", verdicts[share])
 
 # %%
-# Why stability comes and goes: each mode is a point on the chart of Mathieu's equation, and a mean force lifts all.
-# Mode 7 has passed through the first tongue when mode 8 enters it, and so on.
+# Why stability comes and goes: each mode is a point on the chart of Mathieu's equation, and a larger mean force moves
+# all points up. Mode 7 has passed through the first tongue when mode 8 enters it, and so on.
 axes = fr.mathieu.chart((0.0, 0.2, 100), (-0.8, 0.1, 100)).plot()
 for (share, verdict), marker in zip(verdicts.items(), "os^Dv", strict=True):
     alpha, beta = np.array([(mode.alpha, mode.beta) for mode in verdict.mode_equations]).T

@@ -17,8 +17,8 @@ omega, periods, rate = 150.0, 12.4, 3000.0
 rng = np.random.default_rng(7)
 
 # %%
-# The record, made up here, is no whole number of periods long: a mean, a fundamental, a second harmonic nearly as
-# strong, a weak third, and noise.  From a file it would be ``fr.ForceRecord.from_csv("force.csv")``.
+# The record, which is synthetic here, does not cover a whole number of periods: a mean, a fundamental, a second
+# harmonic nearly as strong, a weak third, and noise.  From a file it would be ``fr.ForceRecord.from_csv("force.csv")``.
 t = np.arange(0.0, periods * 2.0 * np.pi / omega, 1.0 / rate)
 force = rod.critical_force * (
     0.36
@@ -29,7 +29,7 @@ force = rod.critical_force * (
 )
 
 # %%
-# The period is found, and of the harmonics those are kept that noise alone would hardly ever make.
+# The period is found, and the harmonics are kept that noise alone is very unlikely to produce.
 record = fr.ForceRecord(t, force)
 print(record)
 print(f"frequency {record.frequency:.3f} +- {record.frequency_error:.3f} rad/s")
@@ -37,7 +37,7 @@ for k in record.harmonic_numbers:
     print(f"harmonic {k}: {abs(record.harmonics[k - 1]):.4f} +- {record.harmonic_errors[k - 1]:.4f} N")
 
 # %%
-# It is a load like any other.  With its fundamental alone one would have called it safe.
+# It is a load like any other. Its fundamental alone would have been called safe.
 load = fr.AxialLoad(record.mean, record.amplitude, record.frequency, waveform=record.waveform)
 verdict = rod.stability(load)
 alone = fr.AxialLoad(record.mean, abs(record.harmonics[0]), record.frequency)

@@ -3,7 +3,7 @@ Which frequency should I choose?
 ================================
 
 The safe windows of a rod: every interval of the frequency in which no mode grows, without a grid, so that none is
-missed.  The widest one leaves the most room for a drive that does not hold its speed.
+missed.  The widest one allows the largest variation of the drive's speed.
 """
 
 import matplotlib.pyplot as plt
@@ -17,12 +17,12 @@ mean, amplitude = 0.35 * rod.critical_force, 0.2 * rod.critical_force
 bounds, tolerance = (60.0, 260.0), 0.02
 
 # %%
-# Growth of up to 0.02 per second is accepted here: tenfold in two minutes, less than the slightest damping takes away.
+# Growth of up to 0.02 per second is accepted here: tenfold in two minutes, less than the slightest damping removes.
 windows = rod.stable_frequencies(mean, amplitude, bounds=bounds, growth_tolerance=tolerance)
 print(windows)
 
 # %%
-# Take the middle of the window with the largest room relative to its frequency, and ask how far the load may stray.
+# Take the middle of the window with the largest room relative to its frequency, and ask how far the load may vary.
 best = max(windows, key=lambda window: window.high / window.low)
 choice = 0.5 * (best.low + best.high)
 verdict = rod.stability(fr.AxialLoad(mean, amplitude, choice), growth_tolerance=tolerance)

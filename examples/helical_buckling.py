@@ -2,8 +2,8 @@
 Waves, a helix, and lock-up
 ===========================
 
-Beyond the critical force a rod waves to and fro on the floor of its channel; pushed on, it winds up the wall into a
-helix, whose own contact force brakes it until it locks up.  The simulation is compared with formulas from drilling.
+Beyond the critical force a rod buckles into waves on the floor of its channel; pushed further, it forms a helix, whose
+own contact force brakes it until it locks up.  The simulation is compared with formulas from drilling.
 """
 
 import matplotlib.pyplot as plt
@@ -12,7 +12,7 @@ import numpy as np
 import floquetrod as fr
 from floquetrod.plotting import palette
 
-# A polyethylene rod: soft, so that a slow push is soon simulated.
+# A polyethylene rod: soft, so that a slow push takes little time to simulate.
 rod = fr.Rod(0.2e9, 1000.0, diameter=20e-3, length=8.5, channel_diameter=30e-3, damping_rate=2.0)
 unit, gap, bending = rod.critical_force, rod.radial_clearance, rod.flexural_rigidity
 weight = rod.mass_per_length * rod.effective_gravity
@@ -80,8 +80,8 @@ plt.show()
 
 # %%
 # Pushed along the channel against 4 F_p at its lower end, with friction 0.15: strings of 0.3, 0.5 and 1.2 of the
-# lock-up length.  The first two slide, and the force settles below the tangent formula, most of all because reversals
-# press less on the wall.  The third locks up: its far end is not pushed along while the force climbs.
+# lock-up length.  The first two slide, and the force settles below the tangent formula, mainly because reversals press
+# less on the wall. The third locks up: its far end does not move while the force rises.
 slider = rod.replace(ends="free", damping_rate=60.0)
 formula = slider.lock_up(friction=0.15, far_force=4.0 * unit)
 print(formula)

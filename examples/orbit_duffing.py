@@ -3,7 +3,7 @@ A resonance that bends over
 ===========================
 
 A spring that stiffens bends the resonance of x'' + c x' + x + x^3 = cos(omega t) to higher frequencies, until between
-two folds three motions are possible: two are stable, and which one it is depends on how it began.
+two folds three motions are possible: two are stable, and the initial conditions decide between them.
 """
 
 from typing import Any
@@ -37,7 +37,7 @@ axes.annotate("c = 0.2", (1.6, 2.0), ha="right", fontsize="small")
 axes.annotate("c = 0.4", (1.5, 0.8), ha="right", fontsize="small")
 
 # %%
-# At a frequency between the folds, the three orbits: the unstable one parts the motions that end on one from those
+# At a frequency between the folds, the three orbits: the unstable one separates the motions that end on one from those
 # that end on the other.
 omega = 1.9
 crossings = np.flatnonzero(np.diff(np.sign(branches[0].values - omega)))

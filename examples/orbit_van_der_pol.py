@@ -2,8 +2,8 @@
 A relaxation oscillation
 ========================
 
-The limit cycle of van der Pol's equation x'' - mu (1 - x^2) x' + x = 0, from nearly harmonic to one that creeps and
-jumps, with its period and its multiplier.
+The limit cycle of van der Pol's equation x'' - mu (1 - x^2) x' + x = 0, from nearly harmonic to one with slow and fast
+phases, with its period and its multiplier.
 """
 
 from typing import Any
@@ -42,8 +42,8 @@ axes[1].set_xlabel("x")
 axes[1].set_ylabel("x'")
 
 # %%
-# Followed over mu, the period grows from 2 pi towards (3 - 2 log 2) mu, and the one multiplier that is not the orbit's
-# own motion falls faster than exponentially: the area under the logarithm is what the damping takes in a period.
+# Followed over mu, the period grows from 2 pi towards (3 - 2 log 2) mu, and the one multiplier besides the trivial 1
+# falls faster than exponentially: the area under the logarithm is the damping over a period.
 branch = fr.follow(orbits[0], over={"mu": (0.05, 5.0)})
 figure, axes = plt.subplots(1, 2, figsize=(9.0, 3.6), layout="constrained")
 branch.plot(axes[0], quantity="period")

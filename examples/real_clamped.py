@@ -17,7 +17,7 @@ unit = wire.critical_force
 print(f"critical force {unit:.2f} N, half wave {wire.critical_half_wave:.3f} m")
 
 # %%
-# The constant force that buckles it, by its ends: so short a wire, of three half waves, feels them.
+# The constant force that buckles it, by its ends: for so short a wire, of three half waves, the ends matter.
 kinds = ("hinged", "clamped-hinged", "clamped", "clamped-guided", "clamped-free")
 for ends in kinds:
     least = wire.replace(ends=ends).critical_mean_force(0.0, 1.0)

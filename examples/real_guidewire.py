@@ -3,7 +3,7 @@ A guidewire in a catheter
 =========================
 
 A wire in a catheter filled with saline is clamped where it is driven, and vibrated along its axis.  At which
-frequencies does it begin to snake across the catheter, and how much does the hold of its tip matter?
+frequencies does it begin to snake across the catheter, and how much does the support of its tip matter?
 """
 
 import matplotlib.pyplot as plt

@@ -38,7 +38,7 @@ print(run)
 print(f"growth: simulated {fit}; predicted {verdict.growth_rate:.4g} 1/s")
 
 # %%
-# What grows has the shape that theory says.  Theory's shape is that of its largest instant, its growth removed; the
+# The growing shape is that of theory. The shape of theory is that at its largest instant, with its growth removed; the
 # simulated one is the instant of largest deflection of the last two periods of the vibration in which angles are small.
 shape = verdict.shape
 end = int(np.argmax(run.largest_angle > 0.1))
@@ -62,6 +62,6 @@ run.plot_growth(below)
 plt.show()
 
 # %%
-# Friction decides in a real hole.  Against friction 0.3 the same string, started alike, comes to rest.
+# In a real hole friction decides. With friction 0.3 the same string, with the same start, comes to rest.
 rough = fr.simulate(string, load, duration=20 * period, friction=0.3, perturbation=start)
 print(rough)

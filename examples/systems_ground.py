@@ -2,7 +2,7 @@
 Ground resonance with one damper out
 ====================================
 
-A helicopter on the ground: four blades that swing in the plane of the rotor, on a hub that gives way.  The mass matrix
+A helicopter on the ground: four blades that swing in the plane of the rotor, on a hub that can move.  The mass matrix
 turns with the rotor, so the system is given as a function.  With one of the four lag dampers out it is unstable in a
 range of rotor speeds.
 """

@@ -2,8 +2,8 @@
 A noisy tongue
 ==============
 
-White noise beside the periodic force widens a resonance tongue, and lowers its tip: the stable forcing decreases, and
-above some intensity there is none.  The verdicts are in mean square.
+White noise in addition to the periodic force widens a resonance tongue, and lowers its tip: the stable forcing
+decreases, and above some intensity there is none.  The verdicts are in mean square.
 """
 
 import matplotlib.pyplot as plt

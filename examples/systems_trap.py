@@ -54,8 +54,8 @@ for factor in (0.99, 1.01):
     print(f"{factor} times that a:", fr.stability(trap(factor * apex_a, apex_q)))
 
 # %%
-# At one setting of the filter all masses lie on a line through the origin, both a and q being inverse to the mass.  A
-# line just below the apex lets a narrow range of masses through.
+# At one setting of the filter all masses lie on a line through the origin, because a and q are both inversely
+# proportional to the mass.  A line just below the apex lets a narrow range of masses through.
 slope = 0.98 * apex_a / apex_q
 x, y = fr.conventions.from_aq(a=slope * q, q=q), fr.conventions.from_aq(a=-slope * q, q=-q)
 passed = q[fr.mathieu.is_stable(*x) & fr.mathieu.is_stable(*y) & (q > 0.0)]

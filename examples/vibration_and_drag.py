@@ -3,7 +3,7 @@ Vibration reduces drag
 ======================
 
 Dry friction opposes the velocity.  A string that vibrates along its channel faster than it is pushed slides backwards
-for a part of every period, and is dragged the less: so much that a string can be pushed past its lock-up length.
+for a part of every period, which reduces its drag, so much that a string can be pushed past its lock-up length.
 """
 
 import matplotlib.pyplot as plt
@@ -18,8 +18,8 @@ weight = rod.mass_per_length * rod.effective_gravity
 
 # %%
 # First a short straight rod, too weakly pushed to buckle.  Its upper end is fed at v, a force of 10 Hz vibrates its
-# lower end, and at s the rod vibrates with the speed A(s).  Coulomb's law, averaged over a period, drags with
-# 2/pi asin(v / A) of its size where A > v.  (The simulated drag is 2 % smaller: the hinges carry the rod's ends.)
+# lower end, and at s the rod vibrates with the speed A(s).  Coulomb's law, averaged over a period, gives a drag of 2/pi
+# asin(v / A) of its full value where A > v.  (The simulated drag is 2 % smaller: the hinges carry the rod's ends.)
 friction, hertz, segments = 0.05, 10.0, 48
 load = fr.AxialLoad.hertz(0.1 * unit, 0.25 * unit, hertz)
 kappa, s = load.frequency / rod.wave_speed, np.linspace(0.0, rod.length, 2001)[1:]

@@ -21,10 +21,9 @@ well = fr.WellPath.from_csv(here.with_name("survey.csv"))
 print(well)
 
 # %%
-# First this 2 inch tubing lying level, in channels of other curvatures.  The force from which it buckles solves
-# F^2 = 4 E I (q + F k), with k the curvature and q the weight of a length, each over the radial clearance (He and
-# Kyllingstad 1995).  Independently, verdicts tell whether any mode of 600 m grows: where one begins to is found by
-# halving.
+# First this 2 inch tubing, horizontal, in channels of various curvatures.  The force from which it buckles solves F^2 =
+# 4 E I (q + F k), with k the curvature and q the weight of a length, each over the radial clearance (He and Kyllingstad
+# 1995).  Independently, verdicts show whether any mode of 600 m grows; the onset is found by bisection.
 level = tubing.replace(inclination="90deg")
 bending, gap, weight = level.flexural_rigidity, level.radial_clearance, level.weight_per_length
 curvatures = np.linspace(-0.006, 0.006, 121)
@@ -67,9 +66,9 @@ axes.legend(fontsize="small", loc="upper left")
 plt.show()
 
 # %%
-# The well of the survey: vertical to 900 m, a build to 1800 m, a lateral that wavers.  With friction 0.3 the string is
-# pushed in until it is stuck; then it is so again with a tool of 5 kN and 18 Hz at its end, whose wave moves it faster
-# than it slides and so reduces friction.
+# The well of the survey: vertical to 900 m, a build to 1800 m, an undulating lateral. With friction 0.3 the string is
+# pushed in until it is stuck, first without and then with a tool of 5 kN and 18 Hz at its end, whose wave moves it
+# faster than it slides and so reduces friction.
 tool = fr.VibrationTool("5kN", "18Hz")
 depths = {0.2: [3000.0, 4500.0], 0.3: np.linspace(400.0, 4500.0, 14), 0.4: [2000.0, 4500.0]}
 frictions = np.array(list(depths))
@@ -98,9 +97,9 @@ right.legend(fontsize="small", loc="lower left")
 plt.show()
 
 # %%
-# Where the string of friction 0.3 is buckled when it is stuck with the tool: where the force in it exceeds the limit of
-# the place.  That limit is drawn between stations with the bend of the survey, and as if each place were straight.
-# Above, it hangs in the vertical hole and hardly touches the wall: there the vibration makes waves across it grow.
+# Where the string of friction 0.3 is buckled when it is stuck with the tool: where the force in it exceeds the local
+# limit. That limit is drawn between stations with the bend of the survey, and for a straight well. Above, it hangs in
+# the vertical hole and hardly touches the wall: there the vibration makes lateral waves grow.
 print("the vibration grows:", dict(chosen.report().lines)["grows"])
 edges = well.depth[well.depth >= 600.0]
 middles = 0.5 * (edges[1:] + edges[:-1])
