@@ -50,10 +50,21 @@ def redraw(figure: Any) -> None:
     for text in inside:
         text.set_in_layout(False)
     figure.draw_without_rendering()
+    kept: list[Any] = []
     for text in inside:  # what was placed for a larger panel has no room in every small one
-        (x0, y0), (x1, y1) = text.get_window_extent().get_points()
-        if not (panel.bbox.x0 < x0 and x1 < panel.bbox.x1 and panel.bbox.y0 < y0 and y1 < panel.bbox.y1):
+        box = _box(text)
+        (x0, y0), (x1, y1) = box.get_points()
+        within = panel.bbox.x0 < x0 and x1 < panel.bbox.x1 and panel.bbox.y0 < y0 and y1 < panel.bbox.y1
+        if within and not any(box.overlaps(other) for other in kept):
+            kept.append(box)
+        else:
             text.remove()
+
+
+def _box(text: Any) -> Any:
+    """Return where a text is, with the frame about it."""
+    frame = text.get_bbox_patch()
+    return text.get_window_extent() if frame is None else frame.get_window_extent()
 
 
 def _keep_alone(figure: Any, panel: Any) -> None:

@@ -344,3 +344,14 @@ def test_titles_fit_in_a_line_and_notes_in_the_picture(growth: bool, bands: bool
     assert "critical force 13.0262 kN" in note(ax)
     assert ("mode" in note(ax)) == bands
     pyplot.close(figure)
+
+
+def test_notes_of_panels_side_by_side_stay_apart() -> None:
+    figure, axes = pyplot.subplots(1, 2, figsize=(10.0, 4.4), layout="constrained", sharey=True)
+    for ax in axes:
+        charts.explain(ax, charts.colours("unstable", "stable"), "a note of many words " * 8)
+    figure.canvas.draw()
+    left, right = (ax.get_legend().get_window_extent() for ax in axes)
+    assert left.x1 < right.x0
+    assert min(ax.bbox.width for ax in axes) > 0.4 * figure.bbox.width  # notes take no room from the panels
+    pyplot.close(figure)

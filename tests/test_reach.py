@@ -7,6 +7,7 @@ import math
 
 import numpy as np
 import pytest
+from matplotlib import pyplot
 
 import floquetrod as fr
 from floquetrod.rod.answers import reach
@@ -234,7 +235,10 @@ def test_what_it_says_and_draws() -> None:
     sheet = json.loads(json.dumps(found.as_dict(), allow_nan=False))
     assert sheet["reach_m"] == found.reach
     assert sheet["injector_N"][-1] is None
-    assert [ax.get_ylabel() for ax in found.plot().axes][:2] == ["true vertical depth / m", "at the injector / kN"]
+    figure = found.plot()
+    assert [ax.get_ylabel() for ax in figure.axes][:2] == ["true vertical depth / m", "at the injector / kN"]
+    assert pyplot.get_fignums() == [figure.number]  # notebooks show it
+    pyplot.close(figure)
     plain = TUBING.reach(WELL, 0.1, depth=[1000.0])
     assert plain.as_dict()["tool"] is None
     assert "grows" not in str(plain.report())

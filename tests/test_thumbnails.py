@@ -85,6 +85,15 @@ def test_letters_of_a_thumbnail_are_as_high_as_those_of_a_page() -> None:
     assert label.get_window_extent().height / 2 >= 7.0
 
 
+def test_texts_that_would_overlap_are_left_out() -> None:
+    figure, ax = pyplot.subplots(figsize=(8.0, 6.0))
+    box = {"boxstyle": "round", "facecolor": "white"}
+    for x, name in ((0.2, "Hopf 3"), (0.3, "flip 2"), (0.8, "Hopf 1")):
+        ax.annotate(name, (x, 0.5), bbox=box)
+    THUMBNAILS.redraw(figure)
+    assert [text.get_text() for text in ax.texts] == ["Hopf 3", "Hopf 1"]
+
+
 def test_names_of_bands_grow_too() -> None:
     ax = fr.mathieu.chart((0.0, 3.0, 20), (-4.5, 1.0, 20)).plot()
     THUMBNAILS.redraw(ax.figure)

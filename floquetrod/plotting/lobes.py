@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from typing import Any
 
@@ -15,11 +16,16 @@ _LOWEST = 0.9
 
 
 def draw_lobes(lobes: Any, ax: Any = None) -> Any:
-    """Draw `floquetrod.milling.lobes.Lobes`: the chart, and lobes named where they are lowest, wide ones first."""
+    """Draw `floquetrod.milling.lobes.Lobes`: the chart, and lobes named where they are lowest, wide ones first.
+
+    Neighbours of one kind and number share a name.
+    """
     ax = lobes.chart.plot(ax)
     across, up = lobes.chart.x.values, lobes.chart.y.values
+    alike = [list(group) for _, group in itertools.groupby(lobes.lobes, lambda lobe: (lobe.kind, lobe.number))]
     placed: list[tuple[float, float]] = []
-    for lobe in sorted(lobes.lobes, key=lambda lobe: lobe.speeds[0] - lobe.speeds[1]):
+    for group in sorted(alike, key=lambda group: group[0].speeds[0] - group[-1].speeds[1]):
+        lobe = min(group, key=lambda lobe: lobe.depth)
         at, depth = 30.0 / math.pi * lobe.at, 1e3 * lobe.depth
         share = (at - across[0]) / (across[-1] - across[0]), (depth - up[0]) / (up[-1] - up[0])
         near = any(abs(share[0] - x) < _ROOM[0] and abs(share[1] - y) < _ROOM[1] for x, y in placed)

@@ -109,7 +109,7 @@ def _draw_stress(found: Any, ax: Any) -> None:
     _draw_line(ax, depth, 1e-6 * (found.axial_stress + bending), "largest stress / MPa")
     ax.plot(depth, 1e-6 * bending, color="black", linestyle="--", linewidth=0.8, label="bending")
     if found.yield_strength is not None:
-        ax.axhline(1e-6 * found.yield_strength, color=palette.UNSTABLE, linewidth=1.2, label="yield strength")
+        ax.axhline(1e-6 * found.yield_strength, color="black", linestyle="-.", linewidth=1.2, label="yield strength")
     ax.set_ylim(bottom=0.0)
     ax.legend(loc="best", fontsize="x-small", frameon=False)
 
