@@ -80,7 +80,7 @@ def rng(request: pytest.FixtureRequest) -> np.random.Generator:
 @pytest.fixture(autouse=True)
 def _no_lines_of_progress(monkeypatch: pytest.MonkeyPatch) -> None:
     """Let no slow machine add lines to stderr that a test reads."""
-    monkeypatch.setattr("floquetrod.cli.waiting.PLAIN", 1e6)
+    monkeypatch.setattr("floquetrod._util.waiting.PLAIN", 1e6)
 
 
 @pytest.fixture(autouse=True, scope="module")

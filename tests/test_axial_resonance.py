@@ -15,7 +15,7 @@ import pytest
 
 import floquetrod as fr
 from floquetrod import cli
-from floquetrod.cli import waiting
+from floquetrod._util import waiting
 from floquetrod.rod.loads import axial
 from floquetrod.rod.loads.load import FAR_ENDS, Loads
 from floquetrod.rod.mode_equations import coupled_matrices as coupled

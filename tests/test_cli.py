@@ -20,7 +20,7 @@ from matplotlib import pyplot
 
 import floquetrod as fr
 from floquetrod import cli
-from floquetrod.cli import waiting
+from floquetrod._util import waiting
 from floquetrod.cli.main import _parser as parser
 
 mpl.use("Agg")

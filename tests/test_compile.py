@@ -423,6 +423,36 @@ def test_worker_processes_compile_and_agree(method: str, tmp_path: Path) -> None
     assert run.stdout == "True True\n", run.stderr
 
 
+@needs_jit
+@pytest.mark.skipif(sys.platform == "win32", reason="files are not locked there")
+def test_processes_that_start_together_compile_once(tmp_path: Path) -> None:
+    program = TELL + SMALL + "print(compiled(displacement_fill).__name__, flush=True); input(); print(once())"
+    environment = {**os.environ, "PYTHONPATH": str(ROOT), "NUMBA_CACHE_DIR": str(tmp_path)}
+    pipes: Any = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE, "text": True}
+    both = [subprocess.Popen([sys.executable, "-P", "-c", program], env=environment, **pipes) for _ in range(2)]
+    assert [process.stdout.readline() for process in both if process.stdout] == 2 * ["displacement_fill\n"]
+    for process in both:
+        assert process.stdin
+        process.stdin.write("\n")
+        process.stdin.flush()
+    said = sorted(process.communicate(timeout=600)[0] for process in both)
+    assert said == [f"{ANSWER}\n", f"compiling displacement_fill\n{ANSWER}\n"]
+    assert len(kept(tmp_path)) == 1
+
+
+def test_nobody_waits_for_ever_for_a_process_that_compiles(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(kernel_cache, "_LONGEST", 0.3)
+    asked: list[None] = []
+    other = kernel_cache._locked(tmp_path / "kernel.nbc", lambda: None)
+    assert other is not None
+    if sys.platform == "linux":  # elsewhere a process does not exclude itself
+        assert kernel_cache._locked(tmp_path / "kernel.nbc", lambda: asked.append(None)) is None
+        assert len(asked) == 3
+    other.release()
+    (tmp_path / "file").touch()
+    assert kernel_cache._locked(tmp_path / "file" / "kernel.nbc", lambda: None) is None
+
+
 @pytest.fixture
 def willing(monkeypatch: pytest.MonkeyPatch) -> None:
     """Let any work be worth a thread."""
@@ -569,7 +599,8 @@ def test_compiling_that_takes_long_is_told_once_in_a_process(tmp_path: Path) -> 
 def test_a_command_says_that_it_compiles(tmp_path: Path) -> None:
     call = ["map", "--rod", "nitinol", "--mean", "0:1Fcr", "--amplitude", "0.2Fcr", "--frequency", "20:200rad/s"]
     small = [*call, "--points", "30x30", "--paper-criterion", "leapfrog", "--out", str(tmp_path / "map.npz")]
-    command = "from floquetrod.cli import main, waiting; waiting.PLAIN = 1e6\n"  # no lines of progress, however slow
+    command = "from floquetrod._util import waiting\nfrom floquetrod.cli import main\n"
+    command += "waiting.PLAIN = 1e6\n"  # no lines of progress, however slow
     command += f"main({small!r})"
     assert python(command, tmp_path).stderr == "floquetrod: compiling, once; this takes some seconds\n"
     assert python(command, tmp_path).stderr == ""

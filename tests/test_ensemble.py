@@ -16,6 +16,7 @@ from scipy import stats
 
 import floquetrod as fr
 from ensemble_cases import LOAD, OVER, PROBLEM, assert_same, depth, fails_at_150, in_memory, undisturbed
+from floquetrod._util import waiting
 from floquetrod.ensembles import Runs, axes
 from floquetrod.ensembles.runs import Variable
 from floquetrod.ensembles.stores import RESULTS, chunk_shape
@@ -203,6 +204,15 @@ def axes_layout(shape: tuple[int, ...], chunk: tuple[int, ...]) -> Any:
     names = ("mean", "amplitude", "frequency", "friction")
     axis = tuple(axes.VariedAxis(n, n, np.arange(length)) for n, length in zip(names, shape, strict=False))
     return Layout(axes.Design(PROBLEM, axis), (), False, chunk)
+
+
+@pytest.mark.parametrize("is_shown", [True, False])
+def test_a_terminal_shows_how_far_it_is(is_shown: bool, monkeypatch: pytest.MonkeyPatch) -> None:
+    lines: list[tuple[int, int]] = []
+    monkeypatch.setattr(waiting, "can_redraw", lambda: is_shown)
+    monkeypatch.setattr(waiting.Waiting, "__call__", lambda self, *done: lines.append(done))
+    fr.ensemble(PROBLEM, {"seed": range(3)})
+    assert lines == ([(1, 3), (2, 3), (3, 3)] if is_shown else [])
 
 
 def test_progress_counts_every_run() -> None:

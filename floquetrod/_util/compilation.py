@@ -127,7 +127,11 @@ def _compiled(function: Callable[..., Any]) -> Callable[..., Any]:
             if time.thread_time() - started > _LONG:
                 _tell_once()
 
-        with _compiling() as deliver, numba.core.event.install_listener("numba:run_pass", _after_passes(act)):
+        with (
+            _compiling() as deliver,
+            result._cache.alone(signature, result.targetctx, deliver),
+            numba.core.event.install_listener("numba:run_pass", _after_passes(act)),
+        ):
             return compile_types(signature)
 
     result.compile = compile_undisturbed

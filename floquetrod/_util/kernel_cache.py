@@ -12,17 +12,23 @@ import functools
 import hashlib
 import pickle
 import sys
+import time
 import types
 import uuid
 import warnings
 from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from floquetrod._util.locks import Lock, lock_beside
+
 _LAYOUT = 2  # of the files
 _DIGEST = hashlib.sha256().digest_size
+_LONGEST = 120.0  # s that a process waits for another that compiles (a choice: above what the slowest kernel takes)
+_POLL = 0.1  # s between two attempts
 
 
 class KernelCache:
@@ -85,14 +91,27 @@ class KernelCache:
         """Return whether what was compiled, for some types, is on disk and still holds."""
         if self.cache_path is None:
             return False
+        paths = Path(self.cache_path).glob(f"{self._name}-*.{sys.implementation.cache_tag}.nbc")
         try:
-            for path in Path(self.cache_path).glob(f"{self._name}-*.{sys.implementation.cache_tag}.nbc"):
-                with path.open("rb") as file:
-                    if file.read(_DIGEST) == self._key:
-                        return True
+            return any(_begins_with(path, self._key) for path in paths)
         except OSError:
-            pass
-        return False
+            return False
+
+    @contextmanager
+    def alone(self, signature: Any, target: Any, idle: Callable[[], None]) -> Iterator[None]:
+        """Let one process at a time compile for these types: others wait, and load what it has kept.
+
+        ``idle`` is called meanwhile.  Nobody waits where code is on disk already, or where files cannot be locked.
+        """
+        lock = None
+        if self.cache_path is not None:
+            path, key = self._place(signature, target.codegen())
+            lock = None if _begins_with(path, key) else _locked(path, idle)
+        try:
+            yield
+        finally:
+            if lock is not None:
+                lock.release()
 
     @property
     def _name(self) -> str:
@@ -113,6 +132,34 @@ class KernelCache:
         variant = (str(signature), codegen.magic_tuple(), config.BOUNDSCHECK, config.OPT)
         kind = hashlib.sha256(repr(variant).encode()).hexdigest()[:16]
         return Path(self.cache_path or "") / f"{self._name}-{kind}.{sys.implementation.cache_tag}.nbc", self._key
+
+
+def _begins_with(path: Path, key: bytes) -> bool:
+    """Return whether a file is there and begins with a key."""
+    try:
+        with path.open("rb") as file:
+            return file.read(len(key)) == key
+    except OSError:
+        return False
+
+
+def _locked(path: Path, idle: Callable[[], None]) -> Lock | None:
+    """Return the lock of a file, waiting for another process that has it; None where it cannot be locked, or not soon.
+
+    The time is limited because a process that is stopped keeps its locks.
+    """
+    waited = 0.0
+    while waited < _LONGEST:
+        try:
+            path.parent.mkdir(parents=True, exist_ok=True)
+            return lock_beside(path)
+        except BlockingIOError:
+            time.sleep(_POLL)
+            waited += _POLL
+            idle()
+        except OSError:
+            break
+    return None
 
 
 @functools.cache

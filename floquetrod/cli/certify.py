@@ -9,12 +9,12 @@ from typing import Any
 import floquetrod as fr
 from floquetrod import units
 from floquetrod._util.suggest import did_you_mean
+from floquetrod._util.waiting import Waiting
 from floquetrod.cli import system
 from floquetrod.cli.common import LARGEST, ROD_AND_LOAD, ROD_OPTIONS, add_subject, describe_command
 from floquetrod.cli.loads import add_ranges, read_ranges
 from floquetrod.cli.output import Output, names, output
 from floquetrod.cli.parser import Parser, whole_number
-from floquetrod.cli.waiting import Waiting
 from floquetrod.floquet.proof.region import RegionProof
 from floquetrod.floquet.proof.result import MAX_BOXES
 from floquetrod.rod.answers.rod_box import DIAMETERS

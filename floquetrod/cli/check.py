@@ -11,6 +11,7 @@ from typing import Any, NamedTuple
 
 import floquetrod as fr
 from floquetrod._util.report import Report
+from floquetrod._util.waiting import Waiting
 from floquetrod.cli.common import (
     ROD_AND_LOAD,
     ROD_OPTIONS,
@@ -36,7 +37,6 @@ from floquetrod.cli.loads import (
 )
 from floquetrod.cli.output import Output, names, output
 from floquetrod.cli.parser import Parser
-from floquetrod.cli.waiting import Waiting
 from floquetrod.floquet.registry import METHODS
 from floquetrod.floquet.status import STATUS_CODES, Status
 from floquetrod.rod.answers.margins import FEW_MODES, Margin

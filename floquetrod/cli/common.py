@@ -14,9 +14,9 @@ from typing import TYPE_CHECKING, Any
 import floquetrod as fr
 from floquetrod import units
 from floquetrod._util.suggest import did_you_mean
+from floquetrod._util.waiting import say
 from floquetrod.cli.messages import option
 from floquetrod.cli.parser import Parser, ratio
-from floquetrod.cli.waiting import say
 from floquetrod.units import Unit
 
 if TYPE_CHECKING:

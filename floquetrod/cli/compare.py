@@ -5,10 +5,10 @@ from __future__ import annotations
 import argparse
 
 import floquetrod as fr
+from floquetrod._util.waiting import Waiting
 from floquetrod.cli.common import describe_command
 from floquetrod.cli.output import Output, output
 from floquetrod.cli.parser import Parser, real_number
-from floquetrod.cli.waiting import Waiting
 
 _HELP = """\
 Compare on one equation A'' + 2 c A' = (beta + alpha sin tau) A all methods that apply, and show where they agree.

@@ -17,10 +17,10 @@ from typing import Any
 
 import floquetrod as fr
 from floquetrod._util.tables import require_file
+from floquetrod._util.waiting import Waiting, roughly, say
 from floquetrod.cli.common import describe_command, warnings_at_once
 from floquetrod.cli.output import Output, output
 from floquetrod.cli.parser import Parser, ratio, whole_number
-from floquetrod.cli.waiting import Waiting, roughly, say
 from floquetrod.ensembles.overview import Overview, Row
 
 _HELP = """\

@@ -8,6 +8,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import floquetrod as fr
+from floquetrod._util.waiting import say
 from floquetrod.cli.common import (
     ROD_AND_LOAD,
     ROD_OPTIONS,
@@ -22,7 +23,6 @@ from floquetrod.cli.loads import add_kind, read_kind, read_load, read_record, wa
 from floquetrod.cli.messages import option
 from floquetrod.cli.output import Output, output
 from floquetrod.cli.parser import Parser
-from floquetrod.cli.waiting import say
 from floquetrod.explorer.limits import Scale
 from floquetrod.plotting import charts
 from floquetrod.plotting.web import Shown, require_tornado, serve

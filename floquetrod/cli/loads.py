@@ -9,6 +9,7 @@ from typing import Any, NamedTuple, TypeVar
 
 import floquetrod as fr
 from floquetrod import units
+from floquetrod._util.waiting import Waiting, say
 from floquetrod.cli.common import (
     add_friction,
     add_rod,
@@ -20,7 +21,6 @@ from floquetrod.cli.common import (
     read_units,
 )
 from floquetrod.cli.messages import option
-from floquetrod.cli.waiting import Waiting, say
 from floquetrod.rod import reading
 from floquetrod.rod.loads.load import KINDS, Load, Quantity
 from floquetrod.rod.model.plausibility import suspicion_of_hertz, warn_of_load

@@ -10,10 +10,10 @@ from typing import Any
 import floquetrod as fr
 from floquetrod import units
 from floquetrod._util.tables import require_file
+from floquetrod._util.waiting import Waiting
 from floquetrod.cli.common import check_out, describe_command, read_points
 from floquetrod.cli.output import Output, output
 from floquetrod.cli.parser import Parser
-from floquetrod.cli.waiting import Waiting
 from floquetrod.milling.tool_file import read_tool
 
 _HELP = """\

@@ -16,11 +16,11 @@ from types import ModuleType
 from typing import Any
 
 import floquetrod as fr
+from floquetrod._util.waiting import say
 from floquetrod.cli.common import compiling_told
 from floquetrod.cli.completion import add_completion
 from floquetrod.cli.messages import in_options
 from floquetrod.cli.parser import Parser
-from floquetrod.cli.waiting import say
 
 
 def main(argv: Sequence[str] | None = None) -> int:

@@ -7,11 +7,11 @@ from collections.abc import Callable
 from typing import Any
 
 import floquetrod as fr
+from floquetrod._util.waiting import Waiting
 from floquetrod.cli.common import ROD_AND_LOAD, describe_command
 from floquetrod.cli.loads import add_ranges, read_ranges
 from floquetrod.cli.output import Output, output
 from floquetrod.cli.parser import Parser
-from floquetrod.cli.waiting import Waiting
 from floquetrod.rod.model.constants import SLOW_GROWTH
 
 _HELP = """\

@@ -11,6 +11,7 @@ import numpy as np
 
 import floquetrod as fr
 from floquetrod import units
+from floquetrod._util.waiting import Waiting
 from floquetrod.cli.common import (
     add_rod,
     add_survey_units,
@@ -22,7 +23,6 @@ from floquetrod.cli.common import (
 )
 from floquetrod.cli.output import Output, output
 from floquetrod.cli.parser import Parser
-from floquetrod.cli.waiting import Waiting
 
 _EVEN = 10  # depths between two ends
 

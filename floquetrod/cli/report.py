@@ -8,6 +8,7 @@ import sys
 from pathlib import Path
 
 import floquetrod as fr
+from floquetrod._util.waiting import Waiting
 from floquetrod.cli import reach
 from floquetrod.cli.common import (
     ROD_AND_LOAD,
@@ -22,7 +23,6 @@ from floquetrod.cli.common import (
 from floquetrod.cli.loads import add_kind, add_load, read_kind, read_load, read_record, require_quantities
 from floquetrod.cli.output import Output, names, output
 from floquetrod.cli.parser import Parser
-from floquetrod.cli.waiting import Waiting
 
 _HELP = """\
 Write a report on a rod under a load into one file: a page with its figures, or a PDF.

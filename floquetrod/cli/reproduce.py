@@ -7,10 +7,10 @@ import time
 from pathlib import Path
 from typing import Any
 
+from floquetrod._util.waiting import say
 from floquetrod.cli.common import describe_command
 from floquetrod.cli.output import Output, output
 from floquetrod.cli.parser import Parser
-from floquetrod.cli.waiting import say
 
 _HELP = """\
 Recompute the figures and check the claims of the published study (DOI 10.1115/1.4031710).

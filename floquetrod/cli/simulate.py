@@ -13,6 +13,7 @@ from pathlib import Path
 import floquetrod as fr
 from floquetrod import units
 from floquetrod._util.files import writable
+from floquetrod._util.waiting import Waiting, roughly, say
 from floquetrod.cli.common import (
     ROD_AND_LOAD,
     add_coefficient,
@@ -36,7 +37,6 @@ from floquetrod.cli.loads import (
 from floquetrod.cli.messages import option
 from floquetrod.cli.output import Output, names, output
 from floquetrod.cli.parser import Parser, whole_number
-from floquetrod.cli.waiting import Waiting, roughly, say
 from floquetrod.rod.loads.load import Load
 from floquetrod.simulation.starts import read_perturbation
 

@@ -7,11 +7,11 @@ from pathlib import Path
 from typing import Any
 
 import floquetrod as fr
+from floquetrod._util.waiting import Waiting
 from floquetrod.cli.common import ROD_AND_LOAD, check_out, describe_command, read_friction, read_points, read_quantity
 from floquetrod.cli.loads import add_ranges, read_ranges, warn_of_hertz
 from floquetrod.cli.output import Output, output
 from floquetrod.cli.parser import Parser
-from floquetrod.cli.waiting import Waiting
 from floquetrod.rod.loads.load import KINDS, Quantity
 
 _HELP = """\

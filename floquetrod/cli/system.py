@@ -9,8 +9,8 @@ from typing import cast
 
 import floquetrod as fr
 from floquetrod._util.tables import require_file
+from floquetrod._util.waiting import Waiting
 from floquetrod.cli.output import Output, output
-from floquetrod.cli.waiting import Waiting
 from floquetrod.equations.system_files import read_system
 from floquetrod.floquet.verdict import Status
 

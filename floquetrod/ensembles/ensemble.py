@@ -5,11 +5,11 @@ from __future__ import annotations
 import importlib
 from collections.abc import Callable, Mapping, Sequence, Set
 from concurrent.futures import Executor
-from contextlib import closing, suppress
+from contextlib import AbstractContextManager, closing, nullcontext, suppress
 from pathlib import Path
 from typing import Any, Literal
 
-from floquetrod._util import interrupt, validate
+from floquetrod._util import interrupt, validate, waiting
 from floquetrod.ensembles import stores_disk, stores_zarr, tasks
 from floquetrod.ensembles.axes import MOST_RUNS, Design, design_of, varied
 from floquetrod.ensembles.runs import DONE
@@ -72,7 +72,8 @@ def ensemble(
         Whether runs of a store that failed for a temporary cause, a MemoryError, an OSError or workers that died, are
         made again.  A run that failed by any other error would fail again and is not.
     progress : callable, optional
-        Called with the numbers of runs done and to do.
+        Called with the numbers of runs done and to do.  Without it a terminal or a notebook shows them, and the time
+        left, in a line on stderr after a second.
 
     Returns
     -------
@@ -149,11 +150,21 @@ def ensemble(
         if opened is None:
             opened = make(Layout(study, job.names or (), frames, chunk))
         if runner is not None:
-            _fill(opened, plan.part(share), job, runner, first, retry_failed, progress)
+            with _shown(progress) as told:
+                _fill(opened, plan.part(share), job, runner, first, retry_failed, told)
     finally:
         if runner is not None:
             runner.close()
     return _as_dataset(opened)
+
+
+def _shown(
+    progress: Callable[[int, int], None] | None,
+) -> AbstractContextManager[Callable[[int, int], None] | None]:
+    """Return a context with what is told how many runs are done: the caller's function, a line on stderr, or None."""
+    if progress is not None or not waiting.can_redraw():
+        return nullcontext(progress)
+    return waiting.Waiting("simulating", "runs", first=1.0)
 
 
 def _as_dataset(store: MemoryStore) -> Any:

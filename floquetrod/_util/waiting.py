@@ -19,12 +19,17 @@ PLAIN = 10.0
 """Seconds until a line is written where stderr is no terminal, and the next after twice as long (a choice)."""
 
 
+def can_redraw() -> bool:
+    """Return whether stderr can show a line again where it was, as a terminal and a notebook do."""
+    return sys.stderr is not None and (sys.stderr.isatty() or type(sys.stderr).__module__.startswith("ipykernel."))
+
+
 class Waiting:
     """A line on stderr that says what is being done and for how long.
 
-    A context: the line appears half a second after it was entered and moves until it is left.  It may be called with
-    how much is done of how much.  The cursor stays at the beginning of the line, so that the next output replaces it.
-    Where stderr is no terminal, but a file or a pipe, lines are added to it after 10 s, 30 s, 70 s and so on.
+    A context: the line appears ``first`` seconds after it was entered and moves until it is left.  It may be called
+    with how much is done of how much.  The cursor stays at the beginning of the line, so that the next output replaces
+    it.  Where stderr is a file or a pipe, lines are added to it after 10 s, 30 s, 70 s and so on.
 
     Parameters
     ----------
@@ -32,11 +37,14 @@ class Waiting:
         What is being done.
     counted : str
         What is counted by calls.
+    first : float
+        Seconds until the line appears.
     """
 
-    def __init__(self, what: str, counted: str = "") -> None:
+    def __init__(self, what: str, counted: str = "", first: float = FIRST) -> None:
         self.what = what
         self.counted = counted
+        self.first = first
         self._start = time.monotonic()
         self._first: tuple[float, int] | None = None
         self._last: tuple[int, int] | None = None
@@ -65,10 +73,10 @@ class Waiting:
         self._last = done, total
 
     def _speak(self) -> None:
-        if not sys.stderr.isatty():
+        if not can_redraw():
             self._add_lines()
             return
-        pause = FIRST
+        pause = self.first
         while not self._left.wait(pause):
             pause = EVERY
             line = self._line()[: shutil.get_terminal_size().columns - 1]
