@@ -18,46 +18,17 @@ from floquetrod._util.columns import NUMBER, Line, cells_of, delimiter_of, text_
 from floquetrod.wells.survey import KINDS
 
 HEADINGS = {
-    "depth": (
-        "md",
-        "measured depth",
-        "meas depth",
-        "md rkb",
-        "mdepth",
-        "depth md",
-        "md kb",
-        "md rt",
-        "survey depth",
-        "measured",
-        "dept",
-        "depth",
-    ),
-    "inclination": (
-        "inc",
-        "incl",
-        "inclination",
-        "inclin",
-        "hole inclination",
-        "hole angle",
-        "deviation",
-        "dev",
-        "drift",
-        "angle",
-    ),
-    "azimuth": (
-        "azi",
-        "azimuth",
-        "azim",
-        "az",
-        "azm",
-        "hole azimuth",
-        "azimuth grid",
-        "azi gn",
-        "azimuth true",
-        "azi tn",
-        "hazi",
-        "direction",
-    ),
+    name: tuple(words.split(", "))
+    for name, words in {
+        "depth": (
+            "md, measured depth, meas depth, md rkb, mdepth, depth md, md kb, md rt, survey depth, measured, "
+            "dept, depth"
+        ),
+        "inclination": "inc, incl, inclination, inclin, hole inclination, hole angle, deviation, dev, drift, angle",
+        "azimuth": (
+            "azi, azimuth, azim, az, azm, hole azimuth, azimuth grid, azi gn, azimuth true, azi tn, hazi, direction"
+        ),
+    }.items()
 }
 """Headings of the columns in small letters without their units; where several are in a file the first counts."""
 
