@@ -257,7 +257,7 @@ def quantity(
         its kind.  Inches and feet may be fractions: "3/4in", "2-3/8in", "2 3/8in".  A percentage is one of ``nominal``
         where that is given, else of the critical force where a force is asked for, and of one where a ratio is.
     name : str
-        What it is called in messages.
+        Its name in messages.
     kind : str
         "force", "frequency" (angular, in rad/s), "length", "mass", "stiffness", "pressure", "density", "acceleration",
         "rate", "speed", "time", "angle", "force density" (one-sided spectral density) or "ratio" (which has no unit).
@@ -266,11 +266,11 @@ def quantity(
     nominal : float, optional
         In the SI unit; with it, the quantity may be given in percent of it.
     least : float
-        Least value in SI units; one above zero asks for what is greater than zero.
+        Least value in SI units.
     largest : float
         Largest value in SI units.
     given : str, optional
-        What messages quote in place of ``value``.
+        Text quoted in messages in place of ``value``.
 
     Raises
     ------

@@ -25,7 +25,7 @@ _LATEST = 1e14  # periods, after which neighbouring doubles lie a large part of 
 
 
 class Piece(NamedTuple):
-    """A stretch of the period on which p = mean + slope t + sum_k Re(z_k exp(i k W tau)), t from its beginning.
+    """A part of the period on which p = mean + slope t + sum_k Re(z_k exp(i k W tau)), t from its beginning.
 
     Attributes
     ----------

@@ -149,7 +149,7 @@ class Hill(Equation):
 
 @dataclass(frozen=True)
 class JumpingHill(Equation):
-    """Hill's equation whose coefficient is made of pieces of the period, what `Hill.from_function` makes of jumps.
+    """Hill's equation whose coefficient is made of pieces of the period, the result of `Hill.from_function` with jumps.
 
     Parameters
     ----------

@@ -90,13 +90,13 @@ class Verdict(Answer):
     period : float
         Period of the coefficients, in the same unit of time.
     error : float
-        Bound or estimate of the error, of what and in which sense is said where the verdict is defined.
+        Bound or estimate of the error; the class of the verdict says of which quantity.
     cost : Cost
         Work done.
     note : str
-        What a reader must know before relying on it: an approximation, a limit of the method, why it is undecided.
+        Remarks to read before relying on it: an approximation, a limit of the method, why it is undecided.
     assumptions : tuple of str
-        Modelling assumptions that the verdict rests on.
+        Modelling assumptions of the verdict.
     """
 
     status: Status
@@ -129,7 +129,7 @@ class FloquetVerdict(ByContent, Reported, Verdict):
     Attributes
     ----------
     equation : Equation, HillSystem, PeriodicSystem or DelaySystem
-        What was classified; ``system`` is another name of it.
+        The problem classified; ``system`` is another name of it.
     method : str
         Name of the method.
     exponent_errors : tuple of float

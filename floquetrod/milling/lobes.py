@@ -44,12 +44,13 @@ class _Cut(NamedTuple):
 
 
 class Lobe(NamedTuple):
-    """A stretch of the boundary of chatter over which it begins in one way.
+    """A part of the boundary of chatter over which it begins in one way.
 
     Attributes
     ----------
     kind : {"Hopf", "flip", "fold"}
-        How the vibration begins: with a frequency of its own, or with twice the time between teeth, or once, as period.
+        How the vibration begins: with a frequency near that of a mode, with twice the time between teeth as its period,
+        or with that time.
     number : int
         Whole vibrations between two teeth.
     speeds : (float, float)

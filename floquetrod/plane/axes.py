@@ -17,7 +17,7 @@ _MOST_POINTS = 1 << 28  # of a chart, which are five gigabytes with growth rates
 
 @dataclass(frozen=True, eq=False)
 class Axis(ByContent):
-    """One axis of a chart: what varies, its symbol in mathematics, its unit ("" for none) and its values."""
+    """One axis of a chart: the quantity, its symbol in mathematics, its unit ("" for none) and its values."""
 
     name: str
     symbol: str

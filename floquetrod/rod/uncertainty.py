@@ -30,7 +30,7 @@ _HALF_CELL = 2.0**-31  # half the spacing of SciPy's Sobol points: moved by it t
 
 
 class SobolIndex(NamedTuple):
-    """What share of the variance of the verdict is due to one uncertain quantity.
+    """The share of the variance of the verdict that is due to one uncertain quantity.
 
     Attributes
     ----------

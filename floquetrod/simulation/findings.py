@@ -29,7 +29,7 @@ class _Growing(NamedTuple):
 
 @dataclass(frozen=True, repr=False)
 class Findings(Reported):
-    """A run, its growth, and what theory says of them.
+    """A run, its growth, and the comparison with theory.
 
     Attributes
     ----------
@@ -60,7 +60,7 @@ class Findings(Reported):
 
     @classmethod
     def of(cls, run: Any, *, theory: bool) -> Findings:
-        """Return the growth of a run and, where asked for, what theory says."""
+        """Return the growth of a run and, if requested, that of theory."""
         bare = cls(run, *_growth(run))
         if not theory:
             return bare
@@ -112,7 +112,7 @@ class Findings(Reported):
         return _Growing(rate, words, max(until, float(run.time[-1])))
 
     def report(self, units: Mapping[str, str] | None = None) -> Report:
-        """Return what was found in lines: the outcome, the load, growth, theory, energy, cost.
+        """Return the findings in lines: the outcome, the load, growth, theory, energy, cost.
 
         ``units`` in which to show mean, amplitude, frequency and kick: ``{"mean": "Fcr", "kick": "mm/s"}``.
         """

@@ -26,12 +26,12 @@ _LEFT_OUT = "multipliers of modulus below {:.3g} are left out"
 
 
 def collocation(system: DelaySystem, *, rtol: float = 1e-12, above: float = 0.1) -> SystemStability:
-    """Classify by the map over a period of the state and of what delays reach back to.
+    """Classify by the map over a period of the state and of the history within the delays.
 
-    On each piece between the jumps of coefficients, and what delays make of them, the highest derivative is a
-    polynomial that satisfies the equation at Gauss's nodes.  What later periods need is kept at Chebyshev's points.
-    Multipliers converge like the power 2 m of the number m of nodes, or faster, where coefficients are smooth; where
-    delays and period are not commensurate and coefficients jump, as the power of the order of jumps not resolved.
+    On each piece between the jumps of coefficients, and their images by the delays, the highest derivative is a
+    polynomial that satisfies the equation at Gauss's nodes.  The values that later periods need are kept at Chebyshev's
+    points.  Multipliers converge like the power 2 m of the number m of nodes, or faster, where coefficients are smooth;
+    where delays and period are not commensurate and coefficients jump, as the power of the order of jumps not resolved.
 
     Parameters
     ----------
@@ -41,8 +41,8 @@ def collocation(system: DelaySystem, *, rtol: float = 1e-12, above: float = 0.1)
         Change of the multipliers from one number of nodes to the next at which it stops, from 1e-15 to 1e-3; above 100
         rows it is larger, as their number cubed.
     above : float
-        Modulus above which multipliers are found, the largest in any case, over the period or the longest delay, of
-        which the longer; from 1e-4 to 0.9.
+        Modulus above which multipliers are found, the largest in any case, over the period or the longest delay,
+        whichever is longer; from 1e-4 to 0.9.
 
     Returns
     -------

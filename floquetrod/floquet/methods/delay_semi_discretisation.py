@@ -38,8 +38,8 @@ def semi_discretisation(system: DelaySystem, *, above: float = 0.3) -> SystemSta
     system : DelaySystem
         One whose finest map has at most 2,400 rows; else the result is undecided.
     above : float
-        Modulus above which multipliers are found, the largest in any case, over the period or the longest delay, of
-        which the longer; from 0.01 to 0.9.
+        Modulus above which multipliers are found, the largest in any case, over the period or the longest delay,
+        whichever is longer; from 0.01 to 0.9.
 
     Returns
     -------

@@ -75,10 +75,10 @@ def reference(
     Returns
     -------
     SystemStability
-        The error of the map is a bound, of what the series leave out and what the arithmetic rounds; that of the
-        multipliers a bound for all maps within that error.  "undecided" where a multiplier cannot be distinguished from
-        the unit circle, or several from each other, with all these digits, whose number is in ``note``, and where the
-        work would take more than about ten seconds.
+        The error of the map is a bound on truncation and rounding; that of the multipliers a bound for all maps within
+        that error.  "undecided" where a multiplier cannot be distinguished from the unit circle, or several from each
+        other, with all these digits, whose number is in ``note``, and where the work would take more than about ten
+        seconds.
 
     Examples
     --------

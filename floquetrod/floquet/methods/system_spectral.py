@@ -43,13 +43,13 @@ def spectral(system: HillSystem | PeriodicSystem, *, rtol: float = 1e-12) -> Sys
     system : HillSystem or PeriodicSystem
         One whose truncated matrix has at most 1,000 rows; else the result is undecided.
     rtol : float
-        What is neglected of the harmonics, times the largest rate in the system, from 1e-15 to 1e-3.
+        Size of the neglected harmonics, times the largest rate in the system, from 1e-15 to 1e-3.
 
     Returns
     -------
     SystemStability
-        Its errors are estimates: condition numbers of the eigenvalues times rounding and what truncation neglects, and
-        the change to a longer truncation.
+        Its errors are estimates: condition numbers of the eigenvalues times rounding and truncation, and the change to
+        a longer truncation.
 
     Examples
     --------

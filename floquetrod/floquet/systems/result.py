@@ -82,7 +82,7 @@ class SystemStability(FloquetVerdict):
         +1 or -1 for each multiplier on the unit circle whose Krein sign is known, else 0; a natural oscillator of
         frequency f has +1 at exp(i f period).  All 0 where the system is not Hamiltonian.
     resonances : tuple of Resonance
-        Names of the growing solutions, the fastest first; of a heuristic kind, never a ground for the verdict.
+        Names of the growing solutions, the fastest first; they are heuristic and do not affect the verdict.
     strongly_stable : bool or None
         Whether all small changes of the coefficients that keep the structure leave the system stable; with damping:
         whether every solution decays.  None when undecided.
@@ -95,7 +95,7 @@ class SystemStability(FloquetVerdict):
 
     @property
     def structure(self) -> Structure:
-        """What is exactly so of the system's matrices, "hamiltonian", "reversible", "damped" or "general"."""
+        """Structure of the system's matrices, "hamiltonian", "reversible", "damped" or "general", exactly."""
         found: Structure = self.system.structure
         return found
 

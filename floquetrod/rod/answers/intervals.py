@@ -27,7 +27,7 @@ Cause: TypeAlias = WhatGrows | Literal["axial resonance"] | None
 
 
 class BucklingWarning(UserWarning):
-    """The weight along the rod buckles it already where the quantity asked about is zero."""
+    """The weight along the rod buckles it even where the quantity varied is zero."""
 
 
 class StabilityInterval(NamedTuple):
@@ -56,7 +56,7 @@ class UnstableBand(NamedTuple):
     at : float
         Where that is.
     cause : (int, int), Resonance or "unnamed"
-        What grows there: (mode, tongue), where modes are coupled a resonance.
+        The mode and tongue that grow there, where modes are coupled a resonance.
     required_damping : float
         The rod's total damping rate in 1/s above which every rate stabilises all of the band, infinite where
         none does: the largest of samples, refined about it.  Where modes are coupled, that of the load ``at`` which

@@ -32,7 +32,7 @@ _AT_ONCE = 4096  # loads whose modes are held at once: some megabytes
 
 
 class CriticalKick(NamedTuple):
-    """Smallest kick found to buckle the rod, and the mode it buckles into; what is proved beside it.
+    """Smallest kick found to buckle the rod, the mode it buckles into, and the proved bound.
 
     Attributes
     ----------
@@ -42,7 +42,7 @@ class CriticalKick(NamedTuple):
     mode : int or None, or ndarray
         The mode that it destabilises; none is 0 over arrays of loads.
     none_up_to : float or ndarray
-        Proved: no kick up to it, m/s, destabilises a mode (that grows faster than the tolerance asked for).
+        Proved: no kick up to it, m/s, destabilises a mode (that grows faster than the tolerance).
     """
 
     kick: Any
@@ -58,7 +58,7 @@ class CriticalKick(NamedTuple):
         return f"{shown.show(self.kick)} is the smallest found to buckle the rod, into mode {self.mode}"
 
     def proved(self, shown: Unit) -> str:
-        """Return what is proved of kicks, of one load, in a sentence; "" where nothing needs proof."""
+        """Return the proved bound on kicks, of one load, in a sentence; "" where none is needed."""
         if not math.isfinite(self.none_up_to):
             return ""
         if self.none_up_to == 0.0:

@@ -29,7 +29,7 @@ _FINE = 32  # samples of the shortest wave and period, where several harmonics m
 
 
 class AxialResonanceError(ValueError):
-    """A load's frequency is so near an axial resonance that it cannot be judged."""
+    """A load's frequency is so near an axial resonance that there is no verdict."""
 
 
 class AxialResonance(NamedTuple):
@@ -69,10 +69,10 @@ class AxialResponse:
     amplitude : float
         Largest vibration in N at the driven end: the amplitude of a sine.
     largest : float
-        Largest vibration in N anywhere along the rod; where several harmonics meet to half a percent.  Infinite next to
-        a resonance without axial damping, where ``factor`` would exceed 100.
+        Largest vibration in N along the rod; with several harmonics accurate to half a percent.  Infinite next to a
+        resonance without axial damping, where ``factor`` would exceed 100.
     position : float
-        Where that is, in m from the upper end; of equal ones the nearest to it, NaN where it is infinite.
+        Position of the largest, in m from the upper end; of equal ones the nearest to it, NaN where it is infinite.
     factor : float
         ``largest`` over ``amplitude``, also where both are zero.
     critical_forces : float
@@ -126,7 +126,7 @@ def _finite(values: dict[str, float]) -> dict[str, Any]:
 
 
 class AxialGap(NamedTuple):
-    """Frequencies of a load, in rad/s, that are not judged: a wave without axial damping is too near a resonance."""
+    """Frequencies of a load, in rad/s, without a verdict: a wave without axial damping is too near a resonance."""
 
     low: float
     high: float

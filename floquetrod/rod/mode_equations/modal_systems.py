@@ -38,12 +38,12 @@ class ModalSystem:
     Attributes
     ----------
     constants : ModeConstants
-        What they need of the rod.
+        The constants of the rod in the equations.
     load : AxialLoad
     modes : tuple of int
         Modes examined.
     left_out_bound : float
-        Bound in 1/s on the growth of every mode beyond them; infinite where nothing is said of others.
+        Bound in 1/s on the growth of every mode beyond them; infinite without a bound.
     """
 
     constants: ModeConstants
@@ -79,7 +79,7 @@ class ModalSystem:
 
     @property
     def per_newton(self) -> Floats:
-        """What a newton of amplitude adds to each alpha, and a newton of mean force to each beta."""
+        """Increase of each alpha by a newton of amplitude, and of each beta by a newton of mean force."""
         unit, *_ = kernels.mode_family(*self.constants[:4], 0.0, 1.0, self.load.frequency)
         return np.asarray(unit * (self._numbers**2 - self.constants.held))
 
@@ -113,7 +113,7 @@ class ModalSystem:
 
     @property
     def cutoff(self) -> str:
-        """Which modes these are, and what is known of all others."""
+        """The modes, and the bound on the growth of all others, in words."""
         if math.isinf(self.left_out_bound):
             return f"the {len(self.modes)} modes requested; others were not checked"
         if self.left_out_bound > 0.0:

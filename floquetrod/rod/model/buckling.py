@@ -15,7 +15,7 @@ class BucklingForce(NamedTuple):
     force : float
         In N; of rods in fluids the effective force.
     meaning : str
-        What happens there, or where the criterion holds.
+        Meaning of the force, or the range of the criterion.
     source : str
         Authors and year.
     """

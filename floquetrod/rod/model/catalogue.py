@@ -110,7 +110,7 @@ def pipe(name: str) -> Pipe:
     Raises
     ------
     TypeError, ValueError
-        For what is no text, is not of this form, or names a size or grade that the catalogue does not hold.
+        For anything but a text of this form, and for a size or grade that the catalogue does not hold.
 
     Examples
     --------

@@ -93,7 +93,7 @@ class LockUp(Reported):
         return shaped(self.critical_force * np.array(scaled), forces.shape)
 
     def report(self, push: float | None = None) -> Report:
-        """Return the length in words, with what is assumed; also what a ``push`` in N can push."""
+        """Return the length in words, with the assumptions; also the length that a ``push`` in N can push."""
         lines = [("assumed", "; ".join(self.assumptions))]
         if push is not None:
             reach = number(self.pushed_length(push))
@@ -118,7 +118,7 @@ class LockUp(Reported):
 
     @property
     def assumptions(self) -> tuple[str, ...]:
-        """What the formula assumes."""
+        """Assumptions of the formula."""
         return (
             "effective force, of a string that slides down the channel all along and is pushed at its upper end",
             "a helix wherever it is compressed; one forms only above the helical critical force, and below that the "

@@ -238,7 +238,7 @@ class Section:
 
 @dataclass(frozen=True)
 class Fluids:
-    """Fluids inside and outside of a rod, at rest except for what its motion moves.
+    """Fluids inside and outside of a rod, at rest except for the mass that its motion moves.
 
     Parameters
     ----------

@@ -17,17 +17,17 @@ _PLACES = 257  # and 64 more for each axial wave: a largest stress between two o
 
 @dataclass(frozen=True)
 class Stress:
-    """Largest stress in a rod that lies still in its channel, in the outer fibre of the section where it occurs.
+    """Largest stress in a rod at rest in its channel, at the outer radius of the section where it occurs.
 
     Attributes
     ----------
     axial : float
-        Largest size over a period of the effective force at that place over the area of the material, in Pa.  With
+        Largest size over a period of the effective force at that section over the area of the material, in Pa.  With
         equal pressures inside and outside it is the von Mises stress of the wall without bending.
     bending : float
         E r_o times the curvature of the channel there, in Pa; of a rod that is straight without load.
     position : float
-        Distance of the place from the upper end in m.
+        Distance of the section from the upper end in m.
     yield_strength : float or None
         That of the rod in Pa, None where it is not known.
 
