@@ -48,7 +48,7 @@ def fastest_along(
 ) -> float:
     """Return the largest of `growth_along` less what is ``lost`` at places in 1/s, 0 where nothing grows.
 
-    Few waves are looked at everywhere, all of them where these come nearest to growth.
+    A few waves are examined everywhere, all of them where these come nearest to growth.
     """
     free = rod.replace(damping_rate=0.0)
     seen = _rates(free, place, force, amplitude, frequency, _FEW, _FEW_WIDE)[0].max(axis=1) - lost

@@ -207,7 +207,7 @@ def mean_forces(drag: Drag, far_force: float, bottoms: Floats, spacing: float) -
 
 
 def _along(drag: Drag, found: strings.Run, k: int, error: float) -> MeanForce:
-    """Return what there is along string k."""
+    """Return the results along string k."""
     there = np.isfinite(found.y[:, k])
     depth, y, (speed, vibration) = found.depth[there], found.y[there, k], found.wave[:, there, k]
     force, place = drag.force(y), Place.at(drag.path.arcs.at(depth))

@@ -39,7 +39,7 @@ _PARTS = 25  # into which what holds the depth sought is divided, so often:
 _ROUNDS = 2
 _GROWS = 1e-6  # 1/s: tenfold in a month (a choice)
 _FREQUENCIES = np.linspace(0.25, 2.0, 22)  # of the tool's, which is among them
-_WAY = np.array([0.2, 0.45, 0.7, 0.95])  # of what the tool gains, where they are looked at (a choice)
+_WAY = np.array([0.2, 0.45, 0.7, 0.95])  # fractions of the gain at which they are examined (a choice)
 _SPACING = 20.0  # m along the string then (a choice)
 _BITS = 12  # depths for which the force at the lower end is sought
 _TRIED, _BIT_ROUNDS = 12, 3  # forces tried at once, so often
@@ -258,7 +258,7 @@ class Reach(Reported, ByContent):
     def _frequency_in_words(self, unit: Unit) -> str:
         """With which frequencies the tool gains depth while no lateral wave grows."""
         if not self.gain > 0.0:
-            return "the tool gains no depth with its own"
+            return "the tool gains no depth at its own frequency"
         hertz = self.frequencies / (2.0 * math.pi)
         first, last = self.frequency_depth[[0, -1]]
         looked = (
@@ -269,9 +269,9 @@ class Reach(Reported, ByContent):
         if ranges:
             return f"no lateral wave grows with {ranges}, {looked}"
         k = int(np.argmin(self.frequency_growth))
-        least = f": at {self.frequency_growth[k]:.3g} 1/s least, with {hertz[k]:.3g} Hz"
+        least = f", most slowly with {hertz[k]:.3g} Hz, at {self.frequency_growth[k]:.3g} 1/s"
         known = math.isfinite(self.frequency_growth[k])
-        return f"{f'lateral waves grow with all{least}' if known else 'it gets there with none'}, {looked}"
+        return f"{f'lateral waves grow with all{least}' if known else 'the string reaches them with none'}, {looked}"
 
     def _table(self, depth: Unit, force: Unit) -> Table:
         rows = np.searchsorted(self.depth, self.bit_depth)

@@ -210,8 +210,8 @@ def gaps(
         if last - least >= _MOST_RESONANCES:
             raise wrong_value(
                 "bounds",
-                f"hold {last - least + 1} axial resonances of harmonic {k}, more than {_MOST_RESONANCES} can be "
-                "left out: give narrower bounds, or ",
+                f"hold {last - least + 1} axial resonances of harmonic {k}, of which at most {_MOST_RESONANCES} "
+                "can be left out: give narrower bounds, or ",
                 Mention("axial_damping"),
             )
         for n in range(least, last + 1):
