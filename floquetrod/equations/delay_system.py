@@ -16,6 +16,7 @@ from floquetrod.equations import matrices
 from floquetrod.equations.hill_system import HillSystem
 from floquetrod.equations.matrices import Structure
 from floquetrod.equations.periodic_system import PeriodicSystem
+from floquetrod.equations.pieces import mapped
 
 MOST_DELAYS = 64
 """Most delayed terms of a system (a choice)."""
@@ -296,12 +297,9 @@ class DelaySystem(ByContent):
             mass = np.eye(self.order) if present.mass is None else present.mass
             there = np.zeros_like(mass) if present.damping is None else present.damping
             return self._made(replace(present, damping=there + 2.0 * rate * mass), self.delayed)
-        shift = rate * np.eye(self.order)
-        if not present.pieces:
-            return self._made(replace(present, mean=present.mean - shift), self.delayed)
-        lowered = [(duration, value.mapped(lambda m: m - shift, np.asarray)) for duration, value in present.pieces]
-        error = present.coefficient_error
-        return self._made(PeriodicSystem.from_pieces(lowered, coefficient_error=error), self.delayed)
+        shift, error = rate * np.eye(self.order), present.coefficient_error
+        lowered = mapped(PeriodicSystem, present, lambda m: m - shift, coefficient_error=error)
+        return self._made(lowered, self.delayed)
 
     @property
     def variation(self) -> str:

@@ -179,11 +179,7 @@ class HillSystem(matrices.PeriodicMatrixSystem):
         (2.0, [[1.0, 0.0], [0.0, 4.0]], 'hamiltonian')
         """
         others = {"mass": mass, "damping": damping, "gyroscopic": gyroscopic, "coefficient_error": coefficient_error}
-        found = by_pieces.read(pieces)
-        period, single = by_pieces.total([duration for duration, _ in found]), by_pieces.one_series(found)
-        if single is not None:
-            return cls(single.mean, single.cosines, single.sines, period=period, **others)
-        return cls(by_pieces.average(found, period), period=period, pieces=found, **others)
+        return by_pieces.made(cls, pieces, **others)
 
     @classmethod
     def from_function(
@@ -268,17 +264,12 @@ class HillSystem(matrices.PeriodicMatrixSystem):
             return self, 0.0
         mass = np.eye(self.order) if self.mass is None else self.mass
         shift = c * c * mass
+        others: dict[str, Any] = {"mass": self.mass, "coefficient_error": self.coefficient_error}
+        freed = by_pieces.mapped(HillSystem, self, lambda m: m - shift, **others)
         if self.pieces:
-            lowered = [(d, value.mapped(lambda m: m - shift, np.asarray)) for d, value in self.pieces]
-            freed = HillSystem.from_pieces(lowered, mass=self.mass, coefficient_error=self.coefficient_error)
             vars(freed)["even_start"] = self._even_instant  # of the numbers given, not of rounded ones
-            largest = functools.reduce(np.maximum, [norms(value.mean) for _, value in lowered])
-        else:
-            stiffness = self.stiffness - shift
-            series = self.cosines, self.sines
-            error = self.coefficient_error
-            freed = HillSystem(stiffness, *series, mass=self.mass, period=self.period, coefficient_error=error)
-            largest = norms(stiffness)
+        means = [value.mean for _, value in freed.pieces] or [freed.stiffness]
+        largest = functools.reduce(np.maximum, map(norms, means))
         object.__setattr__(freed, "_rounding", EPS * (largest + 2.0 * c * c * norms(mass)))
         return freed, c
 

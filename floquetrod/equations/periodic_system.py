@@ -97,13 +97,7 @@ class PeriodicSystem(matrices.PeriodicMatrixSystem):
         >>> PeriodicSystem.from_pieces([(0.5, [[0.0, 1.0], [-4.0, 0.0]]), (1.5, [[0.0, 1.0], [-1.0, 0.0]])]).period
         2.0
         """
-        found = by_pieces.read(pieces)
-        period, single = by_pieces.total([duration for duration, _ in found]), by_pieces.one_series(found)
-        if single is not None:
-            given = single.mean, single.cosines, single.sines
-            return cls(*given, period=period, coefficient_error=coefficient_error)
-        mean = by_pieces.average(found, period)
-        return cls(mean, period=period, coefficient_error=coefficient_error, pieces=found)
+        return by_pieces.made(cls, pieces, coefficient_error=coefficient_error)
 
     @classmethod
     def from_function(cls, function: Callable[[float], Any], period: float, jumps: Any = ()) -> PeriodicSystem:

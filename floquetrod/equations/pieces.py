@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import functools
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,6 +18,9 @@ from floquetrod._util.calling import constructor_hints
 from floquetrod._util.content import ByContent
 from floquetrod.equations import matrices
 from floquetrod.equations.matrices import Matrix
+
+System = TypeVar("System")
+OfMatrix = Callable[[Matrix], Matrix]
 
 MOST_PIECES = 1024
 """Most pieces of a period (a choice)."""
@@ -217,6 +221,25 @@ def one_series(pieces: Pieces) -> Varying | None:
     """Return the single piece of a period that is one Fourier series after all, None for any other."""
     duration, value = pieces[0]
     return value if len(pieces) == 1 and value.slope is None and not isinstance(duration, Fraction) else None
+
+
+def made(kind: Callable[..., System], pieces: Any, **others: Any) -> System:
+    """Return a system of a kind from the pieces of its matrix, a Fourier series where they are one."""
+    found = read(pieces)
+    period, single = total([duration for duration, _ in found]), one_series(found)
+    if single is not None:
+        return kind(single.mean, single.cosines, single.sines, period=period, **others)
+    return kind(average(found, period), period=period, pieces=found, **others)
+
+
+def mapped(
+    kind: Callable[..., System], system: Any, of_mean: OfMatrix, of_other: OfMatrix = np.asarray, **others: Any
+) -> System:
+    """Return a system of a kind whose matrices are functions of another's: of means, and of all others."""
+    if system.pieces:
+        return made(kind, [(duration, value.mapped(of_mean, of_other)) for duration, value in system.pieces], **others)
+    series = [[of_other(matrix) for matrix in part] for part in (system.cosines, system.sines)]
+    return kind(of_mean(getattr(system, system.MEAN)), *series, period=system.period, **others)
 
 
 def average(pieces: Pieces, period: Any) -> Matrix:

@@ -20,6 +20,7 @@ from floquetrod.equations.delay_system import DelaySystem
 from floquetrod.equations.hill_system import HillSystem
 from floquetrod.equations.matrices import Matrix
 from floquetrod.equations.periodic_system import PeriodicSystem
+from floquetrod.equations.pieces import mapped
 
 INTERPRETATIONS = ("ito", "stratonovich")
 """What the product of noise and solution may mean."""
@@ -170,11 +171,7 @@ def _scaled(system: PeriodicSystem, sources: list[Source], ratio: Matrix) -> tup
     def scale(matrix: Matrix) -> Matrix:
         return np.asarray(matrix * ratio)
 
-    if system.pieces:
-        pieces = [(duration, value.mapped(scale, scale)) for duration, value in system.pieces]
-        return PeriodicSystem.from_pieces(pieces, coefficient_error=error), turned
-    series = [[scale(m) for m in part] for part in (system.cosines, system.sines)]
-    return PeriodicSystem(scale(system.mean), *series, period=system.period, coefficient_error=error), turned
+    return mapped(PeriodicSystem, system, scale, scale, coefficient_error=error), turned
 
 
 def _checked(system: Any, noise: Any, interpretation: str) -> tuple[PeriodicSystem, list[Source], str]:
@@ -276,15 +273,9 @@ def with_drift(system: PeriodicSystem, sources: list[Source], share: float) -> t
         error += (n + 4) * EPS * size + 2.0 * n * unknown * float((square * np.abs(matrix)).max(initial=0.0))
     if not drift.any():
         return system, error
-    if system.pieces:
-        moved = [(duration, value.mapped(lambda m: m + drift, np.asarray)) for duration, value in system.pieces]
-        largest = max(float(np.abs(value.mean).max()) for _, value in moved)
-        made = PeriodicSystem.from_pieces(moved, coefficient_error=system.coefficient_error)
-    else:
-        mean, others = system.mean + drift, (system.cosines, system.sines)
-        largest = float(np.abs(mean).max())
-        made = PeriodicSystem(mean, *others, period=system.period, coefficient_error=system.coefficient_error)
-    return made, error + EPS * largest
+    moved = mapped(PeriodicSystem, system, lambda m: m + drift, coefficient_error=system.coefficient_error)
+    means = [value.mean for _, value in moved.pieces] or [moved.mean]
+    return moved, error + EPS * max(float(np.abs(mean).max()) for mean in means)
 
 
 def _moments(system: PeriodicSystem, rounding: float, sources: list[Source]) -> SecondMoments:

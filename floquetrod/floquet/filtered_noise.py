@@ -175,7 +175,4 @@ def _hierarchy(system: PeriodicSystem, matrix: Floats, turned: Floats, through: 
         return np.asarray(np.kron(unit, linear_moments(part)))
 
     fixed = np.kron(coupling, linear_moments(matrix)) + np.kron(relaxing, np.eye(len(linear_moments(matrix))))
-    if system.pieces:
-        return PeriodicSystem.from_pieces([(t, v.mapped(lambda m: each(m) + fixed, each)) for t, v in system.pieces])
-    series = [[each(m) for m in part] for part in (system.cosines, system.sines)]
-    return PeriodicSystem(each(system.mean) + fixed, *series, period=system.period)
+    return by_pieces.mapped(PeriodicSystem, system, lambda m: each(m) + fixed, each)
