@@ -11,7 +11,8 @@ from typing import Any, NamedTuple
 from floquetrod._util.arguments import wrong_type, wrong_value
 from floquetrod._util.suggest import did_you_mean, short
 
-_POUNDS_PER_GALLON = 0.45359237 / 3.785411784e-3  # of US gallons, in kg/m^3
+_POUND = 0.45359237  # of mass, in kg
+_POUNDS_PER_GALLON = _POUND / 3.785411784e-3  # of US gallons, in kg/m^3
 
 _POUND_FORCE = 4.4482216152605  # in N
 
@@ -39,8 +40,8 @@ _UNITS: dict[str, dict[str, float]] = {
         "g/cm^3": 1e3,
         "lb/gal": _POUNDS_PER_GALLON,
         "ppg": _POUNDS_PER_GALLON,
-        "lb/ft3": 0.45359237 / 0.3048**3,
-        "lb/in3": 0.45359237 / 0.0254**3,
+        "lb/ft3": _POUND / 0.3048**3,
+        "lb/in3": _POUND / 0.0254**3,
     },
     "acceleration": {"m/s2": 1.0, "m/s^2": 1.0, "ft/s2": 0.3048},
     "rate": {"1/s": 1.0, "/s": 1.0},
@@ -124,8 +125,94 @@ class Unit(NamedTuple):
         return value * self.size
 
     def show(self, value: float, digits: int = 6) -> str:
-        """Return an SI value as text in this unit."""
-        return f"{self.of(value):.{digits}g} {self.name}".strip()
+        """Return an SI value as text in this unit, without a power of ten up to a billion."""
+        text = f"{self.of(value):.{digits}g}"
+        if "e+0" in text:
+            text = f"{float(text):.0f}"
+        return f"{text} {self.name}".strip()
+
+    def per(self, other: Unit) -> Unit:
+        """Return this unit over another one.
+
+        >>> unit("lbf", "", "force").per(unit("ft", "", "length")).name
+        'lbf/ft'
+        """
+        return Unit(f"{self.name}/{other.name}", self.size / other.size)
+
+
+class AnswerUnits(NamedTuple):
+    """The units that an answer is in, and those that follow from them.
+
+    >>> shown = AnswerUnits.named(force="lbf", length="ft")
+    >>> shown.pressure.name, shown.per_length.name, shown.across.name, shown.speed.name
+    ('ksi', 'lbf/ft', 'in', 'ft/s')
+    """
+
+    force: Unit
+    length: Unit
+    pressure: Unit
+    frequency: Unit
+
+    @classmethod
+    def named(
+        cls,
+        force: str = "N",
+        length: str = "m",
+        pressure: str | None = None,
+        frequency: str = "Hz",
+        what: Callable[[str], str] = str,
+    ) -> AnswerUnits:
+        """Return units by their names, pressures beside pounds in ksi, else in MPa; ``what`` names them in messages."""
+        of_force = unit(force, what("force"), "force")
+        usual = "ksi" if of_force.name in ("lbf", "kip") else "MPa"
+        return cls(
+            of_force,
+            unit(length, what("length"), "length"),
+            unit(usual if pressure is None else pressure, what("pressure"), "pressure"),
+            unit(frequency, what("frequency"), "frequency"),
+        )
+
+    @property
+    def per_length(self) -> Unit:
+        """Of forces per length."""
+        return self.force.per(self.length)
+
+    @property
+    def across(self) -> Unit:
+        """Of diameters."""
+        return unit("in" if self._has_feet else "mm", "", "length")
+
+    @property
+    def speed(self) -> Unit:
+        """Of speeds."""
+        return unit("ft/s" if self._has_feet else "m/s", "", "speed")
+
+    @property
+    def mass_per_length(self) -> Unit:
+        """Of masses per length."""
+        return Unit("lb/ft", _POUND / _UNITS["length"]["ft"]) if self._has_feet else Unit("kg/m", 1.0)
+
+    @property
+    def rigidity(self) -> Unit:
+        """Of flexural rigidities."""
+        return Unit(f"{self.force.name} {self.length.name}^2", self.force.size * self.length.size**2)
+
+    @property
+    def _has_feet(self) -> bool:
+        return self.length.name in ("ft", "in")
+
+    def of_rod(self, name: str, value: Any) -> tuple[str, str]:
+        """Return name and value of a parameter of a rod in words, diameters for radii as on drawings."""
+        words, kind = name.replace("_", " "), ROD_KINDS.get(name)
+        if kind is None or not isinstance(value, float):
+            return words, str(value)
+        if name in ("radius", "inner_radius", "channel_radius"):
+            return words.replace("radius", "diameter"), self.across.show(2.0 * value)
+        if kind == "pressure" and value >= 1e9:
+            large = {"ksi": "Mpsi", "psi": "Mpsi"}.get(self.pressure.name, "GPa")
+            return words, unit(large, name, kind).show(value)
+        shown = {"length": self.length, "pressure": self.pressure}.get(kind)
+        return words, (shown or unit("deg" if kind == "angle" else "", name, kind)).show(value)
 
 
 _NUMBER = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(\S*)\s*", re.ASCII)

@@ -106,7 +106,9 @@ def test_a_warning_is_one_line_beside_the_answer(capsys: pytest.CaptureFixture[s
     assert cli.main(["check", "--rod", "nitinol", "--mean", "1", "--amplitude", "0.1", "--frequency", "400Hz"]) == 0
     captured = capsys.readouterr()
     assert captured.err.count("\n") == 1
-    assert captured.err.startswith("floquetrod: warning: at 2513.27 rad/s the rod is 0.38 axial wavelengths long")
+    assert captured.err.startswith(
+        "floquetrod: warning: at 2513.27 rad/s (400 Hz) the rod is 0.38 axial wavelengths long"
+    )
     assert captured.out
 
 

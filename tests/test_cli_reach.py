@@ -60,7 +60,9 @@ def test_it_draws(line: list[str], tmp_path: Path, capsys: pytest.CaptureFixture
         ),
         (["--friction", "0.3", "--push", "3 furlong"], "--push must be a number with"),
         (["--friction", "0.3", "--figure", "reach.doc"], "--figure must end in"),
-        (["--friction", "0.3", "--unit", "Hz"], "--unit must name a unit of length, of force or both"),
+        (["--friction", "0.3", "--unit", "mm/s"], "--unit must name units such as ft,lbf, got 'mm/s'"),
+        (["--friction", "0.3", "--unit", "ft,lbf,m"], "--unit must name one unit of length, got ft and m"),
+        (["--friction", "0.3", "--unit", "Fcr"], "--unit must be a unit of force (N, kN"),
         (["--friction", "0.3", "--depths", "1:2:3ft"], "--depths must be a list such as"),
         (["--friction", "0.3", "--depths", "deep"], "--depths must be a number with"),
         ([], "--friction"),
@@ -106,4 +108,4 @@ def test_the_curve_of_what_arrives_ends_at_the_reach(is_stopped: bool, depths: l
     forces = np.array([3e3, 2e3, np.nan])
     depth, force = reach._to_the_reach(found, forces, 260.0 if is_stopped else 300.0, is_stopped)
     assert depth.tolist() == depths
-    assert force.tolist() == [3.0, 2.0, 0.5][: len(depths)]
+    assert force.tolist() == [3000.0, 2000.0, 500.0][: len(depths)]

@@ -105,7 +105,7 @@ def test_check_tells_all_a_user_needs(tmp_path: Path, capsys: pytest.CaptureFixt
     result = fr.Rod.from_toml(WIRE).stability(load_of(fr.Rod.from_toml(WIRE), 0.3, 0.2, 20.0))
     assert text.startswith("UNSTABLE: direct resonance of mode 1, order 1\n")
     for line in (
-        r"ends = clamped-hinged; SI units",
+        r"ends clamped-hinged",
         r"load      mean 0\.3 Fcr \(0\.08066 N\), amplitude 0\.2 Fcr \(0\.05377 N\), 20 Hz \(125\.7 rad/s\)",
         r"          mean force 0\.264236 Fcr at the upper end, 0\.335764 Fcr at the lower",
         r"assumed   .*which is 0\.0074 axial wavelengths long",
@@ -406,7 +406,7 @@ def test_other_refusals(record: str, capsys: pytest.CaptureFixture[str]) -> None
 def test_a_warning_speaks_of_options(capsys: pytest.CaptureFixture[str]) -> None:
     assert cli.main(["check", "--rod", WELL, *SHAKE[:4], "--frequency", "20Hz", "--no-margins"]) == 0
     warning = capsys.readouterr().err.replace(COMPILING, "")
-    assert warning.startswith("floquetrod: warning: at 125.664 rad/s the rod is 0.24 axial wavelengths long")
+    assert warning.startswith("floquetrod: warning: at 125.664 rad/s (20 Hz) the rod is 0.24 axial wavelengths long")
     assert warning.endswith("; use --wave, which computes the waves\n")
 
 

@@ -672,3 +672,17 @@ def test_a_record_without_a_unit_is_doubted_where_another_would_matter(
     assert len(found) == bool(words)
     assert not words or re.search(words, found[0])
     assert fr.ForceRecord(record.time, record.samples).force_unit_named
+
+
+def test_a_record_is_told_in_other_units() -> None:
+    time = np.arange(2000) / 200.0
+    push = 1e3 + 5.0 * time + 400.0 * np.sin(2.0 * np.pi * 5.0 * time)
+    record = fr.ForceRecord(time, push + np.random.default_rng(3).standard_normal(time.size))
+    pound, hertz = units.unit("lbf", "", "force"), units.unit("Hz", "", "frequency")
+    text = record.in_words(pound, hertz)
+    assert f"force of mean {record.mean / pound.size:.6g} lbf and amplitude" in text
+    assert f"{record.frequency / hertz.size:.8g} Hz +- " in text
+    assert f"trend of {record.trend / pound.size:.3g} +- {record.trend_error / pound.size:.1g} lbf/s" in text
+    assert " N" not in text
+    assert 0.0 < record.trend_error < 0.1
+    assert "N/s" in repr(record)

@@ -135,3 +135,41 @@ def test_of_tubing_in_a_well_reach_is_told_and_drawn(tmp_path: Path) -> None:
     page = path.read_text()
     assert "can be pushed to" in words(page)
     assert page.count("<img") == 3  # shape, map, reach
+
+
+UNITS = {"mean": "lbf", "amplitude": "lbf", "frequency": "Hz", "length": "ft", "pressure": "ksi"}
+
+
+def test_all_of_it_is_in_the_units_asked_for(tmp_path: Path) -> None:
+    tubing = fr.Rod.catalogue("2.00x0.156 CT90", bore="4.778in", length="200ft", inclination="60deg")
+    verdict = tubing.stability(fr.AxialLoad("3000lbf", 0.0, "15Hz"))
+    page = words(fr.save_report(verdict, tmp_path / "a.html", units=UNITS).read_text())
+    for told in (
+        f"critical force {tubing.critical_force / 4.4482216152605:.4g} lbf",
+        "inner diameter 1.688 in, inclination 60 deg",
+        "length 200 ft",
+        "diameter 2 in (50.8 mm)",
+        "youngs modulus 30.0228 Mpsi",
+        "yield strength 90 ksi",
+        "half wave",
+    ):
+        assert told in page, told
+    told, _ = page.split("What is assumed")
+    assert not re.search(r"\d (N|m|MPa|GPa|kg/m|N/m|N m\^2)(?![\w/^])", told)
+
+
+@pytest.mark.slow
+def test_only_the_load_asked_about_warns(tmp_path: Path) -> None:
+    tubing = fr.Rod.catalogue("2.00x0.156 CT90", bore="4.778in", length="30m", inclination="60deg")
+    verdict = tubing.stability(fr.AxialLoad("10kN", "5kN", "15Hz"))  # 0.09 wavelengths long, at the edge of a map 0.16
+    fr.save_report(verdict, tmp_path / "a.html", margins=False)
+
+
+def test_units_are_checked_before_anything_is_computed(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(fr.Rod, "reach", None)
+    load = ["--rod", str(ROOT / "examples/tubing.toml"), "--mean", "3kN", "--amplitude", "0", "--frequency", "4Hz"]
+    well = ["--well", str(ROOT / "examples/survey.csv"), "--friction", "0.3"]
+    assert main(["report", *load, *well, "--unit", "ft,parsec"]) == 2
+    assert "--unit must name units such as Hz,Fcr or ft,lbf, got 'parsec'" in capsys.readouterr().err

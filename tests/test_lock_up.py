@@ -16,6 +16,7 @@ from scipy.integrate import quad, solve_ivp
 
 import floquetrod as fr
 from conftest import depth
+from floquetrod import cli
 from floquetrod.rod.model.lock_up import LockUp
 
 PIPE = fr.Rod.catalogue("2.00x0.156", bore="4.778in", length=1000.0, fluid_inside=1000.0, fluid_outside=1000.0)
@@ -172,3 +173,19 @@ def test_bad_distances_and_forces() -> None:
         found.force(-1.0)
     with pytest.raises(TypeError, match=r"^force must hold real numbers"):
         found.pushed_length("1kN")
+
+
+def test_it_answers_in_the_units_asked_for(capsys: pytest.CaptureFixture[str]) -> None:
+    tubing = fr.Rod.catalogue("2.00x0.156", bore="4.778in", length=1000.0)
+    found = tubing.lock_up(0.3)
+    text = str(found.report(20e3, length="ft", force="lbf"))
+    assert text.startswith(f"locks up {found.length / 0.3048:.4g} ft from the far end")
+    assert f"pushed    4496.18 lbf at the upper end pushes {found.pushed_length(20e3) / 0.3048:.4g} ft" in text
+    line = ["lock-up", "--rod", "2.00x0.156", "--bore", "4.778in", "--friction", "0.3", "--push", "20kN"]
+    assert cli.main([*line, "--length", "1000m", "--unit", "ft,lbf"]) == 0
+    assert capsys.readouterr().out == f"{text}\n"
+    assert cli.main([*line, "--length", "3000ft"]) == 0  # the units of the question
+    assert " ft from the far end" in (answer := capsys.readouterr().out)
+    assert "20 kN at the upper end" in answer
+    assert cli.main([*line, "--length", "1000m", "--unit", "psi"]) == 2
+    assert "--unit must name units such as ft,lbf, got 'psi'" in capsys.readouterr().err

@@ -255,5 +255,54 @@ def test_a_tool_above_the_string_is_refused() -> None:
 
 
 def test_depths_off_the_path_are_refused() -> None:
-    with pytest.raises(ValueError, match="depth must lie below 0 and not below 4000 m"):
+    with pytest.raises(
+        ValueError, match="depth must lie below the start of the path and down to its end, 0 to 4000 m, got"
+    ):
         TUBING.reach(WELL, 0.3, depth=[5000.0])
+
+
+@pytest.mark.parametrize(
+    ("depth", "said"),
+    [
+        (["13000ft", "14000ft"], "0 to 13123.4 ft, got 14000 ft"),
+        ("5km", "0 to 4 km, got 5 km"),
+        ([0.0, 100.0], "0 to 4000 m, got 0 m"),
+        ([], "0 to 4000 m, got none"),
+    ],
+)
+def test_depths_beyond_the_path_are_told_in_the_unit_they_were_given_in(depth: object, said: str) -> None:
+    with pytest.raises(ValueError, match=f"^depth must lie below the start of the path and down to its end, {said}$"):
+        TUBING.reach(WELL, 0.3, depth=depth)
+
+
+def test_it_answers_in_the_units_asked_for() -> None:
+    found = TUBING.replace(yield_strength="90ksi").reach(WELL, 0.3, depth=[50.0, 1200.0])
+    foot, pound = 0.3048, 4.4482216152605
+    text = str(found.report(depth="ft", force="lbf"))
+    weight = found.weight_per_length * foot / pound
+    assert f"weighs {weight:.4g} lbf/ft" in text
+    assert "of the yield strength 90 ksi" in text
+    for other in ("MPa", " N", " m ", "kN"):
+        assert other not in text.split("assumed")[0]
+    assert "of the yield strength 90000 psi" in str(found.report("ft", "lbf", "psi"))
+    figure = found.plot(depth="ft", force="lbf", pressure="psi")
+    labels = [ax.get_ylabel() for ax in figure.axes]
+    assert labels[1:] == [
+        *("at the injector / lbf", "at the lower end / lbf", "force in the string / lbf", "contact / (lbf/ft)"),
+        *("friction", "largest stress / psi"),
+    ]
+    curve = figure.axes[3].lines[0]
+    assert curve.get_xdata() == pytest.approx(found.along.depth / foot)
+    assert curve.get_ydata() == pytest.approx(found.along.force / pound)
+    with pytest.raises(ValueError, match=r"^depth must be a unit of length"):
+        found.plot(depth="lbf")
+
+
+def test_what_is_not_tried_at_the_lower_end_is_marked() -> None:
+    found = TUBING.reach(WELL, 0.3, depth=[50.0, 1200.0])
+    assert found.bit_limit == pytest.approx(10.0 * TUBING.critical_force)
+    assert found.is_limited(found.bit).tolist() == [True, False]
+    rows = str(found.report(force="N")).splitlines()
+    assert rows[-3].split()[-1] == f">{found.bit[0]:.0f}"
+    assert rows[-2].split()[-1] == f"{found.bit[1]:.0f}"
+    assert rows[-1].startswith("> at the lower end: more may arrive")

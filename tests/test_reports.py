@@ -94,8 +94,8 @@ def test_one_report_serves_every_kind_of_modes(name: str) -> None:
     for each in ("rod", "load", "checked", "method"):
         assert each in labels
     assert str(verdict.report(units={"mean": "Fcr", "frequency": "Hz"})).count(" Hz (") >= 1
-    with pytest.raises(ValueError, match="units must be of mean, amplitude, frequency and kick"):
-        verdict.report(units={"length": "m"})
+    with pytest.raises(ValueError, match="units must be of mean, amplitude, frequency, kick, force, length, pressure"):
+        verdict.report(units={"weight": "N"})
 
 
 def test_margins_are_said_with_the_damping_that_stabilises() -> None:

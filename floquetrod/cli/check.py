@@ -40,6 +40,7 @@ from floquetrod.cli.parser import Parser
 from floquetrod.floquet.registry import METHODS
 from floquetrod.floquet.status import STATUS_CODES, Status
 from floquetrod.rod.answers.margins import FEW_MODES, Margin
+from floquetrod.rod.answers.reports import shown_in
 from floquetrod.rod.answers.verdict import RodStability
 from floquetrod.rod.loads.load import KINDS, Load, Quantity
 from floquetrod.rod.reading import LOAD_OPTIONS, RECORD_OPTIONS
@@ -269,10 +270,11 @@ def _sine_beside(asked: _Question) -> tuple[list[tuple[str, str]], dict[str, Any
         return [], {}
     with Waiting("comparing with a sine"):
         sine = _sine(asked)
+    shown = shown_in(names(asked.shown), asked.rod.critical_force)
     left_out = "" if asked.record_alone else "; the error leaves out its noise, because options change the load"
     lines = [
         ("sine", f"of the same mean, amplitude and frequency: {sine.status}{_growing(sine)}"),
-        ("record", f"{repr(asked.force)[1:-1]}{left_out}"),
+        ("record", f"{asked.force.in_words(shown['force'], shown['frequency'])}{left_out}"),
     ]
     numbers = {
         "force_record": asked.force.as_dict() | {"noise_in_error": asked.record_alone},

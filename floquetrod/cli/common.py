@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 _TINY, LARGEST = 1e-9, 1e12  # what the library takes, in SI units: a typing error lies beyond
 
 _UNASKED = {"speed": "mm/s"}  # units of answers that are not SI
-_SHOWN = ("force", "frequency", "speed")  # kinds of quantity that --unit is for
+_SHOWN = ("force", "frequency", "speed", "length", "pressure")  # kinds of quantity that --unit is for
 
 _MOST_POINTS = 25_000_000  # half a gigabyte with growth rates
 
@@ -133,7 +133,7 @@ def read_survey(options: argparse.Namespace, path: Path) -> fr.WellPath:
 def add_units(command: argparse.ArgumentParser) -> None:
     """Add the option that says in which units to answer."""
     command.add_argument(
-        "--unit", metavar="UNITS", help="units of the answer, such as Hz or Hz,Fcr (default: those of the question)"
+        "--unit", metavar="UNITS", help="units of the answer, such as Hz,Fcr or ft,lbf (default: those of the question)"
     )
 
 
@@ -210,32 +210,62 @@ def read_range(text: str, name: Quantity, rod: fr.Rod) -> list[float]:
     return [low, high]
 
 
+def units_asked(text: str | None, kinds: Sequence[str] = _SHOWN, such_as: str = "Hz,Fcr or ft,lbf") -> dict[str, str]:
+    """Return the units of --unit by their kinds."""
+    chosen: dict[str, str] = {}
+    for name in filter(None, (each.strip() for each in (text or "").split(","))):
+        kind = units.kind_of(name) or ""
+        if kind not in kinds:
+            every = "; ".join(f"{kind}: {', '.join(units.units_of(kind, 1.0))}" for kind in kinds)
+            near = did_you_mean(name, [each for kind in kinds for each in units.units_of(kind, 1.0)])
+            raise ValueError(f"--unit must name units such as {such_as}, got {name!r} in {text!r}{near} ({every})")
+        if kind in chosen:
+            raise ValueError(f"--unit must name one unit of {kind}, got {chosen[kind]} and {name} in {text!r}")
+        chosen[kind] = name
+    return chosen
+
+
+_WITH_LENGTHS, _WITH_FORCES = ("length", "depth", "depths"), ("mean", "amplitude", "push", "far_force", "tool")
+
+
+def units_typed(options: argparse.Namespace) -> dict[str, str]:
+    """Return the units in which lengths along the rod and forces were typed, but for those in critical forces."""
+    found = {}
+    for kind, names in (("length", _WITH_LENGTHS), ("force", _WITH_FORCES)):
+        texts = (getattr(options, name, None) for name in names)
+        typed = (_typed_unit(text.partition("@")[0]) for text in texts if isinstance(text, str))
+        if name := next((each for each in typed if each and units.is_unit(each, kind)), None):
+            found[kind] = name
+    return found
+
+
+def _typed_unit(text: str) -> str | None:
+    """Return the unit of a quantity, or of the last one of a range or a list; "" for none, None for no quantity."""
+    return units.unit_of(re.split("[:,]", text)[-1])
+
+
 def read_units(options: argparse.Namespace, rod: fr.Rod) -> dict[str, Unit]:
     """Return the unit in which to speak of each quantity: that of --unit, else the one it was given in, else SI.
 
     The end of a range without a unit has that of the other.  The options may have no --kick; its unit is then mm/s.  A
-    frequency that a record tells is in Hz, as its spectrum is.
+    frequency that a record tells is in Hz, as its spectrum is.  Other forces, lengths and pressures are among them
+    where something tells their unit.
     """
     from floquetrod.rod.loads.load import KINDS
 
-    chosen: dict[str, str] = {}
-    for name in filter(None, (options.unit or "").split(",")):
-        kind = units.kind_of(name.strip())
-        if kind not in _SHOWN:
-            every = "; ".join(f"{kind}: {', '.join(units.units_of(kind, 1.0))}" for kind in _SHOWN)
-            near = did_you_mean(name.strip(), [each for kind in _SHOWN for each in units.units_of(kind, 1.0)])
-            raise ValueError(f"--unit must name units such as Hz,Fcr, got {name!r} in {options.unit!r}{near} ({every})")
-        if kind in chosen:
-            raise ValueError(f"--unit must name one unit of {kind}, got {chosen[kind]} and {name} in {options.unit!r}")
-        chosen[kind] = name.strip()
+    chosen = units_asked(options.unit)
     found: dict[str, Unit] = {}
     for name, kind in [*KINDS.items(), ("kick", "speed")]:
         text = getattr(options, name, None)
-        typed = units.unit_of(text.rpartition(":")[2]) if isinstance(text, str) else None
+        typed = _typed_unit(text) if isinstance(text, str) else None
         unasked = "Hz" if name == "frequency" and getattr(options, "force", None) else _UNASKED.get(kind, "")
         wanted = chosen.get(kind, unasked if typed is None else typed)
         found[name] = units.unit(wanted, f"--{name}", kind, rod.critical_force)
-    return found
+    asked = {kind: name for kind, name in chosen.items() if kind in ("force", "length", "pressure")}
+    if not units.is_unit(asked.get("force", ""), "force"):  # critical forces, of which one is said in another unit
+        asked.pop("force", None)
+    more = {kind: units.unit(name, "--unit", kind) for kind, name in {**units_typed(options), **asked}.items()}
+    return {**found, **more}
 
 
 def read_rod(options: argparse.Namespace) -> fr.Rod:

@@ -4,7 +4,16 @@ from __future__ import annotations
 
 import argparse
 
-from floquetrod.cli.common import add_coefficient, add_rod, describe_command, read_force, read_rod
+from floquetrod import units
+from floquetrod.cli.common import (
+    add_coefficient,
+    add_rod,
+    describe_command,
+    read_force,
+    read_rod,
+    units_asked,
+    units_typed,
+)
 from floquetrod.cli.output import Output, output
 from floquetrod.cli.parser import Parser
 
@@ -27,13 +36,19 @@ def add(command: Parser) -> None:
     add_coefficient(command, "required")
     command.add_argument("--far-force", metavar="FORCE", help="mean force at the lower end (default: 0)")
     command.add_argument("--push", metavar="FORCE", help="force at the upper end, such as 20kN")
+    command.add_argument(
+        "--unit", metavar="UNITS", help="units of the answer, such as ft,lbf (default: those of the question)"
+    )
 
 
 def _lock_up(options: argparse.Namespace) -> Output:
     if options.friction is None:
         raise ValueError("--friction is required: without friction nothing locks up; add it, such as --friction 0.3")
+    shown = {**units_typed(options), **units_asked(options.unit, ("length", "force"), "ft,lbf")}
+    for kind, name in shown.items():
+        units.unit(name, "--unit", kind)
     rod = read_rod(options)
     far = read_force(options.far_force or "0", "--far-force", rod)
     push = None if options.push is None else read_force(options.push, "--push", rod)
     found = rod.lock_up(options.friction, far)
-    return output(options, lambda: found.report(push), lambda: found.as_dict(push))
+    return output(options, lambda: found.report(push, **shown), lambda: found.as_dict(push))

@@ -20,6 +20,8 @@ from floquetrod.cli.common import (
     read_force,
     read_rod,
     read_survey,
+    units_asked,
+    units_typed,
 )
 from floquetrod.cli.output import Output, output
 from floquetrod.cli.parser import Parser
@@ -58,7 +60,11 @@ def add(command: Parser) -> None:
         help="measured depths of the lower end, such as 9000ft,9500ft, or 9000:9900ft for ten of them "
         "(default: all of the well)",
     )
-    command.add_argument("--unit", metavar="UNITS", help="units of the answer, such as ft,lbf (default: m,kN)")
+    command.add_argument(
+        "--unit",
+        metavar="UNITS",
+        help="units of the answer, such as ft,lbf,psi,rpm (default: those of the question, else m,kN,MPa,Hz)",
+    )
     command.add_argument("--figure", metavar="FILE", type=Path, help="write a figure of all of it (.png, .pdf, .svg)")
 
 
@@ -88,8 +94,8 @@ def add_well(command: argparse.ArgumentParser, *, required: bool) -> None:
     )
 
 
-def read_reach(options: argparse.Namespace, rod: fr.Rod, depth: Sequence[float] | None = None) -> fr.Reach:
-    """Return how far a string can be pushed into the well of the options, with the forces at depths in m."""
+def read_reach(options: argparse.Namespace, rod: fr.Rod, depth: Sequence[str] | None = None) -> fr.Reach:
+    """Return how far a string can be pushed into the well of the options, with the forces at depths with their unit."""
     from floquetrod.rod import reading
 
     path = read_survey(options, options.well)
@@ -111,32 +117,26 @@ def _reach(options: argparse.Namespace) -> Output:
 
     if options.figure is not None:
         check_out(options.figure, charts.FIGURES, "--figure")
-    shown = _units(options.unit)
+    asked = units_asked(options.unit, ("length", "force", "pressure", "frequency"), "ft,lbf")
+    shown = {"depth" if kind == "length" else kind: name for kind, name in {**units_typed(options), **asked}.items()}
+    for kind, name in shown.items():
+        units.unit(name, "--unit", "length" if kind == "depth" else kind)
     found = read_reach(options, read_rod(options), None if options.depths is None else _depths(options.depths))
     if options.figure is not None:
-        charts.save_figure(found.plot(), options.figure)
+        charts.save_figure(found.plot(**shown), options.figure)
     return output(options, partial(found.report, **shown), found.as_dict)
 
 
-def _units(text: str | None) -> dict[str, str]:
-    """Return the units of --unit by what they are of."""
-    found = {}
-    for name in filter(None, (each.strip() for each in (text or "").split(","))):
-        kind = units.kind_of(name)
-        if kind not in ("length", "force"):
-            raise ValueError(f"--unit must name a unit of length, of force or both, such as ft,lbf, got {text!r}")
-        found["depth" if kind == "length" else "force"] = name
-    return found
-
-
-def _depths(text: str) -> list[float]:
-    """Return the depths in m of a list, or ten from one to another; one unit at the end is that of all."""
+def _depths(text: str) -> list[str]:
+    """Return the depths of a list, or ten from one to another, in one unit; one at the end is that of all."""
     parts = text.replace(":", ",").split(",")
     last = units.unit_of(parts[-1]) or ""
     values = [units.quantity(each if units.unit_of(each) else each + last, "--depths", "length") for each in parts]
-    if ":" not in text:
-        return values
-    if len(values) != 2:
-        raise ValueError(f"--depths must be a list such as 9000ft,9500ft or two ends such as 9000:9900ft, got {text!r}")
-    low, high = values
-    return [float(each) for each in np.linspace(low, high, _EVEN)]
+    if ":" in text:
+        if len(values) != 2:
+            raise ValueError(
+                f"--depths must be a list such as 9000ft,9500ft or two ends such as 9000:9900ft, got {text!r}"
+            )
+        values = np.linspace(values[0], values[1], _EVEN).tolist()
+    unit = units.unit(last, "--depths", "length")
+    return [f"{float(unit.of(each))!r}{unit.name}" for each in values]

@@ -69,8 +69,8 @@ def _report(options: argparse.Namespace) -> Output:
     rod = read_rod(options)
     record = read_record(options, rod)
     load = read_load(options, rod, read_kind(options, record))
-    pushed = None if options.well is None else reach.read_reach(options, rod)
     tolerance, shown = read_tolerance(options), read_units(options, rod)
+    pushed = None if options.well is None else reach.read_reach(options, rod)
     with Waiting("deciding stability", "verdicts") as progress:
         verdict = rod.stability(load, growth_tolerance=tolerance, progress=progress)
     motion = None

@@ -7,9 +7,10 @@ from typing import Any
 import numpy as np
 
 from floquetrod.plotting import palette
+from floquetrod.units import AnswerUnits, Unit
 
 
-def draw_reach(found: Any, figure: Any = None) -> Any:
+def draw_reach(found: Any, shown: AnswerUnits, title: str, figure: Any = None) -> Any:
     """Return a figure of a `floquetrod.Reach`: the well's section, the force at the injector, and along the string."""
     from matplotlib import pyplot
 
@@ -18,44 +19,44 @@ def draw_reach(found: Any, figure: Any = None) -> Any:
         figure = pyplot.figure(figsize=(7.2, 12.3 + 1.4 * len(more)), layout="constrained")
     axes = figure.subplots(7 + len(more), 1, height_ratios=[1.5, 1.2, 1.0, 1.2, 1.0, 1.0, 1.0, *more])
     section, injector, bit, force, contact, friction, stress = axes[:7]
-    _draw_section(found, section)
-    _draw_injector(found, injector)
-    _draw_bit(found, bit)
-    along = found.along
-    _draw_line(force, along.depth, 1e-3 * along.force, "force in the string / kN")
-    _draw_line(contact, along.depth, 1e-3 * along.contact, "contact / (kN/m)")
-    _draw_line(friction, along.depth, along.friction, "friction")
+    _draw_section(found, shown.length, section)
+    _draw_injector(found, shown, injector)
+    _draw_bit(found, shown, bit)
+    along, depth, pressed = found.along, shown.length.of(found.along.depth), shown.per_length.of(found.along.contact)
+    _draw_line(force, depth, shown.force.of(along.force), f"force in the string / {shown.force.name}")
+    _draw_line(contact, depth, pressed, f"contact / ({shown.per_length.name})")
+    _draw_line(friction, depth, along.friction, "friction")
     friction.set_ylim(bottom=0.0)
-    _draw_stress(found, stress)
+    _draw_stress(found, shown, stress)
     if along.is_helix.any():
         contact.set_yscale("log")
-        finite = along.contact[np.isfinite(along.contact)]
-        contact.set_ylim(bottom=1e-6 * finite.max())  # of the largest, in N: a thousandth
+        contact.set_ylim(bottom=1e-3 * pressed[np.isfinite(pressed)].max())
     if found.tool:
-        _draw_growth(found, axes[7])
+        _draw_growth(found, depth, axes[7])
     for ax in axes[3:]:
-        _shade(found, ax)
+        _shade(found, depth, ax)
     for ax in axes[1:]:
-        ax.set_xlim(found.path.start, found.path.end)
+        ax.set_xlim(shown.length.of(found.path.start), shown.length.of(found.path.end))
     force.legend(handles=_areas(found), loc="best", fontsize="x-small", frameon=False)
-    axes[-1].set_xlabel("measured depth / m")
-    figure.suptitle(repr(found)[1:-1], fontsize="medium")
+    axes[-1].set_xlabel(f"measured depth / {shown.length.name}")
+    figure.suptitle(title, fontsize="medium")
     return figure
 
 
-def _draw_section(found: Any, ax: Any) -> None:
+def _draw_section(found: Any, unit: Unit, ax: Any) -> None:
     """Draw the well from its side, the string as deep as it reaches."""
     path, end = found.path, found.along.depth[-1]
     depths = np.unique(np.concatenate([np.linspace(path.start, path.end, 400), path.stations]))
     places = path.position(depths)
-    run = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(places[:, :2], axis=0).T))])
-    ax.plot(run, places[:, 2], color="0.7", linewidth=4.0, solid_capstyle="butt", label="well")
+    run = unit.of(np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(places[:, :2], axis=0).T))]))
+    down = unit.of(places[:, 2])
+    ax.plot(run, down, color="0.7", linewidth=4.0, solid_capstyle="butt", label="well")
     inside = depths <= end
-    ax.plot(run[inside], places[inside, 2], color="black", linewidth=1.4, label="string")
+    ax.plot(run[inside], down[inside], color="black", linewidth=1.4, label="string")
     grows = np.interp(depths, found.along.depth, found.growth) > 0.0
-    ax.plot(*_only(run, places[:, 2], grows & inside), color=palette.UNSTABLE, linewidth=1.8, label="grows")
-    ax.set_xlabel("horizontal distance / m")
-    ax.set_ylabel("true vertical depth / m")
+    ax.plot(*_only(run, down, grows & inside), color=palette.UNSTABLE, linewidth=1.8, label="grows")
+    ax.set_xlabel(f"horizontal distance / {unit.name}")
+    ax.set_ylabel(f"true vertical depth / {unit.name}")
     ax.set_aspect("equal", adjustable="datalim")
     ax.invert_yaxis()
     ax.legend(loc="best", fontsize="x-small", frameon=False)
@@ -65,37 +66,42 @@ def _only(x: Any, y: Any, kept: Any) -> tuple[Any, Any]:
     return np.where(kept, x, np.nan), np.where(kept, y, np.nan)
 
 
-def _draw_injector(found: Any, ax: Any) -> None:
+def _draw_injector(found: Any, shown: AnswerUnits, ax: Any) -> None:
     """Draw the force at the injector over the depth of the lower end."""
-    label = "no tool" if found.tool else None
-    ax.plot(found.depth, 1e-3 * found.injector, color="black", linestyle="--" if found.tool else "-", label=label)
-    ax.axvline(found.reach, color="0.5", linestyle="--", linewidth=0.8)
+    label, depth = "no tool" if found.tool else None, shown.length.of(found.depth)
+    style = {"color": "black", "linestyle": "--" if found.tool else "-", "label": label}
+    ax.plot(depth, shown.force.of(found.injector), **style)
+    ax.axvline(shown.length.of(found.reach), color="0.5", linestyle="--", linewidth=0.8)
     if found.tool:
-        ax.plot(found.depth, 1e-3 * found.injector_shaken, color="black", label="with the tool")
-        ax.axvline(found.reach_shaken, color="0.5", linewidth=0.8)
+        ax.plot(depth, shown.force.of(found.injector_shaken), color="black", label="with the tool")
+        ax.axvline(shown.length.of(found.reach_shaken), color="0.5", linewidth=0.8)
         ax.legend(loc="best", fontsize="x-small", frameon=False)
     ax.axhline(0.0, color="0.7", linewidth=0.6)
-    ax.set_ylabel("at the injector / kN")
+    ax.set_ylabel(f"at the injector / {shown.force.name}")
 
 
-def _draw_bit(found: Any, ax: Any) -> None:
+def _draw_bit(found: Any, shown: AnswerUnits, ax: Any) -> None:
     """Draw what arrives at the lower end over its depth; what would arrive near the injector is far more."""
-    still = _to_the_reach(found, found.bit, found.reach, found.is_stopped)
-    ax.plot(*still, color="black", linestyle="--" if found.tool else "-", marker=".")
+    curves = [(_to_the_reach(found, found.bit, found.reach, found.is_stopped), "--" if found.tool else "-")]
     if found.tool:
         shaken = _to_the_reach(found, found.bit_shaken, found.reach_shaken, found.is_stopped_shaken)
-        ax.plot(*shaken, color="black", marker=".")
+        curves.append((shaken, "-"))
+    for (depth, force), line in curves:
+        ax.plot(shown.length.of(depth), shown.force.of(force), color="black", linestyle=line, marker=".")
+        more = found.is_limited(force)
+        ax.plot(shown.length.of(depth[more]), shown.force.of(force[more]), "^", color="black")
     deep = np.concatenate([found.bit[1:], found.bit_shaken[1:], [found.far_force + 1e3]])
-    ax.set_ylim(1e-3 * found.far_force, 1e-3 * found.far_force + 1.1e-3 * (float(np.nanmax(deep)) - found.far_force))
-    ax.set_ylabel("at the lower end / kN")
-    ax.set_xlabel("measured depth of the lower end / m")
+    low, size = found.far_force, float(np.nanmax(deep)) - found.far_force
+    ax.set_ylim(shown.force.of(low), shown.force.of(low + 1.1 * size))
+    ax.set_ylabel(f"at the lower end / {shown.force.name}")
+    ax.set_xlabel(f"measured depth of the lower end / {shown.length.name}")
 
 
 def _to_the_reach(found: Any, forces: Any, reach: float, is_stopped: bool) -> tuple[Any, Any]:
-    """Return depths and forces in kN at the lower end, where the string stops that which it was sought with."""
+    """Return depths and forces at the lower end, where the string stops that which it was sought with."""
     arrives = np.isfinite(forces) & (found.bit_depth < reach)
-    depth, force = found.bit_depth[arrives], 1e-3 * forces[arrives]
-    return (np.append(depth, reach), np.append(force, 1e-3 * found.far_force)) if is_stopped else (depth, force)
+    depth, force = found.bit_depth[arrives], forces[arrives]
+    return (np.append(depth, reach), np.append(force, found.far_force)) if is_stopped else (depth, force)
 
 
 def _draw_line(ax: Any, depth: Any, values: Any, label: str) -> None:
@@ -103,27 +109,28 @@ def _draw_line(ax: Any, depth: Any, values: Any, label: str) -> None:
     ax.set_ylabel(label)
 
 
-def _draw_stress(found: Any, ax: Any) -> None:
+def _draw_stress(found: Any, shown: AnswerUnits, ax: Any) -> None:
     """Draw the largest stress in the section, what of it is bending, and the yield strength."""
-    depth, bending = found.along.depth, found.bending_stress
-    _draw_line(ax, depth, 1e-6 * (found.axial_stress + bending), "largest stress / MPa")
-    ax.plot(depth, 1e-6 * bending, color="black", linestyle="--", linewidth=0.8, label="bending")
+    unit, depth, bending = shown.pressure, shown.length.of(found.along.depth), found.bending_stress
+    _draw_line(ax, depth, unit.of(found.axial_stress + bending), f"largest stress / {unit.name}")
+    ax.plot(depth, unit.of(bending), color="black", linestyle="--", linewidth=0.8, label="bending")
     if found.yield_strength is not None:
-        ax.axhline(1e-6 * found.yield_strength, color="black", linestyle="-.", linewidth=1.2, label="yield strength")
+        strength = unit.of(found.yield_strength)
+        ax.axhline(strength, color="black", linestyle="-.", linewidth=1.2, label="yield strength")
     ax.set_ylim(bottom=0.0)
     ax.legend(loc="best", fontsize="x-small", frameon=False)
 
 
-def _draw_growth(found: Any, ax: Any) -> None:
+def _draw_growth(found: Any, depth: Any, ax: Any) -> None:
     """Draw how fast waves across the string grow, after friction and without."""
-    _draw_line(ax, found.along.depth, found.growth, "growth / (1/s)")
+    _draw_line(ax, depth, found.growth, "growth / (1/s)")
     free = {"color": "black", "linestyle": "--", "linewidth": 0.8, "label": "without friction across"}
-    ax.plot(found.along.depth, found.growth_free, **free)
+    ax.plot(depth, found.growth_free, **free)
     ax.set_ylim(bottom=0.0)
     ax.legend(loc="best", fontsize="x-small", frameon=False)
 
 
-def _shade(found: Any, ax: Any) -> None:
+def _shade(found: Any, depth: Any, ax: Any) -> None:
     """Shade where the string is buckled or unstable."""
     from matplotlib.transforms import blended_transform_factory
 
@@ -134,7 +141,7 @@ def _shade(found: Any, ax: Any) -> None:
         (along.is_helix, {"facecolor": palette.NEUTRAL}),
         (found.growth > 0.0, {"facecolor": palette.UNSEEN}),
     ):
-        ax.fill_between(along.depth, 0.0, 1.0, where=is_so, transform=over, linewidth=0.0, zorder=0.0, **style)
+        ax.fill_between(depth, 0.0, 1.0, where=is_so, transform=over, linewidth=0.0, zorder=0.0, **style)
 
 
 def _areas(found: Any) -> list[Any]:

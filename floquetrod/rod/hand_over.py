@@ -4,25 +4,27 @@ from __future__ import annotations
 
 import functools
 import platform
+import warnings
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any, NamedTuple
 
 from floquetrod._util import validate
+from floquetrod._util.implausible import PlausibilityWarning
 from floquetrod._util.progress import Progress
 from floquetrod._util.report import Report, Reported, Table
 from floquetrod._util.version import __version__
 from floquetrod.plotting import charts, document
 from floquetrod.plotting.document import Section
 from floquetrod.rod.answers.reach import Reach
-from floquetrod.rod.answers.reports import shown_in
+from floquetrod.rod.answers.reports import answer_units, shown_in
 from floquetrod.rod.answers.steady_motion import SteadyMotion
 from floquetrod.rod.answers.verdict import RodStability
 from floquetrod.rod.large_orbits import grown
 from floquetrod.rod.map import stability_map
-from floquetrod.rod.model.assumptions import limit_of
+from floquetrod.rod.model.assumptions import UniformForceWarning, limit_of
 from floquetrod.rod.model.data import RodData
-from floquetrod.units import ROD_KINDS, unit
+from floquetrod.units import AnswerUnits, Unit, unit
 
 _POINTS = {True: (160, 120), False: (64, 48)}  # of the map, where bands are exact and where loads take milliseconds
 _ROOM = 1.25  # about the load, in terms of it
@@ -58,7 +60,7 @@ def save_report(
         The result of ``rod.steady_motion(load)``, which takes some seconds: the size of the motion with all modes, and
         its effect on the rod.
     units : mapping, optional
-        In which to show the load, as in ``verdict.report``.
+        In which to show load, forces, lengths and pressures, as in ``verdict.report``; the reach too.
     margins : bool, optional
         Whether to search the margins; by default where they take some seconds at most.
     command : str
@@ -110,13 +112,14 @@ def _contents(result: Any, asked: _Asked) -> tuple[str, list[Section]]:
 
 @_contents.register
 def _(result: RodStability, asked: _Asked) -> tuple[str, list[Section]]:
+    shown = shown_in(asked.units, result.rod.critical_force)
     return f"Stability of a rod: {result.status}", [
         _verdict(result, asked),
-        _data(result.rod),
-        *_map(result, asked.units),
-        *_motion(asked.motion),
-        _statics(result),
-        *_reach(asked.reach),
+        _data(result.rod, answer_units(shown)),
+        *_map(result, shown),
+        *_motion(asked.motion, asked.units),
+        _statics(result, answer_units(shown)),
+        *_reach(asked.reach, asked.units, answer_units(shown)),
         _assumed(result, asked.reach),
         _made(result.references, asked.command or f"{result.rod!r}.stability({result.load!r})"),
     ]
@@ -137,39 +140,37 @@ def _verdict(verdict: RodStability, asked: _Asked) -> Section:
     return Section("Verdict", said, shape)
 
 
-def _data(rod: RodData) -> Section:
+def _data(rod: RodData, units: AnswerUnits) -> Section:
     """Return what the rod is, parameter by parameter."""
-    rows = [_row(name, value) for name, value in rod.as_dict().items()]
+    rows = [_row(name, value, units) for name, value in rod.as_dict().items()]
     return Section("The rod", Report("", (), Table((("parameter", "<24"), ("value", "<1")), rows)))
 
 
-def _row(name: str, value: Any) -> tuple[str, str]:
-    """Return the name and the value of a parameter, diameters for radii as on drawings and in catalogues."""
+def _row(name: str, value: Any, units: AnswerUnits) -> tuple[str, str]:
+    """Return the name and the value of a parameter, diameters in mm and in, as in catalogues."""
+    words, shown = units.of_rod(name, value)
     if name in ("radius", "inner_radius", "channel_radius"):
-        shown = (unit(each, name, "length").show(2.0 * value) for each in ("mm", "in"))
-        return name.replace("radius", "diameter").replace("_", " "), "{} ({})".format(*shown)
-    return name.replace("_", " "), _shown(name, value)
+        other = unit("mm" if units.across.name == "in" else "in", name, "length")
+        return words, f"{shown} ({other.show(2.0 * value)})"
+    return words, shown
 
 
-def _shown(name: str, value: Any) -> str:
-    kind = ROD_KINDS.get(name)
-    if kind is None or not isinstance(value, float):
-        return str(value)
-    unit_name = {"angle": "deg", "pressure": "GPa" if value >= 1e9 else "MPa"}.get(kind, "")
-    return unit(unit_name, name, kind).show(value)
-
-
-def _map(verdict: RodStability, units: Mapping[str, str] | None) -> list[Section]:
+def _map(verdict: RodStability, shown: Mapping[str, Unit]) -> list[Section]:
     """Return the map about the load; none without vibration, whose stability no frequency changes."""
     rod: Any = verdict.rod
     load = verdict.load
     if load.amplitude == 0.0:
         return []
-    shown = shown_in(units, rod.critical_force)
     columns, rows = _POINTS[verdict.evidence.has_exact_margins]
     largest = _ROOM * max(rod.critical_force, abs(load.mean))
 
     def draw() -> Any:
+        with warnings.catch_warnings():  # which are about other loads than the one that was asked about
+            warnings.simplefilter("ignore", UniformForceWarning)
+            warnings.simplefilter("ignore", PlausibilityWarning)
+            return drawn()
+
+    def drawn() -> Any:
         chart = stability_map(
             rod,
             mean=(min(0.0, _ROOM * load.mean), largest, rows),
@@ -185,27 +186,36 @@ def _map(verdict: RodStability, units: Mapping[str, str] | None) -> list[Section
     return [Section("Other mean forces and frequencies", None, draw)]
 
 
-def _motion(motion: SteadyMotion | None) -> list[Section]:
-    return [] if motion is None else [Section("Motion after the onset", motion.report())]
+def _motion(motion: SteadyMotion | None, units: Mapping[str, str] | None) -> list[Section]:
+    return [] if motion is None else [Section("Motion after the onset", motion.report(units))]
 
 
-def _statics(verdict: RodStability) -> Section:
+def _statics(verdict: RodStability, units: AnswerUnits) -> Section:
     """Return forces that buckle the rod without vibration, and the stress."""
     rod, load = verdict.rod, verdict.load
     rows = [
-        (name, f"{found.force:.5g} N", f"{load.mean / found.force:.3g}", f"{found.meaning} ({found.source})")
+        (name, units.force.show(found.force, 5), f"{load.mean / found.force:.3g}", f"{found.meaning} ({found.source})")
         for name, found in rod.critical_forces().items()
     ]
     table = Table((("buckling", "<16"), ("force", ">12"), ("mean / force", ">12"), ("meaning", "<1")), rows)
-    lines = [("stress", str(rod.stress(load)))]
+    lines = [("stress", rod.stress(load).in_words(units.pressure))]
     if rod.yield_strength is None:
         lines.append(("", "the yield strength is not known: give Rod(yield_strength=) or a grade"))
     lines.append(("", "before the rod moves; pressures inside and outside taken as equal"))
     return Section("Constant forces and stress", Report("", lines, table))
 
 
-def _reach(reach: Reach | None) -> list[Section]:
-    return [] if reach is None else [Section("Reach", reach.report(), reach.plot)]
+def _reach(reach: Reach | None, asked: Mapping[str, str] | None, units: AnswerUnits) -> list[Section]:
+    """Return how far the string can be pushed, in kN and Hz where nothing else was asked for."""
+    if reach is None:
+        return []
+    named = {name: getattr(units, name).name for name in ("force", "pressure", "frequency")}
+    named["depth"] = units.length.name
+    if units.force.name == "N" and "force" not in (asked or {}):
+        named["force"] = "kN"
+    if "frequency" not in (asked or {}):
+        named["frequency"] = "Hz"
+    return [Section("Reach", reach.report(**named), functools.partial(reach.plot, **named))]
 
 
 def _assumed(verdict: RodStability, reach: Reach | None) -> Section:

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 
 from floquetrod._util.report import Report, Reported, number
 from floquetrod._util.suggest import listed
-from floquetrod.rod.answers.reports import load_lines, shown_in
+from floquetrod.rod.answers.reports import answer_units, load_lines, shown_in
 from floquetrod.rod.answers.verdict import RodStability
 from floquetrod.rod.friction.kicks import CriticalKick
 from floquetrod.rod.loads.load import AxialLoad, with_waves
@@ -119,8 +119,8 @@ class Findings(Reported):
         run = self.run
         problem, steps, rod = run.problem, run.time_steps, run.rod
         shown = shown_in(units, rod.critical_force)
-        special = special_parameters(rod)
-        lines = [("rod", f"{special}; SI units")] if special else []
+        special = special_parameters(rod, answer_units(shown))
+        lines = [("rod", special)] if special else []
         lines += load_lines(problem.load, shown, rod)
         lines += [("", text) for text in _ends(run, shown)]
         off, work = float(abs(run.energy_error).max()), float(abs(run.energy["work"]).max())
@@ -272,7 +272,7 @@ def _ends(run: Any, shown: Mapping[str, Unit]) -> list[str]:
         lines.append(f"lower end pushed by {shown['mean'].show(problem.far_force)}")
     if (tool := problem.tool) is not None:
         size, often = shown["mean"].show(tool.amplitude), shown["frequency"].show(tool.frequency)
-        lines.append(f"tool of {size} at {often}, {tool.above_end:g} m above the lower end")
+        lines.append(f"tool of {size} at {often}, {shown['length'].show(tool.above_end)} above the lower end")
     return lines
 
 

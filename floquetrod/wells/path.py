@@ -330,15 +330,17 @@ class WellPath(Reported, ByContent, TellsAttributes):
 
     def __repr__(self) -> str:
         """Return stations, depths, inclinations and doglegs as a sentence."""
-        return f"<well path of {self._in_words}>"
+        return f"<{self.in_words(units.unit('m', '', 'length'))}>"
 
-    @property
-    def _in_words(self) -> str:
+    def in_words(self, length: units.Unit) -> str:
+        """Return stations, depths, inclinations and doglegs in words, lengths in a unit."""
         least, most = np.degrees([self.inclination.min(), self.inclination.max()])
         angles = f"{least:.4g}" if least == most else f"{least:.4g} to {most:.4g}"
+        worst, in_feet = self.dogleg_severity.max(), length.name in ("ft", "in")
+        doglegs = f"{worst * 1.016:.3g} deg/100 ft" if in_feet else f"{worst:.3g} deg/30 m"
         return (
-            f"{self.depth.size} stations, {self.start:.6g} to {self.end:.6g} m, inclination {angles} deg, "
-            f"doglegs up to {self.dogleg_severity.max():.3g} deg/30 m"
+            f"well path of {self.depth.size} stations, {length.of(self.start):.6g} to {length.show(self.end)}, "
+            f"inclination {angles} deg, doglegs up to {doglegs}"
         )
 
     def report(self) -> Report:
@@ -355,7 +357,7 @@ class WellPath(Reported, ByContent, TellsAttributes):
         rows = [[*(f"{x:.2f}" for x in each), bend] for each, bend in zip(numbers, severity, strict=True)]
         rest = f"and {len(rows) - _SHOWN} more stations" if len(rows) > _SHOWN else ""
         table = Table((*columns, ("east m", ">9"), ("deg/30 m", ">8")), rows[:_SHOWN], rest)
-        return Report(f"well path of {self._in_words}", table=table)
+        return Report(self.in_words(units.unit("m", "", "length")), table=table)
 
     def as_dict(self) -> dict[str, list[float]]:
         """Return the stations in m and rad, the arguments of an equal path."""

@@ -29,7 +29,7 @@ from floquetrod.rod.answers.stress_along import stress_along
 from floquetrod.rod.loads.tool import VibrationTool
 from floquetrod.rod.model.data import RodData
 from floquetrod.rod.model.stress import Stress
-from floquetrod.units import Unit, with_unit
+from floquetrod.units import AnswerUnits, Unit
 from floquetrod.wells import strings
 from floquetrod.wells.drag import FAST, LOCKED, MOST_PRESSED, SOUGHT, TRIED, Drag, Effort, Place
 from floquetrod.wells.path import WellPath
@@ -43,7 +43,7 @@ _WAY = np.array([0.2, 0.45, 0.7, 0.95])  # fractions of the gain at which they a
 _SPACING = 20.0  # m along the string then (a choice)
 _BITS = 12  # depths for which the force at the lower end is sought
 _TRIED, _BIT_ROUNDS = 12, 3  # forces tried at once, so often
-_LARGEST = math.atan(10.0)  # y of the largest: ten critical forces (a choice: pipes yield before)
+_MOST = 10.0  # critical forces, up to which they are tried (a choice: pipes yield before)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -64,10 +64,12 @@ class Reach(Reported, ByContent):
         Some of the depths, 12 at most.
     bit : ndarray (m,)
         Greatest compression in N that reaches the lower end there without a tool, the upper end pushed with ``push``;
-        NaN where the string does not reach.  Accurate to 4e-4 (S + F^2 / S), up to 10 S, with the critical force S in a
-        level hole.
+        NaN where the string does not reach.  Accurate to 4e-4 (S + F^2 / S), up to ``bit_limit``, with the critical
+        force S in a level hole.
     bit_shaken : ndarray (m,)
         The same with the tool, accurate to 1e-2 (S + F^2 / S).
+    bit_limit : float
+        10 S in N: no more is tried at the lower end, and where so much arrives, more may.
     far_force : float
         Compression in N at the lower end.
     push : float
@@ -124,6 +126,7 @@ class Reach(Reported, ByContent):
     bit_depth: Floats
     bit: Floats
     bit_shaken: Floats
+    bit_limit: float
     far_force: float
     push: float
     reach: float
@@ -188,7 +191,7 @@ class Reach(Reported, ByContent):
         with_tool = _reached(self.reach_shaken, self.is_stopped_shaken, end, unit)
         return f"can be pushed {text}, and with the tool {with_tool}"
 
-    def report(self, depth: str = "m", force: str = "kN") -> Report:
+    def report(self, depth: str = "m", force: str = "kN", pressure: str | None = None, frequency: str = "Hz") -> Report:
         """Return the reach, the buckled and the unstable depths, and the force at the upper end.
 
         Parameters
@@ -197,91 +200,109 @@ class Reach(Reported, ByContent):
             Unit of depths and lengths, such as "ft".
         force : str
             Unit of forces, such as "lbf".
+        pressure : str, optional
+            Unit of stresses, such as "psi"; by default MPa, beside pounds ksi.
+        frequency : str
+            Unit of the tool's frequencies.
 
         Raises
         ------
         ValueError
-            For a unit that is not one of length or force.
+            For a unit that is not one of these.
         """
         along = self.along
-        unit = units.unit(depth, "depth", "length")
+        shown = AnswerUnits.named(force, depth, pressure, frequency, what=_argument)
+        unit = shown.length
         lines = [
-            ("string", f"weighs {self.weight_per_length:.4g} N/m in its fluids"),
+            ("string", f"weighs {shown.per_length.show(self.weight_per_length, 4)} in its fluids"),
             ("at", f"{unit.show(along.depth[-1])}, {'with the tool' if self.tool else 'pushed'}:"),
             ("snaking", _listed(along.depth, along.is_snaking, unit)),
             ("helix", _listed(along.depth, along.is_helix, unit)),
         ]
-        lines += self._stress_lines(unit)
+        lines += self._stress_lines(shown)
         if self.tool is not None:
-            lines += [("tool", self._vibration_in_words), ("grows", self._growth_in_words(unit))]
-            lines.append(("tool Hz", self._frequency_in_words(unit)))
-        lines.append(("assumed", "; ".join(self.assumptions)))
-        return Report(self._in_words(unit), lines, self._table(unit, units.unit(force, "force", "force")))
+            lines += [("tool", self._vibration_in_words(shown)), ("grows", self._growth_in_words(shown))]
+            lines.append((f"tool {shown.frequency.name}", self._frequency_in_words(shown)))
+        lines.append(("assumed", "; ".join(self._assumptions(shown.speed))))
+        return Report(self._in_words(unit), lines, self._table(shown))
 
     @property
     def assumptions(self) -> tuple[str, ...]:
         """The assumptions."""
+        return self._assumptions(units.unit("m/s", "", "speed"))
+
+    def _assumptions(self, speed: Unit) -> tuple[str, ...]:
         local = (
             "growth is that of a long string under the force at each depth, with the rod's damping and with friction, "
-            f"which damps a lateral wave less if it moves faster: here {with_unit(self.sliding, 'm/s', 3)}"
+            f"which damps a lateral wave less if it moves faster: here {speed.show(self.sliding, 3)}"
         )
         more = (local,) if self.tool else ()
         return (*ASSUMED, *more, "linear elasticity, beyond yield too; stress with equal pressures inside and outside")
 
-    def _stress_lines(self, unit: Unit) -> list[tuple[str, str]]:
-        stress, depth = self.stress, self.along.depth
-        lines = [("stress", f"{stress}; at {unit.show(depth[0] + stress.position)}")]
+    def _stress_lines(self, shown: AnswerUnits) -> list[tuple[str, str]]:
+        stress, depth, unit = self.stress, self.along.depth, shown.length
+        lines = [("stress", f"{stress.in_words(shown.pressure)}; at {unit.show(depth[0] + stress.position)}")]
         return [*lines, ("yields", _listed(depth, self.yields, unit))] if self.yields.any() else lines
 
-    @property
-    def _vibration_in_words(self) -> str:
-        least = self.along.friction.min()
-        return f"vibration of at most {with_unit(self.amplitude.max(), 'N', 3)}, which reduces friction to {least:.3g}"
+    def _vibration_in_words(self, shown: AnswerUnits) -> str:
+        least, most = self.along.friction.min(), shown.force.show(self.amplitude.max(), 3)
+        return f"vibration of at most {most}, which reduces friction to {least:.3g}"
 
-    def _growth_in_words(self, unit: Unit) -> str:
-        grows = self.growth > _GROWS
+    def _growth_in_words(self, shown: AnswerUnits) -> str:
+        grows, unit = self.growth > _GROWS, shown.length
         if not grows.any():
-            return f"no lateral wave: {self._kick_in_words(unit)}"
+            return f"no lateral wave: {self._kick_in_words(shown)}"
         k = int(np.argmax(self.growth))
         return (
             f"{_listed(self.along.depth, grows, unit)}: {self.growth[k]:.3g} 1/s at {unit.show(self.along.depth[k])} "
             f"in half waves of {unit.show(self.half_wave[k], 3)}"
         )
 
-    def _kick_in_words(self, unit: Unit) -> str:
+    def _kick_in_words(self, shown: AnswerUnits) -> str:
         """Which lateral waves friction holds back."""
         k = int(np.argmin(self.kick))
         if not math.isfinite(self.kick[k]):
             return "none would, however fast it moves"
-        return f"one that moves at {with_unit(self.kick[k], 'm/s', 3)} would, at {unit.show(self.along.depth[k])}"
+        moves, at = shown.speed.show(self.kick[k], 3), shown.length.show(self.along.depth[k])
+        return f"one that moves at {moves} would, at {at}"
 
-    def _frequency_in_words(self, unit: Unit) -> str:
+    def _frequency_in_words(self, units_of: AnswerUnits) -> str:
         """With which frequencies the tool gains depth while no lateral wave grows."""
         if not self.gain > 0.0:
             return "the tool gains no depth at its own frequency"
-        hertz = self.frequencies / (2.0 * math.pi)
-        first, last = self.frequency_depth[[0, -1]]
+        shown, every, depth = units_of.frequency, self.frequencies, self.frequency_depth
         looked = (
-            f"of {hertz.size} from {hertz[0]:.3g} to {hertz[-1]:.3g} Hz, with the string at "
-            f"{self.frequency_depth.size} depths from {unit.of(first):.4g} to {unit.show(last, 4)}"
+            f"of {every.size} from {shown.of(every[0]):.3g} to {shown.show(every[-1], 3)}, with the string at "
+            f"{depth.size} depths from {units_of.length.of(depth[0]):.4g} to {units_of.length.show(depth[-1], 4)}"
         )
-        ranges = ", ".join(f"{_range(a / 2 / math.pi, b / 2 / math.pi)} Hz" for a, b in self.useful_frequencies)
+        ranges = ", ".join(f"{_range(shown.of(a), shown.of(b))} {shown.name}" for a, b in self.useful_frequencies)
         if ranges:
             return f"no lateral wave grows with {ranges}, {looked}"
         k = int(np.argmin(self.frequency_growth))
-        least = f", most slowly with {hertz[k]:.3g} Hz, at {self.frequency_growth[k]:.3g} 1/s"
+        least = f", most slowly with {shown.show(every[k], 3)}, at {self.frequency_growth[k]:.3g} 1/s"
         known = math.isfinite(self.frequency_growth[k])
         return f"{f'lateral waves grow with all{least}' if known else 'the string reaches them with none'}, {looked}"
 
-    def _table(self, depth: Unit, force: Unit) -> Table:
+    def _table(self, shown: AnswerUnits) -> Table:
+        depth, force = shown.length, shown.force
         rows = np.searchsorted(self.depth, self.bit_depth)
         names = (f"injector {force.name}", f"lower end {force.name}"), (f"with tool {force.name}",) * 2
         forces = (self.injector[rows], self.bit), (self.injector_shaken[rows], self.bit_shaken)
         kept = range(2 if self.tool else 1)
         columns = [(f"depth {depth.name}", ">9"), *((names[k][i], ">12") for i in range(2) for k in kept)]
-        values = [forces[k][i] for i in range(2) for k in kept]
+        texts = [
+            [f"{'>' if i and self.is_limited(each) else ''}{_force(each, force)}" for each in forces[k][i].tolist()]
+            for i in range(2)
+            for k in kept
+        ]
         where = [f"{each:.0f}" for each in depth.of(self.bit_depth)]
-        return Table(columns, [[d, *(_force(each[j], force) for each in values)] for j, d in enumerate(where)])
+        limited = any(self.is_limited(forces[k][1]).any() for k in kept)
+        rest = f"> at the lower end: more may arrive, no more than {_MOST:g} critical forces of a level hole was tried"
+        return Table(columns, list(zip(where, *texts, strict=True)), rest if limited else "")
+
+    def is_limited(self, force: Any) -> NDArray[np.bool_]:
+        """Return whether forces in N at the lower end are the largest that was tried, so that more may arrive there."""
+        return np.asarray(np.asarray(force) >= (1.0 - 1e-9) * self.bit_limit)
 
     def as_dict(self) -> dict[str, Any]:
         """Return everything as numbers for JSON, units in the keys; None where a force is infinite."""
@@ -292,6 +313,7 @@ class Reach(Reported, ByContent):
             "bit_depth_m": self.bit_depth.tolist(),
             "bit_N": _numbers(self.bit),
             "bit_with_tool_N": _numbers(self.bit_shaken) if self.tool else None,
+            "bit_limit_N": self.bit_limit,
             "far_force_N": self.far_force,
             "push_N": number(self.push),
             "reach_m": self.reach,
@@ -318,14 +340,29 @@ class Reach(Reported, ByContent):
             "assumptions": list(self.assumptions),
         }
 
-    def plot(self, figure: Any = None) -> Any:
+    def plot(
+        self,
+        figure: Any = None,
+        *,
+        depth: str = "m",
+        force: str = "kN",
+        pressure: str | None = None,
+        frequency: str = "Hz",
+    ) -> Any:
         """Draw the section of the well, the force at the injector, and the results along the string.
 
-        Draws into a figure or subfigure of matplotlib, a new one by default, which is returned.
+        Draws into a figure or subfigure of matplotlib, a new one by default, which is returned; in the units of
+        `report`.
         """
         from floquetrod.plotting.reach import draw_reach
 
-        return draw_reach(self, figure)
+        shown = AnswerUnits.named(force, depth, pressure, frequency, what=_argument)
+        return draw_reach(self, shown, self._in_words(shown.length), figure)
+
+
+def _argument(name: str) -> str:
+    """Return how `Reach.report` calls a unit."""
+    return {"length": "depth"}.get(name, name)
 
 
 def _reached(depth: float, is_stopped: bool, end: float, unit: Unit) -> str:
@@ -392,6 +429,7 @@ def reach(
         bit_depth=depths[few],
         bit=bits[0],
         bit_shaken=bits[-1],
+        bit_limit=_MOST * drag.pipe.scale,
         far_force=far_force,
         push=push,
         reach=reached[0][0],
@@ -423,11 +461,16 @@ def depths_of(path: WellPath, depth: Any) -> Floats:
         return np.linspace(path.start, path.end, _DEPTHS + 1)[1:]
     given = units.lengths("depth", depth)
     asked = np.unique(validate.array("depth", given, least=0.0, largest=1e6))
-    if not asked.size or asked[0] < path.start + 1e-6 or asked[-1] > path.end:
+    if not asked.size or asked[0] < path.start + 1e-6 or asked[-1] > path.end + 1e-6:
+        written = depth[-1] if isinstance(depth, list | tuple) and depth else depth
+        name = units.unit_of(written) if isinstance(written, str) else None
+        unit = units.unit(name or "m", "depth", "length")
+        wrong = "none" if not asked.size else unit.show(asked[-1] if asked[-1] > path.end else asked[0])
+        ends = f"{unit.of(path.start):.6g} to {unit.show(path.end)}"
         raise validate.wrong_value(
-            "depth", f"must lie below {path.start:g} and not below {path.end:g} m, got {validate.short(depth)}"
+            "depth", f"must lie below the start of the path and down to its end, {ends}, got {wrong}"
         )
-    return asked
+    return np.minimum(asked, path.end)
 
 
 def _standing_end(path: WellPath, depth: float, is_stopped: bool) -> float:
@@ -461,7 +504,7 @@ class _Search:
             return found
         row, column = np.nonzero(goes)
         low = np.full(row.size, float(self.drag.y_of(np.array(self.far_force))))
-        high = np.maximum(low, _LARGEST)
+        high = np.maximum(low, math.atan(_MOST))
         bottoms, is_shaken = np.tile(depths[column], _TRIED), np.tile(row > 0, _TRIED)
         for _ in range(_BIT_ROUNDS):
             tried = np.linspace(low, high, _TRIED + 1)[1:]

@@ -15,7 +15,7 @@ from floquetrod.rod.loads.axial import AxialResonance
 from floquetrod.rod.loads.load import Load, Quantity
 from floquetrod.rod.model.contact import added_mean
 from floquetrod.rod.model.data import RodData, special_parameters
-from floquetrod.units import Unit
+from floquetrod.units import AnswerUnits, Unit
 
 ReportLine = tuple[str, str]
 """A label and a text."""
@@ -37,29 +37,51 @@ _SEARCHED_TO: dict[Quantity, str] = {
 }
 
 
-_SHOWN: dict[str, str] = {"mean": "force", "amplitude": "force", "frequency": "frequency", "kick": "speed"}
+_SHOWN: dict[str, str] = {
+    "mean": "force",
+    "amplitude": "force",
+    "frequency": "frequency",
+    "kick": "speed",
+    "force": "force",
+    "length": "length",
+    "pressure": "pressure",
+}
 
 
 def shown_in(names: Mapping[str, str] | None, critical_force: float) -> dict[str, Unit]:
-    """Return the unit to show each quantity of a load, and a kick, in; SI and mm/s where none is named."""
+    """Return the unit to show each quantity of a load, a kick, and other forces, lengths and pressures in.
+
+    Where none is named these are SI units and mm/s; other forces are then in the unit of the mean or the amplitude
+    where that is not the critical force itself, and pressures beside pounds in ksi, else in MPa.
+    """
     names = {} if names is None else names
     if not isinstance(names, Mapping):
         raise validate.wrong_type("units", f"must be a mapping such as {{'mean': 'Fcr'}}, got {validate.short(names)}")
     if not names.keys() <= _SHOWN.keys():
-        raise validate.wrong_value("units", f"must be of mean, amplitude, frequency and kick, got {dict(names)!r}")
-    named = {"kick": KICK, **names}
-    return {
-        name: known.unit(named.get(name, ""), f"units[{name!r}]", kind, critical_force) for name, kind in _SHOWN.items()
+        raise validate.wrong_value("units", f"must be of {', '.join(_SHOWN)}, got {dict(names)!r}")
+    of_load = {
+        name: known.unit({"kick": KICK, **names}.get(name, ""), f"units[{name!r}]", _SHOWN[name], critical_force)
+        for name in ("mean", "amplitude", "frequency", "kick")
     }
+    forces = (of_load[name].name for name in ("mean", "amplitude") if names.get(name))
+    usual = {"force": next((each for each in forces if each != "Fcr"), "N")}
+    given = {**usual, **{name: names[name] for name in ("force", "length", "pressure") if name in names}}
+    more = AnswerUnits.named(**given, what="units[{!r}]".format)
+    return {**of_load, "force": more.force, "length": more.length, "pressure": more.pressure}
+
+
+def answer_units(shown: Mapping[str, Unit]) -> AnswerUnits:
+    """Return the units of what is not the load."""
+    return AnswerUnits(shown["force"], shown["length"], shown["pressure"], shown["frequency"])
 
 
 def describe_load(load: Load, shown: Mapping[str, Unit], rod: RodData) -> str:
     """Return the load in the units asked for, each quantity followed by its value in a second unit."""
     return ", ".join(
         [
-            f"mean {_both(load.mean, shown['mean'], rod)}",
-            f"amplitude {_both(load.amplitude, shown['amplitude'], rod)}",
-            _both(load.frequency, shown["frequency"], rod),
+            f"mean {_both(load.mean, 'mean', shown, rod)}",
+            f"amplitude {_both(load.amplitude, 'amplitude', shown, rod)}",
+            _both(load.frequency, "frequency", shown, rod),
         ]
     )
 
@@ -73,10 +95,10 @@ def describe_kind(load: Load, shown: Mapping[str, Unit], rod: RodData) -> list[s
     if not load.is_uniform:
         found = rod.axial_response(load)
         if math.isfinite(found.factor):
-            largest = _both(found.largest, shown["amplitude"], rod)
+            largest = _both(found.largest, "amplitude", shown, rod)
             times = f"{found.factor:.3g} times the amplitude"
-            lines.append(f"vibration largest at {found.position:.4g} m: {largest}, {times}")
-        named = " and ".join(_resonance(r, shown["frequency"], rod) for r in found.resonances)
+            lines.append(f"vibration largest at {shown['length'].show(found.position, 4)}: {largest}, {times}")
+        named = " and ".join(_resonance(r, shown, rod) for r in found.resonances)
         lines.append(f"axial resonance{'s' * (len(found.resonances) > 1)} nearby: {named}")
     return lines
 
@@ -86,15 +108,17 @@ def load_lines(load: Load, shown: Mapping[str, Unit], rod: RodData) -> list[Repo
     return [("load", describe_load(load, shown, rod)), *(("", text) for text in describe_kind(load, shown, rod))]
 
 
-def _resonance(found: AxialResonance, shown: Unit, rod: RodData) -> str:
+def _resonance(found: AxialResonance, shown: Mapping[str, Unit], rod: RodData) -> str:
     of = f" of harmonic {found.harmonic}" if found.harmonic > 1 else ""
-    return f"{_both(found.frequency, shown, rod)}{of}"
+    return f"{_both(found.frequency, 'frequency', shown, rod)}{of}"
 
 
-def _both(value: float, shown: Unit, rod: RodData) -> str:
-    kind = known.kind_of(shown.name) or ""
-    other = {"Fcr": "N", "rad/s": "Hz", "1/s": "Hz"}.get(shown.name, "Fcr" if kind == "force" else "rad/s")
-    return f"{shown.show(value)} ({known.unit(other, other, kind, rod.critical_force).show(value, 4)})"
+def _both(value: float, name: str, shown: Mapping[str, Unit], rod: RodData) -> str:
+    """Return a quantity of the load in the unit asked for and in a second one."""
+    first, kind = shown[name], _SHOWN[name]
+    others = {"Fcr": shown["force"].name, "rad/s": "Hz", "1/s": "Hz"}
+    other = others.get(first.name, "Fcr" if kind == "force" else "rad/s")
+    return f"{first.show(value)} ({known.unit(other, other, kind, rod.critical_force).show(value, 4)})"
 
 
 if TYPE_CHECKING:
@@ -151,7 +175,8 @@ class ReportedVerdict(Reported, _RodVerdict):
         Parameters
         ----------
         units : mapping, optional
-            In which to show mean, amplitude and frequency: ``{"mean": "Fcr", "frequency": "Hz"}``; N and rad/s without.
+            In which to show mean, amplitude, frequency, other forces, lengths and pressures: ``{"mean": "Fcr",
+            "frequency": "Hz", "force": "lbf", "length": "ft", "pressure": "ksi"}``; N, rad/s, m and MPa without.
         margins : mapping, optional
             The result of `margins`, reported with the damping that stabilises.
 
@@ -171,16 +196,19 @@ class ReportedVerdict(Reported, _RodVerdict):
 
     def _subject(self, shown: Mapping[str, Unit]) -> list[ReportLine]:
         """Return lines about rod and load, and what is assumed where that is more than the study does."""
-        rod, load = self.rod, self.load
-        lines = [("rod", f"critical force {rod.critical_force:.4g} N, critical mode {rod.critical_mode:.3g}")]
-        special = special_parameters(rod)
+        rod, load, units = self.rod, self.load, answer_units(shown)
+        critical = units.force.show(rod.critical_force, 4)
+        lines = [("rod", f"critical force {critical}, critical mode {rod.critical_mode:.3g}")]
+        special = special_parameters(rod, units)
         if special:
-            size = f"inertia {rod.mass_per_length:.4g} kg/m, weight in fluid {rod.weight_per_length:.4g} N/m"
-            bend = f"E I {rod.flexural_rigidity:.4g} N m^2, half wave {rod.critical_half_wave:.4g} m"
-            lines += [("", f"{special}; SI units"), ("", f"{size}, {bend}")]
+            mass, weight = units.mass_per_length.show(rod.mass_per_length, 4), units.per_length
+            size = f"inertia {mass}, weight in fluid {weight.show(rod.weight_per_length, 4)}"
+            half_wave = units.length.show(rod.critical_half_wave, 4)
+            bend = f"E I {units.rigidity.show(rod.flexural_rigidity, 4)}, half wave {half_wave}"
+            lines += [("", special), ("", f"{size}, {bend}")]
         lines += load_lines(load, shown, rod)
         if rod.yield_strength is not None:
-            lines.append(("stress", f"{rod.stress(load)}"))
+            lines.append(("stress", rod.stress(load).in_words(units.pressure)))
         if special or load.features:
             lines.append(("assumed", "; ".join(self.assumptions)))
         return lines

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -11,6 +12,7 @@ from floquetrod._util.report import Report, Reported, number
 from floquetrod._util.suggest import listed
 from floquetrod.floquet.status import Status
 from floquetrod.orbits import PeriodicOrbit
+from floquetrod.rod.answers.reports import answer_units, shown_in
 from floquetrod.rod.loads.load import Load
 from floquetrod.rod.model.data import RodData
 
@@ -79,22 +81,30 @@ class SteadyMotion(ByContent, Reported, NoTruthValue):
         kick = ", after a kick: the rod at rest is stable" if self.is_rest_stable else ""
         return f"moves by {size}{how}{kick}"
 
-    def report(self) -> Report:
-        """Return amplitude, contact force, shortening and verdict in lines."""
+    def report(self, units: Mapping[str, str] | None = None) -> Report:
+        """Return amplitude, contact force, shortening and verdict in lines.
+
+        ``units`` in which to show forces and lengths: ``{"force": "lbf", "length": "ft"}``.
+        """
         if self.orbit is None:
             return Report(self._in_words, [("note", self.note)] if self.note else [])
-        least, most = self.contact
+        shown = answer_units(shown_in(units, self.rod.critical_force))
+        pressed = shown.per_length
+        least, most = (pressed.of(each) for each in self.contact)
+        short = [shown.across.of(each) for each in self.shortening]
         weight = self.rod.mass_per_length * self.rod.effective_gravity
         turns = round(self.orbit.period * self.load.frequency / (2.0 * math.pi))
         repeats = "every period of the load" if turns == 1 else f"every {turns} periods of the load"
         lines = [
             ("angle", f"{self.amplitude:.6g} rad, +- {self.error:.1g} of the equations on the wall; {repeats}"),
-            ("contact", f"{least:.4g} to {most:.4g} N/m, the weight is {weight:.4g}"),
-            ("shorter", f"by {1e3 * self.shortening[0]:.3g} to {1e3 * self.shortening[1]:.3g} mm"),
+            ("contact", f"{least:.4g} to {most:.4g} {pressed.name}, the weight is {pressed.of(weight):.4g}"),
+            ("shorter", f"by {short[0]:.3g} to {short[1]:.3g} {shown.across.name}"),
             ("status", f"{self.status}, in modes {listed(self.modes)} and all others that matter"),
         ]
         if self.lost_at is not None:
-            lines.append(("contact", f"lost at {self.lost_at:.4g} m: the motion is another one, simulate it"))
+            lines.append(
+                ("contact", f"lost at {shown.length.show(self.lost_at, 4)}: the motion is another one, simulate it")
+            )
         return Report(self._in_words, [*lines, ("note", self.note)] if self.note else lines)
 
     def as_dict(self) -> dict[str, Any]:

@@ -23,10 +23,12 @@ from floquetrod.rod.loads.load import LIMITS, AxialLoad, LoadSource, load_number
 from floquetrod.rod.loads.record_file import read_columns
 from floquetrod.rod.loads.record_fit import Samples, series
 from floquetrod.rod.loads.record_period import PeriodicFit, find, power_spectrum
+from floquetrod.units import Unit
 
 _LATEST = 1e12  # s
 _FEWEST = 12  # samples
 _BANDS, _IN_A_BAND = 32, 16  # of the spectrum of the noise, and independent frequencies in each (a choice)
+_NEWTON = units.unit("N", "", "force")
 _MOST_HARMONICS = 1000  # largest value of ``harmonics`` (a choice)
 
 
@@ -67,6 +69,8 @@ class ForceRecord(LoadSource, ByContent):
         Its standard error.
     trend : float
         Drift of the mean in N/s, 0 unless noise alone would cause one as large in less than one record of 100.
+    trend_error : float
+        Its standard error.
     frequency : float
         Of the fundamental in rad/s.
     frequency_error : float
@@ -114,6 +118,7 @@ class ForceRecord(LoadSource, ByContent):
     mean: float
     mean_error: float
     trend: float
+    trend_error: float
     frequency: float
     frequency_error: float
     harmonics: NDArray[np.complex128]
@@ -136,12 +141,10 @@ class ForceRecord(LoadSource, ByContent):
         missing = np.size(time) - times.size
         samples = Samples.of(times, forces)
         found = find(samples, None if guess is None else guess * samples.half / math.pi, most)
-        values = {
-            "time": times,
-            "samples": forces,
-            **_in_units(samples, found),
-            "note": _note(samples, found, missing, most),
-        }
+        fit = _in_units(samples, found)
+        trend = _trend(fit["trend"], fit["trend_error"], _NEWTON)
+        note = _note(trend, found, missing, most)
+        values = {"time": times, "samples": forces, **fit, "note": note}
         for name, value in values.items():
             if isinstance(value, np.ndarray):
                 value.flags.writeable = False
@@ -314,13 +317,23 @@ class ForceRecord(LoadSource, ByContent):
 
     def __repr__(self) -> str:
         """Return the fit as a sentence."""
+        return f"<{self.in_words(_NEWTON)}>"
+
+    def in_words(self, force: Unit, frequency: Unit | None = None) -> str:
+        """Return the fit as a sentence, with a unit of frequency that in place of the period."""
+        off = self.frequency_error / self.frequency
+        often = f"period {self.period:.8g} s +- {self.period * off:.1g} s"
+        if frequency is not None:
+            often = f"{frequency.show(self.frequency, 8)} +- {frequency.show(self.frequency_error, 1)}"
         numbers = ", ".join(map(str, self.harmonic_numbers))
         text = (
-            f"force of mean {self.mean:.6g} N and amplitude {self.amplitude:.6g} N, period {self.period:.8g} s +- "
-            f"{self.period * self.frequency_error / self.frequency:.1g} s, harmonic{'s' * (',' in numbers)} {numbers} "
-            f"above a noise of {self.noise:.3g} N; {self.periods:.4g} periods, {self.time.size} samples"
+            f"force of mean {force.show(self.mean)} and amplitude {force.show(self.amplitude)}, {often}, "
+            f"harmonic{'s' * (',' in numbers)} {numbers} above a noise of {force.show(self.noise, 3)}; "
+            f"{self.periods:.4g} periods, {self.time.size} samples"
         )
-        return f"<{text}; {self.note}>" if self.note else f"<{text}>"
+        in_newtons, said = (_trend(self.trend, self.trend_error, each) for each in (_NEWTON, force))
+        note = self.note.replace(in_newtons, said) if self.trend else self.note
+        return f"{text}; {note}" if note else text
 
     def _vibration(self, angle: NDArray[np.float64]) -> NDArray[np.float64]:
         return series(angle, self.harmonic_numbers, self.harmonics[np.array(self.harmonic_numbers) - 1])
@@ -404,6 +417,7 @@ def _in_units(samples: Samples, found: PeriodicFit) -> dict[str, Any]:
         "mean": float(samples.offset + samples.scale * best.coefficients[0]),
         "mean_error": float(samples.scale * deviations[0]),
         "trend": float(samples.scale * best.coefficients[1] / samples.half),
+        "trend_error": float(samples.scale * deviations[1] / samples.half) if best.coefficients[1] else 0.0,
         "frequency": float(frequency),
         "frequency_error": float(deviations[-1] / samples.half),
         "harmonics": harmonics,
@@ -412,15 +426,18 @@ def _in_units(samples: Samples, found: PeriodicFit) -> dict[str, Any]:
     }
 
 
-def _note(samples: Samples, found: PeriodicFit, missing: int, most: int | None) -> str:
+def _trend(trend: float, error: float, force: Unit) -> str:
+    """Return a trend in N/s in words, in a unit of force per second."""
+    return f"trend of {force.of(trend):.3g} +- {force.of(error):.1g} {force.name}/s, removed from the force"
+
+
+def _note(trend: str, found: PeriodicFit, missing: int, most: int | None) -> str:
     """Return what a reader of the fit should know."""
     parts = []
     if missing:
         parts.append(f"{missing} sample{'s' * (missing > 1)} without a number left out")
-    slope, error = found.fit.coefficients[1], math.sqrt(found.fit.covariance[1, 1])
-    if slope:
-        size = samples.scale / samples.half
-        parts.append(f"trend of {size * slope:.3g} +- {size * error:.1g} N/s, removed from the force")
+    if found.fit.coefficients[1]:
+        parts.append(trend)
     tested = len(found.every.numbers)
     if most is not None and tested < most:
         parts.append(f"{tested} harmonics fitted: the sampling allows no more")

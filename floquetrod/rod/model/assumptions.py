@@ -121,13 +121,13 @@ def warn_unless_uniform(rod: RodData, load: Load) -> None:
     """Warn where a force that is taken to be uniform along the rod is not, its harmonics that matter included."""
     sizes = np.abs(load.harmonics)
     highest = 1 + int(np.flatnonzero(sizes >= _MATTERS * sizes.max())[-1])
-    ratio = highest * rod.wave_ratio(load)
+    ratio, fast = highest * rod.wave_ratio(load), highest * load.frequency
     if load.amplitude > 0.0 and load.is_uniform and ratio > UNIFORM_UP_TO:
         warnings.warn(
             Message(
-                f"at {highest * load.frequency:.6g} rad/s the rod is {ratio:.2g} axial wavelengths long (wave speed "
-                f"{rod.wave_speed:.0f} m/s); this load assumes a force that is uniform along the rod, which is "
-                f"accurate below {UNIFORM_UP_TO:g} wavelengths; use ",
+                f"at {fast:.6g} rad/s ({fast / (2.0 * math.pi):.4g} Hz) the rod is {ratio:.2g} axial wavelengths long "
+                f"(wave speed {rod.wave_speed:.0f} m/s); this load assumes a force that is uniform along the rod, "
+                f"which is accurate below {UNIFORM_UP_TO:g} wavelengths; use ",
                 Mention("wave", "AxialWave"),
                 ", which computes the waves",
             ),

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, Self
 import numpy as np
 from numpy.typing import NDArray
 
+from floquetrod import units
 from floquetrod._util import validate
 from floquetrod._util.arrays import shaped
 from floquetrod._util.caching import cached_property
@@ -577,13 +578,14 @@ def require_not_of_path(rod: RodData, names: Iterable[str], argument: str) -> No
         )
 
 
-def special_parameters(rod: RodData) -> str:
+def special_parameters(rod: RodData, shown: units.AnswerUnits) -> str:
     """Return what a rod has that a solid one with hinged ends, horizontal and without fluids, has not; "" for none."""
     left_out = () if rod.path is None else _OF_A_LINE
     found = (
-        (name, getattr(rod, name))
+        shown.of_rod(name, getattr(rod, name))
         for name, plain in _PLAIN.items()
         if getattr(rod, name) != plain and name not in left_out
     )
-    words = [f"{name} = {value if isinstance(value, str) else f'{value:g}'}" for name, value in found]
-    return ", ".join(words if rod.path is None else [*words, f"{rod.path!r} from {rod.depth:g} m on"])
+    words = [f"{name} {value}" for name, value in found]
+    on = [] if rod.path is None else [f"{rod.path.in_words(shown.length)} from {shown.length.show(rod.depth)} on"]
+    return ", ".join([*words, *on])

@@ -12,6 +12,7 @@ from floquetrod._util import validate
 from floquetrod._util.arrays import shaped
 from floquetrod._util.caching import cached_property
 from floquetrod._util.report import Report, Reported, number
+from floquetrod.units import AnswerUnits
 
 _LARGEST = 1e15  # of forces in N and distances in m (a choice)
 
@@ -64,10 +65,14 @@ class LockUp(Reported):
 
     def __repr__(self) -> str:
         """Return the length as a sentence."""
-        what = f"friction {self.friction:g}" + (f" and {self.far_force:g} N at that end" if self.far_force else "")
+        return f"<{self._in_words(AnswerUnits.named())}>"
+
+    def _in_words(self, shown: AnswerUnits) -> str:
+        far = f" and {shown.force.show(self.far_force)} at that end" if self.far_force else ""
+        what = f"friction {self.friction:g}{far}"
         if math.isinf(self.length):
-            return f"<never locks up with {what.replace('that', 'the far')}>"
-        return f"<locks up {self.length:.4g} m from the far end with {what}>"
+            return f"never locks up with {what.replace('that', 'the far')}"
+        return f"locks up {shown.length.show(self.length, 4)} from the far end with {what}"
 
     @property
     def length(self) -> float:
@@ -92,14 +97,18 @@ class LockUp(Reported):
         scaled = [self._length(f) for f in (forces.ravel() / self.critical_force).tolist()]
         return shaped(self.critical_force * np.array(scaled), forces.shape)
 
-    def report(self, push: float | None = None) -> Report:
-        """Return the length in words, with the assumptions; also the length that a ``push`` in N can push."""
+    def report(self, push: float | None = None, *, length: str = "m", force: str = "N") -> Report:
+        """Return the length in words, with the assumptions; also the length that a ``push`` in N can push.
+
+        ``length`` and ``force`` are the units to answer in, such as "ft" and "lbf".
+        """
+        shown = AnswerUnits.named(force, length)
         lines = [("assumed", "; ".join(self.assumptions))]
         if push is not None:
             reach = number(self.pushed_length(push))
-            length = "a string of any length" if reach is None else f"{reach:.4g} m"
-            lines.insert(0, ("pushed", f"{push:.6g} N at the upper end pushes {length}"))
-        return Report(repr(self)[1:-1], lines)
+            string = "a string of any length" if reach is None else shown.length.show(reach, 4)
+            lines.insert(0, ("pushed", f"{shown.force.show(push)} at the upper end pushes {string}"))
+        return Report(self._in_words(shown), lines)
 
     def as_dict(self, push: float | None = None) -> dict[str, Any]:
         """Return everything as numbers for JSON, units in the keys; None for a length that is infinite.

@@ -11,6 +11,7 @@ import numpy as np
 from floquetrod._util.report import number
 from floquetrod.rod.loads.axial import largest_along
 from floquetrod.rod.loads.load import Load
+from floquetrod.units import Unit, unit
 
 _PLACES = 257  # and 64 more for each axial wave: a largest stress between two of them is missed by a thousandth
 
@@ -67,26 +68,25 @@ class Stress:
         }
 
     def __str__(self) -> str:
-        """Return the stresses in a line."""
-        share = "" if self.yield_strength is None else self._of_yield()
-        parts = f"axial {_mega(self.axial)}, bending {_mega(self.bending)}"
-        return (
-            f"at most {_mega(self.largest)}{share}: {parts}" if self.bending else f"at most {_mega(self.axial)}{share}"
-        )
+        """Return the stresses in a line, in MPa."""
+        return self.in_words(unit("MPa", "", "pressure"))
+
+    def in_words(self, shown: Unit) -> str:
+        """Return the stresses in a line, in a unit."""
+        share = "" if self.yield_strength is None else self._of_yield(shown)
+        whole = f"at most {shown.show(self.largest, 3)}{share}"
+        parts = f": axial {shown.show(self.axial, 3)}, bending {shown.show(self.bending, 3)}"
+        return f"{whole}{parts}" if self.bending else whole
 
     def __repr__(self) -> str:
         """Return the stresses in brackets."""
         return f"<{self}>"
 
-    def _of_yield(self) -> str:
-        strength = f"the yield strength {_mega(self.yield_strength)}"
+    def _of_yield(self, shown: Unit) -> str:
+        strength = f"the yield strength {shown.show(self.yield_strength or 0.0, 3)}"
         share = self.share_of_yield
         assert share is not None  # noqa: S101
         return f", beyond {strength}" if share > 1.0 else f", {100.0 * share:.2g} % of {strength}"
-
-
-def _mega(stress: float | None) -> str:
-    return f"{(stress or 0.0) / 1e6:.3g} MPa"
 
 
 def stress(rod: Any, load: Load) -> Stress:
