@@ -14,6 +14,7 @@ from floquetrod.explorer.view import View
 from floquetrod.explorer.words import margin_words
 from floquetrod.plotting.explorer import ExplorerWindow
 from floquetrod.rod.answers.margins import Margin
+from floquetrod.rod.answers.reports import shown_in
 from floquetrod.rod.loads.load import KINDS, AnyLoad, Load, require_load
 from floquetrod.rod.modes.noisy import refusal
 from floquetrod.rod.rod import Rod
@@ -159,11 +160,7 @@ def _rounded(limits: dict[str, tuple[float, float]], units: dict[str, known.Unit
 
 
 def _units(rod: Rod, names: Mapping[str, str]) -> dict[str, known.Unit]:
-    if not isinstance(names, Mapping):
-        raise validate.wrong_type("units", f"must be a mapping such as {{'mean': 'Fcr'}}, got {validate.short(names)}")
-    if not names.keys() <= KINDS.keys():
+    if isinstance(names, Mapping) and not names.keys() <= KINDS.keys():
         raise validate.wrong_value("units", f"must be of mean, amplitude and frequency, got {dict(names)!r}")
-    return {
-        name: known.unit(names.get(name, ""), f"units[{name!r}]", kind, rod.critical_force)
-        for name, kind in KINDS.items()
-    }
+    shown = shown_in(names, rod.critical_force)
+    return {name: shown[name] for name in KINDS}
