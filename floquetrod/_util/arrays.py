@@ -16,6 +16,7 @@ from floquetrod._util import validate
 
 Floats: TypeAlias = NDArray[np.float64]
 Ints: TypeAlias = NDArray[np.int64]
+Complexes: TypeAlias = NDArray[np.complex128]
 Bools: TypeAlias = NDArray[np.bool_]
 
 EPS = 2.220446049250313e-16

@@ -5,12 +5,9 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from floquetrod._util.arrays import Floats
+from floquetrod._util.arrays import Complexes, Floats
 from floquetrod.orbits.orbit import PeriodicOrbit
-
-Complexes = NDArray[np.complex128]
 
 
 class Multipliers(NamedTuple):

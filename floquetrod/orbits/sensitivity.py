@@ -6,11 +6,9 @@ import cmath
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import NDArray
 
+from floquetrod._util.arrays import Complexes
 from floquetrod.orbits.multipliers import Segments, maps_across
-
-Complexes = NDArray[np.complex128]
 
 
 def error_of(multiplier: complex, segments: Segments) -> float:

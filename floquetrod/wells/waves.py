@@ -23,11 +23,10 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from floquetrod._util.arrays import Bools, Floats
+from floquetrod._util.arrays import Bools, Complexes, Floats
 from floquetrod._util.content import ByContent
 from floquetrod.wells.drag import Effort, Shaking
 
-Complex = NDArray[np.complex128]
 Ints = NDArray[np.intp]
 
 _CLOSE, _ROUNDING = 1e-9, 1e-13  # residual over the force of the tool, and over the largest forces between nodes
@@ -129,7 +128,7 @@ class Waves:
         return moving
 
     @property
-    def q(self) -> list[Complex]:
+    def q(self) -> list[Complexes]:
         """Velocities of the nodes of each string in m/s."""
         return [np.append(each, 0.0) for each in np.split(self.flat, self.first[1:-1])]
 
@@ -148,7 +147,7 @@ class Waves:
         both = np.abs([speed / np.sin(length), force / np.sin(length) + held])
         return np.where(depth <= nodes[0], both, np.nan)
 
-    def _held(self, i: int) -> tuple[Complex, Complex]:
+    def _held(self, i: int) -> tuple[Complexes, Complexes]:
         """Return what damping in the cells of string i adds to the forces in N at their lower and upper ends."""
         some = self._some(np.array([i]), self.soft)
         now = some.at(self.flat[some.nodes])
@@ -186,8 +185,8 @@ class _Elastic(NamedTuple):
     the basis functions at their midpoints, (p, n), of the nodes below and above.
     """
 
-    diagonal: Complex
-    beside: Complex
+    diagonal: Complexes
+    beside: Complexes
     moves: Floats
     loss: Floats
     below: Floats
@@ -214,11 +213,11 @@ class _Elastic(NamedTuple):
         parts: Any = (each[..., nodes] for each in self)
         return _Elastic(*parts)
 
-    def within(self, q: Complex) -> Complex:
+    def within(self, q: Complexes) -> Complexes:
         """Return velocities at the midpoints of the parts of cells, (p, n)."""
         return np.asarray(self.below * q + self.above * (self.moves * np.append(q[1:], 0.0)))
 
-    def at_nodes(self, force: Complex) -> Complex:
+    def at_nodes(self, force: Complexes) -> Complexes:
         """Return forces (n,) at nodes from those at the midpoints, (p, n)."""
         found = np.sum(self.below * force, axis=0)
         found[1:] += (self.moves * np.sum(self.above * force, axis=0))[:-1]
@@ -228,11 +227,11 @@ class _Elastic(NamedTuple):
 class _Now(NamedTuple):
     """Velocities of nodes and parts, friction there and its slope, what is missing at nodes in N, and its norms."""
 
-    q: Complex
-    within: Complex
+    q: Complexes
+    within: Complexes
     damping: Floats
     slope: Floats
-    off: Complex
+    off: Complexes
     size: Floats
 
 
@@ -246,9 +245,9 @@ class _Some(ByContent):
     of: Ints
     law: _Law
     elastic: _Elastic
-    source: Complex
+    source: Complexes
 
-    def beginning(self) -> Complex:
+    def beginning(self) -> Complexes:
         """Return waves against a friction that is linear: that of the wave that leaves the tool."""
         from scipy.linalg import solve_banded
 
@@ -258,7 +257,7 @@ class _Some(ByContent):
         band[0, 1:], band[2, :-1] = self.elastic.beside[:-1], self.elastic.beside[:-1]
         return np.asarray(solve_banded((1, 1), band, self.source, overwrite_ab=True, check_finite=False))
 
-    def at(self, q: Complex) -> _Now:
+    def at(self, q: Complexes) -> _Now:
         """Return all that velocities of nodes in m/s make."""
         within = self.elastic.within(q)
         damping, slope = self.law.at(np.abs(within))
@@ -283,7 +282,7 @@ class _Some(ByContent):
             share = np.where(too_far, 0.5 * share, share)
         return found
 
-    def step(self, now: _Now) -> Complex:
+    def step(self, now: _Now) -> Complexes:
         """Return Newton's step, from equations for real and imaginary parts, one after the other."""
         from scipy.linalg import solve_banded
 
@@ -301,7 +300,7 @@ class _Some(ByContent):
         return np.asarray(parts.view(complex))
 
 
-def _band(diagonal: Complex, own: tuple[Floats, Floats, Floats], beside: Complex, across: list[Floats]) -> Floats:
+def _band(diagonal: Complexes, own: tuple[Floats, Floats, Floats], beside: Complexes, across: list[Floats]) -> Floats:
     """Return the band of equations for real and imaginary parts, element (i, j) in row 3 + i - j.
 
     From complex ones, to which friction adds real blocks that are symmetric: their elements (0, 0), (0, 1) and (1, 1).
@@ -329,6 +328,6 @@ def _nodes(top: float, bottom: float, tool: float, longest: float) -> tuple[Floa
     return np.concatenate([lower, np.linspace(tool, top, above + 1)]), below
 
 
-def _norms(values: Complex, first: Ints) -> Floats:
+def _norms(values: Complexes, first: Ints) -> Floats:
     """Return the norm of the values of each string."""
     return np.asarray(np.sqrt(np.add.reduceat(values.real**2 + values.imag**2, first)))

@@ -20,12 +20,9 @@ from collections.abc import Sequence
 from typing import Any, NamedTuple, Self
 
 import numpy as np
-from numpy.typing import NDArray
 
-from floquetrod._util.arrays import Floats
+from floquetrod._util.arrays import Complexes, Floats
 from floquetrod.equations import HillSystem
-
-Complex = NDArray[np.complex128]
 
 _TURN = 0.6  # radians that the fastest mode turns by in a step
 _LEAST_STEPS = 64
@@ -96,10 +93,10 @@ class _OnSteps(NamedTuple):
     period: float
     steps: Floats
     kicks: list[Floats]
-    multipliers: Complex
-    vectors: Complex
-    inverse: Complex
-    turned: Complex
+    multipliers: Complexes
+    vectors: Complexes
+    inverse: Complexes
+    turned: Complexes
 
     @classmethod
     def of(cls, system: HillSystem, noise: Sequence[Floats], count: int, scale: float) -> Self:
@@ -121,7 +118,7 @@ class _OnSteps(NamedTuple):
         return cls(float(system.period), *every)
 
     @property
-    def products(self) -> Complex:
+    def products(self) -> Complexes:
         """What the map over a period multiplies each entry of R with where there is no noise."""
         return np.asarray(self.multipliers[:, None] * self.multipliers.conj()[None, :])
 
@@ -153,13 +150,13 @@ class _OnSteps(NamedTuple):
             unit[i, j] = unit[j, i] = 1.0
         return np.array([unit.ravel() for unit in units])
 
-    def _moments(self, coefficients: Complex) -> Floats:
+    def _moments(self, coefficients: Complexes) -> Floats:
         """Return the moments, (4 n^2,), of coefficients in Floquet's coordinates; of norm one."""
         moments = (self.vectors @ coefficients.reshape(self.vectors.shape) @ self.vectors.conj().T).real
         found = (moments + moments.T).ravel()
         return np.asarray(found / np.linalg.norm(found))
 
-    def _coefficients(self, moments: Floats) -> Complex:
+    def _coefficients(self, moments: Floats) -> Complexes:
         """Return moments in Floquet's coordinates."""
         return np.asarray(self.inverse @ moments.reshape(self.inverse.shape) @ self.inverse.conj().T).ravel()
 
@@ -187,12 +184,12 @@ class _Near(NamedTuple):
         That of the largest value.
     """
 
-    products: Complex
+    products: Complexes
     pairs: Any
-    values: Complex
-    vectors: Complex
-    inverse: Complex
-    start: Complex
+    values: Complexes
+    vectors: Complexes
+    inverse: Complexes
+    start: Complexes
 
     @classmethod
     def of(cls, steps: _OnSteps, density: float) -> Self:
@@ -213,14 +210,14 @@ class _Near(NamedTuple):
         start[pairs] = vectors[:, largest] / vectors[:m, largest].sum()  # the first pairs are the diagonal
         return cls(steps.products.ravel(), pairs, np.exp(values), vectors, np.linalg.inv(vectors), start)
 
-    def towards(self, excess: Complex, factor: float) -> Complex:
+    def towards(self, excess: Complexes, factor: float) -> Complexes:
         """Return the direction in which to look for moments, given what the map makes of some beyond a factor."""
         found = excess / _away(self.products - factor)
         found[self.pairs] = self.vectors @ ((self.inverse @ excess[self.pairs]) / _away(self.values - factor))
         return np.asarray(found)
 
 
-def _away(gaps: Complex) -> Complex:
+def _away(gaps: Complexes) -> Complexes:
     """Return gaps, those next to zero a little larger."""
     return np.asarray(np.where(np.abs(gaps) > _LEAST_GAP, gaps, _LEAST_GAP))
 

@@ -7,13 +7,10 @@ from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from floquetrod._util.arrays import EPS, Floats
+from floquetrod._util.arrays import EPS, Complexes, Floats
 from floquetrod._util.caching import cached_property
 from floquetrod._util.content import ByContent
-
-Complexes = NDArray[np.complex128]
 
 _BLOCK = 4096  # samples whose basis functions fit into a cache
 _SOME = 1 << 16  # samples of a long record that tell where its fit is (a choice)
@@ -108,7 +105,7 @@ class Fit(ByContent):
 
     @property
     def amplitudes(self) -> Complexes:
-        """Complex amplitudes c_h of Re sum c_h exp(i h omega tau)."""
+        """Complexes amplitudes c_h of Re sum c_h exp(i h omega tau)."""
         cosines, sines = self.coefficients[2:].reshape(2, -1)
         return cosines - 1j * sines
 
