@@ -7,6 +7,7 @@ import json
 import pytest
 
 import floquetrod as fr
+from floquetrod.cli import certify
 from floquetrod.cli.main import main
 
 LOAD = ["--mean", "0.33Fcr:0.35Fcr", "--amplitude", "0.2Fcr", "--frequency", "150", "--growth-tolerance", "0.05"]
@@ -57,6 +58,33 @@ def test_mixed_unstable_and_undecided_exit_statuses(capsys: pytest.CaptureFixtur
     assert [example["status"] for example in record["examples"]] == ["stable", "unstable"]
 
 
+@pytest.mark.parametrize(
+    "text",
+    [
+        "length=±5mm",
+        "length=3.1m±5mm",
+        "length=3100±5mm",
+        "length=3100mm+-5",
+        "length=3.1m+/-0.005",
+        "length=3.095:3.105m",
+    ],
+)
+def test_a_tolerance_may_stand_behind_the_value_of_the_rod(text: str) -> None:
+    name, ends = certify._tolerance(text, fr.Rod.nitinol())
+    assert name == "length"
+    assert ends == pytest.approx((3.095, 3.105), rel=1e-12)
+
+
+def test_tolerances_are_told_in_their_own_units(capsys: pytest.CaptureFixture[str]) -> None:
+    foot = 0.3048
+    _, text, _ = run(capsys, *LOAD, "--vary", f"length=±{0.001 / foot}ft", "--vary", "channel_diameter=0.001%")
+    assert f"rods      length {3.099 / foot:.6g} to {3.101 / foot:.6g} ft" in text
+    radius = fr.Rod.nitinol().channel_radius / 0.0254
+    assert f"channel radius {0.99999 * radius:.6g} to {1.00001 * radius:.6g} in" in text
+    _, text, _ = run(capsys, *LOAD, "--vary", "length=3.099:3.101", "--unit", "cm")
+    assert "rods      length 309.9 to 310.1 cm" in text
+
+
 @pytest.mark.slow
 def test_the_largest_safe_box(capsys: pytest.CaptureFixture[str]) -> None:
     status, text, _ = run(capsys, *POINT, "--largest")
@@ -78,6 +106,9 @@ def test_the_largest_safe_box(capsys: pytest.CaptureFixture[str]) -> None:
         ([*LOAD, "--vary", "length=4:3"], "--vary must be a range"),
         ([*LOAD, "--vary", "length=3kg:4kg"], "--vary must be a number with a length unit"),
         ([*LOAD, "--vary", "length=0.1ft"], "one value; a tolerance of that size is length=±0.1ft"),
+        ([*LOAD, "--vary", "length=3.1m"], "one value, the rod's own; a tolerance is length=3.1m±1%"),
+        ([*LOAD, "--vary", "length=4m±1mm"], "write length=±1mm, or length=3.999:4.001m for a range about another"),
+        ([*LOAD, "--vary", "length=4m±1kg"], "--vary must be a number with a length unit"),
         ([*LOAD, "--vary", "length=3:3.1", "--vary", "length=3.1:3.2"], "--vary must name a parameter once"),
         ([*LOAD, "--max-boxes", "0"], "--max-boxes must be 1 or more"),
         (["--mean", "0.3"], "--amplitude, --frequency"),

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import re
+from collections.abc import Sequence
 from typing import Any
 
 import floquetrod as fr
@@ -60,7 +61,7 @@ def add(certify: Parser) -> None:
         default=[],
         metavar="NAME=LOW:HIGH",
         help="a tolerance of the rod, such as length=3.05:3.15, radius=1%% or radius=±0.01mm, the latter two to either "
-        "side of its own value; may be repeated",
+        "side of its own value, which may stand before: length=75ft±0.05ft; may be repeated",
     )
     certify.add_argument("--largest", action="store_true", help="find the widest safe box about one load")
     certify.add_argument(
@@ -84,6 +85,7 @@ def _certify(options: argparse.Namespace) -> Output:
         return answer._replace(status=_STATUS[status] if options.exit_code else 0)
     asked = read_ranges(options)
     rod, like, values, tolerance, shown = asked
+    shown = _typed(options.vary) | shown
     tolerances = dict(_tolerance(text, rod) for text in options.vary)
     asked.warn_of_hertz(options)
     if len(tolerances) < len(options.vary):
@@ -119,6 +121,7 @@ def _answer(
     return output(options, lambda: found.report(names(shown)), found.as_dict, status)
 
 
+_ALIKE = 1e-6  # of a value typed and the rod's own, relatively: digits that are not written
 _VARY = "a parameter of the rod and its range, such as length=3.05:3.15, length=1% or length=±5mm"
 
 
@@ -138,20 +141,52 @@ def _tolerance(text: str, rod: fr.Rod) -> tuple[str, tuple[float, float]]:
     ends = ends.strip()
     if ":" in ends and "%" in ends:
         raise ValueError(f"--vary must be {_VARY}, got {text!r}; a percentage is a tolerance to either side")
+    if about := re.fullmatch(r"([^±]+?)(?:±|\+/?-)(.+)", ends):
+        return name, _about_a_value(own[name], about[1], about[2], name, text)
     either_side = re.sub(r"^(±|\+/?-)", "", ends)
     if either_side != ends or units.unit_of(ends) == "%":
         return name, _about(own[name], either_side, name, text)
     first, colon, last = ends.partition(":")
     if not colon:
-        raise ValueError(
-            f"--vary must be {_VARY}, got {text!r}, which is one value; a tolerance of that size is {name}=±{ends}"
-        )
+        is_own = abs(_of_a_rod(ends, name, text) - own[name]) <= _ALIKE * abs(own[name])
+        hint = f", the rod's own; a tolerance is {name}={ends}±1%"
+        hint = hint if is_own else f"; a tolerance of that size is {name}=±{ends}"
+        raise ValueError(f"--vary must be {_VARY}, got {text!r}, which is one value{hint}")
     unit = units.unit_of(last) or ""
     given = (first + (unit if units.unit_of(first) == "" else ""), last)
     low, high = (_of_a_rod(end, name, text) for end in given)
     if low > high:
         raise ValueError(f"--vary must be a range whose first end is the lower one, got {text!r}")
     return name, (low, high)
+
+
+def _about_a_value(own: float, value: str, tolerance: str, name: str, text: str) -> tuple[float, float]:
+    """Return the ends of a range about a value that is typed too, which must be the rod's own."""
+    unit = units.unit_of(tolerance)
+    of_value = units.unit_of(value) or ("" if unit in (None, "%") else unit) or ""
+    typed = _of_a_rod(value if units.unit_of(value) else f"{value}{of_value}", name, text)
+    low, high = _about(own, tolerance if unit else f"{tolerance}{of_value}", name, text)
+    if abs(typed - own) > _ALIKE * abs(own):
+        kind, size = units.ROD_KINDS[name], 0.5 * (high - low)
+        shown = units.unit(of_value, "--vary", kind)
+        ends = f"{shown.of(typed - size):.6g}:{shown.of(typed + size):.6g}{shown.name}"
+        raise ValueError(
+            f"--vary must be a tolerance about the rod's own {name}, {shown.show(own)}, got {text!r}; write "
+            f"{name}=±{tolerance.strip()}, or {name}={ends} for a range about another"
+        )
+    return low, high
+
+
+def _typed(vary: Sequence[str]) -> dict[str, Unit]:
+    """Return the unit of the first length, and of the first pressure, among tolerances."""
+    found: dict[str, Unit] = {}
+    for text in vary:
+        for part in reversed(re.split(r"[:±]|\+/?-", text.partition("=")[2])):
+            typed = units.unit_of(part)
+            kind = units.kind_of(typed or "")
+            if typed and kind in ("length", "pressure") and kind not in found:
+                found[kind] = units.unit(typed, "--vary", kind)
+    return found
 
 
 def _about(own: float, tolerance: str, name: str, text: str) -> tuple[float, float]:

@@ -39,7 +39,11 @@ class Side(NamedTuple):
 
     def __str__(self) -> str:
         """Return, say, "mean 0.5 to 0.6 N"."""
-        return f"{self.name.replace('_', ' ')} {self.values(known.Unit(self.unit, 1.0))}"
+        return self.in_words(known.Unit(self.unit, 1.0))
+
+    def in_words(self, unit: known.Unit) -> str:
+        """Return name and ends in a unit."""
+        return f"{self.name.replace('_', ' ')} {self.values(unit)}"
 
     def values(self, unit: known.Unit) -> str:
         """Return the ends in a unit."""
@@ -122,20 +126,21 @@ class RegionProof(Reported, NoTruthValue):
         Parameters
         ----------
         units : mapping, optional
-            In which to show sides of the box: ``{"mean": "Fcr", "frequency": "Hz"}``.
+            In which to show sides of the box: ``{"mean": "Fcr", "frequency": "Hz"}``, those of rods by what they are:
+            ``{"length": "ft", "pressure": "ksi"}``, radii beside feet in inches.
 
         Returns
         -------
         Report
             Its text is ``str(report)``; a notebook shows it as a table.
         """
-        shown = self._shown({} if units is None else units)
+        shown = self.units_of_sides({} if units is None else units)
         loads, rods = (self.box[:3], self.box[3:]) if self._is_of_rods else ((), ())
         lines = [
             ("" if i else "load", f"{_NAMES.get(side.name, side.name)} {side.values(shown[side.name])}")
             for i, side in enumerate(loads)
         ]
-        lines += [("" if i else "rods", str(side)) for i, side in enumerate(rods)]
+        lines += [("" if i else "rods", side.in_words(shown[side.name])) for i, side in enumerate(rods)]
         lines += [("" if i else "box", str(side)) for i, side in enumerate(() if self._is_of_rods else self.box)]
         if rods and any(unit.name == "Fcr" for unit in shown.values()):
             lines.append(("", "Fcr is that of the rod as it is described, for every rod of the box"))
@@ -153,15 +158,17 @@ class RegionProof(Reported, NoTruthValue):
     def _is_of_rods(self) -> bool:
         return self.growth_unit == "1/s"
 
-    def _shown(self, names: Mapping[str, str]) -> dict[str, known.Unit]:
-        """Return the unit to show each side in."""
+    def units_of_sides(self, names: Mapping[str, str]) -> dict[str, known.Unit]:
+        """Return the unit to show each side in, see `report`."""
         critical = getattr(self.subject, "critical_force", None)
-        return {
-            side.name: known.unit(names[side.name], side.name, known.kind_of(side.unit) or "ratio", critical)
-            if side.name in names
-            else known.Unit(side.unit, 1.0)
-            for side in self.box
-        }
+        found = {}
+        for side in self.box:
+            kind = known.kind_of(side.unit) or "ratio"
+            named = names.get(side.name, names.get(kind) if side in self.box[3:] else None)
+            if named == "ft" and side.name.endswith("radius"):
+                named = "in"
+            found[side.name] = known.Unit(side.unit, 1.0) if named is None else known.unit(named, kind, kind, critical)
+        return found
 
     @property
     def _headline(self) -> str:

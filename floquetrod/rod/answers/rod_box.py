@@ -45,7 +45,7 @@ class RodExample(NamedTuple):
     def where(self, shown: Mapping[str, Unit], sides: Sequence[Side]) -> str:
         """Return the load in units, and of the rod the parameters that are ``sides`` of the box."""
         numbers = [f"{name} {shown[name].show(getattr(self.load, name))}" for name in QUANTITIES]
-        sizes = [f"{s.name.replace('_', ' ')} {getattr(self.rod, s.name):g} {s.unit}" for s in sides]
+        sizes = [f"{s.name.replace('_', ' ')} {shown[s.name].show(getattr(self.rod, s.name))}" for s in sides]
         return ", ".join(numbers + sizes)
 
     def as_dict(self) -> dict[str, Any]:

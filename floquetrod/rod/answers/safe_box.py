@@ -99,11 +99,11 @@ class SafeBox(Reported, NoTruthValue):
         Ends are rounded inwards to six digits, so that what is printed is proved, too.
         """
         table = self._table(dict(names))
-        return f"{table}\n{self._proved}"
+        return f"{table}\n{self._proved({})}"
 
-    @property
-    def _proved(self) -> str:
-        tolerances = "".join(f"; every rod of {side}" for side in self.rod_tolerances)
+    def _proved(self, names: Mapping[str, str]) -> str:
+        shown = self.proof.units_of_sides(names)
+        tolerances = "".join(f"; every rod of {side.in_words(shown[side.name])}" for side in self.rod_tolerances)
         return f"proved: no mode grows faster than {self.growth_tolerance:g} 1/s{tolerances}"
 
     def _table(self, names: Mapping[str, str]) -> Table:
@@ -119,11 +119,12 @@ class SafeBox(Reported, NoTruthValue):
     def report(self, units: Mapping[str, str] | None = None) -> Report:
         """Return the `table` with the assumptions of its proof; its text is ``str(report)``, a notebook shows a table.
 
-        ``units`` in which to show mean, amplitude and frequency: ``{"mean": "Fcr", "frequency": "Hz"}``.
+        ``units`` in which to show mean, amplitude, frequency and the lengths and pressures of rods: ``{"mean": "Fcr",
+        "frequency": "Hz", "length": "ft"}``.
         """
         shown = shown_in(units, self.proof.subject.critical_force)
         table = self._table({name: shown[name].name for name in QUANTITIES})
-        return Report(self._proved, (), table, Report("", self.proof.assumed))
+        return Report(self._proved({} if units is None else units), (), table, Report("", self.proof.assumed))
 
     def as_dict(self) -> dict[str, Any]:
         """Return the proof and the ranges for JSON, in SI units."""
