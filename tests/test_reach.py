@@ -238,6 +238,11 @@ def test_what_it_says_and_draws() -> None:
     figure = found.plot()
     assert [ax.get_ylabel() for ax in figure.axes][:2] == ["true vertical depth / m", "at the injector / kN"]
     assert pyplot.get_fignums() == [figure.number]  # notebooks show it
+    section, *_, stress, growth = figure.axes
+    assert np.diff(section.get_xlim()) < 1.2 * np.ptp(section.lines[0].get_xdata())  # no empty parts beside the well
+    for ax in (stress, growth):
+        legend, top = ax.get_legend(), ax.transData.transform((0.0, ax.dataLim.ymax))[1]
+        assert legend.get_window_extent().y0 > top  # no curve behind it
     pyplot.close(figure)
     plain = TUBING.reach(WELL, 0.1, depth=[1000.0])
     assert plain.as_dict()["tool"] is None

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import math
 import operator
+import pickle
+from dataclasses import replace
 from fractions import Fraction
 from itertools import pairwise
 from pathlib import Path
@@ -530,9 +532,35 @@ def test_a_box_of_a_and_q_is_the_box_of_alpha_and_beta(a: Fraction, q: Fraction,
     """Its ends exactly, whatever their signs."""
     aq = fr.certify(fr.Mathieu, a=(a, a + width), q=(q, q + width), damping=k, max_boxes=200)
     alpha, beta = (q / 2, (q + width) / 2), (-(a + width) / 4, -a / 4)
-    assert aq == fr.certify(fr.Mathieu, alpha=alpha, beta=beta, damping=k / 2, max_boxes=200)
+    same = fr.certify(fr.Mathieu, alpha=alpha, beta=beta, damping=k / 2, max_boxes=200)
+    assert isinstance(aq, RegionProof)
+    assert isinstance(same, RegionProof)
+    assert replace(aq, box=same.box, examples=same.examples, statement=same.statement) == same
+    assert [each.equation for each in aq.examples] == [each.equation for each in same.examples]
     point = fr.certify(fr.Mathieu, a=a, q=str(q), damping=k)
-    assert point == fr.certify(fr.Mathieu, alpha=q / 2, beta=-a / 4, damping=k / 2)
+    assert isinstance(point, fr.Proof)
+    unscaled = fr.certify(fr.Mathieu, alpha=q / 2, beta=-a / 4, damping=k / 2)
+    assert replace(point, exact=unscaled.exact) == unscaled
+
+
+def test_what_is_asked_in_a_and_q_is_answered_in_them() -> None:
+    found = fr.certify(fr.Mathieu, a=(1.9, 2.1), q=("0.8", "1.0"), damping=0.5)
+    assert isinstance(found, RegionProof)
+    assert [(side.name, side.low, side.high) for side in found.box] == [
+        ("a", 1.9, 2.1),
+        ("q", 0.8, 1.0),
+        ("damping", 0.5, 0.5),
+    ]
+    assert "for every a 1.9 to 2.1, q 0.8 to 1, damping 0.5 no solution grows" in repr(found)
+    mixed = fr.certify(fr.Mathieu, a=(0.9, 2.1), q=(0.2, 1.0))
+    text = str(mixed.report())
+    assert mixed.status == "mixed"
+    assert text.count("a = ") == 2
+    assert "alpha" not in text
+    assert pickle.loads(pickle.dumps(mixed)) == mixed
+    assert fr.certify(fr.Mathieu, a="1/3", q=1).exact == (("a", Fraction(1, 3)),)
+    with pytest.raises(ValueError, match=r"^q must not decrease, got \(0\.7, 0\.68\); give the lower end first"):
+        fr.certify(fr.Mathieu, a=(5.2, 5.3), q=(0.7, 0.68))
 
 
 @pytest.mark.parametrize(

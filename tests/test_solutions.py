@@ -200,6 +200,18 @@ def test_floquet_solutions_of_an_equation(equation: fr.Mathieu) -> None:
     assert fr.solve(equation, start, 3.0)(3.0) == pytest.approx(complex(first(3.0)).real, abs=1e-9 * abs(first(3.0)))
 
 
+@pytest.mark.parametrize("per", ["tau", "z"])
+@pytest.mark.parametrize("equation", [fr.Mathieu.from_aq(5.3, 4.1), fr.Mathieu(0.5, -0.25, 0.1), fr.Mathieu(0.5, -0.6)])
+def test_a_real_multiplier_has_a_real_solution(equation: fr.Mathieu, per: str) -> None:
+    is_unstable = fr.mathieu.growth_rate(equation.alpha, equation.beta) > 0.0
+    for solution in floquet_solutions(equation, per=per):
+        terms = np.exp(np.multiply.outer([0.0, 0.7, 3.0], solution.exponent + 1j * solution.frequencies))
+        values = terms @ solution.coefficients
+        assert solution.is_real == is_unstable == np.isrealobj(solution(0.3))
+        assert (np.abs(values.imag).max() < 1e-12 * np.abs(values).max()) == is_unstable
+        assert [line.get_label() for line in solution.plot().lines[:2]][1:] != ["imaginary part"] or not is_unstable
+
+
 def test_with_equal_exponents_there_is_one() -> None:
     beta = float(fr.mathieu.transition_curves([0.5], [1]).even[0, 0])
     found = floquet_solutions(fr.Mathieu(0.5, beta))

@@ -169,6 +169,7 @@ def test_rows_are_reported_and_can_be_stopped() -> None:
 @pytest.mark.parametrize("growth", [True, False])
 def test_a_saved_chart_loads_identically(growth: bool, tmp_path: Path) -> None:
     chart = fr.chart(coupled, over=OVER, growth=growth)
+    assert chart.subject["name"] == "coupled"
     assert fr.Chart.load(chart.save(tmp_path / "chart.npz")) == chart
 
 
@@ -177,7 +178,9 @@ def test_a_plot_is_labelled() -> None:
     axes = chart.plot()
     assert (axes.get_xlabel(), axes.get_ylabel()) == (r"$\omega$", r"$\epsilon$")
     assert "growth rate per unit of time" in [other.get_ylabel() for other in axes.figure.axes]
-    assert axes.get_title().startswith("system of 2 equations")
+    assert axes.get_title().startswith("coupled: system of 2 equations")
+    unnamed = fr.chart(lambda **point: coupled(**point), over=OVER).plot()
+    assert unnamed.get_title().startswith("system of 2 equations")
     axes.figure.canvas.draw()
     pyplot.close(axes.figure)
 

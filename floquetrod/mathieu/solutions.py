@@ -177,9 +177,10 @@ def floquet_solutions(equation: Mathieu, *, per: str = "tau") -> tuple[FloquetSo
     """Return the Floquet solutions A(tau) = exp(mu tau) P(tau) of Mathieu's equation, the faster growing first.
 
     Two of them; one where both exponents are equal, on a transition curve: the other solutions are no Floquet
-    solutions there (but with alpha = 0).  Each is scaled so that the squares of its coefficients add up to one.
-    ``per`` is "tau", or "z" for those of y'' + 2 k y' + (a - 2 q cos 2 z) y = 0, with its exponents and as functions of
-    z, where tau = 2 z + pi / 2.  TypeError for another equation, ValueError for abs(alpha) above 5e6.
+    solutions there (but with alpha = 0).  Each is scaled so that the squares of its coefficients add up to one, and is
+    real where its multiplier is.  ``per`` is "tau", or "z" for those of y'' + 2 k y' + (a - 2 q cos 2 z) y = 0, with
+    its exponents and as functions of z, where tau = 2 z + pi / 2.  TypeError for another equation, ValueError for
+    abs(alpha) above 5e6.
 
     Examples
     --------
@@ -193,7 +194,11 @@ def floquet_solutions(equation: Mathieu, *, per: str = "tau") -> tuple[FloquetSo
     alpha, beta, damping = equation.alpha, equation.beta, equation.damping
     validate.within("alpha", alpha, -0.5 * _LARGEST_Q, 0.5 * _LARGEST_Q)
     level = beta + damping**2  # of the equation with its damping removed
-    name, found = f"Floquet solution of {equation!r}", []
+    of = repr(equation)
+    if in_z:
+        of = f"y'' + (a - 2 q cos 2 z) y = 0, a = {0.0 - 4.0 * beta:.6g}, q = {2.0 * alpha:.6g}"
+        of = of.replace("''", f"'' + {4.0 * damping:.6g} y'") if damping else of
+    name, found = f"Floquet solution of {of}", []
     for exponent in dict.fromkeys(_constant_exponents(level) if alpha == 0.0 else exponents(alpha, level).tolist()):
         if alpha == 0.0:
             turns = float(round(exponent.imag))
@@ -202,12 +207,31 @@ def floquet_solutions(equation: Mathieu, *, per: str = "tau") -> tuple[FloquetSo
             frequencies, vector = _null_vector(-4.0 * level, 2.0 * alpha, 2.0 * exponent)
             if not in_z:  # z is half of tau less a quarter of pi
                 vector = vector * np.exp(-(2.0 * exponent + 1j * frequencies) * (0.25 * math.pi))
-        vector, rate = vector / np.linalg.norm(vector), exponent - damping
+        rate = exponent - damping
+        vector, is_real = _real_where_possible(exponent, frequencies, vector / np.linalg.norm(vector))
         if in_z:
-            found.append(FloquetSolution(name, 2.0 * rate, frequencies, vector, math.pi, False))
+            found.append(FloquetSolution(name, 2.0 * rate, frequencies, vector, math.pi, is_real))
         else:
-            found.append(FloquetSolution(name, rate, 0.5 * frequencies, vector, 2.0 * math.pi, False))
+            found.append(FloquetSolution(name, rate, 0.5 * frequencies, vector, 2.0 * math.pi, is_real))
     return tuple(found)
+
+
+def _real_where_possible(
+    exponent: complex, frequencies: Floats, vector: NDArray[np.complex128]
+) -> tuple[NDArray[np.complex128], bool]:
+    """Return coefficients of norm 1 in the phase in which the solution is real, and whether there is one.
+
+    There is where the multiplier is real: exp(2 pi exponent), the imaginary part a half or a whole number; but not of
+    exp(i tau / 2), say, alone.  Of a real solution coefficients of opposite frequencies are conjugate.
+    """
+    shift = 2.0 * exponent.imag
+    if shift not in (-1.0, 0.0, 1.0) or frequencies[0] != -frequencies[-1]:
+        return vector, False
+    paired = vector if shift == 0.0 else vector[:-1] if shift > 0.0 else vector[1:]
+    square = complex(paired @ paired[::-1])
+    if abs(square) < 0.5:
+        return vector, False
+    return vector * cmath.exp(-0.5j * cmath.phase(square)), True
 
 
 def _constant_exponents(level: float) -> tuple[complex, complex]:

@@ -288,7 +288,7 @@ def _chart(meta: dict[str, Any], arrays: dict[str, NDArray[Any]]) -> Chart:
     if tolerance < 0.0 or not 0 <= undecided <= shape[0] * shape[1]:
         raise ValueError(f"growth_tolerance is {tolerance!r} and undecided {undecided!r}")
     subject = files.entry(meta, "subject", dict)
-    for name, value, unit in [(subject["kind"], 0.0, ""), *subject["fixed"]]:
+    for name, value, unit in [(subject["kind"], 0.0, subject.get("name", "")), *subject["fixed"]]:
         if type(name) is not str or type(value) not in (int, float) or type(unit) is not str:
             raise ValueError(f"subject is {subject!r}")
     chart = Chart(

@@ -145,11 +145,14 @@ def patch(name: str, style: Mapping[str, Any]) -> Any:
 
 
 def title(chart: Any) -> str:
-    """Return what is charted and the values of what does not vary, in three digits; the note has what is too long."""
+    """Return what is charted and the values of what does not vary, in three digits; the note has what is too long.
+
+    Before them stands the name of the user's function that makes the equations, where it has one.
+    """
     fixed = [
         f"{name} {units.with_unit(value, unit, 3)}" for name, value, unit in chart.subject["fixed"] if name != _SCALE
     ]
-    kind = chart.subject["kind"]
+    kind = ": ".join(filter(None, [chart.subject.get("name"), chart.subject["kind"]]))
     whole = ", ".join([kind, *fixed])
     return typeset(whole if len(whole) <= _TITLE else ", ".join([kind.partition(",")[0], *fixed]))
 

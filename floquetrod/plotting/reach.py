@@ -57,7 +57,8 @@ def _draw_section(found: Any, unit: Unit, ax: Any) -> None:
     ax.plot(*_only(run, down, grows & inside), color=palette.UNSTABLE, linewidth=1.8, label="grows")
     ax.set_xlabel(f"horizontal distance / {unit.name}")
     ax.set_ylabel(f"true vertical depth / {unit.name}")
-    ax.set_aspect("equal", adjustable="datalim")
+    if ax.dataLim.width < 0.1 * ax.dataLim.height:  # vertical, or nearly
+        ax.set_aspect("equal", adjustable="datalim")
     ax.invert_yaxis()
     ax.legend(loc="best", fontsize="x-small", frameon=False)
 
@@ -117,8 +118,7 @@ def _draw_stress(found: Any, shown: AnswerUnits, ax: Any) -> None:
     if found.yield_strength is not None:
         strength = unit.of(found.yield_strength)
         ax.axhline(strength, color="black", linestyle="-.", linewidth=1.2, label="yield strength")
-    ax.set_ylim(bottom=0.0)
-    ax.legend(loc="best", fontsize="x-small", frameon=False)
+    _legend_above(ax)
 
 
 def _draw_growth(found: Any, depth: Any, ax: Any) -> None:
@@ -126,8 +126,13 @@ def _draw_growth(found: Any, depth: Any, ax: Any) -> None:
     _draw_line(ax, depth, found.growth, "growth / (1/s)")
     free = {"color": "black", "linestyle": "--", "linewidth": 0.8, "label": "without friction across"}
     ax.plot(depth, found.growth_free, **free)
-    ax.set_ylim(bottom=0.0)
-    ax.legend(loc="best", fontsize="x-small", frameon=False)
+    _legend_above(ax)
+
+
+def _legend_above(ax: Any) -> None:
+    """Put the legend above curves that begin at 0, in a row."""
+    ax.set_ylim(0.0, 1.4 * max(ax.dataLim.ymax, 1e-9))
+    ax.legend(loc="upper left", ncols=3, fontsize="x-small", frameon=False)
 
 
 def _shade(found: Any, depth: Any, ax: Any) -> None:

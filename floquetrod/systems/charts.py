@@ -6,6 +6,7 @@ import importlib
 import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
+from types import FunctionType
 from typing import Any
 
 import numpy as np
@@ -132,8 +133,10 @@ class Members(Family):
         return 1
 
     def subject(self) -> dict[str, Any]:
-        """Say what the members are."""
-        return {"kind": ", ".join(sorted(self.kinds)), "fixed": [list(each) for each in self.fixed]}
+        """Say what the members are, and the name of the function, where it has one."""
+        name = self.function.__name__ if isinstance(self.function, FunctionType) else ""
+        named = {"name": name} if name.isidentifier() else {}  # as "<lambda>" is not
+        return {"kind": ", ".join(sorted(self.kinds)), "fixed": [list(each) for each in self.fixed]} | named
 
     def members(self, x: Floats, y: Floats) -> list[Problem]:
         """Return the members at places x, y (n,)."""

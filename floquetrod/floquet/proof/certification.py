@@ -31,7 +31,7 @@ from floquetrod.floquet.proof.problem import (
     problem_of_one,
 )
 from floquetrod.floquet.proof.region import RegionProof, side_ends
-from floquetrod.floquet.proof.region_equation import certify_box
+from floquetrod.floquet.proof.region_equation import certify_box, in_aq
 from floquetrod.floquet.proof.result import MAX_BOXES, SECONDS, Proof
 from floquetrod.floquet.proof.scalar import certify_scalar
 from floquetrod.floquet.proof.systems import certify_system
@@ -80,7 +80,8 @@ def certify(
         Of the class, by name: numbers that are taken exactly, int, float, Fraction, Decimal or text such as "1/3" or
         "-0.1".  The period of a `Hill` is the double nearest to 2 pi where it is left out.  Of `Mathieu` each may be
         (low, high), all values between which are meant; and in place of alpha and beta, a and q of
-        y'' + 2 k y' + (a - 2 q cos 2 z) y = 0, with ``damping`` k, per unit z.  Of a family its arguments, at least one
+        y'' + 2 k y' + (a - 2 q cos 2 z) y = 0, with ``damping`` k, per unit z; the answer names what was given.  Of a
+        family its arguments, at least one
         of them (low, high), two floats, and at most six.
 
     Returns
@@ -114,7 +115,7 @@ def certify(
     >>> certify(Mathieu, alpha=(0.4, 0.5), beta=(-0.8, -0.7)).status
     'stable'
     >>> certify(Mathieu, a=(1.9, 2.1), q=("0.8", "1.0")).statement
-    'for every alpha 0.4 to 0.5, beta -0.525 to -0.475, damping 0 no solution grows'
+    'for every a 1.9 to 2.1, q 0.8 to 1, damping 0 no solution grows'
 
     Every system of a family:
 
@@ -145,7 +146,10 @@ def certify(
             "family, give one that makes fr.second_moments(system, noise)"
         )
     if equation is Mathieu and parameters.keys() & {"a", "q"}:
-        parameters = _from_aq(parameters)
+        same = _from_aq(parameters)
+        return in_aq(
+            certify(Mathieu, max_digits=max_digits, growth_tolerance=growth_tolerance, max_boxes=max_boxes, **same)
+        )
     boxed = [name for name, value in parameters.items() if isinstance(value, tuple) and name not in LISTS]
     if equation is Mathieu and (boxed or growth_tolerance):
 

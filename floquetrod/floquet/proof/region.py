@@ -220,7 +220,7 @@ def side_ends(name: str, value: Any, element: Callable[[str, Any], Any]) -> tupl
         raise TypeError(f"{name} must be a number or two, (low, high), got {validate.short(value)}")
     low, high = (element(f"{name}[{i}]", end) for i, end in enumerate(value))
     if low > high:
-        raise ValueError(f"{name} must not decrease, got ({low}, {high}); give the lower end first")
+        raise ValueError(f"{name} must not decrease, got {validate.short(tuple(value))}; give the lower end first")
     return low, high
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import fields, replace
 from fractions import Fraction
 from typing import Any, NamedTuple
 
@@ -68,6 +69,41 @@ def certify_box(
         note=note_on(status, shares, found.boxes),
         assumptions=("doubles are added, multiplied and divided as IEEE 754 says, rounded to nearest",),
     )
+
+
+class _ProofInAQ(Proof):
+    """A proof that is an example of a box of a, q and k."""
+
+    def where(self, _shown: Any = None, _sides: Any = ()) -> str:
+        """Return a, q and the damping."""
+        equation: Any = self.equation
+        damping = f", damping = {2.0 * equation.damping!r}" if equation.damping else ""
+        return f"a = {0.0 - 4.0 * equation.beta!r}, q = {2.0 * equation.alpha!r}{damping}"
+
+
+def in_aq(proof: Proof | RegionProof) -> Proof | RegionProof:
+    """Return a proof on Mathieu's equation with alpha, beta and c written as a, q and k."""
+    if isinstance(proof, Proof):
+        return replace(proof, exact=tuple((_IN_AQ[name][0], _IN_AQ[name][1] * x) for name, x in proof.exact))
+    alpha, beta, damping = proof.box
+    box = (
+        Side("a", 0.0 - 4.0 * beta.high, 0.0 - 4.0 * beta.low, ""),
+        Side("q", 2.0 * alpha.low, 2.0 * alpha.high, ""),
+        Side("damping", 2.0 * damping.low, 2.0 * damping.high, ""),
+    )
+    examples = [
+        {field.name: getattr(each, field.name) for field in fields(each)} for each in map(in_aq, proof.examples)
+    ]
+    return replace(
+        proof,
+        box=box,
+        examples=tuple(_ProofInAQ(**each) for each in examples),
+        statement=statement_on(proof.status, box, proof.growth_tolerance),
+    )
+
+
+_IN_AQ = {"alpha": ("q", 2), "beta": ("a", -4), "damping": ("damping", 2)}
+"""What is written in place of alpha, beta and c, and times what."""
 
 
 def _sides(parameters: dict[str, Any]) -> ExactSides:
