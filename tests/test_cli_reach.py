@@ -109,3 +109,21 @@ def test_the_curve_of_what_arrives_ends_at_the_reach(is_stopped: bool, depths: l
     depth, force = reach._to_the_reach(found, forces, 260.0 if is_stopped else 300.0, is_stopped)
     assert depth.tolist() == depths
     assert force.tolist() == [3000.0, 2000.0, 500.0][: len(depths)]
+
+
+def test_messages_about_a_survey_name_options(line: list[str], capsys: pytest.CaptureFixture[str]) -> None:
+    for text, said in (
+        ("MD,Inc,Azi\n0,0,0\n30,1,0\n", "--depth-unit must be given, such as m or ft: the heading names none"),
+        ("MD (m),Inc (mil),Azi\n0,0,0\n30,1,0\n", "--angle-unit must be given, such as deg or rad"),
+        ("Teufe,DEVI,HAZI\nFT,DEG,DEG\n0,0,0\n30,1,0\n", "got 'Teufe,DEVI,HAZI'\n"),
+    ):
+        Path(line[2]).write_text(text, encoding="utf-8")
+        assert cli.main([*line, "--friction", "0.3"]) == 2
+        assert said in capsys.readouterr().err
+    assert cli.main([*line, "--friction", "0.3", "--depth-unit", "kg"]) == 2
+    assert "--depth-unit must be a unit of length" in capsys.readouterr().err
+
+
+def test_depths_beyond_the_survey_are_told_in_their_unit(line: list[str], capsys: pytest.CaptureFixture[str]) -> None:
+    assert cli.main([*line, "--friction", "0.3", "--depths", "5000:7000ft"]) == 2
+    assert "below the start of the path and down to its end, 0 to 6561.68 ft, got 7000 ft" in capsys.readouterr().err

@@ -686,3 +686,33 @@ def test_a_record_is_told_in_other_units() -> None:
     assert " N" not in text
     assert 0.0 < record.trend_error < 0.1
     assert "N/s" in repr(record)
+
+
+@pytest.mark.parametrize("lost", ["OVLD", "OL", "-OL", "---", "Over Range", "OVERLOAD", "NaN"])
+def test_what_loggers_write_for_a_lost_sample_is_left_out(lost: str, tmp_path: Path) -> None:
+    rows = ["time,force"] + [f"{t},{lost if i % 50 == 7 else f}" for i, (t, f) in enumerate(pairs())]
+    path = tmp_path / "force.csv"
+    path.write_text("\n".join(rows), encoding="utf-8")
+    record = fr.ForceRecord.from_csv(path)
+    assert right(record)
+    assert record.note == "15 samples without a number left out"
+
+
+def test_numbers_in_quotes_may_have_marks_between_thousands(tmp_path: Path) -> None:
+    path = tmp_path / "force.csv"
+    rows = [f'{t},"{1e3 * f:,.6f}"' for t, f in pairs()]
+    path.write_text("\n".join(["time [s],force [mN]", *rows]), encoding="utf-8")
+    assert any(row.count(",") > 1 for row in rows)
+    assert right(fr.ForceRecord.from_csv(path))
+
+
+@pytest.mark.parametrize("preamble", ["", "Data Logger DX-200 ver 3.1\nserial,17\n\n"])
+def test_a_heading_that_is_not_there_is_told_with_those_that_are(preamble: str, tmp_path: Path) -> None:
+    path = tmp_path / "force.csv"
+    path.write_text(f"{preamble}Date/Time,Push\n" + "\n".join(f"{t},{f}" for t, f in pairs()), encoding="utf-8")
+    message = r"time must be a heading of one column, got 'Time'; the headings are 'Date/Time', 'Push'$"
+    with pytest.raises(ValueError, match=message):
+        fr.ForceRecord.from_csv(path, time="Time")
+    with pytest.raises(ValueError, match="force must be a heading of one column, got 'Force'; the headings are 'Date"):
+        fr.ForceRecord.from_csv(path, force="Force")
+    assert right(fr.ForceRecord.from_csv(path, "date/time", "Push"))

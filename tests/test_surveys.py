@@ -27,6 +27,8 @@ WRITTEN = {
     "quotes": '"MD (ft)","Inc","Azi"\n"0","0","10"\n"1000","1.5","20"\n"2000","12.25","350"\n',
     "old line ends": "MD (ft),Inc (deg),Azi (deg)\r0,0,10\r1000,1.5,20\r2000,12.25,350\r",
     "a mark of the order of bytes": "\ufeffMD (ft),Inc (deg),Azi (deg)\n0,0,10\n1000,1.5,20\n2000,12.25,350\n",
+    "thousands in quotes": 'MD (ft),Inc (deg),Azi (deg)\n0,0,10\n"1,000.00",1.5,20\n"2,000",12.25,350\n',
+    "headings of logs": "DEPT,DEVI,HAZI\nFT,DEG,DEG\n0,0,10\n1000,1.5,20\n2000,12.25,350\n",
     "three decimals": "MD (m);Inc;Azi\n0,000;0,000;10,000\n304,800;1,500;20,000\n609,600;12,250;350,000\n",
     "radians": "MD (m),Inc (rad),Azi (rad)\n"
     + "".join(f"{s!r},{a!r},{b!r}\n" for s, a, b in zip(*EXPECTED.as_dict().values(), strict=True)),
@@ -72,8 +74,11 @@ BAD = {
     "line 3, station 2: depth must be a number, got 'x30'": HEAD + "0,0,0\nx30,1,0\n",
     "line 3, station 2: azimuth must be a number, got ''": HEAD + "0,0,0\n30,1\n",
     "line 3, station 2: inclination must be a number, got 'NaN'": HEAD + "0,0,0\n30,NaN,0\n",
-    "line 3, station 2: depth must be a number, got '1,000.0'; write numbers without marks between thousands": HEAD
-    + '0,0,0\n"1,000.0",1,0\n',
+    "line 3, station 2: depth must be a number, got '1 000.0'; write numbers without marks between thousands": HEAD
+    + '0,0,0\n"1 000.0",1,0\n',
+    "line 3, station 2: depth must be a number, got '1,00,0'": HEAD + '0,0,0\n"1,00,0",1,0\n',
+    "line 3, station 2: depth must be a number, got '0,500'": HEAD + '0,0,0\n"0,500",1,0\n',
+    "line 1 should have headings such as.*got 'Teufe,DEVI,HAZI'": "Teufe,DEVI,HAZI\nFT,DEG,DEG\n0,0,0\n30,1,0\n",
     "line 3, station 2: inclination must be a number, got '1:30'": HEAD + "0,0,0\n30,1:30,0\n",
     "line 5: depth at station 4 must increase.* got 50 m after 60 m": HEAD + "0,0,0\n30,1,0\n60,1,0\n50,1,0\n",
     "line 3: depth at station 2 must increase.*measured twice": HEAD + "30,0,0\n30,1,0\n60,2,0\n",

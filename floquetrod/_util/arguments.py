@@ -78,7 +78,8 @@ def _about(argument: str, problem: str, error: E) -> E:
 
 def located(where: str, error: Exception, colon: str = ": ") -> ValueError:
     """Return an error about something in a file or a table, which is still about the same argument."""
-    found = ValueError(f"{where}{colon}{error}")
+    said = error.args[0] if error.args and isinstance(error.args[0], Message) else str(error)
+    found = ValueError(Message(f"{where}{colon}", said))
     if (known := getattr(error, "argument", None)) is not None:
         found.__dict__["argument"] = *known[:2], ": ".join(filter(None, [where, known[2]]))
     return found

@@ -12,11 +12,24 @@ from floquetrod._util import validate
 
 _LARGEST = 1 << 29  # bytes of a file that are read, ten million samples or so
 
-MISSING = ("", "nan", "na", "n/a")
-"""What cells without a value hold, in small letters."""
+_MISSING = {
+    *("", "nan", "na", "n/a", "#n/a", "null"),
+    *("ol", "o.l", "ovl", "ovld", "ovfl", "overload", "overflow", "overrange", "underrange"),
+}
+_GROUPED = re.compile(r"[-+]?[1-9]\d{0,2}(,\d{3})+(\.\d*)?", re.ASCII)
 
 NUMBER = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?", re.ASCII)
 """A number in a cell."""
+
+
+def is_missing(cell: str) -> bool:
+    """Return whether a cell says that it has no value, as loggers write what is out of their range.
+
+    >>> [is_missing(cell) for cell in ("", "---", "NaN", "OVLD", "+OL", "Over Range", "0", "Load")]
+    [True, True, True, True, True, True, False, False]
+    """
+    return re.sub(r"[\s_-]", "", cell.casefold()).strip("+.") in _MISSING
+
 
 Line = tuple[int, str]
 """A line that is neither empty nor a comment, without spaces at its ends, and its number."""
@@ -53,7 +66,13 @@ def delimiter_of(line: Line) -> str:
 
 
 def cells_of(line: Line, delimiter: str) -> list[str]:
-    """Return the cells of a line, decimal commas as points where commas separate no columns."""
+    """Return the cells of a line, decimal commas as points where commas separate no columns.
+
+    Where they do, a comma within a cell was in quotes and may stand between thousands, as spreadsheets write them.
+
+    >>> cells_of((1, '"1,500.25",90'), ","), cells_of((1, "1500,25;90"), ";")
+    (['1500.25', '90'], ['1500.25', '90'])
+    """
     number, text = line
     try:
         cells = next(csv.reader([text], delimiter=delimiter, skipinitialspace=True, strict=True))
@@ -61,7 +80,10 @@ def cells_of(line: Line, delimiter: str) -> list[str]:
         raise ValueError(f"line {number} cannot be read: {error}") from None
     if delimiter != ",":
         cells = [cell.replace(",", ".") if cell.count(",") == 1 and "." not in cell else cell for cell in cells]
-    return [cell.strip() for cell in cells]
+    cells = [cell.strip() for cell in cells]
+    return (
+        [cell.replace(",", "") if _GROUPED.fullmatch(cell) else cell for cell in cells] if delimiter == "," else cells
+    )
 
 
 def column_argument(name: str, value: Any) -> str | int | None:

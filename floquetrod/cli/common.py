@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 import floquetrod as fr
 from floquetrod import units
+from floquetrod._util.arguments import argument_of
 from floquetrod._util.suggest import did_you_mean
 from floquetrod._util.waiting import say
 from floquetrod.cli.messages import option
@@ -127,7 +128,13 @@ def add_survey_units(command: argparse.ArgumentParser) -> None:
 
 def read_survey(options: argparse.Namespace, path: Path) -> fr.WellPath:
     """Return the well whose survey is in a file."""
-    return fr.WellPath.from_csv(path, depth_unit=options.depth_unit, angle_unit=options.angle_unit)
+    try:
+        return fr.WellPath.from_csv(path, depth_unit=options.depth_unit, angle_unit=options.angle_unit)
+    except ValueError as error:
+        about = argument_of(error)
+        if about is None or about.name not in ("depth_unit", "angle_unit"):
+            raise
+        raise ValueError(about.named(option(about.name))) from None
 
 
 def add_units(command: argparse.ArgumentParser) -> None:

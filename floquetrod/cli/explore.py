@@ -21,12 +21,12 @@ from floquetrod.cli.common import (
 )
 from floquetrod.cli.loads import add_kind, read_kind, read_load, read_record, warn_of_hertz
 from floquetrod.cli.messages import option
-from floquetrod.cli.output import Output, output
+from floquetrod.cli.output import Output, names, output
 from floquetrod.cli.parser import Parser
 from floquetrod.explorer.limits import Scale
 from floquetrod.plotting import charts
 from floquetrod.plotting.web import Shown, require_tornado, serve
-from floquetrod.rod.answers.reports import describe_load
+from floquetrod.rod.answers.reports import describe_load, shown_in
 from floquetrod.rod.loads.load import KINDS, Load
 from floquetrod.rod.reading import RECORD_OPTIONS
 
@@ -102,7 +102,8 @@ def _explore(options: argparse.Namespace) -> Output:
         "command": explorer.command,
     }
     where = f"written: {options.out}\n" if options.out is not None else ""
-    said = f"{where}{describe_load(load, shown, rod)}\n{rod.stability(load)}\n{explorer.command}"
+    told = describe_load(load, shown_in(names(shown), rod.critical_force), rod)
+    said = f"{where}{told}\n{rod.stability(load)}\n{explorer.command}"
     return output(options, lambda: said, lambda: record)
 
 

@@ -171,7 +171,8 @@ class WellPath(Reported, ByContent, TellsAttributes):
         """Read a survey from a text file of columns; lines that begin with # are comments.
 
         The text is in UTF-8 or, where it cannot be, in Windows-1252.  Lines before the headings are passed over; units
-        may stand in the headings or in a line of their own below.
+        may stand in the headings or in a line of their own below.  Where commas separate columns, numbers in quotes may
+        have commas between thousands.
 
         Parameters
         ----------

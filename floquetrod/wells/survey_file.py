@@ -13,6 +13,7 @@ import numpy as np
 
 from floquetrod import units
 from floquetrod._util import validate
+from floquetrod._util.arguments import Mention, Message
 from floquetrod._util.arrays import Floats
 from floquetrod._util.columns import NUMBER, Line, cells_of, delimiter_of, text_of, written
 from floquetrod.wells.survey import KINDS
@@ -24,7 +25,7 @@ HEADINGS = {
             "md, measured depth, meas depth, md rkb, mdepth, depth md, md kb, md rt, survey depth, measured, "
             "dept, depth"
         ),
-        "inclination": "inc, incl, inclination, inclin, hole inclination, hole angle, deviation, dev, drift, angle",
+        "inclination": "inc, incl, devi, inclination, inclin, hole inclination, hole angle, deviation, dev, drift, angle",
         "azimuth": (
             "azi, azimuth, azim, az, azm, hole azimuth, azimuth grid, azi gn, azimuth true, azi tn, hazi, direction"
         ),
@@ -125,7 +126,7 @@ def _headed(
 
     Lines before the headings, such as the name of a well, count for nothing.
     """
-    seen, choices = lines[0], list(wanted.values())
+    seen, most, choices = lines[0], 0, list(wanted.values())
     for i, line in enumerate(lines):
         mark = delimiter or delimiter_of(line)
         cells = cells_of(line, mark)
@@ -133,15 +134,19 @@ def _headed(
             if any(isinstance(choice, str) for choice in choices) or (i and None in choices):
                 break  # what is above it should have been headings
             return i, _columns(wanted, None, len(cells)), mark
-        if all(_found(name, choice, cells) for name, choice in wanted.items() if name != "azimuth"):
+        known = {name for name, choice in wanted.items() if _found(name, choice, cells)}
+        if known >= wanted.keys() - {"azimuth"}:
             return i + 1, _columns(wanted, cells, len(cells)), mark
-        seen = line
+        if len(known) >= most:
+            seen, most = line, len(known)
     else:
         seen = lines[0]
     usual = ", ".join(repr(choice) for choice in choices if isinstance(choice, str)) or _USUAL
     raise ValueError(
-        f"line {seen[0]} should have headings such as {usual}, got {validate.short(seen[1])}; name the columns by "
-        "depth, inclination and azimuth"
+        Message(
+            f"line {seen[0]} should have headings such as {usual}, got {validate.short(seen[1])}",
+            Mention("", "; name the columns by depth, inclination and azimuth"),
+        )
     )
 
 

@@ -173,7 +173,9 @@ class ForceRecord(LoadSource, ByContent):
         Parameters
         ----------
         path : path
-            The first line may hold headings, with units in the line below; up to 200 other lines may precede them.
+            Cells that are empty, or hold NaN, OVLD, OL, ---, Over Range or the like, are samples without a number;
+            numbers in quotes may have commas between thousands.  The first line may hold headings, with units in the
+            line below; up to 200 other lines may precede them.
         time : str or int, optional
             Heading of the column of times, or its number from 0.  By default the one headed time, t, timestamp,
             elapsed or alike; of two columns with other headings or none, the first.

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from floquetrod._util import validate
-from floquetrod._util.columns import MISSING, NUMBER, Line, cells_of, text_of, written
+from floquetrod._util.columns import NUMBER, Line, cells_of, is_missing, text_of, written
 from floquetrod.rod.loads.record_clock import DATES, Clock
 from floquetrod.rod.loads.record_head import HEAD, Column, Wanted, columns, head
 
@@ -102,14 +102,14 @@ class _Rows:
         return self._value(cells, time, number), self._value(cells, force, number)
 
     def _value(self, cells: Sequence[str], column: Column, number: int) -> float:
-        """Return the number in a cell, the seconds of a time of day, NaN where it is empty."""
+        """Return the number in a cell, the seconds of a time of day, NaN where it says that there is none."""
         if column.place >= len(cells):
             raise ValueError(
                 f"line {number} has {len(cells)} column{'s' * (len(cells) != 1)}, {column.name} should be in column "
                 f"{column.place} counted from 0"
             )
         cell = cells[column.place]
-        if cell.lower() in MISSING:
+        if is_missing(cell):
             return math.nan
         if column.name == "time" and self.date is not None and self.date < len(cells) and ":" in cell:
             cell = f"{cells[self.date]} {cell}"

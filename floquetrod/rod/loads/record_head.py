@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 from floquetrod import units
 from floquetrod._util import validate
-from floquetrod._util.columns import MISSING, NUMBER, Line, cells_of, delimiter_of, written
+from floquetrod._util.columns import NUMBER, Line, cells_of, delimiter_of, is_missing, written
 from floquetrod.rod.loads.record_clock import CLOCK
 
 _DATES = ("date", "datum")
@@ -60,6 +60,7 @@ def head(lines: Sequence[Line], delimiter: str | None, wanted: Sequence[Wanted])
     for at in range(len(texts) - 1):
         if found := _head_at(texts, at, delimiter, wanted):
             return found
+    _require_headings(texts, delimiter, wanted)
     if len(cells) < 2:
         raise ValueError(
             f"line {texts[0][0]} has one column, {validate.short(cells[0])}; give delimiter, such as ';', or put # "
@@ -80,7 +81,7 @@ def columns(found: Head, wanted: Sequence[Wanted]) -> tuple[Column, Column, int 
 
 def is_value(cell: str) -> bool:
     """Return whether a cell holds a number, or says that one is missing."""
-    return cell.lower() in MISSING or any(each.fullmatch(cell) for each in (NUMBER, CLOCK))
+    return is_missing(cell) or any(each.fullmatch(cell) for each in (NUMBER, CLOCK))
 
 
 def _head_at(texts: Sequence[Line], at: int, delimiter: str | None, wanted: Sequence[Wanted]) -> Head | None:
@@ -98,6 +99,23 @@ def _head_at(texts: Sequence[Line], at: int, delimiter: str | None, wanted: Sequ
     if len(row) < len(headings) or not all(is_value(row[place]) for place in places):
         return None
     return Head(mark, headings, below[0] if has_units else None, row, texts[at + has_units][0])
+
+
+def _require_headings(texts: Sequence[Line], delimiter: str | None, wanted: Sequence[Wanted]) -> None:
+    """Raise ValueError where a table begins that has not the headings asked for, listing those that it has."""
+    if not any(isinstance(each.column, str) for each in wanted):
+        return
+    for at in range(len(texts) - 1):
+        mark = delimiter or delimiter_of(texts[at])
+        try:
+            headings, *below = (cells_of(line, mark) for line in texts[at : at + 3])
+        except ValueError:
+            continue
+        values = max(sum(cell != "" and is_value(cell) for cell in row[: len(headings)]) for row in below)
+        if len(headings) > 1 and values > 1 and not any(is_value(cell) for cell in headings):
+            for each in wanted:
+                _place(each, headings, len(headings))
+            return
 
 
 def _are_units(cells: Sequence[str], places: Sequence[int], wanted: Sequence[Wanted]) -> bool:
