@@ -103,6 +103,13 @@ MISTAKES = [
     (CHECK.replace("nitinol", "inches.toml"), "radius", "'0.8 inchs'", "did you mean"),
     (CHECK.replace("nitinol", "swapped.toml"), "channel_radius", "0.0047", "diameters"),
     (CHECK.replace("nitinol", "'2.00x0.156 CT90'"), "--rod", "'2.00x0.156 CT90'", "needs --bore and --length"),
+    (CHECK.replace("nitinol", "2.375x0.2"), "--rod", "'2.375x0.2'", "a pipe needs --bore and --length, too"),
+    (
+        CHECK.replace("nitinol", "2.375x0.2 --bore 4in"),
+        "--rod",
+        "2.375x0.190",
+        "diameter and wall_thickness into a rod file",
+    ),
     (
         CHECK.replace("nitinol", "'2.00x0.156 CT9' --bore 4in --length 9m"),
         "--rod",

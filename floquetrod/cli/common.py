@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 import floquetrod as fr
 from floquetrod import units
-from floquetrod._util.arguments import argument_of
+from floquetrod._util.arguments import argument_of, wrong_value
 from floquetrod._util.suggest import did_you_mean
 from floquetrod._util.waiting import say
 from floquetrod.cli.messages import option
@@ -297,6 +297,7 @@ def read_rod(options: argparse.Namespace) -> fr.Rod:
             changes.setdefault("length", 1000.0)  # that of a string in a well follows from there
         missing = [f"--{key}" for key in ("bore", "length") if key not in changes]
         if missing:
+            _require_listed(options.rod, missing)
             raise ValueError(
                 f"--rod {options.rod!r} needs {' and '.join(missing)}: a pipe's size says neither the diameter of its "
                 "hole nor its length; or write all of it into a TOML file"
@@ -308,6 +309,19 @@ def read_rod(options: argparse.Namespace) -> fr.Rod:
         rate = units.quantity(options.damping_rate, "--damping-rate", "rate", least=0.0, largest=LARGEST)
         rod = rod.replace(damping_rate=rate)
     return rod
+
+
+def _require_listed(name: str, missing: Sequence[str]) -> None:
+    """Raise ValueError for a pipe that the catalogue does not hold, which names the options that are missing, too."""
+    from floquetrod.rod.model.catalogue import pipe
+
+    try:
+        pipe(name)
+    except ValueError as error:
+        about = argument_of(error)
+        if about is None:
+            raise
+        raise wrong_value("name", about.problem, f"; a pipe needs {' and '.join(missing)}, too") from None
 
 
 def _on_path(options: argparse.Namespace) -> dict[str, Any]:

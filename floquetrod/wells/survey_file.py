@@ -25,7 +25,9 @@ HEADINGS = {
             "md, measured depth, meas depth, md rkb, mdepth, depth md, md kb, md rt, survey depth, measured, "
             "dept, depth"
         ),
-        "inclination": "inc, incl, devi, inclination, inclin, hole inclination, hole angle, deviation, dev, drift, angle",
+        "inclination": (
+            "inc, incl, devi, inclination, inclin, hole inclination, hole angle, deviation, dev, drift, angle"
+        ),
         "azimuth": (
             "azi, azimuth, azim, az, azm, hole azimuth, azimuth grid, azi gn, azimuth true, azi tn, hazi, direction"
         ),

@@ -14,6 +14,7 @@ from typing import Any, NamedTuple
 
 from floquetrod import units
 from floquetrod._util import validate
+from floquetrod._util.arguments import Mention
 from floquetrod.rod.model.parts import parameter
 
 YOUNGS_MODULUS = 207e9
@@ -27,7 +28,15 @@ _KSI = units.units_of("pressure")["ksi"]
 _ALIKE = 5e-4  # inches; sizes are written to thousandths
 _COILED = {"CT70": 70.0, "CT80": 80.0, "CT90": 90.0, "CT100": 100.0, "CT110": 110.0}
 _DRILL = {"E75": 75.0, "X95": 95.0, "G105": 105.0, "S135": 135.0}
-_COILED_SIZES = ((1.25, 0.109), (1.5, 0.125), (1.75, 0.134), (2.0, 0.156), (2.375, 0.175), (2.875, 0.204))
+_COILED_SIZES = (
+    (1.25, 0.109),
+    (1.5, 0.125),
+    (1.75, 0.134),
+    (2.0, 0.156),
+    (2.375, 0.175),
+    (2.375, 0.190),
+    (2.875, 0.204),
+)
 _DRILL_SIZES = (
     (2.375, 0.280, "EXGS"),
     (2.875, 0.362, "EXGS"),
@@ -88,7 +97,7 @@ def pipes() -> tuple[Pipe, ...]:
     """Return every pipe of the catalogue, without a grade.
 
     >>> [pipe.name for pipe in pipes() if pipe.product == "coiled tubing"]
-    ['1.25x0.109', '1.50x0.125', '1.75x0.134', '2.00x0.156', '2.375x0.175', '2.875x0.204']
+    ['1.25x0.109', '1.50x0.125', '1.75x0.134', '2.00x0.156', '2.375x0.175', '2.375x0.190', '2.875x0.204']
     """
     rows = [(*size, "coiled tubing", "API Spec 5ST", tuple(_COILED)) for size in _COILED_SIZES]
     for od, wall, initials in _DRILL_SIZES:
@@ -141,7 +150,8 @@ def pipe(name: str) -> Pipe:
         raise validate.wrong_value(
             "name",
             f"must be the size of a pipe of the catalogue, got {validate.short(name)}; the closest are "
-            f"{_names(nearest[:3])}; for another size give diameter and wall_thickness to Rod",
+            f"{_names(nearest[:3])}; for another size write diameter and wall_thickness into a rod file (TOML)",
+            Mention("", ", or give them to fr.Rod"),
         )
     if not read["grade"]:
         return found
