@@ -65,6 +65,8 @@ def test_cycles_fold_and_shrink_to_rest(fold: fr.Branch) -> None:
     assert "state of rest (a Hopf point) near mu = " in rest
     assert abs(float(rest.split("= ")[1])) < 1e-3
     assert range_end == "mu = 0.3 is the end of the range"
+    assert repr(fold).endswith(", 1 special points, a Hopf point at one end>")
+    assert fold.report().headline == "1 fold, a Hopf point at one end"
     assert fold.values[-1] == 0.3
 
 

@@ -17,6 +17,7 @@ from floquetrod._util.report import Report, Reported, Table
 from floquetrod.equations import NonlinearSystem
 from floquetrod.floquet.status import STATUS_CODES
 from floquetrod.orbits.branch_files import load, save
+from floquetrod.orbits.continuation import HOPF
 from floquetrod.orbits.crossings import multipliers_of
 from floquetrod.orbits.extents import extent
 from floquetrod.orbits.orbit import PeriodicOrbit
@@ -37,7 +38,8 @@ class Branch(ByContent, Reported, NoTruthValue):
         Each with its verdict.  Where the parameter turns back, the ``error`` of an orbit is that of its states at the
         same length along the branch, not at the same value of the parameter.
     special_points : tuple of SpecialPoint
-        Where a multiplier crosses the unit circle, in the order of the orbits.
+        Where a multiplier crosses the unit circle, in the order of the orbits.  A Hopf point, where the orbits shrink
+        to a state of rest, is no orbit and not among them: it is named in ``ends``.
     ends : (str, str)
         Why the branch ends where it does, before its first orbit and after its last.
     tolerance : float
@@ -133,7 +135,13 @@ class Branch(ByContent, Reported, NoTruthValue):
         ]
         kinds = [point.kind for point in self.special_points]
         named = [f"{kinds.count(kind)} {kind}{'s' * (kinds.count(kind) > 1)}" for kind in dict.fromkeys(kinds)]
+        named += [self._hopf] if self._hopf else []
         return Report(", ".join(named) or "no special points", lines, self._table() if kinds else None)
+
+    @property
+    def _hopf(self) -> str:
+        """At how many ends the branch shrinks to a state of rest, in words; "" for none."""
+        return ("", "a Hopf point at one end", "a Hopf point at either end")[sum(HOPF in end for end in self.ends)]
 
     def _table(self) -> Table:
         columns = (
@@ -201,7 +209,7 @@ class Branch(ByContent, Reported, NoTruthValue):
         """Return the branch as a sentence."""
         return (
             f"<branch of {len(self.orbits)} orbits, {self.parameter} from {self.values.min():.6g} to "
-            f"{self.values.max():.6g}, {len(self.special_points)} special points>"
+            f"{self.values.max():.6g}, {len(self.special_points)} special points{self._hopf and ', ' + self._hopf}>"
         )
 
 

@@ -22,6 +22,9 @@ _TURN = 0.9  # cosine of the angle between directions below which a step is made
 _GENTLE = 0.985  # above which the next one is longer
 _FEW = 4  # steps of Newton's method up to which the next step is longer
 _MOST_MESHES = 4
+HOPF = "a Hopf point"
+"""What a branch's end says where its orbits shrink to a state of rest."""
+
 _REST = 1e-4  # motion as a fraction of the largest on the branch, below which an orbit has shrunk to a state of rest
 
 
@@ -198,7 +201,7 @@ class Continuation:
         along = float((old * place.collocation.rates_at_mesh(place.point) / self.measure.scale**2).sum())
         if moves < _REST or along < 0.0:
             where = f"{self.task.parameter} = {self._rest(found):.6g}"
-            raise Ended(f"the orbit shrinks to a state of rest (a Hopf point) near {where}")
+            raise Ended(f"the orbit shrinks to a state of rest ({HOPF}) near {where}")
 
     def _rest(self, found: Sample) -> float:
         """Return the value of the parameter where the orbit has shrunk to nothing, from two squares of amplitudes."""
