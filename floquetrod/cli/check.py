@@ -64,11 +64,12 @@ examples:
 The answer is in the units of the question or of --unit; --json is in N, rad/s and m/s.
 margins: how far each quantity may fall or rise, with the others unchanged, until the verdict changes.
 exit status: 0 for every verdict; with --exit-code 0 stable, 1 unstable, 3 undecided; 2 for invalid input.
-rod files: TOML with youngs_modulus, density, radius, length and channel_radius; optional are gravity, damping_rate,
-inner_radius, fluid_inside, fluid_outside, added_mass_coefficient and inclination (from the vertical).  Values are SI
-numbers or strings such as "68GPa", "2.375in", "8.6ppg" or "60deg".  diameter, inner_diameter, wall_thickness and
-channel_diameter may replace radii.  ends is "hinged", "clamped", "guided", "free", or two of them, the upper end first,
-such as "clamped-hinged".  A steel pipe needs only its name, the bore (the diameter of the hole) and the length:
+rod files: TOML with youngs_modulus, density, radius, length and channel_radius; optional are damping_rate, gravity
+(9.81 m/s^2 unless given), inner_radius, fluid_inside, fluid_outside, added_mass_coefficient and inclination (from the
+vertical).  Values are SI numbers or strings such as "68GPa", "2.375in", "8.6ppg" or "60deg".  diameter,
+inner_diameter, wall_thickness and channel_diameter may replace radii.  ends is "hinged", "clamped", "guided", "free",
+or two of them, the upper end first, such as "clamped-hinged".  A steel pipe needs only its name, the bore (the
+diameter of the hole) and the length:
   catalogue = "2.00x0.156 CT90"
   bore = "4.778in"
   length = "200ft"
