@@ -58,6 +58,9 @@ MISTAKES: list[tuple[Call, str, str, str]] = [
     (lambda: fr.AxialLoad(float("nan"), 2.0, 3), "mean", "nan", "give it in N"),
     (lambda: fr.AxialLoad([1.0, 2.0], 2.0, 3), "mean", "[1.0, 2.0]", "give it in N"),
     (lambda: ROD.stability(0.34), "load", "0.34", "AxialLoad"),
+    (lambda: ROD.stability(500, 100, 6), "Rod.stability()", "given", "fr.AxialLoad(mean, amplitude, frequency)"),  # type: ignore[call-overload]
+    (lambda: ROD.stability(mean=500), "Rod.stability()", "'mean'", "fr.AxialLoad(mean, amplitude, frequency)"),  # type: ignore[call-overload]
+    (lambda: ROD.critical_kick(500, 100, 6, friction=0.1), "Rod.critical_kick()", "given", "fr.AxialLoad("),  # type: ignore[call-arg,misc]
     (lambda: ROD.stability([LOAD, LOAD]), "load", "[AxialLoad", "must be an AxialLoad"),
     (lambda: ROD.stability(LOAD, growth_tol=1), "Rod.stability()", "'growth_tol'", "unexpected keyword"),
     (lambda: ROD.stability(LOAD, friction=0.1), "kick", "friction", "kick"),
@@ -85,6 +88,8 @@ MISTAKES: list[tuple[Call, str, str, str]] = [
     (lambda: fr.AxialLoad("4:8N", 1, 1), "mean", "4:8N", "one value is needed"),  # type: ignore[arg-type]
     (lambda: fr.ensembles.Runs.load(Path(__file__).parent), "Runs.load", "folder", "open_zarr"),
     (lambda: ROD.replace(channel_diameter=1e-3), "channel_radius", "0.0005 m", "diameters 0.001 m and 0.0016 m"),
+    (lambda: fr.mathieu.exponent, "mathieu", "'exponent'", "did you mean exponents?"),  # type: ignore[attr-defined]
+    (lambda: fr.NonlinearSystem(lambda x, t: (x[1], -x[0])), "function", "(x, t)", "t and x in this order"),
     (lambda: fr.stable, "floquetrod", "'stable'", "did you mean stability?"),  # type: ignore[attr-defined]
     (lambda: ROD.stable(LOAD), "Rod", "'stable'", "did you mean is_stable?"),  # type: ignore[attr-defined]
     (lambda: LOAD.freq, "AxialLoad", "'freq'", "frequency"),  # type: ignore[attr-defined]

@@ -45,8 +45,11 @@ def constructor_hints(**instead: str) -> Callable[[type[T]], type[T]]:
     return decorate
 
 
-def call_hints(**instead: str) -> Callable[[F], F]:
-    """Return a decorator of functions whose TypeErrors about how they are called name the remedy, likewise."""
+def call_hints(positional: str = "", /, **instead: str) -> Callable[[F], F]:
+    """Return a decorator of functions whose TypeErrors about how they are called name the remedy, likewise.
+
+    ``positional`` is that for more positional arguments than the function takes.
+    """
 
     def decorate(function: F) -> F:
         @functools.wraps(function)
@@ -56,6 +59,8 @@ def call_hints(**instead: str) -> Callable[[F], F]:
             except TypeError as error:
                 if error.__traceback__ is None or error.__traceback__.tb_next is not None:
                     raise
+                if positional and "positional argument" in str(error) and "given" in str(error):
+                    raise TypeError(f"{error}; {positional}") from None
                 raise TypeError(_with_remedy(str(error), function, instead)) from None
 
         return cast(F, called)

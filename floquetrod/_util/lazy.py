@@ -18,7 +18,10 @@ def names_of(package: str, where: dict[str, tuple[str, ...]]) -> tuple[Callable[
     def load(name: str) -> Any:
         """Import the module of a name, and keep the name in the package."""
         if name not in module_of:
-            raise AttributeError(f"module {package!r} has no attribute {name!r}")
+            from floquetrod._util.suggest import did_you_mean
+
+            hint = "" if name.startswith("_") else did_you_mean(name, module_of)
+            raise AttributeError(f"module {package!r} has no attribute {name!r}{hint}")
         value = getattr(importlib.import_module(f"floquetrod.{module_of[name]}"), name)
         setattr(sys.modules[package], name, value)
         return value

@@ -23,6 +23,7 @@ from floquetrod.equations.hill_system import HillSystem
 from floquetrod.equations.rates import Rates
 
 _ALL_AT_ONCE = ("p", "params", "parameters")  # names of an argument that takes all parameters
+_TIMES = ("t", "time")  # names of the first argument
 _FUNCTIONS = {name: getattr(math, name) for name in ("pi", "sqrt", "exp", "log", "sin", "cos", "tan")}
 _ALLOWED = (
     ast.Expression,
@@ -309,6 +310,9 @@ def _require_names(argument: str, function: Any, given: Mapping[str, float], oth
     first = len(others.replace(" and", ",").split(","))
     if len(positional) < first and not any(each.kind is each.VAR_POSITIONAL for each in wanted):
         raise TypeError(f"{argument} must take {others}, and then the parameters by name")
+    if any(each.name in _TIMES for each in positional[1:first]):
+        came = ", ".join(each.name for each in positional[:first])
+        raise TypeError(f"{argument} must take {others} in this order, got one that takes ({came})")
     named = [*positional[first:], *(each for each in wanted if each.kind is each.KEYWORD_ONLY)]
     names = [each.name for each in named]
     takes_all = any(each.kind is each.VAR_KEYWORD for each in wanted)

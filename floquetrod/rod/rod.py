@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, overload
 
 from floquetrod._util import validate
+from floquetrod._util.calling import call_hints
 from floquetrod._util.progress import Progress
 from floquetrod.equations import HillSystem
 from floquetrod.floquet.proof.result import MAX_BOXES
@@ -53,6 +54,10 @@ def _model(rod: RodData, like: Load) -> ModeModel:
     from floquetrod.rod.modes.noisy_together import NoisyTogetherModel
 
     return NoisyTogetherModel(rod, like)
+
+
+_NO_LOAD = "its load is one value, such as fr.AxialLoad(mean, amplitude, frequency)"
+_load_hints = call_hints(_NO_LOAD, mean=_NO_LOAD, amplitude=_NO_LOAD, frequency=_NO_LOAD)
 
 
 @dataclass(frozen=True, init=False, repr=False)
@@ -349,6 +354,7 @@ class Rod(RodData):
         progress: Progress | None = None,
     ) -> FrictionalRodStability: ...
 
+    @_load_hints
     def stability(
         self,
         load: AnyLoad,
@@ -407,6 +413,7 @@ class Rod(RodData):
         model = self.modes_under(require_load("load", load))
         return one_load.stability(model, load, modes, growth_tolerance, friction, kick, progress)
 
+    @_load_hints
     def critical_kick(self, load: AnyLoad, *, friction: float, growth_tolerance: float = 0.0) -> CriticalKick:
         """Return the smallest kick, a transverse velocity in m/s, found to buckle the rod against friction.
 

@@ -342,7 +342,11 @@ def require_load(name: str, value: Any) -> Load:
         return value.load
     if isinstance(value, Load):
         return value
-    raise validate.wrong_type(name, f"must be an AxialLoad, AxialWave or ForceRecord, got {validate.short(value)}")
+    raise validate.wrong_type(
+        name,
+        f"must be an AxialLoad, AxialWave or ForceRecord, got {validate.short(value)}; give fr.AxialLoad(mean, "
+        "amplitude, frequency), say",
+    )
 
 
 def require_noise(name: str, load: Any) -> Load:
