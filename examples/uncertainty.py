@@ -53,7 +53,7 @@ means = np.linspace(0.1, 0.5, 25) * unit
 def probability(mean: float, distributions: dict[str, object]) -> float:
     """Return the probability of instability about another mean force."""
     moved = distributions | {"mean": norm(mean, 0.10 * load.mean)}
-    return fr.probability_of_instability(rod, load, moved, samples=20_000, growth_tolerance=0.01, seed=1).probability
+    return fr.probability_of_instability(rod, load, moved, samples=10_000, growth_tolerance=0.01, seed=1).probability
 
 
 _, (left, right) = plt.subplots(1, 2, figsize=(9.0, 3.6), layout="constrained")
