@@ -3,7 +3,8 @@
 python docs/look.py docs/_build/html pictures [page ...]
 
 Each page is opened on a desktop, on a phone and in the dark.  Reported are pages and, on the desktop, blocks of code
-that scroll sideways, violations of accessibility found by axe-core, errors of scripts, and a search without excerpts.
+that scroll sideways, formulas, pictures and tables cut off at the right, violations of accessibility found by axe-core,
+errors of scripts, and a search without excerpts.
 Needs the extra site-check and a Chromium: that of $CHROMIUM, or the first found on the path.
 """
 
@@ -23,6 +24,14 @@ SCROLLS = """() => {
   const wide = document.documentElement.scrollWidth - document.documentElement.clientWidth;
   const code = [...document.querySelectorAll("article pre")].filter(e => e.scrollWidth > e.clientWidth);
   return [wide, code.map(e => `${e.scrollWidth - e.clientWidth} px: ${e.textContent.trim().slice(0, 60)}`)];
+}"""
+CUT_OFF = """() => {
+  const right = document.documentElement.clientWidth;
+  const scrolls = e => e && e.tagName !== "ARTICLE" &&
+    (["auto", "scroll"].includes(getComputedStyle(e).overflowX) || scrolls(e.parentElement));
+  return [...document.querySelectorAll("article mjx-container, article img, article table, article code")]
+    .filter(e => e.getBoundingClientRect().right > right + 1 && !scrolls(e))
+    .map(e => e.textContent.trim().slice(0, 60) || e.tagName.toLowerCase());
 }"""
 UNFOLD = "() => document.querySelectorAll('details').forEach(each => each.open = true)"
 READY = "() => window.MathJax && MathJax.startup ? MathJax.startup.promise.then(() => true) : true"
@@ -70,6 +79,7 @@ def faults(page: Any, address: str, view: str, picture: Path) -> Iterator[str]:
     wide, code = page.evaluate(SCROLLS)
     if wide > 0:
         yield f"the page scrolls sideways by {wide} px"
+    yield from (f"cut off at the right: {each}" for each in page.evaluate(CUT_OFF))
     if view == "desktop":
         yield from (f"code scrolls sideways by {each}" for each in code)
     yield from (f"error of a script: {error}" for error in errors)

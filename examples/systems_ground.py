@@ -43,7 +43,7 @@ print(f"at 18 rad/s motion grows by {18.0 * verdict.growth_rate:.6f} per second"
 
 # %%
 # The exponent with the largest real part over the rotor speed.
-speeds = np.linspace(10.0, 26.0, 33)
+speeds = np.linspace(10.0, 26.0, 65)
 figure, axes = plt.subplots(figsize=(8.0, 4.2), layout="constrained")
 for dampers, line, label in ((one_out, "-", "one damper out"), (all_work, "--", "all dampers work")):
     largest = np.array([speed * fr.stability(rotor(speed, dampers)).exponents[0].real for speed in speeds])

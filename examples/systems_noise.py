@@ -39,7 +39,7 @@ left.set(xlabel=r"frequency $\omega$", ylabel=r"forcing $\varepsilon$", xlim=(1.
 left.legend(loc="upper center")
 
 for omega, line in ((2.0, "-"), (2.1, "--"), (2.2, "-.")):
-    stable = [e for e in np.linspace(0.0, 0.6, 9) if fr.stability(system(omega, e)).decay_rate > 0.0]
+    stable = [e for e in np.linspace(0.0, 0.6, 11) if fr.stability(system(omega, e)).decay_rate > 0.0]
     largest = [fr.critical_noise(system(omega, e), [([[1.0]], 1.0)]).factor for e in stable]
     right.plot(stable, largest, line, color="black", label=rf"$\omega = {omega:g}$")
 right.plot(0.0, critical, linestyle="none", **palette.POINT)

@@ -62,7 +62,7 @@ for amplitude in (0.0, 0.5, 1.0):
         feed_speed=0.05,
         friction=0.3,
         duration=0.006 * string.length / 0.05,
-        segments=int(32.0 * string.critical_mode),
+        segments=int(40.0 * string.critical_mode),
         frames=37,
         perturbation=fr.Perturbation.random(1e-2, seed=1),
     )

@@ -236,7 +236,7 @@ _WITH_LENGTHS, _WITH_FORCES = ("length", "depth", "depths"), ("mean", "amplitude
 
 
 def units_typed(options: argparse.Namespace) -> dict[str, str]:
-    """Return the units in which lengths along the rod and forces were typed, but for those in critical forces."""
+    """Return the units in which lengths along the rod and forces were typed, except for those in critical forces."""
     found = {}
     for kind, names in (("length", _WITH_LENGTHS), ("force", _WITH_FORCES)):
         texts = (getattr(options, name, None) for name in names)

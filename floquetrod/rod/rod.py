@@ -283,12 +283,9 @@ class Rod(RodData):
         <string pushed to 3000 m needs 32.27 kN of pull at 0 m>
         """
         from floquetrod.rod.answers import mean_force
-        from floquetrod.rod.loads.tool import tool_inside
 
         drag = mean_force.drag_of(self, path, friction, motion, helical, tool, speed)
-        force, end = mean_force.force_in_newtons("far_force", far_force), mean_force.lower_end(path, bottom)
-        if tool is not None:
-            tool_inside(tool, end - path.start, "string")
+        force, end = mean_force.force_in_newtons("far_force", far_force), mean_force.lower_end(path, bottom, tool)
         return mean_force.mean_force(drag, force, end, depth)
 
     def reach(

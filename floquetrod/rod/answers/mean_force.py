@@ -244,8 +244,8 @@ def _asked(top: float, bottom: float, depth: Any) -> Floats:
     return np.unique(np.concatenate([[top, bottom], asked]))
 
 
-def lower_end(path: Any, bottom: Any) -> float:
-    """Return the measured depth of the lower end of a string, by default that of the path."""
+def lower_end(path: Any, bottom: Any, tool: VibrationTool | None) -> float:
+    """Return the measured depth of the lower end of a string, by default that of the path; its tool lies within it."""
     if bottom is None:
         return float(path.end)
     depth = validate.finite("bottom", in_si("bottom", bottom, "length"))
@@ -253,5 +253,11 @@ def lower_end(path: Any, bottom: Any) -> float:
         raise validate.wrong_value(
             "bottom",
             f"must lie below {path.start:g} and not below {path.end:g} m, the end of the path, got {depth:g} m",
+        )
+    if tool is not None and tool.above_end >= depth - path.start:
+        raise validate.wrong_value(
+            "bottom",
+            f"must lie more than {tool.above_end:g} m below {path.start:g} m, so that the tool is in the string, got "
+            f"{depth:g} m",
         )
     return depth
