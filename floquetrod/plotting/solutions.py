@@ -10,7 +10,7 @@ from floquetrod.plotting.charts import new_axes
 
 
 def draw_solution(solution: Any, ax: Any, periods: float) -> Any:
-    """Draw a `floquetrod.mathieu.FloquetSolution` from 0 on: real part solid, imaginary part dashed."""
+    """Draw a `floquetrod.mathieu.FloquetSolution` from 0 on: real part solid, imaginary part, if any, dashed."""
     ax = new_axes() if ax is None else ax
     time = np.linspace(0.0, periods * solution.period, 1000)
     values = solution(time)
@@ -20,7 +20,8 @@ def draw_solution(solution: Any, ax: Any, periods: float) -> Any:
         ax.legend(loc="best", fontsize="small")
     ax.axhline(0.0, color="0.7", linewidth=0.6, zorder=0)
     per = "$z$" if solution.period < 4.0 else r"$\tau$"
-    exponent = f"\nexponent {solution.exponent:.5g} per unit of {per}".replace("j", "i") if solution.exponent else ""
+    rate = solution.exponent.real if solution.exponent.imag == 0.0 else solution.exponent
+    exponent = f"\nexponent {rate:.5g} per unit of {per}".replace("j", "i") if rate else ""
     ax.set_xlabel(per)
     ax.set_ylabel("solution, without unit")
     ax.set_title(f"{solution.name}{exponent}", fontsize="small", wrap=True)
