@@ -211,8 +211,11 @@ class AnswerUnits(NamedTuple):
         if kind == "pressure" and value >= 1e9:
             large = {"ksi": "Mpsi", "psi": "Mpsi"}.get(self.pressure.name, "GPa")
             return words, unit(large, name, kind).show(value)
-        shown = {"length": self.length, "pressure": self.pressure}.get(kind)
-        return words, (shown or unit("deg" if kind == "angle" else "", name, kind)).show(value)
+        if kind in ("length", "pressure"):
+            return words, (self.length if kind == "length" else self.pressure).show(value)
+        in_feet = {"density": "ppg" if "fluid" in name else "lb/ft3", "acceleration": "ft/s2", "curvature": "deg/100ft"}
+        usual = "deg" if kind == "angle" else in_feet.get(kind, "") if self._has_feet else ""
+        return words, unit(usual, name, kind).show(value)
 
 
 _NUMBER = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(\S*)\s*", re.ASCII)

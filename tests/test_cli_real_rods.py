@@ -189,6 +189,17 @@ def test_margins_are_left_out_where_they_take_long(capsys: pytest.CaptureFixture
     assert said(capsys, *plain, "--margins") == said(capsys, *plain)
 
 
+def test_a_measured_force_is_told_in_the_units_asked_for(record: str, capsys: pytest.CaptureFixture[str]) -> None:
+    text = said(capsys, "check", "--rod", "nitinol", "--force", record, "--no-margins", "--unit", "lbf,Hz,ft")
+    pound, rod = 4.4482216152605, fr.Rod.nitinol()
+    measured = fr.ForceRecord.from_csv(record)
+    assert f"critical force {rod.critical_force / pound:.4g} lbf" in text
+    line = next(each for each in text.splitlines() if each.startswith("record"))
+    assert f"mean {measured.mean / pound:.6g} lbf and amplitude {measured.amplitude / pound:.6g} lbf" in line
+    assert f" {measured.frequency / 2.0 / np.pi:.8g} Hz +- " in line
+    assert " N" not in line
+
+
 @pytest.mark.slow
 def test_a_measured_force(record: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     pyplot.close("all")  # of other tests

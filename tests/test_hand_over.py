@@ -152,10 +152,12 @@ def test_all_of_it_is_in_the_units_asked_for(tmp_path: Path) -> None:
         "youngs modulus 30.0228 Mpsi",
         "yield strength 90 ksi",
         "half wave",
+        "gravity 32.185 ft/s2",
+        "density 490.059 lb/ft3",
     ):
         assert told in page, told
     told, _ = page.split("What is assumed")
-    assert not re.search(r"\d (N|m|MPa|GPa|kg/m|N/m|N m\^2)(?![\w/^])", told)
+    assert not re.search(r"\d (N|m|MPa|GPa|kg/m|kg/m3|m/s2|N/m|N m\^2)(?![\w/^])", told)
 
 
 @pytest.mark.slow

@@ -218,9 +218,9 @@ def test_a_tool_slower_than_the_string_does_nothing_and_one_above_it_is_refused(
     found = TUBING.mean_force(path, 0.2, tool=fr.VibrationTool(5e3, 100.0), speed=2.0)
     assert found.at_top == pytest.approx(still.at_top, rel=1e-9)
     above = fr.VibrationTool(5e3, 100.0, 200.0)
-    with pytest.raises(ValueError, match="^tool must lie in the string"):
+    with pytest.raises(ValueError, match=r"^tool must lie in the string"):
         TUBING.mean_force(path, 0.2, tool=fr.VibrationTool(5e3, 100.0, 400.0))
-    with pytest.raises(ValueError, match="^bottom must lie more than 200 m below 0 m, so that the tool is in the"):
+    with pytest.raises(ValueError, match=r"^bottom must lie more than 200 m below 0 m, so that the tool is in the"):
         TUBING.mean_force(path, 0.2, tool=above, bottom=150.0)
 
 

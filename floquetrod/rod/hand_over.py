@@ -120,7 +120,7 @@ def _(result: RodStability, asked: _Asked) -> tuple[str, list[Section]]:
         *_motion(asked.motion, asked.units),
         _statics(result, answer_units(shown)),
         *_reach(asked.reach, asked.units, answer_units(shown)),
-        _assumed(result, asked.reach),
+        _assumed(result, asked.reach, answer_units(shown)),
         _made(result.references, asked.command or f"{result.rod!r}.stability({result.load!r})"),
     ]
 
@@ -218,13 +218,13 @@ def _reach(reach: Reach | None, asked: Mapping[str, str] | None, units: AnswerUn
     return [Section("Reach", reach.report(**named), functools.partial(reach.plot, **named))]
 
 
-def _assumed(verdict: RodStability, reach: Reach | None) -> Section:
+def _assumed(verdict: RodStability, reach: Reach | None, units: AnswerUnits) -> Section:
     """Return what is assumed and how far it holds."""
     listed = []
     for text in verdict.assumptions:
         listed += [("", f"- {text}"), *(("", f"    {limit}") for limit in [limit_of(text)] if limit)]
     if reach is not None:
-        listed += [("", f"- reach: {text}") for text in getattr(reach, "assumptions", ())]
+        listed += [("", f"- reach: {text}") for text in reach.assumptions_in(units.speed)]
     return Section("Assumptions, and their limits", Report("", listed))
 
 

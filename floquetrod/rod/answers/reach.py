@@ -223,15 +223,16 @@ class Reach(Reported, ByContent):
         if self.tool is not None:
             lines += [("tool", self._vibration_in_words(shown)), ("grows", self._growth_in_words(shown))]
             lines.append((f"tool {shown.frequency.name}", self._frequency_in_words(shown)))
-        lines.append(("assumed", "; ".join(self._assumptions(shown.speed))))
+        lines.append(("assumed", "; ".join(self.assumptions_in(shown.speed))))
         return Report(self._in_words(unit), lines, self._table(shown))
 
     @property
     def assumptions(self) -> tuple[str, ...]:
-        """The assumptions."""
-        return self._assumptions(units.unit("m/s", "", "speed"))
+        """The assumptions, speeds in m/s."""
+        return self.assumptions_in(units.unit("m/s", "", "speed"))
 
-    def _assumptions(self, speed: Unit) -> tuple[str, ...]:
+    def assumptions_in(self, speed: Unit) -> tuple[str, ...]:
+        """Return what is assumed, speeds in a unit."""
         local = (
             "growth is that of a long string under the force at each depth, with the rod's damping and with friction, "
             f"which damps a lateral wave less if it moves faster: here {speed.show(self.sliding, 3)}"
