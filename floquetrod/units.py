@@ -143,7 +143,7 @@ class Unit(NamedTuple):
 class AnswerUnits(NamedTuple):
     """The units that an answer is in, and those that follow from them.
 
-    >>> shown = AnswerUnits.named(force="lbf", length="ft")
+    >>> shown = AnswerUnits.named(force="lbf")
     >>> shown.pressure.name, shown.per_length.name, shown.across.name, shown.speed.name
     ('ksi', 'lbf/ft', 'in', 'ft/s')
     """
@@ -157,18 +157,21 @@ class AnswerUnits(NamedTuple):
     def named(
         cls,
         force: str = "N",
-        length: str = "m",
+        length: str | None = None,
         pressure: str | None = None,
         frequency: str = "Hz",
         what: Callable[[str], str] = str,
     ) -> AnswerUnits:
-        """Return units by their names, pressures beside pounds in ksi, else in MPa; ``what`` names them in messages."""
+        """Return units by their names; beside pounds ft and ksi are usual, else m and MPa.
+
+        ``what`` names them in messages.
+        """
         of_force = unit(force, what("force"), "force")
-        usual = "ksi" if of_force.name in ("lbf", "kip") else "MPa"
+        usual = ("ft", "ksi") if of_force.name in ("lbf", "kip") else ("m", "MPa")
         return cls(
             of_force,
-            unit(length, what("length"), "length"),
-            unit(usual if pressure is None else pressure, what("pressure"), "pressure"),
+            unit(usual[0] if length is None else length, what("length"), "length"),
+            unit(usual[1] if pressure is None else pressure, what("pressure"), "pressure"),
             unit(frequency, what("frequency"), "frequency"),
         )
 

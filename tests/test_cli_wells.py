@@ -55,7 +55,7 @@ def test_a_curvature_keeps_the_modes_independent(capsys: pytest.CaptureFixture[s
         (["--path", "none.csv"], "survey none.csv: there is no such file"),
         (["--path", "{survey}", "--depth", "48m"], "--depth"),
         (["--path", "{survey}", "--depth", "deep"], "error: --depth must be a number with a length unit"),
-        (["--path", "{bare}"], "depth_unit must be given, such as m or ft"),
+        (["--path", "{bare}"], "--depth-unit must be given, such as m or ft"),
         (["--curvature", "3kg"], "error: --curvature must be a number with a curvature unit"),
         (["--curvature", "nan"], "--curvature must be"),
     ],

@@ -304,10 +304,13 @@ def test_it_answers_in_the_units_asked_for() -> None:
 
 
 def test_what_is_not_tried_at_the_lower_end_is_marked() -> None:
-    found = TUBING.reach(WELL, 0.3, depth=[50.0, 1200.0])
+    found = TUBING.reach(WELL, 0.3, depth=[30.0, 50.0, 1200.0])
     assert found.bit_limit == pytest.approx(10.0 * TUBING.critical_force)
-    assert found.is_limited(found.bit).tolist() == [True, False]
+    assert found.is_limited(found.bit).tolist() == [True, True, False]
     rows = str(found.report(force="N")).splitlines()
-    assert rows[-3].split()[-1] == f">{found.bit[0]:.0f}"
-    assert rows[-2].split()[-1] == f"{found.bit[1]:.0f}"
+    assert rows[-3].split()[-1] == f">{found.bit[1]:.0f}"
+    assert rows[-2].split()[-1] == f"{found.bit[2]:.0f}"
     assert rows[-1].startswith("> at the lower end: more may arrive")
+    curve, marks = found.plot(force="N").axes[2].lines[:2]
+    assert curve.get_ydata() == pytest.approx(found.bit)
+    assert marks.get_ydata() == pytest.approx(found.bit[:2])

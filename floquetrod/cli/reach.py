@@ -25,6 +25,7 @@ from floquetrod.cli.common import (
 )
 from floquetrod.cli.output import Output, output
 from floquetrod.cli.parser import Parser
+from floquetrod.units import AnswerUnits
 
 _EVEN = 10  # depths between two ends
 
@@ -121,6 +122,7 @@ def _reach(options: argparse.Namespace) -> Output:
     shown = {"depth" if kind == "length" else kind: name for kind, name in {**units_typed(options), **asked}.items()}
     for kind, name in shown.items():
         units.unit(name, "--unit", "length" if kind == "depth" else kind)
+    shown.setdefault("depth", AnswerUnits.named(shown.get("force", "kN")).length.name)
     found = read_reach(options, read_rod(options), None if options.depths is None else _depths(options.depths))
     if options.figure is not None:
         charts.save_figure(found.plot(**shown), options.figure)

@@ -87,12 +87,14 @@ def _draw_bit(found: Any, shown: AnswerUnits, ax: Any) -> None:
     if found.tool:
         shaken = _to_the_reach(found, found.bit_shaken, found.reach_shaken, found.is_stopped_shaken)
         curves.append((shaken, "-"))
-    for (depth, force), line in curves:
-        ax.plot(shown.length.of(depth), shown.force.of(force), color="black", linestyle=line, marker=".")
-        more = found.is_limited(force)
-        ax.plot(shown.length.of(depth[more]), shown.force.of(force[more]), "^", color="black")
     deep = np.concatenate([found.bit[1:], found.bit_shaken[1:], [found.far_force + 1e3]])
     low, size = found.far_force, float(np.nanmax(deep)) - found.far_force
+    for (depth, force), line in curves:
+        ax.plot(shown.length.of(depth), shown.force.of(force), color="black", linestyle=line, marker=".")
+        more = found.is_limited(force) & (force < low + 1.1 * size)
+        if more.any():
+            ax.plot(shown.length.of(depth[more]), shown.force.of(force[more]), "k^", label="so much or more")
+            ax.legend(loc="best", fontsize="x-small", frameon=False)
     ax.set_ylim(shown.force.of(low), shown.force.of(low + 1.1 * size))
     ax.set_ylabel(f"at the lower end / {shown.force.name}")
     ax.set_xlabel(f"measured depth of the lower end / {shown.length.name}")
@@ -100,7 +102,7 @@ def _draw_bit(found: Any, shown: AnswerUnits, ax: Any) -> None:
 
 def _to_the_reach(found: Any, forces: Any, reach: float, is_stopped: bool) -> tuple[Any, Any]:
     """Return depths and forces at the lower end, where the string stops that which it was sought with."""
-    arrives = np.isfinite(forces) & (found.bit_depth < reach)
+    arrives = np.isfinite(forces) & (found.bit_depth <= reach)
     depth, force = found.bit_depth[arrives], forces[arrives]
     return (np.append(depth, reach), np.append(force, found.far_force)) if is_stopped else (depth, force)
 

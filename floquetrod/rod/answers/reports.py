@@ -52,7 +52,7 @@ def shown_in(names: Mapping[str, str] | None, critical_force: float) -> dict[str
     """Return the unit to show each quantity of a load, a kick, and other forces, lengths and pressures in.
 
     Where none is named these are SI units and mm/s; other forces are then in the unit of the mean or the amplitude
-    where that is not the critical force itself, and pressures beside pounds in ksi, else in MPa.
+    where that is not the critical force itself; lengths and pressures beside pounds in ft and ksi, else in m and MPa.
     """
     names = {} if names is None else names
     if not isinstance(names, Mapping):
@@ -176,7 +176,8 @@ class ReportedVerdict(Reported, _RodVerdict):
         ----------
         units : mapping, optional
             In which to show mean, amplitude, frequency, other forces, lengths and pressures: ``{"mean": "Fcr",
-            "frequency": "Hz", "force": "lbf", "length": "ft", "pressure": "ksi"}``; N, rad/s, m and MPa without.
+            "frequency": "Hz", "force": "lbf", "length": "ft", "pressure": "ksi"}``; N, rad/s, m and MPa without, ft and
+            ksi beside pounds.
         margins : mapping, optional
             The result of `margins`, reported with the damping that stabilises.
 

@@ -97,10 +97,10 @@ class LockUp(Reported):
         scaled = [self._length(f) for f in (forces.ravel() / self.critical_force).tolist()]
         return shaped(self.critical_force * np.array(scaled), forces.shape)
 
-    def report(self, push: float | None = None, *, length: str = "m", force: str = "N") -> Report:
+    def report(self, push: float | None = None, *, length: str | None = None, force: str = "N") -> Report:
         """Return the length in words, with the assumptions; also the length that a ``push`` in N can push.
 
-        ``length`` and ``force`` are the units to answer in, such as "ft" and "lbf".
+        ``length`` and ``force`` are the units to answer in, such as "ft" and "lbf"; lengths beside pounds are in ft.
         """
         shown = AnswerUnits.named(force, length)
         lines = [("assumed", "; ".join(self.assumptions))]
