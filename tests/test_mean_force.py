@@ -212,16 +212,11 @@ def test_the_law_of_friction_is_the_mean_over_a_period() -> None:
     assert (sign * size * np.cos(phase)).mean() == pytest.approx(2.0 / math.pi * wave, abs=1e-5)
 
 
-def test_a_tool_slower_than_the_string_does_nothing_and_one_above_it_is_refused() -> None:
+def test_a_tool_above_the_hole_or_slower_than_the_string_does_nothing() -> None:
     path = fr.WellPath.straight(length=300.0, inclination=1.4)
     still = TUBING.mean_force(path, 0.2)
-    found = TUBING.mean_force(path, 0.2, tool=fr.VibrationTool(5e3, 100.0), speed=2.0)
-    assert found.at_top == pytest.approx(still.at_top, rel=1e-9)
-    above = fr.VibrationTool(5e3, 100.0, 200.0)
-    with pytest.raises(ValueError, match=r"^tool must lie in the string"):
-        TUBING.mean_force(path, 0.2, tool=fr.VibrationTool(5e3, 100.0, 400.0))
-    with pytest.raises(ValueError, match=r"^bottom must lie more than 200 m below 0 m, so that the tool is in the"):
-        TUBING.mean_force(path, 0.2, tool=above, bottom=150.0)
+    for tool, speed in ((fr.VibrationTool(5e3, 100.0, 400.0), 0.01), (fr.VibrationTool(5e3, 100.0), 2.0)):
+        assert TUBING.mean_force(path, 0.2, tool=tool, speed=speed).at_top == pytest.approx(still.at_top, rel=1e-9)
 
 
 def test_what_it_says() -> None:
@@ -241,7 +236,7 @@ def test_what_it_says() -> None:
     [
         ({"friction": -0.1}, "friction must be zero or more"),
         ({"friction": [(100, 0.2)]}, "friction must begin at depth 0"),
-        ({"friction": [(0, 0.2), (0, 0.3)]}, "friction must begin at depth 0 and continue"),
+        ({"friction": [(0, 0.2), (0, 0.3)]}, "friction must begin at depth 0 and go on"),
         ({"friction": [0.2, 0.3]}, r"friction\[0\] must be a depth and a coefficient"),
         ({"motion": "push"}, "motion must be one of.*did you mean pushed"),
         ({"helical": "often"}, "helical must be one of"),

@@ -27,7 +27,7 @@ from floquetrod.rod.distributions import (
     sampled_path,
     samples_of,
 )
-from floquetrod.rod.loads.tool import VibrationTool
+from floquetrod.rod.loads.tool import VibrationTool, tool_inside
 from floquetrod.rod.model.parts import friction_coefficient
 from floquetrod.rod.rod import Rod
 from floquetrod.rod.uncertainty import clopper_pearson, entropy, independence, random_levels
@@ -217,6 +217,8 @@ def probability_of_reach(
     pushed = _Pushed(rod, path, depths, force_in_newtons("far_force", far_force), limit, (helical, tool, speed))
     every, coefficients = _friction(friction)
     pushed.drag(0.0 if every else friction, {})  # refuses what is wrong in every sample
+    if tool is not None:
+        tool_inside(tool, path.end - path.start, "string")
     every |= {} if parameters is None else distributions(parameters, (*_OF_STRING, *SURVEY), path)
     if not every:
         raise validate.wrong_value(

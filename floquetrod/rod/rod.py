@@ -285,7 +285,7 @@ class Rod(RodData):
         from floquetrod.rod.answers import mean_force
 
         drag = mean_force.drag_of(self, path, friction, motion, helical, tool, speed)
-        force, end = mean_force.force_in_newtons("far_force", far_force), mean_force.lower_end(path, bottom, tool)
+        force, end = mean_force.force_in_newtons("far_force", far_force), mean_force.lower_end(path, bottom)
         return mean_force.mean_force(drag, force, end, depth)
 
     def reach(

@@ -15,7 +15,7 @@ from floquetrod._util import validate
 from floquetrod._util.arrays import Bools, Floats
 from floquetrod._util.content import ByContent
 from floquetrod._util.report import Report, Reported, number
-from floquetrod.rod.loads.tool import VibrationTool, tool_inside
+from floquetrod.rod.loads.tool import VibrationTool
 from floquetrod.rod.model.data import RodData
 from floquetrod.rod.model.parts import friction_coefficient
 from floquetrod.units import with_unit
@@ -142,7 +142,7 @@ def drag_of(
     path = validate.instance("path", path, WellPath, "fr.WellPath.from_csv reads one from a survey")
     shaking = None
     if tool is not None:
-        tool = tool_inside(tool, path.end - path.start, "string")
+        tool = validate.instance("tool", tool, VibrationTool, "such as fr.VibrationTool('5kN', '18Hz', '30m')")
         sliding = validate.within("speed", in_si("speed", speed, "speed"), *_SPEEDS, "give it in m/s")
         impedance = rod.mass_along * rod.wave_speed
         along = impedance, rod.wave_speed, rod.damping_rate, sliding
@@ -244,8 +244,8 @@ def _asked(top: float, bottom: float, depth: Any) -> Floats:
     return np.unique(np.concatenate([[top, bottom], asked]))
 
 
-def lower_end(path: Any, bottom: Any, tool: VibrationTool | None) -> float:
-    """Return the measured depth of the lower end of a string, by default that of the path; its tool lies within it."""
+def lower_end(path: Any, bottom: Any) -> float:
+    """Return the measured depth of the lower end of a string, by default that of the path."""
     if bottom is None:
         return float(path.end)
     depth = validate.finite("bottom", in_si("bottom", bottom, "length"))
@@ -253,11 +253,5 @@ def lower_end(path: Any, bottom: Any, tool: VibrationTool | None) -> float:
         raise validate.wrong_value(
             "bottom",
             f"must lie below {path.start:g} and not below {path.end:g} m, the end of the path, got {depth:g} m",
-        )
-    if tool is not None and tool.above_end >= depth - path.start:
-        raise validate.wrong_value(
-            "bottom",
-            f"must lie more than {tool.above_end:g} m below {path.start:g} m, so that the tool is in the string, got "
-            f"{depth:g} m",
         )
     return depth

@@ -26,7 +26,7 @@ from floquetrod.rod.answers.mean_force import (
 )
 from floquetrod.rod.answers.sliding import damping_across, least_speed
 from floquetrod.rod.answers.stress_along import stress_along
-from floquetrod.rod.loads.tool import VibrationTool
+from floquetrod.rod.loads.tool import VibrationTool, tool_inside
 from floquetrod.rod.model.data import RodData
 from floquetrod.rod.model.stress import Stress
 from floquetrod.units import AnswerUnits, Unit
@@ -408,6 +408,8 @@ def reach(
 ) -> Reach:
     """Return what `Rod.reach` does; ``ends`` are the force at the lower end and the greatest at the upper one."""
     drag = drag_of(rod, path, friction, "pushed", helical, tool, speed)
+    if tool is not None:
+        tool_inside(tool, path.end - path.start, "string")
     far_force = force_in_newtons("far_force", ends[0])
     push = math.inf if ends[1] is None else force_in_newtons("push", ends[1])
     depths = depths_of(path, depth)
