@@ -73,10 +73,10 @@ left.legend(loc="upper right", fontsize="small", frameon=False)
 
 along = found.along
 right.plot(1e-3 * along.depth, 1e-3 * along.force, color="black")
-right.axhline(0.0, color="0.7", linewidth=0.6, zorder=0)
-tall = {"transform": right.get_xaxis_transform(), "alpha": 0.4, "linewidth": 0.0}
+right.axhline(0.0, color="0.5", linewidth=0.6)
+tall = {"transform": right.get_xaxis_transform(), "linewidth": 0.0, "zorder": 0}
 buckled = (along.is_snaking | along.is_helix) & (found.growth <= 0.0)
-right.fill_between(1e-3 * along.depth, 0.0, 1.0, where=buckled, color=palette.NEUTRAL, label="buckled", **tall)
+right.fill_between(1e-3 * along.depth, 0.0, 1.0, where=buckled, color=palette.UNKNOWN, label="buckled", **tall)
 grows = found.growth > 0.0
 right.fill_between(1e-3 * along.depth, 0.0, 1.0, where=grows, color=palette.UNSTABLE, label="vibration grows", **tall)
 right.set(xlim=(0.0, 4.5), xlabel="measured depth / km", ylabel="force in the string / kN")

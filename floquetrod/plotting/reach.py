@@ -69,13 +69,13 @@ def _only(x: Any, y: Any, kept: Any) -> tuple[Any, Any]:
 
 def _draw_injector(found: Any, shown: AnswerUnits, ax: Any) -> None:
     """Draw the force at the injector over the depth of the lower end."""
-    label, depth = "no tool" if found.tool else None, shown.length.of(found.depth)
-    style = {"color": "black", "linestyle": "--" if found.tool else "-", "label": label}
-    ax.plot(depth, shown.force.of(found.injector), **style)
-    ax.axvline(shown.length.of(found.reach), color="0.5", linestyle="--", linewidth=0.8)
+    depth = shown.length.of(found.depth)
+    ax.plot(depth, shown.force.of(found.injector), color="black", label="without the tool")
+    ax.axvline(shown.length.of(found.reach), color="0.5", linewidth=0.8)
     if found.tool:
-        ax.plot(depth, shown.force.of(found.injector_shaken), color="black", label="with the tool")
-        ax.axvline(shown.length.of(found.reach_shaken), color="0.5", linewidth=0.8)
+        shaken = shown.force.of(found.injector_shaken)
+        ax.plot(depth, shaken, color="black", linestyle="--", label="with the tool")
+        ax.axvline(shown.length.of(found.reach_shaken), color="0.5", linestyle="--", linewidth=0.8)
         ax.legend(loc="best", fontsize="x-small", frameon=False)
     ax.axhline(0.0, color="0.7", linewidth=0.6)
     ax.set_ylabel(f"at the injector / {shown.force.name}")
@@ -83,10 +83,10 @@ def _draw_injector(found: Any, shown: AnswerUnits, ax: Any) -> None:
 
 def _draw_bit(found: Any, shown: AnswerUnits, ax: Any) -> None:
     """Draw what arrives at the lower end over its depth; what would arrive near the injector is far more."""
-    curves = [(_to_the_reach(found, found.bit, found.reach, found.is_stopped), "--" if found.tool else "-")]
+    curves = [(_to_the_reach(found, found.bit, found.reach, found.is_stopped), "-")]
     if found.tool:
         shaken = _to_the_reach(found, found.bit_shaken, found.reach_shaken, found.is_stopped_shaken)
-        curves.append((shaken, "-"))
+        curves.append((shaken, "--"))
     deep = np.concatenate([found.bit[1:], found.bit_shaken[1:], [found.far_force + 1e3]])
     low, size = found.far_force, float(np.nanmax(deep)) - found.far_force
     for (depth, force), line in curves:
@@ -146,7 +146,7 @@ def _shade(found: Any, depth: Any, ax: Any) -> None:
     for is_so, style in (
         (along.is_snaking & ~along.is_helix, {"facecolor": palette.UNKNOWN}),
         (along.is_helix, {"facecolor": palette.NEUTRAL}),
-        (found.growth > 0.0, {"facecolor": palette.UNSEEN}),
+        (found.growth > 0.0, {"facecolor": palette.UNSTABLE}),
     ):
         ax.fill_between(depth, 0.0, 1.0, where=is_so, transform=over, linewidth=0.0, zorder=0.0, **style)
 
@@ -155,4 +155,4 @@ def _areas(found: Any) -> list[Any]:
     from matplotlib.patches import Patch
 
     areas = [Patch(facecolor=palette.UNKNOWN, label="snaking"), Patch(facecolor=palette.NEUTRAL, label="helix")]
-    return areas + ([Patch(facecolor=palette.UNSEEN, label="waves across it grow")] if found.tool else [])
+    return areas + ([Patch(facecolor=palette.UNSTABLE, label="waves across it grow")] if found.tool else [])
