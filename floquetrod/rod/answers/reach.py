@@ -274,7 +274,7 @@ class Reach(Reported, ByContent):
         shown, every, depth = units_of.frequency, self.frequencies, self.frequency_depth
         looked = (
             f"of {every.size} from {shown.of(every[0]):.3g} to {shown.show(every[-1], 3)}, with the string at "
-            f"{depth.size} depths from {units_of.length.of(depth[0]):.4g} to {units_of.length.show(depth[-1], 4)}"
+            f"{depth.size} depths from {units_of.length.of(depth[0]):.5g} to {units_of.length.show(depth[-1], 5)}"
         )
         ranges = ", ".join(f"{_range(shown.of(a), shown.of(b))} {shown.name}" for a, b in self.useful_frequencies)
         if ranges:
