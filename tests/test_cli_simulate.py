@@ -14,7 +14,8 @@ import pytest
 
 import floquetrod as fr
 from floquetrod import cli
-from floquetrod.cli import simulate, waiting
+from floquetrod._util import waiting
+from floquetrod.cli import simulate
 from floquetrod.simulation import checkpoints, time_steps
 
 LOAD = ["--mean", "0.2Fcr", "--amplitude", "0.2Fcr", "--frequency", "150"]

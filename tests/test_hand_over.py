@@ -156,7 +156,7 @@ def test_all_of_it_is_in_the_units_asked_for(tmp_path: Path) -> None:
         "density 490.059 lb/ft3",
     ):
         assert told in page, told
-    told, _ = page.split("What is assumed")
+    told, _ = page.split("Assumptions, and their limits")
     assert not re.search(r"\d (N|m|MPa|GPa|kg/m|kg/m3|m/s2|N/m|N m\^2)(?![\w/^])", told)
 
 

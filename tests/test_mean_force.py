@@ -236,7 +236,7 @@ def test_what_it_says() -> None:
     [
         ({"friction": -0.1}, "friction must be zero or more"),
         ({"friction": [(100, 0.2)]}, "friction must begin at depth 0"),
-        ({"friction": [(0, 0.2), (0, 0.3)]}, "friction must begin at depth 0 and go on"),
+        ({"friction": [(0, 0.2), (0, 0.3)]}, "friction must begin at depth 0 and continue"),
         ({"friction": [0.2, 0.3]}, r"friction\[0\] must be a depth and a coefficient"),
         ({"motion": "push"}, "motion must be one of.*did you mean pushed"),
         ({"helical": "often"}, "helical must be one of"),

@@ -171,7 +171,11 @@ def test_an_ensemble_varies_the_tool_and_friction() -> None:
         ({"friction": -0.1}, ValueError, "friction must be"),
         ({"friction": [(0, 0.1), (1, -0.1)]}, ValueError, "friction must be"),
         ({"friction": [(0, 0.1), (1, math.nan)]}, ValueError, "friction must be"),
-        ({"friction": [(0, 0.1), (2, 0.2), (1, 0.3)]}, ValueError, "friction must begin at depth 0 and go on with gr"),
+        (
+            {"friction": [(0, 0.1), (2, 0.2), (1, 0.3)]},
+            ValueError,
+            "friction must begin at depth 0 and continue with gr",
+        ),
         ({"friction": [(1, 0.1)]}, ValueError, "friction must begin at depth 0"),
         ({"friction": [(0, 1, 0.1)]}, TypeError, r"friction\[0\] must be a depth and a coefficient"),
         ({"friction": []}, ValueError, "friction must begin at depth 0"),
