@@ -38,11 +38,14 @@ def test_it_draws(line: list[str], tmp_path: Path, capsys: pytest.CaptureFixture
     assert cli.main([*line, "--friction", "0.2"]) == 0
     assert capsys.readouterr().out.startswith("can be pushed to the end of the well at 2000 m")
     picture = tmp_path / "reach.png"
-    assert cli.main([*line, "--friction", "0.3", "--tool", "5kN@18Hz@30m", "--figure", str(picture)]) == 0
+    page = tmp_path / "reach.html"
+    files = ["--figure", str(picture), "--report", str(page), "--unit", "ft,lbf"]
+    assert cli.main([*line, "--friction", "0.3", "--tool", "5kN@18Hz@30m", *files]) == 0
     text = capsys.readouterr().out
     assert "grows" in text
     assert "tool Hz" in text
-    assert "lower end kN" in text
+    assert "lower end lbf" in text
+    assert "lower end lbf" in page.read_text(encoding="utf-8")
     assert picture.stat().st_size > 10_000
 
 
@@ -60,6 +63,7 @@ def test_it_draws(line: list[str], tmp_path: Path, capsys: pytest.CaptureFixture
         ),
         (["--friction", "0.3", "--push", "3 furlong"], "--push must be a number with"),
         (["--friction", "0.3", "--figure", "reach.doc"], "--figure must end in"),
+        (["--friction", "0.3", "--report", "reach.doc"], "--report must end in"),
         (["--friction", "0.3", "--unit", "mm/s"], "--unit must name units such as ft,lbf, got 'mm/s'"),
         (["--friction", "0.3", "--unit", "ft,lbf,m"], "--unit must name one unit of length, got ft and m"),
         (["--friction", "0.3", "--unit", "Fcr"], "--unit must be a unit of force (N, kN"),

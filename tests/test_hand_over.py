@@ -175,3 +175,19 @@ def test_units_are_checked_before_anything_is_computed(
     well = ["--well", str(ROOT / "examples/survey.csv"), "--friction", "0.3"]
     assert main(["report", *load, *well, "--unit", "ft,parsec"]) == 2
     assert "--unit must name units such as Hz,Fcr or ft,lbf, got 'parsec'" in capsys.readouterr().err
+
+
+@pytest.mark.slow
+def test_a_reach_is_written_in_the_units_asked_for_and_others_refuse_them(tmp_path: Path) -> None:
+    tubing = fr.Rod.catalogue("2.00x0.156", bore="4.778in", length=1.0)
+    found = tubing.reach(fr.WellPath.straight(length=1000.0, inclination=1.5), 0.3, depth=[500.0, 1000.0])
+    page = words(fr.save_report(found, tmp_path / "a.html", units={"length": "ft", "force": "lbf"}).read_text())
+    assert "can be pushed to the end of the well at 3280.84 ft" in page
+    assert "injector lbf" in page
+    for units, words_of_error in (({"depth": "ft"}, "units must be of mean"), ({"force": "Fcr"}, "units\\['force'\\]")):
+        with pytest.raises(ValueError, match=words_of_error):
+            fr.save_report(found, tmp_path / "b.html", units=units)
+    proof = fr.certify(fr.Mathieu(alpha=0.5, beta=-0.25))
+    with pytest.raises(ValueError, match="units must be left out"):
+        fr.save_report(proof, tmp_path / "b.html", units={"force": "lbf"})
+    assert not (tmp_path / "b.html").exists()

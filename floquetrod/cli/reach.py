@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import argparse
+import shlex
+import sys
 from collections.abc import Sequence
 from functools import partial
 from pathlib import Path
@@ -67,6 +69,7 @@ def add(command: Parser) -> None:
         help="units of the answer, such as ft,lbf,psi,rpm (default: those of the question, else m,kN,MPa,Hz)",
     )
     command.add_argument("--figure", metavar="FILE", type=Path, help="write a figure of all of it (.png, .pdf, .svg)")
+    command.add_argument("--report", metavar="FILE", type=Path, help="write all of it into one file (.html, .pdf)")
 
 
 def add_well(command: argparse.ArgumentParser, *, required: bool) -> None:
@@ -114,10 +117,12 @@ def read_reach(options: argparse.Namespace, rod: fr.Rod, depth: Sequence[str] | 
 
 
 def _reach(options: argparse.Namespace) -> Output:
-    from floquetrod.plotting import charts
+    from floquetrod.plotting import charts, document
 
     if options.figure is not None:
         check_out(options.figure, charts.FIGURES, "--figure")
+    if options.report is not None:
+        check_out(options.report, document.KINDS, "--report")
     asked = units_asked(options.unit, ("length", "force", "pressure", "frequency"), "ft,lbf")
     shown = {"depth" if kind == "length" else kind: name for kind, name in {**units_typed(options), **asked}.items()}
     for kind, name in shown.items():
@@ -126,6 +131,9 @@ def _reach(options: argparse.Namespace) -> Output:
     found = read_reach(options, read_rod(options), None if options.depths is None else _depths(options.depths))
     if options.figure is not None:
         charts.save_figure(found.plot(**shown), options.figure)
+    if options.report is not None:
+        named = {"length" if name == "depth" else name: unit for name, unit in shown.items()}
+        fr.save_report(found, options.report, units=named, command=shlex.join(["floquetrod", *sys.argv[1:]]))
     return output(options, partial(found.report, **shown), found.as_dict)
 
 

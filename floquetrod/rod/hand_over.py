@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import functools
+import inspect
+import math
 import platform
 import warnings
 from collections.abc import Iterable, Mapping
@@ -51,7 +53,7 @@ def save_report(
     ----------
     result : RodStability or another result with a ``report()``
         The result of ``rod.stability(load)``, or, for example, `Reach`, `SteadyMotion`, `PeriodicOrbit`, `SafeBox`,
-        `Proof`.  The options from ``reach`` to ``margins`` are about verdicts on rods.
+        `Proof`.  The options from ``reach`` to ``margins`` are about verdicts on rods, ``units`` about a `Reach`, too.
     path : str or path
         Ends in .html, a page with its figures inside, or .pdf.  It is written completely or not at all.
     reach : Reach, optional
@@ -106,8 +108,19 @@ class _Asked(NamedTuple):
 @functools.singledispatch
 def _contents(result: Any, asked: _Asked) -> tuple[str, list[Section]]:
     """Return the title and the sections of a document about a result."""
-    drawn = Section(type(result).__name__, result.report(), getattr(result, "plot", None))
+    takes_units = "units" in inspect.signature(result.report).parameters
+    if asked.units is not None and not takes_units:
+        raise validate.wrong_value("units", f"must be left out, since a {type(result).__name__} has a report without")
+    said = result.report(asked.units) if takes_units else result.report()
+    drawn = Section(type(result).__name__, said, getattr(result, "plot", None))
     return repr(result)[1:-1], [drawn, _made(getattr(result, "references", ()), asked.command)]
+
+
+@_contents.register
+def _(result: Reach, asked: _Asked) -> tuple[str, list[Section]]:
+    section = _reach(result, asked.units, answer_units(shown_in(asked.units, math.nan)))[0]
+    title = repr(result)[1:-1] if section.report is None else section.report.headline
+    return title, [section, _made((), asked.command)]
 
 
 @_contents.register

@@ -40,7 +40,7 @@ _ROUNDS = 2
 _GROWS = 1e-6  # 1/s: tenfold in a month (a choice)
 _FREQUENCIES = np.linspace(0.25, 2.0, 22)  # of the tool's, which is among them
 _WAY = np.array([0.2, 0.45, 0.7, 0.95])  # fractions of the gain at which they are examined (a choice)
-_SPACING = 20.0  # m along the string then (a choice)
+_SPACING = 10.0  # m along the string then (a choice)
 _BITS = 12  # depths for which the force at the lower end is sought
 _TRIED, _BIT_ROUNDS = 12, 3  # forces tried at once, so often
 _MOST = 10.0  # critical forces, up to which they are tried (a choice: pipes yield before)
@@ -281,8 +281,10 @@ class Reach(Reported, ByContent):
             return f"no lateral wave grows with {ranges}, {looked}"
         k = int(np.argmin(self.frequency_growth))
         least = f", most slowly with {shown.show(every[k], 3)}, at {self.frequency_growth[k]:.3g} 1/s"
-        known = math.isfinite(self.frequency_growth[k])
-        return f"{f'lateral waves grow with all{least}' if known else 'the string reaches them with none'}, {looked}"
+        reached = np.count_nonzero(np.isfinite(self.frequency_growth))
+        if not reached:
+            return f"the string reaches them with none, {looked}"
+        return f"lateral waves grow with all {reached} with which the string reaches them{least}, {looked}"
 
     def _table(self, shown: AnswerUnits) -> Table:
         depth, force = shown.length, shown.force

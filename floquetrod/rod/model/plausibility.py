@@ -128,7 +128,7 @@ def _alike(one: float, other: float) -> bool:
 def _material(rod: Any) -> Iterator[str]:
     """Yield what is suspicious about Young's modulus and the densities."""
     modulus, density = rod.youngs_modulus, rod.density
-    if is_typed(modulus):
+    if is_typed(modulus) or modulus > _STIFFEST:
         yield from _modulus(modulus, density)
     if is_typed(density) and 1e-3 * _LIGHTEST < density < _LIGHTEST and modulus > _SOLID:
         yield (
