@@ -19,7 +19,7 @@ def error_of(multiplier: complex, segments: Segments) -> float:
     Stewart and J. Sun, Matrix Perturbation Theory, 1990, IV.2).  That is far less than what bounds the errors of all
     multipliers at once where some of them decay fast.
     """
-    from scipy.sparse import bsr_array, csc_array, eye_array
+    from scipy.sparse import bsr_array, csc_array, identity
     from scipy.sparse.linalg import splu
 
     maps, errors = maps_across(segments)
@@ -30,7 +30,7 @@ def error_of(multiplier: complex, segments: Segments) -> float:
     cyclic = bsr_array(
         (np.roll(maps, 1, axis=0), np.roll(places, 1), np.arange(count + 1)), shape=(count * n, count * n)
     )
-    shifted = csc_array(cyclic - (root + 1e-13 * sizes) * eye_array(count * n, dtype=complex))
+    shifted = csc_array(cyclic - (root + 1e-13 * sizes) * identity(count * n, dtype=complex))
     factors = splu(shifted)
     right = _iterated(factors.solve, count, n)
     left = _iterated(lambda vector: factors.solve(vector, trans="H"), count, n)
