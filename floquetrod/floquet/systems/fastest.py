@@ -149,10 +149,6 @@ class _Spectrum(NamedTuple):
         """Index of the largest eigenvalue."""
         return int(np.abs(self.values).argmax())
 
-    def fastest_state(self, space: _Space) -> Complexes:
-        """Return the state at the beginning of the fastest solution."""
-        return np.asarray(space.basis @ self.vectors[:, self.fastest])
-
     def radii(self, radius: float, least: float, error: float) -> Floats | None:
         """Return the radii of discs about eigenvalues that hold all multipliers beyond a circle.
 
