@@ -5,6 +5,7 @@ from __future__ import annotations
 import subprocess
 import sys
 
+import numpy as np
 import pytest
 
 CHECK = "check --rod nitinol --mean 0.2Fcr --amplitude 0.2Fcr --frequency 24Hz --no-margins"
@@ -58,7 +59,8 @@ def test_a_check_of_a_rod_imports_what_it_uses() -> None:
     loaded = loaded_after(*CHECK.removesuffix(" --no-margins").split())
     unused = {"plotting", "rod.record", "cli.system", "cli.kick", "kernels.system_maps", "floquet.systems.damping"}
     assert not {f"floquetrod.{each}" for each in unused} & loaded
-    assert "numpy.ma" not in loaded
+    # Before 2.0, numpy itself loads them.
+    assert "numpy.ma" not in loaded or np.lib.NumpyVersion(np.__version__) < "2.0.0"
 
 
 def run(line: str) -> tuple[int, str, str]:

@@ -305,12 +305,14 @@ def in_threads(run: Callable[..., Any], pieces: Sequence[tuple[Any, ...]], worke
 def _share(run: Callable[..., Any], left: Iterator[tuple[Any, ...]], threads: int) -> None:
     """Call ``run`` on what an iterator has left, which this thread and others take from; raise what one of them did."""
     errors: list[BaseException] = []
+    overflow = np.geterr()  # numpy before 2.0 keeps by the thread what becomes of it
 
     def work(after: Callable[[], None]) -> None:
         try:
-            for piece in left:
-                run(*piece)
-                after()
+            with np.errstate(**overflow):
+                for piece in left:
+                    run(*piece)
+                    after()
         except BaseException as error:
             errors.append(error)
             for _ in left:  # so that the others end
@@ -320,7 +322,6 @@ def _share(run: Callable[..., Any], left: Iterator[tuple[Any, ...]], threads: in
     with interrupt.held() as deliver:
         try:
             for _ in range(threads - 1):
-                # In a copy of this context: numpy keeps in it what becomes of overflow.
                 other = threading.Thread(target=contextvars.copy_context().run, args=(work, interrupt.nothing))
                 other.start()
                 others.append(other)
