@@ -236,3 +236,13 @@ def test_an_orbit_that_is_lost_on_a_finer_mesh_ends_the_branch(monkeypatch: pyte
     branch = fr.follow(orbit, {"p": (-0.5, 0.5)}, longest=0.2)
     assert len(branch.orbits) == 3
     assert all("was lost: no periodic orbit was found" in end for end in branch.ends)
+
+
+def test_a_branch_ends_on_the_ends_of_its_range_to_the_bit() -> None:
+    radius = math.sqrt(0.5 * (1.0 + math.sqrt(1.4)))
+    orbit = fr.periodic_orbit(CYCLES, [radius, 0.0], 2.0 * math.pi)
+    for low, high in ((0.05, 0.3), (1.0 / 30.0, 1.0 / 3.0), (0.09, 0.11)):
+        for tolerance in (1e-10, 1e-4):
+            branch = fr.follow(orbit, {"mu": (low, high)}, longest=0.3, tolerance=tolerance)
+            assert branch.values[0] == low
+            assert branch.values[-1] == high

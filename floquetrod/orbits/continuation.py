@@ -63,11 +63,20 @@ class Ended(Exception):
     """The branch cannot be followed on; the message says why."""
 
 
-def sampled(place: Place, measure: Measure) -> Sample:
-    """Return what is known of a place: the orbit of a higher degree, its error and its multipliers."""
+def sampled(place: Place, measure: Measure, value: float | None = None) -> Sample:
+    """Return what is known of a place: the orbit of a higher degree, its error and its multipliers.
+
+    That orbit has the same parameter where a ``value`` is given, else it lies across the direction of the branch.
+    """
     collocation, point = place.collocation, place.point
-    row = measure.row(collocation, point, place.direction)
+    if value is None:
+        row = measure.row(collocation, point, place.direction)
+    else:
+        row = arclength.pinned(collocation, point, value)
     found = finding.compared(collocation, point, place.condensed, arclength.rows_of(collocation, point, row))
+    if value is not None:  # Newton's last step may miss it by rounding
+        exact = found.point._replace(value=value)
+        found = found._replace(point=exact._replace(period=found.collocation.period_at(exact)))
     return Sample.of(place, found)
 
 
@@ -103,7 +112,7 @@ class Continuation:
             place, self.at_end = self._at(bound, place), True
         place = self._resolved(place)
         try:
-            found = sampled(place, self.measure)
+            found = sampled(place, self.measure, bound)
         except NoOrbitError as error:
             raise Ended(f"the orbit at {self.task.parameter} = {place.point.value:.9g} was lost: {error}") from None
         self._require_motion(found)
