@@ -192,15 +192,15 @@ def test_discs_of_a_large_matrix_hold_the_eigenvalues_of_those_near_it() -> None
         assert near.any(axis=0).sum() == len(cluster)
 
 
-def test_signs_found_all_at_once_are_those_found_one_by_one() -> None:
+def test_signs_are_those_of_the_form_on_eigenvectors() -> None:
     rng = np.random.default_rng(5)
     form = np.diag(np.where(np.arange(12) % 2, 1.0, -1.0))
     symmetric = np.diag(np.arange(12.0)) + 0.01 * (lambda m: m + m.T)(rng.normal(size=(12, 12)))
     discs = spectra.eigenvalue_discs(form @ symmetric, 1e-12)
-    times = form.__matmul__
-    sign = spectra.signs(discs, times, 1.0, 1e-14)
-    for cluster in discs.clusters:
-        assert sign(cluster) == spectra.definiteness(discs, cluster, times, 1.0, 1e-14)
+    sign = spectra.Signs(discs, form.__matmul__, 1.0, 1e-14)
+    for i, vector in enumerate(discs.right.T):
+        assert sign(np.array([i])) == np.sign((vector.conj() @ form @ vector).real)
+    assert spectra.Signs(discs, form.__matmul__, 1.0, 1.0)(np.array([0])) == 0  # within the error of the form
 
 
 @pytest.mark.slow

@@ -64,7 +64,7 @@ def half_period(system: HillSystem | PeriodicSystem, *, rtol: float = 1e-12) -> 
     def times(vectors: NDArray[np.complex128]) -> NDArray[np.complex128]:
         return np.asarray(form @ vectors.real + 1j * (form @ vectors.imag))  # no complex copy of the form
 
-    krein = spectra.signs(discs, times, spectra.spectral_norm(form), float(found.form_error[0]))
+    krein = spectra.Signs(discs, times, spectra.spectral_norm(form), float(found.form_error[0]))
     return classify_pairs(system, "half_period", discs, krein=krein, cost=Cost(1, "half period"))
 
 

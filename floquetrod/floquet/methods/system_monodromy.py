@@ -67,18 +67,16 @@ def monodromy(system: HillSystem | PeriodicSystem, *, rtol: float = 1e-12) -> Sy
     else:
         maps = whole.period_maps(pieces, uncertainty, rtol, paired=pairs is not None)
         full, error = maps.matrix[0], float(maps.error[0])
-    discs = spectra.eigenvalue_discs(full, error)
     if pairs is None:
+        discs = spectra.eigenvalue_discs(full, error)
         return classify_multipliers(system, "monodromy", logarithms(discs) if discs else None, cost=_COST)
     if reversible:
         block = spectra.eigenvalue_discs(symplectic.reversible_pair_matrix(full), error)
         return classify_pairs(system, "monodromy", block, cost=_COST)
-    found = spectra.eigenvalue_discs(*symplectic.pair_matrix(full, error))
-
-    def krein(cluster: NDArray[np.intp]) -> int:
-        return symplectic.krein_sign(discs, found, cluster) if discs and found else 0
-
-    return classify_pairs(system, "monodromy", found, krein=krein, cost=_COST)
+    found = symplectic.pair_matrix(full, error)
+    discs = spectra.eigenvalue_discs(found.matrix, found.error, found.eigen)
+    krein = None if discs is None else symplectic.krein_signs(found, discs)
+    return classify_pairs(system, "monodromy", discs, krein=krein, cost=_COST)
 
 
 def _even_start(system: HillSystem) -> Fraction:
@@ -149,5 +147,5 @@ def solved_many(system: HillSystem | PeriodicSystem, rtol: float = 1e-12) -> Sol
     logs = krein = None
     if discs is not None:
         logs = logarithms(discs, damping * period)
-        krein = spectra.signs(discs, symplectic.krein_form, 1.0, 0.0)
+        krein = spectra.Signs(discs, symplectic.krein_form, 1.0, 0.0)
     return SolvedMany(classify_multipliers(system, "monodromy", logs, krein=krein, cost=_COST), discs, basis)

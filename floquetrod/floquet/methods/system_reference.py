@@ -258,23 +258,18 @@ def _classified(
         discs = precise_spectra.eigenvalue_discs(found.matrix, error, context)
         return classify_multipliers(system, "reference", _logarithms(discs, context) if discs else None, cost=cost)
     n = len(found.matrix) // 2
-    hamiltonian = problem.kind == "hamiltonian"
-    one = _exact(np.eye(n), context)
     size = max(float(abs(v)) for v in found.matrix.flat)
     slip = error + math.ldexp(n * n * (1.0 + size), 8 - context.prec)  # with the rounding
-    matrix = (found.matrix[:n, :n] - one) / 2
-    if hamiltonian:
-        matrix, slip = pair_matrix(found.matrix, slip)
+    reduced = None
+    if problem.kind == "hamiltonian":
+        reduced = pair_matrix(found.matrix, slip, math.ldexp(1.0, -context.prec))
+        matrix, slip = reduced.matrix, reduced.error
+    else:
+        matrix = (found.matrix[:n, :n] - _exact(np.eye(n), context)) / 2
     pairs = precise_spectra.eigenvalue_discs(matrix, slip, context)
     if pairs is None:
         return classify_pairs(system, "reference", None, cost=cost)
-    full: list[precise_spectra.PreciseDiscs | None] = []
-
-    def krein(cluster: NDArray[np.intp]) -> int:
-        if not full:
-            full.append(precise_spectra.eigenvalue_discs(found.matrix, error, context))
-        return precise_spectra.krein_sign(full[0], pairs, cluster) if full[0] else 0
-
+    krein = None if reduced is None else functools.partial(precise_spectra.krein_sign, reduced, pairs)
     limit = context.mpf(problem.damping) * _number(by_pieces.exact_period(system), context)
     growth = [abs((2 * context.asinh(context.sqrt(y))).real) - limit for y in pairs.values]
     digits = ManyDigits(
@@ -282,9 +277,7 @@ def _classified(
         np.array([float(g) for g in growth]),
         lambda cluster: precise_spectra.discriminant(pairs, cluster),
     )
-    return classify_pairs(
-        system, "reference", pairs.rounded(), krein=krein if hamiltonian else None, digits=digits, cost=cost
-    )
+    return classify_pairs(system, "reference", pairs.rounded(), krein=krein, digits=digits, cost=cost)
 
 
 def _logarithms(discs: precise_spectra.PreciseDiscs, context: Any) -> LogDiscs:

@@ -364,7 +364,7 @@ def _without_variation(system: System) -> Status | None:
     if mean.structure == "hamiltonian":
         for cluster in discs.clusters:
             alone = len(cluster) == 1 and abs(discs.values[cluster[0]].imag) > discs.radii[cluster[0]]
-            if not alone and not spectra.definiteness(discs, cluster, krein_form, 1.0, 0.0):
+            if not alone and not spectra.Signs(discs, krein_form, 1.0, 0.0)(cluster):
                 return None
         return "stable"
     return None

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from floquetrod.floquet.systems.spectra import Discs, touching
-from floquetrod.floquet.systems.symplectic import symplectic_unit
+from floquetrod.floquet.systems.symplectic import PairMatrix
 
 
 class PreciseDiscs(NamedTuple):
@@ -82,35 +82,32 @@ def discriminant(discs: PreciseDiscs, cluster: NDArray[np.intp]) -> tuple[float,
     return value, error * (4.0 * discs.size + 2.0 * error) + 1e-15 * abs(value)
 
 
-def krein_sign(full: PreciseDiscs, pairs: PreciseDiscs, cluster: NDArray[np.intp]) -> int:
+def krein_sign(pairs: PairMatrix, discs: PreciseDiscs, cluster: NDArray[np.intp]) -> int:
     """Return the Krein sign of those multipliers on the upper half of the circle that a cluster of y stands for."""
-    upper = np.flatnonzero([v.imag > 0 for v in full.values])
-    owners = [min(range(len(pairs.values)), key=lambda i: abs(_pair_number(mu) - pairs.values[i])) for mu in
-              full.values[upper]]  # fmt: skip
-    members = upper[np.isin(owners, cluster)]
-    if len(members) != len(cluster):
-        return 0
-    basis = _orthonormal(full.right[:, members])
-    form = basis.conj().T @ (-1j * symplectic_unit(len(pairs.values))) @ basis
-    values = np.linalg.eigvalsh(form)
-    slack = 1e-12 + 2.0 * _subspace_error(full, members)  # the form is computed in doubles
+    half = discs.right[:, cluster]
+    every = np.dot(pairs.basis, half)
+    if len(cluster) > 1:  # one vector of a single pair will do, whose sign is that of all
+        every = np.hstack([every, np.dot(pairs.image, half)])
+    basis, spread = _orthonormal(every)
+    turned = np.dot(pairs.form, basis)
+    values = np.linalg.eigvalsh(np.dot(basis.T.conj(), turned).astype(np.complex128))
+    slack = 1e-12 + pairs.error + 2.0 * _norm(pairs.form.ravel()) * spread * _subspace_error(discs, cluster)
     return 1 if values[0] > slack else -1 if values[-1] < -slack else 0
 
 
-def _pair_number(mu: Any) -> Any:
-    return (mu - 1) ** 2 / (4 * mu)
-
-
-def _orthonormal(columns: NDArray[Any]) -> NDArray[np.complex128]:
-    """Return an orthonormal basis of what columns span, orthogonalised before they are rounded to doubles."""
+def _orthonormal(columns: NDArray[Any]) -> tuple[NDArray[Any], float]:
+    """Return an orthonormal basis of what columns span, and their largest length over the least that is left of one."""
     found: list[NDArray[Any]] = []
+    lengths = []
     for column in columns.T:
         for _ in range(2):
             for other in found:
                 overlap = sum(v.conjugate() * x for v, x in zip(other, column, strict=True))
                 column = column - overlap * other
-        found.append(column / sum(abs(v) ** 2 for v in column) ** 0.5)
-    return np.array(found, dtype=object).T.astype(np.complex128)
+        lengths.append(sum(abs(v) ** 2 for v in column) ** 0.5)
+        found.append(column / (lengths[-1] or 1))
+    least = float(min(lengths))
+    return np.array(found, dtype=object).T, _norm(columns.ravel()) / least if least > 0.0 else math.inf
 
 
 def _subspace_error(discs: PreciseDiscs, members: NDArray[np.intp]) -> float:

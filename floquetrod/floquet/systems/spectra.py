@@ -7,15 +7,16 @@ apart from all others shrinks to about k_i |E|.
 
 from __future__ import annotations
 
-import functools
 import math
 from collections.abc import Callable
+from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from floquetrod._util.arrays import EPS
+from floquetrod._util.caching import cached_property
 
 Form = Callable[[NDArray[Any]], NDArray[Any]]
 
@@ -56,17 +57,36 @@ class Discs(NamedTuple):
     spread: float
 
 
-@np.errstate(over="ignore", invalid="ignore")  # what overflows is then not finite
-def eigenvalue_discs(matrix: NDArray[Any], error: float) -> Discs | None:
-    """Return discs for the eigenvalues of all matrices within ``error`` of ``matrix``; None where eigenvectors fail."""
-    n = len(matrix)
-    if not np.isfinite(matrix).all() or not np.isfinite(error):
+class Eigen(NamedTuple):
+    """Eigenvalues of a matrix, its eigenvectors as unit columns, and their inverse."""
+
+    values: NDArray[Any]
+    right: NDArray[Any]
+    left: NDArray[Any]
+
+
+def eigen(matrix: NDArray[Any]) -> Eigen | None:
+    """Return the eigenvalues of a matrix; None where it is not finite, and where eigenvectors have no inverse."""
+    if not np.isfinite(matrix).all():
         return None
     try:
         values, right = np.linalg.eig(matrix)
-        left = _inverse(values, right)
+        return Eigen(values, right, _inverse(values, right))
     except np.linalg.LinAlgError:
         return None
+
+
+@np.errstate(over="ignore", invalid="ignore")  # what overflows is then not finite
+def eigenvalue_discs(matrix: NDArray[Any], error: float, known: Eigen | None = None) -> Discs | None:
+    """Return discs for the eigenvalues of all matrices within ``error`` of ``matrix``; None where eigenvectors fail.
+
+    Eigenvalues that are ``known`` are not computed again.
+    """
+    n = len(matrix)
+    found = (known or eigen(matrix)) if np.isfinite(error) else None
+    if found is None:
+        return None
+    values, right, left = found
     total = error + 4.0 * n * EPS * spectral_norm(matrix)
     conditions = np.linalg.norm(left, axis=1)
     uncertainty = n * EPS * float(np.linalg.norm(conditions))
@@ -152,36 +172,63 @@ def subspace_error(discs: Discs, cluster: NDArray[np.intp]) -> float:
     return 2.0 * size * discs.spread * discs.error / max(gap, 5e-324)
 
 
-def definiteness(discs: Discs, cluster: NDArray[np.intp], form: Form, size: float, form_error: float) -> int:
-    """Return +1 or -1 where a Hermitian form of norm ``size`` is definite on a cluster, beyond errors, else 0.
+@dataclass(frozen=True)
+class Signs:
+    """The sign of a Hermitian form on clusters of eigenvalues: 1 or -1 where it is definite beyond errors, else 0.
 
-    ``form`` multiplies vectors, the columns of a matrix, by the form's matrix.
+    That of single eigenvalues is found for all of them at once.
+
+    Attributes
+    ----------
+    discs : Discs
+    form : callable (vectors) -> ndarray
+        The form's matrix times vectors, the columns of a matrix.
+    size, error : float
+        The form's norm, and its error.
+    vectors, around : callable (columns) -> ndarray, optional
+        From coordinates of ``discs`` to those of the form; and what spans all vectors that belong to a cluster, where
+        those of ``discs`` are half of them.
     """
-    basis = basis_of(discs, cluster)
-    values = np.linalg.eigvalsh(basis.conj().T @ form(basis))
-    slack = form_error + 2.0 * size * subspace_error(discs, cluster)
-    return 1 if values[0] > slack else -1 if values[-1] < -slack else 0
 
+    discs: Discs
+    form: Form
+    size: float
+    error: float
+    vectors: Form = np.asarray
+    around: Form | None = None
 
-def signs(discs: Discs, form: Form, size: float, form_error: float) -> Callable[[NDArray[np.intp]], int]:
-    """Return `definiteness` as a function of the cluster, which finds that of single eigenvalues all at once."""
+    def __call__(self, cluster: NDArray[np.intp]) -> int:
+        """Return the sign on a cluster."""
+        if len(cluster) == 1:
+            return int(self._singles[cluster[0]])
+        columns, angle = basis_of(self.discs, cluster), subspace_error(self.discs, cluster)
+        vectors = self.vectors(columns)
+        if self.around is not None:
+            every = self.around(columns)
+            vectors, left = np.linalg.qr(every)
+            lengths = np.linalg.svd(left, compute_uv=False)
+            angle *= 2.0 * float(lengths[0] / max(float(lengths[-1]), 5e-324))
+        turned = self.form(vectors)
+        values = np.linalg.eigvalsh(vectors.conj().T @ turned)
+        slack = self._slack(spectral_norm(turned), angle)
+        return 1 if values[0] > slack else -1 if values[-1] < -slack else 0
 
-    @functools.cache
+    @cached_property
     @np.errstate(over="ignore", invalid="ignore")  # equal eigenvalues have angles that are not finite: no sign
-    def singles() -> NDArray[np.int_]:
-        values = np.einsum("ij,ij->j", discs.right.conj(), form(discs.right)).real
+    def _singles(self) -> NDArray[np.int_]:
+        discs, vectors = self.discs, self.vectors(self.discs.right)
+        turned = self.form(vectors)
+        values = np.einsum("ij,ij->j", vectors.conj(), turned).real
         gaps = np.abs(discs.values[:, None] - discs.values[None, :])
         np.fill_diagonal(gaps, math.inf)
         conditions = np.linalg.norm(discs.left, axis=1)
         angles = 2.0 * conditions * discs.spread * discs.error / np.maximum(gaps.min(axis=1), 5e-324)
-        return np.where(np.abs(values) > form_error + 2.0 * size * angles, np.sign(values), 0.0).astype(int)
+        slack = self._slack(np.linalg.norm(turned, axis=0), angles)
+        return np.where(np.abs(values) > slack, np.sign(values), 0.0).astype(int)
 
-    def sign(cluster: NDArray[np.intp]) -> int:
-        if len(cluster) == 1:
-            return int(singles()[cluster[0]])
-        return definiteness(discs, cluster, form, size, form_error)
-
-    return sign
+    def _slack(self, turned: Any, angle: Any) -> Any:
+        """Return how much the form may differ on vectors an angle away, whose product with it has a length."""
+        return self.error + (2.0 * turned + self.size * angle) * angle
 
 
 @np.errstate(over="ignore", invalid="ignore")  # what overflows has an error that is not finite

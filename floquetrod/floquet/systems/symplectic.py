@@ -1,20 +1,54 @@
 """Symplectic maps: the numbers of their pairs of multipliers, and Krein signs.
 
-With J = [[0, I], [-I, 0]] a symplectic S has S^-1 = -J S^T J, and S + S^-1 is skew-Hamiltonian: an orthogonal
-symplectic change of coordinates makes it block triangular, [[H, *], [0, H^T]], so that each mu + 1/mu is one
-eigenvalue of H.
-Van Loan, Linear Algebra Appl. 61 (1984) 233, doi:10.1016/0024-3795(84)90034-X.
+With J = [[0, I], [-I, 0]] a symplectic S has S^-1 = -J S^T J.  W = (S + S^-1 - 2) / 4 is skew-Hamiltonian, so that its
+Krylov spaces are isotropic: an orthonormal basis Q of n columns, Q^T J Q = 0, with W Q = Q H has the number
+y = (mu + 1/mu - 2) / 4 of each pair of multipliers once, as an eigenvalue of H.
+Mehrmann and Watkins, SIAM J. Sci. Comput. 22 (2001) 1905, doi:10.1137/S1064827500366434.
+
+D = J (S - S^-1) / 2 is symmetric and D W = W^T D.  On the two dimensions that belong to a pair on the circle it is
+definite, and negative where the multiplier on the upper half has the Krein sign +1.
 """
 
 from __future__ import annotations
 
-from typing import Any
+import math
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from floquetrod._util.arrays import EPS
 from floquetrod.floquet.systems import spectra
-from floquetrod.floquet.systems.spectra import Discs
+from floquetrod.floquet.systems.spectra import Discs, Eigen
+
+_BROKEN = 64.0  # roundings of a product with W, below which what is left of it is no new direction
+
+
+class PairMatrix(NamedTuple):
+    """A matrix whose eigenvalues are the numbers y of a symplectic map S; its entries are doubles or those of mpmath.
+
+    Attributes
+    ----------
+    matrix : ndarray (n, n)
+        H.
+    error : float
+        How far, in the 2-norm, H may be from one that belongs to the true map.
+    basis : ndarray (2 n, n)
+        Q.
+    image : ndarray (2 n, n)
+        S Q.
+    form : ndarray (2 n, 2 n)
+        -D.
+    eigen : Eigen or None
+        Eigenvalues of H in doubles; None where they fail.
+    """
+
+    matrix: NDArray[Any]
+    error: float
+    basis: NDArray[Any]
+    image: NDArray[Any]
+    form: NDArray[Any]
+    eigen: Eigen | None
 
 
 def symplectic_unit(n: int) -> NDArray[np.float64]:
@@ -23,47 +57,83 @@ def symplectic_unit(n: int) -> NDArray[np.float64]:
 
 
 @np.errstate(over="ignore", invalid="ignore")  # of maps that overflow
-def pair_matrix(full: NDArray[Any], error: float) -> tuple[NDArray[Any], float]:
-    """Return an n x n matrix whose eigenvalues are y = (mu + 1/mu - 2) / 4 of a symplectic map of order 2 n.
+def pair_matrix(full: NDArray[Any], error: float, rounding: float = EPS) -> PairMatrix:
+    """Return the matrix of the pairs of a symplectic map of order 2 n, known within ``error`` in the 2-norm.
 
-    Its entries may be doubles or numbers of mpmath.  Also how far, in the 2-norm, it may be from one that belongs to
-    another symplectic map within ``error``.
+    ``rounding`` is that of the map's entries.
     """
     n = len(full) // 2
-    unit = symplectic_unit(n)
-    w = 0.25 * (full - unit @ full.T @ unit) - 0.5 * np.eye(2 * n)
-    for j in range(n - 1):
-        _reflect(w, w[n + j + 1 :, j].copy(), j + 1)
-        _rotate(w, j, j + 1)
-        _reflect(w, w[j + 1 : n, j].copy(), j + 1)
-    block = np.array(w[:n, :n])
-    return block, error + _slip(block, w[:n, n:], error)
+    back = np.block([[full[n:, n:].T, -full[:n, n:].T], [-full[n:, :n].T, full[:n, :n].T]])
+    w = 0.25 * (full + back) - 0.5 * np.eye(2 * n)
+    scale = _scale(w)
+    w = w / scale
+    basis = _isotropic(w, rounding)
+    turned = np.concatenate([basis[n:], -basis[:n]])
+    moved = w @ basis
+    block, coupling = basis.T @ moved, _doubles(basis.T @ (w @ turned))
+    missed = error / scale + float(np.linalg.norm(_doubles(turned.T @ moved)))
+    eigen = spectra.eigen(_doubles(block))
+    slip = _slip(eigen, coupling, missed) if n > 1 and missed > 0.0 else 0.0
+    half = 0.5 * (back - full)
+    return PairMatrix(
+        scale * block,
+        scale * (missed + slip),
+        basis,
+        full @ basis,
+        np.concatenate([half[n:], -half[:n]]),
+        None if eigen is None else eigen._replace(values=scale * eigen.values),
+    )
 
 
-def _slip(block: NDArray[Any], coupling: NDArray[Any], error: float) -> float:
+def _doubles(matrix: NDArray[Any]) -> NDArray[np.float64]:
+    return np.asarray(matrix, dtype=float)
+
+
+def _scale(matrix: NDArray[Any]) -> float:
+    """Return a power of two next to the largest entry, 1 where there is none such."""
+    largest = float(np.abs(_doubles(matrix)).max())
+    return math.ldexp(1.0, math.frexp(largest)[1]) if 0.0 < largest < 2.0**1000 else 1.0
+
+
+def _isotropic(w: NDArray[Any], rounding: float) -> NDArray[Any]:
+    """Return the basis (2 n, n) of a Krylov space, continued from the next coordinate where it ends."""
+    n = len(w) // 2
+    rows = np.zeros((2 * n, 2 * n), dtype=w.dtype)  # each column of the basis, and J times it
+    column = np.eye(1, 2 * n, dtype=w.dtype)[0]
+    for k in range(n):
+        rows[2 * k] = column
+        rows[2 * k + 1, :n], rows[2 * k + 1, n:] = column[n:], -column[:n]
+        found = rows[: 2 * k + 2]
+        product = w @ column
+        column = _beside(found, product)
+        if not _length(column) > _BROKEN * rounding * _length(product):
+            left = 1.0 - np.square(found).sum(axis=0)
+            column = _beside(found, np.eye(1, 2 * n, int(left.argmax()), dtype=w.dtype)[0])
+        if k < n - 1:
+            column = _beside(found, column / _length(column))
+            column = column / _length(column)
+    return rows[::2].T
+
+
+def _beside(rows: NDArray[Any], column: NDArray[Any]) -> NDArray[Any]:
+    """Return what is left of a vector beside orthonormal rows."""
+    return np.asarray(column - (rows @ column) @ rows)
+
+
+def _slip(eigen: Eigen | None, coupling: NDArray[np.float64], error: float) -> float:
     """Return by how much more than ``error`` the block H of [[H, X], [0, H^T]] changes for a change of the whole.
 
     A change E of the lower left block is removed by a skew P, H^T P - P H = E, which changes H by X P: in coordinates
     of eigenvectors X_ij E_ij / (z_i - z_j), but no more than the root of X_ij E_ij where z_i and z_j are close.
     """
-    scale = max((float(abs(v)) for v in block.flat), default=0.0)
-    if len(block) == 1 or error == 0.0:
-        return 0.0
-    reach = float(max(abs(v) for v in coupling.flat)) * len(block)
-    most = 2.0 * float(np.sqrt(reach)) * float(np.sqrt(error))
-    if not 0.0 < scale < np.inf:
-        return most
-    try:
-        values, right = np.linalg.eig(np.array(block / scale, dtype=float))
-        left = np.linalg.inv(right)
-    except np.linalg.LinAlgError:
-        return most
-    gaps = np.abs(values[:, None] - values[None, :]) * scale
-    coupled = np.abs(left @ np.array(coupling / (reach or 1.0), dtype=float) @ left.T)
+    if eigen is None:
+        return 2.0 * math.sqrt(float(np.linalg.norm(coupling)) * error)
+    gaps = np.abs(eigen.values[:, None] - eigen.values[None, :])
+    coupled = np.abs(eigen.left @ coupling @ eigen.left.T)
     np.fill_diagonal(coupled, 0.0)
-    moved = error * float(np.linalg.norm(right, 2)) ** 2
+    moved = error * spectra.spectral_norm(eigen.right) ** 2
     with np.errstate(divide="ignore"):
-        slips = np.fmin(coupled * reach / gaps * moved, np.sqrt(coupled * reach) * np.sqrt(moved))
+        slips = np.fmin(coupled / gaps * moved, np.sqrt(coupled * moved))
     return 2.0 * float(np.linalg.norm(slips))
 
 
@@ -73,53 +143,23 @@ def reversible_pair_matrix(full: NDArray[np.float64]) -> NDArray[np.float64]:
     return 0.5 * (full[:n, :n] - np.eye(n))
 
 
-def _reflect(w: NDArray[Any], column: NDArray[Any], start: int) -> None:
-    """Apply the reflection that leaves only the first entry of ``column``, to both halves of the coordinates."""
-    size = _length(column)
-    if size == 0 or len(column) == 1:
-        return
-    column[0] += size if column[0] >= 0 else -size
-    column /= _length(column)
-    n = len(w) // 2
-    for half in (0, n):
-        part = slice(half + start, half + n)
-        w[part] -= 2.0 * np.outer(column, column @ w[part])
-        w[:, part] -= 2.0 * np.outer(w[:, part] @ column, column)
-
-
-def _rotate(w: NDArray[Any], j: int, i: int) -> None:
-    """Rotate coordinates i and n + i so that entry (n + i, j) vanishes."""
-    n = len(w) // 2
-    size = _length(np.array([w[i, j], w[n + i, j]]))
-    if size == 0:
-        return
-    c, s = w[i, j] / size, w[n + i, j] / size
-    turn = np.array([[c, s], [-s, c]])
-    both = [i, n + i]
-    w[both] = turn @ w[both]
-    w[:, both] = w[:, both] @ turn.T
-
-
 def _length(column: NDArray[Any]) -> Any:
-    """Return the norm of a vector of doubles, or of numbers of mpmath."""
-    largest = np.abs(column).max(initial=0)
-    return 0 if largest == 0 else largest * ((column / largest) @ (column / largest)) ** 0.5
+    return (column @ column) ** 0.5
 
 
-def krein_sign(full: Discs, pairs: Discs, cluster: NDArray[np.intp]) -> int:
-    """Return the Krein sign of those multipliers on the upper half of the circle that a cluster of y stands for.
+def krein_signs(pairs: PairMatrix, discs: Discs) -> spectra.Signs:
+    """Return the Krein signs of those multipliers on the upper half of the circle that clusters of y stand for.
 
     +1 for a natural oscillator that turns by less than half a turn in a period; 0 where signs are mixed or unknown.
     """
-    with np.errstate(divide="ignore", invalid="ignore"):
-        y = 0.25 * (full.values + 1.0 / full.values - 2.0)
-    distance = np.abs(y[:, None] - pairs.values[None, :])
-    distance[full.values.imag <= 0.0] = np.inf
-    owner = distance.argmin(axis=1)
-    members = np.flatnonzero(np.isin(owner, cluster) & (full.values.imag > 0.0))
-    if len(members) != len(cluster):
-        return 0
-    return spectra.definiteness(full, members, krein_form, 1.0, 0.0)
+    return spectra.Signs(
+        discs,
+        lambda vectors: pairs.form @ vectors,
+        float(np.linalg.norm(pairs.form)),
+        pairs.error,
+        lambda columns: pairs.basis @ columns,
+        lambda columns: np.hstack([pairs.basis @ columns, pairs.image @ columns]),
+    )
 
 
 def krein_form(vectors: NDArray[Any]) -> NDArray[np.complex128]:
