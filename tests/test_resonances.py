@@ -67,3 +67,29 @@ def test_many_modes_are_left_unnamed() -> None:
     result = fr.stability(system)
     assert result.status == "unstable"
     assert result.resonances == ()
+
+
+def test_what_is_lost_in_rounding_has_no_name() -> None:
+    """Beside solutions that grow by e^95 in a period others are known with errors larger than their growth."""
+    rod = fr.Rod(
+        youngs_modulus=206e9,
+        density=7850.0,
+        radius=0.0259012,
+        inner_radius=0.022016,
+        channel_radius=0.06,
+        length=100.0,
+        path=fr.WellPath.arc(length=150.0, inclination=(1.14161, 1.06841)),
+        depth=20.0,
+        ends="hinged-clamped",
+        damping_rate=0.05,
+    )
+    load = fr.AxialLoad(70400.8, 9171.78, 5.76391)
+    found = rod.stability(load)
+    whole = found.evidence.whole
+    certain = [
+        rate.real for rate, error in zip(whole.exponents, whole.exponent_errors, strict=True) if rate.real > error
+    ]
+    assert len(certain) < sum(rate.real > 0.0 for rate in whole.exponents)
+    assert {r.growth_rate for r in found.resonances} <= set(certain)
+    nearby = rod.stability(load.varied("mean", load.mean * (1.0 + 1e-14)))
+    assert nearby.unstable_modes == found.unstable_modes

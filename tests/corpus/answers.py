@@ -13,6 +13,7 @@ from collections.abc import Callable, Iterator
 from typing import Any, NamedTuple
 
 import numpy as np
+from scipy.optimize import minimize_scalar
 
 WORDS = {1: "stable", 0: "unstable", -1: "undecided"}
 DECIDED = ("stable", "unstable", "mixed", "bounded", "escapes")
@@ -197,7 +198,7 @@ def system(v: Any) -> Any:
             "error": [v.multiplier_errors[i] for i in kept],
         },
         "krein_signs": sorted(v.krein_signs),
-        "resonances": [str(r) for r in v.resonances],
+        "resonances": sorted(str(r) for r in v.resonances),  # in no order where two grow equally fast
     }
 
 
@@ -209,7 +210,7 @@ def growth(v: Any) -> Any:
 
 
 def orbit(v: Any) -> Any:
-    """Return period and multipliers of a periodic orbit with their errors, and where it begins."""
+    """Return period and multipliers of a periodic orbit with their errors, and the largest value of each state."""
     found = {"status": v.status, "period": number(v.period, v.period_error)}
     verdict = v.stability
     return found | {
@@ -217,8 +218,19 @@ def orbit(v: Any) -> Any:
             "spectrum": [plain(mu) for mu in verdict.multipliers],
             "error": list(verdict.multiplier_errors),
         },
-        "reach": number(np.ptp(v.states, axis=0), 2.0 * v.error * np.abs(v.states).max(axis=0)),
+        "largest": number(_largest(v), v.error * np.abs(v.states).max(axis=0)),
     }
+
+
+def _largest(v: Any) -> Any:
+    """Return the largest value of each state, wherever the mesh has its nodes."""
+    times = np.linspace(0.0, v.period, 2001)
+    step = times[1]
+    peaks = times[v(times).argmax(axis=0)]
+    return [
+        -minimize_scalar(lambda t, i=i: -v(t % v.period)[i], bounds=(at - step, at + step), method="bounded").fun
+        for i, at in enumerate(peaks)
+    ]
 
 
 def noisy_rod(v: Any) -> Any:
@@ -246,7 +258,7 @@ def rod(v: Any) -> Any:
     """Return the verdict on a rod: its error is that of the growth rate with coupled modes, else of a discriminant."""
     found = fields("status", "unstable_modes", "fastest_mode")(v)
     if hasattr(v, "convergence"):
-        names = [str(r) for r in v.resonances if r.growth_rate > v.growth_tolerance]
+        names = sorted(str(r) for r in v.resonances if r.growth_rate > v.growth_tolerance)
         return found | {"growth": number(v.growth_rate, v.error), "resonances": names}
     modes = [m for m in v.mode_verdicts[:8] if math.isfinite(m.discriminant)]
     errors = [m.error * max(1.0, abs(m.discriminant)) for m in modes]

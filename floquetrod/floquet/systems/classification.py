@@ -318,22 +318,28 @@ def _verdict(
     order = np.lexsort((exponents.imag, -exponents.real))
     fastest = max(0.0, float(exponents.real.max(initial=0.0)))
     texts = [text for text in (note, reason if status == "undecided" else "") if text]
-    result_exponents = tuple(exponents[order].tolist())
+    exponent_errors = errors[order] / period + 4.0 * EPS * np.abs(exponents[order])
     return SystemStability(
         equation=system,
         method=method,
         status=status,
         growth_rate=0.0 if status == "stable" else fastest,
-        exponents=result_exponents,
-        exponent_errors=tuple((errors[order] / period + 4.0 * EPS * np.abs(exponents[order])).tolist()),
+        exponents=tuple(exponents[order].tolist()),
+        exponent_errors=tuple(exponent_errors.tolist()),
         krein_signs=tuple(signs[order].tolist()),
-        resonances=resonances.name(system, result_exponents) if status == "unstable" else (),
+        resonances=resonances.name(system, _growing(exponents[order], exponent_errors)) if status == "unstable" else (),
         strongly_stable=strongly,
         period=period,
         error=float(errors.max(initial=0.0)),
         cost=cost,
         note="; ".join(texts),
     )
+
+
+def _growing(exponents: NDArray[np.complex128], errors: NDArray[np.float64]) -> list[complex]:
+    """Return the exponents that grow beyond their errors, the others may be lost in rounding; the fastest at least."""
+    certain = exponents[exponents.real > errors]
+    return [complex(each) for each in (certain if certain.size else exponents[:1])]
 
 
 MOST_SECONDS = 60.0

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import Any, Literal, NamedTuple
 
 import numpy as np
@@ -22,8 +23,8 @@ _UNCOUPLED = 0.2  # what it costs that the harmonic of that order does not coupl
 _NOTHING = 1e-9
 
 
-def name(system: HillSystem | PeriodicSystem | DelaySystem, exponents: tuple[complex, ...]) -> tuple[Resonance, ...]:
-    """Return the names of the growing solutions, the fastest first, each name once."""
+def name(system: HillSystem | PeriodicSystem | DelaySystem, exponents: Sequence[complex]) -> tuple[Resonance, ...]:
+    """Return the names of the growing solutions among those of some exponents, the fastest first, each name once."""
     growing = [exponent for exponent in exponents if exponent.real > 0.0 and exponent.imag >= -_NOTHING]
     if isinstance(system, DelaySystem):
         return _by_multipliers(system, growing)
