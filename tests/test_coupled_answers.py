@@ -15,7 +15,7 @@ import floquetrod as fr
 from conftest import depth
 from floquetrod.floquet.systems import resonances
 from floquetrod.floquet.systems.many import ManyVerdicts
-from floquetrod.floquet.systems.result import Resonance
+from floquetrod.floquet.systems.resonances import Resonance
 from floquetrod.rod.loads.load import Load, Loads
 from floquetrod.rod.mode_equations import sampled
 from floquetrod.rod.mode_equations.coupled_matrices import CoupledModes, modes_needed

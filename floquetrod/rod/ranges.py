@@ -16,7 +16,7 @@ from floquetrod._util.deprecation import Renamed
 from floquetrod._util.progress import Progress
 from floquetrod._util.report import Report, Reported, Table
 from floquetrod._util.report import number as finite
-from floquetrod.floquet.systems.result import Resonance
+from floquetrod.floquet.systems.resonances import Resonance
 from floquetrod.rod.answers.intervals import QUANTITIES, Cause, Search, StabilityInterval, UnstableBand
 from floquetrod.rod.loads.axial import AxialGap, between
 from floquetrod.rod.loads.load import KINDS, Load, Loads, Quantity, load_bounds

@@ -254,6 +254,12 @@ def safe_box(v: Any) -> Any:
     return {"status": v.proof.status, "sides": sides}
 
 
+def bent_rod(v: Any) -> Any:
+    """Return the verdict on a rod some of whose modes grow so fast that which others grow is lost in rounding."""
+    fastest = [str(r) for r in v.resonances[:1] if r.growth_rate > v.growth_tolerance]
+    return {"status": v.status, "growth": number(v.growth_rate, v.error), "fastest": fastest}
+
+
 def rod(v: Any) -> Any:
     """Return the verdict on a rod: its error is that of the growth rate with coupled modes, else of a discriminant."""
     found = fields("status", "unstable_modes", "fastest_mode")(v)

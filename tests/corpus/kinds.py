@@ -196,7 +196,7 @@ KINDS: dict[str, Kind] = {
     "noisy rod": Kind(q.noisy_rod, answers.noisy_rod, 40),
     "milling": Kind(q.milled, answers.plain, 8, 1e-6, 0.0, "depths are bisected, of a multiplier to some digits"),
     "well": Kind(q.of_well, answers.plain, 40, 1e-11, 1e3, "formulas; metres of a well of some km", cheap=True),
-    "rod in a bend": Kind(q.in_bend, answers.rod, 40),
+    "rod in a bend": Kind(q.in_bend, answers.bent_rod, 40),
     "reach": Kind(q.reached, answers.fields("reach", "injector", "bit"), 8, 1e-6, 1.0, "integrals along the well"),
     "periodic orbit": Kind(q.orbit, answers.orbit, 30),
     "solution": Kind(q.solved, answers.solution, 60),

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 
 import numpy as np
 
@@ -12,8 +11,8 @@ from floquetrod.floquet.kernels.system_even_steps import balance, cut_harmonics,
 from floquetrod.floquet.kernels.system_large import (
     LEVELS,
     Matrix,
+    Series,
     Stop,
-    applied,
     chain,
     crossing,
     joined,
@@ -57,8 +56,10 @@ def half_period_large(
         np.hstack([np.ones((len(f), 1)), -(angles**2) / ((2.0 * index[1:] - 1.0) * (2.0 * index[1:]))]), axis=1
     ).astype(float)
     maps, errors = [], []
+    x = np.zeros((most + 2, n, 2 * n))
     for end, (matrices, weights) in enumerate(((blocks, even), (transposed, signs[:, None] * even))):
-        value, slope, rest = _even_sums(s, matrices, weights, most, h, terms, ratio, stop, constant=first == 0)
+        series = Series(s, matrices, weights, most, x, constant=first == 0)
+        value, slope, rest = _even_sums(series, h, terms, ratio, stop)
         a, b = value[:, :n] * scale, value[:, n:] * rate
         c, d = slope[:, :n] / rate, (slope[:, n:] + value[:, n:]) / scale
         maps.append(np.block([[a, b], [c, d]] if end == 0 else [[d.T, b.T], [c.T, a.T]]))
@@ -78,29 +79,23 @@ def half_period_large(
     return product, g, error
 
 
-def _even_sums(
-    s: Floats, matrices: Sequence[Matrix], c: Floats, most: int, h: float, terms: int, ratio: float, stop: Stop,
-    *, constant: bool,
-) -> tuple[Floats, Floats, float]:  # fmt: skip
+def _even_sums(series: Series, h: float, terms: int, ratio: float, stop: Stop) -> tuple[Floats, Floats, float]:
     """Return values and slopes at h of the even solutions and, over h, of the odd ones, and what is left out."""
-    n = len(s)
-    divisors = np.repeat([[1.0], [2.0]], n, axis=1).ravel()
-    x = np.empty((terms, n, 2 * n))
-    x[0] = np.hstack([np.eye(n), np.eye(n)])
+    x = series.terms
+    n = x.shape[1]
+    divisors = np.repeat([1.0, 2.0], n)
+    x[0, :, :n] = x[0, :, n:] = np.eye(n)
     sizes = np.zeros(2 * terms - 1)
     sizes[0] = math.sqrt(2.0 * n)
+    value, slope = x[0].copy(), np.zeros((n, 2 * n))
     for i in range(terms - 1):
-        out = applied(x, i, c, most, s, matrices, constant=constant)
-        np.multiply(out, -h * h / ((2.0 * i + divisors) * (2.0 * i + 1.0 + divisors)), out=x[i + 1])
-        sizes[2 * i + 2] = math.sqrt(float(np.vdot(x[i + 1], x[i + 1])))
+        term = series.append(i, i + 1, -h * h / ((2.0 * i + divisors) * (2.0 * i + 1.0 + divisors)))
+        sizes[2 * i + 2] = math.sqrt(float(np.vdot(term, term)))
+        value += term
+        slope += series.scaled(term, 2.0 * (i + 1.0))
         rest = stop.left_out(sizes[: 2 * i + 3])
         if rest < stop.tolerance:
-            x = x[: i + 2]
             break
     else:
         rest = stop.factor(2 * terms) * tail(sizes[::2], ratio**-4.0) / (1.0 - ratio**-2.0) ** 2
-    value, slope = x[-1].copy(), 2.0 * (len(x) - 1.0) * x[-1]
-    for i in range(len(x) - 2, -1, -1):
-        value += x[i]
-        slope += 2.0 * i * x[i]
     return value, slope, rest

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import NamedTuple, Self
+from typing import Any, NamedTuple, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -102,37 +102,61 @@ def split(matrix: Floats, tolerance: float) -> Matrix:
     return Split(upper, left[:, :rank] * sizes[:rank], right[:rank], lower)
 
 
-def add_product(matrix: Matrix, x: Floats, out: Floats) -> None:
-    """Add matrix @ x to ``out``."""
+def add_product(matrix: Matrix, x: Floats, out: Floats, work: Floats) -> None:
+    """Add matrix @ x to ``out``; ``work`` is memory of the same shape."""
     if not isinstance(matrix, Split):
-        out += matrix @ x
+        out += np.matmul(matrix, x, out=work)
         return
     half = len(matrix.left)
-    add_product(matrix.upper, x[:half], out[:half])
-    out[:half] += matrix.left @ (matrix.right @ x[half:])
-    add_product(matrix.lower, x[half:], out[half:])
-    out[half:] += matrix.right.T @ (matrix.left.T @ x[:half])
+    upper, lower = slice(half), slice(half, None)
+    add_product(matrix.upper, x[upper], out[upper], work[upper])
+    out[upper] += np.matmul(matrix.left, matrix.right @ x[lower], out=work[upper])
+    add_product(matrix.lower, x[lower], out[lower], work[lower])
+    out[lower] += np.matmul(matrix.right.T, matrix.left.T @ x[upper], out=work[lower])
 
 
-def applied(
-    x: Floats, i: int, c: Floats, most: int, s: Floats, matrices: Sequence[Matrix], *, constant: bool
-) -> Floats:
-    """Return s x_i + sum_k F_k sum_l c_kl x_(i-l), l up to ``most``; x_j is row j of x modulo its length.
+class Series:
+    """Terms x_i, matrices (n, q), of a series that solves u'' + (diag(s) + sum_k c_k(t) F_k) u = 0.
 
-    ``constant``: c_0l is 0 but for l = 0.
+    All terms share memory, since as much of it anew takes longer than the products do: rows of ``terms`` come again
+    after ``rows``.
+
+    Attributes
+    ----------
+    terms : ndarray (rows, n, q)
+        The last terms, each in the row of its number modulo ``rows``.
+    work : ndarray (n, q)
+        Free between two terms.
     """
-    rows = len(x)
-    current = x[i % rows]
-    out: Floats = s[:, None] * current
-    flat = x[: i + 1].reshape(min(i + 1, rows), -1)
-    lags = np.arange(min(i, most) + 1)
-    weights = np.zeros((len(matrices), len(flat)))
-    weights[:, (i - lags) % rows] = c[: len(matrices), : len(lags)]
-    first = int(constant)
-    mixed = (weights[first:] @ flat).reshape(-1, *out.shape)
-    for k, matrix in enumerate(matrices):
-        add_product(matrix, current if k < first else mixed[k - first], out)
-    return out
+
+    def __init__(
+        self, s: Floats, matrices: Sequence[Matrix], c: Floats, most: int, terms: Floats, *, constant: bool
+    ) -> None:
+        """Begin with the first terms given; ``constant``: c_0l is 0 but for l = 0, ``most`` the largest l."""
+        self.terms, self.work = terms, np.empty(terms.shape[1:])
+        self._s, self._c, self._most, self._first = s[:, None], c[: len(matrices)], most, int(constant)
+        self._matrices, self._mixed = matrices, np.empty((len(matrices) - self._first, *terms.shape[1:]))
+
+    def append(self, i: int, place: int, factor: Any) -> Floats:
+        """Return the term in the row of a place: s x_i + sum_k F_k sum_l c_kl x_(i-l), times a factor."""
+        rows = len(self.terms)
+        current: Floats = self.terms[i % rows]
+        out: Floats = self.terms[place % rows]
+        flat = self.terms[: i + 1].reshape(min(i + 1, rows), -1)
+        lags = np.arange(min(i, self._most) + 1)
+        weights = np.zeros((len(self._mixed), len(flat)))
+        weights[:, (i - lags) % rows] = self._c[self._first :, : len(lags)]
+        np.matmul(weights, flat, out=self._mixed.reshape(len(self._mixed), flat.shape[1]))
+        np.multiply(self._s, current, out=out)
+        for k, matrix in enumerate(self._matrices):
+            add_product(matrix, current if k < self._first else self._mixed[k - self._first], out, self.work)
+        out *= factor
+        return out
+
+    def scaled(self, term: Floats, factor: float) -> Floats:
+        """Return a multiple of a term, until the next one."""
+        np.multiply(term, factor, out=self.work)
+        return self.work
 
 
 def tail(sizes: Floats, shrink: float) -> float:
@@ -165,6 +189,10 @@ class Stop(NamedTuple):
         """Return the factor from the error of a power to that of the maps."""
         return self.level + self.slope * power
 
+    def _next(self, bounds: Floats, j: int) -> float:
+        """Return the bound of |u_j| that follows from those before it."""
+        return float(self.rates[: j - 1] @ bounds[j - 2 :: -1]) / ((j - 1.0) * j) if j > 1 else math.inf
+
     def left_out(self, sizes: Floats) -> float:
         """Bound the error of the maps from ending a series whose terms have the norms ``sizes``.
 
@@ -173,16 +201,16 @@ class Stop(NamedTuple):
         """
         count = len(sizes)
         last = max(count + _BEYOND, math.ceil(math.sqrt(min(self.doubled, 4.0 * len(self.rates) ** 2))))
-        if last >= len(self.rates):
+        if last >= len(self.rates) or self._next(sizes, count) * self.factor(count) >= self.tolerance:
             return math.inf
         bounds = np.zeros(last + 1)
         bounds[:count] = sizes
-        for j in range(count - 2, last - 1):
-            bounds[j + 2] = bound = self.rates[: j + 1] @ bounds[j::-1] / ((j + 1.0) * (j + 2.0))
-            if bound * (self.level + self.slope * (j + 2.0)) >= self.tolerance:
+        for j in range(count, last + 1):
+            bounds[j] = bound = self._next(bounds, j)
+            if bound * self.factor(j) >= self.tolerance:
                 return math.inf
         index = np.arange(last + 1.0)
-        beyond = float((bounds * 2.0**index).max()) * 2.0**-last * (self.level + self.slope * (last + 2.0))
+        beyond = float((bounds * 2.0**index).max()) * 2.0**-last * self.factor(last + 2)
         return float(bounds[count:] @ (self.level + self.slope * index[count:])) + beyond
 
 
@@ -221,32 +249,27 @@ def crossing(
     forth, back = np.empty((2, 2 * n, 2 * n))
     rests = []
     for part in parts:
-        x = np.zeros((min(order + 1, most + 2), n, part.stop - part.start))
+        x = np.zeros((most + 3, n, part.stop - part.start))
         x[0], x[1] = np.split(np.eye(2 * n)[:, part], 2)
-        even, odd, rest = _summed(s, matrices, c, most, h, order, ratio, stop, x, constant=constant)
+        even, odd, rest = _summed(Series(s, matrices, c, most, x, constant=constant), h, order, ratio, stop)
         forth[:, part], back[:, part] = even + odd, even - odd
         rests.append(rest)
     return forth, back, math.hypot(*rests)
 
 
-def _summed(
-    s: Floats, matrices: Sequence[Matrix], c: Floats, most: int, h: float, order: int, ratio: float, stop: Stop,
-    x: Floats, *, constant: bool,
-) -> tuple[Floats, Floats, float]:  # fmt: skip
-    """Return the even and the odd part of (u, h u') at h, and what is left out, from the first two terms in ``x``."""
+def _summed(series: Series, h: float, order: int, ratio: float, stop: Stop) -> tuple[Floats, Floats, float]:
+    """Return the even and the odd part of (u, h u') at h, and what is left out, from the first two terms."""
+    x = series.terms
     sizes = np.zeros(order + 1)
     sizes[:2] = np.linalg.norm(x[0]), np.linalg.norm(x[1])
-    n = len(s)
+    n = x.shape[1]
     sums = np.zeros((2, 2 * n, x.shape[-1]))  # of even and odd powers
     sums[0, :n], sums[1, :n], sums[0, n:] = x[0], x[1], x[1]
     for i in range(order - 1):
-        out = applied(x, i, c, most, s, matrices, constant=constant)
-        out *= -h * h / ((i + 1.0) * (i + 2.0))
-        x[(i + 2) % len(x)] = out
-        sizes[i + 2] = math.sqrt(float(np.vdot(out, out)))
-        sums[i % 2, :n] += out
-        out *= i + 2.0
-        sums[1 - i % 2, n:] += out  # the slope is odd where the value is even
+        term = series.append(i, i + 2, -h * h / ((i + 1.0) * (i + 2.0)))
+        sizes[i + 2] = math.sqrt(float(np.vdot(term, term)))
+        sums[i % 2, :n] += term
+        sums[1 - i % 2, n:] += series.scaled(term, i + 2.0)  # the slope is odd where the value is even
         rest = stop.left_out(sizes[: i + 3]) if i % 2 else math.inf
         if rest < stop.tolerance:
             break
@@ -281,14 +304,18 @@ def norm_bound(matrix: Floats) -> float:
 def chain(maps: list[Floats], errors: list[float]) -> tuple[Floats, float]:
     """Return the product of maps, the first acting first, and its error; see `system_series.chain_error`."""
     size = len(maps[0])
-    prefixes = [np.eye(size), maps[0]]
+    prefixes = [maps[0]]
     for factor in maps[1:]:
         prefixes.append(factor @ prefixes[-1])
-    total, share, suffix = 0.0, 0.0, np.eye(size)
+    befores = [1.0, *(norm_bound(prefix) for prefix in prefixes[:-1])]
+    total, share, after = 0.0, 0.0, 1.0
+    suffix = None
     for j in range(len(maps) - 1, -1, -1):
         norm = norm_bound(maps[j])
         local = errors[j] + (ROUNDING * (size + 2.0) * norm * math.sqrt(size) if j else 0.0)
-        total += norm_bound(suffix) * local * norm_bound(prefixes[j])
+        total += after * local * befores[j]
         share += local / norm if norm > 0.0 else math.inf
-        suffix = suffix @ maps[j] if j else suffix
+        if j:
+            suffix = maps[j] if suffix is None else suffix @ maps[j]
+            after = norm_bound(suffix)
     return prefixes[-1], total * math.exp(min(share * len(maps), 50.0))

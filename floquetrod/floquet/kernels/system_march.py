@@ -11,7 +11,7 @@ import numpy as np
 from floquetrod._util.arrays import Floats
 from floquetrod._util.content import ByContent
 from floquetrod.floquet.kernels.system_even_steps import balance
-from floquetrod.floquet.kernels.system_large import LEVELS, Matrix, Parts, applied, split
+from floquetrod.floquet.kernels.system_large import LEVELS, Matrix, Parts, Series, split
 from floquetrod.floquet.kernels.system_series import MOST_TERMS, ROUNDING, coefficient_bound
 
 _REACH = 4.0  # phase that a series crosses: beyond it as many terms are needed in all (measured)
@@ -90,9 +90,9 @@ class March(ByContent):
         """Return the terms of u from the beginning of a segment, in powers of its length."""
         x = np.zeros((self.terms + 1, *state.shape[1:]))
         x[:2] = state
+        series = Series(self.parts.rates, self.blocks, factors, self.terms, x, constant=False)
         for i in range(self.terms - 1):
-            out = applied(x, i, factors, self.terms, self.parts.rates, self.blocks, constant=False)
-            np.multiply(out, -(self.reach**2) / ((i + 1.0) * (i + 2.0)), out=x[i + 2])
+            series.append(i, i + 2, -(self.reach**2) / ((i + 1.0) * (i + 2.0)))
         return x
 
     def _sizes(self, x: Floats) -> Floats:

@@ -19,7 +19,7 @@ from floquetrod._util.arrays import EPS
 from floquetrod.equations import DelaySystem, HillSystem
 from floquetrod.equations.batches import System
 from floquetrod.floquet import pairs
-from floquetrod.floquet.systems import resonances, spectra
+from floquetrod.floquet.systems import spectra
 from floquetrod.floquet.systems.result import SystemStability
 from floquetrod.floquet.systems.spectra import Discs
 from floquetrod.floquet.systems.symplectic import krein_form
@@ -108,15 +108,17 @@ def classify_pairs(
     digits = digits._replace(net=net)
     signs = np.zeros(len(logs), dtype=int)
     sides = _Sides.of(discs, digits, outside, errors, limit)
+    low, high, near, inside = (side.tolist() for side in sides)
     parts, on_axis = [], np.zeros(len(logs), dtype=np.bool_)
     for cluster in discs.clusters:
         if len(cluster) == 1:
-            place: Any = int(cluster[0])
-            part, on_axis[place] = _single_part(discs, sides, limit, place, krein)
+            i = int(cluster[0])
+            part = _single_part(discs, low[i], high[i], near[i], inside[i], limit, cluster, krein)
+            on_axis[i] = near[i]
         else:
-            place = cluster
-            part, on_axis[place] = _pair_part(discs, digits, sides, limit, cluster, krein)
-        signs[place] = part.krein
+            part, on_axis[cluster] = _pair_part(discs, digits, sides, limit, cluster, krein)
+        if part.krein:
+            signs[cluster] = part.krein
         parts.append(part)
     net[on_axis] = np.where(outside[on_axis] > 0.0, net[on_axis], -limit)
     logs[on_axis] = net[on_axis] + limit + 1j * np.abs(logs[on_axis].imag)
@@ -152,15 +154,24 @@ class _Sides(NamedTuple):
         return cls(low, digits.net + errors, outside <= discs.radii, within)
 
 
-def _single_part(discs: Discs, sides: _Sides, limit: float, i: int, krein: Krein | None) -> tuple[_Part, bool]:
-    """Return the classification of a y apart from all others, and whether it must be on the real axis."""
-    high = float(sides.high[i])
-    if not sides.near[i]:
-        return _Part(float(sides.low[i]), high, False), False
-    if sides.inside[i]:
-        return _Part(-limit, -limit, True, krein=krein(np.array([i])) if krein else 0), True
+def _single_part(
+    discs: Discs,
+    low: float,
+    high: float,
+    near: bool,
+    inside: bool,
+    limit: float,
+    cluster: NDArray[np.intp],
+    krein: Krein | None,
+) -> _Part:
+    """Return the classification of a y apart from all others, which is real where it is ``near``."""
+    if not near:
+        return _Part(low, high, False)
+    if inside:
+        return _Part(-limit, -limit, True, krein=krein(cluster) if krein else 0)
+    i = cluster[0]
     edge = "+1" if discs.values[i].real > -0.5 else "-1"
-    return _Part(-limit, high, False, _EDGE.format(math.sqrt(2.0 * discs.radii[i]), edge)), True
+    return _Part(-limit, high, False, _EDGE.format(math.sqrt(2.0 * discs.radii[i]), edge))
 
 
 def _pair_part(
@@ -318,28 +329,20 @@ def _verdict(
     order = np.lexsort((exponents.imag, -exponents.real))
     fastest = max(0.0, float(exponents.real.max(initial=0.0)))
     texts = [text for text in (note, reason if status == "undecided" else "") if text]
-    exponent_errors = errors[order] / period + 4.0 * EPS * np.abs(exponents[order])
     return SystemStability(
         equation=system,
         method=method,
         status=status,
         growth_rate=0.0 if status == "stable" else fastest,
         exponents=tuple(exponents[order].tolist()),
-        exponent_errors=tuple(exponent_errors.tolist()),
+        exponent_errors=tuple((errors[order] / period + 4.0 * EPS * np.abs(exponents[order])).tolist()),
         krein_signs=tuple(signs[order].tolist()),
-        resonances=resonances.name(system, _growing(exponents[order], exponent_errors)) if status == "unstable" else (),
         strongly_stable=strongly,
         period=period,
         error=float(errors.max(initial=0.0)),
         cost=cost,
         note="; ".join(texts),
     )
-
-
-def _growing(exponents: NDArray[np.complex128], errors: NDArray[np.float64]) -> list[complex]:
-    """Return the exponents that grow beyond their errors, the others may be lost in rounding; the fastest at least."""
-    certain = exponents[exponents.real > errors]
-    return [complex(each) for each in (certain if certain.size else exponents[:1])]
 
 
 MOST_SECONDS = 60.0

@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 from floquetrod._util.arrays import Bools, Floats
 from floquetrod.equations import DelaySystem, HillSystem, PeriodicSystem
 from floquetrod.equations.pieces import fourier
-from floquetrod.floquet.systems.result import Resonance
 
 Ints = NDArray[np.intp]
 
@@ -21,6 +20,52 @@ _MOST_MODES = 200  # of a system whose resonances are named: their number grows 
 _PER_ORDER = 0.05  # what an order is thought to cost, in detuning relative to w: low orders grow faster
 _UNCOUPLED = 0.2  # what it costs that the harmonic of that order does not couple the modes, alike
 _NOTHING = 1e-9
+
+_UNNAMED = {"hopf": "Hopf instability", "flip": "period doubling", "fold": "growth without oscillation"}
+"""Of systems with delays, whose modes are not counted."""
+
+
+class Resonance(NamedTuple):
+    """The name of an instability: the combination of natural frequencies of the mean system that explains it best.
+
+    Attributes
+    ----------
+    kind : {"direct", "sum", "difference", "buckling", "hopf", "flip", "fold"}
+        2 w_i = k w; w_i + w_j = k w; w_i - w_j = k w (k = 0: flutter of the mean system); negative mean stiffness.  Of
+        systems with delays: a pair of multipliers, one below -1, one above 1.
+    modes : tuple of int
+        Modes of the mean system, counted from 1 in the order of their frequencies; none of systems with delays.
+    order : int
+        k, in terms of w = 2 pi / period; 0 for buckling.
+    growth_rate : float
+        Of the solution it names, per unit of time.
+    """
+
+    kind: Literal["direct", "sum", "difference", "buckling", "hopf", "flip", "fold"]
+    modes: tuple[int, ...]
+    order: int
+    growth_rate: float
+
+    def as_dict(self, growth: str = "growth_rate") -> dict[str, Any]:
+        """Return it for JSON, the growth rate under the name ``growth``."""
+        return {
+            "name": str(self),
+            "kind": self.kind,
+            "modes": list(self.modes),
+            "order": self.order,
+            growth: self.growth_rate,
+        }
+
+    def __str__(self) -> str:
+        """Return, say, "sum resonance of modes 1 and 2, order 1"."""
+        if self.kind in _UNNAMED:
+            return _UNNAMED[self.kind]
+        if self.kind == "buckling":
+            return f"buckling of mode {self.modes[0]}"
+        if self.kind == "direct":
+            return f"direct resonance of mode {self.modes[0]}, order {self.order}"
+        modes = f"modes {self.modes[0]} and {self.modes[1]}"
+        return f"{self.kind} resonance of {modes}, order {self.order}" if self.order else f"flutter of {modes}"
 
 
 def name(system: HillSystem | PeriodicSystem | DelaySystem, exponents: Sequence[complex]) -> tuple[Resonance, ...]:

@@ -4,62 +4,20 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Any, Literal, NamedTuple
+from typing import Any
 
+import numpy as np
+
+from floquetrod._util.caching import cached_property
 from floquetrod._util.report import Report, Table, number
 from floquetrod.equations import DelaySystem, PeriodicSystem
 from floquetrod.equations.matrices import Structure
+from floquetrod.floquet.systems import resonances
+from floquetrod.floquet.systems.resonances import Resonance
 from floquetrod.floquet.verdict import FloquetVerdict
 
 _LISTED = 40
 """Multipliers in a report, the largest; all are among the numbers."""
-
-
-_UNNAMED = {"hopf": "Hopf instability", "flip": "period doubling", "fold": "growth without oscillation"}
-"""Of systems with delays, whose modes are not counted."""
-
-
-class Resonance(NamedTuple):
-    """The name of an instability: the combination of natural frequencies of the mean system that explains it best.
-
-    Attributes
-    ----------
-    kind : {"direct", "sum", "difference", "buckling", "hopf", "flip", "fold"}
-        2 w_i = k w; w_i + w_j = k w; w_i - w_j = k w (k = 0: flutter of the mean system); negative mean stiffness.  Of
-        systems with delays: a pair of multipliers, one below -1, one above 1.
-    modes : tuple of int
-        Modes of the mean system, counted from 1 in the order of their frequencies; none of systems with delays.
-    order : int
-        k, in terms of w = 2 pi / period; 0 for buckling.
-    growth_rate : float
-        Of the solution it names, per unit of time.
-    """
-
-    kind: Literal["direct", "sum", "difference", "buckling", "hopf", "flip", "fold"]
-    modes: tuple[int, ...]
-    order: int
-    growth_rate: float
-
-    def as_dict(self, growth: str = "growth_rate") -> dict[str, Any]:
-        """Return it for JSON, the growth rate under the name ``growth``."""
-        return {
-            "name": str(self),
-            "kind": self.kind,
-            "modes": list(self.modes),
-            "order": self.order,
-            growth: self.growth_rate,
-        }
-
-    def __str__(self) -> str:
-        """Return, say, "sum resonance of modes 1 and 2, order 1"."""
-        if self.kind in _UNNAMED:
-            return _UNNAMED[self.kind]
-        if self.kind == "buckling":
-            return f"buckling of mode {self.modes[0]}"
-        if self.kind == "direct":
-            return f"direct resonance of mode {self.modes[0]}, order {self.order}"
-        modes = f"modes {self.modes[0]} and {self.modes[1]}"
-        return f"{self.kind} resonance of {modes}, order {self.order}" if self.order else f"flutter of {modes}"
 
 
 def _second_order(system: Any) -> bool:
@@ -81,8 +39,6 @@ class SystemStability(FloquetVerdict):
     krein_signs : tuple of int
         +1 or -1 for each multiplier on the unit circle whose Krein sign is known, else 0; a natural oscillator of
         frequency f has +1 at exp(i f period).  All 0 where the system is not Hamiltonian.
-    resonances : tuple of Resonance
-        Names of the growing solutions, the fastest first; they are heuristic and do not affect the verdict.
     strongly_stable : bool or None
         Whether all small changes of the coefficients that keep the structure leave the system stable; with damping:
         whether every solution decays.  None when undecided.
@@ -90,8 +46,19 @@ class SystemStability(FloquetVerdict):
 
     exponent_errors: tuple[float, ...] = ()
     krein_signs: tuple[int, ...] = ()
-    resonances: tuple[Resonance, ...] = ()
     strongly_stable: bool | None = None
+
+    @cached_property
+    def resonances(self) -> tuple[Resonance, ...]:
+        """Names of the growing solutions, the fastest first; they are heuristic and do not affect the verdict.
+
+        Solutions whose growth is below its error have none, unless it is the fastest.
+        """
+        if self.status != "unstable":
+            return ()
+        exponents = np.array(self.exponents)
+        certain = exponents[exponents.real > np.array(self.exponent_errors)]
+        return resonances.name(self.system, (certain if certain.size else exponents[:1]).tolist())
 
     @property
     def structure(self) -> Structure:

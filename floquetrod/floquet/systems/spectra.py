@@ -20,8 +20,8 @@ from floquetrod._util.caching import cached_property
 
 Form = Callable[[NDArray[Any]], NDArray[Any]]
 
-LARGE = 200
-"""Rows above which 2-norms are bounded, not computed: a decomposition takes seconds (a choice)."""
+LARGE = 50
+"""Rows from which 2-norms are bounded, not computed: decompositions take a quarter of a verdict's time (a choice)."""
 
 
 class Discs(NamedTuple):

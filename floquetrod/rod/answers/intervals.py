@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Literal, NamedTuple, TypeAlias
 
-from floquetrod.floquet.systems.result import Resonance
+from floquetrod.floquet.systems.resonances import Resonance
 from floquetrod.rod.loads.axial import AxialGap
 from floquetrod.rod.loads.load import Load, Quantity
 

@@ -18,7 +18,8 @@ from floquetrod._util.report import Table
 from floquetrod._util.suggest import listed
 from floquetrod.equations import HillSystem, Mathieu
 from floquetrod.floquet.references import references, united
-from floquetrod.floquet.systems.result import Resonance, SystemStability
+from floquetrod.floquet.systems.resonances import Resonance
+from floquetrod.floquet.systems.result import SystemStability
 from floquetrod.floquet.verdict import Stability, Verdict
 from floquetrod.rod.answers.margins import FEW_MODES, MARGIN_SECONDS, WAYS, Edge, Margin, in_hundredths
 from floquetrod.rod.answers.reports import ReportedVerdict

@@ -15,7 +15,7 @@ from floquetrod._util.compilation import cores, in_threads
 from floquetrod._util.progress import Progress, shifted
 from floquetrod.equations import HillSystem
 from floquetrod.floquet.systems.many import ManyVerdicts
-from floquetrod.floquet.systems.result import Resonance
+from floquetrod.floquet.systems.resonances import Resonance
 from floquetrod.floquet.verdict import tolerated
 from floquetrod.rod.loads.load import Load, Loads, Quantity
 

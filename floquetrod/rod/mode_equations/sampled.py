@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 from floquetrod._util.arrays import Bools, Floats
 from floquetrod._util.progress import Progress
 from floquetrod.equations import HillSystem
-from floquetrod.floquet.systems.result import Resonance
+from floquetrod.floquet.systems.resonances import Resonance
 from floquetrod.rod.loads.load import Load, Loads, Quantity
 from floquetrod.rod.mode_equations.coupled_systems import CoupledEquations
 from floquetrod.systems.arrays import verdicts

@@ -20,7 +20,8 @@ from floquetrod.floquet.methods.system_monodromy import solved_many
 from floquetrod.floquet.systems.classification import undamped_pairs
 from floquetrod.floquet.systems.damping import least_damping
 from floquetrod.floquet.systems.fastest import fast_solutions
-from floquetrod.floquet.systems.result import Resonance, SystemStability
+from floquetrod.floquet.systems.resonances import Resonance
+from floquetrod.floquet.systems.result import SystemStability
 from floquetrod.floquet.systems.whole import period_maps
 from floquetrod.floquet.verdict import Status
 from floquetrod.rod.answers.margins import Edge
@@ -427,7 +428,6 @@ class _WithModes(NamedTuple):
             exponents=(complex(rate, self.whole.exponents[0].imag),),
             exponent_errors=(0.0,),
             krein_signs=(0,),
-            resonances=(),
         )
         return self._replace(modes=modes, whole=whole, least=rate, most=rate, fastest=None)
 

@@ -16,7 +16,7 @@ from floquetrod._util.suggest import listed
 from floquetrod.equations import Mathieu
 from floquetrod.floquet.dispatch import stability
 from floquetrod.floquet.references import united
-from floquetrod.floquet.systems.result import Resonance
+from floquetrod.floquet.systems.resonances import Resonance
 from floquetrod.floquet.verdict import Cost, Stability, Status, tolerated
 from floquetrod.rod.answers.margins import Edge
 from floquetrod.rod.answers.verdict import Evidence, RodStability, Shape

@@ -22,7 +22,7 @@ from floquetrod.floquet.references import references
 from floquetrod.floquet.systems.damping import least_damping
 from floquetrod.floquet.systems.many import STABLE, UNDECIDED, UNSTABLE
 from floquetrod.floquet.systems.moment_growth import Growth, MomentGrowth
-from floquetrod.floquet.systems.result import Resonance
+from floquetrod.floquet.systems.resonances import Resonance
 from floquetrod.floquet.verdict import Cost, Status
 from floquetrod.rod.answers.margins import Edge
 from floquetrod.rod.answers.verdict import Evidence, RodStability

@@ -14,7 +14,8 @@ from floquetrod._util.progress import Progress
 from floquetrod._util.report import Table, number
 from floquetrod.equations.batches import pick
 from floquetrod.floquet.dispatch import stability
-from floquetrod.floquet.systems.result import Resonance, SystemStability
+from floquetrod.floquet.systems.resonances import Resonance
+from floquetrod.floquet.systems.result import SystemStability
 from floquetrod.floquet.verdict import Cost, Status, tolerated
 from floquetrod.rod.answers.intervals import Search
 from floquetrod.rod.answers.margins import Edge
