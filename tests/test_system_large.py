@@ -224,3 +224,16 @@ def test_kernels_know_a_period_too_long() -> None:
     stiffness = np.full(2, 1e12)
     maps = system_even_large.half_period_large(stiffness, np.zeros((0, 2, 2)), 1, 1e-9, 1e-12, 5.0, True, 0.0)
     assert np.isinf(maps[2])
+
+
+@pytest.mark.parametrize("n", [49, 50, 81, 199, 200])
+def test_a_norm_is_never_underestimated(n: int) -> None:
+    rng = np.random.default_rng(n)
+    square = rng.standard_normal((n, n))
+    cases = [square, 1e200 * square, square + 1j * square.T, np.linalg.qr(square)[0], np.diag(np.exp(60.0 * square[0]))]
+    for matrix in [*cases, rng.standard_normal((2 * n, n)), np.zeros((n, n))]:
+        exact = np.linalg.norm(matrix, 2)
+        with np.errstate(over="ignore"):  # squares of the largest
+            bound = spectra.spectral_norm(matrix)
+        assert exact * (1.0 - 1e-12) <= bound
+        assert n >= 200 or bound <= 1.5 * exact

@@ -109,14 +109,15 @@ def _most_growth(
 ) -> NDArray[np.float64]:
     """Bound the product of the norms of the maps to any instant and from there on, (b,), by their logarithmic norm.
 
-    With v' = D p and p' = -B(t) v that is half the norm of D - B(t), whose mean is taken from a few instants.
+    With v' = D p and p' = -B(t) v that is half the norm of D - B(t), whose mean is taken from a few instants.  It stands
+    in an exponent, so that no bound of it will do.
     """
     turned = np.swapaxes(basis, -1, -2)
     rates = inverses(turned @ basis) - turned @ stiffness @ basis
     waves = turned[:, None] @ amplitudes @ basis[:, None]
     orders = 1.0 + np.arange(waves.shape[1])
     phases = np.pi / _INSTANTS * (0.5 + np.arange(_INSTANTS))
-    sums = sum(_spectral_norms(rates - np.tensordot(np.cos(phase * orders), waves, (0, 1))) for phase in phases)
+    sums = sum(_norms(rates - np.tensordot(np.cos(phase * orders), waves, (0, 1))) for phase in phases)
     return np.asarray(np.exp(0.25 * period * sums / _INSTANTS))
 
 
@@ -132,8 +133,11 @@ def _sizes(matrices: NDArray[np.float64]) -> NDArray[np.float64]:
     return np.array([spectra.spectral_norm(matrix) for matrix in matrices])
 
 
-def _spectral_norms(matrices: NDArray[np.float64]) -> NDArray[np.float64]:
-    return np.array([spectra.spectral_norm(matrix) for matrix in matrices])
+def _norms(matrices: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the 2-norms of matrices (b, n, n); of very many rows bounds of them, which take less time."""
+    if matrices.shape[-1] >= spectra.LARGE:
+        return np.array([spectra.spectral_norm(matrix) for matrix in matrices])
+    return np.asarray(np.linalg.norm(matrices, 2, axis=(-2, -1)))
 
 
 def _numbers(
