@@ -43,7 +43,7 @@ Floats = NDArray[np.float64]
 Complexes = NDArray[np.complex128]
 
 _FEWEST = 200  # equations: the map of fewer takes no longer (measured)
-_COLUMNS = 6  # drawn at random
+_COLUMNS = 8  # drawn at random (measured)
 _SEED = 20151101
 _CHANCE = 1e-10  # that of any multiplier outside the circle w^H V E is shorter than `_least`
 _ACCURACY = 1e-10  # of the map over a period

@@ -18,7 +18,7 @@ from floquetrod.equations import HillSystem
 from floquetrod.floquet.methods.system_monodromy import SolvedMany
 from floquetrod.floquet.systems.fastest import FastSolutions
 
-_ACCURACY = 1e-12  # of the motion over a period, relative
+_ACCURACY = 1e-10  # of the motion over a period, relative
 _LARGEST_CHANGE = 1e-3  # of x over a period, beyond growth, up to which the solution is that of the fewer (a choice)
 _CERTAIN = 100.0  # errors by which it is certain to grow
 
