@@ -288,6 +288,11 @@ def _over(
     """Call ``fill`` with parts of a batch, in threads if it pays, and ``report`` repeatedly how many are done."""
     size = len(batch.period)
     step = max(1, _AT_ONCE // batch.order**2)
+    if 0 < size <= step:
+        fill(slice(0, size))
+        if report is not None:
+            report(size)
+        return
     parts = [(slice(start, min(size, start + step)),) for start in range(0, size, step)]
     threads = workers or cores()
     together = len(parts) if report is None else max(4 * threads, len(parts) // _REPORTS)
