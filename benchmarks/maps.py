@@ -53,7 +53,7 @@ def slow_ways() -> tuple[float, float]:
         ).equations
     ]
     dop853 = best_of(lambda: [peers.dop853(e.alpha, e.beta) for e in equations], repeats=3)
-    leapfrog = best_of(lambda: [fr.stability(e, method="leapfrog") for e in equations], repeats=3)
+    leapfrog = best_of(lambda: [peers.leapfrog(e.alpha, e.beta) for e in equations], repeats=3)
     return dop853 / len(equations), leapfrog / len(equations)
 
 

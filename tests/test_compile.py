@@ -25,8 +25,7 @@ import floquetrod as fr
 from conftest import needs_jit
 from floquetrod._util import compilation, interrupt, kernel_cache
 from floquetrod.cli import common
-from floquetrod.floquet.kernels import mathieu_counts
-from floquetrod.mathieu.kernels import powers
+from floquetrod.floquet.kernels import mathieu_counts, powers
 from floquetrod.rod.mode_equations import modal_systems
 from floquetrod.simulation import integration
 
@@ -36,7 +35,7 @@ TELL = "import logging, sys; logging.basicConfig(level='INFO', stream=sys.stdout
 SMALL = """
 import numpy as np
 from floquetrod._util.compilation import compiled
-from floquetrod.mathieu.kernels.powers import displacement_fill
+from floquetrod.floquet.kernels.powers import displacement_fill
 maps, out = np.array([[2.0, 0.0, 0.0, 2.0, 0.0]] * 3), np.empty(3)
 def once():
     compiled(displacement_fill)(maps, out, 3)
@@ -97,7 +96,11 @@ def test_without_any_folder_it_runs_uncached_and_says_so_once(tmp_path: Path) ->
         "a file: no folder can be made here, whoever runs this"
     )
     nowhere = str(tmp_path / "floquetrod/py.typed" / "below a file")
-    program = TELL + SMALL + "from floquetrod.floquet.kernels.leapfrog import leapfrog_run; compiled(leapfrog_run)\n"
+    program = (
+        TELL
+        + SMALL
+        + "from floquetrod.floquet.kernels.leapfrog import leapfrog_map_fill; compiled(leapfrog_map_fill)\n"
+    )
     run = python(
         program + "print(once(), once())",
         Path(nowhere),

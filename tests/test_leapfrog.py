@@ -11,7 +11,7 @@ from hypothesis import assume, given, settings
 import floquetrod as fr
 from conftest import depth
 from floquetrod._util.compilation import compiled
-from floquetrod.floquet.kernels.leapfrog import leapfrog_run
+from floquetrod.floquet.kernels.leapfrog import leapfrog_map_fill
 from floquetrod.floquet.methods.leapfrog import leapfrog
 from strategies import decades, hills, mathieus, square_waves
 
@@ -73,12 +73,14 @@ def test_huge_growth_does_not_overflow() -> None:
 @pytest.mark.kernels
 def test_damping_shrinks_areas_exactly() -> None:
     # Each step of the scheme has determinant exp(-2 c step), so Liouville holds to rounding.
-    table = -0.3 + 0.7 * np.sin(np.arange(200) * (2.0 * math.pi / 200))
-    step, c = 2.0 * math.pi / 200, 0.05
-    first = leapfrog_run(table.tolist(), 1, step, c, 1, 1.0, 0.0)
-    second = leapfrog_run(table.tolist(), 1, step, c, 1, 0.0, 1.0)
-    assert first[0] * second[1] - first[1] * second[0] == pytest.approx(math.exp(-4.0 * math.pi * c), rel=1e-12)
-    assert compiled(leapfrog_run)(table, 1, step, c, 1, 1.0, 0.0) == pytest.approx(first, rel=1e-12)
+    wave, c = np.sin(np.arange(200) * (2.0 * math.pi / 200)), 0.05
+    inputs, plain, found = (np.array([0.7]), np.array([-0.3]), np.array([c])), np.empty((1, 5)), np.empty((1, 5))
+    leapfrog_map_fill(*(part.tolist() for part in inputs), plain, wave.tolist(), 2.0 * math.pi)
+    a1, v1, a2, v2, taken = plain[0]
+    assert taken == 0.0
+    assert a1 * v2 - v1 * a2 == pytest.approx(math.exp(-4.0 * math.pi * c), rel=1e-12)
+    compiled(leapfrog_map_fill)(*inputs, found, wave, 2.0 * math.pi)
+    assert found == pytest.approx(plain, rel=1e-12)
 
 
 @pytest.mark.parametrize(

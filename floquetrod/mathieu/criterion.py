@@ -13,8 +13,8 @@ from floquetrod._util.arrays import broadcast, shaped
 from floquetrod._util.calling import constructor_hints
 from floquetrod._util.compilation import over_chunks
 from floquetrod.floquet.kernels.leapfrog import leapfrog_map_fill
+from floquetrod.floquet.kernels.powers import displacement_fill
 from floquetrod.floquet.kernels.taylor import mathieu_map_fill
-from floquetrod.mathieu.kernels.powers import displacement_fill
 
 _CHUNK = 256  # points a thread takes at a time: each costs microseconds, by leapfrog a tenth of a millisecond
 
@@ -94,7 +94,9 @@ class FiniteTimeCriterion:
         else:
             count = 4 * math.ceil(0.5 * math.pi / self.step)
             sine = np.sin(np.arange(count) * (2.0 * math.pi / count))
-            over_chunks(leapfrog_map_fill, inputs, maps, sine, workers=workers, chunk=_CHUNK, interpret_up_to=0)
+            over_chunks(
+                leapfrog_map_fill, inputs, maps, sine, 2.0 * math.pi, workers=workers, chunk=_CHUNK, interpret_up_to=0
+            )
         out = np.empty(len(maps))
         over_chunks(displacement_fill, (maps,), out, self.periods, workers=workers)
         return shaped(out, shape)

@@ -14,7 +14,8 @@ from floquetrod._util.arrays import EPS
 from floquetrod._util.compilation import compiled
 from floquetrod.equations import Equation, Piece
 from floquetrod.equations.base import value_on
-from floquetrod.floquet.kernels.leapfrog import leapfrog_run
+from floquetrod.floquet.kernels.leapfrog import leapfrog_map_fill
+from floquetrod.floquet.kernels.powers import displacement_fill
 from floquetrod.floquet.verdict import Cost, Stability, Status, classify, discriminant_excess_of
 
 _MOST_STEPS = 100_000_000  # steps of a run, a choice: a fraction of a second to a second
@@ -79,13 +80,14 @@ def leapfrog(equation: Equation, *, step: float = 5e-4, periods: int = 100, limi
         raise ValueError(
             f"step = {step:g} is too long: step^2 times the coefficient is {reach:.3g}; take a shorter step"
         )
-    run = compiled(leapfrog_run)
-    a, _, taken = run(table, 1, step, equation.damping, periods, 0.0, 1.0)
-    log_growth = taken + (math.log(abs(a)) if a != 0.0 else -math.inf)
+    maps = np.array([_map(table[::stride], equation) for stride in (1, 2, 4)])
+    reached = np.empty(1)
+    compiled(displacement_fill)(maps[:1], reached, periods)
+    log_growth = math.log(10.0) * float(reached[0])
     time = periods * equation.period
-    maps = [_trace(table, stride, step, equation.damping) for stride in (1, 2, 4)]
-    trace, shift = maps[0]
-    fine, double, fourfold = (value * math.exp(max(-700.0, min(700.0, lift - shift))) for value, lift in maps)
+    traces = [(float(one[0] + one[3]), float(one[4])) for one in maps]
+    trace, shift = traces[0]
+    fine, double, fourfold = (value * math.exp(max(-700.0, min(700.0, lift - shift))) for value, lift in traces)
     # Second order: the fine map is off by a third of its difference from that of double steps, a quarter of what comes
     # next; more where steps are long or the coefficient jumps between them, or where two maps meet by chance.  To that
     # comes what all maps hide where the motion lags far behind, and a rounding at every step.
@@ -149,10 +151,9 @@ def _table(equation: Equation, pieces: tuple[Piece, ...], count: int) -> NDArray
     return table[:count]
 
 
-def _trace(table: NDArray[np.float64], stride: int, step: float, damping: float) -> tuple[float, float]:
-    """Return the trace of the scheme's map over a period, less the exponential of the second value."""
-    run = compiled(leapfrog_run)
-    a, _, one = run(table, stride, stride * step, damping, 1, 1.0, 0.0)
-    _, v, two = run(table, stride, stride * step, damping, 1, 0.0, 1.0)
-    common = max(one, two)
-    return a * math.exp(max(-700.0, one - common)) + v * math.exp(max(-700.0, two - common)), common
+def _map(table: NDArray[np.float64], equation: Equation) -> NDArray[np.float64]:
+    """Return the scheme's map over a period (5,), as `leapfrog_map_fill` does."""
+    out = np.empty((1, 5))
+    one, damping = np.ones(1), np.array([equation.damping])
+    compiled(leapfrog_map_fill)(one, 0.0 * one, damping, out, np.ascontiguousarray(table), equation.period)
+    return np.asarray(out[0])

@@ -109,8 +109,8 @@ def _most_growth(
 ) -> NDArray[np.float64]:
     """Bound the product of the norms of the maps to any instant and from there on, (b,), by their logarithmic norm.
 
-    With v' = D p and p' = -B(t) v that is half the norm of D - B(t), whose mean is taken from a few instants.  It stands
-    in an exponent, so that no bound of it will do.
+    With v' = D p and p' = -B(t) v that is half the norm of D - B(t), whose mean is taken from a few instants.  It is an
+    exponent, so that no bound of it will do.
     """
     turned = np.swapaxes(basis, -1, -2)
     rates = inverses(turned @ basis) - turned @ stiffness @ basis

@@ -127,7 +127,7 @@ def spectral_norm(matrix: NDArray[Any]) -> float:
         power = matrix / scale
         power = power.conj().T @ power
         power = power @ power
-        return 1.001 * scale * float(np.linalg.norm(power @ power)) ** 0.125  # n^(1/16) times the norm at most
+        return 1.001 * scale * math.sqrt(math.sqrt(math.sqrt(np.linalg.norm(power @ power))))  # n^(1/16) times the norm
     return float(np.linalg.svd(matrix, compute_uv=False)[0])
 
 
