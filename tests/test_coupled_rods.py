@@ -139,7 +139,7 @@ def close(rod: fr.Rod, load: Any) -> None:
 @pytest.mark.parametrize(
     "name",
     [
-        pytest.param(name, marks=[] if name in ("wire driven at 150", "tubing of 60 m, c = 0.2") else pytest.mark.slow)
+        pytest.param(name, marks=[] if name == "wire driven at 150" else pytest.mark.slow)
         for name in KNOWN
         if "120" not in name
     ],

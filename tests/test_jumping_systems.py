@@ -181,7 +181,7 @@ def test_two_pieces_against_the_exponentials_of_scipy() -> None:
     assert farthest(fr.stability(SQUARE).multipliers, truth) < 1e-13
 
 
-@pytest.mark.parametrize("name", MADE)
+@pytest.mark.parametrize("name", [pytest.param(name, marks=[pytest.mark.slow] * (name == "waves")) for name in MADE])
 def test_certified(name: str) -> None:
     system = MADE[name]
     proof = fr.certify(system)

@@ -13,7 +13,7 @@ import pytest
 from numpy.typing import NDArray
 
 import floquetrod as fr
-from conftest import JIT, needs_jit
+from conftest import JIT, depth, needs_jit
 from floquetrod._util.compilation import compiled
 from floquetrod.floquet.kernels import mathieu
 from floquetrod.floquet.kernels.mathieu import undamped_growth
@@ -45,7 +45,7 @@ def doubles(rng: np.random.Generator, n: int) -> list[float]:
     return [float(v) for v in np.where(rng.random(n) < 0.03, -0.0, values)]
 
 
-def misses(name: str, seed: int = 0, draws: int = 3000) -> int:
+def misses(name: str, seed: int = 0, draws: int = depth(3000, 600)) -> int:
     """Return how often an operation's enclosure, where it is finite, leaves out an exact result."""
     operation, exact = OPERATIONS[name]
     rng = np.random.default_rng(seed)

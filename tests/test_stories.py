@@ -59,7 +59,9 @@ def test_the_main_path_has_fewer_than_ten_lines_of_code(story: str) -> None:
     assert max(len(lines) for _, lines in found) < 10
 
 
-@pytest.mark.parametrize("story", ["my_rod", pytest.param("recorded_force", marks=pytest.mark.slow), "two_equations"])
+@pytest.mark.parametrize(
+    "story", ["my_rod", *(pytest.param(story, marks=pytest.mark.slow) for story in ("recorded_force", "two_equations"))]
+)
 def test_what_the_terminal_shows(story: str, ran: Ran) -> None:
     _, folder = ran(story)
     text = (HOW_TO / f"{story}.md").read_text(encoding="utf-8")
