@@ -176,7 +176,7 @@ def test_check_with_friction(capsys: pytest.CaptureFixture[str]) -> None:
 
 def test_map_with_friction(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     path = tmp_path / "kick.npz"
-    load = ["--mean", "0:1.1Fcr", "--amplitude", "0.7Fcr", "--frequency", "100:200", "--points", "6x5"]
+    load = ["--mean", "0:1.1Fcr", "--amplitude", "0.7Fcr", "--frequency", "100:200", "--points", "4x3"]
     assert cli.main(["map", "--rod", "nitinol", *load, "--mu", "0.1", "--kick", "50mm/s", "--out", str(path)]) == 0
     assert "amplitude 0.7 Fcr, critical force 1.69603 N, friction 0.1, kick 50 mm/s" in capsys.readouterr().out
     chart = fr.Chart.load(path)
@@ -436,6 +436,7 @@ def test_answers_are_in_the_units_asked_for(units: str, lines: list[str], capsys
     assert [line for line in lines if line not in out] == []
 
 
+@pytest.mark.slow
 def test_kicks_are_answered_in_the_unit_of_the_kick(capsys: pytest.CaptureFixture[str]) -> None:
     assert cli.main([*KICK, "--kick", "0.05m/s"]) == 0
     out = capsys.readouterr().out

@@ -431,6 +431,7 @@ def test_a_batch_with_uniform_damping_and_pieces_that_all_share() -> None:
     assert fr.systems.is_stable(batch).tolist() == [fr.stability(pick(batch, i)).stable for i in (0, 1)]
 
 
+@pytest.mark.slow
 def test_charts_with_bands() -> None:
     def family(omega: float, epsilon: float) -> fr.HillSystem:
         force = epsilon * np.array([[0.5, 1.0], [1.0, 0.8]])

@@ -156,6 +156,7 @@ def test_margins_end_where_stable_ranges_do(seed: int) -> None:
         assert ranges_attack.margin_against_ranges(question, varied) == []
 
 
+@pytest.mark.slow
 def test_a_margin_beyond_a_stable_range_would_be_found(monkeypatch: pytest.MonkeyPatch) -> None:
     question = rods.Question(ROD, 0.34 * FCR, 0.2 * FCR, 150.0, 0.01)
     assert ranges_attack.margin_against_ranges(question, "mean") == []

@@ -111,6 +111,7 @@ def test_my_rod_is_stable_in_its_windows_alone(ran: Ran) -> None:
         windows.table("N")
 
 
+@pytest.mark.slow
 def test_the_damping_that_the_band_of_my_rod_needs(ran: Ran) -> None:
     names, _ = ran("my_rod")
     rod, needed = names["rod"], names["damping"]

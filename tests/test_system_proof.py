@@ -337,6 +337,7 @@ def test_nearly_every_hamiltonian_system_is_decided_with_doubles() -> None:
     assert min(statuses.count("stable"), statuses.count("unstable")) > 0.1 * many
 
 
+@pytest.mark.slow
 @settings(max_examples=depth(8, 3), deadline=None)
 @given(seeds, st.integers(1, 2))
 @example(0, 3)
