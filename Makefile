@@ -12,6 +12,8 @@ BIN := $(VENV)/bin
 READY := $(VENV)/.ready
 DOCS_READY := $(VENV)/.docs-ready
 DIST_READY := $(VENV)/.dist-ready
+# What is imported is compiled to bytecode then: of all that is installed, a third.
+INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check --no-compile -c constraints.txt -e
 # Hypothesis and pytest write their own caches; worksteal keeps both workers busy to the end.  Each has a core of its own,
 # which a second thread of OpenBLAS would take from the other.
 PYTEST := OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest -n $(WORKERS) --dist worksteal
@@ -32,13 +34,13 @@ demo: $(READY)
 	@$(BIN)/floquetrod map --rod nitinol --mean 0:1.1Fcr --amplitude 0.2Fcr --frequency 20:200rad/s --growth \
 		--growth-tolerance 0.1 --mark 0.2Fcr,150rad/s --out demo_map.png
 
-# What leaves a processor idle, types, is checked beside the interpreted tests.
+# Types are checked on one processor, and the interpreted tests run on the other meanwhile.
 test: $(READY)
 	@$(MAKE) --no-print-directory -j 2 lint interpreted
 	$(PYTEST) -m "not slow"
 
 interpreted: $(READY)
-	NUMBA_DISABLE_JIT=1 $(PYTEST) -m "kernels and not slow"
+	NUMBA_DISABLE_JIT=1 $(PYTEST) -n 0 -m "kernels and not slow"
 
 lint: $(READY)
 	$(BIN)/ruff check .
@@ -71,7 +73,7 @@ docs: $(DOCS_READY)
 
 # Every page of that site in a browser, on a desktop, on a phone and in the dark; pictures of all into docs/_build/look.
 look: docs
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e ".[test,docs,site-check]"
+	$(INSTALL) ".[test,docs,site-check]"
 	$(BIN)/python docs/look.py docs/_build/html docs/_build/look
 
 bench: $(READY)
@@ -98,13 +100,13 @@ clean:
 # Written last, so that a failed or interrupted installation is begun again, from nothing.
 $(READY): pyproject.toml constraints.txt
 	$(PYTHON) -m venv --clear $(VENV)
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e ".[test]"
+	$(INSTALL) ".[test]"
 	@touch $@
 
 $(DOCS_READY): $(READY)
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e ".[test,docs]"
+	$(INSTALL) ".[test,docs]"
 	@touch $@
 
 $(DIST_READY): $(READY)
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e ".[test,dist]"
+	$(INSTALL) ".[test,dist]"
 	@touch $@

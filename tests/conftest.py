@@ -41,14 +41,14 @@ def depth(deep: int, quick: int) -> int:
 
 
 # No deadline: nothing is timed.
-settings.register_profile("default", deadline=None, print_blob=True, derandomize=not DEEP, max_examples=depth(100, 25))
+settings.register_profile("default", deadline=None, print_blob=True, derandomize=not DEEP, max_examples=depth(100, 15))
 # Without the compiler an example costs about a hundred times more.
 settings.register_profile(
     "interpreted",
     deadline=None,
     print_blob=True,
     derandomize=not DEEP,
-    max_examples=10,
+    max_examples=6,
     suppress_health_check=[HealthCheck.too_slow],
 )
 JIT = os.environ.get("NUMBA_DISABLE_JIT", "0") != "1"

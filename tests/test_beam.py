@@ -157,7 +157,7 @@ def chebyshev_points(degree: int) -> np.ndarray:
 # --- the basis ---
 
 
-@pytest.mark.parametrize("count", [1, 2, 3, 12, 64, 70])
+@pytest.mark.parametrize("count", [1, 2, 3, 12, 64, pytest.param(70, marks=pytest.mark.slow)])
 @pytest.mark.parametrize("ends", PAIRS, ids=str)
 def test_a_basis_is_orthonormal(ends: Ends, count: int) -> None:
     found = beam.basis(ends, count)

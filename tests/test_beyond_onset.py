@@ -148,6 +148,7 @@ def pushed(friction: float, speed: float, half_waves: int = 12) -> tuple[float, 
     return force[:waves].max(), force[:helix].max(), run
 
 
+@pytest.mark.slow
 def test_a_slowly_pushed_rod_waves_and_then_winds() -> None:
     """Waves from F_p on; a helix between sqrt(2) (Chen, Lin and Cheatham) and 1.83 F_p (Wu and Juvkam-Wold)."""
     waves, helix, run = pushed(0.0, 2e-3)

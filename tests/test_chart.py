@@ -12,6 +12,7 @@ import pytest
 from matplotlib import pyplot
 
 import floquetrod as fr
+from conftest import depth
 from drawn import note
 from floquetrod.equations import Equation
 
@@ -69,7 +70,8 @@ def test_an_equation_chart_is_its_array_of_verdicts() -> None:
 def test_charts_of_other_equations(
     family: Callable[[float, float, float], Equation], kind: str, damping: float
 ) -> None:
-    chart = fr.mathieu.chart((0.1, 3.0, 9), (-2.0, 0.5, 8), damping, equation=family, growth=True)
+    points = (0.1, 3.0, depth(9, 5)), (-2.0, 0.5, depth(8, 4))
+    chart = fr.mathieu.chart(*points, damping, equation=family, growth=True)
     assert chart.caption.startswith(f"{kind}, damping")
     assert chart.undecided == 0
     assert chart.growth_rate is not None
@@ -78,7 +80,7 @@ def test_charts_of_other_equations(
             expected = fr.stability(family(float(alpha), float(beta), damping), method="reference", digits=30)
             assert chart.stable[row, column] == expected.stable
             assert chart.growth_rate[row, column] == pytest.approx(expected.growth_rate, rel=1e-8, abs=1e-12)
-    tolerant = fr.mathieu.chart((0.1, 3.0, 9), (-2.0, 0.5, 8), damping, equation=family, growth_tolerance=0.3)
+    tolerant = fr.mathieu.chart(*points, damping, equation=family, growth_tolerance=0.3)
     assert np.array_equal(tolerant.stable, chart.stable | (chart.growth_rate <= 0.3))
 
 

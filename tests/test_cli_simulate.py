@@ -217,6 +217,7 @@ def test_perturbations(
     assert fr.Simulation.load(path).problem.perturbation == expected
 
 
+@pytest.mark.slow
 def test_writes_every_kind(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     paths = [tmp_path / name for name in ("run.npz", "run.png", "run.gif")]
     out = [word for path in paths for word in ("--out", str(path))]

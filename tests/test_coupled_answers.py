@@ -341,6 +341,7 @@ def test_a_margin_reports_each_piece_of_its_search() -> None:
     assert told[-1] == (1000, 1000)
 
 
+@pytest.mark.slow
 def test_a_margin_reports_within_each_piece_of_its_search() -> None:
     told: list[tuple[int, int]] = []
     verdict("sine").margin("mean", seconds=2.0, progress=lambda *both: told.append(both))

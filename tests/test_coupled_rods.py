@@ -139,7 +139,7 @@ def close(rod: fr.Rod, load: Any) -> None:
 @pytest.mark.parametrize(
     "name",
     [
-        pytest.param(name, marks=[] if name in ("wire driven at 150", "tubing of 60 m, c = 0.2") else pytest.mark.slow)
+        pytest.param(name, marks=[] if name == "wire driven at 150" else pytest.mark.slow)
         for name in KNOWN
         if "120" not in name
     ],
@@ -164,11 +164,15 @@ def test_finite_differences_know_beams(ends: str) -> None:
 SOME = "clamped", "clamped-hinged", "hinged-clamped", "clamped-guided", "guided-free"
 
 
+LONG = {"driven", "two harmonics"}
+"""Ways of forcing with which finite differences take a second."""
+
+
 @pytest.mark.parametrize(
     ("ends", "way"),
     [
-        # Each of both once, and all of one with all of the other under `make slow`.
-        pytest.param(ends, way, marks=[] if SOME.index(ends) == WAYS.index(way) else pytest.mark.slow)
+        # The quicker three of each of both once, and all of one with all of the other under `make slow`.
+        pytest.param(ends, way, marks=[pytest.mark.slow] * (SOME.index(ends) != WAYS.index(way) or way in LONG))
         for ends in SOME
         for way in WAYS
     ],

@@ -99,6 +99,7 @@ ELSEWHERE = {"theory/agreement.md"} | {f"how_to/{story}.md" for story in STORIES
 
 
 LONG = {
+    "index.md",
     "theory/validation.md",
     "theory/orbits.md",
     "how_to/limit_cycle.md",

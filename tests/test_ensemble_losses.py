@@ -148,8 +148,15 @@ def test_damaged_coordinates_are_written_again(name: str, damage: str, frames: b
     assert_same(xarray.open_zarr(place), whole)
 
 
-@pytest.mark.parametrize("damage", ["gone", "cut", "foreign"])
-@pytest.mark.parametrize("name", ["kick/.zarray", "kick/.zattrs", "buckled/.zarray", "angle/.zattrs", "angle/.zarray"])
+@pytest.mark.parametrize(
+    ("name", "damage"),
+    [
+        # Each of both at least once, and all of one with all of the other under `make slow`.
+        pytest.param(name, damage, marks=[pytest.mark.slow] * (i % 3 != k))
+        for i, name in enumerate(["kick/.zarray", "kick/.zattrs", "buckled/.zarray", "angle/.zattrs", "angle/.zarray"])
+        for k, damage in enumerate(["gone", "cut", "foreign"])
+    ],
+)
 def test_damaged_metadata_is_written_again(name: str, damage: str, tmp_path: Path) -> None:
     place, over = tmp_path / "runs.zarr", {"kick": [0.01, 0.02]}
     whole = stored(place, over, frames=True)

@@ -327,9 +327,16 @@ def test_a_store_continues_where_only_runs_are_left_that_fail(tmp_path: Path) ->
     assert fr.ensemble(PROBLEM, over, store=place, summary=depth).status.values.tolist() == [1, 2]
 
 
-@pytest.mark.parametrize("damage", ["cut", "empty", "flip", "gone"])
-@pytest.mark.parametrize("name", ["status", "largest_angle", "buckled", "positions"])
-def test_damaged_chunks_are_computed_again(damage: str, name: str, tmp_path: Path) -> None:
+@pytest.mark.parametrize(
+    ("name", "damage"),
+    [
+        # Each array once, each damage to the status, and all to all under `make slow`.
+        pytest.param(name, damage, marks=[pytest.mark.slow] * (name != "status" and i != k))
+        for i, name in enumerate(["status", "largest_angle", "buckled", "positions"])
+        for k, damage in enumerate(["cut", "empty", "flip", "gone"])
+    ],
+)
+def test_damaged_chunks_are_computed_again(name: str, damage: str, tmp_path: Path) -> None:
     place, over = tmp_path / "runs.zarr", {"kick": [0.01, 0.02], "seed": range(2)}
     whole = stored(place, over, frames=True)
     file = sorted(path for path in (place / name).rglob("*") if path.is_file() and not path.name.startswith("."))[0]

@@ -254,6 +254,7 @@ def test_loads_of_every_kind(load: fr.AxialLoad | fr.AxialWave) -> None:
     assert next(shown._in_time(lambda: False))["verdict"].startswith(ROD.stability(shown.load).status)
 
 
+@pytest.mark.slow
 def test_without_the_weight_along_it_an_inclined_rod_has_independent_modes() -> None:
     rod = ROD.replace(inclination=1.0)
     load = fr.AxialLoad(0.3, 0.1, 100.0, mean_at=None)

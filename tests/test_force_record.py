@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import datetime
+import functools
 import math
 import pickle
 import re
@@ -140,7 +141,7 @@ def test_amplitude_and_waveform_make_the_force(rng: np.random.Generator) -> None
     assert record.force(0.25) == pytest.approx(float(record.force(np.array([0.25]))[0]), rel=1e-15)
 
 
-@pytest.mark.parametrize("periods", [2.1, 3.1, 60.7])
+@pytest.mark.parametrize("periods", [2.1, pytest.param(3.1, marks=pytest.mark.slow), 60.7])
 def test_short_and_long_records(periods: float, rng: np.random.Generator) -> None:
     assert sum(right(fr.ForceRecord(*made(rng, periods)[:2])) for _ in range(20)) >= 18
 
@@ -172,7 +173,7 @@ def wandering(case: Made, rng: np.random.Generator) -> tuple[Any, Any]:
     return case.time, case.force + 0.05 * walk / walk.std()
 
 
-@pytest.mark.parametrize("change", [gap, nan, uneven, trend, late, wandering][:: depth(1, 2)])
+@pytest.mark.parametrize("change", [gap, nan, uneven, trend, late, wandering][:: depth(1, 3)])
 def test_imperfect_records(change: Callable[..., tuple[Any, Any]], rng: np.random.Generator) -> None:
     assert sum(right(fr.ForceRecord(*change(made(rng), rng))) for _ in range(20)) >= 18
 
@@ -209,9 +210,10 @@ def test_a_fundamental_weaker_than_its_harmonics_is_found(rng: np.random.Generat
 
 def test_a_pure_wave_is_not_taken_for_a_harmonic(rng: np.random.Generator) -> None:
     time = np.arange(1500) * (PERIOD / 200)
-    records = [fr.ForceRecord(time, np.sin(OMEGA * time) + 0.2 * rng.standard_normal(time.size)) for _ in range(50)]
+    many = depth(50, 20)
+    records = [fr.ForceRecord(time, np.sin(OMEGA * time) + 0.2 * rng.standard_normal(time.size)) for _ in range(many)]
     assert all(abs(record.frequency / OMEGA - 1.0) < 1e-2 for record in records)
-    assert sum(record.harmonic_numbers == (1,) for record in records) >= 47
+    assert sum(record.harmonic_numbers == (1,) for record in records) >= 0.94 * many
 
 
 def test_a_given_frequency_is_refined(rng: np.random.Generator) -> None:
@@ -389,6 +391,11 @@ def written(
     return path
 
 
+@functools.cache
+def plain() -> fr.ForceRecord:
+    return fr.ForceRecord(TIME, FORCE)
+
+
 def pairs() -> list[tuple[float, float]]:
     return list(zip(TIME.tolist(), FORCE.tolist(), strict=True))
 
@@ -412,9 +419,9 @@ def pairs() -> list[tuple[float, float]]:
 )
 def test_files_as_people_write_them(head: str, made_with: Any, options: Any, tmp_path: Path) -> None:
     record = fr.ForceRecord.from_csv(written(tmp_path / "force.csv", head=head, **made_with), **options)
-    plain = fr.ForceRecord(TIME, FORCE)
-    assert (record.frequency, record.mean) == pytest.approx((plain.frequency, plain.mean), rel=1e-9)
-    assert record.harmonic_numbers == plain.harmonic_numbers
+    expected = plain()
+    assert (record.frequency, record.mean) == pytest.approx((expected.frequency, expected.mean), rel=1e-9)
+    assert record.harmonic_numbers == expected.harmonic_numbers
 
 
 def test_columns_are_chosen_by_heading_and_empty_cells_left_out(tmp_path: Path) -> None:

@@ -50,7 +50,19 @@ TRUST = (ROOT / "docs" / "theory" / "trust.md").read_text(encoding="utf-8")
 ROD = fr.Rod.nitinol()
 
 
-LONG = ("terminal", "disks", "real_rods", "concurrency", "margins", "kills", "kicks", "systems", "ranges", "files")
+LONG = (
+    "junk",
+    "terminal",
+    "disks",
+    "real_rods",
+    "concurrency",
+    "margins",
+    "kills",
+    "kicks",
+    "systems",
+    "ranges",
+    "files",
+)
 """Attacks that take a second and more."""
 
 

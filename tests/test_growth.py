@@ -65,7 +65,7 @@ def periods_for(system: fr.HillSystem, efoldings: float) -> int:
 
 @pytest.mark.parametrize("per_period", [16.0, 8.4])
 @pytest.mark.parametrize("damping", [0.0, 0.01])
-@pytest.mark.parametrize("order", [1, 2, 4])
+@pytest.mark.parametrize("order", [1, 2, pytest.param(4, marks=pytest.mark.slow)])
 def test_growth_of_coupled_modes(order: int, damping: float, per_period: float) -> None:
     rng = np.random.default_rng(order)
     system = coupled(order, rng, damping)

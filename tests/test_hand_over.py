@@ -141,13 +141,13 @@ UNITS = {"mean": "lbf", "amplitude": "lbf", "frequency": "Hz", "length": "ft", "
 
 
 def test_all_of_it_is_in_the_units_asked_for(tmp_path: Path) -> None:
-    tubing = fr.Rod.catalogue("2.00x0.156 CT90", bore="4.778in", length="200ft", inclination="60deg")
+    tubing = fr.Rod.catalogue("2.00x0.156 CT90", bore="4.778in", length="20ft", inclination="60deg")
     verdict = tubing.stability(fr.AxialLoad("3000lbf", 0.0, "15Hz"))
     page = words(fr.save_report(verdict, tmp_path / "a.html", units=UNITS).read_text())
     for told in (
         f"critical force {tubing.critical_force / 4.4482216152605:.4g} lbf",
         "inner diameter 1.688 in, inclination 60 deg",
-        "length 200 ft",
+        "length 20 ft",
         "diameter 2 in (50.8 mm)",
         "youngs modulus 30.0228 Mpsi",
         "yield strength 90 ksi",

@@ -181,7 +181,7 @@ def test_two_pieces_against_the_exponentials_of_scipy() -> None:
     assert farthest(fr.stability(SQUARE).multipliers, truth) < 1e-13
 
 
-@pytest.mark.parametrize("name", MADE)
+@pytest.mark.parametrize("name", [pytest.param(name, marks=[pytest.mark.slow] * (name == "waves")) for name in MADE])
 def test_certified(name: str) -> None:
     system = MADE[name]
     proof = fr.certify(system)
@@ -431,6 +431,7 @@ def test_a_batch_with_uniform_damping_and_pieces_that_all_share() -> None:
     assert fr.systems.is_stable(batch).tolist() == [fr.stability(pick(batch, i)).stable for i in (0, 1)]
 
 
+@pytest.mark.slow
 def test_charts_with_bands() -> None:
     def family(omega: float, epsilon: float) -> fr.HillSystem:
         force = epsilon * np.array([[0.5, 1.0], [1.0, 0.8]])

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import assume, given, settings
 
 import floquetrod as fr
-from conftest import depth
+from conftest import JIT, depth
 from floquetrod._util.compilation import compiled
 from floquetrod.floquet.kernels.leapfrog import leapfrog_map_fill
 from floquetrod.floquet.methods.leapfrog import leapfrog
@@ -128,7 +128,7 @@ def test_a_step_too_long_for_the_coefficient_is_told() -> None:
 
 
 @pytest.mark.kernels
-@settings(max_examples=depth(100, 25))
+@settings(max_examples=depth(100, 25 if JIT else 6))
 @given(
     mathieus(largest_alpha=1e4, beta=(-1e4, 1e3), largest_damping=10.0)
     | square_waves(largest=1e3, largest_damping=10.0)

@@ -30,7 +30,7 @@ CLAIMS = {
 DISAGREE = {"F3-a", "F3-map", "F6-b"}
 
 
-LONG = {"F8-a", "F3-c", "F3-map"}
+LONG = {"F8-a", "F8-b", "F3-c", "F3-map"}
 """Claims that take a second and more; `floquetrod reproduce` computes all."""
 
 
@@ -162,7 +162,7 @@ def test_intervals_and_tongues_are_the_exact_verdict(rng: np.random.Generator) -
     "draw",
     [
         lambda: figures.figure_2(12),
-        lambda: figures.figure_3((8, 6)),
+        pytest.param(lambda: figures.figure_3((8, 6)), marks=pytest.mark.slow),
         pytest.param(lambda: figures.figure_8(8, 12), marks=pytest.mark.slow),
         lambda: friction_figures.figure_5(12),
         pytest.param(lambda: friction_figures.figure_6(8), marks=pytest.mark.slow),

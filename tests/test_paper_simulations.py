@@ -191,6 +191,7 @@ def test_what_torsion_holds() -> None:
     assert share == pytest.approx((8.0 / 122.01, 0.2, 16.0 / 98.0, 1.0))
 
 
+@pytest.mark.slow
 def test_the_report_holds_the_simulations(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -143,7 +143,7 @@ def test_vertices_lie_on_boundaries_judged_by_reference(plane: tuple[str, str], 
     rng = np.random.default_rng(7)
     wide = [b for b in found.bands if min(np.ptp(b.x) / b.x.max(), np.ptp(b.y) / b.y.max()) > 1e-3]
     asked = 0
-    for band in [wide[i] for i in rng.permutation(len(wide))[:6]]:
+    for band in [wide[i] for i in rng.permutation(len(wide))[: depth(6, 4)]]:
         inner = np.flatnonzero(inside_window(found, band) & (np.abs(band.y) > 1e-3) & (np.abs(band.x) > 1e-3))
         for k in rng.permutation(inner)[:2].tolist():
             verdicts = set()

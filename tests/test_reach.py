@@ -51,7 +51,7 @@ def test_each_force_with_the_tool_is_that_of_its_own_string(above_end: float) ->
     assert shaken.error < 5e-3 * abs(still.at_top)
 
 
-@pytest.mark.parametrize("push", [None, "15kN"])
+@pytest.mark.parametrize("push", [pytest.param(None, marks=pytest.mark.slow), "15kN"])
 def test_the_force_at_the_bit_is_what_the_upper_end_can_push_there(push: str | None) -> None:
     found = TUBING.reach(WELL, 0.3, push=push, depth=[1200.0, 2500.0, 3500.0])
     assert np.isnan(found.bit[-1])
@@ -70,6 +70,7 @@ def test_where_it_never_gets_nothing_arrives_at_the_bit() -> None:
     assert "locked" in str(found.report())
 
 
+@pytest.mark.slow
 def test_strings_are_marched_side_by_side(monkeypatch: pytest.MonkeyPatch) -> None:
     """Sixty strings, which end and buckle at depths of their own, take hardly more steps than the longest alone."""
     calls = []

@@ -368,7 +368,7 @@ def test_the_example_file(capsys: pytest.CaptureFixture[str]) -> None:
     shown = capsys.readouterr().out
     assert "weight in fluid 39.18 N/m" in shown
     assert "the weight along the rod is neglected" in shown
-    assert cli.main([*question, "--json"]) == 0
+    assert cli.main([*question, "--no-margins", "--json"]) == 0
     record = json.loads(capsys.readouterr().out)
     assert fr.Rod(**record["rod"]) == rod
     assert record["weight_per_length_N_per_m"] == rod.weight_per_length

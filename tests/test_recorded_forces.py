@@ -137,7 +137,7 @@ def test_the_fit_is_the_force() -> None:
 def test_the_modes_named_are_those_whose_own_equations_grow() -> None:
     rng = np.random.default_rng(5)
     rod, seen = ROD.replace(damping_rate=0.0), 0
-    count = depth(30, 10)
+    count = depth(30, 5)
     for _ in range(count):
         load = clean_load(rng)
         verdict = rod.stability(load)

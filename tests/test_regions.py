@@ -17,6 +17,7 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 import floquetrod as fr
+from conftest import depth
 from floquetrod import methods
 from floquetrod._util.interval import PI, Interval
 from floquetrod.floquet.proof.region import RegionProof
@@ -120,10 +121,10 @@ def sampled(rng: np.random.Generator, rod: fr.Rod, box: dict[str, Any], loads: i
 
 
 @pytest.mark.filterwarnings("ignore::floquetrod.UniformForceWarning")
-def test_random_boxes_agree_with_the_verdicts_on_loads_and_rods_in_them() -> None:
-    rng = np.random.default_rng()
+def test_random_boxes_agree_with_the_verdicts_on_loads_and_rods_in_them(rng: np.random.Generator) -> None:
     statuses = []
-    for _ in range(150):
+    many = depth(150, 60)
+    for _ in range(many):
         rod, box, tolerance = random_question(rng)
         proof = rod.certify(**box, growth_tolerance=tolerance, max_boxes=3000)
         statuses.append(proof.status)
@@ -138,7 +139,7 @@ def test_random_boxes_agree_with_the_verdicts_on_loads_and_rods_in_them() -> Non
             assert all(box[n][0] <= getattr(load, n) <= box[n][1] for n in ("mean", "amplitude", "frequency"))
             assert all(a <= getattr(example.rod, n) <= b for n, (a, b) in box.get("rod", {}).items())
     assert {"stable", "unstable", "mixed"} <= set(statuses)
-    assert statuses.count("undecided") <= 30
+    assert statuses.count("undecided") <= 0.2 * many
 
 
 def test_loads_next_to_a_boundary_agree_with_many_digits() -> None:
@@ -156,11 +157,10 @@ def test_loads_next_to_a_boundary_agree_with_many_digits() -> None:
 
 
 @pytest.mark.filterwarnings("ignore::floquetrod.UniformForceWarning")
-def test_most_boxes_with_a_margin_are_proved() -> None:
+def test_most_boxes_with_a_margin_are_proved(rng: np.random.Generator) -> None:
     """Boxes whose enlargement by a hundredth of the values is stable on a dense sample."""
-    rng = np.random.default_rng()
     proved = total = 0
-    for _ in range(300):
+    for _ in range(depth(300, 120)):
         rod, box, tolerance = random_question(rng)
         box.pop("rod", None)
         wide = {n: (a - 0.01 * abs(a), b + 0.01 * abs(b)) for n, (a, b) in box.items()}
@@ -168,7 +168,7 @@ def test_most_boxes_with_a_margin_are_proved() -> None:
         if rod.is_stable(*loads, growth_tolerance=tolerance).all():
             total += 1
             proved += rod.certify(**box, growth_tolerance=tolerance).status == "stable"
-    assert total > 20
+    assert total > depth(20, 8)
     assert proved >= 0.9 * total  # 0.95 of many; a sample that misses a thin tongue counts against it
 
 
@@ -329,7 +329,9 @@ def test_rods_with_coupled_modes_are_refused() -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("tolerances", [{}, {"length": (3.098, 3.102)}])
-def test_the_largest_safe_box_is_safe_and_cannot_be_widened(tolerances: dict[str, Any]) -> None:
+def test_the_largest_safe_box_is_safe_and_cannot_be_widened(
+    tolerances: dict[str, Any], rng: np.random.Generator
+) -> None:
     load = fr.AxialLoad(0.34 * FORCE, 0.2 * FORCE, 150.0)
     calls: list[int] = []
     found = DAMPED.largest_safe_box(
@@ -345,7 +347,6 @@ def test_the_largest_safe_box_is_safe_and_cannot_be_widened(tolerances: dict[str
                 continue
             box = sides | {quantity: wider}
             assert DAMPED.certify(**box, rod=tolerances, max_boxes=2000).status != "stable"
-    rng = np.random.default_rng()
     for rod, loads in sampled(rng, DAMPED, {**sides, **({"rod": tolerances} if tolerances else {})}, 500):
         assert rod.is_stable(*loads, growth_tolerance=1e-6).all()
     text = found.table(mean="Fcr", frequency="Hz")
@@ -459,8 +460,7 @@ def chart() -> fr.Chart:
     )
 
 
-def test_every_cell_of_a_certified_map_agrees_with_loads_in_it(chart: fr.Chart) -> None:
-    rng = np.random.default_rng()
+def test_every_cell_of_a_certified_map_agrees_with_loads_in_it(chart: fr.Chart, rng: np.random.Generator) -> None:
     x, y = chart.x.values, chart.y.values
     across, up = (np.concatenate([v[:1], 0.5 * (v[1:] + v[:-1]), v[-1:]]) for v in (x, y))
     assert chart.cells is not None

@@ -13,7 +13,7 @@ import pytest
 from numpy.typing import NDArray
 
 import floquetrod as fr
-from conftest import JIT, needs_jit
+from conftest import JIT, depth, needs_jit
 from floquetrod._util.compilation import compiled
 from floquetrod.floquet.kernels import mathieu
 from floquetrod.floquet.kernels.mathieu import undamped_growth
@@ -45,7 +45,7 @@ def doubles(rng: np.random.Generator, n: int) -> list[float]:
     return [float(v) for v in np.where(rng.random(n) < 0.03, -0.0, values)]
 
 
-def misses(name: str, seed: int = 0, draws: int = 3000) -> int:
+def misses(name: str, seed: int = 0, draws: int = depth(3000, 600)) -> int:
     """Return how often an operation's enclosure, where it is finite, leaves out an exact result."""
     operation, exact = OPERATIONS[name]
     rng = np.random.default_rng(seed)
@@ -477,7 +477,7 @@ def test_cells_are_proved() -> None:
     assert set(out.tolist()) == {1, 0, 2}
     rng = np.random.default_rng(19)
     for cell in range(48):
-        at = rng.random((2, 300))
+        at = rng.random((2, 300 if JIT else 30))
         mean = corners[0][cell] + at[0] * (corners[2][cell] - corners[0][cell])
         amplitude = corners[1][cell] + at[1] * (corners[3][cell] - corners[1][cell])
         stable = rod.is_stable(mean, amplitude, 120.0, growth_tolerance=0.01)
@@ -491,7 +491,7 @@ def test_more_pending_modes_than_are_listed(monkeypatch: pytest.MonkeyPatch) -> 
     rod = fr.Rod.nitinol().replace(damping_rate=1.0)
     unit = rod.critical_force
     examined = 0
-    for _ in range(25):
+    for _ in range(25 if JIT else 8):
         low = np.array([rng.uniform(0.2, 0.8) * unit, rng.uniform(0.01, 0.1) * unit, rng.uniform(100.0, 150.0)])
         high = low * np.array([1.1, 1.2, 1.02])
         monkeypatch.undo()

@@ -102,7 +102,10 @@ class Disk:
         monkeypatch.setattr(checkpoints, "_SECONDS_BETWEEN", 0.0)
 
 
-@pytest.mark.parametrize("number", [errno.ENOSPC, errno.EIO, errno.EDQUOT, errno.EACCES])
+@pytest.mark.parametrize(
+    "number",
+    [errno.ENOSPC, errno.EACCES, *(pytest.param(each, marks=pytest.mark.slow) for each in (errno.EIO, errno.EDQUOT))],
+)
 def test_a_save_that_fails_warns_and_costs_nothing(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, number: int
 ) -> None:

@@ -129,6 +129,7 @@ def test_resumes_saves_and_loads_to_the_bit(tmp_path: Path, monkeypatch: pytest.
     assert whole.as_dict()["tool"] == {"amplitude": 0.4, "frequency": 700.0, "above_end": 1.0}
 
 
+@pytest.mark.slow
 def test_a_run_without_does_not_continue_one_with_a_natural_curvature(tmp_path: Path) -> None:
     bent = fr.SimulationProblem(ROD.replace(path=WELL), STILL, duration=1e-3, segments=56, natural_curvature="path")
     bent.run(checkpoint=tmp_path / "run.ckpt")

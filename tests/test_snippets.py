@@ -13,6 +13,7 @@ import subprocess
 import sys
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -30,8 +31,20 @@ PAGES = [
 MODULES = [
     ".".join(part for part in path.relative_to(ROOT).with_suffix("").parts if part != "__init__")
     for path in sorted((ROOT / "floquetrod").rglob("*.py"))
-    if path.name != "__main__.py"  # importing it runs the terminal
+    if path.name != "__main__.py" and ">>> " in path.read_text(encoding="utf-8")  # importing that runs the terminal
 ]
+LONG = {
+    "docs/start/first_ten_minutes.md",
+    "floquetrod.explorer.explorer",
+    "floquetrod.orbits.following",
+    "floquetrod.rod.reach_probability",
+}
+"""Whose examples take about a second and more; those of `Rod` are run in any case."""
+
+
+def quick(names: list[str]) -> list[Any]:
+    """Return names as parameters, the long ones marked."""
+    return [pytest.param(name, marks=[pytest.mark.slow] * (name in LONG)) for name in names]
 
 
 def blocks(page: str, language: str) -> list[str]:
@@ -41,7 +54,7 @@ def blocks(page: str, language: str) -> list[str]:
     )
 
 
-@pytest.mark.parametrize("page", [page for page in PAGES if blocks(page, "python")])
+@pytest.mark.parametrize("page", quick([page for page in PAGES if blocks(page, "python")]))
 def test_python_snippets(page: str) -> None:
     examples = "\n".join(blocks(page, "python"))
     parsed = doctest.DocTestParser().get_doctest(examples, {}, page, page, 0)
@@ -106,7 +119,7 @@ def test_what_the_front_door_points_to_is_there() -> None:
     assert (ROOT / "docs/picture.png").stat().st_size < 100_000
 
 
-@pytest.mark.parametrize("module", MODULES)
+@pytest.mark.parametrize("module", quick(MODULES))
 def test_docstring_examples(module: str) -> None:
     report: list[str] = []
     tests = doctest.DocTestFinder().find(importlib.import_module(module))

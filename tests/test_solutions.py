@@ -97,9 +97,10 @@ HIDDEN = [  # one of value and slope at pi / 2, or at 0 where q < 0, is lost in 
 
 
 def test_the_sign_of_me_is_that_of_sixty_digits(rng: np.random.Generator) -> None:
-    drawn = zip(rng.uniform(-12.0, 12.0, 15).tolist(), rng.uniform(-400.0, 400.0, 15).tolist(), strict=True)
-    beside = rng.integers(-9, 10, 15) + rng.choice([-1.0, 1.0], 15) * 10.0 ** rng.uniform(-6.0, -1.0, 15)
-    for order, q in [*HIDDEN, *drawn, *zip(beside.tolist(), rng.uniform(-400.0, 400.0, 15).tolist(), strict=True)]:
+    many = depth(15, 5)
+    drawn = zip(rng.uniform(-12.0, 12.0, many).tolist(), rng.uniform(-400.0, 400.0, many).tolist(), strict=True)
+    beside = rng.integers(-9, 10, many) + rng.choice([-1.0, 1.0], many) * 10.0 ** rng.uniform(-6.0, -1.0, many)
+    for order, q in [*HIDDEN, *drawn, *zip(beside.tolist(), rng.uniform(-400.0, 400.0, many).tolist(), strict=True)]:
         frequency, coefficient = largest_coefficient(order, q)
         found = characteristic_function(order, q)
         place = int(np.argmin(np.abs(found.frequencies - frequency)))

@@ -47,7 +47,12 @@ def derivative(equation: Any, time: float, state: Any) -> Any:
     return [state[1], equation.coefficient(time) * state[0] - 2.0 * equation.damping * state[1]]
 
 
-@pytest.mark.parametrize(("equation", "initial", "span"), CASES)
+@pytest.mark.parametrize(
+    ("equation", "initial", "span"),
+    [
+        pytest.param(*case, marks=[pytest.mark.slow] * (number == 1)) for number, case in enumerate(CASES)
+    ],  # and backwards
+)
 def test_against_dop853(equation: Any, initial: Any, span: tuple[float, float]) -> None:
     solution = fr.solve(equation, initial, span)
     times = np.linspace(*span, 41)

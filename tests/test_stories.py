@@ -59,7 +59,9 @@ def test_the_main_path_has_fewer_than_ten_lines_of_code(story: str) -> None:
     assert max(len(lines) for _, lines in found) < 10
 
 
-@pytest.mark.parametrize("story", ["my_rod", pytest.param("recorded_force", marks=pytest.mark.slow), "two_equations"])
+@pytest.mark.parametrize(
+    "story", ["my_rod", *(pytest.param(story, marks=pytest.mark.slow) for story in ("recorded_force", "two_equations"))]
+)
 def test_what_the_terminal_shows(story: str, ran: Ran) -> None:
     _, folder = ran(story)
     text = (HOW_TO / f"{story}.md").read_text(encoding="utf-8")
@@ -109,6 +111,7 @@ def test_my_rod_is_stable_in_its_windows_alone(ran: Ran) -> None:
         windows.table("N")
 
 
+@pytest.mark.slow
 def test_the_damping_that_the_band_of_my_rod_needs(ran: Ran) -> None:
     names, _ = ran("my_rod")
     rod, needed = names["rod"], names["damping"]

@@ -91,7 +91,7 @@ def balanced(found: system_even.HalfPeriodMap, true: Floats) -> tuple[Floats, Fl
 def test_the_half_period_map_is_within_its_error(
     rng: np.random.Generator, n: int, count: int, symmetric: bool, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    for forcing, largest in [(0.05, 1.0), (0.5, 4.0), (0.1, 30.0)]:
+    for forcing, largest in [(0.5, 4.0), (0.05, 1.0), (0.1, 30.0)][: depth(3, 1) if n == 3 else 3]:
         system = random_system(rng, n, count, forcing, largest, symmetric)
         true = true_map(system[0][0], system[1][0], float(system[2][0]), 0.5)
         for accuracy in (1e-6, 1e-10, 1e-13):

@@ -91,7 +91,7 @@ def test_long_strings_agree_with_runge_kutta(axial_damping: float, damping: floa
     assert result.error < 1e-4
 
 
-@pytest.mark.parametrize("damping", [0.0, 0.05])
+@pytest.mark.parametrize("damping", [pytest.param(0.0, marks=pytest.mark.slow), 0.05])
 def test_both_methods_for_many_equations_agree(damping: float) -> None:
     system = string(260, damping=damping)
     one, other = (fr.stability(system, method) for method in ("half_period", "monodromy"))

@@ -60,9 +60,17 @@ def check_agreement(one: Any, truth: Any, slack: float = 1e-13) -> None:
 
 # --- truth -----------------------------------------------------------------------------------------------------------
 
+LONG = {("ground resonance", "reference")}
+"""What takes a second and more."""
+
 
 @pytest.mark.parametrize(
-    ("case", "method"), [(case, method.name) for case in CASES for method in applicable(CASES[case][0])]
+    ("case", "method"),
+    [
+        pytest.param(case, method.name, marks=[pytest.mark.slow] * ((case, method.name) in LONG))
+        for case in CASES
+        for method in applicable(CASES[case][0])
+    ],
 )
 def test_truth(case: str, method: str) -> None:
     system, growth, status = CASES[case]
@@ -374,7 +382,7 @@ def test_counts_agree_with_multipliers(system: fr.HillSystem) -> None:
 # --- errors and refusals ---------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("digits", [10, 30, 100])
+@pytest.mark.parametrize("digits", [10, 30, pytest.param(100, marks=pytest.mark.slow)])
 def test_the_bound_of_the_map_covers_its_error(digits: int, rng: np.random.Generator) -> None:
     """Where x' = f(t) x, f of mean zero, has the multiplier 1 exactly, what is not 1 is error."""
     context = mpmath.MPContext()
@@ -400,7 +408,9 @@ NEUTRAL = {
 }
 
 
-@pytest.mark.parametrize("name", NEUTRAL)
+@pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=[pytest.mark.slow] * (name == "a free body")) for name in NEUTRAL]
+)
 def test_nothing_grows_exactly_and_nothing_is_said_to(name: str) -> None:
     system = NEUTRAL[name]
     for result in (fr.stability(system), *fr.compare(system).results):

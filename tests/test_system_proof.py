@@ -331,11 +331,13 @@ def test_no_proof_contradicts_an_integration(seed: int, n: int) -> None:
 
 
 def test_nearly_every_hamiltonian_system_is_decided_with_doubles() -> None:
-    statuses = [certify_system(hamiltonian(seed, 1 + seed % 4), 15).status for seed in range(200)]
-    assert statuses.count("undecided") <= 2
-    assert min(statuses.count("stable"), statuses.count("unstable")) > 20
+    many = depth(200, 80)
+    statuses = [certify_system(hamiltonian(seed, 1 + seed % 4), 15).status for seed in range(many)]
+    assert statuses.count("undecided") <= 0.01 * many
+    assert min(statuses.count("stable"), statuses.count("unstable")) > 0.1 * many
 
 
+@pytest.mark.slow
 @settings(max_examples=depth(8, 3), deadline=None)
 @given(seeds, st.integers(1, 2))
 @example(0, 3)
@@ -456,7 +458,7 @@ def scales(problem: Any, arithmetic: Any) -> Any:
     return np.array([1.0, ratio[0, 1], ratio[0, 1] * ratio[1, 2]])
 
 
-@pytest.mark.parametrize("seed", range(6))
+@pytest.mark.parametrize("seed", range(depth(6, 3)))
 def test_maps_with_few_and_with_many_digits_overlap(seed: int) -> None:
     problem = system_problem(hamiltonian(seed, 2))
     maps = []

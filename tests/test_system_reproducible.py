@@ -13,7 +13,7 @@ from conftest import depth
 from floquetrod._util import compilation
 from floquetrod.floquet.kernels import system_series
 
-_CALLS = depth(200, 40)  # of which two in five once differed from the others
+_CALLS = depth(200, 20)  # of which two in five once differed from the others
 
 
 def oscillators(n: int, **more: Any) -> fr.HillSystem:

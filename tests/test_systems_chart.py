@@ -190,11 +190,11 @@ def test_a_plot_is_labelled() -> None:
     [
         ("omega", r"$\omega$"),
         ("omega_1", r"$\omega_{1}$"),
-        ("k", "$k$"),
-        ("k2", "$k_{2}$"),
+        pytest.param("k", "$k$", marks=pytest.mark.slow),
+        pytest.param("k2", "$k_{2}$", marks=pytest.mark.slow),
         ("Omega", r"$\Omega$"),
         ("load_factor", "load_factor"),
-        ("advance", "advance"),
+        pytest.param("advance", "advance", marks=pytest.mark.slow),
     ],
 )
 def test_axes_bear_symbols_or_words(name: str, label: str) -> None:

@@ -102,6 +102,7 @@ def test_names_of_bands_grow_too() -> None:
     assert {text.get_fontsize() for text in names.texts} == {THUMBNAILS.SMALL}
 
 
+@pytest.mark.slow
 def test_the_first_picture_saved_is_the_thumbnail(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     """Later figures and blocks have none, and what sphinx-gallery saves is the figure as it was."""
     scrapers = SimpleNamespace(matplotlib_scraper=save_as_sphinx_gallery)
