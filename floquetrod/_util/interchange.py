@@ -23,7 +23,7 @@ SCHEMA_VERSION = 1
 _SEVERAL = ("state", "multiplier")
 """Dimensions along which an entry has columns of its own."""
 
-_UNIT = re.compile(r"(_(N|Pa|J|m|s|rad|degrees))?(_per_(m|s))?$")
+_UNIT = re.compile(r"(_(N|Pa|J|m|s|rad))?(_per_(m|s))?$")
 """The unit at the end of a key."""
 
 
