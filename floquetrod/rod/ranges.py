@@ -14,11 +14,12 @@ from floquetrod._util.caching import cached_property
 from floquetrod._util.content import NoTruthValue
 from floquetrod._util.deprecation import Renamed
 from floquetrod._util.interchange import by_keys
+from floquetrod._util.parts import complement
 from floquetrod._util.progress import Progress
 from floquetrod._util.report import Report, Reported, Table
 from floquetrod.floquet.systems.resonances import Resonance
 from floquetrod.rod.answers.intervals import QUANTITIES, Cause, Search, StabilityInterval, UnstableBand
-from floquetrod.rod.loads.axial import AxialGap, between
+from floquetrod.rod.loads.axial import AxialGap
 from floquetrod.rod.loads.load import KINDS, Load, Loads, Quantity, load_bounds
 from floquetrod.rod.model.assumptions import warn_unless_uniform
 from floquetrod.rod.model.contact import constants_under, up_to_wall
@@ -115,9 +116,8 @@ class StabilityIntervals(Reported, NoTruthValue):
         validate.progress(progress)
         known: tuple[UnstableBand, ...] | None = self.__dict__.get("unstable")
         if known is None:
-            ends = [self.bounds[0], *(end for part in self.intervals for end in part[:2]), self.bounds[1]]
-            pairs = zip(ends[::2], ends[1::2], strict=True)
-            bands = [band for pair in pairs if pair[0] < pair[1] for band in between(pair, self.not_computed)]
+            others: list[StabilityInterval | AxialGap] = [*self.intervals, *self.not_computed]
+            bands = [gap[:2] for gap in complement(self.bounds, others)]
             model, search = self.searched
             known = self.__dict__["unstable"] = (
                 model.unstable_bands(search, self.modes, bands, progress) if bands else ()

@@ -14,6 +14,7 @@ from floquetrod import units
 from floquetrod._util import validate
 from floquetrod._util.arrays import Bools, Floats
 from floquetrod._util.content import ByContent
+from floquetrod._util.parts import runs
 from floquetrod._util.report import Printed, Report
 from floquetrod.rod.loads.tool import VibrationTool
 from floquetrod.rod.model.data import RodData
@@ -114,8 +115,7 @@ def _depths(depth: Floats, is_so: Bools) -> str:
 
 def spans(depth: Floats, is_so: Bools) -> Sequence[tuple[float, float]]:
     """Return the ends in m of the depths, one after the other, where something is so."""
-    edges = np.flatnonzero(np.diff(np.concatenate([[False], is_so, [False]]).astype(int)))
-    return [(float(depth[a]), float(depth[b - 1])) for a, b in zip(edges[::2], edges[1::2], strict=True)]
+    return [(float(depth[first]), float(depth[after - 1])) for first, after in runs(is_so)]
 
 
 def drag_of(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
@@ -218,17 +218,6 @@ def joined(found: Iterable[AxialGap]) -> list[AxialGap]:
         else:
             apart.append(gap)
     return apart
-
-
-def between(bounds: tuple[float, float], skipped: Sequence[AxialGap]) -> Iterator[tuple[float, float]]:
-    """Yield what gaps, in increasing order, leave of bounds."""
-    at = bounds[0]
-    for gap in skipped:
-        if at < min(gap.low, bounds[1]):
-            yield at, min(gap.low, bounds[1])
-        at = max(at, gap.high)
-    if at < bounds[1]:
-        yield at, bounds[1]
 
 
 def _present(load: Load) -> list[int]:

@@ -19,6 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from floquetrod._util.arrays import Bools, Floats
+from floquetrod._util.parts import runs
 from floquetrod._util.progress import Progress
 from floquetrod.equations import HillSystem
 from floquetrod.floquet.systems.resonances import Resonance
@@ -74,8 +75,7 @@ def unstable_parts(
     inside = search.changes(places, stable)
     ends = dict(zip(np.flatnonzero(stable[1:] != stable[:-1]).tolist(), inside.tolist(), strict=True))
     parts: list[UnstablePart] = []
-    runs = np.flatnonzero(np.diff(np.concatenate([[True], stable, [True]]).astype(np.int8)))
-    for first, after in zip(runs[::2].tolist(), runs[1::2].tolist(), strict=True):
+    for first, after in runs(~stable):
         low, high = ends.get(first - 1, bounds[0]), ends.get(after - 1, bounds[1])
         # Named where something is sure to grow: at the samples next to the ends; an end of the search needs no name.
         causes = (
