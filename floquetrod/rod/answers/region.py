@@ -29,7 +29,7 @@ from floquetrod.rod.answers.rod_box import RodBox, RodExample
 from floquetrod.rod.loads.load import QUANTITIES, Load, Loads, Quantity
 from floquetrod.rod.mode_equations.modal_systems import ModalSystem
 from floquetrod.rod.mode_equations.tongues import unstable_loads
-from floquetrod.rod.model.assumptions import IMMERSED, SHAPE, WALL, in_a_channel, warn_unless_uniform
+from floquetrod.rod.model.assumptions import IMMERSED, SHAPE, WALL, WEIGHT_NEGLECTED, in_a_channel, warn_unless_uniform
 from floquetrod.rod.model.constants import MOST_MODES, NEGLIGIBLE_GROWTH, mode_constants
 from floquetrod.rod.model.data import RodData
 
@@ -300,7 +300,7 @@ def _assumptions(box: RodBox) -> tuple[str, ...]:
     weight = box.rod.inclination < 0.5 * math.pi or "inclination" in box.parameters
     return (
         "Eq. (1): hinged ends, a sine force uniform along the rod, no friction",
-        *(["the weight along the rod is neglected"] if weight else []),
+        *([WEIGHT_NEGLECTED] if weight else []),
         *SHAPE,
         *in_a_channel(box.rod),
         *(IMMERSED if wet else (WALL,)),
