@@ -22,6 +22,7 @@ from floquetrod._util.arrays import Bools, Floats
 from floquetrod._util.parts import runs
 from floquetrod._util.progress import Progress
 from floquetrod.equations import HillSystem
+from floquetrod.floquet.margins import Edge
 from floquetrod.floquet.systems.resonances import Resonance
 from floquetrod.rod.loads.load import Load, Loads, Quantity
 from floquetrod.rod.mode_equations.coupled_systems import CoupledEquations
@@ -86,18 +87,6 @@ def unstable_parts(
     return parts, float(even[1] - even[0])
 
 
-class Change(NamedTuple):
-    """Where the verdict first changes, None where it is seen not to, up to where was searched, and how finely.
-
-    ``seconds`` is what searching so far takes, as estimated.
-    """
-
-    at: float | None
-    searched: float
-    resolution: float
-    seconds: float = 0.0
-
-
 def first_change(
     varied: Quantity,
     modes: CoupledEquations,
@@ -108,7 +97,7 @@ def first_change(
     begins_stable: bool | None = None,
     most_seconds: float = math.inf,
     progress: Progress | None = None,
-) -> Change:
+) -> Edge:
     """Return where the verdict first changes from ``piece[0]`` to ``piece[1]``.
 
     ``begins_stable`` is the verdict it changes from, that at ``piece[0]`` by default.  Samples are further apart where
@@ -117,17 +106,17 @@ def first_change(
     """
     search = _SampledSearch(varied, modes, load, tolerance)
     if not search.costs(piece, grows=not begins_stable).steps(most_seconds):
-        return Change(None, piece[0], 0.0)
+        return Edge(None, piece[0], 0.0)
     here = search.stable(np.array(piece[:1]))
     begins = bool(here[0]) if begins_stable is None else begins_stable
     costs = search.costs(piece, grows=not begins)
     steps = costs.steps(most_seconds)
     if not steps:
-        return Change(None, piece[0], 0.0, costs.each)
+        return Edge(None, piece[0], 0.0, costs.each)
     places = np.linspace(*piece, steps + 1)
     step, spent = abs(float(places[1] - places[0])), costs.seconds(steps)
     if here[0] != begins:
-        return Change(piece[0], piece[0], step, costs.each)
+        return Edge(piece[0], piece[0], step, costs.each)
     for start in range(0, steps, costs.at_once):  # nothing beyond the first change matters
         closer = places[start : start + costs.at_once + 1]
         told = np.append(here, search.stable(closer[-1:]))
@@ -136,11 +125,11 @@ def first_change(
         if differ.size:
             last = int(differ[0]) + 1
             at = float(search.changes(seen[last - 2 : last], stable[last - 2 : last])[0])
-            return Change(at, at, step, spent)
+            return Edge(at, at, step, spent)
         here = stable[-1:]
         if progress is not None:
             progress(min(start + costs.at_once, steps), steps)
-    return Change(None, piece[1], step, spent)
+    return Edge(None, piece[1], step, spent)
 
 
 class _SampledSearch(NamedTuple):
