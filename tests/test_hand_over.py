@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import base64
+import copy
+import pickle
 import re
 import xml.etree.ElementTree as ET
 from pathlib import Path
@@ -12,7 +14,7 @@ import pytest
 import floquetrod as fr
 from floquetrod.cli.main import main
 from floquetrod.plotting import document
-from floquetrod.rod.model.assumptions import limit_of
+from floquetrod.rod.model.assumptions import Assumption
 
 ROOT = Path(__file__).parents[1]
 ROD = fr.Rod.nitinol()
@@ -71,9 +73,18 @@ def test_every_assumption_has_a_limit(tmp_path: Path) -> None:
     for rod in (tubing, tubing.replace(curvature=0.01), mud):
         for load in loads:
             for assumption in rod.stability(load).assumptions:
-                assert limit_of(assumption), assumption
+                assert isinstance(assumption, Assumption)
+                assert assumption.limit, assumption
     page = words(fr.save_report(STATIC, tmp_path / "a.html").read_text())
     assert "small angles at 15 degrees gravity acts as if 0.9 % weaker" in page.replace("- ", "")
+
+
+def test_an_assumption_keeps_its_limit_in_copies() -> None:
+    kept, *_ = VERDICT.assumptions
+    for again in (pickle.loads(pickle.dumps(kept)), copy.deepcopy(kept)):
+        assert (type(again), again, again.limit) == (Assumption, str(kept), kept.limit)
+    with pytest.raises(TypeError, match="limit"):
+        Assumption("no torque")  # type: ignore[call-arg]
 
 
 def test_another_result_is_passed_on_with_what_it_says(tmp_path: Path) -> None:

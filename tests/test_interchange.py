@@ -15,7 +15,7 @@ import numpy as np
 import pytest
 
 import floquetrod as fr
-from floquetrod._util.interchange import plain
+from floquetrod._util.interchange import by_keys, plain
 from floquetrod._util.report import Reported
 from test_reports import RESULTS
 
@@ -70,7 +70,7 @@ def test_what_says_itself_does_so_in_numbers_and_in_notebooks() -> None:
     saying = {name: found for name, found in public() if issubclass(found, Reported)}
     assert len(saying) > 15
     for name, found in saying.items():
-        assert callable(getattr(found, "as_dict", None)), name
+        assert found.as_dict is not Reported.as_dict or found._keys, name
         assert found._repr_html_ is Reported._repr_html_, name  # one implementation for all
 
 
@@ -105,6 +105,17 @@ def test_pictures_go_where_they_are_told_and_leave_the_style_alone() -> None:
         assert right.axes
         assert not left.axes
     assert (dict(mpl.rcParams), pyplot.get_fignums()) == (before, windows)
+
+
+def test_keys_are_names_of_attributes_with_their_units_or_of_others() -> None:
+    keys = "mean_N amplitude_N frequency_rad_per_s is_uniform per_newton=mean"
+    load = fr.AxialLoad(0.34, 0.2, 150.0)
+    told = {"mean_N": 0.34, "amplitude_N": 0.2, "frequency_rad_per_s": 150.0, "is_uniform": True, "per_newton": 0.34}
+    assert list(by_keys(load, keys).items()) == list(told.items())
+    assert by_keys(None, keys) == dict.fromkeys(told)
+    assert by_keys(ROD.stability(load), "mean_N=load.mean") == {"mean_N": 0.34}
+    with pytest.raises(AttributeError, match="force"):
+        by_keys(load, "force_N")
 
 
 def test_what_json_has_no_word_for() -> None:

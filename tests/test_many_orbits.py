@@ -11,7 +11,7 @@ import pytest
 import floquetrod as fr
 from floquetrod.rod.large_orbits import alone, orbits_alone
 from floquetrod.rod.mode_equations.large_motion import Shapes
-from floquetrod.rod.mode_equations.many_orbits import Loads, smallest_stable
+from floquetrod.rod.mode_equations.many_orbits import ModeLoads, smallest_stable
 from tests.conftest import depth
 
 ROD = fr.Rod.nitinol().replace(damping_rate=3.0)
@@ -35,7 +35,7 @@ def test_orbits_are_those_of_the_search_under_each_load(ends: str, waveform: Any
     for mode in (6, 7, 8):
         equation = alone(rod, like, shapes, mode, 0.0)
         vibration = numbers[1][:, None] * equation.motion.vibrating[:, 0, 0]
-        every = smallest_stable(equation, Loads(numbers[0], numbers[2], vibration))
+        every = smallest_stable(equation, ModeLoads(numbers[0], numbers[2], vibration))
         for i, found in enumerate(every):
             load = like.with_numbers(*(float(each[i]) for each in numbers))
             known = [orbit for orbit in orbits_alone(alone(rod, load, shapes, mode, 0.0)) if orbit.is_stable]

@@ -4,12 +4,15 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
 
 import floquetrod as fr
 from conftest import depth
+from floquetrod.rod.modes.coupled import CoupledModel
+from floquetrod.rod.modes.mode_model import Answers
 
 pytestmark = pytest.mark.filterwarnings("ignore::floquetrod.UniformForceWarning")  # third harmonics of fast loads
 
@@ -102,6 +105,29 @@ def test_where_nothing_grows_the_note_does_not_tell_of_an_error_of_zero() -> Non
     verdict = ROD.stability(recorded(load, np.random.default_rng(8)))
     assert verdict.status == "stable"
     assert verdict.note == "noise in the record: no mode grows at 20 forces within its errors either"
+
+
+def test_the_noise_of_chosen_modes_is_that_of_these_modes() -> None:
+    """Mode 7 grows at some 7 1/s, and says nothing of the first three."""
+    load = fr.AxialLoad(0.3 * FCR, 0.4 * FCR, 150.0, waveform=(-1j, 0.5))
+    record = recorded(load, np.random.default_rng(0))
+    few, more = ROD.stability(record, modes=range(1, 4)), ROD.stability(record, modes=iter(range(1, 9)))
+    assert (few.status, few.modes, more.status) == ("stable", (1, 2, 3), "unstable")
+    assert few.error < 1e-6
+    assert abs(more.growth_rate - ROD.stability(load).growth_rate) < more.error < 0.1
+
+
+def test_what_modes_that_were_added_change_is_no_noise(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A verdict may take more modes than are taken under the forces within the noise."""
+    record = recorded(fr.AxialLoad(0.3 * FCR, 0.4 * FCR, 150.0, waveform=(-1j, 0.5)), np.random.default_rng(0))
+    expected, answers = ROD.stability(record), CoupledModel.answers
+
+    def of_fewer(self: CoupledModel, *given: Any) -> Answers:
+        found = answers(self, *given)
+        return found._replace(growth=found.growth - 0.5)
+
+    monkeypatch.setattr(CoupledModel, "answers", of_fewer)
+    assert ROD.stability(record).error == pytest.approx(expected.error, rel=1e-9)
 
 
 @pytest.mark.slow

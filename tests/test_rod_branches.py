@@ -76,6 +76,21 @@ def test_branches_of_another_rod_or_quantity_are_refused(few: fr.RodBranches) ->
         SHORT.follow(few, {"frequency": (112.0, 115.0)})
 
 
+@pytest.mark.parametrize("given", [{"mode": 2}, {"all_modes": True}, {"indentation": 1e-3}])
+def test_branches_are_continued_as_they_were_begun(few: fr.RodBranches, given: dict[str, Any]) -> None:
+    with pytest.raises(ValueError, match=f"{next(iter(given))} must be left out where branches are continued"):
+        SHORT.follow(few, **given)
+
+
+@pytest.mark.parametrize("given", [{"steps": 10_001}, {"longest": 1e-4}, {"progress": 1}, {"mode": 0}])
+def test_arguments_are_checked_where_branches_are_continued(few: fr.RodBranches, given: dict[str, Any]) -> None:
+    with pytest.raises((ValueError, TypeError)) as begun:
+        SHORT.follow(LOAD, {"frequency": (105.0, 115.0)}, **given)
+    with pytest.raises((ValueError, TypeError)) as continued:
+        SHORT.follow(few, **given)
+    assert (begun.type, str(begun.value)) == (continued.type, str(continued.value))
+
+
 @pytest.mark.parametrize(
     ("over", "error", "message"),
     [

@@ -5,8 +5,10 @@ from __future__ import annotations
 import dataclasses
 import json
 import math
+import re
 from collections.abc import Mapping
 from numbers import Integral, Real
+from operator import attrgetter
 from typing import Any
 
 from floquetrod._util import extras, validate
@@ -20,6 +22,9 @@ SCHEMA_VERSION = 1
 
 _SEVERAL = ("state", "multiplier")
 """Dimensions along which an entry has columns of its own."""
+
+_UNIT = re.compile(r"(_(N|Pa|J|m|s|rad))?(_per_(m|s))?$")
+"""The unit at the end of a key."""
 
 
 def to_json(result: Any, *, indent: int | None = None) -> str:
@@ -138,6 +143,17 @@ def plain(value: Any) -> Any:
     if isinstance(value, Mapping):
         return {str(name): plain(each) for name, each in value.items()}
     return _of_parts(value)
+
+
+def by_keys(value: Any, keys: str) -> dict[str, Any]:
+    """Return attributes of a value as what JSON knows; None for each where there is no value.
+
+    ``keys``, between blanks, are names of attributes with their units, such as "force_N", or others followed by what
+    they are of, "mean_N=load.mean".
+    """
+    pairs = [key.partition("=") for key in keys.split()]
+    names = {key: name or _UNIT.sub("", key) for key, _, name in pairs}
+    return {key: None if value is None else plain(attrgetter(name)(value)) for key, name in names.items()}
 
 
 def _of_parts(value: Any) -> Any:

@@ -6,7 +6,9 @@ import math
 from abc import abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Any, NamedTuple
+from typing import Any, ClassVar, NamedTuple
+
+from floquetrod._util.interchange import by_keys
 
 WIDTH = 8
 """Width of the labels."""
@@ -92,9 +94,16 @@ class Report:
 class Reported:
     """A result that says itself: `report` in lines and tables, which notebooks show, and ``as_dict()`` in numbers."""
 
+    _keys: ClassVar[str]
+    """What `as_dict` has, as for `floquetrod._util.interchange.by_keys`, where it has no more than attributes."""
+
     @abstractmethod
     def report(self) -> Report:
         """Return the result in words."""
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return the result as numbers for JSON, units in the keys; None for what is infinite or not known."""
+        return by_keys(self, self._keys)
 
     def _at_hand(self) -> Report:
         """Return what a notebook shows unasked, which must not take long."""
@@ -103,6 +112,17 @@ class Reported:
     def _repr_html_(self) -> str:
         """Return the report as a small table for a notebook."""
         return self._at_hand()._repr_html_()
+
+
+class Printed(Reported):
+    """A result of which print shows the report, and a shell its headline."""
+
+    def __str__(self) -> str:
+        return str(self.report())
+
+    def __repr__(self) -> str:
+        """Return the headline in brackets."""
+        return f"<{self.report().headline}>"
 
 
 def number(value: Any) -> float | None:

@@ -54,6 +54,18 @@ class Margin(_Distances):
         return min(self)
 
 
+class Edge(NamedTuple):
+    """Where a verdict first changes on a way, None where it is seen not to, up to where was searched, and how finely.
+
+    ``seconds`` is what the search takes, as estimated.
+    """
+
+    at: float | None
+    searched: float
+    resolution: float
+    seconds: float = 0.0
+
+
 def margin(
     family: Callable[..., Any], along: str, within: tuple[float, float], *, samples: int = 65, **at: Any
 ) -> Margin:

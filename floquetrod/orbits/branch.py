@@ -13,7 +13,7 @@ from floquetrod._util import extras
 from floquetrod._util.arrays import Floats
 from floquetrod._util.caching import cached_property
 from floquetrod._util.content import ByContent, NoTruthValue
-from floquetrod._util.report import Report, Reported, Table
+from floquetrod._util.report import Printed, Report, Table
 from floquetrod.equations import NonlinearSystem
 from floquetrod.floquet.status import STATUS_CODES
 from floquetrod.orbits.branch_files import load, save
@@ -25,7 +25,7 @@ from floquetrod.orbits.special_points import SpecialPoint
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Branch(ByContent, Reported, NoTruthValue):
+class Branch(ByContent, Printed, NoTruthValue):
     """Periodic orbits that change continuously with a parameter of the system, in their order.
 
     Attributes
@@ -158,19 +158,7 @@ class Branch(ByContent, Reported, NoTruthValue):
         ]
         return Table(columns, rows)
 
-    def as_dict(self) -> dict[str, Any]:
-        """Return the branch as numbers for JSON."""
-        return {
-            "parameter": self.parameter,
-            "over": list(self.over),
-            "values": self.values.tolist(),
-            "status": self.status.tolist(),
-            "period": self.period.tolist(),
-            "largest": self.largest.tolist(),
-            "least": self.least.tolist(),
-            "special_points": [point.as_dict() for point in self.special_points],
-            "ends": list(self.ends),
-        }
+    _keys = "parameter over values status period largest least special_points ends"
 
     def to_xarray(self) -> Any:
         """Return an xarray.Dataset over the orbits and the special points (needs xarray, an extra)."""
@@ -201,9 +189,6 @@ class Branch(ByContent, Reported, NoTruthValue):
         Raises ValueError for a file that is damaged, if only in one bit, or foreign, or of another system.
         """
         return cls(**load(path, system))
-
-    def __str__(self) -> str:
-        return str(self.report())
 
     def __repr__(self) -> str:
         """Return the branch as a sentence."""

@@ -13,7 +13,7 @@ from floquetrod._util import validate
 from floquetrod._util.arrays import Floats, shaped
 from floquetrod._util.caching import cached_property
 from floquetrod._util.content import ByContent, NoTruthValue
-from floquetrod._util.report import Report, Reported, number
+from floquetrod._util.report import Printed, Report
 from floquetrod.equations import NonlinearSystem, PeriodicSystem, sampling
 from floquetrod.floquet.references import references
 from floquetrod.floquet.status import Status
@@ -28,7 +28,7 @@ _NEGLIGIBLE = 1e-13  # part of the largest harmonic
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class PeriodicOrbit(ByContent, Reported, NoTruthValue):
+class PeriodicOrbit(ByContent, Printed, NoTruthValue):
     """A periodic solution of a nonlinear system, with the multipliers of the system linearised about it.
 
     A call, ``orbit(time)``, evaluates it anywhere.
@@ -182,22 +182,9 @@ class PeriodicOrbit(ByContent, Reported, NoTruthValue):
         values = np.concatenate([self.states, self.point.stages.reshape(-1, self.states.shape[1])])
         return values.min(axis=0), values.max(axis=0)
 
-    def as_dict(self) -> dict[str, Any]:
-        """Return the orbit as numbers for JSON."""
-        return {
-            "status": self.status,
-            "period": self.period,
-            "period_error": self.period_error,
-            "error": number(self.error),
-            "parameters": dict(self.system.parameters),
-            "trivial_multiplier_less_1": self.trivial_multiplier_less_1,
-            "times": self.times.tolist(),
-            "states": self.states.tolist(),
-            "stability": self.stability.as_dict(),
-        }
-
-    def __str__(self) -> str:
-        return str(self.report())
+    _keys = (
+        "status period period_error error parameters=system.parameters trivial_multiplier_less_1 times states stability"
+    )
 
     def __repr__(self) -> str:
         """Return the orbit as a sentence."""

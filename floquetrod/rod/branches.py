@@ -37,6 +37,8 @@ _SAME = 0.02  # of an angle, by which an orbit may differ from one on a branch, 
 _PRESSED = 1.0 / 3.0  # of the weight: with less contact than that motion and the simulator's part
 _INSTANTS = 256  # of a period, at which a motion is examined
 
+_INDENTATION = 1e-4  # where it is left out
+
 
 class _Task(NamedTuple):
     """What is followed: the equations, the quantity and its range, steps to each side and their length."""
@@ -60,15 +62,9 @@ def branches(
 ) -> RodBranches:
     """Return the branches of a rod's motion; see `floquetrod.Rod.follow`."""
     load, rod = require_load("load", given), model.rod
-    mode, all_modes = which[0], validate.flag("all_modes", which[1])
+    mode, all_modes, indentation, steps, longest = _checked(which, indentation, steps, longest, progress)
     quantity, low, high = _range(over)
     load = load.varied(quantity, min(max(float(getattr(load, quantity)), low), high))
-    indentation = validate.within("indentation", indentation, 1e-8, 0.1, "a part of the radial clearance, such as 1e-4")
-    steps = validate.integer("steps", steps, 1, 10_000)
-    longest = validate.within("longest", longest, 1e-3, 1.0)
-    validate.progress(progress)
-    if mode is not None:
-        mode = validate.integer("mode", mode, 1, MOST_HALF_WAVES, "half waves of the motion to follow")
     require_possible(rod, load)
     if quantity != "amplitude" and load.amplitude == 0.0:
         raise validate.wrong_value("load", "must vibrate: under a constant force steady_motion computes the angle")
@@ -91,11 +87,22 @@ def branches(
 
 
 def resumed(
-    rod: RodData, result: RodBranches, over: Any, steps: int, longest: float, progress: Progress | None
+    rod: RodData,
+    result: RodBranches,
+    over: Any,
+    which: tuple[int | None, bool],
+    indentation: float,
+    steps: int,
+    longest: float,
+    progress: Progress | None,
 ) -> RodBranches:
     """Return branches with what follows their ends; see `floquetrod.Rod.follow`."""
     if result.rod != rod:
         raise validate.wrong_value("load", "must be branches of this rod; follow them with the rod that they are of")
+    mode, all_modes, indentation, steps, longest = _checked(which, indentation, steps, longest, progress)
+    given = {"mode": mode is not None, "all_modes": all_modes, "indentation": indentation != _INDENTATION}
+    if name := next((name for name, is_given in given.items() if is_given), None):
+        raise validate.wrong_value(name, "must be left out where branches are continued, which keep theirs")
     quantity, low, high = (result.parameter, *result.over) if over is None else _range(over)
     parts = []
     for i, part in enumerate(result.parts):
@@ -103,6 +110,19 @@ def resumed(
         task = _Task(motions, quantity, (low, high), steps, longest)
         parts.append(_followed(task, part.branch, shifted(progress, 2 * i * steps, 2 * i * steps)))
     return replace(result, over=(low, high), parts=tuple(parts))
+
+
+def _checked(
+    which: tuple[Any, Any], indentation: Any, steps: Any, longest: Any, progress: Any
+) -> tuple[int | None, bool, float, int, float]:
+    """Return the mode, whether all modes are taken, the indentation, and how many steps and how long, checked."""
+    mode, all_modes = which[0], validate.flag("all_modes", which[1])
+    if mode is not None:
+        mode = validate.integer("mode", mode, 1, MOST_HALF_WAVES, "half waves of the motion to follow")
+    indentation = validate.within("indentation", indentation, 1e-8, 0.1, "a part of the radial clearance, such as 1e-4")
+    steps = validate.integer("steps", steps, 1, 10_000)
+    validate.progress(progress)
+    return mode, all_modes, indentation, steps, validate.within("longest", longest, 1e-3, 1.0)
 
 
 def _range(over: Any) -> tuple[Quantity, float, float]:

@@ -24,7 +24,7 @@ from floquetrod.rod.answers.steady_motion import SteadyMotion
 from floquetrod.rod.answers.verdict import RodStability
 from floquetrod.rod.large_orbits import grown
 from floquetrod.rod.map import stability_map
-from floquetrod.rod.model.assumptions import UniformForceWarning, limit_of
+from floquetrod.rod.model.assumptions import Assumption, UniformForceWarning
 from floquetrod.rod.model.data import RodData
 from floquetrod.units import AnswerUnits, Unit, unit
 
@@ -235,7 +235,7 @@ def _assumed(verdict: RodStability, reach: Reach | None, units: AnswerUnits) -> 
     """Return what is assumed and how far it holds."""
     listed = []
     for text in verdict.assumptions:
-        listed += [("", f"- {text}"), *(("", f"    {limit}") for limit in [limit_of(text)] if limit)]
+        listed += [("", f"- {text}"), *([("", f"    {text.limit}")] if isinstance(text, Assumption) else [])]
     if reach is not None:
         listed += [("", f"- reach: {text}") for text in reach.assumptions_in(units.speed)]
     return Section("Assumptions, and their limits", Report("", listed))

@@ -15,10 +15,9 @@ from floquetrod.rod import motion_map
 from floquetrod.rod.friction.mode_friction import friction_and_kick
 from floquetrod.rod.large_orbits import require_possible
 from floquetrod.rod.loads.axial import require_off_resonance
-from floquetrod.rod.loads.load import LIMITS, QUANTITIES, AnyLoad, Quantity, kind, require_load
+from floquetrod.rod.loads.load import LIMITS, QUANTITIES, AnyLoad, Loads, Quantity, kind, require_load
 from floquetrod.rod.model.assumptions import warn_unless_uniform
 from floquetrod.rod.modes.mode_model import ModeModel
-from floquetrod.rod.motion_map import Numbers
 from floquetrod.rod.plane import AXES, LoadPlane
 from floquetrod.rod.rod import Rod
 
@@ -133,8 +132,8 @@ def stability_map(
     if not large_motion:
         return found
     given = {across: x.values, up: y.values[:, None], fixed[0]: np.array(value)}
-    numbers = Numbers(*np.broadcast_arrays(*(given[name] for name in QUANTITIES)))
-    angles = motion_map.large_motion(rod, model.like, numbers, found.stable, progress)
+    loads = Loads.of(*(given[name] for name in QUANTITIES))
+    angles = motion_map.large_motion(rod, model.like, loads, found.stable, progress)
     return replace(found, large_motion=angles)
 
 

@@ -13,12 +13,13 @@ from floquetrod._util import validate
 from floquetrod._util.caching import cached_property
 from floquetrod._util.content import NoTruthValue
 from floquetrod._util.deprecation import Renamed
+from floquetrod._util.interchange import by_keys
+from floquetrod._util.parts import complement
 from floquetrod._util.progress import Progress
 from floquetrod._util.report import Report, Reported, Table
-from floquetrod._util.report import number as finite
 from floquetrod.floquet.systems.resonances import Resonance
 from floquetrod.rod.answers.intervals import QUANTITIES, Cause, Search, StabilityInterval, UnstableBand
-from floquetrod.rod.loads.axial import AxialGap, between
+from floquetrod.rod.loads.axial import AxialGap
 from floquetrod.rod.loads.load import KINDS, Load, Loads, Quantity, load_bounds
 from floquetrod.rod.model.assumptions import warn_unless_uniform
 from floquetrod.rod.model.contact import constants_under, up_to_wall
@@ -115,9 +116,8 @@ class StabilityIntervals(Reported, NoTruthValue):
         validate.progress(progress)
         known: tuple[UnstableBand, ...] | None = self.__dict__.get("unstable")
         if known is None:
-            ends = [self.bounds[0], *(end for part in self.intervals for end in part[:2]), self.bounds[1]]
-            pairs = zip(ends[::2], ends[1::2], strict=True)
-            bands = [band for pair in pairs if pair[0] < pair[1] for band in between(pair, self.not_computed)]
+            others: list[StabilityInterval | AxialGap] = [*self.intervals, *self.not_computed]
+            bands = [gap[:2] for gap in complement(self.bounds, others)]
             model, search = self.searched
             known = self.__dict__["unstable"] = (
                 model.unstable_bands(search, self.modes, bands, progress) if bands else ()
@@ -194,42 +194,24 @@ class StabilityIntervals(Reported, NoTruthValue):
     def as_dict(self) -> dict[str, Any]:
         """Return the stability intervals and `unstable` as numbers for JSON, units in the keys; None for infinite."""
         unit = "N" if self.unit == "N" else "rad_per_s"
+        ends = f"low_{unit} high_{unit}"
+        grows = f"{ends} worst_growth_rate_per_s=worst_growth worst_at_{unit}=at"
+        resonates = f"{ends} axial_resonance_{unit}=resonance.frequency harmonic=resonance.harmonic"
         return {
             "quantity": self.quantity,
-            f"searched_{unit}": list(self.bounds),
-            "growth_tolerance_per_s": self.growth_tolerance,
-            "modes_checked": self.modes,
-            "tongues_left_out": self.tongues_left_out,
+            **by_keys(self, f"searched_{unit}=bounds growth_tolerance_per_s modes_checked=modes tongues_left_out"),
             f"parts_missed_up_to_{unit}": self.resolution,
             "stable": [
-                {
-                    f"low_{unit}": part.low,
-                    f"high_{unit}": part.high,
-                    "low_end": _end_for_json(part.low_end),
-                    "high_end": _end_for_json(part.high_end),
-                }
+                by_keys(part, ends) | {"low_end": _end_for_json(part.low_end), "high_end": _end_for_json(part.high_end)}
                 for part in self.intervals
             ],
             "unstable": [
-                {
-                    f"low_{unit}": band.low,
-                    f"high_{unit}": band.high,
-                    "worst_growth_rate_per_s": band.worst_growth,
-                    f"worst_at_{unit}": band.at,
-                    "cause": _end_for_json(band.cause),
-                    "required_damping_rate_per_s": finite(band.required_damping),
-                }
+                by_keys(band, grows)
+                | {"cause": _end_for_json(band.cause)}
+                | by_keys(band, "required_damping_rate_per_s=required_damping")
                 for band in self.unstable
             ],
-            "not_computed": [
-                {
-                    f"low_{unit}": gap.low,
-                    f"high_{unit}": gap.high,
-                    f"axial_resonance_{unit}": gap.resonance.frequency,
-                    "harmonic": gap.resonance.harmonic,
-                }
-                for gap in self.not_computed
-            ],
+            "not_computed": [by_keys(gap, resonates) for gap in self.not_computed],
             "ends_are": "[mode, tongue], a resonance of coupled modes, 'axial resonance' next to what is not computed, "
             "'unnamed', or null at an end of the search",
             "required_damping_is": self.searched.model.damping_found,

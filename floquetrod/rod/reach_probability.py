@@ -13,7 +13,7 @@ from floquetrod._util import validate
 from floquetrod._util.arrays import Bools, Floats
 from floquetrod._util.content import ByContent
 from floquetrod._util.progress import Progress
-from floquetrod._util.report import Report, Reported, Table, number
+from floquetrod._util.report import Printed, Report, Table
 from floquetrod.rod.answers.mean_force import ASSUMED, drag_of, force_in_newtons
 from floquetrod.rod.answers.reach import depths_of
 from floquetrod.rod.distributions import (
@@ -45,7 +45,7 @@ _OF_STRING = (
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class ReachProbability(Reported, ByContent):
+class ReachProbability(Printed, ByContent):
     """The probability that a string can be pushed to measured depths.
 
     Attributes
@@ -75,10 +75,6 @@ class ReachProbability(Reported, ByContent):
     seed: int
     assumptions: tuple[str, ...] = field(default=())
 
-    def __repr__(self) -> str:
-        """Return the probability at the greatest depth as a sentence."""
-        return f"<{self._in_words}>"
-
     @property
     def _in_words(self) -> str:
         return (
@@ -93,18 +89,7 @@ class ReachProbability(Reported, ByContent):
         rows = [[f"{depth:.6g}", *(f"{each:.3f}" for each in others)] for depth, *others in table]
         return Report(self._in_words, [("assumed", "; ".join(self.assumptions))], Table(columns, rows))
 
-    def as_dict(self) -> dict[str, Any]:
-        """Return everything as numbers for JSON, units in the keys."""
-        return {
-            "depth_m": self.depth.tolist(),
-            "probability": self.probability.tolist(),
-            "low": self.low.tolist(),
-            "high": self.high.tolist(),
-            "confidence": number(self.confidence),
-            "samples": self.samples,
-            "seed": self.seed,
-            "assumptions": list(self.assumptions),
-        }
+    _keys = "depth_m probability low high confidence samples seed assumptions"
 
 
 class _Pushed(NamedTuple):

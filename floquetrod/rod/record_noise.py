@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 
 import numpy as np
 
 from floquetrod._util.progress import Progress, shifted
+from floquetrod.floquet.status import STATUS_CODES
 from floquetrod.rod.answers.verdict import RodStability
 from floquetrod.rod.loads.load import LIMITS, AxialLoad, Loads
 from floquetrod.rod.loads.record import ForceRecord
@@ -21,9 +22,13 @@ _ERRORS = 2.0  # standard errors by which they depart from the fit, and which en
 
 
 def with_noise(
-    model: ModeModel, verdict: RodStability, record: ForceRecord, progress: Progress | None = None
+    model: ModeModel,
+    verdict: RodStability,
+    record: ForceRecord,
+    modes: Sequence[int] | None = None,
+    progress: Progress | None = None,
 ) -> RodStability:
-    """Return a verdict on the fit of a record with the error that its noise makes.
+    """Return a verdict on the fit of a record, of some modes or all, with the error that its noise makes.
 
     Twenty forces are drawn, the same ones in every call, whose mean, frequency and harmonics, their sizes and phases,
     depart from those of the fit by two standard errors.  The root mean square of the change in growth adds to the
@@ -32,13 +37,14 @@ def with_noise(
     """
     if verdict.status == "undecided":
         return verdict
+    _, fitted = _answer(model, record.load, modes, verdict.growth_tolerance)
+    if math.isnan(fitted):
+        fitted = verdict.growth_rate
     changes, others = [], 0
     for done, load in enumerate(_drawn(record), start=1):
-        status, growth, _ = (
-            column[0] for column in model.under(load).answers(Loads.single(load), verdict.growth_tolerance)
-        )
-        others += bool(status != (verdict.status == "stable"))
-        changes.append(float(growth) - verdict.growth_rate)
+        status, growth = _answer(model, load, modes, verdict.growth_tolerance)
+        others += status != STATUS_CODES[verdict.status]
+        changes.append(growth - fitted)
         if progress is not None:
             progress(done, NOISE_DRAWS)
     noise = math.sqrt(float(np.mean(np.square(changes))))
@@ -72,7 +78,18 @@ def classify_record(
             progress(done, total + NOISE_DRAWS)
 
     fitted = model.verdict(record.load, modes, growth_tolerance, of_the_fit)
-    return with_noise(model, fitted, record, shifted(progress, trials, trials))
+    chosen = None if modes is None else fitted.modes
+    return with_noise(model, fitted, record, chosen, shifted(progress, trials, trials))
+
+
+def _answer(model: ModeModel, load: AxialLoad, modes: Sequence[int] | None, tolerance: float) -> tuple[int, float]:
+    """Return the code of the status under a load and the growth in 1/s, NaN where unknown."""
+    of_load = model.under(load)
+    if modes is not None:
+        verdict = of_load.verdict(load, modes, tolerance)
+        return STATUS_CODES[verdict.status], verdict.growth_rate
+    status, growth, _ = (column.item() for column in of_load.answers(Loads.single(load), tolerance))
+    return int(status), float(growth)
 
 
 def _drawn(record: ForceRecord) -> Iterator[AxialLoad]:

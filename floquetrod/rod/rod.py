@@ -755,7 +755,7 @@ class Rod(RodData):
         ----------
         load : AxialLoad, AxialWave or RodBranches
             Where the search begins, or next to it in the range; other quantities are not varied.  Or branches of this
-            rod, to be continued from their ends.
+            rod, to be continued from their ends with their modes and indentation.
         over : mapping of str to (float, float)
             "frequency", "mean" or "amplitude", and the range in rad/s or N; of branches their own by default.
         mode : int, optional
@@ -799,7 +799,7 @@ class Rod(RodData):
         from floquetrod.rod.answers.rod_branches import RodBranches
 
         if isinstance(load, RodBranches):
-            return branches.resumed(self, load, over, steps, longest, progress)
+            return branches.resumed(self, load, over, (mode, all_modes), indentation, steps, longest, progress)
         model = self.modes_under(require_load("load", load))
         return branches.branches(model, load, over, (mode, all_modes), indentation, steps, longest, progress)
 

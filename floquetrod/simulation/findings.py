@@ -7,7 +7,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
-from floquetrod._util.report import Report, Reported, number
+from floquetrod._util.interchange import by_keys
+from floquetrod._util.report import Printed, Report
 from floquetrod._util.suggest import listed
 from floquetrod.rod.answers.reports import answer_units, load_lines, shown_in
 from floquetrod.rod.answers.verdict import RodStability
@@ -28,7 +29,7 @@ class _Growing(NamedTuple):
 
 
 @dataclass(frozen=True, repr=False)
-class Findings(Reported):
+class Findings(Printed):
     """A run, its growth, and the comparison with theory.
 
     Attributes
@@ -85,10 +86,6 @@ class Findings(Reported):
         predicted = linear.growth_rate if mode is None else linear.growth_of(mode)
         wave = _with_wave(run) if linear.is_fastest(mode) else None
         return replace(bare, linear=linear, predicted=predicted, with_wave=wave, no_theory="")
-
-    def __repr__(self) -> str:
-        """Return the outcome."""
-        return f"<{self._outcome}>"
 
     @property
     def _growing(self) -> _Growing | None:
@@ -184,50 +181,39 @@ class Findings(Reported):
 
     def as_dict(self) -> dict[str, Any]:
         """Return everything as numbers for JSON, units in the keys; None for what is not known."""
-        run, fit, linear, needed = self.run, self.growth, self.linear, self.needed
-        problem, steps, growing = run.problem, run.time_steps, self._growing
+        run, growing = self.run, self._growing
         return {
             "buckled": run.buckled,
             "growing": run.buckled or growing is not None,
-            "buckles_at_about_s": None if growing is None else number(growing.until),
-            "dominant_mode": run.named_mode,
-            "note": run.note,
+            **by_keys(growing, "buckles_at_about_s=until"),
+            **by_keys(run, "dominant_mode=named_mode note"),
             "largest_angle_degrees": math.degrees(float(run.largest_angle.max())),
-            "growth_rate_per_s": None if fit is None else fit.rate,
-            "growth_rate_error_per_s": None if fit is None else fit.error,
-            "growth_rate_fit_error_per_s": None if fit is None else fit.fit_error,
-            "growth_rate_model_error_per_s": None if fit is None else fit.model_error,
-            "growth_fitted_until_s": None if fit is None else fit.end,
+            **by_keys(
+                self.growth,
+                "growth_rate_per_s=rate growth_rate_error_per_s=error growth_rate_fit_error_per_s=fit_error "
+                "growth_rate_model_error_per_s=model_error growth_fitted_until_s=end",
+            ),
             "growth_not_fitted_because": self.not_fitted or None,
-            "predicted_growth_rate_per_s": None if self.predicted is None else number(self.predicted),
-            "predicted_with_axial_wave_per_s": self.with_wave,
-            "predicted_status": None if linear is None else linear.status,
-            "predicted_unstable_modes": None if linear is None else list(linear.unstable_modes),
-            "predicted_fastest_mode": None if linear is None else linear.fastest_mode,
-            "critical_kick_m_per_s": None if needed is None else number(needed.kick),
-            "critical_kick_mode": None if needed is None else needed.mode,
+            **by_keys(self, "predicted_growth_rate_per_s=predicted predicted_with_axial_wave_per_s=with_wave"),
+            **by_keys(
+                self.linear,
+                "predicted_status=status predicted_unstable_modes=unstable_modes predicted_fastest_mode=fastest_mode",
+            ),
+            **by_keys(self.needed, "critical_kick_m_per_s=kick critical_kick_mode=mode"),
             "no_theory_because": self.no_theory or None,
-            "perturbation": str(problem.perturbation),
-            "mean_N": problem.load.mean,
-            "amplitude_N": problem.load.amplitude,
-            "frequency_rad_per_s": problem.load.frequency,
-            "load": problem.load.kind_as_dict(),
-            "feed_speed_m_per_s": problem.feed_speed,
-            "far_force_N": problem.far_force,
-            "tool": None if problem.tool is None else problem.tool.as_dict(),
+            "perturbation": str(run.problem.perturbation),
+            **by_keys(run.problem.load, "mean_N amplitude_N frequency_rad_per_s"),
+            "load": run.problem.load.kind_as_dict(),
+            **by_keys(run.problem, "feed_speed_m_per_s far_force_N tool"),
             "largest_end_forces_N": run.end_forces.max(axis=0).tolist(),
-            "mu": problem.friction,
-            "complete": run.complete,
+            **by_keys(run, "mu=problem.friction complete"),
             "simulated_s": float(run.time[-1]),
-            "duration_s": problem.duration,
-            "segments": problem.segments,
+            **by_keys(run.problem, "duration_s segments"),
             "frames": int(run.time.size),
-            "time_step_s": steps.size,
-            "time_step_set_by": steps.limit,
-            "steps": steps.count,
+            **by_keys(run.time_steps, "time_step_s=size time_step_set_by=limit steps=count"),
             "energy_error_J": float(abs(run.energy_error).max()),
             "energy_work_J": float(abs(run.energy["work"]).max()),
-            "wall_time_s": run.seconds,
+            **by_keys(run, "wall_time_s=seconds"),
         }
 
 

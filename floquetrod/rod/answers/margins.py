@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import NamedTuple
 
 from floquetrod._util.progress import Progress
+from floquetrod.floquet.margins import Edge as Edge
 from floquetrod.floquet.margins import Margin as Margin
 from floquetrod.rod.loads.load import Quantity
 
@@ -28,18 +28,6 @@ MARGIN_SECONDS = 10.0
 
 FEW_MODES = 50
 """Coupled modes up to which all margins together take some seconds."""
-
-
-class Edge(NamedTuple):
-    """Where the verdict changes on a way, None where it does not, up to where was searched, and how finely.
-
-    ``seconds`` is about how long that takes.
-    """
-
-    at: float | None
-    searched: float
-    resolution: float
-    seconds: float = 0.0
 
 
 def in_hundredths(progress: Progress | None, number: int, parts: int) -> Progress | None:

@@ -14,7 +14,8 @@ from floquetrod import units
 from floquetrod._util import validate
 from floquetrod._util.arrays import Bools, Floats
 from floquetrod._util.content import ByContent
-from floquetrod._util.report import Report, Reported, number
+from floquetrod._util.parts import runs
+from floquetrod._util.report import Printed, Report
 from floquetrod.rod.loads.tool import VibrationTool
 from floquetrod.rod.model.data import RodData
 from floquetrod.rod.model.parts import friction_coefficient
@@ -32,7 +33,7 @@ _MOST = 2000  # depths where none are asked for
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class MeanForce(Reported, ByContent):
+class MeanForce(Printed, ByContent):
     """Mean force along a string in a well, from its upper end at the beginning of the path to its lower end.
 
     Attributes
@@ -81,10 +82,6 @@ class MeanForce(Reported, ByContent):
         """Whether no force at the upper end moves the string."""
         return math.isinf(self.at_top)
 
-    def __repr__(self) -> str:
-        """Return the force at the upper end as a sentence."""
-        return f"<{self._in_words}>"
-
     @property
     def _in_words(self) -> str:
         where = f"string {self.motion} to {self.depth[-1]:.6g} m"
@@ -98,20 +95,7 @@ class MeanForce(Reported, ByContent):
         lines = [("snaking", _depths(self.depth, self.is_snaking)), ("helix", _depths(self.depth, self.is_helix))]
         return Report(self._in_words, [*lines, ("assumed", "; ".join(ASSUMED))])
 
-    def as_dict(self) -> dict[str, Any]:
-        """Return everything as numbers for JSON, units in the keys; None where a force is infinite."""
-        return {
-            "motion": self.motion,
-            "depth_m": self.depth.tolist(),
-            "force_N": [number(each) for each in self.force.tolist()],
-            "contact_N_per_m": [number(each) for each in self.contact.tolist()],
-            "friction": self.friction.tolist(),
-            "speed_m_per_s": self.speed.tolist(),
-            "vibration_N": self.vibration.tolist(),
-            "is_snaking": self.is_snaking.tolist(),
-            "is_helix": self.is_helix.tolist(),
-            "error_N": number(self.error),
-        }
+    _keys = "motion depth_m force_N contact_N_per_m friction speed_m_per_s vibration_N is_snaking is_helix error_N"
 
 
 ASSUMED = (
@@ -131,8 +115,7 @@ def _depths(depth: Floats, is_so: Bools) -> str:
 
 def spans(depth: Floats, is_so: Bools) -> Sequence[tuple[float, float]]:
     """Return the ends in m of the depths, one after the other, where something is so."""
-    edges = np.flatnonzero(np.diff(np.concatenate([[False], is_so, [False]]).astype(int)))
-    return [(float(depth[a]), float(depth[b - 1])) for a, b in zip(edges[::2], edges[1::2], strict=True)]
+    return [(float(depth[first]), float(depth[after - 1])) for first, after in runs(is_so)]
 
 
 def drag_of(

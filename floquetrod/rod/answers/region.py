@@ -13,6 +13,7 @@ import numpy as np
 
 from floquetrod import mathieu
 from floquetrod._util import validate
+from floquetrod._util.parts import complement
 from floquetrod._util.progress import Progress
 from floquetrod.floquet.proof.region import (
     ModeBox,
@@ -27,8 +28,8 @@ from floquetrod.floquet.proof.result import MAX_BOXES
 from floquetrod.rod.answers.rod_box import RodBox, RodExample
 from floquetrod.rod.loads.load import QUANTITIES, Load, Loads, Quantity
 from floquetrod.rod.mode_equations.modal_systems import ModalSystem
-from floquetrod.rod.mode_equations.tongues import gaps, unstable_loads
-from floquetrod.rod.model.assumptions import IMMERSED, SHAPE, WALL, in_a_channel, warn_unless_uniform
+from floquetrod.rod.mode_equations.tongues import unstable_loads
+from floquetrod.rod.model.assumptions import IMMERSED, SHAPE, WALL, WEIGHT_NEGLECTED, in_a_channel, warn_unless_uniform
 from floquetrod.rod.model.constants import MOST_MODES, NEGLIGIBLE_GROWTH, mode_constants
 from floquetrod.rod.model.data import RodData
 
@@ -199,11 +200,10 @@ class _Proving:
         level = max(self.tolerance, _LEAST_GROWTH)
         system = ModalSystem(mode_constants(rod), load.varied(quantity, side.high), tuple(range(1, self.modes + 1)))
         intervals = unstable_loads(quantity, system, level, bounds, union=True).intervals
-        places = {"unstable": [(each.low, each.high) for each in intervals], "stable": gaps(intervals, bounds)}
-        for status, ends in places.items():
-            widest = max(ends, key=lambda pair: pair[1] - pair[0], default=None)
+        for status, parts in (("unstable", intervals), ("stable", complement(bounds, intervals))):
+            widest = max(parts, key=lambda part: part.high - part.low, default=None)
             if widest is not None and status not in self.examples:
-                middle = min(max(0.5 * (widest[0] + widest[1]), side.low), side.high)
+                middle = min(max(0.5 * (widest.low + widest.high), side.low), side.high)
                 self._keep(load.varied(quantity, middle), rod, status)
 
     def _concluded(self) -> RegionProof:
@@ -300,7 +300,7 @@ def _assumptions(box: RodBox) -> tuple[str, ...]:
     weight = box.rod.inclination < 0.5 * math.pi or "inclination" in box.parameters
     return (
         "Eq. (1): hinged ends, a sine force uniform along the rod, no friction",
-        *(["the weight along the rod is neglected"] if weight else []),
+        *([WEIGHT_NEGLECTED] if weight else []),
         *SHAPE,
         *in_a_channel(box.rod),
         *(IMMERSED if wet else (WALL,)),

@@ -10,6 +10,7 @@ from typing import Any, NamedTuple
 
 from floquetrod import units
 from floquetrod._util import validate
+from floquetrod._util.interchange import by_keys
 from floquetrod._util.interval import PI, Interval
 from floquetrod.floquet.proof.region import ModeBox, Side, side_ends
 from floquetrod.rod.loads.load import LIMITS, QUANTITIES, Load, Quantity, load_number
@@ -17,8 +18,6 @@ from floquetrod.rod.mode_equations.coupling import coupling, refusal
 from floquetrod.rod.model.constants import ModeConstants
 from floquetrod.rod.model.data import RodData, require_not_of_path
 from floquetrod.units import Unit
-
-"""What a box of loads has sides of, in the order of the kernels."""
 
 DIAMETERS = {"diameter": "radius", "inner_diameter": "inner_radius", "channel_diameter": "channel_radius"}
 """What may be given in place of a parameter: twice as much."""
@@ -50,14 +49,8 @@ class RodExample(NamedTuple):
 
     def as_dict(self) -> dict[str, Any]:
         """Return it for JSON, units in the keys."""
-        return {
-            "status": self.status,
-            "mean_N": self.load.mean,
-            "amplitude_N": self.load.amplitude,
-            "frequency_rad_per_s": self.load.frequency,
-            "rod": self.rod.as_dict(),
-            "statement": self.statement,
-        }
+        loads = "mean_N=load.mean amplitude_N=load.amplitude frequency_rad_per_s=load.frequency"
+        return by_keys(self, f"status {loads} rod statement")
 
 
 @dataclass(frozen=True)

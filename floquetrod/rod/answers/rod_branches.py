@@ -14,7 +14,8 @@ from floquetrod import units
 from floquetrod._util import extras
 from floquetrod._util.arrays import Floats, Ints
 from floquetrod._util.content import ByContent, NoTruthValue
-from floquetrod._util.report import Report, Reported, Table
+from floquetrod._util.interchange import by_keys
+from floquetrod._util.report import Printed, Report, Table
 from floquetrod._util.suggest import listed
 from floquetrod.floquet.status import STATUS_CODES
 from floquetrod.orbits import Branch
@@ -74,7 +75,7 @@ class RodBranch(ByContent):
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class RodBranches(ByContent, Reported, NoTruthValue):
+class RodBranches(ByContent, Printed, NoTruthValue):
     """The large motions of a rod in one mode over a range of loads.
 
     Attributes
@@ -204,26 +205,12 @@ class RodBranches(ByContent, Reported, NoTruthValue):
 
     def as_dict(self) -> dict[str, Any]:
         """Return the branches as numbers for JSON, units in the keys."""
-        return {
-            "mode": self.mode,
-            "modes": list(self.modes),
-            "parameter": self.parameter,
-            "unit": self.unit,
-            "over": list(self.over),
-            "branches": [
-                {
-                    "values": part.branch.values.tolist(),
-                    "amplitude_rad": part.amplitude.tolist(),
-                    "status": part.branch.status.tolist(),
-                    "contact_N_per_m": part.contact.tolist(),
-                    "slope": part.slope.tolist(),
-                    "turns": part.turns,
-                    "special_points": [point.as_dict() for point in part.branch.special_points],
-                    "ends": list(part.ends),
-                }
-                for part in self.parts
-            ],
-        }
+        of_each = (
+            "values=branch.values amplitude_rad status=branch.status contact_N_per_m slope turns "
+            "special_points=branch.special_points ends"
+        )
+        branches = [by_keys(part, of_each) for part in self.parts]
+        return by_keys(self, "mode modes parameter unit over") | {"branches": branches}
 
     def to_xarray(self) -> Any:
         """Return an xarray.Dataset over the orbits of all branches (needs xarray, an extra)."""
@@ -233,13 +220,6 @@ class RodBranches(ByContent, Reported, NoTruthValue):
         ends = [end for part in self.parts for end in part.ends]
         attributes = {"parameter": self.parameter, "mode": self.mode, "ends": ends}
         return xarray.Dataset(data, {self.parameter: ("orbit", self.values, {"units": self.unit})}, attributes)
-
-    def __str__(self) -> str:
-        return str(self.report())
-
-    def __repr__(self) -> str:
-        """Return the branches as a sentence."""
-        return f"<{self._in_words}>"
 
 
 _COLUMNS = (("", ">3"), ("from", ">9"), ("to", ">9"), ("degrees", ">14"), ("repeats", ">7"), ("orbits", "<40"))

@@ -4,16 +4,15 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Any
 
-from floquetrod._util.report import Report, Reported, number
+from floquetrod._util.report import Printed, Report
 from floquetrod.rod.loads.load import Load
 from floquetrod.rod.mode_equations.one_mode import LARGEST
 from floquetrod.rod.model.data import RodData
 
 
 @dataclass(frozen=True, repr=False)
-class SafeKick(Reported):
+class SafeKick(Printed):
     """The kick up to which a rod that is stable at rest was found to return to it: a search, one mode at a time.
 
     A kick is a transverse velocity of a mode at rest, at any phase of the load, at the point of the rod where it is
@@ -77,22 +76,4 @@ class SafeKick(Reported):
             lines.append(("swings", f"by about {math.degrees(self.angle):.3g} degrees"))
         return Report(self._in_words, lines)
 
-    def as_dict(self) -> dict[str, Any]:
-        """Return the kicks as numbers for JSON, units in the keys; None for infinite ones."""
-        return {
-            "safe_up_to_m_per_s": number(self.safe_up_to),
-            "safe_mode": self.safe_mode,
-            "escapes_at_m_per_s": number(self.escapes_at),
-            "mode": self.mode,
-            "phase_rad": self.phase,
-            "angle_rad": number(self.angle),
-            "large_rad": self.large,
-            "tried": self.tried,
-        }
-
-    def __str__(self) -> str:
-        return str(self.report())
-
-    def __repr__(self) -> str:
-        """Return the kicks as a sentence."""
-        return f"<{self._in_words}>"
+    _keys = "safe_up_to_m_per_s safe_mode escapes_at_m_per_s mode phase_rad angle_rad large_rad tried"

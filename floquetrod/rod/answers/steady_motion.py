@@ -5,10 +5,9 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
 
 from floquetrod._util.content import ByContent, NoTruthValue
-from floquetrod._util.report import Report, Reported, number
+from floquetrod._util.report import Printed, Report
 from floquetrod._util.suggest import listed
 from floquetrod.floquet.status import Status
 from floquetrod.orbits import PeriodicOrbit
@@ -18,7 +17,7 @@ from floquetrod.rod.model.data import RodData
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class SteadyMotion(ByContent, Reported, NoTruthValue):
+class SteadyMotion(ByContent, Printed, NoTruthValue):
     """The steady motion of a rod on its wall under a load, or rest.
 
     Attributes
@@ -107,24 +106,7 @@ class SteadyMotion(ByContent, Reported, NoTruthValue):
             )
         return Report(self._in_words, [*lines, ("note", self.note)] if self.note else lines)
 
-    def as_dict(self) -> dict[str, Any]:
-        """Return the motion as numbers for JSON, units in the keys."""
-        return {
-            "mode": self.mode,
-            "amplitude_rad": self.amplitude,
-            "error_rad": number(self.error),
-            "status": self.status,
-            "is_rest_stable": self.is_rest_stable,
-            "contact_N_per_m": list(self.contact),
-            "contact_lost_at_m": self.lost_at,
-            "shortening_m": list(self.shortening),
-            "modes": list(self.modes),
-            "note": self.note,
-        }
-
-    def __str__(self) -> str:
-        return str(self.report())
-
-    def __repr__(self) -> str:
-        """Return the motion as a sentence."""
-        return f"<{self._in_words}>"
+    _keys = (
+        "mode amplitude_rad error_rad status is_rest_stable contact_N_per_m contact_lost_at_m=lost_at shortening_m "
+        "modes note"
+    )

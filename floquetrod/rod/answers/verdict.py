@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from abc import ABC, abstractmethod
+from collections.abc import Mapping
 from dataclasses import dataclass
 from itertools import islice, pairwise
 from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
@@ -13,8 +14,9 @@ import numpy as np
 from floquetrod._util import validate
 from floquetrod._util.arrays import Floats
 from floquetrod._util.caching import cached_property
+from floquetrod._util.interchange import by_keys, plain
 from floquetrod._util.progress import Progress
-from floquetrod._util.report import Table
+from floquetrod._util.report import Report, Reported, Table
 from floquetrod._util.suggest import listed
 from floquetrod.equations import HillSystem, Mathieu
 from floquetrod.floquet.references import references, united
@@ -22,7 +24,7 @@ from floquetrod.floquet.systems.resonances import Resonance
 from floquetrod.floquet.systems.result import SystemStability
 from floquetrod.floquet.verdict import Stability, Verdict
 from floquetrod.rod.answers.margins import FEW_MODES, MARGIN_SECONDS, WAYS, Edge, Margin, in_hundredths
-from floquetrod.rod.answers.reports import ReportedVerdict
+from floquetrod.rod.answers.reports import margin_lines, margins_as_dict, shown_in, subject_lines
 from floquetrod.rod.loads.axial import AxialResponse
 from floquetrod.rod.loads.load import Load, Quantity
 from floquetrod.rod.mode_equations.modal_systems import ModalSystem
@@ -182,7 +184,7 @@ class Evidence(ABC):
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
-class RodStability(Verdict, ReportedVerdict):
+class RodStability(Reported, Verdict):
     """Verdict on a rod under a load, in 1/s and s.
 
     It has all that every `Verdict` has.  Stable when nothing grows faster than the tolerance; the growth rate is that
@@ -469,6 +471,67 @@ class RodStability(Verdict, ReportedVerdict):
             if progress is not None:
                 progress(1, 1)
         return found
+
+    def report(
+        self, units: Mapping[str, str] | None = None, margins: Mapping[Quantity, Margin] | None = None
+    ) -> Report:
+        """Return the verdict in lines and a table: resonances, rod and load, growth, margins, method, modes.
+
+        Parameters
+        ----------
+        units : mapping, optional
+            In which to show mean, amplitude, frequency, other forces, lengths and pressures: ``{"mean": "Fcr",
+            "frequency": "Hz", "force": "lbf", "length": "ft", "pressure": "ksi"}``; N, rad/s, m and MPa without, ft and
+            ksi beside pounds.
+        margins : mapping, optional
+            The result of `margins`, reported with the damping that stabilises.
+
+        Returns
+        -------
+        Report
+            Its text is ``str(report)``; a notebook shows it as a table.
+        """
+        evidence, shown = self.evidence, shown_in(units, self.rod.critical_force)
+        lines = subject_lines(self.rod, self.load, shown, self.assumptions)
+        if self.growth_rate > 0.0:
+            rate = f"{self.growth_rate:.6g} 1/s{evidence.grows_in(self)}"
+            lines.append(("growth", f"{rate}, tenfold in {self.time_to_grow(10.0):.4g} s"))
+        lines += evidence.named_lines(self)
+        if margins is not None:
+            lines += margin_lines(margins, self.status, shown)
+            if not evidence.has_exact_margins:
+                lines.append(("", "found by sampling: two changes close together may be missed"))
+            if (damping := self.damping_to_stabilise) > 0.0:
+                none = "no damping suffices: the mean force alone buckles a mode"
+                lines.append(("damping", none if math.isinf(damping) else evidence.enough.format(f"{damping:.6g} 1/s")))
+        lines += [("checked", self.cutoff), ("method", evidence.method(self))]
+        lines += [("note", self.note)] if self.note else []
+        headline = ": ".join(filter(None, [self.status.upper(), evidence.headline(self)]))
+        return Report(headline, lines, evidence.table)
+
+    def as_dict(self, margins: Mapping[Quantity, Margin] | None = None) -> dict[str, Any]:
+        """Return the verdict as numbers for JSON, units in the keys; None for numbers that are infinite or not known.
+
+        With ``margins``, which `margins` returns, these and the damping that stabilises.
+        """
+        rod, load, near = self.rod, self.load, {}
+        if margins is not None:
+            near = margins_as_dict(margins) | by_keys(self, "damping_to_stabilise_per_s")
+        return {
+            **by_keys(self, "status unstable_modes growth_rate_per_s decay_rate_per_s fastest_mode"),
+            "time_to_grow_tenfold_s": plain(self.time_to_grow(10.0)),
+            **near,
+            **by_keys(
+                self,
+                "modes_checked growth_tolerance_per_s critical_force_N=rod.critical_force rod "
+                "mass_per_length_kg_per_m=rod.mass_per_length weight_per_length_N_per_m=rod.weight_per_length "
+                "flexural_rigidity_N_m2=rod.flexural_rigidity assumptions mean_N=load.mean amplitude_N=load.amplitude "
+                "frequency_rad_per_s=load.frequency",
+            ),
+            **({} if load.is_uniform else {"axial_response": rod.axial_response(load).as_dict()}),
+            **({} if rod.yield_strength is None else {"stress": rod.stress(load).as_dict()}),
+            **self.evidence.numbers(self),
+        }
 
     def __repr__(self) -> str:
         """Return the verdict as a sentence."""

@@ -11,8 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from floquetrod._util.caching import cached_property
+from floquetrod._util.interchange import by_keys, plain
 from floquetrod._util.progress import Progress
-from floquetrod._util.report import Report, Reported, Table, number
+from floquetrod._util.report import Report, Reported, Table
 from floquetrod._util.suggest import listed
 from floquetrod.equations import FrictionalMathieu, Mathieu
 from floquetrod.floquet.verdict import Status, Verdict
@@ -182,27 +183,19 @@ class FrictionalRodStability(Reported, Verdict):
 
         None stands for numbers that are infinite or not known; ``margins`` are those of ``linear``.
         """
-        inside, known = self.in_modes, self.critical_kick
-        return {
-            "with_friction": {
-                "status": self.status,
-                "unstable_modes": list(self.unstable_modes),
-                "mu": self.friction,
-                "mu_theta": inside.mu_theta,
-                "kick_m_per_s": self.kick,
-                "axial_velocity_m_per_s": inside.v_a,
-                "gamma": inside.gamma,
-                "epsilon": inside.epsilon,
-                "critical_kick_m_per_s": number(known.kick),
-                "critical_mode": known.mode,
-                "no_kick_buckles_up_to_m_per_s": number(known.none_up_to),
-                "modes": [
-                    {"mode": mode, "critical_kick_m_per_s": number(self.critical_kicks[mode]), "fate": fate.status}
-                    for mode, fate in zip(self.modes, self.fates, strict=True)
-                ],
-            },
-            "without_friction": self.linear.as_dict(margins),
-        }
+        modes = [
+            {"mode": mode, "critical_kick_m_per_s": plain(self.critical_kicks[mode]), "fate": fate.status}
+            for mode, fate in zip(self.modes, self.fates, strict=True)
+        ]
+        kicked = by_keys(
+            self,
+            "status unstable_modes mu=friction mu_theta=in_modes.mu_theta kick_m_per_s "
+            "axial_velocity_m_per_s=in_modes.v_a gamma=in_modes.gamma epsilon=in_modes.epsilon",
+        )
+        needed = by_keys(
+            self.critical_kick, "critical_kick_m_per_s=kick critical_mode=mode no_kick_buckles_up_to_m_per_s=none_up_to"
+        )
+        return {"with_friction": kicked | needed | {"modes": modes}, "without_friction": self.linear.as_dict(margins)}
 
     def __repr__(self) -> str:
         """Return the verdict as a sentence."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from floquetrod._util.arguments import Mention, wrong_value
+from floquetrod._util.interchange import by_keys
 from floquetrod.rod.loads.load import AxialWave, Load
 
 MOST_FACTOR = 100.0
@@ -91,18 +92,8 @@ class AxialResponse:
 
     def as_dict(self) -> dict[str, Any]:
         """Return the numbers for JSON, in SI units; None where one is infinite or unknown."""
-        values = {
-            "amplitude_N": self.amplitude,
-            "largest_N": self.largest,
-            "position_m": self.position,
-            "factor": self.factor,
-            "critical_forces": self.critical_forces,
-        }
-        resonances = [
-            {"frequency_rad_per_s": r.frequency, "frequency_Hz": r.hertz, "harmonic": r.harmonic, "factor": r.factor}
-            for r in self.resonances
-        ]
-        return _finite(values) | {"resonances": [_finite(r) for r in resonances]}
+        found = [by_keys(r, "frequency_rad_per_s frequency_Hz=hertz harmonic factor") for r in self.resonances]
+        return by_keys(self, "amplitude_N largest_N position_m factor critical_forces") | {"resonances": found}
 
     @property
     def in_words(self) -> str:
@@ -119,10 +110,6 @@ class AxialResponse:
     def __repr__(self) -> str:
         """Return the numbers as a sentence."""
         return f"<{self.in_words}>"
-
-
-def _finite(values: dict[str, float]) -> dict[str, Any]:
-    return {name: value if math.isfinite(value) else None for name, value in values.items()}
 
 
 class AxialGap(NamedTuple):
@@ -231,17 +218,6 @@ def joined(found: Iterable[AxialGap]) -> list[AxialGap]:
         else:
             apart.append(gap)
     return apart
-
-
-def between(bounds: tuple[float, float], skipped: Sequence[AxialGap]) -> Iterator[tuple[float, float]]:
-    """Yield what gaps, in increasing order, leave of bounds."""
-    at = bounds[0]
-    for gap in skipped:
-        if at < min(gap.low, bounds[1]):
-            yield at, min(gap.low, bounds[1])
-        at = max(at, gap.high)
-    if at < bounds[1]:
-        yield at, bounds[1]
 
 
 def _present(load: Load) -> list[int]:

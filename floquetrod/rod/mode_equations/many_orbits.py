@@ -23,19 +23,22 @@ _TOGETHER = 400  # starts in Newton's method: tens of megabytes
 _FINER = 4  # instants to one of the equation, in steps of half of which deviations are followed
 
 
-class Loads(NamedTuple):
-    """Mean forces in N, frequencies in rad/s (k,), and what parts of the vibration take from the stiffness (k, 2 H)."""
+class ModeLoads(NamedTuple):
+    """Loads as a mode feels them: mean forces in N, frequencies in rad/s (k,), and parts of the vibration (k, 2 H).
+
+    Of the vibration what each part takes from the stiffness.
+    """
 
     mean: Floats
     frequency: Floats
     vibration: Floats
 
-    def some(self, kept: Any) -> Loads:
+    def some(self, kept: Any) -> ModeLoads:
         """Return some of them."""
-        return Loads(self.mean[kept], self.frequency[kept], self.vibration[kept])
+        return ModeLoads(self.mean[kept], self.frequency[kept], self.vibration[kept])
 
 
-def smallest_stable(equation: OneMode, loads: Loads) -> list[Orbit | None]:
+def smallest_stable(equation: OneMode, loads: ModeLoads) -> list[Orbit | None]:
     """Return the smallest stable orbit but rest that is found under each load, of one period of it or two."""
     found: list[Orbit | None] = [None] * len(loads.mean)
     for turns in (2, 1):
@@ -50,13 +53,13 @@ def smallest_stable(equation: OneMode, loads: Loads) -> list[Orbit | None]:
     return found
 
 
-def _added(equation: OneMode, loads: Loads) -> Floats:
+def _added(equation: OneMode, loads: ModeLoads) -> Floats:
     """Return what the mean forces add to the stiffness, (k, 1)."""
     per_newton = equation.motion.pushed_alike[0, 0]
     return np.asarray((equation.motion.load.mean - loads.mean)[:, None] * per_newton)
 
 
-def _starts(equation: OneMode, loads: Loads, turns: int) -> tuple[Any, Floats]:
+def _starts(equation: OneMode, loads: ModeLoads, turns: int) -> tuple[Any, Floats]:
     """Return which load each start is for, and the starts (m, count)."""
     s, c = loads.frequency / turns, equation.motion.rod.damping_rate
     half = loads.vibration.shape[1] // 2
@@ -86,7 +89,7 @@ def _averaged(equation: OneMode, s: Floats) -> Floats:
     return np.asarray(stiff - 0.5 * equation.shortening * squares * s[:, None] ** 2)
 
 
-def _stable(equation: OneMode, loads: Loads, starts: Floats, turns: int) -> list[tuple[int, Orbit]]:
+def _stable(equation: OneMode, loads: ModeLoads, starts: Floats, turns: int) -> list[tuple[int, Orbit]]:
     """Return the stable orbits that starts lead to, and which of them."""
     count, half = starts.shape[1], loads.vibration.shape[1] // 2
     wave = turns * 2.0 * math.pi * np.arange(count * _FINER) / (count * _FINER)

@@ -19,8 +19,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from floquetrod._util.arrays import Bools, Floats
+from floquetrod._util.parts import runs
 from floquetrod._util.progress import Progress
 from floquetrod.equations import HillSystem
+from floquetrod.floquet.margins import Edge
 from floquetrod.floquet.systems.resonances import Resonance
 from floquetrod.rod.loads.load import Load, Loads, Quantity
 from floquetrod.rod.mode_equations.coupled_systems import CoupledEquations
@@ -74,8 +76,7 @@ def unstable_parts(
     inside = search.changes(places, stable)
     ends = dict(zip(np.flatnonzero(stable[1:] != stable[:-1]).tolist(), inside.tolist(), strict=True))
     parts: list[UnstablePart] = []
-    runs = np.flatnonzero(np.diff(np.concatenate([[True], stable, [True]]).astype(np.int8)))
-    for first, after in zip(runs[::2].tolist(), runs[1::2].tolist(), strict=True):
+    for first, after in runs(~stable):
         low, high = ends.get(first - 1, bounds[0]), ends.get(after - 1, bounds[1])
         # Named where something is sure to grow: at the samples next to the ends; an end of the search needs no name.
         causes = (
@@ -84,18 +85,6 @@ def unstable_parts(
         )
         parts.append(UnstablePart(float(low), float(high), *causes))
     return parts, float(even[1] - even[0])
-
-
-class Change(NamedTuple):
-    """Where the verdict first changes, None where it is seen not to, up to where was searched, and how finely.
-
-    ``seconds`` is what searching so far takes, as estimated.
-    """
-
-    at: float | None
-    searched: float
-    resolution: float
-    seconds: float = 0.0
 
 
 def first_change(
@@ -108,7 +97,7 @@ def first_change(
     begins_stable: bool | None = None,
     most_seconds: float = math.inf,
     progress: Progress | None = None,
-) -> Change:
+) -> Edge:
     """Return where the verdict first changes from ``piece[0]`` to ``piece[1]``.
 
     ``begins_stable`` is the verdict it changes from, that at ``piece[0]`` by default.  Samples are further apart where
@@ -117,17 +106,17 @@ def first_change(
     """
     search = _SampledSearch(varied, modes, load, tolerance)
     if not search.costs(piece, grows=not begins_stable).steps(most_seconds):
-        return Change(None, piece[0], 0.0)
+        return Edge(None, piece[0], 0.0)
     here = search.stable(np.array(piece[:1]))
     begins = bool(here[0]) if begins_stable is None else begins_stable
     costs = search.costs(piece, grows=not begins)
     steps = costs.steps(most_seconds)
     if not steps:
-        return Change(None, piece[0], 0.0, costs.each)
+        return Edge(None, piece[0], 0.0, costs.each)
     places = np.linspace(*piece, steps + 1)
     step, spent = abs(float(places[1] - places[0])), costs.seconds(steps)
     if here[0] != begins:
-        return Change(piece[0], piece[0], step, costs.each)
+        return Edge(piece[0], piece[0], step, costs.each)
     for start in range(0, steps, costs.at_once):  # nothing beyond the first change matters
         closer = places[start : start + costs.at_once + 1]
         told = np.append(here, search.stable(closer[-1:]))
@@ -136,11 +125,11 @@ def first_change(
         if differ.size:
             last = int(differ[0]) + 1
             at = float(search.changes(seen[last - 2 : last], stable[last - 2 : last])[0])
-            return Change(at, at, step, spent)
+            return Edge(at, at, step, spent)
         here = stable[-1:]
         if progress is not None:
             progress(min(start + costs.at_once, steps), steps)
-    return Change(None, piece[1], step, spent)
+    return Edge(None, piece[1], step, spent)
 
 
 class _SampledSearch(NamedTuple):

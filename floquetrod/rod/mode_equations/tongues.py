@@ -9,6 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from floquetrod._util.arrays import Bools, Floats, Ints
+from floquetrod._util.parts import complement
 from floquetrod._util.progress import Progress
 from floquetrod.mathieu import tongues
 from floquetrod.mathieu.tongues import Tongues
@@ -66,7 +67,7 @@ def unstable_loads(
     found: list[UnstableInterval] = []
     tongues_left_out, resolution, done, size = 0, 0.0, 0, 1
     while done < len(chosen):
-        left = gaps(found, bounds)
+        left = [gap[:2] for gap in complement(bounds, found)]
         if nearest is not None:
             left = [gap for gap in left if nearest in gap]
         if not left:
@@ -78,19 +79,6 @@ def unstable_loads(
         if progress is not None:
             progress(min(done, len(chosen)), len(chosen))
     return UnstableLoads(found, tongues_left_out, resolution)
-
-
-def gaps(intervals: Sequence[UnstableInterval], bounds: tuple[float, float]) -> list[tuple[float, float]]:
-    """Return what ``intervals`` leave of ``bounds``."""
-    at, high = bounds
-    left = []
-    for part in sorted(intervals):
-        if part.low > at:
-            left.append((at, min(part.low, high)))
-        at = max(at, part.high)
-        if at >= high:
-            return left
-    return [*left, (at, high)]
 
 
 def _likely_first(varied: Quantity, system: ModalSystem, bounds: tuple[float, float]) -> tuple[int, ...]:

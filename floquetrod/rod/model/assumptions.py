@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import warnings
+from typing import Any
 
 import numpy as np
 
@@ -17,55 +18,65 @@ UNIFORM_UP_TO = 0.1
 
 _MATTERS = 0.1  # of the largest harmonic, above which another one counts (a choice)
 
-SHAPE = ("small angles", "linear elasticity")
+
+class Assumption(str):
+    """What is assumed, with how far that holds: numbers from docs/theory/trust.md and bends.md."""
+
+    limit: str
+
+    def __new__(cls, text: str, limit: str) -> Assumption:
+        """Return the text."""
+        made = super().__new__(cls, text)
+        made.limit = limit
+        return made
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Return what pickles make it of."""
+        return Assumption, (str(self), self.limit)
+
+
+SHAPE = (
+    Assumption(
+        "small angles",
+        "at 15 degrees gravity acts as if 0.9 % weaker, at 30 by 3.4 %, at 60 by 13 %; beyond a quarter turn the rod "
+        "is on no wall",
+    ),
+    Assumption("linear elasticity", "up to the yield strength"),
+)
 """Of every rod."""
 
-_STRAIGHT = "straight channel, whose floor the rod never leaves; no torque"
+WEIGHT_NEGLECTED = Assumption(
+    "the weight along the rod is neglected", "matters where it is no small fraction of the mean force; give mean_at"
+)
+"""Of a load whose mean is the same all along the rod."""
+
+_STRAIGHT = Assumption(
+    "straight channel, whose floor the rod never leaves; no torque",
+    "a bend of 0.01/m can raise the critical force several times, see Rod(path=); a rod that bounces leaves the floor",
+)
 _END_EFFECT = 0.4
 """Share of growth by which a straight rod with hinged ends differs, times half waves; see `in_a_channel`."""
 
 MOST_FORCED = math.radians(1.0)
 """Angle in rad up to which a rod that the vibration moves along the wall counts as at rest there (a choice)."""
 
-WALL = "the load is the compression in the wall"
+WALL = Assumption(
+    "the load is the compression in the wall",
+    "with fluids inside or outside give their densities and the effective force",
+)
 """Which force is meant without fluids."""
 
-IMMERSED = ("the load is the effective force, F_wall + p_i A_i - p_o A_o", "fluids at rest, added mass constant")
-"""Which force is meant with a fluid inside or outside, and what else is assumed then."""
-
-_LIMITS = (
-    ("axial waves", "friction on the wall damps them along the rod, which rod.reach and simulations include"),
-    (
-        "vibration uniform",
-        "at a tenth of a wavelength the middle feels 5 % more than the ends; AxialWave has the waves",
+IMMERSED = (
+    Assumption(
+        "the load is the effective force, F_wall + p_i A_i - p_o A_o",
+        "the weight of the fluids acts, their flow does not",
     ),
-    ("the weight along", "matters where it is no small fraction of the mean force; give mean_at"),
-    (
-        "small angles",
-        "at 15 degrees gravity acts as if 0.9 % weaker, at 30 by 3.4 %, at 60 by 13 %; beyond a quarter turn "
-        "the rod is on no wall",
+    Assumption(
+        "fluids at rest, added mass constant",
+        "a fluid that flows, or a narrow gap in which it is squeezed, damps and adds more mass",
     ),
-    ("linear elasticity", "up to the yield strength"),
-    (
-        "straight channel",
-        "a bend of 0.01/m can raise the critical force several times, see Rod(path=); a rod that "
-        "bounces leaves the floor",
-    ),
-    ("a wall which", "a load that lifts the rod off its wall is refused"),
-    ("gentle bends", "growth differs by 0.7 % where curvature times clearance is 0.005, by 4 % where it is 0.04"),
-    ("the rod's own shape", "no effect where ends are clamped"),
-    ("about the mean position", f"good below {math.degrees(MOST_FORCED):g} deg"),
-    ("weight across uniform", "give Rod(path=), which uses the local transverse weight"),
-    (WALL, "with fluids inside or outside give their densities and the effective force"),
-    (IMMERSED[0], "the weight of the fluids acts, their flow does not"),
-    (IMMERSED[1], "a fluid that flows, or a narrow gap in which it is squeezed, damps and adds more mass"),
 )
-"""How far what is assumed holds, by what the assumption begins with; numbers from docs/theory/trust.md and bends.md."""
-
-
-def limit_of(assumption: str) -> str:
-    """Return how far an assumption holds; "" where its own words say so."""
-    return next((limit for beginning, limit in _LIMITS if assumption.startswith(beginning)), "")
+"""Which force is meant with a fluid inside or outside, and what else is assumed then."""
 
 
 class UniformForceWarning(UserWarning):
@@ -76,7 +87,7 @@ class ForcedAngleWarning(UserWarning):
     """The vibration moves a rod along the wall of a channel that turns, which a linear verdict neglects."""
 
 
-def forced_in_words(angle: float) -> str:
+def forced_in_words(angle: float) -> Assumption:
     """Return how far in rad the vibration moves the rod along the wall, and warn where that is far."""
     if angle > MOST_FORCED:
         warnings.warn(
@@ -86,10 +97,13 @@ def forced_in_words(angle: float) -> str:
             ForcedAngleWarning,
             stacklevel=level_of_caller(),
         )
-    return f"about the mean position, from which the vibration moves the rod by up to {math.degrees(angle):.2g} deg"
+    return Assumption(
+        f"about the mean position, from which the vibration moves the rod by up to {math.degrees(angle):.2g} deg",
+        f"good below {math.degrees(MOST_FORCED):g} deg",
+    )
 
 
-def in_a_channel(rod: RodData) -> tuple[str, ...]:
+def in_a_channel(rod: RodData) -> tuple[Assumption, ...]:
     """Return what is assumed of the channel, in one that bends with numbers that should be small.
 
     In a bend ends without a moment lift a straight rod off its wall near them, and growth differs, of a rod of seven
@@ -102,18 +116,29 @@ def in_a_channel(rod: RodData) -> tuple[str, ...]:
     room = kappa * rod.radial_clearance
     share = rod.flexural_rigidity * kappa * kappa / rod.critical_force
     found = [
-        "a wall which the rod never leaves; no torque",
-        f"gentle bends: curvature times clearance is {room:.2g}, E I curvature^2 {share:.2g} of the critical force; "
-        "both should be far below 1",
+        Assumption("a wall which the rod never leaves; no torque", "a load that lifts the rod off its wall is refused"),
+        Assumption(
+            f"gentle bends: curvature times clearance is {room:.2g}, E I curvature^2 {share:.2g} of the critical "
+            "force; both should be far below 1",
+            "growth differs by 0.7 % where curvature times clearance is 0.005, by 4 % where it is 0.04",
+        ),
     ]
     if "hinged" in rod.ends:
         found.append(
-            "the rod's own shape is the channel's: a straight one lies otherwise near hinged ends, and its growth "
-            f"differs by some {100.0 * _END_EFFECT / max(rod.critical_mode, 1.0):.2g} %"
+            Assumption(
+                "the rod's own shape is the channel's: a straight one lies otherwise near hinged ends, and its growth "
+                f"differs by some {100.0 * _END_EFFECT / max(rod.critical_mode, 1.0):.2g} %",
+                "no effect where ends are clamped",
+            )
         )
     if rod.course.is_uniform:
         change = math.degrees(abs(rod.curvature) * rod.length)
-        found.append(f"weight across uniform, though the inclination changes by {change:.3g} deg along the rod")
+        found.append(
+            Assumption(
+                f"weight across uniform, though the inclination changes by {change:.3g} deg along the rod",
+                "give Rod(path=), which uses the local transverse weight",
+            )
+        )
     return tuple(found)
 
 
@@ -136,17 +161,22 @@ def warn_unless_uniform(rod: RodData, load: Load) -> None:
         )
 
 
-def assumptions(rod: RodData, load: Load) -> tuple[str, ...]:
+def assumptions(rod: RodData, load: Load) -> tuple[Assumption, ...]:
     """Return what the equations assume."""
     if isinstance(load, AxialWave):
-        vibration = "axial waves without friction on them"
-        vibration += "" if load.axial_damping else ", undamped"
+        vibration = Assumption(
+            f"axial waves without friction on them{'' if load.axial_damping else ', undamped'}",
+            "friction on the wall damps them along the rod, which rod.reach and simulations include",
+        )
     else:
-        vibration = f"vibration uniform along the rod, which is {rod.wave_ratio(load):.2g} axial wavelengths long"
+        vibration = Assumption(
+            f"vibration uniform along the rod, which is {rod.wave_ratio(load):.2g} axial wavelengths long",
+            "at a tenth of a wavelength the middle feels 5 % more than the ends; AxialWave has the waves",
+        )
     weight = (rod.weight_along > 0.0 or not rod.course.is_uniform) and load.mean_at is None
     return (
         vibration,
-        *(["the weight along the rod is neglected"] if weight else []),
+        *([WEIGHT_NEGLECTED] if weight else []),
         *SHAPE,
         *in_a_channel(rod),
         *(IMMERSED if rod.fluid_inside or rod.fluid_outside else (WALL,)),

@@ -11,14 +11,15 @@ import numpy as np
 from floquetrod._util import validate
 from floquetrod._util.arrays import shaped
 from floquetrod._util.caching import cached_property
-from floquetrod._util.report import Report, Reported, number
+from floquetrod._util.interchange import by_keys, plain
+from floquetrod._util.report import Printed, Report
 from floquetrod.units import AnswerUnits
 
 _LARGEST = 1e15  # of forces in N and distances in m (a choice)
 
 
 @dataclass(frozen=True, repr=False)
-class LockUp(Reported):
+class LockUp(Printed):
     """Friction of a string that is pushed down a channel from its upper end, and the length at which it locks up.
 
     With xi the distance from the far end, where the compression is F_0, and F_p the critical force,
@@ -63,10 +64,6 @@ class LockUp(Reported):
         far_force = validate.within("far_force", self.far_force, -_LARGEST, _LARGEST, "give the force in N")
         object.__setattr__(self, "far_force", far_force)
 
-    def __repr__(self) -> str:
-        """Return the length as a sentence."""
-        return f"<{self._in_words(AnswerUnits.named())}>"
-
     def _in_words(self, shown: AnswerUnits) -> str:
         far = f" and {shown.force.show(self.far_force)} at that end" if self.far_force else ""
         what = f"friction {self.friction:g}{far}"
@@ -105,8 +102,8 @@ class LockUp(Reported):
         shown = AnswerUnits.named(force, length)
         lines = [("assumed", "; ".join(self.assumptions))]
         if push is not None:
-            reach = number(self.pushed_length(push))
-            string = "a string of any length" if reach is None else shown.length.show(reach, 4)
+            reach = float(self.pushed_length(push))
+            string = "a string of any length" if math.isinf(reach) else shown.length.show(reach, 4)
             lines.insert(0, ("pushed", f"{shown.force.show(push)} at the upper end pushes {string}"))
         return Report(self._in_words(shown), lines)
 
@@ -115,15 +112,9 @@ class LockUp(Reported):
 
         Also the length that a ``push`` in N can push.
         """
-        return {
-            "length_m": number(self.length),
-            "friction": self.friction,
-            "far_force_N": self.far_force,
-            "critical_force_N": self.critical_force,
-            "push_N": push,
-            "pushed_length_m": None if push is None else number(float(self.pushed_length(push))),
-            "assumptions": list(self.assumptions),
-        }
+        pushed = {"push_N": push, "pushed_length_m": None if push is None else plain(self.pushed_length(push))}
+        found = by_keys(self, "length_m friction far_force_N critical_force_N")
+        return found | pushed | by_keys(self, "assumptions")
 
     @property
     def assumptions(self) -> tuple[str, ...]:

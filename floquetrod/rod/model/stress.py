@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from floquetrod._util.report import number
+from floquetrod._util.interchange import by_keys
 from floquetrod.rod.loads.axial import largest_along
 from floquetrod.rod.loads.load import Load
 from floquetrod.units import Unit, unit
@@ -57,15 +57,7 @@ class Stress:
 
     def as_dict(self) -> dict[str, Any]:
         """Return the stresses in Pa, plain numbers; None where they are infinite."""
-        share = self.share_of_yield
-        return {
-            "axial_Pa": number(self.axial),
-            "bending_Pa": number(self.bending),
-            "largest_Pa": number(self.largest),
-            "position_m": self.position,
-            "yield_strength_Pa": self.yield_strength,
-            "share_of_yield": None if share is None else number(share),
-        }
+        return by_keys(self, "axial_Pa bending_Pa largest_Pa position_m yield_strength_Pa share_of_yield")
 
     def __str__(self) -> str:
         """Return the stresses in a line, in MPa."""

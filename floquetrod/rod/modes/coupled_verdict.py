@@ -216,17 +216,15 @@ class ModesTogether(Evidence):
             modes = self._modes_for(varied, piece, verdict.margin_tolerance)
         except ValueError:  # too many modes, or loads too large or too slow: nothing is known of them
             return Edge(None, piece[0], 0.0)
-        return Edge(
-            *first_change(
-                varied,
-                modes,
-                self.load,
-                piece,
-                verdict.margin_tolerance,
-                begins_stable=begins,
-                most_seconds=seconds,
-                progress=progress,
-            )
+        return first_change(
+            varied,
+            modes,
+            self.load,
+            piece,
+            verdict.margin_tolerance,
+            begins_stable=begins,
+            most_seconds=seconds,
+            progress=progress,
         )
 
     def _modes_for(self, varied: Quantity, piece: tuple[float, float], tolerance: float) -> CoupledEquations:

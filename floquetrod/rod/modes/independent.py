@@ -15,6 +15,7 @@ from floquetrod._util import validate
 from floquetrod._util.arrays import Bools, Floats, Ints
 from floquetrod._util.caching import cached_property
 from floquetrod._util.compilation import over_chunks
+from floquetrod._util.parts import complement
 from floquetrod._util.progress import Progress
 from floquetrod.rod.answers.verdict import RodStability
 from floquetrod.rod.loads.load import Load, Loads, Quantity
@@ -36,7 +37,7 @@ from floquetrod.rod.modes.mode_model import Answers, BandFinder, ModeModel, Stat
 if TYPE_CHECKING:
     from floquetrod.floquet.proof.region import RegionProof
     from floquetrod.mathieu.criterion import FiniteTimeCriterion
-    from floquetrod.rod.answers.intervals import FoundIntervals, Search, StabilityInterval, UnstableBand
+    from floquetrod.rod.answers.intervals import FoundIntervals, Search, UnstableBand
     from floquetrod.rod.answers.safe_box import SafeBox
     from floquetrod.rod.friction.kicks import CriticalKick, FrictionalRodStability
     from floquetrod.rod.mode_equations.coupled_systems import CoupledEquations
@@ -181,13 +182,14 @@ class IndependentModel(ModeModel):
 
     def ranges(self, search: Search, progress: Progress | None) -> FoundIntervals:
         """Return the stability intervals of one quantity of the load, complete except for ``resolution``."""
-        from floquetrod.rod.answers.intervals import FoundIntervals
+        from floquetrod.rod.answers.intervals import FoundIntervals, StabilityInterval
 
         varied, load, bounds, tolerance = search
         self.require_on_wall(search)
         system = self._equations(load, tolerance)
         found = unstable_loads(varied, system, tolerance, bounds, union=True, progress=progress)
-        stable = tuple(_between(found.intervals, bounds))
+        gaps = complement(bounds, found.intervals)
+        stable = tuple(StabilityInterval(*gap[:2], _cause(gap.before), _cause(gap.after)) for gap in gaps)
         return FoundIntervals(stable, system.modes[-1], found.tongues_left_out, found.resolution)
 
     def first_unstable(self, search: Search, progress: Progress | None = None) -> float:
@@ -312,18 +314,6 @@ class IndependentModel(ModeModel):
         return certified_cells(self.rod, self.like, *asked)
 
 
-def _between(unstable: Sequence[UnstableInterval], bounds: tuple[float, float]) -> Iterator[StabilityInterval]:
-    """Yield what the unstable loads leave of ``bounds``."""
-    from floquetrod.rod.answers.intervals import StabilityInterval
-
-    low, high = bounds
-    at, closed_by = low, None
-    for part in sorted(unstable):
-        if part.high <= at or part.low >= high:
-            continue
-        cause = (part.mode, part.tongue)
-        if part.low > at:
-            yield StabilityInterval(at, part.low, closed_by, cause)
-        at, closed_by = part.high, cause
-    if at < high:
-        yield StabilityInterval(at, high, closed_by, None)
+def _cause(part: UnstableInterval | None) -> tuple[int, int] | None:
+    """Return what grows next to a stability interval; None at an end of the search."""
+    return None if part is None else (part.mode, part.tongue)

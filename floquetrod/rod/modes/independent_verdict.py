@@ -10,6 +10,7 @@ import numpy as np
 
 from floquetrod._util.arguments import wrong_value
 from floquetrod._util.arrays import Floats
+from floquetrod._util.parts import complement
 from floquetrod._util.progress import Progress
 from floquetrod._util.report import Table, number
 from floquetrod._util.suggest import listed
@@ -22,7 +23,7 @@ from floquetrod.rod.answers.margins import Edge
 from floquetrod.rod.answers.verdict import Evidence, RodStability, Shape
 from floquetrod.rod.loads.load import Load, Quantity
 from floquetrod.rod.mode_equations.modal_systems import ModalSystem
-from floquetrod.rod.mode_equations.tongues import gaps, unstable_loads
+from floquetrod.rod.mode_equations.tongues import unstable_loads
 from floquetrod.rod.model.assumptions import assumptions
 from floquetrod.rod.model.contact import constants_under, up_to_wall
 from floquetrod.rod.model.data import RodData
@@ -214,7 +215,7 @@ class ModeVerdicts(EachMode):
         start = piece[0] if verdict.stable else None  # nothing beyond the first unstable part matters
         system = replace(self.system, modes=modes)
         found = unstable_loads(varied, system, tolerance, (low, high), union=True, nearest=start)
-        stable = gaps(found.intervals, (low, high))
+        stable = [gap[:2] for gap in complement((low, high), found.intervals)]
         if not stable:
             at = piece[0] if verdict.stable else None
         else:

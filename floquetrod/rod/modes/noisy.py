@@ -12,6 +12,7 @@ import numpy as np
 from floquetrod._util import validate
 from floquetrod._util.arguments import Mention, wrong_value
 from floquetrod._util.arrays import Bools, Floats, Ints
+from floquetrod._util.parts import runs
 from floquetrod._util.progress import Progress
 from floquetrod.floquet.systems.many import STABLE, UNDECIDED, UNSTABLE
 from floquetrod.floquet.verdict import tolerated
@@ -178,9 +179,8 @@ class NoisyModel(ModeModel):
         self.require_on_wall(search)
         places = np.linspace(*search.bounds, self.samples)
         stable = stable_at(self, search, places, progress)
-        runs = np.flatnonzero(np.diff(np.concatenate([[False], stable, [False]]).astype(np.int8)))
         found = []
-        for first, after in zip(runs[::2].tolist(), runs[1::2].tolist(), strict=True):
+        for first, after in runs(stable):
             low = search.bounds[0] if first == 0 else edge(self, search, places[first], places[first - 1])
             ends = after == self.samples
             high = search.bounds[1] if ends else edge(self, search, places[after - 1], places[after])

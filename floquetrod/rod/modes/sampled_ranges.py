@@ -4,17 +4,17 @@ from __future__ import annotations
 
 import math
 import warnings
-from collections.abc import Iterator
 from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
 
 from floquetrod._util.calling import level_of_caller
+from floquetrod._util.parts import Gap, complement
 from floquetrod._util.progress import Progress, shifted
 from floquetrod.floquet.status import UndecidedWarning
 from floquetrod.rod.answers.intervals import QUANTITIES, BucklingWarning, FoundIntervals, Search, StabilityInterval
-from floquetrod.rod.loads.axial import AxialGap, AxialResonanceError, axial_response, between, gaps, joined
+from floquetrod.rod.loads.axial import AxialGap, AxialResonanceError, axial_response, gaps, joined
 from floquetrod.rod.loads.load import Load, Loads, Quantity
 from floquetrod.rod.mode_equations.coupled_systems import CoupledEquations
 from floquetrod.rod.mode_equations.sampled import SAMPLES, UnstablePart, first_change, unstable_parts
@@ -97,7 +97,7 @@ def sampled_ranges(model: ModeModel, search: Search, progress: Progress | None) 
                 parts[0] = replace(parts[0], low=first.low, low_cause=first.low_cause)
             piece, parts = (before[0], piece[1]), known + parts
         segments.append((piece, parts))
-    stable = [_ended(part, bounds) for piece, parts in segments for part in _stable_between(parts, piece)]
+    stable = [_ended(_stable_between(gap), bounds) for segment in segments for gap in complement(*segment)]
     most = max(modes.count for _, modes in pieces)
     return FoundIntervals(tuple(stable), most, 0, resolution, tuple(skipped))
 
@@ -127,8 +127,8 @@ def _pieces_of_waves(
             add((piece[0], middle), halvings - 1)
             add((middle, piece[1]), halvings - 1)
 
-    for part in between(bounds, skipped):
-        for piece in pairwise(np.linspace(*part, 1 + _share(part, bounds, _GROUPS, 1)).tolist()):
+    for part in complement(bounds, skipped):
+        for piece in pairwise(np.linspace(*part[:2], 1 + _share(part[:2], bounds, _GROUPS, 1)).tolist()):
             add(piece, _HALVINGS)
     if not pieces:
         model.count_for(Loads.single(largest), search.growth_tolerance)  # says why
@@ -147,12 +147,7 @@ def _ended(part: StabilityInterval, bounds: tuple[float, float]) -> StabilityInt
     return part._replace(low_end=low, high_end=high)
 
 
-def _stable_between(parts: list[UnstablePart], bounds: tuple[float, float]) -> Iterator[StabilityInterval]:
-    """Yield what the unstable parts leave of ``bounds``."""
-    at, closed_by = bounds[0], None
-    for part in parts:
-        if part.low > at:
-            yield StabilityInterval(at, part.low, closed_by, part.low_cause)
-        at, closed_by = part.high, part.high_cause
-    if at < bounds[1]:
-        yield StabilityInterval(at, bounds[1], closed_by, None)
+def _stable_between(gap: Gap[UnstablePart]) -> StabilityInterval:
+    """Return what unstable parts leave, and what closes it."""
+    low_end = None if gap.before is None else gap.before.high_cause
+    return StabilityInterval(gap.low, gap.high, low_end, None if gap.after is None else gap.after.low_cause)
