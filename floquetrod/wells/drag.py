@@ -23,6 +23,8 @@ import numpy as np
 from floquetrod._util.arrays import Bools, Floats, Ints
 from floquetrod._util.caching import cached_property
 from floquetrod.wells.arcs import Points
+from floquetrod.wells.kernels import contact
+from floquetrod.wells.kernels.contact import LOCKED
 from floquetrod.wells.path import WellPath
 
 HELICAL = {"energy": 2.0, "loading": 1.83**2, "alone": 8.0, "always": 0.0}
@@ -54,12 +56,8 @@ FAST, SOUGHT, TRIED = Effort(1e-8, 1, 12), Effort(1e-6, 1, 12), Effort(1e-6, 1, 
 """Of one string, and what it is compared with, whose error is the difference; of many strings; of a depth sought; of a
 force sought at the lower end."""
 
-LOCKED = 0.5 * math.pi
-"""The y from which on the force is infinite."""
-
 _DIVIDED = 300.0  # m (a choice)
 _NEARLY = LOCKED - 1e-13  # to rounding
-MOST_PRESSED = 1e3  # times its weight: more does not damp the wave of a string that locks up (a choice)
 
 MOTIONS = {"pushed": 1.0, "standing": 0.0, "pulled": -1.0}
 """Ways in which a string moves, and the sign of friction upwards."""
@@ -227,32 +225,24 @@ class Drag:
         """Return whether strings are wound into a helix."""
         return np.asarray(self.wants_helix(place, y) >= 0.0)
 
+    @cached_property
+    def pushed(self) -> contact.Pushed:
+        """What the equation of a string needs besides the place."""
+        helical = HELICAL[self.helical] if self.motion == "pushed" else math.inf
+        return contact.Pushed(self.pipe.weight, self.pipe.scale, MOTIONS[self.motion], helical)
+
     def wants_helix(self, place: Place, y: Floats) -> Floats:
         """Return what is zero or more where a string is wound into a helix, which only one that is pushed is."""
         if self.motion != "pushed":
             return np.full(y.shape, -1.0)
-        sine, cosine = np.sin(y), np.cos(y)
-        lying = self._lying(place, sine, cosine)
-        return np.asarray(sine * np.abs(sine) * self.pipe.weight - HELICAL[self.helical] * lying)
+        sine = np.sin(y)
+        return np.asarray(contact.wants_helix(self.pushed, self._lying(place, sine, np.cos(y)), sine))
 
     def _lying(self, place: Place, sine: Floats, cosine: Floats) -> Floats:
-        """Return the contact force of the string that lies times cos^2 y, which is finite where the force is not."""
-        push = self.pipe.scale * sine
-        bent = self.pipe.weight * place.sine * cosine + push * place.kappa_n
-        return np.asarray(np.abs(cosine) * np.hypot(bent, push * place.kappa_b))
+        return np.asarray(contact.lying(self.pushed, place.sine, place.kappa_n, place.kappa_b, sine, cosine))
 
     def slopes(self, place: Place, mu: Floats, y: Floats, helix: Any) -> Floats:
         """Return d/ds of y of strings at a place of each, of which a part is wound into a helix."""
-        sine, cosine, weight = np.sin(y), np.cos(y), self.pipe.weight
-        contact = self._lying(place, sine, cosine) + weight * helix * sine * sine
-        held = MOTIONS[self.motion] * mu * contact
-        return np.asarray((weight * place.cosine * cosine * cosine - held) / self.pipe.scale)
-
-    def pressed(self, place: Place, friction: Floats, y: Floats, helix: Floats) -> Floats:
-        """Return mu N in N/m at places of strings, bounded where y says that one is locked up.
-
-        ``helix`` is the part that is wound into one.
-        """
         sine, cosine = np.sin(y), np.cos(y)
-        contact = self._lying(place, sine, cosine) + self.pipe.weight * helix * sine * sine
-        return np.asarray(friction * contact / np.maximum(cosine * cosine, 1.0 / MOST_PRESSED))
+        pressed = contact.contact(self.pushed, self._lying(place, sine, cosine), sine, helix)
+        return np.asarray(contact.slope(self.pushed, place.cosine, mu, cosine, pressed))

@@ -19,7 +19,8 @@ from floquetrod._util.caching import cached_property
 from floquetrod._util.content import ByContent
 from floquetrod._util.roots import roots
 from floquetrod.wells.arcs import Points
-from floquetrod.wells.drag import LOCKED, Drag, Effort, Place, States, Strings
+from floquetrod.wells.drag import Drag, Effort, Place, States, Strings
+from floquetrod.wells.kernels.contact import LOCKED
 
 Ints = NDArray[np.intp]
 

@@ -1,132 +1,131 @@
-"""Strings that a tool shakes, marched up a well side by side by fixed steps, with what is left of friction in each.
-
-By the classical Runge-Kutta method of order 4, a step to each piece.  In a step within which a string becomes a helix
-or ceases to be one it is one for its part of the step, by the secant: an error of order 2, as that of the wave, and a
-contact force that follows the force without jumps, without which turns between force and wave need not settle.
-"""
+"""A string that a tool shakes: its pieces, the nodes of its wave, and both at any depth once they have settled."""
 
 from __future__ import annotations
 
-from typing import NamedTuple
+import math
 
 import numpy as np
-from numpy.typing import NDArray
 
-from floquetrod._util.arrays import Floats
+from floquetrod._util.arrays import Bools, Complexes, Floats, Ints
+from floquetrod._util.compilation import compiled
 from floquetrod.wells.arcs import Points
-from floquetrod.wells.drag import LOCKED, Drag, Place, Strings
+from floquetrod.wells.drag import Drag, Effort, Shaking
+from floquetrod.wells.kernels import shaken as kernels
+from floquetrod.wells.kernels import wave
 
-Ints = NDArray[np.intp]
-
-
-class Marched(NamedTuple):
-    """Y of n strings at the ends of their m pieces, (m + 1, n), and what each piece has, (m, n).
-
-    That is -dy/ds within, above and below, and the part that is a helix.
-    """
-
-    y: Floats
-    above: Floats
-    below: Floats
-    helix: Floats
-
-    def some(self, strings: Ints) -> Marched:
-        """Return that of some strings."""
-        return Marched(*(each[:, strings] for each in self))
-
-    def put(self, strings: Ints, some: Marched) -> None:
-        """Set that of some strings."""
-        for each, new in zip(self, some, strict=True):
-            each[:, strings] = new
+_LEAST = 1e-6  # damping ratio: without friction and damping a resonance is infinite (a choice)
 
 
-class Pieces:
-    """Pieces of strings between measured depths ``ends``, (m + 1,), empty where a string is not.
+class ShakenString:
+    """A string with a tool, between measured depths ``top`` and ``bottom`` in m, with y at its lower end.
 
     Attributes
     ----------
-    ends : ndarray (m + 1, n)
-        Those within each string.
-    friction : ndarray (m, 1)
-        Coefficients of friction without vibration.
+    pieces : floquetrod.wells.kernels.shaken.Pieces
+        Along which friction has a mean.
+    marched : floquetrod.wells.kernels.shaken.Marched
+        Y along them.
+    nodes : ndarray (n + 1,)
+        Heights of the nodes of the wave above the lower end in m.
+    q : ndarray (n + 1,)
+        Their velocities, complex, in m/s.
     """
 
-    def __init__(self, drag: Drag, strings: Strings, ends: Floats) -> None:
-        """Look at the well at the ends and in the middle of all pieces."""
-        self.drag, self.start = drag, strings.y
-        self.ends = np.clip(ends[:, None], strings.top, strings.bottom)
-        self.length = np.diff(self.ends, axis=0)
-        middle, arcs = 0.5 * (ends[1:] + ends[:-1]), drag.path.arcs
-        self.friction = drag.friction.at(middle)[:, None]
-        arc = np.broadcast_to(arcs.at(middle).arc[:, None], self.length.shape)
-        at = self.ends[1:], self.ends[1:] - 0.5 * self.length, self.ends[:-1]
-        self.places = np.array([Points(arcs, arc, depth - arcs.start[arc]).seen for depth in at])
+    def __init__(self, drag: Drag, shaking: Shaking, top: float, bottom: float, y: float, effort: Effort) -> None:
+        """Lay pieces and nodes, so many to a wave, or to a part of a long one."""
+        self.shaking, self.soft, self.bottom = shaking, effort.soft, bottom
+        self.pushed, self.pieces = drag.pushed, _pieces(drag, shaking, top, bottom, effort.cells)
+        length, size = bottom - top, self.pieces.friction.size
+        longest = min(shaking.divided, length) / effort.cells
+        below = math.ceil(shaking.above_end / longest)
+        above = max(2, math.ceil((length - shaking.above_end) / longest))
+        self.nodes = np.concatenate(
+            [
+                np.linspace(0.0, shaking.above_end, below + 1)[:-1],
+                np.linspace(shaking.above_end, length, above + 1),
+            ]
+        )
+        self.tool = wave.Tool(shaking.amplitude, shaking.speed, shaking.impedance, below)
+        self.cells = _cells(shaking, np.array([shaking.above_end / max(below, 1), (length - shaking.above_end) / above]))
+        self.marched = kernels.Marched(np.full(size + 1, y), *np.zeros((4, size)), np.full(size, effort.share))
+        self.q, self.balance = np.zeros(self.nodes.size, complex), wave.balance_of(self.nodes.size - 1)
 
-    def _place(self, k: int, strings: Ints) -> Floats:
-        """Return some strings' pieces at their lower ends, 0, middle, 1, or upper ends, 2: as `Place`, (4, m, k)."""
-        places: Floats = self.places[k]
-        return places if strings.size == self.start.size else np.asarray(places[..., strings])
+    @property
+    def edges(self) -> Floats:
+        """Heights of the parts of cells above the lower end in m."""
+        inner = self.nodes[:-1, None] + np.arange(wave.PARTS) / wave.PARTS * np.diff(self.nodes)[:, None]
+        return np.append(inner.ravel(), self.nodes[-1])
 
-    def up(self, share: Floats, strings: Ints) -> Marched:
-        """March some strings up with the share of friction (m, k) that is left; locked up they are so all the way."""
-        size = len(self.length)
-        found = Marched(np.empty((size + 1, strings.size)), *np.zeros((3, size, strings.size)))
-        found.y[-1] = self.start[strings]
-        places, length, friction = [self._place(k, strings) for k in range(3)], self.length[:, strings], self.friction
-        for i in range(size - 1, -1, -1):
-            step = _Step(self.drag, [Place(*place[:, i]) for place in places], length[i], friction[i] * share[i])
-            new, found.above[i], found.below[i], found.helix[i] = step.up(found.y[i + 1])
-            found.y[i] = np.where(found.y[i + 1] >= LOCKED, LOCKED, np.minimum(new, LOCKED))
-        return found
+    def settle(self, stays: float, turns: int) -> bool:
+        """Find force and wave, and return whether both have settled, y to ``stays``, in so many turns at most."""
+        run = compiled(kernels.settle)
+        tuning = self.soft, stays, turns
+        state = self.marched, self.q, self.balance
+        return bool(run(self.pushed, self.pieces, self.cells, self.tool, self.edges, *tuning, *state))
 
-    def pressed(self, found: Marched, strings: Ints) -> Floats:
-        """Return mu N in N/m without vibration in the middle of all pieces of some strings, (m, k)."""
-        bulge = 0.125 * self.length[:, strings] * (found.below - found.above)
-        y = np.minimum(0.5 * (found.y[1:] + found.y[:-1]) + bulge, LOCKED)
-        return self.drag.pressed(Place(*self._place(1, strings)), self.friction, y, found.helix)
+    def y_at(self, depth: Floats) -> Floats:
+        """Return y at measured depths, NaN where the string is not, by cubics within pieces."""
+        ends, (y, low, high, *_) = self.pieces.up, self.marched
+        up = self.bottom - depth
+        i = np.clip(np.searchsorted(ends, up) - 1, 0, ends.size - 2)
+        length = ends[i + 1] - ends[i]
+        part, rise = (up - ends[i]) / length, y[i + 1] - y[i]
+        bend = length * (low[i] * (1.0 - part) - high[i] * part) - rise * (1.0 - 2.0 * part)
+        found = np.minimum(y[i] + part * rise + part * (1.0 - part) * bend, kernels.LOCKED)
+        return np.where(self._has(up), found, np.nan)
 
-    def at(self, found: Marched, depth: Floats) -> Floats:
-        """Return y of all strings at measured depths, NaN where a string is not, by cubics within pieces."""
-        result = np.full((depth.size, self.start.size), np.nan)
-        for j, ends in enumerate(self.ends.T):
-            there = (depth >= ends[0]) & (depth <= ends[-1])
-            i = np.clip(np.searchsorted(ends, depth[there], side="left") - 1, 0, len(ends) - 2)
-            length = np.maximum(ends[i + 1] - ends[i], 1e-300)
-            up = (ends[i + 1] - depth[there]) / length
-            low, high = found.y[i + 1, j], found.y[i, j]
-            bend = length * (found.below[i, j] * (1.0 - up) - found.above[i, j] * up) - (high - low) * (1.0 - 2.0 * up)
-            result[there, j] = np.minimum(low + up * (high - low) + up * (1.0 - up) * bend, LOCKED)
-        return result
+    def wave_at(self, depth: Floats) -> Floats:
+        """Return the amplitudes of the velocity in m/s and of the force in N at measured depths, (2, m), else NaN."""
+        wavenumber, up, q = self.shaking.frequency / self.shaking.wave_speed, self.bottom - depth, self.q
+        cell = np.clip(np.searchsorted(self.nodes, up, side="right") - 1, 0, self.nodes.size - 2)
+        low, high = q[cell], q[cell + 1]
+        done, whole = wavenumber * (up - self.nodes[cell]), wavenumber * np.diff(self.nodes)[cell]
+        left = whole - done
+        speed = low * np.sin(left) + high * np.sin(done)
+        force = self.shaking.impedance * (high * np.cos(done) - low * np.cos(left))
+        lower, upper = self._held
+        held = 1j * (upper[cell] * done - lower[cell] * left) / whole
+        both = np.abs([speed / np.sin(whole), force / np.sin(whole) + held])
+        return np.where(self._has(up), both, np.nan)
+
+    @property
+    def _held(self) -> Complexes:
+        """What damping in the cells adds to the forces in N at their lower and upper ends, complex, (2, n)."""
+        kind = np.where(np.arange(self.nodes.size - 1) < self.tool.node, 0, 1)
+        below, above = self.cells.below[kind], self.cells.above[kind]
+        within = below * self.q[:-1, None] + above * self.q[1:, None]
+        force = (self.balance.damping.reshape(within.shape) + self.cells.loss[kind][:, None]) * within
+        return np.array([np.sum(each * force, axis=1) for each in (below, above)])
+
+    def _has(self, up: Floats) -> Bools:
+        """Return where the string is, of heights above its lower end."""
+        return np.asarray((up >= 0.0) & (up <= self.nodes[-1]))
 
 
-class _Step(NamedTuple):
-    """A step of some strings up a piece, seen at its lower end, its middle and its upper end."""
+def _pieces(drag: Drag, shaking: Shaking, top: float, bottom: float, cells: int) -> kernels.Pieces:
+    """Return pieces, no longer than three for four cells, that end at stations and where friction changes."""
+    inner = np.concatenate([drag.path.stations, drag.friction.depths])
+    ends = np.unique(np.concatenate([[0.0, bottom - top], bottom - inner[(inner > top) & (inner < bottom)]]))
+    gaps, longest = np.diff(ends), min(shaking.divided, bottom - top) / (0.75 * cells)
+    number = np.ceil(gaps / longest).astype(int)
+    up = np.append(np.repeat(ends[:-1], number) + np.repeat(gaps / number, number) * _counted(number), ends[-1])
+    middle, arcs = bottom - 0.5 * (up[:-1] + up[1:]), drag.path.arcs
+    arc = arcs.at(middle).arc
+    at = np.stack([bottom - up[:-1], middle, bottom - up[1:]], axis=-1)
+    places = np.stack(Points(arcs, arc[:, None], at - arcs.start[arc][:, None]).seen, axis=-1)
+    return kernels.Pieces(up, drag.friction.at(middle), places)
 
-    drag: Drag
-    places: list[Place]
-    length: Floats
-    friction: Floats
 
-    def up(self, y: Floats) -> tuple[Floats, Floats, Floats, Floats]:
-        """Return y above, -dy/ds above and below, and the part of the piece that is a helix."""
-        before = self.drag.wants_helix(self.places[0], y)
-        helix = np.where(before >= 0.0, 1.0, 0.0)
-        found = self._taken(y, helix)
-        after = self.drag.wants_helix(self.places[2], found[0])
-        is_changing = (after >= 0.0) != (before >= 0.0)
-        if not is_changing.any():
-            return found
-        part = np.maximum(after, before) / np.maximum(np.abs(after - before), 1e-300)
-        return self._taken(y, np.where(is_changing, part, helix))
+def _counted(number: Ints) -> Ints:
+    """Return the numbers from 0 to before each of some, one after the other."""
+    return np.asarray(np.arange(number.sum()) - np.repeat(np.cumsum(number) - number, number))
 
-    def _taken(self, y: Floats, helix: Floats) -> tuple[Floats, Floats, Floats, Floats]:
-        low, middle, high = self.places
-        half = 0.5 * self.length
-        first = self._rise(low, y, helix)
-        second = self._rise(middle, y + half * first, helix)
-        third = self._rise(middle, y + half * second, helix)
-        fourth = self._rise(high, y + self.length * third, helix)
-        return y + half / 3.0 * (first + 2.0 * (second + third) + fourth), fourth, first, helix
 
-    def _rise(self, place: Place, y: Floats, helix: Floats) -> Floats:
-        return -self.drag.slopes(place, self.friction, y, helix)
+def _cells(shaking: Shaking, length: Floats) -> wave.Cells:
+    """Return cells of two lengths in m."""
+    wavenumber, z = shaking.frequency / shaking.wave_speed, shaking.impedance
+    damping = max(shaking.damping, _LEAST * shaking.frequency)
+    loss = 2.0 * damping * z / shaking.wave_speed * length / wave.PARTS
+    parts, phase = (np.arange(wave.PARTS) + 0.5) / wave.PARTS, np.maximum(wavenumber * length, 1e-9)[:, None]
+    below, above = np.sin(phase * (1.0 - parts)) / np.sin(phase), np.sin(phase * parts) / np.sin(phase)
+    return wave.Cells(z / np.tan(phase[:, 0]), z / np.sin(phase[:, 0]), below, above, loss)

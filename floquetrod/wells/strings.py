@@ -8,19 +8,19 @@ lock up or has: it counts as one that is stopped.
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from floquetrod._util import validate
 from floquetrod._util.arrays import Bools, Floats
+from floquetrod._util.compilation import cores, in_threads
 from floquetrod.wells import march
-from floquetrod.wells.drag import LOCKED, Drag, Effort, Shaking, Strings
-from floquetrod.wells.shaken import Pieces
-from floquetrod.wells.waves import Waves
+from floquetrod.wells.drag import Drag, Effort, Shaking, Strings
+from floquetrod.wells.shaken import ShakenString
 
 _TURNS = 30  # at most: seven are usual
-_LOCKS = 4  # turns one after the other in which a string is locked up, after which it is: where, may swing without end
 _STAYS = 1e-7, 10.0  # by which y may move in the last turn: at least, and over the tolerance
 _MOST_WAVES = 500  # along a string (a choice): those of tools are some twenty
 
@@ -76,40 +76,27 @@ def _still(drag: Drag, strings: Strings, depths: Floats, effort: Effort) -> Run:
 
 
 def _shaken(drag: Drag, shaking: Shaking, strings: Strings, depths: Floats, effort: Effort) -> Run:
-    """Return the states of strings with a tool."""
-    ends = _ends(drag, shaking, strings, effort.cells)
-    pieces, waves = Pieces(drag, strings, ends), Waves(shaking, float(strings.top[0]), strings.bottom, effort)
-    moving, stays = np.arange(strings.y.size), max(_STAYS[0], _STAYS[1] * effort.tolerance)
-    states = pieces.up(np.full(pieces.length.shape, effort.share), moving)
-    is_settled, locked = np.zeros(strings.y.size, bool), np.zeros(strings.y.size, int)
-    for _ in range(_TURNS):
-        before = states.some(moving)
-        is_known = waves.feel(moving, ends, pieces.pressed(before, moving))
-        after = pieces.up(waves.left(moving, ends), moving)
-        states.put(moving, after)
-        is_settled[moving] = is_known & (np.abs(after.y - before.y).max(axis=0) <= stays)
-        locked[moving] = np.where(after.y[0] >= LOCKED, locked[moving] + 1, 0)
-        moving = moving[~is_settled[moving] & (locked[moving] < _LOCKS)]
-        if not moving.size:
-            break
-    wave = np.stack([waves.at(depths, i) for i in range(strings.y.size)], axis=-1)
-    return Run(depths, pieces.at(states, depths), states.y[0], wave, is_settled)
+    """Return the states of strings with a tool, of each its own frequency."""
+    size, stays = strings.y.size, max(_STAYS[0], _STAYS[1] * effort.tolerance)
+    number = float(((strings.bottom - strings.top) / shaking.length).max())
+    if number > _MOST_WAVES:
+        raise validate.wrong_value(
+            "tool", f"must make {_MOST_WAVES} waves along the string at most, got {number:.4g}: give a lower frequency"
+        )
+    found = Run(depths, np.empty((depths.size, size)), np.empty(size), np.empty((2, depths.size, size)), np.empty(size, bool))
+    frequency = np.broadcast_to(shaking.frequency, size).tolist()
+
+    def settle(k: int) -> None:
+        own = replace(shaking, frequency=frequency[k])
+        string = ShakenString(drag, own, *(float(each[k]) for each in strings), effort)
+        found.is_settled[k] = string.settle(stays, _TURNS)
+        found.top_y[k] = string.marched.y[-1]
+        found.y[:, k], found.wave[..., k] = string.y_at(depths), string.wave_at(depths)
+
+    in_threads(settle, [(k,) for k in range(size)], cores())
+    return found
 
 
 def highest_frequency(shaking: Shaking, length: float) -> float:
     """Return the highest frequency in rad/s of a tool in a string of a length in m."""
     return 2.0 * math.pi * shaking.wave_speed * _MOST_WAVES / length
-
-
-def _ends(drag: Drag, shaking: Shaking, strings: Strings, cells: int) -> Floats:
-    """Return the measured depths of the ends of pieces along which friction has a mean."""
-    top, bottom = float(strings.top[0]), float(strings.bottom.max())
-    number = (bottom - top) / float(shaking.length.min())
-    if number > _MOST_WAVES:
-        raise validate.wrong_value(
-            "tool", f"must make {_MOST_WAVES} waves along the string at most, got {number:.4g}: give a lower frequency"
-        )
-    parts = max(1.0, (bottom - top) / float(shaking.divided.min()))
-    even = np.linspace(top, bottom, 1 + math.ceil(0.75 * cells * parts))
-    more = np.concatenate([drag.path.stations, drag.friction.depths])
-    return np.unique(np.concatenate([even, more[(more > top) & (more < bottom)]]))

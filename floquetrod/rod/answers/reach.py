@@ -31,7 +31,8 @@ from floquetrod.rod.model.data import RodData
 from floquetrod.rod.model.stress import Stress
 from floquetrod.units import AnswerUnits, Unit
 from floquetrod.wells import strings
-from floquetrod.wells.drag import FAST, LOCKED, MOST_PRESSED, SOUGHT, TRIED, Drag, Effort, Place
+from floquetrod.wells.drag import FAST, SOUGHT, TRIED, Drag, Effort, Place
+from floquetrod.wells.kernels.contact import LOCKED, MOST_PRESSED
 from floquetrod.wells.path import WellPath
 
 _DEPTHS = 100  # where none are asked for

@@ -1,0 +1,1 @@
+"""Compiled code for strings in a well that a tool shakes."""

@@ -1,0 +1,67 @@
+"""The contact of a string with its wall and the slope of its y, of floats and of arrays; see `floquetrod.wells.drag`.
+
+With the force F = S tan(y); contact forces are times cos^2 y, which is finite where the force is not.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from floquetrod._util.compilation import kernel
+
+LOCKED = 0.5 * math.pi
+"""The y from which on the force is infinite."""
+
+MOST_PRESSED = 1e3  # times its weight: more does not damp the wave of a string that locks up (a choice)
+
+
+class Pushed(NamedTuple):
+    """A pipe that moves along a well.
+
+    Attributes
+    ----------
+    weight : float
+        In fluid in N/m.
+    scale : float
+        S, the critical force in a level hole, in N.
+    sign : float
+        Of friction upwards: 1 pushed, 0 standing, -1 pulled.
+    helical : float
+        F^2 R / (4 E I) over the contact force of the string that lies, from which on it is a helix; infinite for never.
+    """
+
+    weight: float
+    scale: float
+    sign: float
+    helical: float
+
+
+@kernel
+def lying(
+    pushed: Pushed, level: Any, kappa_n: Any, kappa_b: Any, sine: Any, cosine: Any
+) -> Any:
+    """Return the contact force of a string that lies; ``level`` is the sine of the inclination, the others of y."""
+    push = pushed.scale * sine
+    bent = pushed.weight * level * cosine + push * kappa_n
+    return np.abs(cosine) * np.hypot(bent, push * kappa_b)
+
+
+@kernel
+def wants_helix(pushed: Pushed, lying: Any, sine: Any) -> Any:
+    """Return what is zero or more where a string is wound into a helix."""
+    return sine * np.abs(sine) * pushed.weight - pushed.helical * lying
+
+
+@kernel
+def contact(pushed: Pushed, lying: Any, sine: Any, helix: Any) -> Any:
+    """Return the contact force of a string of which a part is wound into a helix."""
+    return lying + pushed.weight * helix * sine * sine
+
+
+@kernel
+def slope(pushed: Pushed, down: Any, mu: Any, cosine: Any, contact: Any) -> Any:
+    """Return d/ds of y downwards; ``down`` is the cosine of the inclination."""
+    return (pushed.weight * down * cosine * cosine - pushed.sign * mu * contact) / pushed.scale

@@ -1,0 +1,194 @@
+"""A string that a tool shakes: its mean force by fixed steps, and its wave, in turns until the force stays.
+
+The wave depends on the contact force along the string, and the force on what the wave leaves of friction.  The force is
+marched up by the classical Runge-Kutta method of order 4, a step to each piece.  In a step within which the string
+becomes a helix or ceases to be one it is one for its part of the step, by the secant: an error of order 2, as that of
+the wave, and a contact force that follows the force without jumps, without which the turns need not settle.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any, NamedTuple
+
+from floquetrod._util.compilation import kernel
+from floquetrod.wells.kernels.contact import LOCKED, MOST_PRESSED, Pushed, contact, lying, slope, wants_helix
+from floquetrod.wells.kernels.wave import PARTS, Balance, Cells, Tool, feel
+
+_LOCKS = 4  # turns one after the other in which a string is locked up, after which it is: where, may swing without end
+
+
+class Pieces(NamedTuple):
+    """Pieces of a string from its lower end up.
+
+    Attributes
+    ----------
+    up : ndarray (m + 1,)
+        Heights of their ends above the lower end along the string in m.
+    friction : ndarray (m,)
+        Coefficients without vibration.
+    places : ndarray (m, 3, 4)
+        Sine and cosine of the inclination and both curvatures in 1/m at their lower ends, middles and upper ends.
+    """
+
+    up: Any
+    friction: Any
+    places: Any
+
+
+class Marched(NamedTuple):
+    """Y along m pieces, and what makes it.
+
+    Attributes
+    ----------
+    y : ndarray (m + 1,)
+        At their ends.
+    low, high : ndarray (m,)
+        -dy/ds at the lower and upper end within each.
+    helix : ndarray (m,)
+        The part of each that is a helix.
+    pressed : ndarray (m,)
+        mu N in N/m without vibration in the middle of each, bounded where the string is locked up.
+    left : ndarray (m,)
+        The share of friction that is left.
+    """
+
+    y: Any
+    low: Any
+    high: Any
+    helix: Any
+    pressed: Any
+    left: Any
+
+
+@kernel
+def _touching(pushed: Pushed, places: Any, i: int, k: int, sine: float, cosine: float) -> float:
+    """Return the contact force of the string that lies at place k of piece i."""
+    return lying(pushed, places[i, k, 0], places[i, k, 2], places[i, k, 3], sine, cosine)
+
+
+@kernel
+def _rise(pushed: Pushed, places: Any, i: int, k: int, mu: float, y: float, helix: float) -> float:
+    """Return -dy/ds."""
+    sine, cosine = math.sin(y), math.cos(y)
+    touching = contact(pushed, _touching(pushed, places, i, k, sine, cosine), sine, helix)
+    return -slope(pushed, places[i, k, 1], mu, cosine, touching)
+
+
+@kernel
+def _wants(pushed: Pushed, places: Any, i: int, k: int, y: float) -> float:
+    sine, cosine = math.sin(y), math.cos(y)
+    return wants_helix(pushed, _touching(pushed, places, i, k, sine, cosine), sine)
+
+
+@kernel
+def _step(
+    pushed: Pushed, places: Any, i: int, length: float, mu: float, y: float, helix: float
+) -> tuple[float, float, float]:
+    """Return y above a piece, and -dy/ds below and above."""
+    half = 0.5 * length
+    first = _rise(pushed, places, i, 0, mu, y, helix)
+    second = _rise(pushed, places, i, 1, mu, y + half * first, helix)
+    third = _rise(pushed, places, i, 1, mu, y + half * second, helix)
+    fourth = _rise(pushed, places, i, 2, mu, y + length * third, helix)
+    return y + half / 3.0 * (first + 2.0 * (second + third) + fourth), first, fourth
+
+
+@kernel
+def march(pushed: Pushed, pieces: Pieces, marched: Marched) -> float:
+    """March a string up from its first y with the friction that is left; return how far a y has moved.
+
+    Where it is locked up it is so all the way.
+    """
+    moved, places = 0.0, pieces.places
+    for i in range(len(pieces.friction)):
+        y, new, low, high = marched.y[i], LOCKED, 0.0, 0.0
+        before = _wants(pushed, places, i, 0, y)
+        helix = 1.0 if before >= 0.0 else 0.0
+        if y < LOCKED:
+            length, mu = pieces.up[i + 1] - pieces.up[i], pieces.friction[i] * marched.left[i]
+            new, low, high = _step(pushed, places, i, length, mu, y, helix)
+            after = _wants(pushed, places, i, 2, new)
+            if (after >= 0.0) != (before >= 0.0):
+                helix = max(after, before) / max(abs(after - before), 1e-300)
+                new, low, high = _step(pushed, places, i, length, mu, y, helix)
+            new = min(new, LOCKED)
+        moved = max(moved, abs(new - marched.y[i + 1]))
+        marched.y[i + 1], marched.low[i], marched.high[i], marched.helix[i] = new, low, high, helix
+    return moved
+
+
+@kernel
+def press(pushed: Pushed, pieces: Pieces, marched: Marched) -> None:
+    """Fill in how the string is pressed to its wall."""
+    for i in range(len(pieces.friction)):
+        bulge = 0.125 * (pieces.up[i + 1] - pieces.up[i]) * (marched.low[i] - marched.high[i])
+        y = min(0.5 * (marched.y[i] + marched.y[i + 1]) + bulge, LOCKED)
+        sine, cosine = math.sin(y), math.cos(y)
+        touching = _touching(pushed, pieces.places, i, 1, sine, cosine)
+        touching = contact(pushed, touching, sine, marched.helix[i])
+        marched.pressed[i] = pieces.friction[i] * touching / max(cosine * cosine, 1.0 / MOST_PRESSED)
+
+
+@kernel
+def means(edges: Any, values: Any, to: Any, out: Any) -> None:
+    """Fill in the means of a step function, constant between edges, between other edges."""
+    last = len(values) - 1
+    i = 0
+    for k in range(len(out)):
+        low, total = to[k], 0.0
+        while i < last and edges[i + 1] < to[k + 1]:
+            total += values[i] * (edges[i + 1] - low)
+            low = edges[i + 1]
+            i += 1
+        out[k] = (total + values[i] * (to[k + 1] - low)) / (to[k + 1] - to[k])
+
+
+@kernel
+def leave(cells: Cells, tool: Tool, q: Any, left: Any) -> None:
+    """Fill in the mean friction that is left in each part of the cells, (2 / pi) asin(v / V)."""
+    for c in range(len(q) - 1):
+        kind = 0 if c < tool.node else 1
+        for p in range(PARTS):
+            below, above = cells.below[kind, p], cells.above[kind, p]
+            fast = abs(below * q[c] + above * q[c + 1])
+            left[PARTS * c + p] = 2.0 / math.pi * math.asin(tool.speed / max(fast, tool.speed))
+
+
+@kernel
+def settle(
+    pushed: Pushed,
+    pieces: Pieces,
+    cells: Cells,
+    tool: Tool,
+    edges: Any,
+    soft: float,
+    stays: float,
+    turns: int,
+    marched: Marched,
+    q: Any,
+    balance: Balance,
+) -> bool:
+    """Fill in the force from its first y, and the wave; return whether both have settled.
+
+    ``edges`` are the heights of the parts of cells above the lower end in m; y has settled where it moves by less than
+    ``stays`` in a turn.  The friction that is left before the wave is known is that given.
+    """
+    most, last = balance.most, len(pieces.friction)
+    march(pushed, pieces, marched)
+    locks = 0
+    for _ in range(turns):
+        press(pushed, pieces, marched)
+        means(pieces.up, marched.pressed, edges, most)
+        for k in range(len(most)):
+            most[k] *= 4.0 / math.pi * (edges[k + 1] - edges[k])
+        is_known = feel(cells, tool, soft, q, balance)
+        leave(cells, tool, q, balance.left)
+        means(edges, balance.left, pieces.up, marched.left)
+        moved = march(pushed, pieces, marched)
+        if is_known and moved <= stays:
+            return True
+        locks = locks + 1 if marched.y[last] >= LOCKED else 0
+        if locks == _LOCKS:
+            return False
+    return False
