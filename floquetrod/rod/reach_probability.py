@@ -111,8 +111,7 @@ class _Pushed(NamedTuple):
     def arrives(self, friction: Any, sample: Mapping[str, Any]) -> Bools:
         """Return which depths a string of one sample reaches."""
         drag = self.drag(friction, sample)
-        is_shaken = drag.shaking is not None
-        found = strings.run(drag, self.path.start, self.depths, self.far_force, np.empty(0), SOUGHT, is_shaken)
+        found = strings.run(drag, self.path.start, self.depths, self.far_force, np.empty(0), SOUGHT)
         force = drag.force(found.top_y)
         return np.asarray(np.logical_and.accumulate(found.is_settled & np.isfinite(force) & (force <= self.push)))
 

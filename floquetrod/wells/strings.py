@@ -39,13 +39,10 @@ class Run(NamedTuple):
     is_settled: Bools
 
 
-def run(
-    drag: Drag, top: float, bottoms: Floats, far_force: Any, depths: Floats, effort: Effort, is_shaken: Any = True
-) -> Run:
+def run(drag: Drag, top: float, bottoms: Floats, far_force: Any, depths: Floats, effort: Effort) -> Run:
     """Return the states at measured depths of strings whose lower ends are at ``bottoms`` in m.
 
-    The force in N at the lower end is one for all or of each its own; so is ``is_shaken``, which says in which of them
-    the tool works, where there is one.
+    The force in N at the lower end is one for all or of each its own.
     """
     size, depths = bottoms.size, np.unique(depths)
     start = np.array(np.broadcast_to(drag.y_of(np.asarray(far_force)), size))
@@ -54,9 +51,7 @@ def run(
     found = Run(depths, y, np.empty(size), wave, np.ones(size, bool))
     works = np.zeros(size, bool)
     if drag.shaking is not None:
-        works = (
-            np.broadcast_to(is_shaken, size) & (bottoms - drag.shaking.above_end > top) & (drag.shaking.amplitude > 0.0)
-        )
+        works = (bottoms - drag.shaking.above_end > top) & (drag.shaking.amplitude > 0.0)
     for i, is_working in ((np.flatnonzero(~works), False), (np.flatnonzero(works), True)):
         if i.size:
             some = Strings(*(each[i] for each in strings))

@@ -36,7 +36,8 @@ def growth_along(rod: RodData, place: Place, force: Floats, amplitude: Floats, f
     k obeys Mathieu's equation with m beta w^2 = -(E I k^4 - F k^2 + N / R) and m alpha w^2 = dF (k^2 - N' / R), N the
     contact force of the string that lies and N' its slope over F.
     """
-    rates, squares = _rates(rod, place, force, amplitude, frequency, (_CLOSE,) * _TONGUES, _WIDE)
+    none = np.zeros(force.size)
+    rates, squares = _rates(rod, place, force, amplitude, frequency, none, (_CLOSE,) * _TONGUES, _WIDE)
     best = np.argmax(rates, axis=1)[:, None]
     rate = np.take_along_axis(rates, best, axis=1)[:, 0]
     wave = np.sqrt(np.take_along_axis(squares, best, axis=1)[:, 0])
@@ -48,10 +49,10 @@ def fastest_along(
 ) -> float:
     """Return the largest of `growth_along` less what is ``lost`` at places in 1/s, 0 where nothing grows.
 
-    A few waves are examined everywhere, all of them where these come nearest to growth.
+    A few waves are examined everywhere they may grow, all of them where these come nearest to growth.
     """
     free = rod.replace(damping_rate=0.0)
-    seen = _rates(free, place, force, amplitude, frequency, _FEW, _FEW_WIDE)[0].max(axis=1) - lost
+    seen = _rates(free, place, force, amplitude, frequency, lost, _FEW, _FEW_WIDE)[0].max(axis=1) - lost
     some = np.argsort(-seen, kind="stable")[:_LOOKED_AT]
     there = Place(*(each[some] for each in place))
     found = growth_along(rod, there, force[some], amplitude[some], frequency).rate - lost[some]
@@ -64,10 +65,15 @@ def _rates(
     force: Floats,
     amplitude: Floats,
     frequency: float,
+    least: Floats,
     close: tuple[Floats, ...],
     wide: Floats,
 ) -> tuple[Floats, Floats]:
-    """Return the growth in 1/s of waves at places, and the squares of their wavenumbers, (n, m)."""
+    """Return the growth in 1/s of waves at places, and the squares of their wavenumbers, (n, m).
+
+    Where it is no more than ``least`` of a place, a bound no more than that.  Of A'' = (beta + alpha sin tau) A it is
+    abs(alpha) / (pi w), w^2 = -beta: (A'^2 + w^2 A^2)' is at most abs(alpha sin tau) / w times that in brackets.
+    """
     from floquetrod.mathieu import growth_rate
 
     pipe = Pipe(rod.flexural_rigidity, rod.weight_per_length, rod.radial_clearance)
@@ -81,7 +87,12 @@ def _rates(
     alpha = size * (squares - tilt) / scale
     limits = (np.abs(alpha) < 1e6) & (np.abs(beta) < 1e6)
     damping = rod.damping_rate / frequency
-    return frequency * growth_rate(np.where(limits, alpha, 0.0), np.where(limits, beta, -0.1), damping), squares
+    alpha, beta = np.where(limits, alpha, 0.0), np.where(limits, beta, -0.1)
+    stiff = np.sqrt(np.maximum(-(beta + damping**2), 1e-300))
+    rates = frequency * np.maximum(np.abs(alpha) / (math.pi * stiff) - damping, 0.0)
+    some = rates > least[:, None]
+    rates[some] = frequency * growth_rate(alpha[some], beta[some], damping)
+    return rates, squares
 
 
 def _slope(pipe: Pipe, place: Place, force: Floats) -> Floats:

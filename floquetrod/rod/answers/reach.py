@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
@@ -32,18 +33,21 @@ from floquetrod.rod.model.stress import Stress
 from floquetrod.units import AnswerUnits, Unit
 from floquetrod.wells import strings
 from floquetrod.wells.drag import FAST, SOUGHT, TRIED, Drag, Effort, Place
-from floquetrod.wells.kernels.contact import LOCKED, MOST_PRESSED
+from floquetrod.wells.kernels.contact import MOST_PRESSED
 from floquetrod.wells.path import WellPath
 
 _DEPTHS = 100  # where none are asked for
-_PARTS = 25  # into which what holds the depth sought is divided, so often:
-_ROUNDS = 2
+_END_PARTS = (25, 25), (25, 2, 2, 2, 2, 2)
+"""Into how many parts what holds the depth sought is divided, one time after the other, without a tool and with it.
+
+Many strings without a tool take hardly longer than one, side by side; with a tool each takes its time.
+"""
 _GROWS = 1e-6  # 1/s: tenfold in a month (a choice)
 _FREQUENCIES = np.linspace(0.25, 2.0, 22)  # of the tool's, which is among them
 _WAY = np.array([0.2, 0.45, 0.7, 0.95])  # fractions of the gain at which they are examined (a choice)
 _SPACING = 10.0  # m along the string then (a choice)
 _BITS = 12  # depths for which the force at the lower end is sought
-_TRIED, _BIT_ROUNDS = 12, 3  # forces tried at once, so often
+_BIT_PARTS = (12, 12, 12), 11 * (2,)  # likewise, of that force
 _MOST = 10.0  # critical forces, up to which they are tried (a choice: pipes yield before)
 
 
@@ -416,11 +420,12 @@ def reach(
     far_force = force_in_newtons("far_force", ends[0])
     push = math.inf if ends[1] is None else force_in_newtons("push", ends[1])
     depths = depths_of(path, depth)
-    search = _Search(drag, far_force, push)
-    forces = search.injector(np.tile(depths, (2 if tool else 1, 1)))
-    reached = search.ends(depths, forces)
+    still = replace(drag, shaking=None)
+    searches = [_Search(each, far_force, push) for each in ([still, drag] if tool else [still])]
+    forces = [search.injector(depths, far_force) for search in searches]
+    reached = [search.end(depths, each) for search, each in zip(searches, forces, strict=True)]
     few = np.unique(np.linspace(0, depths.size - 1, _BITS).round().astype(int))
-    bits = search.bit(depths[few], forces[:, few])
+    bits = [search.bit(depths[few], each[few]) for search, each in zip(searches, forces, strict=True)]
     along = mean_force(drag, far_force, _standing_end(path, *reached[-1]), None)
     sliding = 0.0 if drag.shaking is None else drag.shaking.speed
     grown = _grown(rod, drag, along, tool)
@@ -486,71 +491,60 @@ def _standing_end(path: WellPath, depth: float, is_stopped: bool) -> float:
 
 @dataclass(frozen=True)
 class _Search:
-    """Pushes a string as far as it goes, without its tool and with it, side by side."""
+    """Pushes strings as far as they go."""
 
     drag: Drag
     far_force: float
     push: float
 
-    def injector(self, depths: Floats, effort: Effort = FAST) -> Floats:
-        """Return the compression in N at the upper end of strings to measured depths, in a second row with the tool."""
-        is_shaken = np.repeat([False, True][: len(depths)], depths.shape[1])
-        start, bottoms = self.drag.path.start, depths.ravel()
-        found = strings.run(self.drag, start, bottoms, self.far_force, np.empty(0), effort, is_shaken)
-        return np.where(found.is_settled, self.drag.force(found.top_y), math.inf).reshape(depths.shape)
+    def injector(self, bottoms: Floats, far_force: Any, effort: Effort = FAST) -> Floats:
+        """Return the compression in N at the upper end of strings to measured depths, infinite where one is stopped."""
+        found = strings.run(self.drag, self.drag.path.start, bottoms, far_force, np.empty(0), effort)
+        return np.where(found.is_settled, self.drag.force(found.top_y), math.inf)
+
+    def goes(self, force: Floats) -> Bools:
+        """Return whether strings that need a force at the upper end are not stopped."""
+        return np.isfinite(force) & (force <= self.push)
 
     def bit(self, depths: Floats, forces: Floats) -> Floats:
-        """Return the greatest compression in N at the lower end at depths, for each row of ``injector`` there.
+        """Return the greatest compression in N at the lower end at depths, for each force of ``injector`` there."""
+        found, goes, scale = np.full(depths.size, math.nan), self.goes(forces), self.drag.pipe.scale
 
-        Many forces are tried at once for each depth, then many between two of them.
-        """
-        goes = np.isfinite(forces) & (forces <= self.push)
-        found = np.full(forces.shape, math.nan)
-        if not goes.any():
-            return found
-        row, column = np.nonzero(goes)
-        low = np.full(row.size, float(self.drag.y_of(np.array(self.far_force))))
-        high = np.maximum(low, math.atan(_MOST))
-        bottoms, is_shaken = np.tile(depths[column], _TRIED), np.tile(row > 0, _TRIED)
-        for _ in range(_BIT_ROUNDS):
-            tried = np.linspace(low, high, _TRIED + 1)[1:]
-            far = self.drag.pipe.scale * np.tan(tried.ravel())
-            run = strings.run(self.drag, self.drag.path.start, bottoms, far, np.empty(0), TRIED, is_shaken)
-            arrives = run.is_settled & (run.top_y < LOCKED) & (self.drag.force(run.top_y) <= self.push)
-            arrives = arrives.reshape(tried.shape)
-            last, each = np.cumprod(arrives, axis=0).sum(axis=0), np.arange(row.size)
-            steps = np.concatenate([low[None], tried])
-            low, high = steps[last, each], steps[np.minimum(last + 1, _TRIED), each]
-        found[goes] = self.drag.pipe.scale * np.tan(0.5 * (low + high))
+        def arrives(y: Floats) -> Bools:
+            bottoms = np.broadcast_to(depths[goes], y.shape)
+            return self.goes(self.injector(bottoms.ravel(), scale * np.tan(y.ravel()), TRIED)).reshape(y.shape)
+
+        if goes.any():
+            low = np.full(int(goes.sum()), float(self.drag.y_of(np.array(self.far_force))))
+            high = np.maximum(low, math.atan(_MOST))
+            low = np.where(arrives(high), high, low)
+            found[goes] = scale * np.tan(_first(arrives, low, high, self._of(_BIT_PARTS)))
         return found
 
-    def ends(self, depths: Floats, forces: Floats) -> list[tuple[float, bool]]:
-        """Return how deep the lower end reaches, and whether it is stopped there, for each row of forces."""
-        found = [self._around(self.drag.path.start, depths, each) for each in forces]
-        is_stopped = [high is not None for _, high in found]
-        brackets = [(low, low if high is None else high) for low, high in found]
-        for _ in range(_ROUNDS if any(is_stopped) else 0):
-            within = np.array([np.linspace(*each, _PARTS + 1)[1:] for each in brackets])
-            halves = zip(brackets, within, self.injector(within, SOUGHT), is_stopped, strict=True)
-            brackets = [self._narrowed(*each) for each in halves]
-        return [(0.5 * sum(each), stopped) for each, stopped in zip(brackets, is_stopped, strict=True)]
+    def end(self, depths: Floats, forces: Floats) -> tuple[float, bool]:
+        """Return how deep the lower end reaches, and whether it is stopped there, from the forces of ``injector``."""
+        goes = self.goes(forces)
+        if goes.all():
+            return float(depths[-1]), False
+        first = int(np.argmin(goes))
+        low = depths[first - 1] if first else self.drag.path.start
 
-    def _narrowed(
-        self, bracket: tuple[float, float], depths: Floats, forces: Floats, is_stopped: bool
-    ) -> tuple[float, float]:
-        """Return the narrower bracket about the depth at which the string is stopped."""
-        if not is_stopped:
-            return bracket
-        low, high = self._around(bracket[0], depths, forces)
-        return low, bracket[1] if high is None else high  # to rounding at the last of them
+        def passes(bottoms: Floats) -> Bools:
+            return self.goes(self.injector(bottoms.ravel(), self.far_force, SOUGHT)).reshape(bottoms.shape)
 
-    def _around(self, low: float, depths: Floats, forces: Floats) -> tuple[float, float | None]:
-        """Return the last depth before the first at which the string is stopped, and that one, None for none."""
-        stopped = np.flatnonzero(np.isinf(forces) | (forces > self.push))
-        if not stopped.size:
-            return float(depths[-1]), None
-        first = int(stopped[0])
-        return float(depths[first - 1]) if first else low, float(depths[first])
+        return float(_first(passes, np.array([low]), depths[[first]], self._of(_END_PARTS))[0]), True
+
+    def _of(self, parts: tuple[tuple[int, ...], tuple[int, ...]]) -> tuple[int, ...]:
+        return parts[self.drag.shaking is not None]
+
+
+def _first(holds: Callable[[Floats], Bools], low: Floats, high: Floats, parts: tuple[int, ...]) -> Floats:
+    """Return about where a statement that holds at ``low`` first does not, each interval divided into so many parts."""
+    for number in parts:
+        steps, each = np.linspace(low, high, number + 1), np.arange(low.size)
+        last = np.cumprod(holds(steps[1:-1]), axis=0).sum(axis=0)
+        low, high = steps[last, each], steps[last + 1, each]
+    return np.asarray(0.5 * (low + high))
 
 
 class _Grown(NamedTuple):
