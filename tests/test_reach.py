@@ -138,7 +138,7 @@ def test_the_reach_is_that_with_finer_waves(
     for cells in (reach.FAST.cells, 36):
         for name in ("FAST", "SOUGHT"):
             monkeypatch.setattr(reach, name, getattr(reach, name)._replace(cells=cells))
-        found.append(search.ends(depth, search.injector(np.array([depth, depth]), reach.FAST))[1][0])
+        found.append(search.limits(depth, search.injector(depth, 0.0, reach.FAST), np.arange(1))[0][0])
     assert found == pytest.approx([expected, found[0]], rel=5e-4)
 
 

@@ -3,21 +3,34 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 import floquetrod as fr
+from floquetrod._util.compilation import compiled
 from floquetrod.rod.answers.mean_force import drag_of
 from floquetrod.wells import strings
-from floquetrod.wells.drag import CHECKED, FAST, LOCKED
-from floquetrod.wells.waves import Waves
+from floquetrod.wells.drag import CHECKED, FAST, TRIED, Effort
+from floquetrod.wells.kernels import shaken, wave
+from floquetrod.wells.kernels.contact import LOCKED
+from floquetrod.wells.shaken import ShakenString
 
 TUBING = fr.Rod.catalogue("2.00x0.156", bore="4.778in", length=1.0, fluid_inside=1e3, fluid_outside=1e3)
 WEIGHT = TUBING.weight_per_length
 IMPEDANCE = TUBING.mass_along * TUBING.wave_speed
 LEVEL = 0.5 * math.pi
 WELL = fr.WellPath([0.0, 1000.0, 1450.0, 5000.0], ["0deg", "0deg", "90deg", "90deg"])
+
+
+def shaken_string(
+    tool: fr.VibrationTool, friction: object, bottom: float, effort: Effort, speed: float = 0.05
+) -> ShakenString:
+    """Return a string in `WELL` that has not settled yet."""
+    drag = drag_of(TUBING, WELL, friction, "pushed", "energy", tool, speed)
+    assert drag.shaking is not None
+    return ShakenString(drag, drag.shaking, 0.0, bottom, 0.0, effort)
 
 
 @pytest.mark.parametrize(("above_end", "frequency"), [(0.0, "18Hz"), (30.0, "18Hz"), (170.0, "7Hz"), (299.0, "40Hz")])
@@ -72,20 +85,63 @@ def test_along_a_long_string_it_falls_on_a_straight_line() -> None:
     assert (found.speed[expected < -0.05 * start] < 2e-4).all()
 
 
+@pytest.mark.kernels
 @pytest.mark.parametrize("above_end", [0.0, 30.0, 200.0])
 def test_friction_takes_what_the_tool_gives(above_end: float) -> None:
     """Half the force times the velocity in phase with it, and mu N (2 / pi) sqrt(V^2 - v^2) of every metre."""
     speed, tool = 0.05, fr.VibrationTool("8kN", "18Hz", above_end)
-    shaking = drag_of(TUBING, WELL, 0.2, "pushed", "energy", tool, speed).shaking
-    assert shaking is not None
+    string = shaken_string(tool, 0.2, 2000.0, FAST._replace(cells=24), speed)
     ends = np.linspace(0.0, 2000.0, 4001)
-    pressed = 0.2 * WEIGHT * (1.0 + 0.5 * np.sin(ends[1:] / 100.0))
-    waves = Waves(shaking, 0.0, np.array([2000.0]), FAST._replace(cells=24))
-    waves.feel(np.arange(1), ends, pressed[:, None])
-    tool_speed = np.interp(2000.0 - above_end, waves.depth[0][::-1], waves.q[0].real[::-1])
-    found = waves.at(0.5 * (ends[1:] + ends[:-1]), 0)[0]
+    pressed = 0.2 * WEIGHT * (1.0 + 0.5 * np.sin((2000.0 - ends[:-1]) / 100.0))
+    shaken.means(ends, pressed, string.edges, string.balance.most)
+    string.balance.most[:] *= 4.0 / math.pi * np.diff(string.edges)
+    assert wave.feel(string.cells, string.tool, string.soft, string.q, string.balance)
+    tool_speed = np.interp(above_end, string.nodes, string.q.real)
+    found = string.wave_at(2000.0 - 0.5 * (ends[1:] + ends[:-1]))[0]
     taken = np.sum(pressed * 2.0 / math.pi * np.sqrt(np.maximum(found**2 - speed**2, 0.0))) * 0.5
     assert taken == pytest.approx(0.5 * tool.amplitude * tool_speed, rel=5e-4)
+
+
+@pytest.mark.kernels
+def test_interpreted_and_compiled_strings_agree() -> None:
+    tool = fr.VibrationTool("20kN", "18Hz", 30.0)
+    strings = [shaken_string(tool, 0.3, 1700.0, TRIED) for _ in range(2)]
+    for string, run in zip(strings, (shaken.settle, compiled(shaken.settle)), strict=True):
+        string.marched.y[0] = 1.0
+        found = string.pushed, string.pieces, string.cells, string.tool, string.edges
+        assert run(*found, string.soft, 1e-7, 30, string.marched, string.q, string.balance)
+        assert 0 < string.marched.helix.sum() < string.marched.helix.size
+    np.testing.assert_allclose(strings[0].marched.y, strings[1].marched.y, atol=1e-12)
+    np.testing.assert_allclose(strings[0].q, strings[1].q, rtol=1e-9)
+
+
+@pytest.mark.kernels
+def test_means_between_other_edges_keep_the_sum() -> None:
+    edges, to = np.array([0.0, 1.0, 1.5, 4.0]), np.array([0.0, 0.25, 2.0, 2.1, 4.0])
+    values, out = np.array([3.0, -2.0, 5.0]), np.empty(4)
+    shaken.means(edges, values, to, out)
+    np.testing.assert_allclose(out, [3.0, (0.75 * 3.0 - 0.5 * 2.0 + 0.5 * 5.0) / 1.75, 5.0, 5.0], rtol=1e-14)
+    assert out @ np.diff(to) == pytest.approx(values @ np.diff(edges), rel=1e-14)
+
+
+def test_a_string_is_what_it_is_beside_others() -> None:
+    drag = drag_of(
+        TUBING, WELL, [(0, 0.2), (1450.0 + 1e-13, 0.3)], "pushed", "energy", fr.VibrationTool("8kN", 99.0), 0.05
+    )
+    bottoms = np.array([700.0, 1450.0, 2500.0, 3900.0])
+    frequency = np.array([50.0, 110.0, 70.0, 200.0])
+    assert drag.shaking is not None
+
+    def run(some: slice) -> strings.Run:
+        other = replace(drag, shaking=replace(drag.shaking, frequency=frequency[some]))
+        return strings.run(other, 0.0, bottoms[some], 0.0, np.array([0.0, 600.0]), TRIED)
+
+    together = run(slice(None))
+    for k in range(bottoms.size):
+        alone = run(slice(k, k + 1))
+        assert (alone.top_y[0], alone.is_settled[0]) == (together.top_y[k], together.is_settled[k])
+        np.testing.assert_array_equal(alone.y[:, 0], together.y[:, k])
+        np.testing.assert_array_equal(alone.wave[..., 0], together.wave[..., k])
 
 
 @pytest.mark.slow

@@ -237,15 +237,16 @@ class _Step(ByContent):
         """Return the shares of the step after which some strings, whose shape changes, do so."""
         some = self.some(i)
 
-        def wants(share: Floats, j: Ints) -> Floats:
-            place = some.slopes.some(j).place(some.depth[j] - share * some.length[j])
-            return some.slopes.drag.wants_helix(place, curve.at(share, i[j]))
+        def wants(end: Floats, j: Ints) -> Floats:
+            place = some.slopes.some(j).place(some.depth[j] - (end - 1.0) * some.length[j])
+            return some.slopes.drag.wants_helix(place, curve.at(end - 1.0, i[j]))
 
-        every, begin, end = np.arange(i.size), np.zeros(i.size), np.ones(i.size)
+        # From 1 to 2, so that the beginning is found to rounding of a step and no closer.
+        every, begin, end = np.arange(i.size), np.ones(i.size), np.full(i.size, 2.0)
         at_begin, at_end = wants(begin, every), wants(end, every)
         # Where it has just changed rounding may put it on the other side: it is on the side of its shape.
-        at_begin = np.where(some.slopes.is_helix, np.maximum(at_begin, 1e-300), np.minimum(at_begin, -1e-300))
-        found = roots(wants, begin, end, at_begin, at_end)
+        is_there = at_begin * at_end < -1e-9 * at_end**2
+        found = roots(wants, begin, end, np.where(is_there, at_begin, -at_end), at_end) - 1.0
         return np.where(found < _AT_ONCE, 0.0, found)
 
 

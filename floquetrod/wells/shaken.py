@@ -12,6 +12,7 @@ from floquetrod.wells.arcs import Points
 from floquetrod.wells.drag import Drag, Effort, Shaking
 from floquetrod.wells.kernels import shaken as kernels
 from floquetrod.wells.kernels import wave
+from floquetrod.wells.kernels.contact import LOCKED
 
 _LEAST = 1e-6  # damping ratio: without friction and damping a resonance is infinite (a choice)
 
@@ -36,7 +37,7 @@ class ShakenString:
         self.shaking, self.soft, self.bottom = shaking, effort.soft, bottom
         self.pushed, self.pieces = drag.pushed, _pieces(drag, shaking, top, bottom, effort.cells)
         length, size = bottom - top, self.pieces.friction.size
-        longest = min(shaking.divided, length) / effort.cells
+        longest = float(np.minimum(shaking.divided, length)) / effort.cells
         below = math.ceil(shaking.above_end / longest)
         above = max(2, math.ceil((length - shaking.above_end) / longest))
         self.nodes = np.concatenate(
@@ -46,8 +47,11 @@ class ShakenString:
             ]
         )
         self.tool = wave.Tool(shaking.amplitude, shaking.speed, shaking.impedance, below)
-        self.cells = _cells(shaking, np.array([shaking.above_end / max(below, 1), (length - shaking.above_end) / above]))
-        self.marched = kernels.Marched(np.full(size + 1, y), *np.zeros((4, size)), np.full(size, effort.share))
+        self.cells = _cells(
+            shaking, np.array([shaking.above_end / max(below, 1), (length - shaking.above_end) / above])
+        )
+        low, high, helix, pressed = np.zeros((4, size))
+        self.marched = kernels.Marched(np.full(size + 1, y), low, high, helix, pressed, np.full(size, effort.share))
         self.q, self.balance = np.zeros(self.nodes.size, complex), wave.balance_of(self.nodes.size - 1)
 
     @property
@@ -71,7 +75,7 @@ class ShakenString:
         length = ends[i + 1] - ends[i]
         part, rise = (up - ends[i]) / length, y[i + 1] - y[i]
         bend = length * (low[i] * (1.0 - part) - high[i] * part) - rise * (1.0 - 2.0 * part)
-        found = np.minimum(y[i] + part * rise + part * (1.0 - part) * bend, kernels.LOCKED)
+        found = np.minimum(y[i] + part * rise + part * (1.0 - part) * bend, LOCKED)
         return np.where(self._has(up), found, np.nan)
 
     def wave_at(self, depth: Floats) -> Floats:
@@ -106,7 +110,7 @@ def _pieces(drag: Drag, shaking: Shaking, top: float, bottom: float, cells: int)
     """Return pieces, no longer than three for four cells, that end at stations and where friction changes."""
     inner = np.concatenate([drag.path.stations, drag.friction.depths])
     ends = np.unique(np.concatenate([[0.0, bottom - top], bottom - inner[(inner > top) & (inner < bottom)]]))
-    gaps, longest = np.diff(ends), min(shaking.divided, bottom - top) / (0.75 * cells)
+    gaps, longest = np.diff(ends), float(np.minimum(shaking.divided, bottom - top)) / (0.75 * cells)
     number = np.ceil(gaps / longest).astype(int)
     up = np.append(np.repeat(ends[:-1], number) + np.repeat(gaps / number, number) * _counted(number), ends[-1])
     middle, arcs = bottom - 0.5 * (up[:-1] + up[1:]), drag.path.arcs

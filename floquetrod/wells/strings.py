@@ -78,15 +78,18 @@ def _shaken(drag: Drag, shaking: Shaking, strings: Strings, depths: Floats, effo
         raise validate.wrong_value(
             "tool", f"must make {_MOST_WAVES} waves along the string at most, got {number:.4g}: give a lower frequency"
         )
-    found = Run(depths, np.empty((depths.size, size)), np.empty(size), np.empty((2, depths.size, size)), np.empty(size, bool))
+    found = Run(
+        depths, np.empty((depths.size, size)), np.empty(size), np.empty((2, depths.size, size)), np.empty(size, bool)
+    )
     frequency = np.broadcast_to(shaking.frequency, size).tolist()
 
     def settle(k: int) -> None:
-        own = replace(shaking, frequency=frequency[k])
-        string = ShakenString(drag, own, *(float(each[k]) for each in strings), effort)
+        top, bottom, y = (float(each[k]) for each in strings)
+        string = ShakenString(drag, replace(shaking, frequency=frequency[k]), top, bottom, y, effort)
         found.is_settled[k] = string.settle(stays, _TURNS)
         found.top_y[k] = string.marched.y[-1]
-        found.y[:, k], found.wave[..., k] = string.y_at(depths), string.wave_at(depths)
+        if depths.size:
+            found.y[:, k], found.wave[..., k] = string.y_at(depths), string.wave_at(depths)
 
     in_threads(settle, [(k,) for k in range(size)], cores())
     return found

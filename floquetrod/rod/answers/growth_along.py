@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from floquetrod._util.arrays import Floats
+from floquetrod._util.arrays import Floats, Ints
 from floquetrod.rod.model.data import RodData
 from floquetrod.wells.drag import Pipe, Place
 
@@ -17,7 +17,7 @@ _WIDE = np.linspace(0.02, 1.5, 60)  # of the wavenumber that resonates
 _FEW = np.array([-0.3, 0.0, 0.3]), np.array([0.0, 1.0 / 6.0, 1.0 / 3.0])
 """The same for a first look: about the middles of the tongues of alpha sin tau, of width alpha and alpha^2."""
 _FEW_WIDE = np.linspace(0.1, 1.5, 8)
-_LOOKED_AT = 8  # places at which the first look sees most growth
+_LOOKED_AT = 8  # places of a string at which the first look sees most growth
 
 
 class Growth(NamedTuple):
@@ -27,14 +27,14 @@ class Growth(NamedTuple):
     half_wave: Floats
 
 
-def growth_along(rod: RodData, place: Place, force: Floats, amplitude: Floats, frequency: float) -> Growth:
+def growth_along(rod: RodData, place: Place, force: Floats, amplitude: Floats, frequency: Any) -> Growth:
     """Return the fastest growth at places under a mean compression and a vibration in N, without friction across.
 
     After the rod's damping rate; what friction takes is given by `sliding.damping_across`.
 
     Of all wavelengths, as if force and well were the same around: the waves that grow are short against both.  A wave
     k obeys Mathieu's equation with m beta w^2 = -(E I k^4 - F k^2 + N / R) and m alpha w^2 = dF (k^2 - N' / R), N the
-    contact force of the string that lies and N' its slope over F.
+    contact force of the string that lies and N' its slope over F.  The frequency in rad/s is one or of each place.
     """
     none = np.zeros(force.size)
     rates, squares = _rates(rod, place, force, amplitude, frequency, none, (_CLOSE,) * _TONGUES, _WIDE)
@@ -45,18 +45,21 @@ def growth_along(rod: RodData, place: Place, force: Floats, amplitude: Floats, f
 
 
 def fastest_along(
-    rod: RodData, place: Place, force: Floats, amplitude: Floats, frequency: float, lost: Floats
-) -> float:
-    """Return the largest of `growth_along` less what is ``lost`` at places in 1/s, 0 where nothing grows.
+    rod: RodData, place: Place, force: Floats, amplitude: Floats, frequency: Floats, lost: Floats, string: Ints
+) -> Floats:
+    """Return `growth_along` less what is ``lost`` in 1/s, where that is most along each string, else 0.
 
-    A few waves are examined everywhere they may grow, all of them where these come nearest to growth.
+    A few waves are examined wherever they may grow, all of them where these come nearest to growth.  Places of a
+    string, whose numbers increase, lie side by side.
     """
     free = rod.replace(damping_rate=0.0)
     seen = _rates(free, place, force, amplitude, frequency, lost, _FEW, _FEW_WIDE)[0].max(axis=1) - lost
-    some = np.argsort(-seen, kind="stable")[:_LOOKED_AT]
-    there = Place(*(each[some] for each in place))
-    found = growth_along(rod, there, force[some], amplitude[some], frequency).rate - lost[some]
-    return float(found.max(initial=0.0))
+    order = np.lexsort((-seen, string))
+    some = order[np.arange(string.size) - np.searchsorted(string, string) < _LOOKED_AT]
+    there, found = Place(*(each[some] for each in place)), np.zeros(string.size)
+    grows = growth_along(rod, there, force[some], amplitude[some], frequency[some])
+    found[some] = np.maximum(grows.rate - lost[some], 0.0)
+    return found
 
 
 def _rates(
@@ -64,7 +67,7 @@ def _rates(
     place: Place,
     force: Floats,
     amplitude: Floats,
-    frequency: float,
+    frequency: Any,
     least: Floats,
     close: tuple[Floats, ...],
     wide: Floats,
@@ -79,10 +82,11 @@ def _rates(
     pipe = Pipe(rod.flexural_rigidity, rod.weight_per_length, rod.radial_clearance)
     held = pipe.lying(force, place) / pipe.clearance
     slope = _slope(pipe, place, force) / pipe.clearance
+    frequency = np.broadcast_to(frequency, force.shape)
     scale = rod.mass_per_length * frequency**2
     squares = _squares(pipe.rigidity, (force, held, slope, amplitude), scale, close, wide)
-    columns = (each[:, None] for each in (force, held, slope, amplitude))
-    mean, hold, tilt, size = columns
+    columns = (each[:, None] for each in (force, held, slope, amplitude, scale, frequency))
+    mean, hold, tilt, size, scale, frequency = columns
     beta = -(pipe.rigidity * squares**2 - mean * squares + hold) / scale
     alpha = size * (squares - tilt) / scale
     limits = (np.abs(alpha) < 1e6) & (np.abs(beta) < 1e6)
@@ -91,6 +95,7 @@ def _rates(
     stiff = np.sqrt(np.maximum(-(beta + damping**2), 1e-300))
     rates = frequency * np.maximum(np.abs(alpha) / (math.pi * stiff) - damping, 0.0)
     some = rates > least[:, None]
+    damping, frequency = (np.broadcast_to(each, rates.shape)[some] for each in (damping, frequency))
     rates[some] = frequency * growth_rate(alpha[some], beta[some], damping)
     return rates, squares
 
@@ -103,7 +108,7 @@ def _slope(pipe: Pipe, place: Place, force: Floats) -> Floats:
         return np.where(contact > 0.0, (bent * place.kappa_n + side * place.kappa_b) / contact, 0.0)
 
 
-def _squares(rigidity: float, at: tuple[Floats, ...], scale: float, close: tuple[Floats, ...], wide: Floats) -> Floats:
+def _squares(rigidity: float, at: tuple[Floats, ...], scale: Floats, close: tuple[Floats, ...], wide: Floats) -> Floats:
     """Return the squares of wavenumbers to look at in 1/m^2, (n, m).
 
     ``at`` are the force, N / R, its slope and the amplitude; ``close`` are shares of the width of each tongue about its
@@ -117,7 +122,7 @@ def _squares(rigidity: float, at: tuple[Floats, ...], scale: float, close: tuple
             centre = _resonant(rigidity, force, held, middle * scale, sign)
             alpha = np.abs(amplitude * (centre - slope) / scale)
             width = np.minimum(alpha**order, 0.9 * middle)
-            shifted = (middle + shares * width[:, None]) * scale
+            shifted = (middle + shares * width[:, None]) * scale[:, None]
             found.append(_resonant(rigidity, force[:, None], held[:, None], shifted, sign))
     top = _resonant(rigidity, force, held, scale, 1.0)
     found.append((wide * np.sqrt(top)[:, None]) ** 2)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
@@ -32,13 +32,13 @@ from floquetrod.rod.model.data import RodData
 from floquetrod.rod.model.stress import Stress
 from floquetrod.units import AnswerUnits, Unit
 from floquetrod.wells import strings
-from floquetrod.wells.drag import FAST, SOUGHT, TRIED, Drag, Effort, Place
+from floquetrod.wells.drag import FAST, SOUGHT, Drag, Effort, Place
 from floquetrod.wells.kernels.contact import MOST_PRESSED
 from floquetrod.wells.path import WellPath
 
 _DEPTHS = 100  # where none are asked for
-_END_PARTS = (25, 25), (25, 2, 2, 2, 2, 2)
-"""Into how many parts what holds the depth sought is divided, one time after the other, without a tool and with it.
+_PARTS = (12, 12, 12), (12, 2, 2, 2, 2, 2, 2, 2)
+"""Into how many parts what holds a limit sought is divided, one time after the other, without a tool and with it.
 
 Many strings without a tool take hardly longer than one, side by side; with a tool each takes its time.
 """
@@ -47,7 +47,6 @@ _FREQUENCIES = np.linspace(0.25, 2.0, 22)  # of the tool's, which is among them
 _WAY = np.array([0.2, 0.45, 0.7, 0.95])  # fractions of the gain at which they are examined (a choice)
 _SPACING = 10.0  # m along the string then (a choice)
 _BITS = 12  # depths for which the force at the lower end is sought
-_BIT_PARTS = (12, 12, 12), 11 * (2,)  # likewise, of that force
 _MOST = 10.0  # critical forces, up to which they are tried (a choice: pipes yield before)
 
 
@@ -423,9 +422,9 @@ def reach(
     still = replace(drag, shaking=None)
     searches = [_Search(each, far_force, push) for each in ([still, drag] if tool else [still])]
     forces = [search.injector(depths, far_force) for search in searches]
-    reached = [search.end(depths, each) for search, each in zip(searches, forces, strict=True)]
     few = np.unique(np.linspace(0, depths.size - 1, _BITS).round().astype(int))
-    bits = [search.bit(depths[few], each[few]) for search, each in zip(searches, forces, strict=True)]
+    limits = [search.limits(depths, each, few) for search, each in zip(searches, forces, strict=True)]
+    reached, bits = zip(*limits, strict=True)
     along = mean_force(drag, far_force, _standing_end(path, *reached[-1]), None)
     sliding = 0.0 if drag.shaking is None else drag.shaking.speed
     grown = _grown(rod, drag, along, tool)
@@ -506,45 +505,34 @@ class _Search:
         """Return whether strings that need a force at the upper end are not stopped."""
         return np.isfinite(force) & (force <= self.push)
 
-    def bit(self, depths: Floats, forces: Floats) -> Floats:
-        """Return the greatest compression in N at the lower end at depths, for each force of ``injector`` there."""
-        found, goes, scale = np.full(depths.size, math.nan), self.goes(forces), self.drag.pipe.scale
+    def limits(self, depths: Floats, forces: Floats, few: NDArray[np.intp]) -> tuple[tuple[float, bool], Floats]:
+        """Return how deep the lower end reaches and whether it is stopped there, from the forces of ``injector``.
 
-        def arrives(y: Floats) -> Bools:
-            bottoms = np.broadcast_to(depths[goes], y.shape)
-            return self.goes(self.injector(bottoms.ravel(), scale * np.tan(y.ravel()), TRIED)).reshape(y.shape)
+        And the greatest compression in N at the lower end at a ``few`` of the depths, NaN where no string arrives.
+        """
+        goes, bit, scale = self.goes(forces), np.full(few.size, math.nan), self.drag.pipe.scale
+        there, stopped = few[goes[few]], np.flatnonzero(~goes)[:1]
+        before = np.append(self.drag.path.start, depths)[stopped]
+        y = float(self.drag.y_of(np.array(self.far_force)))
+        low, high = np.full((2, 2, there.size + stopped.size), y)
+        low[0], high[0] = np.append(depths[there], before), np.append(depths[there], depths[stopped])
+        high[1, : there.size] = max(y, math.atan(_MOST))
+        if low.size:
+            low, high = self._narrowed(low, high)
+        found = 0.5 * (low + high)
+        bit[goes[few]] = scale * np.tan(found[1, : there.size])
+        return (float(found[0, -1]), True) if stopped.size else (float(depths[-1]), False), bit
 
-        if goes.any():
-            low = np.full(int(goes.sum()), float(self.drag.y_of(np.array(self.far_force))))
-            high = np.maximum(low, math.atan(_MOST))
-            low = np.where(arrives(high), high, low)
-            found[goes] = scale * np.tan(_first(arrives, low, high, self._of(_BIT_PARTS)))
-        return found
-
-    def end(self, depths: Floats, forces: Floats) -> tuple[float, bool]:
-        """Return how deep the lower end reaches, and whether it is stopped there, from the forces of ``injector``."""
-        goes = self.goes(forces)
-        if goes.all():
-            return float(depths[-1]), False
-        first = int(np.argmin(goes))
-        low = depths[first - 1] if first else self.drag.path.start
-
-        def passes(bottoms: Floats) -> Bools:
-            return self.goes(self.injector(bottoms.ravel(), self.far_force, SOUGHT)).reshape(bottoms.shape)
-
-        return float(_first(passes, np.array([low]), depths[[first]], self._of(_END_PARTS))[0]), True
-
-    def _of(self, parts: tuple[tuple[int, ...], tuple[int, ...]]) -> tuple[int, ...]:
-        return parts[self.drag.shaking is not None]
-
-
-def _first(holds: Callable[[Floats], Bools], low: Floats, high: Floats, parts: tuple[int, ...]) -> Floats:
-    """Return about where a statement that holds at ``low`` first does not, each interval divided into so many parts."""
-    for number in parts:
-        steps, each = np.linspace(low, high, number + 1), np.arange(low.size)
-        last = np.cumprod(holds(steps[1:-1]), axis=0).sum(axis=0)
-        low, high = steps[last, each], steps[last + 1, each]
-    return np.asarray(0.5 * (low + high))
+    def _narrowed(self, low: Floats, high: Floats) -> tuple[Floats, Floats]:
+        """Return what is between strings that go and those that are stopped, depths and y of lower ends in rows."""
+        for k, parts in enumerate(_PARTS[self.drag.shaking is not None]):
+            steps = np.linspace(low, high, parts + 1, axis=1)
+            bottoms, y = steps[:, 1:] if k == 0 else steps[:, 1:-1]
+            force = self.injector(bottoms.ravel(), self.drag.pipe.scale * np.tan(y.ravel()), SOUGHT)
+            last = np.cumprod(self.goes(force).reshape(y.shape), axis=0).sum(axis=0)
+            each = np.arange(last.size)
+            low, high = steps[:, last, each], steps[:, np.minimum(last + 1, parts), each]
+        return low, high
 
 
 class _Grown(NamedTuple):
@@ -594,6 +582,12 @@ class _Places(NamedTuple):
         place = Place.at(drag.path.arcs.at(depth))
         return cls(place, along.force[chosen], speed, along.vibration[chosen], pressed, lost)
 
+    @classmethod
+    def joined(cls, several: Sequence[_Places]) -> _Places:
+        """Return several one after the other."""
+        place, *others = zip(*several, strict=True)
+        return cls(Place(*map(np.concatenate, zip(*place, strict=True))), *map(np.concatenate, others))
+
 
 class _Others(NamedTuple):
     """Frequencies of a tool in rad/s, depths of a string in m; the fastest growth in 1/s and largest speed in m/s."""
@@ -613,11 +607,15 @@ def _with_others(rod: RodData, drag: Drag, far_force: float, depth: Floats) -> _
     one, bottom = (each.ravel() for each in np.meshgrid(frequency, depth, indexing="ij"))
     together = replace(drag, shaking=replace(drag.shaking, frequency=one))
     growth, speed = np.full(one.size, math.inf), np.zeros(one.size)
+    some, string = [], []
     for k, along in enumerate(mean_forces(together, far_force, bottom, _SPACING)):
-        if along is None:
-            continue
-        speed[k] = along.speed.max()
-        some = _Places.of(rod, together, along, np.flatnonzero(~along.is_snaking & (along.vibration > 0.0)))
-        growth[k] = fastest_along(rod, some.place, some.force, some.vibration, float(one[k]), some.lost)
+        if along is not None:
+            growth[k], speed[k] = 0.0, along.speed.max()
+            some.append(_Places.of(rod, together, along, np.flatnonzero(~along.is_snaking & (along.vibration > 0.0))))
+            string.append(np.full(some[-1].force.size, k))
+    if some:
+        all_, of = _Places.joined(some), np.concatenate(string)
+        grows = fastest_along(rod, all_.place, all_.force, all_.vibration, one[of], all_.lost, of)
+        np.maximum.at(growth, of, grows)
     growth, speed = (each.reshape(frequency.size, depth.size) for each in (growth, speed))
     return _Others(frequency, depth, growth.max(axis=1), speed.min(axis=1))

@@ -40,9 +40,7 @@ class Pushed(NamedTuple):
 
 
 @kernel
-def lying(
-    pushed: Pushed, level: Any, kappa_n: Any, kappa_b: Any, sine: Any, cosine: Any
-) -> Any:
+def lying(pushed: Pushed, level: Any, kappa_n: Any, kappa_b: Any, sine: Any, cosine: Any) -> Any:
     """Return the contact force of a string that lies; ``level`` is the sine of the inclination, the others of y."""
     push = pushed.scale * sine
     bent = pushed.weight * level * cosine + push * kappa_n
@@ -51,8 +49,8 @@ def lying(
 
 @kernel
 def wants_helix(pushed: Pushed, lying: Any, sine: Any) -> Any:
-    """Return what is zero or more where a string is wound into a helix."""
-    return sine * np.abs(sine) * pushed.weight - pushed.helical * lying
+    """Return what is zero or more where a string is wound into a helix, crossing zero steeply in vertical wells too."""
+    return sine - np.sqrt(pushed.helical * lying / pushed.weight)
 
 
 @kernel

@@ -62,13 +62,13 @@ class Marched(NamedTuple):
 
 
 @kernel
-def _touching(pushed: Pushed, places: Any, i: int, k: int, sine: float, cosine: float) -> float:
+def _touching(pushed: Pushed, places: Any, i: int, k: int, sine: float, cosine: float) -> Any:
     """Return the contact force of the string that lies at place k of piece i."""
     return lying(pushed, places[i, k, 0], places[i, k, 2], places[i, k, 3], sine, cosine)
 
 
 @kernel
-def _rise(pushed: Pushed, places: Any, i: int, k: int, mu: float, y: float, helix: float) -> float:
+def _rise(pushed: Pushed, places: Any, i: int, k: int, mu: float, y: float, helix: float) -> Any:
     """Return -dy/ds."""
     sine, cosine = math.sin(y), math.cos(y)
     touching = contact(pushed, _touching(pushed, places, i, k, sine, cosine), sine, helix)
@@ -76,7 +76,7 @@ def _rise(pushed: Pushed, places: Any, i: int, k: int, mu: float, y: float, heli
 
 
 @kernel
-def _wants(pushed: Pushed, places: Any, i: int, k: int, y: float) -> float:
+def _wants(pushed: Pushed, places: Any, i: int, k: int, y: float) -> Any:
     sine, cosine = math.sin(y), math.cos(y)
     return wants_helix(pushed, _touching(pushed, places, i, k, sine, cosine), sine)
 

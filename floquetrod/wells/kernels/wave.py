@@ -91,12 +91,14 @@ class Balance(NamedTuple):
 
 def balance_of(size: int) -> Balance:
     """Return that of so many cells, to be filled in."""
-    one, two = np.zeros((3, size + 1), complex), np.zeros((2, size + 1, 2), complex)
-    return Balance(*np.zeros((3, PARTS * size)), one[0], *two, *one[1:])
+    most, damping, left = np.zeros((3, PARTS * size))
+    missing, step, tried = np.zeros((3, size + 1), complex)
+    own, beside = np.zeros((2, size + 1, 2), complex)
+    return Balance(most, damping, left, missing, own, beside, step, tried)
 
 
 @kernel
-def square(z: Any) -> float:
+def square(z: Any) -> Any:
     """Return the square of the size of a complex number."""
     return z.real * z.real + z.imag * z.imag
 
