@@ -37,7 +37,7 @@ from floquetrod.wells.kernels.contact import MOST_PRESSED
 from floquetrod.wells.path import WellPath
 
 _DEPTHS = 100  # where none are asked for
-_PARTS = (12, 12, 12), (12, 2, 2, 2, 2, 2, 2, 2)
+_PARTS = (25, 9, 9), (25, 2, 2, 2, 2, 2, 2)
 """Into how many parts what holds a limit sought is divided, one time after the other, without a tool and with it.
 
 Many strings without a tool take hardly longer than one, side by side; with a tool each takes its time.
