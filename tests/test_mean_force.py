@@ -9,13 +9,12 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from scipy.integrate import DOP853
 
 import floquetrod as fr
 from benchmarks import drag
 from conftest import depth
 from floquetrod.rod.answers.mean_force import drag_of
-from floquetrod.wells import dormand_prince, strings
+from floquetrod.wells import strings
 from floquetrod.wells.drag import CHECKED, FAST, SOUGHT
 
 pytestmark = pytest.mark.filterwarnings("ignore::floquetrod.PlausibilityWarning")
@@ -35,17 +34,6 @@ def arc_force(path: fr.WellPath, depth: np.ndarray, mu: float, far_force: float)
         return WEIGHT / kappa * (a * np.sin(angle) + b * np.cos(angle))
 
     return (far_force - steady(end)) * np.exp(mu * (end - phi)) + steady(phi)
-
-
-def test_the_coefficients_of_the_march_are_those_of_scipy() -> None:
-    rows = [*(row[:k] for k, row in enumerate(DOP853.A) if k), DOP853.B]
-    rows += [row[: 13 + k] for k, row in enumerate(DOP853.A_EXTRA)]
-    assert len(dormand_prince.STAGES) == len(rows)
-    for ours, row in zip(dormand_prince.STAGES, rows, strict=True):
-        np.testing.assert_array_equal(ours, row)
-    np.testing.assert_array_equal(dormand_prince.NODES, [*DOP853.C, 1.0, *DOP853.C_EXTRA])
-    np.testing.assert_array_equal(dormand_prince.ERRORS, [DOP853.E5, DOP853.E3])
-    np.testing.assert_array_equal(dormand_prince.DENSE, DOP853.D)
 
 
 @pytest.mark.parametrize("mu", [0.0, 0.3, 1.0])

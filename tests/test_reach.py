@@ -11,7 +11,7 @@ from matplotlib import pyplot
 
 import floquetrod as fr
 from floquetrod.rod.answers import reach
-from floquetrod.rod.answers.growth_along import fastest_along, growth_along
+from floquetrod.rod.answers.growth_along import growth_along
 from floquetrod.rod.answers.mean_force import drag_of
 from floquetrod.rod.answers.sliding import damping_across
 from floquetrod.wells.drag import Drag, Place
@@ -209,24 +209,6 @@ def test_growth_along_a_string_is_that_of_sections_cut_out_of_it() -> None:
         assert verdict.status == "unstable"
         assert verdict.growth_rate == pytest.approx(found.growth_free[k], rel=0.05)
         assert section.length / verdict.fastest_mode == pytest.approx(found.half_wave[k], rel=0.06)
-
-
-def test_where_waves_are_not_examined_none_grows_faster_than_friction_takes(rng: np.random.Generator) -> None:
-    """Of a string with many places, and of many strings at once, the largest growth is that of each place alone."""
-    rod = fr.Rod.nitinol().replace(damping_rate=0.5)
-    size, unit = 60, rod.critical_force
-    force, vibration = unit * rng.uniform(-1.0, 0.9, size), unit * rng.uniform(0.0, 0.5, size)
-    place = Place(rng.uniform(0.2, 1.0, size), np.zeros(size), rng.uniform(0.0, 0.02, size), np.zeros(size))
-    frequency, lost = np.repeat([90.0, 150.0, 210.0], size // 3), rng.uniform(0.0, 8.0, size)
-    string = np.repeat([1, 4, 5], size // 3)
-    found = fastest_along(rod, place, force, vibration, frequency, lost, string)
-    grows = growth_along(rod, place, force, vibration, frequency).rate - lost
-    for k in np.unique(string):
-        assert found[string == k].max() == pytest.approx(max(0.0, grows[string == k].max()), rel=1e-12)
-    for k in range(0, size, 7):
-        there = Place(*(each[[k]] for each in place))
-        alone = growth_along(rod, there, force[[k]], vibration[[k]], float(frequency[k])).rate - lost[k]
-        assert alone[0] == pytest.approx(grows[k], rel=1e-12)
 
 
 def test_in_a_bend_the_force_enters_twice() -> None:

@@ -95,7 +95,7 @@ def test_friction_takes_what_the_tool_gives(above_end: float) -> None:
     pressed = 0.2 * WEIGHT * (1.0 + 0.5 * np.sin((2000.0 - ends[:-1]) / 100.0))
     shaken.means(ends, pressed, string.edges, string.balance.most)
     string.balance.most[:] *= 4.0 / math.pi * np.diff(string.edges)
-    assert wave.find_wave(string.cells, string.tool, string.soft, string.q, string.balance)
+    assert wave.feel(string.cells, string.tool, string.soft, string.q, string.balance)
     tool_speed = np.interp(above_end, string.nodes, string.q.real)
     found = string.wave_at(2000.0 - 0.5 * (ends[1:] + ends[:-1]))[0]
     taken = np.sum(pressed * 2.0 / math.pi * np.sqrt(np.maximum(found**2 - speed**2, 0.0))) * 0.5

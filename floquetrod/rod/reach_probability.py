@@ -163,7 +163,7 @@ def probability_of_reach(
     helical : str
         When a pushed string becomes a helix, as in `Rod.reach`.
     samples : int
-        Number of strings and wells drawn at random; each takes some hundredths of a second.
+        Number of strings and wells drawn at random; each takes some tenths of a second.
     seed : int, optional
         The same gives the same samples; by default a new one, which the result contains.
     confidence : float

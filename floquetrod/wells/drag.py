@@ -15,12 +15,12 @@ up F becomes infinite, and y passes through pi/2 as smoothly as anywhere.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from floquetrod._util.arrays import Bools, Floats
+from floquetrod._util.arrays import Bools, Floats, Ints
 from floquetrod._util.caching import cached_property
 from floquetrod.wells.arcs import Points
 from floquetrod.wells.kernels import contact
@@ -165,6 +165,10 @@ class Shaking:
     wave_speed: float
     damping: float
     speed: float
+
+    def of(self, size: int, strings: Ints) -> Shaking:
+        """Return that of some of so many strings, of each its own frequency."""
+        return replace(self, frequency=np.broadcast_to(self.frequency, size)[strings])
 
     @property
     def length(self) -> Floats:

@@ -1,7 +1,7 @@
 """Strings marched up a well side by side, each with steps of its own, by an explicit Runge-Kutta method of order 8.
 
 The method is that of Dormand and Prince with its dense output of order 7 (Hairer, Norsett and Wanner, Solving Ordinary
-Differential Equations I, II.5).  A step ends at a station, where friction changes, at the
+Differential Equations I, II.5), with SciPy's coefficients.  A step ends at a station, where friction changes, at the
 upper end, and where the string becomes a helix or ceases to be one: there its equation has another right side.
 """
 
@@ -19,7 +19,6 @@ from floquetrod._util.caching import cached_property
 from floquetrod._util.content import ByContent
 from floquetrod._util.roots import roots
 from floquetrod.wells.arcs import Points
-from floquetrod.wells.dormand_prince import DENSE, ERRORS, NODES, STAGES
 from floquetrod.wells.drag import Drag, Effort, Place, States, Strings
 from floquetrod.wells.kernels.contact import LOCKED
 
@@ -178,12 +177,15 @@ class _Step(ByContent):
     @classmethod
     def of(cls, slopes: _Slopes, depth: Floats, end: Floats, is_last: Bools, old: Floats) -> _Step:
         """Return a step from a state."""
+        from scipy.integrate import DOP853
+
         rises = np.empty((13, *old.shape))
-        length = depth - end
-        places = slopes.place(depth - NODES[:13, None] * length)
-        for k in range(13):
-            state = old + length * _sum(STAGES[k - 1], rises) if k else old
+        state, length = old, depth - end
+        places = slopes.place(depth - np.append(DOP853.C, 1.0)[:, None] * length)
+        for k, row in enumerate([*DOP853.A[1:], DOP853.B, None]):
             rises[k] = -slopes.at(Place(*(each[k] for each in places)), state)
+            if row is not None:
+                state = old + length * _sum(row[: k + 1], rises)
         return cls(slopes, depth, end, is_last, old, state, rises)
 
     @property
@@ -198,8 +200,10 @@ class _Step(ByContent):
 
     def error(self, tolerance: Floats) -> Floats:
         """Return the estimated error over the tolerance, relative and absolute, as Hairer, Norsett and Wanner do."""
+        from scipy.integrate import DOP853
+
         scale = tolerance * (1.0 + np.maximum(np.abs(self.old), np.abs(self.new)))
-        fifth, third = ((_sum(each, self.rises) / scale) ** 2 for each in ERRORS)
+        fifth, third = ((_sum(each, self.rises) / scale) ** 2 for each in (DOP853.E5, DOP853.E3))
         under = np.sqrt(np.maximum(fifth + 0.01 * third, 1e-300))
         return np.asarray(self.length * fifth / under)
 
@@ -218,13 +222,15 @@ class _Step(ByContent):
 
     def curve(self) -> _Curve:
         """Return the solution within the step."""
+        from scipy.integrate import DOP853
+
         rises = np.concatenate([self.rises, np.empty((3, *self.old.shape))])
-        places = self.slopes.place(self.depth - NODES[13:, None] * self.length)
-        for k in range(13, 16):
-            state = self.old + self.length * _sum(STAGES[k - 1], rises)
-            rises[k] = -self.slopes.at(Place(*(each[k - 13] for each in places)), state)
+        places = self.slopes.place(self.depth - DOP853.C_EXTRA[:, None] * self.length)
+        for k, row in enumerate(DOP853.A_EXTRA):
+            state = self.old + self.length * _sum(row[: 13 + k], rises)
+            rises[13 + k] = -self.slopes.at(Place(*(each[k] for each in places)), state)
         change, first, last = self.new - self.old, self.length * rises[0], self.length * rises[12]
-        higher = [self.length * _sum(row, rises) for row in DENSE]
+        higher = [self.length * _sum(row, rises) for row in DOP853.D]
         return _Curve(self.old, np.array([change, first - change, 2.0 * change - first - last, *higher]))
 
     def changes(self, curve: _Curve, i: Ints) -> Floats:

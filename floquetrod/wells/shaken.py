@@ -40,11 +40,16 @@ class ShakenString:
         longest = float(np.minimum(shaking.divided, length)) / effort.cells
         below = math.ceil(shaking.above_end / longest)
         above = max(2, math.ceil((length - shaking.above_end) / longest))
-        lower = np.linspace(0.0, shaking.above_end, below + 1)
-        self.nodes = np.concatenate([lower[:-1], np.linspace(shaking.above_end, length, above + 1)])
+        self.nodes = np.concatenate(
+            [
+                np.linspace(0.0, shaking.above_end, below + 1)[:-1],
+                np.linspace(shaking.above_end, length, above + 1),
+            ]
+        )
         self.tool = wave.Tool(shaking.amplitude, shaking.speed, shaking.impedance, below)
-        lengths = shaking.above_end / max(below, 1), (length - shaking.above_end) / above
-        self.cells = _cells(shaking, np.array(lengths))
+        self.cells = _cells(
+            shaking, np.array([shaking.above_end / max(below, 1), (length - shaking.above_end) / above])
+        )
         low, high, helix, pressed = np.zeros((4, size))
         self.marched = kernels.Marched(np.full(size + 1, y), low, high, helix, pressed, np.full(size, effort.share))
         self.q, self.balance = np.zeros(self.nodes.size, complex), wave.balance_of(self.nodes.size - 1)

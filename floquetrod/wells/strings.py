@@ -12,7 +12,6 @@ from dataclasses import replace
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from floquetrod._util import validate
 from floquetrod._util.arrays import Bools, Floats
@@ -45,42 +44,55 @@ def run(drag: Drag, top: float, bottoms: Floats, far_force: Any, depths: Floats,
 
     The force in N at the lower end is one for all or of each its own.
     """
-    size, depths, shaking = bottoms.size, np.unique(depths), drag.shaking
-    strings = Strings(np.full(size, top), bottoms, np.array(np.broadcast_to(drag.y_of(np.asarray(far_force)), size)))
+    size, depths = bottoms.size, np.unique(depths)
+    start = np.array(np.broadcast_to(drag.y_of(np.asarray(far_force)), size))
+    strings = Strings(np.full(size, top), bottoms, start)
     y, wave = np.empty((depths.size, size)), np.zeros((2, depths.size, size))
     found = Run(depths, y, np.empty(size), wave, np.ones(size, bool))
     works = np.zeros(size, bool)
-    if shaking is not None and shaking.amplitude > 0.0:
-        works = bottoms - shaking.above_end > top
-        _settle(drag, shaking, strings, np.flatnonzero(works), effort, found)
-    if not works.all():
-        states = march.up(drag, Strings(*(each[~works] for each in strings)), depths, effort)
-        found.y[:, ~works], found.top_y[~works] = states.y, states.top_y
+    if drag.shaking is not None:
+        works = (bottoms - drag.shaking.above_end > top) & (drag.shaking.amplitude > 0.0)
+    for i, is_working in ((np.flatnonzero(~works), False), (np.flatnonzero(works), True)):
+        if i.size:
+            some = Strings(*(each[i] for each in strings))
+            if is_working and drag.shaking is not None:
+                states = _shaken(drag, drag.shaking.of(size, i), some, depths, effort)
+            else:
+                states = _still(drag, some, depths, effort)
+            found.y[:, i], found.top_y[i], found.wave[..., i] = states.y, states.top_y, states.wave
+            found.is_settled[i] = states.is_settled
     return found
 
 
-def _settle(
-    drag: Drag, shaking: Shaking, strings: Strings, those: NDArray[np.intp], effort: Effort, found: Run
-) -> None:
-    """Find those strings that a tool shakes, each with its own frequency."""
-    length = np.broadcast_to(shaking.length, strings.y.shape)
-    number = float(((strings.bottom - strings.top) / length)[those].max(initial=0.0))
+def _still(drag: Drag, strings: Strings, depths: Floats, effort: Effort) -> Run:
+    states = march.up(drag, strings, depths, effort)
+    wave, is_settled = np.zeros((2, *states.y.shape)), np.ones(strings.y.size, bool)
+    return Run(depths, states.y, states.top_y, wave, is_settled)
+
+
+def _shaken(drag: Drag, shaking: Shaking, strings: Strings, depths: Floats, effort: Effort) -> Run:
+    """Return the states of strings with a tool, of each its own frequency."""
+    size, stays = strings.y.size, max(_STAYS[0], _STAYS[1] * effort.tolerance)
+    number = float(((strings.bottom - strings.top) / shaking.length).max())
     if number > _MOST_WAVES:
         raise validate.wrong_value(
             "tool", f"must make {_MOST_WAVES} waves along the string at most, got {number:.4g}: give a lower frequency"
         )
-    frequency, stays = np.broadcast_to(shaking.frequency, length.shape), max(_STAYS[0], _STAYS[1] * effort.tolerance)
+    found = Run(
+        depths, np.empty((depths.size, size)), np.empty(size), np.empty((2, depths.size, size)), np.empty(size, bool)
+    )
+    frequency = np.broadcast_to(shaking.frequency, size).tolist()
 
     def settle(k: int) -> None:
-        own = replace(shaking, frequency=float(frequency[k]))
         top, bottom, y = (float(each[k]) for each in strings)
-        string = ShakenString(drag, own, top, bottom, y, effort)
+        string = ShakenString(drag, replace(shaking, frequency=frequency[k]), top, bottom, y, effort)
         found.is_settled[k] = string.settle(stays, _TURNS)
         found.top_y[k] = string.marched.y[-1]
-        if found.depth.size:
-            found.y[:, k], found.wave[..., k] = string.y_at(found.depth), string.wave_at(found.depth)
+        if depths.size:
+            found.y[:, k], found.wave[..., k] = string.y_at(depths), string.wave_at(depths)
 
-    in_threads(settle, [(k,) for k in those.tolist()], cores())
+    in_threads(settle, [(k,) for k in range(size)], cores())
+    return found
 
 
 def highest_frequency(shaking: Shaking, length: float) -> float:

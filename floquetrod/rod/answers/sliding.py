@@ -16,7 +16,6 @@ from floquetrod._util.roots import bisected
 
 _FASTEST = 1e3  # m/s of a wave across: beyond, friction does nothing
 _HALVINGS = 60
-_MEANS = 16  # which make any two numbers equal to rounding
 
 
 def damping_across(pressed: Floats, sliding: float, shaking: Floats, across: Floats) -> Floats:
@@ -39,18 +38,12 @@ def damping_across(pressed: Floats, sliding: float, shaking: Floats, across: Flo
     r^2 = (v + V + i w) (v - V - i w), w = pi U / 4 (DLMF 19.8.5).  It takes the energy that friction takes where U is
     much less and where it is much more than the speed along; in between it is within 4 % of it.
     """
+    from scipy.special import agm
+
     w = 0.25 * math.pi * np.asarray(across)
     root = np.sqrt((sliding + shaking + 1j * w) * (sliding - shaking - 1j * w))
     with np.errstate(divide="ignore", invalid="ignore"):
-        return np.where(pressed > 0.0, 0.5 * pressed / _agm(root.real, np.abs(root)), 0.0)
-
-
-def _agm(a: Floats, b: Floats) -> Floats:
-    """Return the arithmetic-geometric mean of positive numbers, 0 where one is 0."""
-    b = np.where(a > 0.0, b, 0.0)
-    for _ in range(_MEANS):
-        a, b = 0.5 * (a + b), np.sqrt(a * b)
-    return np.where(b > 0.0, a, 0.0)
+        return np.where(pressed > 0.0, 0.5 * pressed / agm(root.real, np.abs(root)), 0.0)
 
 
 def least_speed(rate: Floats, pressed: Floats, sliding: float, shaking: Floats) -> Floats:

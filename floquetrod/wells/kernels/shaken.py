@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 
 from floquetrod._util.compilation import kernel
 from floquetrod.wells.kernels.contact import LOCKED, MOST_PRESSED, Pushed, contact, lying, slope, wants_helix
-from floquetrod.wells.kernels.wave import PARTS, Balance, Cells, Tool, find_wave
+from floquetrod.wells.kernels.wave import PARTS, Balance, Cells, Tool, feel
 
 _LOCKS = 4  # turns one after the other in which a string is locked up, after which it is: where, may swing without end
 
@@ -62,7 +62,7 @@ class Marched(NamedTuple):
 
 
 @kernel
-def _lying(pushed: Pushed, places: Any, i: int, k: int, sine: float, cosine: float) -> Any:
+def _touching(pushed: Pushed, places: Any, i: int, k: int, sine: float, cosine: float) -> Any:
     """Return the contact force of the string that lies at place k of piece i."""
     return lying(pushed, places[i, k, 0], places[i, k, 2], places[i, k, 3], sine, cosine)
 
@@ -71,14 +71,14 @@ def _lying(pushed: Pushed, places: Any, i: int, k: int, sine: float, cosine: flo
 def _rise(pushed: Pushed, places: Any, i: int, k: int, mu: float, y: float, helix: float) -> Any:
     """Return -dy/ds."""
     sine, cosine = math.sin(y), math.cos(y)
-    touching = contact(pushed, _lying(pushed, places, i, k, sine, cosine), sine, helix)
+    touching = contact(pushed, _touching(pushed, places, i, k, sine, cosine), sine, helix)
     return -slope(pushed, places[i, k, 1], mu, cosine, touching)
 
 
 @kernel
 def _wants(pushed: Pushed, places: Any, i: int, k: int, y: float) -> Any:
     sine, cosine = math.sin(y), math.cos(y)
-    return wants_helix(pushed, _lying(pushed, places, i, k, sine, cosine), sine)
+    return wants_helix(pushed, _touching(pushed, places, i, k, sine, cosine), sine)
 
 
 @kernel
@@ -125,7 +125,8 @@ def press(pushed: Pushed, pieces: Pieces, marched: Marched) -> None:
         bulge = 0.125 * (pieces.up[i + 1] - pieces.up[i]) * (marched.low[i] - marched.high[i])
         y = min(0.5 * (marched.y[i] + marched.y[i + 1]) + bulge, LOCKED)
         sine, cosine = math.sin(y), math.cos(y)
-        touching = contact(pushed, _lying(pushed, pieces.places, i, 1, sine, cosine), sine, marched.helix[i])
+        touching = _touching(pushed, pieces.places, i, 1, sine, cosine)
+        touching = contact(pushed, touching, sine, marched.helix[i])
         marched.pressed[i] = pieces.friction[i] * touching / max(cosine * cosine, 1.0 / MOST_PRESSED)
 
 
@@ -144,7 +145,7 @@ def means(edges: Any, values: Any, to: Any, out: Any) -> None:
 
 
 @kernel
-def friction_left(cells: Cells, tool: Tool, q: Any, left: Any) -> None:
+def leave(cells: Cells, tool: Tool, q: Any, left: Any) -> None:
     """Fill in the mean friction that is left in each part of the cells, (2 / pi) asin(v / V)."""
     for c in range(len(q) - 1):
         kind = 0 if c < tool.node else 1
@@ -181,8 +182,8 @@ def settle(
         means(pieces.up, marched.pressed, edges, most)
         for k in range(len(most)):
             most[k] *= 4.0 / math.pi * (edges[k + 1] - edges[k])
-        is_known = find_wave(cells, tool, soft, q, balance)
-        friction_left(cells, tool, q, balance.left)
+        is_known = feel(cells, tool, soft, q, balance)
+        leave(cells, tool, q, balance.left)
         means(edges, balance.left, pieces.up, marched.left)
         moved = march(pushed, pieces, marched)
         if is_known and moved <= stays:

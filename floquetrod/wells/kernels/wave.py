@@ -118,7 +118,7 @@ def friction(most: float, speed: float, soft: float, size: float) -> tuple[float
 
 
 @kernel
-def residual(cells: Cells, tool: Tool, soft: float, q: Any, balance: Balance) -> tuple[float, float]:
+def weigh(cells: Cells, tool: Tool, soft: float, q: Any, balance: Balance) -> tuple[float, float]:
     """Fill in what is missing at nodes and how it changes; return the norms of it and of the elastic forces."""
     missing, own, beside = balance.missing, balance.own, balance.beside
     size = len(q) - 1
@@ -161,7 +161,7 @@ def residual(cells: Cells, tool: Tool, soft: float, q: Any, balance: Balance) ->
 
 
 @kernel
-def newton_step(balance: Balance, size: int) -> None:
+def step_up(balance: Balance, size: int) -> None:
     """Fill in the step of Newton's method; what is missing and how it changes is used up.
 
     Elimination from node to node needs no pivots: what damps is positive.
@@ -185,7 +185,7 @@ def newton_step(balance: Balance, size: int) -> None:
 
 
 @kernel
-def newton(cells: Cells, tool: Tool, soft: float, q: Any, balance: Balance) -> bool:
+def is_found(cells: Cells, tool: Tool, soft: float, q: Any, balance: Balance) -> bool:
     """Find the wave from another by Newton's method, and return whether it is found."""
     tried, step = balance.tried, balance.step
     size = len(q) - 1
@@ -195,7 +195,7 @@ def newton(cells: Cells, tool: Tool, soft: float, q: Any, balance: Balance) -> b
     while True:
         for c in range(size):
             tried[c] = q[c] + share * step[c]
-        off, elastic = residual(cells, tool, soft, tried, balance)
+        off, elastic = weigh(cells, tool, soft, tried, balance)
         if off > (1.0 - 1e-4 * share) * before and shrinks < _SHRINKS:
             share, shrinks = 0.5 * share, shrinks + 1
             continue
@@ -205,12 +205,12 @@ def newton(cells: Cells, tool: Tool, soft: float, q: Any, balance: Balance) -> b
             return True
         if steps == _STEPS:
             return False
-        newton_step(balance, size)
+        step_up(balance, size)
         share, before, steps, shrinks = 1.0, off, steps + 1, 0
 
 
 @kernel
-def find_wave(cells: Cells, tool: Tool, soft: float, q: Any, balance: Balance) -> bool:
+def feel(cells: Cells, tool: Tool, soft: float, q: Any, balance: Balance) -> bool:
     """Find the wave from one that is close, or from 0, and return whether it is found.
 
     It begins against a friction nearly linear, that of the wave that leaves the tool.
@@ -219,7 +219,7 @@ def find_wave(cells: Cells, tool: Tool, soft: float, q: Any, balance: Balance) -
     for stage in range(0 if q[tool.node] == 0.0 else 1, 4):
         speed = leaves if stage == 0 else tool.speed
         rounded = 1.0 if stage == 0 else _SOFTER if stage == 2 else soft
-        found = newton(cells, Tool(tool.amplitude, speed, tool.impedance, tool.node), rounded, q, balance)
+        found = is_found(cells, Tool(tool.amplitude, speed, tool.impedance, tool.node), rounded, q, balance)
         if found and stage % 2 == 1:
             return True
     return False
