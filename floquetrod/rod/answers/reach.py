@@ -14,7 +14,8 @@ from floquetrod import units
 from floquetrod._util import validate
 from floquetrod._util.arrays import Bools, Floats
 from floquetrod._util.content import ByContent
-from floquetrod._util.report import Report, Reported, Table, number
+from floquetrod._util.interchange import by_keys
+from floquetrod._util.report import Printed, Report, Table
 from floquetrod.rod.answers.growth_along import fastest_along, growth_along
 from floquetrod.rod.answers.mean_force import (
     ASSUMED,
@@ -51,7 +52,7 @@ _MOST = 10.0  # critical forces, up to which they are tried (a choice: pipes yie
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Reach(Reported, ByContent):
+class Reach(Printed, ByContent):
     """How far a string can be pushed into a well.
 
     Attributes
@@ -183,10 +184,6 @@ class Reach(Reported, ByContent):
         is_useful = (self.frequency_growth <= _GROWS) & (self.frequency_speed > self.sliding)
         return tuple(spans(self.frequencies, is_useful)) if self.gain > 0.0 else ()
 
-    def __repr__(self) -> str:
-        """Return the reach as a sentence."""
-        return f"<{self._in_words(units.unit('m', 'depth', 'length'))}>"
-
     def _in_words(self, unit: Unit) -> str:
         end = self.path.end
         text = _reached(self.reach, self.is_stopped, end, unit)
@@ -313,38 +310,21 @@ class Reach(Reported, ByContent):
 
     def as_dict(self) -> dict[str, Any]:
         """Return everything as numbers for JSON, units in the keys; None where a force is infinite."""
+        with_tool = self if self.tool else None
         return {
-            "depth_m": self.depth.tolist(),
-            "injector_N": _numbers(self.injector),
-            "injector_with_tool_N": _numbers(self.injector_shaken) if self.tool else None,
-            "bit_depth_m": self.bit_depth.tolist(),
-            "bit_N": _numbers(self.bit),
-            "bit_with_tool_N": _numbers(self.bit_shaken) if self.tool else None,
-            "bit_limit_N": self.bit_limit,
-            "far_force_N": self.far_force,
-            "push_N": number(self.push),
-            "reach_m": self.reach,
-            "is_stopped": self.is_stopped,
-            "reach_with_tool_m": self.reach_shaken if self.tool else None,
-            "is_stopped_with_tool": self.is_stopped_shaken if self.tool else None,
-            "tool": None if self.tool is None else self.tool.as_dict(),
-            "along": self.along.as_dict(),
-            "amplitude_N": self.amplitude.tolist(),
-            "axial_stress_Pa": _numbers(self.axial_stress),
-            "bending_stress_Pa": _numbers(self.bending_stress),
-            "stress": self.stress.as_dict(),
-            "growth_per_s": self.growth.tolist(),
-            "growth_without_friction_per_s": self.growth_free.tolist(),
-            "half_wave_m": self.half_wave.tolist(),
-            "kick_m_per_s": _numbers(self.kick),
-            "weight_N_per_m": self.weight_per_length,
-            "sliding_m_per_s": self.sliding,
-            "frequencies_rad_per_s": self.frequencies.tolist(),
-            "frequency_depth_m": self.frequency_depth.tolist(),
-            "growth_by_frequency_per_s": _numbers(self.frequency_growth),
-            "speed_by_frequency_m_per_s": self.frequency_speed.tolist(),
-            "useful_frequencies_rad_per_s": [list(each) for each in self.useful_frequencies],
-            "assumptions": list(self.assumptions),
+            **by_keys(self, "depth_m injector_N"),
+            **by_keys(with_tool, "injector_with_tool_N=injector_shaken"),
+            **by_keys(self, "bit_depth_m bit_N"),
+            **by_keys(with_tool, "bit_with_tool_N=bit_shaken"),
+            **by_keys(self, "bit_limit_N far_force_N push_N reach_m is_stopped"),
+            **by_keys(with_tool, "reach_with_tool_m=reach_shaken is_stopped_with_tool=is_stopped_shaken"),
+            **by_keys(
+                self,
+                "tool along amplitude_N axial_stress_Pa bending_stress_Pa stress growth_per_s "
+                "growth_without_friction_per_s=growth_free half_wave_m kick_m_per_s weight_N_per_m=weight_per_length "
+                "sliding_m_per_s frequencies_rad_per_s frequency_depth_m growth_by_frequency_per_s=frequency_growth "
+                "speed_by_frequency_m_per_s=frequency_speed useful_frequencies_rad_per_s assumptions",
+            ),
         }
 
     def plot(
@@ -396,10 +376,6 @@ def _force(force: float, unit: Unit) -> str:
     """Return a force to about 10 N."""
     digits = max(0, round(math.log10(unit.size / 10.0)))
     return f"{unit.of(force):.{digits}f}" if math.isfinite(force) else "locked" if math.isinf(force) else "-"
-
-
-def _numbers(values: Floats) -> list[float | None]:
-    return [number(each) for each in values.tolist()]
 
 
 def reach(
