@@ -71,22 +71,20 @@ def corners(box: Box) -> Iterator[dict[str, float]]:
 
 def certify_family(
     family: Callable[..., Any],
-    parameters: Mapping[str, Any],
+    sides: Mapping[str, Any],
+    given: Mapping[str, Any],
     max_boxes: int,
     seconds: float,
     prove: Callable[[Problem], Proof],
 ) -> RegionProof | Proof:
-    """Return what is proved of all equations of a family whose parameters lie in a box; of one where none is a range.
+    """Return what is proved of all equations of a family in a box of some ``sides``; of one where there is none.
 
-    ``prove`` proves one equation.
+    ``given`` are the parameters that do not vary; ``prove`` proves one equation.
     """
-    box: Box = {}
-    for name, value in parameters.items():
-        if isinstance(value, tuple) and len(value) == 2:
-            box[name] = side_ends(name, value, validate.finite)
+    box: Box = {name: side_ends(name, value, validate.finite) for name, value in sides.items()}
     if len(box) > _MOST_SIDES:
         raise ValueError(f"{', '.join(box)} must be at most {_MOST_SIDES} ranges, got {len(box)}")
-    made = _Family(family, {name: value for name, value in parameters.items() if name not in box})
+    made = _Family(family, given)
     if not box:
         return prove(made.at({}))
     _require_affine(made, box)

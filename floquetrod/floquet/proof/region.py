@@ -211,12 +211,18 @@ class RegionProof(Reported, NoTruthValue):
         return f"<{self.status}: {self.statement} ({'; '.join(filter(None, [self.note, work]))})>"
 
 
+def is_side(value: Any) -> bool:
+    """Return whether a value is a side of a box, (low, high): a tuple or a list of two that are no sequences."""
+    is_pair = isinstance(value, tuple | list) and len(value) == 2
+    return is_pair and all(isinstance(end, str) or not validate.iterable(end) for end in value)
+
+
 def side_ends(name: str, value: Any, element: Callable[[str, Any], Any]) -> tuple[Any, Any]:
     """Return both ends of a side given as (low, high), or as a number, which is both."""
     if not isinstance(value, tuple | list):
         number = element(name, value)
         return number, number
-    if len(value) != 2:
+    if not is_side(value):
         raise TypeError(f"{name} must be a number or two, (low, high), got {validate.short(value)}")
     low, high = (element(f"{name}[{i}]", end) for i, end in enumerate(value))
     if low > high:
