@@ -19,10 +19,10 @@ from floquetrod._util import validate
 from floquetrod.equations import Equation, HillSystem, PeriodicSystem
 from floquetrod.floquet.dispatch import stability
 from floquetrod.floquet.problems import Problem, member, require_problem, require_without_delays
-from floquetrod.floquet.proof.box_problem import Bounds, NotAffine, bounds_of, problem_of_bounds, require_affine
 from floquetrod.floquet.proof.region import RegionProof, RegionStatus, Shares, Side, side_ends
 from floquetrod.floquet.proof.region_equation import note_on, statement_on
 from floquetrod.floquet.proof.result import Proof
+from floquetrod.floquet.proof.system_numbers import NotAffine, bounds_of, require_affine, system_problem
 from floquetrod.floquet.proof.systems import status_of_all
 from floquetrod.floquet.status import Status
 
@@ -58,9 +58,9 @@ class _Family(NamedTuple):
         found: Any = self.at(point)
         return found.as_system() if isinstance(found, Equation) else found
 
-    def bounds(self, box: Box) -> Bounds:
-        """Return what the coefficients lie between over a box."""
-        return bounds_of([self.system(point) for point in corners(box)])
+    def corners(self, box: Box) -> list[HillSystem | PeriodicSystem]:
+        """Return the systems at the corners of a box."""
+        return [self.system(point) for point in corners(box)]
 
 
 def corners(box: Box) -> Iterator[dict[str, float]]:
@@ -171,7 +171,7 @@ class _Subdivision:
                 self.example[proof.status] = proof
                 if len(self.example) == 2:
                     return
-        status = status_of_all(problem_of_bounds(self.family.bounds(part)), np.array(verdict.multipliers))
+        status = status_of_all(system_problem(*self.family.corners(part)), np.array(verdict.multipliers))
         if status is not None:
             self.share[status] -= negative
             self.proved.add(status)
@@ -192,5 +192,5 @@ class _Subdivision:
             if high - low > _NARROWEST * max(abs(self.box[name][0]), abs(self.box[name][1]), abs(high))
         ]
         middle = {name: (0.5 * (low + high),) * 2 for name, (low, high) in part.items()}
-        change = {name: self.family.bounds(middle | {name: part[name]}).spread for name in wide}
+        change = {name: bounds_of(self.family.corners(middle | {name: part[name]})).spread for name in wide}
         return max(wide, key=lambda name: change[name], default=None) if any(change.values()) else None

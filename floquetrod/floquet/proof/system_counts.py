@@ -68,7 +68,7 @@ def angles_between(multipliers: Array) -> list[float]:
 def count(arithmetic: Arithmetic, system: Oscillators, angles: Sequence[float]) -> Counts:
     """Count the negative eigenvalues of Hill's operator at the angles where that can be determined."""
     truncation = _truncation(arithmetic, system)
-    arithmetic.check_work(8.0 * len(angles) * ((2 * truncation.last + 1) * system.stiffness.shape[0]) ** 3)
+    arithmetic.check_work(8.0 * len(angles) * ((2 * truncation.last + 1) * system.order) ** 3)
     known: list[tuple[float, Inertia]] = []
     for angle in angles:
         try:
@@ -100,7 +100,7 @@ def _truncation(arithmetic: Arithmetic, system: Oscillators, last: int | None = 
 
 def _matrix(arithmetic: Arithmetic, system: Oscillators, truncation: Truncation, angle: float) -> tuple[Matrix, Array]:
     """Enclose a matrix with as many negative eigenvalues as Hill's operator; return it and the sizes of its rows."""
-    n, last, reach = system.stiffness.shape[0], truncation.last, len(system.waves)
+    n, last, reach = system.order, truncation.last, len(system.waves)
     blocks = np.arange(2 * last + 1)
     frequency = arithmetic.two_pi() * arithmetic.exact(angle + (blocks - last))
     nu = frequency[:, None, None]

@@ -26,7 +26,7 @@ def enclose_trace(context: Any, problem: ExactProblem) -> Any:
     shift = _shift(problem)
     with np.errstate(all="ignore"):  # what is not finite decides nothing
         pieces = [_stretch(arithmetic, problem, shift)]
-        flow = balanced(pieces, np.zeros((2, 2)), arithmetic.exact(canonical_form(2)))
+        flow = balanced(pieces, arithmetic.exact(canonical_form(2)))
         matrix = monodromy(arithmetic, flow)
         low, high = (matrix[0, 0] + matrix[1, 1]).ends()
     return context.mpf([rational(context, low).a, rational(context, high).b]) * exp(context, shift * context.one)
