@@ -98,7 +98,7 @@ def test_what_is_proved_of_a_box_holds_at_its_points(
     for point in drawn(box, rng, depth(20, 4)):
         assert fr.stability(family(**point)).status == status
     assert "affine" in proof.assumptions[0]
-    assert proof.references[0].startswith("The floquetrod developers")
+    assert proof.references == fr.certify(family(**{name: low for name, (low, _) in box.items()})).references
     assert proof.as_dict()["growth_tolerance_per_unit_time"] == 0.0
     assert status.upper() in str(proof.report())
 

@@ -25,7 +25,7 @@ from floquetrod.floquet.proof.integers import Integers
 from floquetrod.floquet.proof.intervals import TooMuchWork, Unresolved
 from floquetrod.floquet.proof.krein import krein_sums
 from floquetrod.floquet.proof.result import Proof
-from floquetrod.floquet.proof.system_counts import _matrix, _truncation, count
+from floquetrod.floquet.proof.system_counts import _last, _matrix, _truncation, count
 from floquetrod.floquet.proof.system_discs import enclose_eigenvalues
 from floquetrod.floquet.proof.system_flow import monodromy
 from floquetrod.floquet.proof.system_numbers import system_problem
@@ -557,9 +557,9 @@ def test_what_the_cut_leaves_out_is_enclosed(seed: int) -> None:
     system = hamiltonian(seed, 2)
     problem = system_problem(system)
     balls = problem.oscillators(Doubles(), problem.unit, freed=False)
-    regular = _truncation(Doubles(), balls)
-    for last in {max(len(balls.waves), regular.last - 4), regular.last}:
-        truncation = _truncation(Doubles(), balls, last)
+    regular = _last(Doubles(), balls)
+    for last in {max(len(balls.waves), regular - 4), regular}:
+        truncation = _truncation(balls, last)
         enclosed, _ = _matrix(Doubles(), balls, truncation, 0.125)
         size, far = enclosed.shape[0], 20 * system.order
         scale = np.kron(np.eye(2 * (last + 20) + 1), np.linalg.inv(np.linalg.cholesky(system.mass)) * system.period)

@@ -19,12 +19,12 @@ from floquetrod._util import validate
 from floquetrod.equations import Equation, HillSystem, PeriodicSystem
 from floquetrod.floquet.dispatch import stability
 from floquetrod.floquet.problems import Problem, member, require_problem, require_without_delays
-from floquetrod.floquet.proof.region import RegionProof, RegionStatus, Shares, Side, side_ends
-from floquetrod.floquet.proof.region_equation import note_on, statement_on
+from floquetrod.floquet.proof.region import RegionProof, Shares, Side, side_ends
+from floquetrod.floquet.proof.region_equation import concluded
 from floquetrod.floquet.proof.result import Proof
 from floquetrod.floquet.proof.system_numbers import NotAffine, bounds_of, require_affine, system_problem
 from floquetrod.floquet.proof.systems import status_of_all
-from floquetrod.floquet.status import Status
+from floquetrod.floquet.references import used_on
 
 _MOST_SIDES = 6  # 64 corners (a choice)
 _CHECKED = 5  # points within the box at which the coefficients are checked (a choice)
@@ -36,7 +36,6 @@ Box = dict[str, tuple[float, float]]
 _ASSUMED = (
     "the coefficients are affine in each parameter over the box, which was checked at some points, and the family "
     "computes them to within eight units of rounding",
-    "doubles are added, multiplied and divided as IEEE 754 says, rounded to nearest",
 )
 
 
@@ -126,7 +125,6 @@ class _Subdivision:
         self.number = itertools.count()
         self.open: list[tuple[float, int, Box]] = [(-1.0, next(self.number), box)]
         self.share = {"stable": 0.0, "unstable": 0.0}
-        self.proved: set[Status] = set()
         self.example: dict[str, Proof] = {}
         self.examined, self.too_narrow = 0, False
 
@@ -134,29 +132,17 @@ class _Subdivision:
         """Halve the box until it is decided, or the work allowed is done."""
         while self.open and self.examined < max_boxes and time.monotonic() < deadline and len(self.example) < 2:
             self._examine()
-        status: RegionStatus = "undecided"
-        if len(self.example) == 2:
-            status = "mixed"
-        elif not self.open and not self.too_narrow and len(self.proved) == 1:
-            (status,) = self.proved
-        shares = Shares(self.share["stable"], self.share["unstable"])
-        if status in ("stable", "unstable"):
-            shares = Shares(float(status == "stable"), float(status == "unstable"))
-        sides = tuple(Side(name, *ends, "") for name, ends in self.box.items())
-        return RegionProof(
-            subject=self.family.make,
-            status=status,
-            box=sides,
-            examples=() if status in ("stable", "unstable") else tuple(self.example.values()),
-            growth_tolerance=0.0,
-            growth_unit="per unit of time",
-            modes=1,
-            left_out_bound=0.0,
-            boxes=self.examined,
-            shares=shares,
-            statement=statement_on(status, sides, 0.0),
-            note=note_on(status, shares, self.examined),
+        return concluded(
+            self.family.make,
+            tuple(Side(name, *ends, "") for name, ends in self.box.items()),
+            Shares(self.share["stable"], self.share["unstable"]),
+            self.examined,
+            self.example.values(),
+            finished=not self.open and not self.too_narrow and len(self.example) < 2,
+            tolerance=0.0,
+            unit="per unit of time",
             assumptions=_ASSUMED,
+            used=used_on(self.family.at(next(corners(self.box))), "certify"),
         )
 
     def _examine(self) -> None:
@@ -174,7 +160,6 @@ class _Subdivision:
         status = status_of_all(system_problem(*self.family.corners(part)), np.array(verdict.multipliers))
         if status is not None:
             self.share[status] -= negative
-            self.proved.add(status)
             return
         name = self._widest(part)
         if name is None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import textwrap
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, Literal, NamedTuple, TypeAlias
 
 import numpy as np
@@ -55,6 +55,11 @@ class Shares(NamedTuple):
 
     stable: float
     unstable: float
+
+    def with_status(self, status: RegionStatus) -> Shares:
+        """Return the same, of a box that is decided all or nothing."""
+        is_decided = status in ("stable", "unstable")
+        return Shares(float(status == "stable"), float(status == "unstable")) if is_decided else self
 
 
 @dataclass(frozen=True, repr=False)
@@ -108,12 +113,12 @@ class RegionProof(Reported, NoTruthValue):
     statement: str
     note: str
     assumptions: tuple[str, ...]
+    _used: tuple[tuple[str, str], ...] = field(default=(("equation", "certify"),), kw_only=True)  # for `references`
 
     @property
     def references(self) -> tuple[str, ...]:
         """Publications to cite, in plain text with DOI: floquetrod first, then the sources of the methods used."""
-        kind = "equation" if self._is_of_rods or isinstance(self.subject, type) else "system"
-        return references((kind, "certify"), *((("rod", "model"),) if self._is_of_rods else ()))
+        return references(*self._used, *((("rod", "model"),) if self._is_of_rods else ()))
 
     @property
     def stable(self) -> bool | None:

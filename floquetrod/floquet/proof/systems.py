@@ -18,8 +18,7 @@ import numpy as np
 
 from floquetrod.equations import HillSystem, PeriodicSystem
 from floquetrod.floquet.proof.balls import Array, Doubles, up
-from floquetrod.floquet.proof.digits import settled
-from floquetrod.floquet.proof.integers import Integers
+from floquetrod.floquet.proof.digits import balls, settled
 from floquetrod.floquet.proof.intervals import TooMuchWork, Unresolved
 from floquetrod.floquet.proof.krein import krein_sums
 from floquetrod.floquet.proof.result import Enclosure, Proof
@@ -48,9 +47,7 @@ def certify_system(system: HillSystem | PeriodicSystem, max_digits: int) -> Proo
         max_digits = min(max_digits, _MOST_DIGITS_OF_INEXACT)
 
     def attempt(digits: int) -> Proof:
-        arithmetic = Doubles() if digits <= Doubles.digits else Integers(digits)
-        with np.errstate(all="ignore"):  # what is not finite decides nothing
-            finding = _attempt(arithmetic, problem)
+        finding = _attempt(balls(digits), problem)
         return Proof(system, finding.status, None, digits, finding.statement, finding.enclosures)
 
     def undecided(digits: int, reason: str) -> Proof:
