@@ -242,52 +242,29 @@ class ModeBox(NamedTuple):
     """Low and high ends of all numbers in q'' + 2 c q' + (c1 m^4 - c2 (m^2 - m_0^2) F(t) + Omega^2) q = 0, in SI units.
 
     In the order of the rows that kernels take, `floquetrod.floquet.proof.kernels.regions_boxes`.
-
-    Attributes
-    ----------
-    mean, amplitude, frequency : (float, float)
-        Of the load: N, N, rad/s.
-    bending, per_newton, pendulum_squared, held, damping_rate : (float, float)
-        c1, c2, Omega^2, m_0^2 and c.
     """
 
-    mean: LowHigh
-    amplitude: LowHigh
-    frequency: LowHigh
-    bending: LowHigh
-    per_newton: LowHigh
-    pendulum_squared: LowHigh
-    held: LowHigh
-    damping_rate: LowHigh
+    mean: LowHigh  # of the load, N
+    amplitude: LowHigh  # N
+    frequency: LowHigh  # rad/s
+    bending: LowHigh  # c1, 1/s^2
+    per_newton: LowHigh  # c2, 1/(N s^2)
+    pendulum_squared: LowHigh  # Omega^2, 1/s^2
+    held: LowHigh  # m_0^2
+    damping_rate: LowHigh  # c, 1/s
 
 
 class Subdivision(NamedTuple):
-    """What a subdivision of one box of loads and of the numbers of the modes came to.
+    """What a subdivision of one box of loads and of the numbers of the modes came to."""
 
-    Attributes
-    ----------
-    quiet, growing : float
-        Shares of the volume proved to have no growth beyond the tolerance, and to have some.
-    finished : bool
-        Whether nothing is open.
-    too_narrow : bool
-        Whether parts are open that cannot be halved any more.
-    quiet_box, growing_box : ModeBox or None
-        A part proved quiet, and one proved growing.
-    growing_mode : int
-        The mode that grows in it; 0 without.
-    boxes : int
-        Parts examined.
-    """
-
-    quiet: float
-    growing: float
-    finished: bool
-    too_narrow: bool
-    quiet_box: ModeBox | None
-    growing_box: ModeBox | None
-    growing_mode: int
-    boxes: int
+    quiet: float  # share of the volume proved to have no growth beyond the tolerance
+    growing: float  # share proved to have some
+    finished: bool  # nothing is open
+    too_narrow: bool  # parts are open that cannot be halved any more
+    quiet_box: ModeBox | None  # a part proved quiet
+    growing_box: ModeBox | None  # a part proved growing
+    growing_mode: int  # the mode that grows in it; 0 without
+    boxes: int  # parts examined
 
 
 def subdivide(
