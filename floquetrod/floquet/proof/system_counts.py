@@ -57,6 +57,23 @@ class Counts(NamedTuple):
             return None
         return abs(self.negative[-1] - self.negative[0])
 
+    def krein_sign(self, turns: Array) -> int:
+        """Return the Krein sign of all multipliers exp(2 pi i turns), of one half of the circle; 0 where it is mixed.
+
+        N falls by it, where all multipliers are on the circle.
+        """
+        upper = turns >= 0.0
+        if not (upper.all() or not upper.any()):
+            return 0
+        below = np.searchsorted(self.angles, np.abs(turns).min(), side="left") - 1
+        above = np.searchsorted(self.angles, np.abs(turns).max(), side="right")
+        if below < 0 or above >= len(self.angles):
+            return 0
+        jumps = np.diff(self.negative[below : above + 1])
+        if int(np.abs(jumps).sum()) != len(turns) or abs(int(jumps.sum())) != len(turns):
+            return 0
+        return int(-np.sign(jumps.sum())) * (1 if upper.all() else -1)
+
 
 def angles_between(multipliers: Array) -> list[float]:
     """Return angles in turns, 0, 1/2 and between those of multipliers known approximately."""
