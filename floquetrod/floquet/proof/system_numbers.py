@@ -11,7 +11,7 @@ import numpy as np
 from floquetrod.equations import HillSystem, PeriodicSystem
 from floquetrod.equations.pieces import exact_period, in_time
 from floquetrod.floquet.proof.balls import Array, up
-from floquetrod.floquet.proof.system_problem import Ends, FirstOrder, Known, SecondOrder, Stretch
+from floquetrod.floquet.proof.system_problem import Ends, FirstOrder, Known, SecondOrder, Stretch, SystemProblem
 
 System = HillSystem | PeriodicSystem
 
@@ -142,7 +142,7 @@ def _known(values: list[Array]) -> Known:
     return Known(middle, np.where(varies, up(off + _ROUNDING * np.maximum(np.abs(low), np.abs(high))), 0.0))
 
 
-def system_problem(*systems: Any) -> SecondOrder | FirstOrder:
+def system_problem(*systems: Any) -> SystemProblem:
     """Return the problem of one system, exactly, or of all systems between several, which must not be batches."""
     bounds = bounds_of(systems)
     error, periods = max(system.coefficient_error for system in systems), [exact_period(system) for system in systems]

@@ -9,7 +9,7 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 
@@ -88,7 +88,7 @@ class Stretch(NamedTuple):
 
 
 @dataclass(frozen=True)
-class _SystemProblem:
+class _Problem:
     """Systems alike whose numbers are `Known`, with K(t) or A(t) off by up to ``error`` in each entry at any time.
 
     ``is_paired``: with every multiplier mu there is 1 / conj(mu).  ``is_hamiltonian``: the system is, of second order
@@ -126,7 +126,7 @@ class _SystemProblem:
 
 
 @dataclass(frozen=True)
-class FirstOrder(_SystemProblem):
+class FirstOrder(_Problem):
     """x' = A(t) x.  ``is_hamiltonian``: x are positions and momenta."""
 
     is_damped = False
@@ -154,7 +154,7 @@ class FirstOrder(_SystemProblem):
 
 
 @dataclass(frozen=True)
-class SecondOrder(_SystemProblem):
+class SecondOrder(_Problem):
     """M q'' + (C + G) q' + K(t) q = 0, M symmetric and positive definite, G = -G^T."""
 
     mass: Known
@@ -213,6 +213,9 @@ class SecondOrder(_SystemProblem):
         if self.error:
             error = scaled(Known(np.zeros(one.shape), np.full(one.shape, self.error)).ball(arithmetic), 2).upper()
         return Oscillators(excess, defect, damping, friction(self.gyroscopic), pieces, error)
+
+
+SystemProblem: TypeAlias = SecondOrder | FirstOrder
 
 
 class Oscillators(NamedTuple):

@@ -23,10 +23,10 @@ from floquetrod.floquet.proof.intervals import TooMuchWork, Unresolved
 from floquetrod.floquet.proof.krein import krein_sums
 from floquetrod.floquet.proof.result import Enclosure, Proof
 from floquetrod.floquet.proof.system_counts import Counts, angles_between, count
-from floquetrod.floquet.proof.system_discs import Discs, enclose_eigenvalues
+from floquetrod.floquet.proof.system_discs import EigenvalueDiscs, enclose_eigenvalues
 from floquetrod.floquet.proof.system_flow import monodromy
 from floquetrod.floquet.proof.system_numbers import system_problem
-from floquetrod.floquet.proof.system_problem import Arithmetic, FirstOrder, Flow, Matrix, SecondOrder
+from floquetrod.floquet.proof.system_problem import Arithmetic, FirstOrder, Flow, Matrix, SystemProblem
 from floquetrod.floquet.verdict import Status
 
 _MOST_DIGITS_OF_INEXACT = 30  # more do not help where the coefficients are known to about 15
@@ -58,7 +58,7 @@ def certify_system(system: HillSystem | PeriodicSystem, max_digits: int) -> Proo
     return settled(attempt, max_digits, undecided)
 
 
-def status_of_all(problem: SecondOrder | FirstOrder, multipliers: Array) -> Status | None:
+def status_of_all(problem: SystemProblem, multipliers: Array) -> Status | None:
     """Return what doubles prove of a problem that stands for many systems; None where they do not.
 
     Counts bear more variation of the coefficients than discs and come first; about ``multipliers`` they are taken.
@@ -75,7 +75,7 @@ def status_of_all(problem: SecondOrder | FirstOrder, multipliers: Array) -> Stat
     return None
 
 
-def _by_count_between(arithmetic: Arithmetic, problem: SecondOrder | FirstOrder, multipliers: Array) -> _Finding | None:
+def _by_count_between(arithmetic: Arithmetic, problem: SystemProblem, multipliers: Array) -> _Finding | None:
     """Conclude from counts at angles between multipliers; None where nothing follows, or there is nothing to count."""
     if isinstance(problem, FirstOrder) or not (problem.is_hamiltonian and problem.is_series):
         return None
@@ -84,13 +84,13 @@ def _by_count_between(arithmetic: Arithmetic, problem: SecondOrder | FirstOrder,
     return _by_count(counts, problem.order, damped=problem.is_damped)
 
 
-def _by_map(arithmetic: Arithmetic, problem: SecondOrder | FirstOrder, _: Array) -> _Finding:
+def _by_map(arithmetic: Arithmetic, problem: SystemProblem, _: Array) -> _Finding:
     """Conclude from the map over a period."""
     enclosed = _enclosed_map(arithmetic, problem.flow(arithmetic))
     return _of_map(arithmetic, problem, enclosed, enclose_eigenvalues(arithmetic, enclosed.matrix))
 
 
-def _attempt(arithmetic: Arithmetic, problem: SecondOrder | FirstOrder) -> _Finding:
+def _attempt(arithmetic: Arithmetic, problem: SystemProblem) -> _Finding:
     """Prove a verdict by the map or else by counting; raises `Unresolved` if the digits are too few."""
     multipliers = np.exp(2j * np.pi * np.linspace(0.0, 0.5, 17))  # where the map does not tell them
     try:
@@ -121,7 +121,7 @@ def _enclosed_map(arithmetic: Arithmetic, flow: Flow) -> _Enclosed:
     return _Enclosed(monodromy(arithmetic, flow), flow.form)
 
 
-def _of_map(arithmetic: Arithmetic, problem: SecondOrder | FirstOrder, enclosed: _Enclosed, discs: Discs) -> _Finding:
+def _of_map(arithmetic: Arithmetic, problem: SystemProblem, enclosed: _Enclosed, discs: EigenvalueDiscs) -> _Finding:
     """Conclude from discs that contain the multipliers of a map, or else from their Krein signs."""
     try:
         return _by_discs(discs, paired=problem.is_paired)
@@ -136,7 +136,7 @@ def _of_map(arithmetic: Arithmetic, problem: SecondOrder | FirstOrder, enclosed:
         return finding
 
 
-def _by_discs(discs: Discs, *, paired: bool) -> _Finding:
+def _by_discs(discs: EigenvalueDiscs, *, paired: bool) -> _Finding:
     """Conclude from discs that contain the multipliers; ``paired``: with mu there is 1 / conj(mu)."""
     parts = discs.parts()
     outside = max(parts, key=lambda part: float(discs.low[part].min()))
