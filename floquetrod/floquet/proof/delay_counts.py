@@ -57,7 +57,7 @@ class _Term(NamedTuple):
 class _Interval(NamedTuple):
     """A piece of the step."""
 
-    begin: Fraction  # as a part of the period, as is the length
+    begin: Fraction  # as a fraction of the period, as is the length
     length: Fraction
     powers: dict[int, Stretch]  # A(s, w) by powers of w
 

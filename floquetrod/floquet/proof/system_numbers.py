@@ -196,7 +196,7 @@ def _wave(cosine: Known, sine: Known) -> Known:
 
 
 def _rates(systems: Sequence[Any], *, mass_varies: bool) -> Ends | None:
-    """Return what the c of a damping 2 c M lies between, None where one system has another or it cannot be told."""
+    """Return what the c of a damping 2 c M lies between, None where a system has another or it cannot be determined."""
     found = [_rate(system) for system in systems]
     rates = [rate for rate in found if rate is not None]
     if len(rates) < len(found) or (mass_varies and min(rates) < max(rates)):

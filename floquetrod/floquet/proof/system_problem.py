@@ -108,7 +108,7 @@ class _Problem:
 
     @property
     def is_series(self) -> bool:
-        """Whether the coefficient is one Fourier series, but for its error."""
+        """Whether the coefficient is one Fourier series, except for its error."""
         return len(self.pieces) == 1 and self.pieces[0].slope is None
 
     @cached_property
