@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from fractions import Fraction
 from typing import Any
 
 import numpy as np
@@ -13,10 +12,9 @@ import pytest
 import floquetrod as fr
 from conftest import depth
 from floquetrod.floquet.proof.balls import Doubles
-from floquetrod.floquet.proof.box_problem import bounds_of, problem_of_bounds
 from floquetrod.floquet.proof.family import corners
 from floquetrod.floquet.proof.system_flow import monodromy
-from floquetrod.floquet.proof.system_problem import FirstOrder, flow_of_oscillators
+from floquetrod.floquet.proof.system_numbers import system_problem
 from test_new_equation import Trapezoid
 
 
@@ -100,7 +98,7 @@ def test_what_is_proved_of_a_box_holds_at_its_points(
     for point in drawn(box, rng, depth(20, 4)):
         assert fr.stability(family(**point)).status == status
     assert "affine" in proof.assumptions[0]
-    assert proof.references[0].startswith("The floquetrod developers")
+    assert proof.references == fr.certify(family(**{name: low for name, (low, _) in box.items()})).references
     assert proof.as_dict()["growth_tolerance_per_unit_time"] == 0.0
     assert status.upper() in str(proof.report())
 
@@ -111,19 +109,47 @@ def test_the_balls_hold_every_system_of_the_box(
 ) -> None:
     """The map over a period of each point lies within that of the box."""
     narrow = {name: (low, low + 0.02 * (high - low)) for name, (low, high) in box.items()}
-    problem = problem_of_bounds(bounds_of([family(**point) for point in corners(narrow)]))
-    arithmetic, unit = Doubles(), Fraction(problem.period)
-    if isinstance(problem, FirstOrder):
-        every = monodromy(arithmetic, problem.flow(arithmetic, unit))
-    else:
-        every = monodromy(
-            arithmetic, flow_of_oscillators(arithmetic, problem.oscillators(arithmetic, unit, freed=False))
-        )
+    problem = system_problem(*(family(**point) for point in corners(narrow)))
+    every = monodromy(Doubles(), problem.flow(Doubles()))
     trace, reach = float(np.trace(every.mid)), float(np.trace(every.rad))
     for point in drawn(narrow, rng, depth(20, 4)):
         matrix, error = fr.stability(family(**point)).monodromy
         assert abs(np.trace(matrix) - trace) <= reach + len(matrix) * error
     assert reach < 1.0
+
+
+def between_kinds(x: float) -> fr.HillSystem:
+    """Return a reversible system at 0, a gyroscopic one at 1, whose multipliers come in pairs, and flutter between."""
+    load, twist = 0.02 * (1.0 - x), 0.02 * x
+    gyroscopic = [[0.0, twist], [-twist, 0.0]]
+    return fr.HillSystem([[2.0, load], [0.0, 5.0]], [0.1 * np.eye(2)], gyroscopic=gyroscopic, period=2.3)
+
+
+def between_kinds_of_first_order(x: float) -> fr.PeriodicSystem:
+    """Return the same with constant coefficients, positions and momenta at 1."""
+    load, twist = 0.02 * (1.0 - x), 0.02 * x
+    return fr.PeriodicSystem(
+        [[0.0, twist, 1.0, 0.0], [0.0, 0.0, 0.0, 1.0], [-2.0, -load, 0.0, 0.0], [0.0, -5.0, -twist, 0.0]], period=2.3
+    )
+
+
+@pytest.mark.parametrize("family", [between_kinds, between_kinds_of_first_order])
+def test_pairs_at_the_corners_are_no_pairs_between_them(family: Callable[..., Any]) -> None:
+    assert [family(x).structure for x in (0.0, 0.5, 1.0)] == ["reversible", "general", "hamiltonian"]
+    assert fr.certify(family(0.5)).status == "unstable"
+    assert fr.certify(family, x=(0.0, 1.0), max_boxes=40).status != "stable"
+
+
+@pytest.mark.parametrize("of_first_order", [False, True])
+def test_a_follower_load_from_nothing_on_is_reversible(of_first_order: bool) -> None:
+    """The corner without it is Hamiltonian, and both corners are even about the same instant."""
+
+    def family(load: float) -> Any:
+        system = fr.HillSystem([[2.0, load], [0.0, 5.0]], [0.1 * np.eye(2)], period=2.3)
+        return system.as_periodic_system() if of_first_order else system
+
+    assert {family(0.0).structure, family(0.1).structure} == {"hamiltonian", "reversible"}
+    assert fr.certify(family, load=(0.0, 0.02)).status == "stable"
 
 
 def test_boundaries_within_a_box_are_told_by_an_example_on_either_side() -> None:

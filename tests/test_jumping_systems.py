@@ -196,23 +196,18 @@ def test_certified(name: str) -> None:
 @pytest.mark.parametrize("name", ["square", "ramps", "waves", "first order"])
 def test_enclosed_maps_hold_the_true_one(name: str) -> None:
     """The trace does not depend on the coordinates that a proof chooses."""
-    from floquetrod.floquet.proof import system_problem
     from floquetrod.floquet.proof.balls import Doubles
     from floquetrod.floquet.proof.integers import Integers
     from floquetrod.floquet.proof.system_flow import monodromy
+    from floquetrod.floquet.proof.system_numbers import system_problem
 
     system = MADE[name]
     with mpmath.workdps(40):
         matrix = true_map(system)
         truth = float(sum(matrix[i, i] for i in range(len(matrix))))
-    problem = system_problem.system_problem(system)
+    problem = system_problem(system)
     for arithmetic, width in ((Doubles(), 1e-10), (Integers(30), 1e-13)):
-        if isinstance(problem, system_problem.FirstOrder):
-            flow = system_problem.flow(arithmetic, problem, problem.period)
-        else:
-            moving = system_problem.oscillators(arithmetic, problem, problem.period, freed=False)
-            flow = system_problem.flow_of_oscillators(arithmetic, moving)
-        found = monodromy(arithmetic, flow)
+        found = monodromy(arithmetic, problem.flow(arithmetic))
         centre, radius = found.centre().trace(), found.offset().trace()
         assert abs(centre - truth) <= radius + 1e-15 < width
 

@@ -427,9 +427,32 @@ def test_exact_ends_are_enclosed() -> None:
     assert fr.certify(fr.Mathieu, alpha=0.3, beta=-0.25, growth_tolerance=0.5).status == "stable"
 
 
+def test_sides_are_tuples_or_lists() -> None:
+    for found in (
+        fr.certify(fr.Mathieu, a=[1.9, 2.1], q=["0.8", "1.0"], damping=0),
+        fr.certify(fr.Mathieu, a=(1.9, 2.1), q=["0.8", "1.0"]),
+    ):
+        assert found == fr.certify(fr.Mathieu, a=(1.9, 2.1), q=("0.8", "1.0"))
+        assert found.box[0][:3] == ("a", 1.9, 2.1)
+    for alpha, beta in ((0.4, [-0.8, -0.7]), ([0.4, 0.5], [-0.8, -0.7]), ((0.4, 0.5), [-0.8, -0.7])):
+        ends = [tuple(side) if isinstance(side, list) else side for side in (alpha, beta)]
+        found = fr.certify(fr.Mathieu, alpha=alpha, beta=beta)
+        assert found == fr.certify(fr.Mathieu, alpha=ends[0], beta=ends[1])
+        assert (found.box[1].low, found.box[1].high) == (-0.8, -0.7)
+    for cosines in ((0.1, 0.2), [0.1, 0.2]):  # two numbers of one sequence
+        for mean in ((-0.52, -0.5), [-0.52, -0.5]):
+            found = fr.certify(fr.Hill, mean=mean, cosines=cosines)
+            assert [side.name for side in found.box] == ["mean"]
+            assert found.status == "stable"
+    load = {"amplitude": 0.1 * FORCE, "frequency": [100.0, 101.0]}
+    assert ROD.certify(mean=[0.1, 0.2], **load).box == ROD.certify(mean=(0.1, 0.2), **load).box
+
+
 @pytest.mark.parametrize(
     ("call", "error", "words"),
     [
+        (lambda: fr.certify(fr.Mathieu, a=[1.9, 2.0, 2.1], q=0.8), TypeError, "a must be a number or two"),
+        (lambda: fr.certify(fr.Mathieu, a=np.array([1.9, 2.1]), q=0.8), TypeError, "a must be a real number"),
         (lambda: fr.certify(fr.Meissner, alpha=(0.5, 0.4), beta=-0.3), ValueError, "must not decrease"),
         (lambda: fr.certify(fr.Mathieu, alpha=(0.5, 0.4), beta=-0.3), ValueError, "must not decrease"),
         (lambda: fr.certify(fr.Mathieu, alpha=(0.4, 0.5)), TypeError, "beta must be given"),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Callable
 from fractions import Fraction
@@ -20,6 +21,7 @@ from floquetrod.floquet.kernels.mathieu import undamped_growth
 from floquetrod.floquet.kernels.mathieu_counts import count_below
 from floquetrod.floquet.methods.reference import discriminant_excess
 from floquetrod.floquet.proof.kernels import intervals, regions, regions_boxes, regions_excess, regions_modes
+from floquetrod.floquet.proof.kernels.intervals import Pair
 from floquetrod.floquet.proof.kernels.regions_modes import GROWS, QUIET, UNKNOWN
 from floquetrod.rod.model.constants import mode_constants
 
@@ -28,12 +30,12 @@ in_python_anyway = pytest.mark.skipif(not JIT, reason="calls kernels as the Pyth
 
 Floats = NDArray[np.float64]
 
-OPERATIONS: dict[str, tuple[Callable[..., tuple[float, float]], Callable[[Fraction, Fraction], Fraction]]] = {
+OPERATIONS: dict[str, tuple[Callable[[Pair, Pair], Pair], Callable[[Fraction, Fraction], Fraction]]] = {
     "add": (intervals.add, lambda x, y: x + y),
     "subtract": (intervals.subtract, lambda x, y: x - y),
     "multiply": (intervals.multiply, lambda x, y: x * y),
     "divide": (intervals.divide, lambda x, y: x / y),
-    "square": (lambda a, b, _c, _d: intervals.square(a, b), lambda x, _y: x * x),
+    "square": (lambda x, _: intervals.square(x), lambda x, _y: x * x),
 }
 
 
@@ -55,7 +57,7 @@ def misses(name: str, seed: int = 0, draws: int = depth(3000, 600)) -> int:
         c, d = sorted(doubles(rng, 2))
         if rng.random() < 0.5:
             b, d = a, c
-        low, high = operation(a, b, c, d)
+        low, high = operation((a, b), (c, d))
         if not (math.isfinite(low) and math.isfinite(high)):
             continue
         for x in (a, b, min(max(0.5 * a + 0.5 * b, a), b)):
@@ -80,10 +82,10 @@ def test_without_the_outward_step_they_would_not(name: str, monkeypatch: pytest.
 def test_what_is_not_finite_is_never_a_bound() -> None:
     for a, b in ((math.nan, 1.0), (0.0, math.nan), (-math.inf, 1.0), (1.0, math.inf)):
         for operation, _ in OPERATIONS.values():
-            low, high = operation(a, b, 1.0, 2.0)
+            low, high = operation((a, b), (1.0, 2.0))
             assert not (low > -math.inf and high < math.inf)
-    assert all(map(math.isnan, intervals.divide(1.0, 1.0, -1.0, 1.0)))
-    assert all(map(math.isnan, intervals.divide(1.0, 1.0, 0.0, 1.0)))
+    assert all(map(math.isnan, intervals.divide((1.0, 1.0), (-1.0, 1.0))))
+    assert all(map(math.isnan, intervals.divide((1.0, 1.0), (0.0, 1.0))))
 
 
 def test_exponential_and_hyperbolic_sine_enclose() -> None:
@@ -115,7 +117,7 @@ def test_excess_encloses_and_both_add_up_to_minus_one() -> None:
         a, q = random_equation(rng)
         omega = float(10.0 ** rng.uniform(-1.0, 2.0))
         kappa, p = 0.25 * a * omega**2, 0.5 * q * omega**2
-        both = [excess(kappa, kappa, p, p, omega, omega, parity) for parity in (0, 1)]
+        both = [excess((kappa, kappa), (p, p), (omega, omega), parity) for parity in (0, 1)]
         (el, eh), (ol, oh) = both
         assert el + ol <= -1.0 + 1e-9 * abs(el)
         assert eh + oh >= -1.0 - 1e-9 * abs(eh)
@@ -139,7 +141,7 @@ def test_excess_against_many_digits() -> None:
         exact = discriminant_excess(fr.Mathieu(alpha, beta), 30)
         true = exact.excess, -1 - exact.excess
         for parity, value in enumerate(true if exact.sign > 0 else true[::-1]):
-            low, high = excess(-beta, -beta, alpha, alpha, 1.0, 1.0, parity)
+            low, high = excess((-beta, -beta), (alpha, alpha), (1.0, 1.0), parity)
             assert low <= value <= high
 
 
@@ -150,8 +152,11 @@ def growth_at(kappa: float, p: float, omega: float) -> float:
     return float(undamped_growth(p / omega**2, -kappa / omega**2, 0.0)) * omega
 
 
-def random_mode_box(rng: np.random.Generator) -> tuple[float, ...]:
-    """Return a box of one mode and a level."""
+ModeNumbers = tuple[tuple[float, float], ...]
+
+
+def random_mode_box(rng: np.random.Generator) -> ModeNumbers:
+    """Return a box of one mode (kappa, p, omega) and a level."""
     a, q = random_equation(rng)
     exact = rng.random() < 0.5  # divided by a power of two, kappa and p lose no digit
     omega = float(2.0 ** rng.integers(-2, 7) if exact else 10.0 ** rng.uniform(-1.0, 2.5))
@@ -160,28 +165,23 @@ def random_mode_box(rng: np.random.Generator) -> tuple[float, ...]:
     level = float(rng.choice([0.0, omega * 10.0 ** rng.uniform(-8.0, 0.0)]))
     size = max(abs(kappa), p)
     return (
-        kappa,
-        float(kappa + widths[0] * 0.25 * size),
-        p,
-        float(p + widths[1] * p),
-        omega,
-        omega if exact else float(omega * (1.0 + 0.3 * widths[2])),
-        level,
-        level,
+        (kappa, float(kappa + widths[0] * 0.25 * size)),
+        (p, float(p + widths[1] * p)),
+        (omega, omega if exact else float(omega * (1.0 + 0.3 * widths[2]))),
+        (level, level),
     )
 
 
-def points_of(rng: np.random.Generator, box: tuple[float, ...], n: int) -> list[tuple[float, float, float]]:
+def points_of(rng: np.random.Generator, box: ModeNumbers, n: int) -> list[tuple[float, float, float]]:
     """Return corners and random points of a box (kappa, p, omega)."""
-    kl, kh, pl, ph, slow, fast = box[:6]
-    corners = [(k, p, w) for k in (kl, kh) for p in (pl, ph) for w in (slow, fast)]
-    inner = [(float(rng.uniform(kl, kh)), float(rng.uniform(pl, ph)), float(rng.uniform(slow, fast))) for _ in range(n)]
-    return corners + inner
+    kappa, p, omega = box[:3]
+    inner = [(float(rng.uniform(*kappa)), float(rng.uniform(*p)), float(rng.uniform(*omega))) for _ in range(n)]
+    return [*itertools.product(kappa, p, omega), *inner]
 
 
-def check_answer(status: int, box: tuple[float, ...], points: list[tuple[float, float, float]]) -> None:
+def check_answer(status: int, box: ModeNumbers, points: list[tuple[float, float, float]]) -> None:
     """Compare an answer with growth and counts in doubles, which may err by rounding only."""
-    level = box[6]
+    level = box[3][0]
     for kappa, p, omega in points:
         growth = growth_at(kappa, p, omega)
         if status == QUIET:
@@ -210,7 +210,7 @@ def test_answers_about_a_mode_are_true() -> None:
         for kappa, p, omega in points:
             if p > 0.0 and math.frexp(omega)[0] == 0.5:
                 rate = growth(p / omega**2, -kappa / omega**2, 0.0) * omega
-                nearest.append((abs(rate - box[6]) / omega, status, box[6], (kappa, p, omega)))
+                nearest.append((abs(rate - box[3][0]) / omega, status, box[3][0], (kappa, p, omega)))
     assert found[QUIET] > 100
     assert found[GROWS] > 30
     assert found[UNKNOWN] < 160
@@ -256,7 +256,7 @@ def wrong_beside_boundaries() -> tuple[int, int]:
             value = float(fr.mathieu.characteristic_values(order, q, name))
             for step in range(-6, 7):
                 a = value + step * np.spacing(value)
-                status = regions_modes.mode_status(a, a, 2.0 * q, 2.0 * q, 2.0, 2.0, 0.0, 0.0)
+                status = regions_modes.mode_status((a, a), (2.0 * q, 2.0 * q), (2.0, 2.0), (0.0, 0.0))
                 if status != UNKNOWN:
                     judged += 1
                     wrong += status != true_count(a, q) % 2
@@ -294,7 +294,7 @@ def test_rounding_of_the_excess_is_needed(monkeypatch: pytest.MonkeyPatch) -> No
                     value = float(fr.mathieu.characteristic_values(order, q, name))
                     for step in range(-4, 5):
                         a = value + step * np.spacing(value)
-                        low, high = regions_excess.excess(a, a, 2.0 * q, 2.0 * q, 2.0, 2.0, 0)
+                        low, high = regions_excess.excess((a, a), (2.0 * q, 2.0 * q), (2.0, 2.0), 0)
                         stable = true_count(a, q) % 2 == 1
                         missed += bool(low > 0.0) if stable else bool(high < 0.0)
         return missed
@@ -308,26 +308,25 @@ def test_rounding_of_the_excess_is_needed(monkeypatch: pytest.MonkeyPatch) -> No
 @pytest.mark.parametrize("value", [math.nan, math.inf, -math.inf])
 @pytest.mark.parametrize("place", range(8))
 def test_what_is_not_finite_is_not_judged(value: float, place: int) -> None:
-    box = [1.0, 1.1, 0.1, 0.2, 3.0, 3.1, 0.1, 0.1]
-    assert regions_modes.mode_status(*box) == QUIET
-    box[place] = value
-    assert regions_modes.mode_status(*box) == UNKNOWN
+    box = np.array([[1.0, 1.1], [0.1, 0.2], [3.0, 3.1], [0.1, 0.1]])
+    assert regions_modes.mode_status(*map(tuple, box.tolist())) == QUIET
+    box.flat[place] = value
+    assert regions_modes.mode_status(*map(tuple, box.tolist())) == UNKNOWN
 
 
 @pytest.mark.parametrize("size", [1e-300, 1e-160, 1e160, 1e300])
 def test_extreme_sizes_are_judged_rightly_or_not_at_all(size: float) -> None:
     for a, q, level in ((0.5, 0.1, 0.0), (1.0, 0.5, 0.0), (-3.0, 0.1, 0.0), (1.0, 0.5, 3.0), (-40.0, 1.0, 0.1)):
-        box = (a * size, a * size, 2.0 * q * size, 2.0 * q * size, 2.0 * math.sqrt(size), 2.0 * math.sqrt(size))
-        rate = level * math.sqrt(size)
-        status = regions_modes.mode_status(*box, rate, rate)
+        point = a * size, 2.0 * q * size, 2.0 * math.sqrt(size), level * math.sqrt(size)
+        status = regions_modes.mode_status(*((x, x) for x in point))
         true = QUIET if undamped_growth(0.5 * q, -0.25 * a, 0.0) * 2.0 <= level else GROWS
         assert status in (UNKNOWN, true)
-    assert regions_modes.mode_status(-size, -size, 0.0, 0.0, 1.0, 1.0, 0.0, 0.0) == GROWS
+    assert regions_modes.mode_status((-size, -size), (0.0, 0.0), (1.0, 1.0), (0.0, 0.0)) == GROWS
 
 
 def test_without_force() -> None:
     def status(kl: float, kh: float, level: float) -> int:
-        return regions_modes.mode_status(kl, kh, 0.0, 0.0, 1.0, 1.0, level, level)
+        return regions_modes.mode_status((kl, kh), (0.0, 0.0), (1.0, 1.0), (level, level))
 
     assert status(0.1, 2.0, 0.0) == QUIET  # also where k^2 = a, tongues have no width
     assert status(-2.0, -0.1, 0.0) == GROWS
@@ -422,7 +421,7 @@ def test_modes_left_out_grow_no_more_than_is_said() -> None:
         assert regions.tail_modes(box, tolerance, 1e-12, 1000) == (last, bound)
         for mean, amplitude, frequency in random_loads(rng, 10, low, high):
             for mode in range(last + 1, last + 6):
-                kappa, _, p, _ = regions.mode_box(rod_box(rod, mean, amplitude, frequency), mode)
+                (kappa, _), (p, _) = regions.mode_box(rod_box(rod, mean, amplitude, frequency), mode)
                 assert growth_at(kappa, p, frequency) - rod.damping_rate <= bound + 1e-8
         if last > 1:  # none too many: the bound does not hold for one mode less
             assert regions_boxes.tail_bound(box, last - 1) > rod.damping_rate + tolerance

@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 
 import floquetrod as fr
@@ -20,8 +21,11 @@ from floquetrod.floquet.dispatch import run
 from floquetrod.floquet.methods.system_reference import reference
 from floquetrod.floquet.methods.system_segmented import segmented
 from floquetrod.floquet.methods.system_spectral import spectral
+from floquetrod.floquet.proof.balls import Doubles
+from floquetrod.floquet.proof.system_counts import Counts, angles_between, count
+from floquetrod.floquet.proof.system_numbers import system_problem
 from floquetrod.floquet.registry import METHODS, applicable
-from floquetrod.floquet.systems import counts, precise_maps
+from floquetrod.floquet.systems import precise_maps
 from fuzz import neutral
 from strategies import numbers, systems
 from system_cases import CASES, coupled, wide
@@ -356,26 +360,30 @@ def test_reference_compares_growth_with_uniform_damping() -> None:
 
 def test_counts_tell_krein_signs() -> None:
     system = coupled(1.0)
-    angles = np.array([e.imag for e in reference(system).exponents]) * system.period
-    found = counts.count_between(system, angles)
-    assert found is not None
-    assert found.strongly_stable
-    assert [found.krein_sign(np.array([a])) for a in angles] == list(reference(system).krein_signs)
+    found, turns = counted(system)
+    assert found.variation == system.order
+    assert [found.krein_sign(turns[[i]]) for i in range(len(turns))] == list(reference(system).krein_signs)
+    assert found.krein_sign(turns) == 0
     unstable = coupled(3.0)
-    found = counts.count_between(unstable, np.array([e.imag for e in reference(unstable).exponents]) * unstable.period)
-    assert found is not None
-    assert not found.strongly_stable
+    assert counted(unstable)[0].variation < unstable.order
+
+
+def counted(system: fr.HillSystem) -> tuple[Counts, NDArray[np.float64]]:
+    """Return counts at angles between multipliers, and the angles of these in turns."""
+    turns = np.array([e.imag for e in reference(system).exponents]) * system.period / (2.0 * math.pi)
+    problem: Any = system_problem(system)
+    balls = problem.oscillators(Doubles(), problem.period, freed=True)
+    return count(Doubles(), balls, angles_between(np.exp(2j * math.pi * turns))), turns
 
 
 @settings(max_examples=depth(10, 3))
 @given(systems(("hamiltonian", "gyroscopic")))
 def test_counts_agree_with_multipliers(system: fr.HillSystem) -> None:
     result = reference(system)
-    found = counts.count_between(system, np.array([e.imag for e in result.exponents]) * system.period)
-    assert found is not None
+    found = counted(system)[0].variation == system.order
     if result.status == "unstable":
-        assert not found.strongly_stable
-    elif found.strongly_stable:
+        assert not found
+    elif found:
         assert result.strongly_stable
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from fractions import Fraction
 from itertools import pairwise
@@ -24,16 +25,11 @@ from floquetrod.floquet.proof.integers import Integers
 from floquetrod.floquet.proof.intervals import TooMuchWork, Unresolved
 from floquetrod.floquet.proof.krein import krein_sums
 from floquetrod.floquet.proof.result import Proof
-from floquetrod.floquet.proof.system_counts import _matrix, _truncation, count
+from floquetrod.floquet.proof.system_counts import _last, _matrix, _truncation, count
 from floquetrod.floquet.proof.system_discs import enclose_eigenvalues
 from floquetrod.floquet.proof.system_flow import monodromy
-from floquetrod.floquet.proof.system_problem import (
-    canonical_form,
-    flow,
-    flow_of_oscillators,
-    oscillators,
-    system_problem,
-)
+from floquetrod.floquet.proof.system_numbers import system_problem
+from floquetrod.floquet.proof.system_problem import canonical_form
 from floquetrod.floquet.proof.systems import _attempt, certify_system
 
 ARITHMETICS = [Doubles(), Integers(12), Integers(40)]
@@ -115,7 +111,7 @@ def test_growth_of_the_literature_is_proved(system: HillSystem | PeriodicSystem,
 def test_strong_stability_is_proved_by_discs_and_by_counts(system: HillSystem) -> None:
     assert fr.certify(system).status == "stable"
     problem = system_problem(system)
-    counts = count(Doubles(), oscillators(Doubles(), problem, Fraction(system.period), freed=False), turns(system))
+    counts = count(Doubles(), problem.oscillators(Doubles(), problem.unit, freed=False), turns(system))
     assert counts.variation == system.order
 
 
@@ -163,7 +159,7 @@ def test_identical_oscillators_are_proved_strongly_stable(n: int) -> None:
     assert proof.status == "stable"
     assert f"Krein signs of multipliers, by angle in turns, add up to: {n} from 0 to 0.5" in proof.statement
     arithmetic, problem = Doubles(), system_problem(system)
-    assert count(arithmetic, oscillators(arithmetic, problem, problem.period, freed=True), [0.0, 0.5]).variation == n
+    assert count(arithmetic, problem.oscillators(arithmetic, problem.unit, freed=True), [0.0, 0.5]).variation == n
 
 
 def test_counts_decide_near_the_boundaries_of_real_multipliers() -> None:
@@ -440,10 +436,10 @@ def contains_number(ball: Any, number: Any) -> bool:
 def test_the_map_of_a_constant_system(arithmetic: Any) -> None:
     mean = np.array([[0.3, 1.1, 0.0], [-2.0, -0.4, 0.2], [0.1, 0.0, 0.7]])
     problem = system_problem(PeriodicSystem(mean, period=1.5))
-    enclosed = monodromy(arithmetic, flow(arithmetic, problem, Fraction(1.5)))
-    scaled = np.diag(scales(problem, arithmetic))
+    enclosed = monodromy(arithmetic, problem.flow(arithmetic))
+    scaled, time = np.diag(scales(problem, arithmetic)), float(problem.unit.low)
     with mpmath.workdps(60):
-        exact = mpmath.expm(mpmath.matrix((np.linalg.inv(scaled) @ mean @ scaled).tolist()) * mpmath.mpf(1.5))
+        exact = mpmath.expm(mpmath.matrix((np.linalg.inv(scaled) @ mean @ scaled).tolist()) * mpmath.mpf(time))
         for i in range(3):
             for j in range(3):
                 assert contains_number(enclosed[i, j], exact[i, j])
@@ -452,8 +448,8 @@ def test_the_map_of_a_constant_system(arithmetic: Any) -> None:
 
 def scales(problem: Any, arithmetic: Any) -> Any:
     """Return the powers of two by which the unknowns are scaled, found from a map with and one without."""
-    balanced = flow(arithmetic, problem, Fraction(1)).pieces[0].mean.centre()
-    mean = problem.pieces[0].mean
+    balanced = problem.flow(arithmetic).pieces[0].mean.centre() / float(problem.unit.low)
+    mean = problem.pieces[0].mean.middle
     ratio = balanced / np.where(mean == 0.0, 1.0, mean)
     return np.array([1.0, ratio[0, 1], ratio[0, 1] * ratio[1, 2]])
 
@@ -463,8 +459,7 @@ def test_maps_with_few_and_with_many_digits_overlap(seed: int) -> None:
     problem = system_problem(hamiltonian(seed, 2))
     maps = []
     for arithmetic in (Integers(30), Doubles(), Integers(6)):  # with 6, what the Taylor series leave out decides
-        system = oscillators(arithmetic, problem, Fraction(problem.period), freed=False)
-        maps.append(monodromy(arithmetic, flow_of_oscillators(arithmetic, system)))
+        maps.append(monodromy(arithmetic, problem.flow(arithmetic)))
     fine, *coarse = maps
     for enclosed, tolerance in zip(coarse, (1e-9, 1e-2), strict=True):
         gap = np.abs(enclosed.centre() - fine.centre())
@@ -479,8 +474,9 @@ def test_errors_of_coefficients_widen_the_map() -> None:
     error = 1e-3
     mean, amplitude = np.array([[0.0, 1.0], [-1.0, -0.1]]), np.array([[0.0, 0.0], [0.3, 0.0]])
     rough = system_problem(PeriodicSystem(mean, [amplitude], coefficient_error=error))
-    enclosed = monodromy(Doubles(), flow(Doubles(), rough, rough.period))
-    scale = flow(Doubles(), rough, rough.period).pieces[0].mean.centre()[0, 1] / float(rough.period)
+    flow = rough.flow(Doubles())
+    enclosed = monodromy(Doubles(), flow)
+    scale = flow.pieces[0].mean.centre()[0, 1] / float(rough.period.low)
     size = np.array([[1.0, scale], [1.0 / scale, 1.0]])
     for sign in (-1.0, 1.0):
         for shape in ([[1.0, 0.0], [0.0, -1.0]], [[0.5, 0.5], [0.5, 0.5]], [[1.0, 1.0], [1.0, 1.0]]):
@@ -547,11 +543,9 @@ def test_inertia_of_a_matrix_that_doubles_cannot_tell_from_a_singular_one() -> N
 @pytest.mark.parametrize("arithmetic", [Doubles(), Integers(25)], ids=["doubles", "25 digits"])
 @pytest.mark.parametrize("seed", range(depth(8, 4)))
 def test_counts_are_those_of_a_larger_dense_matrix(arithmetic: Any, seed: int) -> None:
-    system = hamiltonian(seed, 2)
-    angles = [0.0, 0.125, 0.3125, 0.5]
-    found = count(
-        arithmetic, oscillators(arithmetic, system_problem(system), Fraction(system.period), freed=False), angles
-    )
+    system, angles = hamiltonian(seed, 2), [0.0, 0.125, 0.3125, 0.5]
+    problem = system_problem(system)
+    found = count(arithmetic, problem.oscillators(arithmetic, problem.unit, freed=False), angles)
     expected = dict(zip(angles, (dense_count(system, angle) for angle in angles), strict=True))
     assert len(found.angles) >= 3
     assert list(found.negative) == [expected[angle] for angle in found.angles]
@@ -561,10 +555,11 @@ def test_counts_are_those_of_a_larger_dense_matrix(arithmetic: Any, seed: int) -
 def test_what_the_cut_leaves_out_is_enclosed(seed: int) -> None:
     """Eliminating the blocks that are cut off, out to far away, leaves a matrix that is enclosed."""
     system = hamiltonian(seed, 2)
-    balls = oscillators(Doubles(), system_problem(system), Fraction(system.period), freed=False)
-    regular = _truncation(Doubles(), balls)
-    for last in {max(len(balls.waves), regular.last - 4), regular.last}:
-        truncation = _truncation(Doubles(), balls, last)
+    problem = system_problem(system)
+    balls = problem.oscillators(Doubles(), problem.unit, freed=False)
+    regular = _last(Doubles(), balls)
+    for last in {max(len(balls.waves), regular - 4), regular}:
+        truncation = _truncation(balls, last)
         enclosed, _ = _matrix(Doubles(), balls, truncation, 0.125)
         size, far = enclosed.shape[0], 20 * system.order
         scale = np.kron(np.eye(2 * (last + 20) + 1), np.linalg.inv(np.linalg.cholesky(system.mass)) * system.period)
@@ -574,6 +569,21 @@ def test_what_the_cut_leaves_out_is_enclosed(seed: int) -> None:
         rest = coupling @ np.linalg.solve(whole[np.ix_(beyond, beyond)], coupling.conj().T)
         gap = np.abs(whole[np.ix_(kept, kept)] - rest - enclosed.mid)
         assert (gap <= enclosed.rad + 1e-12 * np.abs(whole).max()).all()
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_counts_hold_for_stiffnesses_within_their_error(seed: int) -> None:
+    """Whatever the error does in a period: here a constant, a harmonic or both, as large as stated."""
+    exact, error, angles = hamiltonian(seed, 2), 1e-2, [0.0, 0.125, 0.3125, 0.5]
+    others = {"mass": exact.mass, "gyroscopic": exact.gyroscopic, "period": exact.period}
+    rough = system_problem(HillSystem(exact.stiffness, exact.cosines, exact.sines, coefficient_error=error, **others))
+    found = count(Doubles(), rough.oscillators(Doubles(), rough.unit, freed=False), angles)
+    assert len(found.angles) >= 2
+    for steady, shape in itertools.product((-1.0, 0.0, 1.0), ([[1, 1], [1, 1]], [[1, -1], [-1, 1]], [[1, 0], [0, -1]])):
+        change = error * np.array(shape, dtype=float)
+        cosines = [*exact.cosines, (1.0 - abs(steady)) * change]
+        changed = HillSystem(exact.stiffness + steady * change, cosines, exact.sines, **others)
+        assert [dense_count(changed, angle) for angle in found.angles] == list(found.negative)
 
 
 def dense_count(system: HillSystem, angle: float) -> int:

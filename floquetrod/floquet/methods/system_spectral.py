@@ -3,14 +3,18 @@
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from floquetrod._util import validate
 from floquetrod.equations import HillSystem, PeriodicSystem
-from floquetrod.floquet.systems import counts, independent_solutions, spectra
+from floquetrod.floquet.proof.balls import Doubles
+from floquetrod.floquet.proof.intervals import TooMuchWork, Unresolved
+from floquetrod.floquet.proof.system_counts import Counts, angles_between, count
+from floquetrod.floquet.proof.system_numbers import system_problem
+from floquetrod.floquet.systems import independent_solutions, spectra
 from floquetrod.floquet.systems.classification import classify_multipliers, undamped_pairs
 from floquetrod.floquet.systems.independent_solutions import Solutions
 from floquetrod.floquet.systems.result import SystemStability
@@ -35,7 +39,7 @@ def spectral(system: HillSystem | PeriodicSystem, *, rtol: float = 1e-12) -> Sys
     A_(j-k) - i k w delta_jk.  It is truncated where the harmonics of the solutions have decayed.  Each solution appears
     with every s + i k w; of these the one is taken whose harmonics are centred about k = 0.
 
-    *Hamiltonian second-order systems.*  Where the counts N(theta) of `floquetrod.floquet.systems.counts` vary by n they
+    *Hamiltonian second-order systems.*  Where the counts of `floquetrod.floquet.proof.system_counts` vary by n they
     show strong stability, also where multipliers of one Krein sign coincide.
 
     Parameters
@@ -68,16 +72,26 @@ def spectral(system: HillSystem | PeriodicSystem, *, rtol: float = 1e-12) -> Sys
         return SystemStability.declined(system, "spectral", cost, note)
     logs = independent_solutions.log_discs(solutions, damping * balanced.period)
     hamiltonian = freed is not None and first.structure == "hamiltonian"
-    counted = None
-    if hamiltonian and isinstance(subject, HillSystem):
-        counted = counts.count_between(subject, solutions.logs.imag)
+    turns = solutions.logs.imag / (2.0 * math.pi)
+    counted = _counted(system, turns) if hamiltonian and isinstance(system, HillSystem) else None
 
     def krein(cluster: NDArray[np.intp]) -> int:
-        if counted is not None and counted.strongly_stable:
-            return counted.krein_sign(solutions.logs.imag[cluster])
+        if counted is not None and counted.variation == system.order:
+            return counted.krein_sign(turns[cluster])
         return independent_solutions.krein_sign(solutions, cluster)
 
     return classify_multipliers(system, "spectral", logs, krein=krein if hamiltonian else None, cost=cost)
+
+
+def _counted(system: HillSystem, turns: NDArray[np.float64]) -> Counts | None:
+    """Return counts at angles between those of multipliers, damping removed; None where the matrices are too large."""
+    problem: Any = system_problem(system)
+    try:
+        with np.errstate(all="ignore"):  # what is not finite is not counted
+            freed = problem.oscillators(Doubles(), problem.period, freed=True)
+            return count(Doubles(), freed, angles_between(np.exp(2j * math.pi * turns)))
+    except (Unresolved, TooMuchWork, np.linalg.LinAlgError):
+        return None
 
 
 def _balanced(system: PeriodicSystem) -> _Harmonics:

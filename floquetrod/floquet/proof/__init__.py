@@ -3,8 +3,9 @@
 `problem` states an equation in exact numbers, `certification` chooses what is computed and draws the conclusion;
 `chains`, `band`, `trace` and `closed_form` enclose the quantities that decide.
 
-Of systems of equations, `system_problem` states them and `systems` concludes; `system_flow` encloses the map over a
-period, `system_discs` its eigenvalues, `system_counts` counts by `inertia`; `balls` and `integers` are the arithmetic.
+Of systems of equations, `system_numbers` takes one, or all between several, `system_problem` states them in balls and
+`systems` concludes; `system_flow` encloses the map over a period, `system_discs` its eigenvalues, `system_counts`
+counts by `inertia`; `balls` and `integers` are the arithmetic.
 """
 
 from __future__ import annotations

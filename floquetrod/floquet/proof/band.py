@@ -15,7 +15,7 @@ from typing import Any, NamedTuple
 
 from floquetrod.floquet.proof.intervals import Unresolved, check_work, enclose, rational
 from floquetrod.floquet.proof.pivots import Count, Pivots, closer, no_sign
-from floquetrod.floquet.proof.series import Series
+from floquetrod.floquet.proof.series import EnclosedSeries
 
 _Row = dict[int, Any]
 """The lower half of a row of a symmetric matrix: entries by column."""
@@ -28,7 +28,7 @@ class _Mode(NamedTuple):
     is_sine: bool
 
 
-def count_eigenvalues(context: Any, series: Series) -> Count:
+def count_eigenvalues(context: Any, series: EnclosedSeries) -> Count:
     """Count the periodic and antiperiodic eigenvalues below zero."""
     bound = sum((wave.size for wave in series.waves), context.zero)
     # Far enough for delta > bound, and with the digits for C C' / delta not to be felt at the other end (heuristic).
@@ -44,7 +44,7 @@ def count_eigenvalues(context: Any, series: Series) -> Count:
     return Count(below, tuple(enclosures))
 
 
-def _rows(context: Any, series: Series, bound: Any, frequencies: list[Fraction]) -> list[_Row]:
+def _rows(context: Any, series: EnclosedSeries, bound: Any, frequencies: list[Fraction]) -> list[_Row]:
     """Return the rows of a matrix that holds both H and H - C C' / delta.
 
     Twice the average of u'^2 + p u^2 over u = sum_k a_k cos(k theta) + b_k sin(k theta); the highest frequency first,
@@ -69,7 +69,7 @@ def _rows(context: Any, series: Series, bound: Any, frequencies: list[Fraction])
     return rows
 
 
-def _coupling(context: Any, series: Series, one: _Mode, other: _Mode) -> Any:
+def _coupling(context: Any, series: EnclosedSeries, one: _Mode, other: _Mode) -> Any:
     """Return twice the average of p times two modes."""
     difference, total = int(other.frequency - one.frequency), int(other.frequency + one.frequency)
     if one.is_sine == other.is_sine:
@@ -79,14 +79,14 @@ def _coupling(context: Any, series: Series, one: _Mode, other: _Mode) -> Any:
     return (far + near if other.is_sine else far - near) / 2
 
 
-def _cosine_part(series: Series, m: int, context: Any) -> Any:
+def _cosine_part(series: EnclosedSeries, m: int, context: Any) -> Any:
     """Return twice the average of p cos(m theta)."""
     if m == 0:
         return 2 * series.mean
     return series.waves[abs(m) - 1].cosine if abs(m) <= len(series.waves) else context.zero
 
 
-def _sine_part(series: Series, m: int, context: Any) -> Any:
+def _sine_part(series: EnclosedSeries, m: int, context: Any) -> Any:
     """Return twice the average of p sin(m theta)."""
     if m == 0 or abs(m) > len(series.waves):
         return context.zero

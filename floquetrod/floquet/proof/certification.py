@@ -30,7 +30,7 @@ from floquetrod.floquet.proof.problem import (
     problem_of,
     problem_of_one,
 )
-from floquetrod.floquet.proof.region import RegionProof, side_ends
+from floquetrod.floquet.proof.region import RegionProof, is_side, side_ends
 from floquetrod.floquet.proof.region_equation import certify_box, in_aq
 from floquetrod.floquet.proof.result import MAX_BOXES, SECONDS, Proof
 from floquetrod.floquet.proof.scalar import certify_scalar
@@ -79,10 +79,10 @@ def certify(
     **parameters
         Of the class, by name: numbers that are taken exactly, int, float, Fraction, Decimal or text such as "1/3" or
         "-0.1".  The period of a `Hill` is the double nearest to 2 pi where it is left out.  Of `Mathieu` each may be
-        (low, high), all values between which are meant; and in place of alpha and beta, a and q of
+        (low, high), a tuple or a list, all values between which are meant; and in place of alpha and beta, a and q of
         y'' + 2 k y' + (a - 2 q cos 2 z) y = 0, with ``damping`` k, per unit z; the answer names what was given.  Of a
-        family its arguments, at least one
-        of them (low, high), two floats, and at most six.
+        family its arguments, at least one of them (low, high), two floats, and at most six; two numbers that are no
+        side are given as an array.
 
     Returns
     -------
@@ -150,7 +150,8 @@ def certify(
         return in_aq(
             certify(Mathieu, max_digits=max_digits, growth_tolerance=growth_tolerance, max_boxes=max_boxes, **same)
         )
-    boxed = [name for name, value in parameters.items() if isinstance(value, tuple) and name not in LISTS]
+    lists = LISTS if is_readable(equation) else ()
+    boxed = {name: value for name, value in parameters.items() if is_side(value) and name not in lists}
     if equation is Mathieu and (boxed or growth_tolerance):
 
         def prove(exact: Parameters) -> Proof:
@@ -160,7 +161,8 @@ def certify(
     if is_readable(equation) and not boxed:
         return certify_scalar(exact_problem(equation, parameters), max_digits)
     if callable(equation) and parameters:
-        return certify_family(equation, parameters, max_boxes, seconds, lambda problem: _of_value(problem, max_digits))
+        given = {name: value for name, value in parameters.items() if name not in boxed}
+        return certify_family(equation, boxed, given, max_boxes, seconds, lambda each: _of_value(each, max_digits))
     raise validate.wrong_type("equation", f"must be {_ACCEPTED}, got {validate.short(equation)}")
 
 
@@ -217,5 +219,5 @@ def _from_aq(parameters: Parameters) -> dict[str, Any]:
     for name, of, factor in (("alpha", "q", 2), ("beta", "a", -4), ("damping", "damping", 2)):
         value = parameters.get(of, 0)
         ends = sorted(end / factor for end in side_ends(of, value, exact_number))
-        found[name] = tuple(ends) if isinstance(value, tuple) else ends[0]
+        found[name] = tuple(ends) if is_side(value) else ends[0]
     return found

@@ -21,19 +21,20 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Callable
+from dataclasses import replace
 from fractions import Fraction
 from itertools import pairwise
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from floquetrod.equations import DelaySystem, HillSystem
-from floquetrod.equations.pieces import TimedPiece, exact_period, in_time
+from floquetrod.equations import DelaySystem
+from floquetrod.equations.pieces import exact_period
 from floquetrod.floquet.proof.balls import Array, Doubles, up
-from floquetrod.floquet.proof.exact import exact, inverse
 from floquetrod.floquet.proof.intervals import TooMuchWork, Unresolved
 from floquetrod.floquet.proof.system_flow import monodromy
-from floquetrod.floquet.proof.system_problem import Arithmetic, Flow, Matrix, Stretch
+from floquetrod.floquet.proof.system_numbers import system_problem
+from floquetrod.floquet.proof.system_problem import Arithmetic, Ends, FirstOrder, Flow, Matrix, Stretch, balanced
 
 _MOST_STATES = 24  # of all parts together (a choice: seconds)
 _MOST_PERIODS = 32  # that a delay may last (a choice)
@@ -46,36 +47,27 @@ _MOST_ARCS = 2**12  # examined in one round (a choice)
 _FINEST = 2**34  # arcs of a circle
 
 
-class _Part(NamedTuple):
-    """A coefficient and how many steps back it reads."""
+class _Term(NamedTuple):
+    """A coefficient in first order and balls."""
 
-    steps: int
-    pieces: tuple[TimedPiece, ...]
+    steps: int  # back that it reads
+    pieces: list[Stretch]
 
 
 class _Interval(NamedTuple):
-    """A piece of the step: begin and length as parts of the period, and A(s, w) by powers of w."""
+    """A piece of the step."""
 
-    begin: Fraction
+    begin: Fraction  # as a fraction of the period, as is the length
     length: Fraction
-    powers: dict[int, Stretch]
+    powers: dict[int, Stretch]  # A(s, w) by powers of w
 
 
 class _Problem(NamedTuple):
-    """Y' = A(s, w) Y over a step with the period as the unit of time; ``error`` bounds what row sums of A are off by.
+    """Y' = A(s, w) Y over a step with the period as the unit of time."""
 
-    That for |w| = 1; times |w| to the highest power beyond.
-    """
-
-    parts: int
+    parts: int  # of a period
     intervals: list[_Interval]
     states: int
-    error: float
-
-    @property
-    def highest(self) -> int:
-        """Highest power of w."""
-        return max(power for interval in self.intervals for power in interval.powers)
 
 
 def hindrance(system: DelaySystem) -> str:
@@ -118,16 +110,14 @@ def outside(arithmetic: Arithmetic, system: DelaySystem) -> int:
 def _problem(arithmetic: Arithmetic, system: DelaySystem) -> _Problem:
     period, shares = _shares(system)
     parts, states = _size(system, shares)
-    coefficients = [system.present, *(term.coefficient for term in system.delayed)]
-    lifted = _Lifted.of(arithmetic, system, period)
     steps = [0, *(int(share * parts) for share in shares)]
-    terms = [_Part(count, _timed(each, period)) for count, each in zip(steps, coefficients, strict=True)]
-    ends = {piece.begin / period % Fraction(1, parts) for term in terms for piece in term.pieces}
+    terms = list(map(_Term, steps, _coefficients(arithmetic, system, period)))
+    ends = {piece.begin % Fraction(1, parts) for term in terms for piece in term.pieces}
     intervals = [
-        _interval(lifted, terms, parts, low, high)
+        _interval(arithmetic, terms, parts, low, high)
         for low, high in pairwise(sorted(ends | {Fraction(0), Fraction(1, parts)}))
     ]
-    return _Problem(parts, intervals, states, lifted.error * len(terms))
+    return _Problem(parts, intervals, states)
 
 
 def _shares(system: DelaySystem) -> tuple[Fraction, list[Fraction]]:
@@ -140,100 +130,42 @@ def _shares(system: DelaySystem) -> tuple[Fraction, list[Fraction]]:
     return period, [delay / period for delay in delays]
 
 
-def _timed(coefficient: Any, period: Fraction) -> tuple[TimedPiece, ...]:
-    pieces = in_time(coefficient)
-    return (pieces[0]._replace(length=period),) if len(pieces) == 1 else pieces
+def _coefficients(arithmetic: Arithmetic, system: DelaySystem, period: Fraction) -> list[list[Stretch]]:
+    """Return the pieces of all coefficients in first order, in coordinates that balance the rows of their sum."""
+    every = [system_problem(each) for each in (system.present, *(term.coefficient for term in system.delayed))]
+    pieces = [[piece._replace(begin=piece.begin * each.period.low / period) for piece in each.pieces] for each in every]
+    whole, unit = replace(every[0], pieces=tuple(itertools.chain.from_iterable(pieces))), Ends(period, period)
+    if isinstance(whole, FirstOrder):
+        found = whole.stretches(arithmetic, unit)
+    else:
+        found = whole.oscillators(arithmetic, unit, freed=False).stretches(arithmetic, own=len(pieces[0]))
+    rest = iter(balanced(found, arithmetic.exact(np.eye(1))).pieces)
+    return [list(itertools.islice(rest, len(each))) for each in pieces]
 
 
-class _Lifted(NamedTuple):
-    """How coefficients enter x' = A x with the period as the unit of time, in coordinates that balance its rows.
-
-    ``acts`` is -1 over the mass and ``base`` what A has beside coefficients, both None for equations of first order.
-    """
-
-    arithmetic: Arithmetic
-    period: Fraction
-    acts: Matrix | None
-    base: Matrix | None
-    scale: Array
-    error: float
-
-    @classmethod
-    def of(cls, arithmetic: Arithmetic, system: DelaySystem, period: Fraction) -> _Lifted:
-        """Return that of a system."""
-        present, n, length = system.present, system.order, float(period)
-        if not isinstance(present, HillSystem):
-            error = float(up(system.coefficient_error * n * length))
-            return cls(arithmetic, period, None, None, np.ones(n), error)
-        acts = _minus_inverse(arithmetic, np.eye(n) if present.mass is None else present.mass)
-        base = arithmetic.zeros((2 * n, 2 * n), real=True)
-        base[:n, n:] = arithmetic.exact(np.eye(n))
-        for friction in (present.damping, present.gyroscopic):
-            if friction is not None:
-                base[n:, n:] = base[n:, n:] + acts @ arithmetic.exact(friction) * arithmetic.rational(period)
-        stiff = float((acts.upper() @ np.maximum.reduce([piece.size for piece in in_time(present)])).sum(1).max())
-        scale = np.ones(2 * n)
-        scale[n:] = 2.0 ** round(0.5 * math.log2(min(max(stiff * length * length, 1e-200), 1e200)))
-        reach = float(up(acts.upper().sum(1)).max())
-        error = float(up(up(system.coefficient_error * n * length * length / scale[-1]) * reach))
-        return cls(arithmetic, period, acts, base, scale, error)
-
-    def __call__(self, coefficient: Array) -> Matrix:
-        """Return the block that a coefficient makes, of the size of the state."""
-        n, entries = len(coefficient), self.arithmetic.exact(coefficient)
-        if self.acts is None:
-            return entries * self.arithmetic.rational(self.period)
-        block = self.arithmetic.zeros((2 * n, 2 * n), real=entries.is_real)
-        block[n:, :n] = self.acts @ entries * self.arithmetic.rational(self.period**2)
-        return self.balanced(block)
-
-    def balanced(self, block: Matrix) -> Matrix:
-        """Return a block in the coordinates that balance the rows."""
-        return block.shifted(self.scale[None, :] / self.scale[:, None])
-
-
-def _minus_inverse(arithmetic: Arithmetic, mass: Array) -> Matrix:
-    found = inverse(exact(mass))
-    balls = arithmetic.zeros(np.shape(mass), real=True)
-    for i, row in enumerate(found):
-        for j, entry in enumerate(row):
-            balls[i, j] = arithmetic.rational(-entry)
-    return balls
-
-
-def _interval(lifted: _Lifted, terms: list[_Part], parts: int, low: Fraction, high: Fraction) -> _Interval:
+def _interval(arithmetic: Arithmetic, terms: list[_Term], parts: int, low: Fraction, high: Fraction) -> _Interval:
     """Return the coefficients of all parts of a solution over a piece of the step."""
-    arithmetic, n = lifted.arithmetic, len(lifted.scale)
+    n = terms[0].pieces[0].mean.shape[0]
     powers: dict[int, Stretch] = {}
-    for k in range(parts):
-        for term in terms:
-            column = (k - term.steps) % parts
-            power = (column - k + term.steps) // parts
-            time = (Fraction(k, parts) + low) * lifted.period
-            piece = next(each for each in reversed(term.pieces) if each.begin <= time)
-            if power not in powers:
-                powers[power] = Stretch(low, high - low, arithmetic.zeros((parts * n, parts * n), real=True), None, [])
-            own = _own(lifted, piece, time, Fraction(k, parts), is_base=term.steps == 0)
-            place = np.ix_(range(k * n, (k + 1) * n), range(column * n, (column + 1) * n))
-            powers[power] = _added(arithmetic, powers[power], own, place)
+    for k, term in itertools.product(range(parts), terms):
+        column = (k - term.steps) % parts
+        power = (column - k + term.steps) // parts
+        phase = Fraction(k, parts)
+        piece = next(each for each in reversed(term.pieces) if each.begin <= phase + low)
+        if power not in powers:
+            powers[power] = Stretch(low, high - low, arithmetic.zeros((parts * n, parts * n), real=True), None, [])
+        place = np.ix_(range(k * n, (k + 1) * n), range(column * n, (column + 1) * n))
+        powers[power] = _added(arithmetic, powers[power], _moved(arithmetic, piece, phase + low, phase), place)
     return _Interval(low, high - low, powers)
 
 
-def _own(lifted: _Lifted, piece: TimedPiece, time: Fraction, phase: Fraction, *, is_base: bool) -> Stretch:
-    """Return what a coefficient's piece adds from a time on, turned by what lies before its part of the period."""
-    arithmetic = lifted.arithmetic
-    mean, slope = lifted(piece.mean), None
-    if is_base and lifted.base is not None:
-        mean = mean + lifted.balanced(lifted.base)
+def _moved(arithmetic: Arithmetic, piece: Stretch, time: Fraction, phase: Fraction) -> Stretch:
+    """Return what a piece is from a time on, its waves turned by a phase."""
+    mean = piece.mean
     if piece.slope is not None:
-        slope = lifted(piece.slope)
-        mean = mean + slope * arithmetic.rational(time - piece.begin)
-        slope = slope * arithmetic.rational(lifted.period)
-    waves = [
-        lifted(np.asarray(wave, dtype=complex)) * _turned(arithmetic, k * phase)
-        for k, wave in enumerate(piece.harmonics, 1)
-    ]
-    return Stretch(phase, phase, mean, slope, waves)
+        mean = mean + piece.slope * arithmetic.rational(time - piece.begin)
+    waves = [wave * _turned(arithmetic, k * phase) for k, wave in enumerate(piece.waves, 1)]
+    return piece._replace(mean=mean, waves=waves)
 
 
 def _turned(arithmetic: Arithmetic, turns: Fraction) -> Matrix:
@@ -276,7 +208,7 @@ def _points(problem: _Problem, digits: int) -> tuple[int, float]:
 
 def _growth(problem: _Problem, radius: float) -> float:
     """Return a bound of the logarithm of the norm of Phi(w), |w| = radius: the integral of a logarithmic norm."""
-    total = problem.error * problem.states * radius**problem.highest / problem.parts
+    total = 0.0
     for interval in problem.intervals:
         norm = 0.0
         for power, stretch in interval.powers.items():
@@ -296,7 +228,7 @@ def _symmetric(matrix: Matrix) -> Array:
 
 def _value(arithmetic: Arithmetic, problem: _Problem, turns: Fraction) -> Matrix:
     """Enclose f at exp(2 pi i turns)."""
-    flow = Flow([_real_stretch(arithmetic, each, turns) for each in problem.intervals], 2.0 * problem.error, None)
+    flow = Flow([_real_stretch(arithmetic, each, turns) for each in problem.intervals], None)
     n = problem.states
     real = monodromy(arithmetic, flow)
     moved = (real[:n, :n] + real[n:, :n].times_i()).each(lambda a: np.roll(a, n // problem.parts, axis=0))

@@ -23,11 +23,9 @@ from numpy.typing import NDArray
 
 from floquetrod.equations import DelaySystem, HillSystem
 from floquetrod.equations.pieces import in_time
-from floquetrod.floquet.proof.balls import Doubles
 from floquetrod.floquet.proof.delay_counts import hindrance, outside
-from floquetrod.floquet.proof.digits import FIRST, settled
+from floquetrod.floquet.proof.digits import FIRST, balls, settled
 from floquetrod.floquet.proof.exact import Exact, exact, identity, inverse, is_positive, product, total, transposed
-from floquetrod.floquet.proof.integers import Integers
 from floquetrod.floquet.proof.result import Proof
 
 _MOST_STATES = 12  # of the system in first order (a choice: a second with fractions)
@@ -56,9 +54,7 @@ def certify_delayed(system: DelaySystem, max_digits: int) -> Proof:
         return Proof(system, "undecided", None, 0, why_not)
 
     def attempt(digits: int) -> Proof:
-        arithmetic = Doubles() if digits <= Doubles.digits else Integers(digits)
-        with np.errstate(all="ignore"):  # what is not finite decides nothing
-            count = outside(arithmetic, system)
+        count = outside(balls(digits), system)
         if not count:
             statement = "every solution decays: no multiplier lies on the unit circle or outside it"
             return Proof(system, "stable", None, digits, statement)

@@ -19,12 +19,12 @@ from floquetrod._util import validate
 from floquetrod.equations import Equation, HillSystem, PeriodicSystem
 from floquetrod.floquet.dispatch import stability
 from floquetrod.floquet.problems import Problem, member, require_problem, require_without_delays
-from floquetrod.floquet.proof.box_problem import Bounds, NotAffine, bounds_of, problem_of_bounds, require_affine
-from floquetrod.floquet.proof.region import RegionProof, RegionStatus, Shares, Side, side_ends
-from floquetrod.floquet.proof.region_equation import note_on, statement_on
+from floquetrod.floquet.proof.region import RegionProof, Shares, Side, side_ends
+from floquetrod.floquet.proof.region_equation import concluded
 from floquetrod.floquet.proof.result import Proof
+from floquetrod.floquet.proof.system_numbers import NotAffine, bounds_of, require_affine, system_problem
 from floquetrod.floquet.proof.systems import status_of_all
-from floquetrod.floquet.status import Status
+from floquetrod.floquet.references import used_on
 
 _MOST_SIDES = 6  # 64 corners (a choice)
 _CHECKED = 5  # points within the box at which the coefficients are checked (a choice)
@@ -36,7 +36,6 @@ Box = dict[str, tuple[float, float]]
 _ASSUMED = (
     "the coefficients are affine in each parameter over the box, which was checked at some points, and the family "
     "computes them to within eight units of rounding",
-    "doubles are added, multiplied and divided as IEEE 754 says, rounded to nearest",
 )
 
 
@@ -58,9 +57,9 @@ class _Family(NamedTuple):
         found: Any = self.at(point)
         return found.as_system() if isinstance(found, Equation) else found
 
-    def bounds(self, box: Box) -> Bounds:
-        """Return what the coefficients lie between over a box."""
-        return bounds_of([self.system(point) for point in corners(box)])
+    def corners(self, box: Box) -> list[HillSystem | PeriodicSystem]:
+        """Return the systems at the corners of a box."""
+        return [self.system(point) for point in corners(box)]
 
 
 def corners(box: Box) -> Iterator[dict[str, float]]:
@@ -71,22 +70,20 @@ def corners(box: Box) -> Iterator[dict[str, float]]:
 
 def certify_family(
     family: Callable[..., Any],
-    parameters: Mapping[str, Any],
+    sides: Mapping[str, Any],
+    given: Mapping[str, Any],
     max_boxes: int,
     seconds: float,
     prove: Callable[[Problem], Proof],
 ) -> RegionProof | Proof:
-    """Return what is proved of all equations of a family whose parameters lie in a box; of one where none is a range.
+    """Return what is proved of all equations of a family in a box of some ``sides``; of one where there is none.
 
-    ``prove`` proves one equation.
+    ``given`` are the parameters that do not vary; ``prove`` proves one equation.
     """
-    box: Box = {}
-    for name, value in parameters.items():
-        if isinstance(value, tuple) and len(value) == 2:
-            box[name] = side_ends(name, value, validate.finite)
+    box: Box = {name: side_ends(name, value, validate.finite) for name, value in sides.items()}
     if len(box) > _MOST_SIDES:
         raise ValueError(f"{', '.join(box)} must be at most {_MOST_SIDES} ranges, got {len(box)}")
-    made = _Family(family, {name: value for name, value in parameters.items() if name not in box})
+    made = _Family(family, given)
     if not box:
         return prove(made.at({}))
     _require_affine(made, box)
@@ -128,7 +125,6 @@ class _Subdivision:
         self.number = itertools.count()
         self.open: list[tuple[float, int, Box]] = [(-1.0, next(self.number), box)]
         self.share = {"stable": 0.0, "unstable": 0.0}
-        self.proved: set[Status] = set()
         self.example: dict[str, Proof] = {}
         self.examined, self.too_narrow = 0, False
 
@@ -136,29 +132,17 @@ class _Subdivision:
         """Halve the box until it is decided, or the work allowed is done."""
         while self.open and self.examined < max_boxes and time.monotonic() < deadline and len(self.example) < 2:
             self._examine()
-        status: RegionStatus = "undecided"
-        if len(self.example) == 2:
-            status = "mixed"
-        elif not self.open and not self.too_narrow and len(self.proved) == 1:
-            (status,) = self.proved
-        shares = Shares(self.share["stable"], self.share["unstable"])
-        if status in ("stable", "unstable"):
-            shares = Shares(float(status == "stable"), float(status == "unstable"))
-        sides = tuple(Side(name, *ends, "") for name, ends in self.box.items())
-        return RegionProof(
-            subject=self.family.make,
-            status=status,
-            box=sides,
-            examples=() if status in ("stable", "unstable") else tuple(self.example.values()),
-            growth_tolerance=0.0,
-            growth_unit="per unit of time",
-            modes=1,
-            left_out_bound=0.0,
-            boxes=self.examined,
-            shares=shares,
-            statement=statement_on(status, sides, 0.0),
-            note=note_on(status, shares, self.examined),
+        return concluded(
+            self.family.make,
+            tuple(Side(name, *ends, "") for name, ends in self.box.items()),
+            Shares(self.share["stable"], self.share["unstable"]),
+            self.examined,
+            self.example.values(),
+            finished=not self.open and not self.too_narrow and len(self.example) < 2,
+            tolerance=0.0,
+            unit="per unit of time",
             assumptions=_ASSUMED,
+            used=used_on(self.family.at(next(corners(self.box))), "certify"),
         )
 
     def _examine(self) -> None:
@@ -173,10 +157,9 @@ class _Subdivision:
                 self.example[proof.status] = proof
                 if len(self.example) == 2:
                     return
-        status = status_of_all(problem_of_bounds(self.family.bounds(part)), np.array(verdict.multipliers))
+        status = status_of_all(system_problem(*self.family.corners(part)), np.array(verdict.multipliers))
         if status is not None:
             self.share[status] -= negative
-            self.proved.add(status)
             return
         name = self._widest(part)
         if name is None:
@@ -194,5 +177,5 @@ class _Subdivision:
             if high - low > _NARROWEST * max(abs(self.box[name][0]), abs(self.box[name][1]), abs(high))
         ]
         middle = {name: (0.5 * (low + high),) * 2 for name, (low, high) in part.items()}
-        change = {name: self.family.bounds(middle | {name: part[name]}).spread for name in wide}
+        change = {name: bounds_of(self.family.corners(middle | {name: part[name]})).spread for name in wide}
         return max(wide, key=lambda name: change[name], default=None) if any(change.values()) else None

@@ -36,27 +36,13 @@ class Piece(NamedTuple):
 
 @dataclass(frozen=True)
 class ExactProblem:
-    """A'' + 2 c A' = p(tau) A with exact numbers.
+    """A'' + 2 c A' = p(tau) A with exact numbers."""
 
-    Attributes
-    ----------
-    equation : Equation or HillSystem
-        The same with the nearest doubles.
-    pieces : tuple of Piece
-        p over a period, from tau = 0 on.
-    damping : Fraction
-        c, zero or more.
-    period : Fraction or None
-        Period of p; None is the exact 2 pi.
-    inexact : tuple of (str, Fraction)
-        The parameters that are not doubles, by name.
-    """
-
-    equation: Equation | HillSystem
-    pieces: tuple[Piece, ...]
-    damping: Fraction
-    period: Fraction | None
-    inexact: tuple[tuple[str, Fraction], ...]
+    equation: Equation | HillSystem  # with the nearest doubles
+    pieces: tuple[Piece, ...]  # of p over a period, from tau = 0 on
+    damping: Fraction  # c, zero or more
+    period: Fraction | None  # of p; None is the exact 2 pi
+    inexact: tuple[tuple[str, Fraction], ...]  # the parameters that are not doubles, by name
 
     @property
     def constant(self) -> Fraction | None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import textwrap
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, Literal, NamedTuple, TypeAlias
 
 import numpy as np
@@ -55,6 +55,11 @@ class Shares(NamedTuple):
 
     stable: float
     unstable: float
+
+    def with_status(self, status: RegionStatus) -> Shares:
+        """Return the same, of a box that is decided all or nothing."""
+        is_decided = status in ("stable", "unstable")
+        return Shares(float(status == "stable"), float(status == "unstable")) if is_decided else self
 
 
 @dataclass(frozen=True, repr=False)
@@ -108,12 +113,12 @@ class RegionProof(Reported, NoTruthValue):
     statement: str
     note: str
     assumptions: tuple[str, ...]
+    _used: tuple[tuple[str, str], ...] = field(default=(("equation", "certify"),), kw_only=True)  # for `references`
 
     @property
     def references(self) -> tuple[str, ...]:
         """Publications to cite, in plain text with DOI: floquetrod first, then the sources of the methods used."""
-        kind = "equation" if self._is_of_rods or isinstance(self.subject, type) else "system"
-        return references((kind, "certify"), *((("rod", "model"),) if self._is_of_rods else ()))
+        return references(*self._used, *((("rod", "model"),) if self._is_of_rods else ()))
 
     @property
     def stable(self) -> bool | None:
@@ -211,12 +216,18 @@ class RegionProof(Reported, NoTruthValue):
         return f"<{self.status}: {self.statement} ({'; '.join(filter(None, [self.note, work]))})>"
 
 
+def is_side(value: Any) -> bool:
+    """Return whether a value is a side of a box, (low, high): a tuple or a list of two that are no sequences."""
+    is_pair = isinstance(value, tuple | list) and len(value) == 2
+    return is_pair and all(isinstance(end, str) or not validate.iterable(end) for end in value)
+
+
 def side_ends(name: str, value: Any, element: Callable[[str, Any], Any]) -> tuple[Any, Any]:
     """Return both ends of a side given as (low, high), or as a number, which is both."""
     if not isinstance(value, tuple | list):
         number = element(name, value)
         return number, number
-    if len(value) != 2:
+    if not is_side(value):
         raise TypeError(f"{name} must be a number or two, (low, high), got {validate.short(value)}")
     low, high = (element(f"{name}[{i}]", end) for i, end in enumerate(value))
     if low > high:
@@ -231,52 +242,29 @@ class ModeBox(NamedTuple):
     """Low and high ends of all numbers in q'' + 2 c q' + (c1 m^4 - c2 (m^2 - m_0^2) F(t) + Omega^2) q = 0, in SI units.
 
     In the order of the rows that kernels take, `floquetrod.floquet.proof.kernels.regions_boxes`.
-
-    Attributes
-    ----------
-    mean, amplitude, frequency : (float, float)
-        Of the load: N, N, rad/s.
-    bending, per_newton, pendulum_squared, held, damping_rate : (float, float)
-        c1, c2, Omega^2, m_0^2 and c.
     """
 
-    mean: LowHigh
-    amplitude: LowHigh
-    frequency: LowHigh
-    bending: LowHigh
-    per_newton: LowHigh
-    pendulum_squared: LowHigh
-    held: LowHigh
-    damping_rate: LowHigh
+    mean: LowHigh  # of the load, N
+    amplitude: LowHigh  # N
+    frequency: LowHigh  # rad/s
+    bending: LowHigh  # c1, 1/s^2
+    per_newton: LowHigh  # c2, 1/(N s^2)
+    pendulum_squared: LowHigh  # Omega^2, 1/s^2
+    held: LowHigh  # m_0^2
+    damping_rate: LowHigh  # c, 1/s
 
 
 class Subdivision(NamedTuple):
-    """What a subdivision of one box of loads and of the numbers of the modes came to.
+    """What a subdivision of one box of loads and of the numbers of the modes came to."""
 
-    Attributes
-    ----------
-    quiet, growing : float
-        Shares of the volume proved to have no growth beyond the tolerance, and to have some.
-    finished : bool
-        Whether nothing is open.
-    too_narrow : bool
-        Whether parts are open that cannot be halved any more.
-    quiet_box, growing_box : ModeBox or None
-        A part proved quiet, and one proved growing.
-    growing_mode : int
-        The mode that grows in it; 0 without.
-    boxes : int
-        Parts examined.
-    """
-
-    quiet: float
-    growing: float
-    finished: bool
-    too_narrow: bool
-    quiet_box: ModeBox | None
-    growing_box: ModeBox | None
-    growing_mode: int
-    boxes: int
+    quiet: float  # share of the volume proved to have no growth beyond the tolerance
+    growing: float  # share proved to have some
+    finished: bool  # nothing is open
+    too_narrow: bool  # parts are open that cannot be halved any more
+    quiet_box: ModeBox | None  # a part proved quiet
+    growing_box: ModeBox | None  # a part proved growing
+    growing_mode: int  # the mode that grows in it; 0 without
+    boxes: int  # parts examined
 
 
 def subdivide(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import fields, replace
 from fractions import Fraction
 from typing import Any, NamedTuple
@@ -39,35 +39,73 @@ def certify_box(
     numbers = (beta, abs(alpha), unit, none, unit, none, none, damping)
     box = ModeBox(*((side.low, side.high) for side in numbers))
     found = subdivide(box, 1, tolerance, max_boxes)
+    parts = (("stable", found.quiet_box), ("unstable", found.growing_box))
+    return concluded(
+        Mathieu,
+        tuple(Side(name, float(low), float(high), "") for name, (low, high) in zip(_NAMES, sides, strict=True)),
+        Shares(found.quiet, found.growing),
+        found.boxes,
+        (_example(sides, wanted, part, tolerance, prove) for wanted, part in parts if part is not None),
+        finished=found.finished,
+        tolerance=tolerance,
+        unit="per tau",
+        assumptions=(),
+    )
+
+
+def concluded(
+    subject: Any,
+    box: tuple[Side, ...],
+    shares: Shares,
+    boxes: int,
+    examples: Iterable[Proof | None],
+    *,
+    finished: bool,
+    tolerance: float,
+    unit: str,
+    assumptions: tuple[str, ...],
+    used: tuple[tuple[str, str], ...] = (("equation", "certify"),),
+) -> RegionProof:
+    """Return what follows from the shares of a box of equations or systems that were proved.
+
+    Parameters
+    ----------
+    subject, box, boxes
+        As of `RegionProof`.
+    shares : Shares
+        Of parts that were proved; ``finished``: all were.
+    examples : iterable of Proof or None
+        One stable and one unstable point at most, asked for where the box is not decided.
+    tolerance : float
+        Growth, in ``unit``, that counts as none.
+    assumptions : tuple of str
+        Beside those of the arithmetic.
+    used : tuple of (str, str)
+        As `used_on` returns it.
+    """
     status: RegionStatus = "undecided"
-    examples: tuple[Proof, ...] = ()
-    if found.finished and found.growing_box is None:
+    if finished and not shares.unstable:
         status = "stable"
-    elif found.finished and found.quiet_box is None:
+    elif finished and not shares.stable:
         status = "unstable"
-    else:
-        parts = (("stable", found.quiet_box), ("unstable", found.growing_box))
-        every = (_example(sides, wanted, part, tolerance, prove) for wanted, part in parts if part is not None)
-        examples = tuple(each for each in every if each is not None)
-        status = "mixed" if len(examples) == 2 else "undecided"
-    shares = Shares(found.quiet, found.growing)
-    if status in ("stable", "unstable"):
-        shares = Shares(float(status == "stable"), float(status == "unstable"))
-    named = tuple(Side(name, float(ends[0]), float(ends[1]), "") for name, ends in zip(_NAMES, sides, strict=True))
+    shown = () if status != "undecided" else tuple(each for each in examples if each is not None)
+    status = "mixed" if len(shown) == 2 else status
+    shares = shares.with_status(status)
     return RegionProof(
-        subject=Mathieu,
+        subject=subject,
         status=status,
-        box=named,
-        examples=examples,
+        box=box,
+        examples=shown,
         growth_tolerance=tolerance,
-        growth_unit="per tau",
+        growth_unit=unit,
         modes=1,
         left_out_bound=0.0,
-        boxes=found.boxes,
+        boxes=boxes,
         shares=shares,
-        statement=statement_on(status, named, tolerance),
-        note=note_on(status, shares, found.boxes),
-        assumptions=("doubles are added, multiplied and divided as IEEE 754 says, rounded to nearest",),
+        statement=statement_on(status, box, tolerance),
+        note=note_on(status, shares, boxes),
+        assumptions=(*assumptions, "doubles are added, multiplied and divided as IEEE 754 says, rounded to nearest"),
+        _used=used,
     )
 
 

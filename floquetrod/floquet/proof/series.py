@@ -20,20 +20,20 @@ class Wave(NamedTuple):
         return abs(self.cosine) + abs(self.sine)
 
 
-class Series(NamedTuple):
+class EnclosedSeries(NamedTuple):
     """p(theta) = mean + sum over k = 1, 2, ... of waves, theta = 2 pi tau / period."""
 
     mean: Any
     waves: list[Wave]
 
 
-def undamped_series(context: Any, problem: ExactProblem) -> Series:
+def undamped_series(context: Any, problem: ExactProblem) -> EnclosedSeries:
     """Enclose the coefficient of u'' = p u, A = exp(-c tau) u, for a coefficient of one piece; time is theta."""
     (piece,) = problem.pieces
     square = time_unit(context, problem) ** 2
     mean = square * rational(context, piece.mean + problem.damping**2)
     waves = [Wave(*(square * rational(context, part) for part in wave)) for wave in piece.waves]
-    return Series(mean, waves)
+    return EnclosedSeries(mean, waves)
 
 
 def time_unit(context: Any, problem: ExactProblem) -> Any:

@@ -32,10 +32,10 @@ _TWO_PI_BELOW = 6.283185307179586
 
 
 class Truncation(NamedTuple):
-    """Hill's matrix cut off: blocks with abs(k) <= ``last`` are kept; ``radius`` is r^2 / tau."""
+    """Hill's matrix cut off."""
 
-    last: int
-    radius: float
+    last: int  # blocks with abs(k) <= last are kept
+    radius: float  # r^2 / tau
 
 
 class Counts(NamedTuple):
@@ -57,6 +57,23 @@ class Counts(NamedTuple):
             return None
         return abs(self.negative[-1] - self.negative[0])
 
+    def krein_sign(self, turns: Array) -> int:
+        """Return the Krein sign of all multipliers exp(2 pi i turns), of one half of the circle; 0 where it is mixed.
+
+        N falls by it, where all multipliers are on the circle.
+        """
+        upper = turns >= 0.0
+        if not (upper.all() or not upper.any()):
+            return 0
+        below = np.searchsorted(self.angles, np.abs(turns).min(), side="left") - 1
+        above = np.searchsorted(self.angles, np.abs(turns).max(), side="right")
+        if below < 0 or above >= len(self.angles):
+            return 0
+        jumps = np.diff(self.negative[below : above + 1])
+        if int(np.abs(jumps).sum()) != len(turns) or abs(int(jumps.sum())) != len(turns):
+            return 0
+        return int(-np.sign(jumps.sum())) * (1 if upper.all() else -1)
+
 
 def angles_between(multipliers: Array) -> list[float]:
     """Return angles in turns, 0, 1/2 and between those of multipliers known approximately."""
@@ -67,8 +84,8 @@ def angles_between(multipliers: Array) -> list[float]:
 
 def count(arithmetic: Arithmetic, system: Oscillators, angles: Sequence[float]) -> Counts:
     """Count the negative eigenvalues of Hill's operator at the angles where that can be determined."""
-    truncation = _truncation(arithmetic, system)
-    arithmetic.check_work(8.0 * len(angles) * ((2 * truncation.last + 1) * system.stiffness.shape[0]) ** 3)
+    truncation = _truncation(system, _last(arithmetic, system))
+    arithmetic.check_work(8.0 * len(angles) * ((2 * truncation.last + 1) * system.order) ** 3)
     known: list[tuple[float, Inertia]] = []
     for angle in angles:
         try:
@@ -79,18 +96,28 @@ def count(arithmetic: Arithmetic, system: Oscillators, angles: Sequence[float]) 
     return Counts(tuple(angle for angle, _ in known), tuple(item.negative for _, item in known), margin)
 
 
-def _truncation(arithmetic: Arithmetic, system: Oscillators, last: int | None = None) -> Truncation:
-    """Return where Hill's matrix is cut off: after the block ``last``, found where not given."""
+def _sizes(system: Oscillators) -> tuple[float, float, float, float]:
+    """Return bounds: the mass from below, from above the gyroscopic matrix, the stiffness and all of its waves."""
     gyroscopic = row_sum(system.gyroscopic) if system.gyroscopic is not None else 0.0
-    stiffness, waves = row_sum(system.stiffness), sum(row_sum(wave) for wave in system.waves)
-    mass = 1.0 - system.defect
-    if last is None:
-        # Far enough for tau > waves, and for the cut not to be felt at the eigenvalues close to zero (heuristic).
-        need = (gyroscopic + math.sqrt(gyroscopic**2 + 4.0 * mass * (stiffness + 2.0 * waves))) / (2.0 * mass)
-        if not need < _MOST_BLOCKS:
-            raise TooMuchWork("so many blocks of Hill's matrix")
-        reach = len(system.waves)
-        last = reach + math.ceil(need / _TWO_PI_BELOW) + (2 + arithmetic.digits // 5 if reach else 0)
+    return 1.0 - system.defect, gyroscopic, row_sum(system.stiffness), sum(row_sum(wave) for wave in system.waves)
+
+
+def _last(arithmetic: Arithmetic, system: Oscillators) -> int:
+    """Return the block after which Hill's matrix may be cut off.
+
+    Far enough for tau > waves, and for the cut not to be felt at the eigenvalues close to zero (heuristic).
+    """
+    mass, gyroscopic, stiffness, waves = _sizes(system)
+    need = (gyroscopic + math.sqrt(gyroscopic**2 + 4.0 * mass * (stiffness + 2.0 * waves))) / (2.0 * mass)
+    if not need < _MOST_BLOCKS:
+        raise TooMuchWork("so many blocks of Hill's matrix")
+    reach = len(system.waves)
+    return reach + math.ceil(need / _TWO_PI_BELOW) + (2 + arithmetic.digits // 5 if reach else 0)
+
+
+def _truncation(system: Oscillators, last: int) -> Truncation:
+    """Return Hill's matrix cut off after the block ``last``."""
+    mass, gyroscopic, stiffness, waves = _sizes(system)
     nu = _TWO_PI_BELOW * (last + 0.5)  # the least frequency left out, at angles up to 1/2
     tail = down(mass * nu * nu) - up(up(nu * gyroscopic) + up(stiffness + waves))
     if not (tail > 0.0 and 2.0 * nu * mass > gyroscopic):
@@ -100,7 +127,7 @@ def _truncation(arithmetic: Arithmetic, system: Oscillators, last: int | None = 
 
 def _matrix(arithmetic: Arithmetic, system: Oscillators, truncation: Truncation, angle: float) -> tuple[Matrix, Array]:
     """Enclose a matrix with as many negative eigenvalues as Hill's operator; return it and the sizes of its rows."""
-    n, last, reach = system.stiffness.shape[0], truncation.last, len(system.waves)
+    n, last, reach = system.order, truncation.last, len(system.waves)
     blocks = np.arange(2 * last + 1)
     frequency = arithmetic.two_pi() * arithmetic.exact(angle + (blocks - last))
     nu = frequency[:, None, None]

@@ -17,7 +17,7 @@ from floquetrod.floquet.proof.system_problem import Arithmetic, Matrix
 _ROUND = 2.0**-51  # of two operations with doubles
 
 
-class Discs(NamedTuple):
+class EigenvalueDiscs(NamedTuple):
     """Discs whose union contains all eigenvalues, with multiplicity; a connected part of it as many as it has discs.
 
     ``centres`` are rounded to doubles.  ``low`` and ``high`` bound abs(z)^2 - 1 over each disc.  ``gaps`` are lower
@@ -53,7 +53,7 @@ class Discs(NamedTuple):
             return self.isolated & (least > 0.0) & (up(shift / least)[:, None] < self.gaps).all(1)
 
 
-def enclose_eigenvalues(arithmetic: Arithmetic, matrix: Matrix) -> Discs:
+def enclose_eigenvalues(arithmetic: Arithmetic, matrix: Matrix) -> EigenvalueDiscs:
     """Return discs that contain the eigenvalues of every matrix enclosed."""
     if not np.isfinite(matrix.upper()).all():
         raise Unresolved("the map over a period is too large")
@@ -73,7 +73,7 @@ def _similar(arithmetic: Arithmetic, matrix: Matrix, vectors: Matrix, inverse: M
     return product.widened(up(inverse_error @ product.upper()))
 
 
-def _gershgorin(arithmetic: Arithmetic, matrix: Matrix) -> Discs:
+def _gershgorin(arithmetic: Arithmetic, matrix: Matrix) -> EigenvalueDiscs:
     """Return Gershgorin's discs, those that touch no others shrunk by a scaling of their own."""
     n = matrix.shape[0]
     diagonal = matrix[np.arange(n), np.arange(n)]
@@ -95,7 +95,7 @@ def _gershgorin(arithmetic: Arithmetic, matrix: Matrix) -> Discs:
     reach = up(radii * up(2.0 * sizes))
     middle = square.centre()
     error = up(up(square.offset() + reach) + _ROUND * (np.abs(middle) + reach))
-    return Discs(centres.centre(), radii, middle - error, middle + error, _gaps(apart, radii))
+    return EigenvalueDiscs(centres.centre(), radii, middle - error, middle + error, _gaps(apart, radii))
 
 
 def _gaps(apart: Array, radii: Array) -> Array:

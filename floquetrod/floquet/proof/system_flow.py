@@ -23,14 +23,14 @@ _LONGEST_STEP = 6.0
 
 def monodromy(arithmetic: Arithmetic, flow: Flow) -> Matrix:
     """Enclose the matrix that maps a solution over one period."""
-    maps = [_piece_map(arithmetic, piece, flow.error) for piece in flow.pieces]
+    maps = [_piece_map(arithmetic, piece) for piece in flow.pieces]
     total = maps[0]
     for matrix in maps[1:]:
         total = matrix @ total
     return total
 
 
-def _piece_map(arithmetic: Arithmetic, piece: Stretch, error: float) -> Matrix:
+def _piece_map(arithmetic: Arithmetic, piece: Stretch) -> Matrix:
     """Enclose the matrix that maps a solution over a piece, whose length is the unit of time from here on."""
     length = float(piece.length)
     if piece.length != 1:
@@ -57,8 +57,6 @@ def _piece_map(arithmetic: Arithmetic, piece: Stretch, error: float) -> Matrix:
     blocks = 2.0 * len(sizes) - (1.0 if piece.slope is None else 0.0)
     arithmetic.check_work(entries * order * (piece.mean.shape[0] * blocks + order * len(waves)))
     taylor = _taylor_sums(arithmetic, piece, steps, order)
-    if error:  # Gronwall: a map over the step h changes by at most exp(a h) (exp(error h) - 1)
-        remainder += float(np.exp(total / steps) * np.expm1(error * length / steps)) * (1.0 + 1e-10)
     maps = taylor.widened(np.full(taylor.shape, remainder))
     while maps.shape[0] > 1:
         maps = maps[1::2] @ maps[0::2]

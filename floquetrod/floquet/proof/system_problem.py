@@ -1,21 +1,19 @@
-"""Systems of equations in exact numbers, and the same in balls with the period as the unit of time.
+"""Systems of equations whose numbers are exact or lie within bounds, and the same in balls.
 
 The coefficients come in pieces of the period, of which a Fourier series has one.
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 
 from floquetrod._util.caching import cached_property
-from floquetrod.equations import HillSystem, PeriodicSystem
-from floquetrod.equations.matrices import require_one
-from floquetrod.equations.pieces import TimedPiece, exact_period, in_time
 from floquetrod.floquet.proof.balls import Array, up
 from floquetrod.floquet.proof.intervals import Unresolved
 
@@ -26,123 +24,61 @@ Matrix = Any  # their arrays of balls
 _MOST_TERMS = 40  # of the series for the inverse mass (a choice)
 
 
-@dataclass(frozen=True)
-class SecondOrder:
-    """M q'' + (C + G) q' + K(t) q = 0, all numbers exact, K known up to ``error`` in each entry.
+class Known(NamedTuple):
+    """A matrix each of whose entries is known to lie about a middle."""
 
-    M is symmetric and positive definite, G = -G^T.  ``is_reversible``: C = G = 0 and K is even about an instant.
-    """
-
-    mass: Array
-    damping: Array
-    gyroscopic: Array
-    pieces: tuple[TimedPiece, ...]
-    period: Fraction
-    is_reversible: bool = False
-    error: float = 0.0
+    middle: Array
+    radius: Array | None  # None where the middle is exact
 
     @property
-    def order(self) -> int:
-        """Number of equations."""
-        return int(self.mass.shape[0])
+    def is_zero(self) -> bool:
+        """Whether it is exactly zero."""
+        return not self.middle.any() and (self.radius is None or not self.radius.any())
 
-    @property
-    def is_constant(self) -> bool:
-        """Whether nothing depends on time."""
-        return len(self.pieces) == 1 and self.pieces[0].is_constant
+    def at(self, index: Any) -> Known:
+        """Return some of the entries."""
+        return Known(self.middle[index], None if self.radius is None else self.radius[index])
 
-    @property
-    def is_series(self) -> bool:
-        """Whether K is one Fourier series, known exactly."""
-        return len(self.pieces) == 1 and self.pieces[0].slope is None and not self.error
-
-    @cached_property
-    def is_symmetric(self) -> bool:
-        """Whether K(t) is symmetric, as its error then is."""
-        every = [m for p in self.pieces for m in (p.mean, *(() if p.slope is None else (p.slope,)), *p.harmonics)]
-        return all(np.array_equal(m, m.T) for m in every)
-
-    @cached_property
-    def uniform_damping(self) -> Fraction | None:
-        """The c >= 0 of a damping 2 c M, exactly; None for any other."""
-        if not self.damping.any():
-            return Fraction(0)
-        twice = Fraction(float(self.damping[0, 0])) / Fraction(float(self.mass[0, 0]))
-        pairs = zip(self.damping.ravel().tolist(), self.mass.ravel().tolist(), strict=True)
-        return twice / 2 if twice >= 0 and all(Fraction(c) == twice * Fraction(m) for c, m in pairs) else None
-
-    @cached_property
-    def is_hamiltonian(self) -> bool:
-        """Whether the system, with uniform damping removed, is Hamiltonian."""
-        damping = self.uniform_damping
-        return self.is_symmetric and damping is not None and (damping == 0 or not self.gyroscopic.any())
-
-    @property
-    def is_paired(self) -> bool:
-        """Whether with every multiplier mu there is 1 / conj(mu)."""
-        return self.is_reversible or (self.is_hamiltonian and not self.damping.any())
-
-    def oscillators(self, arithmetic: Arithmetic, period: Fraction, *, freed: bool) -> Oscillators:
-        """Return the system in balls; ``freed`` of uniform damping."""
-        return oscillators(arithmetic, self, period, freed=freed)
+    def ball(self, arithmetic: Arithmetic) -> Matrix:
+        """Return it in balls."""
+        exact = arithmetic.exact(self.middle)
+        return exact if self.radius is None else exact.widened(self.radius)
 
 
-@dataclass(frozen=True)
-class FirstOrder:
-    """x' = A(t) x, all numbers exact, A known up to ``error`` in each entry.
+class Ends(NamedTuple):
+    """A number, zero or more, that is known to lie between two."""
 
-    ``is_paired``: with every multiplier mu there is 1 / conj(mu).  ``is_hamiltonian``: x are positions and momenta.
-    """
+    low: Fraction
+    high: Fraction
 
-    pieces: tuple[TimedPiece, ...]
-    period: Fraction
-    error: float = 0.0
-    is_paired: bool = False
-    is_hamiltonian: bool = False
-
-    @property
-    def is_constant(self) -> bool:
-        """Whether nothing depends on time."""
-        return len(self.pieces) == 1 and self.pieces[0].is_constant
-
-    def flow(self, arithmetic: Arithmetic, period: Fraction) -> Flow:
-        """Return the system in balls."""
-        return flow(arithmetic, self, period)
-
-
-def system_problem(system: HillSystem | PeriodicSystem) -> SecondOrder | FirstOrder:
-    """Return the problem of a system, which must not be a batch."""
-    require_one(system)
-    reversible, error, period = system.structure == "reversible", system.coefficient_error, exact_period(system)
-    pieces = in_time(system)
-    if system.is_constant:
-        pieces = (pieces[0]._replace(length=period),)
-    if isinstance(system, PeriodicSystem):
-        hamiltonian = not error and system.structure == "hamiltonian"
-        return FirstOrder(pieces, period, error, (reversible and not error) or hamiltonian, hamiltonian)
-    n = system.order
-    mass = np.eye(n) if system.mass is None else system.mass
-    damping, gyroscopic = (np.zeros((n, n)) if m is None else m for m in (system.damping, system.gyroscopic))
-    return SecondOrder(mass, damping, gyroscopic, pieces, period, reversible and not error, error)
+    def ball(self, arithmetic: Arithmetic, power: int = 1) -> Matrix:
+        """Return a power of it as a ball."""
+        low, high = self.low**power, self.high**power
+        middle = arithmetic.rational((low + high) / 2)
+        return middle if low == high else middle.widened(np.array(up(float((high - low) / 2))))
 
 
 class Stretch(NamedTuple):
-    """A piece, with the period as the unit of time: mean + slope (t - begin) + sum_k Re(Z_k exp(2 pi i k t)).
+    """A piece of the period: mean + slope (t - begin) + sum_k Re(Z_k exp(2 pi i k t)), t in periods.
 
-    ``begin`` and ``length`` are exact parts of the period; ``slope`` is None where zero, and Z_k stands in ``waves`` at
-    index k - 1.
+    Its matrices are balls in which the period is the unit of time, or, with the unit of time of the system, `Known`.
     """
 
-    begin: Fraction
+    begin: Fraction  # as parts of the period, exactly, as is the length
     length: Fraction
     mean: Matrix
-    slope: Matrix | None
-    waves: list[Matrix]
+    slope: Matrix | None  # None where zero
+    waves: list[Matrix]  # Z_k, k = 1, 2, ...
 
     def each(self, of_mean: Callable[[Matrix], Matrix], of_other: Callable[[Matrix], Matrix]) -> Stretch:
         """Return the same with functions applied to the mean and to the other matrices."""
         slope = None if self.slope is None else of_other(self.slope)
         return self._replace(mean=of_mean(self.mean), slope=slope, waves=[of_other(wave) for wave in self.waves])
+
+    def ball(self, arithmetic: Arithmetic, unit: Ends) -> Stretch:
+        """Return matrices that are `Known` in balls, the slope with the period as the unit of time."""
+        found = self.each(lambda m: m.ball(arithmetic), lambda m: m.ball(arithmetic))
+        return found if found.slope is None else found._replace(slope=found.slope * unit.ball(arithmetic))
 
     @property
     def size(self) -> Array:
@@ -151,40 +87,211 @@ class Stretch(NamedTuple):
         return sum((matrix.upper() for matrix in others), self.mean.upper())
 
 
-class Oscillators(NamedTuple):
-    """M q'' + (C + G) q' + K(t) q = 0 with the period as the unit of time and M close to the unit matrix.
+@dataclass(frozen=True)
+class _Problem:
+    """Systems alike whose numbers are `Known`, with K(t) or A(t) off by up to ``error`` in each entry at any time.
 
-    ``excess`` is M - I, None where zero, and ``defect`` bounds its largest row sum; ``damping`` and ``gyroscopic`` are
-    None where zero; ``error`` bounds the error of each entry of K(t).
+    ``is_paired``: with every multiplier mu there is 1 / conj(mu).  ``is_hamiltonian``: the system is, of second order
+    with uniform damping removed.
     """
 
-    excess: Matrix | None
-    defect: float
-    damping: Matrix | None
-    gyroscopic: Matrix | None
-    pieces: list[Stretch]
+    pieces: tuple[Stretch, ...]
+    period: Ends
     error: float
+    is_paired: bool
+    is_hamiltonian: bool
+
+    @property
+    def is_constant(self) -> bool:
+        """Whether nothing depends on time."""
+        return self.is_series and not self.pieces[0].waves
+
+    @property
+    def is_series(self) -> bool:
+        """Whether the coefficient is one Fourier series, except for its error."""
+        return len(self.pieces) == 1 and self.pieces[0].slope is None
+
+    @cached_property
+    def unit(self) -> Ends:
+        """The period; with constant coefficients, where any time will do, one in which solutions change little."""
+        if not self.is_constant:
+            return self.period
+        fastest = float(np.abs(np.linalg.eigvals(self._generator())).max())
+        time = Fraction(2) ** -round(math.log2(fastest)) if fastest > 0.0 else self.period.low
+        return Ends(time, time)
+
+    def _generator(self) -> Array:
+        """Return the matrix of first order of constant coefficients, about."""
+        raise NotImplementedError
+
+
+@dataclass(frozen=True)
+class FirstOrder(_Problem):
+    """x' = A(t) x.  ``is_hamiltonian``: x are positions and momenta."""
+
+    is_damped = False
+
+    def _generator(self) -> Array:
+        return self.pieces[0].mean.middle
+
+    def stretches(self, arithmetic: Arithmetic, unit: Ends) -> list[Stretch]:
+        """Return the pieces in balls, with ``unit`` as the unit of time."""
+        time = unit.ball(arithmetic)
+        error = 0.0 if not self.error else up(self.error * float(unit.high) * (1.0 + 1e-9))
+
+        def scaled(matrix: Matrix) -> Matrix:
+            return matrix * time
+
+        def mean(matrix: Matrix) -> Matrix:
+            return scaled(matrix).widened(np.full(matrix.shape, error)) if error else scaled(matrix)
+
+        return [piece.ball(arithmetic, unit).each(mean, scaled) for piece in self.pieces]
+
+    def flow(self, arithmetic: Arithmetic, *, freed: bool = False) -> Flow:
+        """Return the system in balls."""
+        form = arithmetic.exact(canonical_form(len(self.pieces[0].mean.middle)))
+        return balanced(self.stretches(arithmetic, self.unit), form)
+
+
+@dataclass(frozen=True)
+class SecondOrder(_Problem):
+    """M q'' + (C + G) q' + K(t) q = 0, M symmetric and positive definite, G = -G^T."""
+
+    mass: Known
+    damping: Known
+    gyroscopic: Known
+    rates: Ends | None  # of the c of a damping 2 c M; None for any other
+
+    @property
+    def order(self) -> int:
+        """Number of equations."""
+        return len(self.mass.middle)
+
+    @property
+    def is_damped(self) -> bool:
+        """Whether there is damping."""
+        return not self.damping.is_zero
+
+    def _generator(self) -> Array:
+        n = self.order
+        forces = np.hstack([self.pieces[0].mean.middle, self.damping.middle + self.gyroscopic.middle])
+        return np.vstack([np.eye(n, 2 * n, n), -np.linalg.solve(self.mass.middle, forces)])
+
+    def flow(self, arithmetic: Arithmetic, *, freed: bool = False) -> Flow:
+        """Return the system of first order in balls; ``freed`` of uniform damping."""
+        return self.oscillators(arithmetic, self.unit, freed=freed).flow(arithmetic)
+
+    def oscillators(self, arithmetic: Arithmetic, unit: Ends, *, freed: bool) -> Oscillators:
+        """Return the system in balls; ``freed`` of uniform damping, by which M c^2 leaves the stiffness."""
+        mass, one = self.mass.ball(arithmetic), np.eye(self.order)
+        transform = None
+        if not np.array_equal(self.mass.middle, one):
+            transform = arithmetic.exact(_congruence(self.mass.middle))
+        times = {power: unit.ball(arithmetic, power) for power in (1, 2)}
+
+        def scaled(matrix: Matrix, power: int) -> Matrix:
+            if transform is not None:
+                matrix = transform @ matrix @ transform.adjoint()
+            return matrix * times[power] if power else matrix
+
+        def friction(known: Known) -> Matrix | None:
+            return None if known.is_zero else scaled(known.ball(arithmetic), 1)
+
+        is_unit = transform is None and self.mass.radius is None
+        excess = None if is_unit else scaled(mass, 0) - arithmetic.exact(one)
+        defect = 0.0 if excess is None else row_sum(excess)
+        if not defect < 0.5:
+            raise Unresolved("the mass matrix cannot be distinguished from a singular one")
+        removed = mass * self.rates.ball(arithmetic, 2) if freed and self.rates and self.rates.high else None
+
+        def stiffness(matrix: Matrix) -> Matrix:
+            return scaled(matrix if removed is None else matrix - removed, 2)
+
+        pieces = [piece.ball(arithmetic, unit).each(stiffness, lambda m: scaled(m, 2)) for piece in self.pieces]
+        damping = None if freed else friction(self.damping)
+        error = None
+        if self.error:
+            error = scaled(Known(np.zeros(one.shape), np.full(one.shape, self.error)).ball(arithmetic), 2).upper()
+        return Oscillators(excess, defect, damping, friction(self.gyroscopic), pieces, error)
+
+
+SystemProblem: TypeAlias = SecondOrder | FirstOrder
+
+
+class Oscillators(NamedTuple):
+    """M q'' + (C + G) q' + K(t) q = 0 in balls, with the period as the unit of time and M close to the unit matrix."""
+
+    excess: Matrix | None  # M - I, None where zero
+    defect: float  # bound of its largest row sum
+    damping: Matrix | None  # None where zero, as the next
+    gyroscopic: Matrix | None
+    pieces: list[Stretch]  # of K
+    error: Array | None  # bounds of the entries of an E(t) in K(t) that varies in an unknown way, None where zero
+
+    @property
+    def order(self) -> int:
+        """Number of equations."""
+        return int(self.pieces[0].mean.shape[0])
 
     @property
     def stiffness(self) -> Matrix:
-        """Mean of a stiffness that is one Fourier series."""
-        return self.pieces[0].mean
+        """Mean of a stiffness that is one Fourier series, for counts.
+
+        A symmetric E lies between the diagonal matrix of the sums of its bounds' rows and its negative, and so do
+        numbers of negative eigenvalues.
+        """
+        mean = self.pieces[0].mean
+        return mean if self.error is None else mean.widened(np.diag(up(self.error.sum(1))))
 
     @property
     def waves(self) -> list[Matrix]:
         """Amplitudes of a stiffness that is one Fourier series."""
         return self.pieces[0].waves
 
+    def stretches(self, arithmetic: Arithmetic, own: int | None = None) -> list[Stretch]:
+        """Return the pieces of the system of first order for positions and velocities.
+
+        Those after the first ``own`` are of a further coefficient, beside which there is nothing else.
+        """
+        n = self.order
+        inverse = -_inverse_mass(arithmetic, self)
+        frictions = [inverse @ matrix for matrix in (self.damping, self.gyroscopic) if matrix is not None]
+
+        def other(matrix: Matrix) -> Matrix:
+            block = arithmetic.zeros((2 * n, 2 * n), real=matrix.is_real)
+            block[n:, :n] = inverse @ matrix
+            return block
+
+        def mean(matrix: Matrix) -> Matrix:
+            return other(matrix if self.error is None else matrix.widened(self.error))
+
+        def whole(matrix: Matrix) -> Matrix:
+            block = mean(matrix)
+            block[:n, n:] = arithmetic.exact(np.eye(n))
+            for friction in frictions:
+                block[n:, n:] = block[n:, n:] + friction
+            return block
+
+        alone = len(self.pieces) if own is None else own
+        return [piece.each(whole if i < alone else mean, other) for i, piece in enumerate(self.pieces)]
+
+    def flow(self, arithmetic: Arithmetic) -> Flow:
+        """Return the system of first order for positions and velocities, and the form of their momenta."""
+        n = self.order
+        unit = arithmetic.exact(np.eye(n))
+        mass = unit if self.excess is None else unit + self.excess
+        form = arithmetic.zeros((2 * n, 2 * n), real=False)  # p = M q' + G q / 2
+        form[:n, n:], form[n:, :n] = mass.times_i(), -mass.times_i()
+        if self.gyroscopic is not None:
+            form[:n, :n] = self.gyroscopic.times_i()
+        return balanced(self.stretches(arithmetic), form)
+
 
 class Flow(NamedTuple):
-    """x' = A(t) x with the period as the unit of time; ``error`` bounds the row sums of the error of A(t).
-
-    ``form`` is the Hermitian form i (q^H p - p^H q) of positions and momenta, which Hamiltonian motion keeps.
-    """
+    """x' = A(t) x in balls, with the period as the unit of time."""
 
     pieces: list[Stretch]
-    error: float
-    form: Matrix
+    form: Matrix  # the Hermitian i (q^H p - p^H q) of positions and momenta, which Hamiltonian motion keeps
 
 
 def row_sum(matrix: Matrix) -> float:
@@ -192,54 +299,7 @@ def row_sum(matrix: Matrix) -> float:
     return float(up(matrix.upper().sum(-1)).max())
 
 
-def oscillators(arithmetic: Arithmetic, system: SecondOrder, period: Fraction, *, freed: bool) -> Oscillators:
-    """Return a system of second order in balls; ``freed`` of uniform damping, by which M c^2 leaves the stiffness."""
-    mass = arithmetic.exact(system.mass)
-    damping = system.uniform_damping
-    unit = np.eye(system.order)
-    plain = np.array_equal(system.mass, unit)
-    transform = None if plain else arithmetic.exact(congruence(system.mass))
-
-    def scaled(matrix: Matrix, power: int) -> Matrix:
-        if transform is not None:
-            matrix = transform @ matrix @ transform.adjoint()
-        return matrix * arithmetic.rational(period**power) if power else matrix
-
-    excess = None if plain else scaled(mass, 0) - arithmetic.exact(unit)
-    defect = row_sum(excess) if excess is not None else 0.0
-    if not defect < 0.5:
-        raise Unresolved("the mass matrix cannot be distinguished from a singular one")
-    dissipation = system.damping.any() and not freed
-
-    def stiffness(matrix: Matrix) -> Matrix:
-        return scaled(matrix - mass * arithmetic.rational(damping * damping) if freed and damping else matrix, 2)
-
-    # X E X^T of an E with entries below e has entries below e times the squared row sum of abs(X).
-    stretch = 1.0 if transform is None else row_sum(transform)
-    error = up(system.error * stretch * stretch * float(period**2) * (1.0 + 1e-9)) if system.error else 0.0
-    return Oscillators(
-        excess,
-        defect,
-        scaled(arithmetic.exact(system.damping), 1) if dissipation else None,
-        scaled(arithmetic.exact(system.gyroscopic), 1) if system.gyroscopic.any() else None,
-        [piece.each(stiffness, lambda m: scaled(m, 2)) for piece in stretches(arithmetic, system.pieces, period)],
-        error,
-    )
-
-
-def stretches(arithmetic: Arithmetic, pieces: tuple[TimedPiece, ...], period: Fraction) -> list[Stretch]:
-    """Return pieces in balls, times in periods; of a constant coefficient, any time is its period."""
-    whole = pieces[-1].begin + pieces[-1].length
-    found = []
-    for piece in pieces:
-        slope = None if piece.slope is None else arithmetic.exact(piece.slope) * arithmetic.rational(period)
-        waves = [arithmetic.exact(wave if wave.imag.any() else wave.real) for wave in piece.harmonics]
-        mean = arithmetic.exact(piece.mean)
-        found.append(Stretch(piece.begin / whole, piece.length / whole, mean, slope, waves))
-    return found
-
-
-def congruence(mass: Array) -> Array:
+def _congruence(mass: Array) -> Array:
     """Return X with X M X^T close to the unit matrix."""
     try:
         return np.linalg.inv(np.linalg.cholesky(mass))
@@ -247,40 +307,9 @@ def congruence(mass: Array) -> Array:
         raise Unresolved("the mass matrix cannot be distinguished from one that is not positive definite") from None
 
 
-def flow_of_oscillators(arithmetic: Arithmetic, system: Oscillators) -> Flow:
-    """Return the system of first order for positions and velocities."""
-    n = system.stiffness.shape[0]
-    inverse = -_inverse_mass(arithmetic, system)
-    frictions = [inverse @ matrix for matrix in (system.damping, system.gyroscopic) if matrix is not None]
-
-    def other(matrix: Matrix) -> Matrix:
-        block = arithmetic.zeros((2 * n, 2 * n), real=matrix.is_real)
-        block[n:, :n] = inverse @ matrix
-        return block
-
-    def whole(stiffness: Matrix) -> Matrix:
-        block = other(stiffness)
-        block[:n, n:] = arithmetic.exact(np.eye(n))
-        for friction in frictions:
-            block[n:, n:] = block[n:, n:] + friction
-        return block
-
-    errors = np.zeros((2 * n, 2 * n))
-    errors[n:, :n] = up(
-        system.error / (1.0 - system.defect)
-    )  # row sums of the inverse of I + E are at most 1 / (1 - d)
-    unit = arithmetic.exact(np.eye(n))
-    mass = unit if system.excess is None else unit + system.excess
-    form = arithmetic.zeros((2 * n, 2 * n), real=False)  # p = M q' + G q / 2
-    form[:n, n:], form[n:, :n] = mass.times_i(), -mass.times_i()
-    if system.gyroscopic is not None:
-        form[:n, :n] = system.gyroscopic.times_i()
-    return balanced([piece.each(whole, other) for piece in system.pieces], errors, form)
-
-
 def _inverse_mass(arithmetic: Arithmetic, system: Oscillators) -> Matrix:
     """Enclose the inverse of I + E by I - E + E^2 - ...: what is left out has row sums below d^k / (1 - d)."""
-    n = system.stiffness.shape[0]
+    n = system.order
     inverse = arithmetic.exact(np.eye(n))
     if system.excess is None:
         return inverse
@@ -294,26 +323,14 @@ def _inverse_mass(arithmetic: Arithmetic, system: Oscillators) -> Matrix:
     return inverse.widened(np.full((n, n), up(left_out / (1.0 - system.defect))))
 
 
-def flow(arithmetic: Arithmetic, system: FirstOrder, period: Fraction) -> Flow:
-    """Return a system of first order in balls."""
-    factor = arithmetic.rational(period)
-
-    def scaled(matrix: Matrix) -> Matrix:
-        return matrix * factor
-
-    pieces = [piece.each(scaled, scaled) for piece in stretches(arithmetic, system.pieces, period)]
-    errors = np.full(pieces[0].mean.shape, up(system.error * float(period)) if system.error else 0.0)
-    return balanced(pieces, errors, arithmetic.exact(canonical_form(len(errors))))
-
-
 def canonical_form(order: int) -> Array:
     """Return the form of positions and momenta of equal numbers; of an odd order one that nothing keeps."""
     half = np.eye(order, order, order // 2)
     return 1j * (half - half.T)
 
 
-def balanced(pieces: list[Stretch], errors: Array, form: Matrix) -> Flow:
-    """Scale the unknowns by powers of two so that rows and columns have alike sums; ``errors`` are those of entries."""
+def balanced(pieces: list[Stretch], form: Matrix) -> Flow:
+    """Scale the unknowns by powers of two so that rows and columns have alike sums."""
     from scipy.linalg import matrix_balance
 
     size = np.maximum.reduce([piece.size for piece in pieces])
@@ -321,11 +338,8 @@ def balanced(pieces: list[Stretch], errors: Array, form: Matrix) -> Flow:
         raise Unresolved("the coefficients are too large")
     scale = matrix_balance(np.where(size > 1e-200, size, 0.0), permute=False, separate=True)[1][0]
     ratio = scale[None, :] / scale[:, None]
-    error = float(up((errors * ratio).sum(1).max())) if errors.any() else 0.0
 
     def shifted(matrix: Matrix) -> Matrix:
         return matrix.shifted(ratio)
 
-    return Flow(
-        [piece.each(shifted, shifted) for piece in pieces], error, form.shifted(scale[:, None] * scale[None, :])
-    )
+    return Flow([piece.each(shifted, shifted) for piece in pieces], form.shifted(scale[:, None] * scale[None, :]))

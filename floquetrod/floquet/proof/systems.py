@@ -11,8 +11,6 @@ proves that q decays.
 
 from __future__ import annotations
 
-import math
-from fractions import Fraction
 from itertools import pairwise
 from typing import NamedTuple
 
@@ -20,22 +18,15 @@ import numpy as np
 
 from floquetrod.equations import HillSystem, PeriodicSystem
 from floquetrod.floquet.proof.balls import Array, Doubles, up
-from floquetrod.floquet.proof.digits import settled
-from floquetrod.floquet.proof.integers import Integers
+from floquetrod.floquet.proof.digits import balls, settled
 from floquetrod.floquet.proof.intervals import TooMuchWork, Unresolved
 from floquetrod.floquet.proof.krein import krein_sums
 from floquetrod.floquet.proof.result import Enclosure, Proof
 from floquetrod.floquet.proof.system_counts import Counts, angles_between, count
-from floquetrod.floquet.proof.system_discs import Discs, enclose_eigenvalues
+from floquetrod.floquet.proof.system_discs import EigenvalueDiscs, enclose_eigenvalues
 from floquetrod.floquet.proof.system_flow import monodromy
-from floquetrod.floquet.proof.system_problem import (
-    Arithmetic,
-    FirstOrder,
-    Matrix,
-    SecondOrder,
-    flow_of_oscillators,
-    system_problem,
-)
+from floquetrod.floquet.proof.system_numbers import system_problem
+from floquetrod.floquet.proof.system_problem import Arithmetic, FirstOrder, Flow, Matrix, SystemProblem
 from floquetrod.floquet.verdict import Status
 
 _MOST_DIGITS_OF_INEXACT = 30  # more do not help where the coefficients are known to about 15
@@ -56,9 +47,7 @@ def certify_system(system: HillSystem | PeriodicSystem, max_digits: int) -> Proo
         max_digits = min(max_digits, _MOST_DIGITS_OF_INEXACT)
 
     def attempt(digits: int) -> Proof:
-        arithmetic = Doubles() if digits <= Doubles.digits else Integers(digits)
-        with np.errstate(all="ignore"):  # what is not finite decides nothing
-            finding = _attempt(arithmetic, problem)
+        finding = _attempt(balls(digits), problem)
         return Proof(system, finding.status, None, digits, finding.statement, finding.enclosures)
 
     def undecided(digits: int, reason: str) -> Proof:
@@ -69,7 +58,7 @@ def certify_system(system: HillSystem | PeriodicSystem, max_digits: int) -> Proo
     return settled(attempt, max_digits, undecided)
 
 
-def status_of_all(problem: SecondOrder | FirstOrder, multipliers: Array) -> Status | None:
+def status_of_all(problem: SystemProblem, multipliers: Array) -> Status | None:
     """Return what doubles prove of a problem that stands for many systems; None where they do not.
 
     Counts bear more variation of the coefficients than discs and come first; about ``multipliers`` they are taken.
@@ -86,26 +75,26 @@ def status_of_all(problem: SecondOrder | FirstOrder, multipliers: Array) -> Stat
     return None
 
 
-def _by_count_between(arithmetic: Arithmetic, problem: SecondOrder | FirstOrder, multipliers: Array) -> _Finding | None:
+def _by_count_between(arithmetic: Arithmetic, problem: SystemProblem, multipliers: Array) -> _Finding | None:
     """Conclude from counts at angles between multipliers; None where nothing follows, or there is nothing to count."""
     if isinstance(problem, FirstOrder) or not (problem.is_hamiltonian and problem.is_series):
         return None
-    freed = problem.oscillators(arithmetic, _unit_of_time(problem), freed=True)
+    freed = problem.oscillators(arithmetic, problem.unit, freed=True)
     counts = count(arithmetic, freed, angles_between(multipliers))
-    return _by_count(counts, problem.order, damped=_is_damped(problem))
+    return _by_count(counts, problem.order, damped=problem.is_damped)
 
 
-def _by_map(arithmetic: Arithmetic, problem: SecondOrder | FirstOrder, _: Array) -> _Finding:
+def _by_map(arithmetic: Arithmetic, problem: SystemProblem, _: Array) -> _Finding:
     """Conclude from the map over a period."""
-    enclosed = _enclosed_map(arithmetic, problem, freed=False)
+    enclosed = _enclosed_map(arithmetic, problem.flow(arithmetic))
     return _of_map(arithmetic, problem, enclosed, enclose_eigenvalues(arithmetic, enclosed.matrix))
 
 
-def _attempt(arithmetic: Arithmetic, problem: SecondOrder | FirstOrder) -> _Finding:
+def _attempt(arithmetic: Arithmetic, problem: SystemProblem) -> _Finding:
     """Prove a verdict by the map or else by counting; raises `Unresolved` if the digits are too few."""
     multipliers = np.exp(2j * np.pi * np.linspace(0.0, 0.5, 17))  # where the map does not tell them
     try:
-        enclosed = _enclosed_map(arithmetic, problem, freed=False)
+        enclosed = _enclosed_map(arithmetic, problem.flow(arithmetic))
         discs = enclose_eigenvalues(arithmetic, enclosed.matrix)
         multipliers = discs.centres
         finding = _of_map(arithmetic, problem, enclosed, discs)
@@ -116,62 +105,38 @@ def _attempt(arithmetic: Arithmetic, problem: SecondOrder | FirstOrder) -> _Find
         finding = counted
     if not problem.is_constant:
         return finding
-    constant = f"the coefficients are constant; over a time of {float(_unit_of_time(problem)):g}, {finding.statement}"
+    constant = f"the coefficients are constant; over a time of {float(problem.unit.low):g}, {finding.statement}"
     return finding._replace(statement=constant)
 
 
 class _Enclosed(NamedTuple):
-    """The map over a period in balls, and the form that it keeps where the system is Hamiltonian."""
+    """The map over a period in balls."""
 
     matrix: Matrix
-    form: Matrix
+    form: Matrix  # that it keeps where the system is Hamiltonian
 
 
-def _enclosed_map(arithmetic: Arithmetic, problem: SecondOrder | FirstOrder, *, freed: bool) -> _Enclosed:
-    """Return the map over a period, ``freed`` of uniform damping."""
-    unit = _unit_of_time(problem)
-    if isinstance(problem, FirstOrder):
-        flow = problem.flow(arithmetic, unit)
-    else:
-        flow = flow_of_oscillators(arithmetic, problem.oscillators(arithmetic, unit, freed=freed))
+def _enclosed_map(arithmetic: Arithmetic, flow: Flow) -> _Enclosed:
+    """Return the map over a period."""
     return _Enclosed(monodromy(arithmetic, flow), flow.form)
 
 
-def _of_map(arithmetic: Arithmetic, problem: SecondOrder | FirstOrder, enclosed: _Enclosed, discs: Discs) -> _Finding:
+def _of_map(arithmetic: Arithmetic, problem: SystemProblem, enclosed: _Enclosed, discs: EigenvalueDiscs) -> _Finding:
     """Conclude from discs that contain the multipliers of a map, or else from their Krein signs."""
     try:
         return _by_discs(discs, paired=problem.is_paired)
     except Unresolved:
         if not problem.is_hamiltonian:
             raise
-        damped = _is_damped(problem)
-        freed = _enclosed_map(arithmetic, problem, freed=True) if damped else enclosed
+        damped = problem.is_damped
+        freed = _enclosed_map(arithmetic, problem.flow(arithmetic, freed=True)) if damped else enclosed
         finding = _by_signs(arithmetic, freed, angles_between(discs.centres), damped=damped)
         if finding is None:
             raise
         return finding
 
 
-def _is_damped(problem: SecondOrder | FirstOrder) -> bool:
-    return isinstance(problem, SecondOrder) and bool(problem.damping.any())
-
-
-def _unit_of_time(problem: SecondOrder | FirstOrder) -> Fraction:
-    """Return the period; with constant coefficients, where any time will do, one in which solutions change little."""
-    if not problem.is_constant:
-        return problem.period
-    mean = problem.pieces[0].mean
-    if isinstance(problem, FirstOrder):
-        generator = mean
-    else:
-        n = problem.order
-        forces = np.hstack([mean, problem.damping + problem.gyroscopic])
-        generator = np.vstack([np.eye(n, 2 * n, n), -np.linalg.solve(problem.mass, forces)])
-    fastest = float(np.abs(np.linalg.eigvals(generator)).max())
-    return Fraction(2) ** -round(math.log2(fastest)) if fastest > 0.0 else problem.period
-
-
-def _by_discs(discs: Discs, *, paired: bool) -> _Finding:
+def _by_discs(discs: EigenvalueDiscs, *, paired: bool) -> _Finding:
     """Conclude from discs that contain the multipliers; ``paired``: with mu there is 1 / conj(mu)."""
     parts = discs.parts()
     outside = max(parts, key=lambda part: float(discs.low[part].min()))

@@ -10,8 +10,7 @@ import numpy as np
 
 from floquetrod.equations import Hill
 from floquetrod.floquet.dispatch import stability
-from floquetrod.floquet.proof.balls import Doubles
-from floquetrod.floquet.proof.integers import Integers
+from floquetrod.floquet.proof.digits import balls
 from floquetrod.floquet.proof.intervals import exp, rational
 from floquetrod.floquet.proof.problem import ExactProblem
 from floquetrod.floquet.proof.system_flow import monodromy
@@ -22,13 +21,10 @@ _LARGEST = 300.0  # exponent of a trace in doubles; growth beyond it is taken ou
 
 def enclose_trace(context: Any, problem: ExactProblem) -> Any:
     """Enclose the trace of the equation with its damping removed, with the digits of a context of intervals."""
-    arithmetic = Doubles() if context.dps <= Doubles.digits else Integers(context.dps)
-    shift = _shift(problem)
-    with np.errstate(all="ignore"):  # what is not finite decides nothing
-        pieces = [_stretch(arithmetic, problem, shift)]
-        flow = balanced(pieces, np.zeros((2, 2)), arithmetic.exact(canonical_form(2)))
-        matrix = monodromy(arithmetic, flow)
-        low, high = (matrix[0, 0] + matrix[1, 1]).ends()
+    arithmetic, shift = balls(context.dps), _shift(problem)
+    flow = balanced([_stretch(arithmetic, problem, shift)], arithmetic.exact(canonical_form(2)))
+    matrix = monodromy(arithmetic, flow)
+    low, high = (matrix[0, 0] + matrix[1, 1]).ends()
     return context.mpf([rational(context, low).a, rational(context, high).b]) * exp(context, shift * context.one)
 
 

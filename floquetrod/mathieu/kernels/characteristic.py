@@ -8,7 +8,7 @@ keeps its sign, so that a_m and b_m keep theirs (a_m(-q) = b_m(q) for odd m, DLM
 from __future__ import annotations
 
 import math
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -51,26 +51,46 @@ def corner_shift(order: int, q: float, odd_solution: bool) -> float:
     return -q if odd_solution else q
 
 
+class Line(NamedTuple):
+    """A line through the plane of (a, q), a = slope u, q = q0 + q1 u, with a scale of growth^2 along it, w0 + w1 u."""
+
+    slope: float
+    q0: float
+    q1: float
+    w0: float
+    w1: float
+
+
+@kernel
+def tongue_bracket(order: int, odd_solution: bool, line: Line, low: float, high: float) -> tuple[float, float]:
+    """Return places on a line, next to each other, of which a lies above a_order, or b_order, beyond the second only.
+
+    Along the line the count of characteristic values below a must not fall; the place is between ``low`` and ``high``.
+    """
+    slope, q0, q1, _, _ = line
+    first, sign = first_row(order, odd_solution), corner_shift(order, 1.0, odd_solution)
+    wanted = int((order - first) / 2.0)  # eigenvalues below it in its chain
+    for _ in range(1200):
+        middle = 0.5 * (low + high)
+        if middle <= low or middle >= high:
+            break
+        q = q0 + q1 * middle
+        if chain_count(slope * middle, q, first, sign * q) > wanted:
+            high = middle
+        else:
+            low = middle
+    return low, high
+
+
 @kernel
 def characteristic_value(order: int, q: float, odd_solution: bool) -> float:
     """Return a_order(q), or b_order(q) when ``odd_solution``."""
-    first = first_row(order, odd_solution)
-    shift = corner_shift(order, q, odd_solution)
-    wanted = int((order - first) / 2.0)  # eigenvalues below it in its chain
     centre = float(order) * float(order)
     if q == 0.0:
         return centre
     # The coupling has norm at most 2 |q| (Gershgorin), so every eigenvalue moves by no more than that (Weyl).
     reach = 2.0 * abs(q) * (1.0 + 1e-15) + 1e-15 * centre
-    low, high = centre - reach, centre + reach
-    for _ in range(1200):
-        middle = 0.5 * (low + high)
-        if middle <= low or middle >= high:
-            break
-        if chain_count(middle, q, first, shift) > wanted:
-            high = middle
-        else:
-            low = middle
+    low, high = tongue_bracket(order, odd_solution, Line(1.0, q, 0.0, 1.0, 0.0), centre - reach, centre + reach)
     return 0.5 * (low + high)
 
 

@@ -1,7 +1,6 @@
 """Kernels for the edges of a tongue's part above a level, along straight lines through the plane of (a, q).
 
-A line is a = slope u, q = q0 + q1 u, along which the count of characteristic values below a must not fall as u grows:
-slope 1 and q1 = 0 is a line along the mean, with u = a; slope 4 kappa and q0 = 0 one along the frequency at given
+Slope 1 and q1 = 0 is a line along the mean, with u = a; slope 4 kappa and q0 = 0 one along the frequency at given
 forces, with u = 1 / omega^2.  What is compared with the level is growth^2 / (w0 + w1 u), growth per unit tau, which
 must have one maximum within the tongue: w0 = 1 / omega^2 or w1 = 1 make it the square of growth per second.
 """
@@ -14,46 +13,36 @@ from typing import Any
 from floquetrod._util.arrays import EPS
 from floquetrod._util.compilation import kernel
 from floquetrod.floquet.kernels.mathieu import undamped_growth
-from floquetrod.mathieu.kernels.characteristic import chain_count, corner_shift, first_row
+from floquetrod.mathieu.kernels.characteristic import Line, tongue_bracket
 
 _GOLDEN = 0.3819660112501051
 _CLOSE = 1e-8  # share of a tongue to which its summit is located: growth is then known to rounding
 
 
 @kernel
-def tongue_end(order: int, odd_solution: bool, slope: float, q0: float, q1: float, low: float, high: float) -> float:
+def tongue_end(order: int, odd_solution: bool, line: Line, low: float, high: float) -> float:
     """Return the place on a line, between ``low`` and ``high``, beyond which a lies above a_order, or b_order."""
     if order == 0 and odd_solution:
         return low
-    first = first_row(order, odd_solution)
-    wanted = int((order - first) / 2.0)
-    for _ in range(1200):
-        middle = 0.5 * (low + high)
-        if middle <= low or middle >= high:
-            break
-        q = q0 + q1 * middle
-        if chain_count(slope * middle, q, first, corner_shift(order, q, odd_solution)) > wanted:
-            high = middle
-        else:
-            low = middle
-    return high
+    return tongue_bracket(order, odd_solution, line, low, high)[1]
 
 
 @kernel
-def squared_rate(u: float, slope: float, q0: float, q1: float, w0: float, w1: float) -> float:
+def squared_rate(u: float, line: Line) -> float:
     """Return growth^2 / (w0 + w1 u) at a place on a line."""
+    slope, q0, q1, w0, w1 = line
     rate = undamped_growth(0.5 * (q0 + q1 * u), -0.25 * (slope * u), 0.0)
     return rate * rate / (w0 + w1 * u)
 
 
 @kernel
-def summit(slope: float, q0: float, q1: float, w0: float, w1: float, low: float, high: float) -> tuple[float, float]:
+def summit(line: Line, low: float, high: float) -> tuple[float, float]:
     """Return where on a line, between ``low`` and ``high``, the squared rate is largest, and its value there.
 
     Brent's method: parabolas through the best three places, golden sections where they do not help.
     """
     best = 0.5 * (low + high)
-    value = squared_rate(best, slope, q0, q1, w0, w1)
+    value = squared_rate(best, line)
     second, at_second = best, value
     third, at_third = best, value
     step = 0.0
@@ -88,7 +77,7 @@ def summit(slope: float, q0: float, q1: float, w0: float, w1: float, low: float,
         place = best + (step if abs(step) >= least else math.copysign(least, step))
         if not low <= place <= high:
             break
-        here = squared_rate(place, slope, q0, q1, w0, w1)
+        here = squared_rate(place, line)
         if here >= value:
             if place >= best:
                 a = best
@@ -111,25 +100,14 @@ def summit(slope: float, q0: float, q1: float, w0: float, w1: float, low: float,
 
 
 @kernel
-def _crossing(
-    slope: float,
-    q0: float,
-    q1: float,
-    w0: float,
-    w1: float,
-    target: float,
-    inside: float,
-    at_inside: float,
-    outside: float,
-    at_outside: float,
-) -> float:
+def _crossing(line: Line, target: float, inside: float, at_inside: float, outside: float, at_outside: float) -> float:
     """Return where the squared rate passes ``target``, surplus positive ``inside``: Chandrupatla's method."""
     a, b, c = inside, outside, inside
     fa, fb, fc = at_inside, at_outside, at_inside
     t = 0.5
     for _ in range(200):
         place = a + t * (b - a)
-        value = squared_rate(place, slope, q0, q1, w0, w1) - target
+        value = squared_rate(place, line) - target
         if (value > 0.0) == (fa > 0.0):
             c, fc = a, fa
         else:
@@ -152,41 +130,31 @@ def _crossing(
 
 @kernel
 def level_edges(
-    order: int,
-    slope: float,
-    q0: float,
-    q1: float,
-    w0: float,
-    w1: float,
-    low: float,
-    high: float,
-    target: float,
-    lower: bool,
-    upper: bool,
+    order: int, line: Line, low: float, high: float, target: float, lower: bool, upper: bool
 ) -> tuple[float, float]:
     """Return the lower and the upper end in u of the part of a tongue whose squared rate exceeds ``target``.
 
     They are the tongue's own ends where ``target`` is zero, and both the summit where nothing exceeds it.  Tongue 0
     begins at ``low``.  Of an end not asked for, neither ``lower`` nor ``upper``, any value is returned.
     """
-    first = tongue_end(order, True, slope, q0, q1, low, high) if lower or target > 0.0 else low
-    last = tongue_end(order, False, slope, q0, q1, low, high) if upper or target > 0.0 else high
+    first = tongue_end(order, True, line, low, high) if lower or target > 0.0 else low
+    last = tongue_end(order, False, line, low, high) if upper or target > 0.0 else high
     if target == 0.0:
         return first, last
     top = first
-    most = squared_rate(first, slope, q0, q1, w0, w1) if order == 0 else -1.0
+    most = squared_rate(first, line) if order == 0 else -1.0
     if most <= target:
-        top, most = summit(slope, q0, q1, w0, w1, first, last)
+        top, most = summit(line, first, last)
     if most <= target:
         return top, top
     if lower and first != top:
-        at_end = squared_rate(first, slope, q0, q1, w0, w1) - target
+        at_end = squared_rate(first, line) - target
         if at_end < 0.0:
-            first = _crossing(slope, q0, q1, w0, w1, target, top, most - target, first, at_end)
+            first = _crossing(line, target, top, most - target, first, at_end)
     if upper and last != top:
-        at_end = squared_rate(last, slope, q0, q1, w0, w1) - target
+        at_end = squared_rate(last, line) - target
         if at_end < 0.0:
-            last = _crossing(slope, q0, q1, w0, w1, target, top, most - target, last, at_end)
+            last = _crossing(line, target, top, most - target, last, at_end)
     return first, last
 
 
@@ -207,27 +175,28 @@ def edge_fill(
 ) -> None:
     """Fill ``out`` (n, 2) with `level_edges`."""
     for i in range(len(order)):
-        out[i, 0], out[i, 1] = level_edges(
-            order[i], slope[i], q0[i], q1[i], w0[i], w1[i], low[i], high[i], target[i], lower[i], upper[i]
-        )
+        line = Line(slope[i], q0[i], q1[i], w0[i], w1[i])
+        out[i, 0], out[i, 1] = level_edges(order[i], line, low[i], high[i], target[i], lower[i], upper[i])
 
 
 @kernel
 def ridge_fill(order: Any, slope: Any, q0: Any, q1: Any, w0: Any, w1: Any, low: Any, high: Any, out: Any) -> None:
     """Fill ``out`` with the largest squared rate of whole tongues."""
     for i in range(len(order)):
-        start = tongue_end(order[i], True, slope[i], q0[i], q1[i], low[i], high[i])
-        last = tongue_end(order[i], False, slope[i], q0[i], q1[i], low[i], high[i])
-        _, out[i] = summit(slope[i], q0[i], q1[i], w0[i], w1[i], start, last)
+        line = Line(slope[i], q0[i], q1[i], w0[i], w1[i])
+        first = tongue_end(order[i], True, line, low[i], high[i])
+        last = tongue_end(order[i], False, line, low[i], high[i])
+        _, out[i] = summit(line, first, last)
 
 
 @kernel
 def summit_fill(slope: Any, q0: Any, q1: Any, w0: Any, w1: Any, low: Any, high: Any, out: Any) -> None:
     """Fill ``out`` (n, 2) with `summit` on pieces of tongues, growth at whose ends is not zero."""
     for i in range(len(slope)):
-        place, value = summit(slope[i], q0[i], q1[i], w0[i], w1[i], low[i], high[i])
+        line = Line(slope[i], q0[i], q1[i], w0[i], w1[i])
+        place, value = summit(line, low[i], high[i])
         for end in (low[i], high[i]):
-            at_end = squared_rate(end, slope[i], q0[i], q1[i], w0[i], w1[i])
+            at_end = squared_rate(end, line)
             if at_end >= value:
                 place, value = end, at_end
         out[i, 0], out[i, 1] = place, value

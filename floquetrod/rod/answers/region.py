@@ -215,9 +215,8 @@ class _Proving:
             status = "stable" if self.tail_is_stable else "undecided"
         elif not self.unfinished and self.proved_stable == 0.0:
             status = "unstable"
-        shares = Shares(min(1.0, self.proved_stable) if self.tail_is_stable else 0.0, min(1.0, self.growing))
-        if status in ("stable", "unstable"):
-            shares = Shares(float(status == "stable"), float(status == "unstable"))
+        proved = Shares(min(1.0, self.proved_stable) if self.tail_is_stable else 0.0, min(1.0, self.growing))
+        shares = proved.with_status(status)
         return RegionProof(
             subject=self.box.rod,
             status=status,

@@ -1,4 +1,4 @@
-"""Intervals of doubles rounded outwards: what a kernel proves rests on these few operations.
+"""Intervals of doubles rounded outwards, pairs (low, high): what a kernel proves rests on these few operations.
 
 An operation on doubles is rounded to the nearest one (IEEE 754), so the exact result lies within a unit of the last
 place of what is computed; `down` and `up` step over it.  A number that is not finite stays so or becomes NaN, and every
@@ -8,6 +8,7 @@ comparison with NaN is false: kernels conclude only from comparisons that hold.
 from __future__ import annotations
 
 import math
+from typing import TypeAlias
 
 from floquetrod._util.compilation import kernel
 
@@ -17,6 +18,8 @@ PI_LOW = 3.141592653589793  # the double below pi
 PI_HIGH = 3.1415926535897936  # the double above pi
 LOG2_LOW = 0.6931471805599453  # the double below log 2
 LOG2_HIGH = 0.6931471805599454  # the double above log 2
+
+Pair: TypeAlias = tuple[float, float]
 
 
 @kernel
@@ -32,20 +35,22 @@ def up(x: float) -> float:
 
 
 @kernel
-def add(a: float, b: float, c: float, d: float) -> tuple[float, float]:
-    """Enclose the sum of [a, b] and [c, d]."""
-    return down(a + c), up(b + d)
+def add(x: Pair, y: Pair) -> Pair:
+    """Enclose the sum of two intervals."""
+    return down(x[0] + y[0]), up(x[1] + y[1])
 
 
 @kernel
-def subtract(a: float, b: float, c: float, d: float) -> tuple[float, float]:
-    """Enclose the difference of [a, b] and [c, d]."""
-    return down(a - d), up(b - c)
+def subtract(x: Pair, y: Pair) -> Pair:
+    """Enclose the difference of two intervals."""
+    return down(x[0] - y[1]), up(x[1] - y[0])
 
 
 @kernel
-def multiply(a: float, b: float, c: float, d: float) -> tuple[float, float]:
-    """Enclose the product of [a, b] and [c, d]; NaN where a product of two ends is."""
+def multiply(x: Pair, y: Pair) -> Pair:
+    """Enclose the product of two intervals; NaN where a product of two ends is."""
+    a, b = x
+    c, d = y
     ac = a * c
     ad = a * d
     bc = b * c
@@ -57,8 +62,9 @@ def multiply(a: float, b: float, c: float, d: float) -> tuple[float, float]:
 
 
 @kernel
-def square(a: float, b: float) -> tuple[float, float]:
-    """Enclose the squares of [a, b]."""
+def square(x: Pair) -> Pair:
+    """Enclose the squares of an interval."""
+    a, b = x
     aa = a * a
     bb = b * b
     poison = 0.0 * (aa + bb)
@@ -67,8 +73,10 @@ def square(a: float, b: float) -> tuple[float, float]:
 
 
 @kernel
-def divide(a: float, b: float, c: float, d: float) -> tuple[float, float]:
-    """Enclose the quotients of [a, b] by [c, d], which must not hold zero: else NaN."""
+def divide(x: Pair, y: Pair) -> Pair:
+    """Enclose the quotients of an interval by another, which must not hold zero: else NaN."""
+    a, b = x
+    c, d = y
     if not (c > 0.0 or d < 0.0):
         return math.nan, math.nan
     ac = a / c
@@ -82,39 +90,32 @@ def divide(a: float, b: float, c: float, d: float) -> tuple[float, float]:
 
 
 @kernel
-def exp(x: float) -> tuple[float, float]:
+def exp(x: float) -> Pair:
     """Enclose the exponential of a double between -600 and 600: powers of two and a series."""
     if not -600.0 <= x <= 600.0:
         return math.nan, math.nan
     n = float(math.floor(x / LOG2_LOW + 0.5))
-    a, b = multiply(n, n, LOG2_LOW, LOG2_HIGH)
-    a, b = subtract(x, x, a, b)
-    low, high = 1.0, 1.0
+    rest = subtract((x, x), multiply((n, n), (LOG2_LOW, LOG2_HIGH)))
+    total = 1.0, 1.0
     for k in range(16, 0, -1):  # 1 + r / k (1 + r / (k + 1) (...)), the rest within r^17 / 17! < 1e-21
-        low, high = multiply(low, high, a, b)
-        low, high = divide(low, high, float(k), float(k))
-        low, high = add(low, high, 1.0, 1.0)
+        total = add(divide(multiply(total, rest), (float(k), float(k))), (1.0, 1.0))
     scale = math.ldexp(1.0, int(n))
-    return down((low - 1e-20) * scale), up((high + 1e-20) * scale)
+    return down((total[0] - 1e-20) * scale), up((total[1] + 1e-20) * scale)
 
 
 @kernel
-def sinh_squared(x: float) -> tuple[float, float]:
+def sinh_squared(x: float) -> Pair:
     """Enclose sinh(x)^2 for a double from 0 to 300."""
     if not 0.0 <= x <= 300.0:
         return math.nan, math.nan
     if x < 0.5:  # the sum of (2 x)^(2 j) / (2 (2 j)!), the rest within a part in 1e18 of the first term
-        y, z = square(2.0 * x, 2.0 * x)
-        low, high = 1.0, 1.0
+        y = square((2.0 * x, 2.0 * x))
+        total = 1.0, 1.0
         for j in range(9, 1, -1):
-            low, high = multiply(low, high, y, z)
-            low, high = divide(low, high, 2.0 * j * (2.0 * j - 1.0), 2.0 * j * (2.0 * j - 1.0))
-            low, high = add(low, high, 1.0, 1.0)
-        y, z = square(x, x)
-        low, high = multiply(low, high, y, z)
+            n = 2.0 * j * (2.0 * j - 1.0)
+            total = add(divide(multiply(total, y), (n, n)), (1.0, 1.0))
+        low, high = multiply(total, square((x, x)))
         return max(0.0, low), up(high * (1.0 + 4.0 * ULP))
-    low, high = exp(x)
-    a, b = divide(1.0, 1.0, low, high)
-    a, b = subtract(low, high, a, b)
-    low, high = square(a, b)
+    grown = exp(x)
+    low, high = square(subtract(grown, divide((1.0, 1.0), grown)))
     return 0.25 * low, 0.25 * high

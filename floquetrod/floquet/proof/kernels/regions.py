@@ -22,6 +22,7 @@ from floquetrod.floquet.proof.kernels.regions_boxes import (
     PUSH,
     SWING,
     mode_box,
+    side,
     status_of_mode,
     tail_modes,
 )
@@ -38,30 +39,17 @@ _FINEST = 1e-13  # relative width below which a side is not bisected
 class BoxSearch(NamedTuple):
     """State of a subdivision, changed by `certify_box`: boxes wait in line, each half as large as the one it came from.
 
-    Attributes
-    ----------
-    boxes : ndarray, shape (n, 8, 2)
-        Boxes still to be examined, in a ring.
-    pending : ndarray of int, shape (n, 1 + listed)
-        Of each, how many modes have not been proved quiet, then which; -1 and the first where they are too many.
-    shares : ndarray, shape (n + 3,)
-        The first three: shares of the volume proved quiet, proved growing, and given up.  Then that of each box.
-    counts : ndarray of int, shape (7,)
-        Boxes examined; boxes waiting and where the first of them is; parts proved quiet, proved growing (single points
-        found on the way count as parts), given up (too small to be bisected); the mode that grows in the growing
-        example, 0 where there is none.
-    examples : ndarray, shape (2, 8, 2)
-        A box proved quiet and a box proved growing; NaN where there is none.  They may be single points.
-    last : int
-        Modes 1 to ``last`` are looked at.
+    ``counts``: boxes examined; boxes waiting and where the first of them is; parts proved quiet, proved growing (single
+    points found on the way count as parts), given up (too small to be bisected); the mode that grows in the growing
+    example, 0 where there is none.
     """
 
-    boxes: NDArray[np.float64]
-    pending: NDArray[np.int64]
-    shares: NDArray[np.float64]
-    counts: NDArray[np.int64]
-    examples: NDArray[np.float64]
-    last: int
+    boxes: NDArray[np.float64]  # (n, 8, 2): still to be examined, in a ring
+    pending: NDArray[np.int64]  # (n, 1 + listed): how many modes are not proved quiet, which; -1, first: too many
+    shares: NDArray[np.float64]  # (n + 3,): of the volume proved quiet, growing, and given up; then of each box
+    counts: NDArray[np.int64]  # (7,)
+    examples: NDArray[np.float64]  # (2, 8, 2): proved quiet and proved growing; NaN where there is none
+    last: int  # modes 1 to this are looked at
 
 
 def box_search(box: NDArray[np.float64], last: int, max_boxes: int) -> BoxSearch:
@@ -161,8 +149,8 @@ def _at(box: Any, along: float, force: float, point: Any) -> None:
 def _excess_at(box: Any, mode: int, parity: int, along: float, point: Any) -> float:
     """Return the excess of a mode at `_at`, about, and leave the point in ``point``."""
     _at(box, along, 1.0, point)
-    kl, kh, pl, ph = mode_box(point, mode)
-    low, high = excess(kl, kh, pl, ph, point[FREQUENCY, 0], point[FREQUENCY, 0], parity)
+    kappa, p = mode_box(point, mode)
+    low, high = excess(kappa, p, side(point, FREQUENCY), parity)
     return 0.5 * (low + high) if low > -math.inf and high < math.inf else -math.inf
 
 
@@ -172,9 +160,9 @@ def aim(box: Any, mode: int, point: Any) -> None:
 
     Between two tongues of the other parity the excess has one maximum along a: a golden section finds it.
     """
-    kl, kh, _, _ = mode_box(box, mode)
-    low = 2.0 * math.sqrt(max(kl, 0.0)) / box[FREQUENCY, 1]
-    high = 2.0 * math.sqrt(max(kh, 0.0)) / box[FREQUENCY, 0]
+    kappa, _ = mode_box(box, mode)
+    low = 2.0 * math.sqrt(max(kappa[0], 0.0)) / box[FREQUENCY, 1]
+    high = 2.0 * math.sqrt(max(kappa[1], 0.0)) / box[FREQUENCY, 0]
     order = min(math.ceil(low - 0.2), math.floor(high + 0.2))
     parity = int(order) % 2
     left, right = 0.0, 1.0
@@ -184,8 +172,8 @@ def aim(box: Any, mode: int, point: Any) -> None:
         for _ in range(12):
             middle = 0.5 * (below + above)
             _at(box, middle, 1.0, point)
-            middle_kappa, _, _, _ = mode_box(point, mode)
-            if 2.0 * math.sqrt(max(middle_kappa, 0.0)) > wanted * point[FREQUENCY, 0]:
+            kappa, _ = mode_box(point, mode)
+            if 2.0 * math.sqrt(max(kappa[0], 0.0)) > wanted * point[FREQUENCY, 0]:
                 below = middle
             else:
                 above = middle

@@ -2,13 +2,13 @@
 
 A box is an array (8, 2) of doubles: the lowest and highest values of
 
-    0  F       mean force, N                     3  c1       E I w^4 / mu, 1/s^2       w = pi / length
-    1  dF      amplitude of the force, N         4  c2       w^2 / mu, 1/(N s^2)       mu mass per length
-    2  omega   frequency, rad/s                  5  Omega^2  square of the pendulum frequency, 1/s^2
-                                                 6  lambda   damping rate, 1/s
+    0  F       mean force, N                     4  c2       w^2 / mu, 1/(N s^2)       mu mass per length
+    1  dF      amplitude of the force, N         5  Omega^2  square of the pendulum frequency, 1/s^2
+    2  omega   frequency, rad/s                  6  h        m_0^2, of modes held down where the channel bends
+    3  c1      E I w^4 / mu, 1/s^2, w = pi / l   7  lambda   damping rate, 1/s
 
-Mode m moves as A'' + 2 lambda A' + (c1 m^4 - c2 m^2 (F + dF sin omega t) + Omega^2) A = 0.  All numbers are in seconds,
-and all conclusions are proved, rounding included.
+Mode m moves as A'' + 2 lambda A' + (c1 m^4 - c2 (m^2 - h) (F + dF sin omega t) + Omega^2) A = 0.  All numbers are in
+seconds, and all conclusions are proved, rounding included.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ import math
 from typing import Any
 
 from floquetrod._util.compilation import kernel
-from floquetrod.floquet.proof.kernels.intervals import down, multiply, square, up
+from floquetrod.floquet.proof.kernels.intervals import Pair, down, multiply, square, up
 from floquetrod.floquet.proof.kernels.regions_modes import UNKNOWN, mode_status
 
 MEAN, AMPLITUDE, FREQUENCY, BENDING, PUSH, SWING, HELD, DAMPING = range(8)
@@ -29,30 +29,32 @@ _NOTHING = 1e-60
 
 
 @kernel
-def mode_box(box: Any, mode: int) -> tuple[float, float, float, float]:
-    """Enclose kappa and p, both in 1/s^2, of a mode freed of its damping: u'' + (kappa - p sin omega t) u = 0.
+def side(box: Any, row: int) -> Pair:
+    """Return both ends of a row of a box."""
+    return box[row, 0], box[row, 1]
 
-    Returns
-    -------
-    kappa_low, kappa_high, p_low, p_high : float
-    """
+
+@kernel
+def mode_box(box: Any, mode: int) -> tuple[Pair, Pair]:
+    """Enclose kappa and p, both in 1/s^2, of a mode freed of its damping: u'' + (kappa - p sin omega t) u = 0."""
     m2 = float(mode) * float(mode)
-    driven_low, driven_high = m2, m2
+    driven = m2, m2
     if box[HELD, 0] != 0.0 or box[HELD, 1] != 0.0:
-        driven_low, driven_high = down(m2 - box[HELD, 1]), up(m2 - box[HELD, 0])
-    pl, ph = multiply(box[PUSH, 0], box[PUSH, 1], driven_low, driven_high)
-    fl, fh = multiply(pl, ph, box[MEAN, 0], box[MEAN, 1])
-    al, ah = 0.0, 0.0
+        driven = down(m2 - box[HELD, 1]), up(m2 - box[HELD, 0])
+    push = multiply(side(box, PUSH), driven)
+    force = multiply(push, side(box, MEAN))
+    p = 0.0, 0.0
     if box[AMPLITUDE, 1] > 0.0:
-        al, ah = multiply(pl, ph, box[AMPLITUDE, 0], box[AMPLITUDE, 1])
+        low, high = multiply(push, side(box, AMPLITUDE))
         # Of a mode that is held the vibration has the opposite phase; of one about m_0 no sign is known.
-        al, ah = (max(al, 0.0), ah) if driven_low >= 0.0 else (max(-ah, 0.0), max(ah, -al))
-    bl, bh = multiply(box[BENDING, 0], box[BENDING, 1], m2, m2)
-    bl, bh = multiply(bl, bh, m2, m2)  # m2 is exact as a double, its square need not be
-    dl, dh = square(box[DAMPING, 0], box[DAMPING, 1])
-    low = down(down(bl - fh) + down(box[SWING, 0] - dh))
-    high = up(up(bh - fl) + up(box[SWING, 1] - dl))
-    return low, high, al, ah
+        p = (max(low, 0.0), high) if driven[0] >= 0.0 else (max(-high, 0.0), max(high, -low))
+    bending = multiply(
+        multiply(side(box, BENDING), (m2, m2)), (m2, m2)
+    )  # m2 is exact as a double, its square need not be
+    damping = square(side(box, DAMPING))
+    low = down(down(bending[0] - force[1]) + down(box[SWING, 0] - damping[1]))
+    high = up(up(bending[1] - force[0]) + up(box[SWING, 1] - damping[0]))
+    return (low, high), p
 
 
 @kernel
@@ -72,20 +74,19 @@ def tail_bound(box: Any, last: int) -> float:
     c1 = box[BENDING, 0]
     push = up(box[PUSH, 1] * box[AMPLITUDE, 1])
     mean = up(box[MEAN, 1] * (box[PUSH, 1] if box[MEAN, 1] > 0.0 else box[PUSH, 0]))
-    bent_low, bent_high = 0.0, 0.0
+    bent = 0.0, 0.0
     if box[HELD, 0] != 0.0 or box[HELD, 1] != 0.0:
         m2 = down(m2 - box[HELD, 1])
         if not m2 > 0.0:
             return math.inf
-        bent, _ = multiply(2.0 * c1, 2.0 * box[BENDING, 1], box[HELD, 0], box[HELD, 1])
-        mean = up(mean - bent)
-        squared_low, squared_high = square(box[HELD, 0], box[HELD, 1])
-        bent_low, bent_high = multiply(c1, box[BENDING, 1], squared_low, squared_high)
+        held = side(box, HELD)
+        mean = up(mean - multiply((2.0 * c1, 2.0 * box[BENDING, 1]), held)[0])
+        bent = multiply(side(box, BENDING), square(held))
     m4 = down(m2 * m2)
     swing = down(down(box[SWING, 0] - up(box[DAMPING, 1] * box[DAMPING, 1])) + max(0.0, down(level * level)))
     most = up(up(box[SWING, 1] - max(0.0, down(box[DAMPING, 0] * box[DAMPING, 0]))) + up(level * level))
-    if bent_high != 0.0:
-        swing, most = down(swing + bent_low), up(most + bent_high)
+    if bent[1] != 0.0:
+        swing, most = down(swing + bent[0]), up(most + bent[1])
     if not down(c1 * m4) >= most:
         return math.inf
     kappa = down(down(down(c1 * m4) - up(mean * m2)) + swing)
@@ -174,12 +175,11 @@ def status_of_mode(box: Any, mode: int, tolerance_low: float, tolerance_high: fl
     Nothing is said where the contact force, Omega^2 + c2 h F in these units, may come to zero.
     """
     if box[HELD, 0] != 0.0 or box[HELD, 1] != 0.0:
-        bend_low, bend_high = multiply(box[PUSH, 0], box[PUSH, 1], box[HELD, 0], box[HELD, 1])
-        least, most = down(box[MEAN, 0] - box[AMPLITUDE, 1]), up(box[MEAN, 1] + box[AMPLITUDE, 1])
-        press, _ = multiply(bend_low, bend_high, least, most)
-        if not down(box[SWING, 0] + press) > 0.0:
+        bend = multiply(side(box, PUSH), side(box, HELD))
+        force = down(box[MEAN, 0] - box[AMPLITUDE, 1]), up(box[MEAN, 1] + box[AMPLITUDE, 1])
+        if not down(box[SWING, 0] + multiply(bend, force)[0]) > 0.0:
             return UNKNOWN
-    kl, kh, pl, ph = mode_box(box, mode)
+    kappa, p = mode_box(box, mode)
     low = max(0.0, down(box[DAMPING, 0] + tolerance_low)) if box[DAMPING, 0] > 0.0 else tolerance_low
     high = up(box[DAMPING, 1] + tolerance_high) if box[DAMPING, 1] > 0.0 else tolerance_high
-    return mode_status(kl, kh, pl, ph, box[FREQUENCY, 0], box[FREQUENCY, 1], low, high)
+    return mode_status(kappa, p, side(box, FREQUENCY), (low, high))

@@ -19,6 +19,7 @@ from floquetrod._util.compilation import kernel
 from floquetrod.floquet.proof.kernels.intervals import (
     PI_HIGH,
     PI_LOW,
+    Pair,
     add,
     divide,
     down,
@@ -36,58 +37,55 @@ _BIG = 2.0**200  # above which
 
 
 @kernel
-def _power_sum(n: float, j: int) -> tuple[float, float]:
+def _power_sum(n: float, j: int) -> Pair:
     """Enclose the sum of k^(-2 j) for k = n, n + 2, n + 4, ...: the midpoint rule, errors between two integrals."""
     power = 2.0 * j
-    al, ah = divide(1.0, 1.0, n - 1.0, n - 1.0)
-    bl, bh = divide(1.0, 1.0, n, n)
-    fl, fh = 1.0, 1.0
-    gl, gh = bl, bh
+    before = divide((1.0, 1.0), (n - 1.0, n - 1.0))
+    here = divide((1.0, 1.0), (n, n))
+    f = 1.0, 1.0
+    g = here
     for _ in range(2 * j):
-        fl, fh = multiply(fl, fh, al, ah)
-        gl, gh = multiply(gl, gh, bl, bh)
-    # fl: (n - 1)^(-2 j); gl: n^(-2 j - 1), so that abs(f'(n)) = 2 j gl and f''(n - 1) = 2 j (2 j + 1) fl / (n - 1)^2
-    whole_low, whole_high = multiply(fl, fh, n - 1.0, n - 1.0)
-    whole_low, whole_high = divide(whole_low, whole_high, power - 1.0, power - 1.0)
-    high = up(whole_high - down(down(power * gl) / 6.0))
-    steep = up(up(up(power * (power + 1.0) * fh) * up(ah * ah)) * 0.5)
-    low = down(whole_low - up(up(steep + up(up(power * gh) * 0.5)) / 3.0))
+        f = multiply(f, before)
+        g = multiply(g, here)
+    # f: (n - 1)^(-2 j); g: n^(-2 j - 1), so that abs(f'(n)) = 2 j g and f''(n - 1) = 2 j (2 j + 1) f / (n - 1)^2
+    whole = divide(multiply(f, (n - 1.0, n - 1.0)), (power - 1.0, power - 1.0))
+    high = up(whole[1] - down(down(power * g[0]) / 6.0))
+    steep = up(up(up(power * (power + 1.0) * f[1]) * up(before[1] * before[1])) * 0.5)
+    low = down(whole[0] - up(up(steep + up(up(power * g[1]) * 0.5)) / 3.0))
     return 0.5 * low, 0.5 * high
 
 
 @kernel
-def _tail(al: float, ah: float, q: float, ql: float, n: float) -> tuple[float, float]:
-    """Enclose the product of all e_k / (k^2 h) for k = n, n + 2, ...; a in [al, ah], q in [ql, q].
+def _tail(a: Pair, q: float, ql: float, n: float) -> Pair:
+    """Enclose the product of all e_k / (k^2 h) for k = n, n + 2, ...; q in [ql, q].
 
     e_k / (k^2 h) = 1 - (a + y_k) / k^2 with y_k = q^2 / ((k + 2)^2 - a - ...), so that its logarithm is that of
     1 - a / k^2 plus that of 1 - y_k / (k^2 - a).
     """
-    size = max(abs(al), abs(ah))
+    size = max(abs(a[0]), abs(a[1]))
     n2 = n * n
     ratio = up(size / n2)
     if not up(up(size + 2.0 * q) / n2) <= 0.25:
         return math.nan, math.nan
-    low, high = 0.0, 0.0
-    pl, ph = 1.0, 1.0
+    total = 0.0, 0.0
+    power = 1.0, 1.0
     last = 1.0
     for j in range(1, 9):
-        pl, ph = multiply(pl, ph, al, ah)
-        sl, sh = _power_sum(n, j)
-        tl, th = multiply(pl, ph, sl, sh)
-        tl, th = divide(tl, th, float(j), float(j))
-        low, high = add(low, high, tl, th)
-        last = sh
+        power = multiply(power, a)
+        powers = _power_sum(n, j)
+        total = add(total, divide(multiply(power, powers), (float(j), float(j))))
+        last = powers[1]
     rest = last
     for _ in range(9):
         rest = up(rest * (size if _ < 8 else ratio))
     rest = up(rest / down(1.0 - ratio))
-    low = down(low - rest)
-    high = up(high + rest)
+    low = down(total[0] - rest)
+    high = up(total[1] + rest)
     # The sum of y_k / (k^2 - a), and of -log(1 - t) <= t / (1 - t).
-    room = down(1.0 - up(max(0.0, up(ah + q)) / n2))
+    room = down(1.0 - up(max(0.0, up(a[1] + q)) / n2))
     most = up(up(q * q) / down(down(6.0 * down(down(n2 - 1.0) * down(n2 - 1.0))) / n))
     most = up(most / down(room * room))
-    far = up(1.0 + up(max(0.0, -al) / n2))
+    far = up(1.0 + up(max(0.0, -a[0]) / n2))
     least = down(max(0.0, down(ql * ql)) / up(6.0 * up((n + 1.0) * up((n + 1.0) * (n + 1.0)))))
     least = max(0.0, down(least / up(far * far)))
     step = up(up(q * q) / down(down(n2 * room) * down(n2 * room)))
@@ -100,114 +98,105 @@ def _tail(al: float, ah: float, q: float, ql: float, n: float) -> tuple[float, f
 
 
 @kernel
-def _pivot(
-    xl: float, xh: float, dl: float, dh: float, kl: float, kh: float, gl: float, gh: float
-) -> tuple[float, float, float, float]:
-    """Return v = kappa + g^2 / d and the pivot x - v; ``gl``, ``gh`` enclose g^2, d does not hold zero."""
-    if dl > 0.0:
-        vl = down(kl + down(gl / dh))
-        vh = up(kh + up(gh / dl))
-    else:
-        vl = down(kl + down(gh / dh))
-        vh = up(kh + up(gl / dl))
-    return vl, vh, down(xl - vh), up(xh - vl)
+def _taken(d: Pair, kappa: Pair, g2: Pair) -> Pair:
+    """Return v = kappa + g^2 / d, what the row of a pivot d and its own kappa take from the next; d holds no zero."""
+    if d[0] > 0.0:
+        return down(kappa[0] + down(g2[0] / d[1])), up(kappa[1] + up(g2[1] / d[0]))
+    return down(kappa[0] + down(g2[1] / d[1])), up(kappa[1] + up(g2[0] / d[0]))
 
 
 @kernel
-def _share(vl: float, vh: float, xl: float, xh: float) -> tuple[float, float]:
+def _share(v: Pair, x: Pair) -> Pair:
     """Return 1 - v / x, what a row with the diagonal x, above zero, contributes to a product."""
-    low = down(1.0 - up(vh / (xl if vh >= 0.0 else xh)))
-    high = up(1.0 - down(vl / (xh if vl >= 0.0 else xl)))
+    low = down(1.0 - up(v[1] / (x[0] if v[1] >= 0.0 else x[1])))
+    high = up(1.0 - down(v[0] / (x[1] if v[0] >= 0.0 else x[0])))
     return low, high
 
 
 @kernel
-def _scaled(low: float, high: float, steps: int) -> tuple[float, float, int]:
+def _scaled(product: Pair, steps: int) -> tuple[Pair, int]:
     """Return a product scaled back to the range of a double, and in how many steps."""
+    low, high = product
     size = max(abs(low), abs(high))
     if size > _BIG:
-        return down(low / _STEP), up(high / _STEP), steps + 1
+        return (down(low / _STEP), up(high / _STEP)), steps + 1
     if size * _BIG < 1.0:
-        return down(low * _STEP), up(high * _STEP), steps - 1
-    return low, high, steps
+        return (down(low * _STEP), up(high * _STEP)), steps - 1
+    return product, steps
 
 
 @kernel
-def _diagonal(k: float, hl: float, hh: float) -> tuple[float, float]:
+def _diagonal(k: float, h: Pair) -> Pair:
     """Enclose k^2 h."""
-    return down(k * k * hl), up(k * k * hh)
+    return down(k * k * h[0]), up(k * k * h[1])
 
 
 @kernel
-def _middle(
-    cl: float, ch: float, sl: float, sh: float, tl: float, th: float, el: float, eh: float, gl: float, gh: float
-) -> tuple[float, float]:
+def _middle(c: Pair, s: Pair, t: Pair, e: Pair, g2: Pair) -> Pair:
     """Enclose S_c S_s: as a product, and as the square of their mean less that of half their difference t."""
-    bl, bh = divide(gl, gh, el, eh)
-    cl, ch = subtract(cl, ch, bl, bh)
-    sl, sh = subtract(sl, sh, bl, bh)
-    ml, mh = subtract(cl, ch, 0.5 * tl, 0.5 * th)
-    nl, nh = add(sl, sh, 0.5 * tl, 0.5 * th)
-    ml, mh = square(max(ml, nl), min(mh, nh))
-    nl, nh = square(0.5 * tl, 0.5 * th)
-    ml, mh = subtract(ml, mh, nl, nh)
-    cl, ch = multiply(cl, ch, sl, sh)
-    return max(cl, ml), min(ch, mh)
+    beyond = divide(g2, e)
+    c = subtract(c, beyond)
+    s = subtract(s, beyond)
+    half = 0.5 * t[0], 0.5 * t[1]
+    one = subtract(c, half)
+    other = add(s, half)
+    mean = max(one[0], other[0]), min(one[1], other[1])
+    squares = subtract(square(mean), square(half))
+    product = multiply(c, s)
+    return max(product[0], squares[0]), min(product[1], squares[1])
 
 
 @kernel
-def _met(low: float, high: float, ml: float, mh: float, wl: float, wh: float, steps: int) -> tuple[float, float]:
+def _met(found: Pair, middle: Pair, rest: Pair, steps: int) -> Pair:
     """Return the intersection of an enclosure with the product of two others, of which many scalings are undone."""
-    ml, mh = multiply(ml, mh, wl, wh)
-    if not ml <= mh:
-        return low, high
+    low, high = multiply(middle, rest)
+    if not low <= high:
+        return found
     while steps > 0:  # exact, and what overflows is still a bound
-        ml = min(ml * _STEP, 1e300)
-        mh = max(mh * _STEP, -1e300)
+        low = min(low * _STEP, 1e300)
+        high = max(high * _STEP, -1e300)
         steps -= 1
     while steps < 0:
-        ml = down(ml / _STEP)
-        mh = up(mh / _STEP)
+        low = down(low / _STEP)
+        high = up(high / _STEP)
         steps += 1
-    return max(low, ml), min(high, mh)
+    return max(found[0], low), min(found[1], high)
 
 
 @kernel
-def excess(kl: float, kh: float, pl: float, ph: float, slow: float, fast: float, parity: int) -> tuple[float, float]:
+def excess(kappa: Pair, p: Pair, omega: Pair, parity: int) -> Pair:
     """Enclose X_even (``parity`` 0) or X_odd (1) for kappa, p > 0 and omega of a box; NaN where it cannot.
 
     Every row where forward and backward pivots can meet gives an enclosure; the result is their intersection.
     """
-    nothing = -math.inf, math.inf
-    hl, hh = square(slow, fast)
-    hl, hh = 0.25 * hl, 0.25 * hh
-    g = 0.5 * ph
-    gl, gh = square(0.5 * pl, g)
-    al, ah = divide(kl, kh, hl, hh)
-    q = up(g / hl)
-    top = max(ah + 2.0 * q, 0.0)
-    reach = max(top, 2.0 * q - al)
-    if not (hl > 0.0 and reach < 0.05 * _LONGEST * _LONGEST):
-        return nothing
+    found = -math.inf, math.inf
+    h = square(omega)
+    h = 0.25 * h[0], 0.25 * h[1]
+    g = 0.5 * p[1]
+    g2 = square((0.5 * p[0], g))
+    a = divide(kappa, h)
+    q = up(g / h[0])
+    top = max(a[1] + 2.0 * q, 0.0)
+    reach = max(top, 2.0 * q - a[0])
+    if not (h[0] > 0.0 and reach < 0.05 * _LONGEST * _LONGEST):
+        return found
     first = float(parity)
     n = first + 2.0 * math.floor(1.3 * math.sqrt(reach) + 4.0)
     # Rows where pivots may meet: from the last with k^2 <= a - 2 q to the first with k^2 >= a + 2 q.
-    inner = first + 2.0 * max(0.0, math.floor(0.5 * (math.sqrt(max(al - 2.0 * q, 0.0)) - first)))
+    inner = first + 2.0 * max(0.0, math.floor(0.5 * (math.sqrt(max(a[0] - 2.0 * q, 0.0)) - first)))
     outer = first + 2.0 * max(0.0, math.ceil(0.5 * (math.sqrt(top) - first)))
-    low, high = nothing
-    wl, wh = _tail(al, ah, q, down(0.5 * pl / hh), n + 2.0)
+    w = _tail(a, q, down(0.5 * p[0] / h[1]), n + 2.0)
     # From far out the backward pivots settle; e is that of row k.
     k = n + 2.0 * (_SETTLING + 1.0)
-    xl, xh = _diagonal(k, hl, hh)
-    if not (down(xl - kh) >= 2.0 * g and wl > 0.0 and wh < math.inf):
-        return nothing
-    el, eh = down(down(xl - kh) - g), up(xh - kl)
+    x = _diagonal(k, h)
+    if not (down(x[0] - kappa[1]) >= 2.0 * g and w[0] > 0.0 and w[1] < math.inf):
+        return found
+    e = down(down(x[0] - kappa[1]) - g), up(x[1] - kappa[0])
     while k > n + 2.0:
         k -= 2.0
-        xl, xh = _diagonal(k, hl, hh)
-        _, _, el, eh = _pivot(xl, xh, el, eh, kl, kh, gl, gh)
+        e = subtract(_diagonal(k, h), _taken(e, kappa, g2))
     # The product of all rows from k on, both chains, beside them; kept for the rows where pivots may meet.
-    wl, wh = square(wl, wh)
+    w = square(w)
     steps = 0
     count = int(0.5 * (outer - inner)) + 1
     backward = np.empty((count, 4))
@@ -217,72 +206,59 @@ def excess(kl: float, kh: float, pl: float, ph: float, slow: float, fast: float,
         k -= 2.0
         if k <= outer:
             least = int(0.5 * (k - inner))
-            backward[least, 0] = el
-            backward[least, 1] = eh
-            backward[least, 2] = wl
-            backward[least, 3] = wh
+            backward[least, 0], backward[least, 1] = e
+            backward[least, 2], backward[least, 3] = w
             scales[least] = steps
         if k <= inner:
             break
-        xl, xh = _diagonal(k, hl, hh)
-        vl, vh, el, eh = _pivot(xl, xh, el, eh, kl, kh, gl, gh)
-        if not (el > 0.0 or eh < 0.0):
+        x = _diagonal(k, h)
+        v = _taken(e, kappa, g2)
+        e = subtract(x, v)
+        if not (e[0] > 0.0 or e[1] < 0.0):
             break
-        fl, fh = _share(vl, vh, xl, xh)
-        fl, fh = square(fl, fh)
-        wl, wh = multiply(wl, wh, fl, fh)
-        wl, wh, steps = _scaled(wl, wh, steps)
+        w, steps = _scaled(multiply(w, square(_share(v, x))), steps)
     if least == count:
-        return nothing
-    # Forward pivots of the two chains, their difference t, and the product of all rows before.
+        return found
+    # Forward pivots c and s of the two chains, their difference t, and the product of all rows before.
     steps = 0
     if parity == 1:
-        wl, wh = -1.0, -1.0
+        w = -1.0, -1.0
         k = 1.0
-        xl, xh = hl, hh
-        cvl, cvh = down(kl - g), up(kh - 0.5 * pl)
-        svl, svh = down(kl + 0.5 * pl), up(kh + g)
-        tl, th = pl, ph
+        x = h
+        vc = down(kappa[0] - g), up(kappa[1] - 0.5 * p[0])
+        vs = down(kappa[0] + 0.5 * p[0]), up(kappa[1] + g)
+        t = p
     else:
-        wl, wh = square(0.5 * PI_LOW, 0.5 * PI_HIGH)
+        w = square((0.5 * PI_LOW, 0.5 * PI_HIGH))
+        twice = 2.0 * g2[0], 2.0 * g2[1]
         if inner == 0.0 and least == 0:
-            el, eh = backward[0, 0], backward[0, 1]
-            vl, vh, cl, ch = _pivot(0.0, 0.0, el, eh, kl, kh, 2.0 * gl, 2.0 * gh)
-            cl, ch = divide(-vh, -vl, hl, hh)
-            cl, ch = multiply(cl, ch, wl, wh)
-            low, high = _met(low, high, cl, ch, backward[0, 2], backward[0, 3], scales[0])
-        if not (kl > 0.0 or kh < 0.0):
-            return low, high
-        fl, fh = multiply(wl, wh, -ah, -al)
-        wl, wh = fl, fh
+            v = _taken((backward[0, 0], backward[0, 1]), kappa, twice)
+            c = multiply(divide((-v[1], -v[0]), h), w)
+            found = _met(found, c, (backward[0, 2], backward[0, 3]), scales[0])
+        if not (kappa[0] > 0.0 or kappa[1] < 0.0):
+            return found
+        w = multiply(w, (-a[1], -a[0]))
         k = 2.0
-        xl, xh = _diagonal(k, hl, hh)
-        cvl, cvh = kl, kh
-        svl, svh, _, _ = _pivot(xl, xh, -kh, -kl, kl, kh, 2.0 * gl, 2.0 * gh)
-        tl, th = divide(2.0 * gl, 2.0 * gh, -kh, -kl)
+        x = _diagonal(k, h)
+        vc = kappa
+        minus = -kappa[1], -kappa[0]
+        vs = _taken(minus, kappa, twice)
+        t = divide(twice, minus)
     while k <= outer:
-        cl, ch = down(xl - cvh), up(xh - cvl)
-        sl, sh = down(xl - svh), up(xh - svl)
+        c = subtract(x, vc)
+        s = subtract(x, vs)
         i = int(0.5 * (k - inner))
         if k >= inner and i >= least:
-            el, eh = backward[i, 0], backward[i, 1]
-            pl, ph = _middle(cl, ch, sl, sh, tl, th, el, eh, gl, gh)
-            fl, fh = square(xl, xh)
-            pl, ph = divide(pl, ph, fl, fh)
-            pl, ph = multiply(pl, ph, wl, wh)
-            low, high = _met(low, high, pl, ph, backward[i, 2], backward[i, 3], steps + scales[i])
-        if not ((cl > 0.0 or ch < 0.0) and (sl > 0.0 or sh < 0.0)):
+            middle = _middle(c, s, t, (backward[i, 0], backward[i, 1]), g2)
+            middle = multiply(divide(middle, square(x)), w)
+            found = _met(found, middle, (backward[i, 2], backward[i, 3]), steps + scales[i])
+        if not ((c[0] > 0.0 or c[1] < 0.0) and (s[0] > 0.0 or s[1] < 0.0)):
             break
-        fl, fh = _share(cvl, cvh, xl, xh)
-        wl, wh = multiply(wl, wh, fl, fh)
-        fl, fh = _share(svl, svh, xl, xh)
-        wl, wh = multiply(wl, wh, fl, fh)
-        wl, wh, steps = _scaled(wl, wh, steps)
-        fl, fh = multiply(cl, ch, sl, sh)
-        tl, th = multiply(tl, th, gl, gh)
-        tl, th = divide(tl, th, fl, fh)
+        w = multiply(multiply(w, _share(vc, x)), _share(vs, x))
+        w, steps = _scaled(w, steps)
+        t = divide(multiply(t, g2), multiply(c, s))
         k += 2.0
-        xl, xh = _diagonal(k, hl, hh)
-        cvl, cvh, _, _ = _pivot(xl, xh, cl, ch, kl, kh, gl, gh)
-        svl, svh, _, _ = _pivot(xl, xh, sl, sh, kl, kh, gl, gh)
-    return low, high
+        x = _diagonal(k, h)
+        vc = _taken(c, kappa, g2)
+        vs = _taken(s, kappa, g2)
+    return found

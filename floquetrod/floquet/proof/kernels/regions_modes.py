@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 
 from floquetrod._util.compilation import kernel
-from floquetrod.floquet.proof.kernels.intervals import PI_HIGH, PI_LOW, down, sinh_squared, up
+from floquetrod.floquet.proof.kernels.intervals import PI_HIGH, PI_LOW, Pair, down, sinh_squared, up
 from floquetrod.floquet.proof.kernels.regions_excess import excess
 
 QUIET, GROWS, UNKNOWN = 1, 0, -1
@@ -109,34 +109,29 @@ def exact_count(kappa: float, p: float, fast: float, high: bool) -> int:
 
 
 @kernel
-def mode_status(
-    kappa_low: float,
-    kappa_high: float,
-    p_low: float,
-    p_high: float,
-    slow: float,
-    fast: float,
-    level_low: float,
-    level_high: float,
-) -> int:
+def mode_status(kappa: Pair, p: Pair, omega: Pair, level: Pair) -> int:
     """Return whether every point of a box grows at no more than a level, or every one faster.
 
     Parameters
     ----------
-    kappa_low, kappa_high, p_low, p_high : float
+    kappa, p : (float, float)
         The equation u'' + (kappa - p sin omega t) u = 0, in 1/s^2; p >= 0.
-    slow, fast : float
-        The least and the largest omega, rad/s, above zero.
-    level_low, level_high : float
-        Between these lies the level in 1/s: the damping rate plus what growth is tolerated.
+    omega : (float, float)
+        rad/s, above zero.
+    level : (float, float)
+        What the level lies between, in 1/s: the damping rate plus what growth is tolerated.
 
     Returns
     -------
     int
-        `QUIET`: every solution of every equation of the box grows at no more than ``level_low``, and where that is 0
-        is bounded.  `GROWS`: each has a solution that grows faster than ``level_high``.  `UNKNOWN`: not proved, or an
+        `QUIET`: every solution of every equation of the box grows at no more than the lower level, and where that is 0
+        is bounded.  `GROWS`: each has a solution that grows faster than the upper.  `UNKNOWN`: not proved, or an
         argument is not finite.
     """
+    kappa_low, kappa_high = kappa
+    p_low, p_high = p
+    slow, fast = omega
+    level_low, level_high = level
     if not (
         kappa_low <= kappa_high and 0.0 <= p_low <= p_high and 0.0 < slow <= fast and 0.0 <= level_low <= level_high
     ):
@@ -155,44 +150,37 @@ def mode_status(
         fast / slow - 1.0
     ):
         return UNKNOWN  # more than two tongues wide: no verdict can be the same everywhere, or only by `flux_bound`
-    p = 0.5 * (p_low + p_high)
-    shift = up(max(p_high - p, p - p_low))
-    least = exact_count(down(kappa_low - shift), p, fast, True)
-    if least >= 0 and least == exact_count(up(kappa_high + shift), p, slow, False):
+    middle = 0.5 * (p_low + p_high)
+    shift = up(max(p_high - middle, middle - p_low))
+    least = exact_count(down(kappa_low - shift), middle, fast, True)
+    if least >= 0 and least == exact_count(up(kappa_high + shift), middle, slow, False):
         if least % 2 == 1:
             return QUIET
         if level_high == 0.0:
             return GROWS
-    return _by_excess(kappa_low, kappa_high, p_low, p_high, slow, fast, level_low, level_high)
+    return _by_excess(kappa, p, omega, level)
 
 
 @kernel
-def _by_excess(
-    kappa_low: float,
-    kappa_high: float,
-    p_low: float,
-    p_high: float,
-    slow: float,
-    fast: float,
-    level_low: float,
-    level_high: float,
-) -> int:
+def _by_excess(kappa: Pair, p: Pair, omega: Pair, level: Pair) -> int:
     """Return `mode_status` from enclosures of the excess: that of the parity of the nearest tongue, then the other."""
-    few, _ = sinh_squared(min(down(PI_LOW * down(level_low / fast)), 300.0)) if level_low > 0.0 else (0.0, 0.0)
+    few = 0.0
+    if level[0] > 0.0:
+        few = sinh_squared(min(down(PI_LOW * down(level[0] / omega[1])), 300.0))[0]
     many = 0.0
-    if level_high > 0.0:
-        x = up(PI_HIGH * up(level_high / slow))
+    if level[1] > 0.0:
+        x = up(PI_HIGH * up(level[1] / omega[0]))
         many = sinh_squared(x)[1] if x < 300.0 else math.inf
-    nearest = int(2.0 * math.sqrt(max(0.5 * (kappa_low + kappa_high), 0.0)) / (0.5 * (slow + fast)) + 0.5) % 2
-    al, ah = excess(kappa_low, kappa_high, p_low, p_high, slow, fast, nearest)
-    bl, bh = -math.inf, math.inf
+    nearest = int(2.0 * math.sqrt(max(0.5 * (kappa[0] + kappa[1]), 0.0)) / (0.5 * (omega[0] + omega[1])) + 0.5) % 2
+    a = excess(kappa, p, omega, nearest)
+    b = -math.inf, math.inf
     for attempt in range(2):
         if attempt == 1:
-            bl, bh = excess(kappa_low, kappa_high, p_low, p_high, slow, fast, 1 - nearest)
-        one = min(ah, up(-1.0 - bl))
-        other = min(bh, up(-1.0 - al))
+            b = excess(kappa, p, omega, 1 - nearest)
+        one = min(a[1], up(-1.0 - b[0]))
+        other = min(b[1], up(-1.0 - a[0]))
         if (one < 0.0 and other < 0.0) or max(one, other) < few:
             return QUIET
-        if max(al, down(-1.0 - bh)) > many or max(bl, down(-1.0 - ah)) > many:
+        if max(a[0], down(-1.0 - b[1])) > many or max(b[0], down(-1.0 - a[1])) > many:
             return GROWS
     return UNKNOWN
