@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
 
 import floquetrod as fr
 from conftest import depth
+from floquetrod.rod.loads.load import Loads
+from floquetrod.rod.modes.mode_model import Answers
 from floquetrod.rod.modes.noisy_together import NoisyTogetherModel
 
 ROD = fr.Rod.nitinol().replace(damping_rate=1.0)
@@ -79,6 +82,22 @@ def test_the_noise_that_clamped_ends_bear_separates_verdicts() -> None:
         assert CLAMPED.replace(damping_rate=factor * rate).stability(found.load).status == status
     pulled = fr.AxialLoad(-1.0, 0.0, 150.0, noise=1.0)
     assert CLAMPED.critical_noise(pulled) == pytest.approx(HIGH_MODES, rel=1e-9)
+
+
+def test_margins_pass_over_growth_within_their_tolerance(monkeypatch: pytest.MonkeyPatch) -> None:
+    """As those of all other modes: loads whose growth is below `RodStability.margin_tolerance` count as stable."""
+    force = load(CLAMPED, 0.2 * HIGH_MODES)
+    verdict = CLAMPED.stability(force, modes=range(1, 3))
+    assert (verdict.status, verdict.margin_tolerance) == ("stable", 1e-6)
+
+    def answers(model: NoisyTogetherModel, loads: Loads, growth_tolerance: float = 0.0, *given: Any) -> Answers:
+        growth = np.where(loads.amplitude > 3.0 * force.amplitude, 1.0, 0.0)
+        growth[(loads.amplitude > 1.1 * force.amplitude) & (growth == 0.0)] = 5e-7
+        return Answers((growth <= growth_tolerance).astype(np.int8), growth, np.zeros(loads.size, dtype=np.int64))
+
+    monkeypatch.setattr(NoisyTogetherModel, "answers", answers)
+    margin = verdict.margin("amplitude", seconds=10.0)
+    assert force.amplitude + margin.above == pytest.approx(3.0 * force.amplitude, rel=1e-5)
 
 
 @pytest.mark.slow

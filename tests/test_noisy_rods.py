@@ -91,6 +91,36 @@ def test_arrays_of_loads_say_what_single_ones_do() -> None:
     assert np.count_nonzero(ROD.verdicts(mean, 0.1 * FCR, 150.0)) > np.count_nonzero(together)
 
 
+def test_only_the_highest_modes_may_grow() -> None:
+    like = load(1.5 * HIGH_MODES)
+    growth, mode = ROD.fastest(-5.0, 0.0, 150.0, like=like)
+    assert growth == pytest.approx(ROD.stability(fr.AxialLoad(-5.0, 0.0, 150.0, noise=1.5 * HIGH_MODES)).growth_rate)
+    assert (growth > 0.9, mode) == (True, -1)
+
+
+def test_each_side_of_a_bend_has_its_own_modes_and_bound(monkeypatch: pytest.MonkeyPatch) -> None:
+    bent, asked = ROD.replace(curvature=0.5), []
+    needed = NoisyModes.modes_needed
+
+    def noted(modes: NoisyModes, *given: Any) -> tuple[int, float]:
+        asked.append(float(modes.constants.pendulum_squared))
+        return needed(modes, *given)
+
+    monkeypatch.setattr(NoisyModes, "modes_needed", noted)
+    like, told = load(0.1 * HIGH_MODES), []
+    mean = np.array([-3.0, 2.0, -1.0, -0.15, 3.0]) * FCR
+    status = bent.verdicts(mean, 0.02 * FCR, 150.0, like=like, progress=lambda done, total: told.append((done, total)))
+    assert asked == pytest.approx([CONSTANTS.pendulum_squared, -CONSTANTS.pendulum_squared])
+    assert told == [(3, 5), (5, 5)]
+    alone = [
+        bent.stability(fr.AxialLoad(each, 0.02 * FCR, 150.0, noise=like.noise)).status for each in np.delete(mean, 3)
+    ]
+    assert status.tolist() == [*({"stable": 1, "unstable": 0}[each] for each in alone[:3]), -1, 1]
+    assert alone[3] == "stable"
+    with pytest.raises(fr.LeavesWallError):
+        bent.verdicts(mean[3], 0.02 * FCR, 150.0, like=like)
+
+
 def test_noise_below_the_frequencies_of_modes_is_not_felt() -> None:
     slow = load(((0.5, HIGH_MODES), (1.0, HIGH_MODES)))
     quiet, noisy = (ROD.stability(each) for each in (load(0.0), slow))
@@ -205,6 +235,7 @@ def test_the_terminal_takes_noise(capsys: pytest.CaptureFixture[str], tmp_path: 
         (lambda: ROD.certify(0.1, 0.1, (100.0, 150.0), like=load(0.1)), "frequency must be one number under noise"),
         (lambda: ROD.critical_noise(load(0.0)), "load must have noise"),
         (lambda: ROD.critical_noise(load(1.0, mean=0.17)), "load must be stable without noise"),
+        (lambda: ROD.replace(damping_rate=0.0).critical_noise(load(1.0)), "load must be stable without noise"),
     ],
 )
 def test_what_noise_cannot_be_is_told(call: Any, says: str) -> None:

@@ -16,7 +16,6 @@ from floquetrod.plotting.explorer import ExplorerWindow
 from floquetrod.rod.answers.margins import Margin
 from floquetrod.rod.answers.reports import shown_in
 from floquetrod.rod.loads.load import KINDS, AnyLoad, Load, require_load
-from floquetrod.rod.modes.noisy import refusal
 from floquetrod.rod.rod import Rod
 
 
@@ -67,7 +66,7 @@ class Explorer:
         self.load: Load = scale.first_load(self._units) if load is None else require_load("load", load)
         scale.require(self.load)
         if self.load.noise:
-            raise refusal("load", self.load)
+            raise rod.modes_under(self.load).refusal("load")
         self._options = options
         limits = _rounded(scale.limits(self.load), self._units)
         self._view = View(rod, self.load, limits)

@@ -127,7 +127,10 @@ def stability_map(
         require_possible(rod, model.like)
     found = charted(plane, x, y, growth=growth, progress=progress)
     if certified:
-        cells = model.certified_cells({across: x, up: y}, (fixed[0], value), tolerance, workers, progress)
+        from floquetrod.rod.answers.certified_map import certified_cells
+
+        edges = {across: x, up: y}
+        cells = certified_cells(rod, model.like, edges, (fixed[0], value), tolerance, workers, progress)
         found = replace(found, cells=cells)
     if not large_motion:
         return found

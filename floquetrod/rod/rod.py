@@ -4,21 +4,24 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
+from functools import partial
 from typing import TYPE_CHECKING, Any, overload
 
 from floquetrod._util import validate
+from floquetrod._util.arrays import shaped
 from floquetrod._util.calling import call_hints
 from floquetrod._util.progress import Progress
 from floquetrod.equations import HillSystem
 from floquetrod.floquet.proof.result import MAX_BOXES
 from floquetrod.floquet.status import are
 from floquetrod.mathieu.criterion import FiniteTimeCriterion
-from floquetrod.rod import many_loads, one_load
+from floquetrod.rod import verdicts
 from floquetrod.rod.loads.load import QUANTITIES, AnyLoad, Load, Loads, Quantity, kind, require_load, require_noise
 from floquetrod.rod.mode_equations.coupling import WAVEFORM, coupling
 from floquetrod.rod.mode_equations.modal_systems import ModalSystem, ModalSystems
 from floquetrod.rod.model.constants import SLOW_GROWTH
 from floquetrod.rod.model.data import RodData
+from floquetrod.rod.model.parts import friction_coefficient
 from floquetrod.rod.modes.independent import IndependentModel
 from floquetrod.rod.modes.mode_model import ModeModel
 
@@ -408,7 +411,7 @@ class Rod(RodData):
         (7,)
         """
         model = self.modes_under(require_load("load", load))
-        return one_load.stability(model, load, modes, growth_tolerance, friction, kick, progress)
+        return verdicts.stability(model, load, modes, growth_tolerance, friction, kick, progress)
 
     @_load_hints
     def critical_kick(self, load: AnyLoad, *, friction: float, growth_tolerance: float = 0.0) -> CriticalKick:
@@ -426,8 +429,11 @@ class Rod(RodData):
         >>> round(1e3 * kick, 1), mode, round(1e3 * none_up_to, 1)
         (32.1, 9, 27.8)
         """
-        load = require_load("load", load)
-        return one_load.critical_kick(self.modes_under(load), load, friction, growth_tolerance)
+        from floquetrod.rod.friction import kicks
+
+        coefficient = friction_coefficient(friction)
+        self.modes_under(require_load("load", load)).require("friction")
+        return kicks.critical_kick(self.stability(load, growth_tolerance=growth_tolerance), coefficient)
 
     def critical_kicks(
         self,
@@ -441,8 +447,15 @@ class Rod(RodData):
         workers: int | None = None,
     ) -> CriticalKick:
         """Return the results of `critical_kick` over arrays of loads (N, N, rad/s) that broadcast; mode 0 for none."""
-        numbers = mean, amplitude, frequency
-        return many_loads.critical_kicks(self.modes_under(like), numbers, friction, growth_tolerance, workers)
+        from floquetrod.rod.friction import kicks
+
+        coefficient, tolerance = (
+            friction_coefficient(friction),
+            validate.tolerance("growth_tolerance", growth_tolerance),
+        )
+        model, loads = self.modes_under(like), Loads.of(mean, amplitude, frequency)
+        model.require("friction")
+        return kicks.critical_kicks(self, model.systems(loads), coefficient, tolerance, workers)
 
     def stable_mean_forces(
         self,
@@ -649,7 +662,7 @@ class Rod(RodData):
         array([1, 0], dtype=int8)
         """
         numbers = mean, amplitude, frequency
-        return many_loads.verdicts(
+        return verdicts.statuses(
             self.modes_under(like), numbers, growth_tolerance, criterion, friction, kick, workers, progress
         )
 
@@ -684,7 +697,10 @@ class Rod(RodData):
 
         Where modes are coupled their number is -1: `stability` names them.  ``progress`` as in `is_stable`.
         """
-        return many_loads.fastest(self.modes_under(like), (mean, amplitude, frequency), workers, progress)
+        validate.progress(progress)
+        loads = Loads.of(mean, amplitude, frequency)
+        growth, mode = self.modes_under(like).fastest(loads, workers, progress)
+        return shaped(growth, loads.shape), shaped(mode, loads.shape)
 
     # --- after the onset ---
 
@@ -980,5 +996,9 @@ class Rod(RodData):
         >>> safe.proof.status
         'stable'
         """
+        from floquetrod.rod.answers.safe_box import largest_safe_box
+
         load = require_load("around", around)
-        return self.modes_under(load).largest_safe_box(load, vary, growth_tolerance, rod, accuracy, progress)
+        judge = partial(self.modes_under(load).verdict, load, None)
+        self.modes_under(load).require("largest_safe_box")
+        return largest_safe_box(self, load, judge, vary, growth_tolerance, rod, accuracy, progress)

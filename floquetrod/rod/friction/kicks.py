@@ -10,6 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from floquetrod._util.arrays import shaped
 from floquetrod._util.caching import cached_property
 from floquetrod._util.interchange import by_keys, plain
 from floquetrod._util.progress import Progress
@@ -266,7 +267,7 @@ def kicked_loads(
 def critical_kicks(
     rod: RodData, systems: ModalSystems, friction: float, tolerance: float, workers: int | None
 ) -> CriticalKick:
-    """Return what `critical_kick` does for each of many loads."""
+    """Return what `critical_kick` does for each of many loads, in their shape."""
     loads = systems.loads
     least = _Least.of(loads.size)
     for part in _parts(loads.size):
@@ -275,7 +276,7 @@ def critical_kicks(
     kick, none_up_to = (
         kicks_of(rod, friction, loads.amplitude, loads.frequency, ratio) for ratio in (least.found, least.proved)
     )
-    return CriticalKick(kick, least.mode, none_up_to)
+    return CriticalKick(*(shaped(part, loads.shape) for part in (kick, least.mode, none_up_to)))
 
 
 def _growing(linear: RodStability) -> dict[int, Mathieu]:

@@ -145,12 +145,9 @@ class NoisyModes:
         off = _unevenness(noise, size + (0.25 * noise / least) ** 2, slope, curve, least)
         return -2.0 * c + 0.5 * noise / least + float(off)
 
-    def growth_beyond(self, load: Load) -> float:
-        """Return a growth rate in 1/s that the second moments of the highest mode of all have at least, or 0."""
-        if not density_at(load.noise, self._lowest(load, MOST_MODES - 1)).any():
-            return 0.0
-        parts = self.parts(Loads((1,), *Loads.single(load).flat), [MOST_MODES])
-        return max(0.0, float(parts.growth_bounds[0][0, 0]))
+    def growth_beyond(self, loads: Loads) -> Floats:
+        """Return growth rates in 1/s that the second moments of the highest mode of all have at least, or 0."""
+        return np.maximum(0.0, self.parts(loads, [MOST_MODES]).growth_bounds[0][:, 0])
 
     def modes_needed(self, load: Load, growth_tolerance: float) -> tuple[int, float]:
         """Return how many modes decide a verdict, and a bound in 1/s on the growth in mean square of all others.

@@ -95,8 +95,7 @@ class CoupledModel(ModeModel):
         -1 and NaN at axial resonances, and where the rod leaves its wall; a single load is refused there.
         """
         status, growth = np.full(loads.size, -1, dtype=np.int8), np.full(loads.size, np.nan)
-        if loads.shape == ():
-            require_on_wall(self.rod, self.like.with_numbers(*(float(part[0]) for part in loads.flat)))
+        self.require_one_on_wall(loads)
         done = 0
         for chosen, modes, part in self._groups(loads, growth_tolerance):
             told = shifted(progress, done, loads.size - part.size)

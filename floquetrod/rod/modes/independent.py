@@ -5,11 +5,11 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from functools import partial
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
+from numpy.typing import NDArray
 
 from floquetrod._util import validate
 from floquetrod._util.arrays import Bools, Floats, Ints
@@ -38,8 +38,6 @@ if TYPE_CHECKING:
     from floquetrod.floquet.proof.region import RegionProof
     from floquetrod.mathieu.criterion import FiniteTimeCriterion
     from floquetrod.rod.answers.intervals import FoundIntervals, Search, UnstableBand
-    from floquetrod.rod.answers.safe_box import SafeBox
-    from floquetrod.rod.friction.kicks import CriticalKick, FrictionalRodStability
     from floquetrod.rod.mode_equations.coupled_systems import CoupledEquations
 
 _PIECES: dict[Quantity, int] = {"mean": 32, "amplitude": 8}  # that the first edge is searched in, one by one (a choice)
@@ -56,7 +54,7 @@ class IndependentModel(ModeModel):
     damping_found: ClassVar[str] = "sampled over the band; null where no damping suffices"
 
     def require(self, name: str) -> None:
-        """Raise ValueError for friction where the channel bends; else do nothing: all can be asked."""
+        """Raise ValueError for friction where the channel bends; else do nothing: each mode is Mathieu's equation."""
         if name == "friction" and not self.rod.course.is_straight:
             raise validate.wrong_value(
                 name,
@@ -90,18 +88,18 @@ class IndependentModel(ModeModel):
         require_on_wall(self.rod, load)
         return constants_under(self.rod, load.mean)
 
-    def _sides(self, loads: Loads) -> Iterator[tuple[Ints, ModalSystems]]:
-        """Yield the systems of flat loads on either side of the channel, with their places among all."""
-        if self.rod.course.is_straight:
-            yield np.arange(loads.size), self.systems(loads)
-            return
-        sides = self.constants.sides(*loads.flat[:2])
-        if loads.shape == () and not sides.all():
-            self._lying(self.like.with_numbers(*(float(part[0]) for part in loads.flat)))
-        for side in (1, -1):
-            at = np.flatnonzero(sides == side)
-            if at.size:
-                yield at, ModalSystems(self.constants.on_side(side), loads.some(at))
+    def _filled(
+        self, loads: Loads, progress: Progress | None, unknown: Any, ask: Callable[[ModalSystems], Any]
+    ) -> NDArray[Any]:
+        """Return what the systems of flat loads answer, ``unknown`` where the rod leaves its wall."""
+        self.constants.require_in_reach(loads)
+        found = []
+        for part in loads.in_parts(progress):
+            answers = np.full((part.size, *np.shape(unknown)), unknown)
+            for at, constants, some in self.on_sides(part):
+                answers[at] = ask(ModalSystems(constants, some))
+            found.append(answers)
+        return np.concatenate(found)
 
     def modes_needed(self, load: Load, growth_tolerance: float) -> tuple[int, float]:
         """Return how many modes decide a verdict, and a bound in 1/s on the growth of every mode beyond them."""
@@ -143,14 +141,7 @@ class IndependentModel(ModeModel):
         self, loads: Loads, growth_tolerance: float = 0.0, workers: int | None = None, progress: Progress | None = None
     ) -> Statuses:
         """Return 1 where no mode grows faster than the tolerance, else 0."""
-        self.constants.require_in_reach(loads)
-        found = []
-        for part in loads.in_parts(progress):
-            status = np.full(part.size, -1, dtype=np.int8)
-            for at, systems in self._sides(part):
-                status[at] = systems.are_stable(growth_tolerance, workers)
-            found.append(status)
-        return np.concatenate(found)
+        return self._filled(loads, progress, np.int8(-1), lambda some: some.are_stable(growth_tolerance, workers))
 
     def fastest(
         self, loads: Loads, workers: int | None = None, progress: Progress | None = None
@@ -159,14 +150,8 @@ class IndependentModel(ModeModel):
 
         NaN and 0 where the rod leaves its wall.
         """
-        self.constants.require_in_reach(loads)
-        found = []
-        for part in loads.in_parts(progress):
-            growth, mode = np.full(part.size, np.nan), np.zeros(part.size, dtype=np.int64)
-            for at, systems in self._sides(part):
-                growth[at], mode[at] = systems.fastest(workers)
-            found.append((growth, mode))
-        return tuple(map(np.concatenate, zip(*found, strict=True)))  # type: ignore[return-value]
+        found = self._filled(loads, progress, (np.nan, 0.0), lambda some: np.column_stack(some.fastest(workers)))
+        return found[:, 0], found[:, 1].astype(np.int64)
 
     def answers(
         self, loads: Loads, growth_tolerance: float = 0.0, workers: int | None = None, progress: Progress | None = None
@@ -221,41 +206,13 @@ class IndependentModel(ModeModel):
 
         return ExactBands(self.constants, across, up, fixed, growth_tolerance)
 
-    # --- a kick against friction, and a test of finite time ---
+    # --- a test of finite time, samples and proofs ---
 
-    def passing(self, loads: Loads, criterion: FiniteTimeCriterion, workers: int | None) -> Statuses:
+    def passing(
+        self, loads: Loads, criterion: FiniteTimeCriterion, workers: int | None, progress: Progress | None
+    ) -> Statuses:
         """Return 1 where every mode passes the test, else 0; -1 where the rod leaves its wall."""
-        self.constants.require_in_reach(loads)
-        found = np.full(loads.size, -1, dtype=np.int8)
-        for at, systems in self._sides(loads):
-            found[at] = systems.pass_test(criterion, workers)
-        return found
-
-    def kicked(self, loads: Loads, friction: float, kick: float, tolerance: float, workers: int | None) -> Statuses:
-        """Return 1 where a kick in m/s destabilises no mode, 0 where one, and -1 where that could not be decided."""
-        from floquetrod.rod.friction.kicks import kicked_loads
-
-        self.require("friction")
-
-        return kicked_loads(self.rod, self.systems(loads), friction, kick, tolerance, workers)
-
-    def with_kick(self, linear: RodStability, friction: float, kick: float) -> FrictionalRodStability:
-        """Return the verdict with friction that follows on one without."""
-        from floquetrod.rod.friction.kicks import classify_kick
-
-        self.require("friction")
-
-        return classify_kick(linear, friction, kick)
-
-    def critical_kicks(self, loads: Loads, friction: float, tolerance: float, workers: int | None) -> CriticalKick:
-        """Return the smallest kicks that destabilise a mode."""
-        from floquetrod.rod.friction.kicks import critical_kicks
-
-        self.require("friction")
-
-        return critical_kicks(self.rod, self.systems(loads), friction, tolerance, workers)
-
-    # --- samples and proofs ---
+        return self._filled(loads, progress, np.int8(-1), lambda some: some.pass_test(criterion, workers))
 
     def require_varied(self, names: Iterable[str]) -> None:
         """Do nothing: every number of rod and load may be different in every sample."""
@@ -300,18 +257,6 @@ class IndependentModel(ModeModel):
         from floquetrod.rod.answers.region import certify_rods
 
         return certify_rods(self.rod, self.like, *asked)
-
-    def largest_safe_box(self, load: Load, *asked: Any) -> SafeBox:
-        """Return the largest proved box about a load."""
-        from floquetrod.rod.answers.safe_box import largest_safe_box
-
-        return largest_safe_box(self.rod, load, partial(self.verdict, load, None), *asked)
-
-    def certified_cells(self, *asked: Any) -> Statuses:
-        """Return what is proved of every cell of a map."""
-        from floquetrod.rod.answers.certified_map import certified_cells
-
-        return certified_cells(self.rod, self.like, *asked)
 
 
 def _cause(part: UnstableInterval | None) -> tuple[int, int] | None:

@@ -6,7 +6,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, Protocol, Self
 
@@ -20,6 +20,7 @@ from floquetrod.rod.answers.verdict import RodStability
 from floquetrod.rod.loads.load import LIMITS, Load, Loads, Quantity
 from floquetrod.rod.mode_equations.coupling import coupling, refusal
 from floquetrod.rod.mode_equations.modal_systems import ModalSystem, ModalSystems
+from floquetrod.rod.model.constants import ModeConstants, mode_constants
 from floquetrod.rod.model.contact import require_on_wall
 from floquetrod.rod.model.data import RodData
 
@@ -29,8 +30,6 @@ if TYPE_CHECKING:
     from floquetrod.mathieu.criterion import FiniteTimeCriterion
     from floquetrod.plane import Axis, FoundBands
     from floquetrod.rod.answers.intervals import FoundIntervals, Search, UnstableBand
-    from floquetrod.rod.answers.safe_box import SafeBox
-    from floquetrod.rod.friction.kicks import CriticalKick, FrictionalRodStability
     from floquetrod.rod.mode_equations.coupled_systems import CoupledEquations
 
 Statuses = NDArray[np.int8]
@@ -88,9 +87,31 @@ class ModeModel(ABC):
         """What couples the modes, in words; empty where nothing does."""
         return coupling(self.rod, self.like)
 
+    def refusal(self, name: str) -> ValueError:
+        """Return the error, with the remedy, for an argument or method that asks for what this model cannot do."""
+        return refusal(name, self.coupling)
+
     def require(self, name: str) -> None:
-        """Raise ValueError, with the remedy, unless this model can do what an argument or method asks for."""
-        raise refusal(name, self.coupling)
+        """Raise ValueError unless each mode obeys an equation of Mathieu's, as an argument or method needs it."""
+        raise self.refusal(name)
+
+    def on_sides(self, loads: Loads) -> Iterator[tuple[Ints, ModeConstants, Loads]]:
+        """Yield the loads under which a rod stays on the low or the high side of its channel, where that is uniform.
+
+        With their places among all, and the constants of the rod there.  LeavesWallError as `require_one_on_wall`.
+        """
+        constants = mode_constants(self.rod)
+        self.require_one_on_wall(loads)
+        sides = np.ones(loads.size) if self.rod.course.is_straight else constants.sides(*loads.flat[:2])
+        for side in (1, -1):
+            at = np.flatnonzero(sides == side)
+            if at.size:
+                yield at, constants.on_side(side), loads.some(at)
+
+    def require_one_on_wall(self, loads: Loads) -> None:
+        """Raise LeavesWallError for a single load, of the shape (), under which a rod leaves its wall."""
+        if loads.shape == () and not self.rod.course.is_straight:
+            require_on_wall(self.rod, self.like.with_numbers(*(float(part[0]) for part in loads.flat)))
 
     def require_on_wall(self, search: Search) -> None:
         """Raise LeavesWallError unless a rod lies on the low side of its channel all along a search."""
@@ -200,31 +221,19 @@ class ModeModel(ABC):
         """Return what finds the unstable bands of a map between exact curves; None where verdicts must be traced."""
         return None
 
-    # --- a kick against friction, and a test of finite time ---
+    # --- a test of finite time, samples and proofs ---
 
-    def passing(self, loads: Loads, criterion: FiniteTimeCriterion, workers: int | None) -> Statuses:
+    def passing(
+        self, loads: Loads, criterion: FiniteTimeCriterion, workers: int | None, progress: Progress | None
+    ) -> Statuses:
         """Return 1 where every mode passes the test, else 0."""
-        raise refusal("criterion", self.coupling)
-
-    def kicked(self, loads: Loads, friction: float, kick: float, tolerance: float, workers: int | None) -> Statuses:
-        """Return 1 where a kick in m/s destabilises no mode, 0 where one, and -1 where that could not be decided."""
-        raise refusal("friction", self.coupling)
-
-    def with_kick(self, linear: RodStability, friction: float, kick: float) -> FrictionalRodStability:
-        """Return the verdict with friction that follows on one without."""
-        raise refusal("friction", self.coupling)
-
-    def critical_kicks(self, loads: Loads, friction: float, tolerance: float, workers: int | None) -> CriticalKick:
-        """Return the smallest kicks that destabilise a mode."""
-        raise refusal("friction", self.coupling)
-
-    # --- samples and proofs ---
+        raise self.refusal("criterion")
 
     def require_varied(self, names: Iterable[str]) -> None:
         """Raise ValueError unless numbers of rod and load with these names may be different in every sample."""
         for name in names:
             if name not in LIMITS:
-                raise refusal(f"{name} in parameters", self.coupling)
+                raise self.refusal(f"{name} in parameters")
 
     def sample_status(
         self,
@@ -246,27 +255,4 @@ class ModeModel(ABC):
         progress: Progress | None,
     ) -> RegionProof:
         """Prove every load of a box stable or unstable; see `floquetrod.Rod.certify`."""
-        raise refusal("certify", self.coupling)
-
-    def largest_safe_box(
-        self,
-        load: Load,
-        vary: Iterable[Quantity],
-        growth_tolerance: float,
-        rod: Mapping[str, Any] | None,
-        accuracy: float,
-        progress: Progress | None,
-    ) -> SafeBox:
-        """Return the largest proved box about a load; see `floquetrod.Rod.largest_safe_box`."""
-        raise refusal("certify", self.coupling)
-
-    def certified_cells(
-        self,
-        axes: Mapping[Quantity, Axis],
-        fixed: tuple[Quantity, float],
-        tolerance: float,
-        workers: int | None,
-        progress: Progress | None,
-    ) -> Statuses:
-        """Return what is proved of every cell of a map."""
-        raise refusal("certified", self.coupling)
+        raise self.refusal("certify")

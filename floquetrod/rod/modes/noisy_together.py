@@ -30,10 +30,11 @@ from floquetrod.rod.loads.load import Load, Loads, Quantity, largest_density
 from floquetrod.rod.mode_equations.coupled_matrices import CoupledModes
 from floquetrod.rod.model.assumptions import assumptions
 from floquetrod.rod.model.constants import mode_constants
-from floquetrod.rod.model.contact import require_on_wall, up_to_wall
+from floquetrod.rod.model.contact import require_on_wall
 from floquetrod.rod.modes.coupled import CoupledModel, chosen_count
 from floquetrod.rod.modes.mode_model import Answers, ModeModel
-from floquetrod.rod.modes.noisy import NoisyModel, refusal
+from floquetrod.rod.modes.noisy import NoisyModel, unstable_without_noise
+from floquetrod.rod.modes.noisy_search import margin_edge
 from floquetrod.rod.modes.noisy_verdict import HIGH_MODES_GROW, IN_MEAN_SQUARE
 
 _LEFT_OUT = 5.0  # error over the change from 5/6 of the modes, as of modes without noise
@@ -160,7 +161,7 @@ class NoisyTogetherModel(NoisyModel):
             return found.rate - growth_tolerance
 
         if not excess(0.0) < 0.0:
-            raise wrong_value("load", "must be stable without noise to have a critical one, got one that is not")
+            raise unstable_without_noise()
         high_modes = (
             (8.0 * self.rod.damping_rate + 4.0 * growth_tolerance) * constants.bending / constants.per_newton**2
         )
@@ -174,7 +175,7 @@ class NoisyTogetherModel(NoisyModel):
 
     def certify(self, *given: Any) -> NoReturn:
         """Raise ValueError: proofs under noise are of independent modes."""
-        raise refusal("certify", self.like)
+        raise self.refusal("certify")
 
 
 class Trial(NamedTuple):
@@ -310,38 +311,8 @@ class NoisyTogether(Evidence):
         progress: Progress | None,
     ) -> Edge:
         """Return where the verdict first changes from ``piece[0]`` to ``piece[1]``: as many samples as time allows."""
-        piece = up_to_wall(verdict.rod, self.load, varied, piece)
-        if piece[0] == piece[1]:
-            return Edge(None, piece[0], 0.0)
-        places = np.linspace(*piece, max(3, min(_PLACES, int(seconds / _SECONDS))))
-        resolution = abs(float(places[1] - places[0]))
-        known = piece[0] == getattr(self.load, varied)
-        for done, (near, far) in enumerate(zip(places[:-1].tolist(), places[1:].tolist(), strict=True), 1):
-            try:
-                if done == 1 and not known and self._is_stable(verdict, varied, near) != verdict.stable:
-                    return Edge(near, near, resolution)
-                if self._is_stable(verdict, varied, far) != verdict.stable:
-                    at = self._between(verdict, varied, near, far)
-                    return Edge(at, at, resolution)
-            except ValueError:  # too many modes, or loads too large or too slow: nothing is known of them
-                return Edge(None, near, resolution)
-            if progress is not None:
-                progress(done, len(places) - 1)
-        return Edge(None, piece[1], resolution)
-
-    def _is_stable(self, verdict: RodStability, varied: Quantity, value: float) -> bool:
-        load = self.load.varied(varied, value)
-        loads = Loads((1,), *Loads.single(load).flat)
-        return bool(self.model.under(load).status(loads, verdict.growth_tolerance)[0] == STABLE)
-
-    def _between(self, verdict: RodStability, varied: Quantity, inside: float, outside: float) -> float:
-        for _ in range(_HALVINGS):
-            middle = 0.5 * (inside + outside)
-            if self._is_stable(verdict, varied, middle) == verdict.stable:
-                inside = middle
-            else:
-                outside = middle
-        return inside
+        samples = max(3, min(_PLACES, int(seconds / _SECONDS)))
+        return margin_edge(self.model, verdict, varied, piece, progress, samples=samples, at_once=1, halvings=_HALVINGS)
 
     def sentence(self, verdict: RodStability) -> str:
         """Return status and growth."""

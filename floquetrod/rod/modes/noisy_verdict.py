@@ -17,18 +17,18 @@ from floquetrod.floquet.dispatch import stability
 from floquetrod.floquet.systems.resonances import Resonance
 from floquetrod.floquet.systems.result import SystemStability
 from floquetrod.floquet.verdict import Cost, Status, tolerated
-from floquetrod.rod.answers.intervals import Search
 from floquetrod.rod.answers.margins import Edge
 from floquetrod.rod.answers.verdict import RodStability
 from floquetrod.rod.loads.load import Load, Loads, Quantity
 from floquetrod.rod.mode_equations.noisy_modes import NoisyModes
 from floquetrod.rod.model.assumptions import assumptions
-from floquetrod.rod.model.contact import constants_under, up_to_wall
+from floquetrod.rod.model.contact import constants_under
 from floquetrod.rod.modes.independent_verdict import EachMode
 from floquetrod.rod.modes.mode_model import ModeModel
-from floquetrod.rod.modes.noisy_search import damping_required, edge, stable_at
+from floquetrod.rod.modes.noisy_search import margin_edge
 
-_STEPS = 65  # of each piece of a search for a margin (a choice)
+_SAMPLES = 65  # of each piece of a search for a margin (a choice)
+_AT_ONCE = 16  # of them examined before a change is looked for (a choice)
 _LISTED = 5  # modes in a report besides those that grow, those next to growth
 
 IN_MEAN_SQUARE = "growth is that of second moments, twice that of amplitudes: the verdict is in mean square"
@@ -106,7 +106,8 @@ class NoisyEvidence(EachMode):
 
     def damping_to_stabilise(self, verdict: RodStability) -> float:
         """Return a damping rate in 1/s above which this load is stable in mean square, to nine digits."""
-        return damping_required(self.model, self.load, verdict.growth_tolerance)
+        model: Any = self.model
+        return float(model.damping_required(self.load, verdict.growth_tolerance))
 
     def growth_of(self, verdict: RodStability, mode: int) -> float:
         """Return the growth rate of the second moments of a mode in 1/s."""
@@ -186,22 +187,7 @@ class NoisyEvidence(EachMode):
         progress: Progress | None,
     ) -> Edge:
         """Return where the verdict first changes from ``piece[0]`` to ``piece[1]``, by samples."""
-        piece = up_to_wall(verdict.rod, self.load, varied, piece)
-        if piece[0] == piece[1]:
-            return Edge(None, piece[0], 0.0)
-        search = Search(varied, self.load, (min(piece), max(piece)), verdict.margin_tolerance)
-        places = np.linspace(*piece, _STEPS)
-        try:
-            stable = stable_at(self.model, search, places, progress)
-        except ValueError:  # too many modes, or loads too large or too slow: nothing is known of them
-            return Edge(None, piece[0], 0.0)
-        resolution = abs(float(places[1] - places[0]))
-        differ = np.flatnonzero(stable != (verdict.status == "stable"))
-        if not differ.size:
-            return Edge(None, piece[1], resolution)
-        first = int(differ[0])
-        at = piece[0] if first == 0 else edge(self.model, search, float(places[first - 1]), float(places[first]))
-        return Edge(at, at, resolution)
+        return margin_edge(self.model, verdict, varied, piece, progress, samples=_SAMPLES, at_once=_AT_ONCE)
 
     def sentence(self, verdict: RodStability) -> str:
         """Return status, growth and the modes that grow."""
@@ -236,7 +222,7 @@ def classify_noisy(
             progress(i + 1, len(modes))
     units = np.broadcast_to(parts.rate, (1, len(modes)))[0]
     rates = units * np.array([v.exponents[0].real if v.exponents else math.nan for v in verdicts])
-    beyond = 0.0 if chosen else equations.growth_beyond(load)
+    beyond = 0.0 if chosen else float(equations.growth_beyond(Loads.single(load))[0])
     status, note = _concluded(verdicts, units, (beyond, left_out), growth_tolerance)
     exponents = (unit * each for unit, v in zip(units.tolist(), verdicts, strict=True) for each in v.exponents)
     errors = (unit * v.exponent_errors[0] if v.exponents else math.inf for unit, v in zip(units, verdicts, strict=True))

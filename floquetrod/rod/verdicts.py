@@ -1,0 +1,90 @@
+"""Verdicts on a rod: under one load, of a measured force within its noise, and over arrays of loads."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import TYPE_CHECKING, Any, cast
+
+import numpy as np
+
+from floquetrod._util import validate
+from floquetrod._util.arrays import shaped
+from floquetrod._util.progress import Progress
+from floquetrod.mathieu.criterion import FiniteTimeCriterion
+from floquetrod.rod.answers.verdict import RodStability
+from floquetrod.rod.friction.mode_friction import friction_and_kick
+from floquetrod.rod.loads.load import AnyLoad, Loads, LoadSource, require_load
+from floquetrod.rod.model.assumptions import warn_unless_uniform
+from floquetrod.rod.model.plausibility import warn_of_hertz, warn_of_load
+from floquetrod.rod.modes.mode_model import ModeModel
+
+# Loaded by what needs them: a first verdict takes a quarter of the package.
+if TYPE_CHECKING:
+    from floquetrod.rod.friction.kicks import FrictionalRodStability
+    from floquetrod.rod.loads.record import ForceRecord
+
+
+def stability(
+    model: ModeModel,
+    given: AnyLoad,
+    modes: Iterable[int] | None,
+    growth_tolerance: float,
+    friction: float | None,
+    kick: float | None,
+    progress: Progress | None,
+) -> RodStability | FrictionalRodStability:
+    """Return the verdict under a load or a record; see `floquetrod.Rod.stability`."""
+    load, rod = require_load("load", given), model.rod
+    frictional = friction_and_kick(friction, kick)
+    tolerance = validate.tolerance("growth_tolerance", growth_tolerance)
+    validate.progress(progress)
+    record = cast("ForceRecord", given) if isinstance(given, LoadSource) else None
+    warn_unless_uniform(rod, load)
+    warn_of_load(rod, load if record is None or record.force_unit_named else record)
+    if friction is not None:
+        model.require("friction")
+    if record is not None:
+        from floquetrod.rod.record_noise import classify_record
+
+        return classify_record(model, record, modes, tolerance, progress)
+    linear = model.verdict(load, modes, tolerance, progress)
+    if linear.stable and modes is None and model.prompt:
+        warn_of_hertz(rod, load, tolerance)
+    if frictional is None:
+        return linear
+    from floquetrod.rod.friction.kicks import classify_kick
+
+    return classify_kick(linear, *frictional)
+
+
+def statuses(
+    model: ModeModel,
+    numbers: tuple[Any, Any, Any],
+    growth_tolerance: float,
+    criterion: FiniteTimeCriterion | None,
+    friction: float | None,
+    kick: float | None,
+    workers: int | None,
+    progress: Progress | None,
+) -> Any:
+    """Return the status under each load; see `floquetrod.Rod.verdicts`."""
+    tolerance = validate.tolerance("growth_tolerance", growth_tolerance)
+    frictional = friction_and_kick(friction, kick)
+    validate.progress(progress)
+    if criterion is not None:
+        validate.instance("criterion", criterion, FiniteTimeCriterion)
+        criterion.require_alone(growth_tolerance=tolerance, friction=0.0 if frictional is None else frictional[0])
+    loads = Loads.of(*numbers)
+    if frictional is not None:
+        from floquetrod.rod.friction.kicks import kicked_loads
+
+        model.require("friction")
+        parts = loads.in_parts(progress)
+        found = np.concatenate(
+            [kicked_loads(model.rod, model.systems(part), *frictional, tolerance, workers) for part in parts]
+        )
+    elif criterion is not None:
+        found = model.passing(loads, criterion, workers, progress)
+    else:
+        found = model.status(loads, tolerance, workers, progress)
+    return shaped(found, loads.shape)
