@@ -100,6 +100,20 @@ def test_margins_pass_over_growth_within_their_tolerance(monkeypatch: pytest.Mon
     assert force.amplitude + margin.above == pytest.approx(3.0 * force.amplitude, rel=1e-5)
 
 
+def test_progress_counts_all_loads() -> None:
+    """Those that grow without noise too; the search for these is the first half."""
+    rod = CLAMPED.replace(length=0.3)
+    force, told = load(rod, 0.1 * HIGH_MODES), []
+    mean = np.array([100.0, 0.3, 110.0, 0.2, 120.0]) * rod.critical_force
+    found = rod.verdicts(
+        mean, force.amplitude, 800.0, like=force, progress=lambda done, total: told.append((done, total))
+    )
+    assert found.tolist() == [0, 1, 0, 1, 0]
+    assert told == sorted(told)
+    assert (told[0], told[-1]) == ((2, 5), (5, 5))
+    assert len(told) > 3
+
+
 @pytest.mark.slow
 def test_maps_and_arrays_say_what_single_loads_do() -> None:
     like = load(CLAMPED, 0.2 * HIGH_MODES)

@@ -16,7 +16,7 @@ from typing import Any, ClassVar, NamedTuple, NoReturn
 import numpy as np
 
 from floquetrod._util.arguments import wrong_value
-from floquetrod._util.progress import Progress
+from floquetrod._util.progress import Progress, shifted
 from floquetrod._util.report import number
 from floquetrod.floquet.references import references
 from floquetrod.floquet.systems.damping import least_damping
@@ -105,17 +105,23 @@ class NoisyTogetherModel(NoisyModel):
         self, loads: Loads, growth_tolerance: float = 0.0, workers: int | None = None, progress: Progress | None = None
     ) -> Answers:
         """Return status, growth of second moments in 1/s, and -1 where something grows, one load after another."""
-        quiet = self.quiet.answers(loads, 0.5 * growth_tolerance, workers)
+
+        def told(done: int, total: int) -> None:
+            if progress is not None:
+                progress(done * loads.size // total, loads.size)
+
+        quiet = self.quiet.answers(loads, 0.5 * growth_tolerance, workers, shifted(told, 0, loads.size))
         status, growth = quiet.status.copy(), 2.0 * quiet.growth
-        for i in np.flatnonzero(status == STABLE).tolist():
+        left = np.flatnonzero(status == STABLE).tolist()
+        told(2 * loads.size - len(left), 2 * loads.size)
+        for done, i in enumerate(left, 1 - len(left)):
             load = self.like.with_numbers(*(float(values[i]) for values in loads.flat))
             trial = self.trial(load, self.count_for(Loads.single(load), growth_tolerance))
             found = trial.growth(self.density())
             judged, _ = _judged(self, load, found, trial.growth(0.0), growth_tolerance)
             status[i] = {"stable": STABLE, "unstable": UNSTABLE}.get(judged, UNDECIDED)
-            growth[i] = max(0.0, found.rate, self.growth_beyond(load))
-            if progress is not None:
-                progress(i + 1, loads.size)
+            growth[i] = np.maximum(found.rate, max(0.0, self.growth_beyond(load)))  # NaN where it is not known
+            told(2 * loads.size + done, 2 * loads.size)
         return Answers(status, growth, np.where(growth > 0.0, -1, 0))
 
     growth_of_modes = ModeModel.growth_of_modes
