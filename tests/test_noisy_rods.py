@@ -161,6 +161,19 @@ def test_a_noisy_rod_is_proved_stable_and_unstable() -> None:
     assert ROD.certify(0.17 * FCR, 0.0, 150.0, like=load(1.1 * HIGH_MODES)).status != "stable"
 
 
+def test_a_box_in_which_some_loads_grow_is_mixed() -> None:
+    like = load(0.1 * HIGH_MODES)
+    found = ROD.certify((0.17 * FCR, 0.31 * FCR), 0.1 * FCR, 150.0, like=like)
+    assert (found.status, found.stable) == ("mixed", None)
+    assert [each.status for each in found.examples] == ["stable", "unstable"]
+    for each in found.examples:
+        assert found.box[0].low <= each.load.mean <= found.box[0].high
+        assert ROD.stability(each.load).status == each.status
+        assert ROD.certify(each.load.mean, each.load.amplitude, 150.0, like=like).status == each.status
+    assert str(found.report()).count("in mean square") >= 2
+    assert [each["status"] for each in found.as_dict()["examples"]] == ["stable", "unstable"]
+
+
 @pytest.mark.slow
 def test_a_box_of_forces_is_proved_under_noise() -> None:
     found = ROD.certify((0.29 * FCR, 0.31 * FCR), 0.1 * FCR, 150.0, like=load(0.1 * HIGH_MODES))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -17,6 +17,8 @@ from floquetrod.floquet.proof import certify
 from floquetrod.floquet.proof.region import RegionProof, RegionStatus, Shares, Side, side_ends
 from floquetrod.floquet.proof.region_equation import note_on
 from floquetrod.floquet.proof.result import Proof
+from floquetrod.floquet.systems.many import STABLE, UNSTABLE
+from floquetrod.rod.answers.rod_box import RodExample
 from floquetrod.rod.loads.load import LIMITS, QUANTITIES, Loads, Quantity, load_number
 from floquetrod.rod.mode_equations.noisy_modes import NoisyModes
 from floquetrod.rod.model.assumptions import assumptions
@@ -25,6 +27,7 @@ from floquetrod.rod.modes.mode_model import ModeModel
 from floquetrod.rod.modes.noisy_verdict import ASSUMED
 
 _SECONDS = 30.0  # to spend on one mode at most (a choice)
+_PLACES = 9  # along each side of a box at which verdicts tell where to prove examples (a choice)
 _ROUNDING = 64.0 * EPS  # relative, of the coefficients of modes
 
 _PROOF_ASSUMED = (
@@ -50,12 +53,17 @@ def certify_noisy(
     strongest = model.like.with_numbers(high, most, frequency)
     constants = mode_constants(model.rod)
     last, left_out = model.modes_needed(strongest, tolerance)
+    modes = [_Moments(NoisyModes(constants, model.like), m, frequency, tolerance) for m in range(1, last + 1)]
+    is_point = low == high and least == most
+    examples = () if is_point else _examples(model, box, modes, (tolerance, left_out))
+    found: list[RegionProof | Proof] = []
+    if len(examples) == 2:
+        return _together(model, box, found, examples, tolerance, (last, left_out))
     middle = model.like.with_numbers(0.5 * (low + high), 0.5 * (least + most), frequency)
     growth = np.array(model.growth_of_modes(middle, range(1, last + 1)))
-    found: list[RegionProof | Proof] = []
-    for mode in (np.argsort(-growth, kind="stable") + 1).tolist():  # what is unstable first
-        moments = _Moments(NoisyModes(constants, model.like), mode, frequency, tolerance)
-        if low == high and least == most:
+    for i in np.argsort(-growth, kind="stable").tolist():  # what is unstable first
+        moments = modes[i]
+        if is_point:
             found.append(certify(moments(low, least)))
         else:
             sides_of = {"mean": (low, high), "amplitude": (least, most)}
@@ -65,7 +73,7 @@ def certify_noisy(
             progress(len(found), last)
         if found[-1].status != "stable":
             break
-    return _together(model, box, found, tolerance, (last, left_out))
+    return _together(model, box, found, examples, tolerance, (last, left_out))
 
 
 def _box(model: ModeModel, sides: tuple[Any, Any, Any], rod: Mapping[str, Any] | None) -> list[tuple[float, float]]:
@@ -118,10 +126,37 @@ class _Moments:
         )
 
 
+def _examples(
+    model: ModeModel, box: list[tuple[float, float]], modes: Sequence[_Moments], limits: tuple[float, float]
+) -> tuple[RodExample, ...]:
+    """Return a load of the box that is proved stable and one proved unstable, where samples show both."""
+    tolerance, left_out = limits
+    sides = (np.linspace(low, high, _PLACES if low < high else 1) for low, high in box[:2])
+    mean, amplitude = (each.ravel() for each in np.meshgrid(*sides))
+    status, growth, fastest = model.answers(Loads.of(mean, amplitude, box[2][0]), tolerance)
+    worst = int(np.nan_to_num(growth).argmax())
+    quiet = np.flatnonzero(status == STABLE)
+    if not quiet.size or status[worst] != UNSTABLE or fastest[worst] < 1:
+        return ()
+    farthest = int(quiet[np.abs(quiet - worst).argmax()])
+    rest = f"every higher mode grows at less than {left_out:.2g} 1/s" if left_out > 0.0 else "no higher mode grows"
+    limit, found = f"{tolerance:g} 1/s in mean square", []
+    for i, kind, chosen, statement in (
+        (farthest, "stable", modes, f"modes 1 to {len(modes)} grow at no more than {limit}, {rest}"),
+        (worst, "unstable", [modes[fastest[worst] - 1]], f"mode {fastest[worst]} grows faster than {limit}"),
+    ):
+        at = float(mean[i]), float(amplitude[i])
+        is_known = kind == "unstable" or left_out <= tolerance
+        if is_known and all(certify(moments(*at)).status == kind for moments in chosen):
+            found.append(RodExample(kind, model.like.with_numbers(*at, box[2][0]), model.rod, statement))
+    return tuple(found)
+
+
 def _together(
     model: ModeModel,
     box: list[tuple[float, float]],
     found: list[RegionProof | Proof],
+    examples: tuple[RodExample, ...],
     tolerance: float,
     modes: tuple[int, float],
 ) -> RegionProof:
@@ -129,13 +164,16 @@ def _together(
     last, left_out = modes
     ends = (high for _, high in box)
     status: RegionStatus = "undecided"
-    if any(proof.status == "unstable" for proof in found):
+    if len(examples) == 2:
+        status = "mixed"
+    elif any(proof.status == "unstable" for proof in found):
         status = "unstable"
     elif all(proof.status == "stable" for proof in found) and left_out <= tolerance:
         status = "stable"
     sides = tuple(Side(name, low, high, LIMITS[name].unit) for name, (low, high) in zip(QUANTITIES, box, strict=True))
-    shares = Shares(float(status == "stable"), float(status == "unstable"))
-    boxes = sum(getattr(proof, "boxes", 1) for proof in found)
+    growing = max((proof.shares.unstable for proof in found if isinstance(proof, RegionProof)), default=0.0)
+    shares = Shares(float(status == "stable"), 1.0 if status == "unstable" else growing)
+    boxes = len(examples) + sum(getattr(proof, "boxes", 1) for proof in found)
     note = note_on(status, shares, boxes)
     if status == "undecided" and left_out > tolerance:
         note = f"higher modes may grow at up to {left_out:.2g} 1/s in mean square"
@@ -143,7 +181,7 @@ def _together(
         subject=model.rod,
         status=status,
         box=sides,
-        examples=(),
+        examples=examples if status in ("mixed", "undecided") else (),
         growth_tolerance=tolerance,
         growth_unit="1/s",
         modes=last,
@@ -163,4 +201,5 @@ def _stated(status: RegionStatus, sides: tuple[Side, ...], tolerance: float) -> 
     return {
         "stable": f"under every {where} no mode {grows}",
         "unstable": f"under every {where} a mode {grows}",
+        "mixed": f"within {where} under some loads a mode {grows}, under some none",
     }.get(status, f"within {where} nothing is proved of all")
