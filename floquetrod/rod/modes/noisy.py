@@ -22,7 +22,7 @@ from floquetrod.rod.mode_equations.noisy_modes import NoisyModes
 from floquetrod.rod.model.constants import mode_constants
 from floquetrod.rod.model.contact import constants_under, require_on_wall
 from floquetrod.rod.modes.mode_model import Answers, ModeModel, Statuses
-from floquetrod.rod.modes.noisy_search import changes, first_change, least, stable_at
+from floquetrod.rod.modes.noisy_search import AT_ONCE, changes, first_change, least, stable_at
 
 if TYPE_CHECKING:
     from floquetrod.floquet.proof.region import RegionProof
@@ -44,6 +44,8 @@ class NoisyModel(ModeModel):
     loads_at_once: ClassVar[int | None] = 2000
     samples: ClassVar[int] = 257
     """Places between the bounds of a search."""
+    at_once: ClassVar[int] = AT_ONCE
+    """Places that are examined before a change is looked for."""
     damping_found: ClassVar[str] = "that of the load whose growth in mean square is worst"
 
     @property
@@ -150,7 +152,8 @@ class NoisyModel(ModeModel):
     def first_unstable(self, search: Search, progress: Progress | None = None) -> float:
         """Return where a quantity that grows from zero first meets growth; infinite without any."""
         self.require_on_wall(search)
-        found = first_change(self, search, True, 0.0, np.linspace(*search.bounds, self.samples), progress)
+        places = np.linspace(*search.bounds, self.samples)
+        found, _ = first_change(self, search, places, True, at_once=self.at_once, progress=progress)
         return math.inf if found is None else found
 
     def unstable_bands(

@@ -19,6 +19,7 @@ from floquetrod.rod.loads.load import Loads, Quantity
 from floquetrod.rod.model.contact import up_to_wall
 from floquetrod.rod.modes.mode_model import ModeModel
 
+AT_ONCE = 16  # samples examined before a change is looked for (a choice)
 HALVINGS = 36  # of the distance of two samples (a choice)
 _MOST_HALVINGS = 60  # of a search for the least value
 
@@ -41,18 +42,32 @@ def changes(model: ModeModel, search: Search, places: Floats, stable: Bools, hal
 def first_change(
     model: ModeModel,
     search: Search,
-    begins: bool,
-    near: float,
     places: Floats,
-    progress: Progress | None = None,
+    begins: bool,
+    *,
+    known: bool = False,
+    at_once: int = AT_ONCE,
     halvings: int = HALVINGS,
-) -> float | None:
-    """Return the last stable place next to the first change of a verdict from one place through others, if any."""
-    every, stable = np.append(near, places), np.append(begins, stable_at(model, search, places, progress))
-    if (stable == begins).all():
-        return None
-    to_first = slice(0, int((stable != begins).argmax()) + 1)
-    return float(changes(model, search, every[to_first], stable[to_first], halvings)[0])
+    refused: type[Exception] | tuple[()] = (),
+    progress: Progress | None = None,
+) -> tuple[float | None, float]:
+    """Return the last stable place next to the first change of a verdict along places, if any, and where that ends.
+
+    ``known`` where the first place has the verdict that it begins with; at an error ``refused`` the search ends.
+    """
+    for start in range(int(known), len(places), at_once):
+        near, some = float(places[max(0, start - 1)]), places[start : start + at_once]
+        try:
+            stable = np.append(begins, stable_at(model, search, some))
+            if (stable != begins).any():
+                to_first = slice(0, int((stable != begins).argmax()) + 1)
+                at = float(changes(model, search, np.append(near, some)[to_first], stable[to_first], halvings)[0])
+                return at, at
+        except refused:
+            return None, near
+        if progress is not None:
+            progress(min(start + at_once, len(places)), len(places))
+    return None, float(places[-1])
 
 
 def margin_edge(
@@ -63,7 +78,7 @@ def margin_edge(
     progress: Progress | None,
     *,
     samples: int,
-    at_once: int,
+    at_once: int = AT_ONCE,
     halvings: int = HALVINGS,
 ) -> Edge:
     """Return where a verdict first changes from ``piece[0]`` to ``piece[1]``, by so many samples, some at once."""
@@ -71,20 +86,19 @@ def margin_edge(
     piece = up_to_wall(verdict.rod, load, varied, piece)
     if piece[0] == piece[1]:
         return Edge(None, piece[0], 0.0)
-    search = Search(varied, load, piece, verdict.margin_tolerance)
     places = np.linspace(*piece, samples)
-    resolution = abs(float(places[1] - places[0]))
-    for start in range(int(piece[0] == getattr(load, varied)), samples, at_once):
-        near, some = float(places[max(0, start - 1)]), places[start : start + at_once]
-        try:
-            at = first_change(model, search, verdict.status == "stable", near, some, None, halvings)
-        except ValueError:  # too many modes, or loads too large or too slow: nothing is known of them
-            return Edge(None, near, resolution)
-        if at is not None:
-            return Edge(at, at, resolution)
-        if progress is not None:
-            progress(min(start + at_once, samples), samples)
-    return Edge(None, piece[1], resolution)
+    at, searched = first_change(
+        model,
+        Search(varied, load, piece, verdict.margin_tolerance),
+        places,
+        verdict.status == "stable",
+        known=piece[0] == getattr(load, varied),
+        at_once=at_once,
+        halvings=halvings,
+        refused=ValueError,  # too many modes, or loads too large or too slow: nothing is known of them
+        progress=progress,
+    )
+    return Edge(at, searched, abs(float(places[1] - places[0])))
 
 
 def least(holds: Callable[[float], bool], start: float, limit: float, digits: float) -> tuple[float, float]:

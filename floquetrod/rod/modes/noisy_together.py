@@ -57,6 +57,7 @@ class NoisyTogetherModel(NoisyModel):
 
     loads_at_once: ClassVar[int | None] = 50  # some seconds
     samples: ClassVar[int] = 65
+    at_once: ClassVar[int] = 1
 
     @property
     def quiet(self) -> CoupledModel:
@@ -318,7 +319,16 @@ class NoisyTogether(Evidence):
     ) -> Edge:
         """Return where the verdict first changes from ``piece[0]`` to ``piece[1]``: as many samples as time allows."""
         samples = max(3, min(_PLACES, int(seconds / _SECONDS)))
-        return margin_edge(self.model, verdict, varied, piece, progress, samples=samples, at_once=1, halvings=_HALVINGS)
+        return margin_edge(
+            self.model,
+            verdict,
+            varied,
+            piece,
+            progress,
+            samples=samples,
+            at_once=self.model.at_once,
+            halvings=_HALVINGS,
+        )
 
     def sentence(self, verdict: RodStability) -> str:
         """Return status and growth."""

@@ -28,7 +28,6 @@ from floquetrod.rod.modes.mode_model import ModeModel
 from floquetrod.rod.modes.noisy_search import margin_edge
 
 _SAMPLES = 65  # of each piece of a search for a margin (a choice)
-_AT_ONCE = 16  # of them examined before a change is looked for (a choice)
 _LISTED = 5  # modes in a report besides those that grow, those next to growth
 
 IN_MEAN_SQUARE = "growth is that of second moments, twice that of amplitudes: the verdict is in mean square"
@@ -187,7 +186,7 @@ class NoisyEvidence(EachMode):
         progress: Progress | None,
     ) -> Edge:
         """Return where the verdict first changes from ``piece[0]`` to ``piece[1]``, by samples."""
-        return margin_edge(self.model, verdict, varied, piece, progress, samples=_SAMPLES, at_once=_AT_ONCE)
+        return margin_edge(self.model, verdict, varied, piece, progress, samples=_SAMPLES)
 
     def sentence(self, verdict: RodStability) -> str:
         """Return status, growth and the modes that grow."""
