@@ -46,32 +46,77 @@ _LISTED = 10  # resonances in a report, the fastest
 
 
 @dataclass(frozen=True)
-class ModesTogether(Evidence):
-    """Coupled modes, as many as two numbers of them agree upon.
+class SharedGrowth(Evidence):
+    """Coupled modes, as many as two numbers of them agree upon, of one growth.
 
     Attributes
     ----------
     model : ModeModel
         What the modes are under this load.
+    convergence : tuple of (int, float)
+        Numbers of modes and the growth rate in 1/s with each; the last one is the answer.
+    """
+
+    growth_in_words: ClassVar[str] = "growth"
+
+    model: ModeModel = field(compare=False)
+    convergence: tuple[tuple[int, float], ...]
+
+    @property
+    def load(self) -> Load:
+        """The load."""
+        return self.model.like
+
+    @property
+    def modes(self) -> tuple[int, ...]:
+        """Modes examined."""
+        return tuple(range(1, self.convergence[-1][0] + 1))
+
+    @property
+    def cutoff(self) -> str:
+        """Why these modes and no others."""
+        last, final = self.convergence[-1]
+        if len(self.convergence) == 1:
+            return f"{last} coupled modes, as requested"
+        fewer, first = self.convergence[-2]
+        change = abs(final - first)
+        known = (
+            f"{self.growth_in_words} differs by {change:.1g} 1/s"
+            if math.isfinite(change)
+            else "growth could not be compared"
+        )
+        return f"{last} coupled modes; with {fewer} {known}"
+
+    def growth_of(self, verdict: RodStability, mode: int) -> float:
+        """Return the growth rate in 1/s, which all modes share."""
+        return verdict.growth_rate
+
+    def is_fastest(self, verdict: RodStability, mode: int | None) -> bool:
+        """Return that the growth rate is that of any mode: all take part in it."""
+        return True
+
+
+@dataclass(frozen=True)
+class ModesTogether(SharedGrowth):
+    """Coupled modes and their equations.
+
+    Attributes
+    ----------
     coupled : CoupledEquations
         The coordinates in which the motion is written.
     system : HillSystem
         The equations of motion, in seconds.
     whole : SystemStability
         Verdict on them.
-    convergence : tuple of (int, float)
-        Numbers of modes and the growth rate in 1/s with each; the last one is the answer.
     named : tuple of Resonance
         What grows, the fastest first.
     """
 
     kind: ClassVar[str] = "coupled modes"
 
-    model: ModeModel = field(compare=False)
     coupled: CoupledEquations = field(compare=False)
     system: HillSystem = field(compare=False)
     whole: SystemStability = field(compare=False)
-    convergence: tuple[tuple[int, float], ...]
     named: tuple[Resonance, ...]
 
     @property
@@ -83,26 +128,6 @@ class ModesTogether(Evidence):
     def references(self) -> tuple[str, ...]:
         """What to cite for the methods used."""
         return self.whole.references
-
-    @property
-    def load(self) -> Load:
-        """The load."""
-        return self.coupled.like
-
-    @property
-    def modes(self) -> tuple[int, ...]:
-        """Modes examined."""
-        return tuple(range(1, self.coupled.count + 1))
-
-    @property
-    def cutoff(self) -> str:
-        """Why these modes and no others."""
-        if len(self.convergence) == 1:
-            return f"{self.coupled.count} coupled modes, as requested"
-        (fewer, first), (last, final) = self.convergence[-2:]
-        change = abs(final - first)
-        known = f"growth differs by {change:.1g} 1/s" if math.isfinite(change) else "growth could not be compared"
-        return f"{last} coupled modes; with {fewer} {known}"
 
     def damping_to_stabilise(self, verdict: RodStability) -> float:
         """Return the damping rate in 1/s at which this load no longer makes the rod grow faster than the tolerance.
@@ -151,14 +176,6 @@ class ModesTogether(Evidence):
         at, instant = np.unravel_index(np.abs(moving).argmax(), moving.shape)
         turned = moving[:, instant] * np.exp(-1j * np.angle(moving[at, instant]))
         return Shape(x * self.model.rod.length, turned.real / size, envelope / size)
-
-    def growth_of(self, verdict: RodStability, mode: int) -> float:
-        """Return the growth rate of the rod in 1/s: where modes are coupled, none of them has one of its own."""
-        return verdict.growth_rate
-
-    def is_fastest(self, verdict: RodStability, mode: int | None) -> bool:
-        """Return that the growth rate is that of any mode: all take part in it."""
-        return True
 
     def headline(self, verdict: RodStability) -> str:
         """Return the resonance that grows fastest, and how many more do."""
@@ -262,10 +279,10 @@ def classify_coupled(
         rod=model.rod,
         evidence=ModesTogether(
             model,
+            tuple((trial.modes.count, trial.whole.growth_rate) for trial in found),
             final.modes,
             final.system,
             whole,
-            tuple((trial.modes.count, trial.whole.growth_rate) for trial in found),
             final.modes.named(final.system, whole.resonances),
         ),
         growth_tolerance=growth_tolerance,

@@ -25,13 +25,14 @@ from floquetrod.floquet.systems.moment_growth import Growth, MomentGrowth
 from floquetrod.floquet.systems.resonances import Resonance
 from floquetrod.floquet.verdict import Cost, Status
 from floquetrod.rod.answers.margins import Edge
-from floquetrod.rod.answers.verdict import Evidence, RodStability
+from floquetrod.rod.answers.verdict import RodStability
 from floquetrod.rod.loads.load import Load, Loads, Quantity, largest_density
 from floquetrod.rod.mode_equations.coupled_matrices import CoupledModes
 from floquetrod.rod.model.assumptions import assumptions
 from floquetrod.rod.model.constants import mode_constants
 from floquetrod.rod.model.contact import require_on_wall
 from floquetrod.rod.modes.coupled import CoupledModel, chosen_count
+from floquetrod.rod.modes.coupled_verdict import SharedGrowth
 from floquetrod.rod.modes.mode_model import Answers, ModeModel
 from floquetrod.rod.modes.noisy import NoisyModel, unstable_without_noise
 from floquetrod.rod.modes.noisy_search import margin_edge
@@ -221,38 +222,13 @@ class Trial(NamedTuple):
 
 
 @dataclass(frozen=True)
-class NoisyTogether(Evidence):
-    """Coupled modes under noise, as many as two numbers of them agree upon.
-
-    Attributes
-    ----------
-    model : ModeModel
-    convergence : tuple of (int, float)
-        Numbers of modes and the growth rate of second moments in 1/s with each, negative where they decay.
-    """
+class NoisyTogether(SharedGrowth):
+    """Coupled modes under noise, whose growth is that of second moments, negative where they decay."""
 
     kind: ClassVar[str] = "coupled modes under noise"
+    growth_in_words: ClassVar[str] = "growth in mean square"
 
     model: NoisyTogetherModel = field(compare=False)
-    convergence: tuple[tuple[int, float], ...]
-
-    @property
-    def load(self) -> Load:
-        """The load."""
-        return self.model.like
-
-    @property
-    def modes(self) -> tuple[int, ...]:
-        """Modes examined."""
-        return tuple(range(1, self.convergence[-1][0] + 1))
-
-    @property
-    def cutoff(self) -> str:
-        """Why these modes and no others."""
-        if len(self.convergence) == 1:
-            return f"{len(self.modes)} coupled modes, as requested"
-        (fewer, first), (last, final) = self.convergence[-2:]
-        return f"{last} coupled modes; with {fewer} growth in mean square differs by {abs(final - first):.1g} 1/s"
 
     @property
     def references(self) -> tuple[str, ...]:
@@ -267,14 +243,6 @@ class NoisyTogether(Evidence):
     def damping_to_stabilise(self, verdict: RodStability) -> float:
         """Return the damping rate in 1/s from which second moments do not grow, to ten digits."""
         return self.model.damping_required(self.load, verdict.growth_tolerance)
-
-    def growth_of(self, verdict: RodStability, mode: int) -> float:
-        """Return the growth rate of second moments in 1/s, which all modes share."""
-        return verdict.growth_rate
-
-    def is_fastest(self, verdict: RodStability, mode: int | None) -> bool:
-        """Return that the growth rate is that of any mode: all take part in it."""
-        return True
 
     def plot(self, verdict: RodStability, ax: Any = None) -> Any:
         """Raise ValueError: second moments have no one shape."""
