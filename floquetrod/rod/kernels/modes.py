@@ -170,23 +170,6 @@ def rod_is_stable(
 
 @kernel
 def modes_stable_fill(
-    mean: Any, amplitude: Any, frequency: Any, out: Any, constants: Any, tolerance: float, smallest: float
-) -> None:
-    """Fill ``out`` with whether no mode of a rod grows faster than ``tolerance`` under each load (rates per second).
-
-    Rates below ``smallest`` may be left out.
-    """
-    slowest = max(tolerance, smallest)
-    last = 1
-    suspect = 1
-    for i in range(len(mean)):
-        out[i], last, suspect = rod_is_stable(
-            constants, mean[i], amplitude[i], frequency[i], tolerance, slowest, last, suspect
-        )
-
-
-@kernel
-def samples_stable_fill(
     mean: Any,
     amplitude: Any,
     frequency: Any,

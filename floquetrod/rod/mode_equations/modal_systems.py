@@ -174,13 +174,14 @@ class ModalSystems:
     def are_stable(self, growth_tolerance: float, workers: int | None) -> Bools:
         """Return under which loads no mode grows faster than the tolerance (1/s)."""
         out = np.empty(self.loads.size, dtype=np.bool_)
-        self._fill(kernels.modes_stable_fill, out, (growth_tolerance, NEGLIGIBLE_GROWTH), workers)
+        constants = tuple(np.full(out.size, float(part)) for part in self.constants)
+        self._fill(kernels.modes_stable_fill, out, constants, (growth_tolerance, NEGLIGIBLE_GROWTH), workers)
         return out
 
     def fastest(self, workers: int | None) -> tuple[Floats, Ints]:
         """Return the growth rate in 1/s and the number of the fastest mode; 0, 0 where none grows."""
         out = np.empty((self.loads.size, 2))
-        self._fill(kernels.modes_growth_fill, out, (NEGLIGIBLE_GROWTH,), workers)
+        self._fill(kernels.modes_growth_fill, out, (), (tuple(self.constants), NEGLIGIBLE_GROWTH), workers)
         return out[:, 0], out[:, 1].astype(np.int64)
 
     def pass_test(self, criterion: FiniteTimeCriterion, workers: int | None) -> Bools:
@@ -229,8 +230,10 @@ class ModalSystems:
     def _damping(self) -> Floats:
         return np.asarray(self.constants.damping_rate / self.loads.frequency)
 
-    def _fill(self, kernel: Any, out: NDArray[Any], limits: tuple[float, ...], workers: int | None) -> None:
-        constants, inputs = self.constants, self.loads.flat
+    def _fill(
+        self, kernel: Any, out: NDArray[Any], inputs: tuple[Any, ...], limits: tuple[Any, ...], workers: int | None
+    ) -> None:
+        constants, inputs = self.constants, (*self.loads.flat, *inputs)
         chunk = constants.loads_at_once(self.loads)
         later = 0 if is_at_hand(kernel) else int(_LOADING / (INTERPRETED_UP_TO * constants.interpreted_ms(self.loads)))
-        over_chunks(kernel, inputs, out, tuple(constants), *limits, workers=workers, chunk=chunk, compile_after=later)
+        over_chunks(kernel, inputs, out, *limits, workers=workers, chunk=chunk, compile_after=later)

@@ -229,7 +229,7 @@ class IndependentModel(ModeModel):
 
         Those that leave their wall are not decided.
         """
-        from floquetrod.rod.kernels.modes import samples_stable_fill
+        from floquetrod.rod.kernels.modes import modes_stable_fill
 
         mean, amplitude, frequency = loads.flat
         constants = ModeConstants.of(rods, sin=np.sin)
@@ -242,7 +242,7 @@ class IndependentModel(ModeModel):
         modes, fastest = extents
         out = np.empty(loads.size, dtype=np.bool_)
         over_chunks(
-            samples_stable_fill,
+            modes_stable_fill,
             [*loads.flat, *(np.broadcast_to(np.asarray(part, dtype=np.float64), out.shape) for part in constants)],
             out,
             tolerance,
