@@ -431,9 +431,9 @@ class Rod(RodData):
         """
         from floquetrod.rod.friction import kicks
 
-        coefficient = friction_coefficient(friction)
-        self.modes_under(require_load("load", load)).require("friction")
-        return kicks.critical_kick(self.stability(load, growth_tolerance=growth_tolerance), coefficient)
+        load, mu = require_load("load", load), friction_coefficient(friction)
+        self.modes_under(load).require("friction")
+        return kicks.critical_kick(self.stability(load, growth_tolerance=growth_tolerance), mu)
 
     def critical_kicks(
         self,
@@ -449,13 +449,10 @@ class Rod(RodData):
         """Return the results of `critical_kick` over arrays of loads (N, N, rad/s) that broadcast; mode 0 for none."""
         from floquetrod.rod.friction import kicks
 
-        coefficient, tolerance = (
-            friction_coefficient(friction),
-            validate.tolerance("growth_tolerance", growth_tolerance),
-        )
+        mu, tolerance = friction_coefficient(friction), validate.tolerance("growth_tolerance", growth_tolerance)
         model, loads = self.modes_under(like), Loads.of(mean, amplitude, frequency)
         model.require("friction")
-        return kicks.critical_kicks(self, model.systems(loads), coefficient, tolerance, workers)
+        return kicks.critical_kicks(self, model.systems(loads), mu, tolerance, workers)
 
     def stable_mean_forces(
         self,
