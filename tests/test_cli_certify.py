@@ -114,6 +114,8 @@ def test_the_largest_safe_box(capsys: pytest.CaptureFixture[str]) -> None:
         (["--mean", "0.3"], "--amplitude, --frequency"),
         ([*POINT[:4], "--frequency", "0:150"], "--frequency must be greater than zero"),
         ([*LOAD, "--wave", "free"], "certify needs independent modes"),
+        ([*POINT, "--wave", "free", "--largest"], "error: --largest needs independent modes"),
+        ([*POINT, "--noise", "1e-4N^2/Hz", "--largest"], "--largest is not answered under noise"),
         (["--mean", "0.2Fcr", *POINT[2:6], "--largest"], "proved stable"),
     ],
 )

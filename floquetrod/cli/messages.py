@@ -9,6 +9,7 @@ from floquetrod._util.arguments import Mention, argument_of, written
 
 _OPTIONS = {
     "criterion": "--paper-criterion",
+    "largest_safe_box": "--largest",
     "load": "--mean",
     "channel_diameter": "--bore, the channel diameter,",
     "channel_radius": "--bore, the channel radius,",
@@ -35,7 +36,7 @@ def in_options(message: Exception | str, options: argparse.Namespace) -> str:
     if typed is None:
         return written(message, mentioned)
     said = about.named(option(about.name), mentioned)
-    return said if str(typed) in said else f"{said}; it was given as {str(typed)!r}"
+    return said if typed is True or str(typed) in said else f"{said}; it was given as {str(typed)!r}"
 
 
 def _mentioned(options: argparse.Namespace, mention: Mention) -> str:
