@@ -45,7 +45,7 @@ class NoisyModel(ModeModel):
     samples: ClassVar[int] = 257
     """Places between the bounds of a search."""
     at_once: ClassVar[int] = AT_ONCE
-    """Places that are examined before a change is looked for."""
+    """Places that are examined before a change is searched for."""
     damping_found: ClassVar[str] = "that of the load whose growth in mean square is worst"
 
     @property

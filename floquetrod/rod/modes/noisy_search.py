@@ -19,7 +19,7 @@ from floquetrod.rod.loads.load import Loads, Quantity
 from floquetrod.rod.model.contact import up_to_wall
 from floquetrod.rod.modes.mode_model import ModeModel
 
-AT_ONCE = 16  # samples examined before a change is looked for (a choice)
+AT_ONCE = 16  # samples examined before a change is searched for (a choice)
 HALVINGS = 36  # of the distance of two samples (a choice)
 _MOST_HALVINGS = 60  # of a search for the least value
 
