@@ -153,7 +153,7 @@ class NoisyModel(ModeModel):
         """Return where a quantity that grows from zero first meets growth; infinite without any."""
         self.require_on_wall(search)
         places = np.linspace(*search.bounds, self.samples)
-        found, _ = first_change(self, search, places, True, at_once=self.at_once, progress=progress)
+        found = first_change(self, search, places, True, at_once=self.at_once, progress=progress).at
         return math.inf if found is None else found
 
     def unstable_bands(

@@ -14,9 +14,7 @@ from floquetrod._util.roots import bisected
 from floquetrod.floquet.systems.many import STABLE
 from floquetrod.rod.answers.intervals import Search
 from floquetrod.rod.answers.margins import Edge
-from floquetrod.rod.answers.verdict import RodStability
-from floquetrod.rod.loads.load import Loads, Quantity
-from floquetrod.rod.model.contact import up_to_wall
+from floquetrod.rod.loads.load import Loads
 from floquetrod.rod.modes.mode_model import ModeModel
 
 AT_ONCE = 16  # samples examined before a change is searched for (a choice)
@@ -50,11 +48,12 @@ def first_change(
     halvings: int = HALVINGS,
     refused: type[Exception] | tuple[()] = (),
     progress: Progress | None = None,
-) -> tuple[float | None, float]:
-    """Return the last stable place next to the first change of a verdict along places, if any, and where that ends.
+) -> Edge:
+    """Return where a verdict first changes along places: the last stable place next to that.
 
     ``known`` where the first place has the verdict that it begins with; at an error ``refused`` the search ends.
     """
+    distance = abs(float(places[1] - places[0]))
     for start in range(int(known), len(places), at_once):
         near, some = float(places[max(0, start - 1)]), places[start : start + at_once]
         try:
@@ -62,43 +61,12 @@ def first_change(
             if (stable != begins).any():
                 to_first = slice(0, int((stable != begins).argmax()) + 1)
                 at = float(changes(model, search, np.append(near, some)[to_first], stable[to_first], halvings)[0])
-                return at, at
+                return Edge(at, at, distance)
         except refused:
-            return None, near
+            return Edge(None, near, distance)
         if progress is not None:
             progress(min(start + at_once, len(places)), len(places))
-    return None, float(places[-1])
-
-
-def margin_edge(
-    model: ModeModel,
-    verdict: RodStability,
-    varied: Quantity,
-    piece: tuple[float, float],
-    progress: Progress | None,
-    *,
-    samples: int,
-    at_once: int = AT_ONCE,
-    halvings: int = HALVINGS,
-) -> Edge:
-    """Return where a verdict first changes from ``piece[0]`` to ``piece[1]``, by so many samples, some at once."""
-    load = verdict.load
-    piece = up_to_wall(verdict.rod, load, varied, piece)
-    if piece[0] == piece[1]:
-        return Edge(None, piece[0], 0.0)
-    places = np.linspace(*piece, samples)
-    at, searched = first_change(
-        model,
-        Search(varied, load, piece, verdict.margin_tolerance),
-        places,
-        verdict.status == "stable",
-        known=piece[0] == getattr(load, varied),
-        at_once=at_once,
-        halvings=halvings,
-        refused=ValueError,  # too many modes, or loads too large or too slow: nothing is known of them
-        progress=progress,
-    )
-    return Edge(at, searched, abs(float(places[1] - places[0])))
+    return Edge(None, float(places[-1]), distance)
 
 
 def least(holds: Callable[[float], bool], start: float, limit: float, digits: float) -> tuple[float, float]:

@@ -22,11 +22,9 @@ from floquetrod.floquet.references import references
 from floquetrod.floquet.systems.damping import least_damping
 from floquetrod.floquet.systems.many import STABLE, UNDECIDED, UNSTABLE
 from floquetrod.floquet.systems.moment_growth import Growth, MomentGrowth
-from floquetrod.floquet.systems.resonances import Resonance
 from floquetrod.floquet.verdict import Cost, Status
-from floquetrod.rod.answers.margins import Edge
 from floquetrod.rod.answers.verdict import RodStability
-from floquetrod.rod.loads.load import Load, Loads, Quantity, largest_density
+from floquetrod.rod.loads.load import Load, Loads, largest_density
 from floquetrod.rod.mode_equations.coupled_matrices import CoupledModes
 from floquetrod.rod.model.assumptions import assumptions
 from floquetrod.rod.model.constants import mode_constants
@@ -35,8 +33,7 @@ from floquetrod.rod.modes.coupled import CoupledModel, chosen_count
 from floquetrod.rod.modes.coupled_verdict import SharedGrowth
 from floquetrod.rod.modes.mode_model import Answers, ModeModel
 from floquetrod.rod.modes.noisy import NoisyModel, unstable_without_noise
-from floquetrod.rod.modes.noisy_search import margin_edge
-from floquetrod.rod.modes.noisy_verdict import HIGH_MODES_GROW, IN_MEAN_SQUARE
+from floquetrod.rod.modes.noisy_verdict import HIGH_MODES_GROW, IN_MEAN_SQUARE, UnderNoise
 
 _LEFT_OUT = 5.0  # error over the change from 5/6 of the modes, as of modes without noise
 _ENLARGEMENTS = 3  # times that more modes are taken while two numbers of them disagree (a choice)
@@ -222,11 +219,12 @@ class Trial(NamedTuple):
 
 
 @dataclass(frozen=True)
-class NoisyTogether(SharedGrowth):
+class NoisyTogether(UnderNoise, SharedGrowth):
     """Coupled modes under noise, whose growth is that of second moments, negative where they decay."""
 
     kind: ClassVar[str] = "coupled modes under noise"
     growth_in_words: ClassVar[str] = "growth in mean square"
+    halvings: ClassVar[int] = _HALVINGS
 
     model: NoisyTogetherModel = field(compare=False)
 
@@ -234,15 +232,6 @@ class NoisyTogether(SharedGrowth):
     def references(self) -> tuple[str, ...]:
         """What to cite for the methods used."""
         return references(("any", "noise"))
-
-    @property
-    def resonances(self) -> tuple[Resonance, ...]:
-        """Nothing: noise may make modes grow that resonate with nothing."""
-        return ()
-
-    def damping_to_stabilise(self, verdict: RodStability) -> float:
-        """Return the damping rate in 1/s from which second moments do not grow, to ten digits."""
-        return self.model.damping_required(self.load, verdict.growth_tolerance)
 
     def plot(self, verdict: RodStability, ax: Any = None) -> Any:
         """Raise ValueError: second moments have no one shape."""
@@ -277,26 +266,9 @@ class NoisyTogether(SharedGrowth):
             "note": verdict.note,
         }
 
-    def edge(
-        self,
-        verdict: RodStability,
-        varied: Quantity,
-        piece: tuple[float, float],
-        seconds: float,
-        progress: Progress | None,
-    ) -> Edge:
-        """Return where the verdict first changes from ``piece[0]`` to ``piece[1]``: as many samples as time allows."""
-        samples = max(3, min(_PLACES, int(seconds / _SECONDS)))
-        return margin_edge(
-            self.model,
-            verdict,
-            varied,
-            piece,
-            progress,
-            samples=samples,
-            at_once=self.model.at_once,
-            halvings=_HALVINGS,
-        )
+    def samples_in(self, seconds: float) -> int:
+        """Return as many as time allows."""
+        return max(3, min(_PLACES, int(seconds / _SECONDS)))
 
     def sentence(self, verdict: RodStability) -> str:
         """Return status and growth."""

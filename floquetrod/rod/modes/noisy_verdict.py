@@ -17,15 +17,16 @@ from floquetrod.floquet.dispatch import stability
 from floquetrod.floquet.systems.resonances import Resonance
 from floquetrod.floquet.systems.result import SystemStability
 from floquetrod.floquet.verdict import Cost, Status, tolerated
+from floquetrod.rod.answers.intervals import Search
 from floquetrod.rod.answers.margins import Edge
-from floquetrod.rod.answers.verdict import RodStability
+from floquetrod.rod.answers.verdict import Evidence, RodStability
 from floquetrod.rod.loads.load import Load, Loads, Quantity
 from floquetrod.rod.mode_equations.noisy_modes import NoisyModes
 from floquetrod.rod.model.assumptions import assumptions
-from floquetrod.rod.model.contact import constants_under
+from floquetrod.rod.model.contact import constants_under, up_to_wall
 from floquetrod.rod.modes.independent_verdict import EachMode
 from floquetrod.rod.modes.mode_model import ModeModel
-from floquetrod.rod.modes.noisy_search import margin_edge
+from floquetrod.rod.modes.noisy_search import HALVINGS, first_change
 
 _SAMPLES = 65  # of each piece of a search for a margin (a choice)
 _LISTED = 5  # modes in a report besides those that grow, those next to growth
@@ -45,8 +46,59 @@ HIGH_MODES_GROW = (
 )
 
 
+class UnderNoise(Evidence):
+    """Modes under noise: what grows has no name, and margins are found by samples."""
+
+    model: Any
+    halvings: ClassVar[int] = HALVINGS
+    """Of the distance of samples, in a search for a margin."""
+
+    @property
+    def load(self) -> Load:
+        """The load."""
+        load: Load = self.model.like
+        return load
+
+    @property
+    def resonances(self) -> tuple[Resonance, ...]:
+        """Nothing, as noise may make modes grow that resonate with nothing."""
+        return ()
+
+    def damping_to_stabilise(self, verdict: RodStability) -> float:
+        """Return a damping rate in 1/s above which this load is stable in mean square, to nine digits."""
+        return float(self.model.damping_required(self.load, verdict.growth_tolerance))
+
+    def samples_in(self, seconds: float) -> int:
+        """Return how many samples a piece of a search for a margin takes."""
+        return _SAMPLES
+
+    def edge(
+        self,
+        verdict: RodStability,
+        varied: Quantity,
+        piece: tuple[float, float],
+        seconds: float,
+        progress: Progress | None,
+    ) -> Edge:
+        """Return where the verdict first changes from ``piece[0]`` to ``piece[1]``, by samples."""
+        piece = up_to_wall(verdict.rod, self.load, varied, piece)
+        if piece[0] == piece[1]:
+            return Edge(None, piece[0], 0.0)
+        return first_change(
+            self.model,
+            Search(varied, self.load, piece, verdict.margin_tolerance),
+            np.linspace(*piece, self.samples_in(seconds)),
+            verdict.status == "stable",
+            known=piece[0] == getattr(self.load, varied),
+            at_once=self.model.at_once,
+            halvings=self.halvings,
+            refused=ValueError,  # too many modes, or loads too large or too slow: nothing is known of them
+            progress=progress,
+        )
+
+
 @dataclass(frozen=True)
-class NoisyEvidence(EachMode):
+class NoisyEvidence(UnderNoise, EachMode):
     """Independent modes under noise, the second moments of each with its own verdict.
 
     Attributes
@@ -74,11 +126,6 @@ class NoisyEvidence(EachMode):
     left_out_bound: float
 
     @property
-    def load(self) -> Load:
-        """The load."""
-        return self.model.like
-
-    @property
     def modes(self) -> tuple[int, ...]:
         """Modes examined."""
         return self.numbered
@@ -93,20 +140,10 @@ class NoisyEvidence(EachMode):
             return f"modes 1 to {self.modes[-1]}, in mean square: {growth}"
         return f"modes 1 to {self.modes[-1]}, in mean square: no higher mode can grow"
 
-    @property
-    def resonances(self) -> tuple[Resonance, ...]:
-        """Nothing, as noise may make modes grow that resonate with nothing; `unstable_modes` are those that grow."""
-        return ()
-
     def fastest_mode(self, verdict: RodStability) -> int | None:
         """Return the mode that grows fastest, None when none grows."""
         fastest = int(np.nan_to_num(self.mode_growth_rates, nan=-math.inf).argmax())
         return self.modes[fastest] if self.mode_growth_rates[fastest] > 0.0 else None
-
-    def damping_to_stabilise(self, verdict: RodStability) -> float:
-        """Return a damping rate in 1/s above which this load is stable in mean square, to nine digits."""
-        model: Any = self.model
-        return float(model.damping_required(self.load, verdict.growth_tolerance))
 
     def growth_of(self, verdict: RodStability, mode: int) -> float:
         """Return the growth rate of the second moments of a mode in 1/s."""
@@ -176,17 +213,6 @@ class NoisyEvidence(EachMode):
             ],
             "note": verdict.note,
         }
-
-    def edge(
-        self,
-        verdict: RodStability,
-        varied: Quantity,
-        piece: tuple[float, float],
-        seconds: float,
-        progress: Progress | None,
-    ) -> Edge:
-        """Return where the verdict first changes from ``piece[0]`` to ``piece[1]``, by samples."""
-        return margin_edge(self.model, verdict, varied, piece, progress, samples=_SAMPLES)
 
     def sentence(self, verdict: RodStability) -> str:
         """Return status, growth and the modes that grow."""
