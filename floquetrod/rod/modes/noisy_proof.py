@@ -172,7 +172,7 @@ def _together(
         status = "stable"
     sides = tuple(Side(name, low, high, LIMITS[name].unit) for name, (low, high) in zip(QUANTITIES, box, strict=True))
     growing = max((proof.shares.unstable for proof in found if isinstance(proof, RegionProof)), default=0.0)
-    shares = Shares(float(status == "stable"), 1.0 if status == "unstable" else growing)
+    shares = Shares(0.0, growing).with_status(status)
     boxes = len(examples) + sum(getattr(proof, "boxes", 1) for proof in found)
     note = note_on(status, shares, boxes)
     if status == "undecided" and left_out > tolerance:
