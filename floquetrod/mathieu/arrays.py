@@ -59,12 +59,11 @@ def is_stable(alpha: Any, beta: Any, damping: Any = 0.0, *, workers: int | None 
     if type(alpha) is type(beta) is type(damping) is float and damping == 0.0:  # the quick way for a single verdict
         validate.workers(workers)
         return kernels.is_stable(validate.coefficient("alpha", alpha), validate.coefficient("beta", beta), 0.0)
-    arrays = _arrays(alpha, beta, damping)
-    undamped = (type(damping) is float and damping == 0.0) or not arrays["damping"].any()
-    if undamped and not arrays["damping"].shape:
-        del arrays["damping"]
-    shape, (a, b, *c) = broadcast(**arrays)
-    return shaped(flat_stable(a, b, None if undamped else c[0], workers=workers), shape)
+    if type(damping) is float and damping == 0.0:
+        shape, (a, b) = broadcast(alpha=validate.array("alpha", alpha), beta=validate.array("beta", beta))
+        return shaped(flat_stable(a, b, workers=workers), shape)
+    shape, (a, b, c) = broadcast(**_arrays(alpha, beta, damping))
+    return shaped(flat_stable(a, b, c if c.any() else None, workers=workers), shape)
 
 
 def flat_stable(
