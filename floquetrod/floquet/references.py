@@ -28,7 +28,7 @@ _THEORY = (
 )
 _DLMF = "NIST Digital Library of Mathematical Functions, chapter 28, https://dlmf.nist.gov/28"
 _BOTT = "R. Bott, Comm. Pure Appl. Math. 9 (1956) 171, doi:10.1002/cpa.3160090204"
-_VAN_LOAN = "C. F. Van Loan, Linear Algebra Appl. 61 (1984) 233, doi:10.1016/0024-3795(84)90034-X"
+_MEHRMANN = "V. Mehrmann and D. Watkins, SIAM J. Sci. Comput. 22 (2001) 1905, doi:10.1137/S1064827500366434"
 _ASCHER = (
     "U. M. Ascher, R. M. M. Mattheij and R. D. Russell, Numerical Solution of Boundary Value Problems for Ordinary "
     "Differential Equations, SIAM 1995, doi:10.1137/1.9781611971231"
@@ -56,10 +56,10 @@ SOURCES: dict[tuple[str, str], tuple[str, ...]] = {
     ("equation", "leapfrog"): (STUDY,),
     ("equation", "reference"): (_THEORY,),
     ("system", "half_period"): (_THEORY,),
-    ("system", "monodromy"): (_THEORY, _VAN_LOAN),
+    ("system", "monodromy"): (_THEORY, _MEHRMANN),
     ("system", "segmented"): (_THEORY,),
     ("system", "spectral"): (_THEORY, _BOTT),
-    ("system", "reference"): (_THEORY, _VAN_LOAN),
+    ("system", "reference"): (_THEORY, _MEHRMANN),
     ("equation", "certify"): (_DLMF, _THEORY),
     ("system", "certify"): (_THEORY, _BOTT, _RUMP),
     ("delays", "collocation"): (_BREDA, _INSPERGER),

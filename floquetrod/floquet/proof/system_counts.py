@@ -1,10 +1,11 @@
-"""Strong stability by counting (R. Bott's index): negative eigenvalues of Hill's operator at a few angles.
+"""Strong stability by counting: negative eigenvalues of Hill's operator at a few angles.
 
 With the period as the unit of time, L = -M d2/dt2 - G d/dt - K(t) acts on q(t + 1) = exp(2 pi i f) q(t); N(f) is the
 number of its negative eigenvalues.  It jumps only where exp(2 pi i f) is a multiplier, by at most the number of
 multipliers there, and by just that where their Krein signs agree.  The upper half of the unit circle has room for n
 multipliers: if N varies by n over some angles from 0 to 1/2, all multipliers lie on the circle and none meets one of
 the opposite sign.  If n - abs(N(1/2) - N(0)) is odd, so is the number of pairs of real multipliers off the circle.
+R. Bott, Comm. Pure Appl. Math. 9 (1956) 171, doi:10.1002/cpa.3160090204.
 
 In a Fourier basis L is an infinite matrix of blocks, of which those with abs(k) <= m are kept.  Let the others by
 themselves be at least tau I, tau > 0, and let r bound what couples them to the kept ones on either side.  Then L has as
