@@ -13,7 +13,7 @@ from floquetrod._util.files import atomic_file
 from floquetrod._util.version import __version__
 from floquetrod.floquet.references import STUDY_DOI as DOI
 from floquetrod.floquet.references import STUDY_TITLE as SOURCE
-from floquetrod.studies.claims import Claim
+from studies.claims import Claim
 
 FILES = ("claims.md", "claims.json", "report.html")
 

@@ -9,10 +9,10 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from floquetrod._util.files import atomic_file, writable
-from floquetrod.studies import figures, friction_figures, simulation_claims, simulation_figures
-from floquetrod.studies.claims import Claim, frictionless_claims
-from floquetrod.studies.friction_claims import friction_claims
-from floquetrod.studies.report import FILES, write_report
+from studies import figures, friction_figures, simulation_claims, simulation_figures
+from studies.claims import Claim, frictionless_claims
+from studies.friction_claims import friction_claims
+from studies.report import FILES, write_report
 
 _DPI = 200
 
