@@ -26,7 +26,7 @@ DEEP := FLOQUETROD_TEST_DEPTH=deep
 unexport PYTHONDONTWRITEBYTECODE
 
 .DELETE_ON_ERROR:
-.PHONY: demo test interpreted lint slow bite fuzz coverage bench agreement docs look dist compatibility clean
+.PHONY: demo test interpreted lint slow bite fuzz coverage bench agreement reproduce docs look dist compatibility clean
 
 demo: $(READY)
 	@$(BIN)/floquetrod check --rod nitinol --mean 0.2Fcr --amplitude 0.2Fcr --frequency 150rad/s
@@ -82,6 +82,10 @@ bench: $(READY)
 agreement: $(READY)
 	$(BIN)/python -m benchmarks.agreement
 
+# The published study, recomputed into the folder reproduction: `make reproduce STUDY="--quick --simulations"`.
+reproduce: $(READY)
+	$(BIN)/python -m studies $(STUDY)
+
 # The sdist and the wheel in dist/, checked and tried in an empty environment.  Needs git and a network.
 dist: $(DIST_READY)
 	$(BIN)/python -m tools.check_dist
@@ -95,7 +99,7 @@ clean:
 	rm -f demo_map.png .coverage
 	rm -rf docs/_build docs/gallery docs/reference/commands
 	rm -rf $(VENV) .cache .hypothesis .mypy_cache .pytest_cache .ruff_cache build dist
-	find floquetrod tests benchmarks examples tools -name __pycache__ -prune -exec rm -rf {} +
+	find floquetrod studies tests benchmarks examples tools -name __pycache__ -prune -exec rm -rf {} +
 
 # Written last, so that a failed or interrupted installation is begun again, from nothing.
 $(READY): pyproject.toml constraints.txt

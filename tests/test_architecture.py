@@ -189,6 +189,12 @@ def test_imports_only_what_is_declared() -> None:
     assert [(name, module) for name, module in outside if name not in ALLOWED | {PACKAGE}] == []
 
 
+def test_the_study_uses_the_package_and_what_that_declares() -> None:
+    for path in sorted((ROOT / "studies").glob("*.py")):
+        found = imports(ast.parse(path.read_text(encoding="utf-8")), "cli", path)
+        assert {name.split(".")[0] for name in found} <= ALLOWED - EXTRAS | {PACKAGE, "studies"}, path.name
+
+
 def test_no_property_is_kept_behind_a_lock() -> None:
     """Up to Python 3.11 the `cached_property` of the library is, and a forked process may find it locked for ever."""
     others = [module for module in FILES if module != "_util.caching"]
@@ -233,6 +239,7 @@ def test_import_loads_nothing_heavy() -> None:
 
 def test_importing_every_module_loads_nothing_heavy() -> None:
     names = [f"{PACKAGE}.{module}" for module in FILES if not module.startswith("__")]
+    names += [f"studies.{path.stem}" for path in sorted((ROOT / "studies").glob("*.py"))]
     assert loaded_after("\n".join(f"import {name}" for name in names)) == set()
 
 

@@ -18,6 +18,7 @@ import pytest
 
 import floquetrod as fr
 from floquetrod import cli, units
+from floquetrod._util import waiting
 from floquetrod.cli import ensemble
 from floquetrod.ensembles.axes import names_of
 from floquetrod.ensembles.runs import Runs
@@ -215,14 +216,14 @@ def test_parts_make_the_whole(tmp_path: Path, capsys: pytest.CaptureFixture[str]
 
 def interrupted_after(monkeypatch: pytest.MonkeyPatch, number: int, runs: int) -> None:
     """Send this process a signal once so many runs are done."""
-    call = ensemble._Left.__call__
+    call = waiting.Waiting.__call__
 
     def report(self: Any, done: int, total: int) -> None:
         call(self, done, total)
         if done == runs:
             os.kill(os.getpid(), number)
 
-    monkeypatch.setattr(ensemble._Left, "__call__", report)
+    monkeypatch.setattr(waiting.Waiting, "__call__", report)
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="signals are those of POSIX")
@@ -280,19 +281,36 @@ def test_interrupted_before_the_first_run(
 # --- progress --------------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("terminal", [True, False])
 def test_progress_tells_the_time_left(
-    terminal: bool, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    clock = [0.0]
-    monkeypatch.setattr(ensemble.time, "monotonic", lambda: clock[0])
-    monkeypatch.setattr(sys.stderr, "isatty", lambda: terminal, raising=False)
-    progress = ensemble._Left()
-    for clock[0], done in ((0.0, 1), (30.0, 4), (100.0, 11), (200.0, 21)):
-        progress(done, 21)
-    assert progress.is_complete
+    """In a log there is a line after ten seconds, and one a minute at last."""
+    seen: list[waiting.Waiting] = []
+
+    def run(_: object, *, progress: waiting.Waiting, **__: object) -> None:
+        seen.append(progress)
+        raise KeyboardInterrupt
+
+    def wait(pause: float) -> bool:
+        pauses.append(pause)
+        clock[0] += pause
+        progress(int(1.0 + 0.1 * clock[0]), 26)
+        return progress.is_complete
+
+    monkeypatch.setattr(fr.Study, "run", run)
+    assert cli.main(["ensemble", written(tmp_path)]) == 130
+    clock, pauses, (progress,) = [0.0], [], seen
+    monkeypatch.setattr(waiting.time, "monotonic", lambda: clock[0])
+    monkeypatch.setattr(waiting, "PLAIN", 10.0)
+    monkeypatch.setattr(progress._left, "wait", wait)
+    progress._start = 0.0
+    progress(1, 26)
+    capsys.readouterr()
+    progress._speak()
+    assert pauses == [10.0, 20.0, 40.0, 60.0, 60.0, 60.0]
     lines = capsys.readouterr().err.splitlines()
-    assert lines == ([] if terminal else ["11 of 21 runs, 100 seconds left", "21 of 21 runs"])
+    assert lines[0] == "floquetrod: simulating: 10 s, 2 of 26 runs, 4 minutes left (Ctrl-C ends it)"
+    assert lines[-1] == "floquetrod: simulating: 190 s, 20 of 26 runs, 60 seconds left (Ctrl-C ends it)"
 
 
 # --- what is refused -------------------------------------------------------------------------------------------------

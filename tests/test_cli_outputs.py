@@ -101,16 +101,17 @@ def test_a_map_is_drawn_as_bands_or_as_pixels(
         assert message in capsys.readouterr().err
 
 
-@pytest.mark.parametrize("command", ["map", pytest.param("reproduce", marks=pytest.mark.slow)])
+@pytest.mark.parametrize("command", ["map", pytest.param("studies", marks=pytest.mark.slow)])
 def test_ctrl_c_ends_a_long_command_and_leaves_no_half_file(command: str, tmp_path: Path) -> None:
     big = ["--mean", "0:1.1Fcr", "--amplitude", "0.2Fcr", "--frequency", "20:200", "--points", "4900x4900"]
     arguments = {
         "map": ["map", "--rod", "nitinol", *big, "--growth", "--out", "m.npz"],
-        "reproduce": ["reproduce", "--out", "r"],
+        "studies": ["--out", "r"],
     }
+    modules = {"map": "floquetrod.cli", "studies": "studies.__main__"}
     # A shell's job is told; a process in the background would inherit "ignore".
     program = "import signal, sys; signal.signal(signal.SIGINT, signal.default_int_handler); " + (
-        "from floquetrod.cli import main; print('ready', flush=True); sys.exit(main())"
+        f"from {modules[command]} import main; print('ready', flush=True); sys.exit(main())"
     )
     with subprocess.Popen(
         [sys.executable, "-c", program, *arguments[command]],
@@ -126,6 +127,6 @@ def test_ctrl_c_ends_a_long_command_and_leaves_no_half_file(command: str, tmp_pa
         run.send_signal(signal.SIGINT)
         _, said = run.communicate(timeout=600)
     assert run.returncode == 130, said
-    assert said.endswith("floquetrod: interrupted\n")
+    assert said.endswith(f"{'floquetrod' if command == 'map' else command}: interrupted\n")
     assert not list(tmp_path.rglob("*.npz"))
     assert not [path for path in tmp_path.rglob("*") if path.is_file() and path.suffix != ".png"]

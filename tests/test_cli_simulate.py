@@ -351,13 +351,13 @@ def test_progress_tells_rate_and_time_left(monkeypatch: pytest.MonkeyPatch) -> N
 def test_a_long_run_says_so_at_its_beginning(
     steps: int, total: int, told: str, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    half_seconds = iter(range(4))
-    monkeypatch.setattr(simulate.time, "monotonic", lambda: 0.5 * next(half_seconds))
-    seen: list[int] = []
-    progress = simulate._Forewarning(lambda done, total: seen.append(done))
+    clock = [0.0]
+    monkeypatch.setattr(waiting.time, "monotonic", lambda: clock[0])
+    progress = simulate._Forewarning("simulating", "steps")
     for turn in range(4):
+        clock[0] = 0.5 * turn
         progress(steps * turn, total)
-    assert len(seen) == 4
+    assert f", {3 * steps:,} of {total:,} steps" in progress._line()
     err = capsys.readouterr().err
     assert told in err
     assert err.count("\n") == bool(told)

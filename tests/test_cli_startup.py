@@ -37,20 +37,19 @@ def test_what_is_about_no_command_imports_none(arguments: list[str]) -> None:
 @pytest.mark.parametrize(
     ("line", "absent"),
     [
-        (CHECK, {"simulation", "ensembles", "explorer", "studies"}),
+        (CHECK, {"simulation", "ensembles", "explorer"}),
         pytest.param(
             "compare --alpha 0.5 --beta -0.25",
-            {"rod", "simulation", "ensembles", "explorer", "friction", "studies"},
+            {"rod", "simulation", "ensembles", "explorer", "friction"},
             marks=pytest.mark.slow,
         ),
-        ("simulate --help", {"ensembles", "explorer", "studies"}),
-        ("reproduce --help", {"rod", "simulation", "ensembles", "explorer", "studies"}),
+        ("simulate --help", {"ensembles", "explorer"}),
     ],
 )
 def test_a_command_imports_no_other(line: str, absent: set[str]) -> None:
     loaded = loaded_after(*line.split())
     assert not _own(loaded) & absent
-    others = {"check", "certify", "ranges", "stability_map", "explore", "compare", "simulate", "ensemble", "reproduce"}
+    others = {"check", "certify", "ranges", "stability_map", "explore", "compare", "simulate", "ensemble"}
     assert {each for each in others if f"floquetrod.cli.{each}" in loaded} == {line.split()[0]}
 
 

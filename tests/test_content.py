@@ -21,7 +21,7 @@ import floquetrod as fr
 from floquetrod._util.content import ByContent
 from floquetrod.simulation.checkpoints import CheckpointWarning
 from floquetrod.simulation.mesh import DiscreteRod
-from floquetrod.studies.simulations import TrialOutcome, figure_4
+from studies.simulations import TrialOutcome, figure_4
 
 ROD = fr.Rod.nitinol()
 FCR = ROD.critical_force

@@ -175,7 +175,6 @@ MISTAKES = [
     # the rest
     ("compare --alpha 0,5 --beta 1", "--alpha", "'0,5'", "write a point"),
     ("compare --alpha 0.5", "--beta", "--beta", "required"),
-    ("reproduce --out my_rod.toml", "--out", "'my_rod.toml'", "must be a folder"),
     ("--print-completion fsh", "--print-completion", "'fsh'", "bash, zsh, tcsh"),
 ]
 

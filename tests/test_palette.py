@@ -14,7 +14,10 @@ ROOT = Path(__file__).parents[1]
 HOME = ROOT / "floquetrod/plotting/palette.py"
 DRAWN = [
     path
-    for folder, pattern in (("floquetrod", "**/*.py"), ("examples", "*.py"), ("docs", "*.py"), ("docs", "**/*.md"))
+    for folder, pattern in (
+        *(("floquetrod", "**/*.py"), ("docs", "**/*.md")),
+        *((folder, "*.py") for folder in ("studies", "examples", "docs")),
+    )
     for path in sorted((ROOT / folder).glob(pattern))
     if path != HOME
 ]

@@ -13,9 +13,9 @@ import pytest
 from numpy.typing import NDArray
 
 import floquetrod as fr
-from floquetrod import cli
-from floquetrod.studies import reproduction, simulation_claims, simulations
-from floquetrod.studies.simulation_claims import SimulationStudy, friction_share
+from studies import reproduction, simulation_claims, simulations
+from studies.__main__ import main
+from studies.simulation_claims import SimulationStudy, friction_share
 
 SHORT = 5e-3  # s
 
@@ -200,7 +200,7 @@ def test_the_report_holds_the_simulations(
         monkeypatch.setattr(reproduction, name, lambda points: {})
     monkeypatch.setattr(reproduction, "_drawings", lambda quick: [])
     monkeypatch.setattr(reproduction, "_simulated", lambda study: [])  # drawn in another test
-    assert cli.main(["reproduce", "--quick", "--simulations", "--out", str(tmp_path), "--json"]) == 1
+    assert main(["--quick", "--simulations", "--out", str(tmp_path), "--json"]) == 1
     captured = capsys.readouterr()
     assert list(json.loads(captured.out)["claims"]) == ["F4", "F4-D", "F7", "F7-C", "E"]
     assert "Simulated 150 rad/s, mean 0.424 Fcr, friction 0.1, C 10, seed 2, without modes 7 and 8" in captured.err

@@ -153,14 +153,15 @@ def make_wheel(folder: Path, *names: str) -> Path:
 
 def test_faults_of_a_wheel_are_found(tmp_path: Path) -> None:
     records = [f"floquetrod-{VERSION}.dist-info/{record}" for record in sorted(RECORDS)]
-    files = {"floquetrod/__init__.py", "floquetrod/py.typed", "tests/test_release.py"}
+    files = {"floquetrod/__init__.py", "floquetrod/py.typed", "studies/__init__.py", "tests/test_release.py"}
     assert wheel_faults(make_wheel(tmp_path, *records, "floquetrod/__init__.py", "floquetrod/py.typed"), files) == []
-    extra = ["tests/test_release.py", "floquetrod/__pycache__/a.nbc"]
+    extra = ["tests/test_release.py", "studies/__init__.py", "floquetrod/__pycache__/a.nbc"]
     faults = wheel_faults(make_wheel(tmp_path, *records[:-1], "floquetrod/__init__.py", *extra), files)
     assert [fault.partition(" ")[2] for fault in faults] == [
         f"lacks {records[-1]}",
         "lacks floquetrod/py.typed",
         "holds floquetrod/__pycache__/a.nbc, which git does not track",
+        "holds studies/__init__.py, which git does not track",
         "holds tests/test_release.py, which git does not track",
     ]
 

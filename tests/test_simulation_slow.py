@@ -12,8 +12,8 @@ import numpy as np
 import pytest
 
 import floquetrod as fr
-from floquetrod.studies import simulation_claims
-from floquetrod.studies import simulations as paper_simulations
+from studies import simulation_claims
+from studies import simulations as paper_simulations
 
 pytestmark = pytest.mark.slow
 
@@ -142,7 +142,7 @@ def test_sliding_along_the_channel_eases_small_kicks() -> None:
 
 
 def test_case_c_needs_all_its_modes() -> None:
-    """What friction holds alone escapes among others: parts of one draw, as `floquetrod reproduce` finds for more."""
+    """What friction holds alone escapes among others: parts of one draw, as `python -m studies` finds for more."""
     groups = simulation_claims.trials(quick=False)
     whole, without, *alone = paper_simulations.run_trials(
         next(g for g in groups if g[0].case == "C 10, seed 3" and g[0].mean == 0.424)

@@ -53,7 +53,7 @@ def private_words(text: str) -> dict[str, str]:
 def texts() -> Iterator[Path]:
     """Yield pages, examples and modules; what only kernels say of themselves, nobody reads without their code."""
     yield ROOT / "README.md"
-    for folder, endings in (("docs", "*.md *.rst"), ("examples", "*.py"), ("floquetrod", "*.py")):
+    for folder, endings in (("docs", "*.md *.rst"), ("examples", "*.py"), ("floquetrod", "*.py"), ("studies", "*.py")):
         for path in (path for ending in endings.split() for path in (ROOT / folder).rglob(ending)):
             if not {"_build", "gallery", "kernels"} & set(path.relative_to(ROOT).parts) and path.name != "changelog.md":
                 yield path

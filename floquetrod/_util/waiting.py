@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import shutil
 import sys
 import threading
@@ -29,7 +30,8 @@ class Waiting:
 
     A context: the line appears ``first`` seconds after it was entered and moves until it is left.  It may be called
     with how much is done of how much.  The cursor stays at the beginning of the line, so that the next output replaces
-    it.  Where stderr is a file or a pipe, lines are added to it after 10 s, 30 s, 70 s and so on.
+    it.  Where stderr is a file or a pipe, lines are added to it after 10 s, 30 s, 70 s and so on, the pauses at most
+    ``longest``.
 
     Parameters
     ----------
@@ -39,12 +41,15 @@ class Waiting:
         What is counted by calls.
     first : float
         Seconds until the line appears.
+    longest : float
+        Seconds between lines of a file at most.
     """
 
-    def __init__(self, what: str, counted: str = "", first: float = FIRST) -> None:
+    def __init__(self, what: str, counted: str = "", first: float = FIRST, longest: float = math.inf) -> None:
         self.what = what
         self.counted = counted
         self.first = first
+        self.longest = longest
         self._start = time.monotonic()
         self._first: tuple[float, int] | None = None
         self._last: tuple[int, int] | None = None
@@ -72,6 +77,25 @@ class Waiting:
         self._first = self._first or (time.monotonic(), done)
         self._last = done, total
 
+    @property
+    def is_complete(self) -> bool:
+        """Whether all of what is counted is done."""
+        return self._last is not None and self._last[0] == self._last[1]
+
+    @property
+    def rate(self) -> float:
+        """How much is done in a second; zero while it is not known, in the first second after the first call."""
+        if self._first is None or self._last is None:
+            return 0.0
+        seconds = time.monotonic() - self._first[0]
+        return (self._last[0] - self._first[1]) / seconds if seconds >= 1.0 else 0.0
+
+    @property
+    def remaining(self) -> float | None:
+        """Seconds until all is done, None while the rate is not known."""
+        rate = self.rate
+        return (self._last[1] - self._last[0]) / rate if self._last is not None and rate > 0.0 else None
+
     def _speak(self) -> None:
         if not can_redraw():
             self._add_lines()
@@ -88,19 +112,17 @@ class Waiting:
     def _add_lines(self) -> None:
         pause = PLAIN
         while not self._left.wait(pause):
-            pause *= 2.0
+            pause = min(2.0 * pause, self.longest)
             print(f"floquetrod: {self._line()}", file=sys.stderr, flush=True)
 
     def _line(self) -> str:
-        now, first, last = time.monotonic(), self._first, self._last
-        line = f"{self.what}: {now - self._start:.0f} s"
-        if first is not None and last is not None and self.counted:
-            done, total = last
+        line = f"{self.what}: {time.monotonic() - self._start:.0f} s"
+        if self._last is not None and self.counted:
+            done, total = self._last
             line += f", {done:,} of {total:,} {self.counted}"
-            rate = (done - first[1]) / max(now - first[0], 1e-9)
-            if rate > 0.0 and now - first[0] >= 1.0:
-                line += f", {rate:,.0f} a second" if rate >= 1.0 else ""
-                line += f", {roughly((total - done) / rate)} left"
+            if (seconds := self.remaining) is not None:
+                line += f", {self.rate:,.0f} a second" if self.rate >= 1.0 else ""
+                line += f", {roughly(seconds)} left"
         return f"{line} (Ctrl-C ends it)"
 
 

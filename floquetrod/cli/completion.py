@@ -63,8 +63,8 @@ class _Print(argparse.Action):
                 action.complete = _RODS  # type: ignore[attr-defined]
             elif action.dest in _PATTERNS:
                 action.complete = shtab.glob(*_PATTERNS[action.dest])  # type: ignore[attr-defined]
-            elif action.metavar in ("FILE", "FOLDER"):
-                action.complete = shtab.FILE if action.metavar == "FILE" else shtab.DIRECTORY  # type: ignore[attr-defined]
+            elif action.metavar == "FILE":
+                action.complete = shtab.FILE  # type: ignore[attr-defined]
         print(shtab.complete(parser, shell=shell))
         parser.exit()
 

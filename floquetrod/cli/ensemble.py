@@ -6,7 +6,6 @@ import argparse
 import re
 import shlex
 import signal
-import sys
 import threading
 import time
 from collections.abc import Iterator
@@ -17,7 +16,7 @@ from typing import Any
 
 import floquetrod as fr
 from floquetrod._util.tables import require_file
-from floquetrod._util.waiting import Waiting, roughly, say
+from floquetrod._util.waiting import Waiting
 from floquetrod.cli.common import describe_command, warnings_at_once
 from floquetrod.cli.output import Output, output
 from floquetrod.cli.parser import Parser, ratio, whole_number
@@ -61,7 +60,7 @@ which share a store by --part.  The exit status is 130 when interrupted, 2 for i
 
 _ROWS = 40  # of the table that are printed, as a screen has; all of them are in the JSON
 _REASONS = 5  # kinds of failure that are printed, the most frequent ones
-_LOGGED = 60.0  # s between lines of progress where stderr is a log: a thousand in a night
+_LOGGED = 60.0  # s between lines of progress at most where stderr is a log: a thousand in a night
 
 
 def add(command: Parser) -> None:
@@ -91,7 +90,7 @@ def _ensemble(options: argparse.Namespace) -> Output:
     study = fr.Study.from_toml(options.study)
     if store is None and study.options.get("frames"):
         raise ValueError(f"study file {options.study}: [ensemble] frames needs a --store to keep them in")
-    progress, started = _Left(), time.monotonic()
+    progress, started = Waiting("simulating", "runs", longest=_LOGGED), time.monotonic()
     with warnings_at_once(), _stopped_by_signals() as stopped, progress:
         try:
             found = study.run(workers=options.workers, store=store, part=part, progress=progress)
@@ -134,30 +133,6 @@ def _part(options: argparse.Namespace) -> tuple[int, int] | None:
     if options.store is None:
         raise ValueError("--part needs --store: parts are put together in a store; name a folder such as runs.zarr")
     return int(match[1]), int(match[2])
-
-
-class _Left(Waiting):
-    """Progress with the time left: in a terminal one line that changes, elsewhere a line every minute."""
-
-    def __init__(self) -> None:
-        super().__init__("simulating", "runs")
-        self.begun: tuple[float, int] | None = None
-        self.told = 0.0
-        self.is_complete = False
-
-    def __call__(self, done: int, total: int) -> None:
-        """Note that ``done`` of ``total`` is done."""
-        super().__call__(done, total)
-        now = time.monotonic()
-        self.is_complete = done == total
-        if self.begun is None:
-            self.begun, self.told = (now, done), now
-        if sys.stderr.isatty() or now - self.told < _LOGGED:
-            return
-        since, before = self.begun
-        self.told = now
-        left = f", {roughly((total - done) * (now - since) / (done - before))} left" if total > done > before else ""
-        say(f"{done:,} of {total:,} runs{left}")
 
 
 @contextmanager

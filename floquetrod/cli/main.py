@@ -26,8 +26,8 @@ from floquetrod.cli.parser import Parser
 def main(argv: Sequence[str] | None = None) -> int:
     """Run the command and return the exit status.
 
-    0: it answered; 1: a claim no longer holds (`reproduce`) or the rod is unstable (`check --exit-code`); 2: input it
-    cannot use; 3: `check --exit-code` could not decide; 130: Ctrl-C.
+    0: it answered; 1: the rod is unstable (`check --exit-code`); 2: input it cannot use; 3: `check --exit-code` could
+    not decide; 130: Ctrl-C.
     """
     with _open_streams():
         try:
@@ -187,7 +187,6 @@ _COMMANDS: dict[str, tuple[str, Callable[[], ModuleType]]] = {
         lambda: import_module("floquetrod.cli.report"),
     ),
     "lobes": ("draw the stability lobes of a milling cutter", lambda: import_module("floquetrod.cli.lobes")),
-    "reproduce": ("reproduce the published study", lambda: import_module("floquetrod.cli.reproduce")),
 }
 """The commands in the order of the help, each its line there and its module, which is imported for it alone."""
 

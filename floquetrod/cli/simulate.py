@@ -6,7 +6,6 @@ import argparse
 import math
 import os
 import tempfile
-import time
 from collections.abc import Callable
 from pathlib import Path
 
@@ -164,8 +163,8 @@ def _simulate(options: argparse.Namespace) -> Output:
         natural_curvature=_natural_curvature(options.natural_curvature),
     )
     try:
-        with warnings_at_once(), Waiting("simulating", "steps") as progress:
-            run = problem.run(_Forewarning(progress), options.checkpoint)
+        with warnings_at_once(), _Forewarning("simulating", "steps") as progress:
+            run = problem.run(progress, options.checkpoint)
     except fr.SimulationDiverged as error:
         saved, missed = _write_all(error.simulation, [path for path in options.out if path.suffix == ".npz"])
         where = f", in {saved[0]}" if saved else ""
@@ -198,27 +197,21 @@ def _left(
     return lines
 
 
-class _Forewarning:
+class _Forewarning(Waiting):
     """Progress that says how long a long run will take, estimated from its first second."""
 
-    def __init__(self, progress: Callable[[int, int], None]) -> None:
-        self.progress = progress
-        self.start: tuple[float, int] | None = None
-        self.due = True
+    due = True
 
     def __call__(self, done: int, total: int) -> None:
-        """Report ``done`` of ``total``."""
-        now = time.monotonic()
-        since, begun = self.start = self.start or (now, done)
-        if self.due and now - since >= 1.0:
+        """Note that ``done`` of ``total`` is done."""
+        super().__call__(done, total)
+        if self.due and (left := self.remaining) is not None:
             self.due = False
-            left = (total - done) * (now - since) / (done - begun)
             if left > _LONG:
                 say(
                     f"floquetrod: {total:,} steps will take roughly {roughly(left)}; Ctrl-C ends them early, and what "
                     "was simulated by then is reported"
                 )
-        self.progress(done, total)
 
 
 def _frames(load: Load, duration: float, friction: float) -> int:

@@ -43,35 +43,6 @@ def draw_top_view(run: Any, ax: Any = None, pictures: int = 5) -> Any:
     return ax
 
 
-def draw_strip(run: Any, ax: Any, title: str) -> None:
-    """Draw a run from above as one small panel of many: four times of its last quarter, farthest out in black."""
-    last = run.time.size - 1
-    quarter = np.arange(last - last // 4, last + 1)
-    widest = int(quarter[run.largest_angle[quarter].argmax()])
-    for frame in (*np.linspace(quarter[0], last, 4).astype(int), widest):
-        x, y = run.positions[frame, :, 0], 1e3 * run.positions[frame, :, 1]
-        ax.plot(x, y, color="black" if frame == widest else "0.7", linewidth=1.0 if frame == widest else 0.6)
-    ax.set_title(title, fontsize="x-small", pad=4.0)
-
-
-def strips(rows: Sequence[str], columns: Sequence[str], size: tuple[float, float], gap: float) -> tuple[Any, Any]:
-    """Return a figure of panels that share their axes, and these in rows and columns; ``gap`` is R in m."""
-    from matplotlib.figure import Figure
-
-    figure = Figure(figsize=size, layout="constrained")
-    axes = figure.subplots(len(rows), len(columns), sharex=True, sharey=True, squeeze=False)
-    for row, name in zip(axes, rows, strict=True):
-        row[0].set_ylabel(name, fontsize="x-small")
-    for ax in axes.flat:
-        ax.set_ylim(-1.05e3 * gap, 1.05e3 * gap)
-        ax.tick_params(labelsize="xx-small")
-    for ax, name in zip(axes[0], columns, strict=True):
-        ax.annotate(name, (0.5, 1.25), xycoords="axes fraction", ha="center", va="bottom", fontsize="small")
-    for ax in axes[-1]:
-        ax.set_xlabel("$x$ / m", fontsize="x-small")
-    return figure, axes
-
-
 def draw_energy(run: Any, ax: Any = None) -> Any:
     """Draw the sizes of the energies of a `floquetrod.Simulation` over time, seven decades of them."""
     ax = new_axes() if ax is None else ax

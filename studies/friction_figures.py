@@ -9,12 +9,12 @@ from numpy.typing import NDArray
 
 from floquetrod import friction, mathieu
 from floquetrod.plotting import palette
-from floquetrod.plotting import paper as drawing
 from floquetrod.rod.friction.mode_friction import kicks_of
 from floquetrod.rod.loads.load import AxialLoad
-from floquetrod.studies.claims import ROD, UNIT, WINDOW, window
-from floquetrod.studies.figures import FORCES, FREQUENCIES, bands
-from floquetrod.studies.friction_claims import AMPLITUDE, FRICTION, GAMMA, KICK, KICKS
+from studies import drawing
+from studies.claims import ROD, UNIT, WINDOW, window
+from studies.figures import FORCES, FREQUENCIES, bands
+from studies.friction_claims import AMPLITUDE, FRICTION, GAMMA, KICK, KICKS
 
 SLOWEST = 0.01
 """Growth in 1/s up to which a mode is left out of the maps: no kick of interest destabilises it there."""

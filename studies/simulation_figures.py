@@ -5,22 +5,21 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-from floquetrod.plotting import paper as drawing
-from floquetrod.plotting import rod as strips
-from floquetrod.studies.simulation_claims import SimulationStudy
-from floquetrod.studies.simulations import FIGURE_4, FIGURE_7, ROD, SPEED, TrialOutcome
+from studies import drawing
+from studies.simulation_claims import SimulationStudy
+from studies.simulations import FIGURE_4, FIGURE_7, ROD, SPEED, TrialOutcome
 
 
 def figure_4(study: SimulationStudy) -> Any:
     """Draw the ten rods without friction, a column for each frequency."""
     columns = [f"{frequency:g} rad/s" for frequency in FIGURE_4]
     rows = len(next(iter(FIGURE_4.values())))
-    figure, axes = strips.strips(["$y$ / mm"] * rows, columns, (8.0, 7.0), ROD.radial_clearance)
+    figure, axes = drawing.strips(["$y$ / mm"] * rows, columns, (8.0, 7.0), ROD.radial_clearance)
     for column, frequency in enumerate(FIGURE_4):
         group = [outcome for outcome in study.figure_4 if outcome.trial.frequency == frequency]
         for row, outcome in enumerate(group):
             title = f"$F_\\mathrm{{ave}} = {outcome.trial.mean:g}\\,F_\\mathrm{{cr}}$: {_words(outcome, 'predicted')}"
-            strips.draw_strip(outcome.run, axes[row, column], title)
+            drawing.draw_strip(outcome.run, axes[row, column], title)
     trial, problem = study.figure_4[0].trial, study.figure_4[0].trial.problem
     drawing.caption(
         figure,
@@ -37,9 +36,9 @@ def figure_7(study: SimulationStudy) -> Any:
     """Draw the thirty rods with friction, a row for each load, a column for each perturbation."""
     columns = ["A", "B", "C, first mode", "C, mode 10", "D"]
     rows = [f"{frequency:g} rad/s\n{mean:g} $F_\\mathrm{{cr}}$" for frequency, mean in FIGURE_7]
-    figure, axes = strips.strips(rows, columns, (8.0, 7.6), ROD.radial_clearance)
+    figure, axes = drawing.strips(rows, columns, (8.0, 7.6), ROD.radial_clearance)
     for place, outcome in enumerate(study.figure_7):
-        strips.draw_strip(outcome.run, axes.flat[place], _words(outcome, "paper"))
+        drawing.draw_strip(outcome.run, axes.flat[place], _words(outcome, "paper"))
     trial, problem = study.figure_7[0].trial, study.figure_7[0].trial.problem
     drawing.caption(
         figure,

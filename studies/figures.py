@@ -17,14 +17,14 @@ from floquetrod.floquet.verdict import Stability
 from floquetrod.plane import Axis, Band, Bands, charted
 from floquetrod.plane.family import Judged
 from floquetrod.plotting import palette
-from floquetrod.plotting import paper as drawing
-from floquetrod.plotting.paper import UnstableForces
 from floquetrod.rod.loads.load import AxialLoad
 from floquetrod.rod.map import stability_map
 from floquetrod.rod.mode_equations.modal_systems import ModalSystem
 from floquetrod.rod.mode_equations.tongues import unstable_loads
 from floquetrod.rod.model.constants import mode_constants
-from floquetrod.studies.claims import EXACT, LEAPFROG, ROD, UNIT, WINDOW, window
+from studies import drawing
+from studies.claims import EXACT, LEAPFROG, ROD, UNIT, WINDOW, window
+from studies.drawing import UnstableForces
 
 LOADS = (0.288, 85.0), (0.20, 150.0), (0.34, 150.0)
 """Mean forces in F_cr and frequencies in rad/s of Figure 2(b)-(d), all at 0.2 F_cr: our choice.

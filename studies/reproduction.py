@@ -9,10 +9,10 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from floquetrod._util.files import atomic_file, writable
-from floquetrod.studies import figures, friction_figures, simulation_claims, simulation_figures
-from floquetrod.studies.claims import Claim, frictionless_claims
-from floquetrod.studies.friction_claims import friction_claims
-from floquetrod.studies.report import FILES, write_report
+from studies import figures, friction_figures, simulation_claims, simulation_figures
+from studies.claims import Claim, frictionless_claims
+from studies.friction_claims import friction_claims
+from studies.report import FILES, Picture, write_report
 
 _DPI = 200
 
@@ -104,7 +104,7 @@ def reproduce(
         writable(folder / name)
     if simulations:
         study()
-    pictures: dict[str, Path] = {}
+    pictures: dict[str, Picture] = {}
     for title, name, draw in drawings:
         say(title)
         pictures[title] = _save(draw(), folder / name)
@@ -114,7 +114,7 @@ def reproduce(
         claims.append(compute())
     say("Report")
     reports = write_report(folder, claims, pictures)
-    return Reproduction(tuple(claims), (*pictures.values(), *reports))
+    return Reproduction(tuple(claims), (*(picture.path for picture in pictures.values()), *reports))
 
 
 def _drawings(detail: Detail) -> list[tuple[str, str, Callable[[], Any]]]:
@@ -142,7 +142,7 @@ def _simulated(study: Callable[[], simulation_claims.SimulationStudy]) -> list[t
     ]
 
 
-def _save(figure: Any, path: Path) -> Path:
+def _save(figure: Any, path: Path) -> Picture:
     with atomic_file(path) as file:
         figure.savefig(file, dpi=_DPI, format="png")
-    return path
+    return Picture(figure, path)

@@ -14,8 +14,8 @@ import numpy as np
 
 from floquetrod.rod.loads.load import with_waves
 from floquetrod.simulation.start import Perturbation
-from floquetrod.studies.claims import Claim
-from floquetrod.studies.simulations import (
+from studies.claims import Claim
+from studies.simulations import (
     HIGHEST,
     ROD,
     SPEED,

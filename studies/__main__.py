@@ -1,46 +1,35 @@
-"""`floquetrod reproduce`: the published study, recomputed."""
+"""`python -m studies`: the published study, recomputed."""
 
 from __future__ import annotations
 
 import argparse
+import sys
 import time
+from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import Any
 
 from floquetrod._util.waiting import say
-from floquetrod.cli.common import describe_command
+from floquetrod.cli.common import compiling_told
 from floquetrod.cli.output import Output, output
-from floquetrod.cli.parser import Parser
+from studies.report import verdict
+from studies.reproduction import FULL, QUICK, reproduce
 
 _HELP = """\
 Recompute the figures and check the claims of the published study (DOI 10.1115/1.4031710).
 
 examples:
-  floquetrod reproduce --quick
-  floquetrod reproduce --out my_folder
-  floquetrod reproduce --simulations --out my_folder
+  python -m studies --quick
+  python -m studies --out my_folder
+  python -m studies --simulations --out my_folder
 
 Writes the figures (PNG), claims.md, claims.json and report.html, which holds everything.  --quick takes coarser maps
 and some seconds.  --simulations adds Figures 4 and 7 and claims F4, F7 and E by simulating the whole rod 89 times, some
 two minutes of processor time shared among all processors; with --quick 65 times.  The exit status is 1 if the verdict
-on a claim differs from the one that this version expects.
+on a claim differs from the one that this version expects, 2 for input it cannot use and 130 after Ctrl-C.
 """
 
 
-def add(reproduce: Parser) -> None:
-    """Add help and options of the command to its parser."""
-    describe_command(reproduce, _HELP, _reproduce, ("quick", "simulations", "out", "json"))
-    reproduce.add_argument("--quick", action="store_true", help="coarser maps, in seconds")
-    reproduce.add_argument("--simulations", action="store_true", help="simulate the rods of Figures 4 and 7, too")
-    reproduce.add_argument(
-        "--out", metavar="FOLDER", type=Path, default=Path("reproduction"), help="folder (default: reproduction)"
-    )
-
-
 def _reproduce(options: argparse.Namespace) -> Output:
-    from floquetrod.studies.report import verdict
-    from floquetrod.studies.reproduction import FULL, QUICK, reproduce
-
     if options.out.exists() and not options.out.is_dir():
         raise ValueError(f"--out must be a folder, and {str(options.out)!r} is a file")
     detail = QUICK if options.quick else FULL
@@ -52,7 +41,7 @@ def _reproduce(options: argparse.Namespace) -> Output:
     return output(options, lambda: "\n".join([*lines, "", f"written: {', '.join(written)}"]), lambda: record, status)
 
 
-def _progress() -> Any:
+def _progress() -> Callable[[str, int, int], None]:
     """Return a function that says on stderr what is being done or, of simulations, was done, and since when."""
     start = time.monotonic()
 
@@ -60,3 +49,31 @@ def _progress() -> Any:
         say(f"[{done:2d}/{total}] {time.monotonic() - start:5.1f} s  {what}")
 
     return progress
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Run the command and return the exit status."""
+    parser = argparse.ArgumentParser("python -m studies", formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.description, _, parser.epilog = _HELP.partition("\n\n")
+    parser.add_argument("--json", action="store_true", help="print JSON")
+    parser.add_argument("--quick", action="store_true", help="coarser maps, in seconds")
+    parser.add_argument("--simulations", action="store_true", help="simulate the rods of Figures 4 and 7, too")
+    parser.add_argument(
+        "--out", metavar="FOLDER", type=Path, default=Path("reproduction"), help="folder (default: reproduction)"
+    )
+    options = parser.parse_args(argv)
+    try:
+        with compiling_told():
+            answer = _reproduce(options)
+        print(answer.text, flush=True)
+    except (ValueError, OSError) as error:
+        say(f"studies: error: {error}")
+        return 2
+    except KeyboardInterrupt:
+        say("studies: interrupted")
+        return 130
+    return answer.status
+
+
+if __name__ == "__main__":
+    sys.exit(main())

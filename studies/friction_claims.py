@@ -9,7 +9,7 @@ import numpy as np
 from floquetrod import friction, mathieu
 from floquetrod.rod.friction.mode_friction import mode_friction
 from floquetrod.rod.loads.load import AxialLoad
-from floquetrod.studies.claims import ROD, UNIT, Claim, window
+from studies.claims import ROD, UNIT, Claim, window
 
 GAMMA = 0.01
 KICKS = 0.005, 0.01, 0.05, 0.5
