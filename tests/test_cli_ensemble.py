@@ -20,9 +20,9 @@ import floquetrod as fr
 from floquetrod import cli, units
 from floquetrod._util import waiting
 from floquetrod.cli import ensemble
-from floquetrod.ensembles.axes import names_of
+from floquetrod.ensembles.axes import VARIED_KINDS, names_of
 from floquetrod.ensembles.runs import Runs
-from floquetrod.ensembles.study import _INTEGERS, _OF_RUNS
+from floquetrod.ensembles.study import _INTEGERS
 
 ROOT = Path(__file__).parents[1]
 TABLES = {
@@ -130,7 +130,7 @@ def test_everything_that_can_be_varied_has_a_kind(tmp_path: Path) -> None:
     wave = fr.AxialWave(0.3, 0.1, 150.0, far_end="free")
     for varied in (problem, problem.replace(load=wave)):
         names = {name for group in names_of(varied).values() for name in group}
-        assert names - {*_OF_RUNS, *_INTEGERS} == set()
+        assert names - {*VARIED_KINDS, *_INTEGERS} == set()
 
 
 def test_the_example_is_a_study() -> None:

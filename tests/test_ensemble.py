@@ -68,6 +68,18 @@ def test_units_and_meaning_are_attributes() -> None:
     assert {v.attrs["units"] for name, v in found.data_vars.items() if name in RESULTS} == {"1", "s", "1/s", "rad", "J"}
 
 
+def test_all_that_can_be_varied_has_a_unit_that_study_files_know() -> None:
+    problem = fr.SimulationProblem(fr.Rod.nitinol(), fr.AxialLoad(1.0, 1.0, 100.0), tool=fr.VibrationTool(1.0, "20Hz"))
+    names = {name for known in axes.names_of(problem).values() for name in known}
+    assert set(axes.TOOL) == set(axes.TOOL_KINDS)
+    assert names - set(axes.VARIED_KINDS) == {"segments", "frames", "seed"}
+    found = {name: axes.VariedAxis(name, name, np.ones(1)).unit for name in names}
+    assert found["feed_speed"] == "m/s"
+    assert found["far_force"] == found["tool_amplitude"] == "N"
+    assert found["curvature"] == "1/m"
+    assert found["friction"] == found["seed"] == "1"
+
+
 def test_names_that_can_be_varied_are_of_one_thing_only() -> None:
     names = axes.names_of(PROBLEM)
     every = [name for known in names.values() for name in known]

@@ -10,9 +10,11 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from floquetrod import units
 from floquetrod._util import validate
 from floquetrod._util.caching import cached_property
 from floquetrod.rod.distributions import quantile_function, quantiles
+from floquetrod.rod.loads.load import KINDS
 from floquetrod.rod.loads.tool import VibrationTool
 from floquetrod.rod.model import parts
 from floquetrod.rod.model.data import INSTEAD
@@ -24,22 +26,30 @@ MOST_RUNS = 10**7  # of an ensemble: a gigabyte of results
 _MOST_TRIED = 1000  # problems made before anything runs, to see whether any can be: a second at most
 _LARGEST = sys.float_info.max
 _NUMBERS = {"float": float, "int": int, "float | None": float, "int | None": int, "float | Intervals": float}
-_UNITS = {
-    **dict.fromkeys(("duration", "time_step"), "s"),
-    **dict.fromkeys(("mean", "amplitude"), "N"),
-    **dict.fromkeys(("axial_damping", "damping_rate"), "1/s"),
-    **dict.fromkeys(("density", "fluid_inside", "fluid_outside"), "kg/m^3"),
-    **dict.fromkeys(("radius", "length", "channel_radius", "inner_radius", "wall_thickness"), "m"),
-    **dict.fromkeys(("diameter", "inner_diameter", "channel_diameter"), "m"),
-    "kick": "m/s",
-    "frequency": "rad/s",
-    "youngs_modulus": "Pa",
-    "gravity": "m/s^2",
-    "inclination": "rad",
-    "tool_amplitude": "N",
-    "tool_frequency": "rad/s",
-    "tool_above_end": "m",
+RUN_KINDS = {
+    "duration": "time",
+    "time_step": "time",
+    "friction": "ratio",
+    "poisson_ratio": "ratio",
+    "indentation": "ratio",
+    "contact_damping": "ratio",
+    "feed_speed": "speed",
+    "far_force": "force",
 }
+"""Kinds of the quantities of a problem, of which `floquetrod.units` knows the units."""
+
+TOOL_KINDS = {"tool_amplitude": "force", "tool_frequency": "frequency", "tool_above_end": "length"}
+VARIED_KINDS = {
+    **units.ROD_KINDS,
+    **KINDS,
+    **RUN_KINDS,
+    **TOOL_KINDS,
+    "mean_at": "ratio",
+    "axial_damping": "rate",
+    "kick": "speed",
+}
+"""Kinds of the quantities that may be varied; integers have none."""
+
 TOOL = {f"tool_{part.name}": part.name for part in fields(VibrationTool)}
 START = ("kick", "seed")
 
@@ -54,7 +64,7 @@ class VariedAxis(NamedTuple):
     @property
     def unit(self) -> str:
         """Its unit, "1" for a number without."""
-        return _UNITS.get(self.name, "1")
+        return units.unit("", self.name, VARIED_KINDS.get(self.name, "ratio")).name or "1"
 
 
 def names_of(problem: SimulationProblem) -> dict[str, tuple[str, ...]]:

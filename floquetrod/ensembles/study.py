@@ -19,7 +19,7 @@ from floquetrod._util.arguments import Message, argument_of, located
 from floquetrod._util.calling import level_of_caller
 from floquetrod._util.implausible import SILENCE, PlausibilityWarning
 from floquetrod._util.tables import read_toml, require_known
-from floquetrod.ensembles.axes import LAYOUTS, MOST_RUNS, names_of
+from floquetrod.ensembles.axes import LAYOUTS, MOST_RUNS, RUN_KINDS, VARIED_KINDS, names_of
 from floquetrod.ensembles.ensemble import ensemble
 from floquetrod.ensembles.tasks import Summary
 from floquetrod.rod.loads.load import FAR_ENDS, KINDS
@@ -43,27 +43,12 @@ from floquetrod.units import Unit
 
 _TABLES = ("rod", "load", "run", "start", "over", "ensemble")
 _LOAD = (*KINDS, *LOAD_OPTIONS)
-_RUN = {
-    "duration": "time",
-    "time_step": "time",
-    "friction": "ratio",
-    "poisson_ratio": "ratio",
-    "indentation": "ratio",
-    "contact_damping": "ratio",
-    "feed_speed": "speed",
-    "far_force": "force",
-}
-"""Kinds of the quantities in the table [run]."""
-
 _COUNTS = ("segments", "frames")
 _START = ("kick", "random", "seed", "case")
 _OPTIONS = ("layout", "samples", "seed", "frames")
 _INTEGERS = (*_COUNTS, "seed")
-_OF_RUNS = {**units.ROD_KINDS, **KINDS, **_RUN, "mean_at": "ratio", "axial_damping": "rate", "kick": "speed"}
-"""Kinds of the quantities that may be varied."""
-
 _ARGUMENTS = {
-    **dict.fromkeys((*_RUN, *_COUNTS, "stop_early", "natural_curvature", "tool"), "run"),
+    **dict.fromkeys((*RUN_KINDS, *_COUNTS, "stop_early", "natural_curvature", "tool"), "run"),
     "rod": "rod",
     "load": "load",
     "perturbation": "start",
@@ -285,7 +270,7 @@ def _ends(varied: Any, own: float) -> list[float]:
 
 def _settings(table: Mapping[str, Any], rod: Rod) -> dict[str, Any]:
     """Return the options of the problem in the table [run]."""
-    require_known(table, (*_RUN, *_COUNTS, "stop_early", "natural_curvature", "tool"))
+    require_known(table, (*RUN_KINDS, *_COUNTS, "stop_early", "natural_curvature", "tool"))
     found: dict[str, Any] = {}
     for key, value in table.items():
         if key == "friction" and isinstance(value, list):
@@ -294,7 +279,7 @@ def _settings(table: Mapping[str, Any], rod: Rod) -> dict[str, Any]:
             found[key] = read_friction(value, key)
         elif key == "tool":
             found[key] = read_tool(str(_scalar(key, value)), key)
-        elif key in _RUN:
+        elif key in RUN_KINDS:
             found[key] = _quantity(key, value, rod)
         elif key in _COUNTS:
             found[key] = validate.integer(key, value, 2)
@@ -356,7 +341,7 @@ def _varied(key: str, given: Any, rod: Rod) -> tuple[Any, Unit]:
         return _integers(key, given), Unit("", 1.0)
     numbers = given if isinstance(given, list) else [v for k, v in given.items() if k not in _WORDS]
     written = (units.unit_of(value) or "" for value in numbers if isinstance(value, str))
-    unit = units.unit(next(written, ""), key, _OF_RUNS[key], rod.critical_force)
+    unit = units.unit(next(written, ""), key, VARIED_KINDS[key], rod.critical_force)
     if isinstance(given, list):
         return [_quantity(key, value, rod) for value in given], unit
     if "distribution" in given:
@@ -428,7 +413,7 @@ def _quantity(name: str, value: Any, rod: Rod, key: str | None = None, nominal: 
     """
     key = key or name
     own = rod.parameters.get(key) if nominal is None else nominal
-    return units.quantity(value, name, _OF_RUNS[key], critical_force=rod.critical_force, nominal=own)
+    return units.quantity(value, name, VARIED_KINDS[key], critical_force=rod.critical_force, nominal=own)
 
 
 def _scalar(key: str, value: Any) -> str | int | float | None:
