@@ -96,6 +96,14 @@ def test_a_weak_injector_stops_it_before_lock_up() -> None:
     assert TUBING.reach(path, 0.1, depth=[1000.0]).reach == 1000.0
 
 
+def test_a_tool_too_weak_to_move_the_string_gains_nothing() -> None:
+    found = TUBING.reach(WELL, 0.3, tool=fr.VibrationTool(1.0, "18Hz"), depth=[2500.0, 3500.0])
+    assert found.reach < 3500.0
+    assert found.reach_shaken == pytest.approx(found.reach, rel=5e-4)
+    assert (found.gain, found.useful_frequencies) == (0.0, ())
+    assert "gains no depth" in str(found.report())
+
+
 @pytest.mark.slow
 def test_a_tool_gains_reach_and_says_where_it_hurts() -> None:
     still, shaken = TUBING.reach(WELL, 0.3, depth=DEPTHS), TUBING.reach(WELL, 0.3, tool=TOOL, depth=DEPTHS)

@@ -43,6 +43,7 @@ _PARTS = (25, 9, 9), (25, 2, 2, 2, 2, 2, 2)
 
 Many strings without a tool take hardly longer than one, side by side; with a tool each takes its time.
 """
+_ERROR = 5e-4  # of a reach with a tool, measured
 _GROWS = 1e-6  # 1/s: tenfold in a month (a choice)
 _FREQUENCIES = np.linspace(0.25, 2.0, 22)  # of the tool's, which is among them
 _WAY = np.array([0.2, 0.45, 0.7, 0.95])  # fractions of the gain at which they are examined (a choice)
@@ -82,7 +83,7 @@ class Reach(Printed, ByContent):
     reach : float
         Measured depth in m to which the string can be pushed without a tool, at most that of the end of the path.
     reach_shaken : float
-        The same with the tool, accurate to some 5e-4 of it.
+        The same with the tool, accurate to some 5e-4 of it (measured).
     is_stopped : bool
         Whether the string without a tool is stopped before the end of the path.
     is_stopped_shaken : bool
@@ -157,8 +158,8 @@ class Reach(Printed, ByContent):
 
     @property
     def gain(self) -> float:
-        """Increase of the reach by the tool in m."""
-        return self.reach_shaken - self.reach
+        """Increase of the reach by the tool in m; 0 where it is less than the error of ``reach_shaken``."""
+        return _gained(self.reach, self.reach_shaken)
 
     @property
     def stress(self) -> Stress:
@@ -182,7 +183,7 @@ class Reach(Printed, ByContent):
     def useful_frequencies(self) -> tuple[tuple[float, float], ...]:
         """The ranges of `stable_frequencies` with which the string reaches the last of ``frequency_depth``."""
         is_useful = (self.frequency_growth <= _GROWS) & (self.frequency_speed > self.sliding)
-        return tuple(spans(self.frequencies, is_useful)) if self.gain > 0.0 else ()
+        return tuple(spans(self.frequencies, is_useful))
 
     def _in_words(self, unit: Unit) -> str:
         end = self.path.end
@@ -405,7 +406,7 @@ def reach(
     sliding = 0.0 if drag.shaking is None else drag.shaking.speed
     grown = _grown(rod, drag, along, tool)
     (without, _), (shaken, _) = reached[0], reached[-1]
-    others = _with_others(rod, drag, far_force, without + _WAY * (shaken - without))
+    others = _with_others(rod, drag, far_force, without + _WAY * _gained(without, shaken))
     stress = stress_along(rod, path, along, along.vibration)
     return Reach(
         path=path,
@@ -457,6 +458,11 @@ def depths_of(path: WellPath, depth: Any) -> Floats:
             "depth", f"must lie below the start of the path and down to its end, {ends}, got {wrong}"
         )
     return np.minimum(asked, path.end)
+
+
+def _gained(without: float, shaken: float) -> float:
+    """Return by how much a reach with a tool exceeds that without, 0 for less than its error."""
+    return shaken - without if shaken - without > _ERROR * shaken else 0.0
 
 
 def _standing_end(path: WellPath, depth: float, is_stopped: bool) -> float:
