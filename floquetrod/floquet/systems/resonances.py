@@ -19,7 +19,7 @@ _HIGHEST_ORDER = 40  # of a resonance that is searched for
 _MOST_MODES = 200  # of a system whose resonances are named: their number grows with the square
 _PER_ORDER = 0.05  # what an order is thought to cost, in detuning relative to w: low orders grow faster
 _UNCOUPLED = 0.2  # what it costs that the harmonic of that order does not couple the modes, alike
-_NOTHING = 1e-9
+_NOTHING = 1e-9  # beside 1: what an angle, or a share of the largest frequency or coupling, counts for 0 below
 
 _UNNAMED = {"hopf": "Hopf instability", "flip": "period doubling", "fold": "growth without oscillation"}
 """Of systems with delays, whose modes are not counted."""
@@ -70,7 +70,8 @@ class Resonance(NamedTuple):
 
 def name(system: HillSystem | PeriodicSystem | DelaySystem, exponents: Sequence[complex]) -> tuple[Resonance, ...]:
     """Return the names of the growing solutions among those of some exponents, the fastest first, each name once."""
-    growing = [exponent for exponent in exponents if exponent.real > 0.0 and exponent.imag >= -_NOTHING]
+    least = -_NOTHING / float(system.period)
+    growing = [exponent for exponent in exponents if exponent.real > 0.0 and exponent.imag >= least]
     if isinstance(system, DelaySystem):
         return _by_multipliers(system, growing)
     if system.MEANING:  # its frequencies are sums and differences of those that would be named
