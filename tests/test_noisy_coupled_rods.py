@@ -100,6 +100,23 @@ def test_margins_pass_over_growth_within_their_tolerance(monkeypatch: pytest.Mon
     assert force.amplitude + margin.above == pytest.approx(3.0 * force.amplitude, rel=1e-5)
 
 
+def test_a_search_for_a_margin_keeps_to_its_time(monkeypatch: pytest.MonkeyPatch) -> None:
+    """By an estimate of what a verdict takes; a part that is begun takes seven of them at least."""
+    verdict, asked = CLAMPED.stability(load(CLAMPED, 0.4 * HIGH_MODES, 0.05)), []
+    status = NoisyTogetherModel.status
+
+    def counted(self: NoisyTogetherModel, loads: Loads, *rest: Any) -> Any:
+        asked.append(loads.size)
+        return status(self, loads, *rest)
+
+    monkeypatch.setattr(NoisyTogetherModel, "status", counted)
+    each = verdict.evidence.seconds  # type: ignore[attr-defined]
+    assert verdict.margin("mean", seconds=2.0 * each).searched == (0.0, 0.0)
+    assert not asked
+    assert 0.0 < verdict.margin("mean", seconds=16.0 * each).above < np.inf
+    assert sum(asked) <= 4 * 7
+
+
 def test_progress_counts_all_loads() -> None:
     """Those that grow without noise too; the search for these is the first half."""
     rod = CLAMPED.replace(length=0.3)

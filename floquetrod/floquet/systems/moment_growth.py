@@ -15,6 +15,7 @@ Davidson's method for the map over a period itself (E. R. Davidson, J. Comput. P
 
 from __future__ import annotations
 
+import functools
 import math
 from collections.abc import Sequence
 from typing import Any, NamedTuple, Self
@@ -32,6 +33,7 @@ _NEAR = 8.0  # pairs are taken whose products turn apart by less than this much 
 _LEAST_GAP = 1e-6  # of multipliers, in the preconditioner
 _FEW = 4  # equations up to which the map is computed as a whole
 _ROUNDS = 60
+_EACH, _PER_CUBE = 2e-4, 8e-8  # s, that a step of all rounds takes: of any number of equations, and over its cube
 _SETTLED = 3e-11  # part of the moments that the map changes beyond a factor, at which rounds end
 _SAME = 1e-8  # of the factor: a larger change means that others were followed
 _ALMOST = 0.9  # positivity of moments that may become those that grow fastest (a choice)
@@ -49,10 +51,14 @@ class Growth(NamedTuple):
 
 
 class MomentGrowth(NamedTuple):
-    """A system of the kind q'' + C q' + K(t) q = s sum_i G_i q xi_i, of which s is still open, on two meshes."""
+    """A system of the kind q'' + C q' + K(t) q = s sum_i G_i q xi_i, of which s is still open, on two meshes.
+
+    The coordinates of the finer one, and the moments that grow fastest on it, are where the other begins.
+    """
 
     coarse: _OnSteps
     fine: _OnSteps
+    floquet: _Floquet
 
     @classmethod
     def of(cls, system: HillSystem, noise: Sequence[Floats]) -> Self:
@@ -60,17 +66,38 @@ class MomentGrowth(NamedTuple):
         fastest = math.sqrt(float(np.abs(np.linalg.eigvalsh(system.stiffness)).max()))
         steps = math.ceil(max(_LEAST_STEPS, fastest * float(system.period) / _TURN))
         scale = max(fastest, 1.0 / float(system.period))
-        return cls(*(_OnSteps.of(system, noise, count, scale) for count in (steps, math.ceil(_FINER * steps))))
+        coarse, fine = (_OnSteps.of(system, noise, count, scale) for count in (steps, math.ceil(_FINER * steps)))
+        return cls(coarse, fine, _Floquet.of(fine))
+
+    @property
+    def seconds(self) -> float:
+        """What an intensity takes, as estimated."""
+        return len(self.fine.steps) * (_EACH + _PER_CUBE * len(self.fine.kicks[0]) ** 3)
 
     def __call__(self, density: float) -> Growth:
         """Return how fast second moments grow at an intensity s, ``density`` its square."""
+        if not density:
+            rate = self.fine.rate_without_noise
+            return Growth(rate, 2.0 * abs(rate - self.coarse.rate_without_noise))
         try:
-            rate, change = self.fine.growth(density)
-            other, changed = self.coarse.growth(density)
+            near = _Near.of(self.floquet, density)
+            found = self.fine.growth(density, near, near.start)
+            other = self.coarse.growth(density, near, found.moments)
         except np.linalg.LinAlgError:
             return Growth(math.nan, math.inf)
-        error = 2.0 * abs(rate - other) + change + changed
-        return Growth(rate, error) if math.isfinite(error) else Growth(math.nan, math.inf)
+        error = 2.0 * abs(found.rate - other.rate) + found.change + other.change
+        return Growth(found.rate, error) if math.isfinite(error) else Growth(math.nan, math.inf)
+
+
+class _Fastest(NamedTuple):
+    """Moments that grow fastest, (4 n^2,), their rate, and what the last round changed of it.
+
+    The change is infinite where none settled.
+    """
+
+    moments: Floats
+    rate: float
+    change: float
 
 
 class _OnSteps(NamedTuple):
@@ -81,54 +108,32 @@ class _OnSteps(NamedTuple):
     period : float
     steps : ndarray (N, 2 n, 2 n)
         Maps over the steps, of (scale q, q').
-    kicks : list of ndarray (2 n, 2 n)
-        Square root of h times the matrices of noise.
-    multipliers : ndarray (2 n,)
-    vectors, inverse : ndarray (2 n, 2 n)
-        Of the map over a period.
-    turned : ndarray (N * sources, 2 n, 2 n)
-        The kicks in Floquet's coordinates at the beginning.
+    kicks : list of ndarray (n, n)
+        Square root of h times the matrices of noise, by which scale q changes q'.
     """
 
     period: float
     steps: Floats
     kicks: list[Floats]
-    multipliers: Complexes
-    vectors: Complexes
-    inverse: Complexes
-    turned: Complexes
 
     @classmethod
     def of(cls, system: HillSystem, noise: Sequence[Floats], count: int, scale: float) -> Self:
         """Return it for so many steps and unknowns (scale q, q')."""
-        steps = _magnus(system, count, scale)
-        kicks = [np.zeros_like(steps[0]) for _ in noise]
-        n = system.order
-        for kick, matrix in zip(kicks, noise, strict=True):
-            kick[n:, :n] = math.sqrt(float(system.period) / count) / scale * np.asarray(matrix)
-        before = [np.eye(2 * n)]
-        for step in steps:
-            before.append(step @ before[-1])
-        multipliers, vectors = np.linalg.eig(before.pop())
-        along = np.array(before) @ vectors
-        back = np.linalg.inv(along)
-        turned = np.concatenate([back @ kick @ along for kick in kicks])
-        vectors = vectors.astype(complex)
-        every = steps, kicks, multipliers.astype(complex), vectors, np.linalg.inv(vectors), turned.astype(complex)
-        return cls(float(system.period), *every)
+        period = float(system.period)
+        kicks = [math.sqrt(period / count) / scale * np.asarray(matrix) for matrix in noise]
+        return cls(period, _magnus(system, count, scale), kicks)
 
     @property
-    def products(self) -> Complexes:
-        """What the map over a period multiplies each entry of R with where there is no noise."""
-        return np.asarray(self.multipliers[:, None] * self.multipliers.conj()[None, :])
+    def rate_without_noise(self) -> float:
+        """How fast second moments grow without noise."""
+        whole = functools.reduce(lambda before, step: step @ before, self.steps)
+        return 2.0 * math.log(float(np.abs(np.linalg.eigvals(whole)).max())) / self.period
 
-    def growth(self, density: float) -> tuple[float, float]:
-        """Return the growth rate of second moments, and what the last round changed; infinite where none settled."""
-        if not density:
-            return math.log(float(np.abs(self.multipliers).max()) ** 2) / self.period, 0.0
-        near, factor = _Near.of(self, density), math.nan
-        fresh = self._every() if len(self.vectors) <= 2 * _FEW else self._moments(near.start)[None]
-        basis = images = np.zeros((0, self.vectors.size))
+    def growth(self, density: float, near: _Near, start: Floats) -> _Fastest:
+        """Return what grows fastest, looked for from some moments on."""
+        factor, floquet = math.nan, near.floquet
+        fresh = _every(len(floquet.vectors)) if len(floquet.vectors) <= 2 * _FEW else start[None]
+        basis = images = np.zeros((0, start.size))
         for _ in range(_ROUNDS):
             fresh = _orthonormal(_orthonormal(fresh, basis), basis)
             basis = np.concatenate([basis, fresh])
@@ -138,35 +143,74 @@ class _OnSteps(NamedTuple):
             found, excess = vector @ basis, vector @ (images - factor * basis)
             if np.linalg.norm(excess) < _SETTLED * factor and change < _SAME * factor:
                 known = _positivity(found) > 1.0 - _SEMIDEFINITE
-                return math.log(factor) / self.period, change / factor / self.period if known else math.inf
-            fresh = self._moments(near.towards(self._coefficients(excess), factor))[None]
-        return math.nan, math.inf
+                change = change / factor / self.period if known else math.inf
+                return _Fastest(found, math.log(factor) / self.period, change)
+            fresh = floquet.moments(near.towards(floquet.coefficients(excess), factor))[None]
+        return _Fastest(start, math.nan, math.inf)
 
-    def _every(self) -> Floats:
-        """Return a basis of all moments."""
-        m = len(self.vectors)
-        units = [np.zeros((m, m)) for _ in range(m * (m + 1) // 2)]
-        for unit, i, j in zip(units, *np.triu_indices(m), strict=True):
-            unit[i, j] = unit[j, i] = 1.0
-        return np.array([unit.ravel() for unit in units])
+    def _over_period(self, moments: Floats, density: float) -> Floats:
+        """Return moments a period later."""
+        n = len(self.kicks[0])
+        moments = moments.reshape(2 * n, 2 * n)
+        for step in self.steps:
+            moments = moments.copy()
+            moments[n:, n:] += density * sum(kick @ moments[:n, :n] @ kick.T for kick in self.kicks)
+            moments = step @ moments @ step.T
+        return (0.5 * (moments + moments.T)).ravel()
 
-    def _moments(self, coefficients: Complexes) -> Floats:
-        """Return the moments, (4 n^2,), of coefficients in Floquet's coordinates; of norm one."""
+
+class _Floquet(NamedTuple):
+    """Floquet's coordinates.
+
+    Attributes
+    ----------
+    multipliers : ndarray (2 n,)
+    vectors, inverse : ndarray (2 n, 2 n)
+        Of the map over a period.
+    turned : ndarray (N * sources, 2 n, 2 n)
+        The kicks in these coordinates at the beginning.
+    """
+
+    multipliers: Complexes
+    vectors: Complexes
+    inverse: Complexes
+    turned: Complexes
+
+    @classmethod
+    def of(cls, mesh: _OnSteps) -> Self:
+        """Return those of a mesh."""
+        n = len(mesh.kicks[0])
+        before = [np.eye(2 * n)]
+        for step in mesh.steps:
+            before.append(step @ before[-1])
+        multipliers, vectors = (each.astype(complex) for each in np.linalg.eig(before.pop()))
+        along = np.array(before) @ vectors
+        back, along = np.linalg.inv(along)[:, :, n:], along[:, :n]
+        turned = np.concatenate([back @ (kick @ along) for kick in mesh.kicks])
+        return cls(multipliers, vectors, np.linalg.inv(vectors), turned)
+
+    @property
+    def products(self) -> Complexes:
+        """What the map over a period multiplies each entry of R with where there is no noise."""
+        return np.asarray(self.multipliers[:, None] * self.multipliers.conj()[None, :])
+
+    def moments(self, coefficients: Complexes) -> Floats:
+        """Return the moments, (4 n^2,), of coefficients in these coordinates; of norm one."""
         moments = (self.vectors @ coefficients.reshape(self.vectors.shape) @ self.vectors.conj().T).real
         found = (moments + moments.T).ravel()
         return np.asarray(found / np.linalg.norm(found))
 
-    def _coefficients(self, moments: Floats) -> Complexes:
-        """Return moments in Floquet's coordinates."""
+    def coefficients(self, moments: Floats) -> Complexes:
+        """Return moments in these coordinates."""
         return np.asarray(self.inverse @ moments.reshape(self.inverse.shape) @ self.inverse.conj().T).ravel()
 
-    def _over_period(self, moments: Floats, density: float) -> Floats:
-        """Return moments a period later."""
-        moments = moments.reshape(self.vectors.shape)
-        for step in self.steps:
-            kicked = sum((kick @ moments @ kick.T for kick in self.kicks), np.zeros_like(moments))
-            moments = step @ (moments + density * kicked) @ step.T
-        return (0.5 * (moments + moments.T)).ravel()
+
+def _every(m: int) -> Floats:
+    """Return a basis of all moments."""
+    units = [np.zeros((m, m)) for _ in range(m * (m + 1) // 2)]
+    for unit, i, j in zip(units, *np.triu_indices(m), strict=True):
+        unit[i, j] = unit[j, i] = 1.0
+    return np.array([unit.ravel() for unit in units])
 
 
 class _Near(NamedTuple):
@@ -174,28 +218,27 @@ class _Near(NamedTuple):
 
     Attributes
     ----------
-    products : ndarray (4 n^2,)
-        Diagonal of the map without noise.
+    floquet : _Floquet
     pairs : ndarray (k,)
         Their places.
     values, vectors, inverse : ndarray (k,), (k, k)
         Eigenvalues of the map among them, its eigenvectors and the inverse of their matrix.
     start : ndarray (4 n^2,)
-        That of the largest value.
+        Moments of the largest value.
     """
 
-    products: Complexes
+    floquet: _Floquet
     pairs: Any
     values: Complexes
     vectors: Complexes
     inverse: Complexes
-    start: Complexes
+    start: Floats
 
     @classmethod
-    def of(cls, steps: _OnSteps, density: float) -> Self:
+    def of(cls, floquet: _Floquet, density: float) -> Self:
         """Return them for an intensity."""
-        m, turned = len(steps.multipliers), steps.turned
-        logarithms = np.log(steps.products)
+        m, turned = len(floquet.multipliers), floquet.turned
+        logarithms = np.log(floquet.products)
         reach = _NEAR * density * float(np.square(np.abs(turned)).sum(0).max())
         apart = np.abs(logarithms.imag).ravel()
         apart[:: m + 1] = -1.0
@@ -208,11 +251,11 @@ class _Near(NamedTuple):
         largest = int(values.real.argmax())
         start = np.zeros(m * m, dtype=complex)
         start[pairs] = vectors[:, largest] / vectors[:m, largest].sum()  # the first pairs are the diagonal
-        return cls(steps.products.ravel(), pairs, np.exp(values), vectors, np.linalg.inv(vectors), start)
+        return cls(floquet, pairs, np.exp(values), vectors, np.linalg.inv(vectors), floquet.moments(start))
 
     def towards(self, excess: Complexes, factor: float) -> Complexes:
         """Return the direction in which to look for moments, given what the map makes of some beyond a factor."""
-        found = excess / _away(self.products - factor)
+        found = excess / _away(self.floquet.products.ravel() - factor)
         found[self.pairs] = self.vectors @ ((self.inverse @ excess[self.pairs]) / _away(self.values - factor))
         return np.asarray(found)
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from functools import partial
+from typing import NamedTuple
 
 import numpy as np
 
@@ -27,6 +28,19 @@ def stable_at(model: ModeModel, search: Search, places: Floats, progress: Progre
     there = model.under(search.load)
     loads = Loads.along(search.load, search.varied, places)
     return np.asarray(there.status(loads, search.growth_tolerance, None, progress) == STABLE)
+
+
+class Effort(NamedTuple):
+    """How many verdicts a search takes: at samples, and to halve the distance of two; of so many seconds each."""
+
+    samples: int
+    halvings: int
+    each: float = 0.0
+
+    @property
+    def seconds(self) -> float:
+        """What it takes, as estimated."""
+        return (self.samples + self.halvings) * self.each
 
 
 def changes(model: ModeModel, search: Search, places: Floats, stable: Bools, halvings: int = HALVINGS) -> Floats:

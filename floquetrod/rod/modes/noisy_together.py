@@ -33,15 +33,14 @@ from floquetrod.rod.modes.coupled import CoupledModel, chosen_count
 from floquetrod.rod.modes.coupled_verdict import SharedGrowth
 from floquetrod.rod.modes.mode_model import Answers, ModeModel
 from floquetrod.rod.modes.noisy import NoisyModel, unstable_without_noise
+from floquetrod.rod.modes.noisy_search import Effort
 from floquetrod.rod.modes.noisy_verdict import HIGH_MODES_GROW, IN_MEAN_SQUARE, UnderNoise
 
 _LEFT_OUT = 5.0  # error over the change from 5/6 of the modes, as of modes without noise
 _ENLARGEMENTS = 3  # times that more modes are taken while two numbers of them disagree (a choice)
 _MOST_NUMBERS = 1 << 24  # of all steps of a period: half a gigabyte
 _STILL = 0.1  # frequency over that of the fastest mode at which a force without vibration is examined
-_PLACES = 17  # at most, of a search for a margin (a choice)
-_SECONDS = 0.3  # about what a verdict takes
-_HALVINGS = 20  # of a search for a margin
+_LEAST, _MOST = Effort(3, 4), Effort(17, 20)  # for a part of a search for a margin (a choice)
 
 _ASSUMED = (
     IN_MEAN_SQUARE,
@@ -156,7 +155,7 @@ class NoisyTogetherModel(NoisyModel):
 
         require_on_wall(self.rod, load)
         under = self.under(load)
-        trial = under.trial(load, _counted(under, load, growth_tolerance)[-1].mode_count)
+        trial = _counted(under, load, growth_tolerance)[0][-1]
         largest, constants = under.density(), mode_constants(self.rod)
 
         def excess(factor: float) -> float:
@@ -224,9 +223,9 @@ class NoisyTogether(UnderNoise, SharedGrowth):
 
     kind: ClassVar[str] = "coupled modes under noise"
     growth_in_words: ClassVar[str] = "growth in mean square"
-    halvings: ClassVar[int] = _HALVINGS
 
     model: NoisyTogetherModel = field(compare=False)
+    seconds: float = field(compare=False, repr=False)
 
     @property
     def references(self) -> tuple[str, ...]:
@@ -266,9 +265,15 @@ class NoisyTogether(UnderNoise, SharedGrowth):
             "note": verdict.note,
         }
 
-    def samples_in(self, seconds: float) -> int:
-        """Return as many as time allows."""
-        return max(3, min(_PLACES, int(seconds / _SECONDS)))
+    def effort(self, seconds: float, longest: float) -> Effort:
+        """Return as many verdicts as time allows: none where that is less than the least number of samples."""
+        each = self.seconds * longest
+        verdicts = min(seconds / each, 1000.0)
+        if verdicts < _LEAST.samples:
+            return Effort(0, 0, each)
+        samples = max(_LEAST.samples, min(_MOST.samples, int(0.5 * verdicts)))
+        halvings = max(_LEAST.halvings, min(_MOST.halvings, int(verdicts) - samples))
+        return Effort(samples, halvings, each)
 
     def sentence(self, verdict: RodStability) -> str:
         """Return status and growth."""
@@ -281,18 +286,15 @@ def _classified(
     model: NoisyTogetherModel, load: Load, count: int | None, growth_tolerance: float, progress: Progress | None
 ) -> RodStability:
     """Classify the second moments with as many modes as two numbers of them agree upon, or with ``count``."""
-    if count is None:
-        trials = _counted(model, load, growth_tolerance, progress)
-    else:
-        trials = [model.trial(load, count)]
-    found = [trial.growth(model.density()) for trial in trials]
+    trials, found = _counted(model, load, growth_tolerance, progress) if count is None else _tried(model, load, count)
     final = _with_left_out(found)
     status, note = _judged(model, load, final, trials[-1].growth(0.0), growth_tolerance)
     rate = max(0.0, float(np.nan_to_num(final.rate)), 0.0 if count else model.growth_beyond(load))
     steps = sum(len(trial.moments.fine.steps) for trial in trials)
+    convergence = tuple((trial.mode_count, growth.rate) for trial, growth in zip(trials, found, strict=True))
     return RodStability(
         rod=model.rod,
-        evidence=NoisyTogether(model, tuple((t.mode_count, g.rate) for t, g in zip(trials, found, strict=True))),
+        evidence=NoisyTogether(model, convergence, sum(trial.moments.seconds for trial in trials)),
         growth_tolerance=growth_tolerance,
         status=status,
         growth_rate=rate,
@@ -305,20 +307,27 @@ def _classified(
     )
 
 
+def _tried(model: NoisyTogetherModel, load: Load, *counts: int) -> tuple[list[Trial], list[Growth]]:
+    """Return trials of so many modes each, and how fast they grow."""
+    trials = [model.trial(load, count) for count in counts]
+    return trials, [trial.growth(model.density()) for trial in trials]
+
+
 def _counted(
     model: NoisyTogetherModel, load: Load, growth_tolerance: float, progress: Progress | None = None
-) -> list[Trial]:
-    """Return the trials made, the fewest modes first."""
+) -> tuple[list[Trial], list[Growth]]:
+    """Return the trials made, the fewest modes first, and how fast they grow."""
     last = model.count_for(Loads.single(load), growth_tolerance)
-    trials = [model.trial(load, last - max(2, last // 6)), model.trial(load, last)]
+    trials, found = _tried(model, load, last - max(2, last // 6), last)
     for _ in range(_ENLARGEMENTS):
         if progress is not None:
             progress(len(trials), len(trials) + 1)
-        final = _with_left_out([trial.growth(model.density()) for trial in trials])
+        final = _with_left_out(found)
         if not final.error < math.inf or abs(final.rate - growth_tolerance) > final.error:
             break
-        trials.append(model.trial(load, math.ceil(1.25 * trials[-1].mode_count)))
-    return trials
+        more, faster = _tried(model, load, math.ceil(1.25 * trials[-1].mode_count))
+        trials, found = trials + more, found + faster
+    return trials, found
 
 
 def _with_left_out(found: list[Growth]) -> Growth:

@@ -26,7 +26,7 @@ from floquetrod.rod.model.assumptions import assumptions
 from floquetrod.rod.model.contact import constants_under, up_to_wall
 from floquetrod.rod.modes.independent_verdict import EachMode
 from floquetrod.rod.modes.mode_model import ModeModel
-from floquetrod.rod.modes.noisy_search import HALVINGS, first_change
+from floquetrod.rod.modes.noisy_search import HALVINGS, Effort, first_change
 
 _SAMPLES = 65  # of each piece of a search for a margin (a choice)
 _LISTED = 5  # modes in a report besides those that grow, those next to growth
@@ -50,8 +50,6 @@ class UnderNoise(Evidence):
     """Modes under noise: what grows has no name, and margins are found by samples."""
 
     model: Any
-    halvings: ClassVar[int] = HALVINGS
-    """Of the distance of samples, in a search for a margin."""
 
     @property
     def load(self) -> Load:
@@ -68,9 +66,12 @@ class UnderNoise(Evidence):
         """Return a damping rate in 1/s above which this load is stable in mean square, to nine digits."""
         return float(self.model.damping_required(self.load, verdict.growth_tolerance))
 
-    def samples_in(self, seconds: float) -> int:
-        """Return how many samples a piece of a search for a margin takes."""
-        return _SAMPLES
+    def effort(self, seconds: float, longest: float) -> Effort:
+        """Return what a part of a search for a margin takes.
+
+        ``longest`` is the longest period of its loads over that of this one.
+        """
+        return Effort(_SAMPLES, HALVINGS)
 
     def edge(
         self,
@@ -82,19 +83,22 @@ class UnderNoise(Evidence):
     ) -> Edge:
         """Return where the verdict first changes from ``piece[0]`` to ``piece[1]``, by samples."""
         piece = up_to_wall(verdict.rod, self.load, varied, piece)
-        if piece[0] == piece[1]:
+        longest = max(1.0, self.load.frequency / min(piece)) if varied == "frequency" else 1.0
+        effort = self.effort(seconds, longest)
+        if piece[0] == piece[1] or not effort.samples:
             return Edge(None, piece[0], 0.0)
-        return first_change(
+        edge = first_change(
             self.model,
             Search(varied, self.load, piece, verdict.margin_tolerance),
-            np.linspace(*piece, self.samples_in(seconds)),
+            np.linspace(*piece, effort.samples),
             verdict.status == "stable",
             known=piece[0] == getattr(self.load, varied),
             at_once=self.model.at_once,
-            halvings=self.halvings,
+            halvings=effort.halvings,
             refused=ValueError,  # too many modes, or loads too large or too slow: nothing is known of them
             progress=progress,
         )
+        return edge._replace(seconds=effort.seconds)
 
 
 @dataclass(frozen=True)
