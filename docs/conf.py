@@ -34,6 +34,7 @@ extensions = [
     "command_pages",
     "executed",
     "formulas",
+    "kernels",
     "parameters",
     "search_excerpts",
 ]
