@@ -130,7 +130,7 @@ class _OnSteps(NamedTuple):
         return 2.0 * math.log(float(np.abs(np.linalg.eigvals(whole)).max())) / self.period
 
     def growth(self, density: float, near: _Near, start: Floats) -> _Fastest:
-        """Return what grows fastest, looked for from some moments on."""
+        """Return what grows fastest, searched for from some moments on."""
         factor, floquet = math.nan, near.floquet
         fresh = _every(len(floquet.vectors)) if len(floquet.vectors) <= 2 * _FEW else start[None]
         basis = images = np.zeros((0, start.size))
