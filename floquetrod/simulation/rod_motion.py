@@ -77,7 +77,7 @@ def grip_at(place: float, p: Any) -> float:
 
 @kernel
 def _take_places(rod: Any, well: Any, p: Any) -> None:
-    """Give nodes the anchors of where they are, and the friction, but for ends whose share of that is taken apart."""
+    """Give nodes the anchors of where they are, and the friction except at ends whose share is taken apart."""
     if well is None:
         places = rod["x"]
     else:
