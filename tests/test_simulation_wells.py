@@ -169,10 +169,12 @@ def test_without_contact_the_energy_wavers_as_the_square_of_the_step() -> None:
     assert 2.5 < wavers[0] / wavers[1] < 6.0
 
 
-def test_a_run_does_not_depend_on_how_it_is_divided() -> None:
-    problem = fr.SimulationProblem(
-        on_path(SURVEY), push(0.5, 0.3, 130.0), duration=0.01, segments=56, natural_curvature="path"
-    )
+@pytest.mark.kernels
+@pytest.mark.parametrize("friction", [0.0, 0.1])
+def test_a_run_does_not_depend_on_how_it_is_divided(friction: float) -> None:
+    rod = on_path(SURVEY, rod=ROD.replace(damping_rate=1.0))
+    load, shape = push(0.5, 0.3, 130.0), {"segments": 56, "natural_curvature": "path"}
+    problem = fr.SimulationProblem(rod, load, duration=0.01, friction=friction, **shape)
     whole, parts = (problem._integration() for _ in range(2))
     advance = rod_motion.advance
     compiled(advance)(whole.rod, 100, whole.physics)
