@@ -17,6 +17,7 @@ from floquetrod.cli.common import (
     ROD_AND_LOAD,
     add_coefficient,
     add_rod,
+    add_tool,
     add_units,
     describe_command,
     read_force,
@@ -88,11 +89,7 @@ def add(command: Parser) -> None:
         "--feed-speed", metavar="SPEED", help="speed at which the upper end is moved down the channel, such as 10mm/s"
     )
     command.add_argument("--far-force", metavar="FORCE", help="mean force at the lower end (default: from the load)")
-    command.add_argument(
-        "--tool",
-        metavar="FORCE@FREQUENCY[@LENGTH]",
-        help="a vibration tool, this far above the lower end of the rod",
-    )
+    add_tool(command)
     command.add_argument("--duration", metavar="TIME", default="2s", help="how long to simulate (default 2s)")
     add_coefficient(command, "default 0", 0.0)
     command.add_argument(
