@@ -286,7 +286,7 @@ class DiscreteRod:
         cartesian = np.stack([node[axis] for axis in "xyz"], axis=1)
         tangents = self.tangents(cartesian, driving)
         lengths = np.linalg.norm(tangents, axis=1)
-        directions = tangents / lengths[:, None] - self.natural.directions
+        directions = tangents / lengths[:, None] - self._natural.directions
         beyond = (places[:, 1] ** 2 + places[:, 2] ** 2 - gap**2) / (2.0 * gap)
         values = (
             0.5 * np.sum(mass * (moving[:, 1] ** 2 + moving[:, 2] ** 2) + along * moving[:, 0] ** 2)
@@ -295,7 +295,7 @@ class DiscreteRod:
             0.5
             * self.rod.flexural_rigidity
             / length
-            * _curved(directions, driving, self.axes(cartesian) - self.natural.ends),
+            * _curved(directions, driving, self._axes(cartesian) - self._natural.ends),
             0.5 * self.torsional_rigidity / length * np.sum(np.diff(node["angle"]) ** 2),
             self._raised(driving, places, cartesian, share),
             0.4 * self.contact_stiffness * np.sum(mass * (np.maximum(beyond, 0.0) ** 2.5 - self._pressed_at_rest)),
@@ -308,9 +308,9 @@ class DiscreteRod:
 
     def tangents(self, places: Floats, driving: Driving) -> Floats:
         """Return the tangent of every segment times its length in m, (segments, 3), of nodes at Cartesian places."""
-        ghosts = self.natural.shifts + 2.0 * places[[0, -1]] - places[[1, -2]]
+        ghosts = self._natural.shifts + 2.0 * places[[0, -1]] - places[[1, -2]]
         for ghost, end, axis, outer, inner in zip(
-            ghosts, driving.ends, self.axes(places), places[[0, -1]], places[[1, -2]], strict=True
+            ghosts, driving.ends, self._axes(places), places[[0, -1]], places[[1, -2]], strict=True
         ):
             if end.across in (CLAMPED, GUIDED):
                 ghost[:] = inner - 2.0 * ((inner - outer) @ axis) * axis
@@ -319,7 +319,7 @@ class DiscreteRod:
     # --- what is otherwise in a well ---
 
     @property
-    def natural(self) -> Natural:
+    def _natural(self) -> Natural:
         """The shape without load, of which that of a straight rod takes nothing away."""
         return _STRAIGHT
 
@@ -329,7 +329,7 @@ class DiscreteRod:
         gap, rest = self.rod.radial_clearance, self.rod.radial_clearance + self.depth_at_rest
         return float(((rest**2 - gap**2) / (2.0 * gap)) ** 2.5)
 
-    def axes(self, places: Floats) -> Floats:
+    def _axes(self, places: Floats) -> Floats:
         """Return the directions of the channel at both end nodes, (2, 3), of a rod at Cartesian places."""
         return _ALONG
 

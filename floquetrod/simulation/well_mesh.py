@@ -91,17 +91,18 @@ class RodInWell(DiscreteRod):
 
     def _shape(self, rod: Any, driving: Driving) -> None:
         """Write what the natural shape takes from bending, and from the ghost nodes."""
+        natural, n = self._natural, self.segments
         for axis in range(3):
-            d, n = np.zeros(self.segments + 4), self.segments
-            d[FIRST:-2] = self.natural.directions[:, axis]
-            for end, a, inward, e in zip(driving.ends, (FIRST, FIRST + n - 1), (1, -1), self.natural.ends, strict=True):
+            d = np.zeros(n + 4)
+            d[FIRST:-2] = natural.directions[:, axis]
+            for end, a, inward, e in zip(driving.ends, (FIRST, FIRST + n - 1), (1, -1), natural.ends, strict=True):
                 ghost_direction(end.across, d, a, inward, e[axis])
             bent = 2.5 * d[2:-2] - 4.0 / 3.0 * (d[1:-3] + d[3:-1]) + (d[:-4] + d[4:]) / 12.0
             rod[f"b{axis + 1}"][FIRST : FIRST + n] = bent
-        rod["shift"][:6] = self.natural.shifts.ravel()
+        rod["shift"][:6] = natural.shifts.ravel()
 
     @cached_property
-    def natural(self) -> Natural:
+    def _natural(self) -> Natural:
         """The natural shape, laid along the axis."""
         length = self.segment_length
         nodes = self.places - 0.5 * self.rod.length
@@ -134,7 +135,7 @@ class RodInWell(DiscreteRod):
         """Return the Cartesian places of nodes at recorded positions."""
         return self.axis.cartesian(positions)
 
-    def axes(self, places: Floats) -> Floats:
+    def _axes(self, places: Floats) -> Floats:
         """Return the directions of the channel at both end nodes, (2, 3), of a rod at Cartesian places."""
         half = 0.5 * self.rod.length
         return self.axis.along(places[[0, -1]], np.array([-half, half]))[1].along
