@@ -492,34 +492,28 @@ def _decay(rod: Any, well: Any, p: Any) -> None:
     vx, vy, vz, spin, lost = rod["vx"], rod["vy"], rod["vz"], rod["spin"], rod["lost_damping"]
     if well is not None:
         t1, t2, t3 = rod["t1"], rod["t2"], rod["t3"]
-    factor, along, turning = p.decay, p.decay_along, p.inertia / p.mass
-    part, part_along = 0.5 * (1.0 - factor * factor), 0.5 * (p.mass_along / p.mass) * (1.0 - along * along)
+    factor, along, turning, half = p.decay, p.decay_along, p.inertia / p.mass, 0.5 * (p.mass_along / p.mass)
+    part, part_along = 0.5 * (1.0 - factor * factor), half * (1.0 - along * along)
+    first, last = 1 if p.upper.moved else 0, p.segments - 1 if p.lower.moved else p.segments
     for i in range(p.segments + 1):
         square = vy[i + 2] * vy[i + 2] + vz[i + 2] * vz[i + 2]
         if well is None:
             vy[i + 2], vz[i + 2] = factor * vy[i + 2], factor * vz[i + 2]
         else:
+            keep = along if first <= i <= last else 1.0
             speed = vx[i + 2] * t1[i + 2] + vy[i + 2] * t2[i + 2] + vz[i + 2] * t3[i + 2]
             square = vx[i + 2] * vx[i + 2] + square - speed * speed
-            kept = (1.0 - factor) * speed
+            kept = (keep - factor) * speed
             vx[i + 2] = factor * vx[i + 2] + kept * t1[i + 2]
             vy[i + 2] = factor * vy[i + 2] + kept * t2[i + 2]
             vz[i + 2] = factor * vz[i + 2] + kept * t3[i + 2]
+            lost[i + 2] += half * (1.0 - keep * keep) * speed * speed
         lost[i + 2] += part * (square + turning * spin[i + 2] * spin[i + 2])
         spin[i + 2] *= factor
-    if along == 1.0:
-        return
-    for i in range(1 if p.upper.moved else 0, p.segments if p.lower.moved else p.segments + 1):
-        if well is None:
-            speed = vx[i + 2]
-            vx[i + 2] = along * speed
-        else:
-            speed = vx[i + 2] * t1[i + 2] + vy[i + 2] * t2[i + 2] + vz[i + 2] * t3[i + 2]
-            gone = (1.0 - along) * speed
-            vx[i + 2] -= gone * t1[i + 2]
-            vy[i + 2] -= gone * t2[i + 2]
-            vz[i + 2] -= gone * t3[i + 2]
-        lost[i + 2] += part_along * speed * speed
+    if well is None:  # a loop of its own is the faster one here
+        for i in range(first, last + 1):
+            lost[i + 2] += part_along * vx[i + 2] * vx[i + 2]
+            vx[i + 2] *= along
 
 
 @kernel
