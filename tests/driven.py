@@ -14,7 +14,7 @@ from floquetrod.rod.answers.mean_force import friction_along
 from floquetrod.simulation import rod_motion
 from floquetrod.simulation.driving import Driving
 from floquetrod.simulation.mesh import DiscreteRod
-from floquetrod.simulation.rod_motion import FIRST
+from floquetrod.simulation.rod_record import FIRST, Physics
 from floquetrod.simulation.time_steps import critical_time_step
 
 SHORT = fr.Rod(youngs_modulus=68e9, density=6500.0, radius=0.8e-3, length=0.4, channel_radius=4.7e-3)
@@ -26,6 +26,9 @@ LOOSE = SHORT.replace(ends="free")
 AT_REST = fr.AxialLoad(0.0, 0.0, 1.0)
 FREE_SPACE = {"gravity": 0.0, "contact": 0.0}
 """Physics without weight and wall."""
+
+ALONG = (1.0, 0.0, 0.0)
+"""The direction of the channel."""
 
 ENDS = ("hinged", "clamped", "guided", "free")
 ELASTIC = ("stretch", "bend", "twist")
@@ -50,11 +53,11 @@ def drive(
     start(rod)
     hold(mesh, rod)
     advance, drift = compiled(rod_motion.advance), compiled(rod_motion.drift)
-    drift(rod, 0.5 * step, physics)
+    drift(rod, 0.5 * step, mesh.segments)
     records = []
     for sample in range(samples + 1):
         record = rod.copy()
-        drift(record, -0.5 * step, physics)
+        drift(record, -0.5 * step, mesh.segments)
         records.append(record)
         if sample < samples:
             advance(rod, count, physics)
@@ -63,7 +66,7 @@ def drive(
 
 def at_start(
     mesh: DiscreteRod, step: float, load: fr.AxialLoad = AT_REST, friction: float = 0.0, **changes: float
-) -> tuple[Any, rod_motion.Physics]:
+) -> tuple[Any, Physics]:
     """Return the record of a rod at rest on the floor, and its physics."""
     driving = Driving(mesh.rod, load)
     return (
@@ -75,7 +78,7 @@ def at_start(
 def hold(mesh: DiscreteRod, rod: Any) -> None:
     """Hold the ends where they are."""
     for place, node in enumerate((FIRST, FIRST + mesh.segments)):
-        rod["anchor"][2 * place : 2 * place + 2] = rod["y"][node], rod["z"][node]
+        rod["anchor"][3 * place + 1 : 3 * place + 3] = rod["y"][node], rod["z"][node]
 
 
 def energies(mesh: DiscreteRod, rod: Any) -> dict[str, float]:
@@ -149,7 +152,7 @@ def stiffness(mesh: DiscreteRod, axis: str) -> tuple[np.ndarray, np.ndarray]:
         for sign in (1.0, -1.0):
             moved = rod.copy()
             moved[axis][FIRST + j] += sign * small
-            gradient(moved, physics, 0.0, 0.0)
+            gradient(moved, physics, (ALONG, ALONG), 0.0, 0.0)
             force = moved[{"x": "f1", "y": "f2", "z": "f3"}[axis]]
             here, left = force[nodes], force[FIRST - 1 : FIRST + n]
             far = force[FIRST + 1 : FIRST + n + 2] - force[FIRST - 2 : FIRST + n - 1]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import errno
 import json
+import math
 import re
 import tempfile
 from pathlib import Path
@@ -235,6 +236,15 @@ def test_enough_frames_for_the_growth_rate(capsys: pytest.CaptureFixture[str]) -
     assert fast["growth_rate_per_s"] is not None
 
 
+def test_a_tool_shakes_the_rod(capsys: pytest.CaptureFixture[str]) -> None:
+    shaken = answer(capsys, "--tool", "0.5N@200Hz@1m", "--duration", "20ms")
+    assert shaken["tool"] == {"amplitude": 0.5, "frequency": pytest.approx(400.0 * math.pi), "above_end": 1.0}
+    assert shaken["no_theory_because"] == "none: theory knows no tool inside the rod"
+    still = answer(capsys, "--duration", "20ms")
+    assert still["tool"] is None
+    assert shaken["energy_work_J"] > 2.0 * still["energy_work_J"]
+
+
 def interrupt_after(calls: int, monkeypatch: pytest.MonkeyPatch) -> None:
     """Press Ctrl-C after so many reports of progress."""
     left = [calls]
@@ -299,6 +309,8 @@ def test_divergence_keeps_the_frames_before(
         (["--feed-speed", "-1mm/s"], "--feed-speed must be zero or more"),
         (["--wave", "held", "--far-force", "1N"], "--far-force must not be given with a lower end that is held"),
         (["--far-force", "1s"], "--far-force must be a number with a force unit"),
+        (["--tool", "1N"], "--tool must be such as 5kN@18Hz"),
+        (["--tool", "1N@18Hz@10m"], "--tool must lie in the rod, less than its length 3.1 m above"),
         (["--axial-damping", "1"], "--axial-damping needs --wave"),
         (["--mean-at", "2"], "--mean-at must be a fraction"),
         (["--time-step", "1ms"], "--time-step must be at most"),

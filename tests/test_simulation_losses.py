@@ -16,7 +16,7 @@ import pytest
 
 import floquetrod as fr
 from floquetrod._util import files
-from floquetrod.simulation import checkpoints, integration, problem, rod_motion
+from floquetrod.simulation import checkpoints, integration, problem, rod_record
 from test_simulation import ROD, Stop, run
 
 HERE = Path(__file__).parent
@@ -246,7 +246,7 @@ def test_a_processor_that_rounds_otherwise_is_found_out(tmp_path: Path) -> None:
     run(checkpoint=path, progress=Stop(3))
     meta, arrays = files._unpack(path)
     before = arrays["before"].copy()
-    before[8 * rod_motion.FIRST] ^= 1  # of the place of the first node
+    before[8 * rod_record.FIRST] ^= 1  # of the place of the first node
     files.write_npz(path, meta, {**arrays, "before": before}, compress=False)
     with pytest.raises(ValueError, match=r"its last \d+ steps come out otherwise; continue it on the machine .*remove"):
         run(checkpoint=path)
@@ -276,7 +276,7 @@ def test_a_clock_that_cannot_be_is_refused(tmp_path: Path) -> None:
     path = tmp_path / "run.ckpt"
     run(checkpoint=path, progress=Stop(3))
     meta, arrays = files._unpack(path)
-    layout = rod_motion.rod_type(60)
+    layout = rod_record.rod_type(60)
     for value in (np.nan, -1.0, 0.5, 1e300):
         (rod,) = np.frombuffer(bytearray(arrays["state"]), layout)
         rod["clock"][0] = value

@@ -13,8 +13,10 @@ from scipy.linalg import expm
 
 import floquetrod as fr
 from floquetrod._util.compilation import compiled
-from floquetrod.simulation import well_motion
+from floquetrod.simulation import rod_motion
+from floquetrod.simulation.anchors import beside
 from floquetrod.simulation.growth import fit_growth
+from floquetrod.simulation.rod_record import FIRST
 from floquetrod.wells.path import WellPath
 
 ROD = fr.Rod.nitinol()
@@ -103,8 +105,9 @@ def test_forces_are_the_gradient_of_the_energy(ends: str, natural: Any) -> None:
     near = 1e-9
     slope = (energy(strained + near * way) - energy(strained - near * way)) / (2.0 * near)
     start, physics = moved(strained), mesh.physics(driving, step)
-    well_motion.gradient(start, physics, 0.0, 0.0)
-    well_motion.frictionless_step(start, physics)
+    axes = tuple(beside(start, FIRST + node)[1] for node in (0, 56))
+    rod_motion.gradient(start, physics, axes, 0.0, 0.0)
+    rod_motion.move_nodes(start, physics.well, None, physics)
     kicked = np.stack([mesh.nodes(start, f"v{name}") for name in "xyz"], axis=1) / step
     force = mesh.segment_mass * mesh.nodes(start, "share")[:, None] * kicked
     work = -np.sum(force * way)
@@ -120,7 +123,7 @@ def test_the_material_alone_moves_along_and_fluids_with_it_across() -> None:
     frames = mesh.axis.frames(places[:, 0])
     for axis, name in enumerate("xyz"):
         mesh.nodes(record, name)[:] = mesh.cartesian(places)[:, axis]
-    well_motion.frictionless_step(record, physics)
+    rod_motion.move_nodes(record, physics.well, None, physics)
     fall = np.stack([mesh.nodes(record, f"v{name}") for name in "xyz"], axis=1) / 1e-6
     along, up = (np.einsum("ij,ij->i", fall, axis) for axis in (frames.along, frames.up))
     inclination = SURVEY.inclination_at(0.1 + 0.5 * ROD.length + places[:, 0])
@@ -166,12 +169,14 @@ def test_without_contact_the_energy_wavers_as_the_square_of_the_step() -> None:
     assert 2.5 < wavers[0] / wavers[1] < 6.0
 
 
-def test_a_run_does_not_depend_on_how_it_is_divided() -> None:
-    problem = fr.SimulationProblem(
-        on_path(SURVEY), push(0.5, 0.3, 130.0), duration=0.01, segments=56, natural_curvature="path"
-    )
+@pytest.mark.kernels
+@pytest.mark.parametrize("friction", [0.0, 0.1])
+def test_a_run_does_not_depend_on_how_it_is_divided(friction: float) -> None:
+    rod = on_path(SURVEY, rod=ROD.replace(damping_rate=1.0))
+    load, shape = push(0.5, 0.3, 130.0), {"segments": 56, "natural_curvature": "path"}
+    problem = fr.SimulationProblem(rod, load, duration=0.01, friction=friction, **shape)
     whole, parts = (problem._integration() for _ in range(2))
-    advance = well_motion.advance
+    advance = rod_motion.advance
     compiled(advance)(whole.rod, 100, whole.physics)
     for steps in (1, 36, 63):
         compiled(advance)(parts.rod, steps, parts.physics)

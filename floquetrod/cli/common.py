@@ -160,6 +160,13 @@ def add_coefficient(command: argparse.ArgumentParser, note: str, default: float 
     command.add_argument("--friction", "--mu", type=ratio, metavar="MU", default=default, help=text)
 
 
+def add_tool(command: argparse.ArgumentParser) -> None:
+    """Add the option for a vibration tool, which `reading.read_tool` reads."""
+    command.add_argument(
+        "--tool", metavar="FORCE@FREQUENCY[@LENGTH]", help="a vibration tool, this far above the lower end"
+    )
+
+
 def read_friction(options: argparse.Namespace) -> tuple[float, float] | None:
     """Return the coefficient of friction and the kick in m/s, None without either; one alone is refused."""
     if options.friction is None:

@@ -17,6 +17,7 @@ from floquetrod._util.waiting import Waiting
 from floquetrod.cli.common import (
     add_rod,
     add_survey_units,
+    add_tool,
     check_out,
     describe_command,
     read_force,
@@ -82,11 +83,7 @@ def add_well(command: argparse.ArgumentParser, *, required: bool) -> None:
         metavar="MU",
         help="coefficient of friction with the wall, such as 0.3, or 0.2,0.35@1500m with another from 1500 m on",
     )
-    command.add_argument(
-        "--tool",
-        metavar="FORCE@FREQUENCY[@LENGTH]",
-        help="a vibration tool, this far above the lower end of the string",
-    )
+    add_tool(command)
     command.add_argument("--speed", default="0.05m/s", help="speed at which the string slides (default 0.05m/s)")
     command.add_argument("--far-force", metavar="FORCE", default="0", help="mean force at the lower end (default: 0)")
     command.add_argument("--push", metavar="FORCE", help="force at the upper end, such as 20kN")

@@ -17,6 +17,7 @@ from floquetrod.cli.common import (
     ROD_AND_LOAD,
     add_coefficient,
     add_rod,
+    add_tool,
     add_units,
     describe_command,
     read_force,
@@ -37,6 +38,7 @@ from floquetrod.cli.messages import option
 from floquetrod.cli.output import Output, names, output
 from floquetrod.cli.parser import Parser, whole_number
 from floquetrod.rod.loads.load import Load
+from floquetrod.rod.reading import read_tool
 from floquetrod.simulation.starts import read_perturbation
 
 _HELP = """\
@@ -49,6 +51,7 @@ examples:
   floquetrod simulate --rod my_rod.toml --mean 6N --amplitude 2N --frequency 24Hz --duration 4s --out run.gif
   floquetrod simulate --rod my_rod.toml --mean 6N --amplitude 2N --frequency 24Hz --duration 60s --checkpoint run.ckpt
   floquetrod simulate --rod examples/well.toml --mean 0.5Fcr --amplitude 0.3Fcr --frequency 4Hz --wave held
+  floquetrod simulate --rod examples/well.toml --mean 0.3Fcr --amplitude 0N --frequency 4Hz --tool 2kN@4Hz@1m
   floquetrod simulate --rod my_rod.toml --force record.csv --mean 12N --duration 5s
   floquetrod simulate --rod nitinol --mean 0N --amplitude 0N --frequency 1Hz --mu 0.2 --feed-speed 20mm/s --far-force 1N
 
@@ -63,7 +66,7 @@ is 2 for invalid input, for a run that diverges, and if a file could not be writ
 
 rods and loads are those of floquetrod check: tubes, fluids, inclined channels, all kinds of ends, axial waves from the
 upper end, measured forces.  --feed-speed moves the upper end down the channel in place of the force there; --far-force
-is the mean force that pushes the lower end.
+is the mean force that pushes the lower end.  --tool shakes the rod from within, like that of floquetrod reach.
 
 Half as many segments take a quarter of the time.  The default is enough for growth rates accurate to a thousandth; half
 as many give a hundredth.
@@ -86,6 +89,7 @@ def add(command: Parser) -> None:
         "--feed-speed", metavar="SPEED", help="speed at which the upper end is moved down the channel, such as 10mm/s"
     )
     command.add_argument("--far-force", metavar="FORCE", help="mean force at the lower end (default: from the load)")
+    add_tool(command)
     command.add_argument("--duration", metavar="TIME", default="2s", help="how long to simulate (default 2s)")
     add_coefficient(command, "default 0", 0.0)
     command.add_argument(
@@ -160,6 +164,7 @@ def _simulate(options: argparse.Namespace) -> Output:
         frames=_frames(load, duration, options.friction) if options.frames is None else options.frames,
         feed_speed=feed,
         far_force=far,
+        tool=None if options.tool is None else read_tool(options.tool, "--tool"),
         natural_curvature=_natural_curvature(options.natural_curvature),
     )
     try:

@@ -13,7 +13,7 @@ from floquetrod._util.caching import cached_property
 from floquetrod.rod.loads.load import AxialWave, Load, with_waves
 from floquetrod.rod.loads.tool import VibrationTool
 from floquetrod.rod.model.data import RodData
-from floquetrod.simulation.rod_motion import CLAMPED, FREE, GUIDED, HINGED, End
+from floquetrod.simulation.rod_record import CLAMPED, FREE, GUIDED, HINGED, End
 from floquetrod.simulation.well_axis import WellAxis
 
 MOST_HARMONICS = 100  # of a simulated force: they are summed in every step

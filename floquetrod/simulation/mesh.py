@@ -4,17 +4,17 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from floquetrod._util import validate
+from floquetrod._util.arrays import Floats
 from floquetrod.rod.loads.tool import VibrationTool
 from floquetrod.rod.model.data import RodData
-from floquetrod.simulation import rod_motion
 from floquetrod.simulation.driving import Driving
-from floquetrod.simulation.rod_motion import CLAMPED, FIRST, FREE, GUIDED
+from floquetrod.simulation.rod_motion import energy_of_fixed_end
+from floquetrod.simulation.rod_record import CLAMPED, FIRST, FREE, GUIDED, LOST, NODE, PARTS, Physics, Tool, rod_type
 from floquetrod.simulation.start import LEAST_SEGMENTS, MOST_SEGMENTS
 from floquetrod.wells.drag import FRICTIONLESS, Friction
 
@@ -31,6 +31,17 @@ ENERGIES = (
     "work",
 )
 """What `DiscreteRod.energies` returns."""
+
+
+class Natural(NamedTuple):
+    """The shape of a rod without load: directions of its segments, (segments, 3), and of what continues them.
+
+    ``ends`` are the directions at its ends, ``shifts`` the second differences of its places there, (2, 3) each.
+    """
+
+    directions: Floats
+    ends: Floats
+    shifts: Floats
 
 
 @dataclass(frozen=True)
@@ -118,7 +129,7 @@ class DiscreteRod:
         return self.rod.length / self.segments
 
     @property
-    def places(self) -> NDArray[np.float64]:
+    def places(self) -> Floats:
         """Distances of the nodes from the upper end along the rod in m, (nodes,)."""
         return np.asarray(np.arange(self.segments + 1) * self.segment_length, dtype=np.float64)
 
@@ -169,11 +180,11 @@ class DiscreteRod:
         """C of the contact's acceleration in s, from the damping of small motion about rest."""
         return 2.0 * self.contact_damping * math.sqrt(1.5 * self.depth_at_rest / self.gravity_on_wall)
 
-    def physics(self, driving: Driving, step: float, friction: Friction = FRICTIONLESS) -> rod_motion.Physics:
+    def physics(self, driving: Driving, step: float, friction: Friction = FRICTIONLESS) -> Physics:
         """Return the record of numbers for the kernels."""
         rod, load = self.rod, driving.load
         upper, lower = driving.ends
-        return rod_motion.Physics(
+        return Physics(
             segments=self.segments,
             step=step,
             segment=self.segment_length,
@@ -200,36 +211,42 @@ class DiscreteRod:
             tool=self._tool(driving.tool),
         )
 
-    def _tool(self, tool: VibrationTool | None) -> rod_motion.Tool:
+    def _tool(self, tool: VibrationTool | None) -> Tool | None:
         """Return a tool between the nodes."""
         if tool is None:
-            return rod_motion.Tool(0.0, 0.0, 1, 0.0)
+            return None
         place = (self.rod.length - tool.above_end) / self.segment_length
         node = min(int(place), self.segments - 1)
-        return rod_motion.Tool(tool.amplitude, tool.frequency, node, place - node)
+        return Tool(tool.amplitude, tool.frequency, node, place - node)
 
-    def start(self, driving: Driving, velocities: NDArray[np.float64], friction: float = 0.0) -> Any:
-        """Return the record of the rod at its start, straight on the floor.
+    @property
+    def record_type(self) -> np.dtype[np.void]:
+        """Type of the record that holds it."""
+        return rod_type(self.segments)
+
+    def start(self, driving: Driving, velocities: Floats, friction: float = 0.0) -> Any:
+        """Return the record of the rod at its start, on the wall.
 
         It is squeezed by the mean forces and, without friction, vibrates along the channel as it will steadily;
-        ``velocities`` across the channel, of all nodes in m/s.
+        ``velocities`` across the channel, of all nodes in m/s, in a well around it.
         """
-        rod = np.zeros(1, rod_motion.rod_type(self.segments))[0]
-        n, nodes = self.segments, slice(FIRST, FIRST + self.segments + 1)
-        s = self.places
-        rod["x"][nodes] = driving.squeezed(s)
-        if friction == 0.0:
-            displacement, speed = driving.wave(s)
-            rod["x"][nodes] += displacement
-            rod["vx"][nodes] = speed
-        rod["z"][nodes] = -(self.rod.radial_clearance + self.depth_at_rest)
-        rod["vy"][nodes] = velocities
-        for place, (end, node) in enumerate(zip(driving.ends, (FIRST, FIRST + n), strict=True)):
-            if end.is_held:
-                rod["vy"][node] = 0.0
-            rod["anchor"][2 * place : 2 * place + 2] = rod["y"][node], rod["z"][node]
+        rod = np.zeros(1, self.record_type)[0]
         self._set_parts(rod, driving, friction)
+        places = self.places
+        wave = driving.wave(places) if friction == 0.0 else (np.zeros_like(places), np.zeros_like(places))
+        held = [node for node, end in zip((0, -1), driving.ends, strict=True) if end.is_held]
+        velocities = velocities.copy()
+        velocities[held] = 0.0
+        self._lay(rod, driving, velocities, wave)
         return rod
+
+    def _lay(self, rod: Any, driving: Driving, velocities: Floats, wave: tuple[Floats, Floats]) -> None:
+        """Write where the rod lies, how it moves, and where its ends are held; ``wave`` is displacement and speed."""
+        self.nodes(rod, "x")[:] = driving.squeezed(self.places) + wave[0]
+        self.nodes(rod, "z")[:] = -(self.rod.radial_clearance + self.depth_at_rest)
+        self.nodes(rod, "vx")[:] = wave[1]
+        self.nodes(rod, "vy")[:] = velocities
+        rod["anchor"][2:6:3] = self.nodes(rod, "z")[[0, -1]]
 
     def _set_parts(self, rod: Any, driving: Driving, friction: float) -> None:
         """Write the parts of the rod that nodes have, their friction, and the vibration."""
@@ -243,50 +260,45 @@ class DiscreteRod:
         for name, values in (("cosines", driving.harmonics.real), ("sines", -driving.harmonics.imag)):
             rod[name][: values.size] = values
 
-    def nodes(self, rod: Any, name: str) -> NDArray[np.float64]:
+    def nodes(self, rod: Any, name: str) -> Floats:
         """Return the view of a field of a record that belongs to the nodes."""
-        values: NDArray[np.float64] = rod[name][FIRST : FIRST + self.segments + 1]
+        values: Floats = rod[name][FIRST : FIRST + self.segments + 1]
         return values
 
-    @property
-    def motion(self) -> Any:
-        """The module of the kernels that move it."""
-        return rod_motion
-
-    def recorded(self, rod: Any) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    def recorded(self, rod: Any) -> tuple[Floats, Floats]:
         """Return positions and velocities of a record as frames hold them, (nodes, 3) each."""
         places, moving = (np.stack([self.nodes(rod, p + name) for name in "xyz"], axis=1) for p in ("", "v"))
         return places, moving
 
-    def cartesian(self, positions: NDArray[np.float64]) -> NDArray[np.float64]:
+    def cartesian(self, positions: Floats) -> Floats:
         """Return the Cartesian positions of nodes at recorded positions."""
         return positions
 
     def energies(self, rod: Any, driving: Driving) -> dict[str, float]:
         """Return the energies in J of a record whose positions are those of its velocities' time; see `ENERGIES`.
 
-        Gravity and contact count from the straight rod at rest on the floor.
+        Gravity and contact count from the rod at rest: straight on the floor, in a well along its axis.
         """
-        node = {name: self.nodes(rod, name) for name in (*rod_motion.NODE, *rod_motion.LOST, *rod_motion.PARTS)}
-        share, length = node["share"], self.segment_length
+        node = {name: self.nodes(rod, name) for name in (*NODE, *LOST, *PARTS)}
+        places, moving = self.recorded(rod)
+        share, length, gap = node["share"], self.segment_length, self.rod.radial_clearance
         mass, along = self.segment_mass * share, self.mass_along * share
-        moving = mass * (node["vy"] ** 2 + node["vz"] ** 2) + along * node["vx"] ** 2
-        turning = self.inertia * share * node["spin"] ** 2
-        tangents = self.tangents(np.stack([node[axis] for axis in "xyz"], axis=1), driving)
+        cartesian = np.stack([node[axis] for axis in "xyz"], axis=1)
+        tangents = self.tangents(cartesian, driving)
         lengths = np.linalg.norm(tangents, axis=1)
-        gap, rest = self.rod.radial_clearance, self.rod.radial_clearance + self.depth_at_rest
-        beyond = (node["y"] ** 2 + node["z"] ** 2 - gap**2) / (2.0 * gap)
-        at_rest = (rest**2 - gap**2) / (2.0 * gap)
-        pressed = np.maximum(beyond, 0.0) ** 2.5 - at_rest**2.5
-        straight = np.arange(self.segments + 1) * length - 0.5 * self.rod.length
+        directions = tangents / lengths[:, None] - self._natural.directions
+        beyond = (places[:, 1] ** 2 + places[:, 2] ** 2 - gap**2) / (2.0 * gap)
         values = (
-            0.5 * np.sum(moving) + 0.5 * np.sum(turning),
+            0.5 * np.sum(mass * (moving[:, 1] ** 2 + moving[:, 2] ** 2) + along * moving[:, 0] ** 2)
+            + 0.5 * np.sum(self.inertia * share * node["spin"] ** 2),
             0.5 * self.rod.axial_rigidity / length * np.sum((lengths - length) ** 2),
-            0.5 * self.rod.flexural_rigidity / length * self._curved(tangents / lengths[:, None], driving, _ALONG),
+            0.5
+            * self.rod.flexural_rigidity
+            / length
+            * _curved(directions, driving, self._axes(cartesian) - self._natural.ends),
             0.5 * self.torsional_rigidity / length * np.sum(np.diff(node["angle"]) ** 2),
-            self.rod.effective_gravity * np.sum(mass * (node["z"] + rest))
-            - driving.gravity_along * np.sum(along * (node["x"] - straight)),
-            0.4 * self.contact_stiffness * np.sum(mass * pressed),
+            self._raised(driving, places, cartesian, share),
+            0.4 * self.contact_stiffness * np.sum(mass * (np.maximum(beyond, 0.0) ** 2.5 - self._pressed_at_rest)),
             np.sum(mass * node["lost_contact"]),
             np.sum(mass * node["lost_friction"]),
             np.sum(mass * node["lost_damping"]),
@@ -294,34 +306,65 @@ class DiscreteRod:
         )
         return dict(zip(ENERGIES, map(float, values), strict=True))
 
-    def tangents(self, places: NDArray[np.float64], driving: Driving) -> NDArray[np.float64]:
-        """Return the tangent of every segment times its length in m, (segments, 3), of nodes at ``places``."""
-        ghosts = [2.0 * places[0] - places[1], 2.0 * places[-1] - places[-2]]
-        for end, ghost, inner in zip(driving.ends, ghosts, (1, -2), strict=True):
-            if end.across in (CLAMPED, GUIDED):
-                ghost[1:] = places[inner, 1:]
-        all_places = np.vstack([ghosts[0], places, ghosts[1]])
-        found = 27.0 * np.diff(places, axis=0) - (all_places[3:] - all_places[:-3])
-        return np.asarray(found / 24.0)
-
-    def _curved(self, directions: NDArray[np.float64], driving: Driving, axes: NDArray[np.float64]) -> float:
-        """Return the sum of squares by which bending stores energy, see `floquetrod.simulation.rod_motion`.
-
-        ``axes`` are the directions of the channel at both ends.
-        """
-        inner = np.diff(directions, axis=0)
-        total = np.sum(inner**2) + np.sum(np.diff(inner, axis=0) ** 2) / 12.0
-        for end, axis, sign, first, next_one in zip(
-            driving.ends, axes, (1.0, -1.0), directions[[0, -1]], inner[[0, -1]], strict=True
+    def tangents(self, places: Floats, driving: Driving) -> Floats:
+        """Return the tangent of every segment times its length in m, (segments, 3), of nodes at Cartesian places."""
+        ghosts = self._natural.shifts + 2.0 * places[[0, -1]] - places[[1, -2]]
+        for ghost, end, axis, outer, inner in zip(
+            ghosts, driving.ends, self._axes(places), places[[0, -1]], places[[1, -2]], strict=True
         ):
             if end.across in (CLAMPED, GUIDED):
-                bent = 2.0 * sign * (first - axis)
-                total += rod_motion.energy_of_fixed_end(end.across, bent @ bent, bent @ next_one, next_one @ next_one)
-            else:
-                total += next_one @ next_one / 12.0
-        return float(total)
+                ghost[:] = inner - 2.0 * ((inner - outer) @ axis) * axis
+        return tangents_between(np.vstack([ghosts[0], places, ghosts[1]]))
+
+    # --- what is otherwise in a well ---
+
+    @property
+    def _natural(self) -> Natural:
+        """The shape without load, of which that of a straight rod takes nothing away."""
+        return _STRAIGHT
+
+    @property
+    def _pressed_at_rest(self) -> float:
+        """Measure of the energy by which a node at rest indents the floor, from which that of contact counts."""
+        gap, rest = self.rod.radial_clearance, self.rod.radial_clearance + self.depth_at_rest
+        return float(((rest**2 - gap**2) / (2.0 * gap)) ** 2.5)
+
+    def _axes(self, places: Floats) -> Floats:
+        """Return the directions of the channel at both end nodes, (2, 3), of a rod at Cartesian places."""
+        return _ALONG
+
+    def _raised(self, driving: Driving, places: Floats, cartesian: Floats, share: Floats) -> float:
+        """Return the energy in J by which weight pulls nodes at recorded places."""
+        up = places[:, 2] + (self.rod.radial_clearance + self.depth_at_rest)
+        down = places[:, 0] - (self.places - 0.5 * self.rod.length)
+        raised = self.rod.effective_gravity * np.sum(self.segment_mass * share * up)
+        return float(raised - driving.gravity_along * np.sum(self.mass_along * share * down))
+
+
+def tangents_between(places: Floats) -> Floats:
+    """Return the tangents between nodes times their length, of all nodes and a ghost beyond each end."""
+    return np.asarray((27.0 * np.diff(places[1:-1], axis=0) - (places[3:] - places[:-3])) / 24.0)
+
+
+def _curved(directions: Floats, driving: Driving, axes: Floats) -> float:
+    """Return the sum of squares by which bending stores energy, see `floquetrod.simulation.rod_motion`.
+
+    ``axes`` are the directions of the channel at both ends; from all those of the natural shape are taken away.
+    """
+    inner = np.diff(directions, axis=0)
+    total = np.sum(inner**2) + np.sum(np.diff(inner, axis=0) ** 2) / 12.0
+    for end, axis, sign, first, next_one in zip(
+        driving.ends, axes, (1.0, -1.0), directions[[0, -1]], inner[[0, -1]], strict=True
+    ):
+        if end.across in (CLAMPED, GUIDED):
+            bent = 2.0 * sign * (first - axis)
+            total += energy_of_fixed_end(end.across, bent @ bent, bent @ next_one, next_one @ next_one)
+        else:
+            total += next_one @ next_one / 12.0
+    return float(total)
 
 
 _ALONG = np.array([[1.0, 0.0, 0.0], [1.0, 0.0, 0.0]])  # the straight channel, at both ends
+_STRAIGHT = Natural(np.zeros(3), np.zeros((2, 3)), np.zeros((2, 3)))
 
 _FREE_END = (3.0 / 8.0, 7.0 / 6.0, 23.0 / 24.0)

@@ -3,31 +3,20 @@
 from __future__ import annotations
 
 from dataclasses import KW_ONLY, dataclass
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
 from floquetrod._util.arrays import Floats
 from floquetrod._util.caching import cached_property
-from floquetrod.simulation import rod_motion, well_motion
 from floquetrod.simulation.driving import Driving
-from floquetrod.simulation.mesh import ENERGIES, DiscreteRod
-from floquetrod.simulation.rod_motion import CLAMPED, FIRST, GUIDED
-from floquetrod.simulation.well_axis import Frames, WellAxis, dot
+from floquetrod.simulation.mesh import DiscreteRod, Natural, tangents_between
+from floquetrod.simulation.rod_motion import ghost_direction
+from floquetrod.simulation.rod_record import FIRST, Physics, Well, rod_type
+from floquetrod.simulation.well_axis import WellAxis, dot
 from floquetrod.wells.drag import FRICTIONLESS, Friction
 
 _ROUNDS = 4  # in which nodes are laid so that the segments have the lengths the mean force gives them
-
-
-class Natural(NamedTuple):
-    """The shape of a rod without load: directions of its segments, (segments, 3), and of what continues them.
-
-    ``ends`` are the directions at its ends, ``shifts`` the second differences of its places there, (2, 3) each.
-    """
-
-    directions: Floats
-    ends: Floats
-    shifts: Floats
 
 
 @dataclass(frozen=True)
@@ -64,44 +53,32 @@ class RodInWell(DiscreteRod):
         aside, down = dot(outwards, frames.sideways), -dot(outwards, frames.up)
         return np.hypot(aside, down), np.arctan2(aside, down)
 
-    def physics(self, driving: Driving, step: float, friction: Friction = FRICTIONLESS) -> Any:
+    def physics(self, driving: Driving, step: float, friction: Friction = FRICTIONLESS) -> Physics:
         """Return what the kernels compute with."""
         fall = self.rod.weight_per_length / self.rod.mass_per_length * self.axis.gravity
         has_weight = 0.0 if driving.load.mean_at is None else 1.0
-        well = well_motion.Well(tuple(fall.tolist()), has_weight, self.axis.arcs)
+        well = Well(tuple(fall.tolist()), has_weight, self.axis.arcs)
         return super().physics(driving, step, friction)._replace(well=well)
 
     @property
-    def motion(self) -> Any:
-        """The module of the kernels that move it."""
-        return well_motion
+    def record_type(self) -> np.dtype[np.void]:
+        """Type of the record that holds it."""
+        return rod_type(self.segments, in_well=True)
 
-    def start(self, driving: Driving, velocities: Floats, friction: float = 0.0) -> Any:
-        """Return the record of the rod at its start, where weight and mean force press it to the wall.
-
-        See `DiscreteRod.start`; ``velocities`` are around the channel.
-        """
-        rod = np.zeros(1, well_motion.rod_type(self.segments))[0]
-        self._set_parts(rod, driving, friction)
-        places, turned = self._laid(driving)
+    def _lay(self, rod: Any, driving: Driving, velocities: Floats, wave: tuple[Floats, Floats]) -> None:
+        """Write where weight and mean force press the rod to the wall, how it moves, and where its ends are held."""
+        places, turned = self._pressed(driving)
         frames = self.axis.frames(places[:, 0])
-        for place, (end, node) in enumerate(zip(driving.ends, (0, -1), strict=True)):
-            if end.is_held:
-                velocities = velocities.copy()
-                velocities[node] = 0.0
-            rod["anchor"][3 * place : 3 * place + 3] = _off(places, frames)[node]
+        off = places[:, 1:2] * frames.sideways + places[:, 2:] * frames.up
+        rod["anchor"][:6] = off[[0, -1]].ravel()
         around = np.cos(turned)[:, None] * frames.sideways + np.sin(turned)[:, None] * frames.up
-        speed = np.zeros(self.segments + 1)
-        if friction == 0.0:
-            displacement, speed = driving.wave(self.places)
-            places[:, 0] += displacement / (1.0 - dot(_off(places, frames), frames.bend))
-        moving = speed[:, None] * frames.along + velocities[:, None] * around
+        places[:, 0] += wave[0] / (1.0 - dot(off, frames.bend))
+        moving = wave[1][:, None] * frames.along + velocities[:, None] * around
         for axis, name in enumerate("xyz"):
             self.nodes(rod, name)[:] = self.axis.cartesian(places)[:, axis]
             self.nodes(rod, f"v{name}")[:] = moving[:, axis]
         self._anchor(rod, places[:, 0])
         self._shape(rod, driving)
-        return rod
 
     def _anchor(self, rod: Any, x: Floats) -> None:
         """Write the anchors of the nodes, at places ``x`` of the axis."""
@@ -114,16 +91,15 @@ class RodInWell(DiscreteRod):
 
     def _shape(self, rod: Any, driving: Driving) -> None:
         """Write what the natural shape takes from bending, and from the ghost nodes."""
+        natural, n = self._natural, self.segments
         for axis in range(3):
-            d, n = np.zeros(self.segments + 4), self.segments
-            d[FIRST:-2] = self._natural.directions[:, axis]
-            for end, a, inward, e in zip(
-                driving.ends, (FIRST, FIRST + n - 1), (1, -1), self._natural.ends, strict=True
-            ):
-                rod_motion.ghost_direction(end.across, d, a, inward, e[axis])
+            d = np.zeros(n + 4)
+            d[FIRST:-2] = natural.directions[:, axis]
+            for end, a, inward, e in zip(driving.ends, (FIRST, FIRST + n - 1), (1, -1), natural.ends, strict=True):
+                ghost_direction(end.across, d, a, inward, e[axis])
             bent = 2.5 * d[2:-2] - 4.0 / 3.0 * (d[1:-3] + d[3:-1]) + (d[:-4] + d[4:]) / 12.0
             rod[f"b{axis + 1}"][FIRST : FIRST + n] = bent
-        rod["shift"][:6] = self._natural.shifts.ravel()
+        rod["shift"][:6] = natural.shifts.ravel()
 
     @cached_property
     def _natural(self) -> Natural:
@@ -135,7 +111,7 @@ class RodInWell(DiscreteRod):
             outer = self.axis.frames(np.array([nodes[0] - length, nodes[-1] + length])).point
             ends = frames.point[[0, -1]]
             shifts = outer - 2.0 * ends + frames.point[[1, -2]]
-            tangents = _tangents(np.vstack([outer[0], frames.point, outer[1]]))
+            tangents = tangents_between(np.vstack([outer[0], frames.point, outer[1]]))
             return Natural(tangents / np.linalg.norm(tangents, axis=1)[:, None], frames.along[[0, -1]], shifts)
         bend = float(self.natural_curvature) * frames.up
         turns = length * np.cumsum(bend[:-1], axis=0)
@@ -159,64 +135,25 @@ class RodInWell(DiscreteRod):
         """Return the Cartesian places of nodes at recorded positions."""
         return self.axis.cartesian(positions)
 
-    def tangents(self, places: Floats, driving: Driving) -> Floats:
-        """Return the tangent of every segment times its length in m, (segments, 3), of nodes at Cartesian places."""
-        ghosts = self._natural.shifts + 2.0 * places[[0, -1]] - places[[1, -2]]
-        fixed = [place for place, end in enumerate(driving.ends) if end.across in (CLAMPED, GUIDED)]
-        axes = self._end_axes(places) if fixed else ghosts
-        for place in fixed:
-            end, inner, e = places[-place], places[(1, -2)[place]], axes[place]
-            ghosts[place] = inner - 2.0 * e * (e @ (inner - end))
-        return _tangents(np.vstack([ghosts[:1], places, ghosts[1:]]))
-
-    def _end_axes(self, places: Floats) -> Floats:
-        """Return the tangents of the axis at the end nodes, (2, 3)."""
+    def _axes(self, places: Floats) -> Floats:
+        """Return the directions of the channel at both end nodes, (2, 3), of a rod at Cartesian places."""
         half = 0.5 * self.rod.length
         return self.axis.along(places[[0, -1]], np.array([-half, half]))[1].along
 
-    def energies(self, rod: Any, driving: Driving) -> dict[str, float]:
-        """Return the energies in J of a record whose positions are those of its velocities' time; see `ENERGIES`.
+    @property
+    def _pressed_at_rest(self) -> float:
+        """Measure of the energy of contact at rest: none along the axis."""
+        return 0.0
 
-        Gravity and contact count from the rod at rest along the axis, free of force.
-        """
-        node = {name: self.nodes(rod, name) for name in (*rod_motion.NODE, *rod_motion.LOST, *rod_motion.PARTS)}
-        places, moving = super().recorded(rod)
-        found, frames = self.axis.along(places, self.nodes(rod, "place"))
-        mass, along = self.segment_mass * node["share"], self.mass_along * node["share"]
-        speed = dot(moving, frames.along)
-        tangents = self.tangents(places, driving)
-        lengths = np.linalg.norm(tangents, axis=1)
-        gap = self.rod.radial_clearance
-        beyond = np.maximum((found[:, 1] ** 2 + found[:, 2] ** 2 - gap**2) / (2.0 * gap), 0.0)
-        fallen = places if driving.load.mean_at is not None else places - frames.point
-        weight = self.rod.weight_per_length * self.segment_length * node["share"]
-        length = self.segment_length
-        values = (
-            0.5 * np.sum(mass * (dot(moving, moving) - speed**2) + along * speed**2)
-            + 0.5 * np.sum(self.inertia * node["share"] * node["spin"] ** 2),
-            0.5 * self.rod.axial_rigidity / length * np.sum((lengths - length) ** 2),
-            0.5
-            * self.rod.flexural_rigidity
-            / length
-            * self._bent(tangents / lengths[:, None], frames.along[[0, -1]], driving),
-            0.5 * self.torsional_rigidity / length * np.sum(np.diff(node["angle"]) ** 2),
-            -np.sum(weight * (fallen @ self.axis.gravity)),
-            0.4 * self.contact_stiffness * np.sum(mass * beyond**2.5),
-            np.sum(mass * node["lost_contact"]),
-            np.sum(mass * node["lost_friction"]),
-            np.sum(mass * node["lost_damping"]),
-            rod["work"][0],
-        )
-        return dict(zip(ENERGIES, map(float, values), strict=True))
-
-    def _bent(self, directions: Floats, axes: Floats, driving: Driving) -> float:
-        """Return the sum of squares by which bending stores energy, ``axes`` being the channel's at both ends."""
-        natural = self._natural
-        return self._curved(directions - natural.directions, driving, axes - natural.ends)
+    def _raised(self, driving: Driving, places: Floats, cartesian: Floats, share: Floats) -> float:
+        """Return the energy in J by which weight pulls nodes at recorded places."""
+        has_weight = driving.load.mean_at is not None
+        fallen = cartesian if has_weight else cartesian - self.axis.frames(places[:, 0]).point
+        return float(-self.rod.weight_per_length * self.segment_length * np.sum(share * (fallen @ self.axis.gravity)))
 
     # --- how it is laid ---
 
-    def _laid(self, driving: Driving) -> tuple[Floats, Floats]:
+    def _pressed(self, driving: Driving) -> tuple[Floats, Floats]:
         """Return the coordinates along the channel of a rod that rests on the wall under the mean force, and angles.
 
         Its segments have the lengths that the force gives them.
@@ -244,13 +181,3 @@ class RodInWell(DiscreteRod):
             measured = depth * (1.0 + 0.5 * depth / gap)
             depth = depth * (pressing / (scale * measured**1.5 * (1.0 + depth / gap) + 1e-300)) ** (2.0 / 3.0)
         return depth
-
-
-def _off(places: Floats, frames: Frames) -> Floats:
-    """Return the offsets of coordinates along the channel from its axis, (n, 3)."""
-    return np.asarray(places[:, 1:2] * frames.sideways + places[:, 2:] * frames.up)
-
-
-def _tangents(places: Floats) -> Floats:
-    """Return the tangents between nodes times their length, of all nodes and a ghost beyond each end."""
-    return np.asarray((27.0 * np.diff(places[1:-1], axis=0) - (places[3:] - places[:-3])) / 24.0)
