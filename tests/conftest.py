@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import contextlib
+import gc
+import importlib
 import os
 import re
 import secrets
@@ -11,6 +14,7 @@ import threading
 import zlib
 from collections.abc import Generator
 from pathlib import Path
+from typing import Any
 
 # Before numpy is loaded: the workers of a run share the processors, and threads of small matrices only wait for each
 # other there (measured: eigenvalues of a few hundred rows twenty times slower).
@@ -64,6 +68,32 @@ def pytest_configure(config: pytest.Config) -> None:
     os.environ.setdefault(SEED, str(secrets.randbits(63) if DEEP else QUICK_SEED))
     if signal.getsignal(signal.SIGINT) is signal.SIG_IGN and threading.current_thread() is threading.main_thread():
         signal.signal(signal.SIGINT, signal.default_int_handler)
+
+
+@pytest.hookimpl(optionalhook=True)
+def pytest_configure_node(node: Any) -> None:
+    """Tell every other worker process to import the test files backwards, where all are to be imported."""
+    every = node.config.args_source is pytest.Config.ArgsSource.TESTPATHS
+    node.workerinput["backwards"] = every and int(node.gateway.id.removeprefix("gw")) % 2 == 1
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_collection(session: pytest.Session) -> Generator[None, object, object]:
+    """Let no garbage be collected among test files, modules and tests, now or later: nearly all of them stay.
+
+    What pytest makes of a test file, in a new tree, is kept for the next process.  Two workers that import the files
+    from both ends make one half each; from the same end both would make all.
+    """
+    gc.disable()
+    if getattr(session.config, "workerinput", {}).get("backwards"):
+        for path in sorted(Path(__file__).parent.glob("test_*.py"), reverse=True):
+            with contextlib.suppress(Exception, pytest.skip.Exception):  # which are told when it is collected
+                importlib.import_module(path.stem)
+    try:
+        return (yield)
+    finally:
+        gc.freeze()
+        gc.enable()
 
 
 def pytest_report_header(config: pytest.Config) -> str:
