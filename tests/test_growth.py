@@ -48,9 +48,12 @@ def motion(
     order, period = system.order, float(system.period)
     damping = np.zeros((order, order)) if system.damping is None else system.damping
 
+    none, one = np.zeros((order, order)), np.eye(order)
+    mean = np.block([[none, one], [-system.stiffness, -damping]])
+    wave = np.block([[none, none], [-system.cosines[0], none]])
+
     def slope(t: float, state: np.ndarray) -> np.ndarray:
-        stiffness = system.stiffness + system.cosines[0] * math.cos(2.0 * math.pi * t / period)
-        return np.concatenate([state[order:], -stiffness @ state[:order] - damping @ state[order:]])
+        return np.asarray((mean + wave * math.cos(2.0 * math.pi * t / period)) @ state)
 
     count = math.floor(periods * per_period + 1e-9) + 1
     time = np.arange(count) * (period / per_period)
