@@ -32,7 +32,7 @@ BITES: dict[str, tuple[int, ...]] = {}
 LEAST_SHARE = 0.3
 """Share of the examples drawn that a property has to be true of, rather than discard (a choice)."""
 
-BESIDE = dict.fromkeys(("test_regions", "test_regions_kernels"), "test_bent_rods")
+BESIDE = dict.fromkeys(("test_junk", "test_regions", "test_regions_kernels"), "test_bent_rods")
 """Files of tests that run beside another, and so in the same worker, which compiles kernels that both need once."""
 
 DEEP = os.environ.get("FLOQUETROD_TEST_DEPTH") == "deep"

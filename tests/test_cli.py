@@ -86,7 +86,7 @@ def test_options_reach_the_library(capsys: pytest.CaptureFixture[str]) -> None:
 
 @pytest.mark.parametrize("mean", ["-0.2Fcr", "-1e-1", "-.5", "-2"])
 def test_a_pull_may_follow_its_option(mean: str, capsys: pytest.CaptureFixture[str]) -> None:
-    start = ["check", "--rod", "nitinol", "--amplitude", "0", "--frequency", "24Hz", "--json"]
+    start = ["check", "--rod", "nitinol", "--amplitude", "0", "--frequency", "24Hz", "--no-margins", "--json"]
     answers = []
     for arguments in ([*start, "--mean", mean], [*start, f"--mean={mean}"]):
         assert cli.main(arguments) == 0
