@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import contextlib
+import gc
+import importlib
 import os
 import re
 import secrets
@@ -11,6 +14,7 @@ import threading
 import zlib
 from collections.abc import Generator
 from pathlib import Path
+from typing import Any
 
 # Before numpy is loaded: the workers of a run share the processors, and threads of small matrices only wait for each
 # other there (measured: eigenvalues of a few hundred rows twenty times slower).
@@ -27,6 +31,9 @@ BITES: dict[str, tuple[int, ...]] = {}
 
 LEAST_SHARE = 0.3
 """Share of the examples drawn that a property has to be true of, rather than discard (a choice)."""
+
+BESIDE = dict.fromkeys(("test_junk", "test_regions", "test_regions_kernels"), "test_bent_rods")
+"""Files of tests that run beside another, and so in the same worker, which compiles kernels that both need once."""
 
 DEEP = os.environ.get("FLOQUETROD_TEST_DEPTH") == "deep"
 """Whether to look as deeply as `make slow` does: at many examples, fresh in every run.
@@ -64,6 +71,32 @@ def pytest_configure(config: pytest.Config) -> None:
     os.environ.setdefault(SEED, str(secrets.randbits(63) if DEEP else QUICK_SEED))
     if signal.getsignal(signal.SIGINT) is signal.SIG_IGN and threading.current_thread() is threading.main_thread():
         signal.signal(signal.SIGINT, signal.default_int_handler)
+
+
+@pytest.hookimpl(optionalhook=True)
+def pytest_configure_node(node: Any) -> None:
+    """Tell every other worker process to import the test files backwards, where all are to be imported."""
+    every = node.config.args_source is pytest.Config.ArgsSource.TESTPATHS
+    node.workerinput["backwards"] = every and int(node.gateway.id.removeprefix("gw")) % 2 == 1
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_collection(session: pytest.Session) -> Generator[None, object, object]:
+    """Let no garbage be collected among test files, modules and tests, now or later: nearly all of them stay.
+
+    What pytest makes of a test file, in a new tree, is kept for the next process.  Two workers that import the files
+    from both ends make one half each; from the same end both would make all.
+    """
+    gc.disable()
+    if getattr(session.config, "workerinput", {}).get("backwards"):
+        for path in sorted(Path(__file__).parent.glob("test_*.py"), reverse=True):
+            with contextlib.suppress(Exception, pytest.skip.Exception):  # which are told when it is collected
+                importlib.import_module(path.stem)
+    try:
+        return (yield)
+    finally:
+        gc.freeze()
+        gc.enable()
 
 
 def pytest_report_header(config: pytest.Config) -> str:
@@ -106,7 +139,8 @@ def pytest_ignore_collect(collection_path: Path, config: pytest.Config) -> bool 
 
 
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
-    """Leave only properties when asked how often they bite."""
+    """Let files of the same kernels follow each other; leave only properties when asked how often they bite."""
+    items.sort(key=lambda item: BESIDE.get(item.path.stem, item.path.stem))
     if config.getoption("--bite"):
         others = [item for item in items if not is_hypothesis_test(getattr(item, "obj", None))]
         config.hook.pytest_deselected(items=others)

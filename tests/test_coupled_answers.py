@@ -746,8 +746,16 @@ def test_a_load_too_slow_to_follow_is_undecided_with_a_reason() -> None:
     assert found.status == "stable" or found.note
 
 
-@pytest.mark.parametrize(("rod", "count"), [(ROD, 32), (PLAIN, 1500)], ids=["coupled", "independent"])
-@pytest.mark.parametrize("question", ["verdicts", "is_stable", "growth_rate", "fastest"])
+@pytest.mark.parametrize(
+    ("rod", "count", "question"),
+    [
+        pytest.param(
+            *asked, question, marks=[pytest.mark.slow] * (asked[0] is ROD and question in ("is_stable", "fastest"))
+        )
+        for asked in ((ROD, 32), (PLAIN, 1500))
+        for question in ("verdicts", "is_stable", "growth_rate", "fastest")
+    ],
+)
 def test_arrays_of_loads_tell_their_progress_and_change_nothing(rod: fr.Rod, count: int, question: str) -> None:
     """Reports grow up to all loads, and come before the last one; those without vibration are counted, too."""
     ask = getattr(rod, question)

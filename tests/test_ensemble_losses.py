@@ -84,8 +84,14 @@ def test_frames_that_cannot_be_written_are_pending_in_the_store(
     assert count.calls == 1
 
 
-@pytest.mark.parametrize("frames", [False, True])
-@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize(
+    ("kind", "frames"),
+    [
+        pytest.param(kind, frames, marks=[pytest.mark.slow] * (frames == (kind == KINDS[0])))
+        for kind in KINDS
+        for frames in (False, True)
+    ],
+)
 def test_a_disk_that_stays_full_costs_one_warning_and_no_results(
     kind: str, frames: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

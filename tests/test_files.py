@@ -58,7 +58,7 @@ WRITERS: dict[str, tuple[str, Callable[[Path], object]]] = {
     "chart": ("a.npz", lambda path: small_map().save(path)),
     "simulation": ("a.npz", lambda path: short_run().save(path)),
     "checkpoint": ("a.ckpt", short_run),
-    "map": ("a.png", lambda path: cli.main([*MAP, "--out", str(path)])),
+    "map": ("a.png", lambda path: cli.main([*MAP, "--pixels", "--out", str(path)])),
     "animation": ("a.gif", lambda path: cli.main([*RUN, "--out", str(path)])),
 }
 

@@ -143,7 +143,8 @@ def test_amplitude_and_waveform_make_the_force(rng: np.random.Generator) -> None
 
 @pytest.mark.parametrize("periods", [2.1, pytest.param(3.1, marks=pytest.mark.slow), 60.7])
 def test_short_and_long_records(periods: float, rng: np.random.Generator) -> None:
-    assert sum(right(fr.ForceRecord(*made(rng, periods)[:2])) for _ in range(20)) >= 18
+    many = depth(20, 10)
+    assert sum(right(fr.ForceRecord(*made(rng, periods)[:2])) for _ in range(many)) >= 0.9 * many
 
 
 def gap(case: Made, rng: np.random.Generator) -> tuple[Any, Any]:
@@ -175,7 +176,8 @@ def wandering(case: Made, rng: np.random.Generator) -> tuple[Any, Any]:
 
 @pytest.mark.parametrize("change", [gap, nan, uneven, trend, late, wandering][:: depth(1, 3)])
 def test_imperfect_records(change: Callable[..., tuple[Any, Any]], rng: np.random.Generator) -> None:
-    assert sum(right(fr.ForceRecord(*change(made(rng), rng))) for _ in range(20)) >= 18
+    many = depth(20, 10)
+    assert sum(right(fr.ForceRecord(*change(made(rng), rng))) for _ in range(many)) >= 0.9 * many
 
 
 @pytest.mark.slow

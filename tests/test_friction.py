@@ -76,7 +76,7 @@ def test_a_constant_push_is_overcome_from_the_closed_form_on(beta: float) -> Non
 
 
 def test_critical_kick_of_a_constant_push() -> None:
-    beta = np.geomspace(1e-6, 1e6, 25)
+    beta = np.geomspace(1e-6, 1e6, depth(25, 5))
     assert fr.friction.critical_kick(0.0, beta, 3.0).smallest_found == pytest.approx(3.0 / np.sqrt(beta), rel=1e-10)
 
 

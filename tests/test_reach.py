@@ -70,7 +70,6 @@ def test_where_it_never_gets_nothing_arrives_at_the_bit() -> None:
     assert "locked" in str(found.report())
 
 
-@pytest.mark.slow
 def test_strings_are_marched_side_by_side(monkeypatch: pytest.MonkeyPatch) -> None:
     """Sixty strings, which end and buckle at depths of their own, take hardly more steps than the longest alone."""
     calls = []

@@ -32,7 +32,7 @@ def most_friction(bottom: float, push: float = math.inf) -> float:
 @pytest.mark.parametrize("push", [None, pytest.param(20e3, marks=pytest.mark.slow)])
 def test_with_one_friction_it_is_the_share_below_what_stops_the_string(push: float | None) -> None:
     friction = stats.uniform(0.2, 0.2)
-    many = depth(2000, 12)
+    many = depth(2000, 8)
     found = fr.probability_of_reach(TUBING, WELL, friction, depth=[3000.0], push=push, samples=many, seed=2)
     drawn = friction.ppf(np.random.default_rng(2).random((1, many))[0])
     for i, each in enumerate(found.depth):

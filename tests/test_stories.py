@@ -248,11 +248,12 @@ def monodromy_growth(system: Any, omega: float) -> float:
     """Return the growth rate of a damped system with one cosine, integrated by DOP853."""
     n = system.stiffness.shape[0]
     inverse = np.linalg.inv(np.eye(n) if system.mass is None else system.mass)
+    none, one = np.zeros((n, n)), np.eye(n)
+    mean = np.block([[none, one], [-inverse @ system.stiffness, -inverse @ system.damping]])
+    wave = np.block([[none, none], [-inverse @ system.cosines[0], none]])
 
     def motion(t: float, y: Any) -> Any:
-        q, speed = y.reshape(2, n, 2 * n)
-        stiffness = system.stiffness + system.cosines[0] * math.cos(omega * t)
-        return np.concatenate([speed, -inverse @ (system.damping @ speed + stiffness @ q)]).ravel()
+        return ((mean + wave * math.cos(omega * t)) @ y.reshape(2 * n, 2 * n)).ravel()
 
     start = np.eye(2 * n).ravel()
     end = solve_ivp(motion, (0.0, system.period), start, method="DOP853", rtol=1e-11, atol=1e-13).y[:, -1]

@@ -454,7 +454,7 @@ def scales(problem: Any, arithmetic: Any) -> Any:
     return np.array([1.0, ratio[0, 1], ratio[0, 1] * ratio[1, 2]])
 
 
-@pytest.mark.parametrize("seed", range(depth(6, 3)))
+@pytest.mark.parametrize("seed", range(depth(6, 2)))
 def test_maps_with_few_and_with_many_digits_overlap(seed: int) -> None:
     problem = system_problem(hamiltonian(seed, 2))
     maps = []
@@ -541,7 +541,7 @@ def test_inertia_of_a_matrix_that_doubles_cannot_tell_from_a_singular_one() -> N
 
 
 @pytest.mark.parametrize("arithmetic", [Doubles(), Integers(25)], ids=["doubles", "25 digits"])
-@pytest.mark.parametrize("seed", range(depth(8, 4)))
+@pytest.mark.parametrize("seed", range(depth(8, 2)))
 def test_counts_are_those_of_a_larger_dense_matrix(arithmetic: Any, seed: int) -> None:
     system, angles = hamiltonian(seed, 2), [0.0, 0.125, 0.3125, 0.5]
     problem = system_problem(system)

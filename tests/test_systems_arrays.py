@@ -126,7 +126,10 @@ def test_what_the_quick_rules_leave_open_is_judged_alone(monkeypatch: pytest.Mon
     [
         fr.HillSystem([[1.3, 0.3], [0.0, 1.3]], [[[0.2, 0.1], [0.0, 0.2]]], period=2.0),
         fr.PeriodicSystem([[0.0, 0.3], [0.0, 0.0]], [[[1.0, 0.5], [0.0, 0.7]]], period=2.0),
-        fr.PeriodicSystem([[0.0, 0.7], [-0.7, 0.0]], [[[1.0, 0.5], [-0.5, 1.0]]], period=2.0),
+        pytest.param(
+            fr.PeriodicSystem([[0.0, 0.7], [-0.7, 0.0]], [[[1.0, 0.5], [-0.5, 1.0]]], period=2.0),
+            marks=pytest.mark.slow,
+        ),
         pytest.param(
             fr.HillSystem([[1, -1], [-1, 1]], [[[0.1, -0.1], [-0.1, 0.1]]], damping=[[0.1, -0.1], [-0.1, 0.1]]),
             marks=pytest.mark.slow,

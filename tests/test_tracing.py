@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from scipy import ndimage
 
 import floquetrod as fr
+from conftest import depth
 from floquetrod.mathieu.charts import MathieuPlane
 from floquetrod.plane import Axis, Band, Bands, charted
 from floquetrod.plane.contours import crossings
@@ -94,7 +95,7 @@ def test_mathieu_traced_agrees_with_transition_curves(points: tuple[int, int], g
             points_on = np.column_stack([alpha[some], curve[some]])
             assert distances(points_on, bands, (2.0, 3.1)).max() < ACCURACY
     if growth:  # the largest growth within each band is that of dense samples
-        a, b = np.meshgrid(np.linspace(0.0, 2.0, 400), np.linspace(-2.5, 0.6, 400))
+        a, b = np.meshgrid(np.linspace(0.0, 2.0, depth(400, 200)), np.linspace(-2.5, 0.6, depth(400, 200)))
         rate = fr.mathieu.growth_rate(a, b).ravel()
         for band in bands:
             dense = rate[contains(corners(band), np.column_stack([a.ravel(), b.ravel()]))].max()

@@ -106,9 +106,12 @@ class ExplorerWindow:
     def _add_slider(self, name: str, limits: tuple[float, float], start: float, step: float) -> None:
         from matplotlib.widgets import Slider
 
+        class Undrawn(Slider):
+            drawon = False  # or every slider would draw the whole figure where nothing defers that
+
         unit = self._units[name]
         low, high = (unit.of(end) for end in limits)
-        slider = Slider(
+        slider = Undrawn(
             self.figure.add_axes((0.26, 0.0, 0.58, 0.03), label=name),
             label(*NAMES[name], unit.name),
             low,
@@ -120,7 +123,6 @@ class ExplorerWindow:
             initcolor="none",
         )
         slider.valtext.set_text(slider.valfmt % unit.of(start))  # which need not be a whole number of steps
-        slider.drawon = False
         slider.on_changed(lambda value: self.show(self._moved(name, self._meant(name, value))))
         self.sliders[name] = slider
 

@@ -19,6 +19,7 @@ _STEP = 6.0  # growth exponent of a step: longer ones lose digits
 _FACTORS = (1.0, 1.5, 2.0, 3.0, 4.0, 6.0)  # of the fewest steps, of which the cheapest plan is taken
 _PRODUCTS = 20.0  # cost of a term's matrix products, in those of a harmonic with one earlier term (heuristic)
 _MOST_STEPS = 1e9
+_AT_ONCE = 16  # steps whose terms are computed together, which spares calls of numpy (a choice)
 _SLACK = (
     4.0  # digits by which a step's series ends below the error wanted: so many the product of the maps loses (a choice)
 )
@@ -180,11 +181,11 @@ def period_map(pieces: Sequence[Series], context: Any, planned: Sequence[Plan]) 
     for series, one in zip(pieces, planned, strict=True):
         steps = _Steps(series, context, one)
         error = context.exp(one.log_error) + context.ldexp(one.rounding, -bits)
-        for step in range(one.steps):
-            fine = steps.across(step)
-            total = fine if total is None else np.dot(fine, total) >> bits
-            maps.append(_floats(fine, bits))
-            local.append(error)
+        for first in range(0, one.steps, _AT_ONCE):
+            for fine in steps.across(range(first, min(first + _AT_ONCE, one.steps))):
+                total = fine if total is None else np.dot(fine, total) >> bits
+                maps.append(_floats(fine, bits))
+                local.append(error)
     before, after = _products(maps)
     # A 2-norm is at most sqrt(N) times a norm of row sums.  Products of errors are far below _UP.
     magnified = sum(float(b * a) * error for b, a, error in zip(before, after, local, strict=True))
@@ -219,24 +220,24 @@ class _Steps:
             term = term * k * self.length / (power + 1)
         return found
 
-    def across(self, step: int) -> NDArray[Any]:
-        """Return the map over a step."""
-        order, width = len(self.mean), len(self.columns)
-        waves = self._turned(self.series.start + step * self.length)
-        mean = self._mean(step)
-        newest = total = self.identity
-        older = np.zeros_like(self.identity)
-        history = np.zeros((self.last, width * order), dtype=object)
+    def across(self, steps: range) -> NDArray[Any]:
+        """Return the maps over some steps, shape (steps, N, N)."""
+        order, width, harmonics = len(self.identity), len(self.columns), len(self.even)
+        waves = np.stack([self._turned(self.series.start + step * self.length) for step in steps])
+        mean = np.stack([self._mean(step) for step in steps])
+        newest = total = np.stack([self.identity] * len(steps))
+        older = np.zeros_like(newest)
+        history = np.zeros((self.last, len(steps) * width * order), dtype=object)
         for m in range(self.last):
-            change = np.dot(mean, newest)
+            change = np.matmul(mean, newest)
             if self.slope is not None:
-                change += np.dot(self.slope, older)
+                change += np.matmul(self.slope, older)
             if width:
-                history[m] = newest[self.columns].ravel()
+                history[m] = newest[:, self.columns].ravel()
                 even = np.dot(self.even[:, : m // 2 + 1], history[m::-2])
                 odd = np.dot(self.odd[:, : (m + 1) // 2], history[m - 1 :: -2]) if m else np.zeros_like(even)
-                parts = np.stack([even, odd], axis=1).reshape(-1, order) >> self.bits
-                change[self.rows] += np.dot(waves, parts)
+                parts = np.stack([even, odd], axis=1).reshape(2 * harmonics, len(steps), width, order) >> self.bits
+                change[:, self.rows] += np.matmul(waves, parts.swapaxes(0, 1).reshape(len(steps), -1, order))
             older, newest = newest, (change >> self.bits) // (m + 1)
             total = total + newest
         return total
