@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
-from scipy.integrate import solve_ivp
+from scipy.integrate import solve_ivp, trapezoid
 from scipy.optimize import brentq
 
 import floquetrod as fr
@@ -181,7 +181,7 @@ def drift(alpha: float, beta: float) -> tuple[float, np.ndarray, np.ndarray]:
     phases = np.linspace(0.0, 2.0 * math.pi, 360, endpoint=False)
     zeta = np.exp(1j * phases)[:, None]
     push = 2.0 * np.sign((zeta * df).real) * f.conj() / (f * df.conj() - df * f.conj())
-    return float(np.angle(multipliers[which])), phases, np.trapezoid((zeta.conj() * push).real, times, axis=1)
+    return float(np.angle(multipliers[which])), phases, trapezoid((zeta.conj() * push).real, times, axis=1)
 
 
 @pytest.mark.parametrize(("order", "trace"), [(2, 0.0), (3, 1.0), (3, -1.0), (4, math.sqrt(2.0))])

@@ -174,6 +174,8 @@ def test_derivatives_with_a_parameter_and_the_tangent_of_a_branch() -> None:
         (lambda t, x: None, [1.0, 0.0], "got None"),
         (lambda t, x: (x[1], np.cos(0.7 * t) - x[0]), [1.0, 0.0], "function is not periodic in 1"),
         (lambda t, x: (x[0] ** 2,), [1.0], "start diverges"),
+        (lambda t, x: (x[0] ** 2,), [100.0], "start diverges"),
+        (lambda t, x: (np.sqrt(0.5 - x[0]) + 1.0,), [0.0], "start diverges: .* or is not finite"),
     ],
 )
 def test_functions_that_are_not_as_they_should_be(function: Any, start: Any, message: str) -> None:
@@ -197,6 +199,18 @@ def test_functions_that_are_not_as_they_should_be(function: Any, start: Any, mes
 def test_starts_that_lead_nowhere(system: Any, start: Any, message: str) -> None:
     with pytest.raises(ValueError, match=message):
         fr.periodic_orbit(system, start)
+
+
+def test_rows_that_the_integration_did_not_reach_do_not_count(monkeypatch: pytest.MonkeyPatch) -> None:
+    def stalls(function: Any, state: Any, times: Any, **options: Any) -> Any:
+        states = np.full((len(times), len(state)), 1e299)  # memory that was not set
+        states[:51] = state
+        function(times[49], state)
+        return states, {"message": "Excess work done on this call (perhaps wrong Dfun type)."}
+
+    monkeypatch.setattr("scipy.integrate.odeint", stalls)
+    with pytest.raises(ValueError, match="start leads to motion that cannot be followed"):
+        fr.periodic_orbit(VAN_DER_POL, [2.0, 0.0])
 
 
 def test_newton_says_where_it_stood() -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import doctest
 import importlib
+import inspect
 import io
 import os
 import re
@@ -122,7 +123,9 @@ def test_what_the_front_door_points_to_is_there() -> None:
 @pytest.mark.parametrize("module", quick(MODULES))
 def test_docstring_examples(module: str) -> None:
     report: list[str] = []
-    tests = doctest.DocTestFinder().find(importlib.import_module(module))
+    loaded = importlib.import_module(module)
+    tests = doctest.DocTestFinder().find(loaded)
+    assert sum(len(test.examples) for test in tests) == inspect.getsource(loaded).count(">>> ")
     runner = doctest.DocTestRunner(optionflags=FLAGS)
     for test in tests:
         runner.run(test, out=report.append)

@@ -2,7 +2,8 @@
 
 Each environment has a Python and the newest or the lowest dependencies that pyproject.toml allows.  First verdicts, the
 terminal and what needs an extra are tried with the dependencies alone, warnings as errors; then a part of the suite
-runs against the wheel, from the sdist without its package, or with --whole the quick suite, from the whole sdist.
+runs against the wheel, from the sdist without its package, or with --whole the quick suite, from the whole sdist, on
+two workers.  What every step says is kept in .cache/try_wheel, and printed if one fails.
 """
 
 from __future__ import annotations
@@ -16,6 +17,7 @@ import tarfile
 import tempfile
 import time
 from pathlib import Path
+from typing import TextIO
 
 ROOT = Path(__file__).parents[1]
 SMOKE = ["tests/test_units.py", "tests/test_equations.py", "tests/test_methods.py", "tests/test_system_kernels.py"]
@@ -59,33 +61,43 @@ def main(arguments: list[str]) -> int:
     options = parser.parse_args(arguments)
     results = []
     for python in options.pythons:
-        if not is_python(python):
+        version = version_of(python)
+        if not version:
             print(f"{python}: not found, left out")
             continue
         for which in options.dependencies:
             start = time.perf_counter()
-            with tempfile.TemporaryDirectory() as folder:
-                failed = attempt(python, which, Path(folder), options.whole)
+            with tempfile.TemporaryDirectory() as folder, log_of(version, which) as log:
+                failed = attempt(python, which, Path(folder), options.whole, log)
             seconds = time.perf_counter() - start
-            print(f"{python}, {which} dependencies: {failed or 'passed'} ({seconds:.0f} s)", flush=True)
+            print(f"Python {version}, {which} dependencies: {failed or 'passed'} ({seconds:.0f} s)", flush=True)
             results.append(failed)
     return 0 if results and not any(results) else 1
 
 
-def is_python(command: str) -> bool:
-    """Return whether a command starts a Python: a launcher may be there without one."""
+def version_of(command: str) -> str:
+    """Return the version of the Python a command starts, or "": a launcher may be there without one."""
+    question = "import platform; print(platform.python_version())"
     try:
-        return subprocess.run([command, "-c", ""], capture_output=True, check=False).returncode == 0
+        return subprocess.run([command, "-c", question], capture_output=True, text=True, check=False).stdout.strip()
     except OSError:
-        return False
+        return ""
 
 
-def attempt(python: str, which: str, folder: Path, whole: bool) -> str:
+def log_of(version: str, which: str) -> TextIO:
+    """Open the file that keeps what the steps of an attempt say."""
+    folder = ROOT / ".cache" / "try_wheel"
+    folder.mkdir(parents=True, exist_ok=True)
+    return (folder / f"{version}-{which}.log").open("w+", encoding="utf-8", errors="replace")
+
+
+def attempt(python: str, which: str, folder: Path, whole: bool, log: TextIO) -> str:
     """Try the wheel in an environment of its own; return the step that failed, or ""."""
     (wheel,) = (ROOT / "dist").glob("*.whl")
     (sdist,) = (ROOT / "dist").glob("*.tar.gz")
     limits = ["-c", str(ROOT / "constraints-oldest.txt")] if which == "oldest" else []
-    own = {"MPLBACKEND": "Agg", "MPLCONFIGDIR": str(folder), "NUMBA_CACHE_DIR": str(folder / "cache")}
+    caches = {"MPLCONFIGDIR": str(folder), "NUMBA_CACHE_DIR": str(folder / "cache")}
+    own = {"MPLBACKEND": "Agg", "OPENBLAS_NUM_THREADS": "1", **caches}
     environment = {name: value for name, value in os.environ.items() if not name.startswith("PYTHON")} | own
     scripts = folder / "venv" / ("Scripts" if sys.platform == "win32" else "bin")
     inside = str(scripts / "python")
@@ -102,15 +114,17 @@ def attempt(python: str, which: str, folder: Path, whole: bool) -> str:
         ("without extras", [*strict, WITHOUT_EXTRAS]),
         *[("terminal", [str(scripts / "floquetrod"), *command.split()]) for command in COMMANDS],
         ("test tools", [*pip, "install", *limits, f"{wheel}[test]" if whole else "hypothesis", "pytest"]),
-        ("tests", [*pytest, "--maxfail=20"] if whole else [*pytest, *SMOKE]),
+        ("versions", [inside, "-m", "pip", "freeze"]),
+        ("tests", [*pytest, "-n", "2", "--dist", "worksteal"] if whole else [*pytest, *SMOKE]),
     ]
     for name, command in steps:
-        run = subprocess.run(command, capture_output=True, text=True, env=environment, cwd=source, check=False)
+        run = subprocess.run(command, stdout=log, stderr=subprocess.STDOUT, env=environment, cwd=source, check=False)
         if run.returncode:
-            print(f"{run.stdout}{run.stderr}", file=sys.stderr)
-            return f"{name} failed"
-        if name == "tests":
-            print(run.stdout.splitlines()[-1])
+            log.seek(0)
+            print(log.read(), file=sys.stderr)
+            return f"{name} failed, see {log.name}"
+    log.seek(0)
+    print(log.read().splitlines()[-1])
     return ""
 
 

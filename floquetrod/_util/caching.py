@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+from collections.abc import Callable
 from typing import Any, Self, TypeVar, cast, overload
 
 T = TypeVar("T")
@@ -15,6 +16,10 @@ class cached_property(functools.cached_property[T]):
     and in a process forked while another thread computes, the lock stays held for ever.  Without it, threads that ask
     one instance at once may each compute the value; all of them get the one that was kept first.
     """
+
+    def __init__(self, func: Callable[[Any], T]) -> None:
+        super().__init__(func)
+        self.__module__ = func.__module__  # as of Python 3.13: doctest leaves out what is of another module
 
     @overload
     def __get__(self, instance: None, owner: type[Any] | None = None) -> Self: ...

@@ -252,6 +252,11 @@ def cores() -> int:
         return os.cpu_count() or 1
 
 
+def _is_plain(array: NDArray[Any]) -> bool:
+    """Return whether an array is contiguous, aligned and writable; its flags warn of broadcasting before NumPy 2.0."""
+    return array.flags.c_contiguous and array.flags.aligned and not array.data.readonly
+
+
 def over_chunks(
     function: Callable[..., Any],
     inputs: Sequence[NDArray[Any]],
@@ -275,7 +280,7 @@ def over_chunks(
             run(*(array.tolist() for array in inputs), out, *constants)
         return
     # One layout of arrays: a kernel is compiled for each there is, and read-only ones count as another.
-    inputs = [array if array.flags.carray else np.require(array, requirements=["C", "A", "W"]) for array in inputs]
+    inputs = [array if _is_plain(array) else np.array(array, order="C") for array in inputs]
     if size <= chunk:
         run(*inputs, out, *constants)
         return

@@ -46,8 +46,8 @@ class Runs(NoTruthValue, ByContent):
     --------
     >>> size = Variable(("kick",), np.array([1.0, 2.0]), {"units": "rad"})
     >>> runs = Runs({"largest_angle": size}, {"kick": size._replace(attrs={"units": "m/s"})}, {})
-    >>> runs["largest_angle"].max(), runs.dims, runs.units["kick"]
-    (np.float64(2.0), {'kick': 2}, 'm/s')
+    >>> float(runs["largest_angle"].max()), runs.dims, runs.units["kick"]
+    (2.0, {'kick': 2}, 'm/s')
     """
 
     ask = '["buckled"]'

@@ -176,7 +176,7 @@ class FloquetVerdict(ByContent, Reported, Verdict):
         >>> import floquetrod as fr
         >>> matrix, error = fr.stability(fr.Mathieu(alpha=0.5, beta=-0.25)).monodromy
         >>> f"{matrix[0, 0] + matrix[1, 1]:.9f}", error < 1e-12
-        ('-4.396848439', True)
+        ('-4.396667735', True)
         """
         from floquetrod.floquet.solutions import monodromy_over_period
 

@@ -210,10 +210,17 @@ def _marched(system: NonlinearSystem, state: Floats, span: float, when: str, sam
 
     call, given = system.function, dict(system.parameters)
     times = np.linspace(0.0, span, samples + 1)
+    reached = 0.0
+
+    def rates(t: float, x: Floats) -> Floats:
+        nonlocal reached
+        reached = reached if math.isnan(t) else t
+        return np.asarray(call(t, x, **given), dtype=float)
+
     with np.errstate(all="ignore"), warnings.catch_warnings():
         warnings.simplefilter("ignore")  # that it did not arrive, which the message says too
         states, said = odeint(
-            lambda t, x: np.asarray(call(t, x, **given), dtype=float),
+            rates,
             state,
             times,
             tfirst=True,
@@ -224,11 +231,13 @@ def _marched(system: NonlinearSystem, state: Floats, span: float, when: str, sam
             printmessg=False,
         )
     arrived = said["message"] == "Integration successful."
-    if not arrived and not np.abs(states).max() > _GROWN * np.abs(states[: samples // 10]).max():
-        raise ValueError(
-            f"start leads to motion that cannot be followed over a period of {span:.4g}: does the function jump, or "
-            "change too fast?"
-        )
+    if not arrived:  # the rows after the one it failed in are not set
+        states = states[: np.searchsorted(times, reached, side="right") + 1]
+        if np.abs(states).max() <= _GROWN * np.abs(states[: len(states) // 10 + 1]).max():
+            raise ValueError(
+                f"start leads to motion that cannot be followed over a period of {span:.4g}: does the function jump, "
+                "or change too fast?"
+            )
     if not (arrived and (np.abs(states) <= _LARGEST).all()):
         raise ValueError(
             f"start diverges: {when + ' ' if when else ''}the motion grows without bounds, or is not finite"

@@ -144,7 +144,7 @@ class Modes:
         style = {"fontsize": "x-small", "ha": "left", "va": "top", "visible": False, "clip_on": True}
         self._names = [ax.text(0.0, 0.0, "", **style) for _ in range(_MOST_LABELS)]
         ax.set_xlabel(r"natural over load frequency $\omega_m/\omega$")
-        ax.set_ylabel(r"stiffness amplitude $\alpha_m$", fontsize="small")
+        ax.set_ylabel(r"stiffness amplitude $\alpha_m$", fontsize="small", labelpad=2.0)
         ax.set_title("modes among resonance tongues", fontsize="medium")
         ax.yaxis.set_major_locator(MultipleLocator(1.0))
         ax.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"$10^{{{value:.0f}}}$"))

@@ -180,6 +180,7 @@ class Page:
         self.figure = shown.figure
         manager: Any = FigureCanvasWebAggCore.new_manager(self.figure, 1)
         manager.set_window_title(title)
+        self.figure.set_label(title)  # matplotlib 3.9 and older title the page with it
         self._manager = manager
         self._size, self._ratio = (math.inf, math.inf), 1.0
         canvas: Any = self._manager.canvas
