@@ -32,9 +32,6 @@ BITES: dict[str, tuple[int, ...]] = {}
 LEAST_SHARE = 0.3
 """Share of the examples drawn that a property has to be true of, rather than discard (a choice)."""
 
-BESIDE = dict.fromkeys(("test_junk", "test_regions", "test_regions_kernels"), "test_bent_rods")
-"""Files of tests that run beside another, and so in the same worker, which compiles kernels that both need once."""
-
 DEEP = os.environ.get("FLOQUETROD_TEST_DEPTH") == "deep"
 """Whether to look as deeply as `make slow` does: at many examples, fresh in every run.
 
@@ -139,8 +136,7 @@ def pytest_ignore_collect(collection_path: Path, config: pytest.Config) -> bool 
 
 
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
-    """Let files of the same kernels follow each other; leave only properties when asked how often they bite."""
-    items.sort(key=lambda item: BESIDE.get(item.path.stem, item.path.stem))
+    """Leave only properties when asked how often they bite."""
     if config.getoption("--bite"):
         others = [item for item in items if not is_hypothesis_test(getattr(item, "obj", None))]
         config.hook.pytest_deselected(items=others)
