@@ -10,6 +10,7 @@ from pathlib import Path
 
 from floquetrod._util.waiting import say
 from floquetrod.cli.common import compiling_told
+from floquetrod.cli.main import drop_unwritten
 from floquetrod.cli.output import Output, output
 from studies.report import verdict
 from studies.reproduction import FULL, QUICK, reproduce
@@ -66,12 +67,16 @@ def main(argv: Sequence[str] | None = None) -> int:
         with compiling_told():
             answer = _reproduce(options)
         print(answer.text, flush=True)
+    except BrokenPipeError:  # the reader has seen enough
+        return 0
     except (ValueError, OSError) as error:
         say(f"studies: error: {error}")
         return 2
     except KeyboardInterrupt:
         say("studies: interrupted")
         return 130
+    finally:
+        drop_unwritten()
     return answer.status
 
 

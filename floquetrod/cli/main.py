@@ -33,7 +33,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         try:
             return _run(sys.argv[1:] if argv is None else argv)
         finally:
-            _drop_unwritten()
+            drop_unwritten()
 
 
 def _run(argv: Sequence[str]) -> int:
@@ -98,7 +98,7 @@ def _print(text: str) -> None:
         raise OSError(f"the answer could not be written: {error.strerror}") from None
 
 
-def _drop_unwritten() -> None:
+def drop_unwritten() -> None:
     """Drop what a stream cannot write; else the interpreter tries again when it ends, and fails."""
     for stream in filter(None, (sys.stdout, sys.stderr)):
         try:
