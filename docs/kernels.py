@@ -10,6 +10,7 @@ import os
 import signal
 from multiprocessing import forkserver
 from typing import TYPE_CHECKING, Any
+from unittest import mock
 
 if TYPE_CHECKING:
     from multiprocessing.connection import Connection
@@ -80,10 +81,8 @@ def setup(app: sphinx.application.Sphinx) -> dict[str, bool]:
     from jupyter_client.provisioning import local_provisioner
 
     if "forkserver" in multiprocessing.get_all_start_methods():
-        own = os.environ.get("MPLBACKEND")
-        os.environ["MPLBACKEND"] = INLINE  # as kernels set it before matplotlib is imported
         forkserver.set_forkserver_preload(IMPORTED)
-        forkserver.ensure_running()
-        os.environ.pop("MPLBACKEND") if own is None else os.environ.update(MPLBACKEND=own)
+        with mock.patch.dict(os.environ, MPLBACKEND=INLINE):  # as kernels set it before matplotlib is imported
+            forkserver.ensure_running()
         local_provisioner.launch_kernel = launch  # type: ignore[assignment]
     return {"parallel_read_safe": True}

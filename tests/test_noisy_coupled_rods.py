@@ -110,7 +110,7 @@ def test_a_search_for_a_margin_keeps_to_its_time(monkeypatch: pytest.MonkeyPatch
         return status(self, loads, *rest)
 
     monkeypatch.setattr(NoisyTogetherModel, "status", counted)
-    each = verdict.evidence.seconds  # type: ignore[attr-defined]
+    each = verdict.evidence.seconds
     assert verdict.margin("mean", seconds=2.0 * each).searched == (0.0, 0.0)
     assert not asked
     assert 0.0 < verdict.margin("mean", seconds=16.0 * each).above < np.inf

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -101,6 +102,7 @@ def test_a_tool_too_weak_to_move_the_string_gains_nothing() -> None:
     assert found.reach_shaken == pytest.approx(found.reach, rel=5e-4)
     assert (found.gain, found.useful_frequencies) == (0.0, ())
     assert "gains no depth" in str(found.report())
+    assert replace(found, reach_shaken=found.reach - 100.0).gain == pytest.approx(-100.0)
 
 
 @pytest.mark.slow

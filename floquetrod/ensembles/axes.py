@@ -15,7 +15,6 @@ from floquetrod._util import validate
 from floquetrod._util.caching import cached_property
 from floquetrod.rod.distributions import quantile_function, quantiles
 from floquetrod.rod.loads.load import KINDS
-from floquetrod.rod.loads.tool import VibrationTool
 from floquetrod.rod.model import parts
 from floquetrod.rod.model.data import INSTEAD
 from floquetrod.simulation.problem import SimulationProblem
@@ -50,7 +49,7 @@ VARIED_KINDS = {
 }
 """Kinds of the quantities that may be varied; integers have none."""
 
-TOOL = {f"tool_{part.name}": part.name for part in fields(VibrationTool)}
+TOOL = {name: name.removeprefix("tool_") for name in TOOL_KINDS}
 START = ("kick", "seed")
 
 

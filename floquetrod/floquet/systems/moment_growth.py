@@ -21,6 +21,7 @@ from collections.abc import Sequence
 from typing import Any, NamedTuple, Self
 
 import numpy as np
+from numpy.typing import NDArray
 
 from floquetrod._util.arrays import Complexes, Floats
 from floquetrod.equations import HillSystem
@@ -77,8 +78,8 @@ class MomentGrowth(NamedTuple):
     def __call__(self, density: float) -> Growth:
         """Return how fast second moments grow at an intensity s, ``density`` its square."""
         if not density:
-            rate = self.fine.rate_without_noise
-            return Growth(rate, 2.0 * abs(rate - self.coarse.rate_without_noise))
+            rate = self.fine.rate_without_noise(self.floquet.multipliers)
+            return Growth(rate, 2.0 * abs(rate - self.coarse.rate_without_noise(np.linalg.eigvals(self.coarse.whole))))
         try:
             near = _Near.of(self.floquet, density)
             found = self.fine.growth(density, near, near.start)
@@ -124,10 +125,13 @@ class _OnSteps(NamedTuple):
         return cls(period, _magnus(system, count, scale), kicks)
 
     @property
-    def rate_without_noise(self) -> float:
-        """How fast second moments grow without noise."""
-        whole = functools.reduce(lambda before, step: step @ before, self.steps)
-        return 2.0 * math.log(float(np.abs(np.linalg.eigvals(whole)).max())) / self.period
+    def whole(self) -> Floats:
+        """The map over a period without noise, (2 n, 2 n)."""
+        return functools.reduce(lambda before, step: np.asarray(step @ before), self.steps)
+
+    def rate_without_noise(self, multipliers: NDArray[Any]) -> float:
+        """Return how fast second moments grow without noise, given the multipliers of this mesh."""
+        return 2.0 * math.log(float(np.abs(multipliers).max())) / self.period
 
     def growth(self, density: float, near: _Near, start: Floats) -> _Fastest:
         """Return what grows fastest, searched for from some moments on."""

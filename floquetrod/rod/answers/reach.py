@@ -158,7 +158,7 @@ class Reach(Printed, ByContent):
 
     @property
     def gain(self) -> float:
-        """Increase of the reach by the tool in m; 0 where it is less than the error of ``reach_shaken``."""
+        """Increase of the reach by the tool in m; 0 where its size is less than the error of ``reach_shaken``."""
         return _gained(self.reach, self.reach_shaken)
 
     @property
@@ -461,8 +461,8 @@ def depths_of(path: WellPath, depth: Any) -> Floats:
 
 
 def _gained(without: float, shaken: float) -> float:
-    """Return by how much a reach with a tool exceeds that without, 0 for less than its error."""
-    return shaken - without if shaken - without > _ERROR * shaken else 0.0
+    """Return by how much a reach with a tool exceeds that without, 0 where its error may make all of that."""
+    return shaken - without if abs(shaken - without) > _ERROR * shaken else 0.0
 
 
 def _standing_end(path: WellPath, depth: float, is_stopped: bool) -> float:

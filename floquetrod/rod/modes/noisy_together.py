@@ -270,7 +270,7 @@ class NoisyTogether(UnderNoise, SharedGrowth):
         each = self.seconds * longest
         verdicts = min(seconds / each, 1000.0)
         if verdicts < _LEAST.samples:
-            return Effort(0, 0, each)
+            return Effort(0, 0)
         samples = max(_LEAST.samples, min(_MOST.samples, int(0.5 * verdicts)))
         halvings = max(_LEAST.halvings, min(_MOST.halvings, int(verdicts) - samples))
         return Effort(samples, halvings, each)

@@ -13,7 +13,7 @@ import numpy as np
 from floquetrod._util.compilation import kernel
 
 LOCKED = 0.5 * math.pi
-"""The y from which on the force is infinite."""
+"""The y at which the force becomes infinite."""
 
 MOST_PRESSED = 1e3  # times its weight: more does not damp the wave of a string that locks up (a choice)
 
@@ -30,7 +30,7 @@ class Pushed(NamedTuple):
     sign : float
         Of friction upwards: 1 pushed, 0 standing, -1 pulled.
     helical : float
-        F^2 R / (4 E I) over the contact force of the string that lies, from which on it is a helix; infinite for never.
+        F^2 R / (4 E I) over the contact force of the string that lies, above which it is a helix; infinite for never.
     """
 
     weight: float
