@@ -183,9 +183,24 @@ def by_harmonic(name: str, values: Any, order: int, like: str) -> tuple[Matrix, 
         listed = validate.sequence(name, values, "[matrix]")
     if len(listed) > MOST_HARMONICS:
         raise ValueError(f"{name} must hold at most {MOST_HARMONICS} harmonics, got more")
+    stacked = _stacked(listed, order)
+    if stacked is not None:
+        return tuple(stacked)
     if listed and all(_is_flat(value) for value in listed):
         raise ValueError(f"{name} must be a sequence of matrices, one for each harmonic; for one give {name}=[matrix]")
     return tuple(square(f"{name}[{k}]", value, order, like, 2 * MOST_EQUATIONS) for k, value in enumerate(listed))
+
+
+def _stacked(listed: list[Any], order: int) -> NDArray[np.float64] | None:
+    """Return matrices in one array of their own; None where `square` has to look at them one by one."""
+    arrays = [value for value in listed if type(value) is np.ndarray and value.dtype == np.float64]
+    if not arrays or len(arrays) < len(listed) or len({value.shape for value in arrays}) > 1:
+        return None
+    first = arrays[0]
+    if first.ndim < 2 or first.shape[-2:] != (order, order) or not 0 < first.size <= _MOST_ENTRIES:
+        return None
+    stacked = np.array(arrays)
+    return stacked if np.abs(stacked).max() <= LARGEST_ENTRY else None
 
 
 def _is_flat(value: Any) -> bool:
