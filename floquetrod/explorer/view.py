@@ -30,18 +30,7 @@ class Source(Protocol):
 class View:
     """The verdict, a map and two panels on the modes; the model of the modes decides which.
 
-    Parameters
-    ----------
-    rod : Rod
-    load : AxialLoad or AxialWave
-        A load of the kind that is shown.
-    limits : dict
-        Between what each quantity of the load moves, in SI units.
-
-    Attributes
-    ----------
-    panels : (str, str)
-        Names of the panels beside the map.
+    ``load`` is of the kind that is shown; its quantities move between ``limits``, in SI units.
     """
 
     def __init__(self, rod: Rod, load: Load, limits: dict[str, tuple[float, float]]) -> None:
@@ -51,7 +40,7 @@ class View:
         located = model.among_tongues(load, (1,)) is not None
         modes = ModesAndRates(model, limits) if located else LineAndShape(model, limits)
         self.modes: Source = modes
-        self.panels: tuple[str, str] = modes.panels
+        self.panels: tuple[str, str] = modes.panels  # names of those beside the map
 
     def at_once(self, load: Load) -> ViewParts:
         """Return what follows a slider."""

@@ -26,25 +26,15 @@ AXES: dict[Quantity, tuple[str, str, str]] = {
 
 @dataclass(frozen=True)
 class LoadPlane(Family):
-    """A rod's loads over a plane.
-
-    Attributes
-    ----------
-    across, up, fixed : str
-        The quantities, that along x first; the last has one value, ``value``.
-    growth_tolerance, friction, kick, like, workers
-        As in `stability_map`.
-    test : FiniteTimeCriterion or None
-        Its criterion.
-    """
+    """A rod's loads over a plane."""
 
     rod: Rod
-    across: Quantity
+    across: Quantity  # along x
     up: Quantity
-    fixed: Quantity
+    fixed: Quantity  # of one value, ``value``
     value: float
-    growth_tolerance: float
-    test: FiniteTimeCriterion | None
+    growth_tolerance: float  # this and all below as in `stability_map`
+    test: FiniteTimeCriterion | None  # its criterion
     friction: float | None
     kick: float | None
     like: Load | None

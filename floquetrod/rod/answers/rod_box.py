@@ -55,24 +55,12 @@ class RodExample(NamedTuple):
 
 @dataclass(frozen=True)
 class RodBox:
-    """Every load of a box on every rod of another.
+    """Every load of a box on every rod of another."""
 
-    Attributes
-    ----------
-    rod : RodData
-        Gives the parameters that do not vary.
-    like : Load
-        Gives everything of the loads but their numbers.
-    loads : mapping of Quantity to Interval
-        Mean force and amplitude in N, frequency in rad/s.
-    parameters : mapping of str to Interval
-        Parameters of the rod that were given, in SI units.
-    """
-
-    rod: RodData
-    like: Load
-    loads: Mapping[Quantity, Interval]
-    parameters: Mapping[str, Interval]
+    rod: RodData  # gives the parameters that do not vary
+    like: Load  # gives everything of the loads but their numbers
+    loads: Mapping[Quantity, Interval]  # mean force and amplitude in N, frequency in rad/s
+    parameters: Mapping[str, Interval]  # parameters of the rod that were given, in SI units
 
     @classmethod
     def of(

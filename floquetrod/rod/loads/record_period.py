@@ -35,24 +35,12 @@ _PADDING = 4  # frequencies of a spectrum per reciprocal of the duration
 
 
 class PeriodicFit(NamedTuple):
-    """What a record was found to be.
+    """What a record was found to be."""
 
-    Attributes
-    ----------
-    fit : Fit
-        Of the harmonics kept.
-    every : Fit
-        Of all harmonics searched for.
-    beyond : tuple of int
-        Harmonics above the noise that were not searched for.
-    factors : ndarray
-        How many times the noise about frequency 0 and about each harmonic kept exceeds its average, in amplitude.
-    """
-
-    fit: Fit
-    every: Fit
-    beyond: tuple[int, ...]
-    factors: Floats
+    fit: Fit  # of the harmonics kept
+    every: Fit  # of all harmonics searched for
+    beyond: tuple[int, ...]  # harmonics above the noise that were not searched for
+    factors: Floats  # how many times the noise about 0 and each harmonic kept exceeds its average, in amplitude
 
 
 def find(samples: Samples, guess: float | None, most: int | None) -> PeriodicFit:
