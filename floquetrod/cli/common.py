@@ -154,10 +154,23 @@ def add_friction(command: argparse.ArgumentParser) -> None:
     )
 
 
-def add_coefficient(command: argparse.ArgumentParser, note: str, default: float | None = None) -> None:
+def add_coefficient(command: argparse.ArgumentParser, note: str) -> None:
     """Add the option for the coefficient of friction; ``note`` is what its help adds."""
     text = f"coefficient of friction between rod and channel, such as 0.3 or 30%% ({note})"
-    command.add_argument("--friction", "--mu", type=ratio, metavar="MU", default=default, help=text)
+    command.add_argument("--friction", "--mu", type=ratio, metavar="MU", help=text)
+
+
+def add_wall_friction(command: argparse.ArgumentParser, *, required: bool = False, default: str | None = None) -> None:
+    """Add the option for friction along the channel, which `reading.read_friction` reads."""
+    command.add_argument(
+        "--friction",
+        "--mu",
+        required=required,
+        default=default,
+        metavar="MU",
+        help="coefficient of friction with the wall, such as 0.3 or 30%%, or 0.2,0.35@1500m with another from 1500 m on"
+        + ("" if default is None else f" (default {default})"),
+    )
 
 
 def add_tool(command: argparse.ArgumentParser) -> None:

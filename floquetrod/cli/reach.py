@@ -18,6 +18,7 @@ from floquetrod.cli.common import (
     add_rod,
     add_survey_units,
     add_tool,
+    add_wall_friction,
     check_out,
     describe_command,
     read_force,
@@ -76,13 +77,7 @@ def add(command: Parser) -> None:
 def add_well(command: argparse.ArgumentParser, *, required: bool) -> None:
     """Add the options that describe a well and how a string is pushed into it."""
     command.add_argument("--well", required=required, metavar="FILE", type=Path, help="survey, a text file of columns")
-    command.add_argument(
-        "--friction",
-        "--mu",
-        required=required,
-        metavar="MU",
-        help="coefficient of friction with the wall, such as 0.3, or 0.2,0.35@1500m with another from 1500 m on",
-    )
+    add_wall_friction(command, required=required)
     add_tool(command)
     command.add_argument("--speed", default="0.05m/s", help="speed at which the string slides (default 0.05m/s)")
     command.add_argument("--far-force", metavar="FORCE", default="0", help="mean force at the lower end (default: 0)")

@@ -15,10 +15,10 @@ from floquetrod._util.files import writable
 from floquetrod._util.waiting import Waiting, roughly, say
 from floquetrod.cli.common import (
     ROD_AND_LOAD,
-    add_coefficient,
     add_rod,
     add_tool,
     add_units,
+    add_wall_friction,
     describe_command,
     read_force,
     read_rod,
@@ -38,7 +38,7 @@ from floquetrod.cli.messages import option
 from floquetrod.cli.output import Output, names, output
 from floquetrod.cli.parser import Parser, whole_number
 from floquetrod.rod.loads.load import Load
-from floquetrod.rod.reading import read_tool
+from floquetrod.rod.reading import read_friction, read_tool
 from floquetrod.simulation.starts import read_perturbation
 
 _HELP = """\
@@ -91,10 +91,11 @@ def add(command: Parser) -> None:
     command.add_argument("--far-force", metavar="FORCE", help="mean force at the lower end (default: from the load)")
     add_tool(command)
     command.add_argument("--duration", metavar="TIME", default="2s", help="how long to simulate (default 2s)")
-    add_coefficient(command, "default 0", 0.0)
+    add_wall_friction(command, default="0")
     command.add_argument(
         "--natural-curvature",
         metavar="CURVATURE",
+        default="0",
         help="shape of the rod without load: a curvature such as 3deg/30m, or path for that of its channel (default 0)",
     )
     command.add_argument(
@@ -133,13 +134,6 @@ def add(command: Parser) -> None:
     )
 
 
-def _natural_curvature(text: str | None) -> float | str:
-    """Return a curvature in 1/m, or the word path."""
-    if text is None or text.strip().lower() == "path":
-        return 0.0 if text is None else "path"
-    return units.quantity(text, "--natural-curvature", "curvature")
-
-
 def _simulate(options: argparse.Namespace) -> Output:
     require_quantities(options)
     rod = read_rod(options)
@@ -147,6 +141,7 @@ def _simulate(options: argparse.Namespace) -> Output:
     load = read_load(options, rod, read_kind(options, force))
     feed = None if options.feed_speed is None else units.quantity(options.feed_speed, "--feed-speed", "speed")
     far = None if options.far_force is None else read_force(options.far_force, "--far-force", rod)
+    friction = read_friction(options.friction, "--friction")
     duration = units.quantity(options.duration, "--duration", "time")
     step = None if options.time_step is None else units.quantity(options.time_step, "--time-step", "time")
     perturbation, shown = read_perturbation(vars(options), option), read_units(options, rod)
@@ -157,15 +152,15 @@ def _simulate(options: argparse.Namespace) -> Output:
         rod,
         load,
         duration=duration,
-        friction=options.friction,
+        friction=friction,
         perturbation=perturbation,
         segments=options.segments,
         time_step=step,
-        frames=_frames(load, duration, options.friction) if options.frames is None else options.frames,
+        frames=_frames(load, duration, friction != 0.0) if options.frames is None else options.frames,
         feed_speed=feed,
         far_force=far,
         tool=None if options.tool is None else read_tool(options.tool, "--tool"),
-        natural_curvature=_natural_curvature(options.natural_curvature),
+        natural_curvature=options.natural_curvature,
     )
     try:
         with warnings_at_once(), _Forewarning("simulating", "steps") as progress:
@@ -219,8 +214,8 @@ class _Forewarning(Waiting):
                 )
 
 
-def _frames(load: Load, duration: float, friction: float) -> int:
-    if friction > 0.0 or load.amplitude == 0.0:
+def _frames(load: Load, duration: float, has_friction: bool) -> int:
+    if has_friction or load.amplitude == 0.0:
         return _FRAMES
     wanted = min(_FRAMES_A_PERIOD * duration * load.frequency / (2.0 * math.pi), _MOST_FRAMES)
     return max(_FRAMES, math.ceil(wanted) + 1)

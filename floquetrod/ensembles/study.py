@@ -273,9 +273,9 @@ def _settings(table: Mapping[str, Any], rod: Rod) -> dict[str, Any]:
     require_known(table, (*RUN_KINDS, *_COUNTS, "stop_early", "natural_curvature", "tool"))
     found: dict[str, Any] = {}
     for key, value in table.items():
-        if key == "friction" and isinstance(value, list):
+        if key == "natural_curvature" or (key == "friction" and isinstance(value, list)):
             found[key] = value  # the problem checks it
-        elif key == "friction" and isinstance(value, str) and "@" in value:
+        elif key == "friction" and isinstance(value, str):
             found[key] = read_friction(value, key)
         elif key == "tool":
             found[key] = read_tool(str(_scalar(key, value)), key)
@@ -283,8 +283,6 @@ def _settings(table: Mapping[str, Any], rod: Rod) -> dict[str, Any]:
             found[key] = _quantity(key, value, rod)
         elif key in _COUNTS:
             found[key] = validate.integer(key, value, 2)
-        elif key == "natural_curvature":
-            found[key] = value  # the problem checks it
         else:
             found[key] = validate.flag(key, value)
     return found

@@ -160,8 +160,8 @@ def read_tool(text: str, name: str) -> VibrationTool:
     return VibrationTool(*parts)  # type: ignore[arg-type]
 
 
-def read_friction(text: str, name: str) -> list[tuple[float | str, float]]:
-    """Return coefficients of friction written as 0.2 or, with the depths from which others hold, 0.2,0.35@1500m."""
+def read_friction(text: str, name: str) -> float | list[tuple[float | str, float]]:
+    """Return a coefficient of friction written as 0.2 or, with the depths from which others hold, 0.2,0.35@1500m."""
     pairs: list[tuple[float | str, float]] = []
     for part in text.split(","):
         coefficient, at, depth = part.partition("@")
@@ -169,4 +169,4 @@ def read_friction(text: str, name: str) -> list[tuple[float | str, float]]:
             wanted = "0.2 or, with another from 1500 m on, 0.2,0.35@1500m"
             raise ValueError(f"{name} must be such as {wanted}, got {short(text)}")
         pairs.append((depth.strip() if at else 0.0, units.quantity(coefficient, name, "ratio")))
-    return pairs
+    return pairs if pairs[1:] else pairs[0][1]
