@@ -486,6 +486,16 @@ def unit_of(text: str) -> str | None:
     return None if found is None else found[1]
 
 
+def same_unit(*texts: str) -> list[str]:
+    """Return quantities as they are written, those without a unit with that of the last.
+
+    >>> same_unit("10", "2kHz", "60Hz")
+    ['10Hz', '2kHz', '60Hz']
+    """
+    last = unit_of(texts[-1]) or ""
+    return [text if unit_of(text) != "" else f"{text}{last}" for text in texts]
+
+
 def _written(text: str) -> tuple[float, str] | None:
     """Return the number and the unit of a quantity as it is written, None where it is none.
 

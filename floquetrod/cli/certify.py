@@ -12,17 +12,15 @@ from floquetrod import units
 from floquetrod._util.suggest import did_you_mean
 from floquetrod._util.waiting import Waiting
 from floquetrod.cli import system
-from floquetrod.cli.common import LARGEST, ROD_AND_LOAD, ROD_OPTIONS, add_subject, describe_command
-from floquetrod.cli.loads import add_ranges, read_ranges
+from floquetrod.cli.common import LARGEST, ROD_AND_LOAD, add_subject, describe_command
+from floquetrod.cli.loads import add_question, read_ranges
 from floquetrod.cli.output import Output, names, output
 from floquetrod.cli.parser import Parser, whole_number
 from floquetrod.floquet.proof.region import RegionProof
 from floquetrod.floquet.proof.result import MAX_BOXES
 from floquetrod.rod.answers.rod_box import DIAMETERS
 from floquetrod.rod.answers.safe_box import SafeBox
-from floquetrod.rod.loads.load import KINDS
 from floquetrod.rod.model.constants import SLOW_GROWTH
-from floquetrod.rod.reading import LOAD_OPTIONS
 from floquetrod.units import Unit
 
 _HELP = """\
@@ -53,7 +51,7 @@ _STATUS = {"stable": 0, "unstable": 1, "mixed": 1, "undecided": 3}
 def add(certify: Parser) -> None:
     """Add help and options of the command to its parser."""
     describe_command(certify, _HELP, _certify, ("system", *ROD_AND_LOAD))
-    add_ranges(certify, add_subject(certify))
+    add_question(certify, add_subject(certify), ranges=True)
     certify.set_defaults(growth_tolerance=f"{SLOW_GROWTH:g}")
     certify.add_argument(
         "--vary",
@@ -72,15 +70,9 @@ def add(certify: Parser) -> None:
     )
 
 
-_OF_A_ROD = (*KINDS, *LOAD_OPTIONS, *ROD_OPTIONS, "growth_tolerance", "unit", "vary", "largest", "max_boxes")
-"""Options that say nothing about a system."""
-
-
 def _certify(options: argparse.Namespace) -> Output:
     if options.system is not None:
-        usual = {"growth_tolerance": f"{SLOW_GROWTH:g}", "max_boxes": MAX_BOXES}
-        given = [name for name in _OF_A_ROD if getattr(options, name) not in (None, [], False, usual.get(name))]
-        system.require_alone(options, given)
+        system.require_alone(options)
         answer, status = system.prove(options)
         return answer._replace(status=_STATUS[status] if options.exit_code else 0)
     asked = read_ranges(options)
@@ -152,9 +144,7 @@ def _tolerance(text: str, rod: fr.Rod) -> tuple[str, tuple[float, float]]:
         hint = f", the rod's own; a tolerance is {name}={ends}±1%"
         hint = hint if is_own else f"; a tolerance of that size is {name}=±{ends}"
         raise ValueError(f"--vary must be {_VARY}, got {text!r}, which is one value{hint}")
-    unit = units.unit_of(last) or ""
-    given = (first + (unit if units.unit_of(first) == "" else ""), last)
-    low, high = (_of_a_rod(end, name, text) for end in given)
+    low, high = (_of_a_rod(end, name, text) for end in units.same_unit(first, last))
     if low > high:
         raise ValueError(f"--vary must be a range whose first end is the lower one, got {text!r}")
     return name, (low, high)

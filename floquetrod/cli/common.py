@@ -5,6 +5,8 @@ from __future__ import annotations
 import argparse
 import logging
 import re
+import shlex
+import sys
 import warnings
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
@@ -40,7 +42,7 @@ def describe_command(command: Parser, text: str, run: Any, common: Sequence[str]
     command.description, _, command.epilog = text.partition("\n\n")
     command.formatter_class = argparse.RawDescriptionHelpFormatter
     command.add_argument("--json", action="store_true", help="print JSON, units in the names")
-    command.set_defaults(run=run)
+    command.set_defaults(run=run, parser=command)
 
 
 ROD_AND_LOAD = ("rod", "mean", "amplitude", "frequency")
@@ -229,8 +231,7 @@ def read_range(text: str, name: Quantity, rod: fr.Rod) -> list[float]:
         raise ValueError(f"--{name} must be one value or a range with a colon, got {text!r}; write {typed}")
     if not colon:
         return [read_quantity(text, name, rod)]
-    unit = units.unit_of(last) or ""
-    ends = [(first + (unit if units.unit_of(first) == "" else ""), first), (last, last)]
+    ends = zip(units.same_unit(first, last), (first, last), strict=True)
     low, high = (read_quantity(end, name, rod, f"{typed!r} in {text!r}") for end, typed in ends)
     if not low < high:
         raise ValueError(f"--{name} must be a range whose first end is the lower one, got {text!r}")
@@ -295,22 +296,23 @@ def read_units(options: argparse.Namespace, rod: fr.Rod) -> dict[str, Unit]:
     return {**found, **more}
 
 
+_LEAST = {
+    **dict.fromkeys(("length", "bore", "inclination"), _TINY),
+    **dict.fromkeys(("fluid_inside", "fluid_outside", "damping_rate"), 0.0),
+    "curvature": -LARGEST,
+}
+"""What options change of a rod, and the least they may be."""
+
+
 def read_rod(options: argparse.Namespace) -> fr.Rod:
     """Return the rod that the options describe."""
     from floquetrod.rod.reading import is_pipe, named_rod
 
     changes: dict[str, Any] = {
-        key: units.quantity(text, f"--{key}", kind, least=_TINY, largest=LARGEST)
-        for key, kind in (("length", "length"), ("bore", "length"), ("inclination", "angle"))
-        if (text := getattr(options, key)) is not None
+        key: units.quantity(text, f"--{key.replace('_', '-')}", units.ROD_KINDS[key], least=least, largest=LARGEST)
+        for key, least in _LEAST.items()
+        if (text := getattr(options, key, None)) is not None
     }
-    changes |= {
-        key: units.quantity(text, f"--{key.replace('_', '-')}", "density", least=0.0, largest=LARGEST)
-        for key in ("fluid_inside", "fluid_outside")
-        if (text := getattr(options, key)) is not None
-    }
-    if getattr(options, "curvature", None) is not None:
-        changes["curvature"] = units.quantity(options.curvature, "--curvature", "curvature")
     changes |= _on_path(options)
     if is_pipe(options.rod):
         if getattr(options, "well", None) is not None:
@@ -322,13 +324,11 @@ def read_rod(options: argparse.Namespace) -> fr.Rod:
                 f"--rod {options.rod!r} needs {' and '.join(missing)}: a pipe's size says neither the diameter of its "
                 "hole nor its length; or write all of it into a TOML file"
             )
-        rod = fr.Rod.catalogue(options.rod, **changes)
-    else:
-        rod = _in_channel(named_rod("--rod", options.rod), changes)
-    if options.damping_rate is not None:
-        rate = units.quantity(options.damping_rate, "--damping-rate", "rate", least=0.0, largest=LARGEST)
-        rod = rod.replace(damping_rate=rate)
-    return rod
+        return fr.Rod.catalogue(options.rod, **changes)
+    rod = named_rod("--rod", options.rod)
+    if "bore" in changes:
+        changes["channel_diameter"] = changes.pop("bore")
+    return rod.replace(**changes) if changes else rod
 
 
 def _require_listed(name: str, missing: Sequence[str]) -> None:
@@ -358,13 +358,6 @@ def _on_path(options: argparse.Namespace) -> dict[str, Any]:
     return {"path": read_survey(options, path), "depth": start}
 
 
-def _in_channel(rod: fr.Rod, changes: dict[str, Any]) -> fr.Rod:
-    """Return the rod with another length or channel."""
-    if "bore" in changes:
-        changes["channel_diameter"] = changes.pop("bore")
-    return rod.replace(**changes) if changes else rod
-
-
 def read_points(text: str) -> tuple[int, int]:
     """Return columns and rows."""
     match = re.fullmatch(r"(\d{1,6})x(\d{1,6})", text, re.ASCII)
@@ -384,19 +377,14 @@ def check_out(path: Path, kinds: Sequence[str], name: str = "--out") -> None:
     if kinds and path.suffix not in kinds:
         raise ValueError(f"{name} must end in {', '.join(kinds[:-1])} or {kinds[-1]}, got {str(path)!r}")
     try:
-        is_folder, has_folder = path.is_dir(), path.parent.is_dir()
-    except OSError as error:  # a name too long, say
-        raise ValueError(f"{name} {str(path)!r}: {error}") from None
-    if is_folder:
-        raise ValueError(f"{name} must be a file, and {str(path)!r} is a folder")
-    if not has_folder:
-        raise ValueError(
-            f"{name} {str(path)!r}: there is no folder {str(path.parent)!r}; make it first, or write elsewhere"
-        )
-    try:
         writable(path)
-    except ValueError as error:
-        raise ValueError(f"{name}: {error}") from None
+    except (ValueError, OSError) as error:  # a name too long, say
+        raise ValueError(f"{name} {str(path)!r}: {error}") from None
+
+
+def command_typed() -> str:
+    """Return the command as it was typed."""
+    return shlex.join(["floquetrod", *sys.argv[1:]])
 
 
 @contextmanager

@@ -108,10 +108,7 @@ def _range(options: argparse.Namespace, name: str) -> tuple[float, float]:
     ends = text.split(":")
     if len(ends) != 2:
         raise ValueError(f"--{name} must be a range such as 0mm:4mm, two values with a colon between, got {text!r}")
-    unit = units.unit_of(ends[1])
-    if unit and units.unit_of(ends[0]) == "":
-        ends[0] += unit
-    low, high = (units.quantity(end, f"--{name}", _KINDS[name], least=0.0) for end in ends)
+    low, high = (units.quantity(end, f"--{name}", _KINDS[name], least=0.0) for end in units.same_unit(*ends))
     if not low < high:
         raise ValueError(f"--{name} must be a range from less to more, got {text!r}")
     return low, high

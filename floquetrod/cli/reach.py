@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import shlex
-import sys
 from collections.abc import Sequence
 from functools import partial
 from pathlib import Path
@@ -20,6 +18,7 @@ from floquetrod.cli.common import (
     add_tool,
     add_wall_friction,
     check_out,
+    command_typed,
     describe_command,
     read_force,
     read_rod,
@@ -125,20 +124,19 @@ def _reach(options: argparse.Namespace) -> Output:
         charts.save_figure(found.plot(**shown), options.figure)
     if options.report is not None:
         named = {"length" if name == "depth" else name: unit for name, unit in shown.items()}
-        fr.save_report(found, options.report, units=named, command=shlex.join(["floquetrod", *sys.argv[1:]]))
+        fr.save_report(found, options.report, units=named, command=command_typed())
     return output(options, partial(found.report, **shown), found.as_dict)
 
 
 def _depths(text: str) -> list[str]:
     """Return the depths of a list, or ten from one to another, in one unit; one at the end is that of all."""
     parts = text.replace(":", ",").split(",")
-    last = units.unit_of(parts[-1]) or ""
-    values = [units.quantity(each if units.unit_of(each) else each + last, "--depths", "length") for each in parts]
+    values = [units.quantity(each, "--depths", "length") for each in units.same_unit(*parts)]
     if ":" in text:
         if len(values) != 2:
             raise ValueError(
                 f"--depths must be a list such as 9000ft,9500ft or two ends such as 9000:9900ft, got {text!r}"
             )
         values = np.linspace(values[0], values[1], _EVEN).tolist()
-    unit = units.unit(last, "--depths", "length")
+    unit = units.unit(units.unit_of(parts[-1]) or "", "--depths", "length")
     return [f"{float(unit.of(each))!r}{unit.name}" for each in values]

@@ -11,29 +11,18 @@ from pathlib import Path
 
 import floquetrod as fr
 from floquetrod import units
-from floquetrod._util.files import writable
 from floquetrod._util.waiting import Waiting, roughly, say
 from floquetrod.cli.common import (
     ROD_AND_LOAD,
-    add_rod,
     add_tool,
-    add_units,
     add_wall_friction,
+    check_out,
     describe_command,
     read_force,
-    read_rod,
     read_units,
     warnings_at_once,
 )
-from floquetrod.cli.loads import (
-    add_kind,
-    add_load,
-    read_kind,
-    read_load,
-    read_record,
-    require_quantities,
-    warn_of_hertz,
-)
+from floquetrod.cli.loads import add_question, read_question, warn_of_hertz
 from floquetrod.cli.messages import option
 from floquetrod.cli.output import Output, names, output
 from floquetrod.cli.parser import Parser, whole_number
@@ -81,10 +70,7 @@ _LONG = 60.0  # s: of runs that take longer, this is said at their beginning (a 
 def add(command: Parser) -> None:
     """Add help and options of the command to its parser."""
     describe_command(command, _HELP, _simulate, (*ROD_AND_LOAD, "duration"))
-    add_rod(command, classified=False)
-    add_units(command)
-    add_load(command)
-    add_kind(command)
+    add_question(command, classified=False)
     command.add_argument(
         "--feed-speed", metavar="SPEED", help="speed at which the upper end is moved down the channel, such as 10mm/s"
     )
@@ -135,18 +121,14 @@ def add(command: Parser) -> None:
 
 
 def _simulate(options: argparse.Namespace) -> Output:
-    require_quantities(options)
-    rod = read_rod(options)
-    force = read_record(options, rod)
-    load = read_load(options, rod, read_kind(options, force))
+    rod, _, load = read_question(options)
     feed = None if options.feed_speed is None else units.quantity(options.feed_speed, "--feed-speed", "speed")
     far = None if options.far_force is None else read_force(options.far_force, "--far-force", rod)
     friction = read_friction(options.friction, "--friction")
     duration = units.quantity(options.duration, "--duration", "time")
     step = None if options.time_step is None else units.quantity(options.time_step, "--time-step", "time")
     perturbation, shown = read_perturbation(vars(options), option), read_units(options, rod)
-    _check_kinds(options.out)
-    _check_places([*options.out, *filter(None, [options.checkpoint])])
+    _check_files(options.out, options.checkpoint)
     warn_of_hertz("--frequency", options.frequency, rod, [load])
     problem = fr.SimulationProblem(
         rod,
@@ -221,21 +203,19 @@ def _frames(load: Load, duration: float, has_friction: bool) -> int:
     return max(_FRAMES, math.ceil(wanted) + 1)
 
 
-def _check_places(paths: list[Path]) -> None:
+def _check_files(paths: list[Path], checkpoint: Path | None) -> None:
     """Raise ValueError where a file could not be written or would be written over by another of this run."""
-    for place, path in enumerate(paths):
-        writable(path)
-        if os.path.realpath(path) in map(os.path.realpath, paths[:place]):
-            raise ValueError(f"{path} is named twice; give every file its own name")
-
-
-def _check_kinds(paths: list[Path]) -> None:
     from floquetrod.plotting import charts, rod
 
     for path in paths:
-        if path.suffix not in (*charts.FIGURES, *rod.ANIMATIONS, ".npz"):
-            raise ValueError(f"--out must end in .png, .pdf, .svg, .gif, .mp4 or .npz, got {str(path)!r}")
+        check_out(path, (*charts.FIGURES, *rod.ANIMATIONS, ".npz"))
         rod.require_writer(path)
+    if checkpoint is not None:
+        check_out(checkpoint, (), "--checkpoint")
+        paths = [*paths, checkpoint]
+    for place, path in enumerate(paths):
+        if os.path.realpath(path) in map(os.path.realpath, paths[:place]):
+            raise ValueError(f"{path} is named twice; give every file its own name")
 
 
 def _write_all(run: fr.Simulation, paths: list[Path]) -> tuple[list[str], list[str]]:

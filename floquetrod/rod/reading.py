@@ -115,11 +115,8 @@ def _fraction(text: str, name: str) -> float | None:
 
 def read_load(given: Mapping[str, Any], rod: Rod, like: _L, named: ArgumentName = str) -> _L:
     """Return a load of the kind of ``like``, which gives the numbers left out."""
-    found = {name: getattr(like, name) for name in KINDS}
-    for name in KINDS:
-        if given[name] is not None:
-            found[name] = read_quantity(given[name], name, rod, named)
-    return like.with_numbers(**found)
+    texts = {name: given[name] for name in KINDS if given[name] is not None}
+    return like.with_numbers(**{name: read_quantity(text, name, rod, named) for name, text in texts.items()})
 
 
 def read_quantity(value: Any, name: Quantity, rod: Rod, named: ArgumentName = str, quoted: str | None = None) -> float:

@@ -9,7 +9,7 @@ from typing import Any
 import floquetrod as fr
 from floquetrod._util.waiting import Waiting
 from floquetrod.cli.common import ROD_AND_LOAD, check_out, describe_command, read_friction, read_points, read_quantity
-from floquetrod.cli.loads import add_ranges, read_ranges, warn_of_hertz
+from floquetrod.cli.loads import add_question, read_ranges, warn_of_hertz
 from floquetrod.cli.output import Output, output
 from floquetrod.cli.parser import Parser
 from floquetrod.rod.loads.load import KINDS, Quantity
@@ -43,7 +43,7 @@ millisecond or more: begin with few points.
 def add(chart: Parser) -> None:
     """Add help and options of the command to its parser."""
     describe_command(chart, _HELP, _map, (*ROD_AND_LOAD, "out"))
-    add_ranges(chart, friction=True)
+    add_question(chart, friction=True, ranges=True)
     shape = chart.add_mutually_exclusive_group()
     shape.add_argument(
         "--bands",
