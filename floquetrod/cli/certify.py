@@ -18,9 +18,9 @@ from floquetrod.cli.output import Output, names, output
 from floquetrod.cli.parser import Parser, whole_number
 from floquetrod.floquet.proof.region import RegionProof
 from floquetrod.floquet.proof.result import MAX_BOXES
-from floquetrod.rod.answers.rod_box import DIAMETERS
 from floquetrod.rod.answers.safe_box import SafeBox
 from floquetrod.rod.model.constants import SLOW_GROWTH
+from floquetrod.rod.model.data import DIAMETERS
 from floquetrod.units import Unit
 
 _HELP = """\

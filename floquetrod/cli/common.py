@@ -8,7 +8,7 @@ import re
 import shlex
 import sys
 import warnings
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -17,7 +17,7 @@ import floquetrod as fr
 from floquetrod import units
 from floquetrod._util.arguments import argument_of, wrong_value
 from floquetrod._util.suggest import did_you_mean
-from floquetrod._util.waiting import say
+from floquetrod._util.waiting import Waiting, say
 from floquetrod.cli.messages import option
 from floquetrod.cli.parser import Parser, ratio
 from floquetrod.units import Unit
@@ -380,6 +380,29 @@ def check_out(path: Path, kinds: Sequence[str], name: str = "--out") -> None:
         writable(path)
     except (ValueError, OSError) as error:  # a name too long, say
         raise ValueError(f"{name} {str(path)!r}: {error}") from None
+
+
+def chart_files(paths: Sequence[Path]) -> None:
+    """Raise ValueError where a chart could not be written to one of these files."""
+    from floquetrod.plotting import charts
+
+    for path in paths:
+        check_out(path, (*charts.FIGURES, ".csv", ".npz"))
+
+
+def write_charts(paths: Sequence[Path], chart: fr.Chart, drawn: fr.Chart, draw: Callable[[], Any]) -> list[str]:
+    """Write a chart into files, and return their names: all its numbers, or bands or a picture of it ``drawn``."""
+    from floquetrod.plotting import charts
+
+    for path in paths:
+        with Waiting(f"writing {path}"):
+            if path.suffix == ".npz":
+                chart.save(path)
+            elif path.suffix == ".csv":
+                drawn.bands.to_csv(path)
+            else:
+                charts.save_figure(draw(), path)
+    return [str(path) for path in paths]
 
 
 def command_typed() -> str:

@@ -8,6 +8,7 @@ import os
 import tempfile
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import floquetrod as fr
 from floquetrod import units
@@ -124,7 +125,7 @@ def _simulate(options: argparse.Namespace) -> Output:
     rod, _, load = read_question(options)
     feed = None if options.feed_speed is None else units.quantity(options.feed_speed, "--feed-speed", "speed")
     far = None if options.far_force is None else read_force(options.far_force, "--far-force", rod)
-    friction = read_friction(options.friction, "--friction")
+    friction: Any = read_friction(options.friction, "--friction")
     duration = units.quantity(options.duration, "--duration", "time")
     step = None if options.time_step is None else units.quantity(options.time_step, "--time-step", "time")
     perturbation, shown = read_perturbation(vars(options), option), read_units(options, rod)

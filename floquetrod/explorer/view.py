@@ -3,28 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import Protocol
 
 from floquetrod.explorer.background import Stale, ViewParts
 from floquetrod.explorer.maps import ChartMap, GrowingMap
 from floquetrod.explorer.modes import LineAndShape, ModesAndRates
+from floquetrod.explorer.source import Source
 from floquetrod.explorer.words import MARGINS, verdict_words
-from floquetrod.rod.answers.verdict import RodStability
 from floquetrod.rod.loads.load import Load, Loads
 from floquetrod.rod.rod import Rod
-
-
-class Source(Protocol):
-    """What fills some of the panels; it keeps what the last move left as it was."""
-
-    def at_once(self, load: Load) -> ViewParts:
-        """Return what follows a slider; what is no longer so disappears."""
-
-    def first(self, load: Load, verdict: RodStability, stale: Stale) -> Iterator[ViewParts]:
-        """Yield what is to be seen soon after the verdict."""
-
-    def rest(self, load: Load, stale: Stale) -> Iterator[ViewParts]:
-        """Yield what else there is to find."""
 
 
 class View:

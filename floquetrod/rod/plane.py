@@ -12,16 +12,14 @@ from floquetrod._util.progress import Progress
 from floquetrod.mathieu.criterion import FiniteTimeCriterion
 from floquetrod.plane import Axis, Family, FoundBands, Verdicts
 from floquetrod.plane.family import VERTEX
-from floquetrod.rod.loads.load import Load, Loads, Quantity
+from floquetrod.plotting.charts import NAMES
+from floquetrod.rod.loads.load import LIMITS, Load, Loads, Quantity
 from floquetrod.rod.modes.mode_model import BandFinder, ModeModel
 from floquetrod.rod.rod import Rod
 
-AXES: dict[Quantity, tuple[str, str, str]] = {
-    "frequency": ("frequency", r"\omega", "rad/s"),
-    "mean": ("mean force", r"F_\mathrm{ave}", "N"),
-    "amplitude": ("amplitude", r"\Delta F", "N"),
-}
-"""Quantities of a load, the one drawn to the right first."""
+_ACROSS: tuple[Quantity, ...] = ("frequency", "mean", "amplitude")
+AXES: dict[Quantity, tuple[str, str, str]] = {name: (*NAMES[name], LIMITS[name].unit) for name in _ACROSS}
+"""Names, symbols and units of the quantities of a load, the one drawn to the right first."""
 
 
 @dataclass(frozen=True)

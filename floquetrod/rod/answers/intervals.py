@@ -6,13 +6,9 @@ from typing import Literal, NamedTuple, TypeAlias
 
 from floquetrod.floquet.systems.resonances import Resonance
 from floquetrod.rod.loads.axial import AxialGap
-from floquetrod.rod.loads.load import Load, Quantity
+from floquetrod.rod.loads.load import LIMITS, Load, Quantity
 
-QUANTITIES: dict[Quantity, tuple[str, str]] = {
-    "mean": ("mean force", "N"),
-    "amplitude": ("amplitude", "N"),
-    "frequency": ("frequency", "rad/s"),
-}
+QUANTITIES: dict[Quantity, tuple[str, str]] = {name: (each.words, each.unit) for name, each in LIMITS.items()}
 """Name and unit of what may vary."""
 
 WhatGrows: TypeAlias = tuple[int, int] | Resonance | Literal["unnamed"]
