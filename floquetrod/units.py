@@ -327,11 +327,14 @@ def with_unit(value: float, unit_name: str, digits: int = 6) -> str:
 
 def lengths(name: str, values: Any) -> Any:
     """Return lengths in m, one or several, each a number or with a unit, such as "9000ft"; others as they are."""
-    if is_written(values):
-        return quantity(values, name, "length")
     if isinstance(values, list | tuple):
-        return [quantity(each, name, "length") if is_written(each) else each for each in values]
-    return values
+        return [si(each, name, "length") for each in values]
+    return si(values, name, "length")
+
+
+def si(value: Any, name: str, kind: str) -> Any:
+    """Return what is given with its unit in SI units, and anything else as it is."""
+    return quantity(value, name, kind) if is_written(value) else value
 
 
 def quantity(

@@ -175,6 +175,18 @@ def add_wall_friction(command: argparse.ArgumentParser, *, required: bool = Fals
     )
 
 
+def add_push(command: argparse.ArgumentParser) -> None:
+    """Add the options for the forces at both ends of a string, which `read_push` reads."""
+    command.add_argument("--far-force", metavar="FORCE", default="0", help="mean force at the lower end (default: 0)")
+    command.add_argument("--push", metavar="FORCE", help="force at the upper end, such as 20kN")
+
+
+def read_push(options: argparse.Namespace, rod: fr.Rod) -> tuple[float, float | None]:
+    """Return the force in N at the lower end, and that at the upper one where it was given."""
+    push = None if options.push is None else read_force(options.push, "--push", rod)
+    return read_force(options.far_force, "--far-force", rod), push
+
+
 def add_tool(command: argparse.ArgumentParser) -> None:
     """Add the option for a vibration tool, which `reading.read_tool` reads."""
     command.add_argument(
@@ -265,6 +277,14 @@ def units_typed(options: argparse.Namespace) -> dict[str, str]:
         if name := next((each for each in typed if each and units.is_unit(each, kind)), None):
             found[kind] = name
     return found
+
+
+def units_shown(options: argparse.Namespace, kinds: Sequence[str], such_as: str) -> dict[str, str]:
+    """Return the units of an answer by their kinds: those of --unit, else those typed; a critical force is none."""
+    shown = {**units_typed(options), **units_asked(options.unit, kinds, such_as)}
+    for kind, name in shown.items():
+        units.unit(name, "--unit", kind)
+    return shown
 
 
 def _typed_unit(text: str) -> str | None:

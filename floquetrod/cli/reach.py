@@ -13,6 +13,7 @@ import floquetrod as fr
 from floquetrod import units
 from floquetrod._util.waiting import Waiting
 from floquetrod.cli.common import (
+    add_push,
     add_rod,
     add_survey_units,
     add_tool,
@@ -20,11 +21,10 @@ from floquetrod.cli.common import (
     check_out,
     command_typed,
     describe_command,
-    read_force,
+    read_push,
     read_rod,
     read_survey,
-    units_asked,
-    units_typed,
+    units_shown,
 )
 from floquetrod.cli.output import Output, output
 from floquetrod.cli.parser import Parser
@@ -79,8 +79,7 @@ def add_well(command: argparse.ArgumentParser, *, required: bool) -> None:
     add_wall_friction(command, required=required)
     add_tool(command)
     command.add_argument("--speed", default="0.05m/s", help="speed at which the string slides (default 0.05m/s)")
-    command.add_argument("--far-force", metavar="FORCE", default="0", help="mean force at the lower end (default: 0)")
-    command.add_argument("--push", metavar="FORCE", help="force at the upper end, such as 20kN")
+    add_push(command)
     command.add_argument(
         "--helical",
         choices=("energy", "loading", "alone", "always"),
@@ -93,15 +92,15 @@ def read_reach(options: argparse.Namespace, rod: fr.Rod, depth: Sequence[str] | 
     """Return how far a string can be pushed into the well of the options, with the forces at depths with their unit."""
     from floquetrod.rod import reading
 
-    path = read_survey(options, options.well)
+    path, (far_force, push) = read_survey(options, options.well), read_push(options, rod)
     with Waiting("pushing the string"):
         return rod.reach(
             path,
             reading.read_friction(options.friction, "--friction"),
             tool=None if options.tool is None else reading.read_tool(options.tool, "--tool"),
             speed=units.quantity(options.speed, "--speed", "speed"),
-            far_force=read_force(options.far_force, "--far-force", rod),
-            push=None if options.push is None else read_force(options.push, "--push", rod),
+            far_force=far_force,
+            push=push,
             helical=options.helical,
             depth=depth,
         )
@@ -114,10 +113,8 @@ def _reach(options: argparse.Namespace) -> Output:
         check_out(options.figure, charts.FIGURES, "--figure")
     if options.report is not None:
         check_out(options.report, document.KINDS, "--report")
-    asked = units_asked(options.unit, ("length", "force", "pressure", "frequency"), "ft,lbf")
-    shown = {"depth" if kind == "length" else kind: name for kind, name in {**units_typed(options), **asked}.items()}
-    for kind, name in shown.items():
-        units.unit(name, "--unit", "length" if kind == "depth" else kind)
+    asked = units_shown(options, ("length", "force", "pressure", "frequency"), "ft,lbf")
+    shown = {"depth" if kind == "length" else kind: name for kind, name in asked.items()}
     shown.setdefault("depth", AnswerUnits.named(shown.get("force", "kN")).length.name)
     found = read_reach(options, read_rod(options), None if options.depths is None else _depths(options.depths))
     if options.figure is not None:

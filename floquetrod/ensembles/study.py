@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterator, Mapping
 from concurrent.futures import Executor
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
+from functools import partial
 from itertools import product
 from pathlib import Path
 from typing import Any, Literal, Self
@@ -45,10 +46,18 @@ _TABLES = ("rod", "load", "run", "start", "over", "ensemble")
 _LOAD = (*KINDS, *LOAD_OPTIONS)
 _COUNTS = ("segments", "frames")
 _START = ("kick", "random", "seed", "case")
-_OPTIONS = ("layout", "samples", "seed", "frames")
+_RUN = (*RUN_KINDS, *_COUNTS, "stop_early", "natural_curvature", "tool")
+_OPTIONS: dict[str, Callable[[str, Any], Any]] = {
+    "layout": partial(validate.choice, allowed=LAYOUTS),
+    "samples": partial(validate.integer, least=1),
+    "seed": partial(validate.integer, least=0),
+    "frames": validate.flag,
+}
+"""Options of `floquetrod.ensemble`, each with what checks it."""
+
 _INTEGERS = (*_COUNTS, "seed")
 _ARGUMENTS = {
-    **dict.fromkeys((*RUN_KINDS, *_COUNTS, "stop_early", "natural_curvature", "tool"), "run"),
+    **dict.fromkeys(_RUN, "run"),
     "rod": "rod",
     "load": "load",
     "perturbation": "start",
@@ -270,7 +279,7 @@ def _ends(varied: Any, own: float) -> list[float]:
 
 def _settings(table: Mapping[str, Any], rod: Rod) -> dict[str, Any]:
     """Return the options of the problem in the table [run]."""
-    require_known(table, (*RUN_KINDS, *_COUNTS, "stop_early", "natural_curvature", "tool"))
+    require_known(table, _RUN)
     found: dict[str, Any] = {}
     for key, value in table.items():
         if key == "natural_curvature" or (key == "friction" and isinstance(value, list)):
@@ -307,16 +316,7 @@ def _start(table: Mapping[str, Any]) -> dict[str, Any]:
 def _options(table: Mapping[str, Any]) -> dict[str, Any]:
     """Return the table [ensemble]: how values are combined, and how they are drawn."""
     require_known(table, _OPTIONS)
-    found: dict[str, Any] = {}
-    if "layout" in table:
-        found["layout"] = validate.choice("layout", table["layout"], LAYOUTS)
-    if "samples" in table:
-        found["samples"] = validate.integer("samples", table["samples"], 1)
-    if "seed" in table:
-        found["seed"] = validate.integer("seed", table["seed"], 0)
-    if "frames" in table:
-        found["frames"] = validate.flag("frames", table["frames"])
-    return found
+    return {name: _OPTIONS[name](name, value) for name, value in table.items()}
 
 
 def _over(table: Mapping[str, Any], problem: SimulationProblem) -> dict[str, tuple[Any, Unit]]:

@@ -395,8 +395,7 @@ def _natural_curvature(value: Any) -> float | str:
     """Return the natural curvature of a rod in 1/m, which may be given with its unit, or "path"."""
     if isinstance(value, str) and units.unit_of(value) is None:
         return validate.choice("natural_curvature", value.strip().lower(), ("path",))
-    if units.is_written(value):
-        value = units.quantity(value, "natural_curvature", "curvature")
+    value = units.si(value, "natural_curvature", "curvature")
     return validate.within("natural_curvature", value, -_MOST_CURVED, _MOST_CURVED, 'give it in 1/m, or "path"')
 
 

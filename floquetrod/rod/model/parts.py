@@ -66,7 +66,7 @@ _HINTS = {
 
 def in_si(name: str, value: Any) -> Any:
     """Return a parameter that is a string with a unit, such as "0.8mm", as a number in its SI unit, else as it is."""
-    return units.quantity(value, name, units.ROD_KINDS[name]) if units.is_written(value) else value
+    return units.si(value, name, units.ROD_KINDS[name])
 
 
 def parameter(name: str, value: Any) -> float:
