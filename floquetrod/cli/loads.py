@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import itertools
 from collections.abc import Iterable
+from dataclasses import replace
 from typing import Any, NamedTuple
 
 import floquetrod as fr
@@ -147,7 +148,8 @@ def read_question(options: argparse.Namespace, *, required: bool = True) -> tupl
     rod = read_rod(options)
     record, like = _read_kind(options, rod)
     texts = {name: text for name in KINDS if (text := getattr(options, name)) is not None}
-    return rod, record, like.with_numbers(**{name: read_quantity(text, name, rod) for name, text in texts.items()})
+    numbers: dict[str, Any] = {name: read_quantity(text, name, rod) for name, text in texts.items()}
+    return rod, record, replace(like, **numbers)
 
 
 class Ranges(NamedTuple):

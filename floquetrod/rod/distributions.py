@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any, NoReturn
 
@@ -86,7 +86,7 @@ class Sampling:
 
     def _load_of(self, sample: Mapping[str, Any]) -> Load:
         """Return the load of one sample."""
-        return self.load.with_numbers(**{name: sample[name] for name in LIMITS if name in sample})
+        return replace(self.load, **{name: sample[name] for name in LIMITS if name in sample})
 
     def _exist(self, rods: Mapping[str, Any], loads: list[Floats]) -> Bools:
         """Return which samples are a rod under a load."""

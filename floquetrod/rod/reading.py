@@ -116,7 +116,8 @@ def _fraction(text: str, name: str) -> float | None:
 def read_load(given: Mapping[str, Any], rod: Rod, like: _L, named: ArgumentName = str) -> _L:
     """Return a load of the kind of ``like``, which gives the numbers left out."""
     texts = {name: given[name] for name in KINDS if given[name] is not None}
-    return like.with_numbers(**{name: read_quantity(text, name, rod, named) for name, text in texts.items()})
+    numbers: dict[str, Any] = {name: read_quantity(text, name, rod, named) for name, text in texts.items()}
+    return replace(like, **numbers)
 
 
 def read_quantity(value: Any, name: Quantity, rod: Rod, named: ArgumentName = str, quoted: str | None = None) -> float:

@@ -8,7 +8,7 @@ from typing import Any
 
 from floquetrod import units as known
 from floquetrod._util import validate
-from floquetrod._util.interchange import by_keys
+from floquetrod._util.interchange import by_keys, with_unit
 from floquetrod.floquet.verdict import Status
 from floquetrod.rod.answers.margins import Margin
 from floquetrod.rod.loads.axial import AxialResonance
@@ -150,9 +150,9 @@ def margins_as_dict(margins: Mapping[Quantity, Margin]) -> dict[str, Any]:
     """Return margins as numbers for JSON."""
     found: dict[str, Any] = {}
     for quantity, margin in margins.items():
-        name, unit = LIMITS[quantity].words.replace(" ", "_"), LIMITS[quantity].unit.replace("/", "_per_")
-        kinds = ("below", "above", "resolution", "searched")
-        found |= by_keys(margin, " ".join(f"{name}_margin_{kind}_{unit}={kind}" for kind in kinds))
+        limits = LIMITS[quantity]
+        keys = {kind: with_unit(f"{limits.words} margin {kind}", limits.unit) for kind in Margin._fields}
+        found |= by_keys(margin, " ".join(f"{key}={kind}" for kind, key in keys.items()))
     return found
 
 

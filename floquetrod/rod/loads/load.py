@@ -227,12 +227,9 @@ class Load(TellsAttributes, ABC):
         numbers: dict[str, Any] = {quantity: value}
         return replace(self, **numbers)
 
-    def with_numbers(
-        self, mean: float | None = None, amplitude: float | None = None, frequency: float | None = None
-    ) -> Self:
-        """Return the same kind of load with other numbers; those left out stay."""
-        given: dict[str, Any] = {"mean": mean, "amplitude": amplitude, "frequency": frequency}
-        return replace(self, **{name: value for name, value in given.items() if value is not None})
+    def with_numbers(self, mean: float, amplitude: float, frequency: float) -> Self:
+        """Return the same kind of load with other numbers."""
+        return replace(self, mean=mean, amplitude=amplitude, frequency=frequency)
 
     def as_dict(self) -> dict[str, Any]:
         """Return the arguments of an equal load, without those at their defaults."""
