@@ -14,14 +14,13 @@ from floquetrod._util.waiting import Waiting
 from floquetrod.cli import system
 from floquetrod.cli.common import LARGEST, ROD_AND_LOAD, add_subject, describe_command
 from floquetrod.cli.loads import add_question, read_ranges
-from floquetrod.cli.output import Output, names, output
+from floquetrod.cli.output import Output, output
 from floquetrod.cli.parser import Parser, whole_number
 from floquetrod.floquet.proof.region import RegionProof
 from floquetrod.floquet.proof.result import MAX_BOXES
 from floquetrod.rod.answers.safe_box import SafeBox
 from floquetrod.rod.model.constants import SLOW_GROWTH
 from floquetrod.rod.model.data import DIAMETERS
-from floquetrod.units import Unit
 
 _HELP = """\
 Prove that a rod is stable, or unstable, under every load of a box and for every rod within the tolerances;
@@ -106,11 +105,11 @@ def _certify(options: argparse.Namespace) -> Output:
 
 
 def _answer(
-    options: argparse.Namespace, found: RegionProof | SafeBox, proof: RegionProof, shown: dict[str, Unit]
+    options: argparse.Namespace, found: RegionProof | SafeBox, proof: RegionProof, shown: dict[str, str]
 ) -> Output:
     """Return the answer, and an exit status where that is asked for."""
     status = _STATUS[proof.status] if options.exit_code else 0
-    return output(options, lambda: found.report(names(shown)), found.as_dict, status)
+    return output(options, lambda: found.report(shown), found.as_dict, status)
 
 
 _ALIKE = 1e-6  # of a value typed and the rod's own, relatively: digits that are not written
@@ -167,15 +166,15 @@ def _about_a_value(own: float, value: str, tolerance: str, name: str, text: str)
     return low, high
 
 
-def _typed(vary: Sequence[str]) -> dict[str, Unit]:
+def _typed(vary: Sequence[str]) -> dict[str, str]:
     """Return the unit of the first length, and of the first pressure, among tolerances."""
-    found: dict[str, Unit] = {}
+    found: dict[str, str] = {}
     for text in vary:
         for part in reversed(re.split(r"[:±]|\+/?-", text.partition("=")[2])):
             typed = units.unit_of(part)
             kind = units.kind_of(typed or "")
             if typed and kind in ("length", "pressure") and kind not in found:
-                found[kind] = units.unit(typed, "--vary", kind)
+                found[kind] = units.unit(typed, "--vary", kind).name
     return found
 
 

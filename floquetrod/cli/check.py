@@ -22,7 +22,7 @@ from floquetrod.cli.common import (
     read_units,
 )
 from floquetrod.cli.loads import add_question, read_question, warn_of_hertz
-from floquetrod.cli.output import Output, names, output
+from floquetrod.cli.output import Output, output
 from floquetrod.cli.parser import Parser
 from floquetrod.floquet.registry import METHODS
 from floquetrod.floquet.status import STATUS_CODES, Status
@@ -31,7 +31,6 @@ from floquetrod.rod.answers.reports import shown_in
 from floquetrod.rod.answers.verdict import RodStability
 from floquetrod.rod.loads.load import KINDS, Load, Quantity
 from floquetrod.rod.reading import LOAD_OPTIONS, RECORD_OPTIONS
-from floquetrod.units import Unit
 
 _HELP = """\
 Decide whether a rod is stable under an axial load, which modes grow and how fast, and how far the load is from a change
@@ -164,9 +163,9 @@ class _Said(NamedTuple):
     not_searched: Sequence[tuple[str, str]] = ()
     grown: Sequence[tuple[str, str]] = ()
 
-    def report(self, shown: dict[str, Unit]) -> Report:
+    def report(self, shown: dict[str, str]) -> Report:
         """Return the report in units."""
-        said = self.result.report(names(shown), self.margins)
+        said = self.result.report(shown, self.margins)
         labels = [label for label, _ in said.lines]
         said = said.with_lines(self.grown, before=labels[labels.index("growth") + 1] if "growth" in labels else None)
         return said.with_lines(self.not_searched, before="checked").with_lines(self.lines)
@@ -187,7 +186,7 @@ class _Question(NamedTuple):
     modes: list[int] | None
     tolerance: float
     mu_and_kick: tuple[float, float] | None
-    shown: dict[str, Unit]
+    shown: dict[str, str]
     margins: bool | None
 
 
@@ -237,7 +236,7 @@ def _sine_beside(asked: _Question) -> tuple[list[tuple[str, str]], dict[str, Any
         return [], {}
     with Waiting("comparing with a sine"):
         sine = _sine(asked)
-    shown = shown_in(names(asked.shown), asked.rod.critical_force)
+    shown = shown_in(asked.shown, asked.rod.critical_force)
     left_out = "" if asked.record_alone else "; the error leaves out its noise, because options change the load"
     lines = [
         ("sine", f"of the same mean, amplitude and frequency: {sine.status}{_growing(sine)}"),

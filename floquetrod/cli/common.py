@@ -20,7 +20,6 @@ from floquetrod._util.suggest import did_you_mean
 from floquetrod._util.waiting import Waiting, say
 from floquetrod.cli.messages import option
 from floquetrod.cli.parser import Parser, ratio
-from floquetrod.units import Unit
 
 if TYPE_CHECKING:
     from floquetrod.rod.loads.load import Quantity
@@ -292,8 +291,8 @@ def _typed_unit(text: str) -> str | None:
     return units.unit_of(re.split("[:,]", text)[-1])
 
 
-def read_units(options: argparse.Namespace, rod: fr.Rod) -> dict[str, Unit]:
-    """Return the unit in which to speak of each quantity: that of --unit, else the one it was given in, else SI.
+def read_units(options: argparse.Namespace, rod: fr.Rod) -> dict[str, str]:
+    """Return the unit of each quantity in the answer: that of --unit, else the one it was given in, else SI.
 
     The end of a range without a unit has that of the other.  The options may have no --kick; its unit is then mm/s.  A
     frequency that a record tells is in Hz, as its spectrum is.  Other forces, lengths and pressures are among them
@@ -302,17 +301,17 @@ def read_units(options: argparse.Namespace, rod: fr.Rod) -> dict[str, Unit]:
     from floquetrod.rod.loads.load import KINDS
 
     chosen = units_asked(options.unit)
-    found: dict[str, Unit] = {}
+    found: dict[str, str] = {}
     for name, kind in [*KINDS.items(), ("kick", "speed")]:
         text = getattr(options, name, None)
         typed = _typed_unit(text) if isinstance(text, str) else None
         unasked = "Hz" if name == "frequency" and getattr(options, "force", None) else _UNASKED.get(kind, "")
         wanted = chosen.get(kind, unasked if typed is None else typed)
-        found[name] = units.unit(wanted, f"--{name}", kind, rod.critical_force)
+        found[name] = units.unit(wanted, f"--{name}", kind, rod.critical_force).name
     asked = {kind: name for kind, name in chosen.items() if kind in ("force", "length", "pressure")}
     if not units.is_unit(asked.get("force", ""), "force"):  # critical forces, of which one is said in another unit
         asked.pop("force", None)
-    more = {kind: units.unit(name, "--unit", kind) for kind, name in {**units_typed(options), **asked}.items()}
+    more = {kind: units.unit(name, "--unit", kind).name for kind, name in {**units_typed(options), **asked}.items()}
     return {**found, **more}
 
 

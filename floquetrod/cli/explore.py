@@ -18,7 +18,7 @@ from floquetrod.cli.common import (
 )
 from floquetrod.cli.loads import add_question, read_question, warn_of_hertz
 from floquetrod.cli.messages import option
-from floquetrod.cli.output import Output, names, output
+from floquetrod.cli.output import Output, output
 from floquetrod.cli.parser import Parser
 from floquetrod.explorer.limits import Scale
 from floquetrod.plotting import charts
@@ -66,7 +66,8 @@ def _explore(options: argparse.Namespace) -> Output:
     if options.out is not None:
         check_out(options.out, charts.FIGURES)
     warn_of_hertz("--frequency", options.frequency, rod, [load])
-    shown = read_units(options, rod)
+    names = read_units(options, rod)
+    shown = shown_in(names, rod.critical_force)
     if not is_given:  # begin in the middle of things
         first = Scale.of(rod).first_load(shown)
         load = load.with_numbers(first.mean, first.amplitude, first.frequency)
@@ -74,7 +75,7 @@ def _explore(options: argparse.Namespace) -> Output:
         import matplotlib as mpl
 
         mpl.use("agg")  # the window is a page
-    units: dict[str, str] = {name: shown[name].name for name in KINDS}
+    units: dict[str, str] = {name: names[name] for name in KINDS}
 
     def another() -> fr.Explorer:
         return fr.Explorer(rod, load, units, options=_named(options))
@@ -95,7 +96,7 @@ def _explore(options: argparse.Namespace) -> Output:
         "command": explorer.command,
     }
     where = f"written: {options.out}\n" if options.out is not None else ""
-    told = describe_load(load, shown_in(names(shown), rod.critical_force), rod)
+    told = describe_load(load, shown, rod)
     said = f"{where}{told}\n{rod.stability(load)}\n{explorer.command}"
     return output(options, lambda: said, lambda: record)
 

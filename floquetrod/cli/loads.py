@@ -25,7 +25,6 @@ from floquetrod.cli.messages import option
 from floquetrod.rod import reading
 from floquetrod.rod.loads.load import KINDS, Load, Quantity
 from floquetrod.rod.model.plausibility import suspicion_of_hertz, warn_of_load
-from floquetrod.units import Unit
 
 _LOAD_HELP: dict[Quantity, tuple[str, str]] = {
     "mean": ("mean force such as 0.2Fcr, 20%%, 12N or 3lbf{}; negative pulls", "0:1.2Fcr"),
@@ -159,7 +158,7 @@ class Ranges(NamedTuple):
     like: Load
     values: dict[Quantity, list[float]]
     tolerance: float
-    shown: dict[str, Unit]
+    shown: dict[str, str]
 
     @property
     def varied(self) -> list[Quantity]:

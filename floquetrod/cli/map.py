@@ -20,6 +20,7 @@ from floquetrod.cli.common import (
 from floquetrod.cli.loads import add_question, read_ranges, warn_of_hertz
 from floquetrod.cli.output import Output, output
 from floquetrod.cli.parser import Parser
+from floquetrod.rod.answers.reports import shown_in
 from floquetrod.rod.loads.load import KINDS, Quantity
 
 _HELP = """\
@@ -123,12 +124,12 @@ def _map(options: argparse.Namespace) -> Output:
     if bands:
         with Waiting("finding bands", "steps along boundaries") as progress:
             chart.find_bands(progress=progress)
-    drawn = chart.in_units(**{name: shown[name].name for name in ("kick", *KINDS)[mu_and_kick is None :]})
+    drawn = chart.in_units(**{name: shown[name] for name in ("kick", *KINDS)[mu_and_kick is None :]})
 
     def draw() -> Any:
         axes = drawn.plot(bands=bands)
         if point is not None:
-            x, y = (shown[name].of(value) for name, value in point.items())
+            x, y = (shown_in(shown, rod.critical_force)[name].of(value) for name, value in point.items())
             charts.mark(axes, x, y, "the load")
         return axes
 

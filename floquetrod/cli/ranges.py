@@ -64,4 +64,4 @@ def _ranges(options: argparse.Namespace) -> Output:
         found = searches[varied[0]](**fixed, bounds=bounds, growth_tolerance=tolerance, like=like, progress=progress)
     with Waiting("finding the fastest growth and the damping required", "unstable parts") as progress:
         found.find_unstable(progress)
-    return output(options, lambda: found.report(*shown[varied[0]]), found.as_dict)
+    return output(options, lambda: found.report(shown[varied[0]]), found.as_dict)

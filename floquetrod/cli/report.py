@@ -17,7 +17,7 @@ from floquetrod.cli.common import (
     read_units,
 )
 from floquetrod.cli.loads import add_question, read_question
-from floquetrod.cli.output import Output, names, output
+from floquetrod.cli.output import Output, output
 from floquetrod.cli.parser import Parser
 
 _HELP = """\
@@ -73,12 +73,12 @@ def _report(options: argparse.Namespace) -> Output:
             options.out,
             reach=pushed,
             motion=motion,
-            units=names(shown),
+            units=shown,
             margins=options.margins,
             command=command_typed(),
             progress=progress,
         )
-    headline = verdict.report(names(shown)).headline
+    headline = verdict.report(shown).headline
     return output(
         options,
         lambda: f"{headline}\nwritten: {options.out}",

@@ -25,7 +25,7 @@ from floquetrod.cli.common import (
 )
 from floquetrod.cli.loads import add_question, read_question, warn_of_hertz
 from floquetrod.cli.messages import option
-from floquetrod.cli.output import Output, names, output
+from floquetrod.cli.output import Output, output
 from floquetrod.cli.parser import Parser, whole_number
 from floquetrod.rod.loads.load import Load
 from floquetrod.rod.reading import read_friction, read_tool
@@ -162,7 +162,7 @@ def _simulate(options: argparse.Namespace) -> Output:
     }
     return output(
         options,
-        lambda: found.report(names(shown)).with_lines(_left(run, written, missed, options)),
+        lambda: found.report(shown).with_lines(_left(run, written, missed, options)),
         lambda: found.as_dict() | files,
         2 if missed else 0 if run.complete else 130,
     )
