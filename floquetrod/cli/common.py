@@ -47,10 +47,14 @@ def describe_command(command: Parser, text: str, run: Any, common: Sequence[str]
 ROD_AND_LOAD = ("rod", "mean", "amplitude", "frequency")
 """Options that every question about a rod under a load needs."""
 
-ROD_OPTIONS = (
-    *("rod", "length", "bore", "fluid_inside", "fluid_outside", "inclination", "curvature"),
-    *("path", "depth", "depth_unit", "angle_unit", "damping_rate"),
-)
+_LEAST = {
+    **dict.fromkeys(("length", "bore", "inclination"), _TINY),
+    **dict.fromkeys(("fluid_inside", "fluid_outside", "damping_rate"), 0.0),
+    "curvature": -LARGEST,
+}
+"""Quantities that replace those of the rod, and the least they may be."""
+
+ROD_OPTIONS = ("rod", *_LEAST, "path", "depth", "depth_unit", "angle_unit")
 """Options of `add_rod` that describe the rod."""
 
 
@@ -315,20 +319,12 @@ def read_units(options: argparse.Namespace, rod: fr.Rod) -> dict[str, str]:
     return {**found, **more}
 
 
-_LEAST = {
-    **dict.fromkeys(("length", "bore", "inclination"), _TINY),
-    **dict.fromkeys(("fluid_inside", "fluid_outside", "damping_rate"), 0.0),
-    "curvature": -LARGEST,
-}
-"""What options change of a rod, and the least they may be."""
-
-
 def read_rod(options: argparse.Namespace) -> fr.Rod:
     """Return the rod that the options describe."""
     from floquetrod.rod.reading import is_pipe, named_rod
 
     changes: dict[str, Any] = {
-        key: units.quantity(text, f"--{key.replace('_', '-')}", units.ROD_KINDS[key], least=least, largest=LARGEST)
+        key: units.quantity(text, option(key), units.ROD_KINDS[key], least=least, largest=LARGEST)
         for key, least in _LEAST.items()
         if (text := getattr(options, key, None)) is not None
     }

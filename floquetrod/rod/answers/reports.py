@@ -151,7 +151,8 @@ def margins_as_dict(margins: Mapping[Quantity, Margin]) -> dict[str, Any]:
     found: dict[str, Any] = {}
     for quantity, margin in margins.items():
         limits = LIMITS[quantity]
-        keys = {kind: with_unit(f"{limits.words} margin {kind}", limits.unit) for kind in Margin._fields}
+        kinds = ("below", "above", "resolution", "searched")
+        keys = {kind: with_unit(f"{limits.words} margin {kind}", limits.unit) for kind in kinds}
         found |= by_keys(margin, " ".join(f"{key}={kind}" for kind, key in keys.items()))
     return found
 
