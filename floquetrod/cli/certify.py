@@ -20,7 +20,7 @@ from floquetrod.floquet.proof.region import RegionProof
 from floquetrod.floquet.proof.result import MAX_BOXES
 from floquetrod.rod.answers.safe_box import SafeBox
 from floquetrod.rod.model.constants import SLOW_GROWTH
-from floquetrod.rod.model.data import DIAMETERS
+from floquetrod.rod.model.parts import DIAMETERS
 
 _HELP = """\
 Prove that a rod is stable, or unstable, under every load of a box and for every rod within the tolerances;

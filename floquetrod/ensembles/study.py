@@ -24,7 +24,6 @@ from floquetrod.ensembles.axes import LAYOUTS, MOST_RUNS, RUN_KINDS, VARIED_KIND
 from floquetrod.ensembles.ensemble import ensemble
 from floquetrod.ensembles.tasks import Summary
 from floquetrod.rod.loads.load import FAR_ENDS, KINDS
-from floquetrod.rod.model.data import INSTEAD
 from floquetrod.rod.model.files import rod_of
 from floquetrod.rod.model.plausibility import suspicion_of_hertz, warn_of_load
 from floquetrod.rod.reading import (
@@ -227,7 +226,7 @@ def _naming(path: Path, table: str = "") -> Iterator[None]:
 def _rod(path: Path, given: Any) -> Rod:
     """Return the rod: a table as in rod files, or nitinol or the name of a rod file."""
     if isinstance(given, dict):
-        return rod_of(given, Rod, INSTEAD, path.parent)
+        return rod_of(given, Rod, path.parent)
     if not isinstance(given, str):
         raise ValueError(f"must be a table as in rod files, nitinol or a rod file, got {validate.short(given)}")
     if is_pipe(given):

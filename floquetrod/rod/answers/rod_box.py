@@ -16,7 +16,8 @@ from floquetrod.floquet.proof.region import ModeBox, Side, side_ends
 from floquetrod.rod.loads.load import LIMITS, QUANTITIES, Load, Quantity, load_number
 from floquetrod.rod.mode_equations.coupling import coupling, refusal
 from floquetrod.rod.model.constants import ModeConstants
-from floquetrod.rod.model.data import DIAMETERS, RodData, require_not_of_path
+from floquetrod.rod.model.data import RodData, require_not_of_path
+from floquetrod.rod.model.parts import DIAMETERS
 from floquetrod.units import Unit
 
 _SINE_TERMS = 14  # of the series of the sine up to pi/2: what is left out is far below a unit of the last place

@@ -44,20 +44,10 @@ class PeriodicFit(NamedTuple):
 
 
 def find(samples: Samples, guess: float | None, most: int | None) -> PeriodicFit:
-    """Return the fit of a mean, a trend and harmonics.
+    """Return the fit of a mean, a trend and harmonics, so many at most.
 
-    Parameters
-    ----------
-    samples : Samples
-    guess : float or None
-        Periods in the record, known within a tenth or half a period.
-    most : int or None
-        Harmonics searched for at most.
-
-    Raises
-    ------
-    ValueError
-        For a record without a period above the noise, or of less than two.
+    ``guess`` are the periods in the record, known within a tenth or half a period.  Raises ValueError for a record
+    without a period above the noise, or of less than two.
     """
     line = np.polynomial.polynomial.polyfit(samples.tau, samples.values, 1)
     level = samples.values - np.polynomial.polynomial.polyval(samples.tau, line)

@@ -43,19 +43,8 @@ class ModeConstants(NamedTuple):
     def of(
         cls, parameters: Mapping[str, Any], *, pi: Any = math.pi, sin: Callable[[Any], Any] = math.sin
     ) -> ModeConstants:
-        """Return them from all parameters of a rod but its ends: floats, arrays or intervals.
+        """Return them from `RodData.parameters`, some replaced: floats, arrays or intervals, with their pi and sine.
 
-        Parameters
-        ----------
-        parameters : mapping
-            The parameters of `floquetrod.Rod` by name, SI units, such as `RodData.parameters` with some replaced.
-        pi : number or interval
-            The circle constant; of intervals an enclosure.
-        sin : callable
-            The sine for what ``parameters["inclination"]`` is.
-
-        Notes
-        -----
         Masses are per area of the material, so that most of a section's size cancels: without a bore or fluids each
         parameter occurs once in each number, and enclosures are tight.
         """

@@ -26,6 +26,7 @@ from floquetrod.rod.model.course import Along, Course, Told, course_of, critical
 from floquetrod.rod.model.files import read_rod
 from floquetrod.rod.model.lock_up import LockUp
 from floquetrod.rod.model.parts import (
+    INSTEAD,
     LIMITS,
     MEANT,
     ON_A_FLOOR,
@@ -48,12 +49,6 @@ if TYPE_CHECKING:
     from floquetrod.wells.path import WellPath
 
 MOST_MODES = 20_000  # beyond it the unit of a length or a force is wrong (a choice)
-
-DIAMETERS = {"diameter": "radius", "inner_diameter": "inner_radius", "channel_diameter": "channel_radius"}
-"""What may be given in place of a parameter: twice as much."""
-
-INSTEAD = DIAMETERS | {"wall_thickness": "inner_radius"}
-"""Arguments that may be given in place of a parameter."""
 
 _SPECIAL = ("inner_radius", "fluid_inside", "fluid_outside", "inclination", "curvature", "ends")
 """Parameters with other values than those of a solid rod in a horizontal straight channel without fluids are said."""
@@ -224,7 +219,7 @@ class RodData(TellsAttributes):
         pipe, and ``bore`` they are the arguments of `catalogue`.  Raises ValueError, naming file and key, for keys that
         cannot be read, are missing or unknown.
         """
-        return read_rod(path, cls, INSTEAD)
+        return read_rod(path, cls)
 
     @classmethod
     def catalogue(cls, name: str, *, bore: float | str, length: float | str, **changes: Any) -> Self:

@@ -37,6 +37,12 @@ LIMITS: dict[str, tuple[float, float]] = {
 """Least and largest of each parameter of a rod that is a number, whatever the others are."""
 
 
+DIAMETERS = {"diameter": "radius", "inner_diameter": "inner_radius", "channel_diameter": "channel_radius"}
+"""What may be given in place of a parameter: twice as much."""
+
+INSTEAD = DIAMETERS | {"wall_thickness": "inner_radius"}
+"""Arguments that may be given in place of a parameter."""
+
 MEANT = {
     "outer_diameter": "the outer diameter is diameter",
     "outer_radius": "the outer radius is radius",
