@@ -52,6 +52,7 @@ _UNITS: dict[str, dict[str, float]] = {
         "rad/m": 1.0,
         "deg/m": math.pi / 180.0,
         "deg/30m": math.pi / 5400.0,
+        "deg/100m": math.pi / 18000.0,
         "deg/100ft": math.pi / (180.0 * 30.48),
     },
     "ratio": {"": 1.0},
@@ -71,7 +72,6 @@ _ALSO = {
     "feet": "ft",
     "n/mm2": "MPa",
     "n/mm^2": "MPa",
-    "\N{DEGREE SIGN}": "deg",
     "degree": "deg",
     "degrees": "deg",
 }
@@ -221,7 +221,7 @@ class AnswerUnits(NamedTuple):
         return words, unit(usual, name, kind).show(value)
 
 
-_NUMBER = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(\S*)\s*", re.ASCII)
+_NUMBER = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(\S*(?:\s*/\s*\d+\s*[a-zA-Z]+)?)\s*", re.ASCII)
 _FRACTION = re.compile(r"\s*([-+]?)(?:(\d{1,9})(?:\s*-\s*|\s+))?(\d{1,9})/([1-9]\d{0,8})\s*([^\s\d/]*)\s*", re.ASCII)
 _FRACTIONS_OF = ("in", "ft")
 
@@ -240,9 +240,13 @@ def _known(name: str, units: Iterable[str]) -> str | None:
     return names.get(written) or names.get(_folded(_ALSO.get(written, written)))
 
 
+_IN_ASCII = {ord("\N{GREEK SMALL LETTER MU}"): "u", ord("\N{DEGREE SIGN}"): "deg"}
+
+
 def _folded(name: str) -> str:
-    """Return a unit in small letters, except M and m at its beginning; the letter mu as u, raised digits as digits."""
-    name = unicodedata.normalize("NFKC", name).replace("\N{GREEK SMALL LETTER MU}", "u") if not name.isascii() else name
+    """Return a unit in small letters, except M and m at its beginning; mu as u, raised digits as digits, ° as deg."""
+    if not name.isascii():
+        name = unicodedata.normalize("NFKC", name).translate(_IN_ASCII)
     return name[:1] + name[1:].lower() if name[:1] in ("m", "M") else name.lower()
 
 
@@ -323,11 +327,14 @@ def with_unit(value: float, unit_name: str, digits: int = 6) -> str:
 
 def lengths(name: str, values: Any) -> Any:
     """Return lengths in m, one or several, each a number or with a unit, such as "9000ft"; others as they are."""
-    if is_written(values):
-        return quantity(values, name, "length")
     if isinstance(values, list | tuple):
-        return [quantity(each, name, "length") if is_written(each) else each for each in values]
-    return values
+        return [si(each, name, "length") for each in values]
+    return si(values, name, "length")
+
+
+def si(value: Any, name: str, kind: str) -> Any:
+    """Return what is given with its unit in SI units, and anything else as it is."""
+    return quantity(value, name, kind) if is_written(value) else value
 
 
 def quantity(
@@ -482,15 +489,25 @@ def unit_of(text: str) -> str | None:
     return None if found is None else found[1]
 
 
+def same_unit(*texts: str) -> list[str]:
+    """Return quantities as they are written, those without a unit with that of the last.
+
+    >>> same_unit("10", "2kHz", "60Hz")
+    ['10Hz', '2kHz', '60Hz']
+    """
+    last = unit_of(texts[-1]) or ""
+    return [text if unit_of(text) != "" else f"{text}{last}" for text in texts]
+
+
 def _written(text: str) -> tuple[float, str] | None:
     """Return the number and the unit of a quantity as it is written, None where it is none.
 
-    >>> _written("24Hz"), _written("2-3/8in"), _written('2 3/8"'), _written("3/4 ft"), _written("fast")
-    ((24.0, 'Hz'), (2.375, 'in'), (2.375, '"'), (0.75, 'ft'), None)
+    >>> _written("24Hz"), _written("2-3/8in"), _written('2 3/8"'), _written("3 deg / 30 m"), _written("fast")
+    ((24.0, 'Hz'), (2.375, 'in'), (2.375, '"'), (3.0, 'deg/30m'), None)
     """
     fraction = _FRACTION.fullmatch(text)
     if fraction is not None and _known(fraction[5], _FRACTIONS_OF):
         size = int(fraction[2] or 0) + int(fraction[3]) / int(fraction[4])
         return (-size if fraction[1] == "-" else size), fraction[5]
     match = _NUMBER.fullmatch(text)
-    return (float(match[1]), match[2]) if match else None
+    return (float(match[1]), re.sub(r"\s", "", match[2])) if match else None

@@ -72,7 +72,7 @@ def imports(code: str, module: str, path: Path) -> Iterator[str]:
             source = ".".join([*base, *filter(None, [node.module])])
             yield from (f"{source}.{alias.name}" for alias in node.names)
         elif isinstance(node, ast.Call) and _called(node).endswith(("import_module", "__import__")):
-            yield _beginning(node.args[0])
+            yield from _named(node.args[0])
 
 
 def statements(tree: ast.AST) -> Iterator[ast.AST]:
@@ -91,11 +91,13 @@ def _called(call: ast.Call) -> str:
     return str(getattr(call.func, "attr", getattr(call.func, "id", "")))
 
 
-def _beginning(argument: ast.expr) -> str:
-    """Return the constant beginning of a module's name given as a string or an f-string."""
+def _named(argument: ast.expr) -> list[str]:
+    """Return the modules that a string names, or an f-string may: all that begin so, of a folder of the package."""
     first = argument.values[0] if isinstance(argument, ast.JoinedStr) else argument
     assert isinstance(first, ast.Constant), f"cannot tell what import_module({ast.unparse(argument)}) imports"
-    return str(first.value)
+    begins = str(first.value).removeprefix(f"{PACKAGE}.")
+    below = [module for module in FILES if begins.endswith(".") and module.startswith(begins)]
+    return [f"{PACKAGE}.{module}" for module in below] or [str(first.value)]
 
 
 def own_module(name: str) -> str | None:

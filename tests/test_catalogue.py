@@ -224,5 +224,5 @@ class Held:
 
 
 def test_a_key_may_hold_a_word(tmp_path: Path) -> None:
-    assert read_rod(written(tmp_path, 'length = "2ft"\nends_held = "clamped"'), Held, {}) == Held(0.6096, "clamped")
-    assert read_rod(written(tmp_path, 'catalogue = "pipe"\nbore = 2\nlength = 3'), Held, {}) == Held(6.0, "pipe")
+    assert read_rod(written(tmp_path, 'length = "2ft"\nends_held = "clamped"'), Held) == Held(0.6096, "clamped")
+    assert read_rod(written(tmp_path, 'catalogue = "pipe"\nbore = 2\nlength = 3'), Held) == Held(6.0, "pipe")

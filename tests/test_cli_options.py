@@ -14,9 +14,6 @@ _COMMANDS = next(a for a in _parser()._actions if isinstance(a, argparse._SubPar
 # Options that mean something else in some commands, which their help says.
 _OTHERWISE = {"--out", "--kick", "--friction", "--mu", "--exit-code", "--speed", "--depth", "--unit"}
 
-# `explore` has its own words until it shares `add_load`.
-_OWN_WORDS = {"explore"}
-
 
 def _options() -> dict[str, list[tuple[str, argparse.Action]]]:
     found: dict[str, list[tuple[str, argparse.Action]]] = {}
@@ -29,7 +26,7 @@ def _options() -> dict[str, list[tuple[str, argparse.Action]]]:
 
 @pytest.mark.parametrize("option", sorted(_options()))
 def test_an_option_has_the_same_words_in_every_command(option: str) -> None:
-    uses = [(name, action) for name, action in _options()[option] if name not in _OWN_WORDS]
+    uses = _options()[option]
     for _, action in uses:
         assert action.help
     if option in _OTHERWISE:

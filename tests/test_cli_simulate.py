@@ -131,6 +131,13 @@ def test_real_rods_and_loads(tmp_path: Path, capsys: pytest.CaptureFixture[str])
     assert "; no critical kick: friction needs independent modes" in capsys.readouterr().out
 
 
+def test_friction_by_interval(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = tmp_path / "run.npz"
+    assert cli.main([*SHORT, "--mu", "20%,0.3@1.5m", "--out", str(path)]) == 0
+    assert "friction 0.2, 0.3 from 1.5 m on" in capsys.readouterr().out
+    assert fr.Simulation.load(path).problem.friction == ((0.0, 0.2), (1.5, 0.3))
+
+
 def test_ends_that_are_moved_or_pushed(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     path = tmp_path / "run.npz"
     load = ["--mean", "0", "--amplitude", "0", "--frequency", "1", "--mu", "0.2"]
@@ -304,6 +311,7 @@ def test_divergence_keeps_the_frames_before(
         (["--seed", "-2"], "seed must be 0 or more"),
         (["--duration", "2 weeks"], "--duration must be a number with a time unit"),
         (["--friction", "-1"], "--friction must be zero or more"),
+        (["--friction", "0.2,0.3"], "--friction must be such as 0.2 or, with another from 1500 m on"),
         (["--segments", "20"], "segments must be at least 37"),
         (["--wave", "held", "--feed-speed", "1mm/s"], "--feed-speed must not be given with a vibration of"),
         (["--feed-speed", "-1mm/s"], "--feed-speed must be zero or more"),

@@ -115,8 +115,8 @@ def test_a_tool_gains_reach_and_says_where_it_hurts() -> None:
     assert "no lateral wave" in str(shaken.report())
     held = shaken.growth_free > 0.0
     assert held.any()
-    assert (shaken.kick[held] > shaken.sliding).all()
-    assert np.isinf(shaken.kick[~held]).all()
+    assert (shaken.speed_to_grow[held] > shaken.sliding).all()
+    assert np.isinf(shaken.speed_to_grow[~held]).all()
     assert shaken.useful_frequencies == ()
     assert "lateral waves grow with all" in str(shaken.report())  # where it hangs free, without damping
     damped = TUBING.replace(damping_rate=0.6).reach(WELL, 0.3, tool=TOOL, depth=DEPTHS)
@@ -158,7 +158,7 @@ def test_a_strong_tool_makes_waves_grow_against_friction() -> None:
     assert grows.any()
     assert not (grows & found.along.is_snaking).any()
     assert (found.growth <= found.growth_free).all()
-    assert (found.kick[grows] < found.sliding).all()
+    assert (found.speed_to_grow[grows] < found.sliding).all()
     assert np.isfinite(found.half_wave[grows]).all()
     assert found.frequency_growth[np.isclose(found.frequencies, TOOL.frequency)] > 0.0
 

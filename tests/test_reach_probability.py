@@ -39,7 +39,7 @@ def test_with_one_friction_it_is_the_share_below_what_stops_the_string(push: flo
         limit = most_friction(each, math.inf if push is None else push)
         assert found.probability[i] == np.mean(drawn <= limit)
         low, high = stats.binomtest(int((drawn <= limit).sum()), many).proportion_ci(0.95, "exact")
-        assert (found.low[i], found.high[i]) == (low, high)
+        assert (found.low[i], found.high[i]) == pytest.approx((low, high), rel=1e-12)  # which SciPy finds as a root
     assert 0.0 < found.probability[0] < 1.0
 
 

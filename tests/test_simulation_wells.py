@@ -314,6 +314,11 @@ def test_refuses_what_cannot_be(rod: fr.Rod | None, options: dict[str, Any], mes
         simulated(rod or on_path(SURVEY), push(0.1), 0.01, **options)
 
 
+def test_a_natural_curvature_is_given_with_its_unit() -> None:
+    bent = simulated(on_path(SURVEY), push(0.1), 0.01, natural_curvature="3deg/100m")
+    assert bent.problem.natural_curvature == pytest.approx(np.radians(0.03))
+
+
 def test_refuses_a_path_that_bends_within_a_clearance() -> None:
     sharp = on_path(bend(60.0, 90.0), rod=ROD.replace(channel_radius=1.0))
     with pytest.raises(ValueError, match=r"rod must lie on a path that bends by less than 0\.1 of a radian"):

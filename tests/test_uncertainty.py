@@ -395,6 +395,7 @@ def test_undecided_samples_widen_the_interval(monkeypatch: pytest.MonkeyPatch) -
     monkeypatch.setattr(Sampling, "verdicts", lambda _, levels: np.array([-1, 0, 1, 1], dtype=np.int8))
     found = fr.probability_of_instability(ROD, LOAD, {"mean": (0.1, 0.2)}, samples=4)
     low, high = (stats.binomtest(k, 4).proportion_ci(0.95, "exact") for k in (1, 2))
-    assert (found.unstable, found.undecided, found.interval) == (1, 1, (low.low, high.high))
+    assert (found.unstable, found.undecided) == (1, 1)
+    assert found.interval == pytest.approx((low.low, high.high), rel=1e-12)  # which SciPy finds as a root
     assert "1 of the samples could not be decided" in found.note
     assert repr(found).endswith("4 samples, 1 undecided>")

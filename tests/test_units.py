@@ -43,6 +43,9 @@ def test_a_number_alone_is_in_the_si_unit(value: float) -> None:
         ("60deg", "angle", math.radians(60.0)),
         ("1.5", "angle", 1.5),
         ("2.29", "ratio", 2.29),
+        ("3deg/30m", "curvature", math.radians(0.1)),
+        ("3deg/100m", "curvature", math.radians(0.03)),
+        ("3 \N{DEGREE SIGN} / 100 ft", "curvature", math.radians(3.0) / 30.48),
         # In any case but that of M for mega and m for milli.
         ("0.2FCR", "force", 0.4),
         ("3KN", "force", 3e3),

@@ -12,21 +12,11 @@ E = TypeVar("E", ValueError, TypeError)
 
 
 class Mention(NamedTuple):
-    """What a message names beside the argument that it is about, most often in a remedy.
+    """What a message names beside the argument that it is about, most often in a remedy."""
 
-    Attributes
-    ----------
-    name : str
-        The argument; "" for what makes sense in Python alone.
-    python : str
-        How it is written in Python, where that is not the name: "mean_at=None".
-    value : str
-        What it is set to, where the remedy says that, as it is typed in a terminal: "none".
-    """
-
-    name: str
-    python: str = ""
-    value: str = ""
+    name: str  # the argument; "" for what makes sense in Python alone
+    python: str = ""  # how it is written in Python, where that is not the name: "mean_at=None"
+    value: str = ""  # what the remedy sets it to, as it is typed in a terminal: "none"
 
     def __str__(self) -> str:
         return self.python or self.name
@@ -86,24 +76,12 @@ def located(where: str, error: Exception, colon: str = ": ") -> ValueError:
 
 
 class Argument(NamedTuple):
-    """What an error is about.
+    """What an error is about."""
 
-    Attributes
-    ----------
-    name : str
-        The argument.
-    place : str
-        Where in it, "2" in ``modes[2]`` and "kick" in ``over['kick']``; "" for all of it.
-    problem : str
-        What is wrong with it.
-    where : str
-        In which file it was given, "" for a call.
-    """
-
-    name: str
-    place: str
-    problem: str
-    where: str
+    name: str  # the argument
+    place: str  # where in it: "2" in modes[2], "kick" in over['kick'], "" for all of it
+    problem: str  # what is wrong with it
+    where: str  # in which file it was given, "" for a call
 
     def named(self, name: str, mentioned: Callable[[Mention], str] = str) -> str:
         """Return the message with another name for the argument, and for those that are mentioned."""

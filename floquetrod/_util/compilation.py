@@ -221,19 +221,11 @@ def _after_passes(act: Callable[[], None]) -> Any:
 def runner(
     function: Callable[..., Any], size: int, *, interpret_up_to: int = INTERPRETED_UP_TO, compile_after: int = 0
 ) -> Callable[..., Any]:
-    """Return a kernel as it stands or compiled: the one rule for that choice.
+    """Return a kernel as it stands or compiled, by the number of elements of work: the one rule for that choice.
 
-    Parameters
-    ----------
-    function : callable
-        The kernel.
-    size : int
-        Elements of work to be done now.
-    interpret_up_to : int
-        Elements that are always interpreted: loading numba costs more than they do.
-    compile_after : int
-        Larger work is interpreted, too, until the process has called this kernel for ``compile_after`` times as many:
-        compiling takes seconds, too long for a single question.
+    ``interpret_up_to`` elements are always interpreted: loading numba costs more than they do.  Larger work is, too,
+    until the process has called this kernel for ``compile_after`` times as many: compiling takes seconds, too long for
+    a single question.
     """
     if size <= interpret_up_to:
         return function

@@ -7,15 +7,7 @@ from typing import Any
 
 
 class Renamed:
-    """An attribute under its earlier name.
-
-    Parameters
-    ----------
-    name : str
-        What it is called now.
-    until : str
-        The version without the earlier name.
-    """
+    """An attribute, now called ``name``, under its earlier name, up to the version ``until``."""
 
     def __init__(self, name: str, until: str) -> None:
         self.name, self.until = name, until

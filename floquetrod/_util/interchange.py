@@ -116,13 +116,22 @@ def _rows(dataset: Any, pandas: Any) -> Any:
     columns: dict[str, Any] = {}
     for name in (*dataset.coords, *dataset.data_vars):
         variable = dataset[name]
-        unit = variable.attrs.get("units", "").replace("^", "").replace("/", "_per_").removeprefix("1_")
-        column = "_".join(filter(None, (name.replace(" ", "_"), unit)))
+        column = with_unit(name, variable.attrs.get("units", ""))
         if set(variable.dims) <= set(first.dims):
             columns[column] = variable.broadcast_like(first).transpose(*first.dims).values.ravel()
         elif variable.dims[:-1] == first.dims and variable.dims[-1] in _SEVERAL:
             columns |= {f"{column}_{i}": variable[..., i].values.ravel() for i in range(variable.shape[-1])}
     return pandas.DataFrame(columns)
+
+
+def with_unit(name: str, unit: str) -> str:
+    """Return a name with its unit as keys and columns have it, "1" being none.
+
+    >>> with_unit("mean force", "N"), with_unit("kick", "m/s"), with_unit("growth_rate", "1/s"), with_unit("mode", "1")
+    ('mean_force_N', 'kick_m_per_s', 'growth_rate_per_s', 'mode')
+    """
+    written = "" if unit == "1" else unit.replace("^", "").replace("/", "_per_").removeprefix("1_")
+    return "_".join(filter(None, (name.replace(" ", "_"), written)))
 
 
 def _require(result: Any) -> None:

@@ -20,21 +20,9 @@ from pathlib import Path
 class Lock:
     """A lock on consecutive bytes of a file, whether it has them or not, until it is released.
 
-    Parameters
-    ----------
-    path : Path
-        The file; made where it is missing.
-    part : range
-        Bytes to lock.
-    remove : bool
-        Whether the file is removed when the lock is released; then every lock on it must be of the same bytes.
-
-    Raises
-    ------
-    BlockingIOError
-        When another holds a lock on one of the bytes.
-    OSError
-        When the file cannot be locked.
+    The file is made where it is missing.  With ``remove`` it is removed when the lock is released; then every lock on
+    it must be of the same bytes.  Raises BlockingIOError when another holds a lock on one of the bytes, OSError when
+    the file cannot be locked.
     """
 
     def __init__(self, path: Path, part: range, *, remove: bool) -> None:

@@ -16,21 +16,9 @@ def roots(
 ) -> Floats:
     """Return a zero of a function in each of many brackets, to rounding: Chandrupatla's method.
 
-    Parameters
-    ----------
-    function : callable
-        ``function(x, i)`` returns the values at places x, one for each, in the brackets of number i.
-    low : ndarray of float
-        One end of each bracket.
-    high : ndarray of float
-        The other.
-    at_low : ndarray of float
-        Values at ``low``.
-    at_high : ndarray of float
-        Values at ``high``, of the other sign, or zero.
+    ``function(x, i)`` returns the values at places x, one for each, in the brackets of number i; those at the ends have
+    opposite signs, or are zero.
 
-    Notes
-    -----
     T. R. Chandrupatla, Adv. Eng. Software 28 (1997) 145.
     """
     a, b, fa, fb = low.copy(), high.copy(), at_low.copy(), at_high.copy()
@@ -61,25 +49,11 @@ def roots(
 def bisected(
     holds: Callable[[Floats], Bools], low: Floats, high: Floats, halvings: int, *, relative: float = 0.0
 ) -> tuple[Floats, Floats]:
-    """Return brackets in which a statement ceases to hold, halved.
+    """Return brackets in which a statement ceases to hold, halved so often at most: their ends ``low`` and ``high``.
 
-    Parameters
-    ----------
-    holds : callable
-        Takes a place in every bracket and returns whether the statement holds there.
-    low : ndarray of float
-        One end of each bracket, where the statement holds.
-    high : ndarray of float
-        The other, lower or higher, where it does not; it is not examined.
-    halvings : int
-        How often they are halved at most.
-    relative : float
-        No more are made once every bracket is no wider than this share of its end ``high``.
-
-    Returns
-    -------
-    low, high : ndarray of float
-        New ends, with the same properties.
+    ``holds`` takes a place in every bracket; the statement holds at ``low``, and does not at ``high``, which may be
+    lower or higher and is not examined.  No more are halved once every bracket is no wider than ``relative`` of its
+    end ``high``.
     """
     for _ in range(halvings):
         if not (np.abs(high - low) > relative * np.abs(high)).any():
@@ -95,14 +69,7 @@ def largest(
 ) -> tuple[Floats, Floats]:
     """Return where functions with one summit are largest in each of many brackets, and their values: golden sections.
 
-    Parameters
-    ----------
-    function : callable
-        As in `roots`.
-    low, high : ndarray of float
-        Ends of the brackets; the functions are not evaluated there.
-    sections : int
-        How often the brackets become 0.62 times as long.
+    They are as in `roots`, and are not evaluated at the ends; each section leaves 0.62 of a bracket.
     """
     every = np.arange(low.size)
     one, two = low + _GOLDEN * (high - low), high - _GOLDEN * (high - low)

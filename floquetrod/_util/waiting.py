@@ -29,20 +29,9 @@ class Waiting:
     """A line on stderr that says what is being done and for how long.
 
     A context: the line appears ``first`` seconds after it was entered and moves until it is left.  It may be called
-    with how much is done of how much.  The cursor stays at the beginning of the line, so that the next output replaces
-    it.  Where stderr is a file or a pipe, lines are added to it after 10 s, 30 s, 70 s and so on, the pauses at most
-    ``longest``.
-
-    Parameters
-    ----------
-    what : str
-        What is being done.
-    counted : str
-        What is counted by calls.
-    first : float
-        Seconds until the line appears.
-    longest : float
-        Seconds between lines of a file at most.
+    with how much is done of how much of what is ``counted``.  The cursor stays at the beginning of the line, so that
+    the next output replaces it.  Where stderr is a file or a pipe, lines are added to it after 10 s, 30 s, 70 s and so
+    on, the pauses at most ``longest`` in s.
     """
 
     def __init__(self, what: str, counted: str = "", first: float = FIRST, longest: float = math.inf) -> None:

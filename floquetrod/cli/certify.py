@@ -12,18 +12,15 @@ from floquetrod import units
 from floquetrod._util.suggest import did_you_mean
 from floquetrod._util.waiting import Waiting
 from floquetrod.cli import system
-from floquetrod.cli.common import LARGEST, ROD_AND_LOAD, ROD_OPTIONS, add_subject, describe_command
-from floquetrod.cli.loads import add_ranges, read_ranges
-from floquetrod.cli.output import Output, names, output
+from floquetrod.cli.common import LARGEST, ROD_AND_LOAD, add_subject, describe_command
+from floquetrod.cli.loads import add_question, read_ranges
+from floquetrod.cli.output import Output, output
 from floquetrod.cli.parser import Parser, whole_number
 from floquetrod.floquet.proof.region import RegionProof
 from floquetrod.floquet.proof.result import MAX_BOXES
-from floquetrod.rod.answers.rod_box import DIAMETERS
 from floquetrod.rod.answers.safe_box import SafeBox
-from floquetrod.rod.loads.load import KINDS
 from floquetrod.rod.model.constants import SLOW_GROWTH
-from floquetrod.rod.reading import LOAD_OPTIONS
-from floquetrod.units import Unit
+from floquetrod.rod.model.parts import DIAMETERS
 
 _HELP = """\
 Prove that a rod is stable, or unstable, under every load of a box and for every rod within the tolerances;
@@ -53,7 +50,7 @@ _STATUS = {"stable": 0, "unstable": 1, "mixed": 1, "undecided": 3}
 def add(certify: Parser) -> None:
     """Add help and options of the command to its parser."""
     describe_command(certify, _HELP, _certify, ("system", *ROD_AND_LOAD))
-    add_ranges(certify, add_subject(certify))
+    add_question(certify, add_subject(certify), ranges=True)
     certify.set_defaults(growth_tolerance=f"{SLOW_GROWTH:g}")
     certify.add_argument(
         "--vary",
@@ -72,15 +69,9 @@ def add(certify: Parser) -> None:
     )
 
 
-_OF_A_ROD = (*KINDS, *LOAD_OPTIONS, *ROD_OPTIONS, "growth_tolerance", "unit", "vary", "largest", "max_boxes")
-"""Options that say nothing about a system."""
-
-
 def _certify(options: argparse.Namespace) -> Output:
     if options.system is not None:
-        usual = {"growth_tolerance": f"{SLOW_GROWTH:g}", "max_boxes": MAX_BOXES}
-        given = [name for name in _OF_A_ROD if getattr(options, name) not in (None, [], False, usual.get(name))]
-        system.require_alone(options, given)
+        system.require_alone(options)
         answer, status = system.prove(options)
         return answer._replace(status=_STATUS[status] if options.exit_code else 0)
     asked = read_ranges(options)
@@ -114,11 +105,11 @@ def _certify(options: argparse.Namespace) -> Output:
 
 
 def _answer(
-    options: argparse.Namespace, found: RegionProof | SafeBox, proof: RegionProof, shown: dict[str, Unit]
+    options: argparse.Namespace, found: RegionProof | SafeBox, proof: RegionProof, shown: dict[str, str]
 ) -> Output:
     """Return the answer, and an exit status where that is asked for."""
     status = _STATUS[proof.status] if options.exit_code else 0
-    return output(options, lambda: found.report(names(shown)), found.as_dict, status)
+    return output(options, lambda: found.report(shown), found.as_dict, status)
 
 
 _ALIKE = 1e-6  # of a value typed and the rod's own, relatively: digits that are not written
@@ -152,9 +143,7 @@ def _tolerance(text: str, rod: fr.Rod) -> tuple[str, tuple[float, float]]:
         hint = f", the rod's own; a tolerance is {name}={ends}±1%"
         hint = hint if is_own else f"; a tolerance of that size is {name}=±{ends}"
         raise ValueError(f"--vary must be {_VARY}, got {text!r}, which is one value{hint}")
-    unit = units.unit_of(last) or ""
-    given = (first + (unit if units.unit_of(first) == "" else ""), last)
-    low, high = (_of_a_rod(end, name, text) for end in given)
+    low, high = (_of_a_rod(end, name, text) for end in units.same_unit(first, last))
     if low > high:
         raise ValueError(f"--vary must be a range whose first end is the lower one, got {text!r}")
     return name, (low, high)
@@ -177,15 +166,15 @@ def _about_a_value(own: float, value: str, tolerance: str, name: str, text: str)
     return low, high
 
 
-def _typed(vary: Sequence[str]) -> dict[str, Unit]:
+def _typed(vary: Sequence[str]) -> dict[str, str]:
     """Return the unit of the first length, and of the first pressure, among tolerances."""
-    found: dict[str, Unit] = {}
+    found: dict[str, str] = {}
     for text in vary:
         for part in reversed(re.split(r"[:±]|\+/?-", text.partition("=")[2])):
             typed = units.unit_of(part)
             kind = units.kind_of(typed or "")
             if typed and kind in ("length", "pressure") and kind not in found:
-                found[kind] = units.unit(typed, "--vary", kind)
+                found[kind] = units.unit(typed, "--vary", kind).name
     return found
 
 

@@ -14,28 +14,15 @@ from floquetrod._util.report import Report
 from floquetrod._util.waiting import Waiting
 from floquetrod.cli.common import (
     ROD_AND_LOAD,
-    ROD_OPTIONS,
-    add_friction,
-    add_rod,
     add_subject,
-    add_units,
     check_out,
     describe_command,
     read_friction,
-    read_rod,
     read_tolerance,
     read_units,
 )
-from floquetrod.cli.loads import (
-    add_kind,
-    add_load,
-    read_kind,
-    read_load,
-    read_record,
-    require_quantities,
-    warn_of_hertz,
-)
-from floquetrod.cli.output import Output, names, output
+from floquetrod.cli.loads import add_question, read_question, warn_of_hertz
+from floquetrod.cli.output import Output, output
 from floquetrod.cli.parser import Parser
 from floquetrod.floquet.registry import METHODS
 from floquetrod.floquet.status import STATUS_CODES, Status
@@ -44,7 +31,6 @@ from floquetrod.rod.answers.reports import shown_in
 from floquetrod.rod.answers.verdict import RodStability
 from floquetrod.rod.loads.load import KINDS, Load, Quantity
 from floquetrod.rod.reading import LOAD_OPTIONS, RECORD_OPTIONS
-from floquetrod.units import Unit
 
 _HELP = """\
 Decide whether a rod is stable under an axial load, which modes grow and how fast, and how far the load is from a change
@@ -96,32 +82,13 @@ Delayed terms:
 _STATUS: dict[Status, int] = {"stable": 0, "unstable": 1, "undecided": 3}
 """Exit statuses of --exit-code; 2 is for input that cannot be used."""
 
-_OF_A_ROD = (
-    *KINDS,
-    *LOAD_OPTIONS,
-    "growth_tolerance",
-    *ROD_OPTIONS,
-    "friction",
-    "kick",
-    "unit",
-    "modes",
-    "margins",
-    "plot",
-    "plot_force",
-)
-"""Options that say nothing about a system."""
-
 _LAST_MODE = 20_000  # far beyond any mode that matters: a typing error must not fill the memory
 
 
 def add(check: Parser) -> None:
     """Add help and options of the command to its parser."""
     describe_command(check, _HELP, _check, ("system", *ROD_AND_LOAD))
-    add_rod(check, add_subject(check))
-    add_friction(check)
-    add_load(check)
-    add_kind(check)
-    add_units(check)
+    add_question(check, add_subject(check), friction=True)
     check.add_argument("--exit-code", action="store_true", help="exit with 1 when unstable, 3 when undecided")
     check.add_argument(
         "--modes", metavar="LIST", help="modes to check, such as 1-25 or 6,7,8 (default: all that can matter)"
@@ -146,7 +113,7 @@ def _check(options: argparse.Namespace) -> Output:
     if options.system is not None:
         from floquetrod.cli import system
 
-        system.require_alone(options, [name for name in _OF_A_ROD if getattr(options, name) is not None])
+        system.require_alone(options)
         about_system, verdict = system.classify(options)
         return about_system._replace(status=_STATUS[verdict] if options.exit_code else 0)
     if options.method is not None:
@@ -154,14 +121,12 @@ def _check(options: argparse.Namespace) -> Output:
             f"--method belongs to --system, got {options.method!r} with --rod: the methods for a rod follow from its "
             "load"
         )
-    require_quantities(options)
-    rod = read_rod(options)
-    record = read_record(options, rod)
+    rod, record, load = read_question(options)
     question = _Question(
         rod,
         record,
         all(getattr(options, name) is None for name in {*KINDS, *LOAD_OPTIONS} - {"force", *RECORD_OPTIONS}),
-        read_load(options, rod, read_kind(options, record)),
+        load,
         _modes(options.modes),
         read_tolerance(options),
         read_friction(options),
@@ -198,9 +163,9 @@ class _Said(NamedTuple):
     not_searched: Sequence[tuple[str, str]] = ()
     grown: Sequence[tuple[str, str]] = ()
 
-    def report(self, shown: dict[str, Unit]) -> Report:
+    def report(self, shown: dict[str, str]) -> Report:
         """Return the report in units."""
-        said = self.result.report(names(shown), self.margins)
+        said = self.result.report(shown, self.margins)
         labels = [label for label, _ in said.lines]
         said = said.with_lines(self.grown, before=labels[labels.index("growth") + 1] if "growth" in labels else None)
         return said.with_lines(self.not_searched, before="checked").with_lines(self.lines)
@@ -221,7 +186,7 @@ class _Question(NamedTuple):
     modes: list[int] | None
     tolerance: float
     mu_and_kick: tuple[float, float] | None
-    shown: dict[str, Unit]
+    shown: dict[str, str]
     margins: bool | None
 
 
@@ -271,7 +236,7 @@ def _sine_beside(asked: _Question) -> tuple[list[tuple[str, str]], dict[str, Any
         return [], {}
     with Waiting("comparing with a sine"):
         sine = _sine(asked)
-    shown = shown_in(names(asked.shown), asked.rod.critical_force)
+    shown = shown_in(asked.shown, asked.rod.critical_force)
     left_out = "" if asked.record_alone else "; the error leaves out its noise, because options change the load"
     lines = [
         ("sine", f"of the same mean, amplitude and frequency: {sine.status}{_growing(sine)}"),

@@ -5,8 +5,10 @@ from __future__ import annotations
 import argparse
 import logging
 import re
+import shlex
+import sys
 import warnings
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -15,10 +17,9 @@ import floquetrod as fr
 from floquetrod import units
 from floquetrod._util.arguments import argument_of, wrong_value
 from floquetrod._util.suggest import did_you_mean
-from floquetrod._util.waiting import say
+from floquetrod._util.waiting import Waiting, say
 from floquetrod.cli.messages import option
 from floquetrod.cli.parser import Parser, ratio
-from floquetrod.units import Unit
 
 if TYPE_CHECKING:
     from floquetrod.rod.loads.load import Quantity
@@ -40,16 +41,20 @@ def describe_command(command: Parser, text: str, run: Any, common: Sequence[str]
     command.description, _, command.epilog = text.partition("\n\n")
     command.formatter_class = argparse.RawDescriptionHelpFormatter
     command.add_argument("--json", action="store_true", help="print JSON, units in the names")
-    command.set_defaults(run=run)
+    command.set_defaults(run=run, parser=command)
 
 
 ROD_AND_LOAD = ("rod", "mean", "amplitude", "frequency")
 """Options that every question about a rod under a load needs."""
 
-ROD_OPTIONS = (
-    *("rod", "length", "bore", "fluid_inside", "fluid_outside", "inclination", "curvature"),
-    *("path", "depth", "depth_unit", "angle_unit", "damping_rate"),
-)
+_LEAST = {
+    **dict.fromkeys(("length", "bore", "inclination"), _TINY),
+    **dict.fromkeys(("fluid_inside", "fluid_outside", "damping_rate"), 0.0),
+    "curvature": -LARGEST,
+}
+"""Quantities that replace those of the rod, and the least they may be."""
+
+ROD_OPTIONS = ("rod", *_LEAST, "path", "depth", "depth_unit", "angle_unit")
 """Options of `add_rod` that describe the rod."""
 
 
@@ -154,10 +159,35 @@ def add_friction(command: argparse.ArgumentParser) -> None:
     )
 
 
-def add_coefficient(command: argparse.ArgumentParser, note: str, default: float | None = None) -> None:
+def add_coefficient(command: argparse.ArgumentParser, note: str) -> None:
     """Add the option for the coefficient of friction; ``note`` is what its help adds."""
     text = f"coefficient of friction between rod and channel, such as 0.3 or 30%% ({note})"
-    command.add_argument("--friction", "--mu", type=ratio, metavar="MU", default=default, help=text)
+    command.add_argument("--friction", "--mu", type=ratio, metavar="MU", help=text)
+
+
+def add_wall_friction(command: argparse.ArgumentParser, *, required: bool = False, default: str | None = None) -> None:
+    """Add the option for friction along the channel, which `reading.read_friction` reads."""
+    command.add_argument(
+        "--friction",
+        "--mu",
+        required=required,
+        default=default,
+        metavar="MU",
+        help="coefficient of friction with the wall, such as 0.3 or 30%%, or 0.2,0.35@1500m with another from 1500 m on"
+        + ("" if default is None else f" (default {default})"),
+    )
+
+
+def add_push(command: argparse.ArgumentParser) -> None:
+    """Add the options for the forces at both ends of a string, which `read_push` reads."""
+    command.add_argument("--far-force", metavar="FORCE", default="0", help="mean force at the lower end (default: 0)")
+    command.add_argument("--push", metavar="FORCE", help="force at the upper end, such as 20kN")
+
+
+def read_push(options: argparse.Namespace, rod: fr.Rod) -> tuple[float, float | None]:
+    """Return the force in N at the lower end, and that at the upper one where it was given."""
+    push = None if options.push is None else read_force(options.push, "--push", rod)
+    return read_force(options.far_force, "--far-force", rod), push
 
 
 def add_tool(command: argparse.ArgumentParser) -> None:
@@ -216,8 +246,7 @@ def read_range(text: str, name: Quantity, rod: fr.Rod) -> list[float]:
         raise ValueError(f"--{name} must be one value or a range with a colon, got {text!r}; write {typed}")
     if not colon:
         return [read_quantity(text, name, rod)]
-    unit = units.unit_of(last) or ""
-    ends = [(first + (unit if units.unit_of(first) == "" else ""), first), (last, last)]
+    ends = zip(units.same_unit(first, last), (first, last), strict=True)
     low, high = (read_quantity(end, name, rod, f"{typed!r} in {text!r}") for end, typed in ends)
     if not low < high:
         raise ValueError(f"--{name} must be a range whose first end is the lower one, got {text!r}")
@@ -253,13 +282,21 @@ def units_typed(options: argparse.Namespace) -> dict[str, str]:
     return found
 
 
+def units_shown(options: argparse.Namespace, kinds: Sequence[str], such_as: str) -> dict[str, str]:
+    """Return the units of an answer by their kinds: those of --unit, else those typed; a critical force is none."""
+    shown = {**units_typed(options), **units_asked(options.unit, kinds, such_as)}
+    for kind, name in shown.items():
+        units.unit(name, "--unit", kind)
+    return shown
+
+
 def _typed_unit(text: str) -> str | None:
     """Return the unit of a quantity, or of the last one of a range or a list; "" for none, None for no quantity."""
     return units.unit_of(re.split("[:,]", text)[-1])
 
 
-def read_units(options: argparse.Namespace, rod: fr.Rod) -> dict[str, Unit]:
-    """Return the unit in which to speak of each quantity: that of --unit, else the one it was given in, else SI.
+def read_units(options: argparse.Namespace, rod: fr.Rod) -> dict[str, str]:
+    """Return the unit of each quantity in the answer: that of --unit, else the one it was given in, else SI.
 
     The end of a range without a unit has that of the other.  The options may have no --kick; its unit is then mm/s.  A
     frequency that a record tells is in Hz, as its spectrum is.  Other forces, lengths and pressures are among them
@@ -268,17 +305,17 @@ def read_units(options: argparse.Namespace, rod: fr.Rod) -> dict[str, Unit]:
     from floquetrod.rod.loads.load import KINDS
 
     chosen = units_asked(options.unit)
-    found: dict[str, Unit] = {}
+    found: dict[str, str] = {}
     for name, kind in [*KINDS.items(), ("kick", "speed")]:
         text = getattr(options, name, None)
         typed = _typed_unit(text) if isinstance(text, str) else None
         unasked = "Hz" if name == "frequency" and getattr(options, "force", None) else _UNASKED.get(kind, "")
         wanted = chosen.get(kind, unasked if typed is None else typed)
-        found[name] = units.unit(wanted, f"--{name}", kind, rod.critical_force)
+        found[name] = units.unit(wanted, f"--{name}", kind, rod.critical_force).name
     asked = {kind: name for kind, name in chosen.items() if kind in ("force", "length", "pressure")}
     if not units.is_unit(asked.get("force", ""), "force"):  # critical forces, of which one is said in another unit
         asked.pop("force", None)
-    more = {kind: units.unit(name, "--unit", kind) for kind, name in {**units_typed(options), **asked}.items()}
+    more = {kind: units.unit(name, "--unit", kind).name for kind, name in {**units_typed(options), **asked}.items()}
     return {**found, **more}
 
 
@@ -287,17 +324,10 @@ def read_rod(options: argparse.Namespace) -> fr.Rod:
     from floquetrod.rod.reading import is_pipe, named_rod
 
     changes: dict[str, Any] = {
-        key: units.quantity(text, f"--{key}", kind, least=_TINY, largest=LARGEST)
-        for key, kind in (("length", "length"), ("bore", "length"), ("inclination", "angle"))
-        if (text := getattr(options, key)) is not None
+        key: units.quantity(text, option(key), units.ROD_KINDS[key], least=least, largest=LARGEST)
+        for key, least in _LEAST.items()
+        if (text := getattr(options, key, None)) is not None
     }
-    changes |= {
-        key: units.quantity(text, f"--{key.replace('_', '-')}", "density", least=0.0, largest=LARGEST)
-        for key in ("fluid_inside", "fluid_outside")
-        if (text := getattr(options, key)) is not None
-    }
-    if getattr(options, "curvature", None) is not None:
-        changes["curvature"] = units.quantity(options.curvature, "--curvature", "curvature")
     changes |= _on_path(options)
     if is_pipe(options.rod):
         if getattr(options, "well", None) is not None:
@@ -309,13 +339,11 @@ def read_rod(options: argparse.Namespace) -> fr.Rod:
                 f"--rod {options.rod!r} needs {' and '.join(missing)}: a pipe's size says neither the diameter of its "
                 "hole nor its length; or write all of it into a TOML file"
             )
-        rod = fr.Rod.catalogue(options.rod, **changes)
-    else:
-        rod = _in_channel(named_rod("--rod", options.rod), changes)
-    if options.damping_rate is not None:
-        rate = units.quantity(options.damping_rate, "--damping-rate", "rate", least=0.0, largest=LARGEST)
-        rod = rod.replace(damping_rate=rate)
-    return rod
+        return fr.Rod.catalogue(options.rod, **changes)
+    rod = named_rod("--rod", options.rod)
+    if "bore" in changes:
+        changes["channel_diameter"] = changes.pop("bore")
+    return rod.replace(**changes) if changes else rod
 
 
 def _require_listed(name: str, missing: Sequence[str]) -> None:
@@ -345,13 +373,6 @@ def _on_path(options: argparse.Namespace) -> dict[str, Any]:
     return {"path": read_survey(options, path), "depth": start}
 
 
-def _in_channel(rod: fr.Rod, changes: dict[str, Any]) -> fr.Rod:
-    """Return the rod with another length or channel."""
-    if "bore" in changes:
-        changes["channel_diameter"] = changes.pop("bore")
-    return rod.replace(**changes) if changes else rod
-
-
 def read_points(text: str) -> tuple[int, int]:
     """Return columns and rows."""
     match = re.fullmatch(r"(\d{1,6})x(\d{1,6})", text, re.ASCII)
@@ -371,19 +392,37 @@ def check_out(path: Path, kinds: Sequence[str], name: str = "--out") -> None:
     if kinds and path.suffix not in kinds:
         raise ValueError(f"{name} must end in {', '.join(kinds[:-1])} or {kinds[-1]}, got {str(path)!r}")
     try:
-        is_folder, has_folder = path.is_dir(), path.parent.is_dir()
-    except OSError as error:  # a name too long, say
-        raise ValueError(f"{name} {str(path)!r}: {error}") from None
-    if is_folder:
-        raise ValueError(f"{name} must be a file, and {str(path)!r} is a folder")
-    if not has_folder:
-        raise ValueError(
-            f"{name} {str(path)!r}: there is no folder {str(path.parent)!r}; make it first, or write elsewhere"
-        )
-    try:
         writable(path)
-    except ValueError as error:
-        raise ValueError(f"{name}: {error}") from None
+    except (ValueError, OSError) as error:  # a name too long, say
+        raise ValueError(f"{name} {str(path)!r}: {error}") from None
+
+
+def chart_files(paths: Sequence[Path]) -> None:
+    """Raise ValueError where a chart could not be written to one of these files."""
+    from floquetrod.plotting import charts
+
+    for path in paths:
+        check_out(path, (*charts.FIGURES, ".csv", ".npz"))
+
+
+def write_charts(paths: Sequence[Path], chart: fr.Chart, drawn: fr.Chart, draw: Callable[[], Any]) -> list[str]:
+    """Write a chart into files, and return their names: all its numbers, or bands or a picture of it ``drawn``."""
+    from floquetrod.plotting import charts
+
+    for path in paths:
+        with Waiting(f"writing {path}"):
+            if path.suffix == ".npz":
+                chart.save(path)
+            elif path.suffix == ".csv":
+                drawn.bands.to_csv(path)
+            else:
+                charts.save_figure(draw(), path)
+    return [str(path) for path in paths]
+
+
+def command_typed() -> str:
+    """Return the command as it was typed."""
+    return shlex.join(["floquetrod", *sys.argv[1:]])
 
 
 @contextmanager

@@ -15,6 +15,7 @@ from types import FrameType
 from typing import Any
 
 import floquetrod as fr
+from floquetrod._util.interchange import with_unit
 from floquetrod._util.tables import require_file
 from floquetrod._util.waiting import Waiting
 from floquetrod.cli.common import describe_command, warnings_at_once
@@ -110,7 +111,7 @@ def _ensemble(options: argparse.Namespace) -> Output:
         "failures": [{"reason": reason, "runs": count} for reason, count in summary.reasons],
         "confidence": options.confidence,
         "rows": [
-            {**{_key(name, summary.units[name]): v for name, v in row.at.items()}, **row.counts, **row.shares}
+            {**{with_unit(name, summary.units[name]): v for name, v in row.at.items()}, **row.counts, **row.shares}
             for row in summary.rows
         ],
         "store": None if store is None else str(store),
@@ -161,12 +162,6 @@ def _stopped_by_signals() -> Iterator[list[int]]:
     finally:
         for number, handler in before.items():
             signal.signal(number, signal.SIG_DFL if handler is None else handler)
-
-
-def _key(name: str, unit: str) -> str:
-    """Return the name of what is varied with its unit, as in kick_m_per_s."""
-    written = unit.replace("1/", "per_").replace("/", "_per_").replace("^", "")
-    return name if unit == "1" else f"{name}_{written}"
 
 
 def _report(summary: Overview, record: dict[str, Any], study: fr.Study, options: argparse.Namespace) -> Iterator[str]:

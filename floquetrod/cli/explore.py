@@ -12,16 +12,13 @@ from floquetrod._util.waiting import say
 from floquetrod.cli.common import (
     ROD_AND_LOAD,
     ROD_OPTIONS,
-    add_rod,
-    add_units,
     check_out,
     describe_command,
-    read_rod,
     read_units,
 )
-from floquetrod.cli.loads import add_kind, read_kind, read_load, read_record, warn_of_hertz
+from floquetrod.cli.loads import add_question, read_question, warn_of_hertz
 from floquetrod.cli.messages import option
-from floquetrod.cli.output import Output, names, output
+from floquetrod.cli.output import Output, output
 from floquetrod.cli.parser import Parser
 from floquetrod.explorer.limits import Scale
 from floquetrod.plotting import charts
@@ -41,8 +38,9 @@ examples:
   floquetrod explore --rod my_rod.toml --force record.csv
 
 The explorer accepts every rod and load of floquetrod check.  Slow results, such as those of coupled modes, appear
-while the sliders rest.  Axes and sliders are in the units of the given load, or of --unit.  The window shows the load
-as a command, and prints it when it closes.
+while the sliders rest.  --mean, --amplitude and --frequency, all three or none, are those of the first load.  Axes and
+sliders are in the units of the given load, or of --unit.  The window shows the load as a command, and prints it when it
+closes.
 
 With --out the picture is written to a file and no window opens; this needs no screen.
 With --web the window is a page in the browser of this machine (pip install floquetrod[web]).  Its address, which holds
@@ -55,11 +53,7 @@ _LAST_PORT = 65_535
 def add(explore: Parser) -> None:
     """Add help and options of the command to its parser."""
     describe_command(explore, _HELP, _explore, (*ROD_AND_LOAD, "web"))
-    add_rod(explore, classified=False)
-    add_units(explore)
-    for name in KINDS:
-        explore.add_argument(f"--{name}", help=f"initial {name}; give all three or none, or --force")
-    add_kind(explore)
+    add_question(explore, classified=False)
     explore.add_argument("--out", type=Path, help="write the picture (.png, .pdf, .svg) and open no window")
     explore.add_argument("--web", action="store_true", help="show a page in the browser in place of a window")
     explore.add_argument("--port", type=int, help="port of the page (needs --web; default: any free one)")
@@ -68,12 +62,12 @@ def add(explore: Parser) -> None:
 
 def _explore(options: argparse.Namespace) -> Output:
     _require_web(options)
-    rod = read_rod(options)
-    load, is_given = _given_load(options, rod)
+    rod, load, is_given = _given(options)
     if options.out is not None:
         check_out(options.out, charts.FIGURES)
     warn_of_hertz("--frequency", options.frequency, rod, [load])
-    shown = read_units(options, rod)
+    names = read_units(options, rod)
+    shown = shown_in(names, rod.critical_force)
     if not is_given:  # begin in the middle of things
         first = Scale.of(rod).first_load(shown)
         load = load.with_numbers(first.mean, first.amplitude, first.frequency)
@@ -81,7 +75,7 @@ def _explore(options: argparse.Namespace) -> Output:
         import matplotlib as mpl
 
         mpl.use("agg")  # the window is a page
-    units: dict[str, str] = {name: shown[name].name for name in KINDS}
+    units: dict[str, str] = {name: names[name] for name in KINDS}
 
     def another() -> fr.Explorer:
         return fr.Explorer(rod, load, units, options=_named(options))
@@ -102,18 +96,18 @@ def _explore(options: argparse.Namespace) -> Output:
         "command": explorer.command,
     }
     where = f"written: {options.out}\n" if options.out is not None else ""
-    told = describe_load(load, shown_in(names(shown), rod.critical_force), rod)
+    told = describe_load(load, shown, rod)
     said = f"{where}{told}\n{rod.stability(load)}\n{explorer.command}"
     return output(options, lambda: said, lambda: record)
 
 
-def _given_load(options: argparse.Namespace, rod: fr.Rod) -> tuple[Load, bool]:
-    """Return the load that the options describe, and whether they give its numbers."""
+def _given(options: argparse.Namespace) -> tuple[fr.Rod, Load, bool]:
+    """Return the rod and the load that the options describe, and whether they give its numbers."""
     given = [name for name in KINDS if getattr(options, name) is not None]
     if given and len(given) < len(KINDS) and options.force is None:
         raise ValueError(f"--mean, --amplitude and --frequency go together; got only --{', --'.join(given)}")
-    record = read_record(options, rod)
-    return read_load(options, rod, read_kind(options, record)), bool(given) or record is not None
+    rod, record, load = read_question(options, required=False)
+    return rod, load, bool(given) or record is not None
 
 
 def _named(options: argparse.Namespace) -> list[str]:

@@ -5,7 +5,8 @@ from __future__ import annotations
 import argparse
 import itertools
 from collections.abc import Iterable
-from typing import Any, NamedTuple, TypeVar
+from dataclasses import replace
+from typing import Any, NamedTuple
 
 import floquetrod as fr
 from floquetrod import units
@@ -24,9 +25,6 @@ from floquetrod.cli.messages import option
 from floquetrod.rod import reading
 from floquetrod.rod.loads.load import KINDS, Load, Quantity
 from floquetrod.rod.model.plausibility import suspicion_of_hertz, warn_of_load
-from floquetrod.units import Unit
-
-_L = TypeVar("_L", bound=Load)
 
 _LOAD_HELP: dict[Quantity, tuple[str, str]] = {
     "mean": ("mean force such as 0.2Fcr, 20%%, 12N or 3lbf{}; negative pulls", "0:1.2Fcr"),
@@ -36,20 +34,24 @@ _LOAD_HELP: dict[Quantity, tuple[str, str]] = {
 """Help of the quantities of a load, and an example of a range."""
 
 
-def add_ranges(command: argparse.ArgumentParser, subject: Any = None, *, friction: bool = False) -> None:
-    """Add the options of a question about ranges of loads on a rod, as `read_ranges` reads them.
-
-    ``subject`` as in `add_rod`.
-    """
-    add_rod(command, subject)
+def add_question(
+    command: argparse.ArgumentParser,
+    subject: Any = None,
+    *,
+    classified: bool = True,
+    friction: bool = False,
+    ranges: bool = False,
+) -> None:
+    """Add the options of a question about a rod and its load, which may be ``ranges``; the rest as in `add_rod`."""
+    add_rod(command, subject, classified=classified)
     if friction:
         add_friction(command)
     add_units(command)
-    add_kind(command)
-    add_load(command, ranges=True)
+    _add_load(command, ranges)
+    _add_kind(command)
 
 
-def add_load(command: argparse.ArgumentParser, *, ranges: bool = False) -> None:
+def _add_load(command: argparse.ArgumentParser, ranges: bool) -> None:
     """Add the options for mean, amplitude and frequency, which may be ``ranges``."""
     for name, (text, example) in _LOAD_HELP.items():
         given = text.format(f", or a range such as {example}" if ranges else "")
@@ -71,7 +73,7 @@ def _units() -> str:
     return "\n".join(lines)
 
 
-def add_kind(command: argparse.ArgumentParser) -> None:
+def _add_kind(command: argparse.ArgumentParser) -> None:
     """Add the options that say what kind of load it is."""
     command.add_argument(
         "--mean-at",
@@ -110,7 +112,7 @@ def add_kind(command: argparse.ArgumentParser) -> None:
         )
 
 
-def read_record(options: argparse.Namespace, rod: fr.Rod) -> fr.ForceRecord | None:
+def _read_record(options: argparse.Namespace, rod: fr.Rod) -> fr.ForceRecord | None:
     """Return the measured force, None without any; warns where it may be in another unit than N."""
     if options.force is None:
         return reading.read_record(vars(options), option)
@@ -121,12 +123,13 @@ def read_record(options: argparse.Namespace, rod: fr.Rod) -> fr.ForceRecord | No
     return record
 
 
-def read_kind(options: argparse.Namespace, record: fr.ForceRecord | None) -> Load:
-    """Return a load of the kind that the options describe, its numbers those of the record."""
-    return reading.read_kind(vars(options), record, option)
+def _read_kind(options: argparse.Namespace, rod: fr.Rod) -> tuple[fr.ForceRecord | None, Load]:
+    """Return the measured force, and a load of the kind that the options describe, its numbers those of the record."""
+    record = _read_record(options, rod)
+    return record, reading.read_kind(vars(options), record, option)
 
 
-def require_quantities(options: argparse.Namespace) -> None:
+def _require_quantities(options: argparse.Namespace) -> None:
     """Raise ValueError where a quantity of the load is missing, and no record gives it."""
     if options.force is not None:
         return
@@ -137,13 +140,15 @@ def require_quantities(options: argparse.Namespace) -> None:
         )
 
 
-def read_load(options: argparse.Namespace, rod: fr.Rod, like: _L) -> _L:
-    """Return the load that the options describe, of the kind of ``like``, which gives the numbers left out."""
-    found = {name: getattr(like, name) for name in KINDS}
-    for name in KINDS:
-        if (text := getattr(options, name)) is not None:
-            found[name] = read_quantity(text, name, rod)
-    return like.with_numbers(**found)
+def read_question(options: argparse.Namespace, *, required: bool = True) -> tuple[fr.Rod, fr.ForceRecord | None, Load]:
+    """Return the rod, the measured force, None without any, and the load, whose quantities may be ``required``."""
+    if required:
+        _require_quantities(options)
+    rod = read_rod(options)
+    record, like = _read_kind(options, rod)
+    texts = {name: text for name in KINDS if (text := getattr(options, name)) is not None}
+    numbers: dict[str, Any] = {name: read_quantity(text, name, rod) for name, text in texts.items()}
+    return rod, record, replace(like, **numbers)
 
 
 class Ranges(NamedTuple):
@@ -153,7 +158,7 @@ class Ranges(NamedTuple):
     like: Load
     values: dict[Quantity, list[float]]
     tolerance: float
-    shown: dict[str, Unit]
+    shown: dict[str, str]
 
     @property
     def varied(self) -> list[Quantity]:
@@ -174,9 +179,9 @@ class Ranges(NamedTuple):
 
 def read_ranges(options: argparse.Namespace) -> Ranges:
     """Return the question that options ask."""
-    require_quantities(options)
+    _require_quantities(options)
     rod = read_rod(options)
-    like = read_kind(options, read_record(options, rod))
+    _, like = _read_kind(options, rod)
     texts = {name: getattr(options, name) for name in KINDS}
     values = {n: [getattr(like, n)] if text is None else read_range(text, n, rod) for n, text in texts.items()}
     return Ranges(rod, like, values, read_tolerance(options), read_units(options, rod))

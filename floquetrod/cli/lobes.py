@@ -5,13 +5,12 @@ from __future__ import annotations
 import argparse
 import math
 from pathlib import Path
-from typing import Any
 
 import floquetrod as fr
 from floquetrod import units
 from floquetrod._util.tables import require_file
 from floquetrod._util.waiting import Waiting
-from floquetrod.cli.common import check_out, describe_command, read_points
+from floquetrod.cli.common import chart_files, describe_command, read_points, write_charts
 from floquetrod.cli.output import Output, output
 from floquetrod.cli.parser import Parser
 from floquetrod.milling.tool_file import read_tool
@@ -68,34 +67,17 @@ def _critical_depth(options: argparse.Namespace, mill: fr.Milling) -> Output:
 
 
 def _chart(options: argparse.Namespace, mill: fr.Milling) -> Output:
-    from floquetrod.plotting import charts
-
     paths = options.out or [Path("lobes.png")]
-    for path in paths:
-        check_out(path, (*charts.FIGURES, ".csv", ".npz"))
+    chart_files(paths)
     columns, rows = read_points(options.points)
     ranges = {name: _range(options, name) for name in _KINDS}
     with Waiting("deciding stability"):
         lobes = mill.lobes((*ranges["speed"], columns), (*ranges["depth"], rows), growth=options.growth)
     with Waiting("finding the boundary"):
         lobes.chart.find_bands()
-    for path in paths:
-        with Waiting(f"writing {path}"):
-            _write(lobes, path)
-    written = [str(path) for path in paths]
+    written = write_charts(paths, lobes.chart, lobes.chart, lobes.plot)
     text = f"{lobes.report()}\n{lobes.chart.caption}\nwritten: {', '.join(written)}"
     return output(options, lambda: text, lambda: lobes.as_dict() | {"written": written})
-
-
-def _write(lobes: Any, path: Path) -> None:
-    from floquetrod.plotting import charts
-
-    if path.suffix == ".npz":
-        lobes.chart.save(path)
-    elif path.suffix == ".csv":
-        lobes.chart.bands.to_csv(path)
-    else:
-        charts.save_figure(lobes.plot(), path)
 
 
 def _range(options: argparse.Namespace, name: str) -> tuple[float, float]:
@@ -108,10 +90,7 @@ def _range(options: argparse.Namespace, name: str) -> tuple[float, float]:
     ends = text.split(":")
     if len(ends) != 2:
         raise ValueError(f"--{name} must be a range such as 0mm:4mm, two values with a colon between, got {text!r}")
-    unit = units.unit_of(ends[1])
-    if unit and units.unit_of(ends[0]) == "":
-        ends[0] += unit
-    low, high = (units.quantity(end, f"--{name}", _KINDS[name], least=0.0) for end in ends)
+    low, high = (units.quantity(end, f"--{name}", _KINDS[name], least=0.0) for end in units.same_unit(*ends))
     if not low < high:
         raise ValueError(f"--{name} must be a range from less to more, got {text!r}")
     return low, high

@@ -4,15 +4,14 @@ from __future__ import annotations
 
 import argparse
 
-from floquetrod import units
 from floquetrod.cli.common import (
     add_coefficient,
+    add_push,
     add_rod,
     describe_command,
-    read_force,
+    read_push,
     read_rod,
-    units_asked,
-    units_typed,
+    units_shown,
 )
 from floquetrod.cli.output import Output, output
 from floquetrod.cli.parser import Parser
@@ -34,8 +33,7 @@ def add(command: Parser) -> None:
     describe_command(command, _HELP, _lock_up, ("rod", "bore", "length", "friction", "push"))
     add_rod(command, classified=False)
     add_coefficient(command, "required")
-    command.add_argument("--far-force", metavar="FORCE", help="mean force at the lower end (default: 0)")
-    command.add_argument("--push", metavar="FORCE", help="force at the upper end, such as 20kN")
+    add_push(command)
     command.add_argument(
         "--unit", metavar="UNITS", help="units of the answer, such as ft,lbf (default: those of the question)"
     )
@@ -44,11 +42,8 @@ def add(command: Parser) -> None:
 def _lock_up(options: argparse.Namespace) -> Output:
     if options.friction is None:
         raise ValueError("--friction is required: without friction nothing locks up; add it, such as --friction 0.3")
-    shown = {**units_typed(options), **units_asked(options.unit, ("length", "force"), "ft,lbf")}
-    for kind, name in shown.items():
-        units.unit(name, "--unit", kind)
+    shown = units_shown(options, ("length", "force"), "ft,lbf")
     rod = read_rod(options)
-    far = read_force(options.far_force or "0", "--far-force", rod)
-    push = None if options.push is None else read_force(options.push, "--push", rod)
+    far, push = read_push(options, rod)
     found = rod.lock_up(options.friction, far)
     return output(options, lambda: found.report(push, **shown), lambda: found.as_dict(push))

@@ -8,11 +8,10 @@ import os
 import re
 import sys
 import warnings
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, redirect_stderr
 from functools import partial
 from importlib import import_module
-from types import ModuleType
 from typing import Any
 
 import floquetrod as fr
@@ -162,33 +161,26 @@ completion, once floquetrod[completion] is installed:
 """
 
 
-_COMMANDS: dict[str, tuple[str, Callable[[], ModuleType]]] = {
-    "check": (
-        "say whether a rod under an axial load, or a system of equations, is stable",
-        lambda: import_module("floquetrod.cli.check"),
-    ),
-    "certify": ("prove stability for every load of a box", lambda: import_module("floquetrod.cli.certify")),
-    "ranges": (
-        "list every stability interval of one quantity of the load",
-        lambda: import_module("floquetrod.cli.ranges"),
-    ),
-    "map": ("draw stability over two quantities of the load", lambda: import_module("floquetrod.cli.stability_map")),
-    "explore": ("show stability while sliders move the load", lambda: import_module("floquetrod.cli.explore")),
-    "compare": ("compare all methods on one equation", lambda: import_module("floquetrod.cli.compare")),
-    "simulate": ("simulate a rod and compare it with theory", lambda: import_module("floquetrod.cli.simulate")),
-    "ensemble": ("simulate a rod many times, with statistics", lambda: import_module("floquetrod.cli.ensemble")),
-    "lock-up": (
-        "say how far a string can be pushed down a straight channel",
-        lambda: import_module("floquetrod.cli.lock_up"),
-    ),
-    "reach": ("say how far a string can be pushed into a well", lambda: import_module("floquetrod.cli.reach")),
-    "report": (
-        "write a rod under a load into one file, a page or a PDF",
-        lambda: import_module("floquetrod.cli.report"),
-    ),
-    "lobes": ("draw the stability lobes of a milling cutter", lambda: import_module("floquetrod.cli.lobes")),
+_COMMANDS = {
+    "check": "say whether a rod under an axial load, or a system of equations, is stable",
+    "certify": "prove stability for every load of a box",
+    "ranges": "list every stability interval of one quantity of the load",
+    "map": "draw stability over two quantities of the load",
+    "explore": "show stability while sliders move the load",
+    "compare": "compare all methods on one equation",
+    "simulate": "simulate a rod and compare it with theory",
+    "ensemble": "simulate a rod many times, with statistics",
+    "lock-up": "say how far a string can be pushed down a straight channel",
+    "reach": "say how far a string can be pushed into a well",
+    "report": "write a rod under a load into one file, a page or a PDF",
+    "lobes": "draw the stability lobes of a milling cutter",
 }
-"""The commands in the order of the help, each its line there and its module, which is imported for it alone."""
+"""The commands in the order of the help, each with its line there."""
+
+
+def _add_options(name: str, command: Parser) -> None:
+    """Add the options of a command, whose module is imported for it alone."""
+    import_module(f"floquetrod.cli.{name.replace('-', '_')}").add(command)
 
 
 def _parser(only: str | None = None) -> Parser:
@@ -202,11 +194,11 @@ def _parser(only: str | None = None) -> Parser:
     parser.add_argument("--version", action="version", version=f"floquetrod {fr.__version__}")
     add_completion(parser, _parser)
     commands = parser.add_subparsers(dest="command", metavar="command", parser_class=Parser)
-    for name, (summary, module) in _COMMANDS.items():
+    for name, summary in _COMMANDS.items():
         command = commands.add_parser(name, help=summary)
         command.elsewhere = partial(_elsewhere, name)
         if only in (None, name):
-            module().add(command)
+            _add_options(name, command)
     return parser
 
 
@@ -225,5 +217,5 @@ def _elsewhere(name: str, option: str) -> str:
 
 def _options(name: str) -> tuple[str, ...]:
     command = Parser()
-    _COMMANDS[name][1]().add(command)
+    _add_options(name, command)
     return command.options

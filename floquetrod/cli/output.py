@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import argparse
 import json
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from typing import Any, NamedTuple
 
 from floquetrod._util.report import Report
 from floquetrod._util.version import __version__
-from floquetrod.units import Unit
 
 
 class Output(NamedTuple):
@@ -29,8 +28,3 @@ def output(
     if options.json:
         return Output(json.dumps({**record(), "version": __version__}, indent=2, allow_nan=False), status)
     return Output(str(report()), status)
-
-
-def names(shown: Mapping[str, Unit]) -> dict[str, str]:
-    """Return units by their names, as reports take them."""
-    return {name: unit.name for name, unit in shown.items()}

@@ -9,7 +9,7 @@ from typing import Any
 import floquetrod as fr
 from floquetrod._util.waiting import Waiting
 from floquetrod.cli.common import ROD_AND_LOAD, describe_command
-from floquetrod.cli.loads import add_ranges, read_ranges
+from floquetrod.cli.loads import add_question, read_ranges
 from floquetrod.cli.output import Output, output
 from floquetrod.cli.parser import Parser
 from floquetrod.rod.model.constants import SLOW_GROWTH
@@ -39,7 +39,7 @@ stabilises the load with the fastest growth.
 def add(ranges: Parser) -> None:
     """Add help and options of the command to its parser."""
     describe_command(ranges, _HELP, _ranges, (*ROD_AND_LOAD, "growth_tolerance"))
-    add_ranges(ranges)
+    add_question(ranges, ranges=True)
     ranges.set_defaults(growth_tolerance=f"{SLOW_GROWTH:g}")
 
 
@@ -64,4 +64,4 @@ def _ranges(options: argparse.Namespace) -> Output:
         found = searches[varied[0]](**fixed, bounds=bounds, growth_tolerance=tolerance, like=like, progress=progress)
     with Waiting("finding the fastest growth and the damping required", "unstable parts") as progress:
         found.find_unstable(progress)
-    return output(options, lambda: found.report(*shown[varied[0]]), found.as_dict)
+    return output(options, lambda: found.report(shown[varied[0]]), found.as_dict)

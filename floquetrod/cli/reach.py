@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import shlex
-import sys
 from collections.abc import Sequence
 from functools import partial
 from pathlib import Path
@@ -15,16 +13,18 @@ import floquetrod as fr
 from floquetrod import units
 from floquetrod._util.waiting import Waiting
 from floquetrod.cli.common import (
+    add_push,
     add_rod,
     add_survey_units,
     add_tool,
+    add_wall_friction,
     check_out,
+    command_typed,
     describe_command,
-    read_force,
+    read_push,
     read_rod,
     read_survey,
-    units_asked,
-    units_typed,
+    units_shown,
 )
 from floquetrod.cli.output import Output, output
 from floquetrod.cli.parser import Parser
@@ -76,17 +76,10 @@ def add(command: Parser) -> None:
 def add_well(command: argparse.ArgumentParser, *, required: bool) -> None:
     """Add the options that describe a well and how a string is pushed into it."""
     command.add_argument("--well", required=required, metavar="FILE", type=Path, help="survey, a text file of columns")
-    command.add_argument(
-        "--friction",
-        "--mu",
-        required=required,
-        metavar="MU",
-        help="coefficient of friction with the wall, such as 0.3, or 0.2,0.35@1500m with another from 1500 m on",
-    )
+    add_wall_friction(command, required=required)
     add_tool(command)
     command.add_argument("--speed", default="0.05m/s", help="speed at which the string slides (default 0.05m/s)")
-    command.add_argument("--far-force", metavar="FORCE", default="0", help="mean force at the lower end (default: 0)")
-    command.add_argument("--push", metavar="FORCE", help="force at the upper end, such as 20kN")
+    add_push(command)
     command.add_argument(
         "--helical",
         choices=("energy", "loading", "alone", "always"),
@@ -99,15 +92,15 @@ def read_reach(options: argparse.Namespace, rod: fr.Rod, depth: Sequence[str] | 
     """Return how far a string can be pushed into the well of the options, with the forces at depths with their unit."""
     from floquetrod.rod import reading
 
-    path = read_survey(options, options.well)
+    path, (far_force, push) = read_survey(options, options.well), read_push(options, rod)
     with Waiting("pushing the string"):
         return rod.reach(
             path,
             reading.read_friction(options.friction, "--friction"),
             tool=None if options.tool is None else reading.read_tool(options.tool, "--tool"),
             speed=units.quantity(options.speed, "--speed", "speed"),
-            far_force=read_force(options.far_force, "--far-force", rod),
-            push=None if options.push is None else read_force(options.push, "--push", rod),
+            far_force=far_force,
+            push=push,
             helical=options.helical,
             depth=depth,
         )
@@ -120,30 +113,27 @@ def _reach(options: argparse.Namespace) -> Output:
         check_out(options.figure, charts.FIGURES, "--figure")
     if options.report is not None:
         check_out(options.report, document.KINDS, "--report")
-    asked = units_asked(options.unit, ("length", "force", "pressure", "frequency"), "ft,lbf")
-    shown = {"depth" if kind == "length" else kind: name for kind, name in {**units_typed(options), **asked}.items()}
-    for kind, name in shown.items():
-        units.unit(name, "--unit", "length" if kind == "depth" else kind)
+    asked = units_shown(options, ("length", "force", "pressure", "frequency"), "ft,lbf")
+    shown = {"depth" if kind == "length" else kind: name for kind, name in asked.items()}
     shown.setdefault("depth", AnswerUnits.named(shown.get("force", "kN")).length.name)
     found = read_reach(options, read_rod(options), None if options.depths is None else _depths(options.depths))
     if options.figure is not None:
         charts.save_figure(found.plot(**shown), options.figure)
     if options.report is not None:
         named = {"length" if name == "depth" else name: unit for name, unit in shown.items()}
-        fr.save_report(found, options.report, units=named, command=shlex.join(["floquetrod", *sys.argv[1:]]))
+        fr.save_report(found, options.report, units=named, command=command_typed())
     return output(options, partial(found.report, **shown), found.as_dict)
 
 
 def _depths(text: str) -> list[str]:
     """Return the depths of a list, or ten from one to another, in one unit; one at the end is that of all."""
     parts = text.replace(":", ",").split(",")
-    last = units.unit_of(parts[-1]) or ""
-    values = [units.quantity(each if units.unit_of(each) else each + last, "--depths", "length") for each in parts]
+    values = [units.quantity(each, "--depths", "length") for each in units.same_unit(*parts)]
     if ":" in text:
         if len(values) != 2:
             raise ValueError(
                 f"--depths must be a list such as 9000ft,9500ft or two ends such as 9000:9900ft, got {text!r}"
             )
         values = np.linspace(values[0], values[1], _EVEN).tolist()
-    unit = units.unit(last, "--depths", "length")
+    unit = units.unit(units.unit_of(parts[-1]) or "", "--depths", "length")
     return [f"{float(unit.of(each))!r}{unit.name}" for each in values]

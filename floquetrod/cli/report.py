@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import shlex
-import sys
 from pathlib import Path
 
 import floquetrod as fr
@@ -12,16 +10,14 @@ from floquetrod._util.waiting import Waiting
 from floquetrod.cli import reach
 from floquetrod.cli.common import (
     ROD_AND_LOAD,
-    add_rod,
-    add_units,
     check_out,
+    command_typed,
     describe_command,
-    read_rod,
     read_tolerance,
     read_units,
 )
-from floquetrod.cli.loads import add_kind, add_load, read_kind, read_load, read_record, require_quantities
-from floquetrod.cli.output import Output, names, output
+from floquetrod.cli.loads import add_question, read_question
+from floquetrod.cli.output import Output, output
 from floquetrod.cli.parser import Parser
 
 _HELP = """\
@@ -42,10 +38,7 @@ be pushed into that well.
 def add(command: Parser) -> None:
     """Add help and options of the command to its parser."""
     describe_command(command, _HELP, _report, (*ROD_AND_LOAD, "out"))
-    add_rod(command)
-    add_load(command)
-    add_kind(command)
-    add_units(command)
+    add_question(command)
     reach.add_well(command, required=False)
     command.add_argument(
         "--margins",
@@ -63,12 +56,9 @@ def add(command: Parser) -> None:
 def _report(options: argparse.Namespace) -> Output:
     from floquetrod.plotting import document
 
-    require_quantities(options)
     check_out(options.out, document.KINDS)
     _require_well(options)
-    rod = read_rod(options)
-    record = read_record(options, rod)
-    load = read_load(options, rod, read_kind(options, record))
+    rod, _, load = read_question(options)
     tolerance, shown = read_tolerance(options), read_units(options, rod)
     pushed = None if options.well is None else reach.read_reach(options, rod)
     with Waiting("deciding stability", "verdicts") as progress:
@@ -83,12 +73,12 @@ def _report(options: argparse.Namespace) -> Output:
             options.out,
             reach=pushed,
             motion=motion,
-            units=names(shown),
+            units=shown,
             margins=options.margins,
-            command=shlex.join(["floquetrod", *sys.argv[1:]]),
+            command=command_typed(),
             progress=progress,
         )
-    headline = verdict.report(names(shown)).headline
+    headline = verdict.report(shown).headline
     return output(
         options,
         lambda: f"{headline}\nwritten: {options.out}",

@@ -8,37 +8,27 @@ import os
 import tempfile
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import floquetrod as fr
 from floquetrod import units
-from floquetrod._util.files import writable
 from floquetrod._util.waiting import Waiting, roughly, say
 from floquetrod.cli.common import (
     ROD_AND_LOAD,
-    add_coefficient,
-    add_rod,
     add_tool,
-    add_units,
+    add_wall_friction,
+    check_out,
     describe_command,
     read_force,
-    read_rod,
     read_units,
     warnings_at_once,
 )
-from floquetrod.cli.loads import (
-    add_kind,
-    add_load,
-    read_kind,
-    read_load,
-    read_record,
-    require_quantities,
-    warn_of_hertz,
-)
+from floquetrod.cli.loads import add_question, read_question, warn_of_hertz
 from floquetrod.cli.messages import option
-from floquetrod.cli.output import Output, names, output
+from floquetrod.cli.output import Output, output
 from floquetrod.cli.parser import Parser, whole_number
 from floquetrod.rod.loads.load import Load
-from floquetrod.rod.reading import read_tool
+from floquetrod.rod.reading import read_friction, read_tool
 from floquetrod.simulation.starts import read_perturbation
 
 _HELP = """\
@@ -81,20 +71,18 @@ _LONG = 60.0  # s: of runs that take longer, this is said at their beginning (a 
 def add(command: Parser) -> None:
     """Add help and options of the command to its parser."""
     describe_command(command, _HELP, _simulate, (*ROD_AND_LOAD, "duration"))
-    add_rod(command, classified=False)
-    add_units(command)
-    add_load(command)
-    add_kind(command)
+    add_question(command, classified=False)
     command.add_argument(
         "--feed-speed", metavar="SPEED", help="speed at which the upper end is moved down the channel, such as 10mm/s"
     )
     command.add_argument("--far-force", metavar="FORCE", help="mean force at the lower end (default: from the load)")
     add_tool(command)
     command.add_argument("--duration", metavar="TIME", default="2s", help="how long to simulate (default 2s)")
-    add_coefficient(command, "default 0", 0.0)
+    add_wall_friction(command, default="0")
     command.add_argument(
         "--natural-curvature",
         metavar="CURVATURE",
+        default="0",
         help="shape of the rod without load: a curvature such as 3deg/30m, or path for that of its channel (default 0)",
     )
     command.add_argument(
@@ -133,39 +121,29 @@ def add(command: Parser) -> None:
     )
 
 
-def _natural_curvature(text: str | None) -> float | str:
-    """Return a curvature in 1/m, or the word path."""
-    if text is None or text.strip().lower() == "path":
-        return 0.0 if text is None else "path"
-    return units.quantity(text, "--natural-curvature", "curvature")
-
-
 def _simulate(options: argparse.Namespace) -> Output:
-    require_quantities(options)
-    rod = read_rod(options)
-    force = read_record(options, rod)
-    load = read_load(options, rod, read_kind(options, force))
+    rod, _, load = read_question(options)
     feed = None if options.feed_speed is None else units.quantity(options.feed_speed, "--feed-speed", "speed")
     far = None if options.far_force is None else read_force(options.far_force, "--far-force", rod)
+    friction: Any = read_friction(options.friction, "--friction")
     duration = units.quantity(options.duration, "--duration", "time")
     step = None if options.time_step is None else units.quantity(options.time_step, "--time-step", "time")
     perturbation, shown = read_perturbation(vars(options), option), read_units(options, rod)
-    _check_kinds(options.out)
-    _check_places([*options.out, *filter(None, [options.checkpoint])])
+    _check_files(options.out, options.checkpoint)
     warn_of_hertz("--frequency", options.frequency, rod, [load])
     problem = fr.SimulationProblem(
         rod,
         load,
         duration=duration,
-        friction=options.friction,
+        friction=friction,
         perturbation=perturbation,
         segments=options.segments,
         time_step=step,
-        frames=_frames(load, duration, options.friction) if options.frames is None else options.frames,
+        frames=_frames(load, duration, friction != 0.0) if options.frames is None else options.frames,
         feed_speed=feed,
         far_force=far,
         tool=None if options.tool is None else read_tool(options.tool, "--tool"),
-        natural_curvature=_natural_curvature(options.natural_curvature),
+        natural_curvature=options.natural_curvature,
     )
     try:
         with warnings_at_once(), _Forewarning("simulating", "steps") as progress:
@@ -184,7 +162,7 @@ def _simulate(options: argparse.Namespace) -> Output:
     }
     return output(
         options,
-        lambda: found.report(names(shown)).with_lines(_left(run, written, missed, options)),
+        lambda: found.report(shown).with_lines(_left(run, written, missed, options)),
         lambda: found.as_dict() | files,
         2 if missed else 0 if run.complete else 130,
     )
@@ -219,28 +197,26 @@ class _Forewarning(Waiting):
                 )
 
 
-def _frames(load: Load, duration: float, friction: float) -> int:
-    if friction > 0.0 or load.amplitude == 0.0:
+def _frames(load: Load, duration: float, has_friction: bool) -> int:
+    if has_friction or load.amplitude == 0.0:
         return _FRAMES
     wanted = min(_FRAMES_A_PERIOD * duration * load.frequency / (2.0 * math.pi), _MOST_FRAMES)
     return max(_FRAMES, math.ceil(wanted) + 1)
 
 
-def _check_places(paths: list[Path]) -> None:
+def _check_files(paths: list[Path], checkpoint: Path | None) -> None:
     """Raise ValueError where a file could not be written or would be written over by another of this run."""
-    for place, path in enumerate(paths):
-        writable(path)
-        if os.path.realpath(path) in map(os.path.realpath, paths[:place]):
-            raise ValueError(f"{path} is named twice; give every file its own name")
-
-
-def _check_kinds(paths: list[Path]) -> None:
     from floquetrod.plotting import charts, rod
 
     for path in paths:
-        if path.suffix not in (*charts.FIGURES, *rod.ANIMATIONS, ".npz"):
-            raise ValueError(f"--out must end in .png, .pdf, .svg, .gif, .mp4 or .npz, got {str(path)!r}")
+        check_out(path, (*charts.FIGURES, *rod.ANIMATIONS, ".npz"))
         rod.require_writer(path)
+    if checkpoint is not None:
+        check_out(checkpoint, (), "--checkpoint")
+        paths = [*paths, checkpoint]
+    for place, path in enumerate(paths):
+        if os.path.realpath(path) in map(os.path.realpath, paths[:place]):
+            raise ValueError(f"{path} is named twice; give every file its own name")
 
 
 def _write_all(run: fr.Simulation, paths: list[Path]) -> tuple[list[str], list[str]]:

@@ -3,25 +3,28 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Sequence
 from pathlib import Path
 from typing import cast
 
 import floquetrod as fr
 from floquetrod._util.tables import require_file
 from floquetrod._util.waiting import Waiting
+from floquetrod.cli.messages import option
 from floquetrod.cli.output import Output, output
 from floquetrod.equations.system_files import read_system
 from floquetrod.floquet.verdict import Status
 
+_OF_A_SYSTEM = ("command", "system", "method", "exit_code", "json")
+"""Options that go with a system."""
 
-def require_alone(options: argparse.Namespace, given: Sequence[str]) -> None:
-    """Raise ValueError where options of a rod were given beside a system, by their names in the namespace."""
-    if given:
-        raise ValueError(
-            f"--{given[0].replace('_', '-')} belongs to --rod, got {str(getattr(options, given[0]))!r}: a system "
-            "is described by its file alone"
-        )
+
+def require_alone(options: argparse.Namespace) -> None:
+    """Raise ValueError where options of a rod were given beside a system."""
+    for name, value in vars(options).items():
+        if name not in _OF_A_SYSTEM and value != options.parser.get_default(name):
+            raise ValueError(
+                f"{option(name)} belongs to --rod, got {str(value)!r}: a system is described by its file alone"
+            )
 
 
 def classify(options: argparse.Namespace) -> tuple[Output, Status]:

@@ -16,7 +16,6 @@ from floquetrod._util.caching import cached_property
 from floquetrod.rod.distributions import quantile_function, quantiles
 from floquetrod.rod.loads.load import KINDS
 from floquetrod.rod.model import parts
-from floquetrod.rod.model.data import INSTEAD
 from floquetrod.simulation.problem import SimulationProblem
 from floquetrod.simulation.start import Perturbation
 
@@ -71,7 +70,7 @@ def names_of(problem: SimulationProblem) -> dict[str, tuple[str, ...]]:
     return {
         "problem": tuple(part.name for part in fields(problem) if part.type in _NUMBERS),
         "load": tuple(part.name for part in fields(problem.load) if part.type in _NUMBERS),
-        "rod": (*parts.LIMITS, *INSTEAD),
+        "rod": (*parts.LIMITS, *parts.INSTEAD),
         "tool": () if problem.tool is None else tuple(TOOL),
         "start": START,
     }

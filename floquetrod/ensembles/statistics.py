@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from floquetrod._util import validate
+from floquetrod._util.proportions import clopper_pearson
 from floquetrod.ensembles.runs import DONE, FAILED, Runs, Variable, require_runs
 
 
@@ -45,8 +46,6 @@ def probability(runs: Any, name: str = "buckled", *, over: str | Iterable[str], 
     >>> round(float(found["probability"]), 3), round(float(found["lower"]), 3), round(float(found["upper"]), 3)
     (0.333, 0.006, 0.932)
     """
-    from scipy.stats import beta
-
     found = require_runs("runs", runs)
     confidence = validate.confidence(confidence)
     for needed in ("status", validate.choice("name", name, found.variables)):
@@ -73,10 +72,7 @@ def probability(runs: Any, name: str = "buckled", *, over: str | Iterable[str], 
     counts = done.sum(axis=places)
     failed = (status == FAILED).sum(axis=places)
     true = (done & (values == 1)).sum(axis=places)
-    level, total = 0.5 * (1.0 - confidence), counts + failed
-    # As parameters of the beta distribution must be positive, the ends of the range are put in afterwards.
-    lower = np.where(true > 0, beta.ppf(level, np.maximum(true, 1), total - true + 1), 0.0)
-    upper = np.where(true + failed < total, beta.isf(level, true + failed + 1, np.maximum(counts - true, 1)), 1.0)
+    lower, upper = clopper_pearson(true, counts + failed, confidence, unknown=failed)
     with np.errstate(invalid="ignore"):
         share = np.where(counts > 0, true / np.maximum(counts, 1), np.nan)
 

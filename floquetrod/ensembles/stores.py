@@ -197,25 +197,16 @@ def chunk_shape(shape: tuple[int, ...], parts: int) -> tuple[int, ...]:
 
 
 class MemoryStore:
-    """Results in memory.
-
-    Attributes
-    ----------
-    layout : Layout
-    values : dict of ndarray (runs,)
-        Results by name.
-    reasons : dict
-        Why runs failed, by their number.
-    """
+    """Results in memory."""
 
     def __init__(self, layout: Layout) -> None:
         """Begin with every run pending."""
         self.layout = layout
         size = layout.study.size
-        self.values: dict[str, NDArray[Any]] = {
+        self.values: dict[str, NDArray[Any]] = {  # (runs,), by name
             name: np.full(size, kind.nothing, dtype=kind.dtype) for name, kind in layout.kinds.items()
         }
-        self.reasons: dict[int, str] = {}
+        self.reasons: dict[int, str] = {}  # why runs failed, by their number
         self._frames = self._room_for_frames()
         self._dirty: set[int] = set()
         self._due = time.monotonic() + _SECONDS_BETWEEN

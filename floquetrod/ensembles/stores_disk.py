@@ -20,11 +20,6 @@ class DiskStore(MemoryStore, ABC):
     """Results in memory that are saved to a disk.
 
     While it is open for a part, a lock keeps every other from filling the same runs; it ends with the process.
-
-    Attributes
-    ----------
-    path : Path
-        Of the store.
     """
 
     def __init__(self, layout: Layout, path: Path) -> None:

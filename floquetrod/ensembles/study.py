@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterator, Mapping
 from concurrent.futures import Executor
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
+from functools import partial
 from itertools import product
 from pathlib import Path
 from typing import Any, Literal, Self
@@ -23,7 +24,6 @@ from floquetrod.ensembles.axes import LAYOUTS, MOST_RUNS, RUN_KINDS, VARIED_KIND
 from floquetrod.ensembles.ensemble import ensemble
 from floquetrod.ensembles.tasks import Summary
 from floquetrod.rod.loads.load import FAR_ENDS, KINDS
-from floquetrod.rod.model.data import INSTEAD
 from floquetrod.rod.model.files import rod_of
 from floquetrod.rod.model.plausibility import suspicion_of_hertz, warn_of_load
 from floquetrod.rod.reading import (
@@ -45,10 +45,18 @@ _TABLES = ("rod", "load", "run", "start", "over", "ensemble")
 _LOAD = (*KINDS, *LOAD_OPTIONS)
 _COUNTS = ("segments", "frames")
 _START = ("kick", "random", "seed", "case")
-_OPTIONS = ("layout", "samples", "seed", "frames")
+_RUN = (*RUN_KINDS, *_COUNTS, "stop_early", "natural_curvature", "tool")
+_OPTIONS: dict[str, Callable[[str, Any], Any]] = {
+    "layout": partial(validate.choice, allowed=LAYOUTS),
+    "samples": partial(validate.integer, least=1),
+    "seed": partial(validate.integer, least=0),
+    "frames": validate.flag,
+}
+"""Options of `floquetrod.ensemble`, each with what checks it."""
+
 _INTEGERS = (*_COUNTS, "seed")
 _ARGUMENTS = {
-    **dict.fromkeys((*RUN_KINDS, *_COUNTS, "stop_early", "natural_curvature", "tool"), "run"),
+    **dict.fromkeys(_RUN, "run"),
     "rod": "rod",
     "load": "load",
     "perturbation": "start",
@@ -218,7 +226,7 @@ def _naming(path: Path, table: str = "") -> Iterator[None]:
 def _rod(path: Path, given: Any) -> Rod:
     """Return the rod: a table as in rod files, or nitinol or the name of a rod file."""
     if isinstance(given, dict):
-        return rod_of(given, Rod, INSTEAD, path.parent)
+        return rod_of(given, Rod, path.parent)
     if not isinstance(given, str):
         raise ValueError(f"must be a table as in rod files, nitinol or a rod file, got {validate.short(given)}")
     if is_pipe(given):
@@ -270,12 +278,12 @@ def _ends(varied: Any, own: float) -> list[float]:
 
 def _settings(table: Mapping[str, Any], rod: Rod) -> dict[str, Any]:
     """Return the options of the problem in the table [run]."""
-    require_known(table, (*RUN_KINDS, *_COUNTS, "stop_early", "natural_curvature", "tool"))
+    require_known(table, _RUN)
     found: dict[str, Any] = {}
     for key, value in table.items():
-        if key == "friction" and isinstance(value, list):
+        if key == "natural_curvature" or (key == "friction" and isinstance(value, list)):
             found[key] = value  # the problem checks it
-        elif key == "friction" and isinstance(value, str) and "@" in value:
+        elif key == "friction" and isinstance(value, str):
             found[key] = read_friction(value, key)
         elif key == "tool":
             found[key] = read_tool(str(_scalar(key, value)), key)
@@ -283,8 +291,6 @@ def _settings(table: Mapping[str, Any], rod: Rod) -> dict[str, Any]:
             found[key] = _quantity(key, value, rod)
         elif key in _COUNTS:
             found[key] = validate.integer(key, value, 2)
-        elif key == "natural_curvature":
-            found[key] = value  # the problem checks it
         else:
             found[key] = validate.flag(key, value)
     return found
@@ -309,16 +315,7 @@ def _start(table: Mapping[str, Any]) -> dict[str, Any]:
 def _options(table: Mapping[str, Any]) -> dict[str, Any]:
     """Return the table [ensemble]: how values are combined, and how they are drawn."""
     require_known(table, _OPTIONS)
-    found: dict[str, Any] = {}
-    if "layout" in table:
-        found["layout"] = validate.choice("layout", table["layout"], LAYOUTS)
-    if "samples" in table:
-        found["samples"] = validate.integer("samples", table["samples"], 1)
-    if "seed" in table:
-        found["seed"] = validate.integer("seed", table["seed"], 0)
-    if "frames" in table:
-        found["frames"] = validate.flag("frames", table["frames"])
-    return found
+    return {name: _OPTIONS[name](name, value) for name, value in table.items()}
 
 
 def _over(table: Mapping[str, Any], problem: SimulationProblem) -> dict[str, tuple[Any, Unit]]:

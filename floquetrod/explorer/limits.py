@@ -19,18 +19,10 @@ _STEPS = 1000  # of a slider at least, each a round number
 
 
 class Scale(NamedTuple):
-    """What loads of a rod are measured by.
+    """What loads of a rod are measured by."""
 
-    Attributes
-    ----------
-    force : float
-        Critical force in N; of a rod shorter than its critical half wave the larger force that buckles it.
-    frequency : float
-        Pendulum frequency in rad/s; of such a rod the larger frequency of its first mode.
-    """
-
-    force: float
-    frequency: float
+    force: float  # critical force in N; of a rod shorter than its critical half wave the larger one that buckles it
+    frequency: float  # pendulum frequency in rad/s; of such a rod the larger frequency of its first mode
 
     @classmethod
     def of(cls, rod: Rod) -> Scale:

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from floquetrod._util.progress import Progress
 from floquetrod.explorer.background import Stale, ViewParts
 from floquetrod.explorer.portions import in_portions, statuses_and_rates
+from floquetrod.explorer.source import Source, most_modes
 from floquetrod.plane import Bands, Chart
 from floquetrod.plotting.explorer_panels import UNKNOWN, MapView
 from floquetrod.rod.answers.verdict import RodStability
@@ -32,17 +33,13 @@ class _Replaced(Exception):  # no error: it ends a search that nobody waits for
     """The search has been replaced by another one."""
 
 
-class ChartMap:
+class ChartMap(Source):
     """A chart of points at once; in time its bands between exact curves, or more points where it has none."""
-
-    panels: tuple[str, ...] = ("map",)
 
     def __init__(self, rod: Rod, model: ModeModel, limits: dict[str, tuple[float, float]]) -> None:
         """Find how many points can be judged at once."""
         self.rod, self.limits = rod, limits
-        (_, mean), (_, amplitude), frequencies = limits.values()
-        corners = [model.like.with_numbers(mean, amplitude, at) for at in frequencies]
-        self.every = max(model.modes_needed(corner, 0.0)[0] for corner in corners)
+        self.every = most_modes(model, limits, 0.0)
         fewer = min(1.0, math.sqrt(_WORK / (self.every * _POINTS[0] * _POINTS[1])))
         self.points = [max(24, int(fewer * number)) for number in _POINTS]
         self.chart: Chart | None = None
@@ -72,10 +69,6 @@ class ChartMap:
                 return
         yield {"map": _cells(chart)._replace(bands=self.banded[1])}
 
-    def rest(self, load: Load, stale: Stale) -> Iterator[ViewParts]:
-        """Yield nothing more."""
-        return iter(())
-
     def _points(self, load: Load, points: Sequence[int]) -> Chart:
         """Return the map at an amplitude, of so many columns and rows."""
         return stability_map(
@@ -101,7 +94,7 @@ def _ending(stale: Stale) -> Progress:
     return watch
 
 
-class GrowingMap:
+class GrowingMap(Source):
     """Cells judged in time, the large ones first; keeps what is known at an amplitude."""
 
     def __init__(self, model: ModeModel, limits: dict[str, tuple[float, float]]) -> None:

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from floquetrod import mathieu
 from floquetrod.explorer.background import Stale, ViewParts
 from floquetrod.explorer.portions import in_portions, statuses_and_rates
+from floquetrod.explorer.source import Source, most_modes
 from floquetrod.plotting.explorer_panels import LineView, ModesView, RatesView, ShapeView, straightened
 from floquetrod.rod.answers.verdict import RodStability
 from floquetrod.rod.loads.load import Load, Loads
@@ -25,7 +26,7 @@ _FARTHEST = 1e4  # natural frequency over that of the load up to which the chart
 _LINE = (17, 33, 65)  # frequencies of the line through the load, each finding those before it again
 
 
-class ModesAndRates:
+class ModesAndRates(Source):
     """Where each mode lies among the tongues of Mathieu's equation, and how fast it grows: all of it at once."""
 
     panels: ClassVar[tuple[str, str]] = ("modes", "rates")
@@ -33,10 +34,7 @@ class ModesAndRates:
     def __init__(self, model: ModeModel, limits: dict[str, tuple[float, float]]) -> None:
         """Find how many modes are shown."""
         self.model = model
-        (_, mean), (_, amplitude), frequencies = limits.values()
-        corners = [model.like.with_numbers(mean, amplitude, at) for at in frequencies]
-        seen = max(model.modes_needed(corner, _SHOWN)[0] for corner in corners)
-        self.numbers = np.arange(1, min(max(_FEWEST, seen), _MOST) + 1)
+        self.numbers = np.arange(1, min(max(_FEWEST, most_modes(model, limits, _SHOWN)), _MOST) + 1)
         self.frame: tuple[float, float, float, float] | None = None
         self._drawn: tuple[object, ...] = ()
 
@@ -48,14 +46,6 @@ class ModesAndRates:
         growth = mathieu.growth_rate(system.alpha, system.beta, system.damping) * load.frequency
         modes = self._modes(system.alpha, system.beta, system.damping, growth)
         return {"rates": RatesView(self.numbers, growth), "modes": modes}
-
-    def first(self, load: Load, verdict: RodStability, stale: Stale) -> Iterator[ViewParts]:
-        """Yield nothing more."""
-        return iter(())
-
-    def rest(self, load: Load, stale: Stale) -> Iterator[ViewParts]:
-        """Yield nothing more."""
-        return iter(())
 
     def _modes(
         self, alpha: NDArray[np.float64], beta: NDArray[np.float64], damping: float, growth: NDArray[np.float64]
@@ -75,7 +65,7 @@ class ModesAndRates:
         return ModesView(self.numbers, x, alpha, growth, frame, tongues)
 
 
-class LineAndShape:
+class LineAndShape(Source):
     """Growth over the frequency and the shape that grows, found in time; keeps what is known of the line."""
 
     panels: ClassVar[tuple[str, str]] = ("line", "shape")

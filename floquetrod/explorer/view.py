@@ -3,45 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import Protocol
 
 from floquetrod.explorer.background import Stale, ViewParts
 from floquetrod.explorer.maps import ChartMap, GrowingMap
 from floquetrod.explorer.modes import LineAndShape, ModesAndRates
+from floquetrod.explorer.source import Source
 from floquetrod.explorer.words import MARGINS, verdict_words
-from floquetrod.rod.answers.verdict import RodStability
 from floquetrod.rod.loads.load import Load, Loads
 from floquetrod.rod.rod import Rod
-
-
-class Source(Protocol):
-    """What fills some of the panels; it keeps what the last move left as it was."""
-
-    def at_once(self, load: Load) -> ViewParts:
-        """Return what follows a slider; what is no longer so disappears."""
-
-    def first(self, load: Load, verdict: RodStability, stale: Stale) -> Iterator[ViewParts]:
-        """Yield what is to be seen soon after the verdict."""
-
-    def rest(self, load: Load, stale: Stale) -> Iterator[ViewParts]:
-        """Yield what else there is to find."""
 
 
 class View:
     """The verdict, a map and two panels on the modes; the model of the modes decides which.
 
-    Parameters
-    ----------
-    rod : Rod
-    load : AxialLoad or AxialWave
-        A load of the kind that is shown.
-    limits : dict
-        Between what each quantity of the load moves, in SI units.
-
-    Attributes
-    ----------
-    panels : (str, str)
-        Names of the panels beside the map.
+    ``load`` is of the kind that is shown; its quantities move between ``limits``, in SI units.
     """
 
     def __init__(self, rod: Rod, load: Load, limits: dict[str, tuple[float, float]]) -> None:
@@ -51,7 +26,7 @@ class View:
         located = model.among_tongues(load, (1,)) is not None
         modes = ModesAndRates(model, limits) if located else LineAndShape(model, limits)
         self.modes: Source = modes
-        self.panels: tuple[str, str] = modes.panels
+        self.panels: tuple[str, str] = modes.panels  # names of those beside the map
 
     def at_once(self, load: Load) -> ViewParts:
         """Return what follows a slider."""

@@ -127,16 +127,8 @@ def known_bounds(
 class _KickSearch:
     """The search for the smallest kick that escapes, for many equations at once; gamma = 1.
 
-    Attributes
-    ----------
-    floor : ndarray
-        Proved: no kick up to it escapes.
-    found : ndarray
-        The smallest kick found to escape.
-    tried : ndarray
-        Kicks tried so far, a row for each equation, increasing, NaN after the last; none above the smallest found.
-    kind, life : ndarray
-        What distinguishes the orbits of two kicks, and how long each went on until its fate was known.
+    ``tried`` are the kicks so far, a row for each equation, increasing, NaN after the last, none above the smallest
+    ``found`` to escape; ``kind`` distinguishes their orbits, and ``life`` is how long each went on.
     """
 
     def __init__(self, equations: Prepared, limit: Floats, max_steps: int, workers: int | None) -> None:

@@ -56,19 +56,12 @@ def over_friction(kick: Floats, gamma: Floats) -> Floats:
 
 
 class Equations(NamedTuple):
-    """Equations in flat arrays, without what friction adds.
-
-    Attributes
-    ----------
-    alpha, beta, damping : ndarray
-    rate : ndarray
-        Growth rate without friction, -1 where nothing grows; 0 where it is linear or too slow for a double.
-    """
+    """Equations in flat arrays, without what friction adds."""
 
     alpha: Floats
     beta: Floats
     damping: Floats
-    rate: Floats
+    rate: Floats  # growth without friction, -1 where nothing grows; 0 where it is linear or too slow for a double
 
     @classmethod
     def of(cls, alpha: Floats, beta: Floats, damping: Floats, workers: int | None) -> Equations:
@@ -104,15 +97,9 @@ def growth_of(equation: FrictionalMathieu) -> float:
 
 
 class Prepared(NamedTuple):
-    """Equations that grow without friction, ready for kicks to be followed; gamma = 1.
+    """Equations that grow without friction, ready for kicks to be followed; gamma = 1."""
 
-    Attributes
-    ----------
-    coefficients : ndarray of `COEFFICIENTS`
-    propagators : Propagators
-    """
-
-    coefficients: Records
+    coefficients: Records  # of `COEFFICIENTS`
     propagators: Propagators
 
     def no_findings(self) -> Records:

@@ -27,24 +27,12 @@ _FEW_HALVINGS = 27  # in search of a zero of psi, whose square is below rounding
 
 
 class Propagators(NamedTuple):
-    """Cells of equations, one equation after the other.
+    """Cells of equations, one equation after the other."""
 
-    Attributes
-    ----------
-    first : ndarray
-        Where the cells of each equation begin, and the number of all.
-    cells : ndarray of `CELL`
-        Propagators, bounds and escape tests.
-    bases : ndarray of `BASIS`
-        The Taylor series they come from.
-    ceiling : ndarray
-        Proved: every kick above it escapes; infinite where no such kick is known.
-    """
-
-    first: Ints
-    cells: Records
-    bases: Records
-    ceiling: Floats
+    first: Ints  # where the cells of each equation begin, and the number of all
+    cells: Records  # of `CELL`: propagators, bounds and escape tests
+    bases: Records  # of `BASIS`: the Taylor series they come from
+    ceiling: Floats  # proved: every kick above it escapes; infinite where no such kick is known
 
 
 def cell_counts(alpha: Floats, beta: Floats, damping: Floats) -> Ints:

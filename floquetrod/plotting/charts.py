@@ -94,7 +94,7 @@ def explain(ax: Any, handles: Sequence[Any], note: str = "", columns: int = 4) -
 
 def _note_width(ax: Any) -> int:
     """Return how many characters a line of a note has: narrow axes beside others get shorter lines."""
-    width = ax.get_position(original=True).width * ax.figure.get_figwidth()
+    width = ax.get_position(original=True).width * ax.figure.bbox.width / ax.figure.dpi  # a subfigure may be its figure
     return min(_NOTE, int(_NOTE * width / _WIDE))
 
 

@@ -50,12 +50,8 @@ def add_labels(ax: Any, bands: Sequence[Any], *, halo: bool) -> None:
 def places(wanted: Sequence[tuple[Floats, Floats, float, float]], free: Mask) -> list[tuple[float, float] | None]:
     """Return where labels go: in the middle of the roomiest part of each polygon, None where there is too little room.
 
-    Parameters
-    ----------
-    wanted : sequence of (x, y, width, height)
-        Polygon and size of the label, in cells, the most important one first.
-    free : ndarray (rows, columns) of bool
-        Cells that may be written on.  Nor is anything where two of the polygons overlap, or two labels would.
+    ``wanted`` are polygons and the size of their labels, (x, y, width, height) in cells, the most important one first.
+    Only cells that are ``free`` (rows, columns) are written on, not where two of the polygons or labels overlap.
     """
     covers = [_inside(x, y, free.shape) for x, y, _, _ in wanted]
     count = np.zeros(free.shape, dtype=np.int32)

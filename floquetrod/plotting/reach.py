@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from floquetrod.plotting import palette
+from floquetrod.plotting.charts import patch
 from floquetrod.units import AnswerUnits, Unit
 
 
@@ -152,7 +153,6 @@ def _shade(found: Any, depth: Any, ax: Any) -> None:
 
 
 def _areas(found: Any) -> list[Any]:
-    from matplotlib.patches import Patch
-
-    areas = [Patch(facecolor=palette.UNKNOWN, label="snaking"), Patch(facecolor=palette.NEUTRAL, label="helix")]
-    return areas + ([Patch(facecolor=palette.UNSTABLE, label="waves across it grow")] if found.tool else [])
+    shades = {"snaking": palette.UNKNOWN, "helix": palette.NEUTRAL}
+    shades |= {"waves across it grow": palette.UNSTABLE} if found.tool else {}
+    return [patch(name, {"facecolor": shade}) for name, shade in shades.items()]

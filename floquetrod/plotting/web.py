@@ -119,21 +119,8 @@ class Shown(NamedTuple):
 def serve(opened: Callable[[], Shown], told: Callable[[str], None], *, title: str, port: int = 0) -> None:
     """Show figures in the browser until Ctrl-C: to whoever knows the address, on this machine only.
 
-    Parameters
-    ----------
-    opened : callable
-        Returns the figure of a page that has been opened; each has its own, and it is closed with the page.
-    told : callable
-        Called with the address when it can be opened.
-    title : str
-        Of the page.
-    port : int
-        0 takes any free one.
-
-    Raises
-    ------
-    ValueError
-        Where tornado is missing, or the port is taken.
+    ``opened`` returns the figure of a page that has been opened, which is closed with the page; ``told`` is called with
+    the address.  A port of 0 is any free one; ValueError where it is taken, or tornado is missing.
     """
     require_tornado()
 

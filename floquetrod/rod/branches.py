@@ -16,11 +16,13 @@ from floquetrod._util.progress import Progress, shifted
 from floquetrod.orbits import Branch, PeriodicOrbit, follow, periodic_orbit
 from floquetrod.rod.answers.rod_branches import OFF_WALL, RodBranch, RodBranches
 from floquetrod.rod.large_orbits import (
+    INDENTATION,
     MOST_HALF_WAVES,
     Found,
     alone,
     beam_functions,
     candidates,
+    indentation_of,
     orbits_alone,
     orbits_of,
     require_possible,
@@ -36,8 +38,6 @@ _LOADS = 5  # of the range, at which orbits are searched for (a choice)
 _SAME = 0.02  # of an angle, by which an orbit may differ from one on a branch, between its points
 _PRESSED = 1.0 / 3.0  # of the weight: with less contact than that motion and the simulator's part
 _INSTANTS = 256  # of a period, at which a motion is examined
-
-_INDENTATION = 1e-4  # where it is left out
 
 
 class _Task(NamedTuple):
@@ -100,7 +100,7 @@ def resumed(
     if result.rod != rod:
         raise validate.wrong_value("load", "must be branches of this rod; follow them with the rod that they are of")
     mode, all_modes, indentation, steps, longest = _checked(which, indentation, steps, longest, progress)
-    given = {"mode": mode is not None, "all_modes": all_modes, "indentation": indentation != _INDENTATION}
+    given = {"mode": mode is not None, "all_modes": all_modes, "indentation": indentation != INDENTATION}
     if name := next((name for name, is_given in given.items() if is_given), None):
         raise validate.wrong_value(name, "must be left out where branches are continued, which keep theirs")
     quantity, low, high = (result.parameter, *result.over) if over is None else _range(over)
@@ -119,7 +119,7 @@ def _checked(
     mode, all_modes = which[0], validate.flag("all_modes", which[1])
     if mode is not None:
         mode = validate.integer("mode", mode, 1, MOST_HALF_WAVES, "half waves of the motion to follow")
-    indentation = validate.within("indentation", indentation, 1e-8, 0.1, "a part of the radial clearance, such as 1e-4")
+    indentation = indentation_of(indentation)
     steps = validate.integer("steps", steps, 1, 10_000)
     validate.progress(progress)
     return mode, all_modes, indentation, steps, validate.within("longest", longest, 1e-3, 1.0)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any, NoReturn
 
@@ -77,12 +77,16 @@ class Sampling:
     def _verdict(self, sample: Mapping[str, Any]) -> np.int8:
         """Return 1, 0 or -1 of one sample; where it leaves its wall it is undecided."""
         try:
-            load = self.load.with_numbers(*(sample.get(name, getattr(self.load, name)) for name in LIMITS))
+            load = self._load_of(sample)
             model = sampled_rod(self.rod, sample).modes_under(load)
             loads = Loads((1,), *Loads.single(load).flat)
             return np.int8(model.status(loads, self.growth_tolerance, self.workers)[0])
         except ValueError as error:
             raise no_sample(sample, error) from None
+
+    def _load_of(self, sample: Mapping[str, Any]) -> Load:
+        """Return the load of one sample."""
+        return replace(self.load, **{name: sample[name] for name in LIMITS if name in sample})
 
     def _exist(self, rods: Mapping[str, Any], loads: list[Floats]) -> Bools:
         """Return which samples are a rod under a load."""
@@ -116,7 +120,7 @@ class Sampling:
     def _refuse(self, sample: Mapping[str, float]) -> NoReturn:
         """Raise ValueError for a sample that is not a possible rod and load."""
         rod = self.rod.replace(**{name: value for name, value in sample.items() if name not in LIMITS})
-        load = self.load.with_numbers(*(sample.get(name, getattr(self.load, name)) for name in LIMITS))
+        load = self._load_of(sample)
         mode_constants(rod).require_in_reach(Loads.single(load))
         raise ValueError("it is out of range")
 

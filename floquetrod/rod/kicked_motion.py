@@ -10,7 +10,7 @@ import numpy as np
 from floquetrod._util import validate
 from floquetrod._util.arrays import Bools, Floats
 from floquetrod.rod.answers.safe_kick import SafeKick
-from floquetrod.rod.large_orbits import alone, beam_functions, orbits_alone, require_possible
+from floquetrod.rod.large_orbits import alone, beam_functions, indentation_of, orbits_alone, require_possible
 from floquetrod.rod.loads.load import AnyLoad, Load, require_load
 from floquetrod.rod.mode_equations.large_motion import Shapes
 from floquetrod.rod.mode_equations.one_mode import LARGEST, OneMode, Orbit
@@ -34,7 +34,7 @@ class _Scan(NamedTuple):
 
 def safe_kick(model: ModeModel, given: AnyLoad, indentation: float) -> SafeKick:
     """Return which kicks a stable rod was found to come to rest from; see `floquetrod.Rod.safe_kick`."""
-    indentation = validate.within("indentation", indentation, 1e-8, 0.1, "a part of the radial clearance, such as 1e-4")
+    indentation = indentation_of(indentation)
     load, rod = require_load("load", given), model.rod
     require_possible(rod, load)
     _require_returning(model, load)

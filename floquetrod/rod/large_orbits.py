@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -14,6 +14,9 @@ from floquetrod.rod.loads.load import Load
 from floquetrod.rod.mode_equations.large_motion import LargeMotion, Shapes
 from floquetrod.rod.mode_equations.one_mode import OneMode, Orbit
 from floquetrod.rod.model.data import RodData
+
+INDENTATION = 1e-4
+"""Depth to which the weight of the rod indents its channel, over the radial clearance, where it is left out."""
 
 MOST_HALF_WAVES = 60  # of a mode whose motion is computed (a choice: seconds)
 
@@ -59,6 +62,11 @@ def require_possible(rod: RodData, load: Load) -> None:
             f"must be at most {MOST_HALF_WAVES / 1.5 * rod.critical_half_wave:.4g} m, that of "
             f"{MOST_HALF_WAVES / 1.5:g} half waves, got {rod.length:g} m; take a part of the rod",
         )
+
+
+def indentation_of(value: Any) -> float:
+    """Return the argument ``indentation``."""
+    return validate.within("indentation", value, 1e-8, 0.1, f"a part of the radial clearance, such as {INDENTATION:g}")
 
 
 def beam_functions(rod: RodData, mode: int | None) -> int:

@@ -114,7 +114,7 @@ def stability_map(
     x, y = (Axis(*AXES[name], axis_values(name, given[name])) for name in (across, up))
     value = validate.finite(fixed[0], given[fixed[0]])
     most = {fixed[0]: value, across: float(x.values[-1]), up: float(y.values[-1])}
-    warn_unless_uniform(rod, kind(like).with_numbers(most["mean"], most["amplitude"], most["frequency"]))
+    warn_unless_uniform(rod, kind(like).with_numbers(**most))
     model = rod.modes_under(like)
     if validate.flag("certified", certified):
         _require_provable(model, tolerance, criterion=criterion, friction=mu_and_kick)

@@ -17,7 +17,15 @@ from floquetrod.floquet.systems.result import SystemStability
 from floquetrod.orbits import NoOrbitError, PeriodicOrbit, periodic_orbit
 from floquetrod.rod.answers.steady_motion import SteadyMotion
 from floquetrod.rod.answers.verdict import RodStability
-from floquetrod.rod.large_orbits import MOST_HALF_WAVES, Found, beam_functions, candidates, orbits_of, require_possible
+from floquetrod.rod.large_orbits import (
+    MOST_HALF_WAVES,
+    Found,
+    beam_functions,
+    candidates,
+    indentation_of,
+    orbits_of,
+    require_possible,
+)
 from floquetrod.rod.loads.load import AnyLoad, Load, Quantity, require_load
 from floquetrod.rod.mode_equations.large_motion import LargeMotion, Shapes
 from floquetrod.rod.mode_equations.one_mode import LARGEST
@@ -75,7 +83,7 @@ class Motions:
 def steady_motion(model: ModeModel, given: AnyLoad, mode: int | None, indentation: float) -> SteadyMotion:
     """Return the steady motion under a load; see `floquetrod.Rod.steady_motion`."""
     load, rod = require_load("load", given), model.rod
-    indentation = validate.within("indentation", indentation, 1e-8, 0.1, "a part of the radial clearance, such as 1e-4")
+    indentation = indentation_of(indentation)
     if mode is not None:
         mode = validate.integer("mode", mode, 1, MOST_HALF_WAVES, "half waves of the motion to look at")
     require_possible(rod, load)

@@ -12,39 +12,27 @@ from floquetrod._util.progress import Progress
 from floquetrod.mathieu.criterion import FiniteTimeCriterion
 from floquetrod.plane import Axis, Family, FoundBands, Verdicts
 from floquetrod.plane.family import VERTEX
-from floquetrod.rod.loads.load import Load, Loads, Quantity
+from floquetrod.plotting.charts import NAMES
+from floquetrod.rod.loads.load import LIMITS, Load, Loads, Quantity
 from floquetrod.rod.modes.mode_model import BandFinder, ModeModel
 from floquetrod.rod.rod import Rod
 
-AXES: dict[Quantity, tuple[str, str, str]] = {
-    "frequency": ("frequency", r"\omega", "rad/s"),
-    "mean": ("mean force", r"F_\mathrm{ave}", "N"),
-    "amplitude": ("amplitude", r"\Delta F", "N"),
-}
-"""Quantities of a load, the one drawn to the right first."""
+_ACROSS: tuple[Quantity, ...] = ("frequency", "mean", "amplitude")
+AXES: dict[Quantity, tuple[str, str, str]] = {name: (*NAMES[name], LIMITS[name].unit) for name in _ACROSS}
+"""Names, symbols and units of the quantities of a load, the one drawn to the right first."""
 
 
 @dataclass(frozen=True)
 class LoadPlane(Family):
-    """A rod's loads over a plane.
-
-    Attributes
-    ----------
-    across, up, fixed : str
-        The quantities, that along x first; the last has one value, ``value``.
-    growth_tolerance, friction, kick, like, workers
-        As in `stability_map`.
-    test : FiniteTimeCriterion or None
-        Its criterion.
-    """
+    """A rod's loads over a plane."""
 
     rod: Rod
-    across: Quantity
+    across: Quantity  # along x
     up: Quantity
-    fixed: Quantity
+    fixed: Quantity  # of one value, ``value``
     value: float
-    growth_tolerance: float
-    test: FiniteTimeCriterion | None
+    growth_tolerance: float  # this and all below as in `stability_map`
+    test: FiniteTimeCriterion | None  # its criterion
     friction: float | None
     kick: float | None
     like: Load | None

@@ -13,6 +13,7 @@ from floquetrod._util import validate
 from floquetrod._util.arrays import Bools, Floats
 from floquetrod._util.content import ByContent
 from floquetrod._util.progress import Progress
+from floquetrod._util.proportions import clopper_pearson
 from floquetrod._util.report import Printed, Report, Table
 from floquetrod.rod.answers.mean_force import ASSUMED, drag_of, force_in_newtons
 from floquetrod.rod.answers.reach import depths_of
@@ -30,7 +31,7 @@ from floquetrod.rod.distributions import (
 from floquetrod.rod.loads.tool import VibrationTool, tool_inside
 from floquetrod.rod.model.parts import friction_coefficient
 from floquetrod.rod.rod import Rod
-from floquetrod.rod.uncertainty import clopper_pearson, entropy, independence, random_levels
+from floquetrod.rod.uncertainty import entropy, independence, random_levels
 from floquetrod.wells import strings
 from floquetrod.wells.drag import SOUGHT, Drag
 from floquetrod.wells.path import WellPath
@@ -218,10 +219,8 @@ def probability_of_reach(
             raise no_sample(sample, error, what="strings and wells") from None
         if progress is not None:
             progress(done, many)
-    ends = np.array([clopper_pearson(each, many, confidence) for each in hits.tolist()])
-    return ReachProbability(
-        depths, hits / many, ends[:, 0], ends[:, 1], confidence, many, seed, (*ASSUMED, *independence(every))
-    )
+    low, high = clopper_pearson(hits, many, confidence)
+    return ReachProbability(depths, hits / many, low, high, confidence, many, seed, (*ASSUMED, *independence(every)))
 
 
 def _friction(given: Any) -> tuple[dict[str, Any], Callable[[Mapping[str, Any]], Any]]:

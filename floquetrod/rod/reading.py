@@ -115,11 +115,9 @@ def _fraction(text: str, name: str) -> float | None:
 
 def read_load(given: Mapping[str, Any], rod: Rod, like: _L, named: ArgumentName = str) -> _L:
     """Return a load of the kind of ``like``, which gives the numbers left out."""
-    found = {name: getattr(like, name) for name in KINDS}
-    for name in KINDS:
-        if given[name] is not None:
-            found[name] = read_quantity(given[name], name, rod, named)
-    return like.with_numbers(**found)
+    texts = {name: given[name] for name in KINDS if given[name] is not None}
+    numbers: dict[str, Any] = {name: read_quantity(text, name, rod, named) for name, text in texts.items()}
+    return replace(like, **numbers)
 
 
 def read_quantity(value: Any, name: Quantity, rod: Rod, named: ArgumentName = str, quoted: str | None = None) -> float:
@@ -160,8 +158,8 @@ def read_tool(text: str, name: str) -> VibrationTool:
     return VibrationTool(*parts)  # type: ignore[arg-type]
 
 
-def read_friction(text: str, name: str) -> list[tuple[float | str, float]]:
-    """Return coefficients of friction written as 0.2 or, with the depths from which others hold, 0.2,0.35@1500m."""
+def read_friction(text: str, name: str) -> float | list[tuple[float | str, float]]:
+    """Return a coefficient of friction written as 0.2 or, with the depths from which others hold, 0.2,0.35@1500m."""
     pairs: list[tuple[float | str, float]] = []
     for part in text.split(","):
         coefficient, at, depth = part.partition("@")
@@ -169,4 +167,4 @@ def read_friction(text: str, name: str) -> list[tuple[float | str, float]]:
             wanted = "0.2 or, with another from 1500 m on, 0.2,0.35@1500m"
             raise ValueError(f"{name} must be such as {wanted}, got {short(text)}")
         pairs.append((depth.strip() if at else 0.0, units.quantity(coefficient, name, "ratio")))
-    return pairs
+    return pairs if pairs[1:] else pairs[0][1]

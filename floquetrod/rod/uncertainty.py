@@ -13,6 +13,7 @@ from floquetrod._util.arrays import Floats
 from floquetrod._util.caching import cached_property
 from floquetrod._util.content import NoTruthValue
 from floquetrod._util.progress import Progress
+from floquetrod._util.proportions import clopper_pearson
 from floquetrod.rod.distributions import SURVEY, Sampling, distributions
 from floquetrod.rod.loads.load import LIMITS, AnyLoad, require_load
 from floquetrod.rod.model import parts
@@ -243,8 +244,7 @@ def probability_of_instability(
         undecided += int(np.count_nonzero(verdicts == -1))
         if progress is not None:
             progress(done + verdicts.size, samples)
-    low, _ = clopper_pearson(unstable, samples, confidence)
-    _, high = clopper_pearson(unstable + undecided, samples, confidence)
+    low, high = map(float, clopper_pearson(unstable, samples, confidence, unknown=undecided))
     return InstabilityProbability(
         unstable / samples,
         (low, high),
@@ -263,14 +263,6 @@ def random_levels(rng: np.random.Generator, rows: Mapping[str, slice], many: int
     """Return levels of probability drawn at random, (rows, many)."""
     # a level of 0 would be an infinite quantile
     return np.maximum(rng.random((max(row.stop for row in rows.values()), many)), 2.0**-54)
-
-
-def clopper_pearson(hits: int, samples: int, confidence: float) -> tuple[float, float]:
-    """Return the confidence interval of a probability by Clopper and Pearson."""
-    from scipy.stats import binomtest
-
-    found = binomtest(hits, samples).proportion_ci(confidence, "exact")
-    return float(found.low), float(found.high)
 
 
 def independence(names: Iterable[str]) -> tuple[str, ...]:

@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from floquetrod import units
 from floquetrod._util import files, validate
 from floquetrod._util.arguments import Mention
 from floquetrod._util.caching import cached_property
@@ -391,9 +392,10 @@ class SimulationProblem:
 
 
 def _natural_curvature(value: Any) -> float | str:
-    """Return the natural curvature of a rod in 1/m, or "path"."""
-    if isinstance(value, str):
-        return validate.choice("natural_curvature", value, ("path",))
+    """Return the natural curvature of a rod in 1/m, which may be given with its unit, or "path"."""
+    if isinstance(value, str) and units.unit_of(value) is None:
+        return validate.choice("natural_curvature", value.strip().lower(), ("path",))
+    value = units.si(value, "natural_curvature", "curvature")
     return validate.within("natural_curvature", value, -_MOST_CURVED, _MOST_CURVED, 'give it in 1/m, or "path"')
 
 

@@ -69,8 +69,8 @@ def simulate(
         In the rod, which it pushes and pulls along the channel.
     stop_early : bool
         Whether the run ends once the rod has buckled, or friction holds it at rest.
-    natural_curvature : float or "path"
-        Curvature in 1/m of a rod with a path when no load acts; "path" is that of the well.
+    natural_curvature : float, str or "path"
+        Curvature in 1/m, or with its unit, of a rod with a path when no load acts; "path" is that of the well.
     progress : callable, optional
         Called with the numbers of steps done and to do.
     checkpoint : path, optional

@@ -21,27 +21,15 @@ _VERTICAL = 1e-12  # sine of an inclination below which an azimuth means nothing
 
 @dataclass(frozen=True, eq=False)
 class Arcs(ByContent):
-    """Circular arcs one after the other, one to an interval between stations.
+    """Circular arcs one after the other, one to an interval between stations."""
 
-    Attributes
-    ----------
-    start, length : ndarray (n,)
-        Measured depth of the upper ends, and lengths, in m.
-    inclination, azimuth : ndarray (n,)
-        Direction at the upper ends in rad; of a vertical one the azimuth of the lower end.
-    dogleg : ndarray (n,)
-        Angles of the arcs in rad.
-    kappa_n, kappa_b : ndarray (n,)
-        Curvature at the upper ends in 1/m, in the vertical plane and sideways.
-    """
-
-    start: Floats
-    length: Floats
-    inclination: Floats
-    azimuth: Floats
-    dogleg: Floats
-    kappa_n: Floats
-    kappa_b: Floats
+    start: Floats  # (n,), measured depth of the upper ends in m
+    length: Floats  # (n,), in m
+    inclination: Floats  # (n,), direction at the upper ends in rad
+    azimuth: Floats  # (n,), of a vertical one that of the lower end
+    dogleg: Floats  # (n,), angles of the arcs in rad
+    kappa_n: Floats  # (n,), curvature at the upper ends in 1/m, in the vertical plane
+    kappa_b: Floats  # (n,), and sideways
 
     @classmethod
     def between(cls, depth: Floats, inclination: Floats, azimuth: Floats) -> Arcs:

@@ -65,21 +65,11 @@ MOTIONS = {"pushed": 1.0, "standing": 0.0, "pulled": -1.0}
 
 @dataclass(frozen=True)
 class Pipe:
-    """What the mean force needs of a string.
+    """What the mean force needs of a string."""
 
-    Attributes
-    ----------
-    rigidity : float
-        E I in N m^2.
-    weight : float
-        Weight in fluid in N/m.
-    clearance : float
-        R in m.
-    """
-
-    rigidity: float
-    weight: float
-    clearance: float
+    rigidity: float  # E I in N m^2
+    weight: float  # weight in fluid in N/m
+    clearance: float  # R in m
 
     @cached_property
     def scale(self) -> float:
@@ -138,33 +128,15 @@ FRICTIONLESS = Friction((0.0,), (0.0,))
 
 @dataclass(frozen=True)
 class Shaking:
-    """A tool that shakes a string along its axis, and what is left of friction.
+    """A tool that shakes a string along its axis, and what is left of friction."""
 
-    Attributes
-    ----------
-    amplitude : float
-        Of its force in N.
-    frequency : float or ndarray (n,)
-        In rad/s, the same for all strings or of each its own.
-    above_end : float
-        Distance of the tool from the lower end of the string in m.
-    impedance : float
-        Z of the string in N s/m.
-    wave_speed : float
-        Of axial waves in m/s.
-    damping : float
-        Rate in 1/s at which the string's own damping, without friction, makes waves decay.
-    speed : float
-        v, at which the string slides, in m/s.
-    """
-
-    amplitude: float
-    frequency: Any
-    above_end: float
-    impedance: float
-    wave_speed: float
-    damping: float
-    speed: float
+    amplitude: float  # of its force in N
+    frequency: Any  # in rad/s, the same for all strings, or (n,), of each its own
+    above_end: float  # distance of the tool from the lower end of the string in m
+    impedance: float  # Z of the string in N s/m
+    wave_speed: float  # of axial waves in m/s
+    damping: float  # rate in 1/s at which the string's own damping, without friction, makes waves decay
+    speed: float  # v, at which the string slides, in m/s
 
     def of(self, size: int, strings: Ints) -> Shaking:
         """Return that of some of so many strings, of each its own frequency."""

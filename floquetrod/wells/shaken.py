@@ -20,16 +20,8 @@ _LEAST = 1e-6  # damping ratio: without friction and damping a resonance is infi
 class ShakenString:
     """A string with a tool, between measured depths ``top`` and ``bottom`` in m, with y at its lower end.
 
-    Attributes
-    ----------
-    pieces : floquetrod.wells.kernels.shaken.Pieces
-        Along which friction has a mean.
-    marched : floquetrod.wells.kernels.shaken.Marched
-        Y along them.
-    nodes : ndarray (n + 1,)
-        Heights of the nodes of the wave above the lower end in m.
-    q : ndarray (n + 1,)
-        Their velocities, complex, in m/s.
+    ``nodes`` (n + 1,) are the heights of the nodes of the wave above the lower end in m, and ``q`` (n + 1,) their
+    velocities, complex, in m/s; friction has a mean along each of ``pieces``.
     """
 
     def __init__(self, drag: Drag, shaking: Shaking, top: float, bottom: float, y: float, effort: Effort) -> None:

@@ -71,7 +71,7 @@ def column(name: str, values: Any, many: int | None = None) -> Floats:
 
 def number(name: str, value: Any, kind: str) -> float:
     """Return a length in m or an angle in rad, given as a number or a string with a unit."""
-    return units.quantity(value, name, kind) if units.is_written(value) else validate.finite(name, value)
+    return validate.finite(name, units.si(value, name, kind))
 
 
 def within(inclination: Floats, azimuth: Floats) -> tuple[Floats, Floats]:

@@ -34,12 +34,8 @@ def certified_cells(
 ) -> NDArray[np.int8]:
     """Return what is proved of every cell of a map, int8 (rows, columns), see `floquetrod.plane.chart.CELLS`.
 
-    Parameters
-    ----------
-    axes : mapping
-        The quantity to the right and the one upwards, in this order; their `Axis.cell_edges` bound the cells.
-    fixed : tuple
-        The third quantity and its value.
+    ``axes`` has the quantity to the right, then the one upwards, whose `Axis.cell_edges` bound the cells; ``fixed`` is
+    the third one with its value.
     """
     (across, x), (up, y) = axes.items()
     edges = {across: x.cell_edges, up: y.cell_edges}

@@ -6,13 +6,9 @@ from typing import Literal, NamedTuple, TypeAlias
 
 from floquetrod.floquet.systems.resonances import Resonance
 from floquetrod.rod.loads.axial import AxialGap
-from floquetrod.rod.loads.load import Load, Quantity
+from floquetrod.rod.loads.load import LIMITS, Load, Quantity
 
-QUANTITIES: dict[Quantity, tuple[str, str]] = {
-    "mean": ("mean force", "N"),
-    "amplitude": ("amplitude", "N"),
-    "frequency": ("frequency", "rad/s"),
-}
+QUANTITIES: dict[Quantity, tuple[str, str]] = {name: (each.words, each.unit) for name, each in LIMITS.items()}
 """Name and unit of what may vary."""
 
 WhatGrows: TypeAlias = tuple[int, int] | Resonance | Literal["unnamed"]
@@ -72,41 +68,19 @@ class UnstableBand(NamedTuple):
 
 
 class Search(NamedTuple):
-    """A search along one quantity of a load.
-
-    Attributes
-    ----------
-    varied : Quantity
-    load : Load
-        With the largest value of what is varied.
-    bounds : (float, float)
-    growth_tolerance : float
-        Growth in 1/s up to which a mode counts as stable.
-    """
+    """A search along one quantity of a load."""
 
     varied: Quantity
-    load: Load
+    load: Load  # with the largest value of what is varied
     bounds: tuple[float, float]
-    growth_tolerance: float
+    growth_tolerance: float  # growth in 1/s up to which a mode counts as stable
 
 
 class FoundIntervals(NamedTuple):
-    """What a search found, as `floquetrod.StabilityIntervals` has it.
-
-    Attributes
-    ----------
-    intervals : tuple of StabilityInterval
-    modes : int
-        Modes examined, 1 to this.
-    tongues_left_out : int
-        Resonance tongues left out.
-    resolution : float
-        Unstable parts up to this width may have been missed.
-    not_computed : tuple of AxialGap
-    """
+    """What a search found, as `floquetrod.StabilityIntervals` has it."""
 
     intervals: tuple[StabilityInterval, ...]
-    modes: int
-    tongues_left_out: int = 0
-    resolution: float = 0.0
+    modes: int  # modes examined, 1 to this
+    tongues_left_out: int = 0  # resonance tongues left out
+    resolution: float = 0.0  # unstable parts up to this width may have been missed
     not_computed: tuple[AxialGap, ...] = ()

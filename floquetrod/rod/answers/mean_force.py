@@ -24,7 +24,6 @@ from floquetrod.wells import strings
 from floquetrod.wells.drag import CHECKED, HELICAL, MOTIONS, TRIED, Drag, Friction, Pipe, Place, Shaking
 from floquetrod.wells.path import WellPath
 from floquetrod.wells.survey import LENGTHS
-from floquetrod.wells.survey import number as in_si
 
 _LARGEST = 1e12  # N
 _SPEEDS = 1e-9, 1e3  # m/s of sliding
@@ -126,7 +125,7 @@ def drag_of(
     shaking = None
     if tool is not None:
         tool = validate.instance("tool", tool, VibrationTool, "such as fr.VibrationTool('5kN', '18Hz', '30m')")
-        sliding = validate.within("speed", in_si("speed", speed, "speed"), *_SPEEDS, "give it in m/s")
+        sliding = validate.within("speed", units.si(speed, "speed", "speed"), *_SPEEDS, "give it in m/s")
         impedance = rod.mass_along * rod.wave_speed
         along = impedance, rod.wave_speed, rod.damping_rate, sliding
         shaking = Shaking(tool.amplitude, tool.frequency, tool.above_end, *along)
@@ -151,7 +150,7 @@ def friction_along(given: Any) -> Friction:
             raise validate.wrong_type(
                 f"friction[{i}]", f"must be a depth and a coefficient, got {validate.short(pair)}"
             )
-        depths.append(validate.within(f"friction[{i}]", in_si(f"friction[{i}]", pair[0], "length"), 0.0, LENGTHS[1]))
+        depths.append(validate.within(f"friction[{i}]", units.si(pair[0], f"friction[{i}]", "length"), 0.0, LENGTHS[1]))
         values.append(friction_coefficient(pair[1]))
     if not depths or depths[0] > 0.0 or any(a >= b for a, b in itertools.pairwise(depths)):
         raise validate.wrong_value(
@@ -162,7 +161,7 @@ def friction_along(given: Any) -> Friction:
 
 def force_in_newtons(name: str, value: Any) -> float:
     """Return a force in N, given as a number or with a unit; negative for a pull."""
-    return validate.within(name, in_si(name, value, "force"), -_LARGEST, _LARGEST, "give it in N")
+    return validate.within(name, units.si(value, name, "force"), -_LARGEST, _LARGEST, "give it in N")
 
 
 def mean_force(drag: Drag, far_force: float, bottom: float, depth: Any) -> MeanForce:
@@ -231,7 +230,7 @@ def lower_end(path: Any, bottom: Any) -> float:
     """Return the measured depth of the lower end of a string, by default that of the path."""
     if bottom is None:
         return float(path.end)
-    depth = validate.finite("bottom", in_si("bottom", bottom, "length"))
+    depth = validate.finite("bottom", units.si(bottom, "bottom", "length"))
     if not path.start + LENGTHS[0] <= depth <= path.end:
         raise validate.wrong_value(
             "bottom",

@@ -14,6 +14,7 @@ from floquetrod import units
 from floquetrod._util import validate
 from floquetrod._util.arrays import Bools, Floats
 from floquetrod._util.content import ByContent
+from floquetrod._util.deprecation import Renamed
 from floquetrod._util.interchange import by_keys
 from floquetrod._util.report import Printed, Report, Table
 from floquetrod.rod.answers.growth_along import fastest_along, growth_along
@@ -112,7 +113,7 @@ class Reach(Printed, ByContent):
         The same without lateral friction.
     half_wave : ndarray
         Half wave in m that grows fastest, 0 where none grows even without friction.
-    kick : ndarray
+    speed_to_grow : ndarray
         Lateral velocity in m/s above which a wave grows there against friction; infinite where none does.
     frequencies : ndarray
         Frequencies of the tool in rad/s that were examined.
@@ -150,11 +151,13 @@ class Reach(Printed, ByContent):
     growth: Floats
     growth_free: Floats
     half_wave: Floats
-    kick: Floats
+    speed_to_grow: Floats
     frequencies: Floats
     frequency_depth: Floats
     frequency_growth: Floats
     frequency_speed: Floats
+
+    kick = Renamed("speed_to_grow", until="0.2")
 
     @property
     def gain(self) -> float:
@@ -254,19 +257,19 @@ class Reach(Printed, ByContent):
     def _growth_in_words(self, shown: AnswerUnits) -> str:
         grows, unit = self.growth > _GROWS, shown.length
         if not grows.any():
-            return f"no lateral wave: {self._kick_in_words(shown)}"
+            return f"no lateral wave: {self._held_in_words(shown)}"
         k = int(np.argmax(self.growth))
         return (
             f"{_listed(self.along.depth, grows, unit)}: {self.growth[k]:.3g} 1/s at {unit.show(self.along.depth[k])} "
             f"in half waves of {unit.show(self.half_wave[k], 3)}"
         )
 
-    def _kick_in_words(self, shown: AnswerUnits) -> str:
+    def _held_in_words(self, shown: AnswerUnits) -> str:
         """Which lateral waves friction holds back."""
-        k = int(np.argmin(self.kick))
-        if not math.isfinite(self.kick[k]):
+        k = int(np.argmin(self.speed_to_grow))
+        if not math.isfinite(self.speed_to_grow[k]):
             return "none would, however fast it moves"
-        moves, at = shown.speed.show(self.kick[k], 3), shown.length.show(self.along.depth[k])
+        moves, at = shown.speed.show(self.speed_to_grow[k], 3), shown.length.show(self.along.depth[k])
         return f"one that moves at {moves} would, at {at}"
 
     def _frequency_in_words(self, units_of: AnswerUnits) -> str:
@@ -322,9 +325,10 @@ class Reach(Printed, ByContent):
             **by_keys(
                 self,
                 "tool along amplitude_N axial_stress_Pa bending_stress_Pa stress growth_per_s "
-                "growth_without_friction_per_s=growth_free half_wave_m kick_m_per_s weight_N_per_m=weight_per_length "
-                "sliding_m_per_s frequencies_rad_per_s frequency_depth_m growth_by_frequency_per_s=frequency_growth "
-                "speed_by_frequency_m_per_s=frequency_speed useful_frequencies_rad_per_s assumptions",
+                "growth_without_friction_per_s=growth_free half_wave_m speed_to_grow_m_per_s "
+                "weight_N_per_m=weight_per_length sliding_m_per_s frequencies_rad_per_s frequency_depth_m "
+                "growth_by_frequency_per_s=frequency_growth speed_by_frequency_m_per_s=frequency_speed "
+                "useful_frequencies_rad_per_s assumptions",
             ),
         }
 
@@ -434,7 +438,7 @@ def reach(
         growth=grown.net,
         growth_free=grown.free,
         half_wave=grown.half_wave,
-        kick=grown.kick,
+        speed_to_grow=grown.least_speed,
         frequencies=others.frequency,
         frequency_depth=others.depth,
         frequency_growth=others.growth,
@@ -523,7 +527,7 @@ class _Grown(NamedTuple):
     net: Floats
     free: Floats
     half_wave: Floats
-    kick: Floats
+    least_speed: Floats
 
 
 def _grown(rod: RodData, drag: Drag, along: MeanForce, tool: VibrationTool | None) -> _Grown:
@@ -539,7 +543,7 @@ def _grown(rod: RodData, drag: Drag, along: MeanForce, tool: VibrationTool | Non
         rod, some.place, some.force, some.vibration, tool.frequency
     )
     found.net[chosen] = np.maximum(found.free[chosen] - some.lost, 0.0)
-    found.kick[chosen] = least_speed(found.free[chosen], some.pressed, drag.shaking.speed, some.speed)
+    found.least_speed[chosen] = least_speed(found.free[chosen], some.pressed, drag.shaking.speed, some.speed)
     return found
 
 

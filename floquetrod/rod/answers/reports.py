@@ -8,11 +8,11 @@ from typing import Any
 
 from floquetrod import units as known
 from floquetrod._util import validate
-from floquetrod._util.interchange import by_keys
+from floquetrod._util.interchange import by_keys, with_unit
 from floquetrod.floquet.verdict import Status
 from floquetrod.rod.answers.margins import Margin
 from floquetrod.rod.loads.axial import AxialResonance
-from floquetrod.rod.loads.load import Load, Quantity
+from floquetrod.rod.loads.load import LIMITS, Load, Quantity
 from floquetrod.rod.model.contact import added_mean
 from floquetrod.rod.model.data import RodData, special_parameters
 from floquetrod.units import AnswerUnits, Unit
@@ -22,13 +22,6 @@ ReportLine = tuple[str, str]
 
 KICK = "mm/s"
 """The unit in which kicks are shown where none was asked for."""
-
-_NAMES: dict[Quantity, tuple[str, str, str]] = {
-    "mean": ("mean force", "mean_force", "N"),
-    "amplitude": ("amplitude", "amplitude", "N"),
-    "frequency": ("frequency", "frequency", "rad_per_s"),
-}
-"""Name of each quantity, and its name and unit among keys."""
 
 _SEARCHED_TO: dict[Quantity, str] = {
     "mean": "within 8 Fcr either way",
@@ -149,7 +142,7 @@ def margin_lines(margins: Mapping[Quantity, Margin], status: Status, shown: Mapp
         sides = [(margin.below, "lower"), (margin.above, "higher")]
         found = [f"{shown[name].show(value, 4)} {way}" for value, way in sides if math.isfinite(value)]
         words = f"{change} {' or '.join(found)}" if found else _unchanged(margin, name, shown[name])
-        lines.append(("" if lines else "margins", f"{_NAMES[name][0]:<11} {words}"))
+        lines.append(("" if lines else "margins", f"{LIMITS[name].words:<11} {words}"))
     return lines
 
 
@@ -157,9 +150,10 @@ def margins_as_dict(margins: Mapping[Quantity, Margin]) -> dict[str, Any]:
     """Return margins as numbers for JSON."""
     found: dict[str, Any] = {}
     for quantity, margin in margins.items():
-        _, name, unit = _NAMES[quantity]
+        limits = LIMITS[quantity]
         kinds = ("below", "above", "resolution", "searched")
-        found |= by_keys(margin, " ".join(f"{name}_margin_{kind}_{unit}={kind}" for kind in kinds))
+        keys = {kind: with_unit(f"{limits.words} margin {kind}", limits.unit) for kind in kinds}
+        found |= by_keys(margin, " ".join(f"{key}={kind}" for kind, key in keys.items()))
     return found
 
 

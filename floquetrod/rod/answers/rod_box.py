@@ -17,10 +17,8 @@ from floquetrod.rod.loads.load import LIMITS, QUANTITIES, Load, Quantity, load_n
 from floquetrod.rod.mode_equations.coupling import coupling, refusal
 from floquetrod.rod.model.constants import ModeConstants
 from floquetrod.rod.model.data import RodData, require_not_of_path
+from floquetrod.rod.model.parts import DIAMETERS
 from floquetrod.units import Unit
-
-DIAMETERS = {"diameter": "radius", "inner_diameter": "inner_radius", "channel_diameter": "channel_radius"}
-"""What may be given in place of a parameter: twice as much."""
 
 _SINE_TERMS = 14  # of the series of the sine up to pi/2: what is left out is far below a unit of the last place
 
@@ -55,24 +53,12 @@ class RodExample(NamedTuple):
 
 @dataclass(frozen=True)
 class RodBox:
-    """Every load of a box on every rod of another.
+    """Every load of a box on every rod of another."""
 
-    Attributes
-    ----------
-    rod : RodData
-        Gives the parameters that do not vary.
-    like : Load
-        Gives everything of the loads but their numbers.
-    loads : mapping of Quantity to Interval
-        Mean force and amplitude in N, frequency in rad/s.
-    parameters : mapping of str to Interval
-        Parameters of the rod that were given, in SI units.
-    """
-
-    rod: RodData
-    like: Load
-    loads: Mapping[Quantity, Interval]
-    parameters: Mapping[str, Interval]
+    rod: RodData  # gives the parameters that do not vary
+    like: Load  # gives everything of the loads but their numbers
+    loads: Mapping[Quantity, Interval]  # mean force and amplitude in N, frequency in rad/s
+    parameters: Mapping[str, Interval]  # parameters of the rod that were given, in SI units
 
     @classmethod
     def of(

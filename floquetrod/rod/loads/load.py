@@ -40,18 +40,23 @@ class _Limits(NamedTuple):
     unit: str
     check: Callable[[str, Any, str], float]
     hint: str
+    words: str  # its name
 
 
 LIMITS: dict[Quantity, _Limits] = {
-    "mean": _Limits(-_STRONGEST, _STRONGEST, "N", validate.finite, "give it in N"),
+    "mean": _Limits(-_STRONGEST, _STRONGEST, "N", validate.finite, "give it in N", "mean force"),
     "amplitude": _Limits(
-        0.0, _STRONGEST, "N", validate.nonnegative, "a negative amplitude only shifts time: give its size"
+        *(0.0, _STRONGEST, "N", validate.nonnegative),
+        hint="a negative amplitude only shifts time: give its size",
+        words="amplitude",
     ),
     "frequency": _Limits(
-        _SLOWEST, _FASTEST, "rad/s", validate.positive, "for a constant force set amplitude=0 and any frequency"
+        *(_SLOWEST, _FASTEST, "rad/s", validate.positive),
+        hint="for a constant force set amplitude=0 and any frequency",
+        words="frequency",
     ),
 }
-"""Limits of the quantities of a load, for every check of one."""
+"""Limits, units and names of the quantities of a load, for every check of one."""
 
 
 def load_number(quantity: Quantity, value: Any, name: str | None = None) -> float:
@@ -415,8 +420,8 @@ class AxialWave(Load):
                 Mention("wave", "AxialLoad", "no --wave"),
             )
         validate.choice("far_end", self.far_end, FAR_ENDS)
-        rate = validate.nonnegative("axial_damping", self.axial_damping, "give the decay rate in 1/s")
-        object.__setattr__(self, "axial_damping", validate.within("axial_damping", rate, 0.0, _FASTEST))
+        rate = validate.within("axial_damping", self.axial_damping, 0.0, _FASTEST, "give the decay rate in 1/s")
+        object.__setattr__(self, "axial_damping", rate)
 
     def profile(self, wave_speed: float, length: float, s: NDArray[np.float64], frequency: float) -> NDArray[Any]:
         """Return the vibration of unit amplitude along the rod; real without axial damping."""

@@ -19,6 +19,7 @@ from floquetrod._util.calling import constructor_hints
 from floquetrod._util.columns import column_argument, delimiter_argument
 from floquetrod._util.content import ByContent
 from floquetrod._util.deprecation import Renamed
+from floquetrod._util.interchange import by_keys
 from floquetrod.rod.loads.load import LIMITS, AxialLoad, LoadSource, load_number
 from floquetrod.rod.loads.record_file import read_columns
 from floquetrod.rod.loads.record_fit import Samples, series
@@ -305,17 +306,11 @@ class ForceRecord(LoadSource, ByContent):
 
     def as_dict(self) -> dict[str, Any]:
         """Return the fit as numbers for JSON, units in the keys."""
-        return {
-            "mean_N": self.mean,
-            "mean_error_N": self.mean_error,
-            "amplitude_N": self.amplitude,
-            "frequency_rad_per_s": self.frequency,
-            "frequency_error_rad_per_s": self.frequency_error,
-            "harmonic_numbers": list(self.harmonic_numbers),
-            "noise_N": self.noise,
-            "periods": self.periods,
-            "note": self.note,
-        }
+        return by_keys(
+            self,
+            "mean_N mean_error_N amplitude_N frequency_rad_per_s frequency_error_rad_per_s harmonic_numbers noise_N "
+            "periods note",
+        )
 
     def __repr__(self) -> str:
         """Return the fit as a sentence."""

@@ -78,30 +78,14 @@ class Samples(ByContent):
 
 @dataclass(frozen=True, eq=False)
 class Fit(ByContent):
-    """A least-squares fit in the units of `Samples`, its phases from tau = 0.
+    """A least-squares fit in the units of `Samples`, its phases from tau = 0."""
 
-    Attributes
-    ----------
-    omega : float
-        Angular frequency in tau.
-    numbers : tuple of int
-        Harmonics fitted.
-    coefficients : ndarray
-        Mean, trend (0 where it is not fitted), then the cosines and the sines of the harmonics.
-    covariance : ndarray
-        Of the coefficients and, last, of omega.
-    squares : float
-        Sum of the squared residuals.
-    free : int
-        Samples less unknowns.
-    """
-
-    omega: float
-    numbers: tuple[int, ...]
-    coefficients: Floats
-    covariance: Floats
-    squares: float
-    free: int
+    omega: float  # angular frequency in tau
+    numbers: tuple[int, ...]  # harmonics fitted
+    coefficients: Floats  # mean, trend (0 where not fitted), then the cosines and the sines of the harmonics
+    covariance: Floats  # of the coefficients and, last, of omega
+    squares: float  # sum of the squared residuals
+    free: int  # samples less unknowns
 
     @property
     def amplitudes(self) -> Complexes:

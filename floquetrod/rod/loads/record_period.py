@@ -35,41 +35,19 @@ _PADDING = 4  # frequencies of a spectrum per reciprocal of the duration
 
 
 class PeriodicFit(NamedTuple):
-    """What a record was found to be.
+    """What a record was found to be."""
 
-    Attributes
-    ----------
-    fit : Fit
-        Of the harmonics kept.
-    every : Fit
-        Of all harmonics searched for.
-    beyond : tuple of int
-        Harmonics above the noise that were not searched for.
-    factors : ndarray
-        How many times the noise about frequency 0 and about each harmonic kept exceeds its average, in amplitude.
-    """
-
-    fit: Fit
-    every: Fit
-    beyond: tuple[int, ...]
-    factors: Floats
+    fit: Fit  # of the harmonics kept
+    every: Fit  # of all harmonics searched for
+    beyond: tuple[int, ...]  # harmonics above the noise that were not searched for
+    factors: Floats  # how many times the noise about 0 and each harmonic kept exceeds its average, in amplitude
 
 
 def find(samples: Samples, guess: float | None, most: int | None) -> PeriodicFit:
-    """Return the fit of a mean, a trend and harmonics.
+    """Return the fit of a mean, a trend and harmonics, so many at most.
 
-    Parameters
-    ----------
-    samples : Samples
-    guess : float or None
-        Periods in the record, known within a tenth or half a period.
-    most : int or None
-        Harmonics searched for at most.
-
-    Raises
-    ------
-    ValueError
-        For a record without a period above the noise, or of less than two.
+    ``guess`` are the periods in the record, known within a tenth or half a period.  Raises ValueError for a record
+    without a period above the noise, or of less than two.
     """
     line = np.polynomial.polynomial.polyfit(samples.tau, samples.values, 1)
     level = samples.values - np.polynomial.polynomial.polyval(samples.tau, line)

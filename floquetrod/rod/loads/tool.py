@@ -48,8 +48,7 @@ class VibrationTool:
         """Check and clean the parameters."""
         object.__setattr__(self, "amplitude", load_number("amplitude", self.amplitude))
         object.__setattr__(self, "frequency", load_number("frequency", self.frequency))
-        given: Any = self.above_end
-        distance = units.quantity(given, "above_end", "length") if units.is_written(given) else given
+        distance = units.si(self.above_end, "above_end", "length")
         object.__setattr__(self, "above_end", validate.within("above_end", distance, 0.0, _LARGEST, "give it in m"))
 
     @property

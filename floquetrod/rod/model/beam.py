@@ -42,31 +42,16 @@ _ESSENTIAL = {"hinged": (0,), "clamped": (0, 1), "guided": (1,), "free": ()}
 
 @dataclass(frozen=True, eq=False)
 class Basis(ByContent):
-    """Orthonormal functions on 0 <= x <= 1 with their derivatives at the nodes of a quadrature.
-
-    Attributes
-    ----------
-    ends : Ends
-    count : int
-        Number of beam functions, which come first, rigid motions before all; any others are polynomials.
-    bending : ndarray (n, n)
-        Integrals of phi_i'' phi_j''.
-    nodes, weights : ndarray (q,)
-        Of the quadrature.
-    values, slopes : ndarray (n, q)
-        phi and phi' at the nodes.
-    transform : ndarray
-        From plain beam functions and polynomials to these.
-    """
+    """Orthonormal functions on 0 <= x <= 1 with their derivatives at the nodes of a quadrature."""
 
     ends: Ends
-    count: int
-    bending: Floats
-    nodes: Floats
+    count: int  # beam functions, which come first, rigid motions before all; any others are polynomials
+    bending: Floats  # (n, n), integrals of phi_i'' phi_j''
+    nodes: Floats  # (q,), of the quadrature, as the weights
     weights: Floats
-    values: Floats
-    slopes: Floats
-    transform: Floats
+    values: Floats  # (n, q), phi at the nodes
+    slopes: Floats  # (n, q), phi' there
+    transform: Floats  # from plain beam functions and polynomials to these
 
     @property
     def size(self) -> int:

@@ -169,7 +169,7 @@ def pipe_in_a_hole(name: str, bore: float | str, length: float | str, changes: d
     """Return the arguments of the rod that is a pipe of the catalogue; strings are quantities with their unit."""
     found = pipe(name)
     given = changes | {"length": length}
-    hole = parameter("bore", bore, "m")
+    hole = parameter("bore", bore)
     for other in ("channel_radius", "channel_diameter"):
         if other in given:
             raise validate.wrong_value(

@@ -31,44 +31,20 @@ class ModeConstants(NamedTuple):
     F is a compression, m the number of half waves between hinged ends; of coupled modes integrals of their functions
     stand in place of its powers.  Where the channel bends a compression holds modes longer than m_0 down, and drives
     the others.  The numbers are floats, or what `of` was given: arrays, intervals.
-
-    Attributes
-    ----------
-    bending : float
-        c1 = (E I / m_t) (pi / L)^4 in 1/s^2.
-    per_newton : float
-        c2 = (pi / L)^2 / m_t in 1/(N s^2).
-    pendulum_squared : float
-        Omega^2 in 1/s^2, of swinging in the channel.
-    held : float
-        m_0^2 = (L / pi)^2 curvature / R, zero in a straight channel, negative where it drops.
-    damping_rate : float
-        c in 1/s, of the decay of free motion.
     """
 
-    bending: Any
-    per_newton: Any
-    pendulum_squared: Any
-    held: Any
-    damping_rate: Any
+    bending: Any  # c1 = (E I / m_t) (pi / L)^4 in 1/s^2
+    per_newton: Any  # c2 = (pi / L)^2 / m_t in 1/(N s^2)
+    pendulum_squared: Any  # Omega^2 in 1/s^2, of swinging in the channel
+    held: Any  # m_0^2 = (L / pi)^2 curvature / R, zero in a straight channel, negative where it drops
+    damping_rate: Any  # c in 1/s, of the decay of free motion
 
     @classmethod
     def of(
         cls, parameters: Mapping[str, Any], *, pi: Any = math.pi, sin: Callable[[Any], Any] = math.sin
     ) -> ModeConstants:
-        """Return them from all parameters of a rod but its ends: floats, arrays or intervals.
+        """Return them from `RodData.parameters`, some replaced: floats, arrays or intervals, with their pi and sine.
 
-        Parameters
-        ----------
-        parameters : mapping
-            The parameters of `floquetrod.Rod` by name, SI units, such as `RodData.parameters` with some replaced.
-        pi : number or interval
-            The circle constant; of intervals an enclosure.
-        sin : callable
-            The sine for what ``parameters["inclination"]`` is.
-
-        Notes
-        -----
         Masses are per area of the material, so that most of a section's size cancels: without a bore or fluids each
         parameter occurs once in each number, and enclosures are tight.
         """

@@ -35,22 +35,12 @@ class LeavesWallError(ValueError):
 
 @dataclass(frozen=True, eq=False)
 class Lying(ByContent):
-    """A string at rest on the wall at some places.
+    """A string at rest on the wall at some places."""
 
-    Attributes
-    ----------
-    angle : ndarray
-        theta_0 in rad.
-    contact : ndarray
-        N, in N/m or in what the wall has for it.
-    bend, aside : ndarray
-        Curvature towards the wall, and along it, in 1/m.
-    """
-
-    angle: Floats
-    contact: Floats
-    bend: Floats
-    aside: Floats
+    angle: Floats  # theta_0 in rad
+    contact: Floats  # N, in N/m or in what the wall has for it
+    bend: Floats  # curvature towards the wall in 1/m
+    aside: Floats  # curvature along it in 1/m
 
     @property
     def side(self) -> float:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, fields
+from dataclasses import MISSING, dataclass, fields
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self
 
@@ -26,6 +26,7 @@ from floquetrod.rod.model.course import Along, Course, Told, course_of, critical
 from floquetrod.rod.model.files import read_rod
 from floquetrod.rod.model.lock_up import LockUp
 from floquetrod.rod.model.parts import (
+    INSTEAD,
     LIMITS,
     MEANT,
     ON_A_FLOOR,
@@ -34,15 +35,12 @@ from floquetrod.rod.model.parts import (
     Fluids,
     Material,
     Section,
-    bend,
-    decay_rate,
     friction_coefficient,
     in_si,
     inside_wall,
     on_path,
     parameter,
     radius_of,
-    size,
 )
 from floquetrod.rod.model.plausibility import warn_of_rod
 from floquetrod.rod.model.stress import Stress, stress
@@ -52,23 +50,8 @@ if TYPE_CHECKING:
 
 MOST_MODES = 20_000  # beyond it the unit of a length or a force is wrong (a choice)
 
-INSTEAD = {
-    "diameter": "radius",
-    "inner_diameter": "inner_radius",
-    "wall_thickness": "inner_radius",
-    "channel_diameter": "channel_radius",
-}
-"""Arguments that may be given in place of a parameter."""
-
-_PLAIN: dict[str, float | str] = {
-    "inner_radius": 0.0,
-    "fluid_inside": 0.0,
-    "fluid_outside": 0.0,
-    "inclination": 0.5 * math.pi,
-    "curvature": 0.0,
-    "ends": "hinged",
-}
-"""Values of a solid rod in a horizontal straight channel without fluids."""
+_SPECIAL = ("inner_radius", "fluid_inside", "fluid_outside", "inclination", "curvature", "ends")
+"""Parameters with other values than those of a solid rod in a horizontal straight channel without fluids are said."""
 
 _NO_NUMBERS = ("ends", "path", "depth", "yield_strength")  # yield_strength may be unknown, and moves nothing
 _OF_A_LINE = ("inclination", "curvature")  # what a path takes the place of
@@ -152,10 +135,10 @@ class RodData(TellsAttributes):
             others = {"inner_radius": inner_radius, "inner_diameter": inner_diameter}
             inner = inside_wall(outer, wall_thickness, others)
         else:
-            inner = radius_of(inner_radius, inner_diameter, ("inner_radius", "inner_diameter"), size)
+            inner = radius_of(inner_radius, inner_diameter, ("inner_radius", "inner_diameter"))
         material = Material(in_si("youngs_modulus", youngs_modulus), in_si("density", density))
         section = Section(outer, 0.0 if inner is None else inner)
-        length = parameter("length", length, "m")
+        length = parameter("length", length)
         well, start = on_path(path, depth, length, {"inclination": inclination, "curvature": curvature})
         inclination = 0.5 * math.pi if inclination is None else inclination
         channel = Channel(hole, in_si("gravity", gravity), in_si("inclination", inclination))
@@ -168,21 +151,21 @@ class RodData(TellsAttributes):
             "length": length,
             "channel_radius": channel.radius,
             "gravity": channel.gravity,
-            "damping_rate": decay_rate(damping_rate),
+            "damping_rate": parameter("damping_rate", damping_rate),
             "inner_radius": section.inner_radius,
             "fluid_inside": fluids.inside,
             "fluid_outside": fluids.outside,
             "added_mass_coefficient": fluids.added_mass_coefficient,
             "inclination": channel.inclination,
             "ends": str(Ends.of(ends)),
-            "curvature": bend("curvature", 0.0 if curvature is None else curvature),
+            "curvature": parameter("curvature", 0.0 if curvature is None else curvature),
             "depth": start,
         }
         room = channel.clearance(section)  # raises where the rod does not fit
         for name, number in cleaned.items():
             object.__setattr__(self, name, number)
         object.__setattr__(self, "path", well)
-        yields = None if yield_strength is None else parameter("yield_strength", yield_strength, "Pa")
+        yields = None if yield_strength is None else parameter("yield_strength", yield_strength)
         object.__setattr__(self, "yield_strength", yields)
         if not formulas.sinks(self._own_mass, self._weighing):
             raise validate.wrong_value(
@@ -236,7 +219,7 @@ class RodData(TellsAttributes):
         pipe, and ``bore`` they are the arguments of `catalogue`.  Raises ValueError, naming file and key, for keys that
         cannot be read, are missing or unknown.
         """
-        return read_rod(path, cls, INSTEAD)
+        return read_rod(path, cls)
 
     @classmethod
     def catalogue(cls, name: str, *, bore: float | str, length: float | str, **changes: Any) -> Self:
@@ -283,13 +266,11 @@ class RodData(TellsAttributes):
         ['damping_rate', 'inner_radius']
         """
         sheet: dict[str, Any] = {f.name: getattr(self, f.name) for f in fields(self)}
-        optional: dict[str, Any] = _PLAIN | {"added_mass_coefficient": ON_A_FLOOR, "yield_strength": None}
-        if self.path is None:
-            optional |= {"path": None, "depth": 0.0}
-        else:
-            optional |= {name: sheet[name] for name in _OF_A_LINE}
+        usual = {f.name: f.default for f in fields(self) if f.name not in ("gravity", "damping_rate")}
+        if self.path is not None:
+            usual |= {"depth": None} | {name: sheet[name] for name in _OF_A_LINE}
             sheet["path"] = self.path.as_dict()
-        return {name: value for name, value in sheet.items() if name not in optional or value != optional[name]}
+        return {name: value for name, value in sheet.items() if value != usual.get(name, MISSING)}
 
     @property
     def parameters(self) -> dict[str, float]:
@@ -583,8 +564,8 @@ def special_parameters(rod: RodData, shown: units.AnswerUnits) -> str:
     left_out = () if rod.path is None else _OF_A_LINE
     found = (
         shown.of_rod(name, getattr(rod, name))
-        for name, plain in _PLAIN.items()
-        if getattr(rod, name) != plain and name not in left_out
+        for name in _SPECIAL
+        if getattr(rod, name) != getattr(RodData, name) and name not in left_out
     )
     words = [f"{name} {value}" for name, value in found]
     on = [] if rod.path is None else [f"{rod.path.in_words(shown.length)} from {shown.length.show(rod.depth)} on"]

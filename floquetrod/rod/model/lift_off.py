@@ -43,21 +43,11 @@ class Energy(NamedTuple):
 
 @dataclass(frozen=True)
 class LiftOff:
-    """What a hinged end saves of energy.
+    """What a hinged end saves of energy."""
 
-    Parameters
-    ----------
-    rigidity : float
-        E I in N m^2.
-    weight : float
-        Weight on the wall in N/m.
-    indentation : float
-        Depth in m to which that weight indents the wall.
-    """
-
-    rigidity: float
-    weight: float
-    indentation: float
+    rigidity: float  # E I in N m^2
+    weight: float  # on the wall in N/m
+    indentation: float  # depth in m to which that weight indents the wall
 
     def energy(self, curvature: Any, contact: Any) -> Energy:
         """Return the energy in J at curvatures in 1/m and contact forces over the weight, with its derivatives.

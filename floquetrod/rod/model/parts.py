@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import warnings
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -37,6 +37,12 @@ LIMITS: dict[str, tuple[float, float]] = {
 """Least and largest of each parameter of a rod that is a number, whatever the others are."""
 
 
+DIAMETERS = {"diameter": "radius", "inner_diameter": "inner_radius", "channel_diameter": "channel_radius"}
+"""What may be given in place of a parameter: twice as much."""
+
+INSTEAD = DIAMETERS | {"wall_thickness": "inner_radius"}
+"""Arguments that may be given in place of a parameter."""
+
 MEANT = {
     "outer_diameter": "the outer diameter is diameter",
     "outer_radius": "the outer radius is radius",
@@ -48,35 +54,41 @@ MEANT = {
 """What is often written for a parameter of a rod, with the remedy."""
 
 
+_INSTEAD_LIMITS = {"inner_diameter": (0.0, _LARGEST), "depth": (0.0, _LARGEST)}
+"""Limits of what is no parameter that is a number, but may be zero."""
+
+_HINTS = {
+    **dict.fromkeys(("youngs_modulus", "yield_strength"), "give it in Pa"),
+    **dict.fromkeys(("density", "fluid_inside", "fluid_outside"), "give it in kg/m^3"),
+    "gravity": "give it in m/s^2",
+    "damping_rate": "give the decay rate in 1/s",
+    "inner_radius": "give it in m; 0 for a solid rod",
+    "added_mass_coefficient": "it is a ratio of masses such as 2.29",
+    "curvature": "give it in 1/m, positive where the channel builds",
+    "depth": "give it in m, along the path",
+}
+"""What to do about a wrong parameter, "give it in m" where it is not among them."""
+
+
 def in_si(name: str, value: Any) -> Any:
     """Return a parameter that is a string with a unit, such as "0.8mm", as a number in its SI unit, else as it is."""
-    return units.quantity(value, name, units.ROD_KINDS[name]) if units.is_written(value) else value
+    return units.si(value, name, units.ROD_KINDS[name])
 
 
-def parameter(name: str, value: Any, unit: str) -> float:
-    """Return a parameter of a rod, greater than zero, in its SI unit."""
-    value = in_si(name, value)
-    number = validate.positive(name, value, f"give it in {unit}")
-    return validate.within(name, number, _LEAST, _LARGEST, f"give it in {unit}")
+def parameter(name: str, value: Any) -> float:
+    """Return a parameter of a rod, or what is given in place of one, in its SI unit and within its limits."""
+    least, largest = (LIMITS | _INSTEAD_LIMITS).get(name, (_LEAST, _LARGEST))
+    return validate.within(name, in_si(name, value), least, largest, _HINTS.get(name, "give it in m"))
 
 
-def size(name: str, value: Any, unit: str) -> float:
-    """Return a parameter that may be zero, in its SI unit."""
-    value = in_si(name, value)
-    number = validate.nonnegative(name, value, f"give it in {unit}")
-    return validate.within(name, number, 0.0, _LARGEST, f"give it in {unit}")
-
-
-def radius_of(
-    radius: Any, diameter: Any, names: tuple[str, str], check: Callable[[str, Any, str], float] = parameter
-) -> Any:
+def radius_of(radius: Any, diameter: Any, names: tuple[str, str]) -> Any:
     """Return a radius in m given by itself or by its diameter, None where neither is; ``names`` are both arguments'."""
     if diameter is None:
         return radius
     if radius is not None:
         got = f"got {validate.short(diameter)} and {validate.short(radius)}"
         raise validate.wrong_value(names[1], f"must not be given with {names[0]}, {got}; give one of them")
-    return 0.5 * check(names[1], diameter, "m")
+    return 0.5 * parameter(names[1], diameter)
 
 
 def inside_wall(radius: Any, wall_thickness: Any, inner: dict[str, Any]) -> float:
@@ -88,7 +100,7 @@ def inside_wall(radius: Any, wall_thickness: Any, inner: dict[str, Any]) -> floa
                 f"must not be given with {name}, got {validate.short(wall_thickness)} and "
                 f"{validate.short(value)}; give one of them",
             )
-    outer, wall = parameter("radius", radius, "m"), parameter("wall_thickness", wall_thickness, "m")
+    outer, wall = parameter("radius", radius), parameter("wall_thickness", wall_thickness)
     if wall >= outer:
         raise validate.wrong_value(
             "wall_thickness",
@@ -98,24 +110,12 @@ def inside_wall(radius: Any, wall_thickness: Any, inner: dict[str, Any]) -> floa
     return outer - wall
 
 
-def decay_rate(value: Any) -> float:
-    """Return the decay rate of free motion in 1/s, zero or more."""
-    rate = validate.nonnegative("damping_rate", in_si("damping_rate", value), "give the decay rate in 1/s")
-    return validate.within("damping_rate", rate, 0.0, _LARGEST)
-
-
-def bend(name: str, value: Any) -> float:
-    """Return a curvature in 1/m, of either sign."""
-    number = validate.finite(name, in_si(name, value), "give it in 1/m, positive where the channel builds")
-    return validate.within(name, number, -_SHARPEST, _SHARPEST, "give it in 1/m")
-
-
 def on_path(path: Any, depth: Any, length: float, instead: Mapping[str, Any]) -> tuple[WellPath | None, float]:
     """Return the path of a rod of a length in m, given as one or by its arguments, and the depth in m of its upper end.
 
     ``instead`` must hold only None with a path.
     """
-    start = size("depth", depth, "m, along the path")
+    start = parameter("depth", depth)
     if path is None:
         if start:
             raise validate.wrong_value(
@@ -178,8 +178,8 @@ class Material:
 
     def __post_init__(self) -> None:
         """Check and clean the parameters."""
-        object.__setattr__(self, "youngs_modulus", parameter("youngs_modulus", self.youngs_modulus, "Pa"))
-        object.__setattr__(self, "density", parameter("density", self.density, "kg/m^3"))
+        object.__setattr__(self, "youngs_modulus", parameter("youngs_modulus", self.youngs_modulus))
+        object.__setattr__(self, "density", parameter("density", self.density))
 
     @property
     def wave_speed(self) -> float:
@@ -204,8 +204,7 @@ class Section:
 
     def __post_init__(self) -> None:
         """Check and clean the parameters."""
-        radius = parameter("radius", self.radius, "m")
-        inner = size("inner_radius", self.inner_radius, "m; 0 for a solid rod")
+        radius, inner = parameter("radius", self.radius), parameter("inner_radius", self.inner_radius)
         if not formulas.has_wall(radius, inner):
             raise validate.wrong_value(
                 "inner_radius",
@@ -257,11 +256,9 @@ class Fluids:
 
     def __post_init__(self) -> None:
         """Check and clean the parameters."""
-        object.__setattr__(self, "inside", size("fluid_inside", self.inside, "kg/m^3"))
-        object.__setattr__(self, "outside", size("fluid_outside", self.outside, "kg/m^3"))
-        added = validate.nonnegative("added_mass_coefficient", self.added_mass_coefficient)
-        hint = "it is a ratio of masses such as 2.29"
-        added = validate.within("added_mass_coefficient", added, 0.0, _LARGEST, hint)
+        object.__setattr__(self, "inside", parameter("fluid_inside", self.inside))
+        object.__setattr__(self, "outside", parameter("fluid_outside", self.outside))
+        added = parameter("added_mass_coefficient", self.added_mass_coefficient)
         object.__setattr__(self, "added_mass_coefficient", added)
 
 
@@ -285,8 +282,8 @@ class Channel:
 
     def __post_init__(self) -> None:
         """Check and clean the parameters."""
-        object.__setattr__(self, "radius", parameter("channel_radius", self.radius, "m"))
-        object.__setattr__(self, "gravity", parameter("gravity", self.gravity, "m/s^2"))
+        object.__setattr__(self, "radius", parameter("channel_radius", self.radius))
+        object.__setattr__(self, "gravity", parameter("gravity", self.gravity))
         hint = 'it is the angle from the vertical in radians: math.radians(60), or "60deg"'
         inclination = validate.finite("inclination", self.inclination, hint)
         if not _LEAST <= inclination <= 0.5 * math.pi:

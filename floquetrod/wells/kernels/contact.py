@@ -19,24 +19,12 @@ MOST_PRESSED = 1e3  # times its weight: more does not damp the wave of a string 
 
 
 class Pushed(NamedTuple):
-    """A pipe that moves along a well.
+    """A pipe that moves along a well."""
 
-    Attributes
-    ----------
-    weight : float
-        In fluid in N/m.
-    scale : float
-        S, the critical force in a level hole, in N.
-    sign : float
-        Of friction upwards: 1 pushed, 0 standing, -1 pulled.
-    helical : float
-        F^2 R / (4 E I) over the contact force of the string that lies, above which it is a helix; infinite for never.
-    """
-
-    weight: float
-    scale: float
-    sign: float
-    helical: float
+    weight: float  # in fluid in N/m
+    scale: float  # S, the critical force in a level hole, in N
+    sign: float  # of friction upwards: 1 pushed, 0 standing, -1 pulled
+    helical: float  # F^2 R / (4 E I) over the contact force of the lying string, above which it is a helix
 
 
 @kernel

@@ -19,46 +19,22 @@ _LOCKS = 4  # turns one after the other in which a string is locked up, after wh
 
 
 class Pieces(NamedTuple):
-    """Pieces of a string from its lower end up.
+    """Pieces of a string from its lower end up."""
 
-    Attributes
-    ----------
-    up : ndarray (m + 1,)
-        Heights of their ends above the lower end along the string in m.
-    friction : ndarray (m,)
-        Coefficients without vibration.
-    places : ndarray (m, 3, 4)
-        Sine and cosine of the inclination and both curvatures in 1/m at their lower ends, middles and upper ends.
-    """
-
-    up: Any
-    friction: Any
-    places: Any
+    up: Any  # (m + 1,), heights of their ends above the lower end along the string in m
+    friction: Any  # (m,), coefficients without vibration
+    places: Any  # (m, 3, 4), sine and cosine of the inclination, curvatures in 1/m: at lower ends, middles, upper ends
 
 
 class Marched(NamedTuple):
-    """Y along m pieces, and what makes it.
+    """Y along m pieces, and what makes it."""
 
-    Attributes
-    ----------
-    y : ndarray (m + 1,)
-        At their ends.
-    low, high : ndarray (m,)
-        -dy/ds at the lower and upper end within each.
-    helix : ndarray (m,)
-        The part of each that is a helix.
-    pressed : ndarray (m,)
-        mu N in N/m without vibration in the middle of each, bounded where the string is locked up.
-    left : ndarray (m,)
-        The share of friction that is left.
-    """
-
-    y: Any
-    low: Any
-    high: Any
-    helix: Any
-    pressed: Any
-    left: Any
+    y: Any  # (m + 1,), at their ends
+    low: Any  # (m,), -dy/ds at the lower end within each
+    high: Any  # (m,), at the upper end
+    helix: Any  # (m,), the part of each that is a helix
+    pressed: Any  # (m,), mu N in N/m without vibration in the middle, bounded where the string is locked up
+    left: Any  # (m,), the share of friction that is left
 
 
 @kernel

@@ -42,51 +42,29 @@ class Tool(NamedTuple):
 
 
 class Cells(NamedTuple):
-    """Cells without friction, those below the tool and those above it, (2, ...).
+    """Cells without friction, those below the tool and those above it, (2, ...)."""
 
-    Attributes
-    ----------
-    own, beside : ndarray (2,)
-        Forces in N s/m at a node of a cell, a quarter of a period behind the velocities of the same and of the other.
-    below, above : ndarray (2, PARTS)
-        Basis functions of the nodes below and above at the midpoints of parts.
-    loss : ndarray (2,)
-        Of a part by the string's own damping, in N s/m.
-    """
-
-    own: Any
-    beside: Any
-    below: Any
-    above: Any
-    loss: Any
+    own: Any  # (2,), force in N s/m at a node, a quarter of a period behind the velocity of the same node
+    beside: Any  # (2,), and of the other
+    below: Any  # (2, PARTS), basis function of the node below at the midpoints of parts
+    above: Any  # (2, PARTS), of the node above
+    loss: Any  # (2,), of a part by the string's own damping, in N s/m
 
 
 class Balance(NamedTuple):
     """Forces at the nodes of n cells, scratch arrays of Newton's method.
 
     A change z of a velocity changes a force by a z + b conj(z): rows a and b.
-
-    Attributes
-    ----------
-    most, damping, left : ndarray (PARTS n,)
-        Of parts of cells: 4 mu N / pi times their length in N, friction over velocity in N s/m, and mean friction over
-        that without vibration.
-    missing : ndarray (n + 1,)
-        What is missing of the balance.
-    own, beside : ndarray (n + 1, 2)
-        How it changes with the velocities of the same node and of the next one, that of which changes so with this.
-    step, tried : ndarray (n + 1,)
-        Of Newton's method, and the velocities after a part of it.
     """
 
-    most: Any
-    damping: Any
-    left: Any
-    missing: Any
-    own: Any
-    beside: Any
-    step: Any
-    tried: Any
+    most: Any  # (PARTS n,), of parts of cells: 4 mu N / pi times their length in N
+    damping: Any  # (PARTS n,), friction over velocity in N s/m
+    left: Any  # (PARTS n,), mean friction over that without vibration
+    missing: Any  # (n + 1,), what is missing of the balance
+    own: Any  # (n + 1, 2), how it changes with the velocity of the same node
+    beside: Any  # (n + 1, 2), with that of the next one, which changes so with this
+    step: Any  # (n + 1,), of Newton's method
+    tried: Any  # (n + 1,), the velocities after a part of it
 
 
 def balance_of(size: int) -> Balance:

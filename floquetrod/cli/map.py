@@ -8,10 +8,19 @@ from typing import Any
 
 import floquetrod as fr
 from floquetrod._util.waiting import Waiting
-from floquetrod.cli.common import ROD_AND_LOAD, check_out, describe_command, read_friction, read_points, read_quantity
-from floquetrod.cli.loads import add_ranges, read_ranges, warn_of_hertz
+from floquetrod.cli.common import (
+    ROD_AND_LOAD,
+    chart_files,
+    describe_command,
+    read_friction,
+    read_points,
+    read_quantity,
+    write_charts,
+)
+from floquetrod.cli.loads import add_question, read_ranges, warn_of_hertz
 from floquetrod.cli.output import Output, output
 from floquetrod.cli.parser import Parser
+from floquetrod.rod.answers.reports import shown_in
 from floquetrod.rod.loads.load import KINDS, Quantity
 
 _HELP = """\
@@ -43,7 +52,7 @@ millisecond or more: begin with few points.
 def add(chart: Parser) -> None:
     """Add help and options of the command to its parser."""
     describe_command(chart, _HELP, _map, (*ROD_AND_LOAD, "out"))
-    add_ranges(chart, friction=True)
+    add_question(chart, friction=True, ranges=True)
     shape = chart.add_mutually_exclusive_group()
     shape.add_argument(
         "--bands",
@@ -75,10 +84,9 @@ def _map(options: argparse.Namespace) -> Output:
     from floquetrod.plotting import charts
 
     paths = options.out or [Path("map.png")]
-    for path in paths:
-        check_out(path, (*charts.FIGURES, ".csv", ".npz"))
-        if path.suffix == ".csv" and options.pixels:
-            raise ValueError(f"--out {path}: a .csv file holds the vertices of bands; leave out --pixels")
+    chart_files(paths)
+    if options.pixels and (vertices := next((path for path in paths if path.suffix == ".csv"), None)):
+        raise ValueError(f"--out {vertices}: a .csv file holds the vertices of bands; leave out --pixels")
     columns, rows = read_points(options.points)
     asked, mu_and_kick = read_ranges(options), read_friction(options)
     rod, like, values, tolerance, shown = asked
@@ -116,20 +124,16 @@ def _map(options: argparse.Namespace) -> Output:
     if bands:
         with Waiting("finding bands", "steps along boundaries") as progress:
             chart.find_bands(progress=progress)
-    drawn = chart.in_units(**{name: shown[name].name for name in ("kick", *KINDS)[mu_and_kick is None :]})
-    for path in paths:
-        with Waiting(f"writing {path}"):
-            if path.suffix == ".npz":
-                chart.save(path)
-            elif path.suffix == ".csv":
-                drawn.bands.to_csv(path)
-            else:
-                axes = drawn.plot(bands=bands)
-                if point is not None:
-                    x, y = (shown[name].of(value) for name, value in point.items())
-                    charts.mark(axes, x, y, "the load")
-                charts.save_figure(axes, path)
-    written = [str(path) for path in paths]
+    drawn = chart.in_units(**{name: shown[name] for name in ("kick", *KINDS)[mu_and_kick is None :]})
+
+    def draw() -> Any:
+        axes = drawn.plot(bands=bands)
+        if point is not None:
+            x, y = (shown_in(shown, rod.critical_force)[name].of(value) for name, value in point.items())
+            charts.mark(axes, x, y, "the load")
+        return axes
+
+    written = write_charts(paths, chart, drawn, draw)
     share = float(chart.stable.mean())
     record = {
         "written": written,
