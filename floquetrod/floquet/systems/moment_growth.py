@@ -134,22 +134,30 @@ class _OnSteps(NamedTuple):
         return 2.0 * math.log(float(np.abs(multipliers).max())) / self.period
 
     def growth(self, density: float, near: _Near, start: Floats) -> _Fastest:
-        """Return what grows fastest, searched for from some moments on."""
+        """Return what grows fastest, searched for from some moments on.
+
+        Projected in Floquet's coordinates, where the map is nearly diagonal: in others that are far from orthogonal a
+        space may have larger values that are of no solution.
+        """
         factor, floquet = math.nan, near.floquet
         fresh = _every(len(floquet.vectors)) if len(floquet.vectors) <= 2 * _FEW else start[None]
-        basis = images = np.zeros((0, start.size))
+        basis = images = np.zeros((0, 2 * start.size))
+        moments = np.zeros((0, start.size))
         for _ in range(_ROUNDS):
-            fresh = _orthonormal(_orthonormal(fresh, basis), basis)
-            basis = np.concatenate([basis, fresh])
-            images = np.concatenate([images, [self._over_period(each, density) for each in fresh]])
-            value, vector = _most_positive(basis, basis @ images.T)
+            rows = floquet.rows(fresh)
+            rows = _orthonormal(_orthonormal(rows, basis), basis)
+            fresh = floquet.moments(rows)
+            basis, moments = np.concatenate([basis, rows]), np.concatenate([moments, fresh])
+            later = np.array([self._over_period(each, density) for each in fresh])
+            images = np.concatenate([images, floquet.rows(later)])
+            value, vector = _most_positive(moments, basis @ images.T)
             change, factor = 0.0 if math.isnan(factor) else abs(value - factor), value
-            found, excess = vector @ basis, vector @ (images - factor * basis)
+            found, excess = vector @ moments, vector @ (images - factor * basis)
             if np.linalg.norm(excess) < _SETTLED * factor and change < _SAME * factor:
                 known = _positivity(found) > 1.0 - _SEMIDEFINITE
                 change = change / factor / self.period if known else math.inf
                 return _Fastest(found, math.log(factor) / self.period, change)
-            fresh = floquet.moments(near.towards(floquet.coefficients(excess), factor))[None]
+            fresh = floquet.moments(near.towards(excess.view(complex), factor).view(float)[None])
         return _Fastest(start, math.nan, math.inf)
 
     def _over_period(self, moments: Floats, density: float) -> Floats:
@@ -198,15 +206,16 @@ class _Floquet(NamedTuple):
         """What the map over a period multiplies each entry of R with where there is no noise."""
         return np.asarray(self.multipliers[:, None] * self.multipliers.conj()[None, :])
 
-    def moments(self, coefficients: Complexes) -> Floats:
-        """Return the moments, (4 n^2,), of coefficients in these coordinates; of norm one."""
-        moments = (self.vectors @ coefficients.reshape(self.vectors.shape) @ self.vectors.conj().T).real
-        found = (moments + moments.T).ravel()
-        return np.asarray(found / np.linalg.norm(found))
+    def moments(self, rows: Floats) -> Floats:
+        """Return moments, (k, 4 n^2), of their `rows`."""
+        coefficients = np.ascontiguousarray(rows).view(complex).reshape(-1, *self.vectors.shape)
+        found = (self.vectors @ coefficients @ self.vectors.conj().T).real
+        return np.asarray(0.5 * (found + np.swapaxes(found, 1, 2)).reshape(len(rows), -1))
 
-    def coefficients(self, moments: Floats) -> Complexes:
-        """Return moments in these coordinates."""
-        return np.asarray(self.inverse @ moments.reshape(self.inverse.shape) @ self.inverse.conj().T).ravel()
+    def rows(self, moments: Floats) -> Floats:
+        """Return moments (k, 4 n^2) in these coordinates, real and imaginary parts by turns, (k, 8 n^2)."""
+        found = self.inverse @ moments.reshape(-1, *self.inverse.shape) @ self.inverse.conj().T
+        return np.asarray(found.reshape(len(moments), -1).view(float))
 
 
 def _every(m: int) -> Floats:
@@ -255,7 +264,8 @@ class _Near(NamedTuple):
         largest = int(values.real.argmax())
         start = np.zeros(m * m, dtype=complex)
         start[pairs] = vectors[:, largest] / vectors[:m, largest].sum()  # the first pairs are the diagonal
-        return cls(floquet, pairs, np.exp(values), vectors, np.linalg.inv(vectors), floquet.moments(start))
+        moments = floquet.moments(start.view(float)[None])[0]
+        return cls(floquet, pairs, np.exp(values), vectors, np.linalg.inv(vectors), moments)
 
     def towards(self, excess: Complexes, factor: float) -> Complexes:
         """Return the direction in which to look for moments, given what the map makes of some beyond a factor."""
