@@ -10,10 +10,9 @@ from fractions import Fraction
 from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
 
 from floquetrod._util import validate
-from floquetrod._util.arrays import EPS
+from floquetrod._util.arrays import EPS, Bools, Complexes, Floats
 from floquetrod._util.calling import constructor_hints
 from floquetrod._util.content import ByContent
 from floquetrod.equations import matrices
@@ -26,7 +25,7 @@ MOST_PIECES = 1024
 """Most pieces of a period (a choice)."""
 
 
-Duration = float | Fraction | NDArray[np.float64]
+Duration = float | Fraction | Floats
 Pieces = tuple[tuple[Any, "Varying"], ...]
 """What a system with jumps is made of: durations, each a double, a Fraction or an array of a batch, and matrices."""
 
@@ -114,7 +113,7 @@ class TimedPiece(NamedTuple):
     length: Fraction
     mean: Matrix
     slope: Matrix | None
-    harmonics: NDArray[np.complex128]
+    harmonics: Complexes
     origin: Fraction
 
     @property
@@ -156,25 +155,25 @@ class PieceArrays(NamedTuple):
         Periods of the harmonics.
     """
 
-    mean: NDArray[np.float64]
-    slope: NDArray[np.float64] | None
-    harmonics: NDArray[np.complex128]
-    length: NDArray[np.float64]
-    period: NDArray[np.float64]
+    mean: Floats
+    slope: Floats | None
+    harmonics: Complexes
+    length: Floats
+    period: Floats
 
     @property
-    def sizes(self) -> NDArray[np.float64]:
+    def sizes(self) -> Floats:
         """Bounds (b, P, N, N) of the magnitudes of A's entries."""
         found = np.abs(self.mean) + np.abs(self.harmonics).sum(axis=2)
         return np.asarray(found if self.slope is None else found + np.abs(self.slope) * self.length[..., None, None])
 
-    def some(self, part: slice | NDArray[np.bool_]) -> PieceArrays:
+    def some(self, part: slice | Bools) -> PieceArrays:
         """Return those of some systems."""
         mean, slope, harmonics, length, period = self
         slope = None if slope is None else slope[part]
         return PieceArrays(mean[part], slope, harmonics[part], length[part], period[part])
 
-    def scaled(self, scaling: NDArray[np.float64]) -> PieceArrays:
+    def scaled(self, scaling: Floats) -> PieceArrays:
         """Return the same for x / scaling, scaling (b, N)."""
         ratio = scaling[:, None, None, :] / scaling[:, None, :, None]
         slope = None if self.slope is None else self.slope * ratio
@@ -208,7 +207,7 @@ def _duration(name: str, value: Any) -> Any:
     return matrices.periods(value, name)
 
 
-def total(durations: list[Any]) -> float | NDArray[np.float64]:
+def total(durations: list[Any]) -> float | Floats:
     """Return the sum of durations, rounded once."""
     shape = np.broadcast_shapes(*map(np.shape, durations))
     if not shape:
@@ -349,7 +348,7 @@ def of_batch(system: Any) -> PieceArrays:
     return PieceArrays(mean, slope if slope.any() else None, harmonics, length, period)
 
 
-def fourier(system: Any, count: int) -> NDArray[np.complex128]:
+def fourier(system: Any, count: int) -> Complexes:
     """Return Fourier amplitudes (count, n, n) of the coefficient of one system in pieces, or all those of a series.
 
     By Gauss's rule on each piece, with enough nodes for ten digits: they name resonances, no more.
@@ -370,7 +369,7 @@ def fourier(system: Any, count: int) -> NDArray[np.complex128]:
     return found
 
 
-def value_at(system: Any, times: Any) -> NDArray[np.float64]:
+def value_at(system: Any, times: Any) -> Floats:
     """Return the coefficient of one system at times, (*times.shape, n, n); at a jump the mean of both sides."""
     pieces, period = in_time(system), float(system.period)
     times = validate.array("t", times, least=-1e14 * period, largest=1e14 * period)

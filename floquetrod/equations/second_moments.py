@@ -10,10 +10,9 @@ import math
 from typing import Any, ClassVar, NamedTuple, cast
 
 import numpy as np
-from numpy.typing import NDArray
 
 from floquetrod._util import validate
-from floquetrod._util.arrays import EPS, norms
+from floquetrod._util.arrays import EPS, Floats, norms
 from floquetrod.equations import matrices
 from floquetrod.equations.base import Equation
 from floquetrod.equations.delay_system import DelaySystem
@@ -49,14 +48,14 @@ class Source(NamedTuple):
 
     matrix: Matrix
     error: float
-    intensity: NDArray[np.float64]
+    intensity: Floats
 
 
 class _Known(NamedTuple):
     """Numbers and bounds of their errors."""
 
-    value: NDArray[np.float64]
-    error: NDArray[np.float64] | float = 0.0
+    value: Floats
+    error: Floats | float = 0.0
 
     def plus(self, other: _Known) -> _Known:
         """Return the sum; its rounding is known exactly (Knuth)."""
@@ -332,7 +331,7 @@ def _entries(order: int) -> tuple[Any, Any]:
     return (i[:, None], j[:, None]), (i[None, :], j[None, :])
 
 
-def _halves(a: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def _halves(a: Floats) -> tuple[Floats, Floats]:
     """Return a number as the sum of two of half as many digits."""
     scaled = _SPLIT * a
     high = scaled - (scaled - a)

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from floquetrod._util import validate
-from floquetrod._util.arrays import EPS, Floats, shaped
+from floquetrod._util.arrays import EPS, Complexes, Floats, shaped
 from floquetrod._util.content import ByContent
 from floquetrod.equations import DelaySystem, HillSystem, PeriodicSystem
 from floquetrod.equations.base import Equation, require
@@ -37,7 +37,7 @@ class _Piece(NamedTuple):
     begin: Fraction
     mean: Floats
     slope: Floats
-    harmonics: NDArray[np.complex128]
+    harmonics: Complexes
     doubt: Floats
 
     def series(self, time: float, into: float, omega: float, order: int) -> Floats:

@@ -13,13 +13,11 @@ from typing import Literal, NamedTuple
 
 import numpy as np
 
-from floquetrod._util.arrays import Floats, Ints
+from floquetrod._util.arrays import Bools, Floats, Ints
 from floquetrod._util.compilation import over_chunks
 from floquetrod._util.content import ByContent
 from floquetrod.mathieu.kernels import tongue_curves as kernels
 from floquetrod.mathieu.tongues import COMPILE_AFTER, few
-
-Flags = np.ndarray[tuple[int, ...], np.dtype[np.bool_]]
 
 _BEYOND = 4.0  # how far beyond the window lines along the frequency are searched, in 1 / omega^2 (a choice)
 _BISECTION = 50.0  # counts that an end of a tongue takes
@@ -73,7 +71,7 @@ class TongueCurves(ByContent):
     gain: Floats
     rate: float
 
-    def some(self, chosen: Ints | Flags | slice) -> TongueCurves:
+    def some(self, chosen: Ints | Bools | slice) -> TongueCurves:
         """Return some of the tongues."""
         return replace(self, order=self.order[chosen], stiffness=self.stiffness[chosen], gain=self.gain[chosen])
 
@@ -87,7 +85,7 @@ class TongueCurves(ByContent):
         ends = self._ends(i, at, every, every)
         return self._place(ends[:, 1], i, at), self._upper(ends[:, 0], i, at)
 
-    def edge(self, i: Ints, at: Floats, top: Flags) -> Floats:
+    def edge(self, i: Ints, at: Floats, top: Bools) -> Floats:
         """Return the upper of the `edges` where ``top``, else the lower."""
         ends = self._ends(i, at, top, ~top)
         return np.where(top, self._upper(ends[:, 0], i, at), self._place(ends[:, 1], i, at))
@@ -96,7 +94,7 @@ class TongueCurves(ByContent):
         place = self._place(u, i, at)
         return np.where(self.order[i] == 0, np.inf, place) if self.window.along == "mean" else place
 
-    def _ends(self, i: Ints, at: Floats, lower: Flags, upper: Flags) -> Floats:
+    def _ends(self, i: Ints, at: Floats, lower: Bools, upper: Bools) -> Floats:
         """Return both ends in u of the tongues requested."""
         lines, order = self._lines(i, at), self.order[i]
         out = np.empty((order.size, 2))

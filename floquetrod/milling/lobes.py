@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from floquetrod._util import validate
-from floquetrod._util.arrays import Floats
+from floquetrod._util.arrays import Complexes, Floats
 from floquetrod._util.content import ByContent, NoTruthValue
 from floquetrod._util.report import Report, Reported, Table
 from floquetrod.floquet.systems import delay_growth, delay_many
@@ -358,7 +358,7 @@ def _onset(milling: Cutter, speed: float, depth: float) -> _Onset:
     return _Onset(kind, angle, abs(_turns(milling, vector, angle, pieces, count)))
 
 
-def _turns(milling: Cutter, vector: NDArray[np.complex128], angle: float, pieces: int, count: int) -> float:
+def _turns(milling: Cutter, vector: Complexes, angle: float, pieces: int, count: int) -> float:
     """Return how often a solution vibrates between teeth: of angle / 2 pi + k the one that is strongest in it."""
     on, _ = _cut(milling, pieces, count)
     n, kept = len(milling.modes), count + 2

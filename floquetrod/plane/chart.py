@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from floquetrod import units
 from floquetrod._util import extras, files, validate
+from floquetrod._util.arrays import Bools, Floats, Ints
 from floquetrod._util.caching import cached_property
 from floquetrod._util.content import ByContent, NoTruthValue
 from floquetrod._util.progress import Progress
@@ -89,9 +90,9 @@ class Chart(NoTruthValue, ByContent):
 
     x: Axis
     y: Axis
-    stable: NDArray[np.bool_]
-    growth_rate: NDArray[np.float64] | None
-    first_mode: NDArray[np.int64] | None
+    stable: Bools
+    growth_rate: Floats | None
+    first_mode: Ints | None
     growth_unit: str
     subject: dict[str, Any]
     growth_tolerance: float
@@ -100,7 +101,7 @@ class Chart(NoTruthValue, ByContent):
     version: str
     source: BandSource | None = field(default=None, compare=False)
     cells: NDArray[np.int8] | None = None
-    large_motion: NDArray[np.float64] | None = None
+    large_motion: Floats | None = None
 
     @cached_property
     def bands(self) -> Bands:
@@ -158,7 +159,7 @@ class Chart(NoTruthValue, ByContent):
         return text + (f"; {self.criterion}" if self.criterion else "")
 
     @property
-    def carries_large_motion(self) -> NDArray[np.bool_]:
+    def carries_large_motion(self) -> Bools:
         """Where `large_motion` was found (ny, nx)."""
         if self.large_motion is None:
             return np.zeros_like(self.stable)

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from floquetrod._util import validate
-from floquetrod._util.arrays import shaped
+from floquetrod._util.arrays import Bools, Complexes, Floats, shaped
 from floquetrod._util.compilation import cores, in_threads
 from floquetrod._util.progress import Progress
 from floquetrod.equations import HillSystem, PeriodicSystem
@@ -151,12 +151,12 @@ def verdicts(
 class _Batch(ABC):
     """Systems with uniform damping removed, flat: periods (b,), the damping, and first-order equations in each."""
 
-    period: NDArray[np.float64]
+    period: Floats
     damping: float
     order: int
 
     @abstractmethod
-    def multipliers(self, part: slice) -> NDArray[np.complex128]:
+    def multipliers(self, part: slice) -> Complexes:
         """Return the multipliers of some systems, those of the undamped ones; NaN where that would take too long."""
 
     @abstractmethod
@@ -167,10 +167,10 @@ class _Batch(ABC):
 class _EvenPart(NamedTuple):
     """Some even systems: mean stiffness, amplitudes, periods, and the error of these coefficients."""
 
-    stiffness: NDArray[np.float64]
-    amplitudes: NDArray[np.float64]
-    period: NDArray[np.float64]
-    uncertainty: NDArray[np.float64]
+    stiffness: Floats
+    amplitudes: Floats
+    period: Floats
+    uncertainty: Floats
 
     @property
     def are_simple(self) -> bool:
@@ -196,7 +196,7 @@ class _EvenBatch(_Batch):
         uncertainty = np.where(long, np.inf, self.uncertainty[part])
         return _EvenPart(_without(long, stiffness), _without(long, amplitudes), period, uncertainty)
 
-    def multipliers(self, part: slice) -> NDArray[np.complex128]:
+    def multipliers(self, part: slice) -> Complexes:
         systems = self._part(part)
         if systems.are_simple:
             y = 0.25 * (pair_numbers(*systems[:3], _ACCURACY)[0] - 2.0)
@@ -241,7 +241,7 @@ class _FirstOrderBatch(_Batch):
         )
         return whole.period_maps(pieces, uncertainty, _ACCURACY, paired=self.paired)
 
-    def multipliers(self, part: slice) -> NDArray[np.complex128]:
+    def multipliers(self, part: slice) -> Complexes:
         maps = self._maps(part)
         values = _eigenvalues(maps.matrix)
         values[np.isinf(maps.error)] = np.nan
@@ -253,7 +253,7 @@ class _FirstOrderBatch(_Batch):
         return many.multiplier_verdicts(discs, self.period[part], paired=self.paired, damping=self.damping)
 
 
-def _eigenvalues(matrices: NDArray[np.float64]) -> NDArray[np.complex128]:
+def _eigenvalues(matrices: Floats) -> Complexes:
     """Return the eigenvalues of matrices (b, n, n), NaN where one is not finite."""
     lost = np.logical_not(np.isfinite(matrices).all(axis=(1, 2)))
     values = np.linalg.eigvals(_without(lost, matrices)).astype(np.complex128)
@@ -261,7 +261,7 @@ def _eigenvalues(matrices: NDArray[np.float64]) -> NDArray[np.complex128]:
     return values
 
 
-def _without(rows: NDArray[np.bool_], array: NDArray[Any]) -> NDArray[Any]:
+def _without(rows: Bools, array: NDArray[Any]) -> NDArray[Any]:
     """Return an array with zeros in some rows."""
     return np.where(rows.reshape(-1, *(1,) * (array.ndim - 1)), 0.0, array) if rows.any() else array
 

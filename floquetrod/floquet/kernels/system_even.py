@@ -6,9 +6,8 @@ import math
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from floquetrod._util.arrays import Bools, Floats, inverses, norms
+from floquetrod._util.arrays import Bools, Complexes, Floats, inverses, norms
 from floquetrod._util.compilation import over_chunks
 from floquetrod.floquet.kernels.system_even_large import half_period_large
 from floquetrod.floquet.kernels.system_even_pairs import NOT_DONE, outcome_fill, pair_fill
@@ -113,7 +112,7 @@ def half_period_map(
 
 def pair_numbers(
     stiffness: Any, amplitudes: Any, period: Any, accuracy: float = 1e-12, workers: int | None = 1
-) -> tuple[NDArray[np.complex128], Floats, Floats]:
+) -> tuple[Complexes, Floats, Floats]:
     """Return x = mu + 1/mu of systems of two equations, their errors, and their Krein forms.
 
     Parameters as for `half_period_map`, with n = 2.

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from floquetrod._util.arrays import Floats
+from floquetrod._util.arrays import Complexes, Floats
 from floquetrod.floquet.kernels.system_series import ROUNDING
 
 Ints = NDArray[np.int_]
@@ -52,7 +52,7 @@ class Parts(NamedTuple):
     slack: float
 
     @classmethod
-    def of(cls, stiffness: Floats, harmonics: NDArray[np.complex128]) -> Self:
+    def of(cls, stiffness: Floats, harmonics: Complexes) -> Self:
         """Return the parts of u'' + (S + Re sum_m Z_m exp(i m w t)) u = 0."""
         n = len(stiffness)
         if np.count_nonzero(stiffness) == np.count_nonzero(stiffness.diagonal()):

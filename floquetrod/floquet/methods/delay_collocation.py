@@ -6,9 +6,9 @@ D. Breda, S. Maset and R. Vermiglio, SIAM J. Numer. Anal. 50 (2012) 1456, doi:10
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from floquetrod._util import validate
+from floquetrod._util.arrays import Complexes
 from floquetrod.equations import DelaySystem
 from floquetrod.floquet.systems import delay_maps, delay_roots, delay_spectra
 from floquetrod.floquet.systems.classification import classify_multipliers
@@ -107,7 +107,7 @@ def _converged(
     return best[1] if moved is None else delay_spectra.with_change(best[1], moved), rows
 
 
-def _moved(system: DelaySystem, laid: delay_maps.Layout, on: Mesh, least: float) -> NDArray[np.complex128] | None:
+def _moved(system: DelaySystem, laid: delay_maps.Layout, on: Mesh, least: float) -> Complexes | None:
     """Return the eigenvalues of the map with coefficients off by what they may be."""
     given = delay_maps.coefficients(system, laid.period, on.nodes)
     power = 2 if system.is_second_order else 1

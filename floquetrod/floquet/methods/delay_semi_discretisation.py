@@ -10,10 +10,9 @@ from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from floquetrod._util import validate
-from floquetrod._util.arrays import Floats
+from floquetrod._util.arrays import Complexes, Floats
 from floquetrod.equations import DelaySystem
 from floquetrod.floquet.systems import delay_maps, delay_roots, spectra
 from floquetrod.floquet.systems.classification import LogDiscs, classify_multipliers
@@ -171,16 +170,16 @@ def _interpolated(values: Floats, ends: Floats, t: float, now: int) -> Floats:
     return np.asarray(np.tensordot(weights, values[first : first + _NEIGHBOURS], axes=1))
 
 
-def _largest(matrix: Floats, least: float) -> NDArray[np.complex128]:
+def _largest(matrix: Floats, least: float) -> Complexes:
     """Return the eigenvalues of modulus above ``least``, the largest ones in any case."""
     values = np.linalg.eigvals(matrix).astype(np.complex128)
     sizes = np.abs(values)
     return values[sizes >= min(least, 0.999 * float(sizes.max()))]
 
 
-def _nearest(to: NDArray[np.complex128], among: NDArray[np.complex128]) -> NDArray[np.complex128]:
+def _nearest(to: Complexes, among: Complexes) -> Complexes:
     return np.asarray(among[np.abs(to[:, None] - among[None, :]).argmin(axis=1)])
 
 
-def _extrapolated(fine: NDArray[np.complex128], coarse: NDArray[np.complex128]) -> NDArray[np.complex128]:
+def _extrapolated(fine: Complexes, coarse: Complexes) -> Complexes:
     return np.asarray(fine + (fine - coarse) / 3.0)

@@ -8,11 +8,10 @@ from fractions import Fraction
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from floquetrod import equations
 from floquetrod._util import validate
-from floquetrod._util.arrays import EPS
+from floquetrod._util.arrays import EPS, Floats
 from floquetrod._util.compilation import INTERPRETED_UP_TO, runner
 from floquetrod.equations import Equation, Piece
 from floquetrod.equations.base import from_instant
@@ -35,7 +34,7 @@ class _Stretch(NamedTuple):
 class _Map(NamedTuple):
     """Solutions (u1, u1', u2, u2') * 2**exponent at the end, from (1, 0, 0, 1), and the steps they took."""
 
-    y: NDArray[np.float64]
+    y: Floats
     exponent: int
     steps: int
 
@@ -83,7 +82,7 @@ def monodromy(equation: Equation, *, rtol: float = 1e-12) -> Stability:
     )
 
 
-def monodromy_matrix(equation: Equation, *, rtol: float = 1e-12, start: float = 0.0) -> NDArray[np.float64]:
+def monodromy_matrix(equation: Equation, *, rtol: float = 1e-12, start: float = 0.0) -> Floats:
     """Return the matrix that carries (A, A') from tau = ``start`` over one period.
 
     Parameters
@@ -126,7 +125,7 @@ def monodromy_matrix(equation: Equation, *, rtol: float = 1e-12, start: float = 
     c = equation.damping
     shear = np.array([[1.0, 0.0], [-c, 1.0]])
     back = np.array([[1.0, 0.0], [c, 1.0]])
-    matrix: NDArray[np.float64] = shear @ np.array([[y[0], y[2]], [y[1], y[3]]]) @ back
+    matrix: Floats = shear @ np.array([[y[0], y[2]], [y[1], y[3]]]) @ back
     return matrix
 
 

@@ -7,9 +7,9 @@ from fractions import Fraction
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from floquetrod._util import validate
+from floquetrod._util.arrays import Complexes
 from floquetrod.equations import HillSystem, PeriodicSystem
 from floquetrod.equations import pieces as by_pieces
 from floquetrod.floquet.systems import even, spectra, whole
@@ -61,7 +61,7 @@ def half_period(system: HillSystem | PeriodicSystem, *, rtol: float = 1e-12) -> 
         return classify_pairs(system, "half_period", discs, cost=Cost(1, "half period"))
     form = -found.form[0]
 
-    def times(vectors: NDArray[np.complex128]) -> NDArray[np.complex128]:
+    def times(vectors: Complexes) -> Complexes:
         return np.asarray(form @ vectors.real + 1j * (form @ vectors.imag))  # no complex copy of the form
 
     krein = spectra.Signs(discs, times, spectra.spectral_norm(form), float(found.form_error[0]))

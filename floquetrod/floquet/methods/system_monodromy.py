@@ -6,9 +6,9 @@ from fractions import Fraction
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from floquetrod._util import validate
+from floquetrod._util.arrays import Complexes, Floats
 from floquetrod.equations import HillSystem, PeriodicSystem
 from floquetrod.equations import pieces as by_pieces
 from floquetrod.floquet.kernels.system_maps_large import large_seconds, period_map_large
@@ -90,13 +90,13 @@ def _are_oscillators(first: PeriodicSystem, fewest: int) -> bool:
     return first.is_smooth and first.order >= 2 * fewest and whole.is_oscillators(first.mean, first.harmonics)
 
 
-def _coefficients(first: PeriodicSystem) -> tuple[NDArray[np.float64], NDArray[np.complex128]]:
+def _coefficients(first: PeriodicSystem) -> tuple[Floats, Complexes]:
     """Return the mean of K and its harmonics."""
     n = first.order // 2
     return -first.mean[n:, :n], -first.harmonics[:, n:, :n]
 
 
-def _map_of_many(first: PeriodicSystem, rtol: float) -> tuple[NDArray[np.float64], float, NDArray[np.float64]]:
+def _map_of_many(first: PeriodicSystem, rtol: float) -> tuple[Floats, float, Floats]:
     """Return the map over a period of oscillators, its error, and its coordinates."""
     error = first.order // 2 * first.coefficient_error
     return period_map_large(*_coefficients(first), float(first.period), error, rtol)
@@ -117,9 +117,9 @@ class SolvedMany(NamedTuple):
 
     verdict: SystemStability
     discs: spectra.Discs | None
-    basis: NDArray[np.float64]
+    basis: Floats
 
-    def state(self, i: int) -> NDArray[np.complex128]:
+    def state(self, i: int) -> Complexes:
         """Return (u, u') at the beginning of the period, (2 n,), of the solution with the i-th multiplier."""
         if self.discs is None:
             raise ValueError("multipliers could not be computed")

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from floquetrod._util import validate
-from floquetrod._util.arrays import norms
+from floquetrod._util.arrays import Floats, norms
 from floquetrod.equations import HillSystem, PeriodicSystem
 from floquetrod.equations import pieces as by_pieces
 from floquetrod.floquet.systems import cyclic, independent_solutions
@@ -98,9 +98,7 @@ def _phase(system: PeriodicSystem) -> float:
     return float(system.period) * float(np.linalg.norm(sizes * scales[None, :] / scales[:, None], 2))
 
 
-def _segments(
-    system: PeriodicSystem, count: int, rtol: float
-) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
+def _segments(system: PeriodicSystem, count: int, rtol: float) -> tuple[Floats, Floats, Floats]:
     """Return the maps over ``count`` segments of each piece, balanced, their errors in the 2-norm, and the scales."""
     arrays = by_pieces.of_batch(system)
     found = balanced_maps(arrays, rtol, count)

@@ -19,8 +19,8 @@ from fractions import Fraction
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from floquetrod._util.arrays import Floats
 from floquetrod.equations import DelaySystem, HillSystem
 from floquetrod.equations.pieces import in_time
 from floquetrod.floquet.proof.delay_counts import hindrance, outside
@@ -96,7 +96,7 @@ def _terms(system: DelaySystem) -> _Terms:
     return _Terms(state, acts, sees, Fraction(_SLACK * bound) * size / turn**2)
 
 
-def _size(coefficient: Any, mean: NDArray[np.float64]) -> float:
+def _size(coefficient: Any, mean: Floats) -> float:
     """Return a bound, to rounding, of the norm of a coefficient less a constant matrix at any time."""
     found = 0.0
     for piece in in_time(coefficient):

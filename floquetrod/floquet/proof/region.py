@@ -9,10 +9,10 @@ from dataclasses import dataclass, field
 from typing import Any, Literal, NamedTuple, TypeAlias
 
 import numpy as np
-from numpy.typing import NDArray
 
 from floquetrod import units as known
 from floquetrod._util import validate
+from floquetrod._util.arrays import Floats
 from floquetrod._util.compilation import compiled_for, runner
 from floquetrod._util.content import NoTruthValue
 from floquetrod._util.report import Report, Reported, number
@@ -327,6 +327,6 @@ def _rows(box: ModeBox) -> int:
     return 2 + int(min(2.0 * fastest / box.frequency[0], 1e6))
 
 
-def _box(part: NDArray[np.float64]) -> ModeBox | None:
+def _box(part: Floats) -> ModeBox | None:
     """Return a box from the rows of the kernels, None for one of NaN."""
     return None if np.isnan(part).any() else ModeBox(*((low, high) for low, high in part.tolist()))

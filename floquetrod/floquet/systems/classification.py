@@ -15,7 +15,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from floquetrod._util.arrays import EPS
+from floquetrod._util.arrays import EPS, Bools, Complexes, Floats
 from floquetrod.equations import DelaySystem, HillSystem
 from floquetrod.equations.batches import System
 from floquetrod.floquet import pairs
@@ -46,8 +46,8 @@ class ManyDigits(NamedTuple):
         ((y1 - y2) / 2)^2 of a cluster of two, and its error.
     """
 
-    above: NDArray[np.complex128]
-    net: NDArray[np.float64]
+    above: Complexes
+    net: Floats
     discriminant: Callable[[NDArray[np.intp]], tuple[float, float]]
 
 
@@ -139,15 +139,13 @@ def classify_pairs(
 class _Sides(NamedTuple):
     """Of each number y: bounds of its net growth, whether it may be bounded, and whether it must be if real, (n,)."""
 
-    low: NDArray[np.float64]
-    high: NDArray[np.float64]
-    near: NDArray[np.bool_]
-    inside: NDArray[np.bool_]
+    low: Floats
+    high: Floats
+    near: Bools
+    inside: Bools
 
     @classmethod
-    def of(
-        cls, discs: Discs, digits: ManyDigits, outside: NDArray[np.float64], errors: NDArray[np.float64], limit: float
-    ) -> _Sides:
+    def of(cls, discs: Discs, digits: ManyDigits, outside: Floats, errors: Floats, limit: float) -> _Sides:
         """Return them all at once."""
         within = pairs.decided(pairs.excess(discs.values.real, digits.above.real), discs.radii) < 0
         low = np.maximum(-limit, digits.net - errors)
@@ -215,10 +213,10 @@ class LogDiscs(NamedTuple):
         Indices of discs that touch.
     """
 
-    values: NDArray[np.complex128]
-    low: NDArray[np.float64]
-    high: NDArray[np.float64]
-    radii: NDArray[np.float64]
+    values: Complexes
+    low: Floats
+    high: Floats
+    radii: Floats
     clusters: tuple[NDArray[np.intp], ...]
 
 
@@ -288,7 +286,7 @@ def classify_multipliers(
     )
 
 
-def _on_circle(values: NDArray[np.complex128], radii: NDArray[np.float64], cluster: NDArray[np.intp]) -> bool:
+def _on_circle(values: Complexes, radii: Floats, cluster: NDArray[np.intp]) -> bool:
     """Return whether a single disc meets its own mirror image in the circle and no other disc."""
     if len(cluster) != 1:
         return False
@@ -303,8 +301,8 @@ def _verdict(
     method: str,
     parts: Sequence[_Part],
     *,
-    net: NDArray[np.complex128],
-    errors: NDArray[np.float64],
+    net: Complexes,
+    errors: Floats,
     signs: NDArray[Any],
     damping: float,
     cost: Cost,

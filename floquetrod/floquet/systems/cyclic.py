@@ -10,9 +10,8 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from floquetrod._util.arrays import EPS, norms
+from floquetrod._util.arrays import EPS, Floats, norms
 from floquetrod.floquet.systems import independent_solutions, spectra
 from floquetrod.floquet.systems.independent_solutions import Solutions
 
@@ -29,12 +28,12 @@ class Evened(NamedTuple):
         The coordinates at the first instant: x = basis y.
     """
 
-    maps: NDArray[np.float64]
-    errors: NDArray[np.float64]
-    basis: NDArray[np.float64]
+    maps: Floats
+    errors: Floats
+    basis: Floats
 
 
-def evened(maps: NDArray[np.float64], errors: NDArray[np.float64], rounds: int = 3) -> Evened:
+def evened(maps: Floats, errors: Floats, rounds: int = 3) -> Evened:
     """Return maps over segments in coordinates in which what decays fast here and slowly there decays evenly.
 
     Frames that motion turns into each other, the faster growing directions first, are found by orthogonal iteration
@@ -61,7 +60,7 @@ def evened(maps: NDArray[np.float64], errors: NDArray[np.float64], rounds: int =
     return Evened(ahead @ maps @ frames, (errors + rounding) * spread, frames[0])
 
 
-def solutions(maps: NDArray[np.float64], errors: NDArray[np.float64], scales: NDArray[np.float64]) -> Solutions | None:
+def solutions(maps: Floats, errors: Floats, scales: Floats) -> Solutions | None:
     """Return independent Floquet solutions from the maps (m, n, n) over segments of a period, without multiplying them.
 
     Parameters

@@ -8,9 +8,8 @@ from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
-from floquetrod._util.arrays import EPS
+from floquetrod._util.arrays import EPS, Floats
 from floquetrod.equations import DelaySystem, HillSystem
 from floquetrod.equations import pieces as by_pieces
 from floquetrod.floquet.systems import delay_growth, delay_maps, whole
@@ -28,7 +27,7 @@ def least_damping(
     excess: Callable[[float], float],
     growth: float,
     frequency: float,
-    further: NDArray[np.float64] | None = None,
+    further: Floats | None = None,
     uncertainty: float = 0.0,
 ) -> float:
     """Return the damping rate from which nothing grows, to ten digits, at all rates tried.

@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
+from floquetrod._util.arrays import Complexes
 from floquetrod.equations import DelaySystem, HillSystem
 from floquetrod.floquet.systems.classification import LogDiscs
 
@@ -40,7 +40,7 @@ def _root(system: DelaySystem, log: complex, period: float) -> complex:
     return found.conjugate() if log.imag < 0.0 < found.imag or found.imag < 0.0 < log.imag else found
 
 
-def characteristic(system: DelaySystem, roots: NDArray[np.complex128]) -> NDArray[np.complex128]:
+def characteristic(system: DelaySystem, roots: Complexes) -> Complexes:
     """Return s^2 M + s (C + G) + K + sum_j D_j exp(-s tau_j), or s I - A - sum_j B_j exp(-s tau_j), (m, n, n)."""
     present, s = system.present, roots[:, None, None]
     if isinstance(present, HillSystem):

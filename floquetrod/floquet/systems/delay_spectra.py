@@ -5,9 +5,8 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from floquetrod._util.arrays import EPS
+from floquetrod._util.arrays import EPS, Complexes, Floats
 from floquetrod.floquet.systems import spectra
 from floquetrod.floquet.systems.classification import LogDiscs
 from floquetrod.floquet.systems.independent_solutions import balance
@@ -27,13 +26,13 @@ class Multipliers(NamedTuple):
         Every eigenvalue of the map.
     """
 
-    values: NDArray[np.complex128]
-    radii: NDArray[np.float64]
-    all_values: NDArray[np.complex128]
+    values: Complexes
+    radii: Floats
+    all_values: Complexes
 
 
 @np.errstate(over="ignore", invalid="ignore")  # what overflows is then not finite
-def leading(matrix: NDArray[np.float64], least: float) -> Multipliers | None:
+def leading(matrix: Floats, least: float) -> Multipliers | None:
     """Return the eigenvalues of modulus above ``least``, the largest in any case; None where they cannot be determined.
 
     With T11 the block of an ordered Schur form of the invariant subspace and P the spectral projector upon it, a change
@@ -64,7 +63,7 @@ def leading(matrix: NDArray[np.float64], least: float) -> Multipliers | None:
     return None if discs is None else Multipliers(discs.values, discs.radii, everything)
 
 
-def _gap_below(sizes: NDArray[np.float64], least: float) -> float:
+def _gap_below(sizes: Floats, least: float) -> float:
     """Return a modulus at or below ``least``, in the widest gap of moduli down to half of it."""
     below = np.sort(sizes[(sizes <= least) & (sizes >= 0.5 * least)])[::-1]
     edges = np.concatenate([[least], below, [0.5 * least]])
@@ -73,7 +72,7 @@ def _gap_below(sizes: NDArray[np.float64], least: float) -> float:
     return float(0.5 * (edges[widest] + edges[widest + 1]))
 
 
-def with_change(found: Multipliers, before: NDArray[np.complex128]) -> Multipliers:
+def with_change(found: Multipliers, before: Complexes) -> Multipliers:
     """Return multipliers whose radii hold twice the distance from those of a coarser mesh, too."""
     change = np.abs(found.values[:, None] - before[None, :]).min(axis=1)
     return found._replace(radii=found.radii + 2.0 * change)

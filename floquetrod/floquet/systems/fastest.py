@@ -28,8 +28,8 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from floquetrod._util.arrays import Complexes, Floats
 from floquetrod.equations import HillSystem
 from floquetrod.floquet.kernels.system_large import Parts
 from floquetrod.floquet.kernels.system_maps_large import period_map_large
@@ -38,9 +38,6 @@ from floquetrod.floquet.systems.classification import LogDiscs, classify_multipl
 from floquetrod.floquet.systems.result import SystemStability
 from floquetrod.floquet.systems.spectra import log_distances, touching
 from floquetrod.floquet.verdict import Cost
-
-Floats = NDArray[np.float64]
-Complexes = NDArray[np.complex128]
 
 _FEWEST = 200  # equations: the map of fewer takes no longer (measured)
 _COLUMNS = 8  # drawn at random (measured)

@@ -12,6 +12,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from floquetrod._util.arrays import Complexes, Floats
 from floquetrod.floquet.systems.classification import LogDiscs
 from floquetrod.floquet.systems.spectra import log_distances, touching
 from floquetrod.floquet.systems.symplectic import symplectic_unit
@@ -34,12 +35,12 @@ class Solutions(NamedTuple):
         States at one instant, unit columns.
     """
 
-    logs: NDArray[np.complex128]
-    radii: NDArray[np.float64]
-    states: NDArray[np.complex128]
+    logs: Complexes
+    radii: Floats
+    states: Complexes
 
 
-def independent(states: NDArray[np.complex128], distance: NDArray[np.float64]) -> NDArray[np.intp] | None:
+def independent(states: Complexes, distance: Floats) -> NDArray[np.intp] | None:
     """Return as many columns as rows that are independent, those of the smallest ``distance`` first; None where few."""
     states = states / np.maximum(np.linalg.norm(states, axis=0), 1e-300)
     nearest = np.argsort(distance, kind="stable")
@@ -49,7 +50,7 @@ def independent(states: NDArray[np.complex128], distance: NDArray[np.float64]) -
     return next((chosen for chosen in found if chosen is not None), None)
 
 
-def _independent(states: NDArray[np.complex128], nearest: NDArray[np.intp], least: float) -> NDArray[np.intp] | None:
+def _independent(states: Complexes, nearest: NDArray[np.intp], least: float) -> NDArray[np.intp] | None:
     """Return columns each of which has at least a sine with the span of those before; None where they are too few."""
     order = len(states)
     basis = np.zeros((order, 0), dtype=np.complex128)
@@ -67,7 +68,7 @@ def _independent(states: NDArray[np.complex128], nearest: NDArray[np.intp], leas
     return None
 
 
-def principal(logs: NDArray[np.complex128]) -> NDArray[np.complex128]:
+def principal(logs: Complexes) -> Complexes:
     """Return logarithms with imaginary parts from -pi to pi."""
     return np.asarray(logs.real + 1j * (math.pi - np.remainder(math.pi - logs.imag, 2.0 * math.pi)))
 
@@ -105,7 +106,7 @@ def krein_sign(solutions: Solutions, cluster: NDArray[np.intp]) -> int:
     return 1 if values[0] > slack else -1 if values[-1] < -slack else 0
 
 
-def balance(sizes: NDArray[np.float64]) -> NDArray[np.float64]:
+def balance(sizes: Floats) -> Floats:
     """Return powers of two d that make diag(1/d) A diag(d) about balanced, for magnitudes of the entries of A."""
     from scipy.linalg import matrix_balance
 

@@ -14,6 +14,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from floquetrod._util.arrays import Floats
+
 _GUARD_BITS = 40
 _STEP = 6.0  # growth exponent of a step: longer ones lose digits
 _FACTORS = (1.0, 1.5, 2.0, 3.0, 4.0, 6.0)  # of the fewest steps, of which the cheapest plan is taken
@@ -50,7 +52,7 @@ class Series(NamedTuple):
     slope: NDArray[Any] | None = None
 
     @property
-    def sizes(self) -> NDArray[np.float64]:
+    def sizes(self) -> Floats:
         """Norms of the mean, the slope over the piece included, and, cosine and sine together, of each harmonic."""
         mean, *waves = (_row_sum(matrix) for matrix in (self.mean, *self.waves))
         mean += self.steepness * float(self.length)
@@ -107,9 +109,7 @@ class Plan(NamedTuple):
         return self.steps * self.order
 
 
-def last_power(
-    sizes: NDArray[np.float64], waves: NDArray[np.float64], h: float, log_wanted: float, steepness: float = 0.0
-) -> Any:
+def last_power(sizes: Floats, waves: Floats, h: float, log_wanted: float, steepness: float = 0.0) -> Any:
     """Return the power after which series over steps h are cut, and the logarithm of a bound of what that leaves out.
 
     With a(r) = steepness r + sum_k sizes_k cosh(waves_k r), which bounds A for complex times up to r from a real one, a
@@ -157,9 +157,7 @@ def _plan(series: Series, digits: float) -> Plan | None:
     return Plan(steps, order, bits, log_error, rounding)
 
 
-def _rounding(
-    sizes: NDArray[np.float64], waves: NDArray[np.float64], steepness: float, h: float, last: int, order: int
-) -> float:
+def _rounding(sizes: Floats, waves: Floats, steepness: float, h: float, last: int, order: int) -> float:
     """Bound what the arithmetic of a step rounds, in units of 2^-bits.
 
     Rounded, the terms solve x' = A x + f, f a series whose coefficients are the roundings, and this with |A|, |f| in
@@ -260,7 +258,7 @@ class _Steps:
 
 
 @np.errstate(over="ignore", under="ignore", invalid="ignore")  # a product that overflows has an infinite norm, or NaN
-def _products(maps: list[NDArray[np.float64]]) -> tuple[list[float], list[float]]:
+def _products(maps: list[Floats]) -> tuple[list[float], list[float]]:
     """Return bounds of the 2-norms of what is applied before and after each map."""
     order = len(maps[0])
     before, after = [1.0], [1.0]
@@ -272,7 +270,7 @@ def _products(maps: list[NDArray[np.float64]]) -> tuple[list[float], list[float]
     return before, after[::-1]
 
 
-def _norm(matrix: NDArray[np.float64]) -> float:
+def _norm(matrix: Floats) -> float:
     """Return the Frobenius norm, also where squares of entries overflow."""
     exponent = np.frexp(np.abs(matrix).max())[1]
     return float(np.ldexp(np.linalg.norm(np.ldexp(matrix, -exponent)), exponent))
@@ -289,7 +287,7 @@ def _fixed(matrix: NDArray[Any], bits: int, context: Any) -> NDArray[Any]:
     return flat.reshape(matrix.shape)
 
 
-def _floats(matrix: Any, bits: int) -> NDArray[np.float64]:
+def _floats(matrix: Any, bits: int) -> Floats:
     """Return integers that are multiples of 2^-bits as doubles."""
     scale = 1 << bits
     return np.array([v / scale for v in matrix.flat], dtype=float).reshape(matrix.shape)

@@ -8,6 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from floquetrod._util.arrays import Floats
 from floquetrod.floquet.systems.spectra import Discs, touching
 from floquetrod.floquet.systems.symplectic import PairMatrix
 
@@ -28,7 +29,7 @@ class PreciseDiscs(NamedTuple):
     """
 
     values: NDArray[Any]
-    radii: NDArray[np.float64]
+    radii: Floats
     clusters: tuple[NDArray[np.intp], ...]
     right: NDArray[Any]
     left: NDArray[Any]

@@ -9,7 +9,7 @@ from typing import Any, Literal, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from floquetrod._util.arrays import Bools, Floats
+from floquetrod._util.arrays import Bools, Complexes, Floats
 from floquetrod.equations import DelaySystem, HillSystem, PeriodicSystem
 from floquetrod.equations.pieces import fourier
 
@@ -116,7 +116,7 @@ class _Modes(NamedTuple):
         How each harmonic couples exponents, both ways, relative to the strongest coupling of that harmonic.
     """
 
-    poles: NDArray[np.complex128]
+    poles: Complexes
     up: NDArray[np.intp]
     down: NDArray[np.intp]
     coupling: Floats
@@ -146,7 +146,7 @@ def _mean_modes(system: HillSystem | PeriodicSystem) -> _Modes | None:
     return _Modes(values[up], up, partners, coupling)
 
 
-def _of_first_order(first: PeriodicSystem) -> tuple[NDArray[np.complex128], Floats] | None:
+def _of_first_order(first: PeriodicSystem) -> tuple[Complexes, Floats] | None:
     """Return the exponents of a mean system (N,), and how strongly each harmonic couples them, (H, N, N)."""
     try:
         values, vectors = np.linalg.eig(first.mean)
@@ -161,7 +161,7 @@ def _of_first_order(first: PeriodicSystem) -> tuple[NDArray[np.complex128], Floa
     return values.astype(np.complex128), both
 
 
-def _symmetric(freed: HillSystem, damping: float) -> tuple[NDArray[np.complex128], Floats] | None:
+def _symmetric(freed: HillSystem, damping: float) -> tuple[Complexes, Floats] | None:
     """Return what `_of_first_order` does, of q'' + 2 c q' + K q = 0 from the modes of K at a tenth of the cost.
 
     With exponents -c +- r and modes phi of length 1 a harmonic Z couples two by

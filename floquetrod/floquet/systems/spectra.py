@@ -15,7 +15,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from floquetrod._util.arrays import EPS
+from floquetrod._util.arrays import EPS, Complexes, Floats
 from floquetrod._util.caching import cached_property
 
 Form = Callable[[NDArray[Any]], NDArray[Any]]
@@ -48,11 +48,11 @@ class Discs(NamedTuple):
         The 2-norm of ``left``.
     """
 
-    values: NDArray[np.complex128]
-    radii: NDArray[np.float64]
+    values: Complexes
+    radii: Floats
     clusters: tuple[NDArray[np.intp], ...]
-    right: NDArray[np.complex128]
-    left: NDArray[np.complex128]
+    right: Complexes
+    left: Complexes
     error: float
     matrix: NDArray[Any]
     spread: float
@@ -144,7 +144,7 @@ def _inverse(values: NDArray[Any], vectors: NDArray[Any]) -> NDArray[Any]:
     return rows
 
 
-def touching(distances: NDArray[np.float64], radii: NDArray[np.float64]) -> tuple[NDArray[np.intp], ...]:
+def touching(distances: Floats, radii: Floats) -> tuple[NDArray[np.intp], ...]:
     """Return the sets of discs that touch, directly or by others between them, from their centres' distances (n, n)."""
     n = len(radii)
     near = distances <= radii[:, None] + radii[None, :]
@@ -161,14 +161,14 @@ def touching(distances: NDArray[np.float64], radii: NDArray[np.float64]) -> tupl
     return tuple(found)
 
 
-def log_distances(one: NDArray[np.complex128], other: NDArray[np.complex128]) -> NDArray[np.float64]:
+def log_distances(one: Complexes, other: Complexes) -> Floats:
     """Return distances (m, n) of logarithms from each other, multiples of 2 pi i aside."""
     gap = one[:, None] - other[None, :]
     turned = np.remainder(gap.imag + math.pi, 2.0 * math.pi) - math.pi
     return np.asarray(np.hypot(gap.real, turned))
 
 
-def basis_of(discs: Discs, cluster: NDArray[np.intp]) -> NDArray[np.complex128]:
+def basis_of(discs: Discs, cluster: NDArray[np.intp]) -> Complexes:
     """Return an orthonormal basis of a cluster's invariant subspace."""
     return np.asarray(np.linalg.qr(discs.right[:, cluster])[0])
 

@@ -9,8 +9,8 @@ import math
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from floquetrod._util.arrays import Floats, Ints
 from floquetrod._util.compilation import kernel
 from floquetrod.floquet.proof.kernels.regions_boxes import (
     AMPLITUDE,
@@ -44,15 +44,15 @@ class BoxSearch(NamedTuple):
     example, 0 where there is none.
     """
 
-    boxes: NDArray[np.float64]  # (n, 8, 2): still to be examined, in a ring
-    pending: NDArray[np.int64]  # (n, 1 + listed): how many modes are not proved quiet, which; -1, first: too many
-    shares: NDArray[np.float64]  # (n + 3,): of the volume proved quiet, growing, and given up; then of each box
-    counts: NDArray[np.int64]  # (7,)
-    examples: NDArray[np.float64]  # (2, 8, 2): proved quiet and proved growing; NaN where there is none
+    boxes: Floats  # (n, 8, 2): still to be examined, in a ring
+    pending: Ints  # (n, 1 + listed): how many modes are not proved quiet, which; -1, first: too many
+    shares: Floats  # (n + 3,): of the volume proved quiet, growing, and given up; then of each box
+    counts: Ints  # (7,)
+    examples: Floats  # (2, 8, 2): proved quiet and proved growing; NaN where there is none
     last: int  # modes 1 to this are looked at
 
 
-def box_search(box: NDArray[np.float64], last: int, max_boxes: int) -> BoxSearch:
+def box_search(box: Floats, last: int, max_boxes: int) -> BoxSearch:
     """Return the beginning of a subdivision of a box, shape (8, 2), which may come to ``max_boxes`` boxes.
 
     Its fields are the first arguments of `certify_box`.
