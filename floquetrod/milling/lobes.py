@@ -15,6 +15,7 @@ from floquetrod._util import validate
 from floquetrod._util.arrays import Complexes, Floats
 from floquetrod._util.content import ByContent, NoTruthValue
 from floquetrod._util.report import Report, Reported, Table
+from floquetrod.floquet.status import STABLE, UNSTABLE
 from floquetrod.floquet.systems import delay_growth, delay_many
 from floquetrod.floquet.systems.delay_maps import Coefficients, period_maps
 from floquetrod.floquet.systems.delay_mesh import Mesh, mesh
@@ -246,7 +247,7 @@ def critical_depths(milling: Cutter, speeds: Floats, most: float | None = None) 
 
 def _first(milling: Cutter, speeds: Floats, tried: Floats, status: NDArray[np.int8]) -> Floats:
     """Return the first changes along the depths tried, status (speeds, depths), infinite where there is none."""
-    chatter = status != delay_many.STABLE
+    chatter = status != STABLE
     first = chatter.argmax(axis=1)
     low, high = tried[np.maximum(first - 1, 0)], tried[first]
     result = np.where(chatter[:, 0], 0.0, math.inf)
@@ -304,7 +305,7 @@ def lobes_of(milling: Cutter, speed: Any, depth: Any, *, growth: bool) -> Lobes:
     x = Axis("spindle speed", r"\Omega", "rad/s", across)
     y = Axis("depth of cut", "a", "m", up)
     chart = charted(CuttingPlane(milling), x, y, growth=growth).in_units(spindle="rpm", depth="mm")
-    status = np.where(chart.stable, delay_many.STABLE, delay_many.UNSTABLE).T
+    status = np.where(chart.stable, STABLE, UNSTABLE).T
     depths = _first(milling, across, up, status)
     return Lobes(milling, chart, across, depths, tuple(_named(milling, across, depths)))
 

@@ -21,7 +21,7 @@ from floquetrod.equations.matrices import flat
 from floquetrod.floquet.dispatch import judge
 from floquetrod.floquet.kernels.system_even import pair_numbers
 from floquetrod.floquet.pairs import logarithms
-from floquetrod.floquet.status import STATUS_CODES, are
+from floquetrod.floquet.status import STATUS_CODES, UNDECIDED, are
 from floquetrod.floquet.systems import even, many, whole
 from floquetrod.floquet.systems.classification import MOST_SECONDS, undamped_pairs
 from floquetrod.floquet.systems.many import ManyVerdicts
@@ -133,11 +133,11 @@ def verdicts(
 
     def report(done: int) -> None:
         if progress is not None:
-            progress(done if quick else int((status[:done] != many.UNDECIDED).sum()), size)
+            progress(done if quick else int((status[:done] != UNDECIDED).sum()), size)
 
     _over(batch, fill, workers, report if progress is not None else None)
     # One after another, and not in threads: their many digits are Python's, and Ctrl-C is heard at once.
-    open_ones = () if quick else np.flatnonzero(status == many.UNDECIDED).tolist()
+    open_ones = () if quick else np.flatnonzero(status == UNDECIDED).tolist()
     decided = size - len(open_ones)
     for judged, i in enumerate(open_ones, 1):
         result = judge(pick(systems, i), most_digits=_MOST_DIGITS)

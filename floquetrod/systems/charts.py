@@ -19,9 +19,8 @@ from floquetrod.equations import DelaySystem, Equation, PeriodicSystem
 from floquetrod.equations.batches import in_batches
 from floquetrod.floquet.dispatch import stability
 from floquetrod.floquet.problems import Problem, member
-from floquetrod.floquet.status import STATUS_CODES
+from floquetrod.floquet.status import STABLE, STATUS_CODES, UNDECIDED, UNSTABLE
 from floquetrod.floquet.systems import delay_many
-from floquetrod.floquet.systems.many import STABLE, UNDECIDED, UNSTABLE
 from floquetrod.floquet.systems.result import SystemStability
 from floquetrod.floquet.verdict import tolerated
 from floquetrod.plane import Axis, Chart, Family, Verdicts, axis_values, charted

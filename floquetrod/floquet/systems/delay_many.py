@@ -14,13 +14,11 @@ from numpy.typing import NDArray
 
 from floquetrod._util.arrays import Floats
 from floquetrod.equations import DelaySystem
-from floquetrod.floquet.status import STATUS_CODES
+from floquetrod.floquet.status import STABLE, UNDECIDED, UNSTABLE
 from floquetrod.floquet.systems import delay_growth, delay_maps
 
 Maps = Callable[[NDArray[np.intp], int], Floats]
 """Returns the maps over a period of some systems, by their places, with a number of nodes in each piece."""
-
-STABLE, UNSTABLE, UNDECIDED = (STATUS_CODES[each] for each in ("stable", "unstable", "undecided"))
 
 _SQUARINGS = 9
 _ENTRIES = 1 << 18  # of maps at once (a choice: two megabytes)

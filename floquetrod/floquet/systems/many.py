@@ -12,9 +12,7 @@ from numpy.typing import NDArray
 
 from floquetrod._util.arrays import EPS, Bools, Complexes, Floats, inverses, norms
 from floquetrod.floquet import pairs
-from floquetrod.floquet.status import STATUS_CODES
-
-STABLE, UNSTABLE, UNDECIDED = (STATUS_CODES[each] for each in ("stable", "unstable", "undecided"))
+from floquetrod.floquet.status import STABLE, UNDECIDED, UNSTABLE
 
 
 class ManyDiscs(NamedTuple):
