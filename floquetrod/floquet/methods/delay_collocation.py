@@ -67,7 +67,7 @@ def collocation(system: DelaySystem, *, rtol: float = 1e-12, above: float = 0.1)
     if found is None:
         note = f"needs collocation of more than {_MOST_ROWS} rows, or its multipliers cannot be distinguished"
         return SystemStability.declined(system, "collocation", cost, note)
-    logs = delay_spectra.log_discs(found)
+    logs = delay_spectra.log_discs(found.values, found.radii)
     if system.is_constant:
         logs = delay_roots.per_period(system, logs, laid.period)
     note = _LEFT_OUT.format(least ** (float(system.period) / laid.period))

@@ -14,8 +14,8 @@ import numpy as np
 from floquetrod._util import validate
 from floquetrod._util.arrays import Complexes, Floats
 from floquetrod.equations import DelaySystem
-from floquetrod.floquet.systems import delay_maps, delay_roots, spectra
-from floquetrod.floquet.systems.classification import LogDiscs, classify_multipliers
+from floquetrod.floquet.systems import delay_maps, delay_roots, delay_spectra
+from floquetrod.floquet.systems.classification import classify_multipliers
 from floquetrod.floquet.systems.result import SystemStability
 from floquetrod.floquet.verdict import Cost
 
@@ -60,14 +60,10 @@ def semi_discretisation(system: DelaySystem, *, above: float = 0.3) -> SystemSta
     if rows > _MOST_ROWS or len(grids[-1].times) > 4 * _MOST_ROWS:
         return SystemStability.declined(system, "semi_discretisation", cost, f"needs a map of {rows:,} rows")
     coarse, middle, fine = (_largest(_map(system, grid), laid.least(system, above)) for grid in grids)
-    one, other = _extrapolated(fine, _nearest(fine, middle)), None
+    one = _extrapolated(fine, _nearest(fine, middle))
     other = _extrapolated(_nearest(fine, middle), _nearest(_nearest(fine, middle), coarse))
     radii = _SAFETY * np.abs(one - other) + 1e-12 * np.abs(one)
-    sizes = np.abs(one)
-    clusters = spectra.touching(np.abs(one[:, None] - one[None, :]), radii)
-    with np.errstate(divide="ignore"):
-        low, high, values = np.log(np.maximum(sizes - radii, 0.0)), np.log(sizes + radii), np.log(one)
-    logs = LogDiscs(values, low, high, np.where(radii < sizes, values.real - low, math.inf), clusters)
+    logs = delay_spectra.log_discs(one, radii)
     if system.is_constant:
         logs = delay_roots.per_period(system, logs, laid.period)
     return classify_multipliers(system, "semi_discretisation", logs, cost=cost)

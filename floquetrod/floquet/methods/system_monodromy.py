@@ -14,9 +14,9 @@ from floquetrod.equations import pieces as by_pieces
 from floquetrod.floquet.kernels.system_maps_large import large_seconds, period_map_large
 from floquetrod.floquet.systems import spectra, symplectic, whole
 from floquetrod.floquet.systems.classification import (
+    LogDiscs,
     classify_multipliers,
     classify_pairs,
-    logarithms,
     too_long,
     undamped_pairs,
 )
@@ -69,7 +69,7 @@ def monodromy(system: HillSystem | PeriodicSystem, *, rtol: float = 1e-12) -> Sy
         full, error = maps.matrix[0], float(maps.error[0])
     if pairs is None:
         discs = spectra.eigenvalue_discs(full, error)
-        return classify_multipliers(system, "monodromy", logarithms(discs) if discs else None, cost=_COST)
+        return classify_multipliers(system, "monodromy", LogDiscs.of(*discs[:3]) if discs else None, cost=_COST)
     if reversible:
         block = spectra.eigenvalue_discs(symplectic.reversible_pair_matrix(full), error)
         return classify_pairs(system, "monodromy", block, cost=_COST)
@@ -146,6 +146,6 @@ def solved_many(system: HillSystem | PeriodicSystem, rtol: float = 1e-12) -> Sol
     discs = spectra.eigenvalue_discs(full, error)
     logs = krein = None
     if discs is not None:
-        logs = logarithms(discs, damping * period)
+        logs = LogDiscs.of(*discs[:3], damping * period)
         krein = spectra.Signs(discs, symplectic.krein_form, 1.0, 0.0)
     return SolvedMany(classify_multipliers(system, "monodromy", logs, krein=krein, cost=_COST), discs, basis)

@@ -199,36 +199,30 @@ def _named(y: complex) -> str:
 
 
 class LogDiscs(NamedTuple):
-    """Logarithms of multipliers with errors.
+    """Logarithms of multipliers with errors."""
 
-    Attributes
-    ----------
-    values : ndarray (N,) of complex
-        Logarithms.
-    low, high : ndarray (N,)
-        Bounds of their real parts.
-    radii : ndarray (N,)
-        Radii of discs about the values; infinite where a multiplier cannot be distinguished from 0.
-    clusters : tuple of ndarray of int
-        Indices of discs that touch.
-    """
-
-    values: Complexes
-    low: Floats
+    values: Complexes  # (N,)
+    low: Floats  # (N,), bounds of their real parts
     high: Floats
-    radii: Floats
-    clusters: tuple[NDArray[np.intp], ...]
+    radii: Floats  # (N,), of discs about the values; infinite where a multiplier cannot be distinguished from 0
+    clusters: tuple[NDArray[np.intp], ...]  # indices of discs that touch
 
+    @classmethod
+    def of(
+        cls, multipliers: Complexes, radii: Floats, clusters: tuple[NDArray[np.intp], ...], shift: float = 0.0
+    ) -> LogDiscs:
+        """Return the logarithms of multipliers in discs of these radii, less ``shift``."""
+        sizes = np.abs(multipliers)
+        with np.errstate(divide="ignore"):
+            low, high = np.log(np.maximum(sizes - radii, 0.0)), np.log(sizes + radii)
+            values = np.log(np.where(sizes > 0.0, multipliers, 5e-324))
+            radii = np.where(radii < sizes, values.real - low, math.inf)
+        return cls(np.asarray(values - shift), low - shift, high - shift, radii, clusters)
 
-def logarithms(discs: Discs, shift: float = 0.0) -> LogDiscs:
-    """Return the logarithms of multipliers given in discs, less ``shift``."""
-    sizes = np.abs(discs.values)
-    with np.errstate(divide="ignore"):
-        low = np.log(np.maximum(sizes - discs.radii, 0.0))
-        high = np.log(sizes + discs.radii)
-        values = np.log(np.where(sizes > 0.0, discs.values, 5e-324))
-        radii = np.where(discs.radii < sizes, values.real - low, math.inf)
-    return LogDiscs(np.asarray(values - shift), low - shift, high - shift, radii, discs.clusters)
+    @classmethod
+    def about(cls, values: Complexes, radii: Floats, clusters: tuple[NDArray[np.intp], ...]) -> LogDiscs:
+        """Return discs of these radii about logarithms."""
+        return cls(values, values.real - radii, values.real + radii, radii, clusters)
 
 
 def classify_multipliers(

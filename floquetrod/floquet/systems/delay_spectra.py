@@ -15,20 +15,11 @@ _ROUNDING = 8.0 * EPS  # of the map, relative, beside what its eigenvalues add (
 
 
 class Multipliers(NamedTuple):
-    """The leading eigenvalues of a map.
+    """The leading eigenvalues of a map."""
 
-    Attributes
-    ----------
-    values : ndarray (p,) of complex
-    radii : ndarray (p,)
-        Errors, as of `spectra.Discs`.
-    all_values : ndarray (S,) of complex
-        Every eigenvalue of the map.
-    """
-
-    values: Complexes
-    radii: Floats
-    all_values: Complexes
+    values: Complexes  # (p,)
+    radii: Floats  # (p,), errors as of `spectra.Discs`
+    all_values: Complexes  # (S,), every eigenvalue of the map
 
 
 @np.errstate(over="ignore", invalid="ignore")  # what overflows is then not finite
@@ -78,16 +69,11 @@ def with_change(found: Multipliers, before: Complexes) -> Multipliers:
     return found._replace(radii=found.radii + 2.0 * change)
 
 
-def log_discs(found: Multipliers) -> LogDiscs:
+def log_discs(multipliers: Complexes, radii: Floats) -> LogDiscs:
     """Return the logarithms of multipliers, discs that touch in clusters; one of a disc on the real axis is real."""
-    sizes = np.abs(found.values)
-    clusters = spectra.touching(np.abs(found.values[:, None] - found.values[None, :]), found.radii)
-    values = found.values.copy()
+    clusters = spectra.touching(np.abs(multipliers[:, None] - multipliers[None, :]), radii)
+    values = multipliers.copy()
     for i in (int(cluster[0]) for cluster in clusters if len(cluster) == 1):
-        if abs(values[i].imag) <= found.radii[i]:
+        if abs(values[i].imag) <= radii[i]:
             values[i] = values[i].real
-    with np.errstate(divide="ignore"):
-        low, high = np.log(np.maximum(sizes - found.radii, 0.0)), np.log(sizes + found.radii)
-        logs = np.log(np.where(sizes > 0.0, values, 5e-324))
-    radii = np.where(found.radii < sizes, logs.real - low, np.inf)
-    return LogDiscs(np.asarray(logs), low, high, radii, clusters)
+    return LogDiscs.of(values, radii, clusters)

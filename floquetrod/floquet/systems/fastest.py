@@ -332,7 +332,7 @@ def _sharpened(logs: LogDiscs, limit: float, fastest: complex, radius: float) ->
         same = abs(abs(value.real) - fastest.real) + abs(abs(value.imag) - abs(fastest.imag)) < _SMALL
         if len(cluster) == 1 and same:
             radii[cluster] = np.minimum(radii[cluster], radius)
-    return logs._replace(low=logs.values.real - radii, high=logs.values.real + radii, radii=radii)
+    return LogDiscs.about(logs.values, radii, logs.clusters)
 
 
 def _discs(values: Complexes, radii: Floats, level: float, limit: float) -> tuple[LogDiscs, float] | None:
@@ -350,5 +350,4 @@ def _discs(values: Complexes, radii: Floats, level: float, limit: float) -> tupl
     errors = np.concatenate([errors, errors, np.full(2, rest)])
     count = 2 * len(found)
     clusters = *touching(log_distances(logs[:count], logs[:count]), errors[:count]), np.array([count, count + 1])
-    net = np.asarray(logs - limit, dtype=np.complex128)
-    return LogDiscs(net, net.real - errors, net.real + errors, errors, clusters), rest
+    return LogDiscs.about(np.asarray(logs - limit, dtype=np.complex128), errors, clusters), rest

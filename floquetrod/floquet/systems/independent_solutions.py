@@ -86,7 +86,7 @@ def log_discs(solutions: Solutions, shift: float) -> LogDiscs:
             values[i] = values[i].real
         elif math.pi - abs(logs[i].imag) <= radii[i]:
             values[i] = values[i].real + 1j * math.pi
-    return LogDiscs(values, values.real - radii, values.real + radii, radii, clusters)
+    return LogDiscs.about(values, radii, clusters)
 
 
 def krein_sign(solutions: Solutions, cluster: NDArray[np.intp]) -> int:
