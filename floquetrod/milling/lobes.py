@@ -19,6 +19,7 @@ from floquetrod.floquet.status import STABLE, UNSTABLE
 from floquetrod.floquet.systems import delay_growth, delay_many
 from floquetrod.floquet.systems.delay_maps import Coefficients, period_maps
 from floquetrod.floquet.systems.delay_mesh import Mesh, mesh
+from floquetrod.floquet.systems.many import ManyVerdicts
 from floquetrod.milling.cutter import Cutter, read_depth, read_speed
 from floquetrod.plane import Axis, Chart, Family, Verdicts, axis_values, charted
 
@@ -160,12 +161,12 @@ class CuttingPlane(Family):
         speeds, depths = np.broadcast_arrays(x, y)
         found = judged(self.milling, speeds.ravel(), depths.ravel(), growth=growth)
         periods = self.milling.pitch / speeds
-        rates = np.maximum(found.logs, 0.0).reshape(speeds.shape) / periods
+        rates = np.maximum(found.growth, 0.0).reshape(speeds.shape) / periods
         return Verdicts(found.status.reshape(speeds.shape), rates)
 
 
-def judged(milling: Cutter, speeds: Floats, depths: Floats, *, growth: bool = False) -> delay_many.Judged:
-    """Return verdicts at speeds and depths (b,), and logarithms of the largest modulus where they were needed."""
+def judged(milling: Cutter, speeds: Floats, depths: Floats, *, growth: bool = False) -> ManyVerdicts:
+    """Return verdicts at speeds and depths (b,), growth between teeth, where it was needed."""
     pieces, counts = _resolution(milling, speeds, depths)
     status, logs = np.zeros(speeds.size, dtype=np.int8), np.empty(speeds.size)
     for each in np.unique(pieces):
@@ -175,7 +176,7 @@ def judged(milling: Cutter, speeds: Floats, depths: Floats, *, growth: bool = Fa
             return _maps(milling, speeds[some[which]], depths[some[which]], each, count)
 
         status[some], logs[some] = delay_many.judged(maps, counts[some], growth=growth)
-    return delay_many.Judged(status, logs)
+    return ManyVerdicts(status, logs)
 
 
 def _resolution(milling: Cutter, speeds: Floats, depths: Floats) -> tuple[NDArray[np.intp], NDArray[np.intp]]:

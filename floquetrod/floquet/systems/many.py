@@ -24,7 +24,10 @@ class ManyDiscs(NamedTuple):
 
 
 class ManyVerdicts(NamedTuple):
-    """Status (b,) of int8 and growth rates (b,), per unit of time, of many systems."""
+    """Status (b,) of int8 and growth rates (b,) of many systems, per unit of time if not said otherwise.
+
+    Of systems with delays the rates are NaN where they were not needed.
+    """
 
     status: NDArray[np.int8]
     growth: Floats
