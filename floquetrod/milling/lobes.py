@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from floquetrod._util import validate
 from floquetrod._util.arrays import Complexes, Floats
 from floquetrod._util.content import ByContent, NoTruthValue
+from floquetrod._util.interpolation import chebyshev_points
 from floquetrod._util.report import Report, Reported, Table
 from floquetrod.floquet.status import STABLE, UNSTABLE
 from floquetrod.floquet.systems import delay_growth, delay_many
@@ -368,8 +369,7 @@ def _turns(milling: Cutter, vector: Complexes, angle: float, pieces: int, count:
     breaks = np.asarray(_breaks(milling, pieces))
     middles = 0.5 * (breaks[1:] + breaks[:-1]) * milling.pitch
     touched = np.flatnonzero((milling.cutting(middles) != 0.0).any(axis=(1, 2)))
-    points = 0.5 - 0.5 * np.cos(math.pi * np.arange(kept) / (kept - 1))
-    times = breaks[touched, None] + np.diff(breaks)[touched, None] * points
+    times = breaks[touched, None] + np.diff(breaks)[touched, None] * (0.5 + 0.5 * chebyshev_points(kept))
     weights = np.sin(math.pi * np.arange(kept) / (kept - 1)) * np.diff(breaks)[touched, None]
     most = math.ceil(0.3 * len(on.nodes))  # more turns the nodes would not resolve
     tried = angle / (2.0 * math.pi) + np.arange(-most, most)

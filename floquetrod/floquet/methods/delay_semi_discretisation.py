@@ -13,6 +13,7 @@ import numpy as np
 
 from floquetrod._util import validate
 from floquetrod._util.arrays import Complexes, Floats
+from floquetrod._util.interpolation import lagrange_weights
 from floquetrod.equations import DelaySystem
 from floquetrod.floquet.systems import delay_maps, delay_roots, delay_spectra
 from floquetrod.floquet.systems.classification import classify_multipliers
@@ -158,11 +159,7 @@ def _interpolated(values: Floats, ends: Floats, t: float, now: int) -> Floats:
     """Return the value at a time as rows over the state, by a cubic between four ends that are known."""
     first = int(np.searchsorted(ends[: now + 1], t)) - _NEIGHBOURS // 2
     first = min(max(first, 0), now + 1 - _NEIGHBOURS)
-    points = ends[first : first + _NEIGHBOURS]
-    weights = [
-        math.prod((t - other) / (point - other) for m, other in enumerate(points) if m != k)
-        for k, point in enumerate(points)
-    ]
+    weights = lagrange_weights(ends[first : first + _NEIGHBOURS], t)
     return np.asarray(np.tensordot(weights, values[first : first + _NEIGHBOURS], axes=1))
 
 
