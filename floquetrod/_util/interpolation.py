@@ -28,7 +28,7 @@ def chebyshev_weights(count: int, at: Floats) -> Floats:
 
 
 def lagrange_weights(places: Floats, at: float) -> Floats:
-    """Return the weights (n,) that values at a few places (n,) have in the polynomial, at one; NaN where two coincide."""
+    """Return the weights (n,) that values at a few places (n,) have, at another; NaN where two of them coincide."""
     every = places.tolist()
     ratios = ([(at - b) / (a - b or math.nan) for j, b in enumerate(every) if j != i] for i, a in enumerate(every))
-    return np.array([math.prod(each) for each in ratios])
+    return np.array([math.prod(each, start=1.0) for each in ratios])

@@ -25,6 +25,7 @@ from numpy.typing import NDArray
 
 from floquetrod._util.arrays import Complexes, Floats
 from floquetrod.equations import HillSystem
+from floquetrod.floquet.systems import magnus
 
 _TURN = 0.6  # radians that the fastest mode turns by in a step
 _LEAST_STEPS = 64
@@ -271,18 +272,15 @@ def _away(gaps: Complexes) -> Complexes:
 
 def _magnus(system: HillSystem, count: int, scale: float) -> Floats:
     """Return the maps over equal steps of a period, (count, 2 n, 2 n), of (scale q, q')."""
-    from scipy.linalg import expm
-
     n, step = system.order, float(system.period) / count
-    places = np.arange(count)[:, None] + 0.5 + np.array([-1.0, 1.0]) * math.sqrt(3.0) / 6.0
+    places = np.arange(count)[:, None] + 0.5 + magnus.PLACES
     rates = np.zeros((2 * count, 2 * n, 2 * n))
     rates[:, :n, n:] = scale * np.eye(n)
     rates[:, n:, :n] = -system.coefficient(places.ravel() * step) / scale
     for friction in (system.damping, system.gyroscopic):
         if friction is not None:
             rates[:, n:, n:] -= friction
-    one, other = rates[::2], rates[1::2]
-    return np.asarray(expm(0.5 * step * (one + other) + math.sqrt(3.0) / 12.0 * step**2 * (other @ one - one @ other)))
+    return magnus.flows(rates[::2], rates[1::2], step)
 
 
 def _orthonormal(fresh: Floats, basis: Floats) -> Floats:
