@@ -233,7 +233,7 @@ class HillSystem(matrices.PeriodicMatrixSystem):
         """
         if self.damping is None:
             return 0.0
-        mass = np.eye(self.order) if self.mass is None else self.mass
+        mass = matrices.mass_matrix(self)
         twice = float(self.damping.flat[0]) / float(mass.flat[0])
         return 0.5 * twice if 0.0 < twice < math.inf and _is_multiple(self.damping, twice, mass) else None
 
@@ -261,7 +261,7 @@ class HillSystem(matrices.PeriodicMatrixSystem):
             return None
         if c == 0.0:
             return self, 0.0
-        mass = np.eye(self.order) if self.mass is None else self.mass
+        mass = matrices.mass_matrix(self)
         shift = c * c * mass
         others: dict[str, Any] = {"mass": self.mass, "coefficient_error": self.coefficient_error}
         freed = by_pieces.mapped(HillSystem, self, lambda m: m - shift, **others)

@@ -127,6 +127,17 @@ class PeriodicMatrixSystem(ByContent):
         return f"{type(self).__name__}.from_pieces([{', '.join(listed)}]{', ' if others != ')' else ''}{others}"
 
 
+def mass_matrix(system: Any) -> Matrix:
+    """Return M of a system of second order, the identity where it has none."""
+    return np.eye(system.order) if system.mass is None else np.asarray(system.mass)
+
+
+def velocity_matrix(system: Any) -> Matrix:
+    """Return C + G of a system of second order."""
+    given = [matrix for matrix in (system.damping, system.gyroscopic) if matrix is not None]
+    return np.asarray(sum(given, np.zeros((system.order, system.order))))
+
+
 def flat(array: Any, shape: tuple[int, ...], tail: int) -> NDArray[Any]:
     """Return an array with the leading shape of a batch made one axis; its last ``tail`` axes stay as they are."""
     array = np.asarray(array)
@@ -255,13 +266,6 @@ def harmonic_amplitudes(
         count -= 1
     result.flags.writeable = False
     return result[..., :count, :, :]
-
-
-def coefficients_at(times: Floats, mean: Matrix, harmonics: Complexes, period: float) -> Floats:
-    """Return mean + sum_k Re(Z_k exp(i k w t)), of shape (*times.shape, n, n), of one system."""
-    phase = (2.0 * math.pi / period) * np.asarray(times)
-    waves = np.exp(1j * phase[..., None] * np.arange(1, len(harmonics) + 1))
-    return np.asarray(mean + np.einsum("...k,kij->...ij", waves, harmonics).real)
 
 
 def described(value: Any) -> str:

@@ -134,6 +134,15 @@ class TimedPiece(NamedTuple):
         into = float(self.begin - self.origin)
         return self.mean if self.slope is None or not into else self.mean + self.slope * into
 
+    def at(self, into: Floats, period: float) -> Matrix:
+        """Return the matrix, of shape (*into.shape, n, n), at times from the beginning of the piece."""
+        phase = (2.0 * math.pi / period) * (float(self.begin) + into)
+        waves = np.exp(1j * phase[..., None] * np.arange(1, len(self.harmonics) + 1))
+        found = np.asarray(self.mean + np.einsum("...k,kij->...ij", waves, self.harmonics).real)
+        if self.slope is None:
+            return found
+        return np.asarray(found + self.slope * (into + float(self.begin - self.origin))[..., None, None])
+
 
 class PieceArrays(NamedTuple):
     """Pieces of many systems in the form that maps are computed from.
@@ -361,11 +370,8 @@ def fourier(system: Any, count: int) -> Complexes:
     for piece in in_time(system):
         local = 0.5 * float(piece.length) * (1.0 + nodes)
         t = float(piece.begin) + local
-        values = matrices.coefficients_at(t, piece.mean, piece.harmonics, period)
-        if piece.slope is not None:
-            values = values + piece.slope * local[:, None, None]
         waves = np.exp(-2j * math.pi / period * np.arange(1, count + 1)[:, None] * t)
-        found += np.tensordot(waves * (weights * float(piece.length) / period), values, axes=1)
+        found += np.tensordot(waves * (weights * float(piece.length) / period), piece.at(local, period), axes=1)
     return found
 
 
@@ -374,7 +380,7 @@ def value_at(system: Any, times: Any) -> Floats:
     pieces, period = in_time(system), float(system.period)
     times = validate.array("t", times, least=-1e14 * period, largest=1e14 * period)
     if not system.pieces:
-        return matrices.coefficients_at(times, pieces[0].mean, pieces[0].harmonics, period)
+        return pieces[0].at(times, period)
     phase = times - period * np.floor(times / period)
     result, weight = np.zeros((*phase.shape, system.order, system.order)), np.zeros(phase.shape)
     for j, piece in enumerate(pieces):
@@ -382,10 +388,7 @@ def value_at(system: Any, times: Any) -> Floats:
         for shift in (0.0, period) if j + 1 == len(pieces) else (0.0,):  # the end of the period is its beginning
             t = phase + shift
             here = (low <= t) & (t <= high)
-            value = matrices.coefficients_at(t[here], piece.mean, piece.harmonics, period)
-            if piece.slope is not None:
-                value = value + piece.slope * (t[here] - low)[:, None, None]
-            result[here] += value
+            result[here] += piece.at(t[here] - low, period)
             weight[here] += 1.0
     return np.asarray(result / weight[..., None, None])
 

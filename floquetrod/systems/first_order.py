@@ -178,8 +178,7 @@ def _require_modes(system: Any) -> None:
 
 def _modal(system: HillSystem) -> tuple[Floats, Floats, Complexes]:
     """Return natural frequencies in increasing order, decay rates, and harmonics (H, n, n) in modal coordinates."""
-    mass = np.eye(system.order) if system.mass is None else system.mass
-    inverse = np.linalg.inv(np.linalg.cholesky(mass))
+    inverse = np.linalg.inv(np.linalg.cholesky(matrices.mass_matrix(system)))
     squares, shapes = np.linalg.eigh(inverse @ system.stiffness @ inverse.T)
     modes = inverse.T @ shapes
     if squares[0] <= 8.0 * EPS * system.order * squares[-1]:

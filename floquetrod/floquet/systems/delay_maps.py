@@ -12,6 +12,7 @@ import numpy as np
 from floquetrod._util.arrays import Floats
 from floquetrod.equations import DelaySystem, HillSystem
 from floquetrod.equations import pieces as by_pieces
+from floquetrod.equations.matrices import mass_matrix, velocity_matrix
 from floquetrod.floquet.systems.delay_mesh import Mesh, mesh
 
 _MOST_BREAKS = 10  # pieces beyond the jumps of coefficients, for what delays make of these (a choice)
@@ -136,8 +137,9 @@ def _size(part: Any) -> Floats:
 
 def inverse_mass(system: DelaySystem) -> Floats:
     """Return the inverse of M, the identity for equations of first order."""
-    mass = getattr(system.present, "mass", None)
-    return np.eye(system.order) if mass is None else np.asarray(np.linalg.inv(mass))
+    if not isinstance(system.present, HillSystem):
+        return np.eye(system.order)
+    return np.asarray(np.linalg.inv(mass_matrix(system.present)))
 
 
 def coefficients(system: DelaySystem, period: float, nodes: Floats) -> Coefficients:
@@ -147,10 +149,7 @@ def coefficients(system: DelaySystem, period: float, nodes: Floats) -> Coefficie
     if not isinstance(system.present, HillSystem):
         return Coefficients(period * present[None], None, tuple(period * each[None] for each in delayed))
     inverse = -inverse_mass(system)
-    damping = sum(
-        (each for each in (system.present.damping, system.present.gyroscopic) if each is not None),
-        np.zeros_like(inverse),
-    )
+    damping = velocity_matrix(system.present)
     moving = np.broadcast_to(period * inverse @ damping, present.shape)[None] if damping.any() else None
     square = period * period * inverse
     return Coefficients((square @ present)[None], moving, tuple((square @ each)[None] for each in delayed))

@@ -25,6 +25,7 @@ from numpy.typing import NDArray
 
 from floquetrod._util.arrays import Complexes, Floats
 from floquetrod.equations import HillSystem
+from floquetrod.equations.matrices import velocity_matrix
 from floquetrod.floquet.systems import magnus
 
 _TURN = 0.6  # radians that the fastest mode turns by in a step
@@ -277,9 +278,7 @@ def _magnus(system: HillSystem, count: int, scale: float) -> Floats:
     rates = np.zeros((2 * count, 2 * n, 2 * n))
     rates[:, :n, n:] = scale * np.eye(n)
     rates[:, n:, :n] = -system.coefficient(places.ravel() * step) / scale
-    for friction in (system.damping, system.gyroscopic):
-        if friction is not None:
-            rates[:, n:, n:] -= friction
+    rates[:, n:, n:] = -velocity_matrix(system)
     return magnus.flows(rates[::2], rates[1::2], step)
 
 
