@@ -28,7 +28,7 @@ from __future__ import annotations
 
 import functools
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -194,6 +194,10 @@ class Collocation(ByContent):
     def system_at(self, value: float) -> NonlinearSystem:
         """Return the system with this value of the unknown parameter."""
         return self.system if self.parameter is None else self.system.with_parameters(**{self.parameter: value})
+
+    def with_value(self, value: float) -> Collocation:
+        """Return the equations with this value of the parameter, which is known then."""
+        return replace(self, system=self.system_at(value), parameter=None)
 
     def period_at(self, point: Point) -> float:
         """Return the period of a point: its own, or as many of the system's as the orbit takes."""

@@ -45,9 +45,7 @@ def multipliers_of(orbit: PeriodicOrbit) -> Multipliers:
     if not stability.exponents:
         missing = np.full(orbit.states.shape[1] - own, np.nan)
         return Multipliers(missing.astype(complex), missing)
-    values = np.exp(np.asarray(stability.exponents) * orbit.period)
-    errors = np.abs(values) * np.expm1(np.minimum(np.asarray(stability.exponent_errors) * orbit.period, 700.0))
-    return Multipliers(values, errors)
+    return Multipliers(np.array(stability.multipliers), np.array(stability.multiplier_errors))
 
 
 def tests(found: Multipliers, turning: float) -> Tests:

@@ -18,8 +18,7 @@ from floquetrod.orbits.crossings import Multipliers, doubt, nearest
 from floquetrod.orbits.extents import returns_after
 from floquetrod.orbits.newton import NoOrbitError
 from floquetrod.orbits.sensitivity import error_of
-from floquetrod.orbits.special_points import SpecialPoint
-from floquetrod.orbits.switching import Kind
+from floquetrod.orbits.special_points import Kind, SpecialPoint
 
 _ROOT = 1e-12  # length along the branch to which a test function's zero is found
 _NEAR = 0.02  # distance of the places about a branch point from which it is interpolated, part of a step (a choice)
