@@ -149,26 +149,13 @@ class PieceArrays(NamedTuple):
 
     On piece j, t from its beginning, A = mean[:, j] + slope[:, j] t + Re sum_k harmonics[:, j, k-1] exp(i k w t), w = 2
     pi / period.
-
-    Attributes
-    ----------
-    mean : ndarray (b, P, N, N)
-        Real.
-    slope : ndarray (b, P, N, N) or None
-        Real; None where there is none.
-    harmonics : ndarray (b, P, H, N, N)
-        Complex.
-    length : ndarray (b, P)
-        Durations.
-    period : ndarray (b,)
-        Periods of the harmonics.
     """
 
-    mean: Floats
-    slope: Floats | None
-    harmonics: Complexes
-    length: Floats
-    period: Floats
+    mean: Floats  # (b, P, N, N), real
+    slope: Floats | None  # (b, P, N, N), real; None where there is none
+    harmonics: Complexes  # (b, P, H, N, N), complex
+    length: Floats  # (b, P), durations
+    period: Floats  # (b,), periods of the harmonics
 
     @property
     def sizes(self) -> Floats:

@@ -52,13 +52,8 @@ class Method(NamedTuple):
     """A method: the function of its name in the file of `floquetrod.floquet.methods` named after it.
 
     That for systems is in a file of its own, ``system_`` before the name, and that for systems with delays, ``delay_``.
-
-    Attributes
-    ----------
-    name : str
-    equations, systems, delays : callable (problem) -> str or None, optional
-        None where it serves the problem, else the sentence that says what it needs.  None in place of a callable where
-        it serves nothing of that kind.
+    What is served of each kind: a callable that returns None of a problem served, else the sentence that says what the
+    method needs; None in place of it where nothing of that kind is.
     """
 
     name: str

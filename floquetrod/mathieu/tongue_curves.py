@@ -53,23 +53,13 @@ class _Lines(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class TongueCurves(ByContent):
-    """The tongues ``order`` of equations with ``stiffness`` and ``gain``, one equation for each tongue.
-
-    Attributes
-    ----------
-    window : Window
-    order : ndarray of int
-    stiffness, gain : ndarray
-        In 1/s^2, and what a unit of force takes off it.
-    rate : float
-        The level in 1/s, compared with growth without damping.
-    """
+    """The tongues ``order`` of equations with ``stiffness`` and ``gain``, one equation for each tongue."""
 
     window: Window
     order: Ints
-    stiffness: Floats
-    gain: Floats
-    rate: float
+    stiffness: Floats  # in 1/s^2
+    gain: Floats  # what a unit of force takes off it
+    rate: float  # the level in 1/s, compared with growth without damping
 
     def some(self, chosen: Ints | Bools | slice) -> TongueCurves:
         """Return some of the tongues."""

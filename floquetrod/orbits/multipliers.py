@@ -24,24 +24,12 @@ _MOST_ROWS = 300  # of the cyclic matrix (a choice: some ten milliseconds)
 
 
 class Segments(NamedTuple):
-    """Maps over the intervals of a mesh, and errors.
+    """Maps over the intervals of a mesh, and errors."""
 
-    Attributes
-    ----------
-    maps : ndarray (N, n, n)
-        In the unit of the states.
-    errors : ndarray (N, n, n)
-        Magnitudes of the errors of the entries.
-    flow : ndarray (N, n) or None
-        Rates of change at the beginnings of the intervals, of an autonomous system.
-    trace, trace_error : float
-        Integral of the trace of the derivatives over the period: the logarithm of the product of all multipliers.
-    """
-
-    maps: Floats
-    errors: Floats
-    flow: Floats | None
-    trace: float
+    maps: Floats  # (N, n, n), in the unit of the states
+    errors: Floats  # (N, n, n), magnitudes of the errors of the entries
+    flow: Floats | None  # (N, n), rates of change at the beginnings of the intervals, of an autonomous system
+    trace: float  # integral of that of the derivatives over the period: logarithm of the product of all multipliers
     trace_error: float
 
 

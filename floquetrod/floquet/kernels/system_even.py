@@ -26,28 +26,15 @@ class HalfPeriodMap(NamedTuple):
 
     With u = basis v and u' = basis^-T p, the map of (v, p) is [[a, b], [c, d]].  Where K is symmetric this is a
     symplectic change of coordinates: b^T c and a^T d have the eigenvalues they have in (u, u').
-
-    Attributes
-    ----------
-    a, b, c, d : numpy.ndarray, (batch, n, n)
-        The blocks.
-    error : numpy.ndarray, (batch,)
-        Bound of the Frobenius norm of the error of [[a, b], [c, d]], absolute.  Truncation is bounded rigorously from
-        the computed terms; rounding is estimated to first order.
-    basis : numpy.ndarray, (batch, n, n)
-        The change of coordinates: eigenvectors of the mean stiffness (the identity where K is not symmetric), divided
-        by the roots of the rates.
-    symmetric : bool
-        Whether every matrix of the batch is symmetric, to the bit.
     """
 
-    a: Floats
+    a: Floats  # (batch, n, n), the blocks
     b: Floats
     c: Floats
     d: Floats
-    error: Floats
-    basis: Floats
-    symmetric: bool
+    error: Floats  # (batch,), of [[a, b], [c, d]] in the Frobenius norm: truncation bounded, rounding to first order
+    basis: Floats  # (batch, n, n), eigenvectors of the mean stiffness, or the identity, over the roots of the rates
+    symmetric: bool  # whether every matrix of the batch is symmetric, to the bit
 
 
 def half_period_map(

@@ -103,21 +103,11 @@ def _map_of_many(first: PeriodicSystem, rtol: float) -> tuple[Floats, float, Flo
 
 
 class SolvedMany(NamedTuple):
-    """The verdict on many equations, and the solutions that it rests upon, without damping; none where there are none.
-
-    Attributes
-    ----------
-    verdict : SystemStability
-        The verdict.
-    discs : Discs or None
-        Multipliers and eigenvectors (v, p) of the map.
-    basis : ndarray (n, n)
-        u = basis v and u' = basis^-T p.
-    """
+    """The verdict on many equations, and the solutions that it rests upon, without damping, where there are any."""
 
     verdict: SystemStability
-    discs: spectra.Discs | None
-    basis: Floats
+    discs: spectra.Discs | None  # multipliers and eigenvectors (v, p) of the map
+    basis: Floats  # (n, n), u = basis v and u' = basis^-T p
 
     def state(self, i: int) -> Complexes:
         """Return (u, u') at the beginning of the period, (2 n,), of the solution with the i-th multiplier."""

@@ -34,21 +34,11 @@ _EDGE = "a multiplier is within {:.1g} of {}"
 
 
 class ManyDigits(NamedTuple):
-    """What a computation with more digits than those of a double adds to the numbers y.
+    """What a computation with more digits than those of a double adds to the numbers y."""
 
-    Attributes
-    ----------
-    above : ndarray (n,) of complex
-        1 + y, each correctly rounded.
-    net : ndarray (n,)
-        Growth over a period less uniform damping, each correctly rounded.
-    discriminant : callable (cluster) -> (float, float)
-        ((y1 - y2) / 2)^2 of a cluster of two, and its error.
-    """
-
-    above: Complexes
-    net: Floats
-    discriminant: Callable[[NDArray[np.intp]], tuple[float, float]]
+    above: Complexes  # (n,), 1 + y, each correctly rounded
+    net: Floats  # (n,), growth over a period less uniform damping, each correctly rounded
+    discriminant: Callable[[NDArray[np.intp]], tuple[float, float]]  # ((y1 - y2) / 2)^2 of a cluster of two, and error
 
 
 class _Part(NamedTuple):

@@ -17,20 +17,11 @@ from floquetrod.floquet.systems.independent_solutions import Solutions
 
 
 class Evened(NamedTuple):
-    """Maps in other coordinates at each instant between segments, in which every direction grows evenly.
+    """Maps in other coordinates at each instant between segments, in which every direction grows evenly."""
 
-    Attributes
-    ----------
-    maps : ndarray (m, n, n)
-    errors : ndarray (m,)
-        Bounds of their errors in the 2-norm.
-    basis : ndarray (n, n)
-        The coordinates at the first instant: x = basis y.
-    """
-
-    maps: Floats
-    errors: Floats
-    basis: Floats
+    maps: Floats  # (m, n, n)
+    errors: Floats  # (m,), bounds of their errors in the 2-norm
+    basis: Floats  # (n, n), the coordinates at the first instant: x = basis y
 
 
 def evened(maps: Floats, errors: Floats, rounds: int = 3) -> Evened:

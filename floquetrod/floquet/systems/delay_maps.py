@@ -21,37 +21,19 @@ _PHASE = 12.0  # radians that solutions turn by in a piece, about (a choice)
 
 
 class Coefficients(NamedTuple):
-    """q^(r) = value q + rate q' + sum_j delayed[j] q(t - tau_j) at nodes, r = 1 or 2, of many systems; t in periods.
+    """q^(r) = value q + rate q' + sum_j delayed[j] q(t - tau_j) at nodes, r = 1 or 2, of many systems; t in periods."""
 
-    Attributes
-    ----------
-    value : ndarray (b, F, n, n)
-    rate : ndarray (b, F, n, n) or None
-        None for r = 1, and without damping.
-    delayed : tuple of ndarray (b, F, n, n)
-    """
-
-    value: Floats
-    rate: Floats | None
-    delayed: tuple[Floats, ...]
+    value: Floats  # (b, F, n, n)
+    rate: Floats | None  # (b, F, n, n), None for r = 1, and without damping
+    delayed: tuple[Floats, ...]  # (b, F, n, n) each
 
 
 class Layout(NamedTuple):
-    """What the mesh of a system follows from.
+    """What the mesh of a system follows from."""
 
-    Attributes
-    ----------
-    period : float
-        Of the map.
-    breaks : tuple of float
-        Ends of pieces as parts of it.
-    active : tuple of tuple of bool
-        Of each delay, on which pieces its term is not zero.
-    """
-
-    period: float
-    breaks: tuple[float, ...]
-    active: tuple[tuple[bool, ...], ...]
+    period: float  # of the map
+    breaks: tuple[float, ...]  # ends of pieces as parts of it
+    active: tuple[tuple[bool, ...], ...]  # of each delay, on which pieces its term is not zero
 
     @property
     def longest(self) -> float:

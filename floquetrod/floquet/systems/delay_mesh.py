@@ -19,49 +19,25 @@ from floquetrod._util.interpolation import chebyshev_points, chebyshev_weights
 
 
 class DelayRows(NamedTuple):
-    """Where the values delayed by one delay come from.
+    """Where the values delayed by one delay come from."""
 
-    Attributes
-    ----------
-    now, now_state : ndarray (F, F), (F, r)
-        Rows over the unknowns and the state at the beginning of this period.
-    past : ndarray (F, k H)
-        Rows over the values kept of the last k periods, the last one first.
-    """
-
-    now: Floats
-    now_state: Floats
-    past: Floats
+    now: Floats  # (F, F), rows over the unknowns of this period
+    now_state: Floats  # (F, r), rows over the state at its beginning
+    past: Floats  # (F, k H), rows over the values kept of the last k periods, the last one first
 
 
 class Mesh(NamedTuple):
-    """Rows, over the F values of the highest derivative and the r parts of the state at the beginning, of one equation.
+    """Rows, of one equation, over F values of the highest derivative and the r parts of the state at the beginning."""
 
-    Attributes
-    ----------
-    nodes : ndarray (F,)
-        Gauss's nodes, as parts of the period.
-    value, value_state : ndarray (F, F), (F, r)
-        The solution at the nodes.
-    rate, rate_state : ndarray (F, F), (F, r)
-        Its first derivative there, where equations are of second order.
-    delays : tuple of DelayRows
-        Of each delay.
-    end, end_state : ndarray (r + H, F), (r + H, r)
-        The state at the end of the period and the values kept.
-    periods : int
-        How many periods back delays reach, 1 or more.
-    """
-
-    nodes: Floats
-    value: Floats
-    value_state: Floats
-    rate: Floats
-    rate_state: Floats
-    delays: tuple[DelayRows, ...]
-    end: Floats
-    end_state: Floats
-    periods: int
+    nodes: Floats  # (F,), Gauss's nodes, as parts of the period
+    value: Floats  # (F, F), the solution at the nodes
+    value_state: Floats  # (F, r)
+    rate: Floats  # (F, F), its first derivative there, where equations are of second order
+    rate_state: Floats  # (F, r)
+    delays: tuple[DelayRows, ...]  # of each delay
+    end: Floats  # (r + H, F), the state at the end of the period and the values kept
+    end_state: Floats  # (r + H, r)
+    periods: int  # how many periods back delays reach, 1 or more
 
     @property
     def size(self) -> int:

@@ -16,27 +16,13 @@ _INSTANTS = 16  # of half a period, for a mean (a choice)
 
 
 class PairMatrices(NamedTuple):
-    """Matrices of many even systems.
+    """Matrices of many even systems."""
 
-    Attributes
-    ----------
-    matrix : ndarray (b, n, n)
-        Its eigenvalues are (mu + 1/mu - 2) / 4.
-    error : ndarray (b,)
-        Its error, in the 2-norm.
-    form : ndarray (b, n, n)
-        The symmetric form with which it is self-adjoint; it is negative on eigenvectors of Krein sign +1.
-    form_error : ndarray (b,)
-        Its error, in the 2-norm.
-    symmetric : bool
-        Whether the stiffness is; else there is no form.
-    """
-
-    matrix: Floats
-    error: Floats
-    form: Floats
-    form_error: Floats
-    symmetric: bool
+    matrix: Floats  # (b, n, n), its eigenvalues are (mu + 1/mu - 2) / 4
+    error: Floats  # (b,), its error, in the 2-norm
+    form: Floats  # (b, n, n), with which it is self-adjoint, negative on eigenvectors of Krein sign +1; symmetric
+    form_error: Floats  # (b,), its error, in the 2-norm
+    symmetric: bool  # whether the stiffness is; else there is no form
 
 
 def seconds_needed(stiffness: Any, amplitudes: Any, period: Any) -> Floats:

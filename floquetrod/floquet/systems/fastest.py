@@ -63,25 +63,13 @@ _EVERY = 5  # blocks of columns between two looks
 
 
 class FastSolutions(NamedTuple):
-    """The multipliers outside a circle of a system with damping removed.
+    """The multipliers outside a circle of a system with damping removed."""
 
-    Attributes
-    ----------
-    logs : LogDiscs
-        Logarithms of these multipliers and of their inverses, last of all two that stand for all others.
-    rest : float
-        Bound of the real parts of the logarithms of all others.
-    start, partner : ndarray (2 n,) or None
-        (u, u') at the beginning of the fastest solution, and about that of the one that decays as fast.
-    columns : int
-        Solutions that were carried over a period.
-    """
-
-    logs: LogDiscs
-    rest: float
-    start: Complexes | None
-    partner: Complexes | None
-    columns: int
+    logs: LogDiscs  # logarithms of these multipliers and of their inverses, last of all two that stand for all others
+    rest: float  # bound of the real parts of the logarithms of all others
+    start: Complexes | None  # (2 n,), (u, u') at the beginning of the fastest solution
+    partner: Complexes | None  # (2 n,), about that of the one that decays as fast
+    columns: int  # solutions that were carried over a period
 
     def verdict(self, system: HillSystem) -> SystemStability:
         """Return the verdict that follows on the system, damping included."""

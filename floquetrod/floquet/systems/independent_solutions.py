@@ -23,21 +23,11 @@ _ROUNDING = 1e-12  # of a form on a subspace, computed in doubles
 
 
 class Solutions(NamedTuple):
-    """Independent Floquet solutions.
+    """Independent Floquet solutions."""
 
-    Attributes
-    ----------
-    logs : ndarray (N,) of complex
-        Logarithms of the multipliers, their imaginary parts from -pi to pi.
-    radii : ndarray (N,)
-        Errors of the logarithms.
-    states : ndarray (N, N) of complex
-        States at one instant, unit columns.
-    """
-
-    logs: Complexes
-    radii: Floats
-    states: Complexes
+    logs: Complexes  # (N,), logarithms of the multipliers, their imaginary parts from -pi to pi
+    radii: Floats  # (N,), errors of the logarithms
+    states: Complexes  # (N, N), states at one instant, unit columns
 
 
 def independent(states: Complexes, distance: Floats) -> NDArray[np.intp] | None:

@@ -45,26 +45,14 @@ class Nodes(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Line(ByContent):
-    """Systems with uniform damping removed, without mass and gyroscopic matrices, K symmetric.
+    """Systems with uniform damping removed, without mass and gyroscopic matrices, K symmetric."""
 
-    Attributes
-    ----------
-    stiffness : ndarray (2, n, n)
-        The mean of K at x = -1 and at x = 1.
-    harmonics : ndarray (2, H, n, n)
-        Z_k of K(t) = mean + Re sum_k Z_k exp(i k w t) there; real where K is even.
-    period, damping, error : float
-        The period, the rate c that was removed, and a bound of the error of K in the 2-norm.
-    is_even : bool
-        Whether half a period is enough.
-    """
-
-    stiffness: Floats
-    harmonics: NDArray[Any]
+    stiffness: Floats  # (2, n, n), the mean of K at x = -1 and at x = 1
+    harmonics: NDArray[Any]  # (2, H, n, n), Z_k of K(t) = mean + Re sum_k Z_k exp(i k w t) there; real where K is even
     period: float
-    damping: float
-    error: float
-    is_even: bool
+    damping: float  # the rate c that was removed
+    error: float  # bound of that of K in the 2-norm
+    is_even: bool  # whether half a period is enough
 
     @classmethod
     def between(cls, ends: HillSystem) -> Line | None:

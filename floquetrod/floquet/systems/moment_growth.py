@@ -104,20 +104,11 @@ class _Fastest(NamedTuple):
 
 
 class _OnSteps(NamedTuple):
-    """The map over a period by equal steps.
-
-    Attributes
-    ----------
-    period : float
-    steps : ndarray (N, 2 n, 2 n)
-        Maps over the steps, of (scale q, q').
-    kicks : list of ndarray (n, n)
-        Square root of h times the matrices of noise, by which scale q changes q'.
-    """
+    """The map over a period by equal steps."""
 
     period: float
-    steps: Floats
-    kicks: list[Floats]
+    steps: Floats  # (N, 2 n, 2 n), maps over the steps, of (scale q, q')
+    kicks: list[Floats]  # (n, n) each, square root of h times the matrices of noise, by which scale q changes q'
 
     @classmethod
     def of(cls, system: HillSystem, noise: Sequence[Floats], count: int, scale: float) -> Self:
@@ -166,21 +157,12 @@ class _OnSteps(NamedTuple):
 
 
 class _Floquet(NamedTuple):
-    """Floquet's coordinates.
+    """Floquet's coordinates."""
 
-    Attributes
-    ----------
-    multipliers : ndarray (2 n,)
-    vectors, inverse : ndarray (2 n, 2 n)
-        Of the map over a period.
-    turned : ndarray (N * sources, 2 n, 2 n)
-        The kicks in these coordinates at the beginning.
-    """
-
-    multipliers: Complexes
-    vectors: Complexes
-    inverse: Complexes
-    turned: Complexes
+    multipliers: Complexes  # (2 n,)
+    vectors: Complexes  # (2 n, 2 n), of the map over a period
+    inverse: Complexes  # (2 n, 2 n), of their matrix
+    turned: Complexes  # (N * sources, 2 n, 2 n), the kicks in these coordinates at the beginning
 
     @classmethod
     def of(cls, mesh: _OnSteps) -> Self:
@@ -220,25 +202,14 @@ def _every(m: int) -> Floats:
 
 
 class _Near(NamedTuple):
-    """The pairs that noise couples most, and the map over a period among them.
-
-    Attributes
-    ----------
-    floquet : _Floquet
-    pairs : ndarray (k,)
-        Their places.
-    values, vectors, inverse : ndarray (k,), (k, k)
-        Eigenvalues of the map among them, its eigenvectors and the inverse of their matrix.
-    start : ndarray (4 n^2,)
-        Moments of the largest value.
-    """
+    """The pairs that noise couples most, and the map over a period among them."""
 
     floquet: _Floquet
-    pairs: Any
-    values: Complexes
-    vectors: Complexes
-    inverse: Complexes
-    start: Floats
+    pairs: Any  # (k,), their places
+    values: Complexes  # (k,), eigenvalues of the map among them
+    vectors: Complexes  # (k, k), its eigenvectors
+    inverse: Complexes  # (k, k), of their matrix
+    start: Floats  # (4 n^2,), moments of the largest value
 
     @classmethod
     def of(cls, floquet: _Floquet, density: float) -> Self:

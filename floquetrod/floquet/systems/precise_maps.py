@@ -32,24 +32,14 @@ class Series(NamedTuple):
     """A(phase) = mean + slope (phase - start) + sum_k cosines[k-1] cos(k phase) + sines[k-1] sin(k phase).
 
     Per unit of phase, over a ``length`` of phase from ``start`` on: a piece of the period, which is 2 pi long.
-
-    Attributes
-    ----------
-    mean : ndarray (N, N) of numbers of mpmath
-        Mean.
-    waves : ndarray (2 H, N, N) of numbers of mpmath
-        Cosine and sine coefficients of the first harmonic, then of the second, and so on.
-    start, length : numbers of mpmath
-        Where the piece begins, and how long it is.
-    slope : ndarray (N, N) of numbers of mpmath, or None
-        None for zero.
+    In numbers of mpmath.
     """
 
-    mean: NDArray[Any]
-    waves: NDArray[Any]
+    mean: NDArray[Any]  # (N, N)
+    waves: NDArray[Any]  # (2 H, N, N), cosine and sine coefficients of the first harmonic, then of the second, ...
     start: Any
     length: Any
-    slope: NDArray[Any] | None = None
+    slope: NDArray[Any] | None = None  # (N, N), None for zero
 
     @property
     def sizes(self) -> Floats:
@@ -65,43 +55,21 @@ class Series(NamedTuple):
 
 
 class PeriodMap(NamedTuple):
-    """The map over a period.
+    """The map over a period."""
 
-    Attributes
-    ----------
-    matrix : ndarray (N, N) of numbers of mpmath
-        Map over one period.
-    error : number of mpmath
-        Bound of its error in the 2-norm.
-    terms : int
-        Terms of all series.
-    """
-
-    matrix: NDArray[Any]
-    error: Any
-    terms: int
+    matrix: NDArray[Any]  # (N, N), numbers of mpmath
+    error: Any  # bound of its error in the 2-norm, of mpmath
+    terms: int  # terms of all series
 
 
 class Plan(NamedTuple):
-    """How a piece of the period is integrated.
+    """How a piece of the period is integrated."""
 
-    Attributes
-    ----------
-    steps, order : int
-        Equal steps, and the power of the last term of the series over each.
-    bits : int
-        After the point.
-    log_error : float
-        Logarithm of a bound of what is left out of each series.
-    rounding : float
-        Bound of what the arithmetic of a step rounds, in units of 2^-bits.
-    """
-
-    steps: int
-    order: int
-    bits: int
-    log_error: float
-    rounding: float
+    steps: int  # of equal lengths
+    order: int  # power of the last term of the series over each
+    bits: int  # after the point
+    log_error: float  # logarithm of a bound of what is left out of each series
+    rounding: float  # bound of what the arithmetic of a step rounds, in units of 2^-bits
 
     @property
     def terms(self) -> int:

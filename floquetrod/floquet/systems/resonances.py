@@ -104,22 +104,12 @@ def _by_multipliers(system: DelaySystem, growing: list[complex]) -> tuple[Resona
 
 
 class _Modes(NamedTuple):
-    """Modes of the mean system, the lowest frequency first.
+    """Modes of the mean system, the lowest frequency first."""
 
-    Attributes
-    ----------
-    poles : ndarray (m,) of complex
-        An exponent of each, with positive imaginary part where it oscillates.
-    up, down : ndarray (m,) of int
-        Places of the exponent and of its conjugate in ``coupling``.
-    coupling : ndarray (H, N, N)
-        How each harmonic couples exponents, both ways, relative to the strongest coupling of that harmonic.
-    """
-
-    poles: Complexes
-    up: NDArray[np.intp]
-    down: NDArray[np.intp]
-    coupling: Floats
+    poles: Complexes  # (m,), an exponent of each, with positive imaginary part where it oscillates
+    up: NDArray[np.intp]  # (m,), place of the exponent in ``coupling``
+    down: NDArray[np.intp]  # (m,), that of its conjugate
+    coupling: Floats  # (H, N, N), of exponents by each harmonic, both ways, relative to its strongest
 
 
 def _mean_modes(system: HillSystem | PeriodicSystem) -> _Modes | None:
@@ -186,25 +176,15 @@ class _Candidate(NamedTuple):
 
 
 class _Pairs(NamedTuple):
-    """Pairs of modes that may resonate, and what of their misfit does not depend on the exponent to be explained.
+    """Pairs of modes that may resonate, and what of their misfit does not depend on the exponent to be explained."""
 
-    Attributes
-    ----------
-    one, other : ndarray (p,) of int
-        The modes; a mode with itself is a direct resonance.
-    orders : ndarray (p, 3), or (p, 6) with differences
-        Multiples of the forcing that are nearest to the sum of both frequencies, then to their difference.
-    detuning : ndarray of the same shape
-        From each, infinite where there is no such resonance.
-    cost : ndarray of the same shape
-        Of what does not couple them.
-    """
-
-    one: Ints
-    other: Ints
-    orders: Floats
-    detuning: Floats
-    cost: Floats
+    one: Ints  # (p,), a mode
+    other: Ints  # (p,), the other one; a mode with itself is a direct resonance
+    orders: (
+        Floats  # (p, 3) or (p, 6), multiples of the forcing nearest to the sum of the frequencies, then the difference
+    )
+    detuning: Floats  # alike, from each, infinite where there is no such resonance
+    cost: Floats  # alike, of what does not couple them
 
     @classmethod
     def of(cls, modes: _Modes, w: float, differences: bool) -> _Pairs:

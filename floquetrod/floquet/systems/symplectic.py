@@ -25,30 +25,14 @@ _BROKEN = 64.0  # roundings of a product with W, below which what is left of it 
 
 
 class PairMatrix(NamedTuple):
-    """A matrix whose eigenvalues are the numbers y of a symplectic map S; its entries are doubles or those of mpmath.
+    """A matrix whose eigenvalues are the numbers y of a symplectic map S, its entries doubles or those of mpmath."""
 
-    Attributes
-    ----------
-    matrix : ndarray (n, n)
-        H.
-    error : float
-        How far, in the 2-norm, H may be from one that belongs to the true map.
-    basis : ndarray (2 n, n)
-        Q.
-    image : ndarray (2 n, n)
-        S Q.
-    form : ndarray (2 n, 2 n)
-        -D.
-    eigen : Eigen or None
-        Eigenvalues of H in doubles; None where they fail.
-    """
-
-    matrix: NDArray[Any]
-    error: float
-    basis: NDArray[Any]
-    image: NDArray[Any]
-    form: NDArray[Any]
-    eigen: Eigen | None
+    matrix: NDArray[Any]  # (n, n), H
+    error: float  # how far, in the 2-norm, H may be from one that belongs to the true map
+    basis: NDArray[Any]  # (2 n, n), Q
+    image: NDArray[Any]  # (2 n, n), S Q
+    form: NDArray[Any]  # (2 n, 2 n), -D
+    eigen: Eigen | None  # eigenvalues of H in doubles; None where they fail
 
 
 def symplectic_unit(n: int) -> Floats:
