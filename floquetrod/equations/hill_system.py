@@ -355,6 +355,16 @@ class HillSystem(matrices.PeriodicMatrixSystem):
         return by_pieces.value_at(self, t)
 
 
+def in_first_order(system: HillSystem | PeriodicSystem) -> PeriodicSystem:
+    """Return a system in first order, itself where it is."""
+    return system.as_periodic_system() if isinstance(system, HillSystem) else system
+
+
+def states(system: Any) -> int:
+    """Return how many equations of first order a system is."""
+    return int(system.order) * (2 if isinstance(system, HillSystem) else 1)
+
+
 def _first_order(stiffness: Matrix, damping: Matrix, gyroscopic: Matrix, *, canonical: bool) -> Matrix:
     """Return the matrix of u'' + (C + G) u' + K u = 0 for (u, u'), or for (u, u' + G u / 2) if ``canonical``."""
     n = stiffness.shape[-1]

@@ -24,8 +24,6 @@ OfMatrix = Callable[[Matrix], Matrix]
 MOST_PIECES = 1024
 """Most pieces of a period (a choice)."""
 
-
-Duration = float | Fraction | Floats
 Pieces = tuple[tuple[Any, "Varying"], ...]
 """What a system with jumps is made of: durations, each a double, a Fraction or an array of a batch, and matrices."""
 

@@ -16,7 +16,7 @@ from floquetrod._util.arrays import EPS, Floats, norms
 from floquetrod.equations import matrices
 from floquetrod.equations.base import Equation
 from floquetrod.equations.delay_system import DelaySystem
-from floquetrod.equations.hill_system import HillSystem
+from floquetrod.equations.hill_system import HillSystem, in_first_order, states
 from floquetrod.equations.matrices import Matrix
 from floquetrod.equations.periodic_system import PeriodicSystem
 from floquetrod.equations.pieces import mapped
@@ -194,13 +194,13 @@ def of_first_order(system: Any) -> PeriodicSystem:
     if not isinstance(system, HillSystem | PeriodicSystem):
         kinds = "an Equation, such as Mathieu, Meissner or Hill, or a HillSystem or PeriodicSystem"
         raise TypeError(f"system must be {kinds}, got {validate.short(system)}")
-    unknowns = system.order * (2 if isinstance(system, HillSystem) else 1)
+    unknowns = states(system)
     if unknowns > MOST_UNKNOWNS:
         raise ValueError(
             f"system must have at most {MOST_UNKNOWNS} equations of first order under noise, got {unknowns}: their "
             f"{unknowns * (unknowns + 1) // 2:,} second moments take too long; keep fewer modes"
         )
-    return system.as_periodic_system() if isinstance(system, HillSystem) else system
+    return in_first_order(system)
 
 
 def sources_of(system: Any, noise: Any) -> list[Source]:

@@ -106,11 +106,16 @@ def applicable(problem: Problem) -> tuple[Method, ...]:
     return tuple(method for method in METHODS if method.refusal(problem) is None)
 
 
+def refusal(problem: Problem, method: str) -> str | None:
+    """Return None where the method of this name serves a problem, else the sentence why not."""
+    return _BY_NAME[method].refusal(problem)
+
+
 def require(equation: Any, method: str) -> None:
     """Raise TypeError unless the method of this name serves a scalar equation."""
     require_equation(equation)
-    if refusal := _BY_NAME[method].refusal(equation):
-        raise TypeError(f"{refusal}, got {validate.short(equation)}")
+    if needed := refusal(equation, method):
+        raise TypeError(f"{needed}, got {validate.short(equation)}")
 
 
 def in_turn(problem: Problem) -> tuple[str, ...]:

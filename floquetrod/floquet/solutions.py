@@ -12,6 +12,7 @@ from floquetrod._util import validate
 from floquetrod._util.arrays import EPS, Complexes, Floats, shaped
 from floquetrod._util.content import ByContent
 from floquetrod.equations import Equation, HillSystem
+from floquetrod.equations.hill_system import states
 from floquetrod.floquet.problems import Problem, require_problem, require_without_delays
 from floquetrod.floquet.solve import Solution, solve
 from floquetrod.floquet.systems import spectra
@@ -44,9 +45,7 @@ def monodromy_over_period(problem: Problem, *, backward: bool = False) -> Monodr
 
 def _states(problem: Problem) -> int:
     """Return how many numbers make a state."""
-    if isinstance(problem, Equation):
-        return 2
-    return 2 * problem.order if isinstance(problem, HillSystem) else problem.order
+    return 2 if isinstance(problem, Equation) else states(problem)
 
 
 def _marched(problem: Problem, state: Floats, span: tuple[float, float]) -> Solution:

@@ -280,14 +280,9 @@ def _crossed(milling: Cutter, speeds: Floats, low: Floats, high: Floats) -> Floa
         low[wide], high[wide] = np.where(grows, low[wide], middle), np.where(grows, middle, high[wide])
         kept[wide] = np.where(grows, 1.0, -1.0)
         if (np.abs(logs) < 1e-12).all():
-            return np.asarray(np.where(high - low > _PRECISE * high, _at(low, wide, middle), 0.5 * (low + high)))
+            low[wide], high[wide] = middle, middle
+            break
     return np.asarray(0.5 * (low + high))
-
-
-def _at(values: Floats, places: NDArray[np.intp], new: Floats) -> Floats:
-    found = values.copy()
-    found[places] = new
-    return found
 
 
 def _logs(milling: Cutter, speeds: Floats, depths: Floats) -> Floats:

@@ -200,7 +200,7 @@ class Chart(NoTruthValue, ByContent):
         source = None if self.source is None else _Scaled(self.source, x, y, (factors[0], factors[1]))
         chart = replace(self, x=x, y=y, subject=self.subject | {"fixed": fixed}, source=source)
         if "bands" in self.__dict__:
-            chart._keep(_scaled(self.bands, x, y, (factors[0], factors[1])))
+            chart._keep(self.bands.scaled(x, y, (factors[0], factors[1])))
         return chart
 
     def _keep(self, bands: Bands) -> None:
@@ -356,11 +356,7 @@ class _Scaled:
 
     def __call__(self, accuracy: float, progress: Progress | None) -> Bands:
         """Return the bands in these units."""
-        return _scaled(self.source(accuracy, progress), self.x, self.y, self.factors)
-
-
-def _scaled(bands: Bands, x: Axis, y: Axis, factors: tuple[float, float]) -> Bands:
-    return bands.scaled(x.ends, y.ends, factors)
+        return self.source(accuracy, progress).scaled(self.x, self.y, self.factors)
 
 
 def _axis(meta: dict[str, Any], arrays: dict[str, NDArray[Any]], name: str) -> Axis:

@@ -171,7 +171,7 @@ def _converged(pieces: list[_Stretch], period: float, frequency: float, rtol: fl
         coarse, wanted = fine, 2 * wanted
 
 
-def _carry(pieces: list[_Stretch], period: float, steps: int, order: int = ORDER) -> _Map:
+def _carry(pieces: list[_Stretch], period: float, steps: int) -> _Map:
     """Carry the unit solutions over the pieces in about ``steps`` steps."""
     whole = sum(piece.length for piece in pieces)
     y = np.array([1.0, 0.0, 0.0, 1.0])
@@ -183,7 +183,7 @@ def _carry(pieces: list[_Stretch], period: float, steps: int, order: int = ORDER
         real = np.array([z.real for z in piece.amplitudes])
         imag = np.array([z.imag for z in piece.amplitudes])
         omega = 2.0 * math.pi / period
-        exponent += run(piece.mean, piece.slope, real, imag, omega, piece.start, piece.length, share, order, y)
+        exponent += run(piece.mean, piece.slope, real, imag, omega, piece.start, piece.length, share, ORDER, y)
         taken += share
     # The kernel scales when it must; two maps compare only once both are scaled alike.
     shift = math.frexp(np.abs(y).max())[1]

@@ -12,6 +12,7 @@ from floquetrod._util import validate
 from floquetrod._util.arrays import Complexes
 from floquetrod.equations import HillSystem, PeriodicSystem
 from floquetrod.equations import pieces as by_pieces
+from floquetrod.floquet import registry
 from floquetrod.floquet.systems import even, spectra, whole
 from floquetrod.floquet.systems.classification import classify_pairs, too_long, undamped_pairs
 from floquetrod.floquet.systems.result import SystemStability
@@ -43,13 +44,9 @@ def half_period(system: HillSystem | PeriodicSystem, *, rtol: float = 1e-12) -> 
     ValueError
         For other systems.
     """
-    pairs = undamped_pairs(system)
-    subject = pairs[0] if pairs is not None and isinstance(pairs[0], HillSystem) and pairs[0].is_even else None
-    if subject is None:
-        raise ValueError(
-            "system must have a stiffness even about an instant, no gyroscopic matrix, and damping 2 c M or none for "
-            "half_period; method='monodromy' takes any"
-        )
+    if needed := registry.refusal(system, "half_period"):
+        raise ValueError(needed)
+    subject: Any = (undamped_pairs(system) or (None,))[0]
     rtol = validate.within("rtol", rtol, 1e-15, 0.1)
     seconds, pair_matrices = _in_pieces(subject, rtol) if subject.pieces else _of_series(subject, rtol)
     refused = too_long(system, "half_period", seconds)

@@ -11,6 +11,7 @@ from floquetrod._util import validate
 from floquetrod._util.arrays import Complexes, Floats
 from floquetrod.equations import HillSystem, PeriodicSystem
 from floquetrod.equations import pieces as by_pieces
+from floquetrod.equations.hill_system import in_first_order
 from floquetrod.floquet.kernels.system_maps_large import large_seconds, period_map_large
 from floquetrod.floquet.systems import spectra, symplectic, whole
 from floquetrod.floquet.systems.classification import (
@@ -55,7 +56,7 @@ def monodromy(system: HillSystem | PeriodicSystem, *, rtol: float = 1e-12) -> Sy
         return many.verdict
     pairs = undamped_pairs(system)
     subject = pairs[0] if pairs else system
-    first = subject.as_periodic_system() if isinstance(subject, HillSystem) else subject
+    first = in_first_order(subject)
     reversible = pairs is not None and subject.structure == "reversible"
     start = _even_start(subject) if reversible and isinstance(subject, HillSystem) else Fraction(0)
     pieces, uncertainty = by_pieces.from_instant(first, start, by_pieces.exact_period(first))
@@ -125,7 +126,7 @@ def solved_many(system: HillSystem | PeriodicSystem, rtol: float = 1e-12) -> Sol
     subject, damping = undamped_pairs(system) or (None, 0.0)
     if subject is None:
         return None
-    first = subject.as_periodic_system() if isinstance(subject, HillSystem) else subject
+    first = in_first_order(subject)
     if not _are_oscillators(first, _MANY):
         return None
     period = float(first.period)

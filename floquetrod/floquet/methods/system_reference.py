@@ -20,6 +20,7 @@ from floquetrod._util import validate
 from floquetrod._util.arrays import Floats
 from floquetrod.equations import HillSystem, PeriodicSystem
 from floquetrod.equations import pieces as by_pieces
+from floquetrod.equations.hill_system import states
 from floquetrod.equations.pieces import TimedPiece
 from floquetrod.floquet.systems import independent_solutions, precise_maps, precise_spectra
 from floquetrod.floquet.systems.classification import (
@@ -114,7 +115,7 @@ def _attempt(
     system: HillSystem | PeriodicSystem, context: Any, digits: int, before: int
 ) -> tuple[SystemStability | None, int, bool]:
     """Return the verdict (None: too much work), the terms, and whether more digits would make the error smaller."""
-    if _FEWEST_PRODUCTS * _first_order_of(system) ** 3 > _LARGEST_WORK:
+    if _FEWEST_PRODUCTS * states(system) ** 3 > _LARGEST_WORK:
         return None, 0, True
     context.dps = 2 * digits + 40
     more, total = 0.0, 0
@@ -136,10 +137,6 @@ def _attempt(
     cost = Cost(before + total, "terms")
     result = _classified(system, problem, found, error + uncertainty, context, cost)
     return result, total, uncertainty < error
-
-
-def _first_order_of(system: HillSystem | PeriodicSystem) -> int:
-    return 2 * system.order if isinstance(system, HillSystem) else system.order
 
 
 def _work(problem: _Problem, planned: Sequence[Plan]) -> float:

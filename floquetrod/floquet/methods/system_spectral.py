@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from floquetrod._util import validate
 from floquetrod._util.arrays import Complexes, Floats
 from floquetrod.equations import HillSystem, PeriodicSystem
+from floquetrod.equations.hill_system import in_first_order
 from floquetrod.floquet.proof.balls import Doubles
 from floquetrod.floquet.proof.intervals import TooMuchWork, Unresolved
 from floquetrod.floquet.proof.system_counts import Counts, angles_between, count
@@ -63,8 +64,8 @@ def spectral(system: HillSystem | PeriodicSystem, *, rtol: float = 1e-12) -> Sys
     """
     rtol = validate.within("rtol", rtol, 1e-15, 1e-3)
     freed = undamped_pairs(system)
-    subject, damping = freed if freed else (system, 0.0)
-    first = subject.as_periodic_system() if isinstance(subject, HillSystem) else subject
+    subject, damping = freed or (system, 0.0)
+    first = in_first_order(subject)
     balanced = _balanced(first)
     solutions, rows = _solutions(balanced, rtol, first.coefficient_error)
     cost = Cost(rows, "rows")

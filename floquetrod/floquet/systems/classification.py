@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from floquetrod._util.arrays import EPS, Bools, Complexes, Floats
 from floquetrod.equations import DelaySystem, HillSystem
 from floquetrod.equations.batches import System
+from floquetrod.equations.hill_system import in_first_order
 from floquetrod.floquet import pairs
 from floquetrod.floquet.systems import spectra
 from floquetrod.floquet.systems.result import SystemStability
@@ -67,7 +68,6 @@ def classify_pairs(
     krein: Krein | None = None,
     digits: ManyDigits | None = None,
     cost: Cost,
-    note: str = "",
 ) -> SystemStability:
     """Return the verdict that follows from the numbers y of the pairs, of the system with uniform damping removed.
 
@@ -122,7 +122,6 @@ def classify_pairs(
         signs=np.concatenate([np.where(upper, signs, -signs), np.where(upper, -signs, signs)]),
         damping=freed[1],
         cost=cost,
-        note=note,
     )
 
 
@@ -290,7 +289,7 @@ def _verdict(
     signs: NDArray[Any],
     damping: float,
     cost: Cost,
-    note: str,
+    note: str = "",
     are_paired: bool = True,
 ) -> SystemStability:
     """Return the result that follows from its clusters and the net logarithms of the multipliers, damping included."""
@@ -343,7 +342,7 @@ def _without_variation(system: System) -> Status | None:
     """Return the verdict on constant coefficients, whose multipliers may meet by the mere choice of a period."""
     if isinstance(system, HillSystem) and system.gyroscopic is None and system.is_symmetric and system.undamped:
         return _static_status(system, *system.undamped)
-    mean = system.as_periodic_system() if isinstance(system, HillSystem) else system
+    mean = in_first_order(system)
     discs = spectra.eigenvalue_discs(mean.mean, mean.coefficient_error * mean.order)
     if discs is None:
         return None

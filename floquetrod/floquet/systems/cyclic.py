@@ -15,6 +15,8 @@ from floquetrod._util.arrays import EPS, Floats, norms
 from floquetrod.floquet.systems import independent_solutions, spectra
 from floquetrod.floquet.systems.independent_solutions import Solutions
 
+_ROUNDS = 3  # of orthogonal iteration (a choice)
+
 
 class Evened(NamedTuple):
     """Maps in other coordinates at each instant between segments, in which every direction grows evenly."""
@@ -24,17 +26,17 @@ class Evened(NamedTuple):
     basis: Floats  # (n, n), the coordinates at the first instant: x = basis y
 
 
-def evened(maps: Floats, errors: Floats, rounds: int = 3) -> Evened:
+def evened(maps: Floats, errors: Floats) -> Evened:
     """Return maps over segments in coordinates in which what decays fast here and slowly there decays evenly.
 
     Frames that motion turns into each other, the faster growing directions first, are found by orthogonal iteration
-    over a few ``rounds``; each axis is then scaled by what it has grown less its mean.  The multipliers are the same
+    over a few rounds; each axis is then scaled by what it has grown less its mean.  The multipliers are the same
     whatever the frames are.
     """
     count, n, _ = maps.shape
     frames = np.empty((count, n, n))
     frame = np.eye(n)
-    for _ in range(rounds):
+    for _ in range(_ROUNDS):
         grown = np.empty((count, n))
         for j in range(count):
             frames[j] = frame

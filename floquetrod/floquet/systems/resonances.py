@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from floquetrod._util.arrays import Bools, Complexes, Floats
 from floquetrod.equations import DelaySystem, HillSystem, PeriodicSystem
+from floquetrod.equations.hill_system import in_first_order
 from floquetrod.equations.pieces import fourier
 
 Ints = NDArray[np.intp]
@@ -118,7 +119,7 @@ def _mean_modes(system: HillSystem | PeriodicSystem) -> _Modes | None:
     is_plain = freed is not None and not freed[0].pieces and freed[0].mass is None and freed[0].gyroscopic is None
     found = _symmetric(*freed) if freed is not None and is_plain else None
     if found is None:
-        found = _of_first_order(system.as_periodic_system() if isinstance(system, HillSystem) else system)
+        found = _of_first_order(in_first_order(system))
     if found is None:
         return None
     values, both = found
