@@ -25,10 +25,7 @@ from floquetrod.milling.cutter import Cutter, read_depth, read_speed
 from floquetrod.plane import Axis, Chart, Family, Verdicts, axis_values, charted
 
 _PHASE = 36.0  # rad that solutions turn by in a piece, at most (a choice)
-_RESOLVED = (
-    8,
-    0.5,
-)  # nodes with which some radians are resolved to about 1e-6: so many, and for each radian (measured)
+_RESOLVED = 8, 0.5  # nodes with which some radians are resolved to about 1e-6: so many, and for each radian (measured)
 _STEPS, _REACH = 4, 50.0  # depths tried up to the least critical depth, and how many of these deep (a choice)
 _AT_ONCE = 16  # depths tried before deeper ones are (a choice)
 _PRECISE = 1e-11  # of a critical depth, relative

@@ -105,11 +105,7 @@ def multipliers(systems: System, *, workers: int | None = None, progress: Progre
         order = np.argsort(-np.abs(values), axis=1, kind="stable")
         found[part] = values[np.arange(len(values))[:, None], order]
 
-    def report(done: int) -> None:
-        if progress is not None:
-            progress(done, len(found))
-
-    _over(batch, fill, workers, report if progress is not None else None)
+    _over(batch, fill, workers, progress)
     return found.reshape(*systems.shape, batch.order)
 
 
@@ -131,11 +127,7 @@ def verdicts(
     def fill(part: slice) -> None:
         status[part], growth[part] = batch.verdicts(part)
 
-    def report(done: int) -> None:
-        if progress is not None:
-            progress(done if quick else int((status[:done] != UNDECIDED).sum()), size)
-
-    _over(batch, fill, workers, report if progress is not None else None)
+    _over(batch, fill, workers, progress, lambda stop: stop if quick else int((status[:stop] != UNDECIDED).sum()))
     # One after another, and not in threads: their many digits are Python's, and Ctrl-C is heard at once.
     open_ones = () if quick else np.flatnonzero(status == UNDECIDED).tolist()
     decided = size - len(open_ones)
@@ -283,21 +275,20 @@ def _batch(systems: Any) -> _Batch:
 
 
 def _over(
-    batch: _Batch, fill: Callable[[slice], None], workers: int | None, report: Callable[[int], None] | None
+    batch: _Batch,
+    fill: Callable[[slice], None],
+    workers: int | None,
+    progress: Progress | None,
+    done: Callable[[int], int] = int,
 ) -> None:
-    """Call ``fill`` with parts of a batch, in threads if it pays, and ``report`` repeatedly how many are done."""
+    """Call ``fill`` with parts of a batch, in threads if it pays; ``done`` says how many of the first count as done."""
     size = len(batch.period)
     step = max(1, _AT_ONCE // batch.order**2)
-    if 0 < size <= step:
-        fill(slice(0, size))
-        if report is not None:
-            report(size)
-        return
     parts = [(slice(start, min(size, start + step)),) for start in range(0, size, step)]
     threads = workers or cores()
-    together = len(parts) if report is None else max(4 * threads, len(parts) // _REPORTS)
+    together = len(parts) if progress is None else max(4 * threads, len(parts) // _REPORTS)
     for first in range(0, len(parts), max(1, together)):
         some = parts[first : first + together]
         in_threads(fill, some, threads)
-        if report is not None:
-            report(some[-1][0].stop)
+        if progress is not None:
+            progress(done(some[-1][0].stop), size)

@@ -27,9 +27,8 @@ class _Numbers(NamedTuple):
     """Every number of a system."""
 
     durations: tuple[Fraction, ...]  # of pieces, as parts of the period
-    arrays: dict[
-        str, Array
-    ]  # "period", "mass", "damping", "gyroscopic", of piece i "mean i", "cosines i" (H, n, n) ...
+    # "period", "mass", "damping", "gyroscopic"; of piece i "mean i", "cosines i" (H, n, n), ...
+    arrays: dict[str, Array]
 
 
 class Bounds(NamedTuple):

@@ -22,9 +22,7 @@ _FACTORS = (1.0, 1.5, 2.0, 3.0, 4.0, 6.0)  # of the fewest steps, of which the c
 _PRODUCTS = 20.0  # cost of a term's matrix products, in those of a harmonic with one earlier term (heuristic)
 _MOST_STEPS = 1e9
 _AT_ONCE = 16  # steps whose terms are computed together, which spares calls of numpy (a choice)
-_SLACK = (
-    4.0  # digits by which a step's series ends below the error wanted: so many the product of the maps loses (a choice)
-)
+_SLACK = 4.0  # digits by which a step's series ends below the error wanted, which the product of maps loses (a choice)
 _UP = 1.0 + 1e-9  # covers the rounding of bounds, which are computed in doubles
 
 
