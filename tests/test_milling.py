@@ -42,7 +42,7 @@ def test_largest_moduli_are_those_of_the_table(
     assert found.error < 1e-8
     assert found.status == ("unstable" if modulus > 1.0 else "stable")
     place = (np.array([read_speed(speed)]), np.array([read_depth(depth)]))
-    log = judged(mill, *place, growth=True).logs[0]
+    log = judged(mill, *place, growth=True).growth[0]
     assert math.exp(log) == pytest.approx(modulus, abs=1e-8)
 
 
@@ -70,7 +70,7 @@ def test_equations_and_quick_verdicts_agree(teeth: int) -> None:
     mill = fr.Milling(**modes, teeth=teeth, tangential="600MPa", radial="200MPa", immersion=0.3, direction="down")
     speed, depth = 950.0, 1.1e-3
     verdict = mill.stability(speed, depth)
-    log = judged(mill, np.array([speed]), np.array([depth]), growth=True).logs[0]
+    log = judged(mill, np.array([speed]), np.array([depth]), growth=True).growth[0]
     assert log / verdict.period == pytest.approx(verdict.exponents[0].real, abs=1e-6 / verdict.period)
 
 
@@ -121,7 +121,7 @@ def test_bands_lie_on_the_boundary() -> None:
     (band,) = chart.bands.bands
     inside = (band.y < 3.999) & (band.y > 0.0) & (band.x > 8001.0) & (band.x < 19999.0)
     speeds, depths = math.pi / 30.0 * band.x[inside], 1e-3 * band.y[inside]
-    logs = judged(mill, speeds, depths, growth=True).logs
+    logs = judged(mill, speeds, depths, growth=True).growth
     assert np.abs(logs).max() < 1e-4
 
 

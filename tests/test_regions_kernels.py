@@ -22,7 +22,7 @@ from floquetrod.floquet.kernels.mathieu_counts import count_below
 from floquetrod.floquet.methods.reference import discriminant_excess
 from floquetrod.floquet.proof.kernels import intervals, regions, regions_boxes, regions_excess, regions_modes
 from floquetrod.floquet.proof.kernels.intervals import Pair
-from floquetrod.floquet.proof.kernels.regions_modes import GROWS, QUIET, UNKNOWN
+from floquetrod.floquet.status import STABLE, UNDECIDED, UNSTABLE
 from floquetrod.rod.model.constants import mode_constants
 
 pytestmark = pytest.mark.kernels
@@ -184,12 +184,12 @@ def check_answer(status: int, box: ModeNumbers, points: list[tuple[float, float,
     level = box[3][0]
     for kappa, p, omega in points:
         growth = growth_at(kappa, p, omega)
-        if status == QUIET:
+        if status == STABLE:
             assert growth <= level * (1.0 + 1e-9) + 3e-8 * omega, (box, kappa, p, omega)
         else:
             assert growth >= level * (1.0 - 1e-9) - 3e-8 * omega, (box, kappa, p, omega)
         if level == 0.0 and p > 0.0 and growth > 1e-6 * omega:
-            assert status == GROWS
+            assert status == UNSTABLE
             assert count_below(4.0 * kappa / omega**2, 2.0 * p / omega**2) % 2 == 0
 
 
@@ -197,13 +197,13 @@ def test_answers_about_a_mode_are_true() -> None:
     rng = np.random.default_rng(7)
     mode_status = compiled(regions_modes.mode_status)
     growth = compiled(undamped_growth)
-    found = {QUIET: 0, GROWS: 0, UNKNOWN: 0}
+    found = {STABLE: 0, UNSTABLE: 0, UNDECIDED: 0}
     nearest: list[tuple[float, int, float, tuple[float, float, float]]] = []
     for _ in range(400):
         box = random_mode_box(rng)
         status = mode_status(*box)
         found[status] += 1
-        if status == UNKNOWN:
+        if status == UNDECIDED:
             continue
         points = points_of(rng, box, 6)
         check_answer(status, box, points)
@@ -211,9 +211,9 @@ def test_answers_about_a_mode_are_true() -> None:
             if p > 0.0 and math.frexp(omega)[0] == 0.5:
                 rate = growth(p / omega**2, -kappa / omega**2, 0.0) * omega
                 nearest.append((abs(rate - box[3][0]) / omega, status, box[3][0], (kappa, p, omega)))
-    assert found[QUIET] > 100
-    assert found[GROWS] > 30
-    assert found[UNKNOWN] < 160
+    assert found[STABLE] > 100
+    assert found[UNSTABLE] > 30
+    assert found[UNDECIDED] < 160
     nearest.sort()
     for _, status, level, point in nearest[:12]:
         assert judged_by_reference(level, *point) == status, (level, point)
@@ -225,7 +225,7 @@ def judged_by_reference(level: float, kappa: float, p: float, omega: float) -> i
     with mpmath.workdps(40):
         allowed = mpmath.sinh(mpmath.pi * mpmath.mpf(level) / omega) ** 2
         assert abs(exact.excess - allowed) > exact.error
-        return GROWS if exact.excess > allowed else QUIET
+        return UNSTABLE if exact.excess > allowed else STABLE
 
 
 CROWDED = [(order, q) for order in range(8) for q in (0.5, 1.0, 3.0, 7.3, 20.0)]
@@ -257,7 +257,7 @@ def wrong_beside_boundaries() -> tuple[int, int]:
             for step in range(-6, 7):
                 a = value + step * np.spacing(value)
                 status = regions_modes.mode_status((a, a), (2.0 * q, 2.0 * q), (2.0, 2.0), (0.0, 0.0))
-                if status != UNKNOWN:
+                if status != UNDECIDED:
                     judged += 1
                     wrong += status != true_count(a, q) % 2
     return wrong, judged
@@ -309,9 +309,9 @@ def test_rounding_of_the_excess_is_needed(monkeypatch: pytest.MonkeyPatch) -> No
 @pytest.mark.parametrize("place", range(8))
 def test_what_is_not_finite_is_not_judged(value: float, place: int) -> None:
     box = np.array([[1.0, 1.1], [0.1, 0.2], [3.0, 3.1], [0.1, 0.1]])
-    assert regions_modes.mode_status(*map(tuple, box.tolist())) == QUIET
+    assert regions_modes.mode_status(*map(tuple, box.tolist())) == STABLE
     box.flat[place] = value
-    assert regions_modes.mode_status(*map(tuple, box.tolist())) == UNKNOWN
+    assert regions_modes.mode_status(*map(tuple, box.tolist())) == UNDECIDED
 
 
 @pytest.mark.parametrize("size", [1e-300, 1e-160, 1e160, 1e300])
@@ -319,22 +319,22 @@ def test_extreme_sizes_are_judged_rightly_or_not_at_all(size: float) -> None:
     for a, q, level in ((0.5, 0.1, 0.0), (1.0, 0.5, 0.0), (-3.0, 0.1, 0.0), (1.0, 0.5, 3.0), (-40.0, 1.0, 0.1)):
         point = a * size, 2.0 * q * size, 2.0 * math.sqrt(size), level * math.sqrt(size)
         status = regions_modes.mode_status(*((x, x) for x in point))
-        true = QUIET if undamped_growth(0.5 * q, -0.25 * a, 0.0) * 2.0 <= level else GROWS
-        assert status in (UNKNOWN, true)
-    assert regions_modes.mode_status((-size, -size), (0.0, 0.0), (1.0, 1.0), (0.0, 0.0)) == GROWS
+        true = STABLE if undamped_growth(0.5 * q, -0.25 * a, 0.0) * 2.0 <= level else UNSTABLE
+        assert status in (UNDECIDED, true)
+    assert regions_modes.mode_status((-size, -size), (0.0, 0.0), (1.0, 1.0), (0.0, 0.0)) == UNSTABLE
 
 
 def test_without_force() -> None:
     def status(kl: float, kh: float, level: float) -> int:
         return regions_modes.mode_status((kl, kh), (0.0, 0.0), (1.0, 1.0), (level, level))
 
-    assert status(0.1, 2.0, 0.0) == QUIET  # also where k^2 = a, tongues have no width
-    assert status(-2.0, -0.1, 0.0) == GROWS
-    assert status(0.0, 1.0, 0.0) == UNKNOWN  # at kappa = 0 the motion drifts
-    assert status(-1.0, 1.0, 1.01) == QUIET
-    assert status(-2.0, -1.1, 1.01) == GROWS
-    assert status(-2.0, -1.0, 1.01) == UNKNOWN
-    assert status(-1.0, 1.0, 0.0) == UNKNOWN
+    assert status(0.1, 2.0, 0.0) == STABLE  # also where k^2 = a, tongues have no width
+    assert status(-2.0, -0.1, 0.0) == UNSTABLE
+    assert status(0.0, 1.0, 0.0) == UNDECIDED  # at kappa = 0 the motion drifts
+    assert status(-1.0, 1.0, 1.01) == STABLE
+    assert status(-2.0, -1.1, 1.01) == UNSTABLE
+    assert status(-2.0, -1.0, 1.01) == UNDECIDED
+    assert status(-1.0, 1.0, 0.0) == UNDECIDED
 
 
 @needs_jit
@@ -374,12 +374,12 @@ def answer(rod: fr.Rod, low: Floats, high: Floats, tolerance: float) -> tuple[st
     search = regions.box_search(box, last, 3000)
     while compiled(regions.certify_box)(*search, tolerance, tolerance, 100):
         pass
-    quiet, grows = search.counts[regions.QUIET_PARTS], search.counts[regions.GROWING_PARTS]
-    if quiet and grows:
+    stable, unstable = search.counts[regions.STABLE_PARTS], search.counts[regions.UNSTABLE_PARTS]
+    if stable and unstable:
         return "mixed", search
     if search.counts[regions.WAITING] + search.counts[regions.OPEN_PARTS]:
         return "undecided", search
-    return ("unstable" if grows else "stable"), search
+    return ("unstable" if unstable else "stable"), search
 
 
 def test_boxes_of_loads() -> None:
@@ -398,9 +398,9 @@ def test_boxes_of_loads() -> None:
         if status in ("stable", "unstable"):
             assert (stable == (status == "stable")).all()
         if status == "mixed":
-            quiet, grows = (example.mean(axis=1) for example in search.examples)
-            assert rod.is_stable(*quiet[:3], growth_tolerance=tolerance)
-            assert not rod.is_stable(*grows[:3], growth_tolerance=tolerance)
+            one, other = (example.mean(axis=1) for example in search.examples)
+            assert rod.is_stable(*one[:3], growth_tolerance=tolerance)
+            assert not rod.is_stable(*other[:3], growth_tolerance=tolerance)
             assert 0 < search.counts[regions.GROWING_MODE] <= search.last
     assert found["undecided"] == 0
     assert min(found["stable"], found["unstable"], found["mixed"]) >= 5
@@ -454,7 +454,7 @@ def test_rods_within_tolerances() -> None:
     compiled(regions.certify_box)(*search, 0.5, 0.5, 20_000)
     counts = search.counts
     assert bound <= 0.5
-    assert counts[regions.WAITING] == counts[regions.OPEN_PARTS] == counts[regions.GROWING_PARTS] == 0
+    assert counts[regions.WAITING] == counts[regions.OPEN_PARTS] == counts[regions.UNSTABLE_PARTS] == 0
     for _ in range(100):
         f, df, w, c1, c2, swing, _, damping = rng.uniform(box[:, 0], box[:, 1])
         for mode in range(1, last + 4):

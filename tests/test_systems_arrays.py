@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 import floquetrod as fr
 from conftest import depth
 from floquetrod.equations.batches import in_batches, pick
-from floquetrod.floquet.systems import many
+from floquetrod.floquet.status import STABLE
 from floquetrod.systems import arrays
 from strategies import systems
 
@@ -117,7 +117,7 @@ def test_what_the_quick_rules_leave_open_is_judged_alone(monkeypatch: pytest.Mon
 
     monkeypatch.setattr(arrays, "judge", counted)
     found = arrays.verdicts(same)
-    assert found.status.tolist() == [many.STABLE, many.STABLE]  # two pairs of equal multipliers, of one Krein sign
+    assert found.status.tolist() == [STABLE, STABLE]  # two pairs of equal multipliers, of one Krein sign
     assert len(asked) == 2
 
 

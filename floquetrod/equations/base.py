@@ -13,10 +13,9 @@ from fractions import Fraction
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from floquetrod._util import validate
-from floquetrod._util.arrays import shaped
+from floquetrod._util.arrays import Floats, shaped
 from floquetrod._util.calling import TellsAttributes
 from floquetrod.equations.hill_system import HillSystem
 from floquetrod.equations.pieces import Varying
@@ -162,7 +161,7 @@ def _above(value: Fraction) -> float:
     return nearest if value <= nearest else math.nextafter(nearest, math.inf)
 
 
-def value_on(piece: Piece, tau: NDArray[np.float64], begin: float, period: float) -> NDArray[np.float64]:
+def value_on(piece: Piece, tau: Floats, begin: float, period: float) -> Floats:
     """Return p at times within a piece that begins at ``begin``."""
     value = float(piece.mean) + float(piece.slope) * (tau - begin)
     for k, z in enumerate(piece.harmonics, start=1):
@@ -224,7 +223,7 @@ def damping_rate(value: Any) -> float:
     return validate.unrounded("damping", value, number)
 
 
-def times(tau: Any, period: float) -> NDArray[np.float64]:
+def times(tau: Any, period: float) -> Floats:
     """Return times as an array, checked."""
     return validate.array("tau", tau, least=-_LATEST * period, largest=_LATEST * period)
 

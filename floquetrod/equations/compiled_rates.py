@@ -10,6 +10,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from floquetrod._util.arrays import Floats
+
 
 def is_compiled(call: Any) -> bool:
     """Return whether a function is one compiled by numba."""
@@ -17,7 +19,7 @@ def is_compiled(call: Any) -> bool:
 
 
 def at_points(
-    call: Any, times: NDArray[np.float64], states: NDArray[Any], parameters: Mapping[str, float], shape: tuple[int, ...]
+    call: Any, times: Floats, states: NDArray[Any], parameters: Mapping[str, float], shape: tuple[int, ...]
 ) -> NDArray[Any]:
     """Return the values (k, *shape) of a compiled function at times (k,) and states (k, n)."""
     listed = list(inspect.signature(call.py_func).parameters.values())[2:]

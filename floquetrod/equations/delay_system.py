@@ -294,7 +294,7 @@ class DelaySystem(ByContent):
         rate = validate.nonnegative("rate", rate)
         present = self.present
         if isinstance(present, HillSystem):
-            mass = np.eye(self.order) if present.mass is None else present.mass
+            mass = matrices.mass_matrix(present)
             there = np.zeros_like(mass) if present.damping is None else present.damping
             return self._made(replace(present, damping=there + 2.0 * rate * mass), self.delayed)
         shift, error = rate * np.eye(self.order), present.coefficient_error

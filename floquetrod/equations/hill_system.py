@@ -10,10 +10,9 @@ from fractions import Fraction
 from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from floquetrod._util import validate
-from floquetrod._util.arrays import EPS, norms
+from floquetrod._util.arrays import EPS, Complexes, Floats, norms
 from floquetrod._util.caching import cached_property
 from floquetrod._util.calling import constructor_hints
 from floquetrod.equations import matrices, sampling
@@ -41,9 +40,9 @@ class EvenForm(NamedTuple):
 
     stiffness: Matrix
     amplitudes: Matrix
-    start: NDArray[np.float64]
-    error: NDArray[np.float64]
-    uncertainty: NDArray[np.float64]
+    start: Floats
+    error: Floats
+    uncertainty: Floats
 
 
 @constructor_hints(frequency="period is 2 pi / frequency")
@@ -234,7 +233,7 @@ class HillSystem(matrices.PeriodicMatrixSystem):
         """
         if self.damping is None:
             return 0.0
-        mass = np.eye(self.order) if self.mass is None else self.mass
+        mass = matrices.mass_matrix(self)
         twice = float(self.damping.flat[0]) / float(mass.flat[0])
         return 0.5 * twice if 0.0 < twice < math.inf and _is_multiple(self.damping, twice, mass) else None
 
@@ -262,7 +261,7 @@ class HillSystem(matrices.PeriodicMatrixSystem):
             return None
         if c == 0.0:
             return self, 0.0
-        mass = np.eye(self.order) if self.mass is None else self.mass
+        mass = matrices.mass_matrix(self)
         shift = c * c * mass
         others: dict[str, Any] = {"mass": self.mass, "coefficient_error": self.coefficient_error}
         freed = by_pieces.mapped(HillSystem, self, lambda m: m - shift, **others)
@@ -351,9 +350,19 @@ class HillSystem(matrices.PeriodicMatrixSystem):
             return PeriodicSystem.from_pieces(turned, coefficient_error=error)
         return PeriodicSystem(mean, cosines, sines, period=self.period, coefficient_error=error)
 
-    def coefficient(self, t: Any) -> NDArray[np.float64]:
+    def coefficient(self, t: Any) -> Floats:
         """Return K(t), of shape ``(*t.shape, n, n)``, the mean of both sides at a jump; of one system."""
         return by_pieces.value_at(self, t)
+
+
+def in_first_order(system: HillSystem | PeriodicSystem) -> PeriodicSystem:
+    """Return a system in first order, itself where it is."""
+    return system.as_periodic_system() if isinstance(system, HillSystem) else system
+
+
+def states(system: Any) -> int:
+    """Return how many equations of first order a system is."""
+    return int(system.order) * (2 if isinstance(system, HillSystem) else 1)
 
 
 def _first_order(stiffness: Matrix, damping: Matrix, gyroscopic: Matrix, *, canonical: bool) -> Matrix:
@@ -440,8 +449,8 @@ def _dissipative(damping: Matrix | None) -> bool:
 
 
 def _even_amplitudes(
-    harmonics: NDArray[np.complex128],
-) -> tuple[Matrix, NDArray[np.float64], NDArray[np.float64]] | None:
+    harmonics: Complexes,
+) -> tuple[Matrix, Floats, Floats] | None:
     """Return the amplitudes about an instant of evenness, its phase w t, and their relative error; None without one.
 
     The uncertainty is zero where the evenness is seen in the coefficients as they stand: no sines, or one sine alone.

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from floquetrod.equations.hill_system import HillSystem
+from floquetrod.equations.matrices import mass_matrix, velocity_matrix
 from floquetrod.equations.pieces import value_at
 
 
@@ -16,11 +17,8 @@ class WithLinearPart:
     def __init__(self, system: HillSystem, force: Any) -> None:
         """Take the linear part, and the force."""
         self.system, self.force = system, force
-        n = system.order
-        mass = np.eye(n) if system.mass is None else system.mass
-        friction = sum((part for part in (system.damping, system.gyroscopic) if part is not None), np.zeros((n, n)))
-        self._inverse = np.linalg.inv(mass)
-        self._friction = friction
+        self._inverse = np.linalg.inv(mass_matrix(system))
+        self._friction = velocity_matrix(system)
         self._stiffness = system.stiffness if system.is_constant else None
 
     def __call__(self, t: Any, x: Any, **parameters: float) -> Any:

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from floquetrod._util import validate
+from floquetrod._util.arrays import Complexes, Floats
 from floquetrod._util.caching import cached_property
 from floquetrod._util.content import ByContent
 
@@ -63,7 +64,7 @@ class PeriodicMatrixSystem(ByContent):
         return leading_shape(self.order, self.period, **{self.MEAN: getattr(self, self.MEAN)}, **named(self))
 
     @cached_property
-    def harmonics(self) -> NDArray[np.complex128]:
+    def harmonics(self) -> Complexes:
         """Amplitudes Z, complex (..., H, n, n), of mean + sum_k Re(Z_k exp(i k w t)); trailing zeros dropped.
 
         Raises TypeError for a system in pieces, which has no finite Fourier series.
@@ -126,6 +127,17 @@ class PeriodicMatrixSystem(ByContent):
         return f"{type(self).__name__}.from_pieces([{', '.join(listed)}]{', ' if others != ')' else ''}{others}"
 
 
+def mass_matrix(system: Any) -> Matrix:
+    """Return M of a system of second order, the identity where it has none."""
+    return np.eye(system.order) if system.mass is None else np.asarray(system.mass)
+
+
+def velocity_matrix(system: Any) -> Matrix:
+    """Return C + G of a system of second order."""
+    given = [matrix for matrix in (system.damping, system.gyroscopic) if matrix is not None]
+    return np.asarray(sum(given, np.zeros((system.order, system.order))))
+
+
 def flat(array: Any, shape: tuple[int, ...], tail: int) -> NDArray[Any]:
     """Return an array with the leading shape of a batch made one axis; its last ``tail`` axes stay as they are."""
     array = np.asarray(array)
@@ -149,7 +161,7 @@ def square(name: str, value: Any, order: int | None = None, like: str = "", most
     return np.array(array)  # a copy of our own
 
 
-def _require_unrounded(name: str, given: NDArray[Any], array: NDArray[np.float64]) -> None:
+def _require_unrounded(name: str, given: NDArray[Any], array: Floats) -> None:
     """Raise ValueError where an entry is not the double it became: a verdict is on the matrix that was given."""
     if given.dtype.kind == "f" and given.dtype.itemsize <= array.dtype.itemsize:
         return
@@ -208,7 +220,7 @@ def _is_flat(value: Any) -> bool:
     return not any(validate.iterable(part) for part in value) if validate.iterable(value) else True
 
 
-def periods(value: Any, name: str = "period") -> float | NDArray[np.float64]:
+def periods(value: Any, name: str = "period") -> float | Floats:
     """Return a period, or an array of them for a batch."""
     if not validate.iterable(value) or isinstance(value, str | bytes):
         number = validate.within(name, value, _LEAST_PERIOD, 1.0 / _LEAST_PERIOD)
@@ -242,7 +254,7 @@ def symmetric(matrix: Matrix) -> bool:
 
 def harmonic_amplitudes(
     cosines: tuple[Matrix, ...], sines: tuple[Matrix, ...], shape: tuple[int, ...], order: int
-) -> NDArray[np.complex128]:
+) -> Complexes:
     """Return Z, complex (*shape, H, n, n), of sum_k Re(Z_k exp(i k w t)); trailing zeros are dropped."""
     count = max(len(cosines), len(sines))
     result = np.zeros((*shape, count, order, order), dtype=np.complex128)
@@ -254,15 +266,6 @@ def harmonic_amplitudes(
         count -= 1
     result.flags.writeable = False
     return result[..., :count, :, :]
-
-
-def coefficients_at(
-    times: NDArray[np.float64], mean: Matrix, harmonics: NDArray[np.complex128], period: float
-) -> NDArray[np.float64]:
-    """Return mean + sum_k Re(Z_k exp(i k w t)), of shape (*times.shape, n, n), of one system."""
-    phase = (2.0 * math.pi / period) * np.asarray(times)
-    waves = np.exp(1j * phase[..., None] * np.arange(1, len(harmonics) + 1))
-    return np.asarray(mean + np.einsum("...k,kij->...ij", waves, harmonics).real)
 
 
 def described(value: Any) -> str:

@@ -8,9 +8,9 @@ from dataclasses import dataclass
 from typing import Any, ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
 from floquetrod._util import validate
+from floquetrod._util.arrays import Floats
 from floquetrod._util.caching import cached_property
 from floquetrod._util.calling import constructor_hints
 from floquetrod.equations import matrices, sampling
@@ -159,6 +159,6 @@ class PeriodicSystem(matrices.PeriodicMatrixSystem):
         inner = all(not m[..., :half, half:].any() and not m[..., half:, :half].any() for m in self.sines)
         return "reversible" if outer and inner else "general"
 
-    def coefficient(self, t: Any) -> NDArray[np.float64]:
+    def coefficient(self, t: Any) -> Floats:
         """Return A(t), of shape ``(*t.shape, N, N)``, the mean of both sides at a jump; of one system."""
         return by_pieces.value_at(self, t)

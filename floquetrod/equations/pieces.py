@@ -10,10 +10,9 @@ from fractions import Fraction
 from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
 
 from floquetrod._util import validate
-from floquetrod._util.arrays import EPS
+from floquetrod._util.arrays import EPS, Bools, Complexes, Floats
 from floquetrod._util.calling import constructor_hints
 from floquetrod._util.content import ByContent
 from floquetrod.equations import matrices
@@ -25,8 +24,6 @@ OfMatrix = Callable[[Matrix], Matrix]
 MOST_PIECES = 1024
 """Most pieces of a period (a choice)."""
 
-
-Duration = float | Fraction | NDArray[np.float64]
 Pieces = tuple[tuple[Any, "Varying"], ...]
 """What a system with jumps is made of: durations, each a double, a Fraction or an array of a batch, and matrices."""
 
@@ -114,7 +111,7 @@ class TimedPiece(NamedTuple):
     length: Fraction
     mean: Matrix
     slope: Matrix | None
-    harmonics: NDArray[np.complex128]
+    harmonics: Complexes
     origin: Fraction
 
     @property
@@ -135,46 +132,42 @@ class TimedPiece(NamedTuple):
         into = float(self.begin - self.origin)
         return self.mean if self.slope is None or not into else self.mean + self.slope * into
 
+    def at(self, into: Floats, period: float) -> Matrix:
+        """Return the matrix, of shape (*into.shape, n, n), at times from the beginning of the piece."""
+        phase = (2.0 * math.pi / period) * (float(self.begin) + into)
+        waves = np.exp(1j * phase[..., None] * np.arange(1, len(self.harmonics) + 1))
+        found = np.asarray(self.mean + np.einsum("...k,kij->...ij", waves, self.harmonics).real)
+        if self.slope is None:
+            return found
+        return np.asarray(found + self.slope * (into + float(self.begin - self.origin))[..., None, None])
+
 
 class PieceArrays(NamedTuple):
     """Pieces of many systems in the form that maps are computed from.
 
     On piece j, t from its beginning, A = mean[:, j] + slope[:, j] t + Re sum_k harmonics[:, j, k-1] exp(i k w t), w = 2
     pi / period.
-
-    Attributes
-    ----------
-    mean : ndarray (b, P, N, N)
-        Real.
-    slope : ndarray (b, P, N, N) or None
-        Real; None where there is none.
-    harmonics : ndarray (b, P, H, N, N)
-        Complex.
-    length : ndarray (b, P)
-        Durations.
-    period : ndarray (b,)
-        Periods of the harmonics.
     """
 
-    mean: NDArray[np.float64]
-    slope: NDArray[np.float64] | None
-    harmonics: NDArray[np.complex128]
-    length: NDArray[np.float64]
-    period: NDArray[np.float64]
+    mean: Floats  # (b, P, N, N), real
+    slope: Floats | None  # (b, P, N, N), real; None where there is none
+    harmonics: Complexes  # (b, P, H, N, N), complex
+    length: Floats  # (b, P), durations
+    period: Floats  # (b,), periods of the harmonics
 
     @property
-    def sizes(self) -> NDArray[np.float64]:
+    def sizes(self) -> Floats:
         """Bounds (b, P, N, N) of the magnitudes of A's entries."""
         found = np.abs(self.mean) + np.abs(self.harmonics).sum(axis=2)
         return np.asarray(found if self.slope is None else found + np.abs(self.slope) * self.length[..., None, None])
 
-    def some(self, part: slice | NDArray[np.bool_]) -> PieceArrays:
+    def some(self, part: slice | Bools) -> PieceArrays:
         """Return those of some systems."""
         mean, slope, harmonics, length, period = self
         slope = None if slope is None else slope[part]
         return PieceArrays(mean[part], slope, harmonics[part], length[part], period[part])
 
-    def scaled(self, scaling: NDArray[np.float64]) -> PieceArrays:
+    def scaled(self, scaling: Floats) -> PieceArrays:
         """Return the same for x / scaling, scaling (b, N)."""
         ratio = scaling[:, None, None, :] / scaling[:, None, :, None]
         slope = None if self.slope is None else self.slope * ratio
@@ -208,7 +201,7 @@ def _duration(name: str, value: Any) -> Any:
     return matrices.periods(value, name)
 
 
-def total(durations: list[Any]) -> float | NDArray[np.float64]:
+def total(durations: list[Any]) -> float | Floats:
     """Return the sum of durations, rounded once."""
     shape = np.broadcast_shapes(*map(np.shape, durations))
     if not shape:
@@ -349,7 +342,7 @@ def of_batch(system: Any) -> PieceArrays:
     return PieceArrays(mean, slope if slope.any() else None, harmonics, length, period)
 
 
-def fourier(system: Any, count: int) -> NDArray[np.complex128]:
+def fourier(system: Any, count: int) -> Complexes:
     """Return Fourier amplitudes (count, n, n) of the coefficient of one system in pieces, or all those of a series.
 
     By Gauss's rule on each piece, with enough nodes for ten digits: they name resonances, no more.
@@ -362,20 +355,17 @@ def fourier(system: Any, count: int) -> NDArray[np.complex128]:
     for piece in in_time(system):
         local = 0.5 * float(piece.length) * (1.0 + nodes)
         t = float(piece.begin) + local
-        values = matrices.coefficients_at(t, piece.mean, piece.harmonics, period)
-        if piece.slope is not None:
-            values = values + piece.slope * local[:, None, None]
         waves = np.exp(-2j * math.pi / period * np.arange(1, count + 1)[:, None] * t)
-        found += np.tensordot(waves * (weights * float(piece.length) / period), values, axes=1)
+        found += np.tensordot(waves * (weights * float(piece.length) / period), piece.at(local, period), axes=1)
     return found
 
 
-def value_at(system: Any, times: Any) -> NDArray[np.float64]:
+def value_at(system: Any, times: Any) -> Floats:
     """Return the coefficient of one system at times, (*times.shape, n, n); at a jump the mean of both sides."""
     pieces, period = in_time(system), float(system.period)
     times = validate.array("t", times, least=-1e14 * period, largest=1e14 * period)
     if not system.pieces:
-        return matrices.coefficients_at(times, pieces[0].mean, pieces[0].harmonics, period)
+        return pieces[0].at(times, period)
     phase = times - period * np.floor(times / period)
     result, weight = np.zeros((*phase.shape, system.order, system.order)), np.zeros(phase.shape)
     for j, piece in enumerate(pieces):
@@ -383,10 +373,7 @@ def value_at(system: Any, times: Any) -> NDArray[np.float64]:
         for shift in (0.0, period) if j + 1 == len(pieces) else (0.0,):  # the end of the period is its beginning
             t = phase + shift
             here = (low <= t) & (t <= high)
-            value = matrices.coefficients_at(t[here], piece.mean, piece.harmonics, period)
-            if piece.slope is not None:
-                value = value + piece.slope * (t[here] - low)[:, None, None]
-            result[here] += value
+            result[here] += piece.at(t[here] - low, period)
             weight[here] += 1.0
     return np.asarray(result / weight[..., None, None])
 

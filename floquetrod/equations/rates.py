@@ -78,15 +78,13 @@ class Rates:
 
     def values(self, times: Floats, states: Floats, parameters: Parameters) -> Floats:
         """Return the rates (k, n) at times (k,) and states (k, n), which may be complex."""
-        if "function" not in self._at_once or self._order != states.shape[1]:
-            self.start(float(times[0]), states[0].real, parameters)
+        self.start(float(times[0]), states[0].real, parameters)
         with np.errstate(all="ignore"):
             return self._all("function", self.function, times, states, parameters)
 
     def derivatives(self, times: Floats, states: Floats, parameters: Parameters) -> Floats:
         """Return the derivatives (k, n, n)."""
-        if "function" not in self._at_once or self._order != states.shape[1]:
-            self.start(float(times[0]), states[0], parameters)
+        self.start(float(times[0]), states[0], parameters)
         with np.errstate(all="ignore"):
             if self.jacobian is not None:
                 return self._all("jacobian", self.jacobian, times, states, parameters)

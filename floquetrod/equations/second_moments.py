@@ -10,14 +10,13 @@ import math
 from typing import Any, ClassVar, NamedTuple, cast
 
 import numpy as np
-from numpy.typing import NDArray
 
 from floquetrod._util import validate
-from floquetrod._util.arrays import EPS, norms
+from floquetrod._util.arrays import EPS, Floats, norms
 from floquetrod.equations import matrices
 from floquetrod.equations.base import Equation
 from floquetrod.equations.delay_system import DelaySystem
-from floquetrod.equations.hill_system import HillSystem
+from floquetrod.equations.hill_system import HillSystem, in_first_order, states
 from floquetrod.equations.matrices import Matrix
 from floquetrod.equations.periodic_system import PeriodicSystem
 from floquetrod.equations.pieces import mapped
@@ -49,14 +48,14 @@ class Source(NamedTuple):
 
     matrix: Matrix
     error: float
-    intensity: NDArray[np.float64]
+    intensity: Floats
 
 
 class _Known(NamedTuple):
     """Numbers and bounds of their errors."""
 
-    value: NDArray[np.float64]
-    error: NDArray[np.float64] | float = 0.0
+    value: Floats
+    error: Floats | float = 0.0
 
     def plus(self, other: _Known) -> _Known:
         """Return the sum; its rounding is known exactly (Knuth)."""
@@ -195,13 +194,13 @@ def of_first_order(system: Any) -> PeriodicSystem:
     if not isinstance(system, HillSystem | PeriodicSystem):
         kinds = "an Equation, such as Mathieu, Meissner or Hill, or a HillSystem or PeriodicSystem"
         raise TypeError(f"system must be {kinds}, got {validate.short(system)}")
-    unknowns = system.order * (2 if isinstance(system, HillSystem) else 1)
+    unknowns = states(system)
     if unknowns > MOST_UNKNOWNS:
         raise ValueError(
             f"system must have at most {MOST_UNKNOWNS} equations of first order under noise, got {unknowns}: their "
             f"{unknowns * (unknowns + 1) // 2:,} second moments take too long; keep fewer modes"
         )
-    return system.as_periodic_system() if isinstance(system, HillSystem) else system
+    return in_first_order(system)
 
 
 def sources_of(system: Any, noise: Any) -> list[Source]:
@@ -332,7 +331,7 @@ def _entries(order: int) -> tuple[Any, Any]:
     return (i[:, None], j[:, None]), (i[None, :], j[None, :])
 
 
-def _halves(a: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def _halves(a: Floats) -> tuple[Floats, Floats]:
     """Return a number as the sum of two of half as many digits."""
     scaled = _SPLIT * a
     high = scaled - (scaled - a)

@@ -1,7 +1,7 @@
 """The almost-sure exponent of a system with multiplicative white noise, estimated from simulated paths.
 
 Stratonovich's equation is split (Strang): the flow without noise over a step, then exp(sum_i s_i G_i dW_i) in its
-middle.  Flows come from the fourth-order Magnus expansion (Iserles and Norsett, Phil. Trans. R. Soc. A 357 (1999) 983).
+middle.  Flows come from the fourth-order Magnus expansion.
 """
 
 from __future__ import annotations
@@ -17,10 +17,11 @@ from floquetrod._util.arrays import Floats
 from floquetrod._util.content import ByContent, NoTruthValue
 from floquetrod._util.progress import Progress
 from floquetrod.equations import PeriodicSystem
-from floquetrod.equations.matrices import coefficients_at, require_one
-from floquetrod.equations.pieces import in_time
+from floquetrod.equations.matrices import require_one
+from floquetrod.equations.pieces import TimedPiece, in_time
 from floquetrod.equations.second_moments import INTERPRETATIONS, Source, of_first_order, sources_of, with_drift
 from floquetrod.floquet.problems import Problem
+from floquetrod.floquet.systems import magnus
 
 _LEAST_STEPS = 32  # a period (a choice), an even number
 _MOST_STEPS = 1 << 16  # a period (a choice)
@@ -184,10 +185,10 @@ def _grid(system: PeriodicSystem) -> _Grid:
     return _Grid(lengths, fine, coarse)
 
 
-def _count(system: PeriodicSystem, piece: Any, length: float) -> int:
+def _count(system: PeriodicSystem, piece: TimedPiece, length: float) -> int:
     """Return an even number of steps of a piece."""
     spots = np.linspace(0.0, length, 17)
-    rates = np.abs(np.linalg.eigvals(_matrix(system, piece, spots))).max()
+    rates = np.abs(np.linalg.eigvals(piece.at(spots, float(system.period)))).max()
     share = length / float(system.period)
     count = 2 * math.ceil(0.5 * max(_LEAST_STEPS * share, length * float(rates) / _STEP, 1.0))
     if count > _MOST_STEPS:
@@ -195,21 +196,11 @@ def _count(system: PeriodicSystem, piece: Any, length: float) -> int:
     return count
 
 
-def _matrix(system: PeriodicSystem, piece: Any, into: Floats) -> Floats:
-    """Return the matrix at times into a piece."""
-    values = coefficients_at(float(piece.begin) + into, piece.mean, piece.harmonics, float(system.period))
-    return values if piece.slope is None else values + piece.slope * into[:, None, None]
-
-
-def _flows(system: PeriodicSystem, piece: Any, edges: Floats) -> list[Floats]:
+def _flows(system: PeriodicSystem, piece: TimedPiece, edges: Floats) -> list[Floats]:
     """Return the flow without noise between neighbouring instants of a piece."""
-    from scipy.linalg import expm
-
-    h = np.diff(edges)[:, None, None]
-    middle, off = 0.5 * (edges[1:] + edges[:-1]), np.diff(edges) * math.sqrt(3.0) / 6.0
-    first, second = (_matrix(system, piece, middle + sign * off) for sign in (-1.0, 1.0))
-    exponent = 0.5 * h * (first + second) + (math.sqrt(3.0) / 12.0) * h * h * (second @ first - first @ second)
-    return [np.asarray(expm(each)) for each in exponent]
+    middle, length = 0.5 * (edges[1:] + edges[:-1]), np.diff(edges)
+    first, second = (piece.at(middle + place * length, float(system.period)) for place in magnus.PLACES)
+    return list(magnus.flows(first, second, length[:, None, None]))
 
 
 def _logarithms(

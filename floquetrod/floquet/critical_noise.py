@@ -87,9 +87,9 @@ def critical_noise(system: Problem, noise: Any, interpretation: str = "ito") -> 
         require_one(system)
     if whole.shape:
         raise ValueError(f"noise must have one intensity for each source, got a batch of shape {whole.shape}")
-    quiet = stability(system)
-    if not quiet.decay_rate > 0.0:
-        raise ValueError(f"system must decay without noise to have a critical one, got one that is {_told(quiet)}")
+    noiseless = stability(system)
+    if not noiseless.decay_rate > 0.0:
+        raise ValueError(f"system must decay without noise to have a critical one, got one that is {_told(noiseless)}")
 
     def moments(factor: float) -> SecondMoments:
         return balanced_moments(system, _scaled(system, noise, factor), interpretation)
@@ -101,7 +101,7 @@ def critical_noise(system: Problem, noise: Any, interpretation: str = "ito") -> 
     size = float(np.abs(whole.mean - second_moments(system, _scaled(system, noise, 0.0), interpretation).mean).max())
     if size == 0.0:
         raise ValueError("noise must have an intensity above zero and a matrix that is not zero, got none")
-    first = math.sqrt(quiet.decay_rate / size)
+    first = math.sqrt(noiseless.decay_rate / size)
     high = first
     while not growth(high) > 0.0:
         high *= 2.0

@@ -197,11 +197,9 @@ def _as_series(found: Floats, half: float, state: Floats) -> Floats:
 def _earlier(known: _Steps, history: History, times: Floats) -> Floats:
     """Return values at times before the step, of the history too."""
     before = times <= known.ends[0]
-    found = np.zeros((len(times), known.states.shape[1] if not len(known.series) else known.series.shape[2]))
+    found = np.empty((len(times), known.series.shape[2]))
     if before.any():
-        first = np.array([history(t) for t in times[before].tolist()])
-        found = np.zeros((len(times), first.shape[1]))
-        found[before] = first
+        found[before] = [history(t) for t in times[before].tolist()]
     if not before.all():
         found[~before] = _values(known, times[~before], 0)
     return found

@@ -10,8 +10,8 @@ import numpy as np
 from floquetrod._util import validate
 from floquetrod.equations import DelaySystem, Equation, HillSystem, PeriodicSystem
 from floquetrod.equations.second_moments import balanced_moments
-from floquetrod.floquet.problems import Problem, require_problem
-from floquetrod.floquet.registry import KINDS, in_turn, kind_of, names_of
+from floquetrod.floquet.problems import Problem, kind_of, require_problem
+from floquetrod.floquet.registry import in_turn, names_of
 from floquetrod.floquet.verdict import FloquetVerdict, Stability, Verdict
 
 if TYPE_CHECKING:
@@ -158,7 +158,7 @@ def _better(result: Any, later: Any) -> Any:
 @np.errstate(under="ignore")  # what is too small for a double is 0 to all methods, whatever a caller lets numpy raise
 def run(method: str, problem: Problem, **options: Any) -> Any:
     """Call the method of this name, of a scalar equation or of a system."""
-    file = f"{KINDS[kind_of(problem)].prefix}{method}"
+    file = f"{kind_of(problem).prefix}{method}"
     call = getattr(import_module(f"floquetrod.floquet.methods.{file}"), method)
     if options:
         _require_taken(method, call, options)

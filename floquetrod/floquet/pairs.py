@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from floquetrod._util.arrays import EPS
+from floquetrod._util.arrays import EPS, Complexes, Floats
 
 _HUGE = 900  # binary exponents of X from which X itself may not be formed
 
@@ -71,7 +71,7 @@ def logarithms(y: Any) -> Any:
     return 2.0 * np.arcsinh(np.sqrt(y))
 
 
-def upper_logarithms(y: NDArray[np.complex128], above: NDArray[np.complex128]) -> NDArray[np.complex128]:
+def upper_logarithms(y: Complexes, above: Complexes) -> Complexes:
     """Return s, its angle from 0 to pi, or its negative below the real axis, from y and 1 + y."""
     far = np.abs(above) >= np.abs(y)
     found = np.asarray(logarithms(np.where(far, y, -above)))
@@ -81,12 +81,12 @@ def upper_logarithms(y: NDArray[np.complex128], above: NDArray[np.complex128]) -
     return found
 
 
-def outside(y: NDArray[np.complex128], above: NDArray[np.complex128]) -> NDArray[np.float64]:
+def outside(y: Complexes, above: Complexes) -> Floats:
     """Return distances of y from the interval from -1 to 0."""
     return np.asarray(np.where(y.real > 0.0, np.abs(y), np.where(above.real < 0.0, np.abs(above), np.abs(y.imag))))
 
 
-def slopes(y: NDArray[Any], above: NDArray[Any], radii: NDArray[np.float64]) -> NDArray[np.float64]:
+def slopes(y: NDArray[Any], above: NDArray[Any], radii: Floats) -> Floats:
     """Return by how much s changes within discs, to first order: ds = dy / sqrt(y (1 + y)), 1 + y given."""
     y, above = np.abs(y), np.abs(above)
     with np.errstate(divide="ignore", over="ignore", invalid="ignore"):
@@ -94,7 +94,7 @@ def slopes(y: NDArray[Any], above: NDArray[Any], radii: NDArray[np.float64]) -> 
         return np.asarray(2.0 * radii / np.where(np.isinf(product), np.sqrt(y) * np.sqrt(above), np.sqrt(product)))
 
 
-def log_errors(y: NDArray[Any], above: NDArray[Any], radii: NDArray[np.float64]) -> NDArray[np.float64]:
+def log_errors(y: NDArray[Any], above: NDArray[Any], radii: Floats) -> Floats:
     """Return by how much s may change within discs, a root near the ends of y.
 
     Half way to an end and closer s has changed by no more than a root's whole way.
@@ -104,7 +104,7 @@ def log_errors(y: NDArray[Any], above: NDArray[Any], radii: NDArray[np.float64])
     return np.asarray(np.where(radii > 0.5 * nearest, whole, np.fmin(slopes(y, above, radii), whole)))
 
 
-def vague_growth(y: NDArray[Any], radii: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def vague_growth(y: NDArray[Any], radii: Floats) -> tuple[Floats, Floats]:
     """Return the middle of what the growth over a period may be within large discs, and the error of s.
 
     From abs(y) = sinh(growth / 2)^2 + sin(turn / 2)^2.

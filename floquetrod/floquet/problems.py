@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from typing import Any
+from typing import Any, NamedTuple
 
 from floquetrod._util import validate
 from floquetrod.equations import DelaySystem, Equation, HillSystem, PeriodicSystem, matrices
@@ -11,6 +11,27 @@ from floquetrod.equations import require as require_equation
 
 Problem = Equation | HillSystem | PeriodicSystem | DelaySystem
 """A scalar equation, or a system, with delays or without."""
+
+
+class Kind(NamedTuple):
+    """A kind of problem: what it is called, and its names where methods, their files and sources are listed by kind."""
+
+    words: str
+    field: str  # of a method in the registry
+    prefix: str  # of the file of a method
+    name: str  # beside that of a method in `floquetrod.floquet.references.SOURCES`
+
+
+KINDS = (
+    Kind("scalar equations", "equations", "", "equation"),
+    Kind("systems", "systems", "system_", "system"),
+    Kind("systems with delays", "delays", "delay_", "delays"),
+)
+
+
+def kind_of(problem: Any) -> Kind:
+    """Return the kind of a problem."""
+    return KINDS[0 if isinstance(problem, Equation) else 2 if isinstance(problem, DelaySystem) else 1]
 
 
 def require_problem(problem: Any) -> None:

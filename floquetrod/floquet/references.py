@@ -6,7 +6,7 @@ from collections.abc import Iterable
 from typing import Any
 
 from floquetrod._util.version import __version__
-from floquetrod.equations import DelaySystem, Equation
+from floquetrod.floquet.problems import kind_of
 
 STUDY_TITLE = "The Instability Mechanism of a Confined Rod Under Axial Vibrations, J. Appl. Mech. 83 (2016) 011005"
 """The published study behind the rod."""
@@ -74,14 +74,9 @@ SOURCES: dict[tuple[str, str], tuple[str, ...]] = {
 """Sources of each method, by what it is for and its name."""
 
 
-def kind_of(problem: Any) -> str:
-    """Return what the sources of a method for this problem are listed under."""
-    return "equation" if isinstance(problem, Equation) else "delays" if isinstance(problem, DelaySystem) else "system"
-
-
 def used_on(subject: Any, method: str) -> tuple[tuple[str, str], ...]:
     """Return what was used where a method answered for an equation, a system, or second moments."""
-    own = (kind_of(subject), method)
+    own = (kind_of(subject).name, method)
     return (own, ("any", "noise")) if getattr(subject, "MEANING", "") else (own,)
 
 

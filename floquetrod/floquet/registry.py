@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 from floquetrod._util import validate
 from floquetrod.equations import DelaySystem, Equation, HillSystem, Mathieu, Meissner, PeriodicSystem
 from floquetrod.equations import require as require_equation
-from floquetrod.floquet.problems import Problem
+from floquetrod.floquet.problems import KINDS, Problem, kind_of
 
 Served = Callable[[Any], "str | None"]
 
@@ -52,13 +52,8 @@ class Method(NamedTuple):
     """A method: the function of its name in the file of `floquetrod.floquet.methods` named after it.
 
     That for systems is in a file of its own, ``system_`` before the name, and that for systems with delays, ``delay_``.
-
-    Attributes
-    ----------
-    name : str
-    equations, systems, delays : callable (problem) -> str or None, optional
-        None where it serves the problem, else the sentence that says what it needs.  None in place of a callable where
-        it serves nothing of that kind.
+    What is served of each kind: a callable that returns None of a problem served, else the sentence that says what the
+    method needs; None in place of it where nothing of that kind is.
     """
 
     name: str
@@ -68,7 +63,7 @@ class Method(NamedTuple):
 
     def serves(self, problem: Problem) -> Served | None:
         """Return what tells whether it serves a problem of this kind; None where it serves none of the kind."""
-        found: Served | None = getattr(self, KINDS[kind_of(problem)].field)
+        found: Served | None = getattr(self, kind_of(problem).field)
         return found
 
     def refusal(self, problem: Problem) -> str | None:
@@ -77,27 +72,7 @@ class Method(NamedTuple):
         if served is not None:
             return served(problem)
         words = [kind.words for kind in KINDS if getattr(self, kind.field) is not None]
-        return f"{self.name} is a method for {' and '.join(words)}, not for {KINDS[kind_of(problem)].words}"
-
-
-class Kind(NamedTuple):
-    """A kind of problem: the field of its methods, what it is called, and what the names of their files begin with."""
-
-    field: str
-    words: str
-    prefix: str
-
-
-KINDS = (
-    Kind("equations", "scalar equations", ""),
-    Kind("systems", "systems", "system_"),
-    Kind("delays", "systems with delays", "delay_"),
-)
-
-
-def kind_of(problem: Problem) -> int:
-    """Return the place of a problem's kind in `KINDS`."""
-    return 0 if isinstance(problem, Equation) else 2 if isinstance(problem, DelaySystem) else 1
+        return f"{self.name} is a method for {' and '.join(words)}, not for {kind_of(problem).words}"
 
 
 METHODS = (
@@ -116,10 +91,9 @@ METHODS = (
 
 _BY_NAME = {method.name: method for method in METHODS}
 
-
-_NAMES = tuple(
-    ("auto", *(method.name for method in METHODS if getattr(method, kind.field) is not None)) for kind in KINDS
-)
+_NAMES = {
+    kind: ("auto", *(method.name for method in METHODS if getattr(method, kind.field) is not None)) for kind in KINDS
+}
 
 
 def names_of(problem: Problem) -> tuple[str, ...]:
@@ -132,11 +106,16 @@ def applicable(problem: Problem) -> tuple[Method, ...]:
     return tuple(method for method in METHODS if method.refusal(problem) is None)
 
 
+def refusal(problem: Problem, method: str) -> str | None:
+    """Return None where the method of this name serves a problem, else the sentence why not."""
+    return _BY_NAME[method].refusal(problem)
+
+
 def require(equation: Any, method: str) -> None:
     """Raise TypeError unless the method of this name serves a scalar equation."""
     require_equation(equation)
-    if refusal := _BY_NAME[method].refusal(equation):
-        raise TypeError(f"{refusal}, got {validate.short(equation)}")
+    if needed := refusal(equation, method):
+        raise TypeError(f"{needed}, got {validate.short(equation)}")
 
 
 def in_turn(problem: Problem) -> tuple[str, ...]:

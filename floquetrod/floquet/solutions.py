@@ -7,12 +7,12 @@ from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from floquetrod._util import validate
-from floquetrod._util.arrays import EPS, Floats, shaped
+from floquetrod._util.arrays import EPS, Complexes, Floats, shaped
 from floquetrod._util.content import ByContent
 from floquetrod.equations import Equation, HillSystem
+from floquetrod.equations.hill_system import states
 from floquetrod.floquet.problems import Problem, require_problem, require_without_delays
 from floquetrod.floquet.solve import Solution, solve
 from floquetrod.floquet.systems import spectra
@@ -45,9 +45,7 @@ def monodromy_over_period(problem: Problem, *, backward: bool = False) -> Monodr
 
 def _states(problem: Problem) -> int:
     """Return how many numbers make a state."""
-    if isinstance(problem, Equation):
-        return 2
-    return 2 * problem.order if isinstance(problem, HillSystem) else problem.order
+    return 2 if isinstance(problem, Equation) else states(problem)
 
 
 def _marched(problem: Problem, state: Floats, span: tuple[float, float]) -> Solution:
@@ -103,7 +101,7 @@ class FloquetMode(ByContent):
         return f"<Floquet solution of {type(self.equation).__name__}, exponent {self.exponent:.6g}, {self.error:.1g}>"
 
 
-def _times(factors: Any, states: NDArray[np.complex128]) -> NDArray[np.complex128]:
+def _times(factors: Any, states: Complexes) -> Complexes:
     """Return factors times states, whose components are in a last axis where they have several."""
     several = np.asarray(factors)
     return np.asarray(several.reshape(several.shape + (1,) * (states.ndim - several.ndim)) * states)
@@ -149,7 +147,7 @@ class _Eigenpair(NamedTuple):
     """A multiplier of the map over a period, or of that backwards, an eigenvector, and about its error as an angle."""
 
     multiplier: complex
-    vector: NDArray[np.complex128]
+    vector: Complexes
     angle: float
     backward: bool
 

@@ -13,10 +13,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from floquetrod._util import validate
-from floquetrod._util.arrays import EPS, Floats, shaped
+from floquetrod._util.arrays import EPS, Complexes, Floats, shaped
 from floquetrod._util.content import ByContent
 from floquetrod.equations import DelaySystem, HillSystem, PeriodicSystem
 from floquetrod.equations.base import Equation, require
+from floquetrod.equations.matrices import mass_matrix, velocity_matrix
 from floquetrod.equations.pieces import exact_period, in_time
 from floquetrod.floquet.references import references
 
@@ -37,7 +38,7 @@ class _Piece(NamedTuple):
     begin: Fraction
     mean: Floats
     slope: Floats
-    harmonics: NDArray[np.complex128]
+    harmonics: Complexes
     doubt: Floats
 
     def series(self, time: float, into: float, omega: float, order: int) -> Floats:
@@ -308,9 +309,8 @@ def _of_equation(equation: Equation) -> _Course:
 
 def _second_order(system: HillSystem) -> Callable[..., Any]:
     """Return what makes of matrices of M q'' + (D + G) q' + K(t) q = 0 those of first order, for (q, q')."""
-    n = system.order
-    inverse = np.eye(n) if system.mass is None else np.linalg.inv(system.mass)
-    rates = sum((matrix for matrix in (system.damping, system.gyroscopic) if matrix is not None), np.zeros((n, n)))
+    n, inverse = system.order, np.linalg.inv(mass_matrix(system))
+    rates = velocity_matrix(system)
 
     def state(matrix: NDArray[Any], *, mean: bool = False) -> NDArray[Any]:
         found = np.zeros((*matrix.shape[:-2], 2 * n, 2 * n), dtype=matrix.dtype)

@@ -11,7 +11,9 @@ from floquetrod._util.calling import level_of_caller
 
 Status = Literal["stable", "unstable", "undecided"]
 
-STATUS_CODES: dict[Status, int] = {"stable": 1, "unstable": 0, "undecided": -1}
+STABLE, UNSTABLE, UNDECIDED = 1, 0, -1
+
+STATUS_CODES: dict[Status, int] = {"stable": STABLE, "unstable": UNSTABLE, "undecided": UNDECIDED}
 """What stands for a status in arrays, everywhere."""
 
 
@@ -42,7 +44,7 @@ def are(status: Status, codes: Any, what: str, remedy: str) -> Any:
     >>> are("stable", np.array([1, 0], dtype=np.int8), "systems could not be decided", "see each")
     array([ True, False])
     """
-    unknown = int(np.count_nonzero(np.equal(codes, STATUS_CODES["undecided"])))
+    unknown = int(np.count_nonzero(np.equal(codes, UNDECIDED)))
     if unknown:
         told = f"{unknown} of {np.size(codes)} {what}; {remedy}"
         warnings.warn(told, UndecidedWarning, stacklevel=level_of_caller())

@@ -10,10 +10,9 @@ import math
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from floquetrod._util import validate
-from floquetrod._util.arrays import broadcast, shaped
+from floquetrod._util.arrays import Bools, Floats, broadcast, shaped
 from floquetrod._util.calling import call_hints
 from floquetrod._util.compilation import INTERPRETED_UP_TO, over_chunks
 from floquetrod.floquet.kernels import mathieu as kernels
@@ -67,13 +66,13 @@ def is_stable(alpha: Any, beta: Any, damping: Any = 0.0, *, workers: int | None 
 
 
 def flat_stable(
-    alpha: NDArray[np.float64],
-    beta: NDArray[np.float64],
-    damping: NDArray[np.float64] | None = None,
+    alpha: Floats,
+    beta: Floats,
+    damping: Floats | None = None,
     *,
     workers: int | None = None,
     in_blocks: bool = True,
-) -> NDArray[np.bool_]:
+) -> Bools:
     """Return `is_stable` of flat arrays that are checked, ``damping`` None where there is none.
 
     ``in_blocks``: a verdict takes 5 ns instead of 43, but compiling the first one takes 2 s instead of 0.5 s.
@@ -109,9 +108,7 @@ def growth_rate(alpha: Any, beta: Any, damping: Any = 0.0, *, workers: int | Non
     return shaped(_growth(a, b, c, workers), shape)
 
 
-def _growth(
-    a: NDArray[np.float64], b: NDArray[np.float64], c: NDArray[np.float64], workers: int | None
-) -> NDArray[np.float64]:
+def _growth(a: Floats, b: Floats, c: Floats, workers: int | None) -> Floats:
     """Return growth rates, flat."""
     out = np.empty(a.size)
     rows = 2.0 * math.sqrt(max(float(np.abs(part).max(initial=0.0)) for part in (a, b)))  # of Hill's matrix
@@ -184,7 +181,7 @@ def exponents(alpha: Any, beta: Any, damping: Any = 0.0, *, per: str = "tau", wo
     return shaped(unit * out, (*shape, 2))
 
 
-def _arrays(alpha: Any, beta: Any, damping: Any) -> dict[str, NDArray[np.float64]]:
+def _arrays(alpha: Any, beta: Any, damping: Any) -> dict[str, Floats]:
     return {
         "alpha": validate.array("alpha", alpha),
         "beta": validate.array("beta", beta),

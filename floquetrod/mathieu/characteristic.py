@@ -7,10 +7,9 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from floquetrod._util import validate
-from floquetrod._util.arrays import broadcast, shaped
+from floquetrod._util.arrays import Floats, broadcast, shaped
 from floquetrod._util.compilation import over_chunks
 from floquetrod._util.content import ByContent
 from floquetrod.mathieu.kernels import characteristic as kernels
@@ -88,11 +87,11 @@ class TransitionCurves(ByContent):
         half-plane of static buckling.
     """
 
-    alpha: NDArray[np.float64]
+    alpha: Floats
     orders: tuple[int, ...]
-    even: NDArray[np.float64]
-    odd: NDArray[np.float64]
-    width: NDArray[np.float64]
+    even: Floats
+    odd: Floats
+    width: Floats
 
     def period(self, order: int) -> float:
         """Return the period of the solution on the curves of ``order``: 2 pi when even, 4 pi when odd."""

@@ -8,10 +8,9 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from floquetrod._util import validate
-from floquetrod._util.arrays import Floats, broadcast, shaped
+from floquetrod._util.arrays import Complexes, Floats, broadcast, shaped
 from floquetrod._util.content import ByContent
 from floquetrod.equations import Mathieu
 from floquetrod.equations.base import require
@@ -54,7 +53,7 @@ class FloquetSolution(ByContent):
     name: str
     exponent: complex
     frequencies: Floats
-    coefficients: NDArray[np.complex128]
+    coefficients: Complexes
     period: float
     is_real: bool
 
@@ -216,9 +215,7 @@ def floquet_solutions(equation: Mathieu, *, per: str = "tau") -> tuple[FloquetSo
     return tuple(found)
 
 
-def _real_where_possible(
-    exponent: complex, frequencies: Floats, vector: NDArray[np.complex128]
-) -> tuple[NDArray[np.complex128], bool]:
+def _real_where_possible(exponent: complex, frequencies: Floats, vector: Complexes) -> tuple[Complexes, bool]:
     """Return coefficients of norm 1 in the phase in which the solution is real, and whether there is one.
 
     There is where the multiplier is real: exp(2 pi exponent), the imaginary part a half or a whole number; but not of
@@ -276,7 +273,7 @@ def _periodic(m: int, q: float, kind: str, value: float) -> tuple[Floats, Floats
     return harmonics, vector * scale
 
 
-def _null_vector(a: float, q: float, exponent: complex) -> tuple[Floats, NDArray[np.complex128]]:
+def _null_vector(a: float, q: float, exponent: complex) -> tuple[Floats, Complexes]:
     """Return frequencies and coefficients of exp(mu z) P(z): a + (mu + i s_k)^2 on the diagonal, -q beside it."""
     count = _harmonics(abs(a), q)
     frequencies = np.asarray(2.0 * np.arange(-count, count + 1), dtype=np.float64)
@@ -317,7 +314,7 @@ def _seen_from_half_period(order: float, frequencies: Floats, vector: Floats) ->
     return np.where(turns % 2.0 == 0.0, vector, -vector)
 
 
-def _inverse_iteration(off: Any, diagonal: Any) -> NDArray[np.complex128]:
+def _inverse_iteration(off: Any, diagonal: Any) -> Complexes:
     """Return the null vector of a symmetric tridiagonal matrix that is singular up to rounding."""
     from scipy.linalg import solve_banded
 

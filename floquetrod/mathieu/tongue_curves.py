@@ -13,16 +13,12 @@ from typing import Literal, NamedTuple
 
 import numpy as np
 
-from floquetrod._util.arrays import Floats, Ints
-from floquetrod._util.compilation import over_chunks
+from floquetrod._util.arrays import Bools, Floats, Ints
 from floquetrod._util.content import ByContent
 from floquetrod.mathieu.kernels import tongue_curves as kernels
-from floquetrod.mathieu.tongues import COMPILE_AFTER, few
-
-Flags = np.ndarray[tuple[int, ...], np.dtype[np.bool_]]
+from floquetrod.mathieu.tongues import BISECTION, filled
 
 _BEYOND = 4.0  # how far beyond the window lines along the frequency are searched, in 1 / omega^2 (a choice)
-_BISECTION = 50.0  # counts that an end of a tongue takes
 _SEARCH = 150.0  # what an edge where growth equals a level takes, in counts
 
 
@@ -55,25 +51,15 @@ class _Lines(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class TongueCurves(ByContent):
-    """The tongues ``order`` of equations with ``stiffness`` and ``gain``, one equation for each tongue.
-
-    Attributes
-    ----------
-    window : Window
-    order : ndarray of int
-    stiffness, gain : ndarray
-        In 1/s^2, and what a unit of force takes off it.
-    rate : float
-        The level in 1/s, compared with growth without damping.
-    """
+    """The tongues ``order`` of equations with ``stiffness`` and ``gain``, one equation for each tongue."""
 
     window: Window
     order: Ints
-    stiffness: Floats
-    gain: Floats
-    rate: float
+    stiffness: Floats  # in 1/s^2
+    gain: Floats  # what a unit of force takes off it
+    rate: float  # the level in 1/s, compared with growth without damping
 
-    def some(self, chosen: Ints | Flags | slice) -> TongueCurves:
+    def some(self, chosen: Ints | Bools | slice) -> TongueCurves:
         """Return some of the tongues."""
         return replace(self, order=self.order[chosen], stiffness=self.stiffness[chosen], gain=self.gain[chosen])
 
@@ -87,7 +73,7 @@ class TongueCurves(ByContent):
         ends = self._ends(i, at, every, every)
         return self._place(ends[:, 1], i, at), self._upper(ends[:, 0], i, at)
 
-    def edge(self, i: Ints, at: Floats, top: Flags) -> Floats:
+    def edge(self, i: Ints, at: Floats, top: Bools) -> Floats:
         """Return the upper of the `edges` where ``top``, else the lower."""
         ends = self._ends(i, at, top, ~top)
         return np.where(top, self._upper(ends[:, 0], i, at), self._place(ends[:, 1], i, at))
@@ -96,20 +82,12 @@ class TongueCurves(ByContent):
         place = self._place(u, i, at)
         return np.where(self.order[i] == 0, np.inf, place) if self.window.along == "mean" else place
 
-    def _ends(self, i: Ints, at: Floats, lower: Flags, upper: Flags) -> Floats:
+    def _ends(self, i: Ints, at: Floats, lower: Bools, upper: Bools) -> Floats:
         """Return both ends in u of the tongues requested."""
         lines, order = self._lines(i, at), self.order[i]
-        out = np.empty((order.size, 2))
-        cost = _SEARCH if self.rate else _BISECTION
-        over_chunks(
-            kernels.edge_fill,
-            (order, *lines, np.full(order.size, self.rate**2), lower, upper),
-            out,
-            chunk=256,
-            interpret_up_to=few(*_extent(lines), cost),
-            compile_after=COMPILE_AFTER,
-        )
-        return out
+        inputs = order, *lines, np.full(order.size, self.rate**2), lower, upper
+        cost = _SEARCH if self.rate else BISECTION
+        return filled(kernels.edge_fill, inputs, np.empty((order.size, 2)), _extent(lines), cost, chunk=256)
 
     def ridge(self, i: Ints, at: Floats) -> Floats:
         """Return the square of the largest growth rate of the tongues ``i`` on the lines ``at``.
@@ -118,15 +96,8 @@ class TongueCurves(ByContent):
         left out.
         """
         lines, order = self._lines(i, at), self.order[i]
-        out = np.empty(order.size)
-        over_chunks(
-            kernels.ridge_fill,
-            (order, *lines),
-            out,
-            chunk=256,
-            interpret_up_to=few(*_extent(lines), _SEARCH),
-            compile_after=COMPILE_AFTER,
-        )
+        inputs = order, *lines
+        out = filled(kernels.ridge_fill, inputs, np.empty(order.size), _extent(lines), _SEARCH, chunk=256)
         return np.where(order == 0, np.inf, out) if self.window.along == "mean" else out
 
     def summits(self, i: Ints, at: Floats, low: Floats, high: Floats) -> tuple[Floats, Floats]:
@@ -134,15 +105,7 @@ class TongueCurves(ByContent):
         lines = self._lines(i, at)
         u = [self._parameter(y, i, at) for y in (low, high)]
         lines = lines._replace(low=np.minimum(*u), high=np.maximum(*u))
-        out = np.empty((at.size, 2))
-        over_chunks(
-            kernels.summit_fill,
-            lines,
-            out,
-            chunk=256,
-            interpret_up_to=few(*_extent(lines), _SEARCH),
-            compile_after=COMPILE_AFTER,
-        )
+        out = filled(kernels.summit_fill, lines, np.empty((at.size, 2)), _extent(lines), _SEARCH, chunk=256)
         return np.clip(self._place(out[:, 0], i, at), low, high), out[:, 1]
 
     def _forces(self, i: Ints, at: Floats) -> tuple[Floats, Floats]:

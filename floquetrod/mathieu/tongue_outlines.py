@@ -10,9 +10,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from floquetrod._util.arrays import Floats, Ints
+from floquetrod._util.arrays import Bools, Floats, Ints
 from floquetrod._util.roots import largest, roots
-from floquetrod.mathieu.tongue_curves import Flags, TongueCurves
+from floquetrod.mathieu.tongue_curves import TongueCurves
 from floquetrod.plane.polygons import tidied
 
 _SAMPLES = 33  # lines of a range on which edges are examined, where they may turn back (a choice)
@@ -32,8 +32,8 @@ class Ranges(NamedTuple):
     which: Ints
     first: Floats
     last: Floats
-    tip_first: Flags
-    tip_last: Flags
+    tip_first: Bools
+    tip_last: Bools
 
     def at(self, j: Ints, share: Floats) -> Floats:
         """Return the lines at shares of the ranges ``j``."""
@@ -69,7 +69,7 @@ class _Pieces(NamedTuple):
     first: Floats
     last: Floats
     edges: Floats  # (n, 2 edges, 2 ends)
-    bends: Flags
+    bends: Bools
     outline: Ints
 
 
@@ -89,7 +89,7 @@ def outlines(curves: TongueCurves, first: Floats, last: Floats, accuracy: float)
     return Outlines(which[kept], size[kept], line[chosen], place[chosen], np.sqrt(growth[kept]), peak[kept])
 
 
-def _begins(number: Ints) -> Flags:
+def _begins(number: Ints) -> Bools:
     """Return where a new number begins."""
     return np.append(True, number[1:] != number[:-1])[: number.size]
 
@@ -126,7 +126,7 @@ def _ranges(curves: TongueCurves, first: Floats, last: Floats) -> Ranges:
     return Ranges(found[0], found[1], found[3], tips[0][order[0]], tips[1][order[1]])
 
 
-def _edge(curves: TongueCurves, ranges: Ranges, j: Ints, share: Floats, top: Flags) -> Floats:
+def _edge(curves: TongueCurves, ranges: Ranges, j: Ints, share: Floats, top: Bools) -> Floats:
     """Return edges at shares of ranges."""
     return curves.edge(ranges.which[j], ranges.at(j, share), top)
 
@@ -178,7 +178,7 @@ def _meetings(curves: TongueCurves, ranges: Ranges) -> tuple[Ints, Floats]:
     monotone = window.over == "frequency" and curves.rate == 0.0
     share = np.linspace(0.0, 1.0, 2 if monotone else _SAMPLES)
     every = np.repeat(np.arange(ranges.which.size), share.size)
-    cells: list[tuple[Ints, Floats, Floats, Flags, Floats]] = []  # range, ends, edge, limit
+    cells: list[tuple[Ints, Floats, Floats, Bools, Floats]] = []  # range, ends, edge, limit
     for top, y in enumerate(_edges(curves, ranges, every, np.tile(share, ranges.which.size))):
         y = y.reshape(-1, share.size)
         for limit in (window.low, window.high):
@@ -198,7 +198,7 @@ def _meetings(curves: TongueCurves, ranges: Ranges) -> tuple[Ints, Floats]:
 
 def _dips(
     curves: TongueCurves, ranges: Ranges, share: Floats, distance: Floats, top: bool, limit: float
-) -> list[tuple[Ints, Floats, Floats, Flags, Floats]]:
+) -> list[tuple[Ints, Floats, Floats, Bools, Floats]]:
     """Return cells in which a curve passes a limit, found between samples that lie on one side of it."""
     finite = np.where(np.isfinite(distance), distance, 0.0)
     bend = np.abs(np.diff(finite, 2, axis=1))
@@ -253,7 +253,7 @@ def _largest(curves: TongueCurves, ranges: Ranges, pieces: _Pieces) -> tuple[Flo
 
 def _vertices(
     curves: TongueCurves, ranges: Ranges, pieces: _Pieces, accuracy: float
-) -> tuple[Ints, Flags, Floats, Floats, Floats]:
+) -> tuple[Ints, Bools, Floats, Floats, Floats]:
     """Return outline, edge, share, line and place of all vertices."""
     window = curves.window
     width, height = window.span[1] - window.span[0], window.high - window.low
@@ -294,7 +294,7 @@ def _vertices(
     return outline, flag, share, line, place
 
 
-def _polygons(vertices: tuple[Ints, Flags, Floats, Floats, Floats], count: int) -> tuple[Ints, Floats, Floats]:
+def _polygons(vertices: tuple[Ints, Bools, Floats, Floats, Floats], count: int) -> tuple[Ints, Floats, Floats]:
     """Return sizes, lines and places of polygons: lower edges forwards, upper ones back."""
     outline, top, share, line, place = vertices
     order = np.lexsort((np.where(top, -share, share), top, outline))

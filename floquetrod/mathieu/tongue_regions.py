@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from floquetrod._util.arrays import Floats, Ints
+from floquetrod._util.arrays import Bools, Floats, Ints
 from floquetrod.mathieu.tongue_curves import TongueCurves, Window
 from floquetrod.mathieu.tongue_outlines import Outlines, outlines
 from floquetrod.mathieu.tongues import counts, growth_bounds, numbers_between, where_bounded
@@ -84,7 +84,7 @@ def _joined(found: list[Outlines]) -> Outlines:
     return Outlines(*(np.concatenate(parts) for parts in zip(*found, strict=True)))
 
 
-def _some(found: Outlines, chosen: np.ndarray[tuple[int, ...], np.dtype[np.bool_]]) -> Outlines:
+def _some(found: Outlines, chosen: Bools) -> Outlines:
     """Return some of the outlines."""
     of_vertex = np.repeat(chosen, found.size)
     return Outlines(
@@ -115,7 +115,7 @@ def _tongues(oscillators: UndampedEquations, window: Window) -> tuple[Ints, Ints
         x = 4.0 / (omega * omega) if isinstance(omega, float) else 4.0 / omega**2
         return x * (oscillators.stiffness[i] - oscillators.gain[i] * mean), 0.5 * x * oscillators.gain[i] * amplitude
 
-    def settled(place: Floats, i: Ints) -> np.ndarray[tuple[int, ...], np.dtype[np.bool_]]:
+    def settled(place: Floats, i: Ints) -> Bools:
         """Return whether nothing grows up to a frequency, or up to a mean at the only one."""
         mean, omega = (np.full(i.size, means[1]), place) if slow < fast else (place, np.full(i.size, fast))
         a, q = coefficients(i, mean, strongest, omega)
@@ -157,9 +157,7 @@ def _frequencies(window: Window) -> tuple[float, float]:
     return window.span if window.over == "frequency" else (window.fixed, window.fixed)
 
 
-def _tall(
-    oscillators: UndampedEquations, window: Window, which: Ints, order: Ints, strongest: float
-) -> np.ndarray[tuple[int, ...], np.dtype[np.bool_]]:
+def _tall(oscillators: UndampedEquations, window: Window, which: Ints, order: Ints, strongest: float) -> Bools:
     """Return which tongues may exceed the level in the window.
 
     Growth in a tongue, where it is fastest on a line, falls with the frequency and rises with the amplitude: the line

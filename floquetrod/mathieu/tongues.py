@@ -7,9 +7,8 @@ parts of all of them.  docs/theory/ranges.md derives what is complete, and what 
 
 from __future__ import annotations
 
-import functools
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -26,7 +25,8 @@ from floquetrod.mathieu.kernels import characteristic
 _SPACING = 1e-3  # of points along the amplitude where nothing is proved, as a fraction of the range (a choice)
 _SHARE = 2.0**-8  # of a tongue, where it is narrower than that many points (a choice)
 _INTERPRETED_ROWS = 4000.0  # of Hill's matrices, left to the interpreter: about a millisecond (heuristic)
-COMPILE_AFTER = 300  # times as many before anything is compiled: what compiling takes at the least (heuristic)
+BISECTION = 50.0  # counts that an end of a tongue takes
+_COMPILE_AFTER = 300  # times as many before anything is compiled: what compiling takes at the least (heuristic)
 
 
 class Tongues(NamedTuple):
@@ -148,9 +148,8 @@ def along_amplitude(b: Floats, above: Floats, low: Floats, high: Floats) -> Tong
     proved = np.flatnonzero((b[index] >= 0.0) | (above[index] == 0.0))
     other = np.flatnonzero((b[index] < 0.0) & (above[index] > 0.0))
     at = index[proved]
-    whole = _in_tongues(
-        functools.partial(_growth_at, b[at]), at, bottom[proved], top[proved], above[at], np.zeros(at.size)
-    )
+    root = np.zeros(at.size)
+    whole = _in_tongues(lambda x, i: _growth(x, b[at[i]]), at, bottom[proved], top[proved], above[at], root)
     at = index[other]
     least = np.minimum(_SPACING * (high - low)[at], _SHARE * (top - bottom)[other])
     some = enclosures.parts_above(b[at], bottom[other], top[other], above[at], least, _growth, counts)
@@ -194,7 +193,7 @@ def damping_to_stabilise(alpha: Floats, beta: Floats, least: Floats | float = 0.
     reached = (top > floor[which]) & ~_out_of_reach(alpha[which], beta[which], bottom, top)
     which, bottom, top = _only(reached, which, bottom, top)
     above = level(0.0, 1.0, beta[which], size=which.size)
-    parts = parts_above(functools.partial(_growth_in, alpha[which]), bottom, top, above)
+    parts = parts_above(lambda x, i: _growth(alpha[which[i]], x), bottom, top, above)
     last = parts.last - beta[which[parts.which]]
     np.maximum.at(found, which[parts.which], np.sqrt(np.maximum(0.0, last)))
     return found
@@ -303,62 +302,41 @@ def _amplitude_pieces(b: Floats, low: Floats, high: Floats) -> tuple[Ints, Ints,
 
 
 def _growth(alpha: Floats, b: Floats) -> Floats:
-    out = np.empty(b.size)
-    inputs = (alpha, b, np.zeros(b.size))
-    over_chunks(
-        mathieu.growth_fill,
-        inputs,
-        out,
-        chunk=1024,
-        interpret_up_to=few(-4.0 * b, 2.0 * alpha, 4.0),
-        compile_after=COMPILE_AFTER,
-    )
-    return out
-
-
-def _growth_at(b: Floats, alpha: Floats, which: Ints) -> Floats:
-    return _growth(alpha, b[which])
-
-
-def _growth_in(alpha: Floats, b: Floats, which: Ints) -> Floats:
-    return _growth(alpha[which], b)
+    inputs = alpha, b, np.zeros(b.size)
+    return filled(mathieu.growth_fill, inputs, np.empty(b.size), (-4.0 * b, 2.0 * alpha), 4.0)
 
 
 def counts(a: Floats, q: Floats) -> Ints:
     """Return how many characteristic values lie below each a."""
-    out = np.empty(a.size, dtype=np.int64)
-    over_chunks(
-        mathieu_counts.count_fill, (a, q), out, chunk=4096, interpret_up_to=few(a, q, 1.0), compile_after=COMPILE_AFTER
-    )
-    return out
+    return filled(mathieu_counts.count_fill, (a, q), np.empty(a.size, dtype=np.int64), (a, q), 1.0, chunk=4096)
 
 
 def growth_bounds(a: Floats, q: Floats) -> Floats:
     """Return a bound on the growth per unit tau, which falls as a grows and rises with q; infinite for a <= 2 q."""
-    out = np.empty(a.size)
-    over_chunks(
-        mathieu.growth_bound_fill, (a, q), out, chunk=4096, interpret_up_to=few(a, q, 1.0), compile_after=COMPILE_AFTER
-    )
-    return out
+    return filled(mathieu.growth_bound_fill, (a, q), np.empty(a.size), (a, q), 1.0, chunk=4096)
 
 
-def few(a: Floats, q: Floats, cost: float) -> int:
-    """Return up to how many equations are left to the interpreter: the larger they are, the fewer."""
+def filled(
+    fill: Any,
+    inputs: Sequence[NDArray[Any]],
+    out: NDArray[Any],
+    sizes: tuple[Floats, Floats],
+    cost: float,
+    chunk: int = 1024,
+) -> NDArray[Any]:
+    """Return ``out`` filled by a kernel, interpreted where there are few equations: the larger they are, the fewer.
+
+    ``sizes`` are about the a and q of each, ``cost`` what one takes, in counts.
+    """
+    a, q = sizes
     rows = 20.0 + math.sqrt(max(0.0, float(np.max(a + 2.0 * np.abs(q), initial=0.0))))
-    return int(_INTERPRETED_ROWS / (cost * rows))
+    few = int(_INTERPRETED_ROWS / (cost * rows))
+    over_chunks(fill, inputs, out, chunk=chunk, interpret_up_to=few, compile_after=_COMPILE_AFTER)
+    return out
 
 
 def _characteristic(order: Ints, q: Floats, odd_solution: bool) -> Floats:
     """Return a_order(q) or, for ``odd_solution``, b_order(q); for b_0, which does not exist, a_0."""
-    out = np.empty(order.size)
-    odd = np.full(order.size, odd_solution) & (order > 0)
-    most = few(4.0 * order.astype(np.float64) ** 2, q, 50.0)  # a count for each step of a bisection
-    over_chunks(
-        characteristic.characteristic_fill,
-        (order, q, odd),
-        out,
-        chunk=1024,
-        interpret_up_to=most,
-        compile_after=COMPILE_AFTER,
-    )
-    return out
+    inputs = order, q, np.full(order.size, odd_solution) & (order > 0)
+    sizes = 4.0 * order.astype(np.float64) ** 2, q
+    return filled(characteristic.characteristic_fill, inputs, np.empty(order.size), sizes, BISECTION)

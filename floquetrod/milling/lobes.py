@@ -12,20 +12,20 @@ import numpy as np
 from numpy.typing import NDArray
 
 from floquetrod._util import validate
-from floquetrod._util.arrays import Floats
+from floquetrod._util.arrays import Complexes, Floats
 from floquetrod._util.content import ByContent, NoTruthValue
+from floquetrod._util.interpolation import chebyshev_points
 from floquetrod._util.report import Report, Reported, Table
+from floquetrod.floquet.status import STABLE, UNSTABLE
 from floquetrod.floquet.systems import delay_growth, delay_many
 from floquetrod.floquet.systems.delay_maps import Coefficients, period_maps
 from floquetrod.floquet.systems.delay_mesh import Mesh, mesh
+from floquetrod.floquet.systems.many import ManyVerdicts
 from floquetrod.milling.cutter import Cutter, read_depth, read_speed
 from floquetrod.plane import Axis, Chart, Family, Verdicts, axis_values, charted
 
 _PHASE = 36.0  # rad that solutions turn by in a piece, at most (a choice)
-_RESOLVED = (
-    8,
-    0.5,
-)  # nodes with which some radians are resolved to about 1e-6: so many, and for each radian (measured)
+_RESOLVED = 8, 0.5  # nodes with which some radians are resolved to about 1e-6: so many, and for each radian (measured)
 _STEPS, _REACH = 4, 50.0  # depths tried up to the least critical depth, and how many of these deep (a choice)
 _AT_ONCE = 16  # depths tried before deeper ones are (a choice)
 _PRECISE = 1e-11  # of a critical depth, relative
@@ -159,12 +159,12 @@ class CuttingPlane(Family):
         speeds, depths = np.broadcast_arrays(x, y)
         found = judged(self.milling, speeds.ravel(), depths.ravel(), growth=growth)
         periods = self.milling.pitch / speeds
-        rates = np.maximum(found.logs, 0.0).reshape(speeds.shape) / periods
+        rates = np.maximum(found.growth, 0.0).reshape(speeds.shape) / periods
         return Verdicts(found.status.reshape(speeds.shape), rates)
 
 
-def judged(milling: Cutter, speeds: Floats, depths: Floats, *, growth: bool = False) -> delay_many.Judged:
-    """Return verdicts at speeds and depths (b,), and logarithms of the largest modulus where they were needed."""
+def judged(milling: Cutter, speeds: Floats, depths: Floats, *, growth: bool = False) -> ManyVerdicts:
+    """Return verdicts at speeds and depths (b,), growth between teeth, where it was needed."""
     pieces, counts = _resolution(milling, speeds, depths)
     status, logs = np.zeros(speeds.size, dtype=np.int8), np.empty(speeds.size)
     for each in np.unique(pieces):
@@ -174,7 +174,7 @@ def judged(milling: Cutter, speeds: Floats, depths: Floats, *, growth: bool = Fa
             return _maps(milling, speeds[some[which]], depths[some[which]], each, count)
 
         status[some], logs[some] = delay_many.judged(maps, counts[some], growth=growth)
-    return delay_many.Judged(status, logs)
+    return ManyVerdicts(status, logs)
 
 
 def _resolution(milling: Cutter, speeds: Floats, depths: Floats) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
@@ -246,7 +246,7 @@ def critical_depths(milling: Cutter, speeds: Floats, most: float | None = None) 
 
 def _first(milling: Cutter, speeds: Floats, tried: Floats, status: NDArray[np.int8]) -> Floats:
     """Return the first changes along the depths tried, status (speeds, depths), infinite where there is none."""
-    chatter = status != delay_many.STABLE
+    chatter = status != STABLE
     first = chatter.argmax(axis=1)
     low, high = tried[np.maximum(first - 1, 0)], tried[first]
     result = np.where(chatter[:, 0], 0.0, math.inf)
@@ -277,14 +277,9 @@ def _crossed(milling: Cutter, speeds: Floats, low: Floats, high: Floats) -> Floa
         low[wide], high[wide] = np.where(grows, low[wide], middle), np.where(grows, middle, high[wide])
         kept[wide] = np.where(grows, 1.0, -1.0)
         if (np.abs(logs) < 1e-12).all():
-            return np.asarray(np.where(high - low > _PRECISE * high, _at(low, wide, middle), 0.5 * (low + high)))
+            low[wide], high[wide] = middle, middle
+            break
     return np.asarray(0.5 * (low + high))
-
-
-def _at(values: Floats, places: NDArray[np.intp], new: Floats) -> Floats:
-    found = values.copy()
-    found[places] = new
-    return found
 
 
 def _logs(milling: Cutter, speeds: Floats, depths: Floats) -> Floats:
@@ -304,7 +299,7 @@ def lobes_of(milling: Cutter, speed: Any, depth: Any, *, growth: bool) -> Lobes:
     x = Axis("spindle speed", r"\Omega", "rad/s", across)
     y = Axis("depth of cut", "a", "m", up)
     chart = charted(CuttingPlane(milling), x, y, growth=growth).in_units(spindle="rpm", depth="mm")
-    status = np.where(chart.stable, delay_many.STABLE, delay_many.UNSTABLE).T
+    status = np.where(chart.stable, STABLE, UNSTABLE).T
     depths = _first(milling, across, up, status)
     return Lobes(milling, chart, across, depths, tuple(_named(milling, across, depths)))
 
@@ -358,7 +353,7 @@ def _onset(milling: Cutter, speed: float, depth: float) -> _Onset:
     return _Onset(kind, angle, abs(_turns(milling, vector, angle, pieces, count)))
 
 
-def _turns(milling: Cutter, vector: NDArray[np.complex128], angle: float, pieces: int, count: int) -> float:
+def _turns(milling: Cutter, vector: Complexes, angle: float, pieces: int, count: int) -> float:
     """Return how often a solution vibrates between teeth: of angle / 2 pi + k the one that is strongest in it."""
     on, _ = _cut(milling, pieces, count)
     n, kept = len(milling.modes), count + 2
@@ -366,8 +361,7 @@ def _turns(milling: Cutter, vector: NDArray[np.complex128], angle: float, pieces
     breaks = np.asarray(_breaks(milling, pieces))
     middles = 0.5 * (breaks[1:] + breaks[:-1]) * milling.pitch
     touched = np.flatnonzero((milling.cutting(middles) != 0.0).any(axis=(1, 2)))
-    points = 0.5 - 0.5 * np.cos(math.pi * np.arange(kept) / (kept - 1))
-    times = breaks[touched, None] + np.diff(breaks)[touched, None] * points
+    times = breaks[touched, None] + np.diff(breaks)[touched, None] * (0.5 + 0.5 * chebyshev_points(kept))
     weights = np.sin(math.pi * np.arange(kept) / (kept - 1)) * np.diff(breaks)[touched, None]
     most = math.ceil(0.3 * len(on.nodes))  # more turns the nodes would not resolve
     tried = angle / (2.0 * math.pi) + np.arange(-most, most)

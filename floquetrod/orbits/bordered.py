@@ -18,25 +18,12 @@ _FAMILY = 1e-10  # of the largest singular value: one below it is zero, and orbi
 
 
 class Solution(NamedTuple):
-    """Solutions of a bordered system, one for each of q right sides.
+    """Solutions of a bordered system, one for each of q right sides."""
 
-    Attributes
-    ----------
-    nodes : ndarray (N, n, q)
-        The unknowns x_i.
-    scalars : ndarray (S, q)
-        The scalars.
-    core : ndarray (n + S, n + S)
-        What is left when all unknowns but x_0 and the scalars are eliminated; singular where the whole is.
-    kernel : ndarray (N, n), ndarray (S,)
-        The solution without right sides where the whole is singular, elsewhere what is nearest to one: the unknowns
-        and the scalars.
-    """
-
-    nodes: Floats
-    scalars: Floats
-    core: Floats
-    kernel: tuple[Floats, Floats]
+    nodes: Floats  # (N, n, q), the unknowns x_i
+    scalars: Floats  # (S, q), the scalars
+    core: Floats  # (n + S, n + S), what is left of the equations in x_0 and the scalars; singular where the whole is
+    kernel: tuple[Floats, Floats]  # (N, n) and (S,), the solution without right sides, or what is nearest to one
 
 
 class _Level(NamedTuple):

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from floquetrod._util import extras
-from floquetrod._util.arrays import Floats
+from floquetrod._util.arrays import Complexes, Floats
 from floquetrod._util.caching import cached_property
 from floquetrod._util.content import ByContent, NoTruthValue
 from floquetrod._util.report import Printed, Report, Table
@@ -91,7 +91,7 @@ class Branch(ByContent, Printed, NoTruthValue):
         return 0.5 * (self.largest - self.least)
 
     @cached_property
-    def multipliers(self) -> NDArray[np.complex128]:
+    def multipliers(self) -> Complexes:
         """Multipliers (k, n), of autonomous systems (k, n - 1) without that of the orbit's own motion; NaN unknown."""
         return np.array([multipliers_of(orbit).values for orbit in self.orbits])
 

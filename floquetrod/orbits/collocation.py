@@ -28,7 +28,7 @@ from __future__ import annotations
 
 import functools
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -42,22 +42,12 @@ _PARAMETER_STEP = 1e-3  # of differences in a parameter, relative: fourth order,
 
 
 class Gauss(NamedTuple):
-    """The Runge-Kutta method of Gauss on the unit interval.
+    """The Runge-Kutta method of Gauss on the unit interval."""
 
-    Attributes
-    ----------
-    points : ndarray (m,)
-    weights : ndarray (m,)
-    integrals : ndarray (m, m)
-        Integrals of the Lagrange polynomials up to each point.
-    to_series : ndarray (m + 1, m + 1)
-        From values at 0 and at the points to coefficients of Legendre polynomials.
-    """
-
-    points: Floats
-    weights: Floats
-    integrals: Floats
-    to_series: Floats
+    points: Floats  # (m,)
+    weights: Floats  # (m,)
+    integrals: Floats  # (m, m), integrals of the Lagrange polynomials up to each point
+    to_series: Floats  # (m + 1, m + 1), from values at 0 and at the points to coefficients of Legendre polynomials
 
 
 @functools.cache
@@ -82,23 +72,12 @@ def weights_at(degree: int, shares: Floats) -> Floats:
 
 
 class Point(NamedTuple):
-    """The unknowns of an orbit on a mesh.
+    """The unknowns of an orbit on a mesh."""
 
-    Attributes
-    ----------
-    nodes : ndarray (N, n)
-        States at the beginnings of the intervals; the end of the last is the beginning of the first.
-    stages : ndarray (N, m, n)
-        States at the Gauss points.
-    period : float
-    value : float
-        Of the unknown parameter; 0 where there is none.
-    """
-
-    nodes: Floats
-    stages: Floats
+    nodes: Floats  # (N, n), states at the beginnings of the intervals, that of the first at the end of the last, too
+    stages: Floats  # (N, m, n), states at the Gauss points
     period: float
-    value: float = 0.0
+    value: float = 0.0  # of the unknown parameter; 0 where there is none
 
     @property
     def scale(self) -> Floats:
@@ -118,26 +97,13 @@ class Row(NamedTuple):
 class Condensed(NamedTuple):
     """The linearised equations with the Gauss points eliminated, for changes dx and ds: dx_(i+1) - maps_i dx_i =
     gaps_i + columns_i ds.
-
-    Attributes
-    ----------
-    maps : ndarray (N, n, n)
-        Over each interval, of the linearised equations.
-    gaps : ndarray (N, n)
-        Minus the residual at the ends of the intervals.
-    columns : ndarray (N, n, S)
-        Of the free scalars.
-    inner : ndarray (N, m, n, n + 1 + S)
-        Changes at the Gauss points: factors of dx_i, the constant, factors of ds.
-    residual : ndarray (N, m + 1, n)
-        At the Gauss points, and at the ends of the intervals.
     """
 
-    maps: Floats
-    gaps: Floats
-    columns: Floats
-    inner: Floats
-    residual: Floats
+    maps: Floats  # (N, n, n), over each interval, of the linearised equations
+    gaps: Floats  # (N, n), minus the residual at the ends of the intervals
+    columns: Floats  # (N, n, S), of the free scalars
+    inner: Floats  # (N, m, n, n + 1 + S), changes at the Gauss points: factors of dx_i, the constant, factors of ds
+    residual: Floats  # (N, m + 1, n), at the Gauss points, and at the ends of the intervals
 
 
 class Step(NamedTuple):
@@ -150,26 +116,13 @@ class Step(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Collocation(ByContent):
-    """The equations of a periodic orbit on a mesh.
-
-    Attributes
-    ----------
-    system : NonlinearSystem
-    mesh : ndarray (N + 1,)
-        From 0 to 1, increasing.
-    degree : int
-        Gauss points in each interval.
-    turns : int or None
-        Periods of the system in one of the orbit; None where the system is autonomous.
-    parameter : str or None
-        Name of a parameter that is unknown.
-    """
+    """The equations of a periodic orbit on a mesh."""
 
     system: NonlinearSystem
-    mesh: Floats
-    degree: int
-    turns: int | None
-    parameter: str | None = None
+    mesh: Floats  # (N + 1,), from 0 to 1, increasing
+    degree: int  # Gauss points in each interval
+    turns: int | None  # periods of the system in one of the orbit; None where the system is autonomous
+    parameter: str | None = None  # name of a parameter that is unknown
 
     @property
     def scalars(self) -> tuple[str, ...]:
@@ -194,6 +147,10 @@ class Collocation(ByContent):
     def system_at(self, value: float) -> NonlinearSystem:
         """Return the system with this value of the unknown parameter."""
         return self.system if self.parameter is None else self.system.with_parameters(**{self.parameter: value})
+
+    def with_value(self, value: float) -> Collocation:
+        """Return the equations with this value of the parameter, which is known then."""
+        return replace(self, system=self.system_at(value), parameter=None)
 
     def period_at(self, point: Point) -> float:
         """Return the period of a point: its own, or as many of the system's as the orbit takes."""

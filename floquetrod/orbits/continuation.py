@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -80,12 +81,16 @@ def sampled(place: Place, measure: Measure, value: float | None = None) -> Sampl
     return Sample.of(place, found)
 
 
+def lowered(orbit: PeriodicOrbit, parameter: str, onto: Collocation) -> tuple[Collocation, Point]:
+    """Return an orbit's equations, a parameter unknown, and its point, on the mesh of others and two degrees lower."""
+    collocation = replace(orbit.collocation, parameter=parameter)
+    point = orbit.point._replace(value=orbit.system.parameters[parameter])
+    return meshes.carried(collocation, point, onto.mesh, onto.degree - finding.MORE)
+
+
 def started(orbit: PeriodicOrbit, task: Task, measure: Measure) -> Place:
     """Return the place of an orbit on a branch, going on to larger values of the parameter."""
-    given = orbit.collocation
-    fine = Collocation(orbit.system, given.mesh, given.degree, given.turns, task.parameter)
-    point = orbit.point._replace(value=orbit.system.parameters[task.parameter])
-    collocation, point = meshes.carried(fine, point, given.mesh, given.degree - finding.MORE)
+    collocation, point = lowered(orbit, task.parameter, orbit.collocation)
     row = arclength.pinned(collocation, point, point.value)
     return arclength.placed(collocation, point, row, row, measure)
 

@@ -18,24 +18,12 @@ class Multipliers(NamedTuple):
 
 
 class Tests(NamedTuple):
-    """Functions that change sign along a branch, each smooth, 0 where their sign is not known.
+    """Functions that change sign along a branch, each smooth, 0 where their sign is not known."""
 
-    Attributes
-    ----------
-    turning : float
-        Rate of the parameter along the branch: changes sign at a fold.
-    plus : float
-        Product of 1 - mu over the multipliers, each part of 1 + |mu|: at a fold and at a branch point.
-    minus : float
-        Product of 1 + mu likewise: at a period doubling.
-    pairs : float
-        Product of 1 - mu_i mu_j over pairs: where a complex pair crosses the circle.
-    """
-
-    turning: float
-    plus: float
-    minus: float
-    pairs: float
+    turning: float  # rate of the parameter along the branch: changes sign at a fold
+    plus: float  # product of 1 - mu over the multipliers, each part of 1 + |mu|: at a fold and at a branch point
+    minus: float  # product of 1 + mu likewise: at a period doubling
+    pairs: float  # product of 1 - mu_i mu_j over pairs: where a complex pair crosses the circle
 
 
 def multipliers_of(orbit: PeriodicOrbit) -> Multipliers:
@@ -45,9 +33,7 @@ def multipliers_of(orbit: PeriodicOrbit) -> Multipliers:
     if not stability.exponents:
         missing = np.full(orbit.states.shape[1] - own, np.nan)
         return Multipliers(missing.astype(complex), missing)
-    values = np.exp(np.asarray(stability.exponents) * orbit.period)
-    errors = np.abs(values) * np.expm1(np.minimum(np.asarray(stability.exponent_errors) * orbit.period, 700.0))
-    return Multipliers(values, errors)
+    return Multipliers(np.array(stability.multipliers), np.array(stability.multiplier_errors))
 
 
 def tests(found: Multipliers, turning: float) -> Tests:

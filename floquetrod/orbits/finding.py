@@ -137,10 +137,8 @@ def orbit_of(collocation: Collocation, point: Point, tolerance: float = 1e-10) -
     A first mesh by the estimate of `meshes.interior_errors`; then two more points in each interval tell the error, and
     a new mesh where that is too large.  The finer orbit is returned.
     """
-    system = collocation.system_at(point.value)
-    collocation = Collocation(system, collocation.mesh, collocation.degree, collocation.turns)
-    point = point._replace(value=0.0)
-    collocation, point = meshes.carried(collocation, point, collocation.mesh, _degree(point.nodes.shape[1]))
+    known = collocation.with_value(point.value)
+    collocation, point = meshes.carried(known, point._replace(value=0.0), known.mesh, _degree(point.nodes.shape[1]))
     _require_periodic(collocation, point)
     steps, best = 0, None
     for turn in range(_MOST_MESHES):
@@ -285,11 +283,19 @@ def _finished(found: Any, steps: int) -> PeriodicOrbit:
 
 def as_orbit(found: Compared, steps: int) -> PeriodicOrbit:
     """Return the orbit as a result, its parameter, where that was unknown, as it was found."""
-    system, point = found.collocation.system_at(found.point.value), found.point._replace(value=math.nan)
-    collocation = Collocation(system, found.collocation.mesh, found.collocation.degree, found.collocation.turns)
+    collocation, point = found.collocation.with_value(found.point.value), found.point._replace(value=math.nan)
     times, states = point.period * collocation.mesh, np.concatenate([point.nodes, point.nodes[:1]])
     for array in (times, states):
         array.flags.writeable = False
     return PeriodicOrbit(
-        system, point.period, found.period_error, times, states, found.error, steps, collocation, point, found.segments
+        collocation.system,
+        point.period,
+        found.period_error,
+        times,
+        states,
+        found.error,
+        steps,
+        collocation,
+        point,
+        found.segments,
     )

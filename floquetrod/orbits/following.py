@@ -14,8 +14,7 @@ from floquetrod.orbits import arclength, finding
 from floquetrod.orbits import mesh as meshes
 from floquetrod.orbits.arclength import Measure
 from floquetrod.orbits.branch import Branch
-from floquetrod.orbits.collocation import Collocation
-from floquetrod.orbits.continuation import Continuation, Ended, Sample, Task, sampled, started
+from floquetrod.orbits.continuation import Continuation, Ended, Sample, Task, lowered, sampled, started
 from floquetrod.orbits.extents import extent, returns_after
 from floquetrod.orbits.locating import Watch, located
 from floquetrod.orbits.newton import NoOrbitError
@@ -214,12 +213,11 @@ def _passes(march: Continuation, start: Sample, last: Sample, found: Sample) -> 
     if (last.value - start.value) * (found.value - start.value) > 0.0 or found.tests.turning * start.tests.turning < 0:
         return False
     given = found.place.collocation
-    fixed = Collocation(given.system_at(start.value), given.mesh, given.degree, given.turns)
     share = (start.value - last.value) / (found.value - last.value)
     was = meshes.carried(last.place.collocation, last.place.point, given.mesh, given.degree)[1]
     guess = given.moved(was, arclength.between(given, was, found.place.point), share)
     try:
-        there = finding.orbit_of(fixed, guess._replace(value=float("nan")))
+        there = finding.orbit_of(given.with_value(start.value), guess._replace(value=float("nan")))
     except ValueError:
         return False
     ends, known = np.array(extent(there)), np.array(extent(start.orbit))
@@ -260,14 +258,8 @@ def _onward(branch: Branch, task: Task, steps: int, progress: Progress | None, b
 
 def _last_place(branch: Branch, task: Task, measure: Measure) -> arclength.Place:
     """Return the place of the last orbit, going on from the one before it."""
-    place = []
-    for orbit in branch.orbits[-2:]:
-        given = orbit.collocation
-        fine = Collocation(orbit.system, given.mesh, given.degree, given.turns, task.parameter)
-        point = orbit.point._replace(value=orbit.system.parameters[task.parameter])
-        mesh = branch.orbits[-1].collocation.mesh
-        place.append(meshes.carried(fine, point, mesh, branch.orbits[-1].collocation.degree - finding.MORE))
-    (_, old), (collocation, point) = place
+    last = branch.orbits[-1].collocation
+    (_, old), (collocation, point) = (lowered(orbit, task.parameter, last) for orbit in branch.orbits[-2:])
     step = measure.unit(collocation, point, arclength.between(collocation, old, point))
     row = measure.row(collocation, point, step)
     return arclength.placed(collocation, point, row, row, measure)

@@ -8,6 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from floquetrod._util.arrays import Floats
+from floquetrod._util.interpolation import lagrange_weights
 from floquetrod.orbits import arclength, crossings
 from floquetrod.orbits import mesh as meshes
 from floquetrod.orbits.arclength import Measure, Place
@@ -17,8 +18,7 @@ from floquetrod.orbits.crossings import Multipliers, doubt, nearest
 from floquetrod.orbits.extents import returns_after
 from floquetrod.orbits.newton import NoOrbitError
 from floquetrod.orbits.sensitivity import error_of
-from floquetrod.orbits.special_points import SpecialPoint
-from floquetrod.orbits.switching import Kind
+from floquetrod.orbits.special_points import Kind, SpecialPoint
 
 _ROOT = 1e-12  # length along the branch to which a test function's zero is found
 _NEAR = 0.02  # distance of the places about a branch point from which it is interpolated, part of a step (a choice)
@@ -182,23 +182,15 @@ def _interpolated(stretch: _Stretch, length: float) -> tuple[Sample, float]:
         inverse = np.polynomial.Polynomial.fit(places[used], tests[used], len(places[used]) - 1)
         near = [float(root.real) for root in inverse.roots() if abs(root.imag) < step]
         roots.append(min(near, key=lambda each: abs(each - length)))
-        factors = _lagrange(places[used], roots[-1])
+        factors = lagrange_weights(places[used], roots[-1])
         values.append(float(factors @ [each.value for each in samples[used]]))
-    factors = _lagrange(places, roots[0])
+    factors = lagrange_weights(places, roots[0])
     sample = _combined(samples, factors)
     blur = _blur(samples[len(samples) // 2], stretch) if stretch.test == "plus" else 0.0
     slope = abs((tests[4] - tests[3]) / (places[4] - places[3]))
     rate = abs(sample.place.direction.scalars[-1]) / max(slope, 1e-300)
     gaps = max(each.value_error for each in samples)
     return sample, float(abs(values[1] - values[0]) + rate * blur + gaps)
-
-
-def _lagrange(places: Floats, at: float) -> Floats:
-    """Return the factors of values at places in their interpolation."""
-    shifts = places[:, None] - places[None, :] + np.eye(len(places))
-    tops = at - places[None, :] + np.zeros_like(shifts)
-    np.fill_diagonal(tops, 1.0)
-    return np.asarray(np.prod(tops / shifts, axis=1))
 
 
 def _combined(samples: list[Sample], factors: Floats) -> Sample:

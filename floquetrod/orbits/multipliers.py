@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
+import functools
 import math
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from floquetrod._util.arrays import EPS, Floats, norms
 from floquetrod.equations import PeriodicSystem
@@ -24,24 +24,12 @@ _MOST_ROWS = 300  # of the cyclic matrix (a choice: some ten milliseconds)
 
 
 class Segments(NamedTuple):
-    """Maps over the intervals of a mesh, and errors.
+    """Maps over the intervals of a mesh, and errors."""
 
-    Attributes
-    ----------
-    maps : ndarray (N, n, n)
-        In the unit of the states.
-    errors : ndarray (N, n, n)
-        Magnitudes of the errors of the entries.
-    flow : ndarray (N, n) or None
-        Rates of change at the beginnings of the intervals, of an autonomous system.
-    trace, trace_error : float
-        Integral of the trace of the derivatives over the period: the logarithm of the product of all multipliers.
-    """
-
-    maps: Floats
-    errors: Floats
-    flow: Floats | None
-    trace: float
+    maps: Floats  # (N, n, n), in the unit of the states
+    errors: Floats  # (N, n, n), magnitudes of the errors of the entries
+    flow: Floats | None  # (N, n), rates of change at the beginnings of the intervals, of an autonomous system
+    trace: float  # integral of that of the derivatives over the period: logarithm of the product of all multipliers
     trace_error: float
 
 
@@ -67,11 +55,9 @@ def judged(linearised: PeriodicSystem, segments: Segments) -> OrbitVerdict:
         found = _solutions(maps, errors, scales) if np.isfinite(maps).all() else None
     cost = Cost(len(segments.maps), "intervals")
     logs = None if found is None else independent_solutions.log_discs(found, 0.0)
-    hamiltonian = segments.flow is None and found is not None and linearised.structure == "hamiltonian"
-
-    def krein(cluster: NDArray[np.intp]) -> int:
-        return 0 if found is None else independent_solutions.krein_sign(found, cluster)
-
+    krein = None
+    if segments.flow is None and found is not None and linearised.structure == "hamiltonian":
+        krein = functools.partial(independent_solutions.krein_sign, found)
     note = ""
     if trivial is not None:
         note = f"the multiplier 1 of a shift along the orbit is left out, computed to within {trivial:.1g}"
@@ -81,7 +67,7 @@ def judged(linearised: PeriodicSystem, segments: Segments) -> OrbitVerdict:
         linearised,
         "segmented",
         logs,
-        krein=krein if hamiltonian else None,
+        krein=krein,
         cost=cost,
         note=note,
         are_all=trivial is None,

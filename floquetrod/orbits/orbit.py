@@ -7,10 +7,9 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from floquetrod._util import validate
-from floquetrod._util.arrays import Floats, shaped
+from floquetrod._util.arrays import Complexes, Floats, shaped
 from floquetrod._util.caching import cached_property
 from floquetrod._util.content import ByContent, NoTruthValue
 from floquetrod._util.report import Printed, Report
@@ -126,7 +125,7 @@ class PeriodicOrbit(ByContent, Printed, NoTruthValue):
         return self._verdict.trivial
 
     @cached_property
-    def harmonics(self) -> NDArray[np.complex128]:
+    def harmonics(self) -> Complexes:
         """Amplitudes Z, complex (H + 1, n), of x(t) = Re sum_k Z_k exp(i k w t), w = 2 pi / period; Z_0 is the mean.
 
         As many as exceed rounding, 2,047 at most; each is as accurate as the states.

@@ -6,10 +6,10 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from floquetrod import units
 from floquetrod._util import validate
+from floquetrod._util.arrays import Floats
 from floquetrod._util.content import ByContent
 
 _MOST_POINTS = 1 << 28  # of a chart, which are five gigabytes with growth rates and modes (a choice)
@@ -22,7 +22,7 @@ class Axis(ByContent):
     name: str
     symbol: str
     unit: str
-    values: NDArray[np.float64]
+    values: Floats
 
     @property
     def ends(self) -> Axis:
@@ -30,7 +30,7 @@ class Axis(ByContent):
         return Axis(self.name, self.symbol, self.unit, self.values[[0, -1]])
 
     @property
-    def cell_edges(self) -> NDArray[np.float64]:
+    def cell_edges(self) -> Floats:
         """Where the cells about the values begin and end, midway to the neighbours and no further than the axis."""
         values = self.values
         return np.concatenate([values[:1], 0.5 * (values[1:] + values[:-1]), values[-1:]])
@@ -45,7 +45,7 @@ class Axis(ByContent):
         return units.label(name, self.symbol, self.unit)
 
 
-def axis_values(name: str, values: Any) -> NDArray[np.float64]:
+def axis_values(name: str, values: Any) -> Floats:
     """Return the values of an axis given as (low, high, number) or as an increasing array of another length than 3."""
     array = validate.array(name, values, least=-1e12, largest=1e12)
     if array.ndim != 1 or array.size < 2:

@@ -149,7 +149,8 @@ class Bands(NoTruthValue, ByContent):
         bands = tuple(
             replace(band, x=band.x * fx, y=band.y * fy, place=(band.place[0] * fx, band.place[1] * fy)) for band in self
         )
-        return replace(self, x=x, y=y, bands=bands, resolution=(self.resolution[0] * fx, self.resolution[1] * fy))
+        resolution = self.resolution[0] * fx, self.resolution[1] * fy
+        return replace(self, x=x.ends, y=y.ends, bands=bands, resolution=resolution)
 
     def to_csv(self, path: str | Path) -> Path:
         """Write a table of all vertices to a file, one per line: band, mode, partner, tongue, growth, x, y.

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from floquetrod import units
 from floquetrod._util import extras, files, validate
+from floquetrod._util.arrays import Bools, Floats, Ints
 from floquetrod._util.caching import cached_property
 from floquetrod._util.content import ByContent, NoTruthValue
 from floquetrod._util.progress import Progress
@@ -18,6 +19,16 @@ from floquetrod.plane.axes import Axis
 from floquetrod.plane.bands import Bands
 
 _FORMAT = "floquetrod chart 3"
+_OPTIONAL = {"growth_rate": np.float64, "first_mode": np.int64, "cells": np.int8, "large_motion": np.float64}  # arrays
+_ENTRIES = {
+    "growth_unit": str,
+    "subject": dict,
+    "growth_tolerance": float,
+    "criterion": str,
+    "undecided": int,
+    "version": str,
+}
+"""What a file holds beside the axes, ``stable`` and the bands: arrays of some charts, and entries of all."""
 
 _CRITICAL = "critical force"
 """Name of the rod's critical force among what is fixed."""
@@ -89,9 +100,9 @@ class Chart(NoTruthValue, ByContent):
 
     x: Axis
     y: Axis
-    stable: NDArray[np.bool_]
-    growth_rate: NDArray[np.float64] | None
-    first_mode: NDArray[np.int64] | None
+    stable: Bools
+    growth_rate: Floats | None
+    first_mode: Ints | None
     growth_unit: str
     subject: dict[str, Any]
     growth_tolerance: float
@@ -100,7 +111,7 @@ class Chart(NoTruthValue, ByContent):
     version: str
     source: BandSource | None = field(default=None, compare=False)
     cells: NDArray[np.int8] | None = None
-    large_motion: NDArray[np.float64] | None = None
+    large_motion: Floats | None = None
 
     @cached_property
     def bands(self) -> Bands:
@@ -158,7 +169,7 @@ class Chart(NoTruthValue, ByContent):
         return text + (f"; {self.criterion}" if self.criterion else "")
 
     @property
-    def carries_large_motion(self) -> NDArray[np.bool_]:
+    def carries_large_motion(self) -> Bools:
         """Where `large_motion` was found (ny, nx)."""
         if self.large_motion is None:
             return np.zeros_like(self.stable)
@@ -199,7 +210,7 @@ class Chart(NoTruthValue, ByContent):
         source = None if self.source is None else _Scaled(self.source, x, y, (factors[0], factors[1]))
         chart = replace(self, x=x, y=y, subject=self.subject | {"fixed": fixed}, source=source)
         if "bands" in self.__dict__:
-            chart._keep(_scaled(self.bands, x, y, (factors[0], factors[1])))
+            chart._keep(self.bands.scaled(x, y, (factors[0], factors[1])))
         return chart
 
     def _keep(self, bands: Bands) -> None:
@@ -242,21 +253,9 @@ class Chart(NoTruthValue, ByContent):
 
         An older file of that name is kept until the new one is complete.
         """
-        arrays: dict[str, Any] = {"x": self.x.values, "y": self.y.values, "stable": self.stable}
-        for name in ("growth_rate", "first_mode", "cells", "large_motion"):
-            if getattr(self, name) is not None:
-                arrays[name] = getattr(self, name)
-        meta: dict[str, Any] = {
-            "format": _FORMAT,
-            "x": [self.x.name, self.x.symbol, self.x.unit],
-            "y": [self.y.name, self.y.symbol, self.y.unit],
-            "growth_unit": self.growth_unit,
-            "subject": self.subject,
-            "growth_tolerance": self.growth_tolerance,
-            "criterion": self.criterion,
-            "undecided": self.undecided,
-            "version": self.version,
-        }
+        arrays = {"x": self.x.values, "y": self.y.values} | self._over_points()
+        axes = {name: [axis.name, axis.symbol, axis.unit] for name, axis in (("x", self.x), ("y", self.y))}
+        meta: dict[str, Any] = {"format": _FORMAT} | axes | {name: getattr(self, name) for name in _ENTRIES}
         if "bands" in self.__dict__:
             arrays |= {f"{_BANDS}{name}": values for name, values in self.bands.as_arrays().items()}
             meta["bands"] = {name: getattr(self.bands, name) for name in ("tongues_left_out", "accuracy", "resolution")}
@@ -270,12 +269,15 @@ class Chart(NoTruthValue, ByContent):
         """
         return files.read_npz(path, _FORMAT, "a chart", _chart)
 
+    def _over_points(self) -> dict[str, NDArray[Any]]:
+        """Return the arrays of values at the points, by name."""
+        return {name: found for name in ("stable", *_OPTIONAL) if (found := getattr(self, name)) is not None}
+
     def to_xarray(self) -> Any:
         """Return an xarray.Dataset (needs xarray, an extra: pip install floquetrod[xarray])."""
         xarray = extras.xarray()
         coords = {axis.name: (axis.name, axis.values, {"units": axis.unit}) for axis in (self.x, self.y)}
-        names = ("stable", "growth_rate", "first_mode", "cells", "large_motion")
-        data = {n: ((self.y.name, self.x.name), getattr(self, n)) for n in names if getattr(self, n) is not None}
+        data = {name: ((self.y.name, self.x.name), values) for name, values in self._over_points().items()}
         attributes = {n: getattr(self, n) for n in ("growth_unit", "growth_tolerance", "criterion", "version")}
         return xarray.Dataset(data, coords, attributes)
 
@@ -284,41 +286,22 @@ def _chart(meta: dict[str, Any], arrays: dict[str, NDArray[Any]]) -> Chart:
     """Return the chart that a file describes; ValueError or KeyError where it is not as `Chart.save` writes it."""
     x, y = (_axis(meta, arrays, name) for name in "xy")
     shape = y.values.size, x.values.size
-    tolerance, undecided = files.entry(meta, "growth_tolerance", float), files.entry(meta, "undecided", int)
+    entries: dict[str, Any] = {name: files.entry(meta, name, kind) for name, kind in _ENTRIES.items()}
+    tolerance, undecided, subject = (entries[name] for name in ("growth_tolerance", "undecided", "subject"))
     if tolerance < 0.0 or not 0 <= undecided <= shape[0] * shape[1]:
         raise ValueError(f"growth_tolerance is {tolerance!r} and undecided {undecided!r}")
-    subject = files.entry(meta, "subject", dict)
     for name, value, unit in [(subject["kind"], 0.0, subject.get("name", "")), *subject["fixed"]]:
         if type(name) is not str or type(value) not in (int, float) or type(unit) is not str:
             raise ValueError(f"subject is {subject!r}")
-    chart = Chart(
-        x,
-        y,
-        files.field(arrays, "stable", np.bool_, shape),
-        files.field(arrays, "growth_rate", np.float64, shape) if "growth_rate" in arrays else None,
-        files.field(arrays, "first_mode", np.int64, shape) if "first_mode" in arrays else None,
-        files.entry(meta, "growth_unit", str),
-        subject,
-        tolerance,
-        files.entry(meta, "criterion", str),
-        undecided,
-        files.entry(meta, "version", str),
-        cells=_cells(arrays, shape),
-        large_motion=files.field(arrays, "large_motion", np.float64, shape) if "large_motion" in arrays else None,
-    )
+    some: dict[str, Any] = {
+        name: files.field(arrays, name, kind, shape) if name in arrays else None for name, kind in _OPTIONAL.items()
+    }
+    if some["cells"] is not None and not np.isin(some["cells"], list(CELLS.values())).all():
+        raise ValueError(f"cells must be {', '.join(map(str, CELLS.values()))}")
+    chart = Chart(x, y, files.field(arrays, "stable", np.bool_, shape), **some, **entries)
     if "bands" in meta:
         chart._keep(_bands(chart, files.entry(meta, "bands", dict), arrays))
     return chart
-
-
-def _cells(arrays: dict[str, NDArray[Any]], shape: tuple[int, int]) -> NDArray[np.int8] | None:
-    """Return the cells that a file of a chart describes, None without any."""
-    if "cells" not in arrays:
-        return None
-    cells = files.field(arrays, "cells", np.int8, shape)
-    if not np.isin(cells, list(CELLS.values())).all():
-        raise ValueError(f"cells must be {', '.join(map(str, CELLS.values()))}")
-    return cells
 
 
 def _bands(chart: Chart, meta: dict[str, Any], arrays: dict[str, NDArray[Any]]) -> Bands:
@@ -355,11 +338,7 @@ class _Scaled:
 
     def __call__(self, accuracy: float, progress: Progress | None) -> Bands:
         """Return the bands in these units."""
-        return _scaled(self.source(accuracy, progress), self.x, self.y, self.factors)
-
-
-def _scaled(bands: Bands, x: Axis, y: Axis, factors: tuple[float, float]) -> Bands:
-    return bands.scaled(x.ends, y.ends, factors)
+        return self.source(accuracy, progress).scaled(self.x, self.y, self.factors)
 
 
 def _axis(meta: dict[str, Any], arrays: dict[str, NDArray[Any]], name: str) -> Axis:

@@ -17,17 +17,12 @@ from floquetrod._util.content import ByContent
 class Crossings(ByContent):
     """Pairs of neighbours on a grid of which one is unstable, in rings with the unstable side to the left.
 
-    Attributes
-    ----------
-    inside, outside : ndarray (n, 2)
-        The unstable neighbour and the other; the same place on the edge of the plane, beyond which nothing is unstable.
-    rings : list of ndarray of int
-        Closed rings of crossings, in order.
+    Both are the same place on the edge of the plane, beyond which nothing is unstable.
     """
 
-    inside: Floats
-    outside: Floats
-    rings: list[Ints]
+    inside: Floats  # (n, 2), the unstable neighbour
+    outside: Floats  # (n, 2), the other
+    rings: list[Ints]  # closed rings of crossings, in order
 
 
 def crossings(u: Floats, v: Floats, unstable: Bools, middle: Callable[[Floats], Bools]) -> Crossings:

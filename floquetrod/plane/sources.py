@@ -17,20 +17,12 @@ from floquetrod.plane.tracing import traced
 
 @dataclass(frozen=True, eq=False)
 class FamilyBands(ByContent):
-    """A source of bands, see `floquetrod.plane.BandSource`.
-
-    Attributes
-    ----------
-    family : Family
-    x, y : Axis
-    status : ndarray (ny, nx) of int8
-        Of the points of the chart, for families without exact curves.
-    """
+    """A source of bands, see `floquetrod.plane.BandSource`."""
 
     family: Family
     x: Axis
     y: Axis
-    status: NDArray[np.int8]
+    status: NDArray[np.int8]  # (ny, nx), of the points of the chart, for families without exact curves
 
     @property
     def prompt(self) -> bool:

@@ -8,6 +8,7 @@ from __future__ import annotations
 import numpy as np
 
 from floquetrod._util.arrays import Bools, Floats, Ints
+from floquetrod._util.interpolation import lagrange_weights
 from floquetrod.plane.outline import Outline
 from floquetrod.plane.places import Plane, between
 
@@ -224,10 +225,7 @@ def _halfway(tongue: _Tongue, first: Floats, second: Floats) -> tuple[Floats, fl
 def _curve(places: Floats, at: float, values: Floats) -> Floats:
     """Return the polynomial of values at places, by length along the line through them, at a length after its end."""
     s = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(places, axis=0).T))])
-    t = s[-1] + at
-    weight = [np.prod([(t - s[j]) / (s[i] - s[j]) for j in range(s.size) if j != i]) for i in range(s.size)]
-    result: Floats = np.array(weight) @ values
-    return result
+    return np.asarray(lagrange_weights(s, float(s[-1]) + at) @ values)
 
 
 def _append(outline: Outline, tongue: _Tongue, first: Floats, second: Floats, done: bool) -> None:

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from floquetrod._util import validate
-from floquetrod._util.arrays import shaped
+from floquetrod._util.arrays import Bools, Complexes, Floats, shaped
 from floquetrod._util.compilation import cores, in_threads
 from floquetrod._util.progress import Progress
 from floquetrod.equations import HillSystem, PeriodicSystem
@@ -21,7 +21,7 @@ from floquetrod.equations.matrices import flat
 from floquetrod.floquet.dispatch import judge
 from floquetrod.floquet.kernels.system_even import pair_numbers
 from floquetrod.floquet.pairs import logarithms
-from floquetrod.floquet.status import STATUS_CODES, are
+from floquetrod.floquet.status import STATUS_CODES, UNDECIDED, are
 from floquetrod.floquet.systems import even, many, whole
 from floquetrod.floquet.systems.classification import MOST_SECONDS, undamped_pairs
 from floquetrod.floquet.systems.many import ManyVerdicts
@@ -105,11 +105,7 @@ def multipliers(systems: System, *, workers: int | None = None, progress: Progre
         order = np.argsort(-np.abs(values), axis=1, kind="stable")
         found[part] = values[np.arange(len(values))[:, None], order]
 
-    def report(done: int) -> None:
-        if progress is not None:
-            progress(done, len(found))
-
-    _over(batch, fill, workers, report if progress is not None else None)
+    _over(batch, fill, workers, progress)
     return found.reshape(*systems.shape, batch.order)
 
 
@@ -131,13 +127,9 @@ def verdicts(
     def fill(part: slice) -> None:
         status[part], growth[part] = batch.verdicts(part)
 
-    def report(done: int) -> None:
-        if progress is not None:
-            progress(done if quick else int((status[:done] != many.UNDECIDED).sum()), size)
-
-    _over(batch, fill, workers, report if progress is not None else None)
+    _over(batch, fill, workers, progress, lambda stop: stop if quick else int((status[:stop] != UNDECIDED).sum()))
     # One after another, and not in threads: their many digits are Python's, and Ctrl-C is heard at once.
-    open_ones = () if quick else np.flatnonzero(status == many.UNDECIDED).tolist()
+    open_ones = () if quick else np.flatnonzero(status == UNDECIDED).tolist()
     decided = size - len(open_ones)
     for judged, i in enumerate(open_ones, 1):
         result = judge(pick(systems, i), most_digits=_MOST_DIGITS)
@@ -151,12 +143,12 @@ def verdicts(
 class _Batch(ABC):
     """Systems with uniform damping removed, flat: periods (b,), the damping, and first-order equations in each."""
 
-    period: NDArray[np.float64]
+    period: Floats
     damping: float
     order: int
 
     @abstractmethod
-    def multipliers(self, part: slice) -> NDArray[np.complex128]:
+    def multipliers(self, part: slice) -> Complexes:
         """Return the multipliers of some systems, those of the undamped ones; NaN where that would take too long."""
 
     @abstractmethod
@@ -167,10 +159,10 @@ class _Batch(ABC):
 class _EvenPart(NamedTuple):
     """Some even systems: mean stiffness, amplitudes, periods, and the error of these coefficients."""
 
-    stiffness: NDArray[np.float64]
-    amplitudes: NDArray[np.float64]
-    period: NDArray[np.float64]
-    uncertainty: NDArray[np.float64]
+    stiffness: Floats
+    amplitudes: Floats
+    period: Floats
+    uncertainty: Floats
 
     @property
     def are_simple(self) -> bool:
@@ -196,7 +188,7 @@ class _EvenBatch(_Batch):
         uncertainty = np.where(long, np.inf, self.uncertainty[part])
         return _EvenPart(_without(long, stiffness), _without(long, amplitudes), period, uncertainty)
 
-    def multipliers(self, part: slice) -> NDArray[np.complex128]:
+    def multipliers(self, part: slice) -> Complexes:
         systems = self._part(part)
         if systems.are_simple:
             y = 0.25 * (pair_numbers(*systems[:3], _ACCURACY)[0] - 2.0)
@@ -241,7 +233,7 @@ class _FirstOrderBatch(_Batch):
         )
         return whole.period_maps(pieces, uncertainty, _ACCURACY, paired=self.paired)
 
-    def multipliers(self, part: slice) -> NDArray[np.complex128]:
+    def multipliers(self, part: slice) -> Complexes:
         maps = self._maps(part)
         values = _eigenvalues(maps.matrix)
         values[np.isinf(maps.error)] = np.nan
@@ -253,7 +245,7 @@ class _FirstOrderBatch(_Batch):
         return many.multiplier_verdicts(discs, self.period[part], paired=self.paired, damping=self.damping)
 
 
-def _eigenvalues(matrices: NDArray[np.float64]) -> NDArray[np.complex128]:
+def _eigenvalues(matrices: Floats) -> Complexes:
     """Return the eigenvalues of matrices (b, n, n), NaN where one is not finite."""
     lost = np.logical_not(np.isfinite(matrices).all(axis=(1, 2)))
     values = np.linalg.eigvals(_without(lost, matrices)).astype(np.complex128)
@@ -261,7 +253,7 @@ def _eigenvalues(matrices: NDArray[np.float64]) -> NDArray[np.complex128]:
     return values
 
 
-def _without(rows: NDArray[np.bool_], array: NDArray[Any]) -> NDArray[Any]:
+def _without(rows: Bools, array: NDArray[Any]) -> NDArray[Any]:
     """Return an array with zeros in some rows."""
     return np.where(rows.reshape(-1, *(1,) * (array.ndim - 1)), 0.0, array) if rows.any() else array
 
@@ -283,21 +275,20 @@ def _batch(systems: Any) -> _Batch:
 
 
 def _over(
-    batch: _Batch, fill: Callable[[slice], None], workers: int | None, report: Callable[[int], None] | None
+    batch: _Batch,
+    fill: Callable[[slice], None],
+    workers: int | None,
+    progress: Progress | None,
+    done: Callable[[int], int] = int,
 ) -> None:
-    """Call ``fill`` with parts of a batch, in threads if it pays, and ``report`` repeatedly how many are done."""
+    """Call ``fill`` with parts of a batch, in threads if it pays; ``done`` says how many of the first count as done."""
     size = len(batch.period)
     step = max(1, _AT_ONCE // batch.order**2)
-    if 0 < size <= step:
-        fill(slice(0, size))
-        if report is not None:
-            report(size)
-        return
     parts = [(slice(start, min(size, start + step)),) for start in range(0, size, step)]
     threads = workers or cores()
-    together = len(parts) if report is None else max(4 * threads, len(parts) // _REPORTS)
+    together = len(parts) if progress is None else max(4 * threads, len(parts) // _REPORTS)
     for first in range(0, len(parts), max(1, together)):
         some = parts[first : first + together]
         in_threads(fill, some, threads)
-        if report is not None:
-            report(some[-1][0].stop)
+        if progress is not None:
+            progress(done(some[-1][0].stop), size)

@@ -19,9 +19,8 @@ from floquetrod.equations import DelaySystem, Equation, PeriodicSystem
 from floquetrod.equations.batches import in_batches
 from floquetrod.floquet.dispatch import stability
 from floquetrod.floquet.problems import Problem, member
-from floquetrod.floquet.status import STATUS_CODES
+from floquetrod.floquet.status import STABLE, STATUS_CODES, UNDECIDED, UNSTABLE
 from floquetrod.floquet.systems import delay_many
-from floquetrod.floquet.systems.many import STABLE, UNDECIDED, UNSTABLE
 from floquetrod.floquet.systems.result import SystemStability
 from floquetrod.floquet.verdict import tolerated
 from floquetrod.plane import Axis, Chart, Family, Verdicts, axis_values, charted
@@ -89,33 +88,16 @@ def chart(
 
 @dataclass(frozen=True)
 class Members(Family):
-    """Any family of a user: a function that returns the equation or system of a place.
-
-    Attributes
-    ----------
-    function : callable (keywords) -> Problem
-    names : tuple of str
-        The keywords, that of x first.
-    like : Problem
-        One of the members: equations make charts per unit tau, systems of their own unit of time.
-    growth_tolerance, workers
-        As in `chart`.
-    fixed : tuple of (name, value, unit)
-        What the function has been told besides.
-    argument : str
-        What the function is called in errors.
-    kinds : set of str
-        What the members judged so far are, in words.
-    """
+    """Any family of a user: a function that returns the equation or system of a place."""
 
     function: Callable[..., Problem]
-    names: tuple[str, str]
-    like: Problem
-    growth_tolerance: float
+    names: tuple[str, str]  # the keywords, that of x first
+    like: Problem  # one of the members: equations make charts per unit tau, systems of their own unit of time
+    growth_tolerance: float  # as in `chart`
     workers: int | None = None
-    fixed: tuple[tuple[str, float, str], ...] = ()
-    argument: str = "family"
-    kinds: set[str] = field(default_factory=set, compare=False)
+    fixed: tuple[tuple[str, float, str], ...] = ()  # (name, value, unit), what the function has been told besides
+    argument: str = "family"  # what the function is called in errors
+    kinds: set[str] = field(default_factory=set, compare=False)  # what the members judged so far are, in words
 
     @property
     def growth_unit(self) -> str:  # type: ignore[override]

@@ -17,10 +17,9 @@ from dataclasses import dataclass, replace
 from typing import Any, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
 from floquetrod._util import validate
-from floquetrod._util.arrays import EPS, shaped
+from floquetrod._util.arrays import EPS, Complexes, Floats, shaped
 from floquetrod.equations import HillSystem, matrices
 
 _NOTHING = 1e-12  # part of a harmonic's largest entry: what couples two modes less is rounding
@@ -177,10 +176,9 @@ def _require_modes(system: Any) -> None:
         raise ValueError("system must have a symmetric mean stiffness: its modes are used; use stability(system)")
 
 
-def _modal(system: HillSystem) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.complex128]]:
+def _modal(system: HillSystem) -> tuple[Floats, Floats, Complexes]:
     """Return natural frequencies in increasing order, decay rates, and harmonics (H, n, n) in modal coordinates."""
-    mass = np.eye(system.order) if system.mass is None else system.mass
-    inverse = np.linalg.inv(np.linalg.cholesky(mass))
+    inverse = np.linalg.inv(np.linalg.cholesky(matrices.mass_matrix(system)))
     squares, shapes = np.linalg.eigh(inverse @ system.stiffness @ inverse.T)
     modes = inverse.T @ shapes
     if squares[0] <= 8.0 * EPS * system.order * squares[-1]:
@@ -201,9 +199,7 @@ def _modal(system: HillSystem) -> tuple[NDArray[np.float64], NDArray[np.float64]
     return np.sqrt(squares), rates, modes.T @ system.harmonics @ modes
 
 
-def _tongue(
-    i: int, j: int, order: int, frequencies: NDArray[np.float64], rates: NDArray[np.float64], product: float
-) -> list[FirstOrderTongue]:
+def _tongue(i: int, j: int, order: int, frequencies: Floats, rates: Floats, product: float) -> list[FirstOrderTongue]:
     """Return the tongue of modes i <= j, g^2 = ``product`` for the sum of their frequencies; none where none grows."""
     damping = (float(rates[i]), float(rates[j]))
     low, high = float(frequencies[i]), float(frequencies[j])

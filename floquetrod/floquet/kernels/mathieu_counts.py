@@ -25,8 +25,9 @@ import numpy as np
 
 from floquetrod._util.arrays import EPS
 from floquetrod._util.compilation import kernel
+from floquetrod.floquet.status import STABLE, UNSTABLE
 
-UNSTABLE, STABLE, NEAR_A_BAND = 0, 1, -1  # what a count shows, in the codes of a status: -1 is not shown
+NEAR_A_BAND = -1  # a count shows no status
 
 UNDECIDED = -1  # count of a chain whose pivots would not settle: a is an eigenvalue as far as a double can tell
 

@@ -6,9 +6,8 @@ import math
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from floquetrod._util.arrays import Bools, Floats, inverses, norms
+from floquetrod._util.arrays import Bools, Complexes, Floats, inverses, norms
 from floquetrod._util.compilation import over_chunks
 from floquetrod.floquet.kernels.system_even_large import half_period_large
 from floquetrod.floquet.kernels.system_even_pairs import NOT_DONE, outcome_fill, pair_fill
@@ -27,28 +26,15 @@ class HalfPeriodMap(NamedTuple):
 
     With u = basis v and u' = basis^-T p, the map of (v, p) is [[a, b], [c, d]].  Where K is symmetric this is a
     symplectic change of coordinates: b^T c and a^T d have the eigenvalues they have in (u, u').
-
-    Attributes
-    ----------
-    a, b, c, d : numpy.ndarray, (batch, n, n)
-        The blocks.
-    error : numpy.ndarray, (batch,)
-        Bound of the Frobenius norm of the error of [[a, b], [c, d]], absolute.  Truncation is bounded rigorously from
-        the computed terms; rounding is estimated to first order.
-    basis : numpy.ndarray, (batch, n, n)
-        The change of coordinates: eigenvectors of the mean stiffness (the identity where K is not symmetric), divided
-        by the roots of the rates.
-    symmetric : bool
-        Whether every matrix of the batch is symmetric, to the bit.
     """
 
-    a: Floats
+    a: Floats  # (batch, n, n), the blocks
     b: Floats
     c: Floats
     d: Floats
-    error: Floats
-    basis: Floats
-    symmetric: bool
+    error: Floats  # (batch,), of [[a, b], [c, d]] in the Frobenius norm: truncation bounded, rounding to first order
+    basis: Floats  # (batch, n, n), eigenvectors of the mean stiffness, or the identity, over the roots of the rates
+    symmetric: bool  # whether every matrix of the batch is symmetric, to the bit
 
 
 def half_period_map(
@@ -113,7 +99,7 @@ def half_period_map(
 
 def pair_numbers(
     stiffness: Any, amplitudes: Any, period: Any, accuracy: float = 1e-12, workers: int | None = 1
-) -> tuple[NDArray[np.complex128], Floats, Floats]:
+) -> tuple[Complexes, Floats, Floats]:
     """Return x = mu + 1/mu of systems of two equations, their errors, and their Krein forms.
 
     Parameters as for `half_period_map`, with n = 2.

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from floquetrod._util.arrays import Floats
+from floquetrod._util.arrays import Complexes, Floats
 from floquetrod.floquet.kernels.system_series import ROUNDING
 
 Ints = NDArray[np.int_]
@@ -25,34 +25,18 @@ _FARTHEST = 500  # terms that it follows at most
 
 
 class Parts(NamedTuple):
-    """The equations v'' + (diag(rates) + sum_k F_k cos(m_k w t + pi turn_k)) v = 0 of u = q v.
+    """The equations v'' + (diag(rates) + sum_k F_k cos(m_k w t + pi turn_k)) v = 0 of u = q v."""
 
-    Attributes
-    ----------
-    rates : ndarray (n,)
-        The mean stiffness.
-    basis : ndarray (n, n)
-        q, orthogonal: eigenvectors of the mean stiffness.
-    matrices : list of ndarray (n, n)
-        F_k.
-    orders, turns : ndarray
-        m_k and the phases in half turns.
-    norms : ndarray (H,)
-        Bounds of the amplitudes of each harmonic in the 2-norm.
-    slack : float
-        Relative error of the rates and matrices.
-    """
-
-    rates: Floats
-    basis: Floats
-    matrices: list[Floats]
-    orders: Ints
-    turns: Floats
-    norms: Floats
-    slack: float
+    rates: Floats  # (n,), the mean stiffness
+    basis: Floats  # (n, n), q, orthogonal: eigenvectors of the mean stiffness
+    matrices: list[Floats]  # (n, n) each, F_k
+    orders: Ints  # m_k
+    turns: Floats  # phases in half turns
+    norms: Floats  # (H,), bounds of the amplitudes of each harmonic in the 2-norm
+    slack: float  # relative error of the rates and matrices
 
     @classmethod
-    def of(cls, stiffness: Floats, harmonics: NDArray[np.complex128]) -> Self:
+    def of(cls, stiffness: Floats, harmonics: Complexes) -> Self:
         """Return the parts of u'' + (S + Re sum_m Z_m exp(i m w t)) u = 0."""
         n = len(stiffness)
         if np.count_nonzero(stiffness) == np.count_nonzero(stiffness.diagonal()):
@@ -165,25 +149,13 @@ def tail(sizes: Floats, shrink: float) -> float:
 
 
 class Stop(NamedTuple):
-    """When a series u(t + h x) = sum_j u_j x^j may end: what is left out of the maps in balanced coordinates is small.
+    """When a series u(t + h x) = sum_j u_j x^j may end: what is left out of maps in balanced coordinates is small."""
 
-    Attributes
-    ----------
-    rates : ndarray
-        Bounds of the Taylor coefficients of h^2 K, in units of h.
-    doubled : float
-        Bound of 4 h^2 K at twice the reach.
-    level, slope : float
-        An error u_j of the series is one of (level + slope j) |u_j| of the maps.
-    tolerance : float
-        Error of the maps at which the series ends.
-    """
-
-    rates: Floats
-    doubled: float
-    level: float
+    rates: Floats  # bounds of the Taylor coefficients of h^2 K, in units of h
+    doubled: float  # bound of 4 h^2 K at twice the reach
+    level: float  # an error u_j of the series is one of (level + slope j) |u_j| of the maps
     slope: float
-    tolerance: float
+    tolerance: float  # error of the maps at which the series ends
 
     def factor(self, power: int) -> float:
         """Return the factor from the error of a power to that of the maps."""

@@ -30,21 +30,11 @@ _COMPILE_AFTER = 1000.0
 
 
 class SegmentMaps(NamedTuple):
-    """Maps over equal segments of a period, the first acting first.
+    """Maps over equal segments of a period, the first acting first."""
 
-    Attributes
-    ----------
-    maps : numpy.ndarray, (b, S, N, N)
-        x at the end of a segment from x at its beginning.
-    errors : numpy.ndarray, (b, S)
-        Bounds of the Frobenius norm of D^-1 (map - true map) D, D = diag(scaling).
-    scaling : numpy.ndarray, (b, N)
-        Powers of two that balance the rows and columns of A.
-    """
-
-    maps: Floats
-    errors: Floats
-    scaling: Floats
+    maps: Floats  # (b, S, N, N), x at the end of a segment from x at its beginning
+    errors: Floats  # (b, S), bounds of the Frobenius norm of D^-1 (map - true map) D, D = diag(scaling)
+    scaling: Floats  # (b, N), powers of two that balance the rows and columns of A
 
 
 class Monodromy(NamedTuple):

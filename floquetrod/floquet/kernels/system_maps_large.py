@@ -5,9 +5,8 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
-from floquetrod._util.arrays import Floats
+from floquetrod._util.arrays import Complexes, Floats
 from floquetrod.floquet.kernels.system_even_steps import balance
 from floquetrod.floquet.kernels.system_large import LEVELS, Parts, chain, crossing, joined, norm_bound, split, stop_rule
 from floquetrod.floquet.kernels.system_series import MOST_TERMS, ROUNDING, coefficient_bound, plan_segments, reach
@@ -15,7 +14,7 @@ from floquetrod.floquet.kernels.system_series import MOST_TERMS, ROUNDING, coeff
 _FINEST = 1e-13  # error of a segment for each equation: below it the bounds of rounding in products outweigh it
 
 
-def large_seconds(stiffness: Floats, harmonics: NDArray[np.complex128], period: float) -> float:
+def large_seconds(stiffness: Floats, harmonics: Complexes, period: float) -> float:
     """Return about how long the map takes and its eigenvalues, in seconds: measured on one core of 2024."""
     n, parts = len(stiffness), sum(bool(part.any()) for z in harmonics for part in (z.real, z.imag))
     size = norm_bound(stiffness) + sum(norm_bound(np.abs(z)) for z in harmonics)
@@ -25,7 +24,7 @@ def large_seconds(stiffness: Floats, harmonics: NDArray[np.complex128], period: 
 
 @np.errstate(over="ignore", under="ignore", invalid="ignore")  # of maps that overflow, whose errors are then not finite
 def period_map_large(
-    stiffness: Floats, harmonics: NDArray[np.complex128], period: float, coefficient_error: float, accuracy: float
+    stiffness: Floats, harmonics: Complexes, period: float, coefficient_error: float, accuracy: float
 ) -> tuple[Floats, float, Floats]:
     """Return the map over a period of u'' + (S + Re sum_k Z_k exp(i k w t)) u = 0, its error, and its coordinates.
 

@@ -20,33 +20,15 @@ _MOST_SEGMENTS = 100
 
 @dataclass(frozen=True, eq=False)
 class March(ByContent):
-    """The map over a period in the coordinates of `period_map_large`, as a linear function of states.
+    """The map over a period in the coordinates of `period_map_large`, as a linear function of states."""
 
-    Attributes
-    ----------
-    parts : Parts
-        The equations.
-    scaling : ndarray (n,)
-        g of the states (v, p) = (g u, u' / g), u in eigenvectors of the mean stiffness.
-    blocks : list of Matrix
-        The amplitudes of K.
-    factors : ndarray (segments, parts, terms)
-        Taylor coefficients of what these are multiplied by, from the beginning of each segment.
-    reach : float
-        Length of a segment.
-    terms : int
-        Highest power of each series.
-    error : float
-        Of the map, in the 2-norm: estimated from what more terms would add to states drawn at random.
-    """
-
-    parts: Parts
-    scaling: Floats
-    blocks: list[Matrix]
-    factors: Floats
-    reach: float
-    terms: int
-    error: float = math.inf
+    parts: Parts  # the equations
+    scaling: Floats  # (n,), g of the states (v, p) = (g u, u' / g), u in eigenvectors of the mean stiffness
+    blocks: list[Matrix]  # the amplitudes of K
+    factors: Floats  # (segments, parts, terms), Taylor coefficients of their factors from the beginning of a segment
+    reach: float  # length of a segment
+    terms: int  # highest power of each series
+    error: float = math.inf  # of the map, in the 2-norm, estimated: what more terms would add to states drawn at random
 
     @classmethod
     def of(cls, parts: Parts, period: float, accuracy: float, start: Floats) -> Self | None:

@@ -6,9 +6,9 @@ D. Breda, S. Maset and R. Vermiglio, SIAM J. Numer. Anal. 50 (2012) 1456, doi:10
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from floquetrod._util import validate
+from floquetrod._util.arrays import Complexes
 from floquetrod.equations import DelaySystem
 from floquetrod.floquet.systems import delay_maps, delay_roots, delay_spectra
 from floquetrod.floquet.systems.classification import classify_multipliers
@@ -19,9 +19,7 @@ from floquetrod.floquet.verdict import Cost
 
 _FEWEST, _MOST = 8, 56  # nodes in a piece (a choice)
 _MOST_ROWS = 2000  # of the equations of collocation, and of the map (a choice: some seconds)
-_PLENTY = (
-    100  # rows from which on it ends with larger changes (a choice: ten times as many take a thousand times as long)
-)
+_PLENTY = 100  # rows from which on it ends with larger changes (a choice: time goes with their cube)
 _LEFT_OUT = "multipliers of modulus below {:.3g} are left out"
 
 
@@ -67,7 +65,7 @@ def collocation(system: DelaySystem, *, rtol: float = 1e-12, above: float = 0.1)
     if found is None:
         note = f"needs collocation of more than {_MOST_ROWS} rows, or its multipliers cannot be distinguished"
         return SystemStability.declined(system, "collocation", cost, note)
-    logs = delay_spectra.log_discs(found)
+    logs = delay_spectra.log_discs(found.values, found.radii)
     if system.is_constant:
         logs = delay_roots.per_period(system, logs, laid.period)
     note = _LEFT_OUT.format(least ** (float(system.period) / laid.period))
@@ -107,7 +105,7 @@ def _converged(
     return best[1] if moved is None else delay_spectra.with_change(best[1], moved), rows
 
 
-def _moved(system: DelaySystem, laid: delay_maps.Layout, on: Mesh, least: float) -> NDArray[np.complex128] | None:
+def _moved(system: DelaySystem, laid: delay_maps.Layout, on: Mesh, least: float) -> Complexes | None:
     """Return the eigenvalues of the map with coefficients off by what they may be."""
     given = delay_maps.coefficients(system, laid.period, on.nodes)
     power = 2 if system.is_second_order else 1

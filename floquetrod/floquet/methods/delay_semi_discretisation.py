@@ -10,13 +10,13 @@ from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from floquetrod._util import validate
-from floquetrod._util.arrays import Floats
+from floquetrod._util.arrays import Complexes, Floats
+from floquetrod._util.interpolation import lagrange_weights
 from floquetrod.equations import DelaySystem
-from floquetrod.floquet.systems import delay_maps, delay_roots, spectra
-from floquetrod.floquet.systems.classification import LogDiscs, classify_multipliers
+from floquetrod.floquet.systems import delay_maps, delay_roots, delay_spectra
+from floquetrod.floquet.systems.classification import classify_multipliers
 from floquetrod.floquet.systems.result import SystemStability
 from floquetrod.floquet.verdict import Cost
 
@@ -61,14 +61,10 @@ def semi_discretisation(system: DelaySystem, *, above: float = 0.3) -> SystemSta
     if rows > _MOST_ROWS or len(grids[-1].times) > 4 * _MOST_ROWS:
         return SystemStability.declined(system, "semi_discretisation", cost, f"needs a map of {rows:,} rows")
     coarse, middle, fine = (_largest(_map(system, grid), laid.least(system, above)) for grid in grids)
-    one, other = _extrapolated(fine, _nearest(fine, middle)), None
+    one = _extrapolated(fine, _nearest(fine, middle))
     other = _extrapolated(_nearest(fine, middle), _nearest(_nearest(fine, middle), coarse))
     radii = _SAFETY * np.abs(one - other) + 1e-12 * np.abs(one)
-    sizes = np.abs(one)
-    clusters = spectra.touching(np.abs(one[:, None] - one[None, :]), radii)
-    with np.errstate(divide="ignore"):
-        low, high, values = np.log(np.maximum(sizes - radii, 0.0)), np.log(sizes + radii), np.log(one)
-    logs = LogDiscs(values, low, high, np.where(radii < sizes, values.real - low, math.inf), clusters)
+    logs = delay_spectra.log_discs(one, radii)
     if system.is_constant:
         logs = delay_roots.per_period(system, logs, laid.period)
     return classify_multipliers(system, "semi_discretisation", logs, cost=cost)
@@ -163,24 +159,20 @@ def _interpolated(values: Floats, ends: Floats, t: float, now: int) -> Floats:
     """Return the value at a time as rows over the state, by a cubic between four ends that are known."""
     first = int(np.searchsorted(ends[: now + 1], t)) - _NEIGHBOURS // 2
     first = min(max(first, 0), now + 1 - _NEIGHBOURS)
-    points = ends[first : first + _NEIGHBOURS]
-    weights = [
-        math.prod((t - other) / (point - other) for m, other in enumerate(points) if m != k)
-        for k, point in enumerate(points)
-    ]
+    weights = lagrange_weights(ends[first : first + _NEIGHBOURS], t)
     return np.asarray(np.tensordot(weights, values[first : first + _NEIGHBOURS], axes=1))
 
 
-def _largest(matrix: Floats, least: float) -> NDArray[np.complex128]:
+def _largest(matrix: Floats, least: float) -> Complexes:
     """Return the eigenvalues of modulus above ``least``, the largest ones in any case."""
     values = np.linalg.eigvals(matrix).astype(np.complex128)
     sizes = np.abs(values)
     return values[sizes >= min(least, 0.999 * float(sizes.max()))]
 
 
-def _nearest(to: NDArray[np.complex128], among: NDArray[np.complex128]) -> NDArray[np.complex128]:
+def _nearest(to: Complexes, among: Complexes) -> Complexes:
     return np.asarray(among[np.abs(to[:, None] - among[None, :]).argmin(axis=1)])
 
 
-def _extrapolated(fine: NDArray[np.complex128], coarse: NDArray[np.complex128]) -> NDArray[np.complex128]:
+def _extrapolated(fine: Complexes, coarse: Complexes) -> Complexes:
     return np.asarray(fine + (fine - coarse) / 3.0)

@@ -10,6 +10,7 @@ from floquetrod._util import validate
 from floquetrod._util.arrays import EPS
 from floquetrod.equations import Mathieu
 from floquetrod.floquet import registry
+from floquetrod.floquet.pairs import ldexp
 from floquetrod.floquet.verdict import Cost, Interval, Stability, Status, classify
 
 _MOST_TERMS = 20000  # a choice: about 30 ms
@@ -121,7 +122,8 @@ class _Chain:
             coupling, scale = q * q, d
             if not 1e-100 < abs(here) + abs(before) < 1e100:
                 power = math.frexp(abs(here) + abs(before))[1]
-                here, before, slope, slope_before = (_ldexp(x, -power) for x in (here, before, slope, slope_before))
+                scaled = (ldexp(x, -power) for x in (here, before, slope, slope_before))
+                here, before, slope, slope_before = scaled
                 self.exponent += power
         ratio = here * k * k / before if before else math.inf if here else 0.0
         kappa, h2, big_q = 0.5 * k, 0.25 * a, q * q / 16.0
@@ -142,13 +144,6 @@ class _Chain:
         rest = math.exp(log_rest - power * math.log(2.0))
         self.value, shift = math.frexp(here * math.exp(-coupled) * (1.0 - edge) * rest)
         self.exponent += power + shift
-
-
-def _ldexp(value: float, power: int) -> float:
-    try:
-        return math.ldexp(value, power)
-    except OverflowError:
-        return math.copysign(math.inf, value)
 
 
 def _coupling(kappa: float, h2: float, big_q: float) -> tuple[float, float]:

@@ -6,11 +6,10 @@ import math
 from fractions import Fraction
 
 import numpy as np
-from numpy.typing import NDArray
 
 from floquetrod import equations
 from floquetrod._util import validate
-from floquetrod._util.arrays import EPS
+from floquetrod._util.arrays import EPS, Floats
 from floquetrod._util.compilation import compiled
 from floquetrod.equations import Equation, Piece
 from floquetrod.equations.base import value_on
@@ -123,7 +122,7 @@ def _excess(trace: float, lift: float) -> tuple[int, float, int]:
     return (1 if trace > 0.0 else -1), 0.25 * 2.0 ** (power - exponent), exponent
 
 
-def _lag(table: NDArray[np.float64], step: float, equation: Equation) -> float:
+def _lag(table: Floats, step: float, equation: Equation) -> float:
     """Return by how much the scheme shifts phase or logarithm over a period, to leading order in the step.
 
     An oscillator of frequency w is too fast by w^3 step^2 / 24 (WKB, w^2 = |p|); strong damping c, where A decays at
@@ -133,7 +132,7 @@ def _lag(table: NDArray[np.float64], step: float, equation: Equation) -> float:
     return equation.period * step * step * float(np.mean(size * (np.sqrt(size) + 4.0 * equation.damping))) / 24.0
 
 
-def _table(equation: Equation, pieces: tuple[Piece, ...], count: int) -> NDArray[np.float64]:
+def _table(equation: Equation, pieces: tuple[Piece, ...], count: int) -> Floats:
     """Return the coefficient at equal steps over a period, where pieces meet the mean of both."""
     tau = np.arange(count) * (equation.period / count)
     if len(pieces) == 1:
@@ -151,7 +150,7 @@ def _table(equation: Equation, pieces: tuple[Piece, ...], count: int) -> NDArray
     return table[:count]
 
 
-def _map(table: NDArray[np.float64], equation: Equation) -> NDArray[np.float64]:
+def _map(table: Floats, equation: Equation) -> Floats:
     """Return the scheme's map over a period (5,), as `leapfrog_map_fill` does."""
     out = np.empty((1, 5))
     one, damping = np.ones(1), np.array([equation.damping])

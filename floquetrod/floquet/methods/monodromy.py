@@ -8,11 +8,10 @@ from fractions import Fraction
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from floquetrod import equations
 from floquetrod._util import validate
-from floquetrod._util.arrays import EPS
+from floquetrod._util.arrays import EPS, Floats
 from floquetrod._util.compilation import INTERPRETED_UP_TO, runner
 from floquetrod.equations import Equation, Piece
 from floquetrod.equations.base import from_instant
@@ -35,7 +34,7 @@ class _Stretch(NamedTuple):
 class _Map(NamedTuple):
     """Solutions (u1, u1', u2, u2') * 2**exponent at the end, from (1, 0, 0, 1), and the steps they took."""
 
-    y: NDArray[np.float64]
+    y: Floats
     exponent: int
     steps: int
 
@@ -83,7 +82,7 @@ def monodromy(equation: Equation, *, rtol: float = 1e-12) -> Stability:
     )
 
 
-def monodromy_matrix(equation: Equation, *, rtol: float = 1e-12, start: float = 0.0) -> NDArray[np.float64]:
+def monodromy_matrix(equation: Equation, *, rtol: float = 1e-12, start: float = 0.0) -> Floats:
     """Return the matrix that carries (A, A') from tau = ``start`` over one period.
 
     Parameters
@@ -126,7 +125,7 @@ def monodromy_matrix(equation: Equation, *, rtol: float = 1e-12, start: float = 
     c = equation.damping
     shear = np.array([[1.0, 0.0], [-c, 1.0]])
     back = np.array([[1.0, 0.0], [c, 1.0]])
-    matrix: NDArray[np.float64] = shear @ np.array([[y[0], y[2]], [y[1], y[3]]]) @ back
+    matrix: Floats = shear @ np.array([[y[0], y[2]], [y[1], y[3]]]) @ back
     return matrix
 
 
@@ -172,7 +171,7 @@ def _converged(pieces: list[_Stretch], period: float, frequency: float, rtol: fl
         coarse, wanted = fine, 2 * wanted
 
 
-def _carry(pieces: list[_Stretch], period: float, steps: int, order: int = ORDER) -> _Map:
+def _carry(pieces: list[_Stretch], period: float, steps: int) -> _Map:
     """Carry the unit solutions over the pieces in about ``steps`` steps."""
     whole = sum(piece.length for piece in pieces)
     y = np.array([1.0, 0.0, 0.0, 1.0])
@@ -184,7 +183,7 @@ def _carry(pieces: list[_Stretch], period: float, steps: int, order: int = ORDER
         real = np.array([z.real for z in piece.amplitudes])
         imag = np.array([z.imag for z in piece.amplitudes])
         omega = 2.0 * math.pi / period
-        exponent += run(piece.mean, piece.slope, real, imag, omega, piece.start, piece.length, share, order, y)
+        exponent += run(piece.mean, piece.slope, real, imag, omega, piece.start, piece.length, share, ORDER, y)
         taken += share
     # The kernel scales when it must; two maps compare only once both are scaled alike.
     shift = math.frexp(np.abs(y).max())[1]

@@ -100,7 +100,7 @@ def _certain_count(equation: Mathieu) -> tuple[int | None, int]:
         k = start
         low, high = _down(_down(k * k - a_high) + shift), _up(_up(k * k - a_low) + shift)
         if a_low == a_high and k == 1.0:  # exact where 1 - a is: the tongue at a = 1 is then resolved at any q
-            low, high = _difference(1.0, a_low, shift)
+            low, high = _one_less(a_low, shift)
         while True:
             pivots += 1
             if low <= 0.0 <= high:
@@ -117,10 +117,10 @@ def _certain_count(equation: Mathieu) -> tuple[int | None, int]:
     return count, pivots
 
 
-def _difference(one: float, a: float, shift: float) -> tuple[float, float]:
-    """Enclose one - a + shift, exactly where the double result is exact."""
-    value = math.fsum((one, -a, shift))  # correctly rounded
-    exact = math.fsum((one, -a, shift, -value)) == 0.0
+def _one_less(a: float, shift: float) -> tuple[float, float]:
+    """Enclose 1 - a + shift, exactly where the double result is exact."""
+    value = math.fsum((1.0, -a, shift))  # correctly rounded
+    exact = math.fsum((1.0, -a, shift, -value)) == 0.0
     return (value, value) if exact else (_down(value), _up(value))
 
 

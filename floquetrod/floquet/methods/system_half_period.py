@@ -7,11 +7,12 @@ from fractions import Fraction
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from floquetrod._util import validate
+from floquetrod._util.arrays import Complexes
 from floquetrod.equations import HillSystem, PeriodicSystem
 from floquetrod.equations import pieces as by_pieces
+from floquetrod.floquet import registry
 from floquetrod.floquet.systems import even, spectra, whole
 from floquetrod.floquet.systems.classification import classify_pairs, too_long, undamped_pairs
 from floquetrod.floquet.systems.result import SystemStability
@@ -43,13 +44,9 @@ def half_period(system: HillSystem | PeriodicSystem, *, rtol: float = 1e-12) -> 
     ValueError
         For other systems.
     """
-    pairs = undamped_pairs(system)
-    subject = pairs[0] if pairs is not None and isinstance(pairs[0], HillSystem) and pairs[0].is_even else None
-    if subject is None:
-        raise ValueError(
-            "system must have a stiffness even about an instant, no gyroscopic matrix, and damping 2 c M or none for "
-            "half_period; method='monodromy' takes any"
-        )
+    if needed := registry.refusal(system, "half_period"):
+        raise ValueError(needed)
+    subject: Any = (undamped_pairs(system) or (None,))[0]
     rtol = validate.within("rtol", rtol, 1e-15, 0.1)
     seconds, pair_matrices = _in_pieces(subject, rtol) if subject.pieces else _of_series(subject, rtol)
     refused = too_long(system, "half_period", seconds)
@@ -61,7 +58,7 @@ def half_period(system: HillSystem | PeriodicSystem, *, rtol: float = 1e-12) -> 
         return classify_pairs(system, "half_period", discs, cost=Cost(1, "half period"))
     form = -found.form[0]
 
-    def times(vectors: NDArray[np.complex128]) -> NDArray[np.complex128]:
+    def times(vectors: Complexes) -> Complexes:
         return np.asarray(form @ vectors.real + 1j * (form @ vectors.imag))  # no complex copy of the form
 
     krein = spectra.Signs(discs, times, spectra.spectral_norm(form), float(found.form_error[0]))

@@ -6,17 +6,18 @@ from fractions import Fraction
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from floquetrod._util import validate
+from floquetrod._util.arrays import Complexes, Floats
 from floquetrod.equations import HillSystem, PeriodicSystem
 from floquetrod.equations import pieces as by_pieces
+from floquetrod.equations.hill_system import in_first_order
 from floquetrod.floquet.kernels.system_maps_large import large_seconds, period_map_large
 from floquetrod.floquet.systems import spectra, symplectic, whole
 from floquetrod.floquet.systems.classification import (
+    LogDiscs,
     classify_multipliers,
     classify_pairs,
-    logarithms,
     too_long,
     undamped_pairs,
 )
@@ -55,7 +56,7 @@ def monodromy(system: HillSystem | PeriodicSystem, *, rtol: float = 1e-12) -> Sy
         return many.verdict
     pairs = undamped_pairs(system)
     subject = pairs[0] if pairs else system
-    first = subject.as_periodic_system() if isinstance(subject, HillSystem) else subject
+    first = in_first_order(subject)
     reversible = pairs is not None and subject.structure == "reversible"
     start = _even_start(subject) if reversible and isinstance(subject, HillSystem) else Fraction(0)
     pieces, uncertainty = by_pieces.from_instant(first, start, by_pieces.exact_period(first))
@@ -69,7 +70,7 @@ def monodromy(system: HillSystem | PeriodicSystem, *, rtol: float = 1e-12) -> Sy
         full, error = maps.matrix[0], float(maps.error[0])
     if pairs is None:
         discs = spectra.eigenvalue_discs(full, error)
-        return classify_multipliers(system, "monodromy", logarithms(discs) if discs else None, cost=_COST)
+        return classify_multipliers(system, "monodromy", LogDiscs.of(*discs[:3]) if discs else None, cost=_COST)
     if reversible:
         block = spectra.eigenvalue_discs(symplectic.reversible_pair_matrix(full), error)
         return classify_pairs(system, "monodromy", block, cost=_COST)
@@ -90,36 +91,26 @@ def _are_oscillators(first: PeriodicSystem, fewest: int) -> bool:
     return first.is_smooth and first.order >= 2 * fewest and whole.is_oscillators(first.mean, first.harmonics)
 
 
-def _coefficients(first: PeriodicSystem) -> tuple[NDArray[np.float64], NDArray[np.complex128]]:
+def _coefficients(first: PeriodicSystem) -> tuple[Floats, Complexes]:
     """Return the mean of K and its harmonics."""
     n = first.order // 2
     return -first.mean[n:, :n], -first.harmonics[:, n:, :n]
 
 
-def _map_of_many(first: PeriodicSystem, rtol: float) -> tuple[NDArray[np.float64], float, NDArray[np.float64]]:
+def _map_of_many(first: PeriodicSystem, rtol: float) -> tuple[Floats, float, Floats]:
     """Return the map over a period of oscillators, its error, and its coordinates."""
     error = first.order // 2 * first.coefficient_error
     return period_map_large(*_coefficients(first), float(first.period), error, rtol)
 
 
 class SolvedMany(NamedTuple):
-    """The verdict on many equations, and the solutions that it rests upon, without damping; none where there are none.
-
-    Attributes
-    ----------
-    verdict : SystemStability
-        The verdict.
-    discs : Discs or None
-        Multipliers and eigenvectors (v, p) of the map.
-    basis : ndarray (n, n)
-        u = basis v and u' = basis^-T p.
-    """
+    """The verdict on many equations, and the solutions that it rests upon, without damping, where there are any."""
 
     verdict: SystemStability
-    discs: spectra.Discs | None
-    basis: NDArray[np.float64]
+    discs: spectra.Discs | None  # multipliers and eigenvectors (v, p) of the map
+    basis: Floats  # (n, n), u = basis v and u' = basis^-T p
 
-    def state(self, i: int) -> NDArray[np.complex128]:
+    def state(self, i: int) -> Complexes:
         """Return (u, u') at the beginning of the period, (2 n,), of the solution with the i-th multiplier."""
         if self.discs is None:
             raise ValueError("multipliers could not be computed")
@@ -135,7 +126,7 @@ def solved_many(system: HillSystem | PeriodicSystem, rtol: float = 1e-12) -> Sol
     subject, damping = undamped_pairs(system) or (None, 0.0)
     if subject is None:
         return None
-    first = subject.as_periodic_system() if isinstance(subject, HillSystem) else subject
+    first = in_first_order(subject)
     if not _are_oscillators(first, _MANY):
         return None
     period = float(first.period)
@@ -146,6 +137,6 @@ def solved_many(system: HillSystem | PeriodicSystem, rtol: float = 1e-12) -> Sol
     discs = spectra.eigenvalue_discs(full, error)
     logs = krein = None
     if discs is not None:
-        logs = logarithms(discs, damping * period)
+        logs = LogDiscs.of(*discs[:3], damping * period)
         krein = spectra.Signs(discs, symplectic.krein_form, 1.0, 0.0)
     return SolvedMany(classify_multipliers(system, "monodromy", logs, krein=krein, cost=_COST), discs, basis)

@@ -17,8 +17,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from floquetrod._util import validate
+from floquetrod._util.arrays import Floats
 from floquetrod.equations import HillSystem, PeriodicSystem
 from floquetrod.equations import pieces as by_pieces
+from floquetrod.equations.hill_system import states
 from floquetrod.equations.pieces import TimedPiece
 from floquetrod.floquet.systems import independent_solutions, precise_maps, precise_spectra
 from floquetrod.floquet.systems.classification import (
@@ -113,7 +115,7 @@ def _attempt(
     system: HillSystem | PeriodicSystem, context: Any, digits: int, before: int
 ) -> tuple[SystemStability | None, int, bool]:
     """Return the verdict (None: too much work), the terms, and whether more digits would make the error smaller."""
-    if _FEWEST_PRODUCTS * _first_order_of(system) ** 3 > _LARGEST_WORK:
+    if _FEWEST_PRODUCTS * states(system) ** 3 > _LARGEST_WORK:
         return None, 0, True
     context.dps = 2 * digits + 40
     more, total = 0.0, 0
@@ -135,10 +137,6 @@ def _attempt(
     cost = Cost(before + total, "terms")
     result = _classified(system, problem, found, error + uncertainty, context, cost)
     return result, total, uncertainty < error
-
-
-def _first_order_of(system: HillSystem | PeriodicSystem) -> int:
-    return 2 * system.order if isinstance(system, HillSystem) else system.order
 
 
 def _work(problem: _Problem, planned: Sequence[Plan]) -> float:
@@ -191,13 +189,11 @@ def _even_start(system: HillSystem) -> Fraction:
     return Fraction(system.period) / (4 * len(system.harmonics)) if alone else Fraction(0)
 
 
-def _waves(piece: TimedPiece, of: Callable[[NDArray[np.float64]], NDArray[Any]]) -> list[NDArray[Any]]:
+def _waves(piece: TimedPiece, of: Callable[[Floats], NDArray[Any]]) -> list[NDArray[Any]]:
     return [of(part) for z in piece.harmonics for part in (z.real, -z.imag)]
 
 
-def _size(
-    mean: NDArray[Any], slope: NDArray[Any] | None, waves: list[NDArray[Any]], length: float
-) -> NDArray[np.float64]:
+def _size(mean: NDArray[Any], slope: NDArray[Any] | None, waves: list[NDArray[Any]], length: float) -> Floats:
     """Return about how large each entry may be."""
     parts = [mean, *waves] if slope is None else [mean, *waves, slope * length]
     return np.asarray(sum(np.abs(part.astype(float)) for part in parts))
@@ -214,7 +210,7 @@ def _first_order(
     n = system.order
     zero, one = (_exact(array, context) for array in (np.zeros((n, n)), np.eye(n)))
 
-    def matrix(value: NDArray[np.float64] | None) -> NDArray[Any]:
+    def matrix(value: Floats | None) -> NDArray[Any]:
         return zero if value is None else _exact(value, context)
 
     mass = one if system.mass is None else _exact(system.mass, context)
@@ -225,22 +221,22 @@ def _first_order(
         bent = c * c * mass + np.dot(half, np.dot(inverse, half))
         drift = np.dot(inverse, half)
 
-        def whole(mean: NDArray[np.float64]) -> NDArray[Any]:
+        def whole(mean: Floats) -> NDArray[Any]:
             return np.block([[-drift, inverse], [bent - _exact(mean, context), -np.dot(half, inverse)]])
 
         return whole, lambda part: np.block([[zero, zero], [-_exact(part, context), zero]]), 1.0
     friction = zero if kind == "reversible" else np.dot(inverse, matrix(system.damping) + gyroscopic)
 
-    def moving(mean: NDArray[np.float64]) -> NDArray[Any]:
+    def moving(mean: Floats) -> NDArray[Any]:
         return np.block([[zero, one], [c * c * one - np.dot(inverse, _exact(mean, context)), -friction]])
 
-    def other(part: NDArray[np.float64]) -> NDArray[Any]:
+    def other(part: Floats) -> NDArray[Any]:
         return np.block([[zero, zero], [-np.dot(inverse, _exact(part, context)), zero]])
 
     return moving, other, float(np.abs(inverse.astype(float)).sum(axis=1).max())
 
 
-def _scales(size: NDArray[np.float64], paired: bool, w: float) -> NDArray[np.float64]:
+def _scales(size: Floats, paired: bool, w: float) -> Floats:
     """Return powers of two by which coordinates are divided: one for all momenta where the map comes in pairs."""
     if not paired:
         return independent_solutions.balance(size)
@@ -292,7 +288,7 @@ def _logarithms(discs: precise_spectra.PreciseDiscs, context: Any) -> LogDiscs:
     return LogDiscs(np.array(values), np.array(low), np.array(high), np.array(radii), discs.clusters)
 
 
-def _exact(matrix: NDArray[np.float64], context: Any) -> NDArray[Any]:
+def _exact(matrix: Floats, context: Any) -> NDArray[Any]:
     """Return doubles as numbers of mpmath."""
     return np.array([context.mpf(v) for v in matrix.ravel().tolist()], dtype=object).reshape(matrix.shape)
 

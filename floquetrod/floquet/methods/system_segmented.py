@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
+import functools
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
 from floquetrod._util import validate
-from floquetrod._util.arrays import norms
+from floquetrod._util.arrays import Floats, norms
 from floquetrod.equations import HillSystem, PeriodicSystem
 from floquetrod.equations import pieces as by_pieces
+from floquetrod.equations.hill_system import in_first_order
 from floquetrod.floquet.systems import cyclic, independent_solutions
 from floquetrod.floquet.systems.classification import classify_multipliers, undamped_pairs
 from floquetrod.floquet.systems.result import SystemStability
@@ -49,8 +50,8 @@ def segmented(system: HillSystem | PeriodicSystem, *, rtol: float = 1e-12) -> Sy
     """
     rtol = validate.within("rtol", rtol, 1e-15, 1e-3)
     freed = undamped_pairs(system)
-    subject, damping = freed if freed else (system, 0.0)
-    first = subject.as_periodic_system() if isinstance(subject, HillSystem) else subject
+    subject, damping = freed or (system, 0.0)
+    first = in_first_order(subject)
     if first.order * _FEWEST > _MOST_ROWS:
         return _too_large(system, _FEWEST)
     if _phase(first) > _LARGEST_PHASE:
@@ -78,12 +79,9 @@ def segmented(system: HillSystem | PeriodicSystem, *, rtol: float = 1e-12) -> Sy
             system, "segmented", cost, "the eigenvectors cannot be computed accurately enough"
         )
     logs = independent_solutions.log_discs(solutions, damping * float(system.period))
-
-    def krein(cluster: NDArray[np.intp]) -> int:
-        return independent_solutions.krein_sign(solutions, cluster)
-
     hamiltonian = freed is not None and first.structure == "hamiltonian"
-    return classify_multipliers(system, "segmented", logs, krein=krein if hamiltonian else None, cost=cost)
+    krein = functools.partial(independent_solutions.krein_sign, solutions) if hamiltonian else None
+    return classify_multipliers(system, "segmented", logs, krein=krein, cost=cost)
 
 
 def _too_large(system: HillSystem | PeriodicSystem, count: int) -> SystemStability:
@@ -98,9 +96,7 @@ def _phase(system: PeriodicSystem) -> float:
     return float(system.period) * float(np.linalg.norm(sizes * scales[None, :] / scales[:, None], 2))
 
 
-def _segments(
-    system: PeriodicSystem, count: int, rtol: float
-) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
+def _segments(system: PeriodicSystem, count: int, rtol: float) -> tuple[Floats, Floats, Floats]:
     """Return the maps over ``count`` segments of each piece, balanced, their errors in the 2-norm, and the scales."""
     arrays = by_pieces.of_batch(system)
     found = balanced_maps(arrays, rtol, count)

@@ -9,7 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from floquetrod._util import validate
+from floquetrod._util.arrays import Complexes, Floats
 from floquetrod.equations import HillSystem, PeriodicSystem
+from floquetrod.equations.hill_system import in_first_order
 from floquetrod.floquet.proof.balls import Doubles
 from floquetrod.floquet.proof.intervals import TooMuchWork, Unresolved
 from floquetrod.floquet.proof.system_counts import Counts, angles_between, count
@@ -26,9 +28,9 @@ _MOST_ROWS = 1000  # of Hill's matrix (a choice: about ten seconds)
 class _Harmonics(NamedTuple):
     """A system in first order and balanced coordinates: mean, half amplitudes of its harmonics, and the scales."""
 
-    mean: NDArray[np.float64]
-    halves: NDArray[np.complex128]
-    scales: NDArray[np.float64]
+    mean: Floats
+    halves: Complexes
+    scales: Floats
     period: float
 
 
@@ -62,8 +64,8 @@ def spectral(system: HillSystem | PeriodicSystem, *, rtol: float = 1e-12) -> Sys
     """
     rtol = validate.within("rtol", rtol, 1e-15, 1e-3)
     freed = undamped_pairs(system)
-    subject, damping = freed if freed else (system, 0.0)
-    first = subject.as_periodic_system() if isinstance(subject, HillSystem) else subject
+    subject, damping = freed or (system, 0.0)
+    first = in_first_order(subject)
     balanced = _balanced(first)
     solutions, rows = _solutions(balanced, rtol, first.coefficient_error)
     cost = Cost(rows, "rows")
@@ -83,7 +85,7 @@ def spectral(system: HillSystem | PeriodicSystem, *, rtol: float = 1e-12) -> Sys
     return classify_multipliers(system, "spectral", logs, krein=krein if hamiltonian else None, cost=cost)
 
 
-def _counted(system: HillSystem, turns: NDArray[np.float64]) -> Counts | None:
+def _counted(system: HillSystem, turns: Floats) -> Counts | None:
     """Return counts at angles between those of multipliers, damping removed; None where the matrices are too large."""
     problem: Any = system_problem(system)
     try:
@@ -159,7 +161,7 @@ def _truncated(
     return Solutions(logs, radii, states), float(neglected.max())
 
 
-def _hill_matrix(system: _Harmonics, cut: int) -> NDArray[np.complex128]:
+def _hill_matrix(system: _Harmonics, cut: int) -> Complexes:
     """Return the block of Hill's matrix of the harmonics -cut to cut."""
     order, w = len(system.mean), 2.0 * math.pi / system.period
     result = np.zeros((2 * cut + 1, order, 2 * cut + 1, order), dtype=np.complex128)

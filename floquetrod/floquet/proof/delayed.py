@@ -19,9 +19,10 @@ from fractions import Fraction
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from floquetrod._util.arrays import Floats
 from floquetrod.equations import DelaySystem, HillSystem
+from floquetrod.equations.matrices import mass_matrix
 from floquetrod.equations.pieces import in_time
 from floquetrod.floquet.proof.delay_counts import hindrance, outside
 from floquetrod.floquet.proof.digits import FIRST, balls, settled
@@ -79,15 +80,13 @@ def _terms(system: DelaySystem) -> _Terms:
     one = identity(n)
     if not isinstance(present, HillSystem):
         return _Terms(exact(present.mean), one, one, Fraction(_SLACK * bound))
-    acts_on = inverse(exact(np.eye(n) if present.mass is None else present.mass))
-    rates = sum((m for m in (present.damping, present.gyroscopic) if m is not None), np.zeros((n, n)))
-    left, right = product(acts_on, exact(present.stiffness)), product(acts_on, exact(rates))
-    if present.damping is not None and present.gyroscopic is not None:  # their sum was rounded
-        gyroscopic = product(acts_on, exact(present.gyroscopic))
-        right = total(product(acts_on, exact(present.damping)), gyroscopic)
+    none = [[Fraction(0)] * n for _ in range(n)]
+    acts_on = inverse(exact(mass_matrix(present)))
+    left, right = product(acts_on, exact(present.stiffness)), none
+    for rates in (present.damping, present.gyroscopic):
+        right = right if rates is None else total(right, product(acts_on, exact(rates)))
     turn = _power_of_two(math.sqrt(max(float(abs(entry)) for row in left for entry in row) or 1.0))
     size = _power_of_two(max(float(abs(entry)) for row in acts_on for entry in row))
-    none = [[Fraction(0)] * n for _ in range(n)]
     # States (q, q' / turn), time counted in 1 / turn; E over its size, by which w is multiplied.
     lower = [[-a / turn**2 for a in one_] + [-b / turn for b in other] for one_, other in zip(left, right, strict=True)]
     state = [[*row, *unit] for row, unit in zip(none, one, strict=True)] + lower
@@ -96,7 +95,7 @@ def _terms(system: DelaySystem) -> _Terms:
     return _Terms(state, acts, sees, Fraction(_SLACK * bound) * size / turn**2)
 
 
-def _size(coefficient: Any, mean: NDArray[np.float64]) -> float:
+def _size(coefficient: Any, mean: Floats) -> float:
     """Return a bound, to rounding, of the norm of a coefficient less a constant matrix at any time."""
     found = 0.0
     for piece in in_time(coefficient):

@@ -9,10 +9,10 @@ from dataclasses import dataclass, field
 from typing import Any, Literal, NamedTuple, TypeAlias
 
 import numpy as np
-from numpy.typing import NDArray
 
 from floquetrod import units as known
 from floquetrod._util import validate
+from floquetrod._util.arrays import Floats
 from floquetrod._util.compilation import compiled_for, runner
 from floquetrod._util.content import NoTruthValue
 from floquetrod._util.report import Report, Reported, number
@@ -257,12 +257,11 @@ class ModeBox(NamedTuple):
 class Subdivision(NamedTuple):
     """What a subdivision of one box of loads and of the numbers of the modes came to."""
 
-    quiet: float  # share of the volume proved to have no growth beyond the tolerance
-    growing: float  # share proved to have some
+    shares: Shares  # without growth beyond the tolerance, and with
     finished: bool  # nothing is open
     too_narrow: bool  # parts are open that cannot be halved any more
-    quiet_box: ModeBox | None  # a part proved quiet
-    growing_box: ModeBox | None  # a part proved growing
+    stable_box: ModeBox | None  # a part proved stable
+    unstable_box: ModeBox | None  # a part proved unstable
     growing_mode: int  # the mode that grows in it; 0 without
     boxes: int  # parts examined
 
@@ -279,7 +278,7 @@ def subdivide(
     tolerance : float
         Growth in 1/s that counts as none.
     max_boxes : int
-        Parts to look at before it is given up.  It ends, too, once one is proved quiet and one growing.
+        Parts to look at before it is given up.  It ends, too, once one is proved stable and one unstable.
     progress : callable, optional
         Called repeatedly with the number of parts examined.
     """
@@ -295,14 +294,13 @@ def subdivide(
             goes_on = run(*search, tolerance, tolerance, min(_STEPS, max_boxes - int(counts[kernels.DONE])))
             if progress is not None:
                 progress(int(counts[kernels.DONE]))
-    quiet, growing = (_box(part) for part in search.examples)
+    stable, unstable = map(_box, search.examples)
     return Subdivision(
-        float(search.shares[0]),
-        float(search.shares[1]),
+        Shares(*search.shares[:2].tolist()),
         not counts[kernels.WAITING] and not counts[kernels.OPEN_PARTS],
         counts[kernels.OPEN_PARTS] > 0,
-        quiet,
-        growing,
+        stable,
+        unstable,
         int(counts[kernels.GROWING_MODE]),
         int(counts[kernels.DONE]),
     )
@@ -327,6 +325,6 @@ def _rows(box: ModeBox) -> int:
     return 2 + int(min(2.0 * fastest / box.frequency[0], 1e6))
 
 
-def _box(part: NDArray[np.float64]) -> ModeBox | None:
+def _box(part: Floats) -> ModeBox | None:
     """Return a box from the rows of the kernels, None for one of NaN."""
     return None if np.isnan(part).any() else ModeBox(*((low, high) for low, high in part.tolist()))

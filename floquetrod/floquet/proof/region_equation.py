@@ -39,11 +39,11 @@ def certify_box(
     numbers = (beta, abs(alpha), unit, none, unit, none, none, damping)
     box = ModeBox(*((side.low, side.high) for side in numbers))
     found = subdivide(box, 1, tolerance, max_boxes)
-    parts = (("stable", found.quiet_box), ("unstable", found.growing_box))
+    parts = (("stable", found.stable_box), ("unstable", found.unstable_box))
     return concluded(
         Mathieu,
         tuple(Side(name, float(low), float(high), "") for name, (low, high) in zip(_NAMES, sides, strict=True)),
-        Shares(found.quiet, found.growing),
+        found.shares,
         found.boxes,
         (_example(sides, wanted, part, tolerance, prove) for wanted, part in parts if part is not None),
         finished=found.finished,

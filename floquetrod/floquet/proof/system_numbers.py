@@ -9,6 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from floquetrod.equations import HillSystem, PeriodicSystem
+from floquetrod.equations.matrices import mass_matrix
 from floquetrod.equations.pieces import exact_period, in_time
 from floquetrod.floquet.proof.balls import Array, up
 from floquetrod.floquet.proof.system_problem import Ends, FirstOrder, Known, SecondOrder, Stretch, SystemProblem
@@ -26,9 +27,8 @@ class _Numbers(NamedTuple):
     """Every number of a system."""
 
     durations: tuple[Fraction, ...]  # of pieces, as parts of the period
-    arrays: dict[
-        str, Array
-    ]  # "period", "mass", "damping", "gyroscopic", of piece i "mean i", "cosines i" (H, n, n) ...
+    # "period", "mass", "damping", "gyroscopic"; of piece i "mean i", "cosines i" (H, n, n), ...
+    arrays: dict[str, Array]
 
 
 class Bounds(NamedTuple):
@@ -60,7 +60,7 @@ def _numbers(system: System, harmonics: int) -> _Numbers:
     pieces, whole, n = in_time(system), exact_period(system), system.order
     arrays: dict[str, Array] = {"period": np.array([float(whole)])}
     if isinstance(system, HillSystem):
-        arrays["mass"] = np.eye(n) if system.mass is None else system.mass
+        arrays["mass"] = mass_matrix(system)
         arrays["damping"] = np.zeros((n, n)) if system.damping is None else system.damping
         arrays["gyroscopic"] = np.zeros((n, n)) if system.gyroscopic is None else system.gyroscopic
     for i, piece in enumerate(pieces):
@@ -209,7 +209,7 @@ def _rate(system: HillSystem) -> Fraction | None:
     """Return the c >= 0 of a damping 2 c M, exactly; None for any other."""
     if system.damping is None:
         return Fraction(0)
-    mass = np.eye(system.order) if system.mass is None else system.mass
+    mass = mass_matrix(system)
     twice = Fraction(float(system.damping[0, 0])) / Fraction(float(mass[0, 0]))
     pairs = zip(system.damping.ravel().tolist(), mass.ravel().tolist(), strict=True)
     return twice / 2 if twice >= 0 and all(Fraction(c) == twice * Fraction(m) for c, m in pairs) else None

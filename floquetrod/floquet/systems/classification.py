@@ -15,9 +15,10 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from floquetrod._util.arrays import EPS
+from floquetrod._util.arrays import EPS, Bools, Complexes, Floats
 from floquetrod.equations import DelaySystem, HillSystem
 from floquetrod.equations.batches import System
+from floquetrod.equations.hill_system import in_first_order
 from floquetrod.floquet import pairs
 from floquetrod.floquet.systems import spectra
 from floquetrod.floquet.systems.result import SystemStability
@@ -34,21 +35,11 @@ _EDGE = "a multiplier is within {:.1g} of {}"
 
 
 class ManyDigits(NamedTuple):
-    """What a computation with more digits than those of a double adds to the numbers y.
+    """What a computation with more digits than those of a double adds to the numbers y."""
 
-    Attributes
-    ----------
-    above : ndarray (n,) of complex
-        1 + y, each correctly rounded.
-    net : ndarray (n,)
-        Growth over a period less uniform damping, each correctly rounded.
-    discriminant : callable (cluster) -> (float, float)
-        ((y1 - y2) / 2)^2 of a cluster of two, and its error.
-    """
-
-    above: NDArray[np.complex128]
-    net: NDArray[np.float64]
-    discriminant: Callable[[NDArray[np.intp]], tuple[float, float]]
+    above: Complexes  # (n,), 1 + y, each correctly rounded
+    net: Floats  # (n,), growth over a period less uniform damping, each correctly rounded
+    discriminant: Callable[[NDArray[np.intp]], tuple[float, float]]  # ((y1 - y2) / 2)^2 of a cluster of two, and error
 
 
 class _Part(NamedTuple):
@@ -77,7 +68,6 @@ def classify_pairs(
     krein: Krein | None = None,
     digits: ManyDigits | None = None,
     cost: Cost,
-    note: str = "",
 ) -> SystemStability:
     """Return the verdict that follows from the numbers y of the pairs, of the system with uniform damping removed.
 
@@ -132,22 +122,19 @@ def classify_pairs(
         signs=np.concatenate([np.where(upper, signs, -signs), np.where(upper, -signs, signs)]),
         damping=freed[1],
         cost=cost,
-        note=note,
     )
 
 
 class _Sides(NamedTuple):
     """Of each number y: bounds of its net growth, whether it may be bounded, and whether it must be if real, (n,)."""
 
-    low: NDArray[np.float64]
-    high: NDArray[np.float64]
-    near: NDArray[np.bool_]
-    inside: NDArray[np.bool_]
+    low: Floats
+    high: Floats
+    near: Bools
+    inside: Bools
 
     @classmethod
-    def of(
-        cls, discs: Discs, digits: ManyDigits, outside: NDArray[np.float64], errors: NDArray[np.float64], limit: float
-    ) -> _Sides:
+    def of(cls, discs: Discs, digits: ManyDigits, outside: Floats, errors: Floats, limit: float) -> _Sides:
         """Return them all at once."""
         within = pairs.decided(pairs.excess(discs.values.real, digits.above.real), discs.radii) < 0
         low = np.maximum(-limit, digits.net - errors)
@@ -201,36 +188,30 @@ def _named(y: complex) -> str:
 
 
 class LogDiscs(NamedTuple):
-    """Logarithms of multipliers with errors.
+    """Logarithms of multipliers with errors."""
 
-    Attributes
-    ----------
-    values : ndarray (N,) of complex
-        Logarithms.
-    low, high : ndarray (N,)
-        Bounds of their real parts.
-    radii : ndarray (N,)
-        Radii of discs about the values; infinite where a multiplier cannot be distinguished from 0.
-    clusters : tuple of ndarray of int
-        Indices of discs that touch.
-    """
+    values: Complexes  # (N,)
+    low: Floats  # (N,), bounds of their real parts
+    high: Floats
+    radii: Floats  # (N,), of discs about the values; infinite where a multiplier cannot be distinguished from 0
+    clusters: tuple[NDArray[np.intp], ...]  # indices of discs that touch
 
-    values: NDArray[np.complex128]
-    low: NDArray[np.float64]
-    high: NDArray[np.float64]
-    radii: NDArray[np.float64]
-    clusters: tuple[NDArray[np.intp], ...]
+    @classmethod
+    def of(
+        cls, multipliers: Complexes, radii: Floats, clusters: tuple[NDArray[np.intp], ...], shift: float = 0.0
+    ) -> LogDiscs:
+        """Return the logarithms of multipliers in discs of these radii, less ``shift``."""
+        sizes = np.abs(multipliers)
+        with np.errstate(divide="ignore"):
+            low, high = np.log(np.maximum(sizes - radii, 0.0)), np.log(sizes + radii)
+            values = np.log(np.where(sizes > 0.0, multipliers, 5e-324))
+            radii = np.where(radii < sizes, values.real - low, math.inf)
+        return cls(np.asarray(values - shift), low - shift, high - shift, radii, clusters)
 
-
-def logarithms(discs: Discs, shift: float = 0.0) -> LogDiscs:
-    """Return the logarithms of multipliers given in discs, less ``shift``."""
-    sizes = np.abs(discs.values)
-    with np.errstate(divide="ignore"):
-        low = np.log(np.maximum(sizes - discs.radii, 0.0))
-        high = np.log(sizes + discs.radii)
-        values = np.log(np.where(sizes > 0.0, discs.values, 5e-324))
-        radii = np.where(discs.radii < sizes, values.real - low, math.inf)
-    return LogDiscs(np.asarray(values - shift), low - shift, high - shift, radii, discs.clusters)
+    @classmethod
+    def about(cls, values: Complexes, radii: Floats, clusters: tuple[NDArray[np.intp], ...]) -> LogDiscs:
+        """Return discs of these radii about logarithms."""
+        return cls(values, values.real - radii, values.real + radii, radii, clusters)
 
 
 def classify_multipliers(
@@ -288,7 +269,7 @@ def classify_multipliers(
     )
 
 
-def _on_circle(values: NDArray[np.complex128], radii: NDArray[np.float64], cluster: NDArray[np.intp]) -> bool:
+def _on_circle(values: Complexes, radii: Floats, cluster: NDArray[np.intp]) -> bool:
     """Return whether a single disc meets its own mirror image in the circle and no other disc."""
     if len(cluster) != 1:
         return False
@@ -303,12 +284,12 @@ def _verdict(
     method: str,
     parts: Sequence[_Part],
     *,
-    net: NDArray[np.complex128],
-    errors: NDArray[np.float64],
+    net: Complexes,
+    errors: Floats,
     signs: NDArray[Any],
     damping: float,
     cost: Cost,
-    note: str,
+    note: str = "",
     are_paired: bool = True,
 ) -> SystemStability:
     """Return the result that follows from its clusters and the net logarithms of the multipliers, damping included."""
@@ -361,7 +342,7 @@ def _without_variation(system: System) -> Status | None:
     """Return the verdict on constant coefficients, whose multipliers may meet by the mere choice of a period."""
     if isinstance(system, HillSystem) and system.gyroscopic is None and system.is_symmetric and system.undamped:
         return _static_status(system, *system.undamped)
-    mean = system.as_periodic_system() if isinstance(system, HillSystem) else system
+    mean = in_first_order(system)
     discs = spectra.eigenvalue_discs(mean.mean, mean.coefficient_error * mean.order)
     if discs is None:
         return None

@@ -10,41 +10,33 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from floquetrod._util.arrays import EPS, norms
+from floquetrod._util.arrays import EPS, Floats, norms
 from floquetrod.floquet.systems import independent_solutions, spectra
 from floquetrod.floquet.systems.independent_solutions import Solutions
 
+_ROUNDS = 3  # of orthogonal iteration (a choice)
+
 
 class Evened(NamedTuple):
-    """Maps in other coordinates at each instant between segments, in which every direction grows evenly.
+    """Maps in other coordinates at each instant between segments, in which every direction grows evenly."""
 
-    Attributes
-    ----------
-    maps : ndarray (m, n, n)
-    errors : ndarray (m,)
-        Bounds of their errors in the 2-norm.
-    basis : ndarray (n, n)
-        The coordinates at the first instant: x = basis y.
-    """
-
-    maps: NDArray[np.float64]
-    errors: NDArray[np.float64]
-    basis: NDArray[np.float64]
+    maps: Floats  # (m, n, n)
+    errors: Floats  # (m,), bounds of their errors in the 2-norm
+    basis: Floats  # (n, n), the coordinates at the first instant: x = basis y
 
 
-def evened(maps: NDArray[np.float64], errors: NDArray[np.float64], rounds: int = 3) -> Evened:
+def evened(maps: Floats, errors: Floats) -> Evened:
     """Return maps over segments in coordinates in which what decays fast here and slowly there decays evenly.
 
     Frames that motion turns into each other, the faster growing directions first, are found by orthogonal iteration
-    over a few ``rounds``; each axis is then scaled by what it has grown less its mean.  The multipliers are the same
+    over a few rounds; each axis is then scaled by what it has grown less its mean.  The multipliers are the same
     whatever the frames are.
     """
     count, n, _ = maps.shape
     frames = np.empty((count, n, n))
     frame = np.eye(n)
-    for _ in range(rounds):
+    for _ in range(_ROUNDS):
         grown = np.empty((count, n))
         for j in range(count):
             frames[j] = frame
@@ -61,7 +53,7 @@ def evened(maps: NDArray[np.float64], errors: NDArray[np.float64], rounds: int =
     return Evened(ahead @ maps @ frames, (errors + rounding) * spread, frames[0])
 
 
-def solutions(maps: NDArray[np.float64], errors: NDArray[np.float64], scales: NDArray[np.float64]) -> Solutions | None:
+def solutions(maps: Floats, errors: Floats, scales: Floats) -> Solutions | None:
     """Return independent Floquet solutions from the maps (m, n, n) over segments of a period, without multiplying them.
 
     Parameters

@@ -8,11 +8,11 @@ from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
-from floquetrod._util.arrays import EPS
+from floquetrod._util.arrays import EPS, Floats
 from floquetrod.equations import DelaySystem, HillSystem
 from floquetrod.equations import pieces as by_pieces
+from floquetrod.equations.matrices import mass_matrix
 from floquetrod.floquet.systems import delay_growth, delay_maps, whole
 
 _TIMES = 2.0 ** np.arange(-1, 4)  # the growth rate: damping rates tried (a choice)
@@ -28,7 +28,7 @@ def least_damping(
     excess: Callable[[float], float],
     growth: float,
     frequency: float,
-    further: NDArray[np.float64] | None = None,
+    further: Floats | None = None,
     uncertainty: float = 0.0,
 ) -> float:
     """Return the damping rate from which nothing grows, to ten digits, at all rates tried.
@@ -82,7 +82,7 @@ def damping_to_stabilise(system: HillSystem, growth: float) -> float:
     take more than about a minute, or growth cannot be distinguished from none.
     """
     n, period = system.order, float(system.period)
-    mass = np.eye(n) if system.mass is None else system.mass
+    mass = mass_matrix(system)
     stiffness = np.linalg.solve(mass, system.stiffness)
     sizes = [float(np.linalg.norm(np.linalg.solve(mass, m), 2)) for m in (*system.cosines, *system.sines)]
     parts = by_pieces.in_time(system) if system.pieces else ()
@@ -121,7 +121,7 @@ def damping_of_delayed(system: DelaySystem, growth: float) -> float:
     """
     n, period, further = system.order, float(system.period), None
     if isinstance(system.present, HillSystem):
-        mass = np.eye(n) if system.present.mass is None else system.present.mass
+        mass = mass_matrix(system.present)
         still = np.linalg.solve(mass, sum((term.coefficient.mean for term in system.delayed), system.present.stiffness))
         if float(np.linalg.eigvals(still).real.min()) < -8.0 * n * EPS * float(np.linalg.norm(still, 2)):
             return math.inf

@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
+from floquetrod._util.arrays import Floats
 from floquetrod.equations import DelaySystem
 from floquetrod.floquet.systems import delay_maps
 
@@ -16,7 +16,7 @@ _AGREES = 1e-12  # relative change of the modulus at which it ends
 _USABLE = 1e-9  # largest change with which it is told (a choice)
 
 
-def moduli(maps: NDArray[np.float64]) -> NDArray[np.float64]:
+def moduli(maps: Floats) -> Floats:
     """Return the largest moduli of the eigenvalues of maps (b, S, S)."""
     return np.asarray(np.abs(np.linalg.eigvals(maps)).max(axis=1))
 

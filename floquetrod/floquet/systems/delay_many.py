@@ -7,20 +7,19 @@ by its trace: |trace M^k| <= S r^k for S rows.  That takes a tenth of the time o
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from floquetrod._util.arrays import Floats
 from floquetrod.equations import DelaySystem
-from floquetrod.floquet.status import STATUS_CODES
+from floquetrod.floquet.status import STABLE, UNDECIDED, UNSTABLE
 from floquetrod.floquet.systems import delay_growth, delay_maps
+from floquetrod.floquet.systems.many import ManyVerdicts
 
 Maps = Callable[[NDArray[np.intp], int], Floats]
 """Returns the maps over a period of some systems, by their places, with a number of nodes in each piece."""
-
-STABLE, UNSTABLE, UNDECIDED = (STATUS_CODES[each] for each in ("stable", "unstable", "undecided"))
 
 _SQUARINGS = 9
 _ENTRIES = 1 << 18  # of maps at once (a choice: two megabytes)
@@ -33,15 +32,8 @@ _SAFETY = 3.0  # times the change to more nodes is the error of a logarithm (heu
 _ROUNDING = 1e-11  # of a logarithm, beside that
 
 
-class Judged(NamedTuple):
-    """Status (b,) of int8, and logarithms of the largest moduli of multipliers (b,), NaN where they were not needed."""
-
-    status: NDArray[np.int8]
-    logs: Floats
-
-
-def judged(maps: Maps, counts: NDArray[np.intp], *, growth: bool = False) -> Judged:
-    """Return verdicts on systems.
+def judged(maps: Maps, counts: NDArray[np.intp], *, growth: bool = False) -> ManyVerdicts:
+    """Return verdicts on systems, growth over a period: logarithms of the largest moduli of multipliers.
 
     Parameters
     ----------
@@ -49,21 +41,21 @@ def judged(maps: Maps, counts: NDArray[np.intp], *, growth: bool = False) -> Jud
     counts : ndarray (b,) of int
         Nodes in each piece with which each system is about resolved.
     growth : bool
-        Whether the logarithms of all must be known.
+        Whether that of all must be known.
     """
-    found = Judged(np.full(counts.size, UNDECIDED, dtype=np.int8), np.full(counts.size, np.nan))
+    found = ManyVerdicts(np.full(counts.size, UNDECIDED, dtype=np.int8), np.full(counts.size, np.nan))
     for count in np.unique(counts):
         some = np.flatnonzero(counts == count)
         _of_one_count(maps, some, int(count), found, growth)
     return found
 
 
-def of_systems(systems: Sequence[DelaySystem], *, growth: bool = False) -> Judged:
-    """Return verdicts on systems, and growth rates per unit of time where they must be known or were needed.
+def of_systems(systems: Sequence[DelaySystem], *, growth: bool = False) -> ManyVerdicts:
+    """Return verdicts on systems, growth where it must be known or was needed.
 
     Those whose pieces and delays are the same parts of their periods are judged together.
     """
-    found = Judged(np.empty(len(systems), dtype=np.int8), np.empty(len(systems)))
+    found = ManyVerdicts(np.empty(len(systems), dtype=np.int8), np.empty(len(systems)))
     laid = [delay_maps.layout(system) for system in systems]
     groups: dict[Any, list[int]] = {}
     for i, (system, one) in enumerate(zip(systems, laid, strict=True)):
@@ -75,7 +67,7 @@ def of_systems(systems: Sequence[DelaySystem], *, growth: bool = False) -> Judge
         counts = np.minimum(4 * np.ceil(2.0 + 0.125 * np.asarray(phases)), _MOST - 2 * _MORE).astype(np.intp)
         some = judged(_maps_of(members, layouts), counts, growth=growth)
         found.status[group] = some.status
-        found.logs[group] = some.logs / np.array([one.period for one in layouts])
+        found.growth[group] = some.growth / np.array([one.period for one in layouts])
     return found
 
 
@@ -95,7 +87,7 @@ def _maps_of(systems: Sequence[DelaySystem], layouts: Sequence[delay_maps.Layout
     return maps
 
 
-def _of_one_count(maps: Maps, some: NDArray[np.intp], count: int, found: Judged, growth: bool) -> None:
+def _of_one_count(maps: Maps, some: NDArray[np.intp], count: int, found: ManyVerdicts, growth: bool) -> None:
     for margin in () if growth or some.size < _WORTH else _MARGINS:
         count = _resolved(maps, some, count, 0.4 * margin)
         bounds = zip(*(_bounds(part) for part in _parts(maps, some, count)), strict=True)
@@ -112,7 +104,7 @@ def _of_one_count(maps: Maps, some: NDArray[np.intp], count: int, found: Judged,
         count += _MORE
         before, logs = logs, _logs(maps, some, count)
         error = _SAFETY * np.abs(logs - before) + _ROUNDING
-        found.logs[some] = logs
+        found.growth[some] = logs
         found.status[some] = np.where(logs > error, UNSTABLE, np.where(logs < -error, STABLE, UNDECIDED))
         left = np.flatnonzero(error > (1e-3 if growth else 0.5) * np.abs(logs))
         if not left.size or count >= _MOST:

@@ -12,6 +12,7 @@ import numpy as np
 from floquetrod._util.arrays import Floats
 from floquetrod.equations import DelaySystem, HillSystem
 from floquetrod.equations import pieces as by_pieces
+from floquetrod.equations.matrices import mass_matrix, velocity_matrix
 from floquetrod.floquet.systems.delay_mesh import Mesh, mesh
 
 _MOST_BREAKS = 10  # pieces beyond the jumps of coefficients, for what delays make of these (a choice)
@@ -20,37 +21,19 @@ _PHASE = 12.0  # radians that solutions turn by in a piece, about (a choice)
 
 
 class Coefficients(NamedTuple):
-    """q^(r) = value q + rate q' + sum_j delayed[j] q(t - tau_j) at nodes, r = 1 or 2, of many systems; t in periods.
+    """q^(r) = value q + rate q' + sum_j delayed[j] q(t - tau_j) at nodes, r = 1 or 2, of many systems; t in periods."""
 
-    Attributes
-    ----------
-    value : ndarray (b, F, n, n)
-    rate : ndarray (b, F, n, n) or None
-        None for r = 1, and without damping.
-    delayed : tuple of ndarray (b, F, n, n)
-    """
-
-    value: Floats
-    rate: Floats | None
-    delayed: tuple[Floats, ...]
+    value: Floats  # (b, F, n, n)
+    rate: Floats | None  # (b, F, n, n), None for r = 1, and without damping
+    delayed: tuple[Floats, ...]  # (b, F, n, n) each
 
 
 class Layout(NamedTuple):
-    """What the mesh of a system follows from.
+    """What the mesh of a system follows from."""
 
-    Attributes
-    ----------
-    period : float
-        Of the map.
-    breaks : tuple of float
-        Ends of pieces as parts of it.
-    active : tuple of tuple of bool
-        Of each delay, on which pieces its term is not zero.
-    """
-
-    period: float
-    breaks: tuple[float, ...]
-    active: tuple[tuple[bool, ...], ...]
+    period: float  # of the map
+    breaks: tuple[float, ...]  # ends of pieces as parts of it
+    active: tuple[tuple[bool, ...], ...]  # of each delay, on which pieces its term is not zero
 
     @property
     def longest(self) -> float:
@@ -136,8 +119,9 @@ def _size(part: Any) -> Floats:
 
 def inverse_mass(system: DelaySystem) -> Floats:
     """Return the inverse of M, the identity for equations of first order."""
-    mass = getattr(system.present, "mass", None)
-    return np.eye(system.order) if mass is None else np.asarray(np.linalg.inv(mass))
+    if not isinstance(system.present, HillSystem):
+        return np.eye(system.order)
+    return np.asarray(np.linalg.inv(mass_matrix(system.present)))
 
 
 def coefficients(system: DelaySystem, period: float, nodes: Floats) -> Coefficients:
@@ -147,10 +131,7 @@ def coefficients(system: DelaySystem, period: float, nodes: Floats) -> Coefficie
     if not isinstance(system.present, HillSystem):
         return Coefficients(period * present[None], None, tuple(period * each[None] for each in delayed))
     inverse = -inverse_mass(system)
-    damping = sum(
-        (each for each in (system.present.damping, system.present.gyroscopic) if each is not None),
-        np.zeros_like(inverse),
-    )
+    damping = velocity_matrix(system.present)
     moving = np.broadcast_to(period * inverse @ damping, present.shape)[None] if damping.any() else None
     square = period * period * inverse
     return Coefficients((square @ present)[None], moving, tuple((square @ each)[None] for each in delayed))

@@ -8,7 +8,6 @@ those pieces that delays reach back to, and the state at the end.  Time is count
 from __future__ import annotations
 
 import functools
-import math
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -16,52 +15,29 @@ from numpy.polynomial import legendre
 from numpy.typing import NDArray
 
 from floquetrod._util.arrays import Bools, Floats
+from floquetrod._util.interpolation import chebyshev_points, chebyshev_weights
 
 
 class DelayRows(NamedTuple):
-    """Where the values delayed by one delay come from.
+    """Where the values delayed by one delay come from."""
 
-    Attributes
-    ----------
-    now, now_state : ndarray (F, F), (F, r)
-        Rows over the unknowns and the state at the beginning of this period.
-    past : ndarray (F, k H)
-        Rows over the values kept of the last k periods, the last one first.
-    """
-
-    now: Floats
-    now_state: Floats
-    past: Floats
+    now: Floats  # (F, F), rows over the unknowns of this period
+    now_state: Floats  # (F, r), rows over the state at its beginning
+    past: Floats  # (F, k H), rows over the values kept of the last k periods, the last one first
 
 
 class Mesh(NamedTuple):
-    """Rows, over the F values of the highest derivative and the r parts of the state at the beginning, of one equation.
+    """Rows, of one equation, over F values of the highest derivative and the r parts of the state at the beginning."""
 
-    Attributes
-    ----------
-    nodes : ndarray (F,)
-        Gauss's nodes, as parts of the period.
-    value, value_state : ndarray (F, F), (F, r)
-        The solution at the nodes.
-    rate, rate_state : ndarray (F, F), (F, r)
-        Its first derivative there, where equations are of second order.
-    delays : tuple of DelayRows
-        Of each delay.
-    end, end_state : ndarray (r + H, F), (r + H, r)
-        The state at the end of the period and the values kept.
-    periods : int
-        How many periods back delays reach, 1 or more.
-    """
-
-    nodes: Floats
-    value: Floats
-    value_state: Floats
-    rate: Floats
-    rate_state: Floats
-    delays: tuple[DelayRows, ...]
-    end: Floats
-    end_state: Floats
-    periods: int
+    nodes: Floats  # (F,), Gauss's nodes, as parts of the period
+    value: Floats  # (F, F), the solution at the nodes
+    value_state: Floats  # (F, r)
+    rate: Floats  # (F, F), its first derivative there, where equations are of second order
+    rate_state: Floats  # (F, r)
+    delays: tuple[DelayRows, ...]  # of each delay
+    end: Floats  # (r + H, F), the state at the end of the period and the values kept
+    end_state: Floats  # (r + H, r)
+    periods: int  # how many periods back delays reach, 1 or more
 
     @property
     def size(self) -> int:
@@ -186,7 +162,7 @@ def _delayed(pieces: _Pieces, source: _Source, touched: list[int], kept: int, pe
     past = np.zeros((len(there), periods, len(touched), kept))
     column = np.searchsorted(touched, place[before])
     length = np.diff(pieces.breaks)[place[before]]
-    weights = _interpolation(kept, 2.0 * (there[before] - pieces.breaks[place[before]]) / length - 1.0)
+    weights = chebyshev_weights(kept, 2.0 * (there[before] - pieces.breaks[place[before]]) / length - 1.0)
     past[before, turn[before] - 1, column] = weights
     return DelayRows(value * now[:, None], state * now[:, None], past.reshape(len(there), -1))
 
@@ -197,25 +173,6 @@ def _end(pieces: _Pieces, touched: list[int], kept: int) -> tuple[Floats, Floats
     found = [pieces.rows(one, last, rate=bool(part)) for part in range(pieces.derivatives)]
     length = np.diff(pieces.breaks)
     for p in touched:
-        t = pieces.breaks[p] + length[p] * 0.5 * (_points(kept) + 1.0)
+        t = pieces.breaks[p] + length[p] * 0.5 * (chebyshev_points(kept) + 1.0)
         found.append(pieces.rows(t, np.full(kept, p)))
     return np.concatenate([rows for rows, _ in found]), np.concatenate([state for _, state in found])
-
-
-def _points(count: int) -> Floats:
-    """Return Chebyshev's points from -1 to 1, both ends among them."""
-    return -np.cos(math.pi * np.arange(count) / (count - 1))
-
-
-def _interpolation(count: int, at: Floats) -> Floats:
-    """Return rows, over values at Chebyshev's points, of the polynomial through them: J.-P. Berrut, L. N. Trefethen.
-
-    SIAM Rev. 46 (2004) 501, doi:10.1137/S0036144502417715.
-    """
-    weights = np.resize([1.0, -1.0], count)
-    weights[[0, -1]] *= 0.5
-    gaps = at[:, None] - _points(count)
-    met = gaps == 0.0
-    ratios = weights / np.where(met, 1.0, gaps)
-    found = ratios / ratios.sum(axis=1, keepdims=True)
-    return np.asarray(np.where(met.any(axis=1)[:, None], met.astype(float), found))

@@ -5,9 +5,10 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
+from floquetrod._util.arrays import Complexes
 from floquetrod.equations import DelaySystem, HillSystem
+from floquetrod.equations.matrices import mass_matrix, velocity_matrix
 from floquetrod.floquet.systems.classification import LogDiscs
 
 _MOST_TURNS = 4096  # that are tried for each root (a choice)
@@ -40,14 +41,11 @@ def _root(system: DelaySystem, log: complex, period: float) -> complex:
     return found.conjugate() if log.imag < 0.0 < found.imag or found.imag < 0.0 < log.imag else found
 
 
-def characteristic(system: DelaySystem, roots: NDArray[np.complex128]) -> NDArray[np.complex128]:
+def characteristic(system: DelaySystem, roots: Complexes) -> Complexes:
     """Return s^2 M + s (C + G) + K + sum_j D_j exp(-s tau_j), or s I - A - sum_j B_j exp(-s tau_j), (m, n, n)."""
     present, s = system.present, roots[:, None, None]
     if isinstance(present, HillSystem):
-        mass = np.eye(system.order) if present.mass is None else present.mass
-        found = s**2 * mass + present.coefficient(0.0)
-        for each in (present.damping, present.gyroscopic):
-            found = found if each is None else found + s * each
+        found = s**2 * mass_matrix(present) + s * velocity_matrix(present) + present.coefficient(0.0)
         sign = 1.0
     else:
         found, sign = s * np.eye(system.order) - present.coefficient(0.0), -1.0

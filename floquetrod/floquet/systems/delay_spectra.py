@@ -5,9 +5,8 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from floquetrod._util.arrays import EPS
+from floquetrod._util.arrays import EPS, Complexes, Floats
 from floquetrod.floquet.systems import spectra
 from floquetrod.floquet.systems.classification import LogDiscs
 from floquetrod.floquet.systems.independent_solutions import balance
@@ -16,24 +15,15 @@ _ROUNDING = 8.0 * EPS  # of the map, relative, beside what its eigenvalues add (
 
 
 class Multipliers(NamedTuple):
-    """The leading eigenvalues of a map.
+    """The leading eigenvalues of a map."""
 
-    Attributes
-    ----------
-    values : ndarray (p,) of complex
-    radii : ndarray (p,)
-        Errors, as of `spectra.Discs`.
-    all_values : ndarray (S,) of complex
-        Every eigenvalue of the map.
-    """
-
-    values: NDArray[np.complex128]
-    radii: NDArray[np.float64]
-    all_values: NDArray[np.complex128]
+    values: Complexes  # (p,)
+    radii: Floats  # (p,), errors as of `spectra.Discs`
+    all_values: Complexes  # (S,), every eigenvalue of the map
 
 
 @np.errstate(over="ignore", invalid="ignore")  # what overflows is then not finite
-def leading(matrix: NDArray[np.float64], least: float) -> Multipliers | None:
+def leading(matrix: Floats, least: float) -> Multipliers | None:
     """Return the eigenvalues of modulus above ``least``, the largest in any case; None where they cannot be determined.
 
     With T11 the block of an ordered Schur form of the invariant subspace and P the spectral projector upon it, a change
@@ -64,7 +54,7 @@ def leading(matrix: NDArray[np.float64], least: float) -> Multipliers | None:
     return None if discs is None else Multipliers(discs.values, discs.radii, everything)
 
 
-def _gap_below(sizes: NDArray[np.float64], least: float) -> float:
+def _gap_below(sizes: Floats, least: float) -> float:
     """Return a modulus at or below ``least``, in the widest gap of moduli down to half of it."""
     below = np.sort(sizes[(sizes <= least) & (sizes >= 0.5 * least)])[::-1]
     edges = np.concatenate([[least], below, [0.5 * least]])
@@ -73,22 +63,17 @@ def _gap_below(sizes: NDArray[np.float64], least: float) -> float:
     return float(0.5 * (edges[widest] + edges[widest + 1]))
 
 
-def with_change(found: Multipliers, before: NDArray[np.complex128]) -> Multipliers:
+def with_change(found: Multipliers, before: Complexes) -> Multipliers:
     """Return multipliers whose radii hold twice the distance from those of a coarser mesh, too."""
     change = np.abs(found.values[:, None] - before[None, :]).min(axis=1)
     return found._replace(radii=found.radii + 2.0 * change)
 
 
-def log_discs(found: Multipliers) -> LogDiscs:
+def log_discs(multipliers: Complexes, radii: Floats) -> LogDiscs:
     """Return the logarithms of multipliers, discs that touch in clusters; one of a disc on the real axis is real."""
-    sizes = np.abs(found.values)
-    clusters = spectra.touching(np.abs(found.values[:, None] - found.values[None, :]), found.radii)
-    values = found.values.copy()
+    clusters = spectra.touching(np.abs(multipliers[:, None] - multipliers[None, :]), radii)
+    values = multipliers.copy()
     for i in (int(cluster[0]) for cluster in clusters if len(cluster) == 1):
-        if abs(values[i].imag) <= found.radii[i]:
+        if abs(values[i].imag) <= radii[i]:
             values[i] = values[i].real
-    with np.errstate(divide="ignore"):
-        low, high = np.log(np.maximum(sizes - found.radii, 0.0)), np.log(sizes + found.radii)
-        logs = np.log(np.where(sizes > 0.0, values, 5e-324))
-    radii = np.where(found.radii < sizes, logs.real - low, np.inf)
-    return LogDiscs(np.asarray(logs), low, high, radii, clusters)
+    return LogDiscs.of(values, radii, clusters)

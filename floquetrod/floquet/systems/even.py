@@ -5,9 +5,8 @@ from __future__ import annotations
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from floquetrod._util.arrays import EPS, inverses, norms
+from floquetrod._util.arrays import EPS, Floats, inverses, norms
 from floquetrod.equations.pieces import PieceArrays
 from floquetrod.floquet.kernels.system_even import HalfPeriodMap, half_period_map
 from floquetrod.floquet.systems import spectra, whole
@@ -17,30 +16,16 @@ _INSTANTS = 16  # of half a period, for a mean (a choice)
 
 
 class PairMatrices(NamedTuple):
-    """Matrices of many even systems.
+    """Matrices of many even systems."""
 
-    Attributes
-    ----------
-    matrix : ndarray (b, n, n)
-        Its eigenvalues are (mu + 1/mu - 2) / 4.
-    error : ndarray (b,)
-        Its error, in the 2-norm.
-    form : ndarray (b, n, n)
-        The symmetric form with which it is self-adjoint; it is negative on eigenvectors of Krein sign +1.
-    form_error : ndarray (b,)
-        Its error, in the 2-norm.
-    symmetric : bool
-        Whether the stiffness is; else there is no form.
-    """
-
-    matrix: NDArray[np.float64]
-    error: NDArray[np.float64]
-    form: NDArray[np.float64]
-    form_error: NDArray[np.float64]
-    symmetric: bool
+    matrix: Floats  # (b, n, n), its eigenvalues are (mu + 1/mu - 2) / 4
+    error: Floats  # (b,), its error, in the 2-norm
+    form: Floats  # (b, n, n), with which it is self-adjoint, negative on eigenvectors of Krein sign +1; symmetric
+    form_error: Floats  # (b,), its error, in the 2-norm
+    symmetric: bool  # whether the stiffness is; else there is no form
 
 
-def seconds_needed(stiffness: Any, amplitudes: Any, period: Any) -> NDArray[np.float64]:
+def seconds_needed(stiffness: Any, amplitudes: Any, period: Any) -> Floats:
     """Return about how long the map of each system takes (b,), in seconds: measured on one core of 2024."""
     n = stiffness.shape[-1]
     squares = np.square(stiffness).sum(axis=(1, 2)), np.square(amplitudes).sum(axis=(2, 3))
@@ -92,7 +77,7 @@ def of_pieces(
 
 def _whole(
     half: HalfPeriodMap, stiffness: Any, amplitudes: Any, period: Any, uncertainty: Any
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+) -> tuple[Floats, Floats]:
     """Return maps (b, 2 n, 2 n) over half a period, and their errors, those of the coefficients included."""
     whole = joined(half)
     size = _sizes(whole)
@@ -104,9 +89,7 @@ def _whole(
     return whole, half.error + 0.5 * period * uncertainty * _sizes(half.basis) ** 2 * stretch
 
 
-def _most_growth(
-    basis: NDArray[np.float64], stiffness: Any, amplitudes: Any, period: NDArray[np.float64]
-) -> NDArray[np.float64]:
+def _most_growth(basis: Floats, stiffness: Any, amplitudes: Any, period: Floats) -> Floats:
     """Bound the product of the norms of the maps to any instant and from there on, (b,), by their logarithmic norm.
 
     With v' = D p and p' = -B(t) v that is half the norm of D - B(t), whose mean is taken from a few instants.  It is an
@@ -121,28 +104,26 @@ def _most_growth(
     return np.asarray(np.exp(0.25 * period * sums / _INSTANTS))
 
 
-def joined(half: HalfPeriodMap) -> NDArray[np.float64]:
+def joined(half: HalfPeriodMap) -> Floats:
     """Return maps (b, 2 n, 2 n) from their blocks."""
     return np.concatenate([np.concatenate([half.a, half.b], -1), np.concatenate([half.c, half.d], -1)], -2)
 
 
-def _sizes(matrices: NDArray[np.float64]) -> NDArray[np.float64]:
+def _sizes(matrices: Floats) -> Floats:
     """Bound the 2-norms of matrices (b, n, n); where n is large those of nearly diagonal ones are far below `norms`."""
     if matrices.shape[-1] < spectra.LARGE:
         return norms(matrices)
     return np.array([spectra.spectral_norm(matrix) for matrix in matrices])
 
 
-def _norms(matrices: NDArray[np.float64]) -> NDArray[np.float64]:
+def _norms(matrices: Floats) -> Floats:
     """Return the 2-norms of matrices (b, n, n); of very many rows bounds of them, which take less time."""
     if matrices.shape[-1] >= spectra.LARGE:
         return np.array([spectra.spectral_norm(matrix) for matrix in matrices])
     return np.asarray(np.linalg.norm(matrices, 2, axis=(-2, -1)))
 
 
-def _numbers(
-    half: HalfPeriodMap, error: NDArray[np.float64], left: NDArray[np.float64], left_error: NDArray[np.float64]
-) -> PairMatrices:
+def _numbers(half: HalfPeriodMap, error: Floats, left: Floats, left_error: Floats) -> PairMatrices:
     """Return the matrices that follow from maps over half a period and the upper right blocks of their inverses."""
     form, form_slip = products(np.swapaxes(half.a, -1, -2), error, half.c, error)
     return PairMatrices(
@@ -150,9 +131,7 @@ def _numbers(
     )
 
 
-def products(
-    left: NDArray[np.float64], left_error: NDArray[np.float64], right: NDArray[np.float64], error: NDArray[np.float64]
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def products(left: Floats, left_error: Floats, right: Floats, error: Floats) -> tuple[Floats, Floats]:
     """Return products of matrices (b, n, n) with errors (b,), and their errors."""
     one, other = _sizes(left), _sizes(right)
     return left @ right, one * error + other * left_error + error * left_error + left.shape[-1] * EPS * one * other

@@ -28,8 +28,8 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from floquetrod._util.arrays import Complexes, Floats
 from floquetrod.equations import HillSystem
 from floquetrod.floquet.kernels.system_large import Parts
 from floquetrod.floquet.kernels.system_maps_large import period_map_large
@@ -38,9 +38,6 @@ from floquetrod.floquet.systems.classification import LogDiscs, classify_multipl
 from floquetrod.floquet.systems.result import SystemStability
 from floquetrod.floquet.systems.spectra import log_distances, touching
 from floquetrod.floquet.verdict import Cost
-
-Floats = NDArray[np.float64]
-Complexes = NDArray[np.complex128]
 
 _FEWEST = 200  # equations: the map of fewer takes no longer (measured)
 _COLUMNS = 8  # drawn at random (measured)
@@ -66,25 +63,13 @@ _EVERY = 5  # blocks of columns between two looks
 
 
 class FastSolutions(NamedTuple):
-    """The multipliers outside a circle of a system with damping removed.
+    """The multipliers outside a circle of a system with damping removed."""
 
-    Attributes
-    ----------
-    logs : LogDiscs
-        Logarithms of these multipliers and of their inverses, last of all two that stand for all others.
-    rest : float
-        Bound of the real parts of the logarithms of all others.
-    start, partner : ndarray (2 n,) or None
-        (u, u') at the beginning of the fastest solution, and about that of the one that decays as fast.
-    columns : int
-        Solutions that were carried over a period.
-    """
-
-    logs: LogDiscs
-    rest: float
-    start: Complexes | None
-    partner: Complexes | None
-    columns: int
+    logs: LogDiscs  # logarithms of these multipliers and of their inverses, last of all two that stand for all others
+    rest: float  # bound of the real parts of the logarithms of all others
+    start: Complexes | None  # (2 n,), (u, u') at the beginning of the fastest solution
+    partner: Complexes | None  # (2 n,), about that of the one that decays as fast
+    columns: int  # solutions that were carried over a period
 
     def verdict(self, system: HillSystem) -> SystemStability:
         """Return the verdict that follows on the system, damping included."""
@@ -335,7 +320,7 @@ def _sharpened(logs: LogDiscs, limit: float, fastest: complex, radius: float) ->
         same = abs(abs(value.real) - fastest.real) + abs(abs(value.imag) - abs(fastest.imag)) < _SMALL
         if len(cluster) == 1 and same:
             radii[cluster] = np.minimum(radii[cluster], radius)
-    return logs._replace(low=logs.values.real - radii, high=logs.values.real + radii, radii=radii)
+    return LogDiscs.about(logs.values, radii, logs.clusters)
 
 
 def _discs(values: Complexes, radii: Floats, level: float, limit: float) -> tuple[LogDiscs, float] | None:
@@ -353,5 +338,4 @@ def _discs(values: Complexes, radii: Floats, level: float, limit: float) -> tupl
     errors = np.concatenate([errors, errors, np.full(2, rest)])
     count = 2 * len(found)
     clusters = *touching(log_distances(logs[:count], logs[:count]), errors[:count]), np.array([count, count + 1])
-    net = np.asarray(logs - limit, dtype=np.complex128)
-    return LogDiscs(net, net.real - errors, net.real + errors, errors, clusters), rest
+    return LogDiscs.about(np.asarray(logs - limit, dtype=np.complex128), errors, clusters), rest

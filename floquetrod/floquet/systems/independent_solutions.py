@@ -12,6 +12,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from floquetrod._util.arrays import Complexes, Floats
 from floquetrod.floquet.systems.classification import LogDiscs
 from floquetrod.floquet.systems.spectra import log_distances, touching
 from floquetrod.floquet.systems.symplectic import symplectic_unit
@@ -22,24 +23,14 @@ _ROUNDING = 1e-12  # of a form on a subspace, computed in doubles
 
 
 class Solutions(NamedTuple):
-    """Independent Floquet solutions.
+    """Independent Floquet solutions."""
 
-    Attributes
-    ----------
-    logs : ndarray (N,) of complex
-        Logarithms of the multipliers, their imaginary parts from -pi to pi.
-    radii : ndarray (N,)
-        Errors of the logarithms.
-    states : ndarray (N, N) of complex
-        States at one instant, unit columns.
-    """
-
-    logs: NDArray[np.complex128]
-    radii: NDArray[np.float64]
-    states: NDArray[np.complex128]
+    logs: Complexes  # (N,), logarithms of the multipliers, their imaginary parts from -pi to pi
+    radii: Floats  # (N,), errors of the logarithms
+    states: Complexes  # (N, N), states at one instant, unit columns
 
 
-def independent(states: NDArray[np.complex128], distance: NDArray[np.float64]) -> NDArray[np.intp] | None:
+def independent(states: Complexes, distance: Floats) -> NDArray[np.intp] | None:
     """Return as many columns as rows that are independent, those of the smallest ``distance`` first; None where few."""
     states = states / np.maximum(np.linalg.norm(states, axis=0), 1e-300)
     nearest = np.argsort(distance, kind="stable")
@@ -49,7 +40,7 @@ def independent(states: NDArray[np.complex128], distance: NDArray[np.float64]) -
     return next((chosen for chosen in found if chosen is not None), None)
 
 
-def _independent(states: NDArray[np.complex128], nearest: NDArray[np.intp], least: float) -> NDArray[np.intp] | None:
+def _independent(states: Complexes, nearest: NDArray[np.intp], least: float) -> NDArray[np.intp] | None:
     """Return columns each of which has at least a sine with the span of those before; None where they are too few."""
     order = len(states)
     basis = np.zeros((order, 0), dtype=np.complex128)
@@ -67,7 +58,7 @@ def _independent(states: NDArray[np.complex128], nearest: NDArray[np.intp], leas
     return None
 
 
-def principal(logs: NDArray[np.complex128]) -> NDArray[np.complex128]:
+def principal(logs: Complexes) -> Complexes:
     """Return logarithms with imaginary parts from -pi to pi."""
     return np.asarray(logs.real + 1j * (math.pi - np.remainder(math.pi - logs.imag, 2.0 * math.pi)))
 
@@ -85,7 +76,7 @@ def log_discs(solutions: Solutions, shift: float) -> LogDiscs:
             values[i] = values[i].real
         elif math.pi - abs(logs[i].imag) <= radii[i]:
             values[i] = values[i].real + 1j * math.pi
-    return LogDiscs(values, values.real - radii, values.real + radii, radii, clusters)
+    return LogDiscs.about(values, radii, clusters)
 
 
 def krein_sign(solutions: Solutions, cluster: NDArray[np.intp]) -> int:
@@ -105,7 +96,7 @@ def krein_sign(solutions: Solutions, cluster: NDArray[np.intp]) -> int:
     return 1 if values[0] > slack else -1 if values[-1] < -slack else 0
 
 
-def balance(sizes: NDArray[np.float64]) -> NDArray[np.float64]:
+def balance(sizes: Floats) -> Floats:
     """Return powers of two d that make diag(1/d) A diag(d) about balanced, for magnitudes of the entries of A."""
     from scipy.linalg import matrix_balance
 

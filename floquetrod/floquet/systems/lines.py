@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 from floquetrod._util.arrays import EPS, Floats, norms
 from floquetrod._util.caching import cached_property
 from floquetrod._util.content import ByContent
+from floquetrod._util.interpolation import chebyshev_points, chebyshev_weights
 from floquetrod.equations import HillSystem
 from floquetrod.equations import pieces as by_pieces
 from floquetrod.floquet.kernels.system_even import half_period_map
@@ -44,26 +45,14 @@ class Nodes(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Line(ByContent):
-    """Systems with uniform damping removed, without mass and gyroscopic matrices, K symmetric.
+    """Systems with uniform damping removed, without mass and gyroscopic matrices, K symmetric."""
 
-    Attributes
-    ----------
-    stiffness : ndarray (2, n, n)
-        The mean of K at x = -1 and at x = 1.
-    harmonics : ndarray (2, H, n, n)
-        Z_k of K(t) = mean + Re sum_k Z_k exp(i k w t) there; real where K is even.
-    period, damping, error : float
-        The period, the rate c that was removed, and a bound of the error of K in the 2-norm.
-    is_even : bool
-        Whether half a period is enough.
-    """
-
-    stiffness: Floats
-    harmonics: NDArray[Any]
+    stiffness: Floats  # (2, n, n), the mean of K at x = -1 and at x = 1
+    harmonics: NDArray[Any]  # (2, H, n, n), Z_k of K(t) = mean + Re sum_k Z_k exp(i k w t) there; real where K is even
     period: float
-    damping: float
-    error: float
-    is_even: bool
+    damping: float  # the rate c that was removed
+    error: float  # bound of that of K in the 2-norm
+    is_even: bool  # whether half a period is enough
 
     @classmethod
     def between(cls, ends: HillSystem) -> Line | None:
@@ -132,7 +121,7 @@ class Line(ByContent):
 
     def nodes(self, degree: int) -> Nodes | None:
         """Return the maps at degree + 1 Chebyshev points; None where they would take too long."""
-        share = 0.5 * (1.0 + _chebyshev(degree))
+        share = 0.5 * (1.0 + chebyshev_points(degree + 1))
         weights = np.stack([1.0 - share, share])
         stiffness = np.tensordot(weights, self.stiffness, (0, 0))
         harmonics = np.tensordot(weights, self.harmonics, (0, 0))
@@ -185,7 +174,7 @@ def _judged(line: Line, nodes: Nodes, places: Floats) -> ManyVerdicts:
 def maps_along(line: Line, nodes: Nodes, places: Floats) -> tuple[Floats, Floats]:
     """Return maps (p, 2 n, 2 n) at places by the polynomials through those at nodes, and their errors (p,)."""
     count = len(nodes.maps)
-    weights = _weights(count - 1, places)
+    weights = chebyshev_weights(count, places)
     maps = (weights @ nodes.maps.reshape(count, -1)).reshape(-1, *nodes.maps.shape[1:])
     rounding = count * EPS * float(norms(nodes.maps).max())
     error = np.abs(weights).sum(axis=1) * (nodes.error + rounding) + line.left_out(count - 1)
@@ -217,21 +206,3 @@ def _both(positions: Floats, inverse: Floats) -> Floats:
     found = np.zeros((len(positions), 2 * n, 2 * n))
     found[:, :n, :n], found[:, n:, n:] = positions, inverse.swapaxes(1, 2)
     return found
-
-
-def _chebyshev(degree: int) -> Floats:
-    """Return the degree + 1 extrema of a Chebyshev polynomial."""
-    return np.cos(math.pi * np.arange(degree + 1.0) / degree)
-
-
-def _weights(degree: int, places: Floats) -> Floats:
-    """Return the weights (p, degree + 1) that values at the extrema have in the polynomial through them.
-
-    J.-P. Berrut and L. N. Trefethen, SIAM Review 46 (2004) 501, doi:10.1137/S0036144502417715, equation (4.2).
-    """
-    signs = (-1.0) ** np.arange(degree + 1.0)
-    signs[[0, -1]] *= 0.5
-    distance = places[:, None] - _chebyshev(degree)
-    met = distance == 0.0
-    terms = signs / np.where(met, 1.0, distance)
-    return np.asarray(np.where(met.any(axis=1, keepdims=True), met, terms / terms.sum(axis=1, keepdims=True)))

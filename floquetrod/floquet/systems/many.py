@@ -10,30 +10,31 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from floquetrod._util.arrays import EPS, inverses, norms
+from floquetrod._util.arrays import EPS, Bools, Complexes, Floats, inverses, norms
 from floquetrod.floquet import pairs
-from floquetrod.floquet.status import STATUS_CODES
-
-STABLE, UNSTABLE, UNDECIDED = (STATUS_CODES[each] for each in ("stable", "unstable", "undecided"))
+from floquetrod.floquet.status import STABLE, UNDECIDED, UNSTABLE
 
 
 class ManyDiscs(NamedTuple):
     """Eigenvalues of many matrices: values and radii (b, n), and whether each disc is apart from the others (b, n)."""
 
-    values: NDArray[np.complex128]
-    radii: NDArray[np.float64]
-    apart: NDArray[np.bool_]
+    values: Complexes
+    radii: Floats
+    apart: Bools
 
 
 class ManyVerdicts(NamedTuple):
-    """Status (b,) of int8 and growth rates (b,), per unit of time, of many systems."""
+    """Status (b,) of int8 and growth rates (b,) of many systems, per unit of time if not said otherwise.
+
+    Of systems with delays the rates are NaN where they were not needed.
+    """
 
     status: NDArray[np.int8]
-    growth: NDArray[np.float64]
+    growth: Floats
 
 
 @np.errstate(over="ignore", invalid="ignore")  # what overflows has infinite radii, or NaN
-def many_discs(matrices: NDArray[Any], errors: NDArray[np.float64]) -> ManyDiscs:
+def many_discs(matrices: NDArray[Any], errors: Floats) -> ManyDiscs:
     """Return discs as `spectra.eigenvalue_discs` does, all of them before they shrink; NaN of what was not computed."""
     n = matrices.shape[-1]
     finite = np.isfinite(matrices).all(axis=(1, 2)) & np.isfinite(errors)
@@ -49,12 +50,12 @@ def many_discs(matrices: NDArray[Any], errors: NDArray[np.float64]) -> ManyDiscs
 
 
 @np.errstate(over="ignore", invalid="ignore")
-def pair_discs(values: NDArray[np.complex128], radii: NDArray[np.float64]) -> ManyDiscs:
+def pair_discs(values: Complexes, radii: Floats) -> ManyDiscs:
     """Return discs of given radii."""
     return ManyDiscs(values, radii, _apart(values, radii))
 
 
-def _apart(values: NDArray[Any], radii: NDArray[np.float64]) -> NDArray[np.bool_]:
+def _apart(values: NDArray[Any], radii: Floats) -> Bools:
     """Return whether each disc touches no other."""
     apart = np.ones(values.shape, dtype=np.bool_)
     for shift in range(1, values.shape[1]):
@@ -64,7 +65,7 @@ def _apart(values: NDArray[Any], radii: NDArray[np.float64]) -> NDArray[np.bool_
 
 
 @np.errstate(over="ignore", invalid="ignore")
-def pair_verdicts(discs: ManyDiscs, period: NDArray[np.float64], damping: float) -> ManyVerdicts:
+def pair_verdicts(discs: ManyDiscs, period: Floats, damping: float) -> ManyVerdicts:
     """Return verdicts from y = (mu + 1/mu - 2) / 4 of the pairs of systems with uniform damping removed."""
     y, radii, apart = discs
     growth = np.abs(pairs.logarithms(y).real)
@@ -85,7 +86,7 @@ def pair_verdicts(discs: ManyDiscs, period: NDArray[np.float64], damping: float)
 
 
 @np.errstate(over="ignore", invalid="ignore")
-def multiplier_verdicts(discs: ManyDiscs, period: NDArray[np.float64], *, paired: bool, damping: float) -> ManyVerdicts:
+def multiplier_verdicts(discs: ManyDiscs, period: Floats, *, paired: bool, damping: float) -> ManyVerdicts:
     """Return verdicts from the multipliers themselves, of systems without uniform damping where they are paired."""
     values, radii, apart = discs
     sizes = np.abs(values)

@@ -25,6 +25,8 @@ from numpy.typing import NDArray
 
 from floquetrod._util.arrays import Complexes, Floats
 from floquetrod.equations import HillSystem
+from floquetrod.equations.matrices import velocity_matrix
+from floquetrod.floquet.systems import magnus
 
 _TURN = 0.6  # radians that the fastest mode turns by in a step
 _LEAST_STEPS = 64
@@ -102,20 +104,11 @@ class _Fastest(NamedTuple):
 
 
 class _OnSteps(NamedTuple):
-    """The map over a period by equal steps.
-
-    Attributes
-    ----------
-    period : float
-    steps : ndarray (N, 2 n, 2 n)
-        Maps over the steps, of (scale q, q').
-    kicks : list of ndarray (n, n)
-        Square root of h times the matrices of noise, by which scale q changes q'.
-    """
+    """The map over a period by equal steps."""
 
     period: float
-    steps: Floats
-    kicks: list[Floats]
+    steps: Floats  # (N, 2 n, 2 n), maps over the steps, of (scale q, q')
+    kicks: list[Floats]  # (n, n) each, square root of h times the matrices of noise, by which scale q changes q'
 
     @classmethod
     def of(cls, system: HillSystem, noise: Sequence[Floats], count: int, scale: float) -> Self:
@@ -172,21 +165,12 @@ class _OnSteps(NamedTuple):
 
 
 class _Floquet(NamedTuple):
-    """Floquet's coordinates.
+    """Floquet's coordinates."""
 
-    Attributes
-    ----------
-    multipliers : ndarray (2 n,)
-    vectors, inverse : ndarray (2 n, 2 n)
-        Of the map over a period.
-    turned : ndarray (N * sources, 2 n, 2 n)
-        The kicks in these coordinates at the beginning.
-    """
-
-    multipliers: Complexes
-    vectors: Complexes
-    inverse: Complexes
-    turned: Complexes
+    multipliers: Complexes  # (2 n,)
+    vectors: Complexes  # (2 n, 2 n), of the map over a period
+    inverse: Complexes  # (2 n, 2 n), of their matrix
+    turned: Complexes  # (N * sources, 2 n, 2 n), the kicks in these coordinates at the beginning
 
     @classmethod
     def of(cls, mesh: _OnSteps) -> Self:
@@ -227,25 +211,14 @@ def _every(m: int) -> Floats:
 
 
 class _Near(NamedTuple):
-    """The pairs that noise couples most, and the map over a period among them.
-
-    Attributes
-    ----------
-    floquet : _Floquet
-    pairs : ndarray (k,)
-        Their places.
-    values, vectors, inverse : ndarray (k,), (k, k)
-        Eigenvalues of the map among them, its eigenvectors and the inverse of their matrix.
-    start : ndarray (4 n^2,)
-        Moments of the largest value.
-    """
+    """The pairs that noise couples most, and the map over a period among them."""
 
     floquet: _Floquet
-    pairs: Any
-    values: Complexes
-    vectors: Complexes
-    inverse: Complexes
-    start: Floats
+    pairs: Any  # (k,), their places
+    values: Complexes  # (k,), eigenvalues of the map among them
+    vectors: Complexes  # (k, k), its eigenvectors
+    inverse: Complexes  # (k, k), of their matrix
+    start: Floats  # (4 n^2,), moments of the largest value
 
     @classmethod
     def of(cls, floquet: _Floquet, density: float) -> Self:
@@ -281,18 +254,13 @@ def _away(gaps: Complexes) -> Complexes:
 
 def _magnus(system: HillSystem, count: int, scale: float) -> Floats:
     """Return the maps over equal steps of a period, (count, 2 n, 2 n), of (scale q, q')."""
-    from scipy.linalg import expm
-
     n, step = system.order, float(system.period) / count
-    places = np.arange(count)[:, None] + 0.5 + np.array([-1.0, 1.0]) * math.sqrt(3.0) / 6.0
+    places = np.arange(count)[:, None] + 0.5 + magnus.PLACES
     rates = np.zeros((2 * count, 2 * n, 2 * n))
     rates[:, :n, n:] = scale * np.eye(n)
     rates[:, n:, :n] = -system.coefficient(places.ravel() * step) / scale
-    for friction in (system.damping, system.gyroscopic):
-        if friction is not None:
-            rates[:, n:, n:] -= friction
-    one, other = rates[::2], rates[1::2]
-    return np.asarray(expm(0.5 * step * (one + other) + math.sqrt(3.0) / 12.0 * step**2 * (other @ one - one @ other)))
+    rates[:, n:, n:] = -velocity_matrix(system)
+    return magnus.flows(rates[::2], rates[1::2], step)
 
 
 def _orthonormal(fresh: Floats, basis: Floats) -> Floats:

@@ -14,15 +14,15 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from floquetrod._util.arrays import Floats
+
 _GUARD_BITS = 40
 _STEP = 6.0  # growth exponent of a step: longer ones lose digits
 _FACTORS = (1.0, 1.5, 2.0, 3.0, 4.0, 6.0)  # of the fewest steps, of which the cheapest plan is taken
 _PRODUCTS = 20.0  # cost of a term's matrix products, in those of a harmonic with one earlier term (heuristic)
 _MOST_STEPS = 1e9
 _AT_ONCE = 16  # steps whose terms are computed together, which spares calls of numpy (a choice)
-_SLACK = (
-    4.0  # digits by which a step's series ends below the error wanted: so many the product of the maps loses (a choice)
-)
+_SLACK = 4.0  # digits by which a step's series ends below the error wanted, which the product of maps loses (a choice)
 _UP = 1.0 + 1e-9  # covers the rounding of bounds, which are computed in doubles
 
 
@@ -30,27 +30,17 @@ class Series(NamedTuple):
     """A(phase) = mean + slope (phase - start) + sum_k cosines[k-1] cos(k phase) + sines[k-1] sin(k phase).
 
     Per unit of phase, over a ``length`` of phase from ``start`` on: a piece of the period, which is 2 pi long.
-
-    Attributes
-    ----------
-    mean : ndarray (N, N) of numbers of mpmath
-        Mean.
-    waves : ndarray (2 H, N, N) of numbers of mpmath
-        Cosine and sine coefficients of the first harmonic, then of the second, and so on.
-    start, length : numbers of mpmath
-        Where the piece begins, and how long it is.
-    slope : ndarray (N, N) of numbers of mpmath, or None
-        None for zero.
+    In numbers of mpmath.
     """
 
-    mean: NDArray[Any]
-    waves: NDArray[Any]
+    mean: NDArray[Any]  # (N, N)
+    waves: NDArray[Any]  # (2 H, N, N), cosine and sine coefficients of the first harmonic, then of the second, ...
     start: Any
     length: Any
-    slope: NDArray[Any] | None = None
+    slope: NDArray[Any] | None = None  # (N, N), None for zero
 
     @property
-    def sizes(self) -> NDArray[np.float64]:
+    def sizes(self) -> Floats:
         """Norms of the mean, the slope over the piece included, and, cosine and sine together, of each harmonic."""
         mean, *waves = (_row_sum(matrix) for matrix in (self.mean, *self.waves))
         mean += self.steepness * float(self.length)
@@ -63,43 +53,21 @@ class Series(NamedTuple):
 
 
 class PeriodMap(NamedTuple):
-    """The map over a period.
+    """The map over a period."""
 
-    Attributes
-    ----------
-    matrix : ndarray (N, N) of numbers of mpmath
-        Map over one period.
-    error : number of mpmath
-        Bound of its error in the 2-norm.
-    terms : int
-        Terms of all series.
-    """
-
-    matrix: NDArray[Any]
-    error: Any
-    terms: int
+    matrix: NDArray[Any]  # (N, N), numbers of mpmath
+    error: Any  # bound of its error in the 2-norm, of mpmath
+    terms: int  # terms of all series
 
 
 class Plan(NamedTuple):
-    """How a piece of the period is integrated.
+    """How a piece of the period is integrated."""
 
-    Attributes
-    ----------
-    steps, order : int
-        Equal steps, and the power of the last term of the series over each.
-    bits : int
-        After the point.
-    log_error : float
-        Logarithm of a bound of what is left out of each series.
-    rounding : float
-        Bound of what the arithmetic of a step rounds, in units of 2^-bits.
-    """
-
-    steps: int
-    order: int
-    bits: int
-    log_error: float
-    rounding: float
+    steps: int  # of equal lengths
+    order: int  # power of the last term of the series over each
+    bits: int  # after the point
+    log_error: float  # logarithm of a bound of what is left out of each series
+    rounding: float  # bound of what the arithmetic of a step rounds, in units of 2^-bits
 
     @property
     def terms(self) -> int:
@@ -107,9 +75,7 @@ class Plan(NamedTuple):
         return self.steps * self.order
 
 
-def last_power(
-    sizes: NDArray[np.float64], waves: NDArray[np.float64], h: float, log_wanted: float, steepness: float = 0.0
-) -> Any:
+def last_power(sizes: Floats, waves: Floats, h: float, log_wanted: float, steepness: float = 0.0) -> Any:
     """Return the power after which series over steps h are cut, and the logarithm of a bound of what that leaves out.
 
     With a(r) = steepness r + sum_k sizes_k cosh(waves_k r), which bounds A for complex times up to r from a real one, a
@@ -157,9 +123,7 @@ def _plan(series: Series, digits: float) -> Plan | None:
     return Plan(steps, order, bits, log_error, rounding)
 
 
-def _rounding(
-    sizes: NDArray[np.float64], waves: NDArray[np.float64], steepness: float, h: float, last: int, order: int
-) -> float:
+def _rounding(sizes: Floats, waves: Floats, steepness: float, h: float, last: int, order: int) -> float:
     """Bound what the arithmetic of a step rounds, in units of 2^-bits.
 
     Rounded, the terms solve x' = A x + f, f a series whose coefficients are the roundings, and this with |A|, |f| in
@@ -260,7 +224,7 @@ class _Steps:
 
 
 @np.errstate(over="ignore", under="ignore", invalid="ignore")  # a product that overflows has an infinite norm, or NaN
-def _products(maps: list[NDArray[np.float64]]) -> tuple[list[float], list[float]]:
+def _products(maps: list[Floats]) -> tuple[list[float], list[float]]:
     """Return bounds of the 2-norms of what is applied before and after each map."""
     order = len(maps[0])
     before, after = [1.0], [1.0]
@@ -272,7 +236,7 @@ def _products(maps: list[NDArray[np.float64]]) -> tuple[list[float], list[float]
     return before, after[::-1]
 
 
-def _norm(matrix: NDArray[np.float64]) -> float:
+def _norm(matrix: Floats) -> float:
     """Return the Frobenius norm, also where squares of entries overflow."""
     exponent = np.frexp(np.abs(matrix).max())[1]
     return float(np.ldexp(np.linalg.norm(np.ldexp(matrix, -exponent)), exponent))
@@ -289,7 +253,7 @@ def _fixed(matrix: NDArray[Any], bits: int, context: Any) -> NDArray[Any]:
     return flat.reshape(matrix.shape)
 
 
-def _floats(matrix: Any, bits: int) -> NDArray[np.float64]:
+def _floats(matrix: Any, bits: int) -> Floats:
     """Return integers that are multiples of 2^-bits as doubles."""
     scale = 1 << bits
     return np.array([v / scale for v in matrix.flat], dtype=float).reshape(matrix.shape)

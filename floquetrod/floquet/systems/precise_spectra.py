@@ -8,32 +8,21 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from floquetrod._util.arrays import Floats
 from floquetrod.floquet.systems.spectra import Discs, touching
 from floquetrod.floquet.systems.symplectic import PairMatrix
 
 
 class PreciseDiscs(NamedTuple):
-    """Eigenvalues as in `Discs`; all entries are numbers of mpmath but those of ``radii``.
-
-    Attributes
-    ----------
-    values, right, left, error : as in Discs
-        ``error`` is a double; it is not zero.
-    radii : ndarray (n,)
-        Doubles, rounded up.
-    clusters : tuple of ndarray of int
-        Indices of the eigenvalues whose discs touch.
-    size : float
-        Norm of the matrix.
-    """
+    """Eigenvalues as in `Discs`; values and vectors are numbers of mpmath."""
 
     values: NDArray[Any]
-    radii: NDArray[np.float64]
-    clusters: tuple[NDArray[np.intp], ...]
+    radii: Floats  # (n,), doubles, rounded up
+    clusters: tuple[NDArray[np.intp], ...]  # indices of the eigenvalues whose discs touch
     right: NDArray[Any]
     left: NDArray[Any]
-    error: float
-    size: float
+    error: float  # not zero
+    size: float  # norm of the matrix
 
     def rounded(self) -> Discs:
         """Return values, radii and clusters as doubles; the vectors are left out."""

@@ -9,8 +9,9 @@ from typing import Any, Literal, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from floquetrod._util.arrays import Bools, Floats
+from floquetrod._util.arrays import Bools, Complexes, Floats
 from floquetrod.equations import DelaySystem, HillSystem, PeriodicSystem
+from floquetrod.equations.hill_system import in_first_order
 from floquetrod.equations.pieces import fourier
 
 Ints = NDArray[np.intp]
@@ -104,22 +105,12 @@ def _by_multipliers(system: DelaySystem, growing: list[complex]) -> tuple[Resona
 
 
 class _Modes(NamedTuple):
-    """Modes of the mean system, the lowest frequency first.
+    """Modes of the mean system, the lowest frequency first."""
 
-    Attributes
-    ----------
-    poles : ndarray (m,) of complex
-        An exponent of each, with positive imaginary part where it oscillates.
-    up, down : ndarray (m,) of int
-        Places of the exponent and of its conjugate in ``coupling``.
-    coupling : ndarray (H, N, N)
-        How each harmonic couples exponents, both ways, relative to the strongest coupling of that harmonic.
-    """
-
-    poles: NDArray[np.complex128]
-    up: NDArray[np.intp]
-    down: NDArray[np.intp]
-    coupling: Floats
+    poles: Complexes  # (m,), an exponent of each, with positive imaginary part where it oscillates
+    up: NDArray[np.intp]  # (m,), place of the exponent in ``coupling``
+    down: NDArray[np.intp]  # (m,), that of its conjugate
+    coupling: Floats  # (H, N, N), of exponents by each harmonic, both ways, relative to its strongest
 
 
 def _mean_modes(system: HillSystem | PeriodicSystem) -> _Modes | None:
@@ -128,7 +119,7 @@ def _mean_modes(system: HillSystem | PeriodicSystem) -> _Modes | None:
     is_plain = freed is not None and not freed[0].pieces and freed[0].mass is None and freed[0].gyroscopic is None
     found = _symmetric(*freed) if freed is not None and is_plain else None
     if found is None:
-        found = _of_first_order(system.as_periodic_system() if isinstance(system, HillSystem) else system)
+        found = _of_first_order(in_first_order(system))
     if found is None:
         return None
     values, both = found
@@ -146,7 +137,7 @@ def _mean_modes(system: HillSystem | PeriodicSystem) -> _Modes | None:
     return _Modes(values[up], up, partners, coupling)
 
 
-def _of_first_order(first: PeriodicSystem) -> tuple[NDArray[np.complex128], Floats] | None:
+def _of_first_order(first: PeriodicSystem) -> tuple[Complexes, Floats] | None:
     """Return the exponents of a mean system (N,), and how strongly each harmonic couples them, (H, N, N)."""
     try:
         values, vectors = np.linalg.eig(first.mean)
@@ -161,7 +152,7 @@ def _of_first_order(first: PeriodicSystem) -> tuple[NDArray[np.complex128], Floa
     return values.astype(np.complex128), both
 
 
-def _symmetric(freed: HillSystem, damping: float) -> tuple[NDArray[np.complex128], Floats] | None:
+def _symmetric(freed: HillSystem, damping: float) -> tuple[Complexes, Floats] | None:
     """Return what `_of_first_order` does, of q'' + 2 c q' + K q = 0 from the modes of K at a tenth of the cost.
 
     With exponents -c +- r and modes phi of length 1 a harmonic Z couples two by
@@ -186,25 +177,15 @@ class _Candidate(NamedTuple):
 
 
 class _Pairs(NamedTuple):
-    """Pairs of modes that may resonate, and what of their misfit does not depend on the exponent to be explained.
+    """Pairs of modes that may resonate, and what of their misfit does not depend on the exponent to be explained."""
 
-    Attributes
-    ----------
-    one, other : ndarray (p,) of int
-        The modes; a mode with itself is a direct resonance.
-    orders : ndarray (p, 3), or (p, 6) with differences
-        Multiples of the forcing that are nearest to the sum of both frequencies, then to their difference.
-    detuning : ndarray of the same shape
-        From each, infinite where there is no such resonance.
-    cost : ndarray of the same shape
-        Of what does not couple them.
-    """
-
-    one: Ints
-    other: Ints
-    orders: Floats
-    detuning: Floats
-    cost: Floats
+    one: Ints  # (p,), a mode
+    other: Ints  # (p,), the other one; a mode with itself is a direct resonance
+    orders: (
+        Floats  # (p, 3) or (p, 6), multiples of the forcing nearest to the sum of the frequencies, then the difference
+    )
+    detuning: Floats  # alike, from each, infinite where there is no such resonance
+    cost: Floats  # alike, of what does not couple them
 
     @classmethod
     def of(cls, modes: _Modes, w: float, differences: bool) -> _Pairs:

@@ -15,7 +15,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from floquetrod._util.arrays import EPS
+from floquetrod._util.arrays import EPS, Complexes, Floats
 from floquetrod._util.caching import cached_property
 
 Form = Callable[[NDArray[Any]], NDArray[Any]]
@@ -28,34 +28,17 @@ _SEVERAL = 50  # rows from which products bound a 2-norm in less time than singu
 class Discs(NamedTuple):
     """Eigenvalues of a matrix known up to an error.
 
-    Attributes
-    ----------
-    values : ndarray (n,) of complex
-        Eigenvalues of the matrix computed.
-    radii : ndarray (n,)
-        Each cluster's discs together hold as many eigenvalues of the true matrix as the cluster has members.
-    clusters : tuple of ndarray of int
-        Indices of the eigenvalues whose discs touch, directly or by others between them.
-    right : ndarray (n, n) of complex
-        Eigenvectors, unit columns.
-    left : ndarray (n, n) of complex
-        Rows of the inverse of ``right``.
-    error : float
-        Distance of the true matrix, in the 2-norm, the rounding of the eigenvalues included.
-    matrix : ndarray (n, n)
-        The matrix computed.
-    spread : float
-        The 2-norm of ``left``.
+    The discs of a cluster together hold as many eigenvalues of the true matrix as it has members.
     """
 
-    values: NDArray[np.complex128]
-    radii: NDArray[np.float64]
-    clusters: tuple[NDArray[np.intp], ...]
-    right: NDArray[np.complex128]
-    left: NDArray[np.complex128]
-    error: float
-    matrix: NDArray[Any]
-    spread: float
+    values: Complexes  # (n,), eigenvalues of the matrix computed
+    radii: Floats  # (n,)
+    clusters: tuple[NDArray[np.intp], ...]  # of eigenvalues whose discs touch, directly or by others between them
+    right: Complexes  # (n, n), eigenvectors, unit columns
+    left: Complexes  # (n, n), rows of the inverse of ``right``
+    error: float  # distance of the true matrix, in the 2-norm, the rounding of the eigenvalues included
+    matrix: NDArray[Any]  # (n, n), the matrix computed
+    spread: float  # the 2-norm of ``left``
 
 
 class Eigen(NamedTuple):
@@ -144,7 +127,7 @@ def _inverse(values: NDArray[Any], vectors: NDArray[Any]) -> NDArray[Any]:
     return rows
 
 
-def touching(distances: NDArray[np.float64], radii: NDArray[np.float64]) -> tuple[NDArray[np.intp], ...]:
+def touching(distances: Floats, radii: Floats) -> tuple[NDArray[np.intp], ...]:
     """Return the sets of discs that touch, directly or by others between them, from their centres' distances (n, n)."""
     n = len(radii)
     near = distances <= radii[:, None] + radii[None, :]
@@ -161,14 +144,14 @@ def touching(distances: NDArray[np.float64], radii: NDArray[np.float64]) -> tupl
     return tuple(found)
 
 
-def log_distances(one: NDArray[np.complex128], other: NDArray[np.complex128]) -> NDArray[np.float64]:
+def log_distances(one: Complexes, other: Complexes) -> Floats:
     """Return distances (m, n) of logarithms from each other, multiples of 2 pi i aside."""
     gap = one[:, None] - other[None, :]
     turned = np.remainder(gap.imag + math.pi, 2.0 * math.pi) - math.pi
     return np.asarray(np.hypot(gap.real, turned))
 
 
-def basis_of(discs: Discs, cluster: NDArray[np.intp]) -> NDArray[np.complex128]:
+def basis_of(discs: Discs, cluster: NDArray[np.intp]) -> Complexes:
     """Return an orthonormal basis of a cluster's invariant subspace."""
     return np.asarray(np.linalg.qr(discs.right[:, cluster])[0])
 
@@ -189,25 +172,14 @@ class Signs:
     """The sign of a Hermitian form on clusters of eigenvalues: 1 or -1 where it is definite beyond errors, else 0.
 
     That of single eigenvalues is found for all of them at once.
-
-    Attributes
-    ----------
-    discs : Discs
-    form : callable (vectors) -> ndarray
-        The form's matrix times vectors, the columns of a matrix.
-    size, error : float
-        The form's norm, and its error.
-    vectors, around : callable (columns) -> ndarray, optional
-        From coordinates of ``discs`` to those of the form; and what spans all vectors that belong to a cluster, where
-        those of ``discs`` are half of them.
     """
 
     discs: Discs
-    form: Form
-    size: float
+    form: Form  # its matrix times vectors, the columns of a matrix
+    size: float  # its norm
     error: float
-    vectors: Form = np.asarray
-    around: Form | None = None
+    vectors: Form = np.asarray  # from coordinates of ``discs`` to those of the form
+    around: Form | None = None  # spans all vectors that belong to a cluster, where those of ``discs`` are half of them
 
     def __call__(self, cluster: NDArray[np.intp]) -> int:
         """Return the sign on a cluster."""

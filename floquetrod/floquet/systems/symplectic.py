@@ -17,7 +17,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from floquetrod._util.arrays import EPS
+from floquetrod._util.arrays import EPS, Complexes, Floats
 from floquetrod.floquet.systems import spectra
 from floquetrod.floquet.systems.spectra import Discs, Eigen
 
@@ -25,33 +25,17 @@ _BROKEN = 64.0  # roundings of a product with W, below which what is left of it 
 
 
 class PairMatrix(NamedTuple):
-    """A matrix whose eigenvalues are the numbers y of a symplectic map S; its entries are doubles or those of mpmath.
+    """A matrix whose eigenvalues are the numbers y of a symplectic map S, its entries doubles or those of mpmath."""
 
-    Attributes
-    ----------
-    matrix : ndarray (n, n)
-        H.
-    error : float
-        How far, in the 2-norm, H may be from one that belongs to the true map.
-    basis : ndarray (2 n, n)
-        Q.
-    image : ndarray (2 n, n)
-        S Q.
-    form : ndarray (2 n, 2 n)
-        -D.
-    eigen : Eigen or None
-        Eigenvalues of H in doubles; None where they fail.
-    """
-
-    matrix: NDArray[Any]
-    error: float
-    basis: NDArray[Any]
-    image: NDArray[Any]
-    form: NDArray[Any]
-    eigen: Eigen | None
+    matrix: NDArray[Any]  # (n, n), H
+    error: float  # how far, in the 2-norm, H may be from one that belongs to the true map
+    basis: NDArray[Any]  # (2 n, n), Q
+    image: NDArray[Any]  # (2 n, n), S Q
+    form: NDArray[Any]  # (2 n, 2 n), -D
+    eigen: Eigen | None  # eigenvalues of H in doubles; None where they fail
 
 
-def symplectic_unit(n: int) -> NDArray[np.float64]:
+def symplectic_unit(n: int) -> Floats:
     """Return J of order 2 n."""
     return np.block([[np.zeros((n, n)), np.eye(n)], [-np.eye(n), np.zeros((n, n))]])
 
@@ -85,7 +69,7 @@ def pair_matrix(full: NDArray[Any], error: float, rounding: float = EPS) -> Pair
     )
 
 
-def _doubles(matrix: NDArray[Any]) -> NDArray[np.float64]:
+def _doubles(matrix: NDArray[Any]) -> Floats:
     return np.asarray(matrix, dtype=float)
 
 
@@ -120,7 +104,7 @@ def _beside(rows: NDArray[Any], column: NDArray[Any]) -> NDArray[Any]:
     return np.asarray(column - (rows @ column) @ rows)
 
 
-def _slip(eigen: Eigen | None, coupling: NDArray[np.float64], error: float) -> float:
+def _slip(eigen: Eigen | None, coupling: Floats, error: float) -> float:
     """Return by how much more than ``error`` the block H of [[H, X], [0, H^T]] changes for a change of the whole.
 
     A change E of the lower left block is removed by a skew P, H^T P - P H = E, which changes H by X P: in coordinates
@@ -137,7 +121,7 @@ def _slip(eigen: Eigen | None, coupling: NDArray[np.float64], error: float) -> f
     return 2.0 * float(np.linalg.norm(slips))
 
 
-def reversible_pair_matrix(full: NDArray[np.float64]) -> NDArray[np.float64]:
+def reversible_pair_matrix(full: Floats) -> Floats:
     """Return an n x n matrix whose eigenvalues are y of a map S with R S R = S^-1, R = diag(I, -I): a block."""
     n = len(full) // 2
     return 0.5 * (full[:n, :n] - np.eye(n))
@@ -162,7 +146,7 @@ def krein_signs(pairs: PairMatrix, discs: Discs) -> spectra.Signs:
     )
 
 
-def krein_form(vectors: NDArray[Any]) -> NDArray[np.complex128]:
+def krein_form(vectors: NDArray[Any]) -> Complexes:
     """Return -i J times vectors."""
     n = len(vectors) // 2
     return np.asarray(-1j * np.concatenate([vectors[n:], -vectors[:n]]))

@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from floquetrod._util.arrays import norms
+from floquetrod._util.arrays import Complexes, Floats, norms
 from floquetrod.equations.pieces import PieceArrays
 from floquetrod.floquet.kernels.system_maps import SegmentMaps, product, segment_maps
 
@@ -19,12 +19,12 @@ _FAST = 9.0  # logarithm of the norm of a map above which it matters how errors 
 class PeriodMaps(NamedTuple):
     """Maps (b, N, N) over a period in coordinates x / scaling, and their errors (b,) in the 2-norm there."""
 
-    matrix: NDArray[np.float64]
-    error: NDArray[np.float64]
-    scaling: NDArray[np.float64]
+    matrix: Floats
+    error: Floats
+    scaling: Floats
 
 
-def is_oscillators(mean: NDArray[np.float64], harmonics: NDArray[np.complex128]) -> bool:
+def is_oscillators(mean: Floats, harmonics: Complexes) -> bool:
     """Return whether x' = A(t) x is q'' + K(t) q = 0, K symmetric bit for bit, as it stands."""
     n = len(mean) // 2
     lower = np.concatenate([mean[None, n:, :n], harmonics[:, n:, :n]])
@@ -33,7 +33,7 @@ def is_oscillators(mean: NDArray[np.float64], harmonics: NDArray[np.complex128])
     return bool(velocities and not rest and (lower == lower.swapaxes(-1, -2)).all())
 
 
-def seconds_needed(pieces: PieceArrays) -> NDArray[np.float64]:
+def seconds_needed(pieces: PieceArrays) -> Floats:
     """Return about how long the map of each system takes (b,), in seconds: measured on one core of 2024."""
     n, sizes = pieces.mean.shape[-1], pieces.sizes
     scaling = _balance(sizes.max(axis=1), _FEW_ROUNDS)
@@ -43,7 +43,7 @@ def seconds_needed(pieces: PieceArrays) -> NDArray[np.float64]:
         return np.asarray((pieces.length * sums).sum(axis=-1) * (1e-5 + 1e-6 * n * n))
 
 
-def _balance(sizes: NDArray[np.float64], rounds: int) -> NDArray[np.float64]:
+def _balance(sizes: Floats, rounds: int) -> Floats:
     """Return scales (b, N) of x in which rows and columns of A, of magnitudes (b, N, N), are about equally large."""
     n = sizes.shape[-1]
     inner, scaling = sizes * (1.0 - np.eye(n)), np.ones(sizes.shape[:-1])
@@ -77,7 +77,7 @@ def period_maps(
 
 
 def _in_segments(
-    pieces: PieceArrays, uncertainty: NDArray[np.float64], rtol: float, segments: int, paired: bool, workers: int | None
+    pieces: PieceArrays, uncertainty: Floats, rtol: float, segments: int, paired: bool, workers: int | None
 ) -> PeriodMaps:
     """Return maps from those over so many segments of each piece; the more, the less the error is overestimated."""
     if paired:
@@ -93,7 +93,7 @@ def _in_segments(
     return PeriodMaps(matrix.copy(), error * _spread(inner) + moved, scaling)
 
 
-def _carried(maps: NDArray[np.float64], lengths: NDArray[np.float64]) -> NDArray[np.float64]:
+def _carried(maps: Floats, lengths: Floats) -> Floats:
     """Return (b,) how much a change of A by one, in the 2-norm, may change the product of maps (b, S, N, N)."""
     count = maps.shape[1]
     before, after = np.ones((2, *lengths.shape))
@@ -137,12 +137,12 @@ def _maps(pieces: PieceArrays, rtol: float, segments: int, workers: int | None) 
     return SegmentMaps(found.maps.reshape(batch, count * segments, n, n), errors, np.ones((batch, n)))
 
 
-def _spread(scaling: NDArray[np.float64]) -> NDArray[np.float64]:
+def _spread(scaling: Floats) -> Floats:
     """Return by how much an error may grow in coordinates x instead of x / scaling."""
     return np.asarray(scaling.max(axis=-1) / scaling.min(axis=-1))
 
 
-def error_stretch(means: NDArray[np.float64], scaling: NDArray[np.float64]) -> NDArray[np.float64]:
+def error_stretch(means: Floats, scaling: Floats) -> Floats:
     """Return how much larger errors of the coefficients may be in coordinates x / scaling.
 
     Where positions change at the rate of velocities, [0, 1] in the upper half of the means (b, P, 2n, 2n), nothing is
@@ -156,7 +156,7 @@ def error_stretch(means: NDArray[np.float64], scaling: NDArray[np.float64]) -> N
     return np.asarray(columns.max(axis=-1) / scaling[:, n:].min(axis=-1))
 
 
-def _paired_scaling(sizes: NDArray[np.float64]) -> NDArray[np.float64]:
+def _paired_scaling(sizes: Floats) -> Floats:
     """Return powers of two, g for positions and 1 / g for velocities, that make both drive each other equally."""
     n = sizes.shape[-1] // 2
     up, down = sizes[:, :n, n:].max(axis=-1), sizes[:, n:, :n].max(axis=-1)

@@ -114,7 +114,7 @@ class _Proving:
                 self._search_lines(part, middle_only=True)
                 if self._is_mixed():
                     break
-            if not self.searches and found.growing_box is not None and not part.varied_parameters:
+            if not self.searches and found.unstable_box is not None and not part.varied_parameters:
                 self.unfinished = True
                 break
             if not _is_decided(found) and part.varied_parameters:
@@ -124,8 +124,8 @@ class _Proving:
                 found = self._subdivided(part, self.max_boxes - self.boxes)
             self.unfinished = self.unfinished or not _is_decided(found)
             self.too_narrow = self.too_narrow or found.too_narrow
-            self.proved_stable += share * found.quiet
-            self.growing += share * found.growing
+            self.proved_stable += share * found.shares.stable
+            self.growing += share * found.shares.unstable
         self.unfinished = self.unfinished or bool(waiting)
         if self.searches and self.unfinished and not self._is_mixed():
             self._search_lines(self.box, middle_only=False)
@@ -141,7 +141,7 @@ class _Proving:
         allowed = max(1, min(most, self.max_boxes - self.boxes))
         found = subdivide(part.mode_box(), self.modes, self.tolerance, allowed, report)
         self.boxes += found.boxes
-        for status, example in (("stable", found.quiet_box), ("unstable", found.growing_box)):
+        for status, example in (("stable", found.stable_box), ("unstable", found.unstable_box)):
             if example is not None:
                 self.candidates[status] = part, example
         return found
@@ -176,10 +176,10 @@ class _Proving:
         found = subdivide(box, modes, self.tolerance, 1)
         self.boxes += found.boxes
         limit = f"{self.tolerance:g} 1/s"
-        if found.growing_box is not None:
+        if found.unstable_box is not None:
             mode = found.growing_mode
             return RodExample("unstable", load, rod, f"mode {mode} grows faster than {limit}{_rate(rod, load, mode)}")
-        if found.quiet_box is None or bound > self.tolerance:
+        if found.stable_box is None or bound > self.tolerance:
             return None
         rest = "no higher mode grows" if bound == 0.0 else f"every higher mode grows at less than {bound:.2g} 1/s"
         statement = f"modes 1 to {modes} grow at no more than {limit}, {rest}"
@@ -269,7 +269,7 @@ class _Proving:
 
 def _is_decided(found: Subdivision) -> bool:
     """Return whether all of a box was proved, and proved alike."""
-    return found.finished and (found.quiet_box is None or found.growing_box is None)
+    return found.finished and (found.stable_box is None or found.unstable_box is None)
 
 
 def _lines(part: RodBox, *, middle_only: bool) -> Iterator[tuple[Quantity, Load]]:

@@ -12,7 +12,8 @@ from typing import Any
 
 from floquetrod._util.compilation import kernel
 from floquetrod.floquet.kernels.mathieu import growth, growth_bound, is_stable
-from floquetrod.floquet.kernels.mathieu_counts import STABLE, shown_by_count
+from floquetrod.floquet.kernels.mathieu_counts import shown_by_count
+from floquetrod.floquet.status import STABLE
 
 
 @kernel

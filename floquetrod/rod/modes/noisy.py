@@ -13,7 +13,7 @@ from floquetrod._util import validate
 from floquetrod._util.arguments import Mention, wrong_value
 from floquetrod._util.arrays import Floats
 from floquetrod._util.progress import Progress
-from floquetrod.floquet.systems.many import STABLE, UNDECIDED, UNSTABLE
+from floquetrod.floquet.status import STABLE, UNDECIDED, UNSTABLE
 from floquetrod.floquet.verdict import tolerated
 from floquetrod.rod.answers.intervals import FoundIntervals, Search, StabilityInterval, UnstableBand
 from floquetrod.rod.answers.verdict import RodStability

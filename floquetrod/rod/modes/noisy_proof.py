@@ -17,7 +17,7 @@ from floquetrod.floquet.proof import certify
 from floquetrod.floquet.proof.region import RegionProof, RegionStatus, Shares, Side, side_ends
 from floquetrod.floquet.proof.region_equation import note_on
 from floquetrod.floquet.proof.result import Proof
-from floquetrod.floquet.systems.many import STABLE, UNSTABLE
+from floquetrod.floquet.status import STABLE, UNSTABLE
 from floquetrod.rod.answers.rod_box import RodExample
 from floquetrod.rod.loads.load import LIMITS, QUANTITIES, Loads, Quantity, load_number
 from floquetrod.rod.mode_equations.noisy_modes import NoisyModes

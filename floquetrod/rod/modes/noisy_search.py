@@ -12,7 +12,7 @@ import numpy as np
 from floquetrod._util.arrays import Bools, Floats
 from floquetrod._util.progress import Progress
 from floquetrod._util.roots import bisected
-from floquetrod.floquet.systems.many import STABLE
+from floquetrod.floquet.status import STABLE
 from floquetrod.rod.answers.intervals import Search
 from floquetrod.rod.answers.margins import Edge
 from floquetrod.rod.loads.load import Loads

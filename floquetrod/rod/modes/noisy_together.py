@@ -19,8 +19,8 @@ from floquetrod._util.arguments import wrong_value
 from floquetrod._util.progress import Progress, shifted
 from floquetrod._util.report import number
 from floquetrod.floquet.references import references
+from floquetrod.floquet.status import STABLE, UNDECIDED, UNSTABLE
 from floquetrod.floquet.systems.damping import least_damping
-from floquetrod.floquet.systems.many import STABLE, UNDECIDED, UNSTABLE
 from floquetrod.floquet.systems.moment_growth import Growth, MomentGrowth
 from floquetrod.floquet.verdict import Cost, Status
 from floquetrod.rod.answers.verdict import RodStability

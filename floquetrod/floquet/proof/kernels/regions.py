@@ -9,8 +9,8 @@ import math
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from floquetrod._util.arrays import Floats, Ints
 from floquetrod._util.compilation import kernel
 from floquetrod.floquet.proof.kernels.regions_boxes import (
     AMPLITUDE,
@@ -27,9 +27,9 @@ from floquetrod.floquet.proof.kernels.regions_boxes import (
     tail_modes,
 )
 from floquetrod.floquet.proof.kernels.regions_excess import excess
-from floquetrod.floquet.proof.kernels.regions_modes import GROWS, QUIET, UNKNOWN
+from floquetrod.floquet.status import STABLE, UNDECIDED, UNSTABLE
 
-DONE, WAITING, FIRST, QUIET_PARTS, GROWING_PARTS, OPEN_PARTS, GROWING_MODE = range(7)
+DONE, WAITING, FIRST, STABLE_PARTS, UNSTABLE_PARTS, OPEN_PARTS, GROWING_MODE = range(7)
 """Entries of `BoxSearch.counts`."""
 
 _LISTED = 62  # pending modes remembered one by one for each box
@@ -39,20 +39,20 @@ _FINEST = 1e-13  # relative width below which a side is not bisected
 class BoxSearch(NamedTuple):
     """State of a subdivision, changed by `certify_box`: boxes wait in line, each half as large as the one it came from.
 
-    ``counts``: boxes examined; boxes waiting and where the first of them is; parts proved quiet, proved growing (single
-    points found on the way count as parts), given up (too small to be bisected); the mode that grows in the growing
-    example, 0 where there is none.
+    ``counts``: boxes examined; boxes waiting and where the first of them is; parts proved stable, proved unstable
+    (single points found on the way count as parts), given up (too small to be bisected); the mode that grows in the
+    unstable example, 0 where there is none.
     """
 
-    boxes: NDArray[np.float64]  # (n, 8, 2): still to be examined, in a ring
-    pending: NDArray[np.int64]  # (n, 1 + listed): how many modes are not proved quiet, which; -1, first: too many
-    shares: NDArray[np.float64]  # (n + 3,): of the volume proved quiet, growing, and given up; then of each box
-    counts: NDArray[np.int64]  # (7,)
-    examples: NDArray[np.float64]  # (2, 8, 2): proved quiet and proved growing; NaN where there is none
+    boxes: Floats  # (n, 8, 2): still to be examined, in a ring
+    pending: Ints  # (n, 1 + listed): how many modes are not proved stable, which; -1, first: too many
+    shares: Floats  # (n + 3,): of the volume proved stable, unstable, and given up; then of each box
+    counts: Ints  # (7,)
+    examples: Floats  # (2, 8, 2): proved stable and proved unstable; NaN where there is none
     last: int  # modes 1 to this are looked at
 
 
-def box_search(box: NDArray[np.float64], last: int, max_boxes: int) -> BoxSearch:
+def box_search(box: Floats, last: int, max_boxes: int) -> BoxSearch:
     """Return the beginning of a subdivision of a box, shape (8, 2), which may come to ``max_boxes`` boxes.
 
     Its fields are the first arguments of `certify_box`.
@@ -199,12 +199,12 @@ def aim(box: Any, mode: int, point: Any) -> None:
 
 
 @kernel
-def _quiet(box: Any, last: int, tolerance_low: float, tolerance_high: float) -> bool:
-    """Return whether modes 1 to ``last`` are proved quiet."""
-    quiet = 0
-    while quiet < last and status_of_mode(box, quiet + 1, tolerance_low, tolerance_high) == QUIET:
-        quiet += 1
-    return quiet == last
+def _are_stable(box: Any, last: int, tolerance_low: float, tolerance_high: float) -> bool:
+    """Return whether modes 1 to ``last`` are proved stable."""
+    mode = 1
+    while mode <= last and status_of_mode(box, mode, tolerance_low, tolerance_high) == STABLE:
+        mode += 1
+    return mode > last
 
 
 @kernel
@@ -229,14 +229,14 @@ def certify_box(
 ) -> bool:
     """Examine up to ``steps`` boxes of a `BoxSearch`, and return whether it goes on: call again.
 
-    It ends when no box is left, when there is no room for more, or when one has been proved quiet and one growing.
-    ``shares``, ``counts`` and ``examples`` then tell the answer: all quiet where no part was proved growing, given up
-    or is waiting, and so on.  "Quiet" is said of modes 1 to ``last``; `tail_modes` covers the others.
+    It ends when no box is left, when there is no room for more, or when one has been proved stable and one unstable.
+    ``shares``, ``counts`` and ``examples`` then tell the answer: all is stable where no part was proved unstable, given
+    up or is waiting, and so on.  "Stable" is said of modes 1 to ``last``; `tail_modes` covers the others.
     """
     room = len(boxes)
     point = np.empty((8, 2))
     for _ in range(steps):
-        if counts[WAITING] == 0 or (counts[QUIET_PARTS] > 0 and counts[GROWING_PARTS] > 0):
+        if counts[WAITING] == 0 or (counts[STABLE_PARTS] > 0 and counts[UNSTABLE_PARTS] > 0):
             return False
         if counts[WAITING] + 2 > room:
             return False
@@ -250,10 +250,10 @@ def certify_box(
         for i in range(listed if listed >= 0 else last - first + 1):
             mode = pending[here, 1 + i] if listed >= 0 else first + i
             status = status_of_mode(box, mode, tolerance_low, tolerance_high)
-            if status == GROWS:
+            if status == UNSTABLE:
                 grows = mode
                 break
-            if status == UNKNOWN:
+            if status == UNDECIDED:
                 left += 1
                 if left == 1:
                     undecided = mode
@@ -265,11 +265,11 @@ def certify_box(
         share = shares[3 + here]
         if grows > 0 or left == 0:
             kind = 1 if grows > 0 else 0
-            if counts[QUIET_PARTS + kind] == 0:
+            if counts[STABLE_PARTS + kind] == 0:
                 _copy(box, examples, kind)
                 if grows > 0:
                     counts[GROWING_MODE] = grows
-            counts[QUIET_PARTS + kind] += 1
+            counts[STABLE_PARTS + kind] += 1
             shares[kind] += share
             continue
         row = _side_to_bisect(box, undecided)
@@ -278,17 +278,17 @@ def certify_box(
             shares[2] += share
             continue
         now_and_then = counts[DONE] & (counts[DONE] - 1) == 0  # 1, 2, 4, 8, ...
-        if now_and_then and counts[QUIET_PARTS] == 0:
+        if now_and_then and counts[STABLE_PARTS] == 0:
             for end in range(2):
                 _at(box, float(end), 0.0, point)
-                if _quiet(point, last, tolerance_low, tolerance_high):
-                    counts[QUIET_PARTS] = 1
+                if _are_stable(point, last, tolerance_low, tolerance_high):
+                    counts[STABLE_PARTS] = 1
                     _copy(point, examples, 0)
                     break
-        if now_and_then and counts[GROWING_PARTS] == 0:
+        if now_and_then and counts[UNSTABLE_PARTS] == 0:
             aim(box, undecided, point)
-            if status_of_mode(point, undecided, tolerance_low, tolerance_high) == GROWS:
-                counts[GROWING_PARTS] = 1
+            if status_of_mode(point, undecided, tolerance_low, tolerance_high) == UNSTABLE:
+                counts[UNSTABLE_PARTS] = 1
                 counts[GROWING_MODE] = undecided
                 _copy(point, examples, 1)
         middle = 0.5 * (box[row, 0] + box[row, 1])
@@ -350,12 +350,12 @@ def certify_cells(
         start_search(boxes, pending, shares, counts, examples, last)
         certify_box(boxes, pending, shares, counts, examples, last, tolerance_low, tolerance_high, max_boxes)
         rest = counts[WAITING] + counts[OPEN_PARTS]
-        others = bound <= max(tolerance_low, smallest)  # the modes not looked at are quiet
-        if counts[GROWING_PARTS] > 0 and counts[QUIET_PARTS] > 0 and others:
+        others = bound <= max(tolerance_low, smallest)  # the modes not looked at are stable
+        if counts[UNSTABLE_PARTS] > 0 and counts[STABLE_PARTS] > 0 and others:
             out[i] = 2
-        elif counts[GROWING_PARTS] == 0 and rest == 0 and others:
+        elif counts[UNSTABLE_PARTS] == 0 and rest == 0 and others:
             out[i] = 1
-        elif counts[QUIET_PARTS] == 0 and rest == 0:
+        elif counts[STABLE_PARTS] == 0 and rest == 0:
             out[i] = 0
         else:
             out[i] = -1

@@ -18,7 +18,8 @@ from typing import Any
 
 from floquetrod._util.compilation import kernel
 from floquetrod.floquet.proof.kernels.intervals import Pair, down, multiply, square, up
-from floquetrod.floquet.proof.kernels.regions_modes import UNKNOWN, mode_status
+from floquetrod.floquet.proof.kernels.regions_modes import mode_status
+from floquetrod.floquet.status import UNDECIDED
 
 MEAN, AMPLITUDE, FREQUENCY, BENDING, PUSH, SWING, HELD, DAMPING = range(8)
 """Rows of a box."""
@@ -178,7 +179,7 @@ def status_of_mode(box: Any, mode: int, tolerance_low: float, tolerance_high: fl
         bend = multiply(side(box, PUSH), side(box, HELD))
         force = down(box[MEAN, 0] - box[AMPLITUDE, 1]), up(box[MEAN, 1] + box[AMPLITUDE, 1])
         if not down(box[SWING, 0] + multiply(bend, force)[0]) > 0.0:
-            return UNKNOWN
+            return UNDECIDED
     kappa, p = mode_box(box, mode)
     low = max(0.0, down(box[DAMPING, 0] + tolerance_low)) if box[DAMPING, 0] > 0.0 else tolerance_low
     high = up(box[DAMPING, 1] + tolerance_high) if box[DAMPING, 1] > 0.0 else tolerance_high

@@ -12,9 +12,7 @@ import math
 from floquetrod._util.compilation import kernel
 from floquetrod.floquet.proof.kernels.intervals import PI_HIGH, PI_LOW, Pair, down, sinh_squared, up
 from floquetrod.floquet.proof.kernels.regions_excess import excess
-
-QUIET, GROWS, UNKNOWN = 1, 0, -1
-"""Answers: every point of the box grows at no more than the level; every one faster; neither is proved."""
+from floquetrod.floquet.status import STABLE, UNDECIDED, UNSTABLE
 
 _ROWS = 20_000  # rows of a chain after which nothing is concluded
 
@@ -124,8 +122,8 @@ def mode_status(kappa: Pair, p: Pair, omega: Pair, level: Pair) -> int:
     Returns
     -------
     int
-        `QUIET`: every solution of every equation of the box grows at no more than the lower level, and where that is 0
-        is bounded.  `GROWS`: each has a solution that grows faster than the upper.  `UNKNOWN`: not proved, or an
+        `STABLE`: every solution of every equation of the box grows at no more than the lower level, and where that is 0
+        is bounded.  `UNSTABLE`: each has a solution that grows faster than the upper.  `UNDECIDED`: not proved, or an
         argument is not finite.
     """
     kappa_low, kappa_high = kappa
@@ -135,29 +133,29 @@ def mode_status(kappa: Pair, p: Pair, omega: Pair, level: Pair) -> int:
     if not (
         kappa_low <= kappa_high and 0.0 <= p_low <= p_high and 0.0 < slow <= fast and 0.0 <= level_low <= level_high
     ):
-        return UNKNOWN
+        return UNDECIDED
     if not up(abs(kappa_low) + abs(kappa_high) + p_high + fast + level_high) < math.inf:
-        return UNKNOWN
+        return UNDECIDED
     if p_high == 0.0:
         if kappa_low > 0.0 or (level_low > 0.0 and -kappa_low <= down(level_low * level_low)):
-            return QUIET
-        return GROWS if kappa_high < 0.0 and -kappa_high > up(level_high * level_high) else UNKNOWN
+            return STABLE
+        return UNSTABLE if kappa_high < 0.0 and -kappa_high > up(level_high * level_high) else UNDECIDED
     if level_low > 0.0:
         lifted = down(kappa_low + max(0.0, down(level_low * level_low)))
         if flux_bound(lifted, p_high, slow, fast, level_low) <= level_low:
-            return QUIET
+            return STABLE
     if kappa_low > p_high and math.sqrt(kappa_high) - math.sqrt(kappa_low) > 0.5 * fast + math.sqrt(kappa_low) * (
         fast / slow - 1.0
     ):
-        return UNKNOWN  # more than two tongues wide: no verdict can be the same everywhere, or only by `flux_bound`
+        return UNDECIDED  # more than two tongues wide: no verdict can be the same everywhere, or only by `flux_bound`
     middle = 0.5 * (p_low + p_high)
     shift = up(max(p_high - middle, middle - p_low))
     least = exact_count(down(kappa_low - shift), middle, fast, True)
     if least >= 0 and least == exact_count(up(kappa_high + shift), middle, slow, False):
         if least % 2 == 1:
-            return QUIET
+            return STABLE
         if level_high == 0.0:
-            return GROWS
+            return UNSTABLE
     return _by_excess(kappa, p, omega, level)
 
 
@@ -180,7 +178,7 @@ def _by_excess(kappa: Pair, p: Pair, omega: Pair, level: Pair) -> int:
         one = min(a[1], up(-1.0 - b[0]))
         other = min(b[1], up(-1.0 - a[0]))
         if (one < 0.0 and other < 0.0) or max(one, other) < few:
-            return QUIET
+            return STABLE
         if max(a[0], down(-1.0 - b[1])) > many or max(b[0], down(-1.0 - a[1])) > many:
-            return GROWS
-    return UNKNOWN
+            return UNSTABLE
+    return UNDECIDED

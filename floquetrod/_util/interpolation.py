@@ -1,0 +1,34 @@
+"""Polynomials through values at places: Chebyshev's points, and any others where they are few."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from floquetrod._util.arrays import Floats
+
+
+def chebyshev_points(count: int) -> Floats:
+    """Return Chebyshev's points from -1 to 1 (count,), both ends among them, in increasing order."""
+    return -np.cos(math.pi * np.arange(count) / (count - 1))
+
+
+def chebyshev_weights(count: int, at: Floats) -> Floats:
+    """Return the weights (p, count) that values at Chebyshev's points have in the polynomial, at places (p,).
+
+    J.-P. Berrut and L. N. Trefethen, SIAM Review 46 (2004) 501, doi:10.1137/S0036144502417715, equation (4.2).
+    """
+    weights = np.resize([1.0, -1.0], count)
+    weights[[0, -1]] *= 0.5
+    gaps = at[:, None] - chebyshev_points(count)
+    met = gaps == 0.0
+    ratios = weights / np.where(met, 1.0, gaps)
+    return np.asarray(np.where(met.any(axis=1, keepdims=True), met, ratios / ratios.sum(axis=1, keepdims=True)))
+
+
+def lagrange_weights(places: Floats, at: float) -> Floats:
+    """Return the weights (n,) that values at a few places (n,) have, at another; NaN where two of them coincide."""
+    every = places.tolist()
+    ratios = ([(at - b) / (a - b or math.nan) for j, b in enumerate(every) if j != i] for i, a in enumerate(every))
+    return np.array([math.prod(each, start=1.0) for each in ratios])
