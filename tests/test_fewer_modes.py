@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import sys
 
 import numpy as np
@@ -9,6 +10,7 @@ import pytest
 
 import floquetrod as fr
 from coupled_cases import TUBING
+from floquetrod.floquet.methods.system_half_period import half_period, solved_pairs
 from floquetrod.floquet.methods.system_monodromy import monodromy, solved_many
 from floquetrod.rod.loads.load import Load, Loads
 from floquetrod.rod.mode_equations.coupled_systems import CoupledEquations
@@ -78,3 +80,45 @@ def test_long_rods_are_judged_once_and_followed_once(monkeypatch: pytest.MonkeyP
     assert asked == [count, fewer]
     assert whole.growth_rate == found.growth_rate
     assert whole.convergence[0][1] == pytest.approx(first, abs=1e-9)
+
+
+def test_the_growth_of_fewer_modes_of_an_even_system_is_that_of_their_own_verdict() -> None:
+    load = fr.AxialWave.hertz(0.4 * UNIT, 0.3 * UNIT, 4.0)
+    many = STRING.modes_under(load).in_modes(COUNT).system(Loads.single(load))
+    freed = many.undamped
+    assert freed is not None
+    assert freed[0].is_even
+    solved = solved_pairs(many)
+    fastest = Fastest.of(solved, freed)
+    assert fastest is not None
+    assert fastest.rate_with(COUNT) == pytest.approx(solved.verdict.growth_rate, abs=1e-9)
+    fewer = STRING.modes_under(load).in_modes(FEWER).system(Loads.single(load))
+    assert fastest.rate_with(FEWER) == pytest.approx(half_period(fewer).growth_rate, abs=1e-7)
+    assert fastest.rate_with(8) is None  # its modes are not among them
+
+
+@pytest.mark.parametrize("start", [0.0, 0.3])
+@pytest.mark.parametrize(("epsilon", "complex_pair"), [(0.3, False), (0.6, True)])
+def test_the_fastest_solution_is_one_of_the_map(start: float, epsilon: float, complex_pair: bool) -> None:
+    """From the instant of evenness on, growing by a real or a complex multiplier (a combination of two modes)."""
+    mean = np.array([[1.0, 0.2, 0.0], [0.2, 4.1, 0.3], [0.0, 0.3, 9.3]])
+    coupled = np.array([[0.0, 1.0, 0.0], [1.0, 0.0, 0.5], [0.0, 0.5, 0.0]]) if complex_pair else np.eye(3)
+    omega = 3.0 if complex_pair else 2.0
+    system = fr.HillSystem(
+        mean,
+        [epsilon * math.cos(omega * start) * coupled],
+        [epsilon * math.sin(omega * start) * coupled],
+        period=2.0 * math.pi / omega,
+    )
+    form = system.even_form
+    assert form is not None
+    found = solved_pairs(system).fastest()
+    assert found is not None
+    mu, error, state, partner = found
+    assert abs(mu) > 1.05
+    assert (abs(mu.imag) > 1e-3) is complex_pair
+    assert error < 1e-9
+    shifted = fr.HillSystem(mean, list(form.amplitudes), period=system.period)
+    whole = fr.stability(shifted).monodromy.matrix
+    assert np.abs(whole @ state - mu * state).max() < 1e-9 * np.abs(state).max() * abs(mu)
+    assert np.abs(whole @ partner - partner / np.conj(mu)).max() < 1e-9 * np.abs(partner).max()

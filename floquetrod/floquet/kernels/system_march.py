@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
-from typing import Self
+from typing import Any, Self
 
 import numpy as np
+from numpy.typing import NDArray
 
 from floquetrod._util.arrays import Floats
 from floquetrod._util.content import ByContent
@@ -36,7 +37,7 @@ class March(ByContent):
         n, omega = len(parts.rates), 2.0 * math.pi / period
         g = np.empty(n)
         size, slow, _ = balance(parts.rates, np.abs(np.reshape(parts.matrices, (-1, n, n))), omega, g)
-        phase = period * math.sqrt(coefficient_bound(size, parts.norms, 1, 0.0))
+        phase = max(period * math.sqrt(coefficient_bound(size, parts.norms, 1, 0.0)), 2.0 * math.pi * len(parts.norms))
         segments = math.ceil(min(phase / _REACH, 1e9))
         if not 0 < segments <= _MOST_SEGMENTS:
             return None
@@ -44,7 +45,7 @@ class March(ByContent):
         powers = (parts.orders[:, None] * (omega * h)) ** index / np.cumprod(np.maximum(index, 1.0))
         turns = 2.0 * parts.orders * np.arange(segments)[:, None] / segments + parts.turns
         factors = np.cos(math.pi * turns[..., None] + 0.5 * math.pi * index) * powers
-        dropped = accuracy * slow / (period * LEVELS * len(parts.matrices))
+        dropped = accuracy * slow / (period * LEVELS * max(1, len(parts.matrices)))
         blocks = [split(matrix, dropped) for matrix in parts.matrices]
         return cls(parts, g, blocks, factors, h, len(index) - 1)._shortened(start, accuracy)
 
@@ -62,6 +63,16 @@ class March(ByContent):
             return None
         rounding = ROUNDING * self.terms * math.exp(_REACH) * len(self.factors)
         return replace(self, terms=int(enough[0]) - 1, error=2.0 * accuracy + rounding)
+
+    def motion(self, states: NDArray[Any]) -> NDArray[Any]:
+        """Return (u, u') of states (v, p), (2 n, ...)."""
+        q, (positions, momenta) = self.parts.basis, np.split(states, 2)
+        return np.concatenate([q @ (positions.T / self.scaling).T, q @ (momenta.T * self.scaling).T])
+
+    def states(self, motion: NDArray[Any]) -> NDArray[Any]:
+        """Return the states (v, p), (2 n, ...), of motion (u, u')."""
+        q, (positions, velocities) = self.parts.basis, np.split(motion, 2)
+        return np.concatenate([((q.T @ positions).T * self.scaling).T, ((q.T @ velocities).T / self.scaling).T])
 
     def _entered(self, states: Floats) -> Floats:
         """Return u and h u' of states (v, p), (2, n, q)."""

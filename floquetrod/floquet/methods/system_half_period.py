@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from fractions import Fraction
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -13,10 +13,13 @@ from floquetrod._util.arrays import Complexes
 from floquetrod.equations import HillSystem, PeriodicSystem
 from floquetrod.equations import pieces as by_pieces
 from floquetrod.floquet import registry
+from floquetrod.floquet.pairs import logarithms
 from floquetrod.floquet.systems import even, spectra, whole
 from floquetrod.floquet.systems.classification import classify_pairs, too_long, undamped_pairs
 from floquetrod.floquet.systems.result import SystemStability
 from floquetrod.floquet.verdict import Cost
+
+_COST = Cost(1, "half period")
 
 
 def half_period(system: HillSystem | PeriodicSystem, *, rtol: float = 1e-12) -> SystemStability:
@@ -46,23 +49,55 @@ def half_period(system: HillSystem | PeriodicSystem, *, rtol: float = 1e-12) -> 
     """
     if needed := registry.refusal(system, "half_period"):
         raise ValueError(needed)
+    return solved_pairs(system, rtol).verdict
+
+
+class SolvedPairs(NamedTuple):
+    """The verdict on an even system, and the solutions it rests upon, without damping; None where there are none."""
+
+    verdict: SystemStability
+    discs: spectra.Discs | None = None  # numbers y of the pairs
+    pairs: even.PairMatrices | None = None
+
+    def fastest(self) -> tuple[complex, float, Complexes, Complexes] | None:
+        """Return the largest multiplier, its error, and (u, u') at an instant of evenness of its solution and partner.
+
+        The partner decays by 1 / conj(mu): the same solution backwards.  p = 4 A^T C v / (mu - 1 / mu), v the
+        eigenvector.  None where the multipliers could not be computed.
+        """
+        if self.discs is None or self.pairs is None:
+            return None
+        logs = logarithms(self.discs.values)
+        i = int(np.abs(logs.real).argmax())
+        mu = complex(np.exp(logs[i] if logs[i].real > 0.0 else -logs[i]))
+        if mu * mu == 1.0:
+            return None
+        vector, basis = self.discs.right[:, i], self.pairs.basis[0]
+        momentum = 4.0 / (mu - 1.0 / mu) * (self.pairs.form[0] @ vector)
+        position, velocity = basis @ vector, np.linalg.solve(basis.T, momentum)
+        error = float(self.discs.radii[i]) * abs(4.0 * mu / (mu - 1.0 / mu))  # as mu + 1 / mu = 2 + 4 y
+        return mu, error, np.concatenate([position, velocity]), np.concatenate([position, -velocity]).conj()
+
+
+def solved_pairs(system: HillSystem | PeriodicSystem, rtol: float = 1e-12) -> SolvedPairs:
+    """Classify an even system, as `half_period` does, and keep the solutions."""
     subject: Any = (undamped_pairs(system) or (None,))[0]
     rtol = validate.within("rtol", rtol, 1e-15, 0.1)
     seconds, pair_matrices = _in_pieces(subject, rtol) if subject.pieces else _of_series(subject, rtol)
     refused = too_long(system, "half_period", seconds)
     if refused is not None:
-        return refused
+        return SolvedPairs(refused)
     found = pair_matrices()
     discs = spectra.eigenvalue_discs(found.matrix[0], float(found.error[0]))
     if discs is None or not found.symmetric:
-        return classify_pairs(system, "half_period", discs, cost=Cost(1, "half period"))
+        return SolvedPairs(classify_pairs(system, "half_period", discs, cost=_COST))
     form = -found.form[0]
 
     def times(vectors: Complexes) -> Complexes:
         return np.asarray(form @ vectors.real + 1j * (form @ vectors.imag))  # no complex copy of the form
 
     krein = spectra.Signs(discs, times, spectra.spectral_norm(form), float(found.form_error[0]))
-    return classify_pairs(system, "half_period", discs, krein=krein, cost=Cost(1, "half period"))
+    return SolvedPairs(classify_pairs(system, "half_period", discs, krein=krein, cost=_COST), discs, found)
 
 
 def _of_series(system: HillSystem, rtol: float) -> tuple[float, Callable[[], even.PairMatrices]]:

@@ -110,12 +110,20 @@ class SolvedMany(NamedTuple):
     discs: spectra.Discs | None  # multipliers and eigenvectors (v, p) of the map
     basis: Floats  # (n, n), u = basis v and u' = basis^-T p
 
-    def state(self, i: int) -> Complexes:
-        """Return (u, u') at the beginning of the period, (2 n,), of the solution with the i-th multiplier."""
+    def fastest(self) -> tuple[complex, float, Complexes, Complexes] | None:
+        """Return the largest multiplier, its error, and (u, u') at the beginning of its solution and of its partner.
+
+        The partner decays by 1 / conj(mu).  None where the multipliers could not be computed.
+        """
         if self.discs is None:
-            raise ValueError("multipliers could not be computed")
-        positions, momenta = np.split(self.discs.right[:, i], 2)
-        return np.concatenate([self.basis @ positions, np.linalg.solve(self.basis.T, momenta)])
+            return None
+        values = self.discs.values
+        i = int(np.abs(values).argmax())
+        mu = complex(values[i])
+        partner = int(np.abs(values * np.conj(mu) - 1.0).argmin())
+        positions, momenta = np.split(self.discs.right[:, [i, partner]], 2)
+        states = np.concatenate([self.basis @ positions, np.linalg.solve(self.basis.T, momenta)])
+        return mu, float(self.discs.radii[i]), states[:, 0], states[:, 1]
 
 
 def solved_many(system: HillSystem | PeriodicSystem, rtol: float = 1e-12) -> SolvedMany | None:

@@ -23,6 +23,7 @@ class PairMatrices(NamedTuple):
     form: Floats  # (b, n, n), with which it is self-adjoint, negative on eigenvectors of Krein sign +1; symmetric
     form_error: Floats  # (b,), its error, in the 2-norm
     symmetric: bool  # whether the stiffness is; else there is no form
+    basis: Floats  # (b, n, n), u = basis v of the eigenvectors v
 
 
 def seconds_needed(stiffness: Any, amplitudes: Any, period: Any) -> Floats:
@@ -127,7 +128,11 @@ def _numbers(half: HalfPeriodMap, error: Floats, left: Floats, left_error: Float
     """Return the matrices that follow from maps over half a period and the upper right blocks of their inverses."""
     form, form_slip = products(np.swapaxes(half.a, -1, -2), error, half.c, error)
     return PairMatrices(
-        *products(left, left_error, half.c, error), 0.5 * (form + np.swapaxes(form, -1, -2)), form_slip, half.symmetric
+        *products(left, left_error, half.c, error),
+        0.5 * (form + np.swapaxes(form, -1, -2)),
+        form_slip,
+        half.symmetric,
+        half.basis,
     )
 
 

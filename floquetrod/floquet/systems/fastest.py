@@ -189,8 +189,8 @@ def fast_solutions(system: HillSystem, damping: float) -> FastSolutions | None:
             found = _sharpened(found[0], limit, *_condition(spectrum, space, partner, march.error)), found[1]
         if found is not None and _is_sharp(found[0], limit):
             state = space.basis @ spectrum.vectors[:, spectrum.fastest]
-            other = None if partner is None else _state(march, partner)
-            return FastSolutions(*found, None if partner is None else _state(march, state), other, columns)
+            other = None if partner is None else march.motion(partner)
+            return FastSolutions(*found, None if partner is None else march.motion(state), other, columns)
         residual = _residual(spectrum, space)
         for _ in range(max(_EVERY, columns // (8 * _COLUMNS))):
             space = _longer(march, space, residual)
@@ -265,13 +265,6 @@ def _alone(parts: Parts, march: March, period: float, window: slice) -> tuple[Fl
     partner = states[:, np.abs(values * np.conj(fastest) - 1.0).argmin()]
     growing = states[:, (np.abs(values) > abs(fastest) ** _GROWING) & (values.imag >= 0.0)]
     return np.hstack([growing.real, growing.imag[:, growing.imag.any(axis=0)]]), partner
-
-
-def _state(march: March, state: Complexes) -> Complexes:
-    """Return (u, u') of (v, p)."""
-    n, g = len(march.scaling), march.scaling
-    q = march.parts.basis
-    return np.concatenate([q @ (state[:n] / g), q @ (state[n:] * g)])
 
 
 def _least(rows: int) -> float:

@@ -16,6 +16,7 @@ from floquetrod._util.report import number
 from floquetrod.equations import HillSystem
 from floquetrod.equations.pieces import of_batch
 from floquetrod.floquet.dispatch import judge, stability
+from floquetrod.floquet.methods.system_half_period import solved_pairs
 from floquetrod.floquet.methods.system_monodromy import solved_many
 from floquetrod.floquet.systems.classification import undamped_pairs
 from floquetrod.floquet.systems.damping import least_damping
@@ -39,6 +40,7 @@ from floquetrod.rod.modes.mode_model import ModeModel
 
 _LEFT_OUT = 5.0  # error over the change from 5/6 or 9/10 of the modes: 2.3 or 4.3 where it falls as n^-2 (an estimate)
 _LEFT_OUT_BY_MORE = 3.0  # the same from 7/9 and less: 1.5 where it falls as n^-2
+_SEVERAL = 24  # modes from which following a solution takes less time than another verdict (measured)
 _LONG = 200  # modes from which a verdict takes seconds, so that no more are taken than matter
 _ENLARGEMENTS = 3  # times that more modes are taken while two numbers of them disagree (a choice)
 _SHAPE_POINTS, _SHAPE_INSTANTS = 12, 48  # for each mode, and in a period
@@ -305,7 +307,7 @@ def _trials(
 
     def add(modes: int, place: int, known: int) -> None:
         chosen = model.in_modes(modes)
-        fewer = found[0].with_fewer(chosen) if found and place == 0 else None
+        fewer = found[-1].with_fewer(chosen) if place < len(found) else None
         found.insert(place, fewer or _WithModes.of(chosen, load, found[-1].system if place < len(found) else None))
         if progress is not None:
             progress(len(found), max(known, len(found)))
@@ -313,14 +315,14 @@ def _trials(
     if count is not None:
         add(count, 0, 1)
         return found
-    last = _modes_to_begin_with(model, load, growth_tolerance)
+    last, fewer = _modes_to_begin_with(model, load, growth_tolerance)
     add(last, 0, 2)
     first = found[-1]
     needed = _more_needed(model, load, first, growth_tolerance)
     if needed:
         add(needed, 1, 2)
     else:
-        add(last - max(2, last // _share(model, last)), 0, 2)
+        add(fewer, 0, 2)
     middle = (found[0].modes.count + found[1].modes.count) // 2
     if model.rod.course.breaks and middle > found[0].modes.count:
         add(middle, 1, 3)
@@ -374,22 +376,34 @@ def _more_needed(model: ModeModel, load: Load, trial: _WithModes, growth_toleran
     return min(max(needed, count + max(2, count // 9)), MOST_COUPLED) if needed > count else 0
 
 
-def _modes_to_begin_with(model: ModeModel, load: Load, growth_tolerance: float) -> int:
-    """Return how many modes to take; of long strings only those that may grow a quarter as fast as the fastest."""
+def _modes_to_begin_with(model: ModeModel, load: Load, growth_tolerance: float) -> tuple[int, int]:
+    """Return how many modes to take, of long strings only those that may grow a quarter as fast as the fastest.
+
+    And how many of these the second trial takes.  Where something is expected to grow these few, which hold it, so that
+    it can be followed; the first trial then takes more.
+    """
     rod, loads = model.rod, Loads.single(load)
     uniform = require_few(rod, load, loads, growth_tolerance)
     every, _ = constants_under(rod, uniform.mean).modes_needed(uniform, growth_tolerance)
     if every <= _LONG:
-        return model.count_for(loads, growth_tolerance)
-    fastest = float(ModalSystems(constants_under(rod, uniform.mean), Loads.single(uniform)).fastest(1)[0][0])
-    return model.count_for(loads, max(growth_tolerance, 0.25 * fastest))
+        last, fastest = model.count_for(loads, growth_tolerance), 0.0
+    else:
+        fastest = float(ModalSystems(constants_under(rod, uniform.mean), Loads.single(uniform)).fastest(1)[0][0])
+        last = model.count_for(loads, max(growth_tolerance, 0.25 * fastest))
+    share = _share(model, last)
+    if fastest > growth_tolerance and last <= _LONG and not has_polynomials(rod.end_conditions, last):
+        return last + max(2, last // 9), last
+    return last, last - max(2, last // share)
 
 
 def _judged(system: HillSystem) -> tuple[SystemStability, Fastest | None]:
     """Return the verdict on many equations, and the fastest solution where it is known."""
     freed = system.undamped
-    if freed is None or freed[0].is_even:
+    if freed is None or freed[0].structure != "hamiltonian":
         return stability(system), None
+    if freed[0].is_even:
+        pairs = solved_pairs(system)
+        return judge(system, pairs.verdict), Fastest.of(pairs, freed)
     fast = fast_solutions(*freed)
     verdict = None if fast is None else fast.verdict(system)
     if fast is not None and verdict is not None and verdict.status != "undecided":
@@ -417,7 +431,7 @@ class _WithModes(NamedTuple):
     def of(cls, modes: CoupledEquations, load: Load, larger: HillSystem | None) -> _WithModes:
         """Return the verdict with some modes; ``larger`` is the system of more of them, if it is known."""
         system = first_of(larger, modes.size) if larger and modes.are_nested else modes.system(Loads.single(load))
-        whole, fastest = _judged(system) if modes.count > _LONG and modes.are_nested else (stability(system), None)
+        whole, fastest = _judged(system) if modes.count > _SEVERAL and modes.are_nested else (stability(system), None)
         # Where solutions come in pairs only the one that decays more slowly matters of each: the error of the other's
         # multiplier may exceed it, where the first one grows fast.
         slower = slice(len(whole.exponents) // (2 if undamped_pairs(system) else 1))
