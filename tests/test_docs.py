@@ -330,7 +330,6 @@ def docstrings() -> Iterator[tuple[str, bool, str]]:
                 yield f"{path.name}, {node.name}", not decorators.isdisjoint({"property", "cached_property"}), text
 
 
-@pytest.mark.slow
 def test_docstrings_are_shown_as_they_are_written() -> None:
     for place, is_property, text in docstrings():
         assert not (is_property and ":" in text.splitlines()[0]), f"{place}: what precedes a colon would be its type"

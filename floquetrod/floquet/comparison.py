@@ -64,7 +64,7 @@ class Comparison(Reported, NoTruthValue):
 
     @property
     def references(self) -> tuple[str, ...]:
-        """Publications to cite, in plain text with DOI: floquetrod first, then the sources of the methods used."""
+        """Publications to cite, in plain text with DOI, floquetrod first, then the sources of the methods used."""
         return united(*(result.references for result in self.results))
 
     def report(self) -> Report:

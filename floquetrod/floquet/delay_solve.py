@@ -64,7 +64,7 @@ class DelaySolution(ByContent):
 
     @property
     def references(self) -> tuple[str, ...]:
-        """Publications to cite, in plain text with DOI: floquetrod first, then the sources of the methods used."""
+        """Publications to cite, in plain text with DOI, floquetrod first, then the sources of the methods used."""
         return references(("delays", "solve"))
 
     def __call__(self, time: Any, derivative: int = 0) -> Any:

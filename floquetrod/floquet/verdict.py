@@ -221,7 +221,7 @@ class FloquetVerdict(ByContent, Reported, Verdict):
 
     @property
     def references(self) -> tuple[str, ...]:
-        """Publications to cite, in plain text with DOI: floquetrod first, then the sources of the methods used."""
+        """Publications to cite, in plain text with DOI, floquetrod first, then the sources of the methods used."""
         return references(*used_on(self.equation, self.method))
 
     @property

@@ -144,7 +144,7 @@ class PeriodicOrbit(ByContent, Printed, NoTruthValue):
 
     @property
     def references(self) -> tuple[str, ...]:
-        """Publications to cite, in plain text with DOI: floquetrod first, then the sources of the methods used."""
+        """Publications to cite, in plain text with DOI, floquetrod first, then the sources of the methods used."""
         return references(("orbit", "collocation"), ("system", "segmented"))
 
     def plot(self, ax: Any = None) -> Any:

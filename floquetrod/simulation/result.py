@@ -74,7 +74,7 @@ class RecordedMotion(NoTruthValue, ByContent):
 
     @property
     def references(self) -> tuple[str, ...]:
-        """Publications to cite, in plain text with DOI: floquetrod first, then the sources of the methods used."""
+        """Publications to cite, in plain text with DOI, floquetrod first, then the sources of the methods used."""
         return references(("rod", "model"))
 
     @property

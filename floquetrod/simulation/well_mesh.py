@@ -142,7 +142,7 @@ class RodInWell(DiscreteRod):
 
     @property
     def _pressed_at_rest(self) -> float:
-        """Measure of the energy of contact at rest: none along the axis."""
+        """Measure of the energy of contact at rest, none along the axis."""
         return 0.0
 
     def _raised(self, driving: Driving, places: Floats, cartesian: Floats, share: Floats) -> float:

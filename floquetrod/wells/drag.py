@@ -149,7 +149,7 @@ class Shaking:
 
     @property
     def divided(self) -> Floats:
-        """Length in m that is divided into cells: that of a wave, or less, since friction changes along long ones."""
+        """Length in m that is divided into cells, that of a wave or less, since friction changes along long ones."""
         return np.minimum(self.length, _DIVIDED)
 
     def left(self, speed: Floats) -> Floats:

@@ -117,7 +117,7 @@ class RegionProof(Reported, NoTruthValue):
 
     @property
     def references(self) -> tuple[str, ...]:
-        """Publications to cite, in plain text with DOI: floquetrod first, then the sources of the methods used."""
+        """Publications to cite, in plain text with DOI, floquetrod first, then the sources of the methods used."""
         return references(*self._used, *((("rod", "model"),) if self._is_of_rods else ()))
 
     @property

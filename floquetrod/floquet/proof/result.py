@@ -66,7 +66,7 @@ class Proof(Reported, Answer):
 
     @property
     def references(self) -> tuple[str, ...]:
-        """Publications to cite, in plain text with DOI: floquetrod first, then the sources of the methods used."""
+        """Publications to cite, in plain text with DOI, floquetrod first, then the sources of the methods used."""
         return references(*used_on(self.equation, "certify"))
 
     def report(self) -> Report:

@@ -220,7 +220,7 @@ class RodStability(Reported, Verdict):
 
     @property
     def references(self) -> tuple[str, ...]:
-        """Publications to cite, in plain text with DOI: floquetrod first, then the sources of the methods used."""
+        """Publications to cite, in plain text with DOI, floquetrod first, then the sources of the methods used."""
         return united(references(("rod", "model")), self.evidence.references)
 
     @property

@@ -97,7 +97,7 @@ class FrictionalRodStability(Reported, Verdict):
 
     @property
     def references(self) -> tuple[str, ...]:
-        """Publications to cite, in plain text with DOI: floquetrod first, then the sources of the methods used."""
+        """Publications to cite, in plain text with DOI, floquetrod first, then the sources of the methods used."""
         return self.linear.references
 
     @property
