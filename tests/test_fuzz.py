@@ -217,10 +217,10 @@ def test_kills_of_stores_can_fail() -> None:
 
 @pytest.mark.slow
 def test_disks_under_ensembles_can_fail(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
-    warned = stores_disk._warn
+    warned = stores_disk.warn
 
     def careless() -> None:
-        monkeypatch.setattr(stores_disk, "_warn", lambda text: [warned(text), warned(text)])
+        monkeypatch.setattr(stores_disk, "warn", lambda text: [warned(text), warned(text)])
         disks.break_os("replace", 1.0, np.random.default_rng(1))
 
     wrong = disks.ensemble(tmp_path / "runs.npz", False, 0, careless)
