@@ -7,10 +7,13 @@ from __future__ import annotations
 
 import multiprocessing
 import os
+import pkgutil
 import signal
 from multiprocessing import forkserver
 from typing import TYPE_CHECKING, Any
 from unittest import mock
+
+import floquetrod
 
 if TYPE_CHECKING:
     from multiprocessing.connection import Connection
@@ -18,7 +21,13 @@ if TYPE_CHECKING:
     import sphinx.application
 
 INLINE = "module://matplotlib_inline.backend_inline"
-IMPORTED = ["ipykernel.kernelapp", "numba", "scipy.linalg", "scipy.optimize", "matplotlib.pyplot", "sympy"]
+OTHERS = ["ipykernel.kernelapp", "numba", "scipy.linalg", "scipy.optimize", "matplotlib.pyplot", "sympy"]
+
+
+def imported() -> list[str]:
+    """Return the modules that are imported once for all kernels: all of the package, and what most pages use."""
+    own = [module.name for module in pkgutil.walk_packages(floquetrod.__path__, "floquetrod.")]
+    return [*OTHERS, *(name for name in own if not name.endswith("__main__"))]
 
 
 class Forked:
@@ -81,7 +90,7 @@ def setup(app: sphinx.application.Sphinx) -> dict[str, bool]:
     from jupyter_client.provisioning import local_provisioner
 
     if "forkserver" in multiprocessing.get_all_start_methods():
-        forkserver.set_forkserver_preload(IMPORTED)
+        forkserver.set_forkserver_preload(imported())
         with mock.patch.dict(os.environ, MPLBACKEND=INLINE):  # as kernels set it before matplotlib is imported
             forkserver.ensure_running()
         local_provisioner.launch_kernel = launch  # type: ignore[assignment]

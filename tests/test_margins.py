@@ -51,5 +51,8 @@ def compare(quantity: Any, rng: np.random.Generator, count: int) -> None:
         if first.high < (here + above) * (1.0 - 1e-8):  # a part that the margin, which has fewer samples, passed over
             gap = ranges.intervals[1].low - first.high if len(ranges.intervals) > 1 else high - first.high
             assert gap <= margin.resolution, question
+        elif first.high > (here + above) * (1.0 + 1e-8):  # one that the ranges passed over
+            beyond = load.varied(quantity, here + above + ranges.resolution)
+            assert rod.stability(beyond, growth_tolerance=verdict.margin_tolerance).status != "unstable", question
         else:
             assert first.high == pytest.approx(here + above, rel=1e-8), question
