@@ -113,6 +113,12 @@ def test_stiffnesses_of_every_size(kind: int, rng: np.random.Generator) -> None:
         ask_everything(random_system(rng, kind))
 
 
+@pytest.mark.parametrize("n", [1, 3])
+def test_what_decays_to_zero_within_a_period_is_stable(n: int) -> None:
+    found = fr.stability(fr.PeriodicSystem(-2000.0 * np.eye(n), [np.eye(n)], period=1.0))
+    assert (found.status, found.growth_rate) == ("stable", 0.0)
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("kind", range(8))
 @pytest.mark.parametrize("seed", range(10))

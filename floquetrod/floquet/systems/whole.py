@@ -56,7 +56,7 @@ def _balance(sizes: Floats, rounds: int) -> Floats:
     return scaling
 
 
-@np.errstate(over="ignore", under="ignore", invalid="ignore")  # of maps that overflow, whose errors are then not finite
+@np.errstate(all="ignore")  # of maps that overflow, whose errors are then not finite, and of those that decay to zero
 def period_maps(
     pieces: PieceArrays, uncertainty: Any, rtol: float, *, paired: bool, workers: int | None = 1
 ) -> PeriodMaps:
