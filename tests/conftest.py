@@ -87,7 +87,7 @@ def pytest_collection(session: pytest.Session) -> Generator[None, object, object
     gc.disable()
     if getattr(session.config, "workerinput", {}).get("backwards"):
         for path in sorted(Path(__file__).parent.glob("test_*.py"), reverse=True):
-            with contextlib.suppress(Exception, pytest.skip.Exception):  # which are told when it is collected
+            with contextlib.suppress(Exception, pytest.skip.Exception):  # told when pytest collects the file
                 importlib.import_module(path.stem)
     try:
         return (yield)

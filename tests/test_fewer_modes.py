@@ -14,7 +14,7 @@ from floquetrod.floquet.methods.system_half_period import half_period, solved_pa
 from floquetrod.floquet.methods.system_monodromy import monodromy, solved_many
 from floquetrod.rod.loads.load import Load, Loads
 from floquetrod.rod.mode_equations.coupled_systems import CoupledEquations
-from floquetrod.rod.modes import coupled_verdict
+from floquetrod.rod.modes import coupled_verdict, fewer_modes
 from floquetrod.rod.modes.fewer_modes import Fastest
 
 STRING = TUBING.replace(length=100.0, damping_rate=0.3, ends="hinged")
@@ -27,6 +27,8 @@ COUNT, FEWER = 44, 36
 def _few_are_many(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(sys.modules[solved_many.__module__], "_MANY", 20)
     monkeypatch.setattr(coupled_verdict, "_LONG", 20)
+    monkeypatch.setattr(coupled_verdict, "_SEVERAL", 20)
+    monkeypatch.setattr(fewer_modes, "_WORTH", 1.0)
 
 
 @pytest.fixture(scope="module")

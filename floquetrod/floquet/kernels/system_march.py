@@ -32,14 +32,19 @@ class March(ByContent):
     error: float = math.inf  # of the map, in the 2-norm, estimated: what more terms would add to states drawn at random
 
     @classmethod
-    def of(cls, parts: Parts, period: float, accuracy: float, start: Floats) -> Self | None:
-        """Return the map with the terms that orthonormal states drawn at random need; None where these are too many."""
+    def of(
+        cls, parts: Parts, period: float, accuracy: float, start: Floats, most: float = _MOST_SEGMENTS
+    ) -> Self | None:
+        """Return the map with the terms that orthonormal states drawn at random need; None where these are too many.
+
+        Or more than ``most`` segments.
+        """
         n, omega = len(parts.rates), 2.0 * math.pi / period
         g = np.empty(n)
         size, slow, _ = balance(parts.rates, np.abs(np.reshape(parts.matrices, (-1, n, n))), omega, g)
         phase = max(period * math.sqrt(coefficient_bound(size, parts.norms, 1, 0.0)), 2.0 * math.pi * len(parts.norms))
         segments = math.ceil(min(phase / _REACH, 1e9))
-        if not 0 < segments <= _MOST_SEGMENTS:
+        if not 0 < segments <= min(most, _MOST_SEGMENTS):
             return None
         h, index = period / segments, np.arange(2 * MOST_TERMS - 1)
         powers = (parts.orders[:, None] * (omega * h)) ** index / np.cumprod(np.maximum(index, 1.0))

@@ -19,7 +19,7 @@ from floquetrod.floquet.verdict import Cost
 
 _FEWEST, _MOST = 8, 56  # nodes in a piece (a choice)
 _MOST_ROWS = 2000  # of the equations of collocation, and of the map (a choice: some seconds)
-_PLENTY = 100  # rows from which on it ends with larger changes (a choice: time goes with their cube)
+_PLENTY = 100  # rows above which larger changes end it (a choice: time goes with their cube)
 _LEFT_OUT = "multipliers of modulus below {:.3g} are left out"
 
 

@@ -40,7 +40,7 @@ from floquetrod.rod.modes.mode_model import ModeModel
 
 _LEFT_OUT = 5.0  # error over the change from 5/6 or 9/10 of the modes: 2.3 or 4.3 where it falls as n^-2 (an estimate)
 _LEFT_OUT_BY_MORE = 3.0  # the same from 7/9 and less: 1.5 where it falls as n^-2
-_SEVERAL = 24  # modes from which following a solution takes less time than another verdict (measured)
+_SEVERAL = 60  # modes up to which another verdict takes less time than following a solution (measured)
 _LONG = 200  # modes from which a verdict takes seconds, so that no more are taken than matter
 _ENLARGEMENTS = 3  # times that more modes are taken while two numbers of them disagree (a choice)
 _SHAPE_POINTS, _SHAPE_INSTANTS = 12, 48  # for each mode, and in a period
@@ -390,10 +390,9 @@ def _modes_to_begin_with(model: ModeModel, load: Load, growth_tolerance: float) 
     else:
         fastest = float(ModalSystems(constants_under(rod, uniform.mean), Loads.single(uniform)).fastest(1)[0][0])
         last = model.count_for(loads, max(growth_tolerance, 0.25 * fastest))
-    share = _share(model, last)
     if fastest > growth_tolerance and last <= _LONG and not has_polynomials(rod.end_conditions, last):
         return last + max(2, last // 9), last
-    return last, last - max(2, last // share)
+    return last, last - max(2, last // _share(model, last))
 
 
 def _judged(system: HillSystem) -> tuple[SystemStability, Fastest | None]:

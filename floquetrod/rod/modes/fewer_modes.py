@@ -24,6 +24,7 @@ from floquetrod.floquet.systems.fastest import FastSolutions
 _ACCURACY = 1e-10  # of the map over a period
 _DRAWN = 2  # states drawn at random by which that is judged (a choice)
 _SEED = 20151102
+_WORTH = 50.0  # modes over the root of third order of the segments up to which a verdict takes longer (measured)
 _LARGEST_CHANGE = 1e-3  # of x over a period, beyond growth, up to which the solution is that of the fewer (a choice)
 _CERTAIN = 100.0  # errors by which it is certain to grow
 
@@ -60,11 +61,14 @@ class Fastest(NamedTuple):
         return cls(system.stiffness, system.harmonics, float(system.period), damping, fast.start, fast.partner)
 
     def rate_with(self, count: int) -> float | None:
-        """Return the growth rate in 1/s of the first ``count`` modes; None where the solution is not one of theirs."""
+        """Return the growth rate in 1/s of the first ``count`` modes.
+
+        None where the solution is not one of theirs, and where a verdict on them takes less time.
+        """
         n = len(self.stiffness)
         parts = Parts.of(self.stiffness[:count, :count], self.harmonics[:, :count, :count])
         drawn = np.linalg.qr(np.random.default_rng(_SEED).standard_normal((2 * count, _DRAWN)))[0]
-        march = March.of(parts, self.period, _ACCURACY, drawn)
+        march = March.of(parts, self.period, _ACCURACY, drawn, (count / _WORTH) ** 3)
         if march is None:
             return None
         kept = np.r_[0:count, n : n + count]
