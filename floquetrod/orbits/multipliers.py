@@ -139,13 +139,23 @@ def _across(maps: Floats, errors: Floats, flow: Floats) -> tuple[Floats, Floats,
 
 def _merged(maps: Floats, errors: Floats) -> tuple[Floats, Floats]:
     """Return products of neighbouring maps, as many as are well conditioned, and their errors."""
-    while len(maps) > 1 and len(maps) % 2 == 0:
-        first, second = maps[::2], maps[1::2]
-        product = second @ first
-        grown = errors[1::2] * norms(first) + norms(second) * errors[::2] + errors[1::2] * errors[::2]
-        conditions = np.linalg.cond(product) if np.isfinite(product).all() else np.array([np.inf])
-        few_rows = maps.shape[0] * maps.shape[1] <= _MOST_ROWS
-        if few_rows and not float(conditions.max()) <= _LARGEST_CONDITION:
+    limit = _LARGEST_CONDITION
+    while len(maps) > 1:
+        pairs = len(maps) // 2
+        first, second = maps[: 2 * pairs : 2], maps[1::2]
+        ahead, behind = errors[: 2 * pairs : 2], errors[1::2]
+        products = second @ first
+        finite = np.isfinite(products).all(axis=(1, 2))
+        conditions = np.full(pairs, np.inf)
+        conditions[finite] = np.linalg.cond(products[finite])
+        joined = np.flatnonzero(conditions <= limit)
+        if joined.size:
+            bounds = behind * norms(first) + norms(second) * ahead + behind * ahead + _rounding(products)
+            maps, errors = maps.copy(), errors.copy()
+            maps[2 * joined], errors[2 * joined] = products[joined], bounds[joined]
+            maps, errors = np.delete(maps, 2 * joined + 1, axis=0), np.delete(errors, 2 * joined + 1)
+        elif maps.shape[0] * maps.shape[1] > _MOST_ROWS:
+            limit *= limit
+        else:
             break
-        maps, errors = product, grown + _rounding(product)
     return maps, errors
