@@ -83,7 +83,8 @@ def setup(app: sphinx.application.Sphinx) -> dict[str, bool]:
     if "forkserver" in multiprocessing.get_all_start_methods():
         forkserver.set_forkserver_preload(["preloaded"])
         # As kernels set the backend before matplotlib is imported.
-        with mock.patch.dict(os.environ, MPLBACKEND=INLINE, PYTHONPATH=str(Path(__file__).parent)):
+        paths = {"PYTHONPATH": str(Path(__file__).parent), "PYDEVD_DISABLE_FILE_VALIDATION": "1"}
+        with mock.patch.dict(os.environ, MPLBACKEND=INLINE, **paths):
             forkserver.ensure_running()
         local_provisioner.launch_kernel = launch  # type: ignore[assignment]
     return {"parallel_read_safe": True}

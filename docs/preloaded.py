@@ -5,6 +5,7 @@ A page is spared two seconds of importing, and one in which numba, matplotlib an
 
 from __future__ import annotations
 
+import gc
 import importlib
 import io
 import pkgutil
@@ -34,12 +35,13 @@ def import_all() -> None:
 
 
 def call() -> None:
-    """Ask for verdicts, draw a figure and simplify an expression."""
+    """Ask for verdicts, of an equation for so many that they are compiled, simulate, draw and simplify."""
     rod = fr.Rod.nitinol()
     load = fr.AxialLoad(mean=0.2 * rod.critical_force, amplitude=0.2 * rod.critical_force, frequency=150.0)
-    fr.mathieu.growth_rate(np.linspace(0.0, 1.0, 400), 0.3)
+    fr.mathieu.growth_rate(np.linspace(0.0, 1.0, 100_000), 0.3)
     rod.stability(load)
     rod.replace(inclination="45deg").stability(load)
+    fr.simulate(rod, load, duration=1e-3)
 
     figure = Figure()  # not of pyplot, which would choose how figures are shown before there is a kernel to show them
     axes = figure.subplots()
@@ -54,3 +56,5 @@ def call() -> None:
 
 import_all()
 call()
+gc.collect()
+gc.freeze()  # so that no kernel goes through what is there already to find garbage
