@@ -38,15 +38,15 @@ class Corrected(NamedTuple):
 
 def corrected(collocation: Collocation, point: Point, rows: Sequence[Row], most_steps: int = _MOST_STEPS) -> Corrected:
     """Return the solution of the equations and rows near a point; `NoOrbitError` where Newton's method finds none."""
-    before = np.inf
+    before, rates = np.inf, None
     with np.errstate(all="ignore"):
         for count in range(1, most_steps + 1):
-            condensed = collocation.linearised(point)
+            condensed = collocation.linearised(point, rates)
             step = _step(collocation, condensed, rows, point, count)
             size = step_size(step, point)
-            point = _followed(collocation, point, step, condensed, count)
+            point, rates = _followed(collocation, point, step, condensed, count)
             if size <= _ENOUGH or (size <= _NEARLY and size > 0.3 * before):
-                return Corrected(point, collocation.linearised(point), count)
+                return Corrected(point, collocation.linearised(point, rates), count)
             before = size
     raise _lost(collocation, point, f"after {most_steps} steps, the last one of {before:.1g} of the states")
 
@@ -68,16 +68,19 @@ def _step(collocation: Collocation, condensed: Condensed, rows: Sequence[Row], p
     return step
 
 
-def _followed(collocation: Collocation, point: Point, step: Step, condensed: Condensed, count: int) -> Point:
-    """Return the point after as much of a step as makes the residual smaller."""
+def _followed(
+    collocation: Collocation, point: Point, step: Step, condensed: Condensed, count: int
+) -> tuple[Point, Floats]:
+    """Return the point after as much of a step as makes the residual smaller, and the rates there."""
     missed = _missed(condensed.residual, point)
     share = 1.0
     while share >= _LEAST_SHARE:
         trial = collocation.moved(point, step, share)
         if trial.period > 0.0 and np.isfinite(trial.nodes).all():
-            found = _missed(collocation.residual(trial), point)
+            rates = collocation.rates(trial)
+            found = _missed(collocation.residual(trial, rates), point)
             if found <= (1.0 - 0.25 * share) * missed or found <= 1e-11:
-                return trial
+                return trial, rates
         share *= 0.5
     raise _lost(collocation, point, f"in step {count}, which makes the residual larger however short it is")
 

@@ -302,8 +302,8 @@ class LargeMotion(ByContent):
         alike = abs(mean[0] - mean[1]) < near and np.abs(parts[:, 0] - parts[:, 1]).max() < near
         return [(*every[0][:3], 2.0)] if len(every) == 2 and alike and self._is_mirrored else every
 
-    def _saved(self, end: Floats, a: Floats, force: Floats) -> tuple[Floats, Floats]:
-        """Return the gradient (k, n) and second derivatives (k, n, n) of what an end saves, over m R^2 L."""
+    def _saved(self, end: Floats, a: Floats, force: Floats, with_stiffness: bool) -> tuple[Floats, Floats]:
+        """Return the gradient (k, n) of what an end saves, over m R^2 L, and where wanted second derivatives."""
         rod, lift = self.rod, self._lift
         first, third = end
         p, r, gap = a @ first, a @ third, rod.radial_clearance
@@ -311,6 +311,9 @@ class LargeMotion(ByContent):
         e = lift.energy(gap * p * p, contact)
         curve = 2.0 * gap * p
         slope = np.stack([e.by_curvature * curve + e.by_contact * by[0], e.by_contact * by[1]], axis=-1)
+        unit = 1.0 / (rod.mass_per_length * gap * gap * rod.length)
+        if not with_stiffness:
+            return unit * slope @ end, np.empty((0, 0, 0))
         twice = np.empty((*p.shape, 2, 2))
         d = (curve, 0.0 * p)
         for i in (0, 1):
@@ -322,7 +325,6 @@ class LargeMotion(ByContent):
                     + e.by_contact * by[2 + i + j]
                 )
         twice[..., 0, 0] += 2.0 * gap * e.by_curvature
-        unit = 1.0 / (rod.mass_per_length * gap * gap * rod.length)
         return unit * slope @ end, unit * np.swapaxes(end, 0, 1) @ twice @ end
 
     def potential(self, times: Floats, a: Floats, with_stiffness: bool) -> tuple[Floats, Floats]:
@@ -339,7 +341,7 @@ class LargeMotion(ByContent):
             stiff = linear + (slopes * hard[:, None, :]) @ slopes.T
             stiff += (values * swing[:, None, :]) @ values.T
         for end, mean, vibrating, count in self._lifting:
-            saved = self._saved(end, a, mean + parts @ vibrating)
+            saved = self._saved(end, a, mean + parts @ vibrating, with_stiffness)
             gradient += count * saved[0]
             if with_stiffness:
                 stiff += count * saved[1]
