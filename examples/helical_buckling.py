@@ -24,7 +24,7 @@ push = fr.AxialWave(0.9 * unit, 0.0, 1.0, far_end="held", axial_damping=2.0)
 kick = fr.Perturbation.random(1e-2, seed=1)
 runs = {
     friction: fr.simulate(
-        rod, push, feed_speed=2e-3, friction=friction, duration=9.0, segments=288, frames=500, perturbation=kick
+        rod, push, feed_speed=2e-3, friction=friction, duration=9.0, segments=240, frames=500, perturbation=kick
     )
     for friction in (0.0, 0.1)
 }
@@ -44,7 +44,7 @@ for (friction, run), line in zip(runs.items(), ("-", "--"), strict=True):
     above.plot(2.0 * run.time, run.end_forces[:, 0] / unit, color="black", linestyle=line, label=f"friction {friction}")
 above.set(xlabel="pushed in / mm", ylabel="force at the upper end / $F_p$", xlim=(0.0, 18.0))
 above.legend(fontsize="small", loc="upper left")
-free, s = runs[0.0], np.linspace(0.0, rod.length, 289)
+free, s = runs[0.0], np.linspace(0.0, rod.length, 241)
 for level, shade, width in ((1.25, "0.65", 1.2), (1.45, "0.35", 1.8), (2.4, "black", 1.2)):
     frame = (free.end_forces[:, 0] > level * unit).argmax()
     below.plot(s, free.winding[frame] / (2.0 * np.pi), color=shade, linewidth=width, label=f"{level:g} $F_p$")
