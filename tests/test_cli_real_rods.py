@@ -79,7 +79,7 @@ def asked_once(monkeypatch: pytest.MonkeyPatch) -> None:
     search = fr.RodStability.margin
     if not DEEP:  # fewer samples, which find the same margins of these loads
         monkeypatch.setattr(
-            fr.RodStability, "margin", lambda result, quantity, **_: search(result, quantity, seconds=0.2)
+            fr.RodStability, "margin", lambda result, quantity, **_: search(result, quantity, seconds=1.0)
         )
 
 
