@@ -22,7 +22,7 @@ load = fr.AxialLoad(mean=0.3 * unit, amplitude=0.2 * unit, frequency=150.0)
 problem = fr.SimulationProblem(
     rod, load, duration=1.2, segments=40, stop_early=True, perturbation=fr.Perturbation.random(0.01, seed=1)
 )
-over = {"mean": np.linspace(0.05, 0.6, 8) * unit, "amplitude": np.linspace(0.05, 0.4, 3) * unit}
+over = {"mean": np.linspace(0.05, 0.6, 6) * unit, "amplitude": np.linspace(0.05, 0.4, 3) * unit}
 runs = fr.ensemble(problem, over=over)
 buckled = runs["buckled"].values
 print(f"{buckled.sum()} of {buckled.size} rods buckled, in {float(runs['wall_time'].sum()):.0f} s of computing")

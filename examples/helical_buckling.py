@@ -24,7 +24,7 @@ push = fr.AxialWave(0.9 * unit, 0.0, 1.0, far_end="held", axial_damping=2.0)
 kick = fr.Perturbation.random(1e-2, seed=1)
 runs = {
     friction: fr.simulate(
-        rod, push, feed_speed=2e-3, friction=friction, duration=9.0, segments=240, frames=500, perturbation=kick
+        rod, push, feed_speed=2e-3, friction=friction, duration=9.0, segments=240, frames=300, perturbation=kick
     )
     for friction in (0.0, 0.1)
 }
