@@ -72,7 +72,11 @@ def serve(started: Connection, command: list[str], cwd: str, env: dict[str, str]
 
 
 def launch(cmd: list[str], *, env: dict[str, str], cwd: str, **_: Any) -> Forked:
-    """Start a kernel, as `jupyter_client.launcher.launch_kernel` does."""
+    """Start a kernel, as `jupyter_client.launcher.launch_kernel` does; the first starts the process they come from."""
+    # As kernels set the backend before matplotlib is imported.
+    paths = {"PYTHONPATH": str(Path(__file__).parent), "PYDEVD_DISABLE_FILE_VALIDATION": "1"}
+    with mock.patch.dict(os.environ, MPLBACKEND=INLINE, **paths):
+        forkserver.ensure_running()
     return Forked(cmd, cwd, {**env, "JPY_PARENT_PID": str(os.getpid())})
 
 
@@ -82,9 +86,5 @@ def setup(app: sphinx.application.Sphinx) -> dict[str, bool]:
 
     if "forkserver" in multiprocessing.get_all_start_methods():
         forkserver.set_forkserver_preload(["preloaded"])
-        # As kernels set the backend before matplotlib is imported.
-        paths = {"PYTHONPATH": str(Path(__file__).parent), "PYDEVD_DISABLE_FILE_VALIDATION": "1"}
-        with mock.patch.dict(os.environ, MPLBACKEND=INLINE, **paths):
-            forkserver.ensure_running()
         local_provisioner.launch_kernel = launch  # type: ignore[assignment]
     return {"parallel_read_safe": True}

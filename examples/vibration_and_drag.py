@@ -39,7 +39,7 @@ def drag(ratio: float) -> float:
     return (held_back - fluid) / (friction * weight * rod.length)
 
 
-ratios = np.geomspace(0.4, 30.0, 7)
+ratios = np.geomspace(0.4, 30.0, 6)
 simulated = [drag(ratio) for ratio in ratios]
 fine = np.geomspace(0.4, 30.0, 200)
 averaged = [np.mean(2.0 / np.pi * np.arcsin(np.minimum(1.0, speeds[-1] / ratio / speeds))) for ratio in fine]
