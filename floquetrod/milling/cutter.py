@@ -142,8 +142,11 @@ class Cutter(ByContent):
         return tuple(found)
 
     def cutting(self, angle: Any) -> Floats:
-        """Return H, in Pa, of the modes, with a tooth at angles (array_like): of shape (..., n, n)."""
-        angle = np.asarray(angle, dtype=float)
+        """Return H, in Pa, of the modes, with a tooth at angles in rad (array_like): of shape (..., n, n).
+
+        ValueError or TypeError for angles that are no finite numbers.
+        """
+        angle = validate.array("angle", angle)
         entry, leave = self.angles
         teeth = angle[..., None] + self.pitch * np.arange(self.teeth)
         teeth = teeth - 2.0 * math.pi * np.floor(teeth / (2.0 * math.pi))
