@@ -1,4 +1,4 @@
-"""Kernels that execute pages are forked from a process that has done what is in `preloaded`: four seconds less a page.
+"""Kernels that execute pages are forked from a process that has done what is in `preloaded`: three seconds less a page.
 
 Each starts as a new one does, with the environment and the folder that Jupyter gives it, and in a session of its own.
 """
