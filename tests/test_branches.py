@@ -84,6 +84,9 @@ def test_a_pitchfork_and_the_branch_that_crosses() -> None:
     assert abs(orbit.states[0, 0] ** -2 - whole / math.expm1(4.0 * math.pi * p)) < 1e-9 * orbit.states[0, 0] ** -2
     assert orbit.status == "stable"
     assert np.sign(orbit.states[0, 0]) == -np.sign(point.switch(side=-1, distance=0.2).states[0, 0])
+    for side in (0, 2, np.broadcast_to(1, (10**6, 10**6))):
+        with pytest.raises((ValueError, TypeError), match=r"^side must be"):
+            point.switch(side=side)
     other = fr.follow(orbit, {"p": (-0.5, p + 0.02)}, longest=0.2, steps=9)
     assert [each.kind for each in other.special_points] == ["branch point"]
     assert abs(other.special_points[0].value) <= other.special_points[0].error < 1e-8

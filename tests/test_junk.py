@@ -17,6 +17,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+import sympy
 
 import floquetrod as fr
 from conftest import depth
@@ -608,6 +609,22 @@ def test_arrays_that_broadcast_beyond_memory_are_refused() -> None:
 def test_pairs_that_raise_or_hold_one_list_a_billion_times_are_refused(names: str, junk: Any) -> None:
     with pytest.raises((TypeError, ValueError), match=names):
         fr.Perturbation(**{names: junk})
+
+
+def test_a_path_that_raises_when_it_is_shown_is_refused_by_name() -> None:
+    with pytest.raises(TypeError, match=r"^path must"):
+        fr.Milling.from_toml(objects(0.3, Raising()))
+
+
+def test_equations_of_a_symbol_without_end_are_refused_shortly() -> None:
+    with pytest.raises((TypeError, ValueError), match="equations") as caught:
+        fr.NonlinearSystem.from_sympy([sympy.Symbol("y" * 10**5)], [sympy.Symbol("x")])
+    assert len(str(caught.value)) < LONGEST_MESSAGE
+
+
+def test_a_delayed_equation_of_many_periods_is_refused_by_name() -> None:
+    with pytest.raises(ValueError, match="period"):
+        fr.DelaySystem(stiffness=[[1.0]], period=np.array([1.0, 2.0]), delayed=[(0.5, [[0.1]])])
 
 
 @pytest.mark.parametrize("seconds", [np.array([]), np.ones(2), math.nan, 0.0, "soon", None])

@@ -227,7 +227,7 @@ class DelaySystem(ByContent):
     def _take(self, present: HillSystem | PeriodicSystem, delayed: tuple[DelayedTerm, ...]) -> None:
         """Take over the parts, checked against each other."""
         for name, part in (
-            ("the coefficients", present),
+            ("coefficients (stiffness, mean or pieces) and period", present),
             *((f"delayed[{j}]", t.coefficient) for j, t in enumerate(delayed)),
         ):
             if part.shape:

@@ -56,7 +56,7 @@ def lambdified(
     free = sorted({str(symbol) for each in found for symbol in each.free_symbols} - known)
     if free:
         remedy = "give it in parameters" + ("" if time is not None else ", or as time")
-        raise ValueError(f"equations have {free[0]!r}, which has no value; {remedy}")
+        raise ValueError(f"equations have {validate.short(free[0])}, which has no value; {remedy}")
     derivatives = sympy.Matrix(found).jacobian(symbols)
     return tuple(_Lambdified(each, symbols, time, list(parameters)) for each in (found, derivatives))  # type: ignore[return-value]
 

@@ -70,8 +70,9 @@ class Milling(Cutter):
         ValueError
             For a file that cannot be read; the message names file and key.
         """
+        given = read_tool(path).arguments
         try:
-            return cls(**read_tool(path).arguments)
+            return cls(**given)
         except TypeError as error:
             raise ValueError(f"tool file {path}: {error}") from None
 

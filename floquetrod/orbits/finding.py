@@ -283,7 +283,7 @@ def _finished(found: Any, steps: int) -> PeriodicOrbit:
 
 def as_orbit(found: Compared, steps: int) -> PeriodicOrbit:
     """Return the orbit as a result, its parameter, where that was unknown, as it was found."""
-    collocation, point = found.collocation.with_value(found.point.value), found.point._replace(value=math.nan)
+    collocation, point = found.collocation.with_value(found.point.value), found.point._replace(value=0.0)
     times, states = point.period * collocation.mesh, np.concatenate([point.nodes, point.nodes[:1]])
     for array in (times, states):
         array.flags.writeable = False

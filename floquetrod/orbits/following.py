@@ -217,7 +217,7 @@ def _passes(march: Continuation, start: Sample, last: Sample, found: Sample) -> 
     was = meshes.carried(last.place.collocation, last.place.point, given.mesh, given.degree)[1]
     guess = given.moved(was, arclength.between(given, was, found.place.point), share)
     try:
-        there = finding.orbit_of(given.with_value(start.value), guess._replace(value=float("nan")))
+        there = finding.orbit_of(given.with_value(start.value), guess._replace(value=0.0))
     except ValueError:
         return False
     ends, known = np.array(extent(there)), np.array(extent(start.orbit))

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass, field, replace
 from typing import Any, Literal
 
@@ -119,8 +118,8 @@ def _switched(special: SpecialPoint, side: int, distance: float) -> PeriodicOrbi
     """Return an orbit on the branch of doubled orbits that begins at a point, or on the one that crosses."""
     if special.kind in _REFUSED:
         raise ValueError(f"{_REFUSED[special.kind]}; switch at a branch point or a period doubling")
-    if side not in (1, -1):
-        raise ValueError(f"side must be 1 or -1, got {validate.short(side)}")
+    if validate.integer("side", side, -1, 1) == 0:
+        raise ValueError("side must be 1 or -1, got 0")
     distance = validate.within("distance", distance, 1e-4, 1.0)
     if special.kind == "period doubling" and returns_after(special.orbit, 2):  # found from the doubled orbits
         return finding.periodic_orbit(special.orbit.system, special.orbit.states[0], 0.5 * special.orbit.period)
@@ -175,5 +174,5 @@ def _out(
         return None
     fixed = replace(collocation, parameter=None)
     there = meshes.carried(orbit.collocation, orbit.point, collocation.mesh, collocation.degree)[1]
-    gap = measure.length(fixed, there, arclength.between(fixed, found._replace(value=math.nan), there))
+    gap = measure.length(fixed, there, arclength.between(fixed, found._replace(value=0.0), there))
     return orbit if gap < 0.3 * abs(distance) else None
