@@ -13,6 +13,7 @@ import pytest
 import floquetrod as fr
 from floquetrod.simulation import checkpoints, integration, time_steps
 from floquetrod.simulation.growth import fit_growth
+from floquetrod.simulation.result import angles
 
 ROD = fr.Rod.nitinol()
 LOAD = fr.AxialLoad(0.2 * ROD.critical_force, 0.2 * ROD.critical_force, 150.0)
@@ -344,3 +345,11 @@ def test_perturbations_refused() -> None:
         fr.Perturbation().velocities(10**9)
     with pytest.raises(TypeError):
         fr.Perturbation() + 1  # type: ignore[operator]
+
+
+def test_angles_do_not_depend_on_where_in_memory_places_are() -> None:
+    places = np.random.default_rng(1).standard_normal((5, 61, 3))
+    known, kept = angles(places), []
+    for i in range(300):
+        kept.append(np.empty(7 * i % 911))  # so that the next copy comes to lie elsewhere
+        assert np.array_equal(angles(places.copy()), known)

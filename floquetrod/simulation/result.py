@@ -52,7 +52,8 @@ class EarlyEnd:
 
 def angles(positions: NDArray[np.float64]) -> NDArray[np.float64]:
     """Return the angle theta around the channel's axis in rad, 0 on the floor, of places (..., 3)."""
-    return np.asarray(np.arctan2(positions[..., 1], -positions[..., 2]))
+    # Of numbers that are not side by side NumPy 1.26 rounds arctan2 differently, depending on where in memory they are.
+    return np.asarray(np.arctan2(np.ascontiguousarray(positions[..., 1]), -positions[..., 2]))
 
 
 @dataclass(frozen=True, eq=False, repr=False, kw_only=True)
