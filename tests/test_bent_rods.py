@@ -489,3 +489,43 @@ def test_numbers_of_modes_that_agree_by_chance_do_not_hide_the_error() -> None:
     found, many = rod.stability(load), rod.stability(load, range(1, 61))
     assert abs(found.growth_rate - many.growth_rate) <= found.error
     assert len(found.convergence) >= 3
+
+
+@pytest.mark.filterwarnings("ignore::floquetrod.UniformForceWarning")
+@pytest.mark.parametrize(("seed", "count"), [(1, 16), pytest.param(2, 400, marks=pytest.mark.slow)])
+def test_the_stated_error_holds_the_growth_of_twice_as_many_modes(seed: int, count: int) -> None:
+    rng, held = np.random.default_rng(seed), 0
+    for _ in range(count // 4):
+        for path in (None, "bend", "turn", "turn"):
+            string, load = drawn_string(rng, path)
+            try:
+                found = string.stability(load)
+            except fr.LeavesWallError:
+                continue
+            modes = found.modes_checked
+            if 60 < modes < 230 and found.status != "undecided":
+                more = string.stability(load, range(1, 2 * modes + 1))
+                assert found.growth_rate == pytest.approx(more.growth_rate, abs=found.error, rel=0.0), (string, load)
+                held += found.growth_rate > 0.0
+    assert held > count // 5
+
+
+def drawn_string(rng: np.random.Generator, path: str | None) -> tuple[fr.Rod, fr.Load]:
+    """Return a section of tubing 150 to 500 m long and a load that shakes it."""
+    length, water = rng.uniform(150.0, 500.0), {"fluid_inside": 1000.0, "fluid_outside": 1000.0}
+    name = str(rng.choice(["1.50x0.125", "2.00x0.156", "2.375x0.190", "2.875x0.204"]))
+    string = fr.Rod.catalogue(name, bore="4.892in", length=length, damping_rate=rng.choice([0.0, 0.05, 0.2]), **water)
+    slope, stations = rng.uniform(0.8, 1.4), np.linspace(0.0, length, rng.integers(4, 12))
+    if path is None:
+        string = string.replace(inclination=slope)
+    elif path == "bend":
+        arc = fr.WellPath.arc(length=length, inclination=(slope, slope + rng.uniform(0.02, 0.3)))
+        string = string.replace(path=arc, inclination=None)
+    else:
+        steps = rng.uniform(0.0, 0.04, stations.size), rng.uniform(-0.03, 0.03, stations.size)
+        string = string.replace(
+            path=fr.WellPath(stations, slope + steps[0].cumsum(), steps[1].cumsum()), inclination=None
+        )
+    unit, kind = string.critical_force, fr.AxialWave if rng.random() < 0.5 else fr.AxialLoad
+    load = kind.hertz(rng.uniform(0.1, 0.6) * unit, rng.uniform(0.03, 0.2) * unit, rng.uniform(5.0, 30.0))
+    return string, load

@@ -38,8 +38,6 @@ from floquetrod.rod.model.contact import constants_under, up_to_wall
 from floquetrod.rod.modes.fewer_modes import Fastest
 from floquetrod.rod.modes.mode_model import ModeModel
 
-_LEFT_OUT = 5.0  # error over the change from 5/6 or 9/10 of the modes: 2.3 or 4.3 where it falls as n^-2 (an estimate)
-_LEFT_OUT_BY_MORE = 3.0  # the same from 7/9 and less: 1.5 where it falls as n^-2
 _SEVERAL = 60  # modes up to which another verdict takes less time than following a solution (measured)
 _LONG = 200  # modes from which a verdict takes seconds, so that no more are taken than matter
 _ENLARGEMENTS = 3  # times that more modes are taken while two numbers of them disagree (a choice)
@@ -322,7 +320,9 @@ def _trials(
     if needed:
         add(needed, 1, 2)
     else:
-        add(fewer, 0, 2)
+        # Without a solution to follow the second verdict takes as long as the first: the fewer modes the better.
+        count = first.modes.count
+        add(fewer if first.fastest else min(fewer, count - max(2, count // _share(model, count))), 0, 2)
     middle = (found[0].modes.count + found[1].modes.count) // 2
     if model.rod.course.breaks and middle > found[0].modes.count:
         add(middle, 1, 3)
@@ -379,18 +379,18 @@ def _more_needed(model: ModeModel, load: Load, trial: _WithModes, growth_toleran
 def _modes_to_begin_with(model: ModeModel, load: Load, growth_tolerance: float) -> tuple[int, int]:
     """Return how many modes to take, of long strings only those that may grow a quarter as fast as the fastest.
 
-    And how many of these the second trial takes.  Where something is expected to grow these few, which hold it, so that
-    it can be followed; the first trial then takes more.
+    And how many of these the second trial takes.  Where something may grow without damping these few, which hold it, so
+    that it can be followed; the first trial then takes more.
     """
     rod, loads = model.rod, Loads.single(load)
     uniform = require_few(rod, load, loads, growth_tolerance)
-    every, _ = constants_under(rod, uniform.mean).modes_needed(uniform, growth_tolerance)
-    if every <= _LONG:
-        last, fastest = model.count_for(loads, growth_tolerance), 0.0
-    else:
-        fastest = float(ModalSystems(constants_under(rod, uniform.mean), Loads.single(uniform)).fastest(1)[0][0])
-        last = model.count_for(loads, max(growth_tolerance, 0.25 * fastest))
-    if fastest > growth_tolerance and last <= _LONG and not has_polynomials(rod.end_conditions, last):
+    constants = constants_under(rod, uniform.mean)
+    every, _ = constants.modes_needed(uniform, growth_tolerance)
+    undamped = float(ModalSystems(constants._replace(damping_rate=0.0), Loads.single(uniform)).fastest(1)[0][0])
+    fastest = undamped - constants.damping_rate
+    last = model.count_for(loads, growth_tolerance if every <= _LONG else max(growth_tolerance, 0.25 * fastest))
+    grows = undamped > 0.0 if every <= _LONG else fastest > growth_tolerance
+    if grows and _SEVERAL < last <= _LONG and not has_polynomials(rod.end_conditions, last):
         return last + max(2, last // 9), last
     return last, last - max(2, last // _share(model, last))
 
@@ -469,13 +469,14 @@ class _WithModes(NamedTuple):
         """Whether rounding leaves room for a verdict that more modes could change."""
         return self.whole.status != "undecided"
 
-    def _factor(self, fewer: _WithModes) -> float:
-        """Return the error for the modes left out over the change from fewer modes."""
-        return _LEFT_OUT_BY_MORE if 9 * fewer.modes.count <= 7 * self.modes.count else _LEFT_OUT
+    def _change(self, fewer: _WithModes) -> float:
+        """Return the error in 1/s for the modes left out, as if it fell as slowly as one over their number."""
+        count = fewer.modes.count
+        return count / (self.modes.count - count) * abs(self.rate - fewer.rate)
 
     def concluded(self, fewer: Sequence[_WithModes], tolerance: float) -> tuple[Status, float, str]:
         """Return verdict, error of the growth rate in 1/s and note, given other trials with fewer modes."""
-        change = max((self._factor(other) * abs(self.rate - other.rate) for other in fewer), default=0.0)
+        change = max(map(self._change, fewer), default=0.0)
         error = max(self.most - self.rate, self.rate - self.least) + change
         if not error < math.inf:
             if self.whole.status == "unstable" and self.least - change > tolerance:
