@@ -14,7 +14,7 @@ from floquetrod.floquet.kernels.system_even_pairs import NOT_DONE, outcome_fill,
 from floquetrod.floquet.kernels.system_even_steps import half_period_fill
 from floquetrod.floquet.kernels.system_series import ROUNDING, reach, run_of, usable
 
-_EXPLICIT_UP_TO = 20
+_EXPLICIT_UP_TO = 8  # equations: of one system of more, interpreted kernels take 10 to 100 times as long as products
 _MANY_UP_TO = 60  # equations: of several systems at once kernels take less time than numpy's products (measured)
 
 _COMPILE_AFTER = 1000.0

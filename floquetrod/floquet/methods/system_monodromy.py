@@ -25,7 +25,7 @@ from floquetrod.floquet.systems.result import SystemStability
 from floquetrod.floquet.verdict import Cost
 
 _COST = Cost(1, "period")
-_SEVERAL = 24  # equations: for as many or more, numpy's products take less time than kernels (measured)
+_SEVERAL = 9  # equations: for as many or more, the interpreted kernel takes 10 to 100 times as long as numpy's products
 _MANY = 100  # equations: for as many or more, the eigenvalues of the map are computed, not those of pairs (a choice)
 
 
