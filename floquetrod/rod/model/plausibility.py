@@ -16,6 +16,7 @@ from typing import Any
 from floquetrod._util.arguments import Mention, Message
 from floquetrod._util.calling import level_of_caller
 from floquetrod._util.implausible import SILENCE, PlausibilityWarning, is_typed
+from floquetrod.rod.loads.load import Load
 from floquetrod.rod.model.catalogue import pipes
 from floquetrod.units import unit_of, units_of
 
@@ -231,7 +232,7 @@ def may_be_hertz(rod: Any, load: Any) -> bool:
 
 def warn_of_load(rod: Any, load: Any) -> None:
     """Warn of a load, or a record, that is suspicious on this rod."""
-    is_unnamed = not getattr(load, "force_unit_named", True)
+    is_unnamed = not isinstance(load, Load) and not load.force_unit_named
     for suspicion in suspicions_of_record(rod, load) if is_unnamed else suspicions_of_load(rod, load):
         warnings.warn(Message(suspicion, SILENCE), PlausibilityWarning, stacklevel=level_of_caller())
 
