@@ -82,20 +82,30 @@ def half_period_large(
 def _even_sums(series: Series, h: float, terms: int, ratio: float, stop: Stop) -> tuple[Floats, Floats, float]:
     """Return values and slopes at h of the even solutions and, over h, of the odd ones, and what is left out."""
     x = series.terms
-    n = x.shape[1]
+    rows, n = x.shape[:2]
     divisors = np.repeat([1.0, 2.0], n)
     x[0, :, :n] = x[0, :, n:] = np.eye(n)
     sizes = np.zeros(2 * terms - 1)
     sizes[0] = math.sqrt(2.0 * n)
-    value, slope = x[0].copy(), np.zeros((n, 2 * n))
+    sums, added = np.zeros((2, x[0].size)), 0  # of the first terms
+
+    def with_terms(end: int) -> Floats:
+        """Return the sums with the terms after those that were added, all of which are in rows of ``x``."""
+        places = np.arange(added, end)
+        weights = np.zeros((2, min(end, rows)))
+        weights[:, places % rows] = np.ones_like(places), 2.0 * places
+        return np.asarray(sums + weights @ x[: weights.shape[1]].reshape(weights.shape[1], -1))
+
     for i in range(terms - 1):
+        if i + 1 - added == rows:  # the next term takes the place of one of them
+            sums, added = with_terms(i + 1), i + 1
         term = series.append(i, i + 1, -h * h / ((2.0 * i + divisors) * (2.0 * i + 1.0 + divisors)))
         sizes[2 * i + 2] = math.sqrt(float(np.vdot(term, term)))
-        value += term
-        slope += series.scaled(term, 2.0 * (i + 1.0))
         rest = stop.left_out(sizes[: 2 * i + 3])
         if rest < stop.tolerance:
             break
     else:
+        i = terms - 2
         rest = stop.factor(2 * terms) * tail(sizes[::2], ratio**-4.0) / (1.0 - ratio**-2.0) ** 2
+    value, slope = with_terms(i + 2).reshape(2, n, 2 * n)
     return value, slope, rest

@@ -39,16 +39,16 @@ class Parts(NamedTuple):
     def of(cls, stiffness: Floats, harmonics: Complexes) -> Self:
         """Return the parts of u'' + (S + Re sum_m Z_m exp(i m w t)) u = 0."""
         n = len(stiffness)
+        waves: tuple[Floats, ...] = (harmonics.real, harmonics.imag)
         if np.count_nonzero(stiffness) == np.count_nonzero(stiffness.diagonal()):
             rates, slack, q = stiffness.diagonal().copy(), 2.0 * ROUNDING, np.eye(n)
         else:
             rates, q = np.linalg.eigh(stiffness)
-            harmonics = q.T @ harmonics.real @ q + 1j * (q.T @ harmonics.imag @ q)
+            waves = tuple(q.T @ wave @ q if wave.any() else wave for wave in waves)
             slack = ROUNDING * (4.0 + 4.0 * math.sqrt(n))
         # Re Z exp(i m w t) = Re Z cos(m w t) + Im Z cos(m w t + pi / 2)
-        found = [
-            (m, turn, f) for m, z in enumerate(harmonics, 1) for turn, f in ((0.0, z.real), (0.5, z.imag)) if f.any()
-        ]
+        each = enumerate(zip(*waves, strict=True), 1)
+        found = [(m, turn, f) for m, parts in each for turn, f in zip((0.0, 0.5), parts, strict=True) if f.any()]
         norms = np.zeros(max((m for m, _, _ in found), default=0))
         for m, _, f in found:
             norms[m - 1] = math.hypot(norms[m - 1], norm_bound(f))

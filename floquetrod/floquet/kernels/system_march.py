@@ -17,6 +17,7 @@ from floquetrod.floquet.kernels.system_series import MOST_TERMS, ROUNDING, coeff
 
 _REACH = 4.0  # phase that a series crosses: beyond it as many terms are needed in all (measured)
 _MOST_SEGMENTS = 100
+_FEW, _NOTHING = 4, 1e-4  # terms in a row, as a part of the accuracy, below which a series has ended (a choice)
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,8 +60,8 @@ class March(ByContent):
         rest = np.zeros(self.terms + 1)
         state = self._entered(start)
         for factors in self.factors:
-            x = self._series(state, factors)
-            rest += np.cumsum(self._sizes(x)[::-1])[::-1]
+            x = self._series(state, factors, _NOTHING * accuracy)
+            rest[: len(x)] += np.cumsum(self._sizes(x)[::-1])[::-1]
             state = _summed(x)
         more = math.sqrt(2.0 * len(self.scaling) / start.shape[1])  # of the whole map, in the Frobenius norm
         enough = np.flatnonzero(more * rest < accuracy)
@@ -84,19 +85,21 @@ class March(ByContent):
         g, n = self.scaling[:, None], len(self.scaling)
         return np.array([states[:n] / g, states[n:] * g * self.reach])
 
-    def _series(self, state: Floats, factors: Floats) -> Floats:
-        """Return the terms of u from the beginning of a segment, in powers of its length."""
+    def _series(self, state: Floats, factors: Floats, least: float = 0.0) -> Floats:
+        """Return the terms of u from the beginning of a segment, in powers of its length, down to ``least``."""
         x = np.zeros((self.terms + 1, *state.shape[1:]))
         x[:2] = state
         series = Series(self.parts.rates, self.blocks, factors, self.terms, x, constant=False)
         for i in range(self.terms - 1):
             series.append(i, i + 2, -(self.reach**2) / ((i + 1.0) * (i + 2.0)))
+            if least and i % _FEW == _FEW - 1 and self._sizes(x[i + 3 - _FEW : i + 3], i + 3 - _FEW).max() < least:
+                return x[: i + 3]
         return x
 
-    def _sizes(self, x: Floats) -> Floats:
-        """Return the norms in the coordinates of states of what each term adds."""
+    def _sizes(self, x: Floats, first: int = 0) -> Floats:
+        """Return the norms in the coordinates of states of what each term adds, the first of which has a power."""
         values = np.linalg.norm(x * self.scaling[:, None], axis=(1, 2))
-        slopes = np.linalg.norm(x / self.scaling[:, None], axis=(1, 2)) * np.arange(len(x)) / self.reach
+        slopes = np.linalg.norm(x / self.scaling[:, None], axis=(1, 2)) * (first + np.arange(len(x))) / self.reach
         return np.asarray(np.hypot(values, slopes))
 
     def __call__(self, states: Floats) -> Floats:

@@ -12,6 +12,7 @@ Ritz's method: what is left out of the series only ever stiffens the rod.
 
 from __future__ import annotations
 
+import functools
 import math
 from dataclasses import dataclass, replace
 from typing import Any, Self
@@ -54,6 +55,7 @@ def modes_needed(rod: RodData, like: Load, loads: Loads, growth_tolerance: float
     return max(math.ceil(1.5 * rod.critical_mode) + LEAST_COUPLED, needed + 2, _confined(rod))
 
 
+@functools.lru_cache(maxsize=64)
 def _confined(rod: RodData) -> int:
     """Return how many modes follow waves of the length (E I / w)^(1/3), over which weight along a rod confines them."""
     x = np.union1d(np.linspace(0.0, 1.0, 33), rod.course.samples)
@@ -109,9 +111,15 @@ def _largest_uniform(rod: RodData, like: Load, loads: Loads) -> AxialLoad:
         _largest_along(rod, like, frequency)
         for frequency in (frequencies[:1] if like.is_uniform else frequencies).tolist()
     )
-    mean = float(loads.mean.max()) + float(np.max(added_mean(rod, like, rod.course.samples)))
+    mean = float(loads.mean.max()) + _most_added(rod, like.mean_at)
     fastest = float(loads.frequency.max()) * len(like.harmonics)
     return AxialLoad(mean, float(loads.amplitude.max()) * largest, fastest)
+
+
+@functools.lru_cache(maxsize=64)
+def _most_added(rod: RodData, mean_at: float | None) -> float:
+    """Return the most that weight along a rod adds to the mean force at the place where that is given, in N."""
+    return 0.0 if mean_at is None else float(np.max(rod.weight_gained(rod.course.samples, mean_at)))
 
 
 def _largest_along(rod: RodData, like: Load, frequency: float) -> float:

@@ -62,7 +62,13 @@ class Basis(ByContent):
         """Return the integrals of F phi_i' phi_j', symmetric bit for bit; force (..., q) at the nodes."""
         if self._is_of_many_waves:
             return self._coupling_of_waves(force)
-        found = (self.slopes * (force * self.weights)[..., None, :]) @ self.slopes.T
+        return self._products(self.slopes, force)
+
+    def _products(self, functions: Floats, factor: Floats) -> Floats:
+        """Return the integrals of the products of functions with one another and a factor, all at the nodes."""
+        if not factor.any():
+            return np.zeros((*factor.shape[:-1], self.size, self.size))
+        found = (functions * (factor * self.weights)[..., None, :]) @ functions.T
         return np.asarray(0.5 * (found + np.swapaxes(found, -1, -2)))
 
     @cached_property
@@ -93,8 +99,7 @@ class Basis(ByContent):
 
     def pressing(self, density: Floats) -> Floats:
         """Return the integrals of d phi_i phi_j, symmetric bit for bit; density (..., q) at the nodes."""
-        found = (self.values * (density * self.weights)[..., None, :]) @ self.values.T
-        return np.asarray(0.5 * (found + np.swapaxes(found, -1, -2)))
+        return self._products(self.values, density)
 
     def shapes(self, x: Floats) -> Floats:
         """Return the functions at points, (n, len(x))."""

@@ -108,8 +108,6 @@ class ModesTogether(SharedGrowth):
         The equations of motion, in seconds.
     whole : SystemStability
         Verdict on them.
-    named : tuple of Resonance
-        What grows, the fastest first.
     """
 
     kind: ClassVar[str] = "coupled modes"
@@ -117,12 +115,11 @@ class ModesTogether(SharedGrowth):
     coupled: CoupledEquations = field(compare=False)
     system: HillSystem = field(compare=False)
     whole: SystemStability = field(compare=False)
-    named: tuple[Resonance, ...]
 
-    @property
+    @cached_property
     def resonances(self) -> tuple[Resonance, ...]:
         """What grows, the fastest first."""
-        return self.named
+        return self.coupled.named(self.system, self.whole.resonances)
 
     @property
     def references(self) -> tuple[str, ...]:
@@ -283,7 +280,6 @@ def classify_coupled(
             final.modes,
             final.system,
             whole,
-            final.modes.named(final.system, whole.resonances),
         ),
         growth_tolerance=growth_tolerance,
         status=status,
