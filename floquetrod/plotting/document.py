@@ -34,7 +34,7 @@ _STYLE = (
     f"""
 :root {{ color-scheme: light dark; {_COLOURS[0]}; }}
 @media (prefers-color-scheme: dark) {{ :root {{ {_COLOURS[1]}; }} }}
-@media print {{ :root {{ {_COLOURS[0]}; }} h2 {{ break-after: avoid; }} tr, img {{ break-inside: avoid; }} }}
+@media print {{ :root {{ {_COLOURS[0]}; }} h2, .wide > p {{ break-after: avoid; }} tr, img {{ break-inside: avoid; }} }}
 img {{ background: {palette.STABLE}; }}
 """
     + """
