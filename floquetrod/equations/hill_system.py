@@ -293,7 +293,7 @@ class HillSystem(matrices.PeriodicMatrixSystem):
             stiffness = _congruence(inverse, stiffness)
             amplitudes = _congruence(inverse[..., None, :, :], amplitudes)
             if self.is_symmetric:
-                stiffness, amplitudes = _mirrored(stiffness), _mirrored(amplitudes)
+                stiffness, amplitudes = matrices.mirrored(stiffness), matrices.mirrored(amplitudes)
             error = (error + 8.0 * self.order * EPS) * norms(self.mass) * norms(inverse) ** 2
             rounding = rounding * norms(inverse) ** 2
         error = error * (norms(stiffness) + norms(amplitudes).sum(axis=-1)) + rounding
@@ -323,7 +323,7 @@ class HillSystem(matrices.PeriodicMatrixSystem):
         """
         inverse = None if self.mass is None else np.linalg.inv(np.linalg.cholesky(self.mass))
         canonical = self.structure == "hamiltonian"
-        tidy = _mirrored if canonical else np.asarray
+        tidy = matrices.mirrored if canonical else np.asarray
 
         def reduced(matrix: Matrix | None) -> Matrix:
             matrix = np.zeros((self.order, self.order)) if matrix is None else matrix
@@ -491,7 +491,3 @@ def _congruence(left: Matrix, matrix: Matrix, name: str = "mass") -> Matrix:
             f"{matrices.LARGEST_ENTRY:g}; check units"
         )
     return result
-
-
-def _mirrored(matrix: Matrix) -> Matrix:
-    return np.asarray(0.5 * (matrix + np.swapaxes(matrix, -1, -2)))

@@ -247,6 +247,11 @@ def leading_shape(order: int, period: Any, **matrices: Matrix) -> tuple[int, ...
     return shape
 
 
+def mirrored(matrix: NDArray[Any]) -> NDArray[Any]:
+    """Return matrices (..., n, n) that are symmetric but for rounding symmetric bit for bit."""
+    return np.asarray(0.5 * (matrix + np.swapaxes(matrix, -1, -2)))
+
+
 def symmetric(matrix: Matrix) -> bool:
     """Return whether every matrix equals its transpose, entry by entry."""
     return bool(np.array_equal(matrix, np.swapaxes(matrix, -1, -2)))

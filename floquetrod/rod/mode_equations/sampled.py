@@ -22,6 +22,7 @@ from floquetrod._util.arrays import Bools, Floats
 from floquetrod._util.parts import runs
 from floquetrod._util.progress import Progress
 from floquetrod.equations import HillSystem
+from floquetrod.equations.matrices import mirrored
 from floquetrod.floquet.margins import Edge
 from floquetrod.floquet.systems.resonances import Resonance
 from floquetrod.rod.loads.load import Load, Loads, Quantity
@@ -265,7 +266,7 @@ class _SampledSearch(NamedTuple):
         few, others = shapes[:, :, chosen], shapes[:, :, ~chosen]
 
         def projected(matrix: Floats) -> Floats:
-            return np.asarray(few.swapaxes(1, 2) @ matrix @ few)
+            return mirrored(few.swapaxes(1, 2) @ matrix @ few)  # half a period is then enough
 
         followed = _followed(every.harmonics, few, others, squared[:, ~chosen])
         rate = self.modes.damping_rate
@@ -299,7 +300,7 @@ def _followed(
         for k, other in waves.items():
             if 0 <= j + k <= highest:
                 terms[j + k] += one.swapaxes(1, 2) @ (other / squared[:, :, None])
-    return terms
+    return [mirrored(term) for term in terms]
 
 
 def _less(parts: list[Floats], taken: list[Floats]) -> list[Floats]:
