@@ -16,6 +16,7 @@ from floquetrod._util.arrays import Floats
 from floquetrod.rod.loads.load import Load
 from floquetrod.rod.mode_equations import large_motion
 from floquetrod.rod.mode_equations.large_motion import LargeMotion, Shapes
+from floquetrod.rod.model import lift_off
 from floquetrod.rod.model.lift_off import LiftOff
 
 ROD = fr.Rod.nitinol()
@@ -159,6 +160,15 @@ def test_the_derivatives_of_the_energy_of_lift_off_are_its_own() -> None:
     assert at.by_contact == pytest.approx(slope(harder, "value", contact), rel=1e-6)
     assert at.by_both == pytest.approx(slope(harder, "by_curvature", contact), rel=1e-6)
     assert at.by_contact_twice == pytest.approx(slope(harder, "by_contact", contact), rel=1e-6)
+
+
+def test_the_slope_of_lift_off_does_not_jump_where_solving_for_it_ends() -> None:
+    last = lift_off._LARGEST
+    (below, above), (slope_below, slope_above), _ = lift_off._slope(last * np.array([1.0 - 1e-6, 1.0 + 1e-6]))
+    assert above == pytest.approx(below, rel=4e-6)
+    assert slope_above == pytest.approx(slope_below, rel=1e-5)
+    for k in (0.5, 20.0, 59.0, 61.0, 120.0, 400.0):
+        assert lift_off._slope(np.array(k))[0] == pytest.approx(lift_off._solved(k), rel=3e-3 if k < last else 1e-4)
 
 
 def test_shapes_are_orthonormal_even_or_odd_and_the_modes_under_the_mean_force() -> None:

@@ -79,6 +79,24 @@ def test_a_wrong_jacobian_is_named_by_its_entry() -> None:
         fr.periodic_orbit(system, [2.0, 0.0])
 
 
+def test_a_jacobian_that_changes_within_a_step_of_differences_is_right() -> None:
+    width = 3e-4
+
+    def rates(t: Any, x: Any) -> Any:
+        return x[1], -x[0] - 0.1 * np.tanh(x[1] / width)
+
+    def right(t: Any, x: Any) -> Any:
+        return [[0.0 * t, 1.0 + 0.0 * t], [-1.0 + 0.0 * t, 0.1 / width * (np.tanh(x[1] / width) ** 2 - 1.0)]]
+
+    def wrong(t: Any, x: Any) -> Any:
+        return [[0.0, 1.0], [-1.0, 0.11 / width * (np.tanh(x[1] / width) ** 2 - 1.0)]]
+
+    times, states = np.zeros(2), np.array([[1.0, 1.0], [0.5, 1e-4]])
+    fr.NonlinearSystem(rates, right).evaluated.require_derivatives(times, states, {})
+    with pytest.raises(ValueError, match=r"jacobian\[1, 1\] = .* disagrees"):
+        fr.NonlinearSystem(rates, wrong).evaluated.require_derivatives(times, states, {})
+
+
 def test_systems_from_sympy() -> None:
     x, v, mu, t = sympy.symbols("x v mu t", real=True)
     system = fr.NonlinearSystem.from_sympy([v, mu * (1 - x**2) * v - x], [x, v], parameters={mu: 1.0})

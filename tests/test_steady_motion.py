@@ -30,6 +30,15 @@ def test_a_stable_load_without_a_large_orbit_leaves_the_rod_at_rest() -> None:
 
 
 @pytest.mark.slow
+def test_a_motion_that_nearly_loses_contact_is_found() -> None:
+    """Its derivatives change so fast there that differences with one step did not find them."""
+    for damping, amplitude in ((0.5, 0.15), (1.0, 0.2)):
+        found = ROD.replace(damping_rate=damping).steady_motion(load(0.2, amplitude, 150.0))
+        assert found.mode == 7
+        assert 0.4 < found.amplitude < 0.5
+
+
+@pytest.mark.slow
 def test_the_motion_of_a_short_rod_obeys_its_equations() -> None:
     under = load(0.1, 0.3, 110.0)
     found = SHORT.steady_motion(under)

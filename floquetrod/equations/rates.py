@@ -17,6 +17,7 @@ Parameters = Mapping[str, float]
 
 _COMPLEX_STEP = 1e-100  # the derivative is exact to rounding however small it is
 _STEP = 4e-4  # of differences, part of a component's size: truncation 4e-14 of the fifth derivative, rounding 1e-12
+_SMALLER_STEPS = 2e-5, 1e-6  # rounding of the last: 1e-9
 _DIFFERENCES = ((-2.0, 1.0 / 12.0), (-1.0, -8.0 / 12.0), (1.0, 8.0 / 12.0), (2.0, -1.0 / 12.0))
 _AGREEMENT = 1e-5  # of derivatives with differences, part of what the component's rate changes by (a choice)
 _DIFFERENCES_ERROR = 1e-11  # of derivatives by differences, in the same sense (measured)
@@ -92,9 +93,12 @@ class Rates:
                 return self._by_complex_steps(times, states, parameters)
             return self.by_differences(times, states, parameters)
 
-    def disagreement(self, times: Floats, states: Floats, parameters: Parameters) -> Disagreement | None:
+    def disagreement(
+        self, times: Floats, states: Floats, parameters: Parameters, step: float = _STEP
+    ) -> Disagreement | None:
         """Return where derivatives disagree most with differences of the function; None where they agree."""
-        found, expected = self.derivatives(times, states, parameters), self.by_differences(times, states, parameters)
+        found = self.derivatives(times, states, parameters)
+        expected = self.by_differences(times, states, parameters, step)
         sizes = np.maximum(np.abs(states).max(axis=0), 1e-300)
         reach = np.abs(expected) * sizes
         largest = np.maximum(reach.max(axis=(0, 2)), np.abs(self.values(times, states, parameters)).max(axis=0))
@@ -119,15 +123,18 @@ class Rates:
         if self.jacobian is None:
             self.complex_steps = False
             return
+        # Where derivatives change within a step, smaller ones find them; wrong ones are wrong with every step.
+        if any(self.disagreement(times, states, parameters, step) is None for step in _SMALLER_STEPS):
+            return
         raise ValueError(
             f"jacobian[{found.row}, {found.column}] = {found.given:.6g} disagrees with differences of function, "
             f"{found.expected:.6g}, {_place(float(times[found.instant]), states[found.instant])}"
         )
 
-    def by_differences(self, times: Floats, states: Floats, parameters: Parameters) -> Floats:
+    def by_differences(self, times: Floats, states: Floats, parameters: Parameters, step: float = _STEP) -> Floats:
         """Return the derivatives (k, n, n) by central differences of fourth order."""
         count, n = states.shape
-        steps = _STEP * np.maximum(np.abs(states).max(axis=0), 1e-3 * float(np.abs(states).max()) + 1e-100)
+        steps = step * np.maximum(np.abs(states).max(axis=0), 1e-3 * float(np.abs(states).max()) + 1e-100)
         moved = np.stack([states[None] + share * np.diag(steps)[:, None] for share, _ in _DIFFERENCES])
         instants = np.broadcast_to(times, (4, n, count)).ravel()
         values = self.values(instants, moved.reshape(-1, n), parameters).reshape(4, n, count, n)

@@ -9,7 +9,8 @@ Slow against the contact, and short against a half wave, it takes the u >= 0 of 
 N the contact force there of the rod on the wall, P what it takes to press the wall less, a force like indentation^1.5
 as in the simulator.  In units of the indentation d and of the length b = (E I d / N)^(1/4) that is one function of
 K = kappa b^2 / d: y'''' = (1 - y)_+^1.5 - 1, y(0) = 0, y''(0) = -K.  With s(K) = y'(0) the energy is
--(E I d^2 / b^3) int_0^K s.  A soft wall or small motion has s = K / (sqrt(2) 1.5^(1/4)), a hard wall K^1.5 / 3.
+-(E I d^2 / b^3) int_0^K s.  A soft wall or small motion has s = K / (sqrt(2) 1.5^(1/4)), a hard wall K^1.5 / 3, from
+which s differs by a part that falls like 1 / K^2 (found by solving for it).
 """
 
 from __future__ import annotations
@@ -22,11 +23,12 @@ import numpy as np
 
 from floquetrod._util.arrays import Floats
 
-_LARGEST = 60.0  # K up to which the slope is solved for; beyond it goes like K^1.5 to 4e-4
+_LARGEST = 60.0  # K up to which the slope is solved for; beyond it is that of a hard wall and what falls like 1 / K^2
 _LEAST_CONTACT = 0.2  # of the weight: below, contact is about to be lost, and what is saved grows no more
 _ROUNDED = 0.1  # of the weight, over which it ceases to grow
 _SOLVED = 32  # values of K it is solved for
 _DEGREE = 14  # of the polynomial through them, smooth for integrators, right to 0.3 %
+_JOINED = 1e4  # weight of its value and slope at the last K, where it goes over into that of larger K
 _POINTS = 150  # of the finite differences, whose error of second order is extrapolated
 
 
@@ -78,25 +80,45 @@ class LiftOff:
 def _slope(k: Any) -> tuple[Any, Any, Any]:
     """Return s, its derivative, and its integral from 0."""
     ratio, slope, integral = _solutions()
-    x, y, soft = np.log1p(np.minimum(k, _LARGEST)), 1.0 + k, k < _LARGEST
+    near, far, soft = np.minimum(k, _LARGEST), np.maximum(k, _LARGEST), k < _LARGEST
+    x, y = np.log1p(near), 1.0 + near
     r, dr = ratio(x), slope(x) / y
-    hard = r * np.sqrt((1.0 + _LARGEST) / _LARGEST)
-    s = np.where(soft, k * np.sqrt(y) * r, hard * k**1.5)
-    ds = np.where(soft, np.sqrt(y) * (r + k * dr + 0.5 * k * r / y), 1.5 * hard * np.sqrt(k))
-    up_to = np.minimum(k, _LARGEST)
-    return s, ds, up_to**2 * integral(x) + 0.4 * hard * (np.maximum(k, _LARGEST) ** 2.5 - _LARGEST**2.5)
+    hard, by_k, beyond = _of_hard_wall(far)
+    s = np.where(soft, near * np.sqrt(y) * r, hard)
+    ds = np.where(soft, np.sqrt(y) * (r + near * dr + 0.5 * near * r / y), by_k)
+    return s, ds, near**2 * integral(x) + beyond
+
+
+def _of_hard_wall(k: Any) -> tuple[Any, Any, Any]:
+    """Return s from the last K on, its derivative, and its integral from there."""
+    root, lost, last = np.sqrt(k), _beside_hard_wall(), np.sqrt(_LARGEST)
+    whole = 0.4 * (root**5 - last**5) + 2.0 * lost * (root - last)
+    return (root**3 + lost / root) / 3.0, (1.5 * root - 0.5 * lost / root**3) / 3.0, whole / 3.0
+
+
+@functools.cache
+def _beside_hard_wall() -> float:
+    """Return c of s = K^1.5 (1 + c / K^2) / 3 at the last K."""
+    return float(_LARGEST**2 * (3.0 * _solved(_LARGEST) / _LARGEST**1.5 - 1.0))
 
 
 @functools.cache
 def _solutions() -> tuple[Any, Any, Any]:
     """Return s / (K sqrt(1 + K)), its slope, and the integral of s over K^2 as polynomials of log(1 + K)."""
-    from numpy.polynomial import Chebyshev
+    from numpy.polynomial.chebyshev import Chebyshev, chebvander
 
     top = float(np.log1p(_LARGEST))
     x = 0.5 * top * (1.0 - np.cos(np.pi * (np.arange(_SOLVED) + 0.5) / _SOLVED))
-    k = np.expm1(x)
-    solved = np.array([_solved(value) for value in k.tolist()])
-    ratio = Chebyshev.fit(x, solved / (k * np.sqrt(1.0 + k)), _DEGREE, domain=[0.0, top])
+    k = np.append(np.expm1(x), _LARGEST)
+    hard, by_k, _ = _of_hard_wall(_LARGEST)
+    solved = np.array([*(_solved(value) for value in k[:-1].tolist()), hard]) / (k * np.sqrt(1.0 + k))
+    end_slope = solved[-1] * ((1.0 + _LARGEST) * (by_k / hard - 1.0 / _LARGEST) - 0.5)
+    places = np.append(2.0 * x / top - 1.0, 1.0)
+    slopes_at_end = 2.0 / top * np.arange(_DEGREE + 1.0) ** 2
+    rows = np.vstack([chebvander(places, _DEGREE), slopes_at_end])
+    heavy = np.append(np.ones(_SOLVED), [_JOINED, _JOINED])
+    found = np.linalg.lstsq(heavy[:, None] * rows, heavy * np.append(solved, end_slope), rcond=None)[0]
+    ratio = Chebyshev(found, domain=[0.0, top])
     points, weights = np.polynomial.legendre.leggauss(96)
     share = 0.5 * (points + 1.0)
     dense = 0.5 * top * (1.0 - np.cos(np.pi * (np.arange(64) + 0.5) / 64))
