@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import subprocess
 import sys
 
@@ -25,6 +26,17 @@ def loaded_after(*arguments: str) -> set[str]:
 def _own(modules: set[str]) -> set[str]:
     """Return which commands, and which packages of floquetrod's, are among modules."""
     return {each.split(".")[1] for each in modules if each.startswith("floquetrod.")}
+
+
+@pytest.mark.parametrize(
+    ("first", "given", "threads"), [("", {}, "1"), ("", {"MKL_NUM_THREADS": "3"}, "None"), ("import numpy", {}, "None")]
+)
+def test_products_take_one_thread_unless_told_otherwise(first: str, given: dict[str, str], threads: str) -> None:
+    code = f"import os\n{first}\nfrom floquetrod.cli import main\nmain(['lock-up', '--rod', 'nitinol', '--mu', '0.3'])"
+    code += "\nprint(os.environ.get('OPENBLAS_NUM_THREADS'))"
+    environment = {name: value for name, value in os.environ.items() if not name.endswith("_NUM_THREADS")} | given
+    told = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, env=environment)
+    assert told.stdout.split()[-1] == threads
 
 
 @pytest.mark.parametrize("arguments", [["--version"], ["--help"], ["chek"]])

@@ -28,11 +28,22 @@ def main(argv: Sequence[str] | None = None) -> int:
     0: it answered; 1: the rod is unstable (`check --exit-code`); 2: input it cannot use; 3: `check --exit-code` could
     not decide; 130: Ctrl-C.
     """
+    _take_one_thread_a_product()
     with _open_streams():
         try:
             return _run(sys.argv[1:] if argv is None else argv)
         finally:
             drop_unwritten()
+
+
+def _take_one_thread_a_product() -> None:
+    """Give NumPy's matrix products one thread each, in a process of the command's own, unless it is told otherwise.
+
+    Maps and ensembles use all processors anyway, and where these are busy the threads of a product wait for one
+    another: a verdict on coupled modes can then take ten times as long.
+    """
+    if "numpy" not in sys.modules and not _THREADS & os.environ.keys():
+        os.environ.update(dict.fromkeys(_THREADS, "1"))
 
 
 def _run(argv: Sequence[str]) -> int:
@@ -160,6 +171,9 @@ completion, once floquetrod[completion] is installed:
   floquetrod --print-completion zsh > a folder of $fpath, as _floquetrod
 """
 
+
+_THREADS = {"OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"}
+"""Variables that say how many threads a product of matrices takes."""
 
 _COMMANDS = {
     "check": "say whether a rod under an axial load, or a system of equations, is stable",
