@@ -622,6 +622,12 @@ def test_equations_of_a_symbol_without_end_are_refused_shortly() -> None:
     assert len(str(caught.value)) < LONGEST_MESSAGE
 
 
+@pytest.mark.parametrize("junk", [loop(0.3), [0.3], {1: 2}, True])
+def test_equations_that_are_no_expressions_are_refused(junk: object) -> None:
+    with pytest.raises(TypeError, match=r"equations\[0\] must be an expression"):
+        fr.NonlinearSystem.from_sympy([junk], [sympy.Symbol("x")])
+
+
 def test_a_delayed_equation_of_many_periods_is_refused_by_name() -> None:
     with pytest.raises(ValueError, match="period"):
         fr.DelaySystem(stiffness=[[1.0]], period=np.array([1.0, 2.0]), delayed=[(0.5, [[0.1]])])

@@ -37,13 +37,23 @@ class _Lambdified:
         return f"[{', '.join(map(str, self.parts[0]))}]"
 
 
+def _expression(i: int, given: Any) -> Any:
+    """Return the right-hand side of one equation; TypeError for what is no expression."""
+    import sympy
+
+    found = None if isinstance(given, list | tuple | dict | set) else sympy.sympify(given)
+    if not isinstance(found, sympy.Expr):
+        raise TypeError(f"equations[{i}] must be an expression of sympy, got {validate.short(given)}")
+    return found
+
+
 def lambdified(
     equations: Any, states: Any, time: Any, parameters: Mapping[str, float]
 ) -> tuple[_Lambdified, _Lambdified]:
     """Return the rates and their derivatives as functions; ValueError names a symbol that has no value."""
     import sympy
 
-    found = [sympy.sympify(each) for each in validate.sequence("equations", equations, "[v, -x]")]
+    found = [_expression(i, each) for i, each in enumerate(validate.sequence("equations", equations, "[v, -x]"))]
     symbols = validate.sequence("states", states, "[x, v]")
     for i, each in enumerate(symbols):
         if not isinstance(each, sympy.Symbol):
