@@ -628,6 +628,12 @@ def test_equations_that_are_no_expressions_are_refused(junk: object) -> None:
         fr.NonlinearSystem.from_sympy([junk], [sympy.Symbol("x")])
 
 
+def test_an_equation_too_stiff_for_its_floquet_solutions_is_named() -> None:
+    stiff = fr.HillSystem(np.eye(2), [np.eye(2)], damping=1e6 * np.diag([1.0, 2.0]), period=1e3)
+    with pytest.raises(ValueError, match=r"^equation must be one that can be solved over its period, and span takes"):
+        fr.floquet_solutions(stiff)
+
+
 def test_a_delayed_equation_of_many_periods_is_refused_by_name() -> None:
     with pytest.raises(ValueError, match="period"):
         fr.DelaySystem(stiffness=[[1.0]], period=np.array([1.0, 2.0]), delayed=[(0.5, [[0.1]])])

@@ -50,7 +50,11 @@ def _states(problem: Problem) -> int:
 
 def _marched(problem: Problem, state: Floats, span: tuple[float, float]) -> Solution:
     """Return the solution from a state at the beginning of a span."""
-    found: Solution = solve(problem, state.reshape(2, -1) if isinstance(problem, HillSystem) else state, span)
+    start = state.reshape(2, -1) if isinstance(problem, HillSystem) else state
+    try:
+        found: Solution = solve(problem, start, span)
+    except ValueError as error:
+        raise ValueError(f"equation must be one that can be solved over its period, and {error}") from None
     return found
 
 
