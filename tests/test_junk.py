@@ -13,6 +13,7 @@ import zlib
 from collections.abc import Callable
 from decimal import Decimal
 from fractions import Fraction
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -622,7 +623,7 @@ def test_equations_of_a_symbol_without_end_are_refused_shortly() -> None:
     assert len(str(caught.value)) < LONGEST_MESSAGE
 
 
-@pytest.mark.parametrize("junk", [loop(0.3), [0.3], {1: 2}, True])
+@pytest.mark.parametrize("junk", [loop(0.3), [0.3], {1: 2}, True, Raising()])
 def test_equations_that_are_no_expressions_are_refused(junk: object) -> None:
     with pytest.raises(TypeError, match=r"equations\[0\] must be an expression"):
         fr.NonlinearSystem.from_sympy([junk], [sympy.Symbol("x")])
@@ -632,6 +633,25 @@ def test_an_equation_too_stiff_for_its_floquet_solutions_is_named() -> None:
     stiff = fr.HillSystem(np.eye(2), [np.eye(2)], damping=1e6 * np.diag([1.0, 2.0]), period=1e3)
     with pytest.raises(ValueError, match=r"^equation must be one that can be solved over its period, and span takes"):
         fr.floquet_solutions(stiff)
+
+
+def test_a_period_that_takes_no_parameters_is_named() -> None:
+    spring = fr.HillSystem([[1.0]], [[[0.2]]], period=2.0)
+    with pytest.raises(TypeError, match=r"^period must be a function of parameters"):
+        fr.NonlinearSystem.from_hill(spring, lambda t, q, velocity: 0.1 * q**3, period=len).period  # noqa: B018
+
+
+def test_a_heading_without_end_is_refused_shortly(tmp_path: Path) -> None:
+    survey = tmp_path / "survey.csv"
+    survey.write_text("MD,INC,AZI\n0,0,0\n10,1,0\n")
+    with pytest.raises(ValueError, match="headings such as") as caught:
+        fr.WellPath.from_csv(survey, depth="x" * 10**6)
+    assert len(str(caught.value)) < LONGEST_MESSAGE
+
+
+def test_coefficients_of_which_nothing_is_known_have_no_floquet_solutions() -> None:
+    with pytest.raises(ValueError, match=r"^equation must"):
+        fr.floquet_solutions(fr.PeriodicSystem([[-1.0]], coefficient_error=1e300))
 
 
 def test_a_delayed_equation_of_many_periods_is_refused_by_name() -> None:

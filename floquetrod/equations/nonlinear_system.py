@@ -192,7 +192,11 @@ class NonlinearSystem(ByContent):
         elif callable(given):
             wanted = inspect.signature(given).parameters
             takes_all = any(each.kind is each.VAR_KEYWORD for each in wanted.values())
-            given = given(**{name: value for name, value in self.parameters.items() if takes_all or name in wanted})
+            known = {name: value for name, value in self.parameters.items() if takes_all or name in wanted}
+            try:
+                given = given(**known)
+            except TypeError as error:
+                raise TypeError(f"period must be a function of parameters, called by their names: {error}") from error
         return validate.positive("period", given)
 
     def with_parameters(self, **parameters: float) -> NonlinearSystem:

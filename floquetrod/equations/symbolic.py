@@ -41,7 +41,10 @@ def _expression(i: int, given: Any) -> Any:
     """Return the right-hand side of one equation; TypeError for what is no expression."""
     import sympy
 
-    found = None if isinstance(given, list | tuple | dict | set) else sympy.sympify(given)
+    try:
+        found = None if isinstance(given, list | tuple | dict | set) else sympy.sympify(given)
+    except Exception:  # whatever an object raises that is asked what it is
+        found = None
     if not isinstance(found, sympy.Expr):
         raise TypeError(f"equations[{i}] must be an expression of sympy, got {validate.short(given)}")
     return found

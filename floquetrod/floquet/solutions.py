@@ -111,6 +111,7 @@ def _times(factors: Any, states: Complexes) -> Complexes:
     return np.asarray(several.reshape(several.shape + (1,) * (states.ndim - several.ndim)) * states)
 
 
+@np.errstate(over="ignore", invalid="ignore")  # of what overflows: its error is not finite then
 def floquet_solutions(equation: Problem) -> tuple[FloquetMode, ...]:
     """Return the Floquet solutions exp(exponent t) p(t) of any equation or system, the faster growing first.
 

@@ -143,7 +143,7 @@ def _headed(
             seen, most = line, len(known)
     else:
         seen = lines[0]
-    usual = ", ".join(repr(choice) for choice in choices if isinstance(choice, str)) or _USUAL
+    usual = ", ".join(validate.short(choice) for choice in choices if isinstance(choice, str)) or _USUAL
     raise ValueError(
         Message(
             f"line {seen[0]} should have headings such as {usual}, got {validate.short(seen[1])}",
