@@ -641,6 +641,14 @@ def test_a_period_that_takes_no_parameters_is_named() -> None:
         fr.NonlinearSystem.from_hill(spring, lambda t, q, velocity: 0.1 * q**3, period=len).period  # noqa: B018
 
 
+def test_a_damping_rate_and_numbers_of_samples_beyond_reach_are_named() -> None:
+    delayed = fr.DelaySystem([[1.0]], delayed=[(0.5, [[0.1]])])
+    with pytest.raises(ValueError, match=r"^rate must"):
+        delayed.damped(1e300)
+    with pytest.raises(ValueError, match=r"^samples must .* 100000"):
+        fr.margin(fr.Mathieu, "beta", (-1.0, 0.0), samples=10**9, alpha=0.1, beta=-0.5)
+
+
 def test_a_heading_without_end_is_refused_shortly(tmp_path: Path) -> None:
     survey = tmp_path / "survey.csv"
     survey.write_text("MD,INC,AZI\n0,0,0\n10,1,0\n")

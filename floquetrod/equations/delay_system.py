@@ -291,10 +291,11 @@ class DelaySystem(ByContent):
 
     def damped(self, rate: float) -> DelaySystem:
         """Return the system with uniform damping added: C + 2 rate M, or A - rate I; per unit of time."""
-        rate = validate.nonnegative("rate", rate)
         present = self.present
+        mass = matrices.mass_matrix(present) if isinstance(present, HillSystem) else np.eye(self.order)
+        largest = 0.25 * matrices.LARGEST_ENTRY / max(1.0, float(np.abs(mass).max()))
+        rate = validate.within("rate", rate, 0.0, largest)
         if isinstance(present, HillSystem):
-            mass = matrices.mass_matrix(present)
             there = np.zeros_like(mass) if present.damping is None else present.damping
             return self._made(replace(present, damping=there + 2.0 * rate * mass), self.delayed)
         shift, error = rate * np.eye(self.order), present.coefficient_error

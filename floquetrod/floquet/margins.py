@@ -13,6 +13,7 @@ from floquetrod.floquet.dispatch import stability
 from floquetrod.floquet.problems import require_problem
 
 _ACCURACY = 1e-10  # of a boundary, relative to what was searched (a choice)
+_MOST_SAMPLES = 100_000  # on either side: a quarter of a minute for a scalar equation
 
 
 class _Distances(NamedTuple):
@@ -80,7 +81,7 @@ def margin(
     within : (float, float)
         Values between which the change is searched for; that of ``at`` lies between them.
     samples : int
-        Verdicts on either side, 2 or more: a change and its reverse between two of them are passed over.
+        Verdicts on either side, 2 to 100,000: a change and its reverse between two of them are passed over.
     **at
         Arguments of the family at which the verdict is, all of them.
 
@@ -108,7 +109,7 @@ def margin(
     if len(given) != 2:
         raise ValueError(f"within must be two values, (low, high), got {validate.short(within)}")
     low, high = (validate.finite(f"within[{i}]", end) for i, end in enumerate(given))
-    samples = validate.integer("samples", samples, 2)
+    samples = validate.integer("samples", samples, 2, _MOST_SAMPLES)
     if not low <= here <= high:
         raise ValueError(f"within must hold {along} = {here:g}, got ({low:g}, {high:g})")
 
