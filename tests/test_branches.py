@@ -181,7 +181,7 @@ def test_a_branch_that_cannot_be_continued_keeps_what_it_has() -> None:
 @pytest.mark.parametrize(
     ("over", "error", "message"),
     [
-        ({"q": (0.0, 1.0)}, ValueError, "parameters has no 'q'; it has p"),
+        ({"q": (0.0, 1.0)}, ValueError, "over has 'q', which is no parameter; it has p"),
         ({"p": (1.0, 0.0)}, ValueError, "must increase"),
         ({"p": (0.0, 1.0)}, ValueError, "must contain the orbit's value, -0.3, got"),
         ({"p": 1.0}, TypeError, "two numbers"),

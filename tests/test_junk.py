@@ -652,9 +652,21 @@ def test_a_damping_rate_and_numbers_of_samples_beyond_reach_are_named() -> None:
 def test_a_heading_without_end_is_refused_shortly(tmp_path: Path) -> None:
     survey = tmp_path / "survey.csv"
     survey.write_text("MD,INC,AZI\n0,0,0\n10,1,0\n")
-    with pytest.raises(ValueError, match="headings such as") as caught:
-        fr.WellPath.from_csv(survey, depth="x" * 10**6)
-    assert len(str(caught.value)) < LONGEST_MESSAGE
+    for name in ("depth", "azimuth"):
+        with pytest.raises(ValueError, match="heading") as caught:
+            fr.WellPath.from_csv(survey, **{name: "x" * 10**6})
+        assert len(str(caught.value)) < LONGEST_MESSAGE
+
+
+def test_what_would_take_minutes_or_gigabytes_is_refused_by_name() -> None:
+    slot = fr.Milling(x=[fr.ToolMode("922Hz", 0.011, "39.93g")], teeth=2, tangential="600MPa", radial="200MPa")
+    with pytest.raises(ValueError, match=r"^speed must be at least 230.5 rpm"):
+        slot.critical_depth("100rpm")
+    with pytest.raises(ValueError, match=r"^speed must"):
+        slot.lobes(("100rpm", "5000rpm", 4), ("0mm", "1mm", 3))
+    with pytest.raises(ValueError, match=r"^frequency must make at most 100,000 axial waves"):
+        ROD.stress(fr.AxialWave(0.3, 0.3, 1e12))
+    assert ROD.stress(fr.AxialLoad(0.3, 0.3, 1e12)).largest > 0.0
 
 
 def test_coefficients_of_which_nothing_is_known_have_no_floquet_solutions() -> None:

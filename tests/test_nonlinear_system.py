@@ -161,7 +161,7 @@ def test_what_is_refused(arguments: dict[str, Any], message: str) -> None:
 
 
 def test_parameters() -> None:
-    with pytest.raises(ValueError, match="parameters has no 'omeg'; did you mean omega"):
+    with pytest.raises(ValueError, match="parameters has 'omeg', which is no parameter; did you mean omega"):
         DUFFING.with_parameters(omeg=1.0)
     called = fr.NonlinearSystem(duffing, period=lambda omega: 2.0 * math.pi / omega, parameters={"omega": 1.2})
     assert called.period == DUFFING.period

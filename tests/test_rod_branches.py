@@ -70,7 +70,7 @@ def test_branches_are_said_and_drawn(few: fr.RodBranches) -> None:
 def test_branches_of_another_rod_or_quantity_are_refused(few: fr.RodBranches) -> None:
     with pytest.raises(ValueError, match="branches of this rod"):
         ROD.follow(few)
-    with pytest.raises(ValueError, match=r"parameters has no 'mean'; it has frequency"):
+    with pytest.raises(ValueError, match=r"over has 'mean', which is no parameter; it has frequency"):
         SHORT.follow(few, {"mean": (0.1, 0.2)})
     with pytest.raises(ValueError, match="must contain the branch"):
         SHORT.follow(few, {"frequency": (112.0, 115.0)})

@@ -215,12 +215,12 @@ class NonlinearSystem(ByContent):
         _take(other, self.function, self.jacobian, self.given_period, changed, self.evaluated)
         return other
 
-    def require_parameter(self, name: Any) -> None:
-        """Raise ValueError where there is no parameter of this name."""
+    def require_parameter(self, name: Any, argument: str = "parameters") -> None:
+        """Raise ValueError, about an argument, where there is no parameter of this name."""
         if name not in self.parameters:
             known = ", ".join(self.parameters) or "none"
             hint = did_you_mean(str(name), list(self.parameters)) or f"; it has {known}"
-            raise ValueError(f"parameters has no {validate.short(name)}{hint}")
+            raise ValueError(f"{argument} has {validate.short(name)}, which is no parameter{hint}")
 
     def rates(self, times: Any, states: Any) -> Floats:
         """Return f at k instants, times (k,) and states (k, n), as an array (k, n)."""

@@ -27,6 +27,7 @@ from floquetrod.plane import Axis, Chart, Family, Verdicts, axis_values, charted
 _PHASE = 36.0  # rad that solutions turn by in a piece, at most (a choice)
 _RESOLVED = 8, 0.5  # nodes with which some radians are resolved to about 1e-6: so many, and for each radian (measured)
 _STEPS, _REACH = 4, 50.0  # depths tried up to the least critical depth, and how many of these deep (a choice)
+_MOST_VIBRATIONS = 120  # between two teeth: a critical depth then takes ten seconds (measured)
 _AT_ONCE = 16  # depths tried before deeper ones are (a choice)
 _PRECISE = 1e-11  # of a critical depth, relative
 _ENOUGH = 8  # nodes more, with which a boundary is known to some ten digits (measured)
@@ -188,6 +189,18 @@ def _resolution(milling: Cutter, speeds: Floats, depths: Floats) -> tuple[NDArra
     return pieces, (4 * np.ceil(0.25 * nodes)).astype(np.intp)
 
 
+def _require_fast(milling: Cutter, speed: float) -> None:
+    """Raise ValueError for a spindle so slow that a verdict would take long."""
+    turns = max(mode.frequency for mode in milling.modes) * milling.pitch / (2.0 * math.pi)
+    slowest = turns / _MOST_VIBRATIONS
+    if speed < slowest:
+        raise validate.wrong_value(
+            "speed",
+            f"must be at least {30.0 * slowest / math.pi:.4g} rpm, {slowest:.4g} rad/s, got {speed:.4g} rad/s: slower, "
+            f"the tool vibrates more than {_MOST_VIBRATIONS} times between two teeth, and a verdict takes minutes",
+        )
+
+
 @functools.lru_cache(maxsize=16)
 def _largest_cutting(milling: Cutter) -> float:
     """Return about the largest norm of H, in Pa."""
@@ -232,6 +245,7 @@ def _numbers(mode: Any) -> tuple[float, float, float]:
 
 def critical_depths(milling: Cutter, speeds: Floats, most: float | None = None) -> Floats:
     """Return the least depths in m at which chatter begins at speeds in rad/s, infinite where none is found."""
+    _require_fast(milling, float(speeds.min()))
     softest = min(2.0 * mode.damping_ratio * (1.0 + mode.damping_ratio) * mode.stiffness for mode in milling.modes)
     least = softest / _largest_cutting(milling)
     limit = _REACH * least if most is None else most
@@ -296,6 +310,7 @@ def _logs(milling: Cutter, speeds: Floats, depths: Floats) -> Floats:
 def lobes_of(milling: Cutter, speed: Any, depth: Any, *, growth: bool) -> Lobes:
     """Return the stability lobes, see `Milling.lobes`."""
     across, up = _axis("speed", speed, read_speed), _axis("depth", depth, read_depth)
+    _require_fast(milling, float(across.min()))
     x = Axis("spindle speed", r"\Omega", "rad/s", across)
     y = Axis("depth of cut", "a", "m", up)
     chart = charted(CuttingPlane(milling), x, y, growth=growth).in_units(spindle="rpm", depth="mm")

@@ -110,7 +110,7 @@ def _range(orbit: PeriodicOrbit | Branch, over: Any) -> tuple[str, float, float]
             f"over must be one parameter with its range, such as {{'omega': (0.5, 2.0)}}, got {validate.short(over)}"
         )
     ((name, ends),) = over.items()
-    orbit.system.require_parameter(name)
+    orbit.system.require_parameter(name, "over")
     low, high = validate.interval(f"over[{name!r}]", ends)
     if isinstance(orbit, Branch):
         if name != orbit.parameter:

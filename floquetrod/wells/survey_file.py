@@ -169,7 +169,7 @@ def _columns(wanted: dict[str, str | int | None], headings: Sequence[str] | None
             continue  # a well in one plane
         if len(places) != 1 or places[0] >= many:
             found = f"{len(places)} columns may be it" if len(places) > 1 else "no column is known to be it"
-            got = found if choice is None else f"got {choice!r}"
+            got = found if choice is None else f"got {validate.short(choice)}"
             listed = f"; the headings are {', '.join(map(repr, headings))}" if headings else ""
             raise validate.wrong_value(name, f"must be the heading of one column or its number, {got}{listed}")
         unit = None if headings is None else units.heading(headings[places[0]], KINDS[name])[1]

@@ -8,11 +8,13 @@ from typing import Any
 
 import numpy as np
 
+from floquetrod._util.arguments import wrong_value
 from floquetrod._util.interchange import by_keys
 from floquetrod.rod.loads.axial import largest_along
 from floquetrod.rod.loads.load import Load
 from floquetrod.units import Unit, unit
 
+_MOST_WAVES = 100_000
 _PLACES = 257  # and 64 more for each axial wave: a largest stress between two of them is missed by a thousandth
 
 
@@ -83,7 +85,9 @@ class Stress:
 
 def stress(rod: Any, load: Load) -> Stress:
     """Return what `RodData.stress` does."""
-    waves = len(load.harmonics) * rod.wave_ratio(load)
+    waves = 0.0 if load.is_uniform else len(load.harmonics) * rod.wave_ratio(load)
+    if waves > _MOST_WAVES:
+        raise wrong_value("frequency", f"must make at most {_MOST_WAVES:,} axial waves along the rod, got {waves:.3g}")
     x = np.union1d(np.linspace(0.0, 1.0, _PLACES + math.ceil(64.0 * waves)), rod.course.samples)
     mean = load.mean + (0.0 if load.mean_at is None else rod.weight_gained(x, load.mean_at))
     axial = (np.abs(mean) + largest_along(load, rod.wave_speed, rod.length, x * rod.length)) / rod.area
