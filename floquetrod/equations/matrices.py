@@ -248,7 +248,7 @@ def leading_shape(order: int, period: Any, **matrices: Matrix) -> tuple[int, ...
 
 
 def mirrored(matrix: NDArray[Any]) -> NDArray[Any]:
-    """Return matrices (..., n, n) that are symmetric but for rounding symmetric bit for bit."""
+    """Return matrices (..., n, n) that are symmetric except for rounding symmetric bit for bit."""
     return np.asarray(0.5 * (matrix + np.swapaxes(matrix, -1, -2)))
 
 
