@@ -12,6 +12,7 @@ import pytest
 import floquetrod as fr
 from floquetrod._util.arrays import inverses, norms
 from floquetrod.floquet.kernels.system_even_pairs import pair_values
+from floquetrod.floquet.methods.system_reference import reference
 from floquetrod.floquet.pairs import slopes
 from floquetrod.floquet.systems import even
 from floquetrod.floquet.systems.spectra import touching
@@ -183,3 +184,12 @@ def test_discs_that_touch_by_others_between_them() -> None:
     assert [list(part) for part in touching(gaps, np.full(5, 0.5))] == [[0, 2, 3], [1], [4]]
     assert [list(part) for part in touching(gaps, np.full(5, 0.1))] == [[0], [1], [2], [3], [4]]
     assert [list(part) for part in touching(gaps, np.full(5, np.inf))] == [[0, 1, 2, 3, 4]]
+
+
+def test_many_digits_are_not_begun_for_hundreds_of_harmonics() -> None:
+    rng = np.random.default_rng(4)
+    harmonics = 0.01 * rng.standard_normal((400, 20, 20)) / np.arange(1.0, 401.0)[:, None, None] ** 2
+    found = reference(fr.PeriodicSystem(rng.standard_normal((20, 20)), list(harmonics)))
+    assert found.status == "undecided"
+    assert found.cost.amount == 0
+    assert "30 digits would take too long" in found.note

@@ -135,7 +135,8 @@ def _milliseconds(mean: Floats, harmonics: Any, length: Floats, segments: int) -
     with np.errstate(over="ignore"):
         size = np.abs(mean).sum(axis=(1, 2)) + np.abs(harmonics).sum(axis=(1, 2, 3))
         phases = float(np.minimum(length * size / math.sqrt(n), 1e6).sum())
-    return float(batch * (5.0 + 2.0 * segments) + phases * (0.1 + n * n / 400.0))
+    more = max(0, harmonics.shape[1] - 1)
+    return float(batch * (5.0 + 2.0 * segments) + phases * (0.1 + n * n / 400.0 + 0.08 * more))
 
 
 @kernel

@@ -38,6 +38,7 @@ from floquetrod.floquet.verdict import Cost
 _MOST_DIGITS = 120  # to which digits are raised while the verdict is open, unless asked otherwise
 _LARGEST_WORK = 5e7  # products of entries, times their cost: about ten seconds (measured)
 _FEWEST_PRODUCTS = 10  # of matrices of the order of the system in first order, that a map takes at least
+_MOST_ENTRIES = 200_000  # of matrices, each a number of many digits: two seconds before anything is computed (measured)
 _SETTLED = 1e-13  # relative error of the multipliers: more digits than a double's are of no use
 _MOST_TRIES = 4  # to reach the digits wanted, which the product of the maps may lose
 _LEAST_ERROR = 1e-300  # of a map, so that it is a double
@@ -115,7 +116,8 @@ def _attempt(
     system: HillSystem | PeriodicSystem, context: Any, digits: int, before: int
 ) -> tuple[SystemStability | None, int, bool]:
     """Return the verdict (None: too much work), the terms, and whether more digits would make the error smaller."""
-    if _FEWEST_PRODUCTS * states(system) ** 3 > _LARGEST_WORK:
+    waves = sum(len(piece.harmonics) for piece in by_pieces.in_time(system))
+    if _FEWEST_PRODUCTS * states(system) ** 3 > _LARGEST_WORK or 2 * waves * states(system) ** 2 > _MOST_ENTRIES:
         return None, 0, True
     context.dps = 2 * digits + 40
     more, total = 0.0, 0
