@@ -664,6 +664,10 @@ def test_what_would_take_minutes_or_gigabytes_is_refused_by_name() -> None:
         slot.critical_depth("100rpm")
     with pytest.raises(ValueError, match=r"^speed must"):
         slot.lobes(("100rpm", "5000rpm", 4), ("0mm", "1mm", 3))
+    with pytest.raises(ValueError, match=r"^most must be at most 0.0\d+ m, 500 times the least"):
+        slot.critical_depth("9000rpm", most=5.0)
+    with pytest.raises(ValueError, match=r"^damping_rate must"):
+        fr.simulate(ROD.replace(damping_rate=1e15), LOAD, duration=1e-3)
     with pytest.raises(ValueError, match=r"^frequency must make at most 100,000 axial waves"):
         ROD.stress(fr.AxialWave(0.3, 0.3, 1e12))
     assert ROD.stress(fr.AxialLoad(0.3, 0.3, 1e12)).largest > 0.0

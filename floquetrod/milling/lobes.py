@@ -28,6 +28,7 @@ _PHASE = 36.0  # rad that solutions turn by in a piece, at most (a choice)
 _RESOLVED = 8, 0.5  # nodes with which some radians are resolved to about 1e-6: so many, and for each radian (measured)
 _STEPS, _REACH = 4, 50.0  # depths tried up to the least critical depth, and how many of these deep (a choice)
 _MOST_VIBRATIONS = 120  # between two teeth: a critical depth then takes ten seconds (measured)
+_FARTHEST = 500.0  # times that depth up to which is searched (a choice)
 _AT_ONCE = 16  # depths tried before deeper ones are (a choice)
 _PRECISE = 1e-11  # of a critical depth, relative
 _ENOUGH = 8  # nodes more, with which a boundary is known to some ten digits (measured)
@@ -249,6 +250,12 @@ def critical_depths(milling: Cutter, speeds: Floats, most: float | None = None) 
     softest = min(2.0 * mode.damping_ratio * (1.0 + mode.damping_ratio) * mode.stiffness for mode in milling.modes)
     least = softest / _largest_cutting(milling)
     limit = _REACH * least if most is None else most
+    if limit > _FARTHEST * least:
+        raise validate.wrong_value(
+            "most",
+            f"must be at most {_FARTHEST * least:.3g} m, {_FARTHEST:g} times the least critical depth of any speed, "
+            f"got {limit:g} m",
+        )
     tried = np.linspace(0.0, limit, max(2, math.ceil(limit / least * _STEPS) + 1))
     result = np.full(speeds.size, math.inf)
     for start in range(0, tried.size - 1, _AT_ONCE):  # deep cuts, which take longest, only where needed

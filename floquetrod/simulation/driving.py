@@ -171,7 +171,7 @@ class Driving:
     def _wave(self) -> AxialWave:
         """The load as waves; with the same force at both ends they start there, too."""
         load = self.load
-        return load if isinstance(load, AxialWave) else with_waves(load, self.rod.damping_rate)
+        return load if isinstance(load, AxialWave) else with_waves(load, self.rod.damping_rate, "damping_rate")
 
 
 def half_waves(rod: RodData, load: Load, tool: VibrationTool | None = None) -> float:

@@ -475,8 +475,9 @@ class AxialWave(Load):
         return ", ".join(filter(None, [f"axial waves, {ends}{rate}", super().features]))
 
 
-def with_waves(load: Load, axial_damping: float = 0.0) -> AxialWave:
-    """Return an `AxialLoad` with the waves it sends from both ends, damped at a rate in 1/s."""
+def with_waves(load: Load, axial_damping: float = 0.0, name: str = "axial_damping") -> AxialWave:
+    """Return an `AxialLoad` with the waves it sends from both ends, damped at a rate in 1/s, which has a name."""
+    validate.within(name, axial_damping, 0.0, _FASTEST, "give the decay rate in 1/s")
     return AxialWave(**load.as_dict(), far_end="driven", axial_damping=axial_damping)
 
 
