@@ -638,7 +638,7 @@ def test_an_equation_too_stiff_for_its_floquet_solutions_is_named() -> None:
 def test_a_period_that_takes_no_parameters_is_named() -> None:
     spring = fr.HillSystem([[1.0]], [[[0.2]]], period=2.0)
     with pytest.raises(TypeError, match=r"^period must be a function of parameters"):
-        fr.NonlinearSystem.from_hill(spring, lambda t, q, velocity: 0.1 * q**3, period=len).period  # noqa: B018
+        fr.NonlinearSystem.from_hill(spring, lambda t, q, velocity: 0.1 * q**3, period=len)
 
 
 def test_a_damping_rate_and_numbers_of_samples_beyond_reach_are_named() -> None:

@@ -292,13 +292,13 @@ class DelaySystem(ByContent):
     def damped(self, rate: float) -> DelaySystem:
         """Return the system with uniform damping added: C + 2 rate M, or A - rate I; per unit of time."""
         present = self.present
-        mass = matrices.mass_matrix(present) if isinstance(present, HillSystem) else np.eye(self.order)
-        largest = 0.25 * matrices.LARGEST_ENTRY / max(1.0, float(np.abs(mass).max()))
+        unit = matrices.mass_matrix(present) if isinstance(present, HillSystem) else np.eye(self.order)
+        largest = 0.25 * matrices.LARGEST_ENTRY / max(1.0, float(np.abs(unit).max()))
         rate = validate.within("rate", rate, 0.0, largest)
         if isinstance(present, HillSystem):
-            there = np.zeros_like(mass) if present.damping is None else present.damping
-            return self._made(replace(present, damping=there + 2.0 * rate * mass), self.delayed)
-        shift, error = rate * np.eye(self.order), present.coefficient_error
+            there = np.zeros_like(unit) if present.damping is None else present.damping
+            return self._made(replace(present, damping=there + 2.0 * rate * unit), self.delayed)
+        shift, error = rate * unit, present.coefficient_error
         lowered = mapped(PeriodicSystem, present, lambda m: m - shift, coefficient_error=error)
         return self._made(lowered, self.delayed)
 

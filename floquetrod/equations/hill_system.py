@@ -372,7 +372,7 @@ def _first_order(stiffness: Matrix, damping: Matrix, gyroscopic: Matrix, *, cano
         half = 0.5 * gyroscopic
         half = 0.5 * (half - np.swapaxes(half, -1, -2))
         bent = _congruence(half, np.eye(n), "gyroscopic")
-        stiffness, half = np.broadcast_arrays(stiffness + 0.5 * (bent + np.swapaxes(bent, -1, -2)), half)
+        stiffness, half = np.broadcast_arrays(stiffness + matrices.mirrored(bent), half)
         mean = _lower(-stiffness, -half)
         mean[..., :n, :n] = -half
     else:

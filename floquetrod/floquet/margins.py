@@ -13,7 +13,7 @@ from floquetrod.floquet.dispatch import stability
 from floquetrod.floquet.problems import require_problem
 
 _ACCURACY = 1e-10  # of a boundary, relative to what was searched (a choice)
-_MOST_SAMPLES = 100_000  # on either side: a quarter of a minute for a scalar equation
+_MOST_SAMPLES = 100_000  # on either side: ten seconds for a scalar equation (measured)
 
 
 class _Distances(NamedTuple):

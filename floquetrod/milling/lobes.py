@@ -27,7 +27,7 @@ from floquetrod.plane import Axis, Chart, Family, Verdicts, axis_values, charted
 _PHASE = 36.0  # rad that solutions turn by in a piece, at most (a choice)
 _RESOLVED = 8, 0.5  # nodes with which some radians are resolved to about 1e-6: so many, and for each radian (measured)
 _STEPS, _REACH = 4, 50.0  # depths tried up to the least critical depth, and how many of these deep (a choice)
-_MOST_VIBRATIONS = 120  # between two teeth: a critical depth then takes ten seconds (measured)
+_MOST_VIBRATIONS = 120  # between two teeth: a critical depth then takes a quarter of a minute (measured)
 _FARTHEST = 500.0  # times that depth up to which is searched (a choice)
 _AT_ONCE = 16  # depths tried before deeper ones are (a choice)
 _PRECISE = 1e-11  # of a critical depth, relative
@@ -191,14 +191,14 @@ def _resolution(milling: Cutter, speeds: Floats, depths: Floats) -> tuple[NDArra
 
 
 def _require_fast(milling: Cutter, speed: float) -> None:
-    """Raise ValueError for a spindle so slow that a verdict would take long."""
+    """Raise ValueError for a spindle so slow that a critical depth would take long."""
     turns = max(mode.frequency for mode in milling.modes) * milling.pitch / (2.0 * math.pi)
     slowest = turns / _MOST_VIBRATIONS
     if speed < slowest:
         raise validate.wrong_value(
             "speed",
             f"must be at least {30.0 * slowest / math.pi:.4g} rpm, {slowest:.4g} rad/s, got {speed:.4g} rad/s: slower, "
-            f"the tool vibrates more than {_MOST_VIBRATIONS} times between two teeth, and a verdict takes minutes",
+            f"the tool vibrates more than {_MOST_VIBRATIONS} times between two teeth, and a depth takes minutes",
         )
 
 

@@ -85,9 +85,9 @@ class Milling(Cutter):
         Parameters
         ----------
         speed : str or float
-            As of `system`.
+            As of `system`; the tool may vibrate up to 120 times between two teeth.
         most : str or float, optional
-            Depth up to which is searched; by default fifty times that smallest one.
+            Depth up to which is searched; by default fifty times that smallest one, and 500 times at most.
         """
         limit = None if most is None else read_depth(most, "most")
         return float(lobes.critical_depths(self, np.array([read_speed(speed)]), limit)[0])
@@ -98,7 +98,7 @@ class Milling(Cutter):
         Parameters
         ----------
         speed : (low, high, number)
-            Ends with units as of `system`: ("5000rpm", "10000rpm", 400).
+            Ends with units as of `critical_depth`: ("5000rpm", "10000rpm", 400).
         depth : (low, high, number)
             Likewise: ("0mm", "4mm", 200).
         growth : bool

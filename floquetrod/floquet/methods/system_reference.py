@@ -38,7 +38,7 @@ from floquetrod.floquet.verdict import Cost
 _MOST_DIGITS = 120  # to which digits are raised while the verdict is open, unless asked otherwise
 _LARGEST_WORK = 5e7  # products of entries, times their cost: about ten seconds (measured)
 _FEWEST_PRODUCTS = 10  # of matrices of the order of the system in first order, that a map takes at least
-_MOST_ENTRIES = 200_000  # of matrices, each a number of many digits: two seconds before anything is computed (measured)
+_MOST_ENTRIES = 200_000  # of matrices, each a number of many digits: a second before anything is computed (measured)
 _SETTLED = 1e-13  # relative error of the multipliers: more digits than a double's are of no use
 _MOST_TRIES = 4  # to reach the digits wanted, which the product of the maps may lose
 _LEAST_ERROR = 1e-300  # of a map, so that it is a double

@@ -7,6 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from floquetrod._util.arrays import EPS, Floats, inverses, norms
+from floquetrod.equations.matrices import mirrored
 from floquetrod.equations.pieces import PieceArrays
 from floquetrod.floquet.kernels.system_even import HalfPeriodMap, half_period_map
 from floquetrod.floquet.systems import spectra, whole
@@ -129,7 +130,7 @@ def _numbers(half: HalfPeriodMap, error: Floats, left: Floats, left_error: Float
     form, form_slip = products(np.swapaxes(half.a, -1, -2), error, half.c, error)
     return PairMatrices(
         *products(left, left_error, half.c, error),
-        0.5 * (form + np.swapaxes(form, -1, -2)),
+        mirrored(form),
         form_slip,
         half.symmetric,
         half.basis,

@@ -476,7 +476,7 @@ class AxialWave(Load):
 
 
 def with_waves(load: Load, axial_damping: float = 0.0, name: str = "axial_damping") -> AxialWave:
-    """Return an `AxialLoad` with the waves it sends from both ends, damped at a rate in 1/s, which has a name."""
+    """Return an `AxialLoad` with the waves it sends from both ends, damped at a rate in 1/s that errors give a name."""
     validate.within(name, axial_damping, 0.0, _FASTEST, "give the decay rate in 1/s")
     return AxialWave(**load.as_dict(), far_end="driven", axial_damping=axial_damping)
 

@@ -19,6 +19,7 @@ from floquetrod._util.arrays import Floats
 from floquetrod._util.caching import cached_property
 from floquetrod._util.content import ByContent
 from floquetrod._util.roots import roots
+from floquetrod.equations.matrices import mirrored
 from floquetrod.rod.model.parts import Ends
 
 _ASYMPTOTIC = 40.0  # wavenumber from which the ends no longer feel each other: e^-40 is below rounding
@@ -68,8 +69,7 @@ class Basis(ByContent):
         """Return the integrals of the products of functions with one another and a factor, all at the nodes."""
         if not factor.any():
             return np.zeros((*factor.shape[:-1], self.size, self.size))
-        found = (functions * (factor * self.weights)[..., None, :]) @ functions.T
-        return np.asarray(0.5 * (found + np.swapaxes(found, -1, -2)))
+        return mirrored((functions * (factor * self.weights)[..., None, :]) @ functions.T)
 
     @cached_property
     def _is_of_many_waves(self) -> bool:
@@ -142,7 +142,7 @@ def _basis(ends: Ends, count: int, breaks: tuple[float, ...] = ()) -> Basis:
         transform, values, slopes, curvatures = (np.linalg.solve(size, part) for part in (transform, *parts))
         curved = curvatures * root
         bending = curved @ curved.T
-        bending = 0.5 * (bending + bending.T)
+        bending = mirrored(bending)
     else:
         sizes = np.diagonal(transform)[:, None]
         values, slopes = sizes * values, sizes * slopes

@@ -14,7 +14,7 @@ from floquetrod.rod.loads.axial import largest_along
 from floquetrod.rod.loads.load import Load
 from floquetrod.units import Unit, unit
 
-_MOST_WAVES = 100_000
+_MOST_WAVES = 100_000  # six million places
 _PLACES = 257  # and 64 more for each axial wave: a largest stress between two of them is missed by a thousandth
 
 

@@ -318,7 +318,7 @@ def _trials(
     else:
         # Without a solution to follow the second verdict takes as long as the first: the fewer modes the better.
         count = first.modes.count
-        add(fewer if first.fastest else min(fewer, count - max(2, count // _share(model, count))), 0, 2)
+        add(fewer if first.fastest is not None else min(fewer, count - max(2, count // _share(model, count))), 0, 2)
     middle = (found[0].modes.count + found[1].modes.count) // 2
     if model.rod.course.breaks and middle > found[0].modes.count:
         add(middle, 1, 3)
@@ -381,12 +381,19 @@ def _modes_to_begin_with(model: ModeModel, load: Load, growth_tolerance: float) 
     rod, loads = model.rod, Loads.single(load)
     uniform = require_few(rod, load, loads, growth_tolerance)
     constants = constants_under(rod, uniform.mean)
-    every, _ = constants.modes_needed(uniform, growth_tolerance)
-    undamped = float(ModalSystems(constants._replace(damping_rate=0.0), Loads.single(uniform)).fastest(1)[0][0])
-    fastest = undamped - constants.damping_rate
-    last = model.count_for(loads, growth_tolerance if every <= _LONG else max(growth_tolerance, 0.25 * fastest))
-    grows = undamped > 0.0 if every <= _LONG else fastest > growth_tolerance
-    if grows and _SEVERAL < last <= _LONG and not has_polynomials(rod.end_conditions, last):
+
+    def undamped() -> float:
+        """Return the growth in 1/s of the fastest mode without damping, if all were independent."""
+        return float(ModalSystems(constants._replace(damping_rate=0.0), Loads.single(uniform)).fastest(1)[0][0])
+
+    if constants.modes_needed(uniform, growth_tolerance)[0] <= _LONG:
+        last = model.count_for(loads, growth_tolerance)
+        may_grow = last > _SEVERAL and undamped() > 0.0
+    else:
+        fastest = undamped() - constants.damping_rate
+        last = model.count_for(loads, max(growth_tolerance, 0.25 * fastest))
+        may_grow = last > _SEVERAL and fastest > growth_tolerance
+    if may_grow and last <= _LONG and not has_polynomials(rod.end_conditions, last):
         return last + max(2, last // 9), last
     return last, last - max(2, last // _share(model, last))
 
