@@ -178,7 +178,7 @@ class Rod(RodData):
         -------
         ModalSystem or HillSystem
             Independent equations where the ends are hinged and the force is a sine, uniform along the rod.  Otherwise
-            one system in seconds, its coordinates those of beam functions and a few polynomials, see
+            one system in seconds, its coordinates those of beam functions and a few others, see
             `floquetrod.rod.model.beam`.
 
         Raises

@@ -31,7 +31,7 @@ from floquetrod.rod.loads.axial import AxialResonanceError
 from floquetrod.rod.loads.load import AxialLoad, Load, Loads
 from floquetrod.rod.mode_equations.coupled_systems import CoupledEquations
 from floquetrod.rod.mode_equations.coupling import WAVEFORM, coupling
-from floquetrod.rod.model.beam import Basis, basis, has_polynomials
+from floquetrod.rod.model.beam import Basis, are_enriched, basis
 from floquetrod.rod.model.constants import SLOW_GROWTH, ModeConstants, mode_constants
 from floquetrod.rod.model.contact import Lying, Wall, added_mean, constants_under, on_wall
 from floquetrod.rod.model.data import RodData
@@ -147,7 +147,7 @@ class CoupledModes(CoupledEquations):
     like : Load
         What the loads have in common: everything but mean, amplitude and frequency.
     count : int
-        Beam functions; polynomials may be added to them.
+        Beam functions; a few others may be added to them.
     constants : ModeConstants
         Of the rod, or a little others.
     along : float
@@ -355,5 +355,5 @@ class CoupledModes(CoupledEquations):
 
     @property
     def are_nested(self) -> bool:
-        """Whether the equations of fewer modes are the first of these, as where no polynomials are added."""
-        return not has_polynomials(self.rod.end_conditions, self.count)
+        """Whether the equations of fewer modes are the first of these, as where no other functions are added."""
+        return not are_enriched(self.rod.end_conditions)

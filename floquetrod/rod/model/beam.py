@@ -2,7 +2,8 @@
 
 phi'''' = k^4 phi with two conditions at each end: phi is a sine and a cosine, with an exponential that decays from
 each end.  Where an end is clamped or free, solutions under an axial force have derivatives there that no beam function
-has, and eigenvalues converge only like n^-5 or n^-3; a few polynomials that fulfil the essential conditions mend that.
+has, and eigenvalues converge only like n^-5 or n^-3.  A few polynomials that fulfil the essential conditions mend that,
+or, beside many beam functions, a few functions next to the ends, as wide as some waves of the last one.
 """
 
 from __future__ import annotations
@@ -23,13 +24,15 @@ from floquetrod.equations.matrices import mirrored
 from floquetrod.rod.model.parts import Ends
 
 _ASYMPTOTIC = 40.0  # wavenumber from which the ends no longer feel each other: e^-40 is below rounding
-_ENRICHED_UP_TO = 64  # functions to which polynomials are added; beyond, n^-3 is small enough (a choice)
+_POLYNOMIALS_UP_TO = 64  # functions; what polynomials add to more of them is lost in rounding (measured)
 _POLYNOMIALS = 4  # added (a choice: more would raise the highest frequency further, for little)
 _SAME = 1e-7  # length of what is left of a polynomial beside the beam functions below which it adds nothing
+_NARROW, _NARROWEST = 45.0, 8.0  # decay rate of functions next to an end at least, and k of the last over it (measured)
 _POINTS = 24  # of Gauss-Legendre quadrature in a panel, exact to rounding for 6 half waves of a product
 _PER_PANEL = 12.0  # largest wavenumber times length of a panel
 _ROUNDING = 2.2e-16  # of F and of its product with a weight, summed over the nodes, over the integral of |F|
 _LARGE = 200  # functions beyond which only one basis is kept (a choice)
+_MANY_WAVES = 48  # sines or cosines from which integrals by Fourier's transform take less time (measured)
 
 _DERIVATIVES = {"hinged": (0, 2), "clamped": (0, 1), "guided": (1, 3), "free": (2, 3)}
 """Derivatives that vanish at an end."""
@@ -40,19 +43,22 @@ _PHASES = {"hinged": 0.0, "clamped": 0.25 * math.pi, "free": 0.25 * math.pi, "gu
 _ESSENTIAL = {"hinged": (0,), "clamped": (0, 1), "guided": (1,), "free": ()}
 """Derivatives up to the first that vanish at an end: what every function of a Ritz basis must fulfil."""
 
+_MISSING = {"hinged": (4,), "clamped": (4, 5), "guided": (5,), "free": (3, 4)}
+"""Powers of the distance from an end that motion under a force begins with, and sums of beam functions lack."""
+
 
 @dataclass(frozen=True, eq=False)
 class Basis(ByContent):
     """Orthonormal functions on 0 <= x <= 1 with their derivatives at the nodes of a quadrature."""
 
     ends: Ends
-    count: int  # beam functions, which come first, rigid motions before all; any others are polynomials
+    count: int  # beam functions, which come first, rigid motions before all; any others are added, see above
     bending: Floats  # (n, n), integrals of phi_i'' phi_j''
     nodes: Floats  # (q,), of the quadrature, as the weights
     weights: Floats
     values: Floats  # (n, q), phi at the nodes
     slopes: Floats  # (n, q), phi' there
-    transform: Floats  # from plain beam functions and polynomials to these
+    transform: Floats  # from plain beam functions and those added to these
 
     @property
     def size(self) -> int:
@@ -61,45 +67,49 @@ class Basis(ByContent):
 
     def coupling(self, force: Floats) -> Floats:
         """Return the integrals of F phi_i' phi_j', symmetric bit for bit; force (..., q) at the nodes."""
-        if self._is_of_many_waves:
-            return self._coupling_of_waves(force)
-        return self._products(self.slopes, force)
+        return self._products(self.slopes, force, derivative=True)
 
-    def _products(self, functions: Floats, factor: Floats) -> Floats:
+    def pressing(self, density: Floats) -> Floats:
+        """Return the integrals of d phi_i phi_j, symmetric bit for bit; density (..., q) at the nodes."""
+        return self._products(self.values, density, derivative=False)
+
+    def _products(self, functions: Floats, factor: Floats, *, derivative: bool) -> Floats:
         """Return the integrals of the products of functions with one another and a factor, all at the nodes."""
         if not factor.any():
             return np.zeros((*factor.shape[:-1], self.size, self.size))
+        if self._is_of_many_waves:
+            return self._products_of_waves(factor, derivative=derivative)
         return mirrored((functions * (factor * self.weights)[..., None, :]) @ functions.T)
 
     @cached_property
     def _is_of_many_waves(self) -> bool:
         """Whether these are many sines or cosines, on panels of equal length."""
-        if not _are_trigonometric(self.ends) or self.count <= _LARGE:
+        if not _are_trigonometric(self.ends) or self.count < _MANY_WAVES:
             return False
         return np.array_equal(self.nodes, _quadrature(len(self.nodes) // _POINTS, ())[0])
 
-    def _coupling_of_waves(self, force: Floats) -> Floats:
-        """Return `coupling` from the integrals of F cos(m pi x), in a thousandth of the time of products of matrices.
+    def _products_of_waves(self, factor: Floats, *, derivative: bool) -> Floats:
+        """Return `_products` from the integrals of the factor times cos(m pi x), far faster than by matrices.
 
         Points of the same place in each of P panels add up to a discrete Fourier transform of 2 P numbers.
         """
-        waves, panels = wavenumbers(self.ends, self.count), len(self.nodes) // _POINTS
-        m = np.arange(2 * self.count + 1)
-        each = np.swapaxes((force * self.weights).reshape(*force.shape[:-1], panels, _POINTS), -1, -2)
-        turned = np.fft.fft(each, 2 * panels)[..., m % (2 * panels)]
-        angles = math.pi * self.nodes[:_POINTS, None] * m
-        moments = (turned.real * np.cos(angles) + turned.imag * np.sin(angles)).sum(axis=-2)
-        size = np.abs(force * self.weights).sum(axis=-1, keepdims=True)
+        panels, (cosines, sines, apart, both) = len(self.nodes) // _POINTS, self._waves
+        each = np.swapaxes((factor * self.weights).reshape(*factor.shape[:-1], panels, _POINTS), -1, -2)
+        turned = np.fft.fft(each, 2 * panels)[..., np.arange(2 * self.count + 1) % (2 * panels)]
+        moments = (turned.real * cosines + turned.imag * sines).sum(axis=-2)
+        size = np.abs(factor * self.weights).sum(axis=-1, keepdims=True)
         moments[np.abs(moments) < _ROUNDING * size] = 0.0  # what is uniform couples nothing, and matrices stay sparse
-        apart = np.rint(np.abs(np.subtract.outer(waves, waves)) / math.pi).astype(int)
-        both = np.rint(np.add.outer(waves, waves) / math.pi).astype(int)
-        sign = 1.0 if self.ends.upper == "hinged" else -1.0
-        sizes = 0.5 * waves * np.diagonal(self.transform)
+        sign = 1.0 if (self.ends.upper == "hinged") == derivative else -1.0
+        sizes = 0.5 * np.diagonal(self.transform) * (wavenumbers(self.ends, self.count) if derivative else 1.0)
         return np.asarray((moments[..., apart] + sign * moments[..., both]) * (sizes[:, None] * (2.0 * sizes)))
 
-    def pressing(self, density: Floats) -> Floats:
-        """Return the integrals of d phi_i phi_j, symmetric bit for bit; density (..., q) at the nodes."""
-        return self._products(self.values, density)
+    @cached_property
+    def _waves(self) -> tuple[Floats, Floats, NDArray[np.intp], NDArray[np.intp]]:
+        """Cosines and sines (24, m) of m pi x in the first panel, and of each product its two m."""
+        waves = wavenumbers(self.ends, self.count) / math.pi
+        angles = math.pi * self.nodes[:_POINTS, None] * np.arange(2 * self.count + 1)
+        apart = np.rint(np.abs(np.subtract.outer(waves, waves))).astype(int)
+        return np.cos(angles), np.sin(angles), apart, np.rint(np.add.outer(waves, waves)).astype(int)
 
     def shapes(self, x: Floats) -> Floats:
         """Return the functions at points, (n, len(x))."""
@@ -107,7 +117,7 @@ class Basis(ByContent):
 
 
 def basis(ends: Ends, count: int, breaks: tuple[float, ...] = ()) -> Basis:
-    """Return the first ``count`` beam functions, rigid motions included, and polynomials where they help.
+    """Return the first ``count`` beam functions, rigid motions included, and others where they help.
 
     Panels of the quadrature end at ``breaks`` between 0 and 1, where what is integrated may jump.  The last ones are
     kept, but of those with more than 200 functions, up to a hundred megabytes each, only one.
@@ -135,18 +145,20 @@ def _basis(ends: Ends, count: int, breaks: tuple[float, ...] = ()) -> Basis:
     root = np.sqrt(weights)
     transform = _orthogonal(values * root, count)
     kept = len(transform)
-    if kept > count:
-        parts = [transform @ part for part in (values, slopes, curvatures)]
+    sizes = np.diagonal(transform)[:count, None]
+    parts = [np.concatenate([sizes * part[:count], transform[count:] @ part]) for part in (values, slopes, curvatures)]
+    for i in range(count, kept):
         # Combinations that nearly cancel have lost digits: they are made orthonormal at the nodes, where they are used.
-        size = np.linalg.cholesky((parts[0] * weights) @ parts[0].T)
-        transform, values, slopes, curvatures = (np.linalg.solve(size, part) for part in (transform, *parts))
-        curved = curvatures * root
-        bending = curved @ curved.T
-        bending = mirrored(bending)
-    else:
-        sizes = np.diagonal(transform)[:, None]
-        values, slopes = sizes * values, sizes * slopes
-        bending = np.zeros((kept, kept))
+        weighted = weights * parts[0][i]
+        beside = parts[0][:i] @ weighted
+        size = math.sqrt(float(weighted @ parts[0][i]) - float(beside @ beside))
+        for part in (transform, *parts):
+            part[i] = (part[i] - beside @ part[:i]) / size
+    values, slopes, curved = parts[0], parts[1], parts[2] * root
+    bending = np.zeros((kept, kept))
+    bending[count:] = curved[count:] @ curved.T
+    bending[:count, count:] = bending[count:, :count].T
+    bending = mirrored(bending)
     bending[np.arange(count), np.arange(count)] = waves**4
     for part in (nodes, weights, bending, values, slopes, transform):
         part.flags.writeable = False
@@ -166,7 +178,7 @@ def _orthogonal(rows: Floats, count: int) -> Floats:
         unit = np.zeros(len(rows))
         unit[i] = 1.0 / np.linalg.norm(rows[i])
         for _ in range(2):
-            unit -= (found[:kept] @ rows @ (unit @ rows)) @ found[:kept]
+            unit -= (found[:kept] @ (rows @ (unit @ rows))) @ found[:kept]
         left = float(np.linalg.norm(unit @ rows))
         if left > _SAME:
             found[kept] = unit / left
@@ -230,20 +242,20 @@ def _functions(k: Floats, x: float | Floats) -> list[Floats]:
 
 
 def _all_functions(ends: Ends, count: int, x: Floats) -> tuple[Floats, Floats, Floats]:
-    """Return values, slopes and second derivatives of beam functions and polynomials, (n, len(x)) each."""
+    """Return values, slopes and second derivatives of beam functions and those added, (n, len(x)) each."""
     waves = wavenumbers(ends, count)
     rigid = min(_rigid(ends), count)
     beams = _beam_functions(ends, waves[rigid:], x)
     rows = [np.concatenate([_rigid_motions(ends, x)[d][:rigid], beams[d]]) for d in range(3)]
-    if not has_polynomials(ends, count):
+    if not are_enriched(ends):
         return rows[0], rows[1], rows[2]
-    added = _polynomials(ends, x)
+    added = _polynomials(ends, x) if count <= _POLYNOMIALS_UP_TO else _next_to_ends(ends, float(waves[-1]), x)
     return tuple(np.concatenate([row, more]) for row, more in zip(rows, added, strict=True))  # type: ignore[return-value]
 
 
-def has_polynomials(ends: Ends, count: int) -> bool:
-    """Return whether polynomials are added to as many beam functions."""
-    return not _are_trigonometric(ends) and count <= _ENRICHED_UP_TO
+def are_enriched(ends: Ends) -> bool:
+    """Return whether functions are added to those of a beam."""
+    return not _are_trigonometric(ends)
 
 
 def _rigid_motions(ends: Ends, x: Floats) -> tuple[Floats, Floats, Floats]:
@@ -290,3 +302,16 @@ def _polynomials(ends: Ends, x: Floats) -> tuple[Floats, Floats, Floats]:
     else:
         space = np.eye(degrees)
     return tuple(space @ np.array([p.deriv(d)(x) if d else p(x) for p in whole]) for d in range(3))
+
+
+def _next_to_ends(ends: Ends, wavenumber: float, x: Floats) -> tuple[Floats, Floats, Floats]:
+    """Return z^p exp(-z), z = a (distance from an end), with two derivatives; ``wavenumber`` is the largest of all."""
+    rate = max(_NARROW, wavenumber / _NARROWEST)
+    found = []
+    for end, sign, distance in ((ends.upper, 1.0, x), (ends.lower, -1.0, 1.0 - x)):
+        z = rate * distance
+        for p in _MISSING[end]:
+            base = z ** (p - 2) * np.exp(-z)
+            slope, curvature = z * (p - z), p * (p - 1) - 2 * p * z + z * z
+            found.append((z * z * base, sign * rate * slope * base, rate * rate * curvature * base))
+    return tuple(np.array(part) for part in zip(*found, strict=True))  # type: ignore[return-value]

@@ -80,6 +80,13 @@ class ModeConstants(NamedTuple):
         press, lost = self.pendulum_squared + bend * mean, np.abs(bend) * amplitude
         return np.where(press - lost > 0.0, 1, np.where(press + lost < 0.0, -1, 0))
 
+    def modes_below(self, frequency: float, mean: float) -> int:
+        """Return about how many modes swing below a frequency in rad/s under a compression in N."""
+        push = 0.5 * self.per_newton * mean
+        rest = frequency**2 - self.pendulum_squared - 2.0 * push * self.held
+        squared = max(0.0, push + math.sqrt(max(0.0, push * push + self.bending * rest))) / self.bending
+        return math.floor(math.sqrt(squared))
+
     def modes_needed(self, load: Load, growth_tolerance: float) -> tuple[int, float]:
         """Return how many modes decide a verdict and a bound in 1/s on all others; see `Rod.modes_needed`."""
         self.require_in_reach(Loads.single(load))

@@ -33,13 +33,14 @@ from floquetrod.rod.mode_equations.coupled_systems import CoupledEquations, firs
 from floquetrod.rod.mode_equations.modal_systems import ModalSystems
 from floquetrod.rod.mode_equations.sampled import first_change
 from floquetrod.rod.model.assumptions import assumptions, forced_in_words
-from floquetrod.rod.model.beam import has_polynomials
+from floquetrod.rod.model.beam import are_enriched
 from floquetrod.rod.model.contact import constants_under, up_to_wall
 from floquetrod.rod.modes.fewer_modes import Fastest
 from floquetrod.rod.modes.mode_model import ModeModel
 
 _SEVERAL = 60  # modes up to which another verdict takes less time than following a solution (measured)
 _LONG = 200  # modes from which a verdict takes seconds, so that no more are taken than matter
+_BESIDE = 2  # modes above the highest that a harmonic drives (measured)
 _ENLARGEMENTS = 3  # times that more modes are taken while two numbers of them disagree (a choice)
 _SHAPE_POINTS, _SHAPE_INSTANTS = 12, 48  # for each mode, and in a period
 _LISTED = 10  # resonances in a report, the fastest
@@ -313,14 +314,22 @@ def _trials(
     add(last, 0, 2)
     first = found[-1]
     needed = _more_needed(model, load, first, growth_tolerance)
-    if needed:
+    driven = _driven(model, load, first)
+    by_chance = bool(model.rod.course.breaks)
+    if driven > max(last, needed):
+        found.clear()
+        for modes in (driven, driven + max(2, driven // 5)):
+            add(modes, len(found), 3)
+        first = found[-1]
+    elif needed:
         add(needed, 1, 2)
     else:
         # Without a solution to follow the second verdict takes as long as the first: the fewer modes the better.
         count = first.modes.count
         add(fewer if first.fastest is not None else min(fewer, count - max(2, count // _share(model, count))), 0, 2)
+        by_chance = by_chance or are_enriched(model.rod.end_conditions)
     middle = (found[0].modes.count + found[1].modes.count) // 2
-    if model.rod.course.breaks and middle > found[0].modes.count:
+    if by_chance and middle > found[0].modes.count:
         add(middle, 1, 3)
     begun = len(found)
     while _may_be_concluded(found[-1], _compared(model, found), growth_tolerance):
@@ -337,18 +346,38 @@ def _trials(
 def _compared(model: ModeModel, found: Sequence[_WithModes]) -> Sequence[_WithModes]:
     """Return the trials that tell how the growth of the last one depends on the number of modes.
 
-    Where the curvature of a channel jumps, growth goes up and down with it: two numbers of modes may agree by chance.
+    Where the curvature of a channel jumps, growth goes up and down with it, as where modes are added that harmonics
+    drive (see `_driven`): two numbers of modes may agree by chance.
     """
-    return found[-3:-1] if model.rod.course.breaks else found[-2:-1]
+    rod = model.rod
+    return found[-3:-1] if rod.course.breaks or are_enriched(rod.end_conditions) else found[-2:-1]
+
+
+def _driven(model: ModeModel, load: Load, trial: _WithModes) -> int:
+    """Return how many modes hold those that the harmonics of growing motion drive; 0 where none may be near them.
+
+    Motion that grows has the frequencies nu + k w, each of which may be near that of a mode far above those that grow.
+    Sines hardly drive such a mode, but other functions do: growth stands still over some numbers of modes, and changes
+    once that mode is among them.  Taken are modes up to (H + 1) w - nu under a force of H harmonics, at most twice as
+    many as there are, as what is driven farther above hardly moves, and no more than a verdict takes a second for.
+    """
+    enriched, count = are_enriched(model.rod.end_conditions), trial.modes.count
+    if not enriched or count > _LONG or not trial.least > -model.rod.damping_rate:
+        return 0
+    turns = abs(trial.whole.exponents[0].imag) / load.frequency
+    highest = 1.0 + len(load.harmonics) - abs(turns - round(turns))
+    uniform = require_few(model.rod, load, Loads.single(load), 0.0)
+    below = constants_under(model.rod, uniform.mean).modes_below(highest * load.frequency, uniform.mean)
+    return min(below + _BESIDE, 2 * count, _LONG)
 
 
 def _share(model: ModeModel, count: int) -> int:
     """Return which part of the modes, one in so many, the second trial leaves out.
 
-    More where polynomials join the beam functions: growth then hardly changes over a few numbers of modes and goes on
+    More where others join the beam functions: growth then hardly changes over a few numbers of modes and goes on
     changing after them.
     """
-    if has_polynomials(model.rod.end_conditions, count):
+    if are_enriched(model.rod.end_conditions):
         return 4
     return 6 if count <= _LONG else 10
 
@@ -393,7 +422,7 @@ def _modes_to_begin_with(model: ModeModel, load: Load, growth_tolerance: float) 
         fastest = undamped() - constants.damping_rate
         last = model.count_for(loads, max(growth_tolerance, 0.25 * fastest))
         may_grow = last > _SEVERAL and fastest > growth_tolerance
-    if may_grow and last <= _LONG and not has_polynomials(rod.end_conditions, last):
+    if may_grow and last <= _LONG and not are_enriched(rod.end_conditions):
         return last + max(2, last // 9), last
     return last, last - max(2, last // _share(model, last))
 
@@ -433,7 +462,8 @@ class _WithModes(NamedTuple):
     def of(cls, modes: CoupledEquations, load: Load, larger: HillSystem | None) -> _WithModes:
         """Return the verdict with some modes; ``larger`` is the system of more of them, if it is known."""
         system = first_of(larger, modes.size) if larger and modes.are_nested else modes.system(Loads.single(load))
-        whole, fastest = _judged(system) if modes.count > _SEVERAL and modes.are_nested else (stability(system), None)
+        whole, fastest = _judged(system) if modes.count > _SEVERAL else (stability(system), None)
+        fastest = fastest if modes.are_nested else None
         # Where solutions come in pairs only the one that decays more slowly matters of each: the error of the other's
         # multiplier may exceed it, where the first one grows fast.
         slower = slice(len(whole.exponents) // (2 if undamped_pairs(system) else 1))
