@@ -33,13 +33,14 @@ class March(ByContent):
     error: float = math.inf  # of the map, in the 2-norm, estimated: what more terms would add to states drawn at random
 
     @classmethod
-    def of(
-        cls, parts: Parts, period: float, accuracy: float, start: Floats, most: float = _MOST_SEGMENTS
-    ) -> Self | None:
-        """Return the map with the terms that orthonormal states drawn at random need; None where these are too many.
+    def of(cls, parts: Parts, period: float, accuracy: float, start: Floats) -> Self | None:
+        """Return the map with the terms that orthonormal states drawn at random need; None where these are too many."""
+        march = cls.with_all_terms(parts, period, accuracy)
+        return None if march is None else march._shortened(start, accuracy)
 
-        Or more than ``most`` segments.
-        """
+    @classmethod
+    def with_all_terms(cls, parts: Parts, period: float, accuracy: float, most: float = _MOST_SEGMENTS) -> Self | None:
+        """Return the map with all terms there may be; None where it needs more than ``most`` segments, or very many."""
         n, omega = len(parts.rates), 2.0 * math.pi / period
         g = np.empty(n)
         size, slow, _ = balance(parts.rates, np.abs(np.reshape(parts.matrices, (-1, n, n))), omega, g)
@@ -53,7 +54,7 @@ class March(ByContent):
         factors = np.cos(math.pi * turns[..., None] + 0.5 * math.pi * index) * powers
         dropped = accuracy * slow / (period * LEVELS * max(1, len(parts.matrices)))
         blocks = [split(matrix, dropped) for matrix in parts.matrices]
-        return cls(parts, g, blocks, factors, h, len(index) - 1)._shortened(start, accuracy)
+        return cls(parts, g, blocks, factors, h, len(index) - 1)
 
     def _shortened(self, start: Floats, accuracy: float) -> Self | None:
         """Return the map with as many terms as some states need."""
@@ -85,6 +86,11 @@ class March(ByContent):
         g, n = self.scaling[:, None], len(self.scaling)
         return np.array([states[:n] / g, states[n:] * g * self.reach])
 
+    def _left(self, state: Floats) -> Floats:
+        """Return states (v, p) of u and h u'."""
+        g = self.scaling[:, None]
+        return np.concatenate([state[0] * g, state[1] / (g * self.reach)])
+
     def _series(self, state: Floats, factors: Floats, least: float = 0.0) -> Floats:
         """Return the terms of u from the beginning of a segment, in powers of its length, down to ``least``."""
         x = np.zeros((self.terms + 1, *state.shape[1:]))
@@ -95,6 +101,14 @@ class March(ByContent):
             if least and i % _FEW == _FEW - 1 and self._sizes(x[i + 3 - _FEW : i + 3], i + 3 - _FEW).max() < least:
                 return x[: i + 3]
         return x
+
+    def carried(self, states: Floats, accuracy: float) -> Floats:
+        """Return states (2 n, q) after a period, each series as long as they need; not a linear function of them."""
+        least = _NOTHING * accuracy * float(np.linalg.norm(states))
+        state = self._entered(states)
+        for factors in self.factors:
+            state = _summed(self._series(state, factors, least))
+        return self._left(state)
 
     def _sizes(self, x: Floats, first: int = 0) -> Floats:
         """Return the norms in the coordinates of states of what each term adds, the first of which has a power."""
@@ -107,8 +121,7 @@ class March(ByContent):
         state = self._entered(states)
         for factors in self.factors:
             state = _summed(self._series(state, factors))
-        g = self.scaling[:, None]
-        return np.concatenate([state[0] * g, state[1] / (g * self.reach)])
+        return self._left(state)
 
 
 def _summed(x: Floats) -> Floats:

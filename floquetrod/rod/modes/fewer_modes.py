@@ -21,9 +21,7 @@ from floquetrod.floquet.methods.system_half_period import SolvedPairs
 from floquetrod.floquet.methods.system_monodromy import SolvedMany
 from floquetrod.floquet.systems.fastest import FastSolutions
 
-_ACCURACY = 1e-10  # of the map over a period
-_DRAWN = 2  # states drawn at random by which that is judged (a choice)
-_SEED = 20151102
+_ACCURACY = 1e-10  # of the solution after a period
 _WORTH = 50.0  # modes over the root of third order of the segments up to which a verdict takes longer (measured)
 _LARGEST_CHANGE = 1e-3  # of x over a period, beyond growth, up to which the solution is that of the fewer (a choice)
 _CERTAIN = 100.0  # errors by which it is certain to grow
@@ -67,13 +65,12 @@ class Fastest(NamedTuple):
         """
         n = len(self.stiffness)
         parts = Parts.of(self.stiffness[:count, :count], self.harmonics[:, :count, :count])
-        drawn = np.linalg.qr(np.random.default_rng(_SEED).standard_normal((2 * count, _DRAWN)))[0]
-        march = March.of(parts, self.period, _ACCURACY, drawn, (count / _WORTH) ** 3)
+        march = March.with_all_terms(parts, self.period, _ACCURACY, (count / _WORTH) ** 3)
         if march is None:
             return None
         kept = np.r_[0:count, n : n + count]
         start, partner = march.states(np.stack([self.start[kept], self.partner[kept]], axis=1)).T
-        moved = march(np.stack([start.real, start.imag], axis=1))
+        moved = march.carried(np.stack([start.real, start.imag], axis=1), _ACCURACY)
         end, left = moved[:, 0] + 1j * moved[:, 1], np.concatenate([-partner[count:], partner[:count]]).conj()
         mu = complex((left @ end) / (left @ start))
         if not np.linalg.norm(end - mu * start) <= _LARGEST_CHANGE * np.linalg.norm(end):
