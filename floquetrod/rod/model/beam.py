@@ -81,35 +81,50 @@ class Basis(ByContent):
             return self._products_of_waves(factor, derivative=derivative)
         return mirrored((functions * (factor * self.weights)[..., None, :]) @ functions.T)
 
-    @cached_property
+    @property
     def _is_of_many_waves(self) -> bool:
-        """Whether these are many sines or cosines, on panels of equal length."""
-        if not _are_trigonometric(self.ends) or self.count < _MANY_WAVES:
-            return False
-        return np.array_equal(self.nodes, _quadrature(len(self.nodes) // _POINTS, ())[0])
+        """Whether these are many sines or cosines."""
+        return _are_trigonometric(self.ends) and self.count >= _MANY_WAVES
 
     def _products_of_waves(self, factor: Floats, *, derivative: bool) -> Floats:
-        """Return `_products` from the integrals of the factor times cos(m pi x), far faster than by matrices.
-
-        Points of the same place in each of P panels add up to a discrete Fourier transform of 2 P numbers.
-        """
-        panels, (cosines, sines, apart, both) = len(self.nodes) // _POINTS, self._waves
-        each = np.swapaxes((factor * self.weights).reshape(*factor.shape[:-1], panels, _POINTS), -1, -2)
-        turned = np.fft.fft(each, 2 * panels)[..., np.arange(2 * self.count + 1) % (2 * panels)]
-        moments = (turned.real * cosines + turned.imag * sines).sum(axis=-2)
+        """Return `_products` from the integrals of the factor times cos(m pi x), far faster than by matrices."""
+        moments = self._moments(factor * self.weights)
         size = np.abs(factor * self.weights).sum(axis=-1, keepdims=True)
         moments[np.abs(moments) < _ROUNDING * size] = 0.0  # what is uniform couples nothing, and matrices stay sparse
+        waves = wavenumbers(self.ends, self.count)
+        apart, both = self._places
         sign = 1.0 if (self.ends.upper == "hinged") == derivative else -1.0
-        sizes = 0.5 * np.diagonal(self.transform) * (wavenumbers(self.ends, self.count) if derivative else 1.0)
+        sizes = 0.5 * np.diagonal(self.transform) * (waves if derivative else 1.0)
         return np.asarray((moments[..., apart] + sign * moments[..., both]) * (sizes[:, None] * (2.0 * sizes)))
 
     @cached_property
-    def _waves(self) -> tuple[Floats, Floats, NDArray[np.intp], NDArray[np.intp]]:
-        """Cosines and sines (24, m) of m pi x in the first panel, and of each product its two m."""
+    def _places(self) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+        """Of the product of each two waves, the m of its two cosines."""
         waves = wavenumbers(self.ends, self.count) / math.pi
-        angles = math.pi * self.nodes[:_POINTS, None] * np.arange(2 * self.count + 1)
         apart = np.rint(np.abs(np.subtract.outer(waves, waves))).astype(int)
-        return np.cos(angles), np.sin(angles), apart, np.rint(np.add.outer(waves, waves)).astype(int)
+        return apart, np.rint(np.add.outer(waves, waves)).astype(int)
+
+    def _moments(self, weighted: Floats) -> Floats:
+        """Return the sums of values (..., q) at the nodes times cos(m pi x), m up to twice the number of functions.
+
+        Points of the same place in each of P panels of equal length add up to a discrete Fourier transform of 2 P
+        numbers.
+        """
+        panels, cosines, sines = self._turns
+        if not panels:
+            return np.asarray(weighted @ cosines)
+        each = np.swapaxes(weighted.reshape(*weighted.shape[:-1], panels, _POINTS), -1, -2)
+        turned = np.fft.fft(each, 2 * panels)[..., np.arange(2 * self.count + 1) % (2 * panels)]
+        return np.asarray((turned.real * cosines + turned.imag * sines).sum(axis=-2))
+
+    @cached_property
+    def _turns(self) -> tuple[int, Floats, Floats]:
+        """Number of panels of equal length, cosines and sines of m pi x in the first; or 0, and those at all nodes."""
+        panels = len(self.nodes) // _POINTS
+        are_equal = np.array_equal(self.nodes, _quadrature(panels, ())[0])
+        x = self.nodes[:_POINTS] if are_equal else self.nodes
+        angles = math.pi * x[:, None] * np.arange(2 * self.count + 1)
+        return panels if are_equal else 0, np.cos(angles), np.sin(angles) if are_equal else np.empty(0)
 
     def shapes(self, x: Floats) -> Floats:
         """Return the functions at points, (n, len(x))."""
