@@ -22,7 +22,7 @@ _FEW, _NOTHING = 4, 1e-4  # terms in a row, as a part of the accuracy, below whi
 
 @dataclass(frozen=True, eq=False)
 class March(ByContent):
-    """The map over a period in the coordinates of `period_map_large`, as a linear function of states."""
+    """The map over a period, or half, in the coordinates of `period_map_large`, as a linear function of states."""
 
     parts: Parts  # the equations
     scaling: Floats  # (n,), g of the states (v, p) = (g u, u' / g), u in eigenvectors of the mean stiffness
@@ -39,18 +39,24 @@ class March(ByContent):
         return None if march is None else march._shortened(start, accuracy)
 
     @classmethod
-    def with_all_terms(cls, parts: Parts, period: float, accuracy: float, most: float = _MOST_SEGMENTS) -> Self | None:
-        """Return the map with all terms there may be; None where it needs more than ``most`` segments, or very many."""
+    def with_all_terms(
+        cls, parts: Parts, period: float, accuracy: float, most: float = _MOST_SEGMENTS, *, halves: int = 2
+    ) -> Self | None:
+        """Return the map over a period, or half of one, with all terms there may be.
+
+        None where the period needs more than ``most`` segments, or very many.
+        """
         n, omega = len(parts.rates), 2.0 * math.pi / period
         g = np.empty(n)
         size, slow, _ = balance(parts.rates, np.abs(np.reshape(parts.matrices, (-1, n, n))), omega, g)
         phase = max(period * math.sqrt(coefficient_bound(size, parts.norms, 1, 0.0)), 2.0 * math.pi * len(parts.norms))
-        segments = math.ceil(min(phase / _REACH, 1e9))
-        if not 0 < segments <= min(most, _MOST_SEGMENTS):
+        if not 0 < math.ceil(min(phase / _REACH, 1e9)) <= min(most, _MOST_SEGMENTS):
             return None
-        h, index = period / segments, np.arange(2 * MOST_TERMS - 1)
+        share = 0.5 * halves
+        segments = math.ceil(share * phase / _REACH)
+        h, index = share * period / segments, np.arange(2 * MOST_TERMS - 1)
         powers = (parts.orders[:, None] * (omega * h)) ** index / np.cumprod(np.maximum(index, 1.0))
-        turns = 2.0 * parts.orders * np.arange(segments)[:, None] / segments + parts.turns
+        turns = 2.0 * share * parts.orders * np.arange(segments)[:, None] / segments + parts.turns
         factors = np.cos(math.pi * turns[..., None] + 0.5 * math.pi * index) * powers
         dropped = accuracy * slow / (period * LEVELS * max(1, len(parts.matrices)))
         blocks = [split(matrix, dropped) for matrix in parts.matrices]
@@ -103,7 +109,7 @@ class March(ByContent):
         return x
 
     def carried(self, states: Floats, accuracy: float) -> Floats:
-        """Return states (2 n, q) after a period, each series as long as they need; not a linear function of them."""
+        """Return states (2 n, q) at the end, each series as long as they need; not a linear function of them."""
         least = _NOTHING * accuracy * float(np.linalg.norm(states))
         state = self._entered(states)
         for factors in self.factors:

@@ -188,9 +188,10 @@ class RodStability(Reported, Verdict):
     """Verdict on a rod under a load, in 1/s and s.
 
     It has all that every `Verdict` has.  Stable when nothing grows faster than the tolerance; the growth rate is that
-    of the fastest solution, within the tolerance or not; the exponents are those of all modes.  Where modes are
-    independent ``error`` is the largest of a mode's discriminant; where they are coupled that of the growth rate in
-    1/s, of the multipliers and, estimated, of the modes left out.
+    of the fastest solution, within the tolerance or not; the exponents are those of all modes, or, of more than 60 that
+    are coupled, of those that may resonate.  Where modes are independent ``error`` is the largest of a mode's
+    discriminant; where they are coupled that of the growth rate in 1/s, of the multipliers and, estimated, of the modes
+    left out.
 
     Attributes
     ----------

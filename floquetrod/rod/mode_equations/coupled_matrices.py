@@ -312,7 +312,7 @@ class CoupledModes(CoupledEquations):
         one, other = (self._lying(mean).side for mean in (low, high))
         return one == other != 0.0
 
-    def forced_angle(self, load: Load) -> float | None:
+    def forced_angle(self, load: Load, system: HillSystem | None = None) -> float | None:
         """Return how far in rad the vibration moves a rod in a channel that turns along the wall, to first order.
 
         That of (K + 2 i c w - w^2) q = (1 / (R m)) int f aside phi, all harmonics in phase; None in a plane.
@@ -322,7 +322,8 @@ class CoupledModes(CoupledEquations):
         aside = self._wall.per_newton * self._lying(load.mean).aside * self.basis.weights
         along = self.rod.wave_speed, self.rod.length
         every = axial.along(load, *along, self.basis.nodes * self.rod.length, load.frequency)
-        stiffness, angle = self.stiffness(np.array([load.mean]))[0], np.zeros(self.basis.nodes.size)
+        stiffness = self.stiffness(np.array([load.mean]))[0] if system is None else system.stiffness
+        angle = np.zeros(self.basis.nodes.size)
         for k, force in enumerate(every, start=1):
             w = k * load.frequency
             resisting = stiffness + (2j * self.damping_rate * w - w * w) * np.eye(self.size)

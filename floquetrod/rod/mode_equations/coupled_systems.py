@@ -66,8 +66,11 @@ class CoupledEquations(ABC):
         """Return the deflection along the rod of each coordinate, at x = s / L: (size, len(x))."""
         raise ValueError(f"{type(self).__name__} does not say how its coordinates bend the rod, so there is no shape")
 
-    def forced_angle(self, load: Load) -> float | None:
-        """Return how far in rad a load moves the rod along its wall by itself; None where it only pushes along."""
+    def forced_angle(self, load: Load, system: HillSystem | None = None) -> float | None:
+        """Return how far in rad a load moves the rod along its wall by itself; None where it only pushes along.
+
+        ``system`` is that under the load, if it is known.
+        """
         return None
 
     def is_affine(self, low: float, high: float) -> bool:

@@ -22,6 +22,7 @@ from floquetrod.floquet.systems.classification import undamped_pairs
 from floquetrod.floquet.systems.damping import least_damping
 from floquetrod.floquet.systems.fastest import fast_solutions
 from floquetrod.floquet.systems.resonances import Resonance
+from floquetrod.floquet.systems.resonating import resonating
 from floquetrod.floquet.systems.result import SystemStability
 from floquetrod.floquet.systems.whole import period_maps
 from floquetrod.floquet.verdict import Status
@@ -108,7 +109,9 @@ class ModesTogether(SharedGrowth):
     system : HillSystem
         The equations of motion, in seconds.
     whole : SystemStability
-        Verdict on them.
+        Verdict on them, or on those that may resonate.
+    below : int
+        Modes of lower frequency than any of ``whole``.
     """
 
     kind: ClassVar[str] = "coupled modes"
@@ -116,11 +119,13 @@ class ModesTogether(SharedGrowth):
     coupled: CoupledEquations = field(compare=False)
     system: HillSystem = field(compare=False)
     whole: SystemStability = field(compare=False)
+    below: int = field(default=0, compare=False)
 
     @cached_property
     def resonances(self) -> tuple[Resonance, ...]:
         """What grows, the fastest first."""
-        return self.coupled.named(self.system, self.whole.resonances)
+        found = (r._replace(modes=tuple(self.below + mode for mode in r.modes)) for r in self.whole.resonances)
+        return self.coupled.named(self.system, tuple(found))
 
     @property
     def references(self) -> tuple[str, ...]:
@@ -272,7 +277,7 @@ def classify_coupled(
     final = found[-1]
     status, error, note = final.concluded(_compared(model, found), growth_tolerance)
     whole = final.whole
-    forced = final.modes.forced_angle(load)
+    forced = final.modes.forced_angle(load, final.system)
     return RodStability(
         rod=model.rod,
         evidence=ModesTogether(
@@ -281,6 +286,7 @@ def classify_coupled(
             final.modes,
             final.system,
             whole,
+            final.below,
         ),
         growth_tolerance=growth_tolerance,
         status=status,
@@ -404,51 +410,65 @@ def _more_needed(model: ModeModel, load: Load, trial: _WithModes, growth_toleran
 def _modes_to_begin_with(model: ModeModel, load: Load, growth_tolerance: float) -> tuple[int, int]:
     """Return how many modes to take, of long strings only those that may grow a quarter as fast as the fastest.
 
-    And how many of these the second trial takes.  Where something may grow without damping these few, which hold it, so
-    that it can be followed; the first trial then takes more.
+    And how many of these the second trial takes.  Of several these few, which hold what grows, so that it can be
+    followed; the first trial then takes more.
     """
     rod, loads = model.rod, Loads.single(load)
     uniform = require_few(rod, load, loads, growth_tolerance)
     constants = constants_under(rod, uniform.mean)
 
-    def undamped() -> float:
-        """Return the growth in 1/s of the fastest mode without damping, if all were independent."""
-        return float(ModalSystems(constants._replace(damping_rate=0.0), Loads.single(uniform)).fastest(1)[0][0])
-
     if constants.modes_needed(uniform, growth_tolerance)[0] <= _LONG:
         last = model.count_for(loads, growth_tolerance)
-        may_grow = last > _SEVERAL and undamped() > 0.0
     else:
-        fastest = undamped() - constants.damping_rate
+        # As much as the fastest mode grows if all were independent.
+        free = ModalSystems(constants._replace(damping_rate=0.0), Loads.single(uniform))
+        fastest = float(free.fastest(1)[0][0]) - constants.damping_rate
         last = model.count_for(loads, max(growth_tolerance, 0.25 * fastest))
-        may_grow = last > _SEVERAL and fastest > growth_tolerance
-    if may_grow and last <= _LONG and not are_enriched(rod.end_conditions):
+    if _SEVERAL < last <= _LONG and not are_enriched(rod.end_conditions):
         return last + max(2, last // 9), last
     return last, last - max(2, last // _share(model, last))
 
 
-def _judged(system: HillSystem) -> tuple[SystemStability, Fastest | None]:
-    """Return the verdict on many equations, and the fastest solution where it is known."""
-    freed = system.undamped
-    if freed is None or freed[0].structure != "hamiltonian":
-        return stability(system), None
-    if freed[0].is_even:
-        pairs = solved_pairs(system)
-        return judge(system, pairs.verdict), Fastest.of(pairs, freed)
-    fast = fast_solutions(*freed)
-    verdict = None if fast is None else fast.verdict(system)
-    if fast is not None and verdict is not None and verdict.status != "undecided":
-        return verdict, Fastest.followed(fast, freed)
-    solved = solved_many(system)
-    if solved is None:
-        return stability(system), None
-    return judge(system, solved.verdict), Fastest.of(solved, freed)
+class _Judged(NamedTuple):
+    """The verdict on many equations, the fastest solution where it is known, and how many modes are left out below."""
+
+    whole: SystemStability
+    fastest: Fastest | None = None
+    below: int = 0
+
+    @classmethod
+    def of(cls, system: HillSystem) -> _Judged:
+        """Return what is found of the modes that may resonate."""
+        part = resonating(system)
+        subject = system if part is None else part.system
+        freed = subject.undamped
+        if freed is None or freed[0].structure != "hamiltonian":
+            return cls(stability(system))
+        whole, fastest = cls._found(subject, freed)
+        if part is None:
+            return cls(whole, fastest)
+        return cls(whole, None if fastest is None else fastest.among(system, part.basis), part.below)
+
+    @staticmethod
+    def _found(system: HillSystem, freed: tuple[HillSystem, float]) -> tuple[SystemStability, Fastest | None]:
+        if freed[0].is_even:
+            pairs = solved_pairs(system)
+            return judge(system, pairs.verdict), Fastest.of(pairs, freed)
+        fast = fast_solutions(*freed)
+        verdict = None if fast is None else fast.verdict(system)
+        if fast is not None and verdict is not None and verdict.status != "undecided":
+            return verdict, Fastest.followed(fast, freed)
+        solved = solved_many(system)
+        if solved is None:
+            return stability(system), None
+        return judge(system, solved.verdict), Fastest.of(solved, freed)
 
 
 class _WithModes(NamedTuple):
     """The verdict with one number of modes, and between what the rate of the fastest solution lies, in 1/s.
 
-    Of many modes the fastest solution itself, too, where it is known.
+    Of many modes the fastest solution itself, too, where it is known; ``below`` of them, the slowest, cannot resonate,
+    and are not in the verdict.
     """
 
     modes: CoupledEquations
@@ -457,12 +477,13 @@ class _WithModes(NamedTuple):
     least: float
     most: float
     fastest: Fastest | None = None
+    below: int = 0
 
     @classmethod
     def of(cls, modes: CoupledEquations, load: Load, larger: HillSystem | None) -> _WithModes:
         """Return the verdict with some modes; ``larger`` is the system of more of them, if it is known."""
         system = first_of(larger, modes.size) if larger and modes.are_nested else modes.system(Loads.single(load))
-        whole, fastest = _judged(system) if modes.count > _SEVERAL else (stability(system), None)
+        whole, fastest, below = _Judged.of(system) if modes.count > _SEVERAL else _Judged(stability(system))
         fastest = fastest if modes.are_nested else None
         # Where solutions come in pairs only the one that decays more slowly matters of each: the error of the other's
         # multiplier may exceed it, where the first one grows fast.
@@ -471,7 +492,7 @@ class _WithModes(NamedTuple):
         errors = np.array(whole.exponent_errors[slower])
         if not rates.size:
             return cls(modes, system, whole, -math.inf, math.inf)
-        return cls(modes, system, whole, float((rates - errors).max()), float((rates + errors).max()), fastest)
+        return cls(modes, system, whole, float((rates - errors).max()), float((rates + errors).max()), fastest, below)
 
     def with_fewer(self, modes: CoupledEquations) -> _WithModes | None:
         """Return what fewer modes do, by following the fastest solution; None where that is not possible.

@@ -1,0 +1,116 @@
+"""Modes that may resonate, as a system of their own, against all modes."""
+
+from __future__ import annotations
+
+import warnings
+
+import numpy as np
+import pytest
+
+import floquetrod as fr
+from coupled_cases import TUBING
+from floquetrod.floquet.systems.resonating import resonating
+from floquetrod.rod.loads.load import Load, Loads
+
+FREQUENCIES = np.array([1.0, 2.0, 3.0, 7.0, 8.0])
+
+
+def apart(w: float, amplitude: float = 0.1, **more: object) -> fr.HillSystem:
+    """Return oscillators that are coupled a little, under a stiffness of frequency w."""
+    coupling = amplitude * (np.eye(5) + 0.1 * np.ones((5, 5)))
+    return fr.HillSystem(np.diag(FREQUENCIES**2), [coupling], period=2.0 * np.pi / w, **more)  # type: ignore[arg-type]
+
+
+def test_modes_whose_frequencies_add_up_to_no_resonance_are_left_out() -> None:
+    found = resonating(apart(16.0))
+    assert found is not None
+    assert found.below == 3
+    assert found.system.stiffness == pytest.approx(np.diag(FREQUENCIES[3:] ** 2), abs=1e-12)
+    assert np.abs(found.basis) == pytest.approx(np.eye(5)[:, 3:], abs=1e-12)
+    assert found.system.cosines[0] == pytest.approx(apart(16.0).cosines[0][3:, 3:], abs=1e-12)
+    whole, part = fr.stability(apart(16.0)), fr.stability(found.system)
+    assert (part.status, whole.status) == ("unstable", "unstable")
+    assert part.growth_rate == pytest.approx(whole.growth_rate, rel=1e-4)  # few modes, close to one another
+
+
+@pytest.mark.parametrize("damping", [0.0, 0.001])
+def test_damping_is_that_of_all_modes(damping: float) -> None:
+    found = resonating(apart(16.0, damping=2.0 * damping * np.eye(5)))
+    assert found is not None
+    assert found.system.uniform_damping == pytest.approx(damping)
+    assert fr.stability(found.system).growth_rate == pytest.approx(
+        fr.stability(apart(16.0)).growth_rate - damping, rel=1e-3
+    )
+
+
+@pytest.mark.parametrize(
+    ("system", "why"),
+    [
+        (apart(9.0), "1 + 8 = 9"),
+        (apart(9.6), "near 1 + 8"),
+        (apart(16.0, amplitude=0.7), "the stiffness of the slowest may be negative"),
+        (apart(16.0, gyroscopic=np.eye(5, k=1) - np.eye(5, k=-1)), "gyroscopic"),
+        (apart(16.0, mass=2.0 * np.eye(5)), "another mass"),
+        (apart(16.0, damping=np.diag(FREQUENCIES)), "uneven damping"),
+        (fr.HillSystem(np.diag(FREQUENCIES**2), [np.eye(5, k=1)], period=2.0 * np.pi / 16.0), "not symmetric"),
+        (fr.HillSystem.from_pieces([(1.0, np.diag(FREQUENCIES)), (1.0, np.eye(5))]), "pieces"),
+    ],
+    ids=lambda value: value if isinstance(value, str) else "",
+)
+def test_of_other_systems_all_modes_are_kept(system: fr.HillSystem, why: str) -> None:
+    assert resonating(system) is None, why
+
+
+def test_without_any_resonance_one_mode_is_left() -> None:
+    found = resonating(apart(40.0))
+    assert found is not None
+    assert found.below == 4
+    assert fr.stability(found.system).status == "stable"
+
+
+def drawn(seed: int) -> tuple[fr.Rod, Load]:
+    """Return a string and a load under which some of its modes cannot resonate, as a rule."""
+    random = np.random.default_rng(seed)
+    length = float(random.uniform(120.0, 300.0))
+    rod = TUBING.replace(length=length, damping_rate=float(random.choice([0.0, 0.05, 0.3])), ends="hinged")
+    shape = random.integers(3)
+    if shape == 1:
+        rod = rod.replace(path=fr.WellPath.arc(length=length, inclination=(1.1, 1.4)), inclination=None)
+    if shape == 2:
+        depth = np.linspace(0.0, length, 6)
+        rod = rod.replace(path=fr.WellPath(depth, 1.2 + 0.002 * np.sqrt(depth), depth / 2000.0), inclination=None)
+    unit = rod.critical_force
+    forces = unit * random.uniform(0.0, 0.5), unit * 10.0 ** random.uniform(-2.0, -0.6), random.uniform(12.0, 25.0)
+    if random.random() < 0.6:
+        return rod, fr.AxialWave.hertz(*forces, axial_damping=float(random.choice([0.0, 1.0])))
+    return rod, fr.AxialLoad.hertz(*forces)
+
+
+@pytest.mark.parametrize(
+    "seeds", [range(30), pytest.param(range(30, 400), marks=pytest.mark.slow)], ids=["some", "many"]
+)
+@pytest.mark.filterwarnings("ignore::floquetrod.UniformForceWarning", "ignore::floquetrod.ForcedAngleWarning")
+def test_the_verdict_on_a_string_is_that_of_all_its_modes(seeds: range) -> None:
+    """Status, growth to 1e-6 1/s, and the names of what grows."""
+    left_out = 0
+    for rod, load in map(drawn, seeds):
+        try:
+            found = rod.stability(load)
+        except ValueError:  # the string leaves its wall, or needs too many modes
+            continue
+        evidence = found.evidence
+        below = getattr(evidence, "below", 0)
+        if not below:
+            continue
+        left_out += 1
+        system = rod.modes_under(load).in_modes(found.modes_checked).system(Loads.single(load))
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            whole = fr.stability(system)
+        assert evidence.whole.status == whole.status, (rod, load)
+        error = whole.exponent_errors[0] + evidence.whole.exponent_errors[0]
+        assert abs(found.exponents[0].real - whole.exponents[0].real) < 1e-6 + error, (rod, load)
+        growing = [r for r in whole.resonances if r.growth_rate > 1e-5]
+        named = evidence.coupled.named(system, tuple(growing))
+        assert [r.modes for r in found.resonances[: len(named)]] == [r.modes for r in named], (rod, load)
+    assert left_out > len(seeds) // 5
