@@ -122,6 +122,7 @@ def _most_added(rod: RodData, mean_at: float | None) -> float:
     return 0.0 if mean_at is None else float(np.max(rod.weight_gained(rod.course.samples, mean_at)))
 
 
+@functools.lru_cache(maxsize=64)  # asked several times in a verdict
 def _largest_along(rod: RodData, like: Load, frequency: float) -> float:
     """Return the largest force along the rod for an amplitude of one newton, if harmonics met in phase."""
     axial.require_off_resonance(like, rod.wave_speed, rod.length, frequency)
@@ -327,7 +328,9 @@ class CoupledModes(CoupledEquations):
         for k, force in enumerate(every, start=1):
             w = k * load.frequency
             resisting = stiffness + (2j * self.damping_rate * w - w * w) * np.eye(self.size)
-            angle += np.abs(np.linalg.solve(resisting, self.basis.values @ (aside * force)) @ self.basis.values)
+            driven = self.basis.values @ np.stack([aside * force.real, aside * force.imag], axis=1)  # stays real
+            moved = np.linalg.solve(resisting, driven[:, 0] + 1j * driven[:, 1])
+            angle += np.hypot(moved.real @ self.basis.values, moved.imag @ self.basis.values)
         return load.amplitude * float(angle.max())
 
     def answers(
