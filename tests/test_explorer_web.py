@@ -385,7 +385,7 @@ def test_on_a_phone_the_picture_fits_and_a_finger_moves_a_slider() -> None:
         waited(lambda: page.locator("canvas").first.bounding_box()["width"] < 390)
         assert page.evaluate("document.documentElement.scrollWidth") <= 390
         box = page.locator("canvas").first.bounding_box()
-        slider = box["y"] + 0.819 * box["height"]
+        slider = page.evaluate("window.scrollY") + box["y"] + 0.819 * box["height"]
         page.evaluate(f"window.scrollTo(0, {slider - 400})")
         up, finger = page.evaluate("window.scrollY"), page.context.new_cdp_session(page)
         for kind, across in (("touchStart", 0.2), ("touchMove", 0.25), ("touchMove", 0.3), ("touchEnd", None)):
