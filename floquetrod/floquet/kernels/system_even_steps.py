@@ -224,16 +224,13 @@ def transpose_inverse(a: Any, out: Any) -> None:
 @kernel
 def balance(s: Any, f: Any, omega: float, g: Any) -> tuple[float, float, float]:
     """Set g to the roots of the rates by which velocities are divided; return max |s| and the extreme rates."""
-    size, slow, fast = 0.0, math.inf, 0.0
-    for r in range(len(s)):
-        size = max(size, abs(s[r]))
-        square = abs(s[r]) + 0.0625 * omega * omega
-        for k in range(len(f)):
-            square += abs(f[k, r, r])
-        rate = math.sqrt(square)
-        slow, fast = min(slow, rate), max(fast, rate)
-        g[r] = math.sqrt(rate)
-    return size, slow, fast
+    sizes = np.abs(s)
+    squares = sizes + 0.0625 * omega * omega
+    for k in range(len(f)):
+        squares = squares + np.abs(np.diag(f[k]))
+    rates = np.sqrt(squares)
+    g[:] = np.sqrt(rates)
+    return sizes.max(), rates.min(), rates.max()
 
 
 @kernel

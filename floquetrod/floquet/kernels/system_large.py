@@ -28,12 +28,13 @@ class Parts(NamedTuple):
     """The equations v'' + (diag(rates) + sum_k F_k cos(m_k w t + pi turn_k)) v = 0 of u = q v."""
 
     rates: Floats  # (n,), the mean stiffness
-    basis: Floats  # (n, n), q, orthogonal: eigenvectors of the mean stiffness
+    basis: Floats  # (n, n), q, orthogonal: eigenvectors of the mean stiffness, or the identity
     matrices: list[Floats]  # (n, n) each, F_k
-    orders: Ints  # m_k
+    orders: Ints  # m_k, 0 of the first one where the mean stiffness is not diagonal
     turns: Floats  # phases in half turns
     norms: Floats  # (H,), bounds of the amplitudes of each harmonic in the 2-norm
     slack: float  # relative error of the rates and matrices
+    constant: float = 0.0  # bound of the 2-norm of the matrix of order 0
 
     @classmethod
     def of(cls, stiffness: Floats, harmonics: Complexes) -> Self:
@@ -41,11 +42,28 @@ class Parts(NamedTuple):
         n = len(stiffness)
         waves: tuple[Floats, ...] = (harmonics.real, harmonics.imag)
         if np.count_nonzero(stiffness) == np.count_nonzero(stiffness.diagonal()):
-            rates, slack, q = stiffness.diagonal().copy(), 2.0 * ROUNDING, np.eye(n)
-        else:
-            rates, q = np.linalg.eigh(stiffness)
-            waves = tuple(q.T @ wave @ q if wave.any() else wave for wave in waves)
-            slack = ROUNDING * (4.0 + 4.0 * math.sqrt(n))
+            return cls._of(stiffness.diagonal().copy(), np.eye(n), waves, 2.0 * ROUNDING)
+        rates, q = np.linalg.eigh(stiffness)
+        waves = tuple(q.T @ wave @ q if wave.any() else wave for wave in waves)
+        return cls._of(rates, q, waves, ROUNDING * (4.0 + 4.0 * math.sqrt(n)))
+
+    @classmethod
+    def as_they_are(cls, stiffness: Floats, harmonics: Complexes) -> Self:
+        """Return those of `of` without eigenvectors, which take longer than to carry a few states."""
+        rates = stiffness.diagonal().copy()
+        rest = stiffness - np.diag(rates)
+        parts = cls._of(rates, np.eye(len(rates)), (harmonics.real, harmonics.imag), 2.0 * ROUNDING)
+        if not rest.any():
+            return parts
+        return parts._replace(
+            matrices=[rest, *parts.matrices],
+            orders=np.append(0, parts.orders),
+            turns=np.append(0.0, parts.turns),
+            constant=norm_bound(rest),
+        )
+
+    @classmethod
+    def _of(cls, rates: Floats, q: Floats, waves: tuple[Floats, ...], slack: float) -> Self:
         # Re Z exp(i m w t) = Re Z cos(m w t) + Im Z cos(m w t + pi / 2)
         each = enumerate(zip(*waves, strict=True), 1)
         found = [(m, turn, f) for m, parts in each for turn, f in zip((0.0, 0.5), parts, strict=True) if f.any()]

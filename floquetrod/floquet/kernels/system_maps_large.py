@@ -51,7 +51,7 @@ def period_map_large(
     """
     n, omega = len(stiffness), 2.0 * math.pi / period
     accuracy = max(accuracy, n * _FINEST)
-    s, q, matrices, orders, turns, norms, slack = Parts.of(stiffness, harmonics)
+    s, q, matrices, orders, turns, norms, slack, _ = Parts.of(stiffness, harmonics)
     g = np.empty(n)
     size, slow, fast = balance(s, np.abs(np.reshape(matrices, (-1, n, n))), omega, g)
     bound = math.sqrt(coefficient_bound(size, norms, 1, 0.0))

@@ -49,7 +49,8 @@ class March(ByContent):
         n, omega = len(parts.rates), 2.0 * math.pi / period
         g = np.empty(n)
         size, slow, _ = balance(parts.rates, np.abs(np.reshape(parts.matrices, (-1, n, n))), omega, g)
-        phase = max(period * math.sqrt(coefficient_bound(size, parts.norms, 1, 0.0)), 2.0 * math.pi * len(parts.norms))
+        bound = coefficient_bound(size + parts.constant, parts.norms, 1, 0.0)
+        phase = max(period * math.sqrt(bound), 2.0 * math.pi * len(parts.norms))
         if not 0 < math.ceil(min(phase / _REACH, 1e9)) <= min(most, _MOST_SEGMENTS):
             return None
         share = 0.5 * halves
@@ -101,7 +102,7 @@ class March(ByContent):
         """Return the terms of u from the beginning of a segment, in powers of its length, down to ``least``."""
         x = np.zeros((self.terms + 1, *state.shape[1:]))
         x[:2] = state
-        series = Series(self.parts.rates, self.blocks, factors, self.terms, x, constant=False)
+        series = Series(self.parts.rates, self.blocks, factors, self.terms, x, constant=self.parts.constant > 0.0)
         for i in range(self.terms - 1):
             series.append(i, i + 2, -(self.reach**2) / ((i + 1.0) * (i + 2.0)))
             if least and i % _FEW == _FEW - 1 and self._sizes(x[i + 3 - _FEW : i + 3], i + 3 - _FEW).max() < least:

@@ -80,7 +80,7 @@ class Fastest(NamedTuple):
         if self.even is not None:
             turns = np.exp(2j * math.pi * self.even / period * np.arange(1, len(harmonics) + 1))
             harmonics = (harmonics * turns[:, None, None]).real.astype(complex)
-        parts = Parts.of(system.stiffness[few, few], harmonics)
+        parts = Parts.as_they_are(system.stiffness[few, few], harmonics)
         march = March.with_all_terms(
             parts, period, _ACCURACY, (count / _WORTH) ** 3, halves=2 if self.even is None else 1
         )
