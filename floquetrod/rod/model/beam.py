@@ -95,7 +95,8 @@ class Basis(ByContent):
         apart, both = self._places
         sign = 1.0 if (self.ends.upper == "hinged") == derivative else -1.0
         sizes = 0.5 * np.diagonal(self.transform) * (waves if derivative else 1.0)
-        return np.asarray((moments[..., apart] + sign * moments[..., both]) * (sizes[:, None] * (2.0 * sizes)))
+        found = moments.take(apart, axis=-1) + sign * moments.take(both, axis=-1)
+        return np.asarray(found * (sizes[:, None] * (2.0 * sizes)))
 
     @cached_property
     def _places(self) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
