@@ -292,6 +292,7 @@ BAD: list[tuple[dict[str, Any], type[Exception], str]] = [
     ({"frames": "yes"}, TypeError, "frames must be True or False"),
     ({"part": 3}, TypeError, "part must be two integers"),
     ({"part": "12"}, TypeError, "part must be two integers"),
+    ({"part": (1 // 0 for _ in range(2))}, TypeError, "part must be two integers"),
     ({"part": (0, 3)}, ValueError, r"part\[0\] must be 1 or more"),
     ({"part": (4, 3)}, ValueError, r"part\[0\] must be at most 3"),
     ({"part": (1, 0)}, ValueError, r"part\[1\] must be 1 or more"),

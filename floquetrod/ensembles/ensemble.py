@@ -269,7 +269,7 @@ def _part(part: Any) -> tuple[int, int]:
         if isinstance(part, str | bytes | Mapping | Set):
             raise TypeError
         k, n = part
-    except (TypeError, ValueError):
+    except Exception:  # whatever an iterator raises
         raise validate.wrong_type(
             "part", f"must be two integers (k, n), the k-th of n parts, got {validate.short(part)}"
         ) from None
