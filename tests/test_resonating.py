@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import warnings
+from typing import Any
 
 import numpy as np
 import pytest
@@ -16,10 +17,10 @@ FREQUENCIES = np.concatenate([[1.0, 2.0, 3.0], np.linspace(7.0, 8.0, 9)])
 COUNT = len(FREQUENCIES)
 
 
-def apart(w: float, amplitude: float = 0.1, **more: object) -> fr.HillSystem:
+def apart(w: float, amplitude: float = 0.1, **more: Any) -> fr.HillSystem:
     """Return oscillators that are coupled a little, under a stiffness of frequency w."""
     coupling = amplitude * (np.eye(COUNT) + 0.05 * np.ones((COUNT, COUNT)))
-    return fr.HillSystem(np.diag(FREQUENCIES**2), [coupling], period=2.0 * np.pi / w, **more)  # type: ignore[arg-type]
+    return fr.HillSystem(np.diag(FREQUENCIES**2), [coupling], period=2.0 * np.pi / w, **more)
 
 
 def test_modes_whose_frequencies_add_up_to_no_resonance_are_left_out() -> None:

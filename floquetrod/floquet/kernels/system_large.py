@@ -43,9 +43,7 @@ class Parts(NamedTuple):
         waves: tuple[Floats, ...] = (harmonics.real, harmonics.imag)
         if np.count_nonzero(stiffness) == np.count_nonzero(stiffness.diagonal()):
             return cls._of(stiffness.diagonal().copy(), np.eye(n), waves, 2.0 * ROUNDING)
-        rates, q = np.linalg.eigh(stiffness)
-        waves = tuple(q.T @ wave @ q if wave.any() else wave for wave in waves)
-        return cls._of(rates, q, waves, ROUNDING * (4.0 + 4.0 * math.sqrt(n)))
+        return cls._of(*in_modes(stiffness, waves), ROUNDING * (4.0 + 4.0 * math.sqrt(n)))
 
     @classmethod
     def as_they_are(cls, stiffness: Floats, harmonics: Complexes) -> Self:
@@ -64,6 +62,7 @@ class Parts(NamedTuple):
 
     @classmethod
     def _of(cls, rates: Floats, q: Floats, waves: tuple[Floats, ...], slack: float) -> Self:
+        """Return the parts of a diagonal stiffness, and of the real and imaginary parts of the harmonics."""
         # Re Z exp(i m w t) = Re Z cos(m w t) + Im Z cos(m w t + pi / 2)
         each = enumerate(zip(*waves, strict=True), 1)
         found = [(m, turn, f) for m, parts in each for turn, f in zip((0.0, 0.5), parts, strict=True) if f.any()]
@@ -73,6 +72,12 @@ class Parts(NamedTuple):
         matrices = [np.ascontiguousarray(f) for _, _, f in found]
         orders, turns = np.array([m for m, _, _ in found], dtype=int), np.array([turn for _, turn, _ in found])
         return cls(rates, q, matrices, orders, turns, norms, slack)
+
+
+def in_modes(stiffness: Floats, waves: Sequence[Floats]) -> tuple[Floats, Floats, tuple[Floats, ...]]:
+    """Return the rates and eigenvectors of a symmetric stiffness (n, n), and matrices (..., n, n) in these."""
+    rates, q = np.linalg.eigh(stiffness)
+    return rates, q, tuple(q.T @ wave @ q if wave.any() else wave for wave in waves)
 
 
 class Split(NamedTuple):

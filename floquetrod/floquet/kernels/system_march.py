@@ -40,9 +40,9 @@ class March(ByContent):
 
     @classmethod
     def with_all_terms(
-        cls, parts: Parts, period: float, accuracy: float, most: float = _MOST_SEGMENTS, *, halves: int = 2
+        cls, parts: Parts, period: float, accuracy: float, most: float = _MOST_SEGMENTS, *, share: float = 1.0
     ) -> Self | None:
-        """Return the map over a period, or half of one, with all terms there may be.
+        """Return the map over a share of a period, a half or all of it, with all terms there may be.
 
         None where the period needs more than ``most`` segments, or very many.
         """
@@ -53,7 +53,6 @@ class March(ByContent):
         phase = max(period * math.sqrt(bound), 2.0 * math.pi * len(parts.norms))
         if not 0 < math.ceil(min(phase / _REACH, 1e9)) <= min(most, _MOST_SEGMENTS):
             return None
-        share = 0.5 * halves
         segments = math.ceil(share * phase / _REACH)
         h, index = share * period / segments, np.arange(2 * MOST_TERMS - 1)
         powers = (parts.orders[:, None] * (omega * h)) ** index / np.cumprod(np.maximum(index, 1.0))

@@ -27,7 +27,7 @@ from floquetrod.floquet.verdict import Cost
 _COST = Cost(1, "period")
 _SEVERAL = 9  # equations: for as many or more, the interpreted kernel takes 10 to 100 times as long as numpy's products
 _MANY = 48
-"""Equations from which on the eigenvalues of the map are computed, not those of pairs.
+"""Number of equations for which, as for more, the eigenvalues of the map are computed, not those of pairs.
 
 Pairs take a quarter less time; but some of so many may be so close that they lose up to eight digits (measured).
 """

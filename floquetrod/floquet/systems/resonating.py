@@ -20,6 +20,7 @@ import numpy as np
 from floquetrod._util.arrays import EPS, Floats
 from floquetrod.equations import HillSystem
 from floquetrod.equations.matrices import mirrored
+from floquetrod.floquet.kernels.system_large import in_modes
 
 _APART = 0.9  # sum of two frequencies over that of a resonance, up to which they are far from it (measured)
 _FEWEST = 9  # modes kept: fewer take no less time (measured)
@@ -43,12 +44,9 @@ def resonating(system: HillSystem) -> Resonating | None:
     n, w = free.order, 2.0 * math.pi / float(free.period)
     if free.gyroscopic is not None or not np.isfinite(free.stiffness).all():
         return None
-    rates, modes = np.linalg.eigh(free.stiffness)
     harmonics = free.harmonics
-    waves = [
-        [modes.T @ wave @ modes if wave.any() else wave for wave in part] for part in (harmonics.real, harmonics.imag)
-    ]
-    reach = sum((np.hypot(*pair).sum(axis=1) for pair in zip(*waves, strict=True)), np.zeros(n))
+    rates, modes, (cosines, sines) = in_modes(free.stiffness, (harmonics.real, harmonics.imag))
+    reach = np.hypot(cosines, sines).sum(axis=(0, 2))
     if not (rates - reach > 0.0).all():
         return None
     highest = np.maximum.accumulate(np.sqrt(rates + reach))
@@ -59,8 +57,8 @@ def resonating(system: HillSystem) -> Resonating | None:
     rounding = EPS * (4.0 + 2.0 * math.sqrt(n)) * float(rates[-1] + reach.max())  # of the eigenvectors (measured)
     part = HillSystem(
         np.diag(rates[kept] + damping * damping),
-        [mirrored(wave[kept, kept]) for wave in waves[0]],
-        [mirrored(-wave[kept, kept]) for wave in waves[1]] if harmonics.imag.any() else (),
+        list(mirrored(cosines[:, kept, kept])),
+        list(mirrored(-sines[:, kept, kept])) if sines.any() else (),
         damping=2.0 * damping * np.eye(n - below) if damping else None,
         period=float(free.period),
         coefficient_error=free.coefficient_error + rounding / (n - below),

@@ -67,29 +67,31 @@ class Basis(ByContent):
 
     def coupling(self, force: Floats) -> Floats:
         """Return the integrals of F phi_i' phi_j', symmetric bit for bit; force (..., q) at the nodes."""
-        return self._products(self.slopes, force, derivative=True)
+        return self._products(force, derivative=True)
 
     def pressing(self, density: Floats) -> Floats:
         """Return the integrals of d phi_i phi_j, symmetric bit for bit; density (..., q) at the nodes."""
-        return self._products(self.values, density, derivative=False)
+        return self._products(density, derivative=False)
 
-    def _products(self, functions: Floats, factor: Floats, *, derivative: bool) -> Floats:
-        """Return the integrals of the products of functions with one another and a factor, all at the nodes."""
+    def _products(self, factor: Floats, *, derivative: bool) -> Floats:
+        """Return the integrals of the products of functions, or of their slopes, with one another and a factor."""
         if not factor.any():
             return np.zeros((*factor.shape[:-1], self.size, self.size))
+        weighted = factor * self.weights
         if self._is_of_many_waves:
-            return self._products_of_waves(factor, derivative=derivative)
-        return mirrored((functions * (factor * self.weights)[..., None, :]) @ functions.T)
+            return self._products_of_waves(weighted, derivative=derivative)
+        functions = self.slopes if derivative else self.values
+        return mirrored((functions * weighted[..., None, :]) @ functions.T)
 
     @property
     def _is_of_many_waves(self) -> bool:
         """Whether these are many sines or cosines."""
         return _are_trigonometric(self.ends) and self.count >= _MANY_WAVES
 
-    def _products_of_waves(self, factor: Floats, *, derivative: bool) -> Floats:
+    def _products_of_waves(self, weighted: Floats, *, derivative: bool) -> Floats:
         """Return `_products` from the integrals of the factor times cos(m pi x), far faster than by matrices."""
-        moments = self._moments(factor * self.weights)
-        size = np.abs(factor * self.weights).sum(axis=-1, keepdims=True)
+        moments = self._moments(weighted)
+        size = np.abs(weighted).sum(axis=-1, keepdims=True)
         moments[np.abs(moments) < _ROUNDING * size] = 0.0  # what is uniform couples nothing, and matrices stay sparse
         waves = wavenumbers(self.ends, self.count)
         apart, both = self._places

@@ -39,7 +39,7 @@ from floquetrod.rod.model.contact import constants_under, up_to_wall
 from floquetrod.rod.modes.fewer_modes import Fastest
 from floquetrod.rod.modes.mode_model import ModeModel
 
-_SEVERAL = 60  # modes up to which another verdict takes less time than following a solution (measured)
+_SEVERAL = 60  # modes up to which a verdict on all takes less time than choosing some or following one (measured)
 _LONG = 200  # modes from which a verdict takes seconds, so that no more are taken than matter
 _BESIDE = 2  # modes above the highest that a harmonic drives (measured)
 _ENLARGEMENTS = 3  # times that more modes are taken while two numbers of them disagree (a choice)

@@ -82,7 +82,7 @@ class Fastest(NamedTuple):
             harmonics = (harmonics * turns[:, None, None]).real.astype(complex)
         parts = Parts.as_they_are(system.stiffness[few, few], harmonics)
         march = March.with_all_terms(
-            parts, period, _ACCURACY, (count / _WORTH) ** 3, halves=2 if self.even is None else 1
+            parts, period, _ACCURACY, (count / _WORTH) ** 3, share=1.0 if self.even is None else 0.5
         )
         if march is None:
             return None
