@@ -64,15 +64,16 @@ def half_period_map(
     batch, n = stiffness.shape[:2]
     symmetric = _symmetric(stiffness, amplitudes)
     omega = 2.0 * math.pi / period
-    if symmetric:
-        s, q = np.linalg.eigh(stiffness)
-        f = q.swapaxes(-1, -2)[:, None] @ amplitudes @ q[:, None]
-        first, slack = 1, ROUNDING * (4.0 + 4.0 * math.sqrt(n))
-    else:
-        s = np.diagonal(stiffness, axis1=-2, axis2=-1).copy()
-        q = np.broadcast_to(np.eye(n), stiffness.shape)
-        f = np.concatenate([(stiffness * (1.0 - np.eye(n)))[:, None], amplitudes], axis=1)
-        first, slack = 0, 2.0 * ROUNDING
+    s = np.diagonal(stiffness, axis1=-2, axis2=-1).copy()
+    q, f, first, slack = np.broadcast_to(np.eye(n), stiffness.shape), amplitudes, 1, 2.0 * ROUNDING
+    if np.count_nonzero(stiffness) > np.count_nonzero(s):  # not diagonal
+        if symmetric:
+            s, q = np.linalg.eigh(stiffness)
+            f = q.swapaxes(-1, -2)[:, None] @ amplitudes @ q[:, None]
+            slack = ROUNDING * (4.0 + 4.0 * math.sqrt(n))
+        else:
+            f = np.concatenate([(stiffness * (1.0 - np.eye(n)))[:, None], amplitudes], axis=1)
+            first = 0
     out = np.empty((batch, 4 * n * n + n + 1))
     constants = (first, accuracy, reach(accuracy), symmetric, slack)
     if n <= (_EXPLICIT_UP_TO if batch == 1 else _MANY_UP_TO):

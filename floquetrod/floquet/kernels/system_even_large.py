@@ -20,8 +20,11 @@ from floquetrod.floquet.kernels.system_large import (
     split,
     stop_rule,
     tail,
+    times,
 )
 from floquetrod.floquet.kernels.system_series import ROUNDING, coefficient_bound
+
+_TOGETHER = 60  # equations up to which both ends of a half period are one series (measured)
 
 
 @np.errstate(over="ignore", under="ignore", invalid="ignore")  # of maps that overflow, whose errors are then not finite
@@ -41,7 +44,6 @@ def half_period_large(
     noise = rounding + cut + slack * coefficient_bound(size, norms, first, 0.0) / slow * h
     stop = stop_rule(n, h * h * size, h * h * norms, first, omega * h, (slow * h, fast * h), max(accuracy, noise))
     harmonics = np.arange(first, first + len(f))
-    signs = (-1.0) ** harmonics
     blocks: list[Matrix] = list(f)
     if symmetric:
         blocks = [split(matrix, ROUNDING * norm) for matrix, norm in zip(f, norms, strict=True)]
@@ -55,15 +57,21 @@ def half_period_large(
     even = np.cumprod(
         np.hstack([np.ones((len(f), 1)), -(angles**2) / ((2.0 * index[1:] - 1.0) * (2.0 * index[1:]))]), axis=1
     ).astype(float)
-    maps, errors = [], []
-    x = np.zeros((most + 2, n, 2 * n))
-    for end, (matrices, weights) in enumerate(((blocks, even), (transposed, signs[:, None] * even))):
-        series = Series(s, matrices, weights, most, x, constant=first == 0)
-        value, slope, rest = _even_sums(series, h, terms, ratio, stop)
-        a, b = value[:, :n] * scale, value[:, n:] * rate
-        c, d = slope[:, :n] / rate, (slope[:, n:] + value[:, n:]) / scale
-        maps.append(np.block([[a, b], [c, d]] if end == 0 else [[d.T, b.T], [c.T, a.T]]))
-        errors.append(noise + rest)
+    ends = [blocks, [times(matrix, (-1.0) ** k) for matrix, k in zip(transposed, harmonics.tolist(), strict=True)]]
+    together = (2,) if n <= _TOGETHER else ()
+    if together:
+        ends = [[np.stack(pair) for pair in zip(*ends, strict=True)]]
+    maps: list[Floats] = []
+    errors: list[float] = []
+    x = np.zeros((most + 2, *together, n, 2 * n))
+    for matrices in ends:
+        series = Series(s, matrices, even, most, x, constant=first == 0)
+        sums, rest = _even_sums(series, h, terms, ratio, stop)
+        for value, slope in sums:
+            a, b = value[:, :n] * scale, value[:, n:] * rate
+            c, d = slope[:, :n] / rate, (slope[:, n:] + value[:, n:]) / scale
+            maps.append(np.block([[d.T, b.T], [c.T, a.T]] if maps else [[a, b], [c, d]]))
+            errors.append(noise + rest)
 
     order = 2 * terms
     index = np.arange(order + 1)
@@ -79,14 +87,17 @@ def half_period_large(
     return product, g, error
 
 
-def _even_sums(series: Series, h: float, terms: int, ratio: float, stop: Stop) -> tuple[Floats, Floats, float]:
-    """Return values and slopes at h of the even solutions and, over h, of the odd ones, and what is left out."""
+def _even_sums(series: Series, h: float, terms: int, ratio: float, stop: Stop) -> tuple[Floats, float]:
+    """Return values and slopes at h of the even solutions and, over h, of the odd ones, and what is left out.
+
+    As (ends, 2, n, 2 n), where the terms of the series are (ends, n, 2 n), or (n, 2 n) of a single one.
+    """
     x = series.terms
-    rows, n = x.shape[:2]
+    rows, n = len(x), x.shape[-2]
     divisors = np.repeat([1.0, 2.0], n)
-    x[0, :, :n] = x[0, :, n:] = np.eye(n)
+    x[0, ..., :n] = x[0, ..., n:] = np.eye(n)
     sizes = np.zeros(2 * terms - 1)
-    sizes[0] = math.sqrt(2.0 * n)
+    sizes[0] = math.sqrt(x[0].size / n)
     sums, added = np.zeros((2, x[0].size)), 0  # of the first terms
 
     def with_terms(end: int) -> Floats:
@@ -107,5 +118,4 @@ def _even_sums(series: Series, h: float, terms: int, ratio: float, stop: Stop) -
     else:
         i = terms - 2
         rest = stop.factor(2 * terms) * tail(sizes[::2], ratio**-4.0) / (1.0 - ratio**-2.0) ** 2
-    value, slope = with_terms(i + 2).reshape(2, n, 2 * n)
-    return value, slope, rest
+    return with_terms(i + 2).reshape(2, -1, n, 2 * n).swapaxes(0, 1), rest

@@ -109,6 +109,14 @@ def split(matrix: Floats, tolerance: float) -> Matrix:
     return Split(upper, left[:, :rank] * sizes[:rank], right[:rank], lower)
 
 
+def times(matrix: Matrix, factor: float) -> Matrix:
+    """Return a multiple of a matrix."""
+    if not isinstance(matrix, Split):
+        return factor * matrix
+    upper, lower = times(matrix.upper, factor), times(matrix.lower, factor)
+    return Split(upper, factor * matrix.left, matrix.right, lower)
+
+
 def add_product(matrix: Matrix, x: Floats, out: Floats, work: Floats) -> None:
     """Add matrix @ x to ``out``; ``work`` is memory of the same shape."""
     if not isinstance(matrix, Split):
