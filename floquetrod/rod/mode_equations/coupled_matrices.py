@@ -182,7 +182,7 @@ class CoupledModes(CoupledEquations):
         bending = self.constants.bending / math.pi**4 * self.basis.bending
         weight = self._coupling(self._added)
         swing = self.constants.pendulum_squared * np.eye(self.size) if self.rod.course.is_straight else 0.0
-        return bending + swing - weight, self._coupling(np.ones_like(self.basis.nodes))
+        return bending + swing - weight, self.basis.softening * float(self.constants.per_newton / math.pi**2)
 
     @cached_property
     def _added(self) -> Floats:

@@ -69,6 +69,11 @@ class Basis(ByContent):
         """Return the integrals of F phi_i' phi_j', symmetric bit for bit; force (..., q) at the nodes."""
         return self._products(force, derivative=True)
 
+    @cached_property
+    def softening(self) -> Floats:
+        """The integrals of phi_i' phi_j', symmetric bit for bit."""
+        return self.coupling(np.ones_like(self.nodes))
+
     def pressing(self, density: Floats) -> Floats:
         """Return the integrals of d phi_i phi_j, symmetric bit for bit; density (..., q) at the nodes."""
         return self._products(density, derivative=False)

@@ -9,6 +9,7 @@ what is left of it, sideways, moves the string along the wall.
 
 from __future__ import annotations
 
+import functools
 import math
 from dataclasses import dataclass
 from typing import Any
@@ -26,7 +27,6 @@ from floquetrod.rod.model.data import RodData
 
 _INSTANTS = 8  # for each harmonic, at which a force is examined for its least (a choice)
 _HALVINGS = 40  # of a piece, to where it leaves the wall (a choice)
-_ALONG_WAVES = np.linspace(0.0, 1.0, 257)  # places at which a wave is examined (a choice)
 
 
 class LeavesWallError(ValueError):
@@ -75,6 +75,7 @@ def added_mean(rod: RodData, load: Load, x: Any) -> Any:
     return 0.0 * x if load.mean_at is None else rod.weight_gained(x, load.mean_at)
 
 
+@functools.lru_cache(maxsize=64)  # asked several times in a verdict
 def constants_under(rod: RodData, mean: float) -> ModeConstants:
     """Return the constants of the modes on the side where a rod lies under a mean force in N.
 
@@ -171,7 +172,7 @@ def _left(rod: RodData, x: float, what: str) -> ValueError:
 
 def _shaken(rod: RodData, load: Load, frequency: float) -> tuple[Wall, Floats, Floats, Floats]:
     """Return the wall at places x = s / L, and the least and the largest vibration there for an amplitude of 1 N."""
-    x = rod.course.samples if load.is_uniform else np.union1d(rod.course.samples, _ALONG_WAVES)
+    x, place = (rod.course.samples, rod.course.sampled) if load.is_uniform else rod.course.sampled_for_waves
     every = axial.along(load, rod.wave_speed, rod.length, x * rod.length, frequency)
     if len(every) == 1:
         most = np.abs(every[0])
@@ -181,4 +182,4 @@ def _shaken(rod: RodData, load: Load, frequency: float) -> tuple[Wall, Floats, F
         turns = np.exp(2j * math.pi * np.outer(instants, np.arange(1, len(every) + 1)))
         over = (turns @ every).real
         least, most = over.min(axis=0), over.max(axis=0)
-    return Wall(rod.course.place(x), rod.weight_per_length), x, least, most
+    return Wall(place, rod.weight_per_length), x, least, most

@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from floquetrod.wells.path import WellPath
 
 _IN_AN_ARC = np.linspace(0.0, 1.0, 17)  # places of each arc at which the least of something is searched for (a choice)
+_ALONG_WAVES = np.linspace(0.0, 1.0, 257)  # places at which a wave is examined (a choice)
 _INSIDE = 1e-12  # of an arc, by which its ends are kept off the stations, where curvature jumps
 
 
@@ -61,6 +62,12 @@ class Course(ABC):
     def sampled(self) -> Place:
         """The channel at its samples."""
         return self.place(self.samples)
+
+    @cached_property
+    def sampled_for_waves(self) -> tuple[Floats, Place]:
+        """Places, close enough for waves too, and the channel there."""
+        x = np.union1d(self.samples, _ALONG_WAVES)
+        return x, self.place(x)
 
 
 @dataclass(frozen=True)
@@ -109,12 +116,23 @@ class Along(Course):
 
     def place(self, x: Floats) -> Place:
         """Return the channel at places."""
-        depths = np.clip(self.depths(x), self.path.start, self.path.end)
-        return Place(np.sin(self.path.inclination_at(depths)), *self.path.curvature(depths))
+        sine, _, build, aside = self.path.arcs.at(self._on_path(x)).seen
+        return Place(sine, build, aside)
 
-    def vertical(self, x: Floats) -> Floats:
-        """Return the true vertical depth in m."""
-        return np.asarray(self.path.position(np.clip(self.depths(x), self.path.start, self.path.end))[..., 2])
+    def fallen(self, x: Floats, at: float) -> Floats:
+        """Return how far places are below one of them, in m."""
+        depths = self._on_path(np.append(x, at))
+        vertical = self.path.position(depths)[:, 2]
+        return np.asarray((vertical[:-1] - vertical[-1]).reshape(np.shape(x)))
+
+    @cached_property
+    def fall(self) -> float:
+        """How far the lower end is below the upper one, in m."""
+        return float(self.fallen(np.array(1.0), 0.0))
+
+    def _on_path(self, x: Floats) -> Floats:
+        """Return measured depths in m, rounding at the ends of the path aside."""
+        return np.clip(self.depths(x), self.path.start, self.path.end)
 
     @cached_property
     def samples(self) -> Floats:

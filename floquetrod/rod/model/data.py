@@ -355,14 +355,14 @@ class RodData(TellsAttributes):
         On a path that bends its mean along the rod.
         """
         if isinstance(self.course, Along):
-            return float(self.weight_gained(1.0, 0.0)) / self.length
+            return self.weight_per_length * self.course.fall / self.length
         return self.channel.gravity_along * self._weighing
 
     def weight_gained(self, x: Any, at: float) -> Any:
         """Return the weight in N that is hung along the channel between places x = s / L of the rod and one of them."""
         course = self.course
         if isinstance(course, Along):
-            return self.weight_per_length * (course.vertical(np.asarray(x)) - course.vertical(np.asarray(at)))
+            return self.weight_per_length * course.fallen(np.asarray(x), at)
         return self.weight_along * self.length * (x - at)
 
     @property
