@@ -10,6 +10,8 @@ import pytest
 
 import floquetrod as fr
 from coupled_cases import TUBING
+from floquetrod.equations.hill_system import restricted
+from floquetrod.equations.matrices import mirrored
 from floquetrod.floquet.systems.resonating import resonating
 from floquetrod.rod.loads.load import Load, Loads
 
@@ -70,6 +72,31 @@ def test_without_any_resonance_the_fastest_are_left() -> None:
     assert fr.stability(found.system).status == "stable"
 
 
+def test_fewer_modes_are_those_in_which_the_last_coordinates_do_not_move() -> None:
+    many = np.concatenate([[1.0, 2.0, 3.0, 4.0], np.linspace(7.0, 8.0, 13)])
+    coupling = 0.1 * (np.eye(17) + 0.05 * np.ones((17, 17)))
+    turned = np.linalg.qr(np.eye(17) + 0.1 * np.random.default_rng(5).standard_normal((17, 17)))[0]
+    damping = {"damping": 0.02 * np.eye(17), "period": 2.0 * np.pi / 16.0}
+
+    apart = resonating(fr.HillSystem(np.diag(many**2), [coupling], **damping))
+    assert apart is not None
+    fewer = apart.without_last(3)
+    assert fewer is not None
+    assert (fewer.below, fewer.basis.shape, fewer.system.uniform_damping) == (4, (17, 10), 0.01)
+    assert fewer.system.stiffness == pytest.approx(np.diag(many[4:14] ** 2), abs=1e-12)
+    assert apart.without_last(5) is None  # fewer than are worth it
+
+    mixed = fr.HillSystem(mirrored(turned.T @ np.diag(many**2) @ turned), [mirrored(turned.T @ coupling @ turned)])
+    found = resonating(fr.HillSystem(mixed.stiffness, mixed.cosines, **damping))
+    assert found is not None
+    held = found.without_last(3)
+    assert held is not None
+    assert np.abs(held.basis[-3:]).max() < 1e-14
+    assert held.basis.T @ held.basis == pytest.approx(np.eye(held.basis.shape[1]), abs=1e-14)
+    assert held.basis.T @ mixed.stiffness @ held.basis == pytest.approx(held.system.stiffness, abs=1e-12)
+    assert held.basis.T @ mixed.cosines[0] @ held.basis == pytest.approx(held.free.cosines[0], abs=1e-14)
+
+
 def drawn(seed: int) -> tuple[fr.Rod, Load]:
     """Return a string and a load under which some of its modes cannot resonate, as a rule."""
     random = np.random.default_rng(seed)
@@ -86,6 +113,17 @@ def drawn(seed: int) -> tuple[fr.Rod, Load]:
     if random.random() < 0.6:
         return rod, fr.AxialWave.hertz(*forces, axial_damping=float(random.choice([0.0, 1.0])))
     return rod, fr.AxialLoad.hertz(*forces)
+
+
+def found_fewer(system: fr.HillSystem) -> None:
+    """Compare what is left of resonating modes without the last functions to all modes without these."""
+    part, held = resonating(system), system.order // 8
+    fewer = None if part is None else part.without_last(held)
+    if fewer is None:
+        return
+    whole, found = fr.stability(restricted(system, slice(system.order - held))), fr.stability(fewer.system)
+    error = whole.exponent_errors[0] + found.exponent_errors[0]
+    assert abs(whole.exponents[0].real - found.exponents[0].real) < 5e-6 + error
 
 
 @pytest.mark.parametrize(
@@ -112,6 +150,7 @@ def test_the_verdict_on_a_string_is_that_of_all_its_modes(seeds: range) -> None:
         assert evidence.whole.status == whole.status, (rod, load)
         error = whole.exponent_errors[0] + evidence.whole.exponent_errors[0]
         assert abs(found.exponents[0].real - whole.exponents[0].real) < 1e-6 + error, (rod, load)
+        found_fewer(system)
         growing = [r for r in whole.resonances if r.growth_rate > 1e-5]
         named = evidence.coupled.named(system, tuple(growing))
         assert [r.modes for r in found.resonances[: len(named)]] == [r.modes for r in named], (rod, load)

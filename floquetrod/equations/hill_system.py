@@ -355,6 +355,35 @@ class HillSystem(matrices.PeriodicMatrixSystem):
         return by_pieces.value_at(self, t)
 
 
+def damped(system: HillSystem, rate: float) -> HillSystem:
+    """Return the system of q = exp(-c t) u, u that of a system of one Fourier series without damping, c > 0."""
+    mass = matrices.mass_matrix(system)
+    found = system._with(stiffness=system.stiffness + rate * rate * mass, damping=2.0 * rate * mass)
+    vars(found)["undamped"] = system, rate
+    return found
+
+
+def restricted(system: HillSystem, kept: slice) -> HillSystem:
+    """Return some equations of a system of one Fourier series, without what couples them to the others."""
+
+    def part(matrix: Matrix | None) -> Any:
+        return None if matrix is None else matrix[..., kept, kept].copy()
+
+    found = system._with(
+        stiffness=part(system.stiffness),
+        cosines=tuple(map(part, system.cosines)),
+        sines=tuple(map(part, system.sines)),
+        mass=_positive_definite(part(system.mass)),
+        damping=_unless_zero(part(system.damping)),
+        gyroscopic=_unless_zero(part(system.gyroscopic)),
+    )
+    object.__setattr__(found, "_rounding", system._rounding)
+    freed = vars(system).get("undamped")
+    if freed is not None and freed[1] > 0.0:
+        vars(found)["undamped"] = restricted(freed[0], kept), freed[1]
+    return found
+
+
 def in_first_order(system: HillSystem | PeriodicSystem) -> PeriodicSystem:
     """Return a system in first order, itself where it is."""
     return system.as_periodic_system() if isinstance(system, HillSystem) else system

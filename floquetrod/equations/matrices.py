@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import fields
-from typing import Any, ClassVar, Literal
+from typing import Any, ClassVar, Literal, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -52,6 +52,12 @@ class PeriodicMatrixSystem(ByContent):
                 if isinstance(array, np.ndarray):
                     array.flags.writeable = False
         _ = self.shape
+
+    def _with(self, **changes: Any) -> Self:
+        """Return the system with other values of fields, which are its own and need no check."""
+        found = object.__new__(type(self))
+        found._take(self.__getstate__() | changes)
+        return found
 
     @property
     def order(self) -> int:

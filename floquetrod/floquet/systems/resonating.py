@@ -13,12 +13,12 @@ growth came out the same to 1e-6 1/s (tested).
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
+from typing import NamedTuple, Self
 
 import numpy as np
 
 from floquetrod._util.arrays import EPS, Floats
-from floquetrod.equations import HillSystem
+from floquetrod.equations.hill_system import HillSystem, damped
 from floquetrod.equations.matrices import mirrored
 from floquetrod.floquet.kernels.system_large import in_modes
 
@@ -30,9 +30,71 @@ _WORTH = 0.8  # share of the equations that may be left for this to be worthwhil
 class Resonating(NamedTuple):
     """Modes that may resonate."""
 
-    system: HillSystem  # damping included
+    free: HillSystem  # without damping
+    damping: float  # rate c
     basis: Floats  # (n, kept), q = basis v, orthonormal
     below: int  # modes left out, which all swing more slowly
+
+    @classmethod
+    def _of(cls, like: HillSystem, damping: float, modes: _Modes, below: int) -> Self:
+        """Return all but the first modes ``below``, with period and error of another system."""
+        kept, sines = slice(below, None), modes.sines
+        count = len(modes.rates) - below
+        rounding = EPS * (4.0 + 2.0 * math.sqrt(len(modes.rates))) * float(modes.rates[-1] + modes.reach.max())
+        free = HillSystem(
+            np.diag(modes.rates[kept]),
+            list(mirrored(modes.cosines[:, kept, kept])),
+            list(mirrored(-sines[:, kept, kept])) if sines.any() else (),
+            period=float(like.period),
+            coefficient_error=like.coefficient_error + rounding / count,  # of the eigenvectors (measured)
+        )
+        return cls(free, damping, modes.vectors[:, kept], below)
+
+    @property
+    def system(self) -> HillSystem:
+        """The modes as a system of their own, damping included."""
+        return damped(self.free, self.damping) if self.damping else self.free
+
+    def without_last(self, count: int) -> Self | None:
+        """Return what is left of these modes where the last ``count`` of all coordinates are held at zero.
+
+        None where there are no more modes than that.
+        """
+        kept = self.basis.shape[1]
+        if kept < count + _FEWEST:
+            return None
+        moving = np.linalg.qr(self.basis[-count:].T, mode="complete")[0][:, count:]
+        modes = _Modes.of(self.free, moving)
+        found = self._of(self.free, self.damping, modes, max(0, modes.below_resonance(self.free)))
+        return found._replace(basis=self.basis @ found.basis, below=self.below + found.below)
+
+
+class _Modes(NamedTuple):
+    """Modes of the mean stiffness."""
+
+    rates: Floats  # (n,), their stiffness
+    vectors: Floats  # (m, n), orthonormal
+    cosines: Floats  # (H, n, n), what varies, in these modes
+    sines: Floats
+    reach: Floats  # (n,), how far each may be from its mean stiffness
+
+    @classmethod
+    def of(cls, free: HillSystem, moving: Floats | None = None) -> Self:
+        """Return those of a system without damping, or of the motion in a subspace, an orthonormal basis (m, n)."""
+        matrices = [free.stiffness, free.harmonics.real, free.harmonics.imag]
+        if moving is not None:
+            matrices = [moving.T @ matrix @ moving for matrix in matrices]
+        rates, vectors, (cosines, sines) = in_modes(matrices[0], matrices[1:])
+        reach = (np.hypot(cosines, sines) if sines.any() else np.abs(cosines)).sum(axis=(0, 2))
+        return cls(rates, vectors if moving is None else moving @ vectors, cosines, sines, reach)
+
+    def below_resonance(self, system: HillSystem) -> int:
+        """Return how many of the slowest are below all resonances, so that some are left; 0 unless K is positive."""
+        if not (self.rates - self.reach > 0.0).all():
+            return 0
+        highest = np.maximum.accumulate(np.sqrt(self.rates + self.reach))
+        far = highest + highest[-1] < _APART * 2.0 * math.pi / float(system.period)
+        return min(int(np.count_nonzero(far)), len(far) - _FEWEST)
 
 
 def resonating(system: HillSystem) -> Resonating | None:
@@ -41,26 +103,10 @@ def resonating(system: HillSystem) -> Resonating | None:
     if freed is None or freed[0].structure != "hamiltonian" or system.mass is not None or system.pieces:
         return None
     free, damping = freed
-    n, w = free.order, 2.0 * math.pi / float(free.period)
     if free.gyroscopic is not None or not np.isfinite(free.stiffness).all():
         return None
-    harmonics = free.harmonics
-    rates, modes, (cosines, sines) = in_modes(free.stiffness, (harmonics.real, harmonics.imag))
-    reach = np.hypot(cosines, sines).sum(axis=(0, 2))
-    if not (rates - reach > 0.0).all():
+    modes = _Modes.of(free)
+    below = modes.below_resonance(free)
+    if below <= 0 or free.order - below > _WORTH * free.order:
         return None
-    highest = np.maximum.accumulate(np.sqrt(rates + reach))
-    below = min(int(np.count_nonzero(highest + highest[-1] < _APART * w)), n - _FEWEST)
-    if below <= 0 or n - below > _WORTH * n:
-        return None
-    kept = slice(below, None)
-    rounding = EPS * (4.0 + 2.0 * math.sqrt(n)) * float(rates[-1] + reach.max())  # of the eigenvectors (measured)
-    part = HillSystem(
-        np.diag(rates[kept] + damping * damping),
-        list(mirrored(cosines[:, kept, kept])),
-        list(mirrored(-sines[:, kept, kept])) if sines.any() else (),
-        damping=2.0 * damping * np.eye(n - below) if damping else None,
-        period=float(free.period),
-        coefficient_error=free.coefficient_error + rounding / (n - below),
-    )
-    return Resonating(part, modes[:, kept], below)
+    return Resonating._of(free, damping, modes, below)

@@ -13,7 +13,7 @@ from floquetrod._util import validate
 from floquetrod._util.arrays import Floats
 from floquetrod._util.compilation import cores, in_threads
 from floquetrod._util.progress import Progress, shifted
-from floquetrod.equations import HillSystem
+from floquetrod.equations.hill_system import HillSystem, restricted
 from floquetrod.floquet.systems.many import ManyVerdicts
 from floquetrod.floquet.systems.resonances import Resonance
 from floquetrod.floquet.verdict import tolerated
@@ -199,7 +199,7 @@ class CoupledEquations(ABC):
         from floquetrod.floquet.dispatch import stability
 
         if mode is not None and self.are_apart:
-            return stability(_last(self.system(Loads.single(load)))).growth_rate
+            return stability(restricted(self.system(Loads.single(load)), slice(-1, None))).growth_rate
         return float(self.answers(Loads.single(load)).growth[0])
 
     def resonances(self, load: Load) -> tuple[Resonance, ...]:
@@ -258,26 +258,4 @@ def _one_by_one(systems: HillSystem) -> HillSystem:
         [diagonal(matrix) for matrix in systems.sines],
         damping=None if damping is None else damping[..., :1, :1],
         period=np.repeat(systems.period, systems.order),
-    )
-
-
-def first_of(system: HillSystem, count: int) -> HillSystem:
-    """Return the first equations of a system, without what couples them to the others."""
-    return _part(system, slice(count))
-
-
-def _last(system: HillSystem) -> HillSystem:
-    """Return the last equation of a system whose equations are independent."""
-    return _part(system, slice(-1, None))
-
-
-def _part(system: HillSystem, kept: slice) -> HillSystem:
-    """Return some equations of a system, without what couples them to the others."""
-    damping = system.damping
-    return HillSystem(
-        system.stiffness[kept, kept],
-        [matrix[kept, kept] for matrix in system.cosines],
-        [matrix[kept, kept] for matrix in system.sines],
-        damping=None if damping is None else damping[kept, kept],
-        period=system.period,
     )

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from floquetrod._util.caching import cached_property
 from floquetrod._util.progress import Progress
 from floquetrod._util.report import number
-from floquetrod.equations import HillSystem
+from floquetrod.equations.hill_system import HillSystem, restricted
 from floquetrod.equations.pieces import of_batch
 from floquetrod.floquet.dispatch import judge, stability
 from floquetrod.floquet.methods.system_half_period import solved_pairs
@@ -22,7 +22,7 @@ from floquetrod.floquet.systems.classification import undamped_pairs
 from floquetrod.floquet.systems.damping import least_damping
 from floquetrod.floquet.systems.fastest import fast_solutions
 from floquetrod.floquet.systems.resonances import Resonance
-from floquetrod.floquet.systems.resonating import resonating
+from floquetrod.floquet.systems.resonating import Resonating, resonating
 from floquetrod.floquet.systems.result import SystemStability
 from floquetrod.floquet.systems.whole import period_maps
 from floquetrod.floquet.verdict import Status
@@ -30,7 +30,7 @@ from floquetrod.rod.answers.margins import Edge
 from floquetrod.rod.answers.verdict import Evidence, RodStability, Shape
 from floquetrod.rod.loads.load import Load, Loads, Quantity
 from floquetrod.rod.mode_equations.coupled_matrices import MOST_COUPLED, require_few, up_to_resonance
-from floquetrod.rod.mode_equations.coupled_systems import CoupledEquations, first_of
+from floquetrod.rod.mode_equations.coupled_systems import CoupledEquations
 from floquetrod.rod.mode_equations.modal_systems import ModalSystems
 from floquetrod.rod.mode_equations.sampled import first_change
 from floquetrod.rod.model.assumptions import assumptions, forced_in_words
@@ -286,7 +286,7 @@ def classify_coupled(
             final.modes,
             final.system,
             whole,
-            final.below,
+            0 if final.part is None else final.part.below,
         ),
         growth_tolerance=growth_tolerance,
         status=status,
@@ -430,16 +430,18 @@ def _modes_to_begin_with(model: ModeModel, load: Load, growth_tolerance: float) 
 
 
 class _Judged(NamedTuple):
-    """The verdict on many equations, the fastest solution where it is known, and how many modes are left out below."""
+    """The verdict on many equations, the fastest solution where it is known, and which modes were judged, if not all.
+
+    The solution is in the coordinates of all equations.
+    """
 
     whole: SystemStability
     fastest: Fastest | None = None
-    below: int = 0
+    part: Resonating | None = None
 
     @classmethod
-    def of(cls, system: HillSystem) -> _Judged:
-        """Return what is found of the modes that may resonate."""
-        part = resonating(system)
+    def of(cls, system: HillSystem, part: Resonating | None) -> _Judged:
+        """Return what is found of all equations, or of the modes of a part of them."""
         subject = system if part is None else part.system
         freed = subject.undamped
         if freed is None or freed[0].structure != "hamiltonian":
@@ -447,7 +449,7 @@ class _Judged(NamedTuple):
         whole, fastest = cls._found(subject, freed)
         if part is None:
             return cls(whole, fastest)
-        return cls(whole, None if fastest is None else fastest.among(system, part.basis), part.below)
+        return cls(whole, None if fastest is None else fastest.among(system, part.basis), part)
 
     @staticmethod
     def _found(system: HillSystem, freed: tuple[HillSystem, float]) -> tuple[SystemStability, Fastest | None]:
@@ -467,8 +469,8 @@ class _Judged(NamedTuple):
 class _WithModes(NamedTuple):
     """The verdict with one number of modes, and between what the rate of the fastest solution lies, in 1/s.
 
-    Of many modes the fastest solution itself, too, where it is known; ``below`` of them, the slowest, cannot resonate,
-    and are not in the verdict.
+    Of many modes the fastest solution itself, too, where it is known, and those that may resonate, where the verdict is
+    on them.
     """
 
     modes: CoupledEquations
@@ -477,13 +479,20 @@ class _WithModes(NamedTuple):
     least: float
     most: float
     fastest: Fastest | None = None
-    below: int = 0
+    part: Resonating | None = None
 
     @classmethod
     def of(cls, modes: CoupledEquations, load: Load, larger: HillSystem | None) -> _WithModes:
         """Return the verdict with some modes; ``larger`` is the system of more of them, if it is known."""
-        system = first_of(larger, modes.size) if larger and modes.are_nested else modes.system(Loads.single(load))
-        whole, fastest, below = _Judged.of(system) if modes.count > _SEVERAL else _Judged(stability(system))
+        nested = larger is not None and modes.are_nested
+        system = restricted(larger, slice(modes.size)) if larger and nested else modes.system(Loads.single(load))
+        if modes.count <= _SEVERAL:
+            return cls._judged(modes, system, _Judged(stability(system)))
+        return cls._judged(modes, system, _Judged.of(system, resonating(system)))
+
+    @classmethod
+    def _judged(cls, modes: CoupledEquations, system: HillSystem, judged: _Judged) -> _WithModes:
+        whole, fastest, part = judged
         fastest = fastest if modes.are_nested else None
         # Where solutions come in pairs only the one that decays more slowly matters of each: the error of the other's
         # multiplier may exceed it, where the first one grows fast.
@@ -492,17 +501,20 @@ class _WithModes(NamedTuple):
         errors = np.array(whole.exponent_errors[slower])
         if not rates.size:
             return cls(modes, system, whole, -math.inf, math.inf)
-        return cls(modes, system, whole, float((rates - errors).max()), float((rates + errors).max()), fastest, below)
+        return cls(modes, system, whole, float((rates - errors).max()), float((rates + errors).max()), fastest, part)
 
     def with_fewer(self, modes: CoupledEquations) -> _WithModes | None:
-        """Return what fewer modes do, by following the fastest solution; None where that is not possible.
+        """Return what fewer modes do, from what is known of these; None where that is not possible.
 
-        A verdict on all their solutions would take as long as the one there is, and decides nothing: how the growth
-        depends on the number of modes is what is asked.
+        By following the fastest solution: a verdict on all their solutions would take as long as the one there is, and
+        decides nothing, as how the growth depends on the number of modes is what is asked.  Or by a verdict on the
+        modes that may resonate, the last functions held at zero.
         """
         rate = None if self.fastest is None else self.fastest.rate_with(modes.count)
         if rate is None:
-            return None
+            held = self.modes.size - modes.size
+            part = self.part.without_last(held) if self.part is not None and modes.are_nested else None
+            return None if part is None else self._judged(modes, self.system, _Judged.of(self.system, part))
         whole = replace(
             self.whole,
             status="unstable" if rate > 0.0 else "stable",
