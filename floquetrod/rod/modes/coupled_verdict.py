@@ -306,47 +306,57 @@ def _trials(
     """Return the trials made, the fewest modes first."""
     found: list[_WithModes] = []
 
-    def add(modes: int, place: int, known: int) -> None:
+    def add(modes: int, known: int) -> None:
         chosen = model.in_modes(modes)
-        fewer = found[-1].with_fewer(chosen) if place < len(found) else None
-        found.insert(place, fewer or _WithModes.of(chosen, load, found[-1].system if place < len(found) else None))
+        place = sum(trial.modes.count < modes for trial in found)
+        larger = found[-1] if place < len(found) else None
+        fewer = None if larger is None else larger.with_fewer(chosen)
+        found.insert(place, fewer or _WithModes.of(chosen, load, None if larger is None else larger.system))
         if progress is not None:
             progress(len(found), max(known, len(found)))
 
     if count is not None:
-        add(count, 0, 1)
+        add(count, 1)
         return found
     last, fewer = _modes_to_begin_with(model, load, growth_tolerance)
-    add(last, 0, 2)
-    first = found[-1]
-    needed = _more_needed(model, load, first, growth_tolerance)
-    driven = _driven(model, load, first)
-    by_chance = bool(model.rod.course.breaks)
-    if driven > max(last, needed):
+    add(last, 2)
+    first = found[0]
+    numbers = _numbers(model, load, first, fewer, growth_tolerance)
+    if last not in numbers:
         found.clear()
-        for modes in (driven, driven + max(2, driven // 5)):
-            add(modes, len(found), 3)
-        first = found[-1]
-    elif needed:
-        add(needed, 1, 2)
-    else:
-        # Without a solution to follow the second verdict takes as long as the first: the fewer modes the better.
-        count = first.modes.count
-        add(fewer if first.fastest is not None else min(fewer, count - max(2, count // _share(model, count))), 0, 2)
-        by_chance = by_chance or are_enriched(model.rod.end_conditions)
-    middle = (found[0].modes.count + found[1].modes.count) // 2
-    if by_chance and middle > found[0].modes.count:
-        add(middle, 1, 3)
-    begun = len(found)
+    for modes in sorted(numbers - {last}, reverse=True):  # fewer follow from more
+        add(modes, len(numbers))
     while _may_be_concluded(found[-1], _compared(model, found), growth_tolerance):
         larger = math.ceil(1.25 * found[-1].modes.count)
-        if len(found) == begun + _ENLARGEMENTS or larger > MOST_COUPLED or not found[-1].is_sharp:
+        if len(found) == len(numbers) + _ENLARGEMENTS or larger > MOST_COUPLED or not found[-1].is_sharp:
             break
-        add(larger, len(found), 2)
+        add(larger, 2)
     needed = 0 if found[-1] is first else _more_needed(model, load, found[-1], growth_tolerance)
     if needed:
-        add(needed, len(found), 2)
+        add(needed, 2)
     return found
+
+
+def _numbers(model: ModeModel, load: Load, first: _WithModes, fewer: int, growth_tolerance: float) -> set[int]:
+    """Return the numbers of modes whose verdicts are compared to begin with, two or three.
+
+    That of the first verdict, with more where these may matter, else with fewer; or as many as harmonics drive, and
+    more.  Three where two may agree by chance.
+    """
+    count = first.modes.count
+    by_chance = bool(model.rod.course.breaks)
+    needed = _more_needed(model, load, first, growth_tolerance)
+    driven = _driven(model, load, first)
+    if driven > max(count, needed):
+        numbers = driven, driven + max(2, driven // 5)
+    elif needed:
+        numbers = count, needed
+    else:
+        if first.fastest is None:  # the second verdict takes as long as the first: the fewer modes the better
+            fewer = min(fewer, count - max(2, count // _share(model, count)))
+        numbers = fewer, count
+        by_chance = by_chance or are_enriched(model.rod.end_conditions)
+    return {*numbers, sum(numbers) // 2} if by_chance else {*numbers}
 
 
 def _compared(model: ModeModel, found: Sequence[_WithModes]) -> Sequence[_WithModes]:
