@@ -27,7 +27,7 @@ COUNT, FEWER = 44, 36
 def _few_are_many(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(sys.modules[solved_many.__module__], "_MANY", 20)
     monkeypatch.setattr(coupled_verdict, "_LONG", 20)
-    monkeypatch.setattr(coupled_verdict, "_SEVERAL", 20)
+    monkeypatch.setattr(coupled_verdict, "SEVERAL", 20)
     monkeypatch.setattr(fewer_modes, "_WORTH", 1.0)
 
 

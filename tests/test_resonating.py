@@ -12,6 +12,7 @@ import floquetrod as fr
 from coupled_cases import TUBING
 from floquetrod.equations.hill_system import restricted
 from floquetrod.equations.matrices import mirrored
+from floquetrod.floquet.status import STATUS_CODES
 from floquetrod.floquet.systems.resonating import resonating
 from floquetrod.rod.loads.load import Load, Loads
 
@@ -113,6 +114,33 @@ def drawn(seed: int) -> tuple[fr.Rod, Load]:
     if random.random() < 0.6:
         return rod, fr.AxialWave.hertz(*forces, axial_damping=float(random.choice([0.0, 1.0])))
     return rod, fr.AxialLoad.hertz(*forces)
+
+
+@pytest.mark.parametrize(
+    "seeds", [range(1000, 1008), pytest.param(range(1008, 1060), marks=pytest.mark.slow)], ids=["some", "many"]
+)
+@pytest.mark.filterwarnings("ignore::floquetrod.UniformForceWarning", "ignore::floquetrod.ForcedAngleWarning")
+def test_arrays_of_loads_say_what_all_modes_do(seeds: range) -> None:
+    """Status, and growth to 1e-6 1/s, in the order of the loads, static ones among them."""
+    left_out = 0
+    for rod, load in map(drawn, seeds):
+        amplitudes = load.amplitude * np.array([1.0, 0.0, 0.3, 2.0])
+        means = np.append(load.mean, 0.5 * load.mean)[:, None]
+        loads = Loads((8,), *(np.broadcast_to(x, (2, 4)).ravel() for x in (means, amplitudes, load.frequency)))
+        try:
+            modes = rod.modes_under(load)
+            equations = modes.in_modes(modes.count_for(loads, 0.0))
+            status, growth = equations.answers(loads)
+        except ValueError:
+            continue
+        for i in np.flatnonzero(~np.isnan(growth)):  # those with which it stays on its wall
+            at = load.varied("mean", float(loads.mean[i])).varied("amplitude", float(loads.amplitude[i]))
+            system = equations.system(Loads.single(at))
+            part, whole = resonating(system), fr.stability(system)
+            left_out += part is not None
+            assert status[i] == STATUS_CODES[whole.status], (rod, load, i)
+            assert abs(growth[i] - whole.growth_rate) < 1e-6 + whole.exponent_errors[0], (rod, load, i)
+    assert left_out > len(seeds)
 
 
 def found_fewer(system: fr.HillSystem) -> None:

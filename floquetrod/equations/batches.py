@@ -10,7 +10,7 @@ import numpy as np
 
 from floquetrod._util import validate
 from floquetrod.equations.hill_system import HillSystem
-from floquetrod.equations.matrices import Matrix
+from floquetrod.equations.matrices import Matrix, remade
 from floquetrod.equations.periodic_system import PeriodicSystem
 from floquetrod.equations.pieces import Varying
 
@@ -106,7 +106,7 @@ def pick(systems: System, index: int) -> System:
         if isinstance(value, tuple):
             return tuple(map(one, value))
         if isinstance(value, Varying):
-            return remade(value, {name: one(matrix) for name, matrix in vars(value).items()})
+            return remade(value, **{name: one(matrix) for name, matrix in vars(value).items()})
         if not isinstance(value, np.ndarray):
             return value  # one for all
         inner = value.shape[value.ndim - tail :]
@@ -118,14 +118,7 @@ def pick(systems: System, index: int) -> System:
     for name, absent in (("mass", np.eye(systems.order)), ("damping", 0.0), ("gyroscopic", 0.0)):
         if values.get(name) is not None and (values[name] == absent).all():
             values[name] = None
-    found: System = remade(systems, values)
-    return found
-
-
-def remade(like: Any, state: dict[str, Any]) -> Any:
-    """Return a value of the same class from fields that were checked before."""
-    found: Any = object.__new__(type(like))
-    found.__setstate__(state)
+    found: System = remade(systems, **values)
     return found
 
 

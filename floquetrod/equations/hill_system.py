@@ -358,7 +358,8 @@ class HillSystem(matrices.PeriodicMatrixSystem):
 def damped(system: HillSystem, rate: float) -> HillSystem:
     """Return the system of q = exp(-c t) u, u that of a system of one Fourier series without damping, c > 0."""
     mass = matrices.mass_matrix(system)
-    found = system._with(stiffness=system.stiffness + rate * rate * mass, damping=2.0 * rate * mass)
+    shifted = {"stiffness": system.stiffness + rate * rate * mass, "damping": 2.0 * rate * mass}
+    found: HillSystem = matrices.remade(system, **shifted)
     vars(found)["undamped"] = system, rate
     return found
 
@@ -369,7 +370,8 @@ def restricted(system: HillSystem, kept: slice) -> HillSystem:
     def part(matrix: Matrix | None) -> Any:
         return None if matrix is None else matrix[..., kept, kept].copy()
 
-    found = system._with(
+    found: HillSystem = matrices.remade(
+        system,
         stiffness=part(system.stiffness),
         cosines=tuple(map(part, system.cosines)),
         sines=tuple(map(part, system.sines)),

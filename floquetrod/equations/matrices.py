@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import fields
-from typing import Any, ClassVar, Literal, Self
+from typing import Any, ClassVar, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -52,12 +52,6 @@ class PeriodicMatrixSystem(ByContent):
                 if isinstance(array, np.ndarray):
                     array.flags.writeable = False
         _ = self.shape
-
-    def _with(self, **changes: Any) -> Self:
-        """Return the system with other values of fields, which are its own and need no check."""
-        found = object.__new__(type(self))
-        found._take(self.__getstate__() | changes)
-        return found
 
     @property
     def order(self) -> int:
@@ -131,6 +125,13 @@ class PeriodicMatrixSystem(ByContent):
         made = [name for name in names if name not in (self.MEAN, "cosines", "sines", "period", "pieces")]
         others = written(self, made).partition("(")[2]
         return f"{type(self).__name__}.from_pieces([{', '.join(listed)}]{', ' if others != ')' else ''}{others}"
+
+
+def remade(like: Any, **changes: Any) -> Any:
+    """Return a system or a `Varying` with other values of fields, which are its own and need no check."""
+    found: Any = object.__new__(type(like))
+    found.__setstate__(like.__getstate__() | changes)
+    return found
 
 
 def mass_matrix(system: Any) -> Matrix:

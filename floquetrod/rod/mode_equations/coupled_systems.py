@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from abc import ABC, abstractmethod
-from typing import Literal, Self
+from typing import Any, Literal, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,12 +13,15 @@ from floquetrod._util import validate
 from floquetrod._util.arrays import Floats
 from floquetrod._util.compilation import cores, in_threads
 from floquetrod._util.progress import Progress, shifted
+from floquetrod.equations.batches import pick
 from floquetrod.equations.hill_system import HillSystem, restricted
 from floquetrod.floquet.systems.many import ManyVerdicts
 from floquetrod.floquet.systems.resonances import Resonance
+from floquetrod.floquet.systems.resonating import resonating
 from floquetrod.floquet.verdict import tolerated
 from floquetrod.rod.loads.load import Load, Loads, Quantity
 
+SEVERAL = 60  # modes up to which a verdict on all takes less time than choosing some or following one (measured)
 _LEAST_ON_LINE = 16  # loads: of fewer each gets a map of its own (measured)
 _AT_ONCE = 1 << 22  # numbers in the matrices of systems that are held at once: 32 megabytes
 
@@ -102,7 +105,11 @@ class CoupledEquations(ABC):
         With ``quick`` more loads are undecided, those next to a boundary, none of which then takes long.
         ``progress`` is called repeatedly with the numbers of loads done and of all.
         """
-        status, growth = self._on_lines(loads, workers, progress)
+        status, growth = np.full(loads.size, -1, dtype=np.int8), np.full(loads.size, np.nan)
+        for answered in (self._of_resonating, self._on_lines):
+            left = np.flatnonzero(status == -1)
+            told = shifted(progress, loads.size - left.size, loads.size - left.size)
+            status[left], growth[left] = answered(loads.some(left), workers, told)
         left = np.flatnonzero(status == -1)
         done = loads.size - left.size
         for part in self._parts(left):
@@ -112,6 +119,30 @@ class CoupledEquations(ABC):
             if progress is not None:
                 progress(done, loads.size)
         status[tolerated(growth, growth_tolerance)] = 1
+        return ManyVerdicts(status, growth)
+
+    def _of_resonating(self, loads: Loads, workers: int | None, progress: Progress | None) -> ManyVerdicts:
+        """Return statuses without tolerance, and growth rates, of loads under which most of many modes cannot resonate.
+
+        They are verdicts by the quick rules on those that may; -1 and NaN of other loads, and where these are open.
+        """
+        from floquetrod.systems.arrays import verdicts
+
+        status, growth = np.full(loads.size, -1, dtype=np.int8), np.full(loads.size, np.nan)
+        shaken = np.flatnonzero(loads.amplitude > 0.0) if self.size > SEVERAL and not self.are_apart else ()
+        for some in self._parts(np.asarray(shaken, dtype=np.intp)):
+            systems = self.system(loads.some(some))
+
+            def fill(place: int, i: int, systems: HillSystem = systems) -> None:
+                system: Any = pick(systems, place)
+                part = resonating(system)
+                found = None if part is None else verdicts(part.system, workers=1, quick=True)
+                if found is not None and found.status[0] != -1:
+                    status[i], growth[i] = found.status[0], found.growth[0]
+
+            in_threads(fill, list(enumerate(some.tolist())), validate.workers(workers) or cores())
+            if progress is not None:
+                progress(int(np.count_nonzero(status != -1)), loads.size)
         return ManyVerdicts(status, growth)
 
     def _on_lines(self, loads: Loads, workers: int | None, progress: Progress | None) -> ManyVerdicts:

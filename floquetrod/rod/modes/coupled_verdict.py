@@ -30,7 +30,7 @@ from floquetrod.rod.answers.margins import Edge
 from floquetrod.rod.answers.verdict import Evidence, RodStability, Shape
 from floquetrod.rod.loads.load import Load, Loads, Quantity
 from floquetrod.rod.mode_equations.coupled_matrices import MOST_COUPLED, require_few, up_to_resonance
-from floquetrod.rod.mode_equations.coupled_systems import CoupledEquations
+from floquetrod.rod.mode_equations.coupled_systems import SEVERAL, CoupledEquations
 from floquetrod.rod.mode_equations.modal_systems import ModalSystems
 from floquetrod.rod.mode_equations.sampled import first_change
 from floquetrod.rod.model.assumptions import assumptions, forced_in_words
@@ -39,7 +39,6 @@ from floquetrod.rod.model.contact import constants_under, up_to_wall
 from floquetrod.rod.modes.fewer_modes import Fastest
 from floquetrod.rod.modes.mode_model import ModeModel
 
-_SEVERAL = 60  # modes up to which a verdict on all takes less time than choosing some or following one (measured)
 _LONG = 200  # modes from which a verdict takes seconds, so that no more are taken than matter
 _BESIDE = 2  # modes above the highest that a harmonic drives (measured)
 _ENLARGEMENTS = 3  # times that more modes are taken while two numbers of them disagree (a choice)
@@ -434,7 +433,7 @@ def _modes_to_begin_with(model: ModeModel, load: Load, growth_tolerance: float) 
         free = ModalSystems(constants._replace(damping_rate=0.0), Loads.single(uniform))
         fastest = float(free.fastest(1)[0][0]) - constants.damping_rate
         last = model.count_for(loads, max(growth_tolerance, 0.25 * fastest))
-    if _SEVERAL < last <= _LONG and not are_enriched(rod.end_conditions):
+    if SEVERAL < last <= _LONG and not are_enriched(rod.end_conditions):
         return last + max(2, last // 9), last
     return last, last - max(2, last // _share(model, last))
 
@@ -496,7 +495,7 @@ class _WithModes(NamedTuple):
         """Return the verdict with some modes; ``larger`` is the system of more of them, if it is known."""
         nested = larger is not None and modes.are_nested
         system = restricted(larger, slice(modes.size)) if larger and nested else modes.system(Loads.single(load))
-        if modes.count <= _SEVERAL:
+        if modes.count <= SEVERAL:
             return cls._judged(modes, system, _Judged(stability(system)))
         return cls._judged(modes, system, _Judged.of(system, resonating(system)))
 
