@@ -167,6 +167,26 @@ def test_a_split_matrix_multiplies_as_the_matrix_does(n: int) -> None:
     system_large.add_product(parts, x, out, np.empty_like(out))
     bound = (1e-15 * system_large.LEVELS + 1e-15 * n) * size * np.linalg.norm(x)
     assert np.abs(out - 1.0 - matrix @ x).max() < bound
+    system_large.add_product(system_large.times(parts, -1.0), x, out, np.empty_like(out))
+    assert np.abs(out - 1.0).max() < 2.0 * bound
+
+
+@pytest.mark.parametrize("symmetric", [True, False])
+def test_both_ends_of_a_half_period_are_one_series_where_equations_are_few(
+    symmetric: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    system = string(30, length=100.0)
+    cosines = np.stack([system.cosines[0], 0.3 * system.cosines[0]])
+    if not symmetric:
+        cosines[1, 0, 5] *= 1.5
+    arrays = system.stiffness[None], cosines[None], [float(system.period)]
+    together = half_period_map(*arrays)
+    monkeypatch.setattr(system_even_large, "_TOGETHER", 0)
+    apart = half_period_map(*arrays)
+    assert together.symmetric == symmetric
+    for name in "abcd":
+        gap = getattr(together, name) - getattr(apart, name)
+        assert np.linalg.norm(gap) <= apart.error[0] + together.error[0] < 1e-9
 
 
 def test_a_matrix_of_full_rank_is_not_split() -> None:
