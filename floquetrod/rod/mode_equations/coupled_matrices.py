@@ -174,7 +174,7 @@ class CoupledModes(CoupledEquations):
     @property
     def size(self) -> int:
         """Number of equations."""
-        return self.basis.size
+        return self.basis.size if are_enriched(self.rod.end_conditions) else self.count
 
     @cached_property
     def _static(self) -> tuple[Floats, Floats]:

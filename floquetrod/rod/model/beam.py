@@ -148,9 +148,17 @@ def basis(ends: Ends, count: int, breaks: tuple[float, ...] = ()) -> Basis:
     return (_large_basis if count > _LARGE else _small_basis)(ends, count, breaks)
 
 
+@functools.cache
+def _gauss() -> tuple[Floats, Floats]:
+    """Return nodes and weights of a panel from -1 to 1."""
+    points, weights = np.polynomial.legendre.leggauss(_POINTS)
+    points.flags.writeable = weights.flags.writeable = False
+    return points, weights
+
+
 def _quadrature(panels: int, breaks: tuple[float, ...]) -> tuple[Floats, Floats]:
     """Return nodes and weights on panels of equal length, cut at breaks."""
-    points, weights = np.polynomial.legendre.leggauss(_POINTS)
+    points, weights = _gauss()
     edges, share = np.arange(panels) / panels, np.full(panels, float(panels))
     if breaks:
         edges = np.unique(np.concatenate([edges, breaks]))
