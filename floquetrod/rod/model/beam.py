@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from floquetrod._util.arrays import Floats
+from floquetrod._util.arrays import Complexes, Floats
 from floquetrod._util.caching import cached_property
 from floquetrod._util.content import ByContent
 from floquetrod._util.roots import roots
@@ -56,14 +56,30 @@ class Basis(ByContent):
     bending: Floats  # (n, n), integrals of phi_i'' phi_j''
     nodes: Floats  # (q,), of the quadrature, as the weights
     weights: Floats
-    values: Floats  # (n, q), phi at the nodes
-    slopes: Floats  # (n, q), phi' there
     transform: Floats  # from plain beam functions and those added to these
+    given: tuple[Floats, Floats] | None = None  # (n, q), phi and phi' at the nodes; of sines and cosines when needed
 
     @property
     def size(self) -> int:
         """Number of functions."""
         return len(self.bending)
+
+    @cached_property
+    def values(self) -> Floats:
+        """Phi at the nodes, (n, q)."""
+        return self.given[0] if self.given else self._waves(0)
+
+    @cached_property
+    def slopes(self) -> Floats:
+        """Phi' at the nodes, (n, q)."""
+        return self.given[1] if self.given else self._waves(1)
+
+    def _waves(self, derivative: int) -> Floats:
+        """Return sines or cosines at the nodes, or a derivative of them."""
+        waves = wavenumbers(self.ends, self.count)
+        found = np.diagonal(self.transform)[:, None] * _trigonometric(self.ends, waves, self.nodes, derivative)
+        found.flags.writeable = False
+        return found
 
     def coupling(self, force: Floats) -> Floats:
         """Return the integrals of F phi_i' phi_j', symmetric bit for bit; force (..., q) at the nodes."""
@@ -130,9 +146,10 @@ class Basis(ByContent):
         """Number of panels of equal length, cosines and sines of m pi x in the first; or 0, and those at all nodes."""
         panels = len(self.nodes) // _POINTS
         are_equal = np.array_equal(self.nodes, _quadrature(panels, ())[0])
-        x = self.nodes[:_POINTS] if are_equal else self.nodes
-        angles = math.pi * x[:, None] * np.arange(2 * self.count + 1)
-        return panels if are_equal else 0, np.cos(angles), np.sin(angles) if are_equal else np.empty(0)
+        if not are_equal:
+            return 0, _turned(self.nodes, 2 * self.count).real.copy(), np.empty(0)
+        angles = math.pi * self.nodes[:_POINTS, None] * np.arange(2 * self.count + 1)
+        return panels, np.cos(angles), np.sin(angles)
 
     def shapes(self, x: Floats) -> Floats:
         """Return the functions at points, (n, len(x))."""
@@ -172,6 +189,11 @@ def _basis(ends: Ends, count: int, breaks: tuple[float, ...] = ()) -> Basis:
     waves = wavenumbers(ends, count)
     panels = math.ceil(float(waves[-1]) / _PER_PANEL) + 1
     nodes, weights = _quadrature(panels, breaks)
+    if _are_trigonometric(ends):
+        bending, transform = np.diag(waves**4), np.diag(np.where(waves > 0.0, math.sqrt(2.0), 1.0))
+        for part in (nodes, weights, bending, transform):
+            part.flags.writeable = False
+        return Basis(ends, count, bending, nodes, weights, transform)
     values, slopes, curvatures = _all_functions(ends, count, nodes)
     root = np.sqrt(weights)
     transform = _orthogonal(values * root, count)
@@ -193,7 +215,7 @@ def _basis(ends: Ends, count: int, breaks: tuple[float, ...] = ()) -> Basis:
     bending[np.arange(count), np.arange(count)] = waves**4
     for part in (nodes, weights, bending, values, slopes, transform):
         part.flags.writeable = False
-    return Basis(ends, count, bending, nodes, weights, values, slopes, transform)
+    return Basis(ends, count, bending, nodes, weights, transform, (values, slopes))
 
 
 _small_basis = functools.lru_cache(maxsize=16)(_basis)
@@ -304,11 +326,8 @@ def _beam_functions(ends: Ends, waves: Floats, x: Floats) -> tuple[Floats, Float
         empty = np.empty((0, len(x)))
         return empty, empty, empty
     if _are_trigonometric(ends):
-        angle = waves[:, None] * x
-        sine, cosine = np.sin(angle), np.cos(angle)
-        k = waves[:, None]
-        waving, slope = (sine, k * cosine) if ends.upper == "hinged" else (cosine, -k * sine)
-        return waving, slope, -k * k * waving
+        value, slope, bend = (_trigonometric(ends, waves, x, derivative) for derivative in range(3))
+        return value, slope, bend
     mixture = np.linalg.svd(_conditions(ends, waves))[2][:, -1, :]
     largest = np.take_along_axis(mixture, np.abs(mixture[:, :2]).argmax(axis=1)[:, None], axis=1)
     mixture = mixture / largest
@@ -318,6 +337,27 @@ def _beam_functions(ends: Ends, waves: Floats, x: Floats) -> tuple[Floats, Float
     waving, turned = a * sine + b * cosine, a * cosine - b * sine
     first, last = c * np.exp(-k * x), d * np.exp(-k * (1.0 - x))
     return waving + first + last, k * (turned - first + last), k * k * (first + last - waving)
+
+
+def _trigonometric(ends: Ends, waves: Floats, x: Floats, derivative: int) -> Floats:
+    """Return sines, or cosines if the upper end is guided, or their first or second derivatives."""
+    k = waves[:, None]
+    sign = -1.0 if derivative == 2 or (derivative == 1 and ends.upper == "guided") else 1.0
+    wave = np.sin if (ends.upper == "hinged") == (derivative != 1) else np.cos
+    return np.asarray(sign * k**derivative * wave(k * x))
+
+
+def _turned(x: Floats, most: int) -> Complexes:
+    """Return exp(i m pi x), m up to ``most``, (len(x), most + 1): products of those before, which takes less time."""
+    found = np.ones((len(x), most + 1), dtype=np.complex128)
+    found[:, 1] = np.exp(1j * math.pi * x)
+    known = 2
+    while known <= most:
+        some = min(known, most + 1 - known)
+        following = found[:, known - 1] * found[:, 1]
+        np.multiply(following[:, None], found[:, :some], out=found[:, known : known + some])
+        known += some
+    return found
 
 
 def _polynomials(ends: Ends, x: Floats) -> tuple[Floats, Floats, Floats]:
