@@ -45,6 +45,11 @@ def _everywhere(array: NDArray[Any], shape: tuple[int, ...]) -> NDArray[Any]:
     return found
 
 
+def are_diagonal(matrices: NDArray[Any]) -> bool:
+    """Return whether matrices (..., n, n) have nothing beside their diagonals."""
+    return bool(np.count_nonzero(matrices) == np.count_nonzero(np.diagonal(matrices, axis1=-2, axis2=-1)))
+
+
 def norms(matrices: NDArray[Any]) -> NDArray[np.float64]:
     """Return the Frobenius norms of matrices (..., m, n), infinite where squares overflow, 0 where they underflow."""
     with np.errstate(over="ignore", under="ignore"):

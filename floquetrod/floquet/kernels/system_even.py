@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from floquetrod._util.arrays import Bools, Complexes, Floats, inverses, norms
+from floquetrod._util.arrays import Bools, Complexes, Floats, are_diagonal, inverses, norms
 from floquetrod._util.compilation import over_chunks
 from floquetrod.floquet.kernels.system_even_large import half_period_large
 from floquetrod.floquet.kernels.system_even_pairs import NOT_DONE, outcome_fill, pair_fill
@@ -66,7 +66,7 @@ def half_period_map(
     omega = 2.0 * math.pi / period
     s = np.diagonal(stiffness, axis1=-2, axis2=-1).copy()
     q, f, first, slack = np.broadcast_to(np.eye(n), stiffness.shape), amplitudes, 1, 2.0 * ROUNDING
-    if np.count_nonzero(stiffness) > np.count_nonzero(s):  # not diagonal
+    if not are_diagonal(stiffness):
         if symmetric:
             s, q = np.linalg.eigh(stiffness)
             f = q.swapaxes(-1, -2)[:, None] @ amplitudes @ q[:, None]

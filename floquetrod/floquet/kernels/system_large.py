@@ -9,7 +9,7 @@ from typing import Any, NamedTuple, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from floquetrod._util.arrays import Complexes, Floats
+from floquetrod._util.arrays import Complexes, Floats, are_diagonal
 from floquetrod.floquet.kernels.system_series import ROUNDING
 
 Ints = NDArray[np.int_]
@@ -41,7 +41,7 @@ class Parts(NamedTuple):
         """Return the parts of u'' + (S + Re sum_m Z_m exp(i m w t)) u = 0."""
         n = len(stiffness)
         waves: tuple[Floats, ...] = (harmonics.real, harmonics.imag)
-        if np.count_nonzero(stiffness) == np.count_nonzero(stiffness.diagonal()):
+        if are_diagonal(stiffness):
             return cls._of(stiffness.diagonal().copy(), np.eye(n), waves, 2.0 * ROUNDING)
         return cls._of(*in_modes(stiffness, waves), ROUNDING * (4.0 + 4.0 * math.sqrt(n)))
 

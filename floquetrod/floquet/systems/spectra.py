@@ -15,7 +15,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from floquetrod._util.arrays import EPS, Complexes, Floats
+from floquetrod._util.arrays import EPS, Complexes, Floats, are_diagonal
 from floquetrod._util.caching import cached_property
 
 Form = Callable[[NDArray[Any]], NDArray[Any]]
@@ -131,7 +131,7 @@ def touching(distances: Floats, radii: Floats) -> tuple[NDArray[np.intp], ...]:
     """Return the sets of discs that touch, directly or by others between them, from their centres' distances (n, n)."""
     n = len(radii)
     near = distances <= radii[:, None] + radii[None, :]
-    if np.count_nonzero(near) == np.count_nonzero(near.diagonal()):
+    if are_diagonal(near):
         return tuple(np.arange(n)[:, None])
     left, found = set(range(n)), []
     while left:

@@ -129,7 +129,7 @@ class CoupledEquations(ABC):
         from floquetrod.systems.arrays import verdicts
 
         status, growth = np.full(loads.size, -1, dtype=np.int8), np.full(loads.size, np.nan)
-        shaken = np.flatnonzero(loads.amplitude > 0.0) if self.size > SEVERAL and not self.are_apart else ()
+        shaken = np.flatnonzero(loads.amplitude > 0.0) if self.count > SEVERAL and not self.are_apart else ()
         for some in self._parts(np.asarray(shaken, dtype=np.intp)):
             systems = self.system(loads.some(some))
 
