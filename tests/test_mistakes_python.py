@@ -5,6 +5,7 @@ from __future__ import annotations
 import copy
 import dataclasses
 import inspect
+import math
 import pickle
 import subprocess
 import sys
@@ -100,6 +101,14 @@ MISTAKES: list[tuple[Call, str, str, str]] = [
     (lambda: fr.certify(EQUATION, alpha=1), "alpha", "value", "class"),
     (lambda: fr.compare(), "'equation'", "missing", "1 required positional"),  # type: ignore[call-arg]
     (lambda: fr.mathieu.is_stable(0.5, np.array([0.1, np.nan])), "beta", "nan", "remove"),
+    (lambda: ROD.stability(LOAD).plot(ax=3), "ax", "3", "pyplot.subplots()"),
+    (lambda: fr.mathieu.chart((0, 1, 3), (-1, 0, 3)).plot("top"), "ax", "'top'", "pyplot.subplots()"),
+    (lambda: ROD.stability(LOAD).report(margins="mean"), "margins", "'mean'", "verdict.margins()"),
+    (lambda: ROD.stability(LOAD).as_dict(margins={"mean": 3}), "margins", "{'mean': 3}", "verdict.margins()"),
+    (lambda: fr.save_report(ROD.stability(LOAD), "a.html", command=3), "command", "3", "leave it out"),
+    (lambda: fr.save_report(ROD.stability(LOAD), "a.html", margins="mean"), "margins", "'mean'", "True or False"),
+    (lambda: fr.methods.discriminant_excess(EQUATION, digits=math.inf), "digits", "inf", "integer"),
+    (lambda: fr.methods.discriminant_excess(0.5), "equation", "0.5", "Mathieu"),  # type: ignore[arg-type]
 ]
 
 

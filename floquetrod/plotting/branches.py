@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from floquetrod import units
 from floquetrod.plotting import palette
-from floquetrod.plotting.charts import NAMES, new_axes
+from floquetrod.plotting.charts import NAMES, axes_or_new
 from floquetrod.plotting.orbits import STYLES
 
 Floats = NDArray[np.float64]
@@ -28,7 +28,7 @@ _NAMES = {1: "stable", 0: "unstable", -1: "undecided"}
 
 def draw_branch(branch: Any, ax: Any, state: int, quantity: str) -> Any:
     """Draw a quantity of a `floquetrod.Branch` over its parameter, its parts in lines that tell their verdict."""
-    ax = new_axes() if ax is None else ax
+    ax = axes_or_new(ax)
     heights = _heights(branch, state, quantity), [_heights(each, state, quantity) for each in branch.special_points]
     draw_over_parameter(ax, branch, *heights)
     ax.set_xlabel(branch.parameter)
@@ -117,7 +117,7 @@ def _heights(result: Any, state: int, quantity: str) -> Any:
 
 def draw_rod_branches(result: Any, ax: Any, unit: Any) -> Any:
     """Draw the largest angles of a `floquetrod.RodBranches` in degrees over its parameter in a unit."""
-    ax = new_axes() if ax is None else ax
+    ax = axes_or_new(ax)
     for each in result.parts:
         degrees = np.degrees(each.amplitude), np.degrees(each.special_amplitudes)
         draw_over_parameter(

@@ -34,7 +34,7 @@ FIGURES = (".png", ".pdf", ".svg")
 
 def draw_chart(chart: Any, ax: Any = None) -> Any:
     """Draw a `floquetrod.plane.Chart`: white where stable, orange where not, darker with growth where it is known."""
-    ax = new_axes() if ax is None else ax
+    ax = axes_or_new(ax)
     x, y = chart.x.values, chart.y.values
     if chart.cells is not None:
         _draw_cells(chart, ax)
@@ -186,7 +186,7 @@ def _draw_cells(chart: Any, ax: Any) -> None:
 
 def draw_curves(curves: Any, ax: Any = None) -> Any:
     """Draw `floquetrod.mathieu.TransitionCurves`: solid where a solution has period 4 pi, dashed where 2 pi."""
-    ax = new_axes() if ax is None else ax
+    ax = axes_or_new(ax)
     step = max(1, curves.alpha.size // 3)
     for row, order in enumerate(curves.orders):
         for values, name, place in ((curves.even[row], "a", 3 * step // 2), (curves.odd[row], "b", step)):
@@ -242,3 +242,20 @@ def new_axes() -> Any:
     from matplotlib import pyplot
 
     return pyplot.subplots(figsize=(7.0, 5.0), layout="constrained")[1]
+
+
+def axes_or_new(ax: Any) -> Any:
+    """Return axes to draw into, of a new figure for None; TypeError unless they are axes of matplotlib."""
+    from matplotlib.axes import Axes
+
+    return new_axes() if ax is None else validate.instance("ax", ax, Axes, "create them with pyplot.subplots()")
+
+
+def figure_or_new(figure: Any, size: tuple[float, float]) -> Any:
+    """Return a figure or subfigure to draw into, a new one of a size in inches for None; TypeError for other types."""
+    from matplotlib import pyplot
+    from matplotlib.figure import FigureBase
+
+    if figure is None:
+        return pyplot.figure(figsize=size, layout="constrained")
+    return validate.instance("figure", figure, FigureBase, "create it with pyplot.figure()")

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from floquetrod.plotting import palette
-from floquetrod.plotting.charts import new_axes
+from floquetrod.plotting.charts import axes_or_new
 
 STYLES = {"stable": "-", "unstable": "--", "undecided": ":"}
 """Lines of orbits, and of parts of branches, by their verdict."""
@@ -19,7 +19,7 @@ _COLOURS = ("black", "black", "0.45", "0.45", palette.NEUTRAL, palette.NEUTRAL)
 
 def draw_orbit(orbit: Any, ax: Any = None) -> Any:
     """Draw the states of a `floquetrod.PeriodicOrbit` over a period, in a line that tells its verdict."""
-    ax = new_axes() if ax is None else ax
+    ax = axes_or_new(ax)
     time = np.linspace(0.0, orbit.period, 1000)
     states = orbit(time)
     count = min(_MOST, states.shape[1])

@@ -7,17 +7,14 @@ from typing import Any
 import numpy as np
 
 from floquetrod.plotting import palette
-from floquetrod.plotting.charts import patch
+from floquetrod.plotting.charts import figure_or_new, patch
 from floquetrod.units import AnswerUnits, Unit
 
 
 def draw_reach(found: Any, shown: AnswerUnits, title: str, figure: Any = None) -> Any:
     """Return a figure of a `floquetrod.Reach`: the well's section, the force at the injector, and along the string."""
-    from matplotlib import pyplot
-
     more = [1.0] if found.tool else []
-    if figure is None:
-        figure = pyplot.figure(figsize=(7.2, 12.3 + 1.4 * len(more)), layout="constrained")
+    figure = figure_or_new(figure, (7.2, 12.3 + 1.4 * len(more)))
     axes = figure.subplots(7 + len(more), 1, height_ratios=[1.5, 1.2, 1.0, 1.2, 1.0, 1.0, 1.0, *more])
     section, injector, bit, force, contact, friction, stress = axes[:7]
     _draw_section(found, shown.length, section)

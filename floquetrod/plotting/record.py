@@ -6,6 +6,9 @@ from typing import Any
 
 import numpy as np
 
+from floquetrod._util import validate
+from floquetrod.plotting.charts import axes_or_new
+
 _SHOWN = 8  # periods drawn of a record (a choice)
 
 
@@ -15,7 +18,10 @@ def draw_record(record: Any, ax: Any = None) -> Any:
 
     if ax is None:
         ax = pyplot.subplots(2, 1, figsize=(7.0, 6.0), layout="constrained")[1]
-    above, below = ax
+    chosen = validate.listed("ax", ax, 2, "axes") if validate.iterable(ax) else []
+    if len(chosen) != 2:
+        raise validate.wrong_type("ax", f"must be two axes of matplotlib, got {validate.short(ax)}")
+    above, below = (axes_or_new(each) for each in chosen)
     _draw_fit(record, above)
     _draw_spectrum(record, below)
     return ax

@@ -12,7 +12,7 @@ import numpy as np
 
 from floquetrod._util.files import atomic_file
 from floquetrod.plotting import palette
-from floquetrod.plotting.charts import explain, new_axes, typeset
+from floquetrod.plotting.charts import axes_or_new, explain, figure_or_new, new_axes, typeset
 
 ANIMATIONS = (".gif", ".mp4")
 """Kinds of file an animation is written to."""
@@ -31,7 +31,7 @@ _LINES = {
 
 def draw_top_view(run: Any, ax: Any = None, pictures: int = 5) -> Any:
     """Draw a `floquetrod.Simulation` from above: some times of its last quarter, the last one black."""
-    ax = new_axes() if ax is None else ax
+    ax = axes_or_new(ax)
     last = run.time.size - 1
     chosen = np.unique(np.linspace(last - last // 4, last, pictures).astype(int))
     for place, frame in enumerate(chosen):
@@ -45,7 +45,7 @@ def draw_top_view(run: Any, ax: Any = None, pictures: int = 5) -> Any:
 
 def draw_energy(run: Any, ax: Any = None) -> Any:
     """Draw the sizes of the energies of a `floquetrod.Simulation` over time, seven decades of them."""
-    ax = new_axes() if ax is None else ax
+    ax = axes_or_new(ax)
     for name, (colour, line) in _LINES.items():
         ax.plot(run.time, np.abs(run.energy[name]), color=colour, linestyle=line, linewidth=1.0, label=name)
     largest = max(1e-12, *(float(np.abs(run.energy[name]).max()) for name in _LINES))
@@ -63,7 +63,7 @@ def draw_growth(run: Any, modes: Sequence[int], rates: Sequence[float], ax: Any 
     A prediction passes through the mode's largest amplitude of the first half of the time below 0.05 rad, beyond which
     motion is not linear; ``rates`` in 1/s, those of zero are not drawn.  A note is written over the legend.
     """
-    ax = new_axes() if ax is None else ax
+    ax = axes_or_new(ax)
     sizes = np.degrees(np.abs(run.mode_amplitudes(modes)))
     top = max(1e-9, float(sizes.max()))
     beyond = np.flatnonzero(run.largest_angle > 0.05)
@@ -89,9 +89,7 @@ def draw_growth(run: Any, modes: Sequence[int], rates: Sequence[float], ax: Any 
 
 def draw_run(run: Any, modes: Sequence[int], rates: Sequence[float], figure: Any = None) -> Any:
     """Return a figure of the rod from above and of the growth of its modes: the load its title, the start a note."""
-    from matplotlib import pyplot
-
-    figure = pyplot.figure(figsize=(7.0, 7.0), layout="constrained") if figure is None else figure
+    figure = figure_or_new(figure, (7.0, 7.0))
     above, below = figure.subplots(2, 1)
     draw_top_view(run, above)
     draw_growth(run, modes, rates, below, "; ".join(filter(None, [f"start: {run.problem.perturbation}", run.note])))
@@ -155,7 +153,7 @@ def _frame_axes(ax: Any, run: Any) -> None:
 
 def draw_shape(verdict: Any, shape: Any, name: str, ax: Any = None) -> Any:
     """Draw the shape in which a rod grows, at one instant and its envelope, and what grows; return the axes."""
-    ax = new_axes() if ax is None else ax
+    ax = axes_or_new(ax)
     ax.fill_between(shape.s, -shape.envelope, shape.envelope, color=palette.NEUTRAL, alpha=0.35, linewidth=0.0)
     ax.collections[-1].set_label("over a period")
     (line,) = ax.plot(shape.s, shape.deflection, color="black", linewidth=1.0, label="one instant")

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from floquetrod.plotting import labels, palette
-from floquetrod.plotting.charts import areas, colours, draw_large_motion, finish, growth_label, new_axes, title
+from floquetrod.plotting.charts import areas, axes_or_new, colours, draw_large_motion, finish, growth_label, title
 
 _LINE = 0.6
 """Width in points of a band's edge, and of a band thinner than that."""
@@ -19,7 +19,7 @@ _MOST_VERTICES = 100_000
 
 def draw_bands(bands: Any, ax: Any = None) -> Any:
     """Draw `floquetrod.plane.Bands` as shapes, thin ones as lines, named where there is room; return the axes."""
-    ax = new_axes() if ax is None else ax
+    ax = axes_or_new(ax)
     fill(ax, bands, palette.UNSTABLE)
     labels.add_labels(ax, bands.bands, halo=False)
     _frame(ax, bands, "unstable bands", said(bands), colours("unstable", "stable"))
@@ -28,7 +28,7 @@ def draw_bands(bands: Any, ax: Any = None) -> Any:
 
 def draw_banded_chart(chart: Any, ax: Any = None) -> Any:
     """Draw the bands of a `floquetrod.plane.Chart`, darker the faster growth is where it is known; return the axes."""
-    ax = new_axes() if ax is None else ax
+    ax = axes_or_new(ax)
     bands = chart.bands
     if chart.growth_rate is None:
         fill(ax, bands, palette.UNSTABLE)

@@ -6,12 +6,12 @@ from typing import Any
 
 import numpy as np
 
-from floquetrod.plotting.charts import new_axes
+from floquetrod.plotting.charts import axes_or_new
 
 
 def draw_solution(solution: Any, ax: Any, periods: float) -> Any:
     """Draw a `floquetrod.mathieu.FloquetSolution` from 0 on: real part solid, imaginary part, if any, dashed."""
-    ax = new_axes() if ax is None else ax
+    ax = axes_or_new(ax)
     time = np.linspace(0.0, periods * solution.period, 1000)
     values = solution(time)
     ax.plot(time, values.real, color="black", linewidth=1.2, label="real part")

@@ -91,6 +91,10 @@ def save_report(
         _require("reach", reach, Reach, "what rod.reach returned")
     if motion is not None:
         _require("motion", motion, SteadyMotion, "what rod.steady_motion returned")
+    if margins is not None:
+        validate.flag("margins", margins)
+    validate.instance("command", command, str, "leave it out for the expression in Python")
+    validate.progress(progress)
     return document.save(path, *_contents(result, _Asked(reach, motion, units, margins, command, progress)))
 
 

@@ -34,6 +34,18 @@ QUIET = ROD.replace(damping_rate=0.5)
 SAFE = {"mean": (0.56, 0.59), "amplitude": 0.33, "frequency": 150.0}
 SAFE_LOAD = fr.AxialLoad(0.57, 0.33, 150.0)
 
+METHOD_OPTIONS: dict[str, dict[str, Any]] = {
+    "determinant": {"terms": 40},
+    "discriminant_excess": {"digits": 30},
+    "leapfrog": {"step": 0.01, "periods": 10, "limit": 1e6},
+    "monodromy": {"rtol": 1e-9},
+    "monodromy_matrix": {"rtol": 1e-9, "start": 0.3},
+    "reference": {"digits": 30},
+    "spectral": {},
+    "square_wave": {},
+}
+"""Methods for equations with their own arguments."""
+
 STUDY = """\
 rod = "rod.toml"
 load = {mean = "0.3Fcr", amplitude = "0.3Fcr", frequency = "24Hz"}
@@ -61,7 +73,6 @@ RESULTS += (fr.Bands, fr.SafeBox, fr.systems.FirstOrderTongue, fr.Branch, fr.Rod
 """Classes that only the package constructs, and whose methods people call with arguments."""
 
 LEFT_OUT = {
-    "save_report": "writes files: attacked in tests/test_hand_over.py",
     "to_json": "takes results: attacked in tests/test_interchange.py",
     "to_pandas": "takes results: attacked in tests/test_interchange.py",
     "NonlinearSystem.rates": "for the equations of an orbit, which hand over arrays of floats",
@@ -73,17 +84,14 @@ LEFT_OUT = {
     **dict.fromkeys(
         ("Branch.report", "Branch.as_dict", "Branch.to_xarray", "SpecialPoint.as_dict"), "takes no argument"
     ),
-    "Branch.plot": "its axes are objects of matplotlib",
     "SpecialPoint": "constructed by follow",
     "ForceRecord.in_words": "takes units, which are values",
-    "ForceRecord.plot": "its axes are objects of matplotlib",
     "ForceRecord.spectrum": "takes no argument",
     "Comparison": "constructed by compare",
     "Proof": "constructed by certify",
     "RegionProof": "constructed by certify and Rod.certify",
     "SafeBox": "constructed by Rod.largest_safe_box",
     "Bands": "constructed by Chart.find_bands",
-    "Bands.plot": "its axes are an object of matplotlib",
     "Bands.to_xarray": "takes no argument",
     "Bands.as_arrays": "takes no argument",
     "Bands.bands_of": "reads what files hold, which are damaged elsewhere",
@@ -133,20 +141,13 @@ LEFT_OUT = {
     **{f"{kind}.kind_as_dict": "takes no argument" for kind in ("AxialLoad", "AxialWave")},
     **{f"{kind}.with_numbers": "for searches" for kind in ("AxialLoad", "AxialWave")},
     "CoupledRodStability": "another name of RodStability",
-    "RodStability.plot": "its axes are an object of matplotlib",
     "Rod.critical_forces": "takes no argument",
     "Rod.nitinol": "takes no argument",
-    "Chart.plot": "its axes are an object of matplotlib",
     "Chart.to_xarray": "takes no argument",
     "Simulation.animate": "takes no argument",
     "SimulationProblem.as_dict": "takes no argument",
     "SimulationProblem.from_dict": "reads what files hold, which are damaged elsewhere",
-    "Simulation.plot": "its axes are an object of matplotlib",
-    "Simulation.plot_energy": "its axes are an object of matplotlib",
-    "Simulation.plot_growth": "its axes are an object of matplotlib",
-    "Simulation.plot_run": "its figure is an object of matplotlib",
     "Chart": "constructed by charts and maps",
-    **{f"{kind}.{name}": f"margins come from {kind}.margins" for kind in ("RodStability",) for name in ("as_dict",)},
     **{f"{kind}.is_fastest": "compares" for kind in ("RodStability",)},
     **{
         f"{kind}.as_dict": "takes no argument"
@@ -158,7 +159,7 @@ LEFT_OUT = {
     "SteadyMotion": "constructed by Rod.steady_motion",
     "RodBranches": "constructed by Rod.follow",
     "RodBranches.at": "of branches that take seconds: attacked in tests/test_rod_branches.py",
-    "RodBranches.plot": "its axes are objects of matplotlib",
+    "RodBranches.plot": "of branches that take seconds: attacked in tests/test_rod_branches.py",
     **dict.fromkeys(("RodBranches.report", "RodBranches.as_dict", "RodBranches.to_xarray"), "takes no argument"),
     "VibrationTool.as_dict": "takes no argument",
     "WellPath.as_dict": "takes no argument",
@@ -170,7 +171,6 @@ LEFT_OUT = {
     "StabilityIntervals": "constructed by the methods of Rod",
     "Simulation": "constructed by simulate",
     "mathieu.TransitionCurves": "constructed by transition_curves",
-    "mathieu.TransitionCurves.plot": "its axes are an object of matplotlib",
 }
 """Public callables that are not called with junk, each with the reason."""
 
@@ -187,7 +187,7 @@ def public() -> set[str]:
     names = {name for name in fr.__all__ if callable(getattr(fr, name))}
     names |= {
         f"{m.__name__.rpartition('.')[2]}.{n}"
-        for m in (fr.mathieu, fr.friction, fr.systems)
+        for m in (fr.mathieu, fr.friction, fr.systems, fr.methods)
         for n in _callables(m, m.__all__)
     }
     names |= {f"conventions.{name}" for name in _callables(fr.conventions, fr.conventions.__all__)}
@@ -272,7 +272,15 @@ def table() -> dict[str, Call]:
         | _of_milling()
     )
     criterion = fr.FiniteTimeCriterion()
-    ranges = ROD.stable_mean_forces(0.34, 150.0, growth_tolerance=0.1)
+    ranges, verdict = ROD.stable_mean_forces(0.34, 150.0, growth_tolerance=0.1), ROD.stability(LOAD)
+    handed = {
+        "reach": None,
+        "motion": None,
+        "units": {"mean": "Fcr"},
+        "margins": False,
+        "command": "",
+        "progress": None,
+    }
     safe = QUIET.largest_safe_box(SAFE_LOAD, vary=("mean",), accuracy=0.1)
     return calls | {
         "FiniteTimeCriterion": Call(fr.FiniteTimeCriterion, {"periods": 10, "limit": 1e3, "by": "exact", "step": 0.01}),
@@ -285,6 +293,21 @@ def table() -> dict[str, Call]:
         "Chart.in_units": Call(mapped.in_units, {"mean": "Fcr", "frequency": "Hz"}),
         "Chart.find_bands": Call(mapped.find_bands, {"accuracy": 0.01}),
         "Bands.to_csv": Call(mapped.bands.to_csv, {"path": str(place / "bands.csv")}),
+        **{
+            name: Call(function, {"ax": None})
+            for name, function in {
+                "Bands.plot": mapped.bands.plot,
+                "ForceRecord.plot": fr.ForceRecord(TIME, FORCE).plot,
+                "RodStability.plot": verdict.plot,
+                "Simulation.plot": run.plot,
+                "Simulation.plot_energy": run.plot_energy,
+                "Simulation.plot_growth": run.plot_growth,
+                "mathieu.TransitionCurves.plot": fr.mathieu.transition_curves([0.1, 0.2], 2).plot,
+            }.items()
+        },
+        "Chart.plot": Call(mapped.plot, {"ax": None, "bands": False}),
+        "Simulation.plot_run": Call(run.plot_run, {"figure": None}),
+        "save_report": Call(fr.save_report, {"result": verdict, "path": str(place / "report.html"), **handed}),
         "Chart.save": Call(chart.save, {"path": str(place / "again.npz")}),
         "Chart.load": Call(fr.Chart.load, {"path": str(place / "chart.npz")}),
         "RodStability.margin (coupled)": Call(
@@ -301,16 +324,17 @@ def table() -> dict[str, Call]:
         ),
         "SafeBox.table": Call(safe.table, {"mean": "Fcr"}),
         "SafeBox.in_units": Call(safe.in_units, {"mean": "Fcr"}),
-        "RodStability.margin": Call(ROD.stability(LOAD).margin, {"quantity": "mean", "seconds": 5.0}),
-        "RodStability.margins": Call(ROD.stability(LOAD).margins, {"seconds": 5.0, "progress": None}),
-        "RodStability.growth_of": Call(ROD.stability(LOAD).growth_of, {"mode": 7}),
-        "RodStability.report": Call(ROD.stability(LOAD).report, {"units": {"mean": "Fcr"}}),
+        "RodStability.margin": Call(verdict.margin, {"quantity": "mean", "seconds": 5.0}),
+        "RodStability.margins": Call(verdict.margins, {"seconds": 5.0, "progress": None}),
+        "RodStability.growth_of": Call(verdict.growth_of, {"mode": 7}),
+        "RodStability.report": Call(verdict.report, {"units": {"mean": "Fcr"}, "margins": verdict.margins()}),
+        "RodStability.as_dict": Call(verdict.as_dict, {"margins": verdict.margins()}),
         "SafeBox.report": Call(safe.report, {"units": {"mean": "Fcr"}}),
         "Simulation.findings": Call(run.findings, {"theory": False}),
         "Simulation.report": Call(run.report, {"units": {"mean": "Fcr"}}),
         "StabilityIntervals.report": Call(ranges.report, {"unit": "N", "size": 1.0}),
         "Study.from_toml": Call(fr.Study.from_toml, {"path": str(place / "study.toml")}),
-        "RodStability.time_to_grow": Call(ROD.stability(LOAD).time_to_grow, {"factor": 10.0}),
+        "RodStability.time_to_grow": Call(verdict.time_to_grow, {"factor": 10.0}),
         "StabilityIntervals.table": Call(ranges.table, {"unit": "N", "size": 1.0}),
         "StabilityIntervals.find_unstable": Call(ranges.find_unstable, {"progress": None}),
         "Simulation.save": Call(run.save, {"path": str(place / "again.npz")}),
@@ -341,6 +365,10 @@ def _of_equations() -> dict[str, Call]:
             fr.filtered_growth,
             {"system": NOISY, "matrix": [[1.0]], "filter": ([[-2.0]], [1.0], [0.3]), "accuracy": 1e-6, "most": 8},
         ),
+        **{
+            f"methods.{name}": Call(getattr(fr.methods, name), {"equation": EQUATION, **options})
+            for name, options in METHOD_OPTIONS.items()
+        },
         "critical_noise": Call(fr.critical_noise, {"system": NOISY, **NOISE}),
         "almost_sure_exponent": Call(
             fr.almost_sure_exponent,
@@ -419,6 +447,7 @@ def _of_orbits(place: Path) -> dict[str, Call]:
         ),
         "follow": Call(fr.follow, {"orbit": orbit, **over}),
         "SpecialPoint.switch": Call(branch.special_points[0].switch, {"side": 1, "distance": 0.1}),
+        "Branch.plot": Call(branch.plot, {"ax": None, "state": 0, "quantity": "amplitude"}),
         "Branch.save": Call(branch.save, {"path": str(place / "again.npz")}),
         "Branch.load": Call(fr.Branch.load, {"path": str(place / "branch.npz"), "system": forked}),
         "periodic_orbit": Call(fr.periodic_orbit, {"system": system, "start": [2.0, 0.0], "tolerance": 1e-8}),

@@ -29,6 +29,7 @@ from floquetrod.equations import Equation, require
 from floquetrod.floquet.fixed_point import GUARD_BITS, Stretch, multiply, period_map
 from floquetrod.floquet.verdict import Cost, Stability, Status, classify
 
+_MOST_DIGITS = 100_000  # that may be asked for: pi alone takes seconds with some more (a choice)
 _LARGEST_RAISE = 20  # working digits go up to this many times the digits asked for (heuristic)
 _LARGEST_WORK = 3e6  # terms of series times their cost, a few seconds' worth (heuristic)
 _LARGEST_SIZE = 1e18  # of period^2 (abs(p) + c^2): beyond it no series is short enough, nor a double able to tell
@@ -61,7 +62,7 @@ def reference(equation: Equation, *, digits: int = 50) -> Stability:
     equation : Equation
         The parameters are taken as the exact binary numbers they are.
     digits : int
-        Decimal digits of the excess X relative to max(1, abs(X)), 10 or more.  More are used internally, up to 20
+        Decimal digits of the excess X relative to max(1, abs(X)), 10 to 100,000.  More are used internally, up to 20
         times as many, while X cannot be distinguished from zero.
 
     Returns
@@ -79,7 +80,7 @@ def reference(equation: Equation, *, digits: int = 50) -> Stability:
     from mpmath.ctx_mp import MPContext
 
     require(equation)
-    digits = validate.integer("digits", digits, 10)
+    digits = validate.integer("digits", digits, 10, _MOST_DIGITS)
     try:
         found = discriminant_excess(equation, digits)
     except TooMuchWork as reason:
@@ -106,7 +107,8 @@ def reference(equation: Equation, *, digits: int = 50) -> Stability:
 def discriminant_excess(equation: Equation, digits: int = 50) -> DiscriminantExcess:
     """Return the undamped excess X of an equation with its sign and error, as numbers of mpmath.
 
-    Raises `TooMuchWork` when even a first attempt would take more than a few seconds.
+    ``digits``, 10 to 100,000, are those of X relative to max(1, abs(X)).  TypeError for anything but an equation,
+    ValueError for other numbers of digits, `TooMuchWork` when even a first attempt would take more than a few seconds.
 
     >>> from floquetrod.equations import Mathieu
     >>> found = discriminant_excess(Mathieu(alpha=0.0, beta=1.0), 30)  # X = sinh(pi)^2
@@ -115,6 +117,8 @@ def discriminant_excess(equation: Equation, digits: int = 50) -> DiscriminantExc
     """
     import mpmath
 
+    require(equation)
+    digits = validate.integer("digits", digits, 10, _MOST_DIGITS)
     wanted, terms = digits, 0
     found: DiscriminantExcess | None = None
     while True:

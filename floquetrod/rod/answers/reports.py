@@ -136,6 +136,7 @@ def subject_lines(rod: RodData, load: Load, shown: Mapping[str, Unit], assumptio
 
 def margin_lines(margins: Mapping[Quantity, Margin], status: Status, shown: Mapping[str, Unit]) -> list[ReportLine]:
     """Return how far a load is from a change of the verdict."""
+    require_margins(margins)
     change = {"stable": "unstable", "unstable": "stable"}.get(status, "decided")
     lines: list[ReportLine] = []
     for name, margin in margins.items():
@@ -148,6 +149,7 @@ def margin_lines(margins: Mapping[Quantity, Margin], status: Status, shown: Mapp
 
 def margins_as_dict(margins: Mapping[Quantity, Margin]) -> dict[str, Any]:
     """Return margins as numbers for JSON."""
+    require_margins(margins)
     found: dict[str, Any] = {}
     for quantity, margin in margins.items():
         limits = LIMITS[quantity]
@@ -155,6 +157,14 @@ def margins_as_dict(margins: Mapping[Quantity, Margin]) -> dict[str, Any]:
         keys = {kind: with_unit(f"{limits.words} margin {kind}", limits.unit) for kind in kinds}
         found |= by_keys(margin, " ".join(f"{key}={kind}" for kind, key in keys.items()))
     return found
+
+
+def require_margins(margins: Any) -> None:
+    """Raise TypeError unless ``margins`` maps quantities of a load to their margins."""
+    if not isinstance(margins, Mapping) or not all(
+        name in LIMITS and isinstance(margin, Margin) for name, margin in margins.items()
+    ):
+        raise validate.wrong_type("margins", f"must be what verdict.margins() returns, got {validate.short(margins)}")
 
 
 def _unchanged(margin: Margin, name: Quantity, unit: Unit) -> str:
