@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import gc
 import importlib
+import logging
 import os
 import re
 import secrets
@@ -111,6 +112,12 @@ def rng(request: pytest.FixtureRequest) -> np.random.Generator:
 def _no_lines_of_progress(monkeypatch: pytest.MonkeyPatch) -> None:
     """Let no slow machine add lines to stderr that a test reads."""
     monkeypatch.setattr("floquetrod._util.waiting.PLAIN", 1e6)
+
+
+@pytest.fixture(autouse=True)
+def _no_lines_about_compiling(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Let no kernel that this test is the first to compile add a line to stderr."""
+    monkeypatch.setattr(logging.getLogger("floquetrod.compile"), "disabled", True)
 
 
 @pytest.fixture(autouse=True, scope="module")

@@ -570,6 +570,11 @@ def test_systems_without_affinities_count_all_processors(monkeypatch: pytest.Mon
 # --- what is said, and counted ---------------------------------------------------------------------------------------
 
 
+@pytest.fixture
+def _no_lines_about_compiling() -> None:
+    """Let these tests read what is said of compiling, unlike all others."""
+
+
 def test_the_terminal_says_once_that_it_compiles(capsys: pytest.CaptureFixture[str]) -> None:
     log = logging.getLogger("floquetrod.compile")
     level, handlers = log.level, list(log.handlers)

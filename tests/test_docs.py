@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ast
 import contextlib
+import importlib.util
 import inspect
 import pkgutil
 import re
@@ -170,6 +171,11 @@ def test_a_page_executes_and_each_mistake_in_its_derivations_is_found(page: str)
     assert left == []
 
 
+needs_sphinx = pytest.mark.skipif(
+    importlib.util.find_spec("sphinx") is None, reason="pip install floquetrod[docs]: builds a site with Sphinx"
+)
+
+
 def build(site: Path, page: str, example: str) -> subprocess.CompletedProcess[str]:
     """Build a site of one page and one example with the real configuration, as `make docs` does."""
     docs, examples = site / "docs", site / "examples"
@@ -193,6 +199,7 @@ def rebuild(site: Path) -> subprocess.CompletedProcess[str]:
 
 
 @pytest.mark.slow
+@needs_sphinx
 def test_the_site_builds_and_its_links_resolve(tmp_path: Path) -> None:
     run = build(tmp_path, (DOCS / "theory/leapfrog.md").read_text(encoding="utf-8"), "assert 1 + 1 == 2")
     assert run.returncode == 0, run.stderr
@@ -205,6 +212,7 @@ def test_the_site_builds_and_its_links_resolve(tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
+@needs_sphinx
 def test_a_mistake_in_a_derivation_fails_the_build(tmp_path: Path) -> None:
     mistake = next(mistake for mistake in MISTAKES if mistake[0] == "theory/leapfrog.md")
     run = build(tmp_path, with_mistake(*mistake), "assert 1 + 1 == 2")
@@ -213,6 +221,7 @@ def test_a_mistake_in_a_derivation_fails_the_build(tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
+@needs_sphinx
 def test_a_mistake_in_an_example_fails_the_build(tmp_path: Path) -> None:
     run = build(tmp_path, "# Page\n", "assert 1 + 1 == 3")
     assert run.returncode != 0
@@ -278,7 +287,8 @@ def test_every_public_name_has_a_place_in_the_reference() -> None:
     assert set(fr.__all__) - shown - modules.keys() == {"SquareWave", "CoupledRodStability", "__version__"}
 
 
-@pytest.mark.slow  # needs Sphinx
+@pytest.mark.slow
+@needs_sphinx
 def test_every_formula_typeset_is_one_that_a_docstring_writes() -> None:
     module = runpy.run_path(str(DOCS / "formulas.py"))
     lines = [line for _, _, text in docstrings() for line in text.splitlines()]
@@ -287,7 +297,8 @@ def test_every_formula_typeset_is_one_that_a_docstring_writes() -> None:
     assert module["typeset"]("p(tau) = beta + alpha sin tau; x") == r":math:`p(\tau) = \beta + \alpha \sin\tau`; x"
 
 
-@pytest.mark.slow  # needs Sphinx
+@pytest.mark.slow
+@needs_sphinx
 def test_a_page_for_every_command_says_what_its_help_says(tmp_path: Path) -> None:
     sys.path.insert(0, str(DOCS))
     try:
@@ -309,7 +320,8 @@ def test_a_page_for_every_command_says_what_its_help_says(tmp_path: Path) -> Non
                 assert re.sub(r"[`*\\]", "", " ".join(sentence.split())) in plain
 
 
-@pytest.mark.slow  # needs Sphinx
+@pytest.mark.slow
+@needs_sphinx
 def test_the_search_reads_what_a_page_says(tmp_path: Path) -> None:
     texts = runpy.run_path(str(DOCS / "search_excerpts.py"))["texts"]
     (tmp_path / "page.html").write_text(
@@ -446,7 +458,8 @@ def test_what_pages_take_from_the_tests_is_in_the_digest() -> None:
     assert {"published"} <= used & modules <= covered
 
 
-@pytest.mark.slow  # needs Sphinx
+@pytest.mark.slow
+@needs_sphinx
 def test_what_did_not_change_is_not_executed_again(tmp_path: Path) -> None:
     head = "---\nfile_format: mystnb\nkernelspec: {name: python3}\n---\n\n# Page\n\n"
     page = f"{head}```{{code-cell}}\nimport time\ntime.time_ns()\n```\n"
