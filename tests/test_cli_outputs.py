@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import argparse
 import json
 import os
 import signal
@@ -9,6 +10,7 @@ import subprocess
 import sys
 import time
 from dataclasses import dataclass, replace
+from importlib import import_module
 from pathlib import Path
 from typing import Any
 
@@ -16,8 +18,10 @@ import numpy as np
 import pytest
 
 import floquetrod as fr
+from conftest import DEEP
 from drawn import note
 from floquetrod import cli
+from floquetrod.cli.parser import Parser
 from floquetrod.plane import Axis
 from floquetrod.plane.bands import Band, Bands
 from floquetrod.plotting import charts
@@ -130,3 +134,113 @@ def test_ctrl_c_ends_a_long_command_and_leaves_no_half_file(command: str, tmp_pa
     assert said.endswith(f"{'floquetrod' if command == 'map' else command}: interrupted\n")
     assert not list(tmp_path.rglob("*.npz"))
     assert not [path for path in tmp_path.rglob("*") if path.is_file() and path.suffix != ".png"]
+
+
+EXAMPLES = Path(__file__).parents[1] / "examples"
+READ = {"path", "well", "study", "store", "checkpoint", "tool"}
+"""Options and arguments of which each names one file that is read, or is kept up to date."""
+
+
+def asked(folder: Path) -> dict[str, list[str]]:
+    """Return a small question for every command that writes files, with a measured force for the fit of one."""
+    time = np.arange(0.0, 2.0, 0.002)
+    record = folder / "record.csv"
+    np.savetxt(
+        record, np.c_[time, 0.5 + 0.3 * np.sin(150.0 * time)], delimiter=",", header="time s,force N", comments=""
+    )
+    rod, ranged = ["--rod", "nitinol"], ["--mean", "0:1.1Fcr", "--frequency", "20:200rad/s", "--points", "6x5"]
+    return {
+        "check": [*rod, "--force", str(record), "--no-margins"],
+        "map": [*rod, "--amplitude", "0.2Fcr", *ranged],
+        "explore": [*rod, *LOAD],
+        "simulate": [*rod, *LOAD, "--duration", "10ms", "--segments", "60", "--no-theory"],
+        "report": [*rod, *LOAD],
+        "reach": [
+            *("--well", str(EXAMPLES / "survey.csv"), "--rod", str(EXAMPLES / "tubing.toml")),
+            *("--friction", "0.3", "--depths", "2000m,3000m"),
+        ],
+        "lobes": [str(EXAMPLES / "tool.toml"), "--speed", "9000rpm:11000rpm", "--points", "5x4"],
+    }
+
+
+def commands() -> dict[str, Parser]:
+    """Return the parser of every command."""
+    parser = import_module("floquetrod.cli.main")._parser()
+    return next(dict(action.choices) for action in parser._actions if isinstance(action, argparse._SubParsersAction))
+
+
+def test_every_option_that_names_a_file_writes_each_it_is_given_or_takes_one(tmp_path: Path) -> None:
+    for name, command in commands().items():
+        files = {action.dest for action in command._actions if action.type is Path} - READ
+        assert files == {action.dest for action in command.outputs}, name
+        assert bool(files) is (name in asked(tmp_path)), name
+
+
+@pytest.mark.parametrize("name", ["check", "map", "explore", "simulate", "report", "reach", "lobes"])
+def test_files_named_twice_are_all_written_and_told(
+    name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def stub(_: Any, path: Path, **__: Any) -> Path:
+        path.write_bytes(bytes(200))
+        return path
+
+    monkeypatch.chdir(tmp_path)
+    if not DEEP:  # pictures take seconds
+        monkeypatch.setattr(charts, "save_figure", stub)
+        monkeypatch.setattr(fr, "save_report", stub)
+    question, command = asked(tmp_path)[name], commands()[name]
+    for json_too in (False, True) if DEEP else (name in ("map", "simulate"),):
+        files, words = [], [name, *question, *(["--json"] if json_too else [])]
+        for action in command.outputs:
+            kinds = [kind for kind in action.kinds() if kind not in (".mp4", ".gif")]  # which take a program
+            for number, kind in enumerate([*kinds, kinds[0]]):
+                files.append(f"{json_too}-{action.dest}-{number}{kind}")
+                words += [action.option_strings[0], files[-1]]
+        assert cli.main(words) == 0
+        text = capsys.readouterr().out
+        written = json.loads(text)["written"] if json_too else text.splitlines()[-1].partition(": ")[2].split(", ")
+        assert sorted(written) == sorted(files)
+        assert json_too or text.splitlines()[-1].startswith("written: ")
+        assert all(Path(file).stat().st_size >= 200 for file in files)
+
+
+@pytest.mark.parametrize("name", ["check", "map", "explore", "simulate", "report", "reach", "lobes"])
+def test_a_file_named_twice_is_refused_before_anything_is_computed(
+    name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    question, option = asked(tmp_path)[name], commands()[name].outputs[0]
+    kind = option.kinds()[0]
+    (tmp_path / f"link{kind}").symlink_to(tmp_path / f"one{kind}")
+    for other in (f"one{kind}", f"./one{kind}", f"link{kind}"):
+        words = [option.option_strings[0], f"one{kind}", option.option_strings[0], other]
+        assert cli.main([name, *question, *words]) == 2
+        assert "is named twice; give every file its own name" in capsys.readouterr().err
+        assert not (tmp_path / f"one{kind}").exists()
+
+
+def test_a_file_that_is_read_is_not_written_over(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    asked(tmp_path)
+    record = tmp_path / "record.csv"
+    before = record.read_bytes()
+    ranged = ["--mean", "0:1Fcr", "--frequency", "20:200rad/s"]
+    assert cli.main(["map", "--rod", "nitinol", "--force", str(record), *ranged, "--out", str(record)]) == 2
+    assert "is named twice" in capsys.readouterr().err
+    assert record.read_bytes() == before
+
+
+def test_a_file_that_is_read_is_named_once() -> None:
+    tried = set()
+    for command in commands().values():
+        read = [action for action in command._actions if action.type is Path and action not in command.outputs]
+        for action in filter(lambda each: each.option_strings, read):
+            name = action.option_strings[0]
+            with pytest.raises(ValueError, match=rf"{name} must be given once, got 'a' and 'b'"):
+                command.parse_args([name, "a", name, "b"])
+            tried.add(action.dest)
+    assert tried == READ - {"tool", "study"}
+    parser = Parser()
+    parser.add_argument("--well", type=Path)
+    parser.add_argument("--speed", default="3")
+    found = parser.parse_args(["--well", "a", "--speed", "3", "--well", "a", "--speed", "4"])
+    assert (found.well, found.speed) == (Path("a"), "4")

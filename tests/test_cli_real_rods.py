@@ -124,7 +124,7 @@ def test_check_tells_all_a_user_needs(tmp_path: Path, capsys: pytest.CaptureFixt
         r"method    half_period, 1 half period; growth good to \de-\d+ 1/s",
     ):
         assert re.search(line, text), line
-    assert text.endswith(f"written   {shape}\n")
+    assert text.endswith(f"written: {shape}\n")
     assert shape.read_bytes().startswith(b"\x89PNG")
     assert pyplot.get_fignums() == []
 
@@ -214,7 +214,7 @@ def test_a_measured_force(record: str, tmp_path: Path, capsys: pytest.CaptureFix
     assert f"amplitude {measured.amplitude:.6g} N" in text
     assert "          waveform of 2 harmonics\n" in text
     assert "record    force of mean " in text
-    assert text.endswith(f"written   {fit}\n")
+    assert text.endswith(f"written: {fit}\n")
     assert fit.exists()
     assert pyplot.get_fignums() == []
     found = answer(capsys, *given, "--no-margins")

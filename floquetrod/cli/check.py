@@ -15,11 +15,12 @@ from floquetrod._util.waiting import Waiting
 from floquetrod.cli.common import (
     ROD_AND_LOAD,
     add_subject,
-    check_out,
     describe_command,
+    figures,
     read_friction,
     read_tolerance,
     read_units,
+    write_figures,
 )
 from floquetrod.cli.loads import add_question, read_question, warn_of_hertz
 from floquetrod.cli.output import Output, output
@@ -99,12 +100,8 @@ def add(check: Parser) -> None:
         help="compute the margins and the damping that stabilises (default: up to "
         f"{FEW_MODES} coupled modes, not under a record)",
     )
-    check.add_argument(
-        "--plot", metavar="FILE", type=Path, help="write the shape along the rod in which it grows (.png, .pdf, .svg)"
-    )
-    check.add_argument(
-        "--plot-force", metavar="FILE", type=Path, help="write the measured force with its fit (.png, .pdf, .svg)"
-    )
+    check.add_output("--plot", figures, "write the shape along the rod in which it grows (.png, .pdf, .svg)")
+    check.add_output("--plot-force", figures, "write the measured force with its fit (.png, .pdf, .svg)")
     names = ", ".join(method.name for method in METHODS if method.systems is not None)
     check.add_argument("--method", help=f"of a system: {names} (default: the first that decides)")
 
@@ -133,12 +130,11 @@ def _check(options: argparse.Namespace) -> Output:
         read_units(options, rod),
         options.margins,
     )
-    _require_figures({"--plot": options.plot, "--plot-force": options.plot_force})
-    _draw_record(record, options.plot_force)
+    fit = _draw_record(record, options.plot_force)
     result = _verdict(question)
     known = STATUS_CODES[result.linear.status] if question.modes is None else None  # a hint is about all modes
     warn_of_hertz("--frequency", options.frequency, rod, [question.load], question.tolerance, known)
-    undrawn = _draw_shape(result, options.plot)
+    shape, undrawn = _draw_shape(result, options.plot)
     said = _Said(result, _margins(question, result), *_sine_beside(question))
     angle, about = _grown(question, result)
     said.numbers.update(about)
@@ -146,11 +142,8 @@ def _check(options: argparse.Namespace) -> Output:
     if said.margins is None and options.margins is None:
         said = said._replace(not_searched=[("margins", _NOT_SEARCHED)])
     said.lines.extend(undrawn)
-    if written := [str(path) for path in (None if undrawn else options.plot, options.plot_force) if path is not None]:
-        said.lines.append(("written", ", ".join(written)))
-        said.numbers["written"] = written
     status = _STATUS[result.status] if options.exit_code else 0
-    return output(options, lambda: said.report(question.shown), said.record, status)
+    return output(options, lambda: said.report(question.shown), said.record, status, written=shape + fit)
 
 
 class _Said(NamedTuple):
@@ -259,41 +252,26 @@ def _growing(verdict: RodStability) -> str:
     return f", {verdict.growth_rate:.6g} 1/s" if verdict.growth_rate > 0.0 else ""
 
 
-def _require_figures(paths: dict[str, Path | None]) -> None:
-    """Raise ValueError for a file that cannot be a figure."""
-    for name, path in paths.items():
-        if path is not None:
-            from floquetrod.plotting import charts
-
-            check_out(path, charts.FIGURES, name)
-
-
-def _draw_shape(result: RodStability | fr.FrictionalRodStability, path: Path | None) -> list[tuple[str, str]]:
-    """Draw the shape that grows into a file, where one was asked for; return why there is none."""
-    if path is None:
-        return []
-    from floquetrod.plotting import charts
-
+def _draw_shape(
+    result: RodStability | fr.FrictionalRodStability, paths: Sequence[Path]
+) -> tuple[list[str], list[tuple[str, str]]]:
+    """Draw the shape that grows into files; return their names, or a line that says why there is none."""
+    if not paths:
+        return [], []
     try:
         axes = result.plot()
     except ValueError as error:
-        return [("shape", f"not drawn: {error}")]
-    with Waiting(f"writing {path}"):
-        charts.save_figure(axes, path)
-    return []
+        return [], [("shape", f"not drawn: {error}")]
+    return write_figures(paths, lambda: axes), []
 
 
-def _draw_record(record: fr.ForceRecord | None, path: Path | None) -> None:
-    """Draw the fit of a measured force into a file, where one was asked for."""
-    if path is None:
-        return
-    from floquetrod.plotting import charts
-
-    if record is None:
+def _draw_record(record: fr.ForceRecord | None, paths: Sequence[Path]) -> list[str]:
+    """Draw the fit of a measured force into files and return their names."""
+    if paths and record is None:
         raise ValueError(
-            f"--plot-force needs --force, got {str(path)!r} alone: it draws the measured force and its fit"
+            f"--plot-force needs --force, got {str(paths[0])!r} alone: it draws the measured force and its fit"
         )
-    charts.save_figure(record.plot()[0], path)
+    return [] if record is None else write_figures(paths, lambda: record.plot()[0])
 
 
 def _modes(text: str | None) -> list[int] | None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import logging
+import os
 import re
 import shlex
 import sys
@@ -385,39 +386,78 @@ def read_points(text: str) -> tuple[int, int]:
     return columns, rows
 
 
-def check_out(path: Path, kinds: Sequence[str], name: str = "--out") -> None:
-    """Raise ValueError, before anything is computed, where a file could not be written."""
-    from floquetrod._util.files import writable
-
-    if kinds and path.suffix not in kinds:
-        raise ValueError(f"{name} must end in {', '.join(kinds[:-1])} or {kinds[-1]}, got {str(path)!r}")
-    try:
-        writable(path)
-    except (ValueError, OSError) as error:  # a name too long, say
-        raise ValueError(f"{name} {str(path)!r}: {error}") from None
-
-
-def chart_files(paths: Sequence[Path]) -> None:
-    """Raise ValueError where a chart could not be written to one of these files."""
+def figures() -> tuple[str, ...]:
+    """Return the ends of names of figures."""
     from floquetrod.plotting import charts
 
+    return charts.FIGURES
+
+
+def chart_files() -> tuple[str, ...]:
+    """Return the ends of names of files that hold a chart: its picture, its bands or all its numbers."""
+    return (*figures(), ".csv", ".npz")
+
+
+def documents() -> tuple[str, ...]:
+    """Return the ends of names of reports."""
+    from floquetrod.plotting import document
+
+    return document.KINDS
+
+
+def require_writable(options: argparse.Namespace) -> None:
+    """Raise ValueError, before anything is computed, where a file named for the answer could not be written.
+
+    One that is named twice would be written over, as would one that the command reads.
+    """
+    from floquetrod._util.files import writable
+
+    named = [(action, path) for action in options.parser.outputs for path in getattr(options, action.dest)]
+    taken = [os.path.realpath(given) for given in vars(options).values() if named and isinstance(given, Path | str)]
+    for action, path in named:
+        name, kinds = action.option_strings[0], action.kinds()
+        if path.suffix not in kinds:
+            raise ValueError(f"{name} must end in {', '.join(kinds[:-1])} or {kinds[-1]}, got {str(path)!r}")
+        try:
+            writable(path)
+        except (ValueError, OSError) as error:  # a name too long, say
+            raise ValueError(f"{name} {str(path)!r}: {error}") from None
+        if os.path.realpath(path) in taken:
+            raise ValueError(f"{path} is named twice; give every file its own name")
+        taken.append(os.path.realpath(path))
+
+
+def write_each(paths: Sequence[Path], write: Callable[[Path], Any]) -> list[str]:
+    """Write files one after another and return their names, which `output` tells."""
     for path in paths:
-        check_out(path, (*charts.FIGURES, ".csv", ".npz"))
+        with Waiting(f"writing {path}"):
+            write(path)
+    return [str(path) for path in paths]
+
+
+def write_figures(paths: Sequence[Path], draw: Callable[[], Any]) -> list[str]:
+    """Write a drawing into files, where there are any, and return their names."""
+    if not paths:
+        return []
+    from floquetrod.plotting import charts
+
+    drawn = draw()
+    return write_each(paths, lambda path: charts.save_figure(drawn, path))
 
 
 def write_charts(paths: Sequence[Path], chart: fr.Chart, drawn: fr.Chart, draw: Callable[[], Any]) -> list[str]:
     """Write a chart into files, and return their names: all its numbers, or bands or a picture of it ``drawn``."""
     from floquetrod.plotting import charts
 
-    for path in paths:
-        with Waiting(f"writing {path}"):
-            if path.suffix == ".npz":
-                chart.save(path)
-            elif path.suffix == ".csv":
-                drawn.bands.to_csv(path)
-            else:
-                charts.save_figure(draw(), path)
-    return [str(path) for path in paths]
+    def write(path: Path) -> None:
+        if path.suffix == ".npz":
+            chart.save(path)
+        elif path.suffix == ".csv":
+            drawn.bands.to_csv(path)
+        else:
+            charts.save_figure(draw(), path)
+
+    return write_each(paths, write)
 
 
 def command_typed() -> str:

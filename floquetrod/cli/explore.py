@@ -5,16 +5,16 @@ from __future__ import annotations
 import argparse
 import webbrowser
 from collections.abc import Callable
-from pathlib import Path
 
 import floquetrod as fr
 from floquetrod._util.waiting import say
 from floquetrod.cli.common import (
     ROD_AND_LOAD,
     ROD_OPTIONS,
-    check_out,
     describe_command,
+    figures,
     read_units,
+    write_figures,
 )
 from floquetrod.cli.loads import add_question, read_question, warn_of_hertz
 from floquetrod.cli.messages import option
@@ -54,7 +54,7 @@ def add(explore: Parser) -> None:
     """Add help and options of the command to its parser."""
     describe_command(explore, _HELP, _explore, (*ROD_AND_LOAD, "web"))
     add_question(explore, classified=False)
-    explore.add_argument("--out", type=Path, help="write the picture (.png, .pdf, .svg) and open no window")
+    explore.add_output("--out", figures, "write the picture (.png, .pdf, .svg) and open no window")
     explore.add_argument("--web", action="store_true", help="show a page in the browser in place of a window")
     explore.add_argument("--port", type=int, help="port of the page (needs --web; default: any free one)")
     explore.add_argument("--open", action="store_true", help="open the page in the browser (needs --web)")
@@ -63,8 +63,6 @@ def add(explore: Parser) -> None:
 def _explore(options: argparse.Namespace) -> Output:
     _require_web(options)
     rod, load, is_given = _given(options)
-    if options.out is not None:
-        check_out(options.out, charts.FIGURES)
     warn_of_hertz("--frequency", options.frequency, rod, [load])
     names = read_units(options, rod)
     shown = shown_in(names, rod.critical_force)
@@ -81,9 +79,10 @@ def _explore(options: argparse.Namespace) -> Output:
         return fr.Explorer(rod, load, units, options=_named(options))
 
     explorer = another()
-    if options.out is not None:
+    written: list[str] = []
+    if options.out:
         explorer.refine()
-        charts.save_figure(explorer.window.figure, options.out)
+        written = write_figures(options.out, lambda: explorer.window.figure)
     elif options.web:
         explorer = _serve(explorer, another, options)
     else:
@@ -95,10 +94,8 @@ def _explore(options: argparse.Namespace) -> Output:
         "frequency_rad_per_s": load.frequency,
         "command": explorer.command,
     }
-    where = f"written: {options.out}\n" if options.out is not None else ""
-    told = describe_load(load, shown, rod)
-    said = f"{where}{told}\n{rod.stability(load)}\n{explorer.command}"
-    return output(options, lambda: said, lambda: record)
+    said = f"{describe_load(load, shown, rod)}\n{rod.stability(load)}\n{explorer.command}"
+    return output(options, lambda: said, lambda: record, written=written)
 
 
 def _given(options: argparse.Namespace) -> tuple[fr.Rod, Load, bool]:
@@ -123,9 +120,9 @@ def _require_web(options: argparse.Namespace) -> None:
             raise ValueError(f"--{name} needs --web, got --{name} alone")
     if options.port is not None and not 0 <= options.port <= _LAST_PORT:
         raise ValueError(f"--port must lie between 0 and {_LAST_PORT}, got {options.port}")
-    if options.web and options.out is not None:
+    if options.web and options.out:
         raise ValueError(
-            f"--out writes a picture and opens no page, got {str(options.out)!r} with --web; leave one out"
+            f"--out writes a picture and opens no page, got {str(options.out[0])!r} with --web; leave one out"
         )
     if options.web:
         require_tornado()

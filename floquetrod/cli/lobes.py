@@ -44,9 +44,7 @@ def add(command: Parser) -> None:
     command.add_argument("--points", metavar="COLUMNSxROWS", default="200x100", help="columns x rows (default 200x100)")
     command.add_argument("--growth", action="store_true", help="shade by growth rate")
     command.add_argument("--at", metavar="SPEED", help="print only the critical depth at this spindle speed")
-    command.add_argument(
-        "--out", metavar="FILE", action="append", type=Path, help="file to write; may be repeated (default lobes.png)"
-    )
+    command.add_output("--out", chart_files, "file to write", default="lobes.png")
 
 
 def _lobes(options: argparse.Namespace) -> Output:
@@ -67,17 +65,15 @@ def _critical_depth(options: argparse.Namespace, mill: fr.Milling) -> Output:
 
 
 def _chart(options: argparse.Namespace, mill: fr.Milling) -> Output:
-    paths = options.out or [Path("lobes.png")]
-    chart_files(paths)
     columns, rows = read_points(options.points)
     ranges = {name: _range(options, name) for name in _KINDS}
     with Waiting("deciding stability"):
         lobes = mill.lobes((*ranges["speed"], columns), (*ranges["depth"], rows), growth=options.growth)
     with Waiting("finding the boundary"):
         lobes.chart.find_bands()
-    written = write_charts(paths, lobes.chart, lobes.chart, lobes.plot)
-    text = f"{lobes.report()}\n{lobes.chart.caption}\nwritten: {', '.join(written)}"
-    return output(options, lambda: text, lambda: lobes.as_dict() | {"written": written})
+    written = write_charts(options.out, lobes.chart, lobes.chart, lobes.plot)
+    text = f"{lobes.report()}\n{lobes.chart.caption}"
+    return output(options, lambda: text, lobes.as_dict, written=written)
 
 
 def _range(options: argparse.Namespace, name: str) -> tuple[float, float]:

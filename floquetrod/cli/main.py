@@ -16,7 +16,7 @@ from typing import Any
 
 import floquetrod as fr
 from floquetrod._util.waiting import say
-from floquetrod.cli.common import compiling_told
+from floquetrod.cli.common import compiling_told, require_writable
 from floquetrod.cli.completion import add_completion
 from floquetrod.cli.messages import in_options
 from floquetrod.cli.parser import Parser
@@ -63,6 +63,7 @@ def _run(argv: Sequence[str]) -> int:
                 warnings.simplefilter("always", fr.PlausibilityWarning)
                 warnings.simplefilter("ignore", import_module("floquetrod.rod.model.plausibility").HertzWarning)
             telling = warnings.showwarning = _Telling(options)
+            require_writable(options)
             answer = options.run(options)
         telling.rest()
         _print(answer.text)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-from pathlib import Path
 from typing import Any
 
 import floquetrod as fr
@@ -75,17 +74,13 @@ def add(chart: Parser) -> None:
     chart.add_argument(
         "--mark", help="a point to mark: both varied quantities, in the order mean, amplitude, frequency"
     )
-    chart.add_argument(
-        "--out", metavar="FILE", action="append", type=Path, help="file to write; may be repeated (default map.png)"
-    )
+    chart.add_output("--out", chart_files, "file to write", default="map.png")
 
 
 def _map(options: argparse.Namespace) -> Output:
     from floquetrod.plotting import charts
 
-    paths = options.out or [Path("map.png")]
-    chart_files(paths)
-    if options.pixels and (vertices := next((path for path in paths if path.suffix == ".csv"), None)):
+    if options.pixels and (vertices := next((path for path in options.out if path.suffix == ".csv"), None)):
         raise ValueError(f"--out {vertices}: a .csv file holds the vertices of bands; leave out --pixels")
     columns, rows = read_points(options.points)
     asked, mu_and_kick = read_ranges(options), read_friction(options)
@@ -133,18 +128,17 @@ def _map(options: argparse.Namespace) -> Output:
             charts.mark(axes, x, y, "the load")
         return axes
 
-    written = write_charts(paths, chart, drawn, draw)
+    written = write_charts(options.out, chart, drawn, draw)
     share = float(chart.stable.mean())
     record = {
-        "written": written,
         "points": int(chart.stable.size),
         "stable_share": share,
         "with_large_motion": int(chart.carries_large_motion.sum()) if options.large_motion else None,
         "bands": len(chart.bands) if bands else None,
         "tongues_left_out": chart.bands.tongues_left_out if bands else None,
     }
-    lines = [drawn.caption, *([drawn.bands.caption] if bands else []), f"written: {', '.join(written)}"]
-    return output(options, lambda: "\n".join(lines), lambda: record)
+    lines = [drawn.caption, *([drawn.bands.caption] if bands else [])]
+    return output(options, lambda: "\n".join(lines), lambda: record, written=written)
 
 
 def _point(text: str, varied: list[Quantity], across: str, rod: fr.Rod) -> dict[Quantity, float]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 import json
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
 
 from floquetrod._util.report import Report
@@ -23,8 +23,13 @@ def output(
     report: Callable[[], Report | str],
     record: Callable[[], dict[str, Any]],
     status: int = 0,
+    written: Sequence[str] = (),
 ) -> Output:
-    """Return the report, or the record with the version where JSON was asked for; the other is not made."""
+    """Return the report, or the record with the version where JSON was asked for; the other is not made.
+
+    Both tell which files were ``written``, of commands that write any.
+    """
     if options.json:
-        return Output(json.dumps({**record(), "version": __version__}, indent=2, allow_nan=False), status)
-    return Output(str(report()), status)
+        files = {"written": list(written)} if options.parser.outputs else {}
+        return Output(json.dumps({**record(), **files, "version": __version__}, indent=2, allow_nan=False), status)
+    return Output("\n".join([str(report()), *([f"written: {', '.join(written)}"] if written else [])]), status)

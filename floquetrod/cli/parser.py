@@ -7,6 +7,7 @@ import re
 import shlex
 from collections.abc import Callable, Sequence
 from itertools import takewhile
+from pathlib import Path
 from typing import Any, NoReturn
 
 from floquetrod import units
@@ -28,12 +29,32 @@ class Parser(argparse.ArgumentParser):
     def __init__(self, **options: Any) -> None:
         # Errors are raised, which know the option that they are about.
         super().__init__(**options, add_help=False, exit_on_error=False, allow_abbrev=False)
+        for name in (None, "store"):
+            self.register("action", name, _Store)
         self.add_argument("-h", "--help", action=_Help, help="show help and exit")
 
     def show_most_used(self, *common: str) -> None:
         """Let --help show these options alone, with the examples, and --help-all everything."""
         self.common = common
         self.add_argument("--help-all", action=argparse._HelpAction, help="show all options, with details, and exit")
+
+    def add_output(
+        self, name: str, kinds: Callable[[], Sequence[str]], text: str, *, default: str | None = None
+    ) -> None:
+        """Add an option that names files to write, of some kinds by their ends; each time it is given names one more.
+
+        ``kinds`` is asked only where a file is named.
+        """
+        usual = "" if default is None else f" (default {default})"
+        self.add_argument(
+            name,
+            action=OutputFiles,
+            kinds=kinds,
+            metavar="FILE",
+            type=Path,
+            default=[] if default is None else [Path(default)],
+            help=f"{text}; may be repeated{usual}",
+        )
 
     def format_short_help(self) -> str:
         """Return the help without options that few need, and without what follows the examples."""
@@ -61,6 +82,7 @@ class Parser(argparse.ArgumentParser):
     def parse_known_args(self, args: Any = None, namespace: Any = None) -> Any:
         """Return what argparse does, where every word is known; what is unknown is an error here."""
         words = list(args)
+        self.files: dict[str, Path] = {}
         for word in takewhile(lambda word: word != "--" and self._is_own(word), words):
             self._require_known(word)
         try:
@@ -70,6 +92,11 @@ class Parser(argparse.ArgumentParser):
         if left:
             self.error(_alone(left[0], words, self._option_string_actions))
         return found, left
+
+    @property
+    def outputs(self) -> list[OutputFiles]:
+        """The options that name files to write."""
+        return [action for action in self._actions if isinstance(action, OutputFiles)]
 
     @property
     def options(self) -> tuple[str, ...]:
@@ -100,6 +127,28 @@ class Parser(argparse.ArgumentParser):
         option = "--" + written[2].replace("_", "-")
         of_another = "" if option in known else self.elsewhere(option)
         self.error(f"unknown option {typed}{of_another or did_you_mean(option, known)}")
+
+
+class OutputFiles(argparse.Action):
+    """An option whose values are files to write, all of them; ``kinds`` returns the ends their names may have."""
+
+    def __init__(self, *, kinds: Callable[[], Sequence[str]], **rest: Any) -> None:
+        super().__init__(**rest)
+        self.kinds = kinds
+
+    def __call__(self, _: Any, namespace: argparse.Namespace, value: Any, __: Any = None) -> None:
+        """Add a file to those given before it, which take the place of the default."""
+        before = getattr(namespace, self.dest)
+        setattr(namespace, self.dest, [value] if before is self.default else [*before, value])
+
+
+class _Store(argparse._StoreAction):
+    """An option of one value, the last one given; a file is not dropped for another one in silence."""
+
+    def __call__(self, parser: Any, namespace: argparse.Namespace, value: Any, option: Any = None) -> None:
+        if self.type is Path and option is not None and (before := parser.files.setdefault(self.dest, value)) != value:
+            raise argparse.ArgumentError(self, f"must be given once, got {str(before)!r} and {str(value)!r}")
+        super().__call__(parser, namespace, value, option)
 
 
 class _Help(argparse._HelpAction):

@@ -18,13 +18,16 @@ from floquetrod.cli.common import (
     add_survey_units,
     add_tool,
     add_wall_friction,
-    check_out,
     command_typed,
     describe_command,
+    documents,
+    figures,
     read_push,
     read_rod,
     read_survey,
     units_shown,
+    write_each,
+    write_figures,
 )
 from floquetrod.cli.output import Output, output
 from floquetrod.cli.parser import Parser
@@ -69,8 +72,8 @@ def add(command: Parser) -> None:
         metavar="UNITS",
         help="units of the answer, such as ft,lbf,psi,rpm (default: those of the question, else m,kN,MPa,Hz)",
     )
-    command.add_argument("--figure", metavar="FILE", type=Path, help="write a figure of all of it (.png, .pdf, .svg)")
-    command.add_argument("--report", metavar="FILE", type=Path, help="write all of it into one file (.html, .pdf)")
+    command.add_output("--figure", figures, "write a figure of all of it (.png, .pdf, .svg)")
+    command.add_output("--report", documents, "write all of it into one file (.html, .pdf)")
 
 
 def add_well(command: argparse.ArgumentParser, *, required: bool) -> None:
@@ -107,22 +110,15 @@ def read_reach(options: argparse.Namespace, rod: fr.Rod, depth: Sequence[str] | 
 
 
 def _reach(options: argparse.Namespace) -> Output:
-    from floquetrod.plotting import charts, document
-
-    if options.figure is not None:
-        check_out(options.figure, charts.FIGURES, "--figure")
-    if options.report is not None:
-        check_out(options.report, document.KINDS, "--report")
     asked = units_shown(options, ("length", "force", "pressure", "frequency"), "ft,lbf")
     shown = {"depth" if kind == "length" else kind: name for kind, name in asked.items()}
     shown.setdefault("depth", AnswerUnits.named(shown.get("force", "kN")).length.name)
     found = read_reach(options, read_rod(options), None if options.depths is None else _depths(options.depths))
-    if options.figure is not None:
-        charts.save_figure(found.plot(**shown), options.figure)
-    if options.report is not None:
-        named = {"length" if name == "depth" else name: unit for name, unit in shown.items()}
-        fr.save_report(found, options.report, units=named, command=command_typed())
-    return output(options, partial(found.report, **shown), found.as_dict)
+    named = {"length" if name == "depth" else name: unit for name, unit in shown.items()}
+    written = write_figures(options.figure, partial(found.plot, **shown)) + write_each(
+        options.report, lambda path: fr.save_report(found, path, units=named, command=command_typed())
+    )
+    return output(options, partial(found.report, **shown), found.as_dict, written=written)
 
 
 def _depths(text: str) -> list[str]:

@@ -10,11 +10,12 @@ from floquetrod._util.waiting import Waiting
 from floquetrod.cli import reach
 from floquetrod.cli.common import (
     ROD_AND_LOAD,
-    check_out,
     command_typed,
     describe_command,
+    documents,
     read_tolerance,
     read_units,
+    write_each,
 )
 from floquetrod.cli.loads import add_question, read_question
 from floquetrod.cli.output import Output, output
@@ -48,15 +49,10 @@ def add(command: Parser) -> None:
     command.add_argument(
         "--motion", action="store_true", help="say how large the motion becomes, all modes together: some seconds"
     )
-    command.add_argument(
-        "--out", metavar="FILE", type=Path, default=Path("report.html"), help=".html or .pdf (default report.html)"
-    )
+    command.add_output("--out", documents, "file to write (.html, .pdf)", default="report.html")
 
 
 def _report(options: argparse.Namespace) -> Output:
-    from floquetrod.plotting import document
-
-    check_out(options.out, document.KINDS)
     _require_well(options)
     rod, _, load = read_question(options)
     tolerance, shown = read_tolerance(options), read_units(options, rod)
@@ -67,23 +63,23 @@ def _report(options: argparse.Namespace) -> Output:
     if options.motion:
         with Waiting(f"{verdict.status}; following the motion"):
             motion = rod.steady_motion(load)
-    with Waiting(f"{verdict.status}; writing {options.out}", "percent") as progress:
-        fr.save_report(
-            verdict,
-            options.out,
-            reach=pushed,
-            motion=motion,
-            units=shown,
-            margins=options.margins,
-            command=command_typed(),
-            progress=progress,
-        )
+
+    def write(path: Path) -> None:
+        with Waiting(f"{verdict.status}; writing {path}", "percent") as progress:
+            fr.save_report(
+                verdict,
+                path,
+                reach=pushed,
+                motion=motion,
+                units=shown,
+                margins=options.margins,
+                command=command_typed(),
+                progress=progress,
+            )
+
+    written = write_each(options.out, write)
     headline = verdict.report(shown).headline
-    return output(
-        options,
-        lambda: f"{headline}\nwritten: {options.out}",
-        lambda: {"status": verdict.status, "written": [str(options.out)]},
-    )
+    return output(options, lambda: headline, lambda: {"status": verdict.status}, written=written)
 
 
 def _require_well(options: argparse.Namespace) -> None:

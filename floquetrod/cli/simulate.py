@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import argparse
 import math
-import os
 import tempfile
 from collections.abc import Callable
 from pathlib import Path
@@ -17,8 +16,8 @@ from floquetrod.cli.common import (
     ROD_AND_LOAD,
     add_tool,
     add_wall_friction,
-    check_out,
     describe_command,
+    figures,
     read_force,
     read_units,
     warnings_at_once,
@@ -116,9 +115,7 @@ def add(command: Parser) -> None:
     command.add_argument(
         "--checkpoint", metavar="FILE", type=Path, help="file to keep up to date, and to continue from if it exists"
     )
-    command.add_argument(
-        "--out", metavar="FILE", action="append", default=[], type=Path, help="file to write; may be repeated"
-    )
+    command.add_output("--out", _kinds, "file to write")
 
 
 def _simulate(options: argparse.Namespace) -> Output:
@@ -129,7 +126,7 @@ def _simulate(options: argparse.Namespace) -> Output:
     duration = units.quantity(options.duration, "--duration", "time")
     step = None if options.time_step is None else units.quantity(options.time_step, "--time-step", "time")
     perturbation, shown = read_perturbation(vars(options), option), read_units(options, rod)
-    _check_files(options.out, options.checkpoint)
+    _require_writers(options.out, options.checkpoint)
     warn_of_hertz("--frequency", options.frequency, rod, [load])
     problem = fr.SimulationProblem(
         rod,
@@ -156,24 +153,22 @@ def _simulate(options: argparse.Namespace) -> Output:
     with Waiting("comparing with theory"):
         found = run.findings(theory=options.theory)
     files = {
-        "written": written,
         "not_written": missed,
         "checkpoint": None if options.checkpoint is None else str(options.checkpoint),
     }
     return output(
         options,
-        lambda: found.report(shown).with_lines(_left(run, written, missed, options)),
+        lambda: found.report(shown).with_lines(_left(run, missed, options)),
         lambda: found.as_dict() | files,
         2 if missed else 0 if run.complete else 130,
+        written,
     )
 
 
-def _left(
-    run: fr.Simulation, written: list[str], missed: list[str], options: argparse.Namespace
-) -> list[tuple[str, str]]:
-    """Return lines about what the run left behind."""
-    nothing = "nothing" if missed else "nothing: name files with --out"
-    lines = [("written", ", ".join(written) or nothing), *(("not", what) for what in missed)]
+def _left(run: fr.Simulation, missed: list[str], options: argparse.Namespace) -> list[tuple[str, str]]:
+    """Return lines about what the run left behind beside the files written."""
+    lines = [] if options.out else [("written", "nothing: name files with --out")]
+    lines += [("not written", what) for what in missed]
     if not run.complete:
         resume = "; the same command continues from the checkpoint" if options.checkpoint else ""
         lines.append(("kept", f"{run.time.size} of {run.problem.frames} frames{resume}"))
@@ -204,19 +199,25 @@ def _frames(load: Load, duration: float, has_friction: bool) -> int:
     return max(_FRAMES, math.ceil(wanted) + 1)
 
 
-def _check_files(paths: list[Path], checkpoint: Path | None) -> None:
-    """Raise ValueError where a file could not be written or would be written over by another of this run."""
-    from floquetrod.plotting import charts, rod
+def _kinds() -> tuple[str, ...]:
+    """Return the ends of names of files that hold a run: a picture, an animation or all its numbers."""
+    from floquetrod.plotting import rod
+
+    return (*figures(), *rod.ANIMATIONS, ".npz")
+
+
+def _require_writers(paths: list[Path], checkpoint: Path | None) -> None:
+    """Raise ValueError where an animation needs a program that is missing, or a checkpoint could not be written."""
+    from floquetrod._util.files import writable
+    from floquetrod.plotting import rod
 
     for path in paths:
-        check_out(path, (*charts.FIGURES, *rod.ANIMATIONS, ".npz"))
         rod.require_writer(path)
     if checkpoint is not None:
-        check_out(checkpoint, (), "--checkpoint")
-        paths = [*paths, checkpoint]
-    for place, path in enumerate(paths):
-        if os.path.realpath(path) in map(os.path.realpath, paths[:place]):
-            raise ValueError(f"{path} is named twice; give every file its own name")
+        try:
+            writable(checkpoint)
+        except (ValueError, OSError) as error:
+            raise ValueError(f"--checkpoint {str(checkpoint)!r}: {error}") from None
 
 
 def _write_all(run: fr.Simulation, paths: list[Path]) -> tuple[list[str], list[str]]:
