@@ -23,6 +23,8 @@ from damages import damaged, sealed, shuffled
 from floquetrod import cli
 from floquetrod._util import files
 from floquetrod._util.files import atomic_file, writable
+from floquetrod.ensembles.runs import Runs
+from floquetrod.equations.system_files import read_system
 
 ROD = fr.Rod.nitinol()
 FCR = ROD.critical_force
@@ -459,3 +461,51 @@ def test_files_that_unfold_beyond_measure_are_refused(tmp_path: Path, monkeypatc
 def test_what_is_no_file_is_not_read(path: str) -> None:
     with pytest.raises(ValueError, match="is not a chart that can be read"):
         fr.Chart.load(path)
+
+
+@pytest.mark.parametrize(
+    ("read", "kind"),
+    [
+        (fr.Rod.from_toml, ".toml"),
+        (fr.Milling.from_toml, ".toml"),
+        (fr.Study.from_toml, ".toml"),
+        (fr.WellPath.from_csv, ".csv"),
+        (fr.ForceRecord.from_csv, ".csv"),
+        (fr.Simulation.load, ".npz"),
+        (fr.Chart.load, ".npz"),
+        (Runs.load, ".npz"),
+        (read_system, ".toml"),
+        (read_system, ".npz"),
+    ],
+)
+def test_a_pipe_is_refused_at_once(read: Callable[[Path], Any], kind: str, tmp_path: Path) -> None:
+    pipe = tmp_path / f"pipe{kind}"
+    os.mkfifo(pipe)
+    with pytest.raises(ValueError, match="a folder or a device, or a pipe; name a file"):
+        read(pipe)
+
+
+@pytest.mark.parametrize("code", ["\x1b[31m", "\x1b]0;title\x07", "\r", "\x9b2J", "\u202e", "\x7f"])
+def test_names_of_files_are_printable_in_the_terminal(
+    code: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    name, examples = f"a{code}b", Path(__file__).parents[1] / "examples"
+    Path(f"{name}.csv").write_bytes((examples / "survey.csv").read_bytes())
+    Path(f"{name}.toml").write_text("length = 3", encoding="utf-8")
+    reach = ["reach", "--rod", str(examples / "tubing.toml"), "--friction", "0.3", "--depths", "2000m"]
+    load = ["--mean", "0", "--amplitude", "0", "--frequency", "1"]
+    for words, status in (
+        ([*reach, "--well", f"no{name}.csv"], 2),
+        ([*reach, "--well", f"{name}.toml"], 2),
+        (["check", *load, "--rod", f"{name}.toml"], 2),
+        (["check", "--system", f"{name}.toml"], 2),
+        (["lobes", f"{name}.toml"], 2),
+        (["ensemble", f"{name}.toml"], 2),
+        (["check", *load, "--rod", "nitinol", "--force", f"{name}.csv"], 2),
+        ([*reach, "--well", f"{name}.csv", "--figure", f"{name}.png"], 0),
+    ):
+        assert cli.main(words) == status
+        said = "".join(capsys.readouterr())
+        assert code not in said
+        assert code == "\r" or code.encode("unicode_escape").decode()[:4] in said  # white space is one space

@@ -119,6 +119,21 @@ def test_bad_surveys_are_refused_in_one_line_with_the_place(words: str, tmp_path
     assert len(str(caught.value)) < 320 + len(str(path))
 
 
+@pytest.mark.parametrize("mark", [",", ";", "\t", " "])
+def test_no_azimuth_is_lost_where_the_first_station_has_none(mark: str, tmp_path: Path) -> None:
+    file = tmp_path / "survey.csv"
+    rows = [["0", "0"], ["600", "0.5", "45"], ["1000", "15", "50"]]
+    for full in (rows, rows[1:] + rows[:1]):
+        file.write_text("\n".join(mark.join(row) for row in full), encoding="utf-8")
+        with pytest.raises(ValueError, match=r"station [13]: azimuth must be a number, got ''"):
+            fr.WellPath.from_csv(file, depth_unit="m")
+    file.write_text("\n".join(mark.join(row) for row in [["MD(m)", "Inc(deg)"], *rows]), encoding="utf-8")
+    with pytest.raises(ValueError, match="station 2: it holds 3 cells below 2 headings"):
+        fr.WellPath.from_csv(file)
+    file.write_text("\n".join(mark.join([*row[:2], *([""] * (mark != " "))]) for row in rows), encoding="utf-8")
+    assert fr.WellPath.from_csv(file, depth_unit="m").azimuth.tolist() == [0.0, 0.0, 0.0]
+
+
 def test_files_that_are_no_surveys_are_refused(tmp_path: Path) -> None:
     with pytest.raises(ValueError, match="there is no such file"):
         fr.WellPath.from_csv(tmp_path / "none.csv")

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from floquetrod._util import validate
+from floquetrod._util.files import require_regular
 
 _LARGEST = 1 << 29  # bytes of a file that are read, ten million samples or so
 
@@ -37,10 +38,7 @@ Line = tuple[int, str]
 
 def text_of(path: Path) -> str:
     """Return the text of a file."""
-    if not path.is_file():
-        raise ValueError("it is a folder or a device" if path.exists() else "there is no such file")
-    if path.stat().st_size > _LARGEST:
-        raise ValueError(f"it has {path.stat().st_size:,} bytes, at most {_LARGEST:,} are read")
+    require_regular(path, _LARGEST)
     content = path.read_bytes()
     if b"\0" in content:
         raise ValueError("it is not text in UTF-8 but binary, or text of another encoding; save it as CSV in UTF-8")

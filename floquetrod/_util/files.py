@@ -53,6 +53,21 @@ def writable(path: str | Path) -> Path:
     return path
 
 
+def require_regular(path: Path, largest: int | None = None) -> None:
+    """Raise ValueError for what is to be read and is a folder, a device or a pipe, or has too many bytes.
+
+    Whoever opens a pipe waits for what may never come.
+    """
+    try:
+        about = path.stat()
+    except FileNotFoundError:
+        raise ValueError("there is no such file") from None
+    if not stat.S_ISREG(about.st_mode):
+        raise ValueError("it is a folder or a device, or a pipe; name a file")
+    if largest is not None and about.st_size > largest:
+        raise ValueError(f"it has {about.st_size:,} bytes, at most {largest:,} are read")
+
+
 @contextmanager
 def atomic_file(path: Path) -> Iterator[IO[bytes]]:
     """Open a file for writing that takes the place of ``path`` once it is complete and on the disk.
@@ -226,11 +241,7 @@ def read_npz(
 
 def _unpack(path: Path) -> tuple[dict[str, Any], dict[str, NDArray[Any]]]:
     """Return description and arrays of a sealed file."""
-    about = path.stat()
-    if not stat.S_ISREG(about.st_mode):
-        raise ValueError("it is a folder" if stat.S_ISDIR(about.st_mode) else "it is a device")
-    if about.st_size > _LARGEST:
-        raise ValueError(f"it has {about.st_size:,} bytes, at most {_LARGEST:,} are read")
+    require_regular(path, _LARGEST)
     with path.open("rb") as file:
         seal = _seal(file)
         if not (found := file.read()).startswith(_SEAL):

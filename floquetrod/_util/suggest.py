@@ -21,6 +21,16 @@ def short(value: Any) -> str:
     return text if len(text) <= 80 else f"{text[:77]}..."
 
 
+def printable(text: str) -> str:
+    r"""Return a text for a terminal: what is no sign, as escape codes in the name of a file, written as in Python.
+
+    >>> print(printable("a\x1b[31m.csv"))
+    a\x1b[31m.csv
+    """
+    signs = (sign if sign.isprintable() or sign == "\n" else sign.encode("unicode_escape").decode() for sign in text)
+    return text if text.isprintable() else "".join(signs)
+
+
 def listed(values: Sequence[Any]) -> str:
     """Return values one after the other; of more than nine the first eight, and how many more there are.
 

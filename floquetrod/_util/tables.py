@@ -8,19 +8,18 @@ from itertools import islice
 from pathlib import Path
 from typing import Any
 
+from floquetrod._util.files import require_regular
 from floquetrod._util.suggest import did_you_mean
 
 _LARGEST = 1 << 20  # bytes that are read (a choice)
 
 
 def read_toml(path: Path, what: str) -> dict[str, Any]:
-    """Return the table in a TOML file, a pipe or a device; ValueError, which names ``what`` and path, where it cannot.
-
-    More than a megabyte is not read.
-    """
+    """Return the table in a TOML file of at most a megabyte; ValueError names ``what`` and path where it cannot."""
     import tomllib
 
     try:
+        require_regular(path)
         with path.open("rb") as file:
             content = file.read(_LARGEST + 1)
         if len(content) > _LARGEST:

@@ -10,6 +10,8 @@ import time
 from contextlib import suppress
 from typing import Self
 
+from floquetrod._util.suggest import printable
+
 FIRST = 0.5
 """Seconds until something is shown, so that it is within the first second of a command."""
 
@@ -35,7 +37,7 @@ class Waiting:
     """
 
     def __init__(self, what: str, counted: str = "", first: float = FIRST, longest: float = math.inf) -> None:
-        self.what = what
+        self.what = printable(what)
         self.counted = counted
         self.first = first
         self.longest = longest
@@ -117,6 +119,7 @@ class Waiting:
 
 def say(message: str) -> None:
     """Print a message on stderr, in place of a line of `Waiting` that may be there."""
+    message = printable(message)
     line = f"\r{message:<{shutil.get_terminal_size().columns - 1}}" if sys.stderr.isatty() else message
     with suppress(OSError):  # a full disk, or nobody who reads: the answer does not depend on it
         print(line, file=sys.stderr, flush=True)

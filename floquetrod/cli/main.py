@@ -15,6 +15,7 @@ from importlib import import_module
 from typing import Any
 
 import floquetrod as fr
+from floquetrod._util.suggest import printable
 from floquetrod._util.waiting import say
 from floquetrod.cli.common import compiling_told, require_writable
 from floquetrod.cli.completion import add_completion
@@ -102,7 +103,7 @@ def _open_streams() -> Iterator[None]:
 def _print(text: str) -> None:
     """Print the answer."""
     try:
-        print(text, flush=True)
+        print(printable(text), flush=True)
     except BrokenPipeError:
         raise
     except OSError as error:

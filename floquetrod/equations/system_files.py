@@ -13,6 +13,7 @@ import numpy as np
 
 from floquetrod import units
 from floquetrod._util import validate
+from floquetrod._util.files import require_regular
 from floquetrod._util.tables import require_known
 from floquetrod.equations import matrices
 from floquetrod.equations.delay_system import DelaySystem
@@ -57,10 +58,7 @@ def read_system(path: str | Path) -> HillSystem | PeriodicSystem | DelaySystem:
     if path.suffix not in readers:
         raise ValueError(f"system file {path} must end in .toml or .npz")
     try:
-        if not path.is_file():
-            raise ValueError("it is a folder or a device" if path.exists() else "there is no such file")
-        if path.stat().st_size > _LARGEST[path.suffix]:
-            raise ValueError(f"it has {path.stat().st_size:,} bytes, at most {_LARGEST[path.suffix]:,} are read")
+        require_regular(path, _LARGEST[path.suffix])
         table = readers[path.suffix](path)
     except (OSError, ValueError, KeyError, EOFError, NotImplementedError, RecursionError, zipfile.BadZipFile) as error:
         raise ValueError(f"system file {path} cannot be read: {error}") from None

@@ -76,15 +76,18 @@ def read(
     rows = [(number, cells_of((number, text), delimiter)) for number, text in lines[first:]]
     columns, skipped = _with_unit_rows(columns, rows)
     rows = [(number, cells) for number, cells in rows[skipped:] if any(cells)]
-    _require_as_wide(lines[first - 1] if first else None, rows, delimiter)
+    _require_as_wide(lines[first - 1] if first else None, rows, delimiter, len(columns))
     found = {c.name: _size(c, given[c.name]) * np.array(_numbers(c, rows)) for c in columns}
     azimuth = found.get("azimuth", np.zeros(len(rows)))
     return SurveyFile(found["depth"], found["inclination"], azimuth, [number for number, _ in rows])
 
 
-def _require_as_wide(headings: Line | None, rows: Sequence[tuple[int, list[str]]], delimiter: str) -> None:
-    """Raise ValueError where a line holds more than there are headings, as decimal commas between commas do."""
-    if headings is None or delimiter == " ":
+def _require_as_wide(headings: Line | None, rows: Sequence[tuple[int, list[str]]], delimiter: str, chosen: int) -> None:
+    """Raise ValueError where a line holds more than there are headings, as decimal commas between commas do.
+
+    Between spaces a comment of several words may, but no azimuth that has no heading.
+    """
+    if headings is None or (delimiter == " " and chosen > 2):
         return
     many = len(cells_of(headings, delimiter))
     for station, (line, cells) in enumerate(rows, 1):
@@ -135,7 +138,7 @@ def _headed(
         if _is_row(cells):
             if any(isinstance(choice, str) for choice in choices) or (i and None in choices):
                 break  # what is above it should have been headings
-            return i, _columns(wanted, None, len(cells)), mark
+            return i, _columns(wanted, None, _width(lines[i:], mark)), mark
         known = {name for name, choice in wanted.items() if _found(name, choice, cells)}
         if known >= wanted.keys() - {"azimuth"}:
             return i + 1, _columns(wanted, cells, len(cells)), mark
@@ -156,6 +159,12 @@ def _is_row(cells: Sequence[str]) -> bool:
     """Return whether cells are numbers and nothing else, two at least."""
     full = [cell for cell in cells if cell]
     return len(full) > 1 and all(map(NUMBER.fullmatch, full))
+
+
+def _width(lines: Sequence[Line], delimiter: str) -> int:
+    """Return the most cells that a line of numbers fills: the first station may leave its azimuth out."""
+    rows = filter(_is_row, (cells_of(line, delimiter) for line in lines))
+    return max(max(place for place, cell in enumerate(cells, 1) if cell) for cells in rows)
 
 
 def _columns(wanted: dict[str, str | int | None], headings: Sequence[str] | None, many: int) -> list[_Column]:
