@@ -23,7 +23,7 @@ from floquetrod.cli.messages import option
 from floquetrod.cli.parser import Parser, ratio
 
 if TYPE_CHECKING:
-    from floquetrod.rod.loads.load import Quantity
+    from floquetrod.rod.loads import load
 
 _TINY, LARGEST = 1e-9, 1e12  # what the library takes, in SI units: a typing error lies beyond
 
@@ -221,7 +221,7 @@ def read_tolerance(options: argparse.Namespace) -> float:
     return units.quantity(given, "--growth-tolerance", "rate", least=0.0, largest=LARGEST)
 
 
-def read_quantity(text: str, name: Quantity, rod: fr.Rod, given: str | None = None) -> float:
+def read_quantity(text: str, name: load.Quantity, rod: fr.Rod, given: str | None = None) -> float:
     """Return a quantity of the load in SI units; messages quote ``given`` in place of the text."""
     from floquetrod.rod import reading
 
@@ -238,7 +238,7 @@ def read_force(text: str, name: str, rod: fr.Rod) -> float:
 _NO_COLON = re.compile(r"\s*(\d[\d.]*[a-zA-Z/%]*)\s*(?:[-\N{EN DASH};,]|\.\.+|to)\s*(\d[\d.]*[a-zA-Z/%]+)\s*")
 
 
-def read_range(text: str, name: Quantity, rod: fr.Rod) -> list[float]:
+def read_range(text: str, name: load.Quantity, rod: fr.Rod) -> list[float]:
     """Return one quantity, or both ends of a range; a first end without a unit has that of the second."""
     first, colon, last = text.partition(":")
     apart = None if colon else _NO_COLON.fullmatch(text)
@@ -318,6 +318,27 @@ def read_units(options: argparse.Namespace, rod: fr.Rod) -> dict[str, str]:
         asked.pop("force", None)
     more = {kind: units.unit(name, "--unit", kind).name for kind, name in {**units_typed(options), **asked}.items()}
     return {**found, **more}
+
+
+_KINDS = {
+    **dict.fromkeys(("mean", "amplitude", "push", "far_force"), "force"),
+    **dict.fromkeys(("kick", "random", "speed", "feed_speed"), "speed"),
+    "frequency": "frequency",
+    "depths": "length",
+    "natural_curvature": "curvature",
+}
+"""Kinds of quantities that options give, beside those of a rod."""
+
+
+def bare_numbers_typed(options: argparse.Namespace) -> list[str]:
+    """Return warnings of numbers typed without a unit that may be meant in another one, where others have theirs."""
+    from floquetrod.bare_numbers import Quantity, bare_numbers
+
+    kinds = {**{name: kind for name, kind in units.ROD_KINDS.items() if name in ROD_OPTIONS}, **_KINDS}
+    typed = {name: text for name, text in vars(options).items() if text != options.parser.get_default(name)}
+    quantities = [Quantity(option(name), typed[name], kind) for name, kind in kinds.items() if name in typed]
+    shown = [name.strip() for name in (getattr(options, "unit", None) or "").split(",")]
+    return [number.warning for number in bare_numbers(quantities, shown=shown)]
 
 
 def read_rod(options: argparse.Namespace) -> fr.Rod:

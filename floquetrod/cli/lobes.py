@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import math
+from collections.abc import Callable
 from pathlib import Path
 
 import floquetrod as fr
@@ -13,7 +14,7 @@ from floquetrod._util.waiting import Waiting
 from floquetrod.cli.common import chart_files, describe_command, read_points, write_charts
 from floquetrod.cli.output import Output, output
 from floquetrod.cli.parser import Parser
-from floquetrod.milling.tool_file import read_tool
+from floquetrod.milling.tool_file import cutting_depth, read_tool, spindle_speed
 
 _HELP = """\
 Draw the stability lobes of a milling cutter: at which spindle speeds and depths of cut it chatters.
@@ -32,18 +33,18 @@ A .png, .pdf or .svg file is a figure, a .csv file the vertices of the boundary 
 numbers (floquetrod.Chart.load reads it); --out may be repeated.
 """
 
-_KINDS = {"speed": "frequency", "depth": "length"}
+_READERS: dict[str, Callable[[str, str], float]] = {"speed": spindle_speed, "depth": cutting_depth}
 
 
 def add(command: Parser) -> None:
     """Add help and options of the command to its parser."""
     describe_command(command, _HELP, _lobes, ("tool", "speed", "depth", "at", "out"))
     command.add_argument("tool", metavar="FILE", type=Path, help="the cutter, a TOML file")
-    command.add_argument("--speed", metavar="LOW:HIGH", help="spindle speeds, such as 5000rpm:10000rpm")
+    command.add_argument("--speed", metavar="LOW:HIGH", help="spindle speeds, such as 5000rpm:10000rpm (default: rpm)")
     command.add_argument("--depth", metavar="LOW:HIGH", help="axial depths of cut, such as 0mm:4mm")
     command.add_argument("--points", metavar="COLUMNSxROWS", default="200x100", help="columns x rows (default 200x100)")
     command.add_argument("--growth", action="store_true", help="shade by growth rate")
-    command.add_argument("--at", metavar="SPEED", help="print only the critical depth at this spindle speed")
+    command.add_argument("--at", metavar="SPEED", help="print only the critical depth at this speed (default: rpm)")
     command.add_output("--out", chart_files, "file to write", default="lobes.png")
 
 
@@ -54,11 +55,11 @@ def _lobes(options: argparse.Namespace) -> Output:
 
 
 def _critical_depth(options: argparse.Namespace, mill: fr.Milling) -> Output:
-    speed = units.quantity(options.at, "--at", "frequency", least=1e-6)
+    speed = spindle_speed(options.at, "--at", 1e-6)
     depth = mill.critical_depth(speed)
     known = math.isfinite(depth)
     said = f"chatters from a depth of {1e3 * depth:.6g} mm on" if known else "does not chatter at any depth tried"
-    text = f"{repr(mill).strip('<>')}: at {30.0 * speed / math.pi:.6g} rpm it {said}"
+    text = f"{mill.in_words()}\n{repr(mill).strip('<>')}: at {30.0 * speed / math.pi:.6g} rpm it {said}"
     return output(
         options, lambda: text, lambda: {"speed_rad_per_s": speed, "critical_depth_m": depth if known else None}
     )
@@ -66,13 +67,13 @@ def _critical_depth(options: argparse.Namespace, mill: fr.Milling) -> Output:
 
 def _chart(options: argparse.Namespace, mill: fr.Milling) -> Output:
     columns, rows = read_points(options.points)
-    ranges = {name: _range(options, name) for name in _KINDS}
+    ranges = {name: _range(options, name) for name in _READERS}
     with Waiting("deciding stability"):
         lobes = mill.lobes((*ranges["speed"], columns), (*ranges["depth"], rows), growth=options.growth)
     with Waiting("finding the boundary"):
         lobes.chart.find_bands()
     written = write_charts(options.out, lobes.chart, lobes.chart, lobes.plot)
-    text = f"{lobes.report()}\n{lobes.chart.caption}"
+    text = f"{lobes.report()}\n{mill.in_words()}\n{lobes.chart.caption}"
     return output(options, lambda: text, lobes.as_dict, written=written)
 
 
@@ -86,7 +87,7 @@ def _range(options: argparse.Namespace, name: str) -> tuple[float, float]:
     ends = text.split(":")
     if len(ends) != 2:
         raise ValueError(f"--{name} must be a range such as 0mm:4mm, two values with a colon between, got {text!r}")
-    low, high = (units.quantity(end, f"--{name}", _KINDS[name], least=0.0) for end in units.same_unit(*ends))
+    low, high = (_READERS[name](end, f"--{name}") for end in units.same_unit(*ends))
     if not low < high:
         raise ValueError(f"--{name} must be a range from less to more, got {text!r}")
     return low, high

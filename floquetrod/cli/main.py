@@ -17,7 +17,7 @@ from typing import Any
 import floquetrod as fr
 from floquetrod._util.suggest import printable
 from floquetrod._util.waiting import say
-from floquetrod.cli.common import compiling_told, require_writable
+from floquetrod.cli.common import bare_numbers_typed, compiling_told, require_writable
 from floquetrod.cli.completion import add_completion
 from floquetrod.cli.messages import in_options
 from floquetrod.cli.parser import Parser
@@ -66,6 +66,9 @@ def _run(argv: Sequence[str]) -> int:
             telling = warnings.showwarning = _Telling(options)
             require_writable(options)
             answer = options.run(options)
+        if options.command not in ("compare", "lobes"):  # which know no rods
+            for warning in bare_numbers_typed(options):
+                say(f"floquetrod: warning: {warning}")
         telling.rest()
         _print(answer.text)
     except BrokenPipeError:  # the reader, head say, has seen enough

@@ -7,6 +7,7 @@ Semi-Discretization for Time-Delay Systems, Springer 2011, doi:10.1007/978-1-461
 from __future__ import annotations
 
 import math
+import warnings
 from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any, Literal
@@ -15,14 +16,17 @@ import numpy as np
 
 from floquetrod import units
 from floquetrod._util import validate
+from floquetrod._util.arguments import Message
 from floquetrod._util.arrays import Floats
 from floquetrod._util.caching import cached_property
-from floquetrod._util.calling import constructor_hints
+from floquetrod._util.calling import constructor_hints, level_of_caller
 from floquetrod._util.content import ByContent
+from floquetrod._util.implausible import SILENCE, PlausibilityWarning, is_typed
 from floquetrod.equations import DelaySystem, PeriodicSystem, Varying
 from floquetrod.floquet.dispatch import stability
 from floquetrod.floquet.systems.result import SystemStability
 
+_SOFTEST = 1e5  # Pa: foam takes ten times as much to cut (a choice)
 _EDGE = 1e-12  # rad: a tooth so close to entering or leaving counts as beyond
 
 MOST_TEETH = 64
@@ -111,6 +115,18 @@ class Cutter(ByContent):
             immersion=units.quantity(immersion, "immersion", "ratio", least=1e-6, largest=1.0),
             direction=validate.choice("direction", direction, ("up", "down")),
         )
+        _warn_of_soft(self.tangential)
+
+    def in_words(self) -> str:
+        """Return cutting coefficients and modes in usual units."""
+        modes = [
+            f"along {axis} {mode.frequency / (2.0 * math.pi):.6g} Hz, {100.0 * mode.damping_ratio:.4g} %, "
+            f"{mode.mass:.4g} kg"
+            for axis, listed in (("x", self.x), ("y", self.y))
+            for mode in listed
+        ]
+        coefficients = f"tangential {1e-6 * self.tangential:.4g} N/mm2, radial {1e-6 * self.radial:.4g} N/mm2"
+        return "; ".join([coefficients, *modes])
 
     @property
     def modes(self) -> tuple[ToolMode, ...]:
@@ -219,6 +235,16 @@ class Cutter(ByContent):
         kind = "slot" if self.immersion == 1.0 else f"{self.direction} milling, immersion {self.immersion:g}"
         plural = "s" * (len(self.modes) > 1)
         return f"<Milling: {self.teeth} teeth, {kind}, {len(self.modes)} mode{plural}>"
+
+
+def _warn_of_soft(tangential: float) -> None:
+    """Warn of a cutting coefficient that is probably in N/mm2."""
+    if is_typed(tangential) and tangential < _SOFTEST:
+        text = (
+            f"tangential = {tangential:g} Pa is less than anything is cut with; was it in N/mm2? A number is taken in "
+            f'Pa: tangential="{tangential:g}N/mm2"'
+        )
+        warnings.warn(Message(text, SILENCE), PlausibilityWarning, stacklevel=level_of_caller())
 
 
 def read_speed(value: Any, name: str = "speed") -> float:

@@ -5,8 +5,10 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from floquetrod import units
 from floquetrod._util import validate
 from floquetrod._util.tables import read_toml, require_known
+from floquetrod.bare_numbers import Quantity, bare_numbers
 from floquetrod.milling.cutter import ToolMode
 
 _KEYS = ("x", "y", "teeth", "tangential", "radial", "immersion", "direction")
@@ -33,11 +35,45 @@ def read_tool(path: str | Path) -> ToolFile:
         require_known(given, (*_KEYS, *_RANGES))
         if missing := [key for key in _REQUIRED if key not in given]:
             raise ValueError(f"key {missing[0]!r} is missing")
+        _require_units(given)
         arguments = {key: value for key, value in given.items() if key in _KEYS}
         modes = {axis: [_mode(axis, i, mode) for i, mode in enumerate(given.get(axis, []))] for axis in ("x", "y")}
         return ToolFile(arguments | modes, {key: str(given[key]) for key in _RANGES if key in given})
     except (TypeError, ValueError) as error:
         raise ValueError(f"tool file {path}: {error}") from None
+
+
+_KINDS = {"tangential": "pressure", "radial": "pressure", "depth": "length"}
+_OF_MODES = {"frequency": "frequency", "mass": "mass", "stiffness": "stiffness"}
+_USUAL = {"pressure": "N/mm2", "length": "mm", "mass": "g", "stiffness": "N/um"}
+"""Units in which numbers of a cutter may be meant where nothing beside them tells."""
+
+
+def _require_units(given: dict[str, Any]) -> None:
+    """Raise ValueError for a number without a unit where others have theirs; spindle speeds are in rpm without one."""
+    quantities = [Quantity(key, given[key], kind) for key, kind in _KINDS.items() if key in given]
+    quantities += [
+        Quantity(f"{axis}[{i}]: {key}", mode[key], kind)
+        for axis in ("x", "y")
+        for i, mode in enumerate(given.get(axis, []))
+        for key, kind in _OF_MODES.items()
+        if isinstance(mode, dict) and key in mode
+    ]
+    for number in bare_numbers(quantities, _USUAL):
+        raise ValueError(f"{number.quantity.name} {number.problem}")
+
+
+def spindle_speed(text: str, name: str, least: float = 0.0) -> float:
+    """Return a spindle speed in rad/s, of a text whose number alone is in rpm, as on machines."""
+    return units.quantity(f"{text}rpm" if units.unit_of(text) == "" else text, name, "frequency", least=least)
+
+
+def cutting_depth(text: str, name: str) -> float:
+    """Return a depth of cut in m; ValueError for a number alone, which may be in mm, unless it is zero."""
+    depth = units.quantity(text, name, "length", least=0.0)
+    if depth > 0.0 and units.unit_of(text) == "":
+        raise ValueError(f"{name} must have a unit, got {text!r}, which may be in m or in mm; write {text.strip()}mm")
+    return depth
 
 
 def _mode(axis: str, number: int, table: Any) -> ToolMode:

@@ -12,6 +12,8 @@ from floquetrod import units
 from floquetrod._util.arguments import argument_of, located
 from floquetrod._util.suggest import short
 from floquetrod._util.tables import require_file
+from floquetrod.bare_numbers import Quantity as Written
+from floquetrod.bare_numbers import bare_numbers
 from floquetrod.rod.loads.load import KINDS, LIMITS, AxialWave, Load, Quantity, kind, noise_density
 from floquetrod.rod.loads.tool import VibrationTool
 from floquetrod.rod.rod import Rod
@@ -150,11 +152,18 @@ def named_rod(name: str, text: str, folder: Path | None = None) -> Rod:
         raise located(name, error) from None
 
 
+_OF_TOOLS = {"force": "kN", "length": "ft"}
+"""Units in which numbers of a tool may be meant where nothing beside them tells."""
+
+
 def read_tool(text: str, name: str) -> VibrationTool:
     """Return a tool written as amplitude@frequency, or amplitude@frequency@distance from the lower end."""
     parts = text.split("@")
     if len(parts) not in (2, 3):
         raise ValueError(f"{name} must be such as 5kN@18Hz or, 30 m above the end, 5kN@18Hz@30m, got {short(text)}")
+    written = zip(("amplitude", "frequency", "distance"), parts, ("force", "frequency", "length"), strict=False)
+    for number in bare_numbers((Written(*each) for each in written), _OF_TOOLS):
+        raise ValueError(f"{name} {short(text)}: its {number.quantity.name} {number.problem}")
     return VibrationTool(*parts)  # type: ignore[arg-type]
 
 

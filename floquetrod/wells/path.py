@@ -64,7 +64,8 @@ class WellPath(Reported, ByContent, TellsAttributes):
     Warns
     -----
     PlausibilityWarning
-        Of a station that is off the path through its neighbours, or doglegs of more than 30 deg/30 m.
+        Of a station that is off the path through its neighbours, doglegs of more than 30 deg/30 m, a well that goes up
+        from its first station, and an inclination at the surface beside azimuths that look like inclinations.
 
     Notes
     -----
@@ -103,21 +104,20 @@ class WellPath(Reported, ByContent, TellsAttributes):
             object.__setattr__(self, name, values)
         return self
 
-    def _check(self, file: str = "", lines: Sequence[int] = ()) -> None:
+    def _check(self, file: str = "", lines: Sequence[int] = (), **read: bool) -> None:
         """Raise ValueError for stations that make no path, and warn of those that look like mistakes.
 
-        Stations of a file have ``lines``.
+        Stations of a file have ``lines``; how it was ``read`` is for `survey.suspicions`.
         """
         columns = self.depth, self.inclination, self.azimuth
         found = survey.fault(*columns)
         if found is not None:
             error = validate.wrong_value(found.argument, f"at station {found.station} {found.problem}")
             raise located(f"{file}line {lines[found.station - 1]}", error) if lines else error
-        odd = survey.suspicion(*columns)
-        if odd is not None:
+        for odd in survey.suspicions(*columns, **read):
             where = f"{file}line {lines[odd.station - 1]}: " if lines else ""
-            text = f"{where}station {odd.station} {odd.problem}"
-            warnings.warn(Message(text, SILENCE), PlausibilityWarning, stacklevel=level_of_caller())
+            text = Message(f"{where}station {odd.station} ", odd.problem, SILENCE)
+            warnings.warn(text, PlausibilityWarning, stacklevel=level_of_caller())
 
     @classmethod
     def straight(cls, *, length: Any, inclination: Any, azimuth: Any = 0.0, depth: Any = 0.0) -> Self:
@@ -201,7 +201,8 @@ class WellPath(Reported, ByContent, TellsAttributes):
         Warns
         -----
         PlausibilityWarning
-            As `WellPath`, with the line.
+            As `WellPath`, with the line; of angles taken in degrees that are probably in radians unless ``angle_unit``
+            is given; and of an inclination at the surface below no headings, where columns may be in another order.
         """
         place = validate.path("path", path)
         wanted = {"depth": depth, "inclination": inclination, "azimuth": azimuth}
@@ -218,7 +219,7 @@ class WellPath(Reported, ByContent, TellsAttributes):
         if not found.lines:
             raise ValueError(f"survey {place}: it holds no stations below its headings")
         made = cls.__new__(cls)._keep(*found[:3])
-        made._check(f"survey {place}: ", found.lines)
+        made._check(f"survey {place}: ", found.lines, has_headings=found.has_headings, in_degrees=found.in_degrees)
         return made
 
     # --- where it lies ---

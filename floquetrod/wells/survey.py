@@ -10,6 +10,7 @@ import numpy as np
 
 from floquetrod import units
 from floquetrod._util import validate
+from floquetrod._util.arguments import Mention, Message
 from floquetrod._util.arrays import Floats
 from floquetrod.wells.arcs import doglegs
 
@@ -26,6 +27,14 @@ _SEVERE = math.radians(30.0) / 30.0  # rad/m: twice what drilling with short rad
 _NOT_SHORT = 5.0  # m: intervals between stations of shorter ones are those of models in a laboratory (a choice)
 _KINK = math.radians(5.0)  # of both intervals at a station that alone is off the path (a choice)
 _STRAIGHTER = 0.25  # the bend that is left without that station (a choice)
+
+_WELL = 30.0  # m: shorter paths are those of models in a laboratory, which may go up (a choice)
+_UPWARDS = math.radians(100.0)  # of the first station: beyond it a well would go up from the surface (a choice)
+_SURFACE = 0.01  # of the last depth, within which the first station is at the surface (a choice)
+_NEARLY_VERTICAL = math.radians(1.0)  # of a first station of a usual well (a choice)
+_LEAST_BUILT, _RIGHT = 0.2, 1.6  # of the largest inclination as it stands in a file, which may be in radians (choices)
+_NEARLY_RIGHT = 1.4  # of these, beyond which a largest one of whole quarters may be in radians (a choice)
+_ONE_WAY = 1.5  # of the range of inclinations: their changes one after the other, of a well that is built (a choice)
 
 _IN_DEGREES = "strings such as '30deg' have a unit, and numpy.radians turns degrees into rad"
 
@@ -126,8 +135,82 @@ def _faults(columns: dict[str, Floats]) -> Iterator[Fault]:
         )
 
 
-def suspicion(depth: Floats, inclination: Floats, azimuth: Floats) -> Fault | None:
-    """Return what is most likely a mistake in a survey that is possible: one station off, or bends of no well."""
+def suspicions(
+    depth: Floats, inclination: Floats, azimuth: Floats, *, has_headings: bool = True, in_degrees: bool = False
+) -> Iterator[Fault]:
+    """Yield what is most likely a mistake in a survey that is possible, for each kind of mistake one station.
+
+    The columns of a file may have no headings, and angles taken ``in_degrees`` that nobody named for this file.
+    """
+    if in_degrees and _in_radians(depth, np.degrees(inclination), np.degrees(azimuth)):
+        i = int(np.argmax(inclination))
+        yield Fault(
+            "inclination",
+            i + 1,
+            Message(
+                f"has the largest inclination, {math.degrees(inclination[i]):.4g} deg: these are probably in radians; "
+                "give ",
+                Mention("angle_unit", 'angle_unit="rad"', "rad"),
+                ", or name the unit in each heading, and deg where that is right",
+            ),
+        )
+    if depth[-1] - depth[0] >= _WELL and inclination[0] > _UPWARDS:
+        yield Fault(
+            "inclination",
+            1,
+            f"has {math.degrees(inclination[0]):.4g} deg of inclination, so that the well goes up from there: 0 is "
+            "straight down here; where 180 deg is, give 180 deg minus these",
+        )
+    elif _exchanged(depth, inclination, azimuth):
+        yield Fault(
+            "inclination",
+            1,
+            f"has {math.degrees(inclination[0]):.4g} deg of inclination at a depth of {depth[0]:g} m, and the azimuths "
+            "look like inclinations: both columns are probably exchanged; inclination comes before azimuth, unless "
+            "headings say otherwise",
+        )
+    elif not has_headings and _begins_inclined(depth, inclination):
+        yield Fault(
+            "inclination",
+            1,
+            f"has {math.degrees(inclination[0]):.4g} deg of inclination at a depth of {depth[0]:g} m: without headings "
+            "columns are taken as depth, inclination and azimuth; if they are in another order, write headings such as "
+            "MD (m), Azi (deg), Inc (deg) above them",
+        )
+    bend = _bend(depth, inclination, azimuth)
+    if bend is not None:
+        yield bend
+
+
+def _exchanged(depth: Floats, inclination: Floats, azimuth: Floats) -> bool:
+    """Return whether a survey begins inclined at the surface, and would begin vertical if its angles were exchanged."""
+    builds = azimuth.min() >= 0.0 and _KINK < azimuth.max() <= _UPWARDS and azimuth[0] < _NEARLY_VERTICAL
+    return bool(_begins_inclined(depth, inclination) and builds and azimuth[0] == azimuth.min())
+
+
+def _begins_inclined(depth: Floats, inclination: Floats) -> bool:
+    """Return whether a well is inclined at the surface, as few are."""
+    is_well, at_surface = depth[-1] - depth[0] >= _WELL, depth[0] <= _SURFACE * depth[-1]
+    return bool(is_well and at_surface and inclination[0] > _KINK)
+
+
+def _in_radians(depth: Floats, inclination: Floats, azimuth: Floats) -> bool:
+    """Return whether angles taken in degrees are probably in radians; columns are as they stand in the file.
+
+    No inclination exceeds a right angle in radians.  Those of a vertical well in degrees are as small, but they go up
+    and down beside azimuths of any size, while a well that is built goes up; and few in radians are quarters.
+    """
+    most = float(np.abs(inclination).max())
+    if not _LEAST_BUILT < most <= _RIGHT or depth[-1] - depth[0] < _WELL:
+        return False
+    is_precise = most > _NEARLY_RIGHT or bool((np.abs(4.0 * inclination - np.round(4.0 * inclination)) > 1e-6).any())
+    is_built = float(np.abs(np.diff(inclination)).sum()) <= _ONE_WAY * (inclination.max() - inclination.min())
+    has_turns = float(np.abs(azimuth).max()) <= 2.0 * math.pi
+    return bool(is_precise and (has_turns or (is_built and inclination[-1] > 0.5 * most)))
+
+
+def _bend(depth: Floats, inclination: Floats, azimuth: Floats) -> Fault | None:
+    """Return one station off the path through its neighbours, or a bend of no well."""
     angles = doglegs(inclination, azimuth)
     kink = _kinked(angles, inclination, azimuth)
     if kink is not None:

@@ -45,12 +45,17 @@ _PLAIN = re.compile(r"[\s_.:\-]+")
 
 
 class SurveyFile(NamedTuple):
-    """Depths in m and angles in rad, and the line of each station."""
+    """Depths in m and angles in rad, the line of each station, and how they were read.
+
+    Inclinations are ``in_degrees`` by their heading or for want of one, not by an argument.
+    """
 
     depth: Floats
     inclination: Floats
     azimuth: Floats
     lines: Sequence[int]
+    has_headings: bool
+    in_degrees: bool
 
 
 class _Column(NamedTuple):
@@ -77,9 +82,12 @@ def read(
     columns, skipped = _with_unit_rows(columns, rows)
     rows = [(number, cells) for number, cells in rows[skipped:] if any(cells)]
     _require_as_wide(lines[first - 1] if first else None, rows, delimiter, len(columns))
-    found = {c.name: _size(c, given[c.name]) * np.array(_numbers(c, rows)) for c in columns}
-    azimuth = found.get("azimuth", np.zeros(len(rows)))
-    return SurveyFile(found["depth"], found["inclination"], azimuth, [number for number, _ in rows])
+    sizes = {c.name: _size(c, given[c.name]) for c in columns}
+    found = {c.name: sizes[c.name] * np.array(_numbers(c, rows)) for c in columns}
+    azimuth, lines = found.get("azimuth", np.zeros(len(rows))), [number for number, _ in rows]
+    in_degrees = given["inclination"] is None and sizes["inclination"] != 1.0
+    is_named = first > 0 or None not in wanted.values()
+    return SurveyFile(found["depth"], found["inclination"], azimuth, lines, is_named, in_degrees)
 
 
 def _require_as_wide(headings: Line | None, rows: Sequence[tuple[int, list[str]]], delimiter: str, chosen: int) -> None:

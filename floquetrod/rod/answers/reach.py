@@ -252,7 +252,8 @@ class Reach(Printed, ByContent):
 
     def _vibration_in_words(self, shown: AnswerUnits) -> str:
         least, most = self.along.friction.min(), shown.force.show(self.amplitude.max(), 3)
-        return f"vibration of at most {most}, which reduces friction to {least:.3g}"
+        tool = "" if self.tool is None else f"{self.tool.in_words(shown)}: "
+        return f"{tool}vibration of at most {most}, which reduces friction to {least:.3g}"
 
     def _growth_in_words(self, shown: AnswerUnits) -> str:
         grows, unit = self.growth > _GROWS, shown.length

@@ -61,6 +61,11 @@ class VibrationTool:
         """The frequency in Hz."""
         return self.frequency / (2.0 * math.pi)
 
+    def in_words(self, shown: units.AnswerUnits) -> str:
+        """Return what the tool does and where it is, in units."""
+        shakes = f"{shown.force.show(self.amplitude)} at {shown.frequency.show(self.frequency)}"
+        return f"{shakes}, {shown.length.show(self.above_end)} above the lower end"
+
     def as_dict(self) -> dict[str, float]:
         """Return the parameters in SI units."""
         return {"amplitude": self.amplitude, "frequency": self.frequency, "above_end": self.above_end}

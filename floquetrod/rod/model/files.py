@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Mapping
 from dataclasses import MISSING, fields
 from pathlib import Path
@@ -9,8 +10,11 @@ from typing import Any, TypeVar
 
 from floquetrod import units
 from floquetrod._util import validate
-from floquetrod._util.arguments import located
+from floquetrod._util.arguments import Message, located
+from floquetrod._util.calling import level_of_caller
+from floquetrod._util.implausible import SILENCE, PlausibilityWarning
 from floquetrod._util.tables import read_toml, require_known
+from floquetrod.bare_numbers import Quantity, bare_numbers
 from floquetrod.rod.model.parts import INSTEAD, MEANT
 
 T = TypeVar("T")
@@ -41,10 +45,41 @@ def rod_of(table: Mapping[str, Any], kind: type[T], folder: Path) -> T:
     """
     needed = {f.name: f.default is MISSING for f in fields(kind)}  # type: ignore[arg-type]  # a dataclass
     _require_keys(table, needed)
-    given = {key: _value(key, value, folder) for key, value in table.items()}
+    rod = _made({key: _value(key, value, folder) for key, value in table.items()}, kind)
+    _warn_of_bare_numbers(table, kind, folder)
+    return rod
+
+
+def _made(given: Mapping[str, Any], kind: type[T]) -> T:
+    """Return the rod of parameters in SI units."""
     if "catalogue" not in given:
         return kind(**given)
-    return kind.catalogue(given.pop("catalogue"), **given)  # type: ignore[attr-defined,no-any-return]
+    parameters = {key: value for key, value in given.items() if key != "catalogue"}
+    return kind.catalogue(given["catalogue"], **parameters)  # type: ignore[attr-defined,no-any-return]
+
+
+def _warn_of_bare_numbers(table: Mapping[str, Any], kind: type[T], folder: Path) -> None:
+    """Warn of a number without a unit that may be meant in another one, with which the rod is plausible, too.
+
+    Not of one that is implausible as it is, of which the rod warns.
+    """
+    quantities = (Quantity(key, value, units.ROD_KINDS[key]) for key, value in table.items() if key in units.ROD_KINDS)
+    for number in bare_numbers(quantities):
+        name, value, _ = number.quantity
+        if all(_is_plausible({**table, name: each}, kind, folder) for each in (value, f"{value}{number.other}")):
+            text = Message(f"in the file {number.warning}", SILENCE)
+            warnings.warn(text, PlausibilityWarning, stacklevel=level_of_caller())
+
+
+def _is_plausible(table: Mapping[str, Any], kind: type[T], folder: Path) -> bool:
+    """Return whether a rod is one, and warns of nothing."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("error", PlausibilityWarning)
+        try:
+            _made({key: _value(key, value, folder) for key, value in table.items()}, kind)
+        except (PlausibilityWarning, TypeError, ValueError):
+            return False
+    return True
 
 
 def _require_keys(table: Mapping[str, Any], needed: Mapping[str, bool]) -> None:
