@@ -355,3 +355,27 @@ def test_notes_of_panels_side_by_side_stay_apart() -> None:
     assert left.x1 < right.x0
     assert min(ax.bbox.width for ax in axes) > 0.4 * figure.bbox.width  # notes take no room from the panels
     pyplot.close(figure)
+
+
+@pytest.mark.parametrize("seed", range(depth(40, 3)))
+def test_what_a_note_explains_is_drawn(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    rod = fr.Rod.nitinol()
+    force, low, first = rod.critical_force, rng.uniform(0.0, 0.8), rng.uniform(15.0, 120.0)
+    chart = fr.stability_map(
+        rod,
+        mean=(low * force, (low + rng.uniform(0.1, 0.6)) * force, 20),
+        amplitude=float(rng.choice([0.01, 0.05, 0.2, 0.5])) * force,
+        frequency=(first, first * rng.uniform(1.2, 3.0), 24),
+        growth=bool(rng.integers(2)),
+    )
+    chart.find_bands()
+    for ax in (chart.plot(), chart.bands.plot()):
+        for size in ((7.0, 5.0), (5.0, 5.5), (12.0, 9.0)):
+            ax.figure.set_size_inches(*size)
+            ax.figure.canvas.draw()
+            drawn = [name for artist in ax.artists if hasattr(artist, "shown") for name in artist.shown]
+            explained = re.search(r"(\S+): modes? \S+", note(ax))
+            assert (explained is not None) is bool(drawn)
+            assert explained is None or explained[1] in drawn
+        pyplot.close(ax.figure)

@@ -4,11 +4,16 @@ from __future__ import annotations
 
 import math
 import pickle
+import re
+from itertools import pairwise
+from typing import Any
 
 import numpy as np
 import pytest
+from matplotlib import pyplot
 
 import floquetrod as fr
+from conftest import DEEP, depth
 from floquetrod.milling import read_depth, read_speed
 from floquetrod.milling.lobes import critical_depths, judged
 
@@ -153,3 +158,101 @@ def test_bad_input_has_one_clear_error(call: object, message: str) -> None:
     assert callable(call)
     with pytest.raises((TypeError, ValueError), match=message):
         call()
+
+
+def drawn_cutter(rng: np.random.Generator) -> fr.Milling:
+    modes = [
+        fr.ToolMode(f"{rng.uniform(400, 1500)}Hz", rng.uniform(0.008, 0.04), mass=f"{rng.uniform(20, 200)}g")
+        for _ in range(rng.integers(1, 3))
+    ]
+    return fr.Milling(
+        x=modes[:1],
+        y=modes[1:],
+        teeth=int(rng.integers(1, 5)),
+        tangential="600MPa",
+        radial="200MPa",
+        immersion=float(rng.choice([1.0, 0.5, 0.1])),
+        direction=str(rng.choice(["up", "down"])),
+    )
+
+
+def drawn_lobes(rng: np.random.Generator) -> Any:
+    cutter = drawn_cutter(rng)
+    beat = min(mode.frequency for mode in cutter.modes) / cutter.teeth
+    low = beat * rng.uniform(0.15, 0.5)
+    high = low * rng.uniform(1.1, 4.0)
+    deep = 20.0 * min(2.0 * mode.damping_ratio * mode.stiffness for mode in cutter.modes) / 6e8
+    return cutter.lobes((low, high, int(rng.integers(12, 24 * DEEP + 16))), (0.0, deep * rng.uniform(0.2, 1.5), 12))
+
+
+@pytest.mark.parametrize("seed", range(depth(60, 2)))
+def test_every_name_in_a_chart_of_lobes_lies_on_its_own_lobe(seed: int) -> None:
+    lobes = drawn_lobes(np.random.default_rng(seed))
+    ax = lobes.plot()
+    ax.figure.canvas.draw()
+    rpm = 30.0 / math.pi
+    if not lobes.lobes:
+        assert [text.get_text().replace("\n", " ") for text in ax.texts] == [lobes.none_in_range]
+        pyplot.close(ax.figure)
+        return
+    (artist,) = (each for each in ax.artists if hasattr(each, "shown"))
+    renderer, placed = ax.figure.canvas.get_renderer(), {}
+    for text in artist.texts:
+        placed[text.get_text(), text.get_position()] = text.get_window_extent(renderer)
+    for name in artist.shown:
+        boxes = [box for (other, at), box in placed.items() if other == name and at != (0, 0)]
+        for box in boxes:
+            (left, bottom), (right, _) = ax.transData.inverted().transform(box.get_points())
+            owners = [
+                lobe
+                for lobe in lobes.lobes
+                if f"{lobe.kind} {lobe.number}" == name
+                and rpm * lobe.speeds[0] <= left
+                and right <= rpm * lobe.speeds[1]
+            ]
+            assert len(owners) == 1
+            columns = np.flatnonzero((lobes.chart.x.values >= left) & (lobes.chart.x.values <= right))
+            assert (1e3 * lobes.depths[columns] <= bottom).all()
+    pyplot.close(ax.figure)
+
+
+@pytest.mark.parametrize("seed", range(depth(60, 2)))
+def test_the_table_of_lobes_names_each_once_and_no_neighbours_are_one_lobe(seed: int) -> None:
+    lobes = drawn_lobes(np.random.default_rng(seed))
+    table = lobes.report().table
+    if table is None:
+        assert "no lobe in range" in lobes.report().headline
+        return
+    names = [row[0] for row in table.rows if row[0]]
+    assert len(names) == len(set(names)) == len(set(map(str, lobes.lobes)))
+    assert len(table.rows) == len(lobes.lobes)
+    for one, other in pairwise(lobes.lobes):
+        first, last = np.searchsorted(lobes.speeds, [other.speeds[0], one.speeds[1]])
+        assert str(one) != str(other) or first > last + 1
+
+
+def test_the_lobes_of_the_slot_are_numbered_downwards_and_named_near_its_mode() -> None:
+    lobes = cutter().lobes(("5000rpm", "25000rpm", 120), ("0mm", "4mm", 60))
+    wide = [lobe for lobe in lobes.lobes if lobe.depth < 1e-3]
+    assert list(map(str, wide)) == [f"Hopf lobe {number}" for number in (5, 4, 3, 2, 1)]
+    flips = [lobe.number for lobe in lobes.lobes if lobe.kind == "flip"]
+    assert flips == sorted(flips, reverse=True)
+    assert all(0.8 < lobe.frequency / (2.0 * math.pi * 922.0) < 1.2 for lobe in lobes.lobes)
+
+
+def test_where_no_lobe_is_in_range_a_range_is_told_that_has_one() -> None:
+    def asked(speed: tuple[str, str], low: str, high: str) -> Any:
+        return cutter().lobes((*speed, 6), (low, high, 5))
+
+    none = asked(("9000rpm", "11000rpm"), "0mm", "0.1mm")
+    found = re.search(r"in range: nothing chatters up to 0.1 mm .* take depths up to ([\d.]+) mm", none.none_in_range)
+    assert found is not None
+    assert none.report().headline.endswith(none.none_in_range)
+    ax = none.plot()
+    assert [text.get_text().replace("\n", " ") for text in ax.texts] == [none.none_in_range]
+    pyplot.close(ax.figure)
+    some = asked(("9000rpm", "11000rpm"), "0mm", f"{found[1]}mm")
+    assert some.lobes
+    assert some.none_in_range == ""
+    below = asked(("14500rpm", "18000rpm"), "3mm", "4mm")
+    assert "no lobe in range: chatter begins below 3 mm; let the depths begin at 0 mm" in str(below.report())

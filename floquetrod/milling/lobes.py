@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from floquetrod._util import validate
 from floquetrod._util.arrays import Complexes, Floats
+from floquetrod._util.caching import cached_property
 from floquetrod._util.content import ByContent, NoTruthValue
 from floquetrod._util.interpolation import chebyshev_points
 from floquetrod._util.report import Report, Reported, Table
@@ -32,7 +33,9 @@ _FARTHEST = 500.0  # times that depth up to which is searched (a choice)
 _AT_ONCE = 16  # depths tried before deeper ones are (a choice)
 _PRECISE = 1e-11  # of a critical depth, relative
 _ENOUGH = 8  # nodes more, with which a boundary is known to some ten digits (measured)
-_JUMP = 0.5  # rad of a multiplier's angle from one speed to the next that begins another lobe (a choice)
+_SHOWN_ABOVE = 2.0  # least critical depths that a range suggested for a chart shows (a choice)
+_STRONG = 0.1  # of the strongest vibration, from which others may name a lobe (a choice)
+_SAMPLED = 9  # speeds at which a critical depth is searched for where a chart has no lobe (a choice)
 _NOT_REAL = 1e-6  # rad of a multiplier's angle, from 0 or pi
 
 Kind = Literal["Hopf", "flip", "fold"]
@@ -109,20 +112,45 @@ class Lobes(Reported, NoTruthValue, ByContent):
         return draw_lobes(self, ax)
 
     def report(self) -> Report:
-        """Return the lobes as a table."""
+        """Return the lobes as a table, those of one name one below the other; where there are none, why."""
+        if not self.lobes:
+            return Report(f"{repr(self.milling).strip('<>')}: {self.none_in_range}")
+        names = list(dict.fromkeys(map(str, self.lobes)))
+        listed = sorted(self.lobes, key=lambda lobe: names.index(str(lobe)))
+        begins = [None, *listed[:-1]]
         rows = [
             (
-                str(lobe),
+                "" if str(lobe) == str(before) else str(lobe),
                 f"{_rpm(lobe.speeds[0]):.6g} to {_rpm(lobe.speeds[1]):.6g}",
                 f"{1e3 * lobe.depth:.6g}",
                 f"{_rpm(lobe.at):.6g}",
                 f"{lobe.frequency / (2.0 * math.pi):.6g}",
             )
-            for lobe in self.lobes
+            for before, lobe in zip(begins, listed, strict=True)
         ]
         head = ("lobe", "speeds / rpm", "least depth / mm", "at / rpm", "chatter / Hz")
         widths = [f"<{max(len(row[i]) for row in (head, *rows))}" for i in range(len(head))]
         return Report(repr(self.milling).strip("<>"), (), Table(list(zip(head, widths, strict=True)), rows))
+
+    @cached_property
+    def none_in_range(self) -> str:
+        """Why no lobe begins within the chart, and depths between which one does; "" where there are lobes."""
+        if self.lobes:
+            return ""
+        low, high = self.chart.y.values[[0, -1]]
+        if (self.depths == 0.0).any():
+            return f"no lobe in range: chatter begins below {low:.4g} mm; let the depths begin at 0 mm"
+        speeds = self.speeds[np.unique(np.linspace(0, self.speeds.size - 1, _SAMPLED).astype(int))]
+        depths = critical_depths(self.milling, speeds)
+        i = int(np.argmin(depths))
+        nothing = f"no lobe in range: nothing chatters up to {high:.4g} mm at these speeds"
+        if not math.isfinite(depths[i]):
+            return f"{nothing}, nor at any depth tried at {speeds.size} of them; take others"
+        least = 1e3 * float(depths[i])
+        return (
+            f"{nothing}; at {_rpm(speeds[i]):.6g} rpm it does from {least:.4g} mm on: take depths up to "
+            f"{_SHOWN_ABOVE * least:.2g} mm, say"
+        )
 
     def as_dict(self) -> dict[str, Any]:
         """Return the lobes for JSON, in rad/s and m."""
@@ -343,13 +371,13 @@ class _Onset(NamedTuple):
 
 
 def _named(milling: Cutter, speeds: Floats, depths: Floats) -> list[Lobe]:
-    """Return the lobes between critical depths: neighbours that begin in one way, with about one angle."""
+    """Return the lobes between critical depths: neighbours that begin in one way, with as many whole vibrations."""
     there = np.flatnonzero(np.isfinite(depths) & (depths > 0.0)).tolist()
     onsets = {i: _onset(milling, speeds[i], depths[i]) for i in there}
     groups: list[list[int]] = []
     for i in there:
         one, last = onsets[i], onsets.get(i - 1)
-        if last is None or one.kind != last.kind or abs(one.angle - last.angle) > _JUMP:
+        if last is None or (one.kind, math.floor(one.turns)) != (last.kind, math.floor(last.turns)):
             groups.append([])
         groups[-1].append(i)
     found = []
@@ -372,11 +400,15 @@ def _onset(milling: Cutter, speed: float, depth: float) -> _Onset:
     angle = abs(float(np.angle(values[leading])))
     kind: Kind = "fold" if angle < _NOT_REAL else "flip" if math.pi - angle < _NOT_REAL else "Hopf"
     vector = vectors[:, leading] if values[leading].imag >= 0.0 else vectors[:, leading].conj()
-    return _Onset(kind, angle, abs(_turns(milling, vector, angle, pieces, count)))
+    return _Onset(kind, angle, abs(_turns(milling, vector, angle, speed, pieces, count)))
 
 
-def _turns(milling: Cutter, vector: Complexes, angle: float, pieces: int, count: int) -> float:
-    """Return how often a solution vibrates between teeth: of angle / 2 pi + k the one that is strongest in it."""
+def _turns(milling: Cutter, vector: Complexes, angle: float, speed: float, pieces: int, count: int) -> float:
+    """Return how often a solution vibrates between teeth: of angle / 2 pi + k one that is strong in it.
+
+    In deep cuts, which vary stiffness as much as the tool has, several are about as strong.  The one nearest to a
+    natural frequency names the lobe, so that those of neighbouring speeds are numbered one after the other.
+    """
     on, _ = _cut(milling, pieces, count)
     n, kept = len(milling.modes), count + 2
     values = vector[2 * n :].reshape(-1, kept, n)
@@ -389,7 +421,9 @@ def _turns(milling: Cutter, vector: Complexes, angle: float, pieces: int, count:
     tried = angle / (2.0 * math.pi) + np.arange(-most, most)
     waves = np.exp(-2j * math.pi * tried[:, None, None] * times)
     strength = np.square(np.abs(np.einsum("kpt,pt,ptn->kn", waves, weights, values))).sum(axis=1)
-    return float(tried[int(strength.argmax())])
+    natural = np.array([mode.frequency for mode in milling.modes]) * milling.pitch / (2.0 * math.pi * speed)
+    away = np.abs(np.abs(tried)[:, None] - natural).min(axis=1)
+    return float(tried[int(np.where(strength >= _STRONG * strength.max(), away, math.inf).argmin())])
 
 
 def _rpm(speed: float) -> float:

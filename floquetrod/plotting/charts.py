@@ -77,7 +77,7 @@ def explain(ax: Any, handles: Sequence[Any], note: str = "", columns: int = 4) -
         handles=handles,
         labels=[(handle[0] if isinstance(handle, tuple) else handle).get_label() for handle in handles],
         handler_map={tuple: HandlerTuple(ndivide=None, pad=0.0)},
-        title=typeset(textwrap.fill(note, _note_width(ax))),
+        title=filled(ax, note),
         loc="upper left",
         bbox_to_anchor=(0.0, 0.0),
         bbox_transform=ax.transAxes + below,
@@ -90,6 +90,11 @@ def explain(ax: Any, handles: Sequence[Any], note: str = "", columns: int = 4) -
         alignment="left",
     )
     legend.set_zorder(1.0)
+
+
+def filled(ax: Any, note: str) -> str:
+    """Return a note in lines as wide as axes."""
+    return typeset(textwrap.fill(note, _note_width(ax)))
 
 
 def _note_width(ax: Any) -> int:

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import functools
-from collections.abc import Sequence
-from typing import Any
+from collections.abc import Callable, Sequence
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -40,11 +40,24 @@ def explanation(bands: Sequence[Any]) -> str:
     return "numbers: modes" if known[0].mode is not None else "numbers: tongues"
 
 
-def add_labels(ax: Any, bands: Sequence[Any], *, halo: bool) -> None:
-    """Name the bands in axes whenever these are drawn; ``halo``: letters are edged, for areas that may be dark."""
-    named = sorted((band for band in bands if label(band)), key=_area, reverse=True)
-    if named:
-        ax.add_artist(_artist()(named[:_MOST], halo))
+def add_labels(ax: Any, bands: Sequence[Any], *, halo: bool, note: Callable[[str], str] | None = None) -> None:
+    """Name the bands in axes whenever these are drawn; ``halo``: letters are edged, for areas that may be dark.
+
+    ``note`` makes the note over the legend of what a label means, which then is explained by one that is drawn.
+    """
+    named = sorted((band for band in bands if label(band)), key=_area, reverse=True)[:_MOST]
+    if not named:
+        return
+    drawn = _artists().labels([label(band) for band in named], named, halo, False)
+    ax.add_artist(drawn)
+    if note is not None:
+        ax.add_artist(_artists().note(drawn, lambda shown: note(explanation([named[i] for i in shown]))))
+
+
+def add_names(ax: Any, names: Sequence[str], shapes: Sequence[Any]) -> None:
+    """Write names into polygons, which have ``x`` and ``y``, whenever axes are drawn; upwards in what is narrow."""
+    order = sorted(range(len(names)), key=lambda i: _area(shapes[i]), reverse=True)
+    ax.add_artist(_artists().labels([names[i] for i in order], [shapes[i] for i in order], False, True))
 
 
 def places(wanted: Sequence[tuple[Floats, Floats, float, float]], free: Mask) -> list[tuple[float, float] | None]:
@@ -109,50 +122,86 @@ def _area(band: Any) -> float:
     return 0.5 * abs(float(np.dot(x, np.roll(y, -1)) - np.dot(y, np.roll(x, -1))))
 
 
+class _Artists(NamedTuple):
+    """The artists that draw labels, and that keep the note on them true."""
+
+    labels: Any
+    note: Any
+
+
 @functools.cache
-def _artist() -> Any:
-    """Return the class of artists that draw labels."""
+def _artists() -> _Artists:
+    """Return the classes of artists, which matplotlib is imported for."""
     from matplotlib.artist import Artist
     from matplotlib.patheffects import withStroke
     from matplotlib.text import Text
 
     class Labels(Artist):
-        """Labels of bands, placed when drawn: then the size of the axes, and what else they hold, is known."""
+        """Labels of polygons, placed when drawn: then the size of the axes, and what else they hold, is known."""
 
-        def __init__(self, bands: Sequence[Any], halo: bool) -> None:
+        def __init__(self, names: Sequence[str], shapes: Sequence[Any], halo: bool, turns: bool) -> None:
             super().__init__()
             self.set_zorder(2.5)
             self.set_in_layout(False)
-            self.bands = bands
+            self.shapes = shapes
+            self.turns = turns
             effects = [withStroke(linewidth=1.8, foreground=palette.STABLE)] if halo else []
             style: dict[str, Any] = {"ha": "center", "va": "center", "fontsize": "x-small"}
-            self.texts = [Text(0, 0, label(band), path_effects=effects, **style) for band in bands]
+            self.texts = [Text(0, 0, name, path_effects=effects, **style) for name in names]
+            self.ready: list[int] | None = None  # where they have been placed for the note of the same picture
             self.shown: list[str] = []
 
-        def draw(self, renderer: Any) -> None:
-            """Place the labels and draw those for which there is room."""
-            if not self.get_visible():
-                return
+        def placed(self, renderer: Any) -> list[int]:
+            """Place the labels and return the numbers of those for which there is room."""
             axes: Any = self.axes
             cell = renderer.points_to_pixels(_CELL)
             window = axes.get_window_extent(renderer)
             wanted = []
-            for band, text in zip(self.bands, self.texts, strict=True):
+            for shape, text in zip(self.shapes, self.texts, strict=True):
                 text.set_figure(self.figure)
-                size = text.get_window_extent(renderer)
-                points = axes.transData.transform(np.column_stack([band.x, band.y]))
+                text.set_rotation(0.0)
+                points = axes.transData.transform(np.column_stack([shape.x, shape.y]))
                 x, y = ((points - (window.x0, window.y0)) / cell - 0.5).T
-                around = _ROOM / _CELL
-                wanted.append((x, y, size.width / cell + around, size.height / cell + around))
-            free = _free(axes, renderer, cell)
-            self.shown = []
-            for text, place in zip(self.texts, places(wanted, free), strict=True):
+                around, size = _ROOM / _CELL, text.get_window_extent(renderer)
+                width, height = size.width / cell + around, size.height / cell + around
+                if self.turns and np.ptp(x) < width and np.ptp(y) > width:
+                    text.set_rotation(90.0)
+                    width, height = height, width
+                wanted.append((x, y, width, height))
+            found = places(wanted, _free(axes, renderer, cell))
+            for text, place in zip(self.texts, found, strict=True):
                 if place is not None:
                     text.set_position((window.x0 + (place[0] + 0.5) * cell, window.y0 + (place[1] + 0.5) * cell))
-                    text.draw(renderer)
-                    self.shown.append(text.get_text())
+            return [number for number, place in enumerate(found) if place is not None]
 
-    return Labels
+        def draw(self, renderer: Any) -> None:
+            """Draw the labels for which there is room."""
+            if not self.get_visible():
+                return
+            numbers = self.placed(renderer) if self.ready is None else self.ready
+            drawn, self.ready = [self.texts[number] for number in numbers], None
+            for text in drawn:
+                text.draw(renderer)
+            self.shown = [text.get_text() for text in drawn]
+
+    class Note(Artist):
+        """What keeps the note over a legend true, which is drawn before the labels are: it draws nothing."""
+
+        def __init__(self, labels: Any, note: Callable[[list[int]], str]) -> None:
+            super().__init__()
+            self.set_zorder(0.5)
+            self.set_in_layout(False)
+            self.labels = labels
+            self.note = note
+
+        def draw(self, renderer: Any) -> None:
+            """Write the note on the labels that will be drawn."""
+            legend = self.axes.get_legend() if self.axes is not None else None
+            if legend is not None and self.labels.get_visible():
+                self.labels.ready = self.labels.placed(renderer)
+                legend.get_title().set_text(self.note(self.labels.ready))
+
+    return _Artists(Labels, Note)
 
 
 _NOTHING = ("None", "none", "", " ", None)

@@ -2,44 +2,49 @@
 
 from __future__ import annotations
 
-import itertools
-import math
-from typing import Any
+import textwrap
+from typing import Any, NamedTuple
 
-from floquetrod.plotting import palette
+import numpy as np
 
-_ROOM = (0.09, 0.07)
-"""Parts of the axes that a name takes: another one so near it is left out."""
+from floquetrod._util.arrays import Floats
+from floquetrod.plotting import labels, palette
 
-_LOWEST = 0.9
-"""Part of the height below which a lobe's lowest point must be for it to be named."""
+_WIDE = 60
+"""Characters of a line within axes."""
+
+
+class Outline(NamedTuple):
+    """A polygon, in the units of the axes."""
+
+    x: Floats
+    y: Floats
 
 
 def draw_lobes(lobes: Any, ax: Any = None) -> Any:
-    """Draw `floquetrod.milling.lobes.Lobes`: the chart, and lobes named where they are lowest, wide ones first.
+    """Draw `floquetrod.milling.lobes.Lobes`: the chart, with names inside the lobes that have room for theirs.
 
-    Neighbours of one kind and number share a name.
+    Where there are none the chart says why.
     """
     ax = lobes.chart.plot(ax)
-    across, up = lobes.chart.x.values, lobes.chart.y.values
-    alike = [list(group) for _, group in itertools.groupby(lobes.lobes, lambda lobe: (lobe.kind, lobe.number))]
-    placed: list[tuple[float, float]] = []
-    for group in sorted(alike, key=lambda group: group[0].speeds[0] - group[-1].speeds[1]):
-        lobe = min(group, key=lambda lobe: lobe.depth)
-        at, depth = 30.0 / math.pi * lobe.at, 1e3 * lobe.depth
-        share = (at - across[0]) / (across[-1] - across[0]), (depth - up[0]) / (up[-1] - up[0])
-        near = any(abs(share[0] - x) < _ROOM[0] and abs(share[1] - y) < _ROOM[1] for x, y in placed)
-        if near or share[1] > _LOWEST:
-            continue
-        placed.append(share)
-        side = "left" if share[0] < 0.05 else "right" if share[0] > 0.95 else "center"
-        ax.annotate(
-            f"{lobe.kind} {lobe.number}",
-            (at, depth),
-            xytext=({"left": 4, "center": 0, "right": -4}[side], 12),
-            textcoords="offset points",
-            ha=side,
-            fontsize="small",
-            bbox=palette.BOX,
-        )
+    if lobes.lobes:
+        names = [f"{lobe.kind} {lobe.number}" for lobe in lobes.lobes]
+        labels.add_names(ax, names, [outline(lobes, lobe) for lobe in lobes.lobes])
+    else:
+        style: dict[str, Any] = {"ha": "center", "va": "center", "fontsize": "small", "in_layout": False}
+        text = textwrap.fill(lobes.none_in_range, _WIDE)
+        ax.text(0.5, 0.5, text, transform=ax.transAxes, bbox=palette.BOX, **style)
     return ax
+
+
+def outline(lobes: Any, lobe: Any) -> Outline:
+    """Return the polygon of a lobe on its chart: at its speeds from the critical depth up to where nothing grows."""
+    chart = lobes.chart
+    first, last = np.searchsorted(lobes.speeds, lobe.speeds)
+    columns = np.arange(first, last + 1)
+    low, depths = 1e3 * lobes.depths[columns], chart.y.values
+    ends = chart.stable[:, columns] & (depths[:, None] > low)
+    stable_again = np.where(ends.any(axis=0), ends.argmax(axis=0), depths.size)
+    top = np.maximum(depths[np.maximum(stable_again - 1, 0)], low)
+    x = chart.x.values[columns]
+    return Outline(np.concatenate([x, x[::-1]]), np.concatenate([low, top[::-1]]))

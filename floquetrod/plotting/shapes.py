@@ -8,7 +8,16 @@ from typing import Any
 import numpy as np
 
 from floquetrod.plotting import labels, palette
-from floquetrod.plotting.charts import areas, axes_or_new, colours, draw_large_motion, finish, growth_label, title
+from floquetrod.plotting.charts import (
+    areas,
+    axes_or_new,
+    colours,
+    draw_large_motion,
+    filled,
+    finish,
+    growth_label,
+    title,
+)
 
 _LINE = 0.6
 """Width in points of a band's edge, and of a band thinner than that."""
@@ -21,8 +30,12 @@ def draw_bands(bands: Any, ax: Any = None) -> Any:
     """Draw `floquetrod.plane.Bands` as shapes, thin ones as lines, named where there is room; return the axes."""
     ax = axes_or_new(ax)
     fill(ax, bands, palette.UNSTABLE)
-    labels.add_labels(ax, bands.bands, halo=False)
-    _frame(ax, bands, "unstable bands", said(bands), colours("unstable", "stable"))
+
+    def note(explanation: str) -> str:
+        return "; ".join(filter(None, [bands.caption, explanation]))
+
+    labels.add_labels(ax, bands.bands, halo=False, note=lambda explanation: filled(ax, note(explanation)))
+    _frame(ax, bands, "unstable bands", note(labels.explanation(bands.bands)), colours("unstable", "stable"))
     return ax
 
 
@@ -42,16 +55,16 @@ def draw_banded_chart(chart: Any, ax: Any = None) -> Any:
         image.set_visible(len(bands) > 0)
         ax.figure.colorbar(image, ax=ax, label=growth_label(chart.growth_unit))
     draw_large_motion(chart, ax, 0.5)
-    labels.add_labels(ax, bands.bands, halo=chart.growth_rate is not None)
     undecided = f"{chart.undecided} of {chart.stable.size} points undecided" if chart.undecided else ""
-    note = "; ".join(filter(None, [f"{chart.heading}: {said(bands)}", chart.criterion, undecided]))
-    _frame(ax, bands, title(chart), note, areas(chart))
+
+    def note(explanation: str) -> str:
+        caption = f"{chart.heading}: {bands.caption}"
+        return "; ".join(filter(None, [caption, explanation, chart.criterion, undecided]))
+
+    halo = chart.growth_rate is not None
+    labels.add_labels(ax, bands.bands, halo=halo, note=lambda explanation: filled(ax, note(explanation)))
+    _frame(ax, bands, title(chart), note(labels.explanation(bands.bands)), areas(chart))
     return ax
-
-
-def said(bands: Any) -> str:
-    """Return the caption of bands, and what their labels mean."""
-    return "; ".join(filter(None, [bands.caption, labels.explanation(bands.bands)]))
 
 
 def fill(ax: Any, bands: Collection[Any], colour: str, *, line: float = _LINE, zorder: float = 1.0) -> None:
