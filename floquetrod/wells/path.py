@@ -104,17 +104,19 @@ class WellPath(Reported, ByContent, TellsAttributes):
             object.__setattr__(self, name, values)
         return self
 
-    def _check(self, file: str = "", lines: Sequence[int] = (), **read: bool) -> None:
+    def _check(
+        self, file: str = "", lines: Sequence[int] = (), *, has_headings: bool = True, in_degrees: bool = False
+    ) -> None:
         """Raise ValueError for stations that make no path, and warn of those that look like mistakes.
 
-        Stations of a file have ``lines``; how it was ``read`` is for `survey.suspicions`.
+        Stations of a file have ``lines``; how it was read is for `survey.suspicions`.
         """
         columns = self.depth, self.inclination, self.azimuth
         found = survey.fault(*columns)
         if found is not None:
             error = validate.wrong_value(found.argument, f"at station {found.station} {found.problem}")
             raise located(f"{file}line {lines[found.station - 1]}", error) if lines else error
-        for odd in survey.suspicions(*columns, **read):
+        for odd in survey.suspicions(*columns, has_headings=has_headings, in_degrees=in_degrees):
             where = f"{file}line {lines[odd.station - 1]}: " if lines else ""
             text = Message(f"{where}station {odd.station} ", odd.problem, SILENCE)
             warnings.warn(text, PlausibilityWarning, stacklevel=level_of_caller())

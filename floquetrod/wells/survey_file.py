@@ -84,10 +84,10 @@ def read(
     _require_as_wide(lines[first - 1] if first else None, rows, delimiter, len(columns))
     sizes = {c.name: _size(c, given[c.name]) for c in columns}
     found = {c.name: sizes[c.name] * np.array(_numbers(c, rows)) for c in columns}
-    azimuth, lines = found.get("azimuth", np.zeros(len(rows))), [number for number, _ in rows]
+    azimuth, stations = found.get("azimuth", np.zeros(len(rows))), [number for number, _ in rows]
     in_degrees = given["inclination"] is None and sizes["inclination"] != 1.0
     is_named = first > 0 or None not in wanted.values()
-    return SurveyFile(found["depth"], found["inclination"], azimuth, lines, is_named, in_degrees)
+    return SurveyFile(found["depth"], found["inclination"], azimuth, stations, is_named, in_degrees)
 
 
 def _require_as_wide(headings: Line | None, rows: Sequence[tuple[int, list[str]]], delimiter: str, chosen: int) -> None:
