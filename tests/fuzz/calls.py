@@ -162,6 +162,8 @@ LEFT_OUT = {
     "RodBranches.plot": "of branches that take seconds: attacked in tests/test_rod_branches.py",
     **dict.fromkeys(("RodBranches.report", "RodBranches.as_dict", "RodBranches.to_xarray"), "takes no argument"),
     "VibrationTool.as_dict": "takes no argument",
+    "VibrationTool.in_words": "takes units, which are values",
+    "Milling.in_words": "takes no argument",
     "WellPath.as_dict": "takes no argument",
     "WellPath.in_words": "takes a unit, which is a value",
     "WellPath.report": "takes no argument",
