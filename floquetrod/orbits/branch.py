@@ -19,7 +19,6 @@ from floquetrod.floquet.status import STATUS_CODES
 from floquetrod.orbits.branch_files import load, save
 from floquetrod.orbits.continuation import HOPF
 from floquetrod.orbits.crossings import multipliers_of
-from floquetrod.orbits.extents import extent
 from floquetrod.orbits.orbit import PeriodicOrbit
 from floquetrod.orbits.special_points import SpecialPoint
 
@@ -77,13 +76,13 @@ class Branch(ByContent, Printed, NoTruthValue):
 
     @cached_property
     def largest(self) -> Floats:
-        """Largest value of each state over the period (k, n), to about 1e-6 of its range."""
-        return np.array([extent(orbit)[1] for orbit in self.orbits])
+        """Largest value of each state over the period (k, n), each as accurate as the states of its orbit."""
+        return np.array([orbit.largest for orbit in self.orbits])
 
     @cached_property
     def least(self) -> Floats:
         """Least value of each state over the period (k, n), likewise."""
-        return np.array([extent(orbit)[0] for orbit in self.orbits])
+        return np.array([orbit.least for orbit in self.orbits])
 
     @property
     def amplitude(self) -> Floats:

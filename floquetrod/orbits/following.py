@@ -15,7 +15,7 @@ from floquetrod.orbits import mesh as meshes
 from floquetrod.orbits.arclength import Measure
 from floquetrod.orbits.branch import Branch
 from floquetrod.orbits.continuation import Continuation, Ended, Sample, Task, lowered, sampled, started
-from floquetrod.orbits.extents import extent, returns_after
+from floquetrod.orbits.extents import returns_after
 from floquetrod.orbits.locating import Watch, located
 from floquetrod.orbits.newton import NoOrbitError
 from floquetrod.orbits.orbit import PeriodicOrbit
@@ -93,7 +93,7 @@ def follow(
     if isinstance(orbit, Branch):
         return _extended(orbit, task, steps, progress)
     for parts in (2, 3):
-        if returns_after(orbit, parts):
+        if returns_after(orbit.collocation, orbit.point, parts):
             raise ValueError(
                 f"orbit must be one round of it: it returns after 1/{parts} of its period; give fr.periodic_orbit the "
                 f"period {orbit.period / parts:.9g}"
@@ -220,8 +220,8 @@ def _passes(march: Continuation, start: Sample, last: Sample, found: Sample) -> 
         there = finding.orbit_of(given.with_value(start.value), guess._replace(value=0.0))
     except ValueError:
         return False
-    ends, known = np.array(extent(there)), np.array(extent(start.orbit))
-    same = np.abs(ends - known) <= _SAME * march.measure.scale
+    gaps = np.abs([there.least - start.orbit.least, there.largest - start.orbit.largest])
+    same = gaps <= _SAME * march.measure.scale
     alike = start.place.collocation.turns is None or np.allclose(
         there.states[0], start.orbit.states[0], rtol=0.0, atol=_SAME * float(march.measure.scale.max())
     )

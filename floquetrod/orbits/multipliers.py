@@ -11,15 +11,17 @@ import numpy as np
 from floquetrod._util.arrays import EPS, Floats, norms
 from floquetrod.equations import PeriodicSystem
 from floquetrod.floquet.systems import cyclic, independent_solutions
-from floquetrod.floquet.systems.classification import classify_multipliers
+from floquetrod.floquet.systems.classification import LogDiscs, classify_multipliers
 from floquetrod.floquet.systems.independent_solutions import Solutions
 from floquetrod.floquet.systems.result import SystemStability
 from floquetrod.floquet.verdict import Cost
+from floquetrod.orbits import splitting
 
 _LARGEST_CONDITION = 100.0  # of the map over a segment: rounding then costs two digits (a choice)
-_SURE = 1e-9  # of logarithms: errors with which nobody needs other coordinates (a choice)
+_SURE = 1e-9  # of logarithms: errors with which nobody needs blocks (a choice)
 _NEAR = -3.0  # logarithm of multipliers that may decide
 _COARSE = 1e-7  # error of those that counts more than errors of the others (a choice)
+_ROUNDED = 1e-3  # error of a logarithm up to which a multiplier may be told to be 1 to rounding (a choice)
 _MOST_ROWS = 300  # of the cyclic matrix (a choice: some ten milliseconds)
 
 
@@ -47,21 +49,21 @@ def judged(linearised: PeriodicSystem, segments: Segments) -> OrbitVerdict:
     axis are maps across the motion, whose multipliers are all others, however close to 1 one of them is.
     """
     scales, maps, errors, trivial = _scaled(segments)
-    found: Solutions | None
+    krein, logs = None, None
     if maps.shape[1] == 1:
-        found = _alone(segments)
-    else:
-        maps, errors = _merged(maps, errors)
-        found = _solutions(maps, errors, scales) if np.isfinite(maps).all() else None
+        logs = independent_solutions.log_discs(_alone(segments), 0.0)
+    elif np.isfinite(maps).all():
+        solutions = cyclic.solutions(*_merged(maps, errors), scales)
+        logs = None if solutions is None else independent_solutions.log_discs(solutions, 0.0)
+        if segments.flow is None and solutions is not None and linearised.structure == "hamiltonian":
+            krein = functools.partial(independent_solutions.krein_sign, solutions)
+        elif solutions is None or float(solutions.radii.max()) >= _SURE:
+            logs = _least_doubtful(logs, _split(maps, errors))
     cost = Cost(len(segments.maps), "intervals")
-    logs = None if found is None else independent_solutions.log_discs(found, 0.0)
-    krein = None
-    if segments.flow is None and found is not None and linearised.structure == "hamiltonian":
-        krein = functools.partial(independent_solutions.krein_sign, found)
     note = ""
     if trivial is not None:
         note = f"the multiplier 1 of a shift along the orbit is left out, computed to within {trivial:.1g}"
-        if logs is not None and bool((np.abs(logs.values) <= logs.radii).any()):
+        if logs is not None and bool(((np.abs(logs.values) <= logs.radii) & (logs.radii < _ROUNDED)).any()):
             note += "; another one is 1 to rounding, as where orbits form a family with one energy each"
     stability = classify_multipliers(
         linearised,
@@ -98,26 +100,46 @@ def _alone(segments: Segments) -> Solutions:
     return Solutions(np.array([segments.trace + 0.0j]), np.array([error]), np.ones((1, 1), dtype=np.complex128))
 
 
-def _solutions(maps: Floats, errors: Floats, scales: Floats) -> Solutions | None:
-    """Return independent Floquet solutions, their states at the beginning of the mesh times ``scales``.
+def _split(maps: Floats, errors: Floats) -> LogDiscs:
+    """Return logarithms of the multipliers, block by block: each block has errors of its own.
 
-    In even coordinates where those say more: they help what decays unevenly, and cost digits where motion turns.
+    Where those of a block are not known, none of them is above the product of the norms of its maps.
     """
-    plain = cyclic.solutions(maps, errors, scales)
-    if len(maps) == 1 or (plain is not None and float(plain.radii.max()) < _SURE):
-        return plain
-    even = cyclic.evened(maps, errors)
-    found = cyclic.solutions(even.maps, even.errors, np.ones(len(scales)))
-    if found is None or (plain is not None and _doubt(plain) <= _doubt(found)):
-        return plain
-    states = scales[:, None] * (even.basis @ found.states)
-    return found._replace(states=states / np.linalg.norm(states, axis=0))
+    found = [_of_block(*block) for block in splitting.blocks(maps, errors)]
+    values, low, high, radii = (np.concatenate(parts) for parts in zip(*(each[:4] for each in found), strict=True))
+    starts = np.cumsum([0, *(len(each.values) for each in found)])
+    clusters = (cluster + start for each, start in zip(found, starts, strict=False) for cluster in each.clusters)
+    return LogDiscs(values, low, high, radii, tuple(clusters))
 
 
-def _doubt(found: Solutions) -> tuple[float, float]:
-    """Return the largest error of multipliers that may decide, 0 where it is small, and that of all."""
-    deciding = float(found.radii[found.logs.real > _NEAR].max(initial=0.0))
-    return deciding if deciding > _COARSE else 0.0, float(found.radii.max())
+def _of_block(maps: Floats, errors: Floats) -> LogDiscs:
+    """Return logarithms of the multipliers of the maps of a block."""
+    n = maps.shape[1]
+    if n == 1:
+        factors = maps[:, 0, 0]
+        with np.errstate(divide="ignore"):
+            log = float(np.log(np.abs(factors)).sum())
+            radius = -float(np.log1p(-np.minimum(errors / np.abs(factors), 1.0)).sum())
+        turned = np.array([log + (1j * math.pi if np.count_nonzero(factors < 0.0) % 2 else 0.0)])
+        return LogDiscs.about(turned, np.array([radius + EPS * abs(log)]), (np.array([0]),))
+    merged = _merged(maps, errors)
+    solutions = cyclic.solutions(*merged, np.ones(n))
+    if solutions is not None and np.isfinite(solutions.radii).all():
+        return independent_solutions.log_discs(solutions, 0.0)
+    largest = np.full(n, float(np.log(norms(merged[0]) + merged[1]).sum()))
+    unknown = np.full(n, math.inf)
+    return LogDiscs(largest + 0.0j, -unknown, largest, unknown, (np.arange(n),))
+
+
+def _least_doubtful(whole: LogDiscs | None, split: LogDiscs) -> LogDiscs:
+    """Return the logarithms with the smaller errors of those that may decide, of all where both are small."""
+    return split if whole is None or _doubt(split) < _doubt(whole) else whole
+
+
+def _doubt(logs: LogDiscs) -> tuple[float, float]:
+    """Return the largest error of multipliers that may decide, 0 where it is small, and the largest of all."""
+    deciding = float(logs.radii[logs.high > _NEAR].max(initial=0.0))
+    return deciding if deciding > _COARSE else 0.0, float(logs.radii.max())
 
 
 def _rounding(maps: Floats) -> Floats:

@@ -18,6 +18,7 @@ from floquetrod.floquet.references import references
 from floquetrod.floquet.status import Status
 from floquetrod.floquet.systems.result import SystemStability
 from floquetrod.orbits.collocation import Collocation, Point
+from floquetrod.orbits.extents import Extremes, extremes
 from floquetrod.orbits.mesh import evaluated
 from floquetrod.orbits.multipliers import OrbitVerdict, Segments, judged
 
@@ -43,7 +44,7 @@ class PeriodicOrbit(ByContent, Printed, NoTruthValue):
     times : ndarray (N + 1,)
         Instants of the mesh, from 0 to the period.
     states : ndarray (N + 1, n)
-        There; the last is the first.
+        There; the last is the first.  Extremes lie between them: ``least`` and ``largest``.
     error : float
         Estimate of the largest error of a state at any instant, as a fraction of the largest magnitude of its component
         over the period: twice the difference from the orbit with two points less in each interval of the mesh, and the
@@ -71,6 +72,21 @@ class PeriodicOrbit(ByContent, Printed, NoTruthValue):
         shares = times / self.period
         found = evaluated(self.collocation, self.point, (shares - np.floor(shares)).ravel())
         return shaped(found, (*times.shape, found.shape[1]))
+
+    @property
+    def least(self) -> Floats:
+        """Least value of each state over the period (n,), between instants of the mesh, too."""
+        return self.extremes.least
+
+    @property
+    def largest(self) -> Floats:
+        """Largest value of each state over the period (n,), likewise."""
+        return self.extremes.largest
+
+    @cached_property
+    def extremes(self) -> Extremes:
+        """Extremes of the states, as accurate as the states, and where they are."""
+        return extremes(self.collocation, self.point)
 
     @cached_property
     def linearised(self) -> PeriodicSystem:
@@ -164,7 +180,7 @@ class PeriodicOrbit(ByContent, Printed, NoTruthValue):
         verdict = self.stability.report()
         n, kind = self.states.shape[1], "autonomous" if self.system.is_autonomous else "forced"
         period = f"{self.period:.12g}" + (f" +- {self.period_error:.1g}" if self.period_error else "")
-        listed = [f"{low:.6g} to {high:.6g}" for low, high in zip(*self._ranges, strict=True)]
+        listed = [f"{low:.6g} to {high:.6g}" for low, high in zip(self.least, self.largest, strict=True)]
         lines = [
             ("orbit", f"of {n} equations, {kind}, period {period} (angular frequency {self.frequency:.6g})"),
             ("states", "; ".join(listed[:6]) + ("; ..." if n > 6 else "")),
@@ -174,12 +190,6 @@ class PeriodicOrbit(ByContent, Printed, NoTruthValue):
         lines += [("with", ", ".join(named))] if named else []
         kept = [line for line in verdict.lines if line[0] != "system"]
         return Report(verdict.headline, [*lines, *kept], verdict.table)
-
-    @property
-    def _ranges(self) -> tuple[Floats, Floats]:
-        """Least and largest of each state."""
-        values = np.concatenate([self.states, self.point.stages.reshape(-1, self.states.shape[1])])
-        return values.min(axis=0), values.max(axis=0)
 
     _keys = (
         "status period period_error error parameters=system.parameters trivial_multiplier_less_1 times states stability"

@@ -14,7 +14,7 @@ from floquetrod.orbits import arclength, finding
 from floquetrod.orbits import mesh as meshes
 from floquetrod.orbits.arclength import Measure
 from floquetrod.orbits.collocation import Collocation, Point, Step
-from floquetrod.orbits.extents import extent, returns_after
+from floquetrod.orbits.extents import returns_after
 from floquetrod.orbits.newton import NoOrbitError, corrected
 from floquetrod.orbits.orbit import PeriodicOrbit
 
@@ -68,13 +68,13 @@ class SpecialPoint(ByContent):
 
     @property
     def least(self) -> Floats:
-        """Least value of each state over the period (n,), to about 1e-6 of its range."""
-        return extent(self.orbit)[0]
+        """Least value of each state over the period (n,)."""
+        return self.orbit.least
 
     @property
     def largest(self) -> Floats:
-        """Largest value of each state over the period (n,), likewise."""
-        return extent(self.orbit)[1]
+        """Largest value of each state over the period (n,)."""
+        return self.orbit.largest
 
     @property
     def amplitude(self) -> Floats:
@@ -121,7 +121,7 @@ def _switched(special: SpecialPoint, side: int, distance: float) -> PeriodicOrbi
     if validate.integer("side", side, -1, 1) == 0:
         raise ValueError("side must be 1 or -1, got 0")
     distance = validate.within("distance", distance, 1e-4, 1.0)
-    if special.kind == "period doubling" and returns_after(special.orbit, 2):  # found from the doubled orbits
+    if special.kind == "period doubling" and returns_after(special.orbit.collocation, special.orbit.point, 2):  # found from the doubled orbits
         return finding.periodic_orbit(special.orbit.system, special.orbit.states[0], 0.5 * special.orbit.period)
     collocation, point, direction = _at(special)
     across = _across(collocation, point, direction, special.measure)

@@ -20,7 +20,9 @@ _COLOURS = ("black", "black", "0.45", "0.45", palette.NEUTRAL, palette.NEUTRAL)
 def draw_orbit(orbit: Any, ax: Any = None) -> Any:
     """Draw the states of a `floquetrod.PeriodicOrbit` over a period, in a line that tells its verdict."""
     ax = axes_or_new(ax)
-    time = np.linspace(0.0, orbit.period, 1000)
+    at = orbit.extremes  # a peak may be shorter than the picture's steps
+    peaks = orbit.period * np.concatenate([at.least_at, at.largest_at])
+    time = np.unique(np.concatenate([np.linspace(0.0, orbit.period, 1000), orbit.times, peaks]))
     states = orbit(time)
     count = min(_MOST, states.shape[1])
     for i in range(count):

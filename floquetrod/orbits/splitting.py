@@ -1,0 +1,94 @@
+"""Maps over the intervals of a period split into blocks, whose solutions grow at different rates.
+
+In frames of orthogonal iteration, faster growing directions first, every map is block triangular up to errors,
+
+    T_i = [[B_i, C_i], [E_i, D_i]].
+
+A plane y = X_i x, invariant under the maps, obeys X_(i+1) (B_i + C_i X_i) = E_i + D_i X_i.  Where |X_0| <= x_0 implies
+|X_N| <= x_0 by the bound
+
+    x_(i+1) = (e_i + d_i x_i) b_i / (1 - b_i c_i x_i),    b_i = |B_i^-1|, c_i, d_i, e_i the norms of the others,
+
+there is one by Brouwer's theorem, and the multipliers are exactly those of the maps B_i + C_i X_i and of D_i - X_(i+1)
+C_i: those of B_i and D_i with errors larger by c_i x_i and x_(i+1) c_i.  Then a multiplier of 1e-200 has an error of
+its own beside one of 1.2 (U. M. Ascher, R. M. M. Mattheij and R. D. Russell, doi:10.1137/1.9781611971231, chapter 3).
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from floquetrod._util.arrays import EPS, Floats
+
+_ROUNDS = 3  # of orthogonal iteration (a choice)
+_APART = 1.0  # difference of logarithms of multipliers from which a split is tried (a choice)
+_TRIALS = 6  # of x_0, each twice what the bound makes of the one before (a choice)
+
+
+class Block(NamedTuple):
+    """Maps over intervals (N, k, k) with multipliers of their own, and bounds of their errors in the 2-norm (N,)."""
+
+    maps: Floats
+    errors: Floats
+
+
+def blocks(maps: Floats, errors: Floats) -> list[Block]:
+    """Return blocks of maps that have all multipliers of the maps (N, n, n) between them, the fastest growing first.
+
+    One block where nothing grows faster than the rest by more than errors mix.
+    """
+    turned, growth = _triangular(maps)
+    rounding = 8.0 * maps.shape[1] * EPS * np.linalg.norm(maps, axis=(1, 2))
+    return _divided(Block(turned, errors + rounding), growth)
+
+
+def _divided(block: Block, growth: Floats) -> list[Block]:
+    """Return the blocks of one block of triangular maps, cut where growth differs most and a cut is sure."""
+    gaps = growth[:-1] - growth[1:]
+    for cut in np.argsort(-gaps).tolist():
+        if gaps[cut] < _APART:
+            break
+        split = _split(*block, cut + 1)
+        if split is not None:
+            return [*_divided(split[0], growth[: cut + 1]), *_divided(split[1], growth[cut + 1 :])]
+    return [block]
+
+
+def _triangular(maps: Floats) -> tuple[Floats, Floats]:
+    """Return the maps in frames of orthogonal iteration, and the logarithms of growth over the period along each axis.
+
+    The last map leads to the first frame, which the iteration returns to up to errors: they stay below the diagonal.
+    """
+    count, n, _ = maps.shape
+    frames, logs = np.empty((count, n, n)), np.empty((count, n))
+    frame = np.eye(n)
+    for _ in range(_ROUNDS):
+        for i in range(count):
+            frames[i] = frame
+            frame, triangle = np.linalg.qr(maps[i] @ frame)
+            logs[i] = np.log(np.maximum(np.abs(np.diag(triangle)), 1e-300))
+    return np.swapaxes(np.roll(frames, -1, axis=0), 1, 2) @ maps @ frames, logs.sum(axis=0)
+
+
+def _split(turned: Floats, errors: Floats, first: int) -> tuple[Block, Block] | None:
+    """Return the block of the first axes and that of the others; None where no invariant plane is sure."""
+    leading, coupling = turned[:, :first, :first], turned[:, :first, first:]
+    leak, trailing = turned[:, first:, :first], turned[:, first:, first:]
+    least = np.linalg.svd(leading, compute_uv=False)[:, -1] - errors
+    if not (least > 0.0).all():
+        return None
+    inverse = 1.0 / least
+    norm_c, norm_d, norm_e = (np.linalg.norm(part, 2, axis=(1, 2)) + errors for part in (coupling, trailing, leak))
+    tilt = np.zeros(len(turned) + 1)
+    for _ in range(_TRIALS):
+        for i, (b, c, d, e) in enumerate(zip(inverse, norm_c, norm_d, norm_e, strict=True)):
+            room = 1.0 - b * c * tilt[i]
+            if room <= 0.0:
+                return None
+            tilt[i + 1] = (e + d * tilt[i]) * b / room
+        if tilt[-1] <= tilt[0]:
+            return Block(leading, errors + norm_c * tilt[:-1]), Block(trailing, errors + norm_c * tilt[1:])
+        tilt[0] = 2.0 * tilt[-1]
+    return None
