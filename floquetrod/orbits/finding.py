@@ -21,6 +21,8 @@ _DEGREES = ((24, 8), (10**9, 6))  # Gauss points of systems of up to so many equ
 MORE = 2  # points of the finer of the two orbits that are compared
 FOLLOWED = 1.5  # lengths of intervals, of those that follow deviations to about 1e-12
 _FIRST = (24, 120)  # intervals of the first mesh, tried in turn
+_JUMPING = (480, meshes.MOST)  # likewise, of motion that jumps
+_LEAST_STEPS = 0.1  # of the mean density of an integrator's steps that there is everywhere (a choice)
 _MOST_MESHES = 10
 _MOST_TURNS = 1000  # of the forcing in an orbit (a choice)
 _TRIALS = np.array([0.08, 0.29, 0.5, 0.71, 0.92])  # of an interval, where the two are compared
@@ -86,6 +88,17 @@ def _near(system: NonlinearSystem, guess: starts.Guess, turns: int | None, toler
             return orbit_of(*_discretised(system, guess, turns, intervals), tolerance)
         except NoOrbitError as error:
             lost = lost or error
+    jumping = starts.jumping(system, guess) if guess.jumps else None
+    for intervals in _JUMPING if jumping is not None else ():
+        try:
+            return orbit_of(*_discretised(system, jumping, turns, intervals), tolerance)
+        except NoOrbitError:
+            continue
+    if guess.jumps and lost is not None:
+        raise NoOrbitError(
+            f"{lost}. The motion jumps within a small part of its period: begin with parameters with which it is "
+            "smoother, and give that orbit as start for the next ones, or use fr.follow"
+        )
     raise lost or NoOrbitError("no periodic orbit was found")
 
 
@@ -115,15 +128,25 @@ def _discretised(
 ) -> tuple[Collocation, Point]:
     """Return the equations on a first mesh, and a guess there."""
     n = guess.states.shape[1]
-    size = np.maximum(np.ptp(guess.states, axis=0), 1e-6 * float(np.abs(guess.states).max()) + 1e-300)
     shares = guess.times / guess.period
-    bend = np.linalg.norm(np.diff(guess.rates / size, axis=0), axis=1) * guess.period / np.diff(shares)
-    density = np.sqrt(bend) + 0.3 * float((np.sqrt(bend) * np.diff(shares)).sum()) + 1e-300
+    density = _density(guess, shares)
     collocation = Collocation(system, meshes.of_density(shares, density, intervals), _degree(n), turns)
     stages = guess.at(collocation.shares.ravel()).reshape(*collocation.shares.shape, n)
     point = Point(guess.at(collocation.mesh[:-1]), stages, guess.period)
     system.evaluated.require_derivatives(guess.times[::20], guess.states[::20], system.parameters)
     return collocation, point
+
+
+def _density(guess: starts.Guess, shares: Floats) -> Floats:
+    """Return the density of a first mesh between the samples of a guess.
+
+    By the roots of second derivatives, of motion that jumps by the steps that an integrator took.
+    """
+    if guess.by_steps:
+        return 1.0 / np.diff(shares) + _LEAST_STEPS * len(shares)
+    size = np.maximum(np.ptp(guess.states, axis=0), 1e-6 * float(np.abs(guess.states).max()) + 1e-300)
+    bend = np.linalg.norm(np.diff(guess.rates / size, axis=0), axis=1) * guess.period / np.diff(shares)
+    return np.asarray(np.sqrt(bend) + 0.3 * float((np.sqrt(bend) * np.diff(shares)).sum()) + 1e-300)
 
 
 def _degree(order: int) -> int:

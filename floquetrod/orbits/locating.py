@@ -131,7 +131,8 @@ def located(crossing: Crossing) -> SpecialPoint | None:
     apart = {"period doubling": abs(mu + 1.0), "Neimark-Sacker": abs(abs(mu) - 1.0)}.get(kind, abs(mu - 1.0))
     if apart > _CLOSE + 10.0 * found.errors[which] or (kind == "Neimark-Sacker" and not mu.imag > found.errors[which]):
         return None
-    if kind == "branch point" and stretch.test == "turning" and returns_after(sample.place.collocation, sample.place.point, 2):
+    doubled = returns_after(sample.orbit.collocation, sample.orbit.point, 2)
+    if kind == "branch point" and stretch.test == "turning" and doubled:
         kind = "period doubling"
     direction = sample.place.direction
     return SpecialPoint(

@@ -13,6 +13,7 @@ from floquetrod.orbits.collocation import Collocation, Condensed, Point, Row, St
 _MOST_STEPS = 40
 _ENOUGH = 1e-10  # of a step, relative: what the next one would change is rounding
 _NEARLY = 1e-7  # of a step, from which on one that does not shrink any more is rounding
+_SMALL = 2e-2  # of a step, up to which it is made whole where steps contract, whatever the residual (a choice)
 _LEAST_SHARE = 2.0**-12  # of a step, below which there is none that leads on
 
 
@@ -44,7 +45,8 @@ def corrected(collocation: Collocation, point: Point, rows: Sequence[Row], most_
             condensed = collocation.linearised(point, rates)
             step = _step(collocation, condensed, rows, point, count)
             size = step_size(step, point)
-            point, rates = _followed(collocation, point, step, condensed, count)
+            sure = _NEARLY < size <= _SMALL and size < 0.5 * before
+            point, rates = _followed(collocation, point, step, condensed, count, sure)
             if size <= _ENOUGH or (size <= _NEARLY and size > 0.3 * before):
                 return Corrected(point, collocation.linearised(point, rates), count)
             before = size
@@ -69,9 +71,12 @@ def _step(collocation: Collocation, condensed: Condensed, rows: Sequence[Row], p
 
 
 def _followed(
-    collocation: Collocation, point: Point, step: Step, condensed: Condensed, count: int
+    collocation: Collocation, point: Point, step: Step, condensed: Condensed, count: int, sure: bool
 ) -> tuple[Point, Floats]:
-    """Return the point after as much of a step as makes the residual smaller, and the rates there."""
+    """Return the point after as much of a step as makes the residual smaller, after all of a ``sure`` one, and rates.
+
+    Where motion jumps, a residual of 1e-8 may mean a step of 1e-2: it says less than steps that contract.
+    """
     missed = _missed(condensed.residual, point)
     share = 1.0
     while share >= _LEAST_SHARE:
@@ -79,7 +84,7 @@ def _followed(
         if trial.period > 0.0 and np.isfinite(trial.nodes).all():
             rates = collocation.rates(trial)
             found = _missed(collocation.residual(trial, rates), point)
-            if found <= (1.0 - 0.25 * share) * missed or found <= 1e-11:
+            if sure or found <= (1.0 - 0.25 * share) * missed or found <= 1e-11:
                 return trial, rates
         share *= 0.5
     raise _lost(collocation, point, f"in step {count}, which makes the residual larger however short it is")

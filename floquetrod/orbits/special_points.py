@@ -121,8 +121,9 @@ def _switched(special: SpecialPoint, side: int, distance: float) -> PeriodicOrbi
     if validate.integer("side", side, -1, 1) == 0:
         raise ValueError("side must be 1 or -1, got 0")
     distance = validate.within("distance", distance, 1e-4, 1.0)
-    if special.kind == "period doubling" and returns_after(special.orbit.collocation, special.orbit.point, 2):  # found from the doubled orbits
-        return finding.periodic_orbit(special.orbit.system, special.orbit.states[0], 0.5 * special.orbit.period)
+    orbit = special.orbit
+    if special.kind == "period doubling" and returns_after(orbit.collocation, orbit.point, 2):  # of doubled orbits
+        return finding.periodic_orbit(orbit.system, orbit.states[0], 0.5 * orbit.period)
     collocation, point, direction = _at(special)
     across = _across(collocation, point, direction, special.measure)
     for share in _SHORTER:

@@ -11,16 +11,20 @@ import numpy as np
 from floquetrod._util import validate
 from floquetrod._util.arrays import Floats
 from floquetrod.equations import NonlinearSystem
+from floquetrod.orbits.returns import CLOSE, require_no_rotation, returned, sizes
 
 _SAMPLES = 200  # of a period (a choice)
 _MOST_SAMPLES = 10_000
 _SEEN = 1e-2  # of the motion, that every other sample may miss (a choice)
 _RTOL = 1e-8
+_STIFF = 1e-12  # relative error of motion that jumps
+_MORE_PERIODS = 3
 _DIRECTLY = 0.2  # gap after a period, part of the motion, up to which a start is taken to be near an orbit (a choice)
-_CLOSE = 0.02  # gap up to which motion that settles is near enough
 _MOST_PERIODS = 300  # that motion is given to settle (a choice)
 _PERIODS_SEARCHED = 60  # of motion, for the best return after one of them (a choice)
 _MOST_CHUNKS = 18  # each twice as long as the one before, in which motion without a period may return
+_MOST_SLOW_CHUNKS = 40  # where it has not turned back yet
+_FEW_TURNS = 8  # of motion that has hardly turned back (a choice)
 _GROWN = 1e3  # of a motion since its beginning: where it cannot be followed any more, it flows away (a choice)
 _LARGEST = 1e100  # of a state, beyond which a motion has flown away
 
@@ -31,6 +35,8 @@ class Guess(NamedTuple):
     times: Floats
     states: Floats
     rates: Floats
+    jumps: bool = False  # whether the samples do not resolve it
+    by_steps: bool = False  # whether the times are the steps of an integrator, short where motion jumps
 
     @property
     def period(self) -> float:
@@ -77,10 +83,46 @@ def _resolved(system: NonlinearSystem, guess: Guess) -> Guess:
     samples = len(guess.times) - 1
     every_other = Guess(guess.times[::2], guess.states[::2], guess.rates[::2])
     closed = guess.states - (guess.times / guess.period)[:, None] * (guess.states[-1] - guess.states[0])
-    missed = np.abs(every_other.at(guess.times / guess.period) - closed) / _sizes(guess.states)
-    if float(missed.max()) < _SEEN or samples > _MOST_SAMPLES:
+    missed = np.abs(every_other.at(guess.times / guess.period) - closed) / sizes(guess.states)
+    if float(missed.max()) < _SEEN:
         return guess
+    if samples > _MOST_SAMPLES:
+        return guess._replace(jumps=True)
     return _resolved(system, _marched(system, guess.states[0], guess.period, "", 4 * samples))
+
+
+def jumping(system: NonlinearSystem, guess: Guess) -> Guess | None:
+    """Return a guess of motion that jumps, by many digits and at an integrator's steps; None where it does not return.
+
+    A jump must be known to a part of its width, which may be a millionth of the period.
+    """
+    from scipy.integrate import solve_ivp
+
+    def rates(t: float, x: Floats) -> Floats:
+        return np.asarray(system.function(t, x, **system.parameters), dtype=float)
+
+    size = sizes(guess.states)
+    start, span = guess.states[0], guess.period
+    if system.period is not None:  # after some more periods it has settled to as many digits
+        start = solve_ivp(rates, (0.0, _MORE_PERIODS * span), start, "LSODA", rtol=_STIFF, atol=_STIFF * size).y[:, -1]
+    normal = rates(0.0, start) / size**2
+
+    def ahead(t: float, x: Floats) -> float:
+        return float((x - start) @ normal)
+
+    end = 1.05 * span if system.is_autonomous else span
+    motion = solve_ivp(rates, (0.0, end), start, "LSODA", rtol=_STIFF, atol=_STIFF * size, events=ahead)
+    times, states = motion.t, motion.y.T
+    if system.is_autonomous:
+        back = np.flatnonzero(np.abs(motion.t_events[0] - span) < 0.05 * span)
+        if not back.size:
+            return None
+        last = back[np.abs(motion.t_events[0][back] - span).argmin()]
+        period, state = motion.t_events[0][last], motion.y_events[0][last]
+        before = times < period * (1.0 - 1e-14)
+        times, states = np.append(times[before], period), np.concatenate([states[before], state[None]])
+    found = Guess(times, states, system.rates(times, states), by_steps=True)
+    return found if len(times) > 2 and found.gap < CLOSE else None
 
 
 def _record(times: Any, states: Any) -> tuple[Floats, Floats]:
@@ -102,7 +144,7 @@ def _from_record(system: NonlinearSystem, times: Floats, states: Floats, period:
     system.evaluated.start(float(times[0]), states[0], system.parameters)
     rates = system.rates(times, states)
     if period is None:
-        found = _returned(times, states, rates)
+        found = returned(times, states, rates)
         if found is None:
             raise ValueError("start must be a record of two periods or more, got one that does not return; give period")
         period = found
@@ -130,7 +172,7 @@ def _settled(system: NonlinearSystem, state: Floats, period: float) -> Guess:
     for turn in range(_MOST_PERIODS):
         found = _marched(system, state, period, f"in period {turn + 1}, each of {period:.6g},")
         best = found if best is None or found.gap < best.gap else best
-        if found.gap <= (_CLOSE if turn else _DIRECTLY):
+        if found.gap <= (CLOSE if turn else _DIRECTLY):
             return found
         state = found.states[-1]
         strobed.append(state)
@@ -148,7 +190,8 @@ def _near_return(system: NonlinearSystem, state: Floats, period: float) -> Guess
     if found.gap <= _DIRECTLY:
         return found
     motion = _marched(system, found.states[-1], _PERIODS_SEARCHED * period, "", _PERIODS_SEARCHED * _SAMPLES // 2)
-    size, lag = _sizes(motion.states), _SAMPLES // 2
+    _require_no_rotation(system, motion, slice(len(motion.times) // 3, None))
+    size, lag = sizes(motion.states), _SAMPLES // 2
     lags = range(3 * lag // 4, 5 * lag // 4 + 1)
     gaps = [(np.abs(motion.states[each:] - motion.states[:-each]) / size).max(axis=1) for each in lags]
     best = min(range(len(lags)), key=lambda k: float(gaps[k].min()))
@@ -169,39 +212,42 @@ def _autonomous(system: NonlinearSystem, state: Floats) -> Guess:
     """Return about one period of the motion that a state leads to, whose period is estimated."""
     matrix = system.jacobians([0.0], state[None])[0]
     fastest = float(np.abs(np.linalg.eigvals(matrix)).max())
-    speed = float(np.linalg.norm(system.rates([0.0], state[None])[0]) / max(float(np.linalg.norm(state)), 1e-300))
-    span = 20.0 / max(fastest, speed, 1e-300)
-    for _ in range(_MOST_CHUNKS):
+    size, speed = float(np.linalg.norm(state)), float(np.linalg.norm(system.rates([0.0], state[None])[0]))
+    rate = max(fastest, speed / size) if size > 0.0 else fastest or speed  # at 0 a speed says nothing of the size
+    span = 20.0 / max(rate, 1e-300)
+    for count in range(_MOST_SLOW_CHUNKS):
         motion = _marched(system, state, span, f"within {span:.4g}", samples=4000)
         last = slice(len(motion.times) // 3, None)
         if _rests(motion):
             rest = ", ".join(f"{value:.6g}" for value in motion.states[-1, :6])
             raise ValueError(f"start leads to a state of rest at ({rest}), not to a periodic orbit")
-        period = _returned(motion.times[last], motion.states[last], motion.rates[last])
+        period = returned(motion.times[last], motion.states[last], motion.rates[last])
         if period is not None:
             return _marched(system, motion.states[-1], period, "")
-        state, span = motion.states[-1], min(2.0 * span, 1e6 * span)
+        _require_no_rotation(system, motion, last)
+        if count >= _MOST_CHUNKS - 1 and not _is_slow(motion):
+            break
+        state, span = motion.states[-1], 2.0 * span
     raise ValueError("start leads to motion that does not return near where it was; give period and a closer start")
+
+
+def _require_no_rotation(system: NonlinearSystem, motion: Guess, last: slice) -> None:
+    """Raise ValueError where the last samples of motion return but for coordinates that grow."""
+    samples = (each[last] for each in motion[:3])
+    require_no_rotation(system, *samples, lambda state, span: _marched(system, state, span, "").states)
+
+
+def _is_slow(motion: Guess) -> bool:
+    """Return whether motion has hardly turned back yet, as between the jumps of a relaxation oscillation."""
+    middle = 0.5 * (motion.states.min(axis=0) + motion.states.max(axis=0))
+    signs = motion.states > middle
+    return bool((signs[1:] != signs[:-1]).sum(axis=0).max() <= _FEW_TURNS)
 
 
 def _rests(motion: Guess) -> bool:
     """Return whether motion has come to rest: it moves far less at the end than it did, and than its size."""
     moves, size = np.ptp(motion.states[-400:], axis=0).max(), np.abs(motion.states).max()
     return bool(moves <= 1e-7 * size) or bool(size == 0.0)
-
-
-def _returned(times: Floats, states: Floats, rates: Floats) -> float | None:
-    """Return the time since motion last was near where it ends, moving the same way; None where it was not."""
-    size = _sizes(states)
-    ahead = ((states - states[-1]) / size) @ (rates[-1] / size)
-    crossings = np.flatnonzero((ahead[:-1] < 0.0) & (ahead[1:] >= 0.0))[::-1]
-    crossings = crossings[crossings < len(times) - 3]
-    for i in crossings:
-        share = -ahead[i] / (ahead[i + 1] - ahead[i])
-        there = states[i] + share * (states[i + 1] - states[i])
-        if float((np.abs(there - states[-1]) / _sizes(states[i:])).max()) < 2.0 * _CLOSE:
-            return float(times[-1] - times[i] - share * (times[i + 1] - times[i]))
-    return None
 
 
 def _marched(system: NonlinearSystem, state: Floats, span: float, when: str, samples: int = _SAMPLES) -> Guess:
@@ -245,11 +291,6 @@ def _marched(system: NonlinearSystem, state: Floats, span: float, when: str, sam
     return Guess(times, states, system.rates(times, states))
 
 
-def _sizes(states: Floats) -> Floats:
-    """Return how far motion goes in each of its components."""
-    return np.asarray(np.maximum(np.ptp(states, axis=0), 1e-9 * float(np.abs(states).max()) + 1e-300))
-
-
 def _gap(states: Floats) -> float:
     """Return by how much motion does not close, as a fraction of how far it goes."""
-    return float((np.abs(states[-1] - states[0]) / _sizes(states)).max())
+    return float((np.abs(states[-1] - states[0]) / sizes(states)).max())
