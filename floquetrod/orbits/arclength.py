@@ -87,10 +87,10 @@ def through(collocation: Collocation, point: Point, row: Row) -> Row:
     return row._replace(target=float((row.nodes * point.nodes).sum() + row.scalars @ collocation.values(point)))
 
 
-def pinned(collocation: Collocation, point: Point, value: float) -> Row:
-    """Return the row that gives the parameter a value."""
-    scalars = np.array([float(name == "parameter") for name in collocation.scalars])
-    return Row(np.zeros_like(point.nodes), scalars, value)
+def pinned(collocation: Collocation, point: Point, value: float, measure: Measure) -> Row:
+    """Return the row that gives the parameter a value, in its unit."""
+    scalars = np.array([float(name == "parameter") / measure.width for name in collocation.scalars])
+    return Row(np.zeros_like(point.nodes), scalars, value / measure.width)
 
 
 def rows_of(collocation: Collocation, reference: Point, last: Row) -> list[Row]:

@@ -273,7 +273,9 @@ class Collocation(ByContent):
         ties = np.array([row.nodes * scale for row in rows]).reshape(len(rows), count, n)
         corner = np.array([row.scalars for row in rows]).reshape(len(rows), len(self.scalars))
         columns = condensed.columns / scale[:, None]
-        units = 1.0 / np.maximum(np.abs(columns).sum(axis=(0, 1)), 1e-300)
+        # Where an orbit does not depend on the parameter its column is rounding; the rows tell its unit then.
+        ends = np.abs(corner).max(axis=0, initial=0.0)
+        units = 1.0 / np.maximum(np.maximum(np.abs(columns).sum(axis=(0, 1)), ends), 1e-300)
         sizes = 1.0 / np.maximum(np.abs(ties).sum(axis=(1, 2)) + np.abs(corner * units).sum(axis=1), 1e-300)
         found = bordered.solve(
             condensed.maps * scale / scale[:, None],

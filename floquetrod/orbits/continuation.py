@@ -73,7 +73,7 @@ def sampled(place: Place, measure: Measure, value: float | None = None) -> Sampl
     if value is None:
         row = measure.row(collocation, point, place.direction)
     else:
-        row = arclength.pinned(collocation, point, value)
+        row = arclength.pinned(collocation, point, value, measure)
     found = finding.compared(collocation, point, place.condensed, arclength.rows_of(collocation, point, row))
     if value is not None:  # Newton's last step may miss it by rounding
         exact = found.point._replace(value=value)
@@ -91,7 +91,7 @@ def lowered(orbit: PeriodicOrbit, parameter: str, onto: Collocation) -> tuple[Co
 def started(orbit: PeriodicOrbit, task: Task, measure: Measure) -> Place:
     """Return the place of an orbit on a branch, going on to larger values of the parameter."""
     collocation, point = lowered(orbit, task.parameter, orbit.collocation)
-    row = arclength.pinned(collocation, point, point.value)
+    row = arclength.pinned(collocation, point, point.value, measure)
     return arclength.placed(collocation, point, row, row, measure)
 
 
@@ -173,7 +173,7 @@ class Continuation:
         change = arclength.between(before.collocation, before.point, place.point)
         share = (bound - before.point.value) / (place.point.value - before.point.value)
         guess = place.collocation.moved(before.point, change, share)
-        row = arclength.pinned(place.collocation, guess, bound)
+        row = arclength.pinned(place.collocation, guess, bound, self.measure)
         onward = self.measure.row(place.collocation, place.point, place.direction)
         try:
             return arclength.placed(place.collocation, guess, row, onward, self.measure)
@@ -192,7 +192,7 @@ class Continuation:
             if not rough and len(mesh) > 0.6 * len(place.collocation.mesh):
                 return place
             collocation, point, row = arclength.moved_to(place, mesh, self.measure)
-            last = arclength.pinned(collocation, point, point.value) if self.at_end else row
+            last = arclength.pinned(collocation, point, point.value, self.measure) if self.at_end else row
             try:
                 place = arclength.placed(collocation, point, last, row, self.measure)
             except ValueError as error:
