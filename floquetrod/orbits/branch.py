@@ -43,6 +43,8 @@ class Branch(ByContent, Printed, NoTruthValue):
         Why the branch ends where it does, before its first orbit and after its last.
     tolerance : float
         Error of the states for which the meshes were chosen.
+    notes : tuple of str
+        Where the number of multipliers outside the unit circle changes and no special point was located, and why.
     """
 
     ask = ".status, an array with 1 where an orbit is stable, 0 where not and -1 where undecided"
@@ -53,6 +55,7 @@ class Branch(ByContent, Printed, NoTruthValue):
     special_points: tuple[SpecialPoint, ...]
     ends: tuple[str, str]
     tolerance: float = field(default=1e-10, compare=False)
+    notes: tuple[str, ...] = ()
 
     @property
     def system(self) -> NonlinearSystem:
@@ -131,16 +134,24 @@ class Branch(ByContent, Printed, NoTruthValue):
             ("error", f"{max(orbit.error for orbit in self.orbits):.1g} of the states at most, along the branch"),
             ("begins", self.ends[0]),
             ("ends", self.ends[1]),
+            *(("note", note) for note in self.notes),
         ]
         kinds = [point.kind for point in self.special_points]
         named = [f"{kinds.count(kind)} {kind}{'s' * (kinds.count(kind) > 1)}" for kind in dict.fromkeys(kinds)]
         named += [self._hopf] if self._hopf else []
+        named += [self._unlocated[2:]] if self.notes else []
         return Report(", ".join(named) or "no special points", lines, self._table() if kinds else None)
 
     @property
     def _hopf(self) -> str:
         """At how many ends the branch shrinks to a state of rest, in words; "" for none."""
         return ("", "a Hopf point at one end", "a Hopf point at either end")[sum(HOPF in end for end in self.ends)]
+
+    @property
+    def _unlocated(self) -> str:
+        """How many special points are not located, in words; "" for none."""
+        count = len(self.notes)
+        return f", {count} place{'s' * (count > 1)} where a special point was not located (see notes)" if count else ""
 
     def _table(self) -> Table:
         columns = (
@@ -157,7 +168,7 @@ class Branch(ByContent, Printed, NoTruthValue):
         ]
         return Table(columns, rows)
 
-    _keys = "parameter over values status period largest least special_points ends"
+    _keys = "parameter over values status period largest least special_points ends notes"
 
     def to_xarray(self) -> Any:
         """Return an xarray.Dataset over the orbits and the special points (needs xarray, an extra)."""
@@ -191,12 +202,13 @@ class Branch(ByContent, Printed, NoTruthValue):
 
     def __repr__(self) -> str:
         """Return the branch as a sentence."""
+        ends = f"{self._hopf and ', ' + self._hopf}{self._unlocated}"
         return (
             f"<branch of {len(self.orbits)} orbits, {self.parameter} from {self.values.min():.6g} to "
-            f"{self.values.max():.6g}, {len(self.special_points)} special points{self._hopf and ', ' + self._hopf}>"
+            f"{self.values.max():.6g}, {len(self.special_points)} special points{ends}>"
         )
 
 
 def _mu(point: SpecialPoint) -> str:
-    mu = point.multiplier
-    return f"{mu.real:.8f} +- {mu.imag:.8f} i" if point.kind == "Neimark-Sacker" else f"{mu.real:.8f}"
+    mu, times = point.multiplier, f", {point.count} together" if point.count > 1 else ""
+    return (f"{mu.real:.8f} +- {mu.imag:.8f} i" if point.kind == "Neimark-Sacker" else f"{mu.real:.8f}") + times

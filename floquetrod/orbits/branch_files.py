@@ -34,10 +34,12 @@ def save(branch: Any, path: str | Path) -> Path:
         "over": list(branch.over),
         "ends": list(branch.ends),
         "tolerance": branch.tolerance,
+        "notes": list(branch.notes),
         "turns": first.turns,
         "parameters": dict(branch.system.parameters),
         "kinds": [point.kind for point in points],
         "after": [point.after for point in points],
+        "counts": [point.count for point in points],
         "orbits": len(branch.orbits),
         "equations": orbits[0].states.shape[1],
     }
@@ -110,6 +112,7 @@ def _branch(meta: dict[str, Any], arrays: dict[str, NDArray[Any]], system: Nonli
         "special_points": points,
         "ends": (begins, ends),
         "tolerance": tolerance,
+        "notes": tuple(meta.get("notes", ())),
     }
 
 
@@ -139,15 +142,16 @@ def _points(
     """Return the special points, whose orbits are known."""
     parameter, taken = meta["parameter"], {n: _Taken(arrays[n]) for n in ("directions", "scalars", "scales")}
     multipliers = arrays["point_multipliers"].reshape(-1, 2)
-    columns = zip(meta["kinds"], meta["after"], arrays["point_errors"], arrays["widths"], strict=True)
-    for i, (kind, after, error, width) in enumerate(columns):
+    counts = meta.get("counts", [1] * len(meta["kinds"]))  # which older files do not have
+    columns = zip(meta["kinds"], meta["after"], counts, arrays["point_errors"], arrays["widths"], strict=True)
+    for i, (kind, after, several, error, width) in enumerate(columns):
         orbit = orbits[i]
         count, n = orbit.point.nodes.shape
         scalars = taken["scalars"].next(1 if meta["turns"] else 2)
         direction = Step(taken["directions"].next(count, n), np.empty((count, 0, n)), scalars)
         measure = Measure(taken["scales"].next(n), float(width))
         mu, value = complex(*multipliers[i]), orbit.system.parameters[parameter]
-        yield SpecialPoint(kind, parameter, value, float(error), mu, orbit, direction, measure, after)
+        yield SpecialPoint(kind, parameter, value, float(error), mu, orbit, direction, measure, after, several)
 
 
 class _Taken:

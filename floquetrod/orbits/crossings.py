@@ -26,6 +26,13 @@ class Tests(NamedTuple):
     pairs: float  # product of 1 - mu_i mu_j over pairs: where a complex pair crosses the circle
 
 
+Ranks = tuple[int, ...]
+"""Places of multipliers in the order of their magnitudes, 0 the largest: that of rank k crosses the circle where the
+number outside changes between k and k + 1, however many cross together."""
+Test = str | Ranks
+"""Name of a test function, or ranks of multipliers, the mean of whose logarithms is one."""
+
+
 def multipliers_of(orbit: PeriodicOrbit) -> Multipliers:
     """Return the multipliers of an orbit, from the verdict on it."""
     stability = orbit.stability
@@ -43,13 +50,32 @@ def tests(found: Multipliers, turning: float) -> Tests:
     return Tests(turning, *signed)
 
 
-def value(found: Multipliers, test: str) -> float:
+def outside(found: Multipliers) -> int | None:
+    """Return how many multipliers lie outside the unit circle; None where an error covers the circle."""
+    sizes = np.abs(found.values)
+    if not ((sizes - found.errors > 1.0) | (sizes + found.errors < 1.0)).all():
+        return None
+    return int(np.count_nonzero(sizes > 1.0))
+
+
+def of_ranks(found: Multipliers, ranks: Ranks) -> Multipliers:
+    """Return the multipliers of these ranks."""
+    order = np.argsort(-np.abs(found.values), kind="stable")[list(ranks)]
+    return Multipliers(found.values[order], found.errors[order])
+
+
+def value(found: Multipliers, test: Test) -> float:
     """Return a test function, whether or not its sign is known."""
+    if not isinstance(test, str):
+        return float(np.log(np.maximum(np.abs(of_ranks(found, test).values), 1e-300)).mean())
     return _product(_factors(found, test)[0])
 
 
-def doubt(found: Multipliers, test: str) -> float:
+def doubt(found: Multipliers, test: Test) -> float:
     """Return the error of a test function."""
+    if not isinstance(test, str):
+        values, errors = of_ranks(found, test)
+        return float((errors / np.abs(values)).mean())
     x, errors = _factors(found, test)
     parts, blurs = np.abs(1.0 - x) / (1.0 + np.abs(x)), errors / (1.0 + np.abs(x))
     return float(sum(blurs[k] * np.prod(np.delete(parts, k)) for k in range(len(x))))

@@ -16,7 +16,7 @@ from floquetrod.orbits.arclength import Measure
 from floquetrod.orbits.branch import Branch
 from floquetrod.orbits.continuation import Continuation, Ended, Sample, Task, lowered, sampled, started
 from floquetrod.orbits.extents import returns_after
-from floquetrod.orbits.locating import Watch, located
+from floquetrod.orbits.locating import Watch
 from floquetrod.orbits.newton import NoOrbitError
 from floquetrod.orbits.orbit import PeriodicOrbit
 from floquetrod.orbits.special_points import SpecialPoint
@@ -137,6 +137,7 @@ class _Way(NamedTuple):
     orbits: list[PeriodicOrbit]
     points: list[SpecialPoint]
     end: str
+    notes: tuple[str, ...] = ()
 
 
 def _both_ways(orbit: PeriodicOrbit, task: Task, steps: int, progress: Progress | None) -> Branch:
@@ -155,16 +156,14 @@ def _both_ways(orbit: PeriodicOrbit, task: Task, steps: int, progress: Progress 
         backward = _Way([], [], _INTERRUPTED)
     else:
         backward = _followed(Continuation(task, start, measure, -1.0), start, steps, progress, len(forward.orbits))
-    return _joined(task, backward, [start.orbit], [], forward)
+    return _joined(task, backward, _Way([start.orbit], [], ""), forward)
 
 
-def _joined(
-    task: Task, backward: _Way, orbits: list[PeriodicOrbit], points: list[SpecialPoint], forward: _Way
-) -> Branch:
+def _joined(task: Task, backward: _Way, middle: _Way, forward: _Way) -> Branch:
     """Return the branch made of what was found before and after known orbits."""
-    before = len(backward.orbits)
+    before, orbits = len(backward.orbits), middle.orbits
     first = [replace(point, after=before - 1 - point.after) for point in reversed(backward.points)]
-    known = [replace(point, after=before + point.after) for point in points]
+    known = [replace(point, after=before + point.after) for point in middle.points]
     last = [replace(point, after=before + len(orbits) - 1 + point.after) for point in forward.points]
     return Branch(
         task.parameter,
@@ -173,6 +172,7 @@ def _joined(
         (*first, *known, *last),
         (backward.end, forward.end),
         task.tolerance,
+        (*reversed(backward.notes), *middle.notes, *forward.notes),
     )
 
 
@@ -181,6 +181,7 @@ def _followed(march: Continuation, start: Sample, steps: int, progress: Progress
     watch = Watch(march.sample, march.measure)
     orbits: list[PeriodicOrbit] = []
     points: list[SpecialPoint] = []
+    notes: list[str] = []
     end = f"{steps} steps were made; fr.follow(branch) continues"
     try:
         while len(orbits) < steps:
@@ -188,12 +189,11 @@ def _followed(march: Continuation, start: Sample, steps: int, progress: Progress
             found = march.advanced()
             if march.task.until is not None and (reason := march.task.until(last.orbit, found.orbit)):
                 raise Ended(reason)
-            for crossing in watch.crossings(found, march.measure):
-                point = located(crossing)
-                if point is None:
-                    continue
-                points.append(replace(point, after=len(orbits)))
-                if crossing.kind == "branch point" and point.kind == "period doubling":
+            special = watch.located(found, march.measure)
+            points += [replace(point, after=len(orbits)) for point in special.points]
+            notes += special.notes
+            for point in special.points:
+                if point.kind == "period doubling" and point.multiplier.real > 0.0:  # seen from the doubled orbits
                     raise Ended(f"the branch joins the orbits of half its period at {point}")
             orbits.append(found.orbit)
             if progress is not None:
@@ -205,7 +205,7 @@ def _followed(march: Continuation, start: Sample, steps: int, progress: Progress
         end = str(ended)
     except KeyboardInterrupt:
         end = _INTERRUPTED
-    return _Way(orbits, points, end)
+    return _Way(orbits, points, end, tuple(notes))
 
 
 def _passes(march: Continuation, start: Sample, last: Sample, found: Sample) -> bool:
@@ -236,7 +236,8 @@ def _extended(branch: Branch, task: Task, steps: int, progress: Progress | None)
         return branch
     forward = _onward(branch, task, steps, progress, 0)
     backward = _onward(_reversed(branch), task, steps, progress, len(forward.orbits))
-    return _joined(task, backward, list(branch.orbits), list(branch.special_points), forward)
+    known = _Way(list(branch.orbits), list(branch.special_points), "", branch.notes)
+    return _joined(task, backward, known, forward)
 
 
 def _reversed(branch: Branch) -> Branch:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -14,7 +15,7 @@ from floquetrod.orbits import mesh as meshes
 from floquetrod.orbits.arclength import Measure, Place
 from floquetrod.orbits.collocation import Point, Step
 from floquetrod.orbits.continuation import Sample, sampled
-from floquetrod.orbits.crossings import Multipliers, doubt, nearest
+from floquetrod.orbits.crossings import Multipliers, Ranks, Test, doubt, nearest
 from floquetrod.orbits.extents import returns_after
 from floquetrod.orbits.newton import NoOrbitError
 from floquetrod.orbits.sensitivity import error_of
@@ -24,25 +25,78 @@ _ROOT = 1e-12  # length along the branch to which a test function's zero is foun
 _NEAR = 0.02  # distance of the places about a branch point from which it is interpolated, part of a step (a choice)
 _MOST_STEPS = 25  # of Newton's method, which is slow where the equations are nearly singular
 _SIDES = np.array([-4.0, -3.0, -2.0, -1.0, 1.0, 2.0, 3.0, 4.0])
+_FAILURES = (ValueError, ArithmeticError, RuntimeError, np.linalg.LinAlgError)
 _CLOSE = 1e-3  # of a multiplier to where it should be: what is farther is another thing that changes the sign
+_APART = 10.0  # times the errors of multipliers, beyond which they do not cross together
+_REAL = 1e-6  # of a multiplier, its imaginary part if that is rounding where several coincide (a choice)
 
 
 class Crossing(NamedTuple):
-    """A test function that changes sign between two samples, and the kind of point that tells."""
+    """A test function that changes sign between two samples, the kind of point that tells, and what crosses there."""
 
     kind: Kind
-    test: str
+    test: Test
     start: Sample
     end: Sample
     measure: Measure
+    ranks: Ranks = ()  # of the multipliers that cross; () where they are not known
+
+    @property
+    def count(self) -> int:
+        """How many multipliers cross together, of pairs how many pairs."""
+        return max(1, len(self.ranks) // 2 if self.kind == "Neimark-Sacker" else len(self.ranks))
+
+    @property
+    def change(self) -> int:
+        """By how many the number of multipliers outside the unit circle changes; 0 where none need cross."""
+        if self.kind == "branch point" and self.test == "turning":
+            return 0
+        return (2 if self.kind == "Neimark-Sacker" else 1) * self.count
+
+
+class Located(NamedTuple):
+    """Special points between two samples, and why others are not located, in words."""
+
+    points: list[SpecialPoint]
+    notes: list[str]
+    changes: int = 0  # of the number of multipliers outside, that the points explain
 
 
 class Watch:
-    """The last sample at which the sign of each test function was known."""
+    """The last samples at which the sign of each test function, and the number of multipliers outside, were known."""
 
     def __init__(self, start: Sample, measure: Measure) -> None:
         """Begin at a sample."""
         self.known = dict.fromkeys(("turning", "plus", "minus", "pairs"), (start, measure))
+        self.counted = (start, measure)
+
+    def located(self, found: Sample, measure: Measure) -> Located:
+        """Return the special points from the samples before to one more.
+
+        Signs of products tell single crossings.  Where they do not explain by how many the number of multipliers
+        outside the unit circle changes, an even number of them crosses, or several together: then each is located by
+        its own magnitude.
+        """
+        crossings, count = self.crossings(found, measure), self._count_changed(found, measure)
+        crossed = () if count is None else count.ranks
+        located = Located([], [])
+        if count is None or _explains(sum(each.change for each in crossings if _may_be(each, crossed)), crossed):
+            located = _all_located(crossings)
+        if count is not None and not _explains(located.changes, crossed):
+            turns = next((each for each in crossings if each.test == "turning"), None)
+            located = _located_by_ranks(count, turns)
+        return located
+
+    def _count_changed(self, found: Sample, measure: Measure) -> Crossing | None:
+        """Return the multipliers whose rank the number outside the unit circle passes; None where it stays."""
+        (start, units), now = self.counted, crossings.outside(found.multipliers)
+        before = crossings.outside(start.multipliers)
+        if now is not None or before is None:
+            self.counted = found, measure
+        if before is None or now is None or before == now:
+            return None
+        ranks = tuple(range(min(before, now), max(before, now)))
+        return Crossing("branch point", ranks, start, found, units, ranks)
 
     def crossings(self, found: Sample, measure: Measure) -> list[Crossing]:
         """Return the changes of sign from the samples before to one more."""
@@ -65,18 +119,101 @@ class Watch:
         return [Crossing(kind, test, changed[test][0], found, changed[test][1]) for kind, test in kinds]
 
 
+def _explains(changes: int, crossed: Ranks) -> bool:
+    """Return whether changes of the number outside sum to one of so many, some perhaps in and some out."""
+    return changes >= len(crossed) and (changes - len(crossed)) % 2 == 0
+
+
+def _may_be(crossing: Crossing, crossed: Ranks) -> bool:
+    """Return whether a change of sign may be a crossing: of pairs where the multipliers that cross come in pairs."""
+    if crossing.kind != "Neimark-Sacker" or not crossed:
+        return True
+    ends = (crossings.of_ranks(each.multipliers, crossed).values for each in (crossing.start, crossing.end))
+    return any((np.abs(values.imag) > _REAL * np.abs(values)).any() for values in ends)
+
+
+def _all_located(crossings: Sequence[Crossing]) -> Located:
+    """Return the special points that changes tell."""
+    points, notes, changes = [], [], 0
+    for crossing in crossings:
+        try:
+            found = located(crossing)
+        except _FAILURES as error:
+            notes.append(_not_located(crossing, f"a {crossing.kind} was not located", error))
+        else:
+            points += found
+            changes += crossing.change if found else 0
+    return Located(points, notes, changes)
+
+
+def _not_located(crossing: Crossing, what: str, error: Exception | None = None) -> str:
+    """Return where a special point lies that was not located, and why, in words."""
+    name = crossing.start.place.collocation.parameter
+    low, high = crossing.start.value, crossing.end.value
+    numbers = [crossings.outside(each.multipliers) for each in (crossing.start, crossing.end)]
+    where = f"between {name} = {low:.9g} and {high:.9g}"
+    if numbers[0] != numbers[1] and None not in numbers:
+        where += f", where the number of multipliers outside the unit circle changes from {numbers[0]} to {numbers[1]}"
+    return f"{where}, {what}{f': {error}' if error is not None else ''}"
+
+
+def _located_by_ranks(whole: Crossing, turning: Crossing | None) -> Located:
+    """Return the points at which the multipliers of some ranks cross, those that cross together as one."""
+    nothing = "no special point was located; shorter steps (longest=) may tell them apart"
+    try:
+        groups = _groups(whole, turning)
+    except _FAILURES as error:
+        return Located([], [_not_located(whole, nothing, error)])
+    found = _all_located(groups)
+    if not found.notes and not _explains(found.changes, whole.ranks):
+        return found._replace(notes=[_not_located(whole, nothing)])
+    return found
+
+
+def _groups(whole: Crossing, turning: Crossing | None) -> list[Crossing]:
+    """Return the crossings of multipliers of some ranks, each of those that cross at about the same place."""
+    from scipy.optimize import brentq
+
+    stretch = _Stretch(whole)
+    near = 0.2 * _NEAR * abs(stretch.whole)
+    turn = None if turning is None else _Stretch(turning).zero(near)
+    gathered: dict[tuple[Kind, float], list[int]] = {}
+    for rank in whole.ranks:
+        length = float(brentq(partial(stretch.of, (rank,)), 0.0, stretch.whole, xtol=near, rtol=1e-14))
+        kind = _kind(stretch.beside(length), rank)
+        if kind == "branch point" and turn is not None and abs(turn - length) <= 4.0 * near:
+            kind = "fold"
+        place = next((at for name, at in gathered if name == kind and abs(at - length) <= 2.0 * near), length)
+        gathered.setdefault((kind, place), []).append(rank)
+    groups = []
+    for (kind, _), ranks in sorted(gathered.items(), key=lambda each: each[0][1] / stretch.whole):
+        test: Test = "turning" if kind == "fold" else tuple(ranks)
+        groups.append(whole._replace(kind=kind, test=test, ranks=tuple(ranks)))
+    return groups
+
+
+def _kind(sample: Sample, rank: int) -> Kind:
+    """Return the kind of point at which a multiplier crosses the circle, from its angle."""
+    mu = complex(crossings.of_ranks(sample.multipliers, (rank,)).values[0])
+    if abs(mu.imag) > _REAL * abs(mu):
+        return "Neimark-Sacker"
+    return "branch point" if mu.real > 0.0 else "period doubling"
+
+
 class _Stretch:
     """The branch from one sample to another by the length along the direction at the first."""
 
     def __init__(self, crossing: Crossing) -> None:
         """Lay it out on the mesh of the first sample."""
         self.measure, self.base, self.kind, self.test = crossing.measure, crossing.start.place, *crossing[:2]
+        self.count = crossing.count
         place, end = self.base, crossing.end.place
         self.row = self.measure.row(place.collocation, place.point, place.direction)
         there = meshes.carried(end.collocation, end.point, place.collocation.mesh, place.collocation.degree)[1]
         self.change = arclength.between(place.collocation, place.point, there)
         self.whole = arclength.product(self.row, self.change)
-        self.values = {0.0: self._test(crossing.start), self.whole: self._test(crossing.end)}
+        self.samples = {0.0: crossing.start, self.whole: crossing.end}
+        self.values = {length: self._test(sample) for length, sample in self.samples.items()}
 
     def _test(self, sample: Sample) -> float:
         return sample.tests.turning if self.test == "turning" else crossings.value(sample.multipliers, self.test)
@@ -90,7 +227,29 @@ class _Stretch:
 
     def sample(self, length: float) -> Sample:
         """Return what is known at a length."""
-        return sampled(self.place(length), self.measure)
+        if length not in self.samples:
+            self.samples[length] = sampled(self.place(length), self.measure)
+        return self.samples[length]
+
+    def beside(self, length: float) -> Sample:
+        """Return what is known at a length, or a little before where the equations are singular there."""
+        try:
+            return self.sample(length)
+        except NoOrbitError:
+            return self.sample(length - _NEAR * self.whole)
+
+    def of(self, ranks: Ranks, length: float) -> float:
+        """Return the mean logarithm of the magnitudes of some multipliers at a length; 0 where there is no orbit."""
+        try:
+            return crossings.value(self.sample(length).multipliers, ranks)
+        except NoOrbitError:  # as at a branch point, where the equations are singular
+            return 0.0
+
+    def zero(self, xtol: float) -> float:
+        """Return the length at which the test function is zero."""
+        from scipy.optimize import brentq
+
+        return float(brentq(self.value, 0.0, self.whole, xtol=xtol, rtol=1e-14))
 
     def value(self, length: float) -> float:
         """Return the test function at a length."""
@@ -115,27 +274,33 @@ class _Stretch:
         return (self.values[other] - self.value(length)) / (other - length)
 
 
-def located(crossing: Crossing) -> SpecialPoint | None:
-    """Return the special point that a change of sign tells; None where none is there, as at a neutral saddle."""
-    from scipy.optimize import brentq
+def located(crossing: Crossing) -> list[SpecialPoint]:
+    """Return the special point that a change of sign tells; none where none is there, as at a neutral saddle.
 
+    Several where multipliers that were taken together cross one after the other.
+    """
     stretch = _Stretch(crossing)
     branching = crossing.kind == "branch point"
-    xtol = 0.2 * _NEAR * abs(stretch.whole) if branching else _ROOT
-    length = float(brentq(stretch.value, 0.0, stretch.whole, xtol=xtol, rtol=1e-14))
-    sample, error = _interpolated(stretch, length) if branching else _at(stretch, length)
+    length = stretch.zero(0.2 * _NEAR * abs(stretch.whole) if branching else _ROOT)
+    sample, error, rate = _interpolated(stretch, length) if branching else _at(stretch, length)
     found = sample.multipliers
     kind = crossing.kind
+    if crossing.count > 1:
+        spread, blur = _spread(found, crossing.ranks)
+        if spread > _APART * blur and crossing.test != "turning":
+            singles = _singles(crossing)
+            return [point for each in singles for point in located(each)]
+        error += rate * spread
     which = nearest(found, kind)
     mu = complex(found.values[which])
     apart = {"period doubling": abs(mu + 1.0), "Neimark-Sacker": abs(abs(mu) - 1.0)}.get(kind, abs(mu - 1.0))
     if apart > _CLOSE + 10.0 * found.errors[which] or (kind == "Neimark-Sacker" and not mu.imag > found.errors[which]):
-        return None
+        return []
     doubled = returns_after(sample.orbit.collocation, sample.orbit.point, 2)
     if kind == "branch point" and stretch.test == "turning" and doubled:
         kind = "period doubling"
     direction = sample.place.direction
-    return SpecialPoint(
+    point = SpecialPoint(
         kind,
         sample.place.collocation.parameter or "",
         sample.value,
@@ -144,22 +309,40 @@ def located(crossing: Crossing) -> SpecialPoint | None:
         sample.orbit,
         direction=Step(direction.nodes, direction.stages[:, :0], direction.scalars),
         measure=crossing.measure,
+        count=crossing.count,
     )
+    return [point]
 
 
-def _at(stretch: _Stretch, length: float) -> tuple[Sample, float]:
-    """Return the sample at the zero of a test function, and the error of the parameter there."""
+def _spread(found: Multipliers, ranks: Ranks) -> tuple[float, float]:
+    """Return how far the magnitudes of some multipliers are from 1, and their errors, at most, as logarithms."""
+    values, errors = crossings.of_ranks(found, ranks)
+    sizes = np.abs(values)
+    return float(np.abs(np.log(sizes)).max()), float((errors / sizes).max())
+
+
+def _singles(crossing: Crossing) -> list[Crossing]:
+    """Return the crossings one by one, of pairs pair by pair."""
+    size = 2 if crossing.kind == "Neimark-Sacker" else 1
+    every = [crossing.ranks[k : k + size] for k in range(0, len(crossing.ranks), size)]
+    return [crossing._replace(test=ranks, ranks=ranks) for ranks in every]
+
+
+def _at(stretch: _Stretch, length: float) -> tuple[Sample, float, float]:
+    """Return the sample at the zero of a test function, the error of the parameter, and its rate with the function."""
     sample = stretch.sample(length)
     if stretch.test == "turning":
-        return sample, sample.value_error
+        return sample, sample.value_error, 0.0
     blur = _blur(sample, stretch)
     rate = abs(sample.place.direction.scalars[-1] / stretch.slope(length))
-    return sample, float(rate * (blur + abs(stretch.value(length))) + sample.value_error)
+    return sample, float(rate * (blur + abs(stretch.value(length))) + sample.value_error), float(rate)
 
 
 def _blur(sample: Sample, stretch: _Stretch) -> float:
-    """Return the error of the test function from that of the multiplier that crosses."""
+    """Return the error of the test function from that of the multiplier that crosses, or of all that cross together."""
     values = sample.multipliers.values
+    if stretch.count > 1:
+        return doubt(sample.multipliers, stretch.test)
     which = nearest(sample.multipliers, stretch.kind)
     errors = np.zeros(len(values))
     errors[which] = error_of(complex(values[which]), sample.orbit.segments)
@@ -168,7 +351,7 @@ def _blur(sample: Sample, stretch: _Stretch) -> float:
     return doubt(Multipliers(values, errors), stretch.test)
 
 
-def _interpolated(stretch: _Stretch, length: float) -> tuple[Sample, float]:
+def _interpolated(stretch: _Stretch, length: float) -> tuple[Sample, float, float]:
     """Return the sample at a branch point, where the equations are singular, from places on both sides of it.
 
     Test function, states and parameter are interpolated by polynomials of degree seven and five, whose difference
@@ -182,16 +365,18 @@ def _interpolated(stretch: _Stretch, length: float) -> tuple[Sample, float]:
     for used in (slice(0, 8), slice(1, 7)):
         inverse = np.polynomial.Polynomial.fit(places[used], tests[used], len(places[used]) - 1)
         near = [float(root.real) for root in inverse.roots() if abs(root.imag) < step]
+        if not near:
+            raise ArithmeticError("the test function has no simple zero there")
         roots.append(min(near, key=lambda each: abs(each - length)))
         factors = lagrange_weights(places[used], roots[-1])
         values.append(float(factors @ [each.value for each in samples[used]]))
     factors = lagrange_weights(places, roots[0])
     sample = _combined(samples, factors)
-    blur = _blur(samples[len(samples) // 2], stretch) if stretch.test == "plus" else 0.0
+    blur = _blur(samples[len(samples) // 2], stretch) if stretch.test != "turning" else 0.0
     slope = abs((tests[4] - tests[3]) / (places[4] - places[3]))
     rate = abs(sample.place.direction.scalars[-1]) / max(slope, 1e-300)
     gaps = max(each.value_error for each in samples)
-    return sample, float(abs(values[1] - values[0]) + rate * blur + gaps)
+    return sample, float(abs(values[1] - values[0]) + rate * blur + gaps), float(rate)
 
 
 def _combined(samples: list[Sample], factors: Floats) -> Sample:

@@ -49,6 +49,8 @@ class SpecialPoint(ByContent):
         The orbit there, whose verdict as a rule is undecided.
     after : int
         The point lies between this orbit of the branch and the next one.
+    count : int
+        How many multipliers cross there together, as symmetry makes them do; at a Neimark-Sacker point, how many pairs.
     """
 
     kind: Kind
@@ -60,6 +62,7 @@ class SpecialPoint(ByContent):
     direction: Step = field(compare=False)
     measure: Measure = field(compare=False)
     after: int = field(default=0, compare=False)
+    count: int = 1
 
     @property
     def period(self) -> float:
@@ -104,14 +107,17 @@ class SpecialPoint(ByContent):
     def as_dict(self) -> dict[str, Any]:
         """Return the point as numbers for JSON."""
         mu = [self.multiplier.real, self.multiplier.imag]
-        return {"kind": self.kind, "value": self.value, "error": self.error, "multiplier": mu, "after": self.after}
+        numbers = {"kind": self.kind, "value": self.value, "error": self.error, "multiplier": mu, "after": self.after}
+        return numbers | {"count": self.count}
 
     def __str__(self) -> str:
         return repr(self)
 
     def __repr__(self) -> str:
         """Return, say, "fold at omega = 2.2036 +- 1e-11"."""
-        return f"{self.kind} at {self.parameter} = {self.value:.10g} +- {self.error:.1g}"
+        pairs = "pairs" if self.kind == "Neimark-Sacker" else "multipliers"
+        together = f", {self.count} {pairs} together" if self.count > 1 else ""
+        return f"{self.kind} at {self.parameter} = {self.value:.10g} +- {self.error:.1g}{together}"
 
 
 def _switched(special: SpecialPoint, side: int, distance: float) -> PeriodicOrbit:
