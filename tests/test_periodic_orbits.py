@@ -8,8 +8,10 @@ from typing import Any
 
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
 
 import floquetrod as fr
+from conftest import depth
 from floquetrod.orbits.collocation import Collocation, Row
 from floquetrod.orbits.newton import corrected
 
@@ -231,3 +233,117 @@ def test_units_of_time_and_of_states_do_not_matter(unit: float) -> None:
     assert orbit.period / unit == pytest.approx(6.663286859323131, rel=1e-13)
     assert orbit.stability.multipliers[0].real == pytest.approx(8.596950636038e-4, rel=1e-9)
     assert orbit.error < 1e-9
+
+
+def mixed(rng: np.random.Generator) -> tuple[Any, Any, list[float], bool]:
+    """Return rates, a start, and the logarithms of the multipliers, of deviations that decay at rates far apart.
+
+    y' = (L + M cos t) (y - g) + g' in skew axes, L and M diagonal, g = cos t: multipliers exp(2 pi L).  Every other one
+    beside the autonomous circle r' = r - r^3 instead, whose own is exp(-4 pi), and without M and g.
+    """
+    count, autonomous = int(rng.integers(1, 6)), bool(rng.integers(2))
+    rates = -(10.0 ** rng.uniform(-2.0, 1.9, count))
+    rates[0] = rng.choice([-0.05, 0.03, 0.2])
+    axes = np.eye(count) + 0.3 * rng.normal(size=(count, count)) / math.sqrt(count)
+    matrix = axes @ np.diag(rates) @ np.linalg.inv(axes)
+    swing = axes @ np.diag(rng.uniform(-0.3, 0.3, count)) @ np.linalg.inv(axes)
+    logs = sorted((2.0 * math.pi * rates).tolist() + ([-4.0 * math.pi] if autonomous else []), reverse=True)
+
+    def forced(t: Any, x: Any) -> Any:
+        y = x - np.cos(t)
+        return matrix @ y + np.cos(t) * (swing @ y) - np.sin(t)
+
+    def circling(t: Any, x: Any) -> Any:
+        square = x[0] ** 2 + x[1] ** 2
+        return np.concatenate([[x[0] - x[1] - square * x[0], x[0] + x[1] - square * x[1]], matrix @ x[2:]])
+
+    return (circling, [1.0, 0.0] + [0.0] * count, logs, True) if autonomous else (forced, [1.0] * count, logs, False)
+
+
+@pytest.mark.parametrize("seed", range(depth(60, 6)))
+def test_each_multiplier_has_an_error_of_its_own(seed: int) -> None:
+    """Logarithms known by construction, from 1 to -500: a small one that is not known well leaves the others sure."""
+    rates, start, logs, autonomous = mixed(np.random.default_rng(seed))
+    system = fr.NonlinearSystem(rates, period=None if autonomous else 2.0 * math.pi)
+    orbit = fr.periodic_orbit(system, start, 2.0 * math.pi)
+    assert orbit.status == ("unstable" if logs[0] > 0.0 else "stable")
+    found = orbit.stability
+    for exponent, error, log in zip(found.exponents, found.exponent_errors, logs, strict=True):
+        assert abs(exponent.real * orbit.period - log) <= error * orbit.period + 1e-13 * abs(log)
+        assert error * orbit.period < 1e-3
+    assert "another one is 1" not in found.note
+
+
+@pytest.mark.parametrize("mu", [1.0, 5.0, 20.0])
+def test_extremes_are_those_between_the_nodes(mu: float) -> None:
+    """Van der Pol's extremes by DOP853 where a rate of change is 0."""
+    orbit = fr.periodic_orbit(VAN_DER_POL.with_parameters(mu=mu), [2.0, 0.0])
+
+    def rates(t: float, x: Any) -> Any:
+        return van_der_pol(t, x, mu)
+
+    events = [lambda t, x, k=k: rates(t, x)[k] for k in (0, 1)]
+    start = orbit.states[0]
+    motion = solve_ivp(rates, (0.0, orbit.period), start, "DOP853", rtol=3e-14, atol=1e-14, events=events)
+    known = np.array([states[:, k].max() for k, states in enumerate(motion.y_events)])
+    assert (np.abs(orbit.largest - known) <= orbit.error * orbit.point.scale + 1e-12 * known).all()
+    assert np.abs(orbit.least + orbit.largest).max() <= 2.0 * orbit.error * known.max()  # x and -x obey the same
+    times = np.concatenate([orbit.extremes.largest_at, orbit.extremes.least_at]) * orbit.period
+    there = orbit(times)[[0, 1, 2, 3], [0, 1, 0, 1]]
+    assert np.allclose(there, np.concatenate([orbit.largest, orbit.least]), rtol=1e-12, atol=0.0)
+    assert f"-{known[1]:.6g} to {known[1]:.6g}" in str(orbit)
+    assert orbit.plot().lines[1].get_ydata().max() == pytest.approx(known[1], rel=1e-9)
+
+
+def test_a_relaxation_oscillation_of_a_thousand() -> None:
+    """The period by its asymptotic series, (3 - 2 log 2) mu + 7.01432 mu^(-1/3) + O(log mu / mu) (Dorodnitsyn)."""
+    mu = 1000.0
+    orbit = fr.periodic_orbit(VAN_DER_POL.with_parameters(mu=mu), [2.0, 0.0])
+    series = (3.0 - 2.0 * math.log(2.0)) * mu + 7.01432 * mu ** (-1.0 / 3.0)
+    assert abs(orbit.period - series) < 2.0 * math.log(mu) / mu
+    assert orbit.status == "stable"
+    assert orbit.error < 1e-7
+    assert abs(orbit.largest[0] - 2.0 - 0.7793 * mu ** (-4.0 / 3.0)) < 1e-5
+
+
+TURN = 2.0 * math.pi
+
+
+@pytest.mark.parametrize("start", [[0.0, 0.0], [0.3, 3.0]])
+@pytest.mark.parametrize("period", [None, 2.66])
+def test_motion_that_rotates_is_refused_with_its_cause(start: list[float], period: float | None) -> None:
+    system = fr.NonlinearSystem(lambda t, x: (x[1], 1.2 - 0.5 * x[1] - np.sin(x[0])))
+    with pytest.raises(ValueError, match=r"state 0 grows by 2 pi in every period of about 2\.65.*write the angle x as"):
+        fr.periodic_orbit(system, start, period)
+
+
+def test_the_way_out_of_a_rotation_leads_to_its_orbit() -> None:
+    def in_cosine_and_sine(t: Any, x: Any) -> Any:
+        c, s, w = x
+        round_up = 1.0 - c * c - s * s
+        return -s * w + round_up * c, c * w + round_up * s, 1.2 - 0.5 * w - s
+
+    orbit = fr.periodic_orbit(fr.NonlinearSystem(in_cosine_and_sine), [1.0, 0.0, 2.0])
+    assert orbit.status == "stable"
+    angle = math.atan2(*orbit.states[0, [1, 0]])
+    motion = solve_ivp(
+        lambda t, x: (x[1], 1.2 - 0.5 * x[1] - np.sin(x[0])),
+        (0.0, orbit.period),
+        [angle, orbit.states[0, 2]],
+        "DOP853",
+        rtol=1e-13,
+        atol=1e-13,
+    )
+    assert np.abs(motion.y[:, -1] - [angle + TURN, orbit.states[0, 2]]).max() < 1e-10
+
+
+def test_a_state_that_nothing_depends_on_is_named() -> None:
+    system = fr.NonlinearSystem(lambda t, x: (*van_der_pol(t, x[:2], 1.0), 1.0 + 0.0 * x[0]))
+    with pytest.raises(ValueError, match=r"state 2 grows by 6\.66329 in every period .* leave state 2 out"):
+        fr.periodic_orbit(system, [2.0, 0.0, 0.0])
+
+
+def test_motion_that_slows_down_does_not_count_as_a_rotation() -> None:
+    system = fr.NonlinearSystem(lambda t, x: (x[1], -0.05 * x[1] - np.sin(x[0])))
+    with pytest.raises(ValueError, match="a state of rest"):
+        fr.periodic_orbit(system, [0.0, 6.0])

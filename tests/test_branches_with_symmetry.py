@@ -1,0 +1,164 @@
+"""Branches of symmetric systems and in invariant planes: several multipliers cross together, at known parameters."""
+
+from __future__ import annotations
+
+import logging
+import math
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+import floquetrod as fr
+from conftest import depth
+from floquetrod.orbits import locating
+
+LOG = logging.getLogger(__name__)
+
+
+class Known(NamedTuple):
+    """A branch over the parameter p, from about one orbit, with the special points that are known on it."""
+
+    orbit: fr.PeriodicOrbit
+    over: tuple[float, float]
+    points: list[tuple[str, float, int]]  # kind, value, number of multipliers or pairs that cross together
+
+
+def identical_oscillators(rng: np.random.Generator, count: int) -> Known:
+    """Return z_j' = (1 + i w) z_j - (1 + i c) |z_j|^2 z_j + p (1 + i b) (mean - z_j), in phase.
+
+    Deviations across obey u' = -2 (1 + i c) Re u - p (1 + i b) u: count - 1 multipliers are 1 where p (2 + p + 2 b c + p
+    b^2) = 0.
+    """
+    w, b, c = rng.uniform(0.3, 2.0), -rng.uniform(0.6, 1.5), rng.uniform(2.5, 4.0)
+    known = -2.0 * (1.0 + b * c) / (1.0 + b**2)
+
+    def rates(t: Any, x: Any, p: float) -> Any:
+        u, v = x[0::2], x[1::2]
+        up, vp = p * (u.mean(axis=0) - u), p * (v.mean(axis=0) - v)
+        square = u**2 + v**2
+        found = np.empty_like(x)
+        found[0::2] = u - w * v - square * (u - c * v) + up - b * vp
+        found[1::2] = v + w * u - square * (v + c * u) + vp + b * up
+        return found
+
+    over = known - rng.uniform(0.2, 0.5), known + rng.uniform(0.2, 0.5)
+    system = fr.NonlinearSystem(rates, parameters={"p": known + 0.11})
+    orbit = fr.periodic_orbit(system, [1.0, 0.0] * count, 2.0 * math.pi / abs(w - c))
+    return Known(orbit, over, [("branch point", known, count - 1)])
+
+
+def invariant_plane(rng: np.random.Generator, count: int) -> Known:
+    """Return the circle of r' = r - r^3 with y_k' = (p - q + g(x)) y_k - y_k^3, the mean of g over the circle zero.
+
+    y = 0 is invariant, the circle does not depend on p, and the multipliers exp(2 pi (p - q)) cross together.
+    """
+    q, a, b = rng.uniform(-1.0, 1.0), *rng.normal(size=2)
+
+    def rates(t: Any, x: Any, p: float) -> Any:
+        square = x[0] ** 2 + x[1] ** 2
+        y = x[2:]
+        rate = p - q + a * x[0] + b * x[0] * x[1]
+        circle = [x[0] - x[1] - square * x[0], x[0] + x[1] - square * x[1]]
+        return np.concatenate([np.stack(circle), rate * y - y**3])
+
+    over = q - rng.uniform(0.1, 0.5), q + rng.uniform(0.1, 0.5)
+    system = fr.NonlinearSystem(rates, parameters={"p": float(rng.uniform(*over))})
+    orbit = fr.periodic_orbit(system, [1.0, 0.0] + [0.0] * count, 2.0 * math.pi)
+    return Known(orbit, over, [("branch point", q, count)])
+
+
+def turned_strips(rng: np.random.Generator, count: int) -> Known:
+    """Return copies of a linear equation in axes that turn by half a turn a period, along them (p - q) y - y^3 and -y.
+
+    Multipliers -exp(2 pi (p - q)) cross -1 together.
+    """
+    q, a = rng.uniform(-1.0, 1.0), rng.uniform(-0.5, 0.5)
+
+    def rates(t: Any, x: Any, p: float) -> Any:
+        u, v = x[0::2] - np.sin(t), x[1::2]  # about an orbit that moves
+        c, s = np.cos(0.5 * t), np.sin(0.5 * t)
+        y, z = c * u + s * v, c * v - s * u
+        yp, zp = (p - q + a * np.cos(t)) * y - y**3, -z
+        found = np.empty_like(x)
+        found[0::2] = np.cos(t) + c * yp - s * zp - 0.5 * v
+        found[1::2] = s * yp + c * zp + 0.5 * u
+        return found
+
+    over = q - rng.uniform(0.1, 0.4), q + rng.uniform(0.1, 0.4)
+    system = fr.NonlinearSystem(rates, period=2.0 * math.pi, parameters={"p": float(rng.uniform(*over))})
+    return Known(fr.periodic_orbit(system, [0.0] * 2 * count), over, [("period doubling", q, count)])
+
+
+def spirals(rng: np.random.Generator, count: int) -> Known:
+    """Return copies of z' = (p - q + i w) z - |z|^2 z about cos t: pairs exp(2 pi (p - q +- i w)) cross together."""
+    q, w = rng.uniform(-1.0, 1.0), rng.uniform(0.1, 0.4)
+
+    def rates(t: Any, x: Any, p: float) -> Any:
+        u, v = x[0::2] - np.cos(t), x[1::2]
+        growth = p - q + 0.3 * np.cos(t) - u**2 - v**2
+        found = np.empty_like(x)
+        found[0::2] = -np.sin(t) + growth * u - w * v
+        found[1::2] = growth * v + w * u
+        return found
+
+    over = q - rng.uniform(0.1, 0.4), q + rng.uniform(0.1, 0.4)
+    system = fr.NonlinearSystem(rates, period=2.0 * math.pi, parameters={"p": float(rng.uniform(*over))})
+    return Known(fr.periodic_orbit(system, [1.0, 0.0] * count), over, [("Neimark-Sacker", q, count)])
+
+
+def folding_copies(rng: np.random.Generator, count: int) -> Known:
+    """Return copies of y' = p - q - (y - cos t)^2 - sin t, y about cos t: all fold together at p = q."""
+    q = rng.uniform(-1.0, 1.0)
+
+    def rates(t: Any, x: Any, p: float) -> Any:
+        return p - q - (x - np.cos(t)) ** 2 - np.sin(t)
+
+    over = q - 0.2, q + rng.uniform(0.1, 0.3)
+    p = q + 0.08
+    system = fr.NonlinearSystem(rates, period=2.0 * math.pi, parameters={"p": p})
+    return Known(fr.periodic_orbit(system, [1.0 + math.sqrt(p - q)] * count), over, [("fold", q, count)])
+
+
+FAMILIES: tuple[Callable[[np.random.Generator, int], Known], ...] = (
+    identical_oscillators,
+    invariant_plane,
+    turned_strips,
+    spirals,
+    folding_copies,
+)
+
+
+def check(known: Known, longest: float) -> fr.Branch:
+    """Compare the special points of a branch with those that are known."""
+    branch = fr.follow(known.orbit, {"p": known.over}, longest=longest)
+    found = [(point.kind, point.count) for point in branch.special_points]
+    assert found == [(kind, count) for kind, _, count in known.points], branch
+    for point, (_, value, _) in zip(branch.special_points, known.points, strict=True):
+        assert abs(point.value - value) <= point.error < 1e-5, branch
+    assert branch.notes == ()
+    assert (branch.values >= known.over[0]).all()
+    assert (branch.values <= known.over[1]).all()
+    assert all("is the end of the range" in end for end in branch.ends), branch
+    return branch
+
+
+@pytest.mark.parametrize("family", FAMILIES)
+def test_multipliers_that_cross_together_are_located(family: Callable[[np.random.Generator, int], Known]) -> None:
+    for seed in range(depth(6, 1)):
+        rng = np.random.default_rng([seed, 48])
+        count = int(rng.integers(2, 4))
+        check(family(rng, count), 0.2)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("family", FAMILIES)
+@pytest.mark.parametrize("tens", range(4))
+def test_drawn_branches_with_symmetry(family: Callable[[np.random.Generator, int], Known], tens: int) -> None:
+    for seed in range(10 * tens, 10 * tens + 10):
+        rng = np.random.default_rng(seed)
+        count = int(rng.integers(2 if family is identical_oscillators else 1, 5))
+        branch = check(family(rng, count), float(rng.choice([0.1, 0.3])))
+        LOG.info("%s %d %s", family.__name__, count, branch.special_points)
