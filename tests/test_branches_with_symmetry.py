@@ -5,11 +5,11 @@ from __future__ import annotations
 import logging
 import math
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 import floquetrod as fr
 from conftest import depth
@@ -26,11 +26,18 @@ class Known(NamedTuple):
     points: list[tuple[str, float, int]]  # kind, value, number of multipliers or pairs that cross together
 
 
+def orbit_along(system: fr.NonlinearSystem, path: Callable[[Any], Any], count: int) -> fr.PeriodicOrbit:
+    """Return the orbit with states path(t), 0, path(t), 0, ... over 2 pi, stable or not."""
+    times = np.linspace(0.0, 2.0 * math.pi, 100)
+    states = np.stack([path(times), np.zeros(100)] * count, axis=1)
+    return fr.periodic_orbit(system, (times, states))
+
+
 def identical_oscillators(rng: np.random.Generator, count: int) -> Known:
     """Return z_j' = (1 + i w) z_j - (1 + i c) |z_j|^2 z_j + p (1 + i b) (mean - z_j), in phase.
 
-    Deviations across obey u' = -2 (1 + i c) Re u - p (1 + i b) u: count - 1 multipliers are 1 where p (2 + p + 2 b c + p
-    b^2) = 0.
+    Deviations across obey u' = -2 (1 + i c) Re u - p (1 + i b) u: count - 1 multipliers are 1 where p (2 + p + 2 b c +
+    p b^2) = 0.
     """
     w, b, c = rng.uniform(0.3, 2.0), -rng.uniform(0.6, 1.5), rng.uniform(2.5, 4.0)
     known = -2.0 * (1.0 + b * c) / (1.0 + b**2)
@@ -89,7 +96,7 @@ def turned_strips(rng: np.random.Generator, count: int) -> Known:
 
     over = q - rng.uniform(0.1, 0.4), q + rng.uniform(0.1, 0.4)
     system = fr.NonlinearSystem(rates, period=2.0 * math.pi, parameters={"p": float(rng.uniform(*over))})
-    return Known(fr.periodic_orbit(system, [0.0] * 2 * count), over, [("period doubling", q, count)])
+    return Known(orbit_along(system, np.sin, count), over, [("period doubling", q, count)])
 
 
 def spirals(rng: np.random.Generator, count: int) -> Known:
@@ -106,20 +113,23 @@ def spirals(rng: np.random.Generator, count: int) -> Known:
 
     over = q - rng.uniform(0.1, 0.4), q + rng.uniform(0.1, 0.4)
     system = fr.NonlinearSystem(rates, period=2.0 * math.pi, parameters={"p": float(rng.uniform(*over))})
-    return Known(fr.periodic_orbit(system, [1.0, 0.0] * count), over, [("Neimark-Sacker", q, count)])
+    return Known(orbit_along(system, np.cos, count), over, [("Neimark-Sacker", q, count)])
 
 
 def folding_copies(rng: np.random.Generator, count: int) -> Known:
-    """Return copies of y' = p - q - (y - cos t)^2 - sin t, y about cos t: all fold together at p = q."""
+    """Return copies of y' = p - q - (y - cos t)^2 - sin t beside z' = sin t - z: all fold together at p = q."""
     q = rng.uniform(-1.0, 1.0)
 
     def rates(t: Any, x: Any, p: float) -> Any:
-        return p - q - (x - np.cos(t)) ** 2 - np.sin(t)
+        found = np.empty_like(x)
+        found[0::2] = p - q - (x[0::2] - np.cos(t)) ** 2 - np.sin(t)
+        found[1::2] = np.sin(t) - x[1::2]
+        return found
 
     over = q - 0.2, q + rng.uniform(0.1, 0.3)
     p = q + 0.08
     system = fr.NonlinearSystem(rates, period=2.0 * math.pi, parameters={"p": p})
-    return Known(fr.periodic_orbit(system, [1.0 + math.sqrt(p - q)] * count), over, [("fold", q, count)])
+    return Known(fr.periodic_orbit(system, [1.0 + math.sqrt(p - q), -0.5] * count), over, [("fold", q, count)])
 
 
 FAMILIES: tuple[Callable[[np.random.Generator, int], Known], ...] = (
@@ -162,3 +172,49 @@ def test_drawn_branches_with_symmetry(family: Callable[[np.random.Generator, int
         count = int(rng.integers(2 if family is identical_oscillators else 1, 5))
         branch = check(family(rng, count), float(rng.choice([0.1, 0.3])))
         LOG.info("%s %d %s", family.__name__, count, branch.special_points)
+
+
+def test_identical_oscillators_lose_all_but_one_multiplier_together() -> None:
+    """At K = 2 with w = 1, c = 3, b = -1, of three oscillators: the sign of a product does not change."""
+
+    def rates(t: Any, x: Any, K: float) -> Any:
+        u, v = x[0::2], x[1::2]
+        up, vp = K * (u.mean(axis=0) - u), K * (v.mean(axis=0) - v)
+        square, found = u**2 + v**2, np.empty_like(x)
+        found[0::2] = u - v - square * (u - 3.0 * v) + up + vp
+        found[1::2] = v + u - square * (v + 3.0 * u) + vp - up
+        return found
+
+    system = fr.NonlinearSystem(rates, parameters={"K": 2.3})
+    branch = fr.follow(fr.periodic_orbit(system, [1.0, 0.0] * 3, math.pi), {"K": (1.6, 2.5)}, longest=0.3)
+    (point,) = branch.special_points
+    assert (point.kind, point.count) == ("branch point", 2)
+    assert abs(point.value - 2.0) <= point.error < 1e-6
+    assert str(point).endswith("2 multipliers together")
+    assert "2 together" in str(branch)
+    assert point.as_dict()["count"] == 2
+
+
+def test_the_branch_that_crosses_in_an_invariant_plane() -> None:
+    known = invariant_plane(np.random.default_rng(3), 1)
+    branch = check(known, 0.3)
+    orbit = branch.special_points[0].switch(distance=0.2)
+    assert orbit.status == "stable"
+    assert abs(orbit.states[0, 2]) > 0.01
+
+
+def test_a_point_that_cannot_be_located_is_said_with_its_cause(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    def fails(crossing: Any) -> Any:
+        raise RuntimeError("Failed to converge after 100 iterations.")
+
+    known = invariant_plane(np.random.default_rng(5), 2)
+    monkeypatch.setattr(locating, "located", fails)
+    branch = fr.follow(known.orbit, {"p": known.over}, longest=0.3)
+    (note,) = branch.notes
+    assert "where the number of multipliers outside the unit circle changes from " in note
+    assert "Failed to converge" in note
+    assert branch.special_points == ()
+    assert "1 place where a special point was not located" in repr(branch)
+    assert note in str(branch).replace("\n", " ")
+    assert "not located" in branch.report().headline
+    assert fr.Branch.load(branch.save(tmp_path / "branch.npz"), known.orbit.system) == branch

@@ -40,9 +40,9 @@ def follow(
 
     By pseudo-arclength, so that the branch is followed round folds, too: from the orbit to both sides, until it leaves
     the range, closes on itself, shrinks to a state of rest, or cannot be continued; `Branch.ends` says which.  Meshes
-    adapt to the orbits.  Every orbit has its verdict; where a multiplier crosses the unit circle between two of them,
-    the point is located.  Two crossings of the same kind within a step cancel and are not seen: make steps shorter.
-    Ctrl-C ends the search and returns what has been found.
+    adapt to the orbits.  Every orbit has its verdict; where multipliers cross the unit circle between two of them, one
+    or several together, the point is located, or `Branch.notes` says that it is not and why.  Two crossings of the same
+    kind within a step, one in and one out, cancel and are not seen: make steps shorter.  Ctrl-C ends the search and returns what has been found.
 
     Parameters
     ----------

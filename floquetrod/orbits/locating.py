@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from floquetrod._util.arrays import Floats
+from floquetrod._util.arrays import EPS, Floats
 from floquetrod._util.interpolation import lagrange_weights
 from floquetrod.orbits import arclength, crossings
 from floquetrod.orbits import mesh as meshes
@@ -304,7 +304,7 @@ def located(crossing: Crossing) -> list[SpecialPoint]:
         kind,
         sample.place.collocation.parameter or "",
         sample.value,
-        error,
+        error + 4.0 * EPS * abs(sample.value),
         mu,
         sample.orbit,
         direction=Step(direction.nodes, direction.stages[:, :0], direction.scalars),

@@ -32,8 +32,11 @@ def returned(times: Floats, states: Floats, rates: Floats) -> float | None:
 
 
 def sizes(states: Floats) -> Floats:
-    """Return how far motion goes in each of its components."""
-    return np.asarray(np.maximum(np.ptp(states, axis=0), 1e-9 * float(np.abs(states).max()) + 1e-300))
+    """Return how far motion goes in each of its components, not less than 1e-6 of the largest magnitude of them all.
+
+    In an invariant plane a component is 0 but for errors of the integration.
+    """
+    return np.asarray(np.maximum(np.ptp(states, axis=0), 1e-6 * float(np.abs(states).max()) + 1e-300))
 
 
 def require_no_rotation(

@@ -257,6 +257,9 @@ def _marched(system: NonlinearSystem, state: Floats, span: float, when: str, sam
     call, given = system.function, dict(system.parameters)
     times = np.linspace(0.0, span, samples + 1)
     reached = 0.0
+    largest = float(np.abs(state).max())
+    moved = span * float(np.abs(system.rates([0.0], state[None])).max())  # from rest at 0 the size is not known yet
+    size = max(1e-3 * max(largest, 1e-3 * moved if math.isfinite(moved) else 0.0), 1e-9)
 
     def rates(t: float, x: Floats) -> Floats:
         nonlocal reached
@@ -271,7 +274,7 @@ def _marched(system: NonlinearSystem, state: Floats, span: float, when: str, sam
             times,
             tfirst=True,
             rtol=_RTOL,
-            atol=_RTOL * max(1e-3 * float(np.abs(state).max()), 1e-9),
+            atol=_RTOL * size,
             full_output=True,
             mxstep=50_000,
             printmessg=False,
