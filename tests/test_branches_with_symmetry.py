@@ -201,6 +201,9 @@ def test_the_branch_that_crosses_in_an_invariant_plane() -> None:
     orbit = branch.special_points[0].switch(distance=0.2)
     assert orbit.status == "stable"
     assert abs(orbit.states[0, 2]) > 0.01
+    other = fr.follow(orbit, {"p": (known.over[0], orbit.system.parameters["p"] + 0.05)}, longest=0.3, steps=12)
+    assert "branch point" in [point.kind for point in other.special_points]
+    assert abs(other.special_points[0].value - known.points[0][1]) <= other.special_points[0].error
 
 
 def test_a_point_that_cannot_be_located_is_said_with_its_cause(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:

@@ -93,9 +93,9 @@ def pinned(collocation: Collocation, point: Point, value: float, measure: Measur
     return Row(np.zeros_like(point.nodes), scalars, value / measure.width)
 
 
-def rows_of(collocation: Collocation, reference: Point, last: Row) -> list[Row]:
+def rows_of(collocation: Collocation, reference: Point, last: Row, measure: Measure) -> list[Row]:
     """Return a phase condition, where the orbit is autonomous, and a last row."""
-    return [last] if collocation.turns else [collocation.phase(reference), last]
+    return [last] if collocation.turns else [collocation.phase(reference, measure.scale), last]
 
 
 def placed(
@@ -105,8 +105,8 @@ def placed(
 
     Raises NoOrbitError where Newton's method finds none.
     """
-    found = corrected(collocation, guess, rows_of(collocation, guess, last), most_steps)
-    rows = rows_of(collocation, found.point, onward)
+    found = corrected(collocation, guess, rows_of(collocation, guess, last, measure), most_steps)
+    rows = rows_of(collocation, found.point, onward, measure)
     direction = collocation.tangent(found.condensed, rows, found.point.scale)
     unit = measure.unit(collocation, found.point, direction)
     return Place(collocation, found.point, found.condensed, unit, found.steps)

@@ -224,10 +224,15 @@ class Collocation(ByContent):
         drives = [every[name]() for name in self.scalars]
         return np.stack(drives, axis=-1) if drives else np.zeros((*rates.shape, 0))
 
-    def phase(self, reference: Point) -> Row:
-        """Return the phase condition: an orbit's mean distance from a reference along that one's motion is zero."""
-        nodes = self.weights[:, None] * self.rates_at_mesh(reference) / reference.scale**2
-        nodes = nodes / np.linalg.norm(nodes * reference.scale)
+    def phase(self, reference: Point, scale: Floats | None = None) -> Row:
+        """Return the phase condition: an orbit's mean distance from a reference along that one's motion is zero.
+
+        In units of the states (n,), those of the reference by default; along a branch they must not change where a
+        state passes through zero.
+        """
+        scale = reference.scale if scale is None else scale
+        nodes = self.weights[:, None] * self.rates_at_mesh(reference) / scale**2
+        nodes = nodes / np.linalg.norm(nodes * scale)
         return Row(nodes, np.zeros(len(self.scalars)), float((nodes * reference.nodes).sum()))
 
     def values(self, point: Point) -> Floats:

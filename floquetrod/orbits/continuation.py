@@ -74,7 +74,7 @@ def sampled(place: Place, measure: Measure, value: float | None = None) -> Sampl
         row = measure.row(collocation, point, place.direction)
     else:
         row = arclength.pinned(collocation, point, value, measure)
-    found = finding.compared(collocation, point, place.condensed, arclength.rows_of(collocation, point, row))
+    found = finding.compared(collocation, point, place.condensed, arclength.rows_of(collocation, point, row, measure))
     if value is not None:  # Newton's last step may miss it by rounding
         exact = found.point._replace(value=value)
         found = found._replace(point=exact._replace(period=found.collocation.period_at(exact)))

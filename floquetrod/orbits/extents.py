@@ -54,7 +54,7 @@ def _peaks(collocation: Collocation, series: Floats) -> tuple[Floats, Floats]:
     samples = np.moveaxis(legendre.legval(x, series), -1, 1)  # (N, k, n)
     tops, count = samples.max(axis=(0, 1)), samples.shape[2]
     largest, at = np.empty(count), np.empty(count)
-    slope, bend = legendre.legder(series), legendre.legder(series, 2)
+    slope, bend = (np.asarray(legendre.legder(series, times), dtype=float) for times in (1, 2))
     for j in range(count):
         interval, place = np.nonzero(samples[:, :, j] >= tops[j] - _RIVALS * np.ptp(samples[:, :, j]))
         here, rising, bent = (each[:, interval, j] for each in (series, slope, bend))

@@ -88,10 +88,10 @@ def _near(system: NonlinearSystem, guess: starts.Guess, turns: int | None, toler
             return orbit_of(*_discretised(system, guess, turns, intervals), tolerance)
         except NoOrbitError as error:
             lost = lost or error
-    jumping = starts.jumping(system, guess) if guess.jumps else None
-    for intervals in _JUMPING if jumping is not None else ():
+    fine = starts.jumping(system, guess) if guess.jumps else None
+    for intervals in () if fine is None else _JUMPING:
         try:
-            return orbit_of(*_discretised(system, jumping, turns, intervals), tolerance)
+            return orbit_of(*_discretised(system, fine or guess, turns, intervals), tolerance)
         except NoOrbitError:
             continue
     if guess.jumps and lost is not None:

@@ -42,7 +42,8 @@ def follow(
     the range, closes on itself, shrinks to a state of rest, or cannot be continued; `Branch.ends` says which.  Meshes
     adapt to the orbits.  Every orbit has its verdict; where multipliers cross the unit circle between two of them, one
     or several together, the point is located, or `Branch.notes` says that it is not and why.  Two crossings of the same
-    kind within a step, one in and one out, cancel and are not seen: make steps shorter.  Ctrl-C ends the search and returns what has been found.
+    kind within a step, one in and one out, cancel and are not seen: make steps shorter.  Ctrl-C ends the search and
+    returns what has been found.
 
     Parameters
     ----------

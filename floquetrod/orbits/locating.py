@@ -42,7 +42,7 @@ class Crossing(NamedTuple):
     ranks: Ranks = ()  # of the multipliers that cross; () where they are not known
 
     @property
-    def count(self) -> int:
+    def together(self) -> int:
         """How many multipliers cross together, of pairs how many pairs."""
         return max(1, len(self.ranks) // 2 if self.kind == "Neimark-Sacker" else len(self.ranks))
 
@@ -51,7 +51,7 @@ class Crossing(NamedTuple):
         """By how many the number of multipliers outside the unit circle changes; 0 where none need cross."""
         if self.kind == "branch point" and self.test == "turning":
             return 0
-        return (2 if self.kind == "Neimark-Sacker" else 1) * self.count
+        return (2 if self.kind == "Neimark-Sacker" else 1) * self.together
 
 
 class Located(NamedTuple):
@@ -77,8 +77,12 @@ class Watch:
         outside the unit circle changes, an even number of them crosses, or several together: then each is located by
         its own magnitude.
         """
-        crossings, count = self.crossings(found, measure), self._count_changed(found, measure)
+        crossings = self.crossings(found, measure)
+        known, count = self._counted(found, measure)
         crossed = () if count is None else count.ranks
+        singles = [each for each in crossings if each.kind != "Neimark-Sacker"]
+        if known and sum(each.change for each in singles) == len(crossed):  # real multipliers with the product 1
+            crossings = singles
         located = Located([], [])
         if count is None or _explains(sum(each.change for each in crossings if _may_be(each, crossed)), crossed):
             located = _all_located(crossings)
@@ -87,16 +91,16 @@ class Watch:
             located = _located_by_ranks(count, turns)
         return located
 
-    def _count_changed(self, found: Sample, measure: Measure) -> Crossing | None:
-        """Return the multipliers whose rank the number outside the unit circle passes; None where it stays."""
+    def _counted(self, found: Sample, measure: Measure) -> tuple[bool, Crossing | None]:
+        """Return whether the number outside the unit circle is known, and the ranks it passes; None where it stays."""
         (start, units), now = self.counted, crossings.outside(found.multipliers)
         before = crossings.outside(start.multipliers)
         if now is not None or before is None:
             self.counted = found, measure
         if before is None or now is None or before == now:
-            return None
+            return before is not None and now is not None, None
         ranks = tuple(range(min(before, now), max(before, now)))
-        return Crossing("branch point", ranks, start, found, units, ranks)
+        return True, Crossing("branch point", ranks, start, found, units, ranks)
 
     def crossings(self, found: Sample, measure: Measure) -> list[Crossing]:
         """Return the changes of sign from the samples before to one more."""
@@ -206,7 +210,7 @@ class _Stretch:
     def __init__(self, crossing: Crossing) -> None:
         """Lay it out on the mesh of the first sample."""
         self.measure, self.base, self.kind, self.test = crossing.measure, crossing.start.place, *crossing[:2]
-        self.count = crossing.count
+        self.together = crossing.together
         place, end = self.base, crossing.end.place
         self.row = self.measure.row(place.collocation, place.point, place.direction)
         there = meshes.carried(end.collocation, end.point, place.collocation.mesh, place.collocation.degree)[1]
@@ -285,7 +289,7 @@ def located(crossing: Crossing) -> list[SpecialPoint]:
     sample, error, rate = _interpolated(stretch, length) if branching else _at(stretch, length)
     found = sample.multipliers
     kind = crossing.kind
-    if crossing.count > 1:
+    if crossing.together > 1:
         spread, blur = _spread(found, crossing.ranks)
         if spread > _APART * blur and crossing.test != "turning":
             singles = _singles(crossing)
@@ -309,7 +313,7 @@ def located(crossing: Crossing) -> list[SpecialPoint]:
         sample.orbit,
         direction=Step(direction.nodes, direction.stages[:, :0], direction.scalars),
         measure=crossing.measure,
-        count=crossing.count,
+        count=crossing.together,
     )
     return [point]
 
@@ -341,7 +345,7 @@ def _at(stretch: _Stretch, length: float) -> tuple[Sample, float, float]:
 def _blur(sample: Sample, stretch: _Stretch) -> float:
     """Return the error of the test function from that of the multiplier that crosses, or of all that cross together."""
     values = sample.multipliers.values
-    if stretch.count > 1:
+    if stretch.together > 1:
         return doubt(sample.multipliers, stretch.test)
     which = nearest(sample.multipliers, stretch.kind)
     errors = np.zeros(len(values))

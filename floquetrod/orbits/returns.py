@@ -46,7 +46,7 @@ def require_no_rotation(
 
     ``march`` gives the states of the motion from a state over a time.
     """
-    drifting = np.flatnonzero(np.abs(states[-1] - states[0]) > _TURN)
+    drifting = np.flatnonzero(np.abs(states[-1] - states[0]) > _TURN).tolist()
     angles = [j for j in drifting if _is_invariant(system, times, states, j, _TURN)]
     if not angles:
         return

@@ -20,6 +20,7 @@ from floquetrod.orbits.orbit import PeriodicOrbit
 
 Kind = Literal["fold", "branch point", "period doubling", "Neimark-Sacker"]
 
+_ZERO = 2e-6  # of the largest state, up to which another is zero along a branch (a choice)
 _SHORTER = (1.0, 0.4, 0.1, 0.02)  # parts of the distance that are tried (a choice)
 _FARTHEST = 4.0  # times the distance: an orbit farther away is that of another place (a choice)
 _REFUSED = {
@@ -94,7 +95,7 @@ class SpecialPoint(ByContent):
             Where the branch is that of doubled orbits, the orbit of half the period is returned.
         distance : float
             How far away, as a fraction of the largest magnitudes of the states, from 1e-4 to 1; less where there is no
-            orbit so far out.
+            orbit so far out.  A state that is zero along this branch counts as the largest of all.
 
         Raises
         ------
@@ -131,9 +132,11 @@ def _switched(special: SpecialPoint, side: int, distance: float) -> PeriodicOrbi
     if special.kind == "period doubling" and returns_after(orbit.collocation, orbit.point, 2):  # of doubled orbits
         return finding.periodic_orbit(orbit.system, orbit.states[0], 0.5 * orbit.period)
     collocation, point, direction = _at(special)
-    across = _across(collocation, point, direction, special.measure)
+    scale = special.measure.scale
+    measure = special.measure._replace(scale=np.where(scale <= _ZERO * scale.max(), scale.max(), scale))
+    across = _across(collocation, point, direction, measure)
     for share in _SHORTER:
-        found = _out(collocation, point, across, special.measure, side * share * distance)
+        found = _out(collocation, point, across, measure, side * share * distance)
         if found is not None:
             return found
     where = f"{special.parameter} = {special.value:.9g}"
@@ -162,7 +165,7 @@ def _twice(values: Floats, sign: float = 1.0) -> Floats:
 def _across(collocation: Collocation, point: Point, direction: Step, measure: Measure) -> Step:
     """Return the direction of length 1 in which the linearised equations have another solution."""
     condensed = collocation.linearised(point)
-    rows = arclength.rows_of(collocation, point, measure.row(collocation, point, direction))
+    rows = arclength.rows_of(collocation, point, measure.row(collocation, point, direction), measure)
     return measure.unit(collocation, point, collocation.kernel(condensed, rows, point.scale))
 
 
@@ -173,7 +176,9 @@ def _out(
     guess = collocation.moved(point, across, distance)
     row = arclength.through(collocation, guess, measure.row(collocation, point, across))
     try:
-        found = corrected(collocation, guess, arclength.rows_of(collocation, guess, row), arclength.MOST_STEPS).point
+        found = corrected(
+            collocation, guess, arclength.rows_of(collocation, guess, row, measure), arclength.MOST_STEPS
+        ).point
         if measure.length(collocation, point, arclength.between(collocation, point, found)) > _FARTHEST * abs(distance):
             return None
         orbit = finding.orbit_of(collocation, found)

@@ -233,8 +233,11 @@ def _autonomous(system: NonlinearSystem, state: Floats) -> Guess:
 
 def _require_no_rotation(system: NonlinearSystem, motion: Guess, last: slice) -> None:
     """Raise ValueError where the last samples of motion return but for coordinates that grow."""
-    samples = (each[last] for each in motion[:3])
-    require_no_rotation(system, *samples, lambda state, span: _marched(system, state, span, "").states)
+
+    def march(state: Floats, span: float) -> Floats:
+        return _marched(system, state, span, "").states
+
+    require_no_rotation(system, motion.times[last], motion.states[last], motion.rates[last], march)
 
 
 def _is_slow(motion: Guess) -> bool:
