@@ -10,7 +10,9 @@ import numpy as np
 import pytest
 
 import floquetrod as fr
+from conftest import depth
 from floquetrod._util.arrays import inverses, norms
+from floquetrod.equations.matrices import mirrored
 from floquetrod.floquet.kernels.system_even_pairs import pair_values
 from floquetrod.floquet.methods.system_reference import reference
 from floquetrod.floquet.pairs import slopes
@@ -131,6 +133,37 @@ def test_many_stiffnesses_of_every_size(kind: int, seed: int) -> None:
         if system.order <= 2:
             other = fr.stability(system, method="reference")
             assert {result.status, other.status} != {"stable", "unstable"}, (system, result, other)
+
+
+@pytest.mark.parametrize("seed", range(depth(40, 8)))
+def test_stiff_modes_do_not_spoil_the_growth_of_a_slow_one(seed: int) -> None:
+    """One mode grows by many decades in a period while others, a thousand times as fast, swing: in any coordinates.
+
+    The slow mode is apart, so that the growth is that of Mathieu's equation.
+    """
+    rng = np.random.default_rng([21, seed])
+    n = int(rng.integers(2, 6))
+    alpha, beta = float(rng.uniform(600.0, 1500.0)), float(rng.uniform(-100.0, 0.0))
+    stiff = np.sort(10.0 ** rng.uniform(5.0, 8.0, n - 1))
+    turn = np.linalg.qr(rng.normal(size=(n, n)))[0]
+    mean, wave = np.diag([-beta, *stiff]), np.zeros((n, n))
+    wave[1:, 1:] = mirrored(rng.uniform(-0.1, 0.1, (n - 1, n - 1))) * np.sqrt(
+        np.outer(stiff, stiff)
+    )  # too slow to resonate
+    wave[0, 0] = -alpha
+    mean, wave = (mirrored(turn @ matrix @ turn.T) for matrix in (mean, wave))
+    phase = float(rng.uniform(0.1, 3.0))  # the instant of evenness is then known to rounding
+    system = fr.HillSystem(mean, [math.cos(phase) * wave], [math.sin(phase) * wave], period=2.0 * math.pi)
+    growth = fr.stability(fr.Mathieu(alpha, beta)).growth_rate
+    assert growth * 2.0 * math.pi > 40.0
+    found = fr.stability(system)
+    assert found.status == "unstable", found
+    error = found.exponent_errors[0]
+    assert error < 1e-4 * growth
+    assert abs(found.growth_rate - growth) <= error + 1e-9 * growth
+    over = arrays.verdicts(system)
+    assert over.status.tolist() == [0]
+    assert over.growth[0] == pytest.approx(growth, rel=1e-6)
 
 
 # --- parts -----------------------------------------------------------------------------------------------------------

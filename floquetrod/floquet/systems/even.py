@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -14,6 +15,7 @@ from floquetrod.floquet.systems import spectra, whole
 
 _FAST = 1e4  # norm of a map above which it matters how errors grow (a choice)
 _INSTANTS = 16  # of half a period, for a mean (a choice)
+_LARGEST_EXPONENT = 50.0  # beyond it nothing is known of a map
 
 
 class PairMatrices(NamedTuple):
@@ -84,11 +86,32 @@ def _whole(
     whole = joined(half)
     size = _sizes(whole)
     stretch = np.square(size)  # of an error on the way to the end of the half period, the way there included
+    slip = 0.5 * period * uncertainty * _sizes(half.basis) ** 2 * stretch
     fast = (size > _FAST) & np.isfinite(stretch)
     if fast.any():
-        basis = half.basis[fast]
-        stretch[fast] = np.minimum(stretch[fast], _most_growth(basis, stiffness[fast], amplitudes[fast], period[fast]))
-    return whole, half.error + 0.5 * period * uncertainty * _sizes(half.basis) ** 2 * stretch
+        some = stiffness[fast], amplitudes[fast], period[fast]
+        slip[fast] *= np.minimum(1.0, _most_growth(half.basis[fast], *some) / stretch[fast])
+        unsure = np.broadcast_to(uncertainty, size.shape)[fast]
+        slip[fast] = np.fmin(slip[fast], _carried(half.error[fast], size[fast], *some, unsure))
+    return whole, half.error + slip
+
+
+def _carried(
+    error: Floats, size: Floats, stiffness: Any, amplitudes: Any, period: Floats, uncertainty: Floats
+) -> Floats:
+    """Return by how much an uncertainty of the coefficients, in the 2-norm, changes maps of an error E (b,).
+
+    A map is a product of m segments, E = sum_j |after j| e_j |before j| exp(m sum_j e_j / |segment j|).  Each e_j
+    contains the rounding of the coefficients, at least 2 u |S| h / r, u the rounding of a double, h the length of a
+    segment, r the slowest rate of the balance; an uncertainty d adds d h / r.  The same products carry both: to first
+    order the change is E x, x = d / (2 u |S|).  As |map| <= |after j| |segment j| |before j|, the sum in the exponent
+    is at most E / |map|, and m is no more than the radians of the fastest motion.
+    """
+    frobenius = np.sqrt(np.square(stiffness).sum(axis=(1, 2)))  # the 2-norm, or up to sqrt(n) times as much
+    strongest = frobenius + np.sqrt(np.square(amplitudes).sum(axis=(2, 3))).sum(axis=1)
+    segments = 1.0 + 0.5 * period * np.sqrt(strongest)
+    share = uncertainty * math.sqrt(stiffness.shape[-1]) / (EPS * frobenius)
+    return np.asarray(error * share * np.exp(np.minimum(share * error / size * segments, _LARGEST_EXPONENT)))
 
 
 def _most_growth(basis: Floats, stiffness: Any, amplitudes: Any, period: Floats) -> Floats:
