@@ -204,6 +204,17 @@ def test_margins_are_those_of_the_system_and_of_the_curves() -> None:
 def test_what_has_no_margin_is_refused() -> None:
     with pytest.raises(ValueError, match="along must be one of 'alpha', 'beta'"):
         fr.margin(fr.Mathieu, "gamma", (0.0, 1.0), alpha=0.1, beta=-0.5)
+    missing = "got 'alpha' and no arguments by name; give every argument of the family by name, .* alpha=..."
+    with pytest.raises(ValueError, match=missing):
+        fr.margin(fr.Mathieu, "alpha", (0.0, 1.0))
+    with pytest.raises(
+        ValueError, match=r"along must be one of 'beta', got 'alpha'; give every argument .* alpha=\.\.\."
+    ):
+        fr.margin(fr.Mathieu, "alpha", (0.0, 1.0), beta=-0.5)
+    with pytest.raises(ValueError, match="did you mean beta"):
+        fr.margin(fr.Mathieu, "bta", (-1.0, 0.0), alpha=0.1, beta=-0.5)
+    with pytest.raises(TypeError, match="along must be the name of a parameter, got 3"):
+        fr.margin(fr.Mathieu, 3, (0.0, 1.0))  # type: ignore[arg-type]
     with pytest.raises(ValueError, match=r"within must hold beta = -0\.5"):
         fr.margin(fr.Mathieu, "beta", (0.0, 1.0), alpha=0.1, beta=-0.5)
     with pytest.raises(TypeError, match="equation must be an Equation"):

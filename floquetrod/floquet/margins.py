@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from floquetrod._util import validate
+from floquetrod._util.suggest import did_you_mean
 from floquetrod.floquet.dispatch import stability
 from floquetrod.floquet.problems import require_problem
 
@@ -103,7 +104,7 @@ def margin(
     >>> f"{found.below:.6f} {found.above:.6f}"  # to the tongues at -1 and -1/4
     '0.499167 0.201281'
     """
-    along = validate.choice("along", along, at)
+    along = _given_by_name(along, at)
     here = validate.finite(along, at[along])
     given = validate.sequence("within", within)
     if len(given) != 2:
@@ -126,6 +127,21 @@ def margin(
     below, above = (math.inf if end is None else abs(end - here) for end in ends)
     searched = tuple(min(reach, abs(end - here)) for reach, end in zip((below, above), (low, high), strict=True))
     return Margin(below, above, max(here - low, high - here) / (samples - 1), (searched[0], searched[1]))
+
+
+def _given_by_name(along: Any, at: Mapping[str, Any]) -> str:
+    """Return the parameter that varies; ValueError, with the remedy, unless its value is given by name."""
+    if not isinstance(along, str):
+        raise validate.wrong_type("along", f"must be the name of a parameter, got {validate.short(along)}")
+    if along in at or did_you_mean(along, tuple(at)):
+        return validate.choice("along", along, at)
+    given = f"must be one of {', '.join(map(repr, at))}" if at else "must be an argument that is given by name"
+    example = f"{along}=..." if along.isidentifier() else "alpha=0.1, beta=-0.5"
+    raise validate.wrong_value(
+        "along",
+        f"{given}, got {validate.short(along)}{'' if at else ' and no arguments by name'}; give every argument of the "
+        f"family by name, with its value where the verdict is, the one that varies too: {example}",
+    )
 
 
 def _first_change(status: Callable[[float], str], own: str, here: float, end: float, samples: int) -> float | None:
