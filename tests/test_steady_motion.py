@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+import contextlib
+
 import numpy as np
 import pytest
 
 import floquetrod as fr
 from benchmarks.large_motion import largest_simulated
+from floquetrod.rod import kicked_motion, large_orbits
 from floquetrod.rod import motion as motions
 from floquetrod.rod.large_orbits import orbits_of
 from floquetrod.rod.loads.load import with_waves
+from floquetrod.rod.mode_equations import many_orbits
 from floquetrod.rod.mode_equations.large_motion import LargeMotion, Shapes
 
 ROD = fr.Rod.nitinol().replace(damping_rate=3.0)
@@ -27,6 +31,48 @@ def test_a_stable_load_without_a_large_orbit_leaves_the_rod_at_rest() -> None:
     assert found.is_rest_stable
     assert found.orbit is None
     assert "at rest" in repr(found)
+
+
+def beyond(seed: int) -> tuple[fr.Rod, fr.AxialLoad]:
+    """Return a short rod under a load so strong that it may leave its wall."""
+    rng = np.random.default_rng(seed)
+    rod = fr.Rod.nitinol().replace(
+        length=float(rng.uniform(0.5, 2.5)),
+        damping_rate=float(rng.uniform(0.5, 30)),
+        ends=str(rng.choice(["hinged", "clamped", "clamped-hinged"])),
+    )
+    unit, swing = rod.critical_force, rod.pendulum_frequency
+    mean, amplitude = float(rng.uniform(-0.2, 2.0)) * unit, float(rng.uniform(0.1, 3.0)) * unit
+    return rod, fr.AxialLoad(mean, amplitude, float(rng.uniform(0.5, 4.0)) * swing)
+
+
+def test_angles_beyond_the_limit_are_refused_and_not_answered(monkeypatch: pytest.MonkeyPatch) -> None:
+    under = load(0.1, 0.3, 110.0)
+    moves = SHORT.steady_motion(under)
+    size = np.degrees(moves.amplitude)
+    for module in (motions, large_orbits, kicked_motion, many_orbits):
+        monkeypatch.setattr(module, "LIMIT", 0.9 * moves.amplitude)
+    text = f"makes the rod move by {size:.4g} degrees in mode 2, further than {0.9 * size:.0f} degrees"
+    with pytest.raises(ValueError, match=text):
+        SHORT.steady_motion(under)
+    estimate = large_orbits.grown(SHORT, under, SHORT.stability(under))
+    assert estimate is not None
+    assert estimate.is_beyond
+    assert estimate.in_words.startswith(f"more than {0.9 * size:.0f} degrees in mode 2 alone")
+
+
+@pytest.mark.slow
+def test_no_answer_is_larger_than_the_limit() -> None:
+    answers = 0
+    for seed in (2, 4, 18, 22, 32, 61, 65, 86, 87, 96):  # of one mode alone 34 to 47 degrees
+        rod, under = beyond(seed)
+        with contextlib.suppress(ValueError):
+            assert rod.steady_motion(under).amplitude <= np.radians(40.0)
+            answers += 1
+    assert answers > 0
+    rod, under = beyond(87)
+    with pytest.raises(ValueError, match=r"by 41\.39 degrees in mode 4, further than 40 degrees"):
+        rod.steady_motion(under)
 
 
 @pytest.mark.slow

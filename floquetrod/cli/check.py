@@ -220,7 +220,7 @@ def _grown(
     found = grown(asked.rod, asked.load, result.linear)
     if found is None:
         return [], {}
-    return [("grows to", found.in_words)], {"grows_to_about_rad": found.orbit.amplitude}
+    return [("grows to", found.in_words)], {"grows_to_about_rad": None if found.is_beyond else found.orbit.amplitude}
 
 
 def _sine_beside(asked: _Question) -> tuple[list[tuple[str, str]], dict[str, Any]]:

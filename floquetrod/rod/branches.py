@@ -29,7 +29,7 @@ from floquetrod.rod.large_orbits import (
 )
 from floquetrod.rod.loads.load import QUANTITIES, AnyLoad, Load, Quantity, load_number, require_load
 from floquetrod.rod.mode_equations.large_motion import LargeMotion, Shapes
-from floquetrod.rod.mode_equations.one_mode import LARGEST
+from floquetrod.rod.mode_equations.one_mode import LIMIT
 from floquetrod.rod.model.data import RodData
 from floquetrod.rod.modes.mode_model import ModeModel
 from floquetrod.rod.motion import NEAR, TOLERANCE, Motions, chosen, largest, orbit_near
@@ -79,7 +79,7 @@ def branches(
     if not parts:
         raise validate.wrong_value(
             "over",
-            f"must hold loads that carry a large motion in mode {mode}; a search up to {math.degrees(LARGEST):.0f} "
+            f"must hold loads that carry a large motion in mode {mode}; a search up to {math.degrees(LIMIT):.0f} "
             f"degrees at {len(loads)} loads found none",
         )
     modes = tuple(motion.shapes.numbers.tolist())
@@ -152,7 +152,7 @@ def _moving(model: ModeModel, loads: list[Load], shapes: Shapes, indentation: fl
             return found.mode
     raise validate.wrong_value(
         "over",
-        f"must hold loads that carry a large motion; a search up to {math.degrees(LARGEST):.0f} degrees at "
+        f"must hold loads that carry a large motion; a search up to {math.degrees(LIMIT):.0f} degrees at "
         f"{len(loads)} loads found none in any mode",
     )
 
@@ -261,8 +261,8 @@ def _leaves(motion: LargeMotion, before: PeriodicOrbit, orbit: PeriodicOrbit) ->
 def _beyond(motion: LargeMotion, orbit: PeriodicOrbit) -> str:
     """Return why the equations on the wall do not hold for an orbit, "" where they do."""
     angle, least, _ = _seen(motion, orbit)
-    if angle > LARGEST:
-        return f"angles are larger than {math.degrees(LARGEST):.0f} degrees"
+    if angle > LIMIT:
+        return f"angles are larger than {math.degrees(LIMIT):.0f} degrees"
     weight = motion.rod.mass_per_length * motion.rod.effective_gravity
     return f"{OFF_WALL}: it presses on it with less than a third of its weight" if least < _PRESSED * weight else ""
 

@@ -13,7 +13,7 @@ from floquetrod.rod.answers.safe_kick import SafeKick
 from floquetrod.rod.large_orbits import alone, beam_functions, indentation_of, orbits_alone, require_possible
 from floquetrod.rod.loads.load import AnyLoad, Load, require_load
 from floquetrod.rod.mode_equations.large_motion import Shapes
-from floquetrod.rod.mode_equations.one_mode import LARGEST, OneMode, Orbit
+from floquetrod.rod.mode_equations.one_mode import LARGEST, LIMIT, OneMode, Orbit
 from floquetrod.rod.model.data import RodData
 from floquetrod.rod.modes.mode_model import ModeModel
 
@@ -43,7 +43,7 @@ def safe_kick(model: ModeModel, given: AnyLoad, indentation: float) -> SafeKick:
     safe, safe_mode, tried = math.inf, 0, 0
     for mode in sorted(set(shapes.numbers.tolist())):
         equation = alone(rod, load, shapes, mode, indentation)
-        large = [orbit for orbit in orbits_alone(equation) if orbit.is_stable]
+        large = [orbit for orbit in orbits_alone(equation) if orbit.is_stable and orbit.amplitude <= LIMIT]
         if not large:
             continue
         scan = _scanned(equation, large[0])

@@ -12,7 +12,7 @@ from floquetrod._util import validate
 from floquetrod.rod.answers.verdict import RodStability
 from floquetrod.rod.loads.load import Load
 from floquetrod.rod.mode_equations.large_motion import LargeMotion, Shapes
-from floquetrod.rod.mode_equations.one_mode import OneMode, Orbit
+from floquetrod.rod.mode_equations.one_mode import LIMIT, OneMode, Orbit
 from floquetrod.rod.model.data import RodData
 
 INDENTATION = 1e-4
@@ -31,9 +31,16 @@ class Found(NamedTuple):
     @property
     def in_words(self) -> str:
         """How large it is, and what is to be known of it."""
+        if self.is_beyond:
+            return f"more than {math.degrees(LIMIT):.0f} degrees in mode {self.mode} alone, where it leaves its wall"
         beats = "" if self.alone.motion.rod.damping_rate > 0.0 else ", about which it beats without damping"
         leaves = "" if self.stays_on_wall else ", beyond where it leaves its wall"
         return f"about {math.degrees(self.orbit.amplitude):.2g} degrees in mode {self.mode} alone{beats}{leaves}"
+
+    @property
+    def is_beyond(self) -> bool:
+        """Whether it is larger than the angles that are answered."""
+        return self.orbit.amplitude > LIMIT
 
     @property
     def stays_on_wall(self) -> bool:

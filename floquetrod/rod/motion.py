@@ -28,7 +28,7 @@ from floquetrod.rod.large_orbits import (
 )
 from floquetrod.rod.loads.load import AnyLoad, Load, Quantity, require_load
 from floquetrod.rod.mode_equations.large_motion import LargeMotion, Shapes
-from floquetrod.rod.mode_equations.one_mode import LARGEST
+from floquetrod.rod.mode_equations.one_mode import LIMIT
 from floquetrod.rod.model.data import RodData
 from floquetrod.rod.modes.mode_model import ModeModel
 
@@ -91,23 +91,31 @@ def steady_motion(model: ModeModel, given: AnyLoad, mode: int | None, indentatio
         load = load.varied("frequency", rod.pendulum_frequency)
     shapes = Shapes.of(rod, load, beam_functions(rod, mode))
     rest = model.verdict(load, None, 0.0, None)
-    found = next(iter(orbits_of(rod, load, shapes, candidates(rest, shapes, mode), indentation)), None)
-    if found is None:
-        return _resting(rod, load, rest, mode)
-    return _motion(rod, load, rest, shapes, found, indentation)
+    beyond: SteadyMotion | None = None
+    for found in orbits_of(rod, load, shapes, candidates(rest, shapes, mode), indentation):
+        motion = _motion(rod, load, rest, shapes, found, indentation)
+        if motion.amplitude <= LIMIT:
+            return motion
+        beyond = beyond or motion
+        if rest.status != "stable":
+            break
+    return _resting(rod, load, rest, mode, beyond)
 
 
-def _resting(rod: RodData, load: Load, rest: RodStability, mode: int | None) -> SteadyMotion:
-    """Return rest, where it is stable; ValueError where the rod moves further than is examined."""
+def _resting(
+    rod: RodData, load: Load, rest: RodStability, mode: int | None, beyond: SteadyMotion | None
+) -> SteadyMotion:
+    """Return rest, where it is stable; ValueError where the rod moves further than is examined, as in ``beyond``."""
+    limit = f"{math.degrees(LIMIT):.0f} degrees"
+    size = "" if beyond is None else f"{math.degrees(beyond.amplitude):.4g} degrees in mode {beyond.mode}"
     if rest.status == "unstable" and (mode is None or mode in rest.unstable_modes):
-        raise validate.wrong_value(
-            "load",
-            f"makes the rod move further than {math.degrees(LARGEST):.0f} degrees, or in no one mode, where it leaves "
-            "its wall; simulate it",
-        )
+        where = f"by {size}, further than {limit}" if size else f"further than {limit}, or in no one mode"
+        raise validate.wrong_value("load", f"makes the rod move {where}, where it leaves its wall; simulate it")
     weight = rod.mass_per_length * rod.effective_gravity
     which = "in any mode alone" if mode is None else f"in mode {mode}"
-    note = f"a search up to {math.degrees(LARGEST):.0f} degrees found no periodic motion {which}"
+    note = f"a search up to {limit} found no periodic motion {which}"
+    if size:
+        note += f"; a kick may lead to one of {size}, where the equations on the wall do not hold: simulate it"
     is_stable = rest.status == "stable"
     return SteadyMotion(
         rod, load, 0, 0.0, 0.0, None, (), rest.status, is_stable, (weight, weight), None, (0.0, 0.0), note

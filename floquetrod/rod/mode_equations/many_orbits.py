@@ -15,7 +15,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from floquetrod._util.arrays import Floats
-from floquetrod.rod.mode_equations.one_mode import LARGEST, Driven, OneMode, Orbit, derivative
+from floquetrod.rod.mode_equations.one_mode import LARGEST, LIMIT, Driven, OneMode, Orbit, derivative
 
 _SIZES = np.linspace(0.003, 1.0, 48)  # squares of angles as parts of the largest's, between which sizes are found
 _PHASES = 0.25 * math.pi * np.arange(4)  # tried for motion of the load's own frequency
@@ -106,9 +106,9 @@ def _stable(equation: OneMode, loads: ModeLoads, starts: Floats, turns: int) -> 
     orbits = [
         Orbit(turns, np.stack([a[k], v[k]], axis=1), float(size[k]), multipliers[k])
         for k in range(len(a))
-        if size[k] < LARGEST
+        if size[k] <= LIMIT
     ]
-    places = of[size < LARGEST].tolist()
+    places = of[size <= LIMIT].tolist()
     return [(place, orbit) for place, orbit in zip(places, orbits, strict=True) if orbit.is_stable]
 
 

@@ -21,6 +21,7 @@ from floquetrod._util.caching import cached_property
 from floquetrod.rod.mode_equations.large_motion import LargeMotion
 
 LARGEST = 0.7  # rad up to which motion is examined: a rod leaves its wall long before
+LIMIT = math.radians(40.0)  # rad up to which motion is answered
 _DEGREE = 5  # of the slope of the potential energy over a, in a^2
 _STEPS = 32  # of Runge and Kutta in a period of the fastest motion: 8e-5 of it a period
 _ANGLES, _PHASES = 14, 6  # starts of a search (a choice)
