@@ -145,7 +145,7 @@ def plain(value: Any) -> Any:
         return value
     if isinstance(value, Integral):
         return int(value)
-    if isinstance(value, Real):
+    if isinstance(value, Real) and not hasattr(value, "as_dict"):  # a result may be a number with what is known of it
         return float(value) if math.isfinite(value) else None
     if isinstance(value, complex):
         return {"re": plain(value.real), "im": plain(value.imag)}

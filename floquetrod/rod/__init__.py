@@ -8,7 +8,7 @@ from floquetrod._util.lazy import names_of
 
 if TYPE_CHECKING:
     from floquetrod.rod.answers.intervals import BucklingWarning, StabilityInterval, UnstableBand
-    from floquetrod.rod.answers.margins import Margin
+    from floquetrod.rod.answers.margins import CriticalLoad, Margin
     from floquetrod.rod.friction.kicks import CriticalKick
     from floquetrod.rod.friction.mode_friction import ModeFriction
     from floquetrod.rod.loads.axial import AxialGap, AxialResonance, AxialResponse
@@ -25,6 +25,7 @@ __all__ = [
     "BucklingWarning",
     "Channel",
     "CriticalKick",
+    "CriticalLoad",
     "Ends",
     "Fluids",
     "Margin",
@@ -49,6 +50,6 @@ __getattr__, __dir__ = names_of(
         "rod.model.parts": ("Channel", "Ends", "Fluids", "Material", "Section"),
         "rod.model.stress": ("Stress",),
         "rod.answers.intervals": ("BucklingWarning", "StabilityInterval", "UnstableBand"),
-        "rod.answers.margins": ("Margin",),
+        "rod.answers.margins": ("CriticalLoad", "Margin"),
     },
 )

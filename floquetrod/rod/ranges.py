@@ -19,6 +19,7 @@ from floquetrod._util.progress import Progress
 from floquetrod._util.report import Report, Reported, Table
 from floquetrod.floquet.systems.resonances import Resonance
 from floquetrod.rod.answers.intervals import QUANTITIES, Cause, Search, StabilityInterval, UnstableBand
+from floquetrod.rod.answers.margins import CriticalLoad
 from floquetrod.rod.loads.axial import AxialGap
 from floquetrod.rod.loads.load import KINDS, Load, Loads, Quantity, load_bounds
 from floquetrod.rod.model.assumptions import warn_unless_uniform
@@ -260,14 +261,15 @@ def first_unstable(
     others: Mapping[Quantity, float],
     growth_tolerance: float,
     progress: Progress | None = None,
-) -> float:
+) -> CriticalLoad:
     """Return where one quantity, going up from zero, first meets growth; infinite without any."""
     largest = _load(model, {**others, varied: _largest(model, varied, others)})
     validate.progress(progress)
     tolerance = validate.tolerance("growth_tolerance", growth_tolerance)
     warn_unless_uniform(model.rod, largest)
     search = Search(varied, largest, (0.0, getattr(largest, varied)), tolerance)
-    return model.first_unstable(search, _saying_how_far(progress, varied, largest))
+    edge = model.first_unstable(search, _saying_how_far(progress, varied, largest))
+    return CriticalLoad(math.inf if edge.at is None else edge.at, varied, edge.resolution, edge.searched)
 
 
 def _largest(model: ModeModel, varied: Quantity, others: Mapping[Quantity, float]) -> float:

@@ -28,6 +28,7 @@ from floquetrod.rod.modes.mode_model import ModeModel
 # Loaded by the methods that need them: a first verdict takes a quarter of the package.
 if TYPE_CHECKING:
     from floquetrod.floquet.proof.region import RegionProof
+    from floquetrod.rod.answers.margins import CriticalLoad
     from floquetrod.rod.answers.mean_force import MeanForce
     from floquetrod.rod.answers.reach import Reach
     from floquetrod.rod.answers.rod_branches import RodBranches
@@ -560,12 +561,16 @@ class Rod(RodData):
         growth_tolerance: float = SLOW_GROWTH,
         like: AnyLoad | None = None,
         progress: Progress | None = None,
-    ) -> float:
+    ) -> CriticalLoad:
         """Return the smallest mean force from 0 up, in N, at which a mode grows faster than ``growth_tolerance``.
 
         Infinite where there is none up to 1.5 critical forces.  ``like`` as in `stable_mean_forces`.  0.0 with a
         BucklingWarning where the weight along the rod alone buckles it, and with an UndecidedWarning where it could not
         be decided whether it is stable at zero.
+
+        The search goes outward from zero in the pieces of `RodStability.margin`, each with as many modes as it needs.
+        Where modes are coupled, or there is noise, loads are sampled: an unstable band narrower than
+        ``CriticalLoad.resolution`` may have been passed over, and ``CriticalLoad.searched`` says how far was searched.
 
         ``progress`` is called with the numbers of parts of the search done and of all.  An exception that it raises
         ends the search, with a note up to which force nothing grows.
@@ -583,11 +588,14 @@ class Rod(RodData):
         growth_tolerance: float = SLOW_GROWTH,
         like: AnyLoad | None = None,
         progress: Progress | None = None,
-    ) -> float:
+    ) -> CriticalLoad:
         """Return the smallest amplitude in N at which a mode grows faster than ``growth_tolerance``.
 
         Infinite where there is none up to one critical force.  ``like`` as in `stable_mean_forces`.  0.0 with a
         BucklingWarning where the weight along the rod, alone or with the mean force, buckles it without vibration.
+
+        Searched as `critical_mean_force` is; ``CriticalLoad.resolution`` is not zero for independent modes either where
+        damping or tolerance make `stable_amplitudes` state one.
 
         ``progress`` as in `critical_mean_force`.
         """

@@ -6,7 +6,8 @@ import math
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass
-from itertools import islice, pairwise
+from functools import partial
+from itertools import islice
 from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
 
 import numpy as np
@@ -23,7 +24,7 @@ from floquetrod.floquet.references import references, united
 from floquetrod.floquet.systems.resonances import Resonance
 from floquetrod.floquet.systems.result import SystemStability
 from floquetrod.floquet.verdict import Stability, Verdict
-from floquetrod.rod.answers.margins import FEW_MODES, MARGIN_SECONDS, WAYS, Edge, Margin, in_hundredths
+from floquetrod.rod.answers.margins import FEW_MODES, MARGIN_SECONDS, WAYS, Edge, Margin, in_hundredths, outward
 from floquetrod.rod.answers.reports import margin_lines, margins_as_dict, shown_in, subject_lines
 from floquetrod.rod.loads.axial import AxialResponse
 from floquetrod.rod.loads.load import Load, Quantity
@@ -404,7 +405,8 @@ class RodStability(Reported, Verdict):
         ways = [[here, *way] for way in WAYS[quantity](here, self.rod.critical_force)]
         parts = sum(len(way) - 1 for way in ways)
         told = (in_hundredths(progress, number, parts) for number in range(parts))
-        ends = [self._end(quantity, way, 0.5 * seconds, list(islice(told, len(way) - 1))) for way in ways]
+        edge = partial(self.evidence.edge, self, quantity)
+        ends = [outward(way, edge, list(islice(told, len(way) - 1)), 0.5 * seconds) for way in ways]
         if progress is not None:
             progress(100 * parts, 100 * parts)
         below, above = (math.inf if end.at is None else abs(end.at - here) for end in ends)
@@ -454,24 +456,6 @@ class RodStability(Reported, Verdict):
         """
         least = max(self.growth_tolerance, SLOW_GROWTH)
         return least if self.stable or self.growth_rate > least else self.growth_tolerance
-
-    def _end(self, varied: Quantity, way: list[float], seconds: float, told: list[Progress | None]) -> Edge:
-        """Return where the verdict first changes on a way of several pieces, or where a search in some seconds ends.
-
-        A piece gets half of the time that is left, the last one all of it: what is next to the load comes first.
-        """
-        found, left = Edge(None, way[0], 0.0), seconds
-        for piece, progress in zip(pairwise(way), told, strict=True):
-            if piece[0] != piece[1]:
-                share = left if piece[1] == way[-1] else 0.5 * left
-                edge = self.evidence.edge(self, varied, piece, share, progress)
-                found = edge._replace(resolution=max(found.resolution, edge.resolution))
-                left -= edge.seconds
-                if found.at is not None or found.searched != piece[1]:
-                    break
-            if progress is not None:
-                progress(1, 1)
-        return found
 
     def report(
         self, units: Mapping[str, str] | None = None, margins: Mapping[Quantity, Margin] | None = None

@@ -16,6 +16,7 @@ from floquetrod._util.progress import Progress, shifted
 from floquetrod.equations import HillSystem
 from floquetrod.floquet.systems.many import ManyVerdicts
 from floquetrod.rod.answers.intervals import FoundIntervals, Search, UnstableBand
+from floquetrod.rod.answers.margins import Edge
 from floquetrod.rod.answers.verdict import RodStability
 from floquetrod.rod.loads.axial import AxialResonanceError
 from floquetrod.rod.loads.load import Load, Loads
@@ -25,7 +26,7 @@ from floquetrod.rod.model.constants import SLOW_GROWTH
 from floquetrod.rod.model.contact import require_on_wall
 from floquetrod.rod.modes.coupled_verdict import classify_coupled
 from floquetrod.rod.modes.mode_model import Answers, ModeModel
-from floquetrod.rod.modes.sampled_ranges import sampled_first_unstable, sampled_ranges
+from floquetrod.rod.modes.sampled_ranges import sampled_first_growth, sampled_ranges, zero_unless_stable
 from floquetrod.rod.modes.unstable_bands import sampled_bands
 
 _GROUPS = 16  # of loads by frequency, each with its own number of modes (a choice)
@@ -146,10 +147,17 @@ class CoupledModel(ModeModel):
         self.require_on_wall(search)
         return sampled_ranges(self, search, progress)
 
-    def first_unstable(self, search: Search, progress: Progress | None = None) -> float:
-        """Return where a quantity that grows from zero first meets growth; infinite without any."""
+    def first_unstable(self, search: Search, progress: Progress | None = None) -> Edge:
+        """Return where a quantity that goes up from zero first meets growth, searched outward in pieces.
+
+        At zero, with a warning, where the rod is not stable there.
+        """
         self.require_on_wall(search)
-        return sampled_first_unstable(self, search, progress)
+        return zero_unless_stable(self, search) or super().first_unstable(search, progress)
+
+    def first_growth(self, search: Search, progress: Progress | None) -> Edge:
+        """Return where something first grows within bounds, from the low one up, by samples."""
+        return sampled_first_growth(self, search, progress)
 
     def unstable_bands(
         self, search: Search, modes: int, bands: Sequence[tuple[float, float]], progress: Progress | None

@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from itertools import pairwise
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
@@ -17,6 +15,7 @@ from floquetrod._util.caching import cached_property
 from floquetrod._util.compilation import over_chunks
 from floquetrod._util.parts import complement
 from floquetrod._util.progress import Progress
+from floquetrod.rod.answers.margins import Edge
 from floquetrod.rod.answers.verdict import RodStability
 from floquetrod.rod.loads.load import Load, Loads, Quantity
 from floquetrod.rod.mode_equations.modal_systems import ModalSystem, ModalSystems
@@ -39,8 +38,6 @@ if TYPE_CHECKING:
     from floquetrod.mathieu.criterion import FiniteTimeCriterion
     from floquetrod.rod.answers.intervals import FoundIntervals, Search, UnstableBand
     from floquetrod.rod.mode_equations.coupled_systems import CoupledEquations
-
-_PIECES: dict[Quantity, int] = {"mean": 32, "amplitude": 8}  # that the first edge is searched in, one by one (a choice)
 
 
 @dataclass(frozen=True)
@@ -177,20 +174,14 @@ class IndependentModel(ModeModel):
         stable = tuple(StabilityInterval(*gap[:2], _cause(gap.before), _cause(gap.after)) for gap in gaps)
         return FoundIntervals(stable, system.modes[-1], found.tongues_left_out, found.resolution)
 
-    def first_unstable(self, search: Search, progress: Progress | None = None) -> float:
-        """Return where a quantity that grows from zero first meets growth; infinite without any."""
-        varied, load, bounds, tolerance = search
-        self.require_on_wall(search)
-        ends = np.linspace(*bounds, _PIECES[varied] + 1).tolist()
-        for done, piece in enumerate(pairwise(ends), start=1):
-            modes = self._equations(load.varied(varied, piece[1]), tolerance).modes
-            system = ModalSystem(self.constants, load, modes)
-            found = unstable_loads(varied, system, tolerance, piece, union=True, nearest=piece[0]).intervals
-            if found:
-                return min(part.low for part in found)
-            if progress is not None:
-                progress(done, _PIECES[varied])
-        return math.inf
+    def first_growth(self, search: Search, progress: Progress | None) -> Edge:
+        """Return where a mode first grows within bounds, from the low one up, by its tongues."""
+        varied, load, piece, tolerance = search
+        modes = self._equations(load.varied(varied, piece[1]), tolerance).modes
+        system = ModalSystem(self.constants, load, modes)
+        found = unstable_loads(varied, system, tolerance, piece, union=True, nearest=piece[0])
+        at = min((part.low for part in found.intervals), default=None)
+        return Edge(at, piece[1] if at is None else at, found.resolution)
 
     def unstable_bands(
         self, search: Search, modes: int, bands: Sequence[tuple[float, float]], progress: Progress | None

@@ -5,9 +5,11 @@
 
 from __future__ import annotations
 
+import math
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from itertools import pairwise
 from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, Protocol, Self
 
 import numpy as np
@@ -16,6 +18,7 @@ from numpy.typing import NDArray
 from floquetrod._util.arrays import Bools, Floats, Ints
 from floquetrod._util.progress import Progress
 from floquetrod.equations import HillSystem
+from floquetrod.rod.answers.margins import Edge, outward, ways_from_zero
 from floquetrod.rod.answers.verdict import RodStability
 from floquetrod.rod.loads.load import LIMITS, Load, Loads, Quantity
 from floquetrod.rod.mode_equations.coupling import coupling, refusal
@@ -207,9 +210,24 @@ class ModeModel(ABC):
     def ranges(self, search: Search, progress: Progress | None) -> FoundIntervals:
         """Return the stability intervals of one quantity of the load."""
 
+    def first_unstable(self, search: Search, progress: Progress | None = None) -> Edge:
+        """Return where a quantity that goes up from zero first meets growth, searched outward in pieces.
+
+        ``progress`` is called with a share of the largest value and with all of it.
+        """
+        self.require_on_wall(search)
+        varied, _, (_, largest), _ = search
+        way = ways_from_zero(varied, largest, self.rod.critical_force)
+        told = [_as_shares(progress, piece, largest) for piece in pairwise(way)]
+
+        def edge(piece: tuple[float, float], seconds: float, progress: Progress | None) -> Edge:
+            return self.first_growth(search._replace(bounds=piece), progress)
+
+        return outward(way, edge, told)
+
     @abstractmethod
-    def first_unstable(self, search: Search, progress: Progress | None = None) -> float:
-        """Return where a quantity that grows from zero first meets growth; infinite without any."""
+    def first_growth(self, search: Search, progress: Progress | None) -> Edge:
+        """Return where something first grows within bounds, from the low one up, where nothing does."""
 
     @abstractmethod
     def unstable_bands(
@@ -256,3 +274,19 @@ class ModeModel(ABC):
     ) -> RegionProof:
         """Prove every load of a box stable or unstable; see `floquetrod.Rod.certify`."""
         raise self.refusal("certify")
+
+
+_SHARES = 10_000  # of the largest value, in which searches from zero report how far they are
+
+
+def _as_shares(progress: Progress | None, piece: tuple[float, float], largest: float) -> Progress | None:
+    """Return what reports how far a search is within a piece, as shares of the largest value, rounded down."""
+    if progress is None:
+        return None
+    low, high = piece
+
+    def told(done: int, total: int) -> None:
+        reached = high if done == total else low + (high - low) * done / total
+        progress(math.floor(_SHARES * reached / largest), _SHARES)
+
+    return told

@@ -16,6 +16,7 @@ from floquetrod._util.progress import Progress
 from floquetrod.floquet.status import STABLE, UNDECIDED, UNSTABLE
 from floquetrod.floquet.verdict import tolerated
 from floquetrod.rod.answers.intervals import FoundIntervals, Search, StabilityInterval, UnstableBand
+from floquetrod.rod.answers.margins import Edge
 from floquetrod.rod.answers.verdict import RodStability
 from floquetrod.rod.loads.load import Load, Loads, largest_density, noise_in_words, scaled_noise
 from floquetrod.rod.mode_equations.noisy_modes import NoisyModes
@@ -149,12 +150,10 @@ class NoisyModel(ModeModel):
         modes = self.count_for(Loads.along(search.load, search.varied, places), search.growth_tolerance)
         return FoundIntervals(found, modes, 0, float(places[1] - places[0]))
 
-    def first_unstable(self, search: Search, progress: Progress | None = None) -> float:
-        """Return where a quantity that grows from zero first meets growth; infinite without any."""
-        self.require_on_wall(search)
-        places = np.linspace(*search.bounds, self.samples)
-        found = first_change(self, search, places, True, at_once=self.at_once, progress=progress).at
-        return math.inf if found is None else found
+    def first_growth(self, search: Search, progress: Progress | None) -> Edge:
+        """Return where something first grows in mean square within bounds, from the low one up, by samples."""
+        places, known = np.linspace(*search.bounds, self.samples), search.bounds[0] > 0.0
+        return first_change(self, search, places, True, known=known, at_once=self.at_once, progress=progress)
 
     def unstable_bands(
         self, search: Search, modes: int, bands: Sequence[tuple[float, float]], progress: Progress | None

@@ -14,6 +14,7 @@ from floquetrod._util.parts import Gap, complement
 from floquetrod._util.progress import Progress, shifted
 from floquetrod.floquet.status import UndecidedWarning
 from floquetrod.rod.answers.intervals import QUANTITIES, BucklingWarning, FoundIntervals, Search, StabilityInterval
+from floquetrod.rod.answers.margins import Edge
 from floquetrod.rod.loads.axial import AxialGap, AxialResonanceError, axial_response, gaps, joined
 from floquetrod.rod.loads.load import Load, Loads, Quantity
 from floquetrod.rod.mode_equations.coupled_systems import CoupledEquations
@@ -26,17 +27,23 @@ _LEAST_SAMPLES = 9  # of each (a choice)
 _HALVINGS = 4  # of one that needs too many modes: what is left of it, a sixteenth, is not computed
 
 
-def sampled_first_unstable(model: ModeModel, search: Search, progress: Progress | None = None) -> float:
-    """Return where a quantity that grows from zero first meets growth; infinite without any."""
-    varied, largest, bounds, tolerance = search
-    modes = _modes(model, search)
+def zero_unless_stable(model: ModeModel, search: Search) -> Edge | None:
+    """Return that a quantity of zero is the limit, with a warning that says why, where the rod is not stable there."""
+    varied, largest, _, tolerance = search
     none = largest.varied(varied, 0.0)
+    modes = _modes(model, search._replace(bounds=(0.0, 0.0)))
     status = modes.answers(Loads.single(none), tolerance, quick=True).status[0]
-    if status != 1:
-        _say_why_at_zero(model, varied, modes, none, status)
-        return 0.0
-    change = first_change(varied, modes, largest, bounds, tolerance, progress=progress).at
-    return math.inf if change is None else change
+    if status == 1:
+        return None
+    _say_why_at_zero(model, varied, modes, none, status)
+    return Edge(0.0, 0.0, 0.0)
+
+
+def sampled_first_growth(model: ModeModel, search: Search, progress: Progress | None = None) -> Edge:
+    """Return where something first grows within bounds, from the low one up, where nothing does."""
+    varied, largest, piece, tolerance = search
+    modes = _modes(model, search)
+    return first_change(varied, modes, largest, piece, tolerance, begins_stable=True, progress=progress)
 
 
 def _say_why_at_zero(model: ModeModel, varied: Quantity, modes: CoupledEquations, load: Load, status: int) -> None:
