@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import math
+from itertools import zip_longest
 from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
 
 import coupled_cases as cases
 import finite_differences as fd
@@ -281,6 +283,44 @@ def test_a_load_half_a_period_later_grows_alike() -> None:
 
 
 # --- modes ---
+
+
+PUSHED = fr.Rod(
+    1095550189.928827, 5854.809227598114, 0.0006408550539060105, 0.06695269269773463, 0.0008628171293648579,
+    18.342355968276713, 2.947411049258759, ends="hinged-clamped",
+)  # fmt: skip
+"""A short and stiff rod."""
+
+
+@pytest.mark.parametrize("count", [4, pytest.param(None, marks=pytest.mark.slow)])
+def test_a_short_stiff_rod_that_is_pushed_slowly_grows_as_its_slowest_mode(count: int | None) -> None:
+    """It grows by 33 decades in a period, in which the stiffest function swings some thousand times.
+
+    Other modes follow the slowest one at once: q'' + s(t) q = 0, s the least eigenvalue of the stiffness.
+    """
+    load = fr.AxialLoad(0.8248148647308485, 0.965394061103273, 18.417307731225396)
+    system = PUSHED.modal_system(load, modes=range(1, 4))
+
+    def slope(t: float, state: Any) -> Any:
+        least = np.linalg.eigvalsh(_at(system, t))[0]
+        return [state[1], -least * state[0], state[3], -least * state[2]]
+
+    end = solve_ivp(slope, (0.0, system.period), [1.0, 0.0, 0.0, 1.0], rtol=1e-8, atol=1e-8).y[:, -1]
+    expected = math.log(end[0] + end[3]) / system.period - PUSHED.damping_rate
+    found = PUSHED.stability(load, modes=None if count is None else range(1, count + 1))
+    assert found.status == "unstable"
+    assert found.error < 1e-5 * found.growth_rate
+    assert found.growth_rate == pytest.approx(221.248548, abs=1e-5 + found.error)
+    assert found.growth_rate == pytest.approx(expected, rel=2e-3)
+
+
+def _at(system: Any, t: float) -> Any:
+    """Return the stiffness of a system at a time."""
+    angle, found = 2.0 * math.pi * t / system.period, system.stiffness
+    for k, (one, other) in enumerate(zip_longest(system.cosines, system.sines), start=1):
+        found = found + (0.0 if one is None else one) * math.cos(k * angle)
+        found = found + (0.0 if other is None else other) * math.sin(k * angle)
+    return found
 
 
 @pytest.mark.parametrize("ends", ["hinged", pytest.param("clamped", marks=pytest.mark.slow), "clamped-free"])

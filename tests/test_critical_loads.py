@@ -148,9 +148,9 @@ def test_no_unstable_band_wider_than_the_resolution_is_stepped_over(
 
 
 def test_critical_loads_margins_and_verdicts_of_drawn_rods_agree() -> None:
-    for seed in range(depth(24, 2)):
+    for seed in range(depth(25, 2)):
         question = drawn(np.random.default_rng([31, seed]))
-        assert not disagreements(question, with_ranges=seed % 5 == 0, dense=101), (seed, question)
+        assert not disagreements(question, with_ranges=seed % 5 == 4, dense=51), (seed, question)
 
 
 @pytest.mark.slow
