@@ -15,7 +15,7 @@ from floquetrod._util.caching import cached_property
 from floquetrod._util.content import ByContent
 
 Matrix = NDArray[np.float64]
-Structure = Literal["hamiltonian", "reversible", "damped", "general"]
+Structure = Literal["hamiltonian", "reversible", "unitary", "damped", "general"]
 
 LARGEST_ENTRY = 1e30
 """Largest magnitude of a matrix entry, in whatever units."""

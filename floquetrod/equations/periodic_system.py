@@ -143,21 +143,35 @@ class PeriodicSystem(matrices.PeriodicMatrixSystem):
         """Structure of A, exactly, entry by entry; it decides how multipliers come in pairs.
 
         "hamiltonian" where J A(t) is symmetric, J = [[0, I], [-I, 0]], x = (q, p); "reversible" where R A(-t) R = -A(t)
-        with R = diag(I, -I), x = (q, q'), and A is one Fourier series; else "general".  Of a batch: of all its systems.
+        with R = diag(I, -I), x = (q, q'), and A is one Fourier series; "unitary" where ``keeps_norm``; else "general".
+        Of a batch: of all its systems.
         """
+        return self._paired_structure or ("unitary" if self.keeps_norm else "general")
+
+    @cached_property
+    def keeps_norm(self) -> bool:
+        """Whether A(t) is minus its transpose, entry by entry: every solution keeps its norm.
+
+        The ``coefficient_error`` of such an A is taken to be skew-symmetric, too.  Of a batch: whether all A are.
+        """
+        return all(np.array_equal(matrix, -np.swapaxes(matrix, -1, -2)) for matrix in self.every_matrix)
+
+    @property
+    def _paired_structure(self) -> Structure | None:
+        """Structure by which multipliers come in mu, 1 / mu; None where there is none."""
         if self.order % 2:
-            return "general"
+            return None
         half = self.order // 2
         every = self.every_matrix
         if all(matrices.symmetric(np.concatenate([m[..., half:, :], -m[..., :half, :]], axis=-2)) for m in every):
             return "hamiltonian"
         if self.pieces:
-            return "general"
+            return None
         outer = all(
             not m[..., :half, :half].any() and not m[..., half:, half:].any() for m in (self.mean, *self.cosines)
         )
         inner = all(not m[..., :half, half:].any() and not m[..., half:, :half].any() for m in self.sines)
-        return "reversible" if outer and inner else "general"
+        return "reversible" if outer and inner else None
 
     def coefficient(self, t: Any) -> Floats:
         """Return A(t), of shape ``(*t.shape, N, N)``, the mean of both sides at a jump; of one system."""

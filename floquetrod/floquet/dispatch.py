@@ -9,9 +9,10 @@ import numpy as np
 
 from floquetrod._util import validate
 from floquetrod.equations import DelaySystem, Equation, HillSystem, PeriodicSystem
+from floquetrod.equations.hill_system import states
 from floquetrod.equations.second_moments import balanced_moments
 from floquetrod.floquet.problems import Problem, kind_of, require_problem
-from floquetrod.floquet.registry import in_turn, names_of
+from floquetrod.floquet.registry import in_turn, names_of, refusal
 from floquetrod.floquet.verdict import FloquetVerdict, Stability, Verdict
 
 if TYPE_CHECKING:
@@ -32,6 +33,7 @@ if TYPE_CHECKING:
         above: float | None
 
 
+_FEW = 24  # equations of first order, of which multipliers are told by another method: below a second (a choice)
 _OPTIONS = ("terms", "rtol", "step", "periods", "limit", "digits", "most_digits", "above")
 
 
@@ -120,7 +122,7 @@ def stability(
     if options:
         raise TypeError(f"method='auto' accepts no options, got {', '.join(options)}; name a method to pass them to")
     judged: Stability | SystemStability = judge(equation)
-    return judged
+    return judged if isinstance(equation, Equation | DelaySystem) else _resolved(equation, judged)
 
 
 def under_noise(problem: Problem, noise: Any, interpretation: str) -> Problem:
@@ -132,6 +134,22 @@ def under_noise(problem: Problem, noise: Any, interpretation: str) -> Problem:
     return problem
 
 
+def _resolved(system: HillSystem | PeriodicSystem, judged: SystemStability) -> SystemStability:
+    """Return a verdict with multipliers that it leaves open, from the first method that tells them, if it is no effort.
+
+    Beside the largest ones a map over the period loses the small ones, which maps over parts of it and Hill's matrix
+    keep.  The verdict that was found stays where the other method has none.
+    """
+    if judged.status == "undecided" or judged.are_resolved or states(system) > _FEW:
+        return judged
+    for name in ("segmented", "spectral"):
+        if name != judged.method and refusal(system, name) is None:
+            found: SystemStability = run(name, system)
+            if found.status == judged.status and found.are_resolved:
+                return found
+    return judged
+
+
 def judge(problem: Problem, known: FloquetVerdict | None = None, **last: Any) -> Any:
     """Return what "auto" finds, one method after another; the last one, with many digits, is given ``last``.
 
@@ -140,6 +158,10 @@ def judge(problem: Problem, known: FloquetVerdict | None = None, **last: Any) ->
     *names, finest = in_turn(problem)
     result: Verdict | None = None
     for name in (*names, finest):
+        if name == finest and _is_beyond_maps(problem, result):
+            result = _better(result, run("spectral", problem))
+            if result.status != "undecided":
+                break
         if known is not None and known.method == name:
             found: Any = known
         else:
@@ -150,9 +172,19 @@ def judge(problem: Problem, known: FloquetVerdict | None = None, **last: Any) ->
     return result
 
 
+def _is_beyond_maps(problem: Problem, result: Verdict | None) -> bool:
+    """Return whether maps tell no multiplier of a system, as where solutions grow or decay beyond doubles."""
+    if result is None or not isinstance(problem, HillSystem | PeriodicSystem) or refusal(problem, "spectral"):
+        return False
+    return all(exponent != exponent for exponent in result.exponents)
+
+
 def _better(result: Any, later: Any) -> Any:
-    """Return the later of two results, unless its method has given up, at once or where the other has exponents."""
-    return later if later.exponents or (later.cost.amount and not result.exponents) else result
+    """Return the later of two results, unless it knows fewer exponents, or its method has given up at once."""
+    if later.status != "undecided":
+        return later
+    known, before = (sum(e == e for e in each.exponents) for each in (later, result))
+    return later if known >= before and (later.exponents or later.cost.amount) else result
 
 
 @np.errstate(under="ignore")  # what is too small for a double is 0 to all methods, whatever a caller lets numpy raise

@@ -170,7 +170,7 @@ def _independent(equation: Problem, most: int, *, backward: bool) -> list[_Eigen
     ValueError where there may be fewer vectors than eigenvalues.
     """
     matrix, error = monodromy_over_period(equation, backward=backward)
-    discs = spectra.eigenvalue_discs(matrix, error * len(matrix))
+    discs = spectra.diagonalised_discs(matrix, error * len(matrix))
     if discs is None:
         raise _indistinct(equation, "some")
     found = []

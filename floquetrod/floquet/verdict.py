@@ -111,8 +111,13 @@ class Verdict(Answer):
     @property
     def decay_rate(self) -> float:
         """Rate, per unit of time, at which the slowest solution decays; 0 where one does not, or that is not known."""
-        slowest = max((exponent.real for exponent in self.exponents), default=0.0)
-        return max(0.0, -slowest) if self.status == "stable" else 0.0
+        slowest = self._slowest
+        return max(0.0, -slowest) if self.status == "stable" and slowest > -math.inf else 0.0
+
+    @property
+    def _slowest(self) -> float:
+        """Largest real part of the exponents that are known; minus infinity where none is."""
+        return max((exponent.real for exponent in self.exponents if exponent == exponent), default=-math.inf)
 
     @property
     def multipliers(self) -> tuple[complex, ...]:
@@ -215,7 +220,7 @@ class FloquetVerdict(ByContent, Reported, Verdict):
     def multiplier_errors(self) -> tuple[float, ...]:
         """Error of each multiplier, in the sense of ``exponent_errors``."""
         return tuple(
-            abs(mu) * math.expm1(min(error * self.period, 700.0))
+            abs(mu) * math.expm1(min(error * self.period, 700.0)) if error < math.inf else math.inf
             for mu, error in zip(self.multipliers, self.exponent_errors, strict=True)
         )
 
@@ -449,6 +454,8 @@ def _exponents(sign: int, excess: float, growth: float, damping: float, period: 
 
 
 def _multiplier(exponent: complex, period: float) -> complex:
+    if exponent != exponent:
+        return exponent
     size = _exp(exponent.real * period)
     angle = exponent.imag * period
     if abs(angle) > math.pi * (1.0 + 2.0 * EPS):  # a characteristic root, which has turned more than half

@@ -21,7 +21,7 @@ from floquetrod.equations.matrices import flat
 from floquetrod.floquet.dispatch import judge
 from floquetrod.floquet.kernels.system_even import pair_numbers
 from floquetrod.floquet.pairs import logarithms
-from floquetrod.floquet.status import STATUS_CODES, UNDECIDED, are
+from floquetrod.floquet.status import STABLE, STATUS_CODES, UNDECIDED, are
 from floquetrod.floquet.systems import even, many, whole
 from floquetrod.floquet.systems.classification import MOST_SECONDS, undamped_pairs
 from floquetrod.floquet.systems.many import ManyVerdicts
@@ -29,6 +29,7 @@ from floquetrod.floquet.systems.whole import PeriodMaps
 
 _ACCURACY = 1e-12
 _MOST_DIGITS = 60  # for a system that is open: the square of a double's last digit and as much again (a choice)
+_SMALL = 1e-8  # of the largest multiplier, below which errors are computed (a choice: half the digits of a double)
 _AT_ONCE = 1 << 14  # numbers of maps that a thread holds at a time (heuristic): some milliseconds of work
 _REPORTS = 50  # of progress while the quick rules are at work (a choice)
 
@@ -89,9 +90,9 @@ def growth_rate(systems: System, *, workers: int | None = None, progress: Progre
 def multipliers(systems: System, *, workers: int | None = None, progress: Progress | None = None) -> Any:
     """Return the multipliers, complex (..., N), N the number of equations of first order; the largest first.
 
-    Arguments as in `is_stable`.  Those much smaller than the largest one are lost in its rounding:
-    ``floquetrod.stability(system, method="segmented")`` keeps them.  NaN where their squares may be beyond
-    doubles, and for systems that would take too long.
+    Arguments as in `is_stable`.  NaN, and last, are those that are lost in the rounding of the largest one, which
+    `floquetrod.stability` of one system tells; where their squares may be beyond doubles; and those of systems that
+    would take too long.
     """
     workers = validate.workers(workers)
     validate.progress(progress)
@@ -219,7 +220,7 @@ class _FirstOrderBatch(_Batch):
     def __init__(self, system: PeriodicSystem, damping: float, *, paired: bool) -> None:
         self.pieces, self.period = by_pieces.of_batch(system), flat(system.period, system.shape, 0)
         self.uncertainty, self.paired, self.damping = system.coefficient_error, paired, damping
-        self.order = system.order
+        self.order, self.keeps_norm = system.order, system.keeps_norm
 
     def _maps(self, part: slice) -> PeriodMaps:
         """Return the maps over a period, with infinite error where they would take too long."""
@@ -237,12 +238,30 @@ class _FirstOrderBatch(_Batch):
         maps = self._maps(part)
         values = _eigenvalues(maps.matrix)
         values[np.isinf(maps.error)] = np.nan
+        if self.keeps_norm:
+            return values / np.abs(values)
+        _forget_lost(values, maps)
         return values
 
     def verdicts(self, part: slice) -> ManyVerdicts:
+        if self.keeps_norm:
+            count = len(self.period[part])
+            return ManyVerdicts(np.full(count, STABLE, dtype=np.int8), np.zeros(count))
         maps = self._maps(part)
         discs = many.many_discs(maps.matrix, maps.error)
         return many.multiplier_verdicts(discs, self.period[part], paired=self.paired, damping=self.damping)
+
+
+def _forget_lost(values: Complexes, maps: PeriodMaps) -> None:
+    """Make multipliers NaN that cannot be distinguished from 0 beside the largest one."""
+    sizes = np.abs(values)
+    doubtful = np.flatnonzero(sizes.min(axis=1) < _SMALL * sizes.max(axis=1))
+    if not doubtful.size:
+        return
+    discs = many.many_discs(maps.matrix[doubtful], maps.error[doubtful])
+    lost = many.touch_zero(discs)
+    # in the order in which `many_discs` has them, which is that of the same eigenvalues
+    values[doubtful] = np.where(lost, np.nan, discs.values)
 
 
 def _eigenvalues(matrices: Floats) -> Complexes:

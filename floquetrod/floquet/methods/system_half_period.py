@@ -65,7 +65,7 @@ class SolvedPairs(NamedTuple):
         The partner decays by 1 / conj(mu): the same solution backwards.  p = 4 A^T C v / (mu - 1 / mu), v the
         eigenvector.  None where the multipliers could not be computed.
         """
-        if self.discs is None or self.pairs is None:
+        if self.discs is None or self.pairs is None or not self.discs.right.size:
             return None
         logs = logarithms(self.discs.values)
         i = int(np.abs(logs.real).argmax())

@@ -119,7 +119,7 @@ class SolvedMany(NamedTuple):
 
         The partner decays by 1 / conj(mu).  None where the multipliers could not be computed.
         """
-        if self.discs is None:
+        if self.discs is None or not self.discs.right.size:
             return None
         values = self.discs.values
         i = int(np.abs(values).argmax())

@@ -105,11 +105,17 @@ def reference(
             )
         if found.status == "undecided":
             found = replace(found, note=f"{found.note}, computed to {digits} digits")
-        result = found if result is None or found.exponents or not result.exponents else result
+        fewer = result is not None and _known(found) < _known(result)
+        result = result if fewer and found.status == "undecided" else found
         settled = result.status != "undecided" and result.error < _SETTLED
         if settled or not numerical or 2 * digits > most_digits:
             return result
         digits *= 2
+
+
+def _known(result: SystemStability) -> int:
+    """Return how many exponents are known."""
+    return sum(exponent == exponent for exponent in result.exponents)
 
 
 def _attempt(

@@ -20,17 +20,22 @@ from floquetrod.floquet.systems import independent_solutions, spectra
 from floquetrod.floquet.systems.classification import classify_multipliers, undamped_pairs
 from floquetrod.floquet.systems.independent_solutions import Solutions
 from floquetrod.floquet.systems.result import SystemStability
+from floquetrod.floquet.systems.whole import error_stretch
 from floquetrod.floquet.verdict import Cost
 
 _MOST_ROWS = 1000  # of Hill's matrix (a choice: about ten seconds)
 
 
 class _Harmonics(NamedTuple):
-    """A system in first order and balanced coordinates: mean, half amplitudes of its harmonics, and the scales."""
+    """A system in first order and balanced coordinates: mean, half amplitudes of its harmonics, and the scales.
+
+    ``stretch`` is by how much errors of the coefficients are larger there.
+    """
 
     mean: Floats
     halves: Complexes
     scales: Floats
+    stretch: float
     period: float
 
 
@@ -101,7 +106,8 @@ def _balanced(system: PeriodicSystem) -> _Harmonics:
     sizes = np.abs(system.mean) + np.abs(system.harmonics).sum(axis=0)
     scales = independent_solutions.balance(sizes)
     ratio = scales[None, :] / scales[:, None]
-    return _Harmonics(system.mean * ratio, 0.5 * system.harmonics * ratio, scales, float(system.period))
+    stretch = float(error_stretch(system.mean[None, None], scales[None])[0])
+    return _Harmonics(system.mean * ratio, 0.5 * system.harmonics * ratio, scales, stretch, float(system.period))
 
 
 def _solutions(system: _Harmonics, rtol: float, coefficient_error: float) -> tuple[Solutions | None, int]:
@@ -137,8 +143,7 @@ def _truncated(
 ) -> tuple[Solutions, float] | None:
     """Return the solutions of a truncated matrix and the largest residual that truncation leaves, None where few."""
     order, count = len(system.mean), 2 * cut + 1
-    worst = float((system.scales[None, :] / system.scales[:, None]).max())
-    discs = spectra.eigenvalue_discs(_hill_matrix(system, cut), coefficient_error * order * worst)
+    discs = spectra.diagonalised_discs(_hill_matrix(system, cut), coefficient_error * order * system.stretch)
     if discs is None:
         return None
     harmonics = discs.right.reshape(count, order, -1)

@@ -16,9 +16,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from floquetrod._util.arrays import EPS, Bools, Complexes, Floats
-from floquetrod.equations import DelaySystem, HillSystem
+from floquetrod.equations import DelaySystem, HillSystem, PeriodicSystem
+from floquetrod.equations import pieces as by_pieces
 from floquetrod.equations.batches import System
 from floquetrod.equations.hill_system import in_first_order
+from floquetrod.equations.pieces import TimedPiece
 from floquetrod.floquet import pairs
 from floquetrod.floquet.systems import spectra
 from floquetrod.floquet.systems.result import SystemStability
@@ -91,9 +93,11 @@ def classify_pairs(
         digits = ManyDigits(1.0 + discs.values, net, lambda cluster: spectra.discriminant(discs, cluster))
     logs = pairs.upper_logarithms(discs.values, digits.above)
     errors = pairs.log_errors(discs.values, digits.above, discs.radii)
+    whole_errors = errors if len(discs.clusters) == len(discs.values) else _errors_of_pairs(discs, digits.above)
     net, outside = digits.net.copy(), pairs.outside(discs.values, digits.above)
     vague = discs.radii > 0.5 * np.maximum(1.0, np.abs(discs.values))  # beside others that grow fast
     net[vague], errors[vague] = pairs.vague_growth(discs.values[vague], discs.radii[vague])
+    whole_errors[vague] = np.fmax(whole_errors[vague], errors[vague])
     net[vague] -= limit
     digits = digits._replace(net=net)
     signs = np.zeros(len(logs), dtype=int)
@@ -118,11 +122,16 @@ def classify_pairs(
         method,
         parts,
         net=np.concatenate([net + 1j * logs.imag, -net - 2.0 * limit - 1j * logs.imag]),
-        errors=np.concatenate([errors, errors]),
+        errors=np.concatenate([whole_errors, whole_errors]),
         signs=np.concatenate([np.where(upper, signs, -signs), np.where(upper, -signs, signs)]),
         damping=freed[1],
         cost=cost,
     )
+
+
+def _errors_of_pairs(discs: Discs, above: Complexes) -> Floats:
+    """Return errors of the logarithms where discs of y touch: any of a cluster may be anywhere in its discs."""
+    return pairs.log_errors(discs.values, above, discs.reaches)
 
 
 class _Sides(NamedTuple):
@@ -208,6 +217,34 @@ class LogDiscs(NamedTuple):
             radii = np.where(radii < sizes, values.real - low, math.inf)
         return cls(np.asarray(values - shift), low - shift, high - shift, radii, clusters)
 
+    @property
+    def errors(self) -> Floats:
+        """Error of each logarithm, (N,): a multiplier of a cluster may be anywhere in its discs.
+
+        Infinite in a cluster that cannot be distinguished from 0.
+        """
+        if len(self.clusters) == len(self.values):
+            return self.radii
+        far = spectra.reaches(spectra.log_distances(self.values, self.values), self.radii, self.clusters)
+        sides = np.maximum(self.highest - self.values.real, self.values.real - self.lowest)
+        return np.fmin(far, np.hypot(sides, math.pi))  # whatever its angle
+
+    @property
+    def lowest(self) -> Floats:
+        """Lower bound of each real part, that of its cluster, (N,)."""
+        return self._of_clusters(self.low, np.min)
+
+    @property
+    def highest(self) -> Floats:
+        """Upper bound of each real part, that of its cluster, (N,)."""
+        return self._of_clusters(self.high, np.max)
+
+    def _of_clusters(self, bounds: Floats, join: Callable[[Floats], Any]) -> Floats:
+        joined = bounds.copy()
+        for cluster in self.clusters:
+            joined[cluster] = join(bounds[cluster])
+        return joined
+
     @classmethod
     def about(cls, values: Complexes, radii: Floats, clusters: tuple[NDArray[np.intp], ...]) -> LogDiscs:
         """Return discs of these radii about logarithms."""
@@ -260,12 +297,14 @@ def classify_multipliers(
         method,
         parts,
         net=values - shift,
-        errors=logs.radii,
+        errors=logs.errors,
+        highest=logs.highest,
         signs=signs,
         damping=damping,
         cost=cost,
         note=note,
         are_paired=freed is not None,
+        are_all=are_all,
     )
 
 
@@ -291,10 +330,17 @@ def _verdict(
     cost: Cost,
     note: str = "",
     are_paired: bool = True,
+    are_all: bool = True,
+    highest: Floats | None = None,
 ) -> SystemStability:
-    """Return the result that follows from its clusters and the net logarithms of the multipliers, damping included."""
+    """Return the result that follows from its clusters and the net logarithms of the multipliers, damping included.
+
+    ``highest`` are upper bounds of their real parts.  Exponents of infinite error are not known: NaN.
+    """
     period = float(system.period)
     damped = damping > 0.0
+    if isinstance(system, PeriodicSystem) and system.keeps_norm and are_all:
+        parts, net = [part._replace(low=0.0, high=0.0, bounded=True, reason="") for part in parts], 1j * net.imag
     status: Status
     strongly: bool | None
     if any(part.low > 0.0 or (are_paired and not damped and not part.bounded and not part.reason) for part in parts):
@@ -303,27 +349,44 @@ def _verdict(
         status, strongly = "stable", True
     else:
         status, strongly = "undecided", None
-        if system.is_constant and not isinstance(system, DelaySystem):
-            status = _without_variation(system) or "undecided"
+        if not isinstance(system, DelaySystem):
+            status = _status_of_matrices(system) or "undecided"
     reason = next((part.reason for part in parts if part.reason), "growth equals the damping within the error")
-    exponents = net / period
+    lost = np.logical_not(np.isfinite(errors) & np.isfinite(net))
+    errors, net = np.where(lost, math.inf, errors), np.where(lost, 0.0, net)
+    exponents = np.where(lost, complex(math.nan, math.nan), net / period)
     order = np.lexsort((exponents.imag, -exponents.real))
-    fastest = max(0.0, float(exponents.real.max(initial=0.0)))
-    texts = [text for text in (note, reason if status == "undecided" else "") if text]
+    known = exponents.real[~lost]
+    fastest = max(0.0, float(known.max(initial=0.0))) if known.size else math.nan
+    unknown_below = -math.inf if not lost.any() or highest is None else float(highest[lost].max()) / period
+    if lost.any() and highest is None:
+        unknown_below = math.inf
+    texts = [text for text in (note, reason if status == "undecided" else "", _not_known(lost, unknown_below)) if text]
     return SystemStability(
         equation=system,
         method=method,
         status=status,
         growth_rate=0.0 if status == "stable" else fastest,
         exponents=tuple(exponents[order].tolist()),
-        exponent_errors=tuple((errors[order] / period + 4.0 * EPS * np.abs(exponents[order])).tolist()),
+        exponent_errors=tuple((errors[order] / period + 4.0 * EPS * np.abs(net[order]) / period).tolist()),
         krein_signs=tuple(signs[order].tolist()),
         strongly_stable=strongly,
+        unknown_below=unknown_below,
         period=period,
-        error=float(errors.max(initial=0.0)),
+        error=float(errors[~lost].max(initial=0.0)) if known.size else math.inf,
         cost=cost,
         note="; ".join(texts),
     )
+
+
+def _not_known(lost: Bools, below: float) -> str:
+    """Return which multipliers are not known, in words; "" where all are."""
+    count = int(np.count_nonzero(lost))
+    if not count:
+        return ""
+    which = f"{count} multiplier{'' if count == 1 else 's'}"
+    which += f" of exponents below {below:.4g}" if math.isfinite(below) else ""
+    return f"{which} cannot be distinguished from 0 beside the largest: NaN"
 
 
 MOST_SECONDS = 60.0
@@ -335,11 +398,62 @@ def too_long(system: System, method: str, seconds: float) -> SystemStability | N
     if seconds <= MOST_SECONDS:
         return None
     note = f"would take about {seconds:.2g} s; take a shorter period, or fewer or softer equations"
+    if seconds == math.inf:
+        note = "solutions grow beyond doubles within a period"
     return SystemStability.declined(system, method, Cost(0, "periods"), note)
+
+
+def _status_of_matrices(system: System) -> Status | None:
+    """Return the verdict that follows from the matrices themselves, whatever the multipliers are; None without one."""
+    if _contracts(in_first_order(system)) or (isinstance(system, HillSystem) and _is_overdamped(system)):
+        return "stable"
+    return _without_variation(system) if system.is_constant else None
+
+
+def _contracts(system: PeriodicSystem) -> bool:
+    """Return whether (A(t) + A(t)^T) / 2 is negative definite at all times, so that abs(x) decreases."""
+    return all(
+        spectra.symmetric_bounds(0.5 * (piece.mean + piece.mean.T))[1] + _swing(piece, system.coefficient_error) < 0.0
+        for piece in by_pieces.in_time(system)
+    )
+
+
+def _is_overdamped(system: HillSystem) -> bool:
+    """Return whether damping makes every motion creep to rest, M = I or none, C and K symmetric.
+
+    With s = q + C^-1 q' and w = C^-1 q' the energy s^T C s + w^T C w decreases at the rate 2 s^T K s + 2 w^T (C^2 - K)
+    w: where C, K and C^2 - K are positive definite at all times.  With C = 2 c I it grows at no larger rate than -2
+    k / (2 c), k the least eigenvalue of K, while that of C^2 - K is larger: where the mean of k over the period is
+    positive.
+    """
+    if system.mass is not None or system.gyroscopic is not None or system.damping is None or not system.is_symmetric:
+        return False
+    damping = system.damping
+    if not np.array_equal(damping, damping.T):
+        return False
+    least = spectra.symmetric_bounds(damping)[0]
+    total, lowest, highest = 0.0, math.inf, -math.inf
+    for piece in by_pieces.in_time(system):
+        low, high = spectra.symmetric_bounds(piece.mean)
+        swing = _swing(piece, system.coefficient_error)
+        lowest, highest = min(lowest, low - swing), max(highest, high + swing)
+        alone = system.is_smooth and system.order == 1  # whose harmonics have no mean
+        total += float(piece.length) * (low - (system.coefficient_error if alone else swing))
+    if not (least > 0.0 and highest < 0.5 * least * least):
+        return False
+    return lowest > 0.0 or (system.uniform_damping is not None and -lowest < 0.5 * least * least and total > 0.0)
+
+
+def _swing(piece: TimedPiece, error: float) -> float:
+    """Return a bound of how far, in the 2-norm, the matrix of a piece is from its mean."""
+    swing = len(piece.mean) * error + sum(spectra.spectral_norm(z) for z in piece.harmonics)
+    return swing if piece.slope is None else swing + float(piece.length) * spectra.spectral_norm(piece.slope)
 
 
 def _without_variation(system: System) -> Status | None:
     """Return the verdict on constant coefficients, whose multipliers may meet by the mere choice of a period."""
+    if isinstance(system, HillSystem) and system.damping is None and not system.stiffness.any() and not system.pieces:
+        return _status_of_turning(system.gyroscopic)
     if isinstance(system, HillSystem) and system.gyroscopic is None and system.is_symmetric and system.undamped:
         return _static_status(system, *system.undamped)
     mean = in_first_order(system)
@@ -358,6 +472,14 @@ def _without_variation(system: System) -> Status | None:
                 return None
         return "stable"
     return None
+
+
+def _status_of_turning(gyroscopic: Floats | None) -> Status | None:
+    """Return the verdict on M q'' + G q' = 0: q' turns, and q is bounded where G is invertible; else q drifts."""
+    if gyroscopic is None or len(gyroscopic) % 2:
+        return "unstable"
+    sizes = np.linalg.svd(gyroscopic, compute_uv=False)
+    return "stable" if sizes[-1] > 8.0 * len(sizes) * EPS * sizes[0] else None
 
 
 def _static_status(system: HillSystem, freed: HillSystem, damping: float) -> Status | None:

@@ -34,7 +34,7 @@ def solutions(maps: Floats, errors: Floats, scales: Floats) -> Solutions | None:
     cyclic = np.zeros((count, order, count, order))
     for j, one in enumerate(maps):
         cyclic[(j + 1) % count, :, j] = one
-    discs = spectra.eigenvalue_discs(cyclic.reshape(count * order, count * order), float(errors.max()))
+    discs = spectra.diagonalised_discs(cyclic.reshape(count * order, count * order), float(errors.max()))
     if discs is None:
         return None
     states = discs.right[:order]

@@ -50,7 +50,7 @@ def leading(matrix: Floats, least: float) -> Multipliers | None:
         projector = float(np.hypot(1.0, np.linalg.norm(solve_sylvester(block, -rest, coupling), 2)))
     rounding = _ROUNDING + 4.0 * EPS * float(np.sqrt(len(matrix)))
     error = projector * rounding * float(np.linalg.norm(balanced, 2))
-    discs = spectra.eigenvalue_discs(block, error)
+    discs = spectra.diagonalised_discs(block, error)
     return None if discs is None else Multipliers(discs.values, discs.radii, everything)
 
 

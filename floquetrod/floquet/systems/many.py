@@ -49,6 +49,20 @@ def many_discs(matrices: NDArray[Any], errors: Floats) -> ManyDiscs:
     return ManyDiscs(values, radii, _apart(values, radii))
 
 
+@np.errstate(invalid="ignore")
+def touch_zero(discs: ManyDiscs) -> Bools:
+    """Return which eigenvalues may be 0, (b, n): those whose discs, or discs connected to them, hold it."""
+    values, radii, _ = discs
+    lost = np.logical_not(np.abs(values) > radii)
+    while True:
+        gaps = np.abs(values[:, :, None] - values[:, None, :])
+        near = np.logical_not(gaps > radii[:, :, None] + radii[:, None, :])
+        more = (near & lost[:, None, :]).any(axis=2)
+        if not (more & ~lost).any():
+            return lost
+        lost |= more
+
+
 @np.errstate(over="ignore", invalid="ignore")
 def pair_discs(values: Complexes, radii: Floats) -> ManyDiscs:
     """Return discs of given radii."""

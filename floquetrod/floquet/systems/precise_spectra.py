@@ -9,12 +9,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from floquetrod._util.arrays import Floats
-from floquetrod.floquet.systems.spectra import Discs, touching
+from floquetrod.floquet.systems.spectra import Discs, is_coarse, reaches, touching, triangular_radii
 from floquetrod.floquet.systems.symplectic import PairMatrix
 
 
 class PreciseDiscs(NamedTuple):
-    """Eigenvalues as in `Discs`; values and vectors are numbers of mpmath."""
+    """Eigenvalues as in `Discs`; values and vectors are numbers of mpmath, vectors empty where they fail."""
 
     values: NDArray[Any]
     radii: Floats  # (n,), doubles, rounded up
@@ -24,6 +24,11 @@ class PreciseDiscs(NamedTuple):
     error: float  # not zero
     size: float  # norm of the matrix
 
+    @property
+    def reaches(self) -> Floats:
+        """How far from each value the true eigenvalue that it stands for may be, (n,)."""
+        return reaches(_gaps(self.values), self.radii, self.clusters)
+
     def rounded(self) -> Discs:
         """Return values, radii and clusters as doubles; the vectors are left out."""
         nothing = np.zeros((0, 0), dtype=np.complex128)
@@ -32,12 +37,40 @@ class PreciseDiscs(NamedTuple):
 
 
 def eigenvalue_discs(matrix: NDArray[Any], error: float, context: Any) -> PreciseDiscs | None:
-    """Return discs for the eigenvalues of all matrices within ``error`` of ``matrix``; None where eigenvectors fail."""
+    """Return discs for the eigenvalues of all matrices within ``error`` of ``matrix``, as `spectra` does.
+
+    None where the numbers are beyond those of doubles, or the eigenvalues do not converge.
+    """
     n = len(matrix)
     size = math.hypot(*(float(abs(v)) for v in matrix.flat))
     total = 1.001 * error + math.ldexp(64.0 * n * n * (size + 1e-300), -context.prec)
     if not math.isfinite(total):
         return None
+    discs = _discs_of_vectors(matrix, total, size, context)
+    if discs is not None and not is_coarse(discs.radii, discs.clusters, size):
+        return discs
+    triangular = _discs_of_triangle(matrix, total, size, context)
+    if discs is None or (triangular is not None and triangular.radii.max() < discs.radii.max()):
+        return triangular
+    return discs
+
+
+def _discs_of_triangle(matrix: NDArray[Any], total: float, size: float, context: Any) -> PreciseDiscs | None:
+    """Return discs from the complex Schur form."""
+    try:
+        triangle = _array(context.schur(context.matrix(matrix.tolist()))[1])
+    except (ZeroDivisionError, OverflowError, RuntimeError):
+        return None
+    values = np.diag(triangle).copy()
+    gaps = _gaps(values)
+    upper = np.array([[float(abs(v)) for v in row] for row in np.triu(triangle, 1)])
+    radii, nothing = triangular_radii(gaps, upper, total), np.zeros((0, 0), dtype=object)
+    return PreciseDiscs(values, radii, touching(gaps, radii), nothing, nothing, total, size)
+
+
+def _discs_of_vectors(matrix: NDArray[Any], total: float, size: float, context: Any) -> PreciseDiscs | None:
+    """Return Gershgorin's discs in the coordinates of the eigenvectors; None where these fail."""
+    n = len(matrix)
     try:
         found, vectors = context.eig(context.matrix(matrix.tolist()))
         right = _array(vectors)
@@ -52,7 +85,7 @@ def eigenvalue_discs(matrix: NDArray[Any], error: float, context: Any) -> Precis
     if not uncertainty < 0.1:
         return None
     radii = n * conditions * total * (1.0 + 2.0 * uncertainty)
-    gaps = np.array([[float(abs(a - b)) for b in values] for a in values]).reshape(n, n)
+    gaps = _gaps(values)
     clusters = touching(gaps, radii)
     for cluster in clusters:
         if len(cluster) == 1 and n > 1:
@@ -65,6 +98,8 @@ def eigenvalue_discs(matrix: NDArray[Any], error: float, context: Any) -> Precis
 
 def discriminant(discs: PreciseDiscs, cluster: NDArray[np.intp]) -> tuple[float, float]:
     """Return ((z1 - z2) / 2)^2 of a real matrix's cluster of two, and its error, far smaller than that of z1 and z2."""
+    if not discs.right.size:
+        return 0.0, math.inf
     half = (discs.values[cluster[0]] - discs.values[cluster[1]]) / 2
     error = 4.0 * _norm(np.dot(discs.right[:, cluster], discs.left[cluster]).ravel()) * discs.error
     value = float((half * half).real)
@@ -73,6 +108,8 @@ def discriminant(discs: PreciseDiscs, cluster: NDArray[np.intp]) -> tuple[float,
 
 def krein_sign(pairs: PairMatrix, discs: PreciseDiscs, cluster: NDArray[np.intp]) -> int:
     """Return the Krein sign of those multipliers on the upper half of the circle that a cluster of y stands for."""
+    if not discs.right.size:
+        return 0
     half = discs.right[:, cluster]
     every = np.dot(pairs.basis, half)
     if len(cluster) > 1:  # one vector of a single pair will do, whose sign is that of all
@@ -107,6 +144,11 @@ def _subspace_error(discs: PreciseDiscs, members: NDArray[np.intp]) -> float:
     gap = min(float(abs(discs.values[i] - discs.values[j])) for i in members for j in others)
     size = _norm(discs.left[members].ravel()) * math.sqrt(len(members)) * _norm(discs.left[others].ravel())
     return size * discs.error / gap if gap > 0.0 else math.inf
+
+
+def _gaps(values: NDArray[Any]) -> Floats:
+    """Return the distances of numbers of mpmath from each other, rounded to doubles."""
+    return np.array([[float(abs(a - b)) for b in values] for a in values]).reshape(len(values), len(values))
 
 
 def _norm(numbers: NDArray[Any]) -> float:

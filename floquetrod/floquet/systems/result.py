@@ -31,14 +31,17 @@ class SystemStability(FloquetVerdict):
 
     It has all that every `FloquetVerdict` has: as many exponents as equations of first order, with delays those of the
     multipliers above a modulus that the note says, which of constant coefficients are characteristic roots; and as
-    ``error`` the relative error of the multipliers as they were computed, the largest of ``exponent_errors`` times the
-    period except for the rounding of the exponents to doubles.
+    ``error`` the relative error of the multipliers as they were computed, the largest finite one of ``exponent_errors``
+    times the period except for the rounding of the exponents to doubles.  An exponent of infinite error is NaN.
 
     Attributes
     ----------
     krein_signs : tuple of int
         +1 or -1 for each multiplier on the unit circle whose Krein sign is known, else 0; a natural oscillator of
         frequency f has +1 at exp(i f period).  All 0 where the system is not Hamiltonian.
+    unknown_below : float
+        Upper bound of the real parts of exponents that are not known, which are NaN, as are their multipliers, and
+        come last; minus infinity where all are known.
     strongly_stable : bool or None
         Whether all small changes of the coefficients that keep the structure leave the system stable; with damping:
         whether every solution decays.  None when undecided.
@@ -47,6 +50,17 @@ class SystemStability(FloquetVerdict):
     exponent_errors: tuple[float, ...] = ()
     krein_signs: tuple[int, ...] = ()
     strongly_stable: bool | None = None
+    unknown_below: float = -math.inf
+
+    @property
+    def are_resolved(self) -> bool:
+        """Whether every multiplier is known to a digit at least."""
+        return bool(self.exponents) and all(error * self.period <= 1.0 for error in self.exponent_errors)
+
+    @property
+    def _slowest(self) -> float:
+        """Largest real part of the exponents, or upper bound of it where some are not known."""
+        return max(super()._slowest, self.unknown_below)
 
     @cached_property
     def resonances(self) -> tuple[Resonance, ...]:
@@ -62,17 +76,19 @@ class SystemStability(FloquetVerdict):
 
     @property
     def structure(self) -> Structure:
-        """Structure of the system's matrices, "hamiltonian", "reversible", "damped" or "general", exactly."""
+        """Structure of the system's matrices, as they say it exactly: "hamiltonian", "reversible", "unitary", ..."""
         found: Structure = self.system.structure
         return found
 
     @property
     def largest_multiplier_less_1(self) -> float:
         """Magnitude of the largest multiplier less 1; 0 where all lie on the circle, NaN where not known."""
-        rate = max((exponent.real for exponent in self.exponents), default=math.nan)
+        rate = super()._slowest
+        if rate == -math.inf:
+            return math.nan
         if self.status == "stable" and rate * self.period > -self.error:
             return 0.0
-        return math.expm1(min(rate * self.period, 700.0)) if rate == rate else math.nan
+        return math.expm1(min(rate * self.period, 700.0))
 
     @property
     def opposite_signs_apart(self) -> float | None:
@@ -104,7 +120,8 @@ class SystemStability(FloquetVerdict):
             lines.append(("" if i else "named", f"{resonance}, growth {resonance.growth_rate:.6g}{nearest}"))
         lines.append(("margin", self._margin))
         lines += self._damping_lines() if damping else []
-        good = f"multipliers good to {self.error:.0e} relative"
+        known = math.isfinite(self.error)
+        good = f"multipliers good to {self.error:.0e} relative" if known else "multipliers not known"
         lines.append(("method", f"{self.method}, {self.cost}; {good}"))
         lines += [("note", self.note)] if self.note else []
         return Report(self._headline, lines, self._table())
@@ -153,6 +170,9 @@ class SystemStability(FloquetVerdict):
         rows = []
         found = list(zip(self.multipliers, self.multiplier_errors, self.krein_signs, strict=True))
         for mu, error, sign in found[:_LISTED]:
+            if mu != mu:
+                rows.append(("  not known", "", "", "", ""))
+                continue
             written = f"{mu.real:+.9f} {mu.imag:+.9f}i" if abs(mu) < 1e4 else f"{mu.real:+.6e} {mu.imag:+.6e}i"
             angle = f"{math.atan2(mu.imag, mu.real) / math.pi:+.6f}"
             krein = {1: "+", -1: "-"}.get(sign, "")
@@ -183,8 +203,8 @@ class SystemStability(FloquetVerdict):
                     "real": number(mu.real),
                     "imag": number(mu.imag),
                     "error": number(error),
-                    "exponent_real": exponent.real,
-                    "exponent_imag": exponent.imag,
+                    "exponent_real": number(exponent.real),
+                    "exponent_imag": number(exponent.imag),
                     "exponent_error": number(exponent_error),
                     "krein_sign": sign,
                 }
@@ -216,5 +236,7 @@ class SystemStability(FloquetVerdict):
     def _known(self) -> str:
         size = f"{self.structure} system of {self.system.order}"
         return size + (
-            f", multipliers +- {self.error:.1g} relative" if self.exponents else ", multipliers not computed"
+            f", multipliers +- {self.error:.1g} relative"
+            if self.exponents and math.isfinite(self.error)
+            else ", multipliers not computed"
         )

@@ -3,32 +3,39 @@
 For A = V diag(z) V^-1 with unit columns in V, V^-1 (A + E) V has Gershgorin discs of radius n k_i |E| about z_i, where
 k_i is the norm of row i of V^-1, the condition number of z_i; or sqrt(n) |V| k_i |E|, less where n is large.  A disc
 apart from all others shrinks to about k_i |E|.
+
+Where eigenvectors are nearly parallel, as of a Jordan block, the triangular form A = Q (D + N) Q^H bounds clusters of
+eigenvalues without them: see `triangular_radii`.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from floquetrod._util.arrays import EPS, Complexes, Floats, are_diagonal
+from floquetrod._util.arrays import EPS, Bools, Complexes, Floats, are_diagonal
 from floquetrod._util.caching import cached_property
 
 Form = Callable[[NDArray[Any]], NDArray[Any]]
 
 LARGE = 200
 """Rows above which 2-norms are bounded, not computed: a decomposition takes seconds (a choice)."""
+_MOST_TRIANGULAR = 100  # rows of a triangular form that bounds clusters: a tenth of a second (a choice)
+_COARSE = 1e-6  # of the norm: radii of clusters above which another bound is tried (a choice)
+_HALVINGS = 24  # of the range of a radius, in its logarithm (a choice)
 _SEVERAL = 24  # rows from which products bound a 2-norm in a third of the time of singular values (measured)
 
 
 class Discs(NamedTuple):
     """Eigenvalues of a matrix known up to an error.
 
-    The discs of a cluster together hold as many eigenvalues of the true matrix as it has members.
+    The discs of a cluster together hold as many eigenvalues of the true matrix as it has members.  ``right`` and
+    ``left`` are empty where eigenvectors cannot be computed accurately enough.
     """
 
     values: Complexes  # (n,), eigenvalues of the matrix computed
@@ -39,6 +46,13 @@ class Discs(NamedTuple):
     error: float  # distance of the true matrix, in the 2-norm, the rounding of the eigenvalues included
     matrix: NDArray[Any]  # (n, n), the matrix computed
     spread: float  # the 2-norm of ``left``
+
+    @property
+    def reaches(self) -> Floats:
+        """How far from each value the true eigenvalue that it stands for may be, (n,)."""
+        if len(self.clusters) == len(self.values):
+            return self.radii
+        return reaches(np.abs(self.values[:, None] - self.values[None, :]), self.radii, self.clusters)
 
 
 class Eigen(NamedTuple):
@@ -60,12 +74,34 @@ def eigen(matrix: NDArray[Any]) -> Eigen | None:
         return None
 
 
-@np.errstate(over="ignore", invalid="ignore")  # what overflows is then not finite
 def eigenvalue_discs(matrix: NDArray[Any], error: float, known: Eigen | None = None) -> Discs | None:
-    """Return discs for the eigenvalues of all matrices within ``error`` of ``matrix``; None where eigenvectors fail.
+    """Return discs for the eigenvalues of all matrices within ``error`` of ``matrix``.
 
-    Eigenvalues that are ``known`` are not computed again.
+    Eigenvalues that are ``known`` are not computed again.  None where the matrix or the error is not finite, and where
+    eigenvectors fail of a matrix of more than 100 rows.
     """
+    discs = _discs_of_vectors(matrix, error, known)
+    if discs is not None and not is_coarse(discs.radii, discs.clusters, float(np.abs(discs.values).max())):
+        return discs
+    triangular = _discs_of_triangle(matrix, error)
+    if discs is None or (triangular is not None and triangular.radii.max() < discs.radii.max()):
+        return triangular
+    return discs
+
+
+def is_coarse(radii: Floats, clusters: Sequence[NDArray[np.intp]], size: float) -> bool:
+    """Return whether discs touch that are large beside the largest eigenvalue, so that another bound may be less."""
+    return len(clusters) < len(radii) and bool(radii.max() > _COARSE * size)
+
+
+def diagonalised_discs(matrix: NDArray[Any], error: float) -> Discs | None:
+    """Return discs with eigenvectors; None where these cannot be computed accurately enough."""
+    return _discs_of_vectors(matrix, error, None)
+
+
+@np.errstate(over="ignore", invalid="ignore")  # what overflows is then not finite
+def _discs_of_vectors(matrix: NDArray[Any], error: float, known: Eigen | None) -> Discs | None:
+    """Return Gershgorin's discs in the coordinates of the eigenvectors."""
     n = len(matrix)
     found = (known or eigen(matrix)) if np.isfinite(error) else None
     if found is None:
@@ -95,6 +131,95 @@ def eigenvalue_discs(matrix: NDArray[Any], error: float, known: Eigen | None = N
     )
 
 
+def _discs_of_triangle(matrix: NDArray[Any], error: float) -> Discs | None:
+    """Return discs from the complex Schur form, of at most 100 rows."""
+    from scipy.linalg import schur
+
+    n = len(matrix)
+    if n > _MOST_TRIANGULAR or not np.isfinite(error) or not np.isfinite(matrix).all():
+        return None
+    try:
+        triangle = schur(matrix, output="complex", check_finite=False)[0]
+    except np.linalg.LinAlgError:
+        return None
+    total = error + 4.0 * n * EPS * spectral_norm(matrix)
+    values = np.diag(triangle).copy()
+    gaps = np.abs(values[:, None] - values[None, :])
+    radii = triangular_radii(gaps, np.abs(np.triu(triangle, 1)), total)
+    nothing = np.zeros((0, 0), dtype=np.complex128)
+    return Discs(values, radii, touching(gaps, radii), nothing, nothing, total, matrix, 0.0)
+
+
+def triangular_radii(gaps: Floats, upper: Floats, error: float) -> Floats:
+    """Return radii (n,) of discs about the eigenvalues z_i of a triangular T that hold those of all T + E, |E| < error.
+
+    Where abs(z - z_j) >= d_j for all j, abs((z - T)^-1) <= C^-1 entry by entry, C = diag(d) - abs(N) the comparison
+    matrix of T = diag(z_j) + N, and z is no eigenvalue of T + E where the norm of C^-1 is below 1 / error.  About a
+    cluster, on the boundary of discs of radius d, d_j = d for its members and the distance of z_j from the cluster less
+    d for the others: where no z there is an eigenvalue of any T + t E, the discs keep as many as they have centres.
+    A cluster takes in whatever eigenvalue is too close for such a d.
+    Higham, Accuracy and Stability of Numerical Algorithms, 2nd ed. (2002), Theorem 8.12; a Jordan block of order p has
+    d of the order error^(1/p), as Henrici, Numer. Math. 4 (1962) 24, doi:10.1007/BF01386294, has it.
+
+    Parameters
+    ----------
+    gaps : ndarray (n, n)
+        abs(z_i - z_j).
+    upper : ndarray (n, n)
+        abs(N), strictly upper triangular.
+    error : float
+        Bound of the norm of E, the rounding of T included; greater than zero.
+    """
+    n = len(gaps)
+    radii = np.empty(n)
+    done = np.zeros(n, dtype=np.bool_)
+    for i in range(n):
+        members = np.arange(n) == i
+        while not done[i]:
+            away = gaps[members].min(axis=0)
+            room = 0.5 * float(away[~members].min(initial=math.inf))
+            radius = _least_radius(members, away, upper, error, room)
+            if radius is None and not members.all():
+                members |= away <= 2.0 * room
+                continue
+            radius = math.inf if radius is None else radius  # of a T that overflows
+            radii[members] = np.where(done[members], np.minimum(radii[members], radius), radius)
+            done |= members
+    return radii
+
+
+def _least_radius(members: Bools, away: Floats, upper: Floats, error: float, room: float) -> float | None:
+    """Return about the least d of discs about a cluster, at most ``room``; None where that does not do."""
+    from scipy.linalg import solve_triangular
+
+    ones = np.ones(len(away))
+
+    @np.errstate(over="ignore", invalid="ignore")  # a d too small
+    def holds(radius: float) -> bool:
+        comparison = np.diag(np.where(members, radius, away - radius)) - upper
+        rows, columns = (
+            float(solve_triangular(comparison, ones, trans=turned, check_finite=False).max()) for turned in (0, 1)
+        )
+        return bool(rows * columns * (1.01 * error) ** 2 < 1.0)  # bounds the 2-norm; the rest is rounding
+
+    low, high = error, min(room, 4.0 * (error + float(upper.sum()) + float(away[members].max())))
+    if not low < high or not holds(high):
+        return None
+    for _ in range(_HALVINGS):
+        middle = math.sqrt(low * high)
+        low, high = (low, middle) if holds(middle) else (middle, high)
+    return high
+
+
+def reaches(distances: Floats, radii: Floats, clusters: tuple[NDArray[np.intp], ...]) -> Floats:
+    """Return how far from each centre the eigenvalue it stands for may be: anywhere in the discs of its cluster."""
+    found = radii.copy()
+    for cluster in clusters:
+        if len(cluster) > 1:
+            found[cluster] = (distances[np.ix_(cluster, cluster)] + radii[cluster][None, :]).max(axis=1)
+    return found
+
+
 def spectral_norm(matrix: NDArray[Any]) -> float:
     """Return the 2-norm as numpy's ``norm`` does, which spends as long on checks; of 24 rows and more a bound of it.
 
@@ -112,6 +237,13 @@ def spectral_norm(matrix: NDArray[Any]) -> float:
         power = power @ power
         return 1.001 * scale * math.sqrt(math.sqrt(math.sqrt(np.linalg.norm(power @ power))))  # n^(1/16) times the norm
     return float(np.linalg.svd(matrix, compute_uv=False)[0])
+
+
+def symmetric_bounds(matrix: Floats) -> tuple[float, float]:
+    """Return a lower and an upper bound of the eigenvalues of a symmetric matrix."""
+    values = np.linalg.eigvalsh(matrix)
+    slack = 8.0 * EPS * len(values) * float(np.abs(values).max())
+    return float(values[0]) - slack, float(values[-1]) + slack
 
 
 def _inverse(values: NDArray[Any], vectors: NDArray[Any]) -> NDArray[Any]:
@@ -182,7 +314,9 @@ class Signs:
     around: Form | None = None  # spans all vectors that belong to a cluster, where those of ``discs`` are half of them
 
     def __call__(self, cluster: NDArray[np.intp]) -> int:
-        """Return the sign on a cluster."""
+        """Return the sign on a cluster; 0 without eigenvectors."""
+        if not self.discs.right.size:
+            return 0
         if len(cluster) == 1:
             return int(self._singles[cluster[0]])
         columns, angle = basis_of(self.discs, cluster), subspace_error(self.discs, cluster)
@@ -217,7 +351,12 @@ class Signs:
 
 @np.errstate(over="ignore", invalid="ignore")  # what overflows has an error that is not finite
 def discriminant(discs: Discs, cluster: NDArray[np.intp]) -> tuple[float, float]:
-    """Return ((z1 - z2) / 2)^2 of a real matrix's cluster of two, and its error, far smaller than that of z1 and z2."""
+    """Return ((z1 - z2) / 2)^2 of a real matrix's cluster of two, and its error, far smaller than that of z1 and z2.
+
+    The error is infinite without eigenvectors.
+    """
+    if not discs.right.size:
+        return 0.0, math.inf
     basis = basis_of(discs, cluster)
     block = basis.conj().T @ discs.matrix @ basis
     columns, rows = (np.linalg.qr(part)[1] for part in (discs.right[:, cluster], discs.left[cluster].conj().T))

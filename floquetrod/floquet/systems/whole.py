@@ -13,6 +13,7 @@ from floquetrod.equations.pieces import PieceArrays
 from floquetrod.floquet.kernels.system_maps import SegmentMaps, product, segment_maps
 
 _FEW_ROUNDS, _MANY_ROUNDS = 4, 10  # of balancing rows and columns: for an estimate of the time, and for maps (a choice)
+_LESS, _MOST_HALVINGS = 20, 500  # couplings of blocks are halved 20 times beside the largest rate; in all (a choice)
 _FAST = 9.0  # logarithm of the norm of a map above which it matters how errors grow (a choice)
 
 
@@ -36,11 +37,56 @@ def is_oscillators(mean: Floats, harmonics: Complexes) -> bool:
 def seconds_needed(pieces: PieceArrays) -> Floats:
     """Return about how long the map of each system takes (b,), in seconds: measured on one core of 2024."""
     n, sizes = pieces.mean.shape[-1], pieces.sizes
+    levels = _levels(sizes.max(axis=1))
+    if levels is not None:
+        sizes = sizes * levels[:, None, None, :] / levels[:, None, :, None]
     scaling = _balance(sizes.max(axis=1), _FEW_ROUNDS)
     with np.errstate(over="ignore", invalid="ignore"):
         sizes = sizes * scaling[:, None, None, :] / scaling[:, None, :, None]
         sums = np.minimum(sizes.sum(axis=-1).max(axis=-1), sizes.sum(axis=-2).max(axis=-1))
         return np.asarray((pieces.length * sums).sum(axis=-1) * (1e-5 + 1e-6 * n * n))
+
+
+def _levels(sizes: Floats) -> Floats | None:
+    """Return scales (b, N) of x in which what drives others without being driven by them hardly does; None without any.
+
+    Where A, of magnitudes (b, N, N), is block triangular after a permutation, the diagonal blocks alone have the
+    multipliers, and each level of blocks may be scaled by itself: couplings become a millionth of the largest rate, as
+    far as the range of doubles allows.  Looked for where a row or a column of an A has nothing but its diagonal entry.
+    """
+    n = sizes.shape[-1]
+    inner = sizes * (1.0 - np.eye(n))
+    rows, columns = inner.any(axis=-1), inner.any(axis=-2)
+    one_sided = (rows != columns).any(axis=-1)
+    if not one_sided.any():
+        return None
+    levels = np.ones(sizes.shape[:-1])
+    for b in np.flatnonzero(one_sided):
+        depth, label = _depths(inner[b])
+        across = label[:, None] != label[None, :]
+        rate = float(sizes[b][~across].max())
+        largest = float(sizes[b][across].max())
+        halvings = math.log2(largest / rate) + _LESS if rate > 0.0 else _LESS
+        levels[b] = np.exp2(-depth * np.floor(min(max(halvings, 0.0), _MOST_HALVINGS / depth.max())))
+    return levels
+
+
+def _depths(couplings: Floats) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+    """Return how many blocks each unknown drives one after another at most, and the number of its block, (N,) each."""
+    from scipy.sparse.csgraph import connected_components
+
+    count, label = connected_components(couplings, directed=True, connection="strong")
+    driven = np.zeros((count, count), dtype=np.bool_)
+    i, j = np.nonzero(couplings)
+    driven[label[i], label[j]] = True  # block of j drives that of i
+    np.fill_diagonal(driven, False)
+    depth = np.zeros(count, dtype=np.intp)
+    for _ in range(count):
+        deeper = np.where(driven, depth[:, None] + 1, 0).max(axis=0, initial=0)
+        if np.array_equal(deeper, depth):
+            break
+        depth = deeper
+    return depth[label], label
 
 
 def _balance(sizes: Floats, rounds: int) -> Floats:
@@ -84,7 +130,7 @@ def _in_segments(
         scaling = _paired_scaling(pieces.sizes.max(axis=1))
         found = _maps(pieces.scaled(scaling), rtol, segments, workers)
     else:
-        found = balanced_maps(pieces, rtol, segments, workers)
+        found = balanced_maps(pieces, rtol, segments, workers, exact=not uncertainty.any())
         scaling, found = found.scaling, found._replace(scaling=np.ones(found.scaling.shape))
     matrix, error, inner = product(found)
     lengths = np.repeat(pieces.length / segments, segments, axis=1)
@@ -104,8 +150,17 @@ def _carried(maps: Floats, lengths: Floats) -> Floats:
     return np.asarray((after * lengths * np.maximum(norms(maps), 1.0) ** 2 * before).sum(axis=1))
 
 
-def balanced_maps(pieces: PieceArrays, rtol: float, segments: int = 1, workers: int | None = 1) -> SegmentMaps:
-    """Return the maps over all pieces, each in so many equal segments, of x / scaling: rows and columns balanced."""
+def balanced_maps(
+    pieces: PieceArrays, rtol: float, segments: int = 1, workers: int | None = 1, *, exact: bool = False
+) -> SegmentMaps:
+    """Return the maps over all pieces, each in so many equal segments, of x / scaling: rows and columns balanced.
+
+    Where the coefficients are ``exact``, blocks that are only driven are scaled by themselves.
+    """
+    levels = _levels(pieces.sizes.max(axis=1)) if exact else None
+    if levels is not None:
+        found = balanced_maps(pieces.scaled(levels), rtol, segments, workers)
+        return found._replace(scaling=found.scaling * levels)
     if pieces.mean.shape[1] > 1:
         scaling = np.exp2(np.round(np.log2(_balance(pieces.sizes.max(axis=1), _MANY_ROUNDS)))).astype(float)
         return _maps(pieces.scaled(scaling), rtol, segments, workers)._replace(scaling=scaling)
