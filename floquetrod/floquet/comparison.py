@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import time
 from dataclasses import dataclass, field
 from itertools import combinations
@@ -13,7 +14,7 @@ from floquetrod.equations import Equation
 from floquetrod.floquet.dispatch import run
 from floquetrod.floquet.problems import Problem, require_problem
 from floquetrod.floquet.references import united
-from floquetrod.floquet.registry import METHODS, applicable
+from floquetrod.floquet.registry import METHODS, applicable, is_approximation
 from floquetrod.floquet.systems.result import SystemStability
 from floquetrod.floquet.verdict import Stability
 
@@ -42,19 +43,26 @@ class Comparison(Reported, NoTruthValue):
     def disagreements(self) -> tuple[tuple[str, str, str], ...]:
         """Pairs of methods that contradict each other, with the notes that may explain it.
 
-        Two methods contradict each other when both decide and decide differently; an undecided one never does.
+        Two methods contradict each other when both decide and decide differently, and when the growth of the fastest
+        solution differs by more than their stated errors.  Approximations never do: see ``approximations``.
         """
         found = []
-        for one, other in combinations(self.results, 2):
-            if {one.status, other.status} == {"stable", "unstable"}:
+        judged = [result for result in self.results if not is_approximation(self.equation, result.method)]
+        for one, other in combinations(judged, 2):
+            if _contradict(one, other):
                 notes = "; ".join(f"{r.method}: {r.note}" for r in (one, other) if r.note)
                 found.append((one.method, other.method, notes or "no reason known: one of them is wrong"))
         return tuple(found)
 
     @property
     def agree(self) -> bool:
-        """Whether no two methods contradict each other."""
+        """Whether no two methods contradict each other, within their stated errors."""
         return not self.disagreements
+
+    @property
+    def approximations(self) -> tuple[str, ...]:
+        """Methods that solve an equation near this one, as their notes say, and whose verdict is that of its own."""
+        return tuple(result.method for result in self.results if is_approximation(self.equation, result.method))
 
     @property
     def left_out(self) -> tuple[tuple[str, str], ...]:
@@ -89,15 +97,38 @@ class Comparison(Reported, NoTruthValue):
 
     def _agreement(self) -> list[str]:
         if self.agree:
-            undecided = [r.method for r in self.results if r.status == "undecided"]
-            return ["all methods agree" + (f"; undecided: {', '.join(undecided)}" if undecided else "")]
+            return [self._agreed()]
         return [f"{one} and {other} disagree ({notes})" for one, other, notes in self.disagreements]
+
+    def _agreed(self) -> str:
+        """Return which methods agree, and which decide nothing, or say otherwise as approximations."""
+        undecided = [r.method for r in self.results if r.status == "undecided"]
+        deciding = [r for r in self.results if r.status != "undecided" and r.method not in self.approximations]
+        verdicts = {r.status for r in deciding}
+        others = [
+            r.method
+            for r in self.results
+            if r.method in self.approximations and r.status != "undecided" and verdicts and r.status not in verdicts
+        ]
+        vague = [r.method for r in deciding if any(e != e for e in r.exponents)]
+        agreeing = [r.method for r in self.results if r.method not in (*undecided, *others)]
+        everything = not (undecided or others) or not agreeing
+        text = "all methods agree" if everything else f"{', '.join(agreeing)} agree"
+        text = "no method decides" if not agreeing else text
+        for what, names in (
+            ("undecided", undecided),
+            ("approximations that say otherwise", others),
+            ("not all multipliers known", vague),
+        ):
+            text += f"; {what}: {', '.join(names)}" if names else ""
+        return text
 
     def as_dict(self) -> dict[str, Any]:
         """Return the results as numbers for JSON, with the seconds that each took."""
         return {
             "agree": self.agree,
             "disagreements": list(self.disagreements),
+            "approximations": list(self.approximations),
             "methods": [
                 {**result.as_dict(), "seconds": seconds}
                 for result, seconds in zip(self.results, self.seconds, strict=True)
@@ -108,6 +139,26 @@ class Comparison(Reported, NoTruthValue):
         """Return the table."""
         report = self.report()
         return f"{report.headline}\n{report.table}"
+
+
+def _contradict(one: Stability | SystemStability, other: Stability | SystemStability) -> bool:
+    """Return whether both decide and decide differently, or know growths that differ by more than their errors."""
+    if {one.status, other.status} == {"stable", "unstable"}:
+        return True
+    (low, high), (least, most) = _growth_band(one), _growth_band(other)
+    return low > most or least > high
+
+
+def _growth_band(result: Stability | SystemStability) -> tuple[float, float]:
+    """Return what the real part of the largest exponent lies between, as a method states it."""
+    known = [
+        (exponent.real, error)
+        for exponent, error in zip(result.exponents, result.exponent_errors, strict=True)
+        if exponent == exponent
+    ]
+    low = max((real - error for real, error in known), default=-math.inf)
+    high = max((real + error for real, error in known), default=math.inf)
+    return low, max(high, result.unknown_below) if isinstance(result, SystemStability) else high
 
 
 def compare(equation: Problem) -> Comparison:

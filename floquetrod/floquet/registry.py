@@ -48,18 +48,32 @@ def _even(system: HillSystem | PeriodicSystem) -> str | None:
     )
 
 
+def _never(_: Any) -> bool:
+    return False
+
+
+def _always(_: Any) -> bool:
+    return True
+
+
+def _is_sine(equation: Equation) -> bool:
+    return isinstance(equation, Mathieu)
+
+
 class Method(NamedTuple):
     """A method: the function of its name in the file of `floquetrod.floquet.methods` named after it.
 
     That for systems is in a file of its own, ``system_`` before the name, and that for systems with delays, ``delay_``.
     What is served of each kind: a callable that returns None of a problem served, else the sentence that says what the
-    method needs; None in place of it where nothing of that kind is.
+    method needs; None in place of it where nothing of that kind is.  ``approximates``: whether the stated error leaves
+    out how far the method's own equation is from the problem.
     """
 
     name: str
     equations: Served | None = None
     systems: Served | None = None
     delays: Served | None = None
+    approximates: Callable[[Any], bool] = _never
 
     def serves(self, problem: Problem) -> Served | None:
         """Return what tells whether it serves a problem of this kind; None where it serves none of the kind."""
@@ -81,8 +95,8 @@ METHODS = (
     Method("half_period", systems=_even),
     Method("monodromy", _any, _any),
     Method("segmented", systems=_any),
-    Method("square_wave", _two_levels),
-    Method("leapfrog", _any),
+    Method("square_wave", _two_levels, approximates=_is_sine),
+    Method("leapfrog", _any, approximates=_always),
     Method("reference", _any, _any),
     Method("collocation", delays=_any),
     Method("semi_discretisation", delays=_any),
@@ -109,6 +123,11 @@ def applicable(problem: Problem) -> tuple[Method, ...]:
 def refusal(problem: Problem, method: str) -> str | None:
     """Return None where the method of this name serves a problem, else the sentence why not."""
     return _BY_NAME[method].refusal(problem)
+
+
+def is_approximation(problem: Problem, method: str) -> bool:
+    """Return whether the method of this name solves an equation near the problem, and its errors are those of that."""
+    return _BY_NAME[method].approximates(problem)
 
 
 def require(equation: Any, method: str) -> None:

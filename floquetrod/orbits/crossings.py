@@ -83,7 +83,7 @@ def doubt(found: Multipliers, test: Test) -> float:
 
 def _factors(found: Multipliers, test: str) -> tuple[Complexes, Floats]:
     """Return the numbers that a test function compares with 1, and their errors."""
-    values, errors = found
+    values, errors = np.where(np.isinf(found.errors), 0.0, found.values), found.errors  # beside the largest ones
     if test == "plus":
         return values, errors
     if test == "minus":

@@ -508,9 +508,11 @@ class _WithModes(NamedTuple):
         slower = slice(len(whole.exponents) // (2 if undamped_pairs(system) else 1))
         rates = np.array([exponent.real for exponent in whole.exponents[slower]])
         errors = np.array(whole.exponent_errors[slower])
-        if not rates.size:
+        known = np.isfinite(errors)
+        if not known.any():
             return cls(modes, system, whole, -math.inf, math.inf)
-        return cls(modes, system, whole, float((rates - errors).max()), float((rates + errors).max()), fastest, part)
+        most = float((rates + errors)[known].max()) if known.all() else math.inf
+        return cls(modes, system, whole, float((rates - errors)[known].max()), most, fastest, part)
 
     def with_fewer(self, modes: CoupledEquations) -> _WithModes | None:
         """Return what fewer modes do, from what is known of these; None where that is not possible.
