@@ -158,6 +158,7 @@ def interval(name: str, value: Any, element: Callable[[str, Any], float] = finit
 
 def sequence(name: str, values: Any, example: str = "(0.5, 0.1)") -> list[Any]:
     """Return a one-dimensional sequence as a list of no more than `MOST_NUMBERS`."""
+    require_dense(name, values)
     if isinstance(values, str | bytes | Mapping | Set) or is_masked(values) or not iterable(values):
         raise wrong_type(name, f"must be a sequence of numbers such as {example}, got {short(values)}")
     return listed(name, values, MOST_NUMBERS, "numbers")
@@ -166,6 +167,13 @@ def sequence(name: str, values: Any, example: str = "(0.5, 0.1)") -> list[Any]:
 def is_masked(value: Any) -> bool:
     """Return whether ``value`` is a masked array, of which there are none until their part of numpy is imported."""
     return "numpy.ma" in sys.modules and isinstance(value, np.ma.MaskedArray)
+
+
+def require_dense(name: str, value: Any) -> None:
+    """Raise TypeError for a sparse matrix, of which there are none until scipy.sparse is imported."""
+    sparse = sys.modules.get("scipy.sparse")
+    if sparse is not None and sparse.issparse(value):
+        raise wrong_type(name, f"must be a dense array, got a sparse one of shape {value.shape}; give {name}.toarray()")
 
 
 def iterable(values: Any) -> bool:
@@ -329,6 +337,7 @@ def _counted(name: str, values: Any, known: dict[int, int], depth: int = 0) -> i
 
     A list met again, of which ``known`` has the number, is not gone through again: nested lists may share their parts.
     """
+    require_dense(name, values)
     if is_masked(values):
         raise wrong_type(
             name,

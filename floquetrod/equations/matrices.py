@@ -200,6 +200,8 @@ def by_harmonic(name: str, values: Any, order: int, like: str) -> tuple[Matrix, 
         listed = list(values[: MOST_HARMONICS + 1])
     else:
         listed = validate.sequence(name, values, "[matrix]")
+    for k, value in enumerate(listed):
+        validate.require_dense(f"{name}[{k}]", value)
     if len(listed) > MOST_HARMONICS:
         raise ValueError(f"{name} must hold at most {MOST_HARMONICS} harmonics, got more")
     stacked = _stacked(listed, order)

@@ -76,7 +76,7 @@ class DiscreteRod:
 
     def __post_init__(self) -> None:
         """Check and clean the parameters."""
-        rod, segments = self.rod, validate.integer("segments", self.segments, 8)
+        rod, fewest = self.rod, 8
         ratio = validate.finite("poisson_ratio", self.poisson_ratio)
         if not -1.0 < ratio <= 0.5:
             raise validate.wrong_value(
@@ -101,6 +101,13 @@ class DiscreteRod:
                 f"{rod.critical_mode:.6g} are {least:,}, and at most {min(most, MOST_SEGMENTS):,} are possible; "
                 "check the units",
             )
+        if fewest > most:
+            raise validate.wrong_value(
+                "rod",
+                f"cannot be simulated: of {fewest} segments each would be shorter than its radius {rod.radius:g} m, as "
+                f"it is {rod.length:g} m long; check the units",
+            )
+        segments = validate.integer("segments", self.segments, fewest)
         if segments < least:
             raise validate.wrong_value(
                 "segments",

@@ -326,7 +326,7 @@ class SimulationProblem:
         growing = self._growing
         likely = max(half_waves(self.rod, self.load, self.tool), self.perturbation.highest_mode, _LEAST_HALF_WAVES)
         wanted = max(_SEGMENTS_IN_HALF_WAVE * likely, _SEGMENTS_OF_FASTEST * growing.fastest, growing.least_segments)
-        return math.ceil(min(wanted, self.rod.length / self.rod.radius, MOST_SEGMENTS))
+        return min(math.ceil(min(wanted, MOST_SEGMENTS)), math.floor(min(self.rod.length / self.rod.radius, 1e18)))
 
     @cached_property
     def _growing(self) -> GrowingWaves:

@@ -30,6 +30,7 @@ from floquetrod.floquet.systems.whole import PeriodMaps
 _ACCURACY = 1e-12
 _MOST_DIGITS = 60  # for a system that is open: the square of a double's last digit and as much again (a choice)
 _SMALL = 1e-8  # of the largest multiplier, below which errors are computed (a choice: half the digits of a double)
+_VAGUE = 0.5  # of max(1, abs(y)): error of y above which its multipliers are not known (a choice)
 _AT_ONCE = 1 << 14  # numbers of maps that a thread holds at a time (heuristic): some milliseconds of work
 _REPORTS = 50  # of progress while the quick rules are at work (a choice)
 
@@ -192,16 +193,29 @@ class _EvenBatch(_Batch):
     def multipliers(self, part: slice) -> Complexes:
         systems = self._part(part)
         if systems.are_simple:
-            y = 0.25 * (pair_numbers(*systems[:3], _ACCURACY)[0] - 2.0)
-            if not np.isfinite(y).all():
-                lost = np.logical_not(np.isfinite(y).all(axis=1))
+            x, errors, _ = pair_numbers(*systems[:3], _ACCURACY)
+            y = np.asarray(0.25 * (x - 2.0))
+            y[0.25 * errors > _VAGUE * np.maximum(1.0, np.abs(y))] = np.nan
+            if not np.isfinite(x).all():
+                lost = np.logical_not(np.isfinite(x).all(axis=1))
                 left = _EvenPart(*(array[lost] for array in systems))
-                y[lost] = _eigenvalues(even.pair_matrices(*left, _ACCURACY).matrix)
+                y[lost] = self._pairs(left)
         else:
-            y = _eigenvalues(even.pair_matrices(*systems, _ACCURACY).matrix)
+            y = self._pairs(systems)
             y[np.isinf(systems.uncertainty)] = np.nan
         logs = logarithms(y)
         return np.asarray(np.exp(np.concatenate([logs, -logs], axis=1)))
+
+    def _pairs(self, systems: _EvenPart) -> Complexes:
+        """Return the numbers y of the pairs; NaN where they are lost in the rounding of the largest."""
+        found = even.pair_matrices(*systems, _ACCURACY)
+        y = _eigenvalues(found.matrix)
+        doubtful = np.flatnonzero(np.abs(found.matrix).max(axis=(1, 2)) > 1.0 / _SMALL)
+        if doubtful.size:
+            discs = many.many_discs(found.matrix[doubtful], found.error[doubtful])
+            lost = discs.radii > _VAGUE * np.maximum(1.0, np.abs(discs.values))
+            y[doubtful] = np.where(lost, np.nan, discs.values)
+        return y
 
     def verdicts(self, part: slice) -> ManyVerdicts:
         systems = self._part(part)
@@ -254,14 +268,11 @@ class _FirstOrderBatch(_Batch):
 
 def _forget_lost(values: Complexes, maps: PeriodMaps) -> None:
     """Make multipliers NaN that cannot be distinguished from 0 beside the largest one."""
-    sizes = np.abs(values)
-    doubtful = np.flatnonzero(sizes.min(axis=1) < _SMALL * sizes.max(axis=1))
-    if not doubtful.size:
-        return
-    discs = many.many_discs(maps.matrix[doubtful], maps.error[doubtful])
-    lost = many.touch_zero(discs)
-    # in the order in which `many_discs` has them, which is that of the same eigenvalues
-    values[doubtful] = np.where(lost, np.nan, discs.values)
+    largest = np.abs(maps.matrix).max(axis=(1, 2))
+    doubtful = np.flatnonzero(np.abs(values).min(axis=1) < _SMALL * largest)
+    if doubtful.size:
+        discs = many.many_discs(maps.matrix[doubtful], maps.error[doubtful])
+        values[doubtful] = np.where(many.touch_zero(discs), np.nan, discs.values)
 
 
 def _eigenvalues(matrices: Floats) -> Complexes:

@@ -21,14 +21,16 @@ from floquetrod.floquet.proof.balls import Array, Doubles, up
 from floquetrod.floquet.proof.digits import balls, settled
 from floquetrod.floquet.proof.intervals import TooMuchWork, Unresolved
 from floquetrod.floquet.proof.krein import krein_sums
+from floquetrod.floquet.proof.matrices_alone import expanding, norm_kept, overdamped, turning
 from floquetrod.floquet.proof.result import Enclosure, Proof
 from floquetrod.floquet.proof.system_counts import Counts, angles_between, count
 from floquetrod.floquet.proof.system_discs import EigenvalueDiscs, enclose_eigenvalues
 from floquetrod.floquet.proof.system_flow import monodromy
 from floquetrod.floquet.proof.system_numbers import system_problem
-from floquetrod.floquet.proof.system_problem import Arithmetic, FirstOrder, Flow, Matrix, SystemProblem
+from floquetrod.floquet.proof.system_problem import Arithmetic, FirstOrder, Flow, Matrix, SystemProblem, row_sum
 from floquetrod.floquet.verdict import Status
 
+_MOST_SQUARES, _LARGEST_NORM = 12, 1e100  # of a map, and norm of a power, with which squaring stops (choices)
 _MOST_DIGITS_OF_INEXACT = 30  # more do not help where the coefficients are known to about 15
 
 
@@ -42,6 +44,9 @@ class _Finding(NamedTuple):
 
 def certify_system(system: HillSystem | PeriodicSystem, max_digits: int) -> Proof:
     """Prove a system stable or unstable."""
+    kept = norm_kept(system)
+    if kept is not None and system.structure == "unitary":
+        return Proof(system, "stable", None, 0, kept)
     problem = system_problem(system)
     if problem.error:
         max_digits = min(max_digits, _MOST_DIGITS_OF_INEXACT)
@@ -51,6 +56,9 @@ def certify_system(system: HillSystem | PeriodicSystem, max_digits: int) -> Proo
         return Proof(system, finding.status, None, digits, finding.statement, finding.enclosures)
 
     def undecided(digits: int, reason: str) -> Proof:
+        bounded, grows = kept or overdamped(system) or turning(system), expanding(system)
+        if bounded or grows:
+            return Proof(system, "stable" if bounded else "unstable", None, 0, bounded or grows or "")
         if problem.error:
             reason += f"; the coefficients are known only to {problem.error:.2g}"
         return Proof(system, "undecided", None, digits, reason)
@@ -95,9 +103,15 @@ def _attempt(arithmetic: Arithmetic, problem: SystemProblem) -> _Finding:
     multipliers = np.exp(2j * np.pi * np.linspace(0.0, 0.5, 17))  # where the map does not tell them
     try:
         enclosed = _enclosed_map(arithmetic, problem.flow(arithmetic))
-        discs = enclose_eigenvalues(arithmetic, enclosed.matrix)
-        multipliers = discs.centres
-        finding = _of_map(arithmetic, problem, enclosed, discs)
+        try:
+            discs = enclose_eigenvalues(arithmetic, enclosed.matrix)
+            multipliers = discs.centres
+            finding = _of_map(arithmetic, problem, enclosed, discs)
+        except Unresolved:
+            by_powers = _by_powers(enclosed.matrix)
+            if by_powers is None:
+                raise
+            finding = by_powers
     except (Unresolved, TooMuchWork):
         counted = _by_count_between(arithmetic, problem, multipliers)
         if counted is None:
@@ -165,6 +179,44 @@ def _by_discs(discs: EigenvalueDiscs, *, paired: bool) -> _Finding:
         raise Unresolved(f"a multiplier {where} cannot be distinguished from the unit circle")
     krein = ", nor do counts show their Krein signs to agree" if paired else ""
     raise Unresolved(f"{len(part)} multipliers {where} cannot be distinguished{krein},")
+
+
+def _by_powers(matrix: Matrix) -> _Finding | None:
+    """Conclude from powers of a map whose multipliers cannot be distinguished, None where nothing follows.
+
+    Where a norm of a power is below 1 all multipliers are inside the circle, and where none is outside it no trace of
+    n rows exceeds n.
+    """
+    n = matrix.shape[0]
+    power = matrix
+    for exponent in range(_MOST_SQUARES):
+        norm = row_sum(power)
+        if norm < 1.0:
+            statement = (
+                f"the largest row sum of the {_ordinal(2**exponent)} power of the map is below 1, so every multiplier "
+                "lies inside the unit circle and every solution decays"
+            )
+            return _Finding("stable", statement, (_enclose("largest row sum", 0.0, norm),))
+        trace = power[0, 0]
+        for i in range(1, n):
+            trace = trace + power[i, i]
+        least, most = float(trace.lower()), float(trace.upper())
+        if least > n:
+            statement = (
+                f"the trace of the {_ordinal(2**exponent)} power of the map exceeds {n}, so a multiplier lies outside "
+                "the unit circle, and a solution grows"
+            )
+            return _Finding("unstable", statement, (_enclose("abs(trace)", least, most),))
+        if not norm < _LARGEST_NORM:
+            break
+        power = power @ power
+    return None
+
+
+def _ordinal(number: int) -> str:
+    """Return, say, "4th"."""
+    endings = {1: "st", 2: "nd", 3: "rd"}
+    return f"{number}{'th' if number % 100 // 10 == 1 else endings.get(number % 10, 'th')}"
 
 
 def _by_signs(arithmetic: Arithmetic, enclosed: _Enclosed, angles: list[float], *, damped: bool) -> _Finding | None:

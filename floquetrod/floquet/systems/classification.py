@@ -407,15 +407,34 @@ def _status_of_matrices(system: System) -> Status | None:
     """Return the verdict that follows from the matrices themselves, whatever the multipliers are; None without one."""
     if _contracts(in_first_order(system)) or (isinstance(system, HillSystem) and _is_overdamped(system)):
         return "stable"
+    if _expands(system):
+        return "unstable"
     return _without_variation(system) if system.is_constant else None
+
+
+def _expands(system: System) -> bool:
+    """Return whether the mean trace of A is positive, so that the product of all multipliers exceeds 1 (Liouville)."""
+    first = in_first_order(system)
+    if first.pieces:
+        return False
+    values = np.diag(first.mean)
+    slack = len(values) * (first.coefficient_error + 4.0 * EPS * float(np.abs(values).sum()))
+    return math.fsum(values) > slack
 
 
 def _contracts(system: PeriodicSystem) -> bool:
     """Return whether (A(t) + A(t)^T) / 2 is negative definite at all times, so that abs(x) decreases."""
     return all(
-        spectra.symmetric_bounds(0.5 * (piece.mean + piece.mean.T))[1] + _swing(piece, system.coefficient_error) < 0.0
-        for piece in by_pieces.in_time(system)
+        spectra.symmetric_bounds(piece.mean)[1] + _swing(piece, system.coefficient_error) < 0.0
+        for piece in map(_symmetric, by_pieces.in_time(system))
     )
+
+
+def _symmetric(piece: TimedPiece) -> TimedPiece:
+    """Return a piece with the symmetric parts of its matrices."""
+    mean, harmonics = (0.5 * (m + np.swapaxes(m, -1, -2)) for m in (piece.mean, piece.harmonics))
+    slope = None if piece.slope is None else 0.5 * (piece.slope + piece.slope.T)
+    return piece._replace(mean=mean, harmonics=harmonics, slope=slope)
 
 
 def _is_overdamped(system: HillSystem) -> bool:
@@ -447,7 +466,10 @@ def _is_overdamped(system: HillSystem) -> bool:
 def _swing(piece: TimedPiece, error: float) -> float:
     """Return a bound of how far, in the 2-norm, the matrix of a piece is from its mean."""
     swing = len(piece.mean) * error + sum(spectra.spectral_norm(z) for z in piece.harmonics)
-    return swing if piece.slope is None else swing + float(piece.length) * spectra.spectral_norm(piece.slope)
+    if piece.slope is None:
+        return swing
+    farthest = float(max(abs(piece.begin - piece.origin), abs(piece.begin + piece.length - piece.origin)))
+    return swing + farthest * spectra.spectral_norm(piece.slope)
 
 
 def _without_variation(system: System) -> Status | None:
