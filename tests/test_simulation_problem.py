@@ -103,3 +103,15 @@ def test_a_checkpoint_of_an_older_format_is_refused_with_a_remedy(tmp_path: Path
     files.write_npz(path, {**meta, "format": "floquetrod checkpoint 2"}, arrays, compress=False)
     with pytest.raises(ValueError, match=r"its format is 'floquetrod checkpoint 2'.*; give another path, or remove it"):
         PROBLEM.run(checkpoint=path)
+
+
+@pytest.mark.filterwarnings("ignore::floquetrod.PlausibilityWarning")
+def test_default_segments_are_as_many_as_there_may_be() -> None:
+    rod, load = fr.Rod.nitinol(), fr.AxialLoad(0.0, 0.0, 10.0)
+    for radii in (8.0, 8.9, 10.5, 11.99, 30.01):
+        stub = rod.replace(length=radii * rod.radius * (1.0 + 1e-12))
+        assert fr.SimulationProblem(stub, load, duration=0.01).segments <= radii
+    with pytest.raises(
+        ValueError, match="rod cannot be simulated: of 8 segments each would be shorter than its radius"
+    ):
+        fr.SimulationProblem(rod.replace(length=7.5 * rod.radius), load, duration=0.01)

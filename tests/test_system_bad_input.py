@@ -146,3 +146,18 @@ def test_multipliers_that_would_take_too_long_are_nan() -> None:
     assert np.isnan(fr.systems.growth_rate(batch)).tolist() == [False, True]
     with pytest.warns(fr.UndecidedWarning, match="1 of 2 systems"):
         assert fr.systems.is_stable(batch).tolist() == [True, False]
+
+
+def test_sparse_matrices_are_asked_for_dense() -> None:
+    from scipy import sparse
+
+    for made in (sparse.eye(2), sparse.csr_array(np.eye(2)), sparse.eye(2).tocoo()):
+        for name, call in (
+            ("mean", lambda m: fr.PeriodicSystem(m)),
+            ("cosines", lambda m: fr.PeriodicSystem(np.eye(2), m)),
+            (r"cosines\[0\]", lambda m: fr.PeriodicSystem(np.eye(2), [m])),
+            ("stiffness", lambda m: fr.HillSystem(m)),
+            ("mass", lambda m: fr.HillSystem(np.eye(2), mass=m)),
+        ):
+            with pytest.raises(TypeError, match=rf"{name} must be a dense array.*give {name}\.toarray\(\)"):
+                call(made)

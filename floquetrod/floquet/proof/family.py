@@ -157,7 +157,9 @@ class _Subdivision:
                 self.example[proof.status] = proof
                 if len(self.example) == 2:
                     return
-        status = status_of_all(system_problem(*self.family.corners(part)), np.array([mu for mu in verdict.multipliers if mu == mu]))
+        status = status_of_all(
+            system_problem(*self.family.corners(part)), np.array([mu for mu in verdict.multipliers if mu == mu])
+        )
         if status is not None:
             self.share[status] -= negative
             return
