@@ -150,6 +150,8 @@ class SystemStability(FloquetVerdict):
             return "UNDECIDED: a multiplier is too close to the unit circle, or two multipliers are too close together"
         if self.largest_multiplier_less_1 < 0.0:
             return "STABLE: every motion decays"
+        if self.structure == "unitary":
+            return "STABLE: every motion keeps its norm"
         if self.strongly_stable:
             return "STABLE, strongly: small changes of the coefficients leave every motion bounded"
         return "STABLE: every motion stays bounded"
@@ -226,7 +228,8 @@ class SystemStability(FloquetVerdict):
     def _status_in_words(self) -> str:
         if self.system.MEANING:
             return f"{self.system.MEANING} {self.status}"
-        return "strongly stable" if self.strongly_stable and self.status == "stable" else self.status
+        strongly = self.strongly_stable and self.status == "stable" and self.structure != "unitary"
+        return "strongly stable" if strongly else self.status
 
     @property
     def _named(self) -> str:
