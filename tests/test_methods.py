@@ -248,10 +248,13 @@ def test_comparison_is_a_table() -> None:
     lines = repr(comparison).splitlines()
     assert lines[1].split()[:2] == ["method", "verdict"]
     assert "all methods agree" in lines[-1]
-    # A tongue that the 100-period test cannot see is reported as a disagreement, with the reason.
+    # A tongue that the 100-period test cannot see: an approximation says otherwise, with the reason.
     thin = fr.compare(fr.Mathieu(0.01, -0.25))
-    assert not thin.agree
-    assert any("leapfrog" in pair for pair in thin.disagreements)
+    assert thin.agree
+    assert "leapfrog" in thin.approximations
+    told = repr(thin).splitlines()
+    assert "approximations that say otherwise: leapfrog" in told[-1]
+    assert any("leapfrog: cannot see growth below" in line for line in told)
 
 
 def test_auto_takes_no_options_and_names_are_checked() -> None:

@@ -340,7 +340,10 @@ def _verdict(
     period = float(system.period)
     damped = damping > 0.0
     if isinstance(system, PeriodicSystem) and system.keeps_norm and are_all:
-        parts, net = [part._replace(low=0.0, high=0.0, bounded=True, reason="") for part in parts], 1j * net.imag
+        parts, net = (
+            [part._replace(low=0.0, high=0.0, bounded=True, reason="") for part in parts],
+            np.asarray(1j * net.imag),
+        )
     status: Status
     strongly: bool | None
     if any(part.low > 0.0 or (are_paired and not damped and not part.bounded and not part.reason) for part in parts):
@@ -432,7 +435,7 @@ def _contracts(system: PeriodicSystem) -> bool:
 
 def _symmetric(piece: TimedPiece) -> TimedPiece:
     """Return a piece with the symmetric parts of its matrices."""
-    mean, harmonics = (0.5 * (m + np.swapaxes(m, -1, -2)) for m in (piece.mean, piece.harmonics))
+    mean, harmonics = 0.5 * (piece.mean + piece.mean.T), 0.5 * (piece.harmonics + piece.harmonics.swapaxes(-1, -2))
     slope = None if piece.slope is None else 0.5 * (piece.slope + piece.slope.T)
     return piece._replace(mean=mean, harmonics=harmonics, slope=slope)
 
