@@ -121,8 +121,9 @@ def stability(
         return found
     if options:
         raise TypeError(f"method='auto' accepts no options, got {', '.join(options)}; name a method to pass them to")
-    judged: Stability | SystemStability = judge(equation)
-    return judged if isinstance(equation, Equation | DelaySystem) else _resolved(equation, judged)
+    judged = judge(equation)
+    told: Stability | SystemStability = judged
+    return told if isinstance(equation, Equation | DelaySystem) else _resolved(equation, judged)
 
 
 def under_noise(problem: Problem, noise: Any, interpretation: str) -> Problem:

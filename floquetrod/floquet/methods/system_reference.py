@@ -105,8 +105,8 @@ def reference(
             )
         if found.status == "undecided":
             found = replace(found, note=f"{found.note}, computed to {digits} digits")
-        fewer = result is not None and _known(found) < _known(result)
-        result = result if fewer and found.status == "undecided" else found
+        if result is None or found.status != "undecided" or _known(found) >= _known(result):
+            result = found
         settled = result.status != "undecided" and result.error < _SETTLED
         if settled or not numerical or 2 * digits > most_digits:
             return result

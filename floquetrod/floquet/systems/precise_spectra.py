@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from floquetrod._util.arrays import Floats
-from floquetrod.floquet.systems.spectra import Discs, is_coarse, reaches, touching, triangular_radii
+from floquetrod.floquet.systems.spectra import Discs, is_coarse, touching, triangular_radii
 from floquetrod.floquet.systems.symplectic import PairMatrix
 
 
@@ -23,11 +23,6 @@ class PreciseDiscs(NamedTuple):
     left: NDArray[Any]
     error: float  # not zero
     size: float  # norm of the matrix
-
-    @property
-    def reaches(self) -> Floats:
-        """How far from each value the true eigenvalue that it stands for may be, (n,)."""
-        return reaches(_gaps(self.values), self.radii, self.clusters)
 
     def rounded(self) -> Discs:
         """Return values, radii and clusters as doubles; the vectors are left out."""
