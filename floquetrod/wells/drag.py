@@ -210,6 +210,18 @@ class Drag:
         sine = np.sin(y)
         return np.asarray(contact.wants_helix(self.pushed, self._lying(place, sine, np.cos(y)), sine))
 
+    def helix_margin(self, place: Place, y: Floats) -> Floats:
+        """Return what has the sign of `wants_helix` and is smooth between places."""
+        sine = np.sin(y)
+        return np.asarray(contact.helix_margin(self.pushed, self._lying(place, sine, np.cos(y)), sine))
+
+    def lying_across(self, place: Place, y: Floats) -> Floats:
+        """Return the contact force in N/m of strings that lie, times cos^2 y, as a vector: in the plane, and across."""
+        sine, cosine = np.sin(y), np.cos(y)
+        push = self.pipe.scale * sine
+        bent = self.pipe.weight * place.sine * cosine + push * place.kappa_n
+        return np.array([cosine * bent, cosine * push * place.kappa_b])
+
     def _lying(self, place: Place, sine: Floats, cosine: Floats) -> Floats:
         return np.asarray(contact.lying(self.pushed, place.sine, place.kappa_n, place.kappa_b, sine, cosine))
 

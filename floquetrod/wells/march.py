@@ -2,7 +2,8 @@
 
 The method is that of Dormand and Prince with its dense output of order 7 (Hairer, Norsett and Wanner, Solving Ordinary
 Differential Equations I, II.5), with SciPy's coefficients.  A step ends at a station, where friction changes, at the
-upper end, and where the string becomes a helix or ceases to be one: there its equation has another right side.
+upper end, and where the string becomes a helix or ceases to be one: there its equation has another right side.  A helix
+presses harder, so that a short one may grow until it locks the string up: within a step none is passed over.
 """
 
 from __future__ import annotations
@@ -17,7 +18,7 @@ from numpy.typing import NDArray
 from floquetrod._util.arrays import Bools, Floats
 from floquetrod._util.caching import cached_property
 from floquetrod._util.content import ByContent
-from floquetrod._util.roots import roots
+from floquetrod._util.roots import largest, roots
 from floquetrod.wells.arcs import Points
 from floquetrod.wells.drag import Drag, Effort, Place, States, Strings
 from floquetrod.wells.kernels.contact import LOCKED
@@ -27,6 +28,9 @@ Ints = NDArray[np.intp]
 _SAFETY, _SHRINKS, _GROWS = 0.9, 0.2, 10.0  # of the next step (Hairer, Norsett and Wanner)
 _AT_ONCE = 1e-12  # of a step: a string that changes its shape before does so where it is
 _MOST_STEPS = 100_000  # of a string: a few hundred are usual
+_SAMPLES = 16  # of a step that a helix may begin or end in (a choice)
+_SECTIONS = 16  # of the bracket of a largest value: to 5e-4 of it
+_TOUCHES = 1e-9  # of the terms of `helix_margin`: so little is rounding
 
 
 def up(drag: Drag, strings: Strings, depths: Floats, effort: Effort) -> States:
@@ -90,11 +94,9 @@ class _March:
         """Try a step of every string that moves, and take those that are accurate enough."""
         step = self._tried(moving)
         error = step.error(self.tolerance[moving])
-        is_passing = step.is_passing
-        is_taken = (error < 1.0) & ~is_passing
+        is_taken = error < 1.0
         factor = _SAFETY * np.maximum(error, 1e-30) ** -0.125
-        factor = np.clip(factor, _SHRINKS, np.where(is_taken, _GROWS, 1.0))
-        self.longest[moving] = step.length * np.where(is_passing, np.minimum(factor, 0.5), factor)
+        self.longest[moving] = step.length * np.clip(factor, _SHRINKS, np.where(is_taken, _GROWS, 1.0))
         if is_taken.any():
             taken = np.flatnonzero(is_taken)
             self._take(moving[taken], step if is_taken.all() else step.some(taken))
@@ -112,16 +114,17 @@ class _March:
     def _take(self, strings: Ints, step: _Step) -> None:
         """Move strings to the ends of their steps, or to where their shape changes on the way; note what is wanted."""
         first, last = np.searchsorted(self.wanted, step.end), np.searchsorted(self.wanted, step.depth, side="right")
-        end, state, is_changing = step.end.copy(), step.new, step.is_changing
-        curved = np.flatnonzero(is_changing | (last > first))
+        end, state, is_changing = step.end.copy(), step.new, np.zeros(strings.size, bool)
+        curved = np.flatnonzero(step.may_change | (last > first))
         if curved.size:
             part = step.some(curved)
             curve = part.curve()
-            change = np.flatnonzero(is_changing[curved])
+            share = part.changes(curve)
+            change = np.flatnonzero(np.isfinite(share))
             if change.size:
-                share = part.changes(curve, change)
-                end[curved[change]] -= (share - 1.0) * part.length[change]
-                state[curved[change]] = curve.at(share, change)
+                is_changing[curved[change]] = True
+                end[curved[change]] -= (share[change] - 1.0) * part.length[change]
+                state[curved[change]] = curve.at(share[change], change)
             self._note(strings[curved], part, curve, (np.searchsorted(self.wanted, end[curved]), last[curved]))
         self.depth[strings], self.state[strings] = end, state
         self.is_helix[strings[is_changing]] ^= True
@@ -207,18 +210,28 @@ class _Step(ByContent):
         under = np.sqrt(np.maximum(fifth + 0.01 * third, 1e-300))
         return np.asarray(self.length * fifth / under)
 
-    @cached_property
-    def is_changing(self) -> Bools:
-        """Whether strings that are not locked up have another shape at the end than it is taken to be."""
-        wants = self.slopes.drag.is_helix(self.slopes.place(self.end), self.new)
-        return np.asarray((wants != self.slopes.is_helix) & (self.new < LOCKED))
-
     @property
-    def is_passing(self) -> Bools:
-        """Whether strings have another shape half way, by a cubic, and their own again at the end."""
-        middle = 0.5 * (self.old + self.new) + 0.125 * self.length * (self.rises[0] - self.rises[12])
-        is_helix = self.slopes.drag.is_helix(self.slopes.place(0.5 * (self.depth + self.end)), middle)
-        return np.asarray((is_helix != self.slopes.is_helix) & (middle < LOCKED) & ~self.is_changing)
+    def may_change(self) -> Bools:
+        """Whether strings may have another shape somewhere in the step: where bounds of both sides do not exclude it.
+
+        By three places, y in the middle that of a cubic.  Between them y and the contact force of the lying string, a
+        vector across it, leave their chords by no more than their second differences, eight times what a parabola
+        does.  A lying string becomes no helix where sin^2 y is less than h lying / w, and a helix does not end where it
+        is more.
+        """
+        drag = self.slopes.drag
+        if drag.motion != "pushed":
+            return np.zeros(self.old.shape, bool)
+        bulge = 0.125 * self.length * (self.rises[0] - self.rises[12])
+        y = np.array([self.old, 0.5 * (self.old + self.new) + bulge, self.new])
+        place = self.slopes.place(np.array([self.depth, 0.5 * (self.depth + self.end), self.end]))
+        off = np.abs(y[0] - 2.0 * y[1] + y[2]) + np.abs(bulge)
+        low, high = y.min(axis=0) - off, y.max(axis=0) + off
+        least, most = _lying_between(drag.lying_across(place, y))
+        helical = drag.pushed.helical / drag.pipe.weight
+        lies_on = np.where(high > 0.0, np.sin(np.minimum(high, LOCKED)) ** 2 < helical * least, True)
+        winds_on = (low > 0.0) & (np.sin(np.clip(low, 0.0, LOCKED)) ** 2 > helical * most)
+        return np.asarray(np.where(self.slopes.is_helix, ~winds_on, ~lies_on | (high >= LOCKED)))
 
     def curve(self) -> _Curve:
         """Return the solution within the step."""
@@ -233,8 +246,48 @@ class _Step(ByContent):
         higher = [self.length * _sum(row, rises) for row in DOP853.D]
         return _Curve(self.old, np.array([change, first - change, 2.0 * change - first - last, *higher]))
 
-    def changes(self, curve: _Curve, i: Ints) -> Floats:
-        """Return the shares of the step after which some strings, whose shape changes, do so."""
+    def changes(self, curve: _Curve) -> Floats:
+        """Return the shares of the step after which the shapes of strings first change, NaN where none does.
+
+        By samples of the solution, and by the largest value between samples of what says that the shape is another:
+        a helix may begin and end between two.
+        """
+        size, every = self.old.size, np.arange(self.old.size)
+        if self.slopes.drag.motion != "pushed":
+            return np.full(size, math.nan)
+        share = np.arange(_SAMPLES + 1) / _SAMPLES
+        states = curve.at(np.repeat(share, size), np.tile(every, _SAMPLES + 1)).reshape(-1, size)
+        place, drag = self.slopes.place(self.depth - share[:, None] * self.length), self.slopes.drag
+        is_other = (drag.is_helix(place, states) != self.slopes.is_helix) & (states < LOCKED)
+        is_other[0] = False
+        first = np.where(is_other.any(axis=0), is_other.argmax(axis=0), _SAMPLES + 1)
+        upper = np.where(first <= _SAMPLES, share[np.minimum(first, _SAMPLES)], math.nan)
+        lower = upper - 1.0 / _SAMPLES
+        # Summits between samples before the first that has another shape, from the lower end up: the first counts.
+        margin = np.where(self.slopes.is_helix, -1.0, 1.0) * drag.helix_margin(place, states)
+        k, i = np.nonzero(_has_summit(margin) & (states < LOCKED) & (np.arange(_SAMPLES + 1)[:, None] < first))
+        if k.size:
+            begin, stop = share[np.maximum(k - 1, 0)], share[np.minimum(k + 1, _SAMPLES)]
+            summit, _ = largest(lambda each, j: self._margin(curve, each, i[j])[0], begin, stop, _SECTIONS)
+            value, terms = self._margin(curve, summit, i)
+            for j in np.flatnonzero(value > _TOUCHES * terms)[::-1].tolist():
+                lower[i[j]], upper[i[j]] = begin[j], summit[j]
+        found = np.full(size, math.nan)
+        at = np.flatnonzero(np.isfinite(upper))
+        if at.size:
+            found[at] = self._change(curve, lower[at], upper[at], at)
+        return found
+
+    def _margin(self, curve: _Curve, share: Floats, i: Ints) -> tuple[Floats, Floats]:
+        """Return `helix_margin` of strings i after shares of the step, more than 0 in another shape, and its terms."""
+        some, state = self.slopes.some(i), curve.at(share, i)
+        place = some.place(self.depth[i] - share * self.length[i])
+        margin, sine = some.drag.helix_margin(place, state), np.sin(state)
+        terms = 2.0 * sine**4 + np.abs(margin)
+        return np.where(state < LOCKED, np.where(some.is_helix, -margin, margin), -math.inf), terms
+
+    def _change(self, curve: _Curve, lower: Floats, upper: Floats, i: Ints) -> Floats:
+        """Return the shares of the step between two at which the shapes of strings i change."""
         some = self.some(i)
 
         def wants(end: Floats, j: Ints) -> Floats:
@@ -242,7 +295,7 @@ class _Step(ByContent):
             return some.slopes.drag.wants_helix(place, curve.at(end - 1.0, i[j]))
 
         # From 1 to 2, so that the beginning is found to rounding of a step and no closer.
-        every, begin, end = np.arange(i.size), np.ones(i.size), np.full(i.size, 2.0)
+        every, begin, end = np.arange(i.size), 1.0 + lower, 1.0 + upper
         at_begin, at_end = wants(begin, every), wants(end, every)
         # Where it has just changed rounding may put it on the other side: it is on the side of its shape.
         is_there = at_begin * at_end < -1e-9 * at_end**2
@@ -262,6 +315,31 @@ class _Curve(NamedTuple):
         for k, part in enumerate(self.parts[::-1, i]):
             added = (added + part) * (share if k % 2 == 0 else 1.0 - share)
         return np.asarray(self.old[i] + added)
+
+
+def _lying_between(across: Floats) -> tuple[Floats, Floats]:
+    """Return bounds of the sizes of vectors (2, n) between three places, from those at the places (2, 3, n)."""
+    off = np.hypot(*(across[:, 0] - 2.0 * across[:, 1] + across[:, 2]))
+    begin, chord = across[:, :2], np.diff(across, axis=1)
+    share = -(begin * chord).sum(axis=0) / np.maximum((chord * chord).sum(axis=0), 1e-300)
+    nearest = np.hypot(*(begin + np.clip(share, 0.0, 1.0) * chord)).min(axis=0)
+    return np.maximum(nearest - off, 0.0), np.hypot(*across).max(axis=0) + off
+
+
+def _has_summit(values: Floats) -> Bools:
+    """Return beside which samples (m, n) a smooth function may have a largest value more than 0.
+
+    It exceeds the sample by an eighth of the second difference, of a parabola: all of it is allowed for.  Beside the
+    first and the last sample it has one only where it rises from there into the bracket.
+    """
+    steps = np.diff(values, axis=0)
+    curved = np.abs(np.diff(steps, axis=0))
+    curved = np.concatenate([curved[:1], curved, curved[-1:]])
+    outer = np.stack([1.5 * steps[0] - 0.5 * steps[1], 0.5 * steps[-2] - 1.5 * steps[-1]])
+    is_summit = np.empty(values.shape, bool)
+    is_summit[1:-1] = (steps[:-1] >= 0.0) & (steps[1:] <= 0.0)
+    is_summit[0], is_summit[-1] = (steps[0] <= 0.0) & (outer[0] > 0.0), (steps[-1] >= 0.0) & (outer[1] > 0.0)
+    return np.asarray(is_summit & (values + curved > 0.0))
 
 
 def _sum(weights: Floats, rises: Floats) -> Floats:

@@ -42,6 +42,17 @@ def wants_helix(pushed: Pushed, lying: Any, sine: Any) -> Any:
 
 
 @kernel
+def helix_margin(pushed: Pushed, lying: Any, sine: Any) -> Any:
+    """Return W = sin|sin|^3 - (h lying / w)^2, which has the sign of `wants_helix`.
+
+    It is smooth where the string passes from one side of the wall to the other, where `lying` has a corner at 0 and
+    `wants_helix` a cusp: its largest value between places is found by sections.
+    """
+    bound = pushed.helical * lying / pushed.weight
+    return sine * np.abs(sine) ** 3 - bound * bound
+
+
+@kernel
 def contact(pushed: Pushed, lying: Any, sine: Any, helix: Any) -> Any:
     """Return the contact force of a string of which a part is wound into a helix."""
     return lying + pushed.weight * helix * sine * sine
