@@ -2,8 +2,8 @@
 
 The wave depends on the contact force along the string, and the force on what the wave leaves of friction.  The force is
 marched up by the classical Runge-Kutta method of order 4, a step to each piece.  In a step within which the string
-becomes a helix or ceases to be one it is one for its part of the step, by the secant: an error of order 2, as that of
-the wave, and a contact force that follows the force without jumps, without which the turns need not settle.
+becomes a helix or ceases to be one, or both, it is one for its part of the step, by a parabola: an error of order 2, as
+that of the wave, and a contact force that follows the force without jumps, without which the turns need not settle.
 """
 
 from __future__ import annotations
@@ -71,6 +71,26 @@ def _step(
 
 
 @kernel
+def positive_share(first: float, middle: float, last: float) -> float:
+    """Return the share of an interval in which the parabola through values at its ends and middle is positive."""
+    bend, rise = 2.0 * (first - 2.0 * middle + last), 4.0 * middle - 3.0 * first - last
+    square = rise * rise - 4.0 * bend * first
+    if square <= 0.0:
+        return 1.0 if middle >= 0.0 else 0.0
+    # Zeros of first + rise x + bend x^2 without cancellation; a straight line has one of them at infinity.
+    half = -0.5 * (rise + math.copysign(math.sqrt(square), rise))
+    one = half / bend if bend != 0.0 else math.inf
+    other = first / half
+    low, high = min(max(min(one, other), 0.0), 1.0), min(max(max(one, other), 0.0), 1.0)
+    share = 0.0
+    for begin, end in ((0.0, low), (low, high), (high, 1.0)):
+        x = 0.5 * (begin + end)
+        if first + x * (rise + x * bend) >= 0.0:
+            share += end - begin
+    return share
+
+
+@kernel
 def march(pushed: Pushed, pieces: Pieces, marched: Marched) -> float:
     """March a string up from its first y with the friction that is left; return how far a y has moved.
 
@@ -84,9 +104,11 @@ def march(pushed: Pushed, pieces: Pieces, marched: Marched) -> float:
         if y < LOCKED:
             length, mu = pieces.up[i + 1] - pieces.up[i], pieces.friction[i] * marched.left[i]
             new, low, high = _step(pushed, places, i, length, mu, y, helix)
-            after = _wants(pushed, places, i, 2, new)
-            if (after >= 0.0) != (before >= 0.0):
-                helix = max(after, before) / max(abs(after - before), 1e-300)
+            middle = 0.5 * (y + new) + 0.125 * length * (low - high)
+            values = before, _wants(pushed, places, i, 1, middle), _wants(pushed, places, i, 2, new)
+            share = positive_share(*values)
+            if share != helix:
+                helix = share
                 new, low, high = _step(pushed, places, i, length, mu, y, helix)
             new = min(new, LOCKED)
         moved = max(moved, abs(new - marched.y[i + 1]))
