@@ -40,24 +40,28 @@ Compute how far a string of this section can be pushed into a well, without and 
 
 examples:
   floquetrod reach --well examples/survey.csv --rod examples/tubing.toml --friction 0.3
-  floquetrod reach --well examples/survey.csv --rod examples/tubing.toml --friction 0.3 --tool 5kN@18Hz@30m
+  floquetrod reach --well examples/survey.csv --rod examples/tubing.toml --mu 0.3 --tool 5kN@18Hz@30m --speed 0.2m/s
   floquetrod reach --well examples/survey.csv --rod examples/tubing.toml --friction 0.25,0.35@1500m --push 50kN
   floquetrod reach --well examples/survey.csv --rod examples/tubing.toml --friction 0.3 --figure reach.png
   floquetrod reach --well examples/survey.csv --rod examples/tubing.toml --mu 0.3 --depths 9000:9900ft --unit ft,lbf
 
 The survey has columns such as MD (m), Inc (deg) and Azi (deg).  The string is pushed at the first station; its length
-and inclination follow from the well.  At lock-up no force there moves the lower end.  The table has the force required
-at the injector, and the largest force that reaches the bit.  A tool inside the string sends half its force each way,
-one at the lower end all of it up.  Friction is reduced where the wave moves the string faster than it slides (--speed).
+and inclination follow from the well.  It reaches the greatest depth at which no stress exceeds --yield-share of the
+yield strength, where that is known, with no more than --push at the injector; at lock-up, which is told beside it, no
+force moves the lower end.  The table has the force required at the injector, and the largest force that reaches the
+bit.  A tool inside the string sends half its force each way, one at the lower end all of it up.  Friction is reduced
+where the wave moves the string faster than it slides, so that the gain hangs on --speed: it is told for three speeds.
 The wave may make lateral waves grow against friction: the answer says where, at what rate and with which half wave, and
 which frequencies of the tool are useful, that is, gain reach without such growth.  Depths are measured depths; forces
-are effective, positive in compression; without --push the force at the upper end is not limited.
+are effective, positive in compression.
 """
 
 
 def add(command: Parser) -> None:
     """Add help and options of the command to its parser."""
-    describe_command(command, _HELP, _reach, ("well", "rod", "friction", "tool", "figure"))
+    describe_command(
+        command, _HELP, _reach, ("well", "rod", "friction", "tool", "speed", "push", "yield_share", "figure")
+    )
     add_well(command, required=True)
     add_survey_units(command)
     add_rod(command, classified=False, in_a_well=True)
@@ -81,8 +85,16 @@ def add_well(command: argparse.ArgumentParser, *, required: bool) -> None:
     command.add_argument("--well", required=required, metavar="FILE", type=Path, help="survey, a text file of columns")
     add_wall_friction(command, required=required)
     add_tool(command)
-    command.add_argument("--speed", default="0.05m/s", help="speed at which the string slides (default 0.05m/s)")
-    add_push(command)
+    command.add_argument(
+        "--speed", default="0.05m/s", help="speed at which the string slides while the tool works (default 0.05m/s)"
+    )
+    add_push(command, "greatest force that the injector gives, such as 20kN (default: any)")
+    command.add_argument(
+        "--yield-share",
+        metavar="SHARE",
+        default="0.8",
+        help="largest stress as a share of the yield strength, such as 0.6 or 60%%, or none for any (default 0.8)",
+    )
     command.add_argument(
         "--helical",
         choices=("energy", "loading", "alone", "always"),
@@ -96,6 +108,7 @@ def read_reach(options: argparse.Namespace, rod: fr.Rod, depth: Sequence[str] | 
     from floquetrod.rod import reading
 
     path, (far_force, push) = read_survey(options, options.well), read_push(options, rod)
+    share = options.yield_share.strip().lower()
     with Waiting("pushing the string"):
         return rod.reach(
             path,
@@ -104,6 +117,7 @@ def read_reach(options: argparse.Namespace, rod: fr.Rod, depth: Sequence[str] | 
             speed=units.quantity(options.speed, "--speed", "speed"),
             far_force=far_force,
             push=push,
+            yield_share=None if share == "none" else units.quantity(share, "--yield-share", "ratio"),
             helical=options.helical,
             depth=depth,
         )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import textwrap
 from typing import Any
 
 import numpy as np
@@ -9,6 +10,8 @@ import numpy as np
 from floquetrod.plotting import palette
 from floquetrod.plotting.charts import figure_or_new, patch
 from floquetrod.units import AnswerUnits, Unit
+
+_TITLE = 95  # characters in a line of the title
 
 
 def draw_reach(found: Any, shown: AnswerUnits, title: str, figure: Any = None) -> Any:
@@ -37,7 +40,7 @@ def draw_reach(found: Any, shown: AnswerUnits, title: str, figure: Any = None) -
         ax.set_xlim(shown.length.of(found.path.start), shown.length.of(found.path.end))
     force.legend(handles=_areas(found), loc="best", fontsize="x-small", frameon=False)
     axes[-1].set_xlabel(f"measured depth / {shown.length.name}")
-    figure.suptitle(title, fontsize="medium")
+    figure.suptitle(textwrap.fill(title, _TITLE), fontsize="medium")
     return figure
 
 
@@ -66,17 +69,30 @@ def _only(x: Any, y: Any, kept: Any) -> tuple[Any, Any]:
 
 
 def _draw_injector(found: Any, shown: AnswerUnits, ax: Any) -> None:
-    """Draw the force at the injector over the depth of the lower end."""
-    depth = shown.length.of(found.depth)
-    ax.plot(depth, shown.force.of(found.injector), color="black", label="without the tool")
-    ax.axvline(shown.length.of(found.reach), color="0.5", linewidth=0.8)
+    """Draw the force at the injector over the depth of the lower end, that deeper than it is pushed in grey."""
+    depth, unit = shown.length.of(found.depth), shown.force
+    cases = [(found.injector, found.reach, found.lock_up, "-", "without the tool")]
     if found.tool:
-        shaken = shown.force.of(found.injector_shaken)
-        ax.plot(depth, shaken, color="black", linestyle="--", label="with the tool")
-        ax.axvline(shown.length.of(found.reach_shaken), color="0.5", linestyle="--", linewidth=0.8)
-        ax.legend(loc="best", fontsize="x-small", frameon=False)
+        cases.append((found.injector_shaken, found.reach_shaken, found.lock_up_shaken, "--", "with the tool"))
+    highest = [0.0]
+    for force, reach, lock_up, line, label in cases:
+        goes = found.depth <= reach
+        first = max(np.count_nonzero(goes) - 1, 0)
+        ax.plot(depth[first:], unit.of(force[first:]), color="0.7", linestyle=line)
+        ax.plot(depth[goes], unit.of(force[goes]), color="black", linestyle=line, label=label)
+        ax.axvline(shown.length.of(reach), color="0.5", linestyle=line, linewidth=0.8)
+        if lock_up > reach and np.isfinite(lock_up):
+            ax.axvline(shown.length.of(lock_up), color="0.5", linestyle=":", linewidth=0.8, label="lock-up by statics")
+        highest += list(unit.of(force[goes]))
+    bottom, top = ax.get_ylim()
+    most = max(highest) + 0.2 * max(max(highest) - bottom, 1e-9)
+    ax.set_ylim(bottom, min(top, most))
+    handles, names = ax.get_legend_handles_labels()
+    if len(names) > 1:
+        kept = dict(zip(names, handles, strict=True))
+        ax.legend(kept.values(), kept.keys(), loc="best", fontsize="x-small", frameon=False)
     ax.axhline(0.0, color="0.7", linewidth=0.6)
-    ax.set_ylabel(f"at the injector / {shown.force.name}")
+    ax.set_ylabel(f"at the injector / {unit.name}")
 
 
 def _draw_bit(found: Any, shown: AnswerUnits, ax: Any) -> None:
@@ -118,6 +134,9 @@ def _draw_stress(found: Any, shown: AnswerUnits, ax: Any) -> None:
     if found.yield_strength is not None:
         strength = unit.of(found.yield_strength)
         ax.axhline(strength, color="black", linestyle="-.", linewidth=1.2, label="yield strength")
+        if found.yield_share is not None and found.yield_share < 1.0:
+            label = f"{100.0 * found.yield_share:.3g} % of it"
+            ax.axhline(found.yield_share * strength, color="black", linestyle=":", linewidth=1.0, label=label)
     _legend_above(ax)
 
 
@@ -132,7 +151,7 @@ def _draw_growth(found: Any, depth: Any, ax: Any) -> None:
 def _legend_above(ax: Any) -> None:
     """Put the legend above curves that begin at 0, in a row."""
     ax.set_ylim(0.0, 1.4 * max(ax.dataLim.ymax, 1e-9))
-    ax.legend(loc="upper left", ncols=3, fontsize="x-small", frameon=False)
+    ax.legend(loc="upper left", ncols=4, fontsize="x-small", frameon=False)
 
 
 def _shade(found: Any, depth: Any, ax: Any) -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -16,6 +16,7 @@ from floquetrod._util.progress import Progress
 from floquetrod._util.proportions import clopper_pearson
 from floquetrod._util.report import Printed, Report, Table
 from floquetrod.rod.answers.mean_force import ASSUMED, drag_of, force_in_newtons
+from floquetrod.rod.answers.pushing import Limits, Pushing, stress_limit
 from floquetrod.rod.answers.reach import depths_of
 from floquetrod.rod.distributions import (
     SURVEY,
@@ -32,8 +33,6 @@ from floquetrod.rod.loads.tool import VibrationTool, tool_inside
 from floquetrod.rod.model.parts import friction_coefficient
 from floquetrod.rod.rod import Rod
 from floquetrod.rod.uncertainty import entropy, independence, random_levels
-from floquetrod.wells import strings
-from floquetrod.wells.drag import SOUGHT, Drag
 from floquetrod.wells.path import WellPath
 
 _MOST_SAMPLES = 10**6  # a day or two
@@ -54,7 +53,7 @@ class ReachProbability(Printed, ByContent):
     depth : ndarray (n,)
         Measured depths of the lower end in m.
     probability : ndarray (n,)
-        The share of samples that are pushed there and to all depths before it.
+        The share of samples that are pushed there and to all depths before it, within ``push`` and ``yield_share``.
     low : ndarray (n,)
         Lower end of its confidence interval by Clopper and Pearson, whose coverage is at least ``confidence``.
     high : ndarray (n,)
@@ -101,20 +100,26 @@ class _Pushed(NamedTuple):
     depths: Floats
     far_force: float
     push: float
+    yield_share: float | None
     options: tuple[str, VibrationTool | None, Any]  # criterion of a helix, tool, speed
 
-    def drag(self, friction: Any, sample: Mapping[str, Any]) -> Drag:
+    def string(self, friction: Any, sample: Mapping[str, Any]) -> Pushing:
         """Return the string and the well of one sample."""
         rod = self.rod.replace(**{name: value for name, value in sample.items() if name in _OF_STRING})
         helical, tool, speed = self.options
-        return drag_of(rod, sampled_path(self.path, sample), friction, "pushed", helical, tool, speed)
+        drag = drag_of(rod, sampled_path(self.path, sample), friction, "pushed", helical, tool, speed)
+        return Pushing(rod, drag, self.far_force)
 
     def arrives(self, friction: Any, sample: Mapping[str, Any]) -> Bools:
         """Return which depths a string of one sample reaches."""
-        drag = self.drag(friction, sample)
-        found = strings.run(drag, self.path.start, self.depths, self.far_force, np.empty(0), SOUGHT)
-        force = drag.force(found.top_y)
-        return np.asarray(np.logical_and.accumulate(found.is_settled & np.isfinite(force) & (force <= self.push)))
+        pushing = self.string(friction, sample)
+        limits = Limits(self.push, stress_limit(pushing.rod, self.yield_share))
+        if pushing.drag.shaking is None:
+            return pushing.passes(self.depths, limits)
+        # Where it goes without its tool, which need not run before, the stress that its vibration adds does not count.
+        without = replace(pushing, drag=replace(pushing.drag, shaking=None)).passes(self.depths, limits)
+        passed = float(self.depths[without][-1]) if without.any() else -math.inf
+        return replace(pushing, passed=passed).passes(self.depths, limits)
 
 
 def probability_of_reach(
@@ -128,6 +133,7 @@ def probability_of_reach(
     speed: float | str = 0.05,
     far_force: float | str = 0.0,
     push: float | str | None = None,
+    yield_share: float | None = 0.8,
     helical: str = "energy",
     samples: int = 200,
     seed: int | None = None,
@@ -151,8 +157,8 @@ def probability_of_reach(
         of the errors of the survey, "inclination_systematic", "azimuth_systematic", "inclination_random" and
         "azimuth_random", in rad.
     depth : array_like, optional
-        Measured depths in m of the lower end; twenty by default.  A string counts as stopped where it is at one of
-        them: between two it may be stopped unseen.
+        Measured depths in m of the lower end; twenty by default.  A string with a tool counts as stopped where it is at
+        one of them: between two it may be stopped unseen.
     tool : VibrationTool, optional
         It vibrates the string, as in `Rod.reach`.
     speed : float or str
@@ -161,6 +167,8 @@ def probability_of_reach(
         Compression at the lower end in N.
     push : float or str, optional
         Greatest compression in N that the upper end can be given; by default any.
+    yield_share : float or None
+        Largest stress as a share of the rod's ``yield_strength``, as in `Rod.reach`; None for any.
     helical : str
         When a pushed string becomes a helix, as in `Rod.reach`.
     samples : int
@@ -199,9 +207,11 @@ def probability_of_reach(
     seed = entropy() if seed is None else validate.integer("seed", seed, 0, 2**128 - 1)
     validate.progress(progress)
     limit = math.inf if push is None else force_in_newtons("push", push)
-    pushed = _Pushed(rod, path, depths, force_in_newtons("far_force", far_force), limit, (helical, tool, speed))
+    stress_limit(rod, yield_share)  # refuses what is wrong
+    options = helical, tool, speed
+    pushed = _Pushed(rod, path, depths, force_in_newtons("far_force", far_force), limit, yield_share, options)
     every, coefficients = _friction(friction)
-    pushed.drag(0.0 if every else friction, {})  # refuses what is wrong in every sample
+    pushed.string(0.0 if every else friction, {})  # refuses what is wrong in every sample
     if tool is not None:
         tool_inside(tool, path.end - path.start, "string")
     every |= {} if parameters is None else distributions(parameters, (*_OF_STRING, *SURVEY), path)

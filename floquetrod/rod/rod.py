@@ -301,6 +301,7 @@ class Rod(RodData):
         speed: float | str = 0.05,
         far_force: float | str = 0.0,
         push: float | str | None = None,
+        yield_share: float | None = 0.8,
         depth: Any = None,
         helical: str = "energy",
     ) -> Reach:
@@ -311,11 +312,19 @@ class Rod(RodData):
         Parameters
         ----------
         push : float or str, optional
-            Greatest compression in N that the upper end can be given; by default any, so that lock-up alone stops it.
+            Greatest compression in N that the upper end can be given; by default any.
+        yield_share : float or None
+            Largest stress anywhere along the string, axial and bending together, as a share of the rod's
+            ``yield_strength``: more than 0, 1 at most, or None for any.  Without a yield strength nothing is limited.
         depth : array_like, optional
             Measured depths in m, or each with a unit such as "9000ft", of the lower end at which the force at the upper
-            end is wanted; 100 by default.  The reach is searched for between the first of them at which the string is
-            stopped and the one before.
+            end is wanted; 100 by default.  The reach is sought down to the deepest of them, and does not depend on the
+            others.
+
+        Notes
+        -----
+        The reach is the greatest depth within ``push`` and ``yield_share``; ``lock_up`` is the one at which no force
+        moves the string, beyond which it does not go however strong it is.
 
         Examples
         --------
@@ -323,11 +332,11 @@ class Rod(RodData):
         >>> well = fr.WellPath([0.0, 1000.0, 1450.0, 4000.0], ["0deg", "0deg", "90deg", "90deg"])
         >>> tubing = Rod.catalogue("2.00x0.156", bore="4.778in", length=1.0, fluid_inside=1e3, fluid_outside=1e3)
         >>> tubing.reach(well, 0.3, depth=[2000.0, 3000.0, 4000.0])
-        <can be pushed to 2990.4 m>
+        <can be pushed to 2990.4 m, where it locks up>
         """
         from floquetrod.rod.answers import reach
 
-        return reach.reach(self, path, friction, helical, tool, speed, (far_force, push), depth)
+        return reach.reach(self, path, friction, helical, tool, speed, (far_force, push), depth, yield_share)
 
     # --- verdicts ---
 

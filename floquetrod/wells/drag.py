@@ -197,6 +197,11 @@ class Drag:
         """Return whether strings are wound into a helix."""
         return np.asarray(self.wants_helix(place, y) >= 0.0)
 
+    def is_snaking(self, place: Place, force: Floats) -> Bools:
+        """Return whether strings are buckled under a compression in N, into waves or a helix."""
+        held = np.where(np.isfinite(force), force, 0.0)
+        return np.asarray(np.isinf(force) | ((held > 0.0) & (self.pipe.helix(held) >= self.pipe.lying(held, place))))
+
     @cached_property
     def pushed(self) -> contact.Pushed:
         """What the equation of a string needs besides the place."""

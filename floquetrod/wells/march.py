@@ -16,7 +16,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from floquetrod._util.arrays import Bools, Floats
-from floquetrod._util.caching import cached_property
 from floquetrod._util.content import ByContent
 from floquetrod._util.roots import largest, roots
 from floquetrod.wells.arcs import Points
@@ -166,7 +165,8 @@ class _Slopes(ByContent):
 class _Step(ByContent):
     """A step up of n strings: its ends, the states there, and minus the slopes on the way (13, n).
 
-    ``is_last`` says whether it is the last in its piece.
+    ``is_last`` says whether it is the last in its piece; ``places`` are the well at the lower end, in the middle and at
+    the upper end (3, n).
     """
 
     slopes: _Slopes
@@ -176,6 +176,7 @@ class _Step(ByContent):
     old: Floats
     new: Floats
     rises: Floats
+    places: Place
 
     @classmethod
     def of(cls, slopes: _Slopes, depth: Floats, end: Floats, is_last: Bools, old: Floats) -> _Step:
@@ -184,12 +185,13 @@ class _Step(ByContent):
 
         rises = np.empty((13, *old.shape))
         state, length = old, depth - end
-        places = slopes.place(depth - np.append(DOP853.C, 1.0)[:, None] * length)
+        places = slopes.place(depth - np.append(DOP853.C, [1.0, 0.5])[:, None] * length)
         for k, row in enumerate([*DOP853.A[1:], DOP853.B, None]):
             rises[k] = -slopes.at(Place(*(each[k] for each in places)), state)
             if row is not None:
                 state = old + length * _sum(row[: k + 1], rises)
-        return cls(slopes, depth, end, is_last, old, state, rises)
+        ends = Place(*(each[[0, -1, -2]] for each in places))
+        return cls(slopes, depth, end, is_last, old, state, rises, ends)
 
     @property
     def length(self) -> Floats:
@@ -198,7 +200,7 @@ class _Step(ByContent):
 
     def some(self, i: Ints) -> _Step:
         """Return the step of some strings."""
-        columns = self.old[i], self.new[i], self.rises[:, i]
+        columns = self.old[i], self.new[i], self.rises[:, i], Place(*(each[:, i] for each in self.places))
         return _Step(self.slopes.some(i), self.depth[i], self.end[i], self.is_last[i], *columns)
 
     def error(self, tolerance: Floats) -> Floats:
@@ -224,10 +226,9 @@ class _Step(ByContent):
             return np.zeros(self.old.shape, bool)
         bulge = 0.125 * self.length * (self.rises[0] - self.rises[12])
         y = np.array([self.old, 0.5 * (self.old + self.new) + bulge, self.new])
-        place = self.slopes.place(np.array([self.depth, 0.5 * (self.depth + self.end), self.end]))
         off = np.abs(y[0] - 2.0 * y[1] + y[2]) + np.abs(bulge)
         low, high = y.min(axis=0) - off, y.max(axis=0) + off
-        least, most = _lying_between(drag.lying_across(place, y))
+        least, most = _lying_between(drag.lying_across(self.places, y))
         helical = drag.pushed.helical / drag.pipe.weight
         lies_on = np.where(high > 0.0, np.sin(np.minimum(high, LOCKED)) ** 2 < helical * least, True)
         winds_on = (low > 0.0) & (np.sin(np.clip(low, 0.0, LOCKED)) ** 2 > helical * most)

@@ -205,7 +205,7 @@ def _along(drag: Drag, found: strings.Run, k: int, error: float) -> MeanForce:
         friction=left * drag.friction.at(depth),
         speed=speed,
         vibration=vibration,
-        is_snaking=np.isinf(force) | ((held > 0.0) & (drag.pipe.helix(held) >= lying)),
+        is_snaking=drag.is_snaking(place, force),
         is_helix=is_helix,
         motion=drag.motion,
         error=error,

@@ -18,39 +18,37 @@ from floquetrod._util.deprecation import Renamed
 from floquetrod._util.interchange import by_keys
 from floquetrod._util.report import Printed, Report, Table
 from floquetrod.rod.answers.growth_along import fastest_along, growth_along
-from floquetrod.rod.answers.mean_force import (
-    ASSUMED,
-    MeanForce,
-    drag_of,
-    force_in_newtons,
-    mean_force,
-    mean_forces,
-    spans,
+from floquetrod.rod.answers.mean_force import ASSUMED, MeanForce, drag_of, force_in_newtons, mean_forces, spans
+from floquetrod.rod.answers.pushing import (
+    ASKED,
+    END,
+    LOCK_UP,
+    MOST_FORCE,
+    PUSH,
+    YIELD,
+    Limits,
+    Pushing,
+    Reached,
+    stress_limit,
 )
 from floquetrod.rod.answers.sliding import damping_across, least_speed
-from floquetrod.rod.answers.stress_along import stress_along
 from floquetrod.rod.loads.tool import VibrationTool, tool_inside
 from floquetrod.rod.model.data import RodData
 from floquetrod.rod.model.stress import Stress
 from floquetrod.units import AnswerUnits, Unit
 from floquetrod.wells import strings
-from floquetrod.wells.drag import FAST, SOUGHT, Drag, Effort, Place
+from floquetrod.wells.drag import Drag, Place
 from floquetrod.wells.kernels.contact import MOST_PRESSED
 from floquetrod.wells.path import WellPath
 
 _DEPTHS = 100  # where none are asked for
-_PARTS = (25, 9, 9), (25, 2, 2, 2, 2, 2, 2)
-"""Into how many parts what holds a limit sought is divided, one time after the other, without a tool and with it.
-
-Many strings without a tool take hardly longer than one, side by side; with a tool each takes its time.
-"""
 _ERROR = 5e-4  # of a reach with a tool, measured
 _GROWS = 1e-6  # 1/s: tenfold in a month (a choice)
 _FREQUENCIES = np.linspace(0.25, 2.0, 22)  # of the tool's, which is among them
 _WAY = np.array([0.2, 0.45, 0.7, 0.95])  # fractions of the gain at which they are examined (a choice)
 _SPACING = 10.0  # m along the string then (a choice)
 _BITS = 12  # depths for which the force at the lower end is sought
-_MOST = 10.0  # critical forces, up to which they are tried (a choice: pipes yield before)
+_SPEEDS = np.array([0.4, 1.0, 4.0])  # of the speed of sliding, at which a tool's gain is told
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -81,14 +79,30 @@ class Reach(Printed, ByContent):
         Compression in N at the lower end.
     push : float
         Greatest compression in N that the upper end can be given, infinite for any.
+    yield_share : float or None
+        Share of the yield strength that the stress may have anywhere along the string, None for any.  It limits nothing
+        where ``yield_strength`` is None.
     reach : float
-        Measured depth in m to which the string can be pushed without a tool, at most that of the end of the path.
+        Greatest measured depth in m to which the string can be pushed without a tool, through all depths before, within
+        ``push`` and ``yield_share``; at most the deepest asked for.  `Rod.mean_force` is finite there, and where the
+        string is stopped it is so no farther below than 1e-6 of the length of the path.
     reach_shaken : float
-        The same with the tool, accurate to some 5e-4 of it (measured).
-    is_stopped : bool
-        Whether the string without a tool is stopped before the end of the path.
-    is_stopped_shaken : bool
+        The same with the tool, whose stress counts deeper than ``reach`` alone: before, it need not run.  Some 5e-4 of
+        it are not known (measured), and a string that is stopped and goes on again between two of 100 depths along the
+        path is not seen to be.
+    limit : str
+        What limits ``reach``: "lock-up", "yield", "push", "end of the well" or "deepest asked for".
+    limit_shaken : str
         The same with the tool.
+    lock_up : float
+        Measured depth in m at which the string locks up by statics alone, whatever it bears and the injector gives;
+        infinite where it does not, down to the deepest asked for.
+    lock_up_shaken : float
+        The same with the tool.
+    speeds : ndarray (3,)
+        Speeds of sliding in m/s, 0.4, 1 and 4 times ``sliding``; empty without a tool.
+    reach_at_speeds : ndarray (3,)
+        ``reach_shaken`` while the string slides at each of them.
     tool : VibrationTool or None
     along : MeanForce
         Along the string with the tool, its lower end as deep as it reaches.
@@ -103,6 +117,8 @@ class Reach(Printed, ByContent):
         That of the string in Pa, None where it is not known.
     weight_per_length : float
         Weight of the string in its fluids in N/m.
+    fluids : tuple of float
+        Densities in kg/m^3 of the fluids inside and outside, 0 for none.
     sliding : float
         Speed in m/s at which the string slides down.
     growth : ndarray
@@ -136,10 +152,15 @@ class Reach(Printed, ByContent):
     bit_limit: float
     far_force: float
     push: float
+    yield_share: float | None
     reach: float
     reach_shaken: float
-    is_stopped: bool
-    is_stopped_shaken: bool
+    limit: str
+    limit_shaken: str
+    lock_up: float
+    lock_up_shaken: float
+    speeds: Floats
+    reach_at_speeds: Floats
     tool: VibrationTool | None
     along: MeanForce
     amplitude: Floats
@@ -147,6 +168,7 @@ class Reach(Printed, ByContent):
     bending_stress: Floats
     yield_strength: float | None
     weight_per_length: float
+    fluids: tuple[float, float]
     sliding: float
     growth: Floats
     growth_free: Floats
@@ -158,6 +180,21 @@ class Reach(Printed, ByContent):
     frequency_speed: Floats
 
     kick = Renamed("speed_to_grow", until="0.2")
+
+    @property
+    def is_stopped(self) -> bool:
+        """Whether the string without a tool is stopped before the deepest depth asked for."""
+        return self.limit not in (END, ASKED)
+
+    @property
+    def is_stopped_shaken(self) -> bool:
+        """The same with the tool."""
+        return self.limit_shaken not in (END, ASKED)
+
+    @property
+    def gain_at_speeds(self) -> Floats:
+        """Increase of the reach by the tool in m, while the string slides at each of ``speeds``."""
+        return np.array([_gained(self.reach, float(each)) for each in self.reach_at_speeds])
 
     @property
     def gain(self) -> float:
@@ -188,13 +225,29 @@ class Reach(Printed, ByContent):
         is_useful = (self.frequency_growth <= _GROWS) & (self.frequency_speed > self.sliding)
         return tuple(spans(self.frequencies, is_useful))
 
-    def _in_words(self, unit: Unit) -> str:
-        end = self.path.end
-        text = _reached(self.reach, self.is_stopped, end, unit)
+    def _in_words(self, shown: AnswerUnits) -> str:
+        text = f"can be pushed {self._reached(self.reach, self.limit, shown)}"
         if self.tool is None:
-            return f"can be pushed {text}"
-        with_tool = _reached(self.reach_shaken, self.is_stopped_shaken, end, unit)
-        return f"can be pushed {text}, and with the tool {with_tool}"
+            return text
+        with_tool = self._reached(self.reach_shaken, self.limit_shaken, shown)
+        return f"{text}, and with the tool, sliding at {shown.speed.show(self.sliding, 3)}, {with_tool}"
+
+    def _reached(self, depth: float, limit: str, shown: AnswerUnits) -> str:
+        unit = shown.length
+        if limit == END:
+            return f"to the end of the well at {unit.show(self.path.end)}"
+        if limit == ASKED:
+            return f"to {unit.show(depth)}, the deepest asked for"
+        why = {
+            LOCK_UP: ", where it locks up",
+            YIELD: f" within {self._percent} of its yield strength",
+            PUSH: f" with {shown.force.show(self.push, 4)}",
+        }
+        return f"to {unit.show(depth, 5)}{why[limit]}"
+
+    @property
+    def _percent(self) -> str:
+        return f"{100.0 * (self.yield_share or 0.0):.3g} %"
 
     def report(self, depth: str = "m", force: str = "kN", pressure: str | None = None, frequency: str = "Hz") -> Report:
         """Return the reach, the buckled and the unstable depths, and the force at the upper end.
@@ -219,7 +272,11 @@ class Reach(Printed, ByContent):
         shown = AnswerUnits.named(force, depth, pressure, frequency, what=_argument)
         unit = shown.length
         lines = [
-            ("string", f"weighs {shown.per_length.show(self.weight_per_length, 4)} in its fluids"),
+            ("string", f"weighs {shown.per_length.show(self.weight_per_length, 4)} {self._fluids_in_words}"),
+            ("limit", self._limit_in_words(shown)),
+        ]
+        lines += [("speed", self._speeds_in_words(shown))] if self.tool else []
+        lines += [
             ("at", f"{unit.show(along.depth[-1])}, {'with the tool' if self.tool else 'pushed'}:"),
             ("snaking", _listed(along.depth, along.is_snaking, unit)),
             ("helix", _listed(along.depth, along.is_helix, unit)),
@@ -229,7 +286,37 @@ class Reach(Printed, ByContent):
             lines += [("tool", self._vibration_in_words(shown)), ("grows", self._growth_in_words(shown))]
             lines.append((f"tool {shown.frequency.name}", self._frequency_in_words(shown)))
         lines.append(("assumed", "; ".join(self.assumptions_in(shown.speed))))
-        return Report(self._in_words(unit), lines, self._table(shown))
+        return Report(self._in_words(shown), lines, self._table(shown))
+
+    @property
+    def _fluids_in_words(self) -> str:
+        if not any(self.fluids):
+            return "in air: no fluids given"
+        empty = [name for name, density in zip(("inside", "outside"), self.fluids, strict=True) if not density]
+        return "in its fluids" + (f", with none {empty[0]}" if empty else "")
+
+    def _limit_in_words(self, shown: AnswerUnits) -> str:
+        """Return what limits the reach, and where the string locks up by statics alone."""
+        if self.yield_strength is None:
+            stress = "any stress, since no yield strength is given"
+        elif self.yield_share is None:
+            stress = "any stress"
+        else:
+            stress = f"{self._percent} of the yield strength {shown.pressure.show(self.yield_strength, 3)}"
+        push = f"{shown.force.show(self.push, 4)}" if math.isfinite(self.push) else "any force"
+        depths = [(self.lock_up, ""), *([(self.lock_up_shaken, " with the tool")] if self.tool else [])]
+        locks = [f"at {shown.length.show(each, 5)}{name}" for each, name in depths if math.isfinite(each)]
+        lock_up = f"by statics alone it locks up {' and '.join(locks)}" if locks else "it does not lock up"
+        return f"{stress}, and {push} at the injector; {lock_up}"
+
+    def _speeds_in_words(self, shown: AnswerUnits) -> str:
+        """Return what the tool gains while the string slides at its speed and at two others."""
+        texts = []
+        for speed, depth, gain in zip(self.speeds, self.reach_at_speeds, self.gain_at_speeds, strict=True):
+            ends = " (to the end of the well)" if depth >= self.path.end else ""
+            text = shown.length.show(gain, 4) if gain > 0.0 else "nothing"
+            texts.append(f"{text} at {shown.speed.show(speed, 3)}{ends}")
+        return f"the tool gains {', '.join(texts)}"
 
     @property
     def assumptions(self) -> tuple[str, ...]:
@@ -299,15 +386,18 @@ class Reach(Printed, ByContent):
         forces = (self.injector[rows], self.bit), (self.injector_shaken[rows], self.bit_shaken)
         kept = range(2 if self.tool else 1)
         columns = [(f"depth {depth.name}", ">9"), *((names[k][i], ">12") for i in range(2) for k in kept)]
+        deep = [self.bit_depth > each for each in (self.reach, self.reach_shaken)]
+        beyond = [deep[k] & np.isfinite(forces[k][0]) for k in kept]
         texts = [
-            [f"{'>' if i and self.is_limited(each) else ''}{_force(each, force)}" for each in forces[k][i].tolist()]
-            for i in range(2)
-            for k in kept
+            [_force(f, force) + "*" * b for f, b in zip(forces[k][0], beyond[k].tolist(), strict=True)] for k in kept
         ]
+        texts += [[">" * bool(self.is_limited(f)) + _force(f, force) for f in forces[k][1].tolist()] for k in kept]
         where = [f"{each:.0f}" for each in depth.of(self.bit_depth)]
         limited = any(self.is_limited(forces[k][1]).any() for k in kept)
-        rest = f"> at the lower end: more may arrive, no more than {_MOST:g} critical forces of a level hole was tried"
-        return Table(columns, list(zip(where, *texts, strict=True)), rest if limited else "")
+        rest = ["* deeper than the string can be pushed within its limits"] * any(each.any() for each in beyond)
+        most = f"no more than {MOST_FORCE:g} critical forces of a level hole was tried"
+        rest += [f"> at the lower end: more may arrive, {most}"] * limited
+        return Table(columns, list(zip(where, *texts, strict=True)), "\n".join(rest))
 
     def is_limited(self, force: Any) -> NDArray[np.bool_]:
         """Return whether forces in N at the lower end are the largest that was tried, so that more may arrive there."""
@@ -321,13 +411,19 @@ class Reach(Printed, ByContent):
             **by_keys(with_tool, "injector_with_tool_N=injector_shaken"),
             **by_keys(self, "bit_depth_m bit_N"),
             **by_keys(with_tool, "bit_with_tool_N=bit_shaken"),
-            **by_keys(self, "bit_limit_N far_force_N push_N reach_m is_stopped"),
-            **by_keys(with_tool, "reach_with_tool_m=reach_shaken is_stopped_with_tool=is_stopped_shaken"),
+            **by_keys(self, "bit_limit_N far_force_N push_N yield_share reach_m limit is_stopped lock_up_m"),
+            **by_keys(
+                with_tool,
+                "reach_with_tool_m=reach_shaken limit_with_tool=limit_shaken is_stopped_with_tool=is_stopped_shaken "
+                "lock_up_with_tool_m=lock_up_shaken speeds_m_per_s reach_with_tool_at_speeds_m=reach_at_speeds "
+                "gain_at_speeds_m",
+            ),
             **by_keys(
                 self,
                 "tool along amplitude_N axial_stress_Pa bending_stress_Pa stress growth_per_s "
                 "growth_without_friction_per_s=growth_free half_wave_m speed_to_grow_m_per_s "
-                "weight_N_per_m=weight_per_length sliding_m_per_s frequencies_rad_per_s frequency_depth_m "
+                "weight_N_per_m=weight_per_length fluids_kg_per_m3=fluids sliding_m_per_s "
+                "frequencies_rad_per_s frequency_depth_m "
                 "growth_by_frequency_per_s=frequency_growth speed_by_frequency_m_per_s=frequency_speed "
                 "useful_frequencies_rad_per_s assumptions",
             ),
@@ -350,22 +446,12 @@ class Reach(Printed, ByContent):
         from floquetrod.plotting.reach import draw_reach
 
         shown = AnswerUnits.named(force, depth, pressure, frequency, what=_argument)
-        return draw_reach(self, shown, self._in_words(shown.length), figure)
+        return draw_reach(self, shown, self._in_words(shown), figure)
 
 
 def _argument(name: str) -> str:
     """Return how `Reach.report` calls a unit."""
     return {"length": "depth"}.get(name, name)
-
-
-def _reached(depth: float, is_stopped: bool, end: float, unit: Unit) -> str:
-    if is_stopped:
-        return f"to {unit.show(depth, 5)}"
-    return (
-        f"to the end of the well at {unit.show(end)}"
-        if depth >= end
-        else f"to {unit.show(depth)}, the deepest asked for"
-    )
 
 
 def _listed(depth: Floats, is_so: Bools, unit: Unit) -> str:
@@ -393,6 +479,7 @@ def reach(
     speed: Any,
     ends: tuple[Any, Any],
     depth: Any,
+    yield_share: Any,
 ) -> Reach:
     """Return what `Rod.reach` does; ``ends`` are the force at the lower end and the greatest at the upper one."""
     drag = drag_of(rod, path, friction, "pushed", helical, tool, speed)
@@ -400,34 +487,40 @@ def reach(
         tool_inside(tool, path.end - path.start, "string")
     far_force = force_in_newtons("far_force", ends[0])
     push = math.inf if ends[1] is None else force_in_newtons("push", ends[1])
+    limits = Limits(push, stress_limit(rod, yield_share))
     depths = depths_of(path, depth)
-    still = replace(drag, shaking=None)
-    searches = [_Search(each, far_force, push) for each in ([still, drag] if tool else [still])]
-    forces = [search.injector(depths, far_force) for search in searches]
     few = np.unique(np.linspace(0, depths.size - 1, _BITS).round().astype(int))
-    limits = [search.limits(depths, each, few) for search, each in zip(searches, forces, strict=True)]
-    reached, bits = zip(*limits, strict=True)
-    along = mean_force(drag, far_force, _standing_end(path, *reached[-1]), None)
+    pushing = Pushing(rod, replace(drag, shaking=None), far_force)
+    without = shaken = pushing.sought(depths, few, limits)
+    reached, along, stress = pushing.along(without.reached, limits)
+    by_itself = reached
+    if tool is not None:
+        pushing = Pushing(rod, drag, far_force, by_itself.depth)
+        shaken = pushing.sought(depths, few, limits)
+        reached, along, stress = pushing.along(shaken.reached, limits)
     sliding = 0.0 if drag.shaking is None else drag.shaking.speed
     grown = _grown(rod, drag, along, tool)
-    (without, _), (shaken, _) = reached[0], reached[-1]
-    others = _with_others(rod, drag, far_force, without + _WAY * _gained(without, shaken))
-    stress = stress_along(rod, path, along, along.vibration)
+    others = _with_others(rod, drag, far_force, by_itself.depth + _WAY * _gained(by_itself.depth, reached.depth))
     return Reach(
         path=path,
         depth=depths,
-        injector=forces[0],
-        injector_shaken=forces[-1],
+        injector=without.injector,
+        injector_shaken=shaken.injector,
         bit_depth=depths[few],
-        bit=bits[0],
-        bit_shaken=bits[-1],
-        bit_limit=_MOST * drag.pipe.scale,
+        bit=without.bit,
+        bit_shaken=np.fmax(shaken.bit, without.bit) if tool else without.bit,
+        bit_limit=MOST_FORCE * drag.pipe.scale,
         far_force=far_force,
         push=push,
-        reach=reached[0][0],
-        reach_shaken=reached[-1][0],
-        is_stopped=reached[0][1],
-        is_stopped_shaken=reached[-1][1],
+        yield_share=None if yield_share is None else float(yield_share),
+        reach=by_itself.depth,
+        reach_shaken=reached.depth,
+        limit=by_itself.limit,
+        limit_shaken=reached.limit,
+        lock_up=_locks_up(without.lock_up),
+        lock_up_shaken=_locks_up(shaken.lock_up),
+        speeds=sliding * _SPEEDS if tool else np.empty(0),
+        reach_at_speeds=_at_speeds(pushing, reached, float(depths[-1]), limits) if tool else np.empty(0),
         tool=tool,
         along=along,
         amplitude=along.vibration,
@@ -435,6 +528,7 @@ def reach(
         bending_stress=stress.bending,
         yield_strength=rod.yield_strength,
         weight_per_length=rod.weight_per_length,
+        fluids=(rod.fluid_inside, rod.fluid_outside),
         sliding=sliding,
         growth=grown.net,
         growth_free=grown.free,
@@ -445,6 +539,22 @@ def reach(
         frequency_growth=others.growth,
         frequency_speed=others.speed,
     )
+
+
+def _locks_up(reached: Reached) -> float:
+    """Return the depth in m at which a string locks up, infinite where it does not."""
+    return reached.depth if reached.limit == LOCK_UP else math.inf
+
+
+def _at_speeds(pushing: Pushing, reached: Reached, deepest: float, limits: Limits) -> Floats:
+    """Return how deep a string with a tool reaches that slides at other speeds, the reach at its own given."""
+    shaking = pushing.drag.shaking
+    depth = np.full(_SPEEDS.size, reached.depth)
+    for k in np.flatnonzero(_SPEEDS != 1.0):
+        if shaking is not None:
+            other = replace(pushing.drag, shaking=replace(shaking, speed=float(_SPEEDS[k] * shaking.speed)))
+            depth[k] = replace(pushing, drag=other).reached(deepest, limits).depth
+    return depth
 
 
 def depths_of(path: WellPath, depth: Any) -> Floats:
@@ -468,58 +578,6 @@ def depths_of(path: WellPath, depth: Any) -> Floats:
 def _gained(without: float, shaken: float) -> float:
     """Return by how much a reach with a tool exceeds that without, 0 where its error may make all of that."""
     return shaken - without if abs(shaken - without) > _ERROR * shaken else 0.0
-
-
-def _standing_end(path: WellPath, depth: float, is_stopped: bool) -> float:
-    """Return a depth at which the string is not locked up yet, to rounding of the search."""
-    return float(max(depth - 1e-3 * (depth - path.start), path.start + 1e-6)) if is_stopped else depth
-
-
-@dataclass(frozen=True)
-class _Search:
-    """Pushes strings as far as they go."""
-
-    drag: Drag
-    far_force: float
-    push: float
-
-    def injector(self, bottoms: Floats, far_force: Any, effort: Effort = FAST) -> Floats:
-        """Return the compression in N at the upper end of strings to measured depths, infinite where one is stopped."""
-        found = strings.run(self.drag, self.drag.path.start, bottoms, far_force, np.empty(0), effort)
-        return np.where(found.is_settled, self.drag.force(found.top_y), math.inf)
-
-    def goes(self, force: Floats) -> Bools:
-        """Return whether strings that need a force at the upper end are not stopped."""
-        return np.isfinite(force) & (force <= self.push)
-
-    def limits(self, depths: Floats, forces: Floats, few: NDArray[np.intp]) -> tuple[tuple[float, bool], Floats]:
-        """Return how deep the lower end reaches and whether it is stopped there, from the forces of ``injector``.
-
-        And the greatest compression in N at the lower end at a ``few`` of the depths, NaN where no string arrives.
-        """
-        goes, bit, scale = self.goes(forces), np.full(few.size, math.nan), self.drag.pipe.scale
-        there, stopped = few[goes[few]], np.flatnonzero(~goes)[:1]
-        before = np.append(self.drag.path.start, depths)[stopped]
-        y = float(self.drag.y_of(np.array(self.far_force)))
-        low, high = np.full((2, 2, there.size + stopped.size), y)
-        low[0], high[0] = np.append(depths[there], before), np.append(depths[there], depths[stopped])
-        high[1, : there.size] = max(y, math.atan(_MOST))
-        if low.size:
-            low, high = self._narrowed(low, high)
-        found = 0.5 * (low + high)
-        bit[goes[few]] = scale * np.tan(found[1, : there.size])
-        return (float(found[0, -1]), True) if stopped.size else (float(depths[-1]), False), bit
-
-    def _narrowed(self, low: Floats, high: Floats) -> tuple[Floats, Floats]:
-        """Return what is between strings that go and those that are stopped, depths and y of lower ends in rows."""
-        for k, parts in enumerate(_PARTS[self.drag.shaking is not None]):
-            steps = np.linspace(low, high, parts + 1, axis=1)
-            bottoms, y = steps[:, 1:] if k == 0 else steps[:, 1:-1]
-            force = self.injector(bottoms.ravel(), self.drag.pipe.scale * np.tan(y.ravel()), SOUGHT)
-            last = np.cumprod(self.goes(force).reshape(y.shape), axis=0).sum(axis=0)
-            each = np.arange(last.size)
-            low, high = steps[:, last, each], steps[:, np.minimum(last + 1, parts), each]
-        return low, high
 
 
 class _Grown(NamedTuple):

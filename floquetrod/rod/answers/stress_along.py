@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from floquetrod._util.arrays import Floats
+from floquetrod._util.arrays import Bools, Floats
 from floquetrod.rod.answers.mean_force import MeanForce
 from floquetrod.rod.model.data import RodData
 from floquetrod.wells.path import WellPath
@@ -26,9 +26,11 @@ def stress_along(rod: RodData, path: WellPath, along: MeanForce, amplitude: Floa
     are added, as where a turn of the helix bends the string the way the well does.
     """
     bent = np.hypot(*path.curvature(along.depth))
-    push = np.maximum(along.force, 0.0)
-    wound = (
-        np.where(along.is_snaking | along.is_helix, push, 0.0) * rod.radial_clearance / (2.0 * rod.flexural_rigidity)
-    )
-    axial = (np.abs(along.force) + amplitude) / rod.area
-    return StressAlong(axial, rod.youngs_modulus * rod.radius * (bent + wound))
+    return stress_of(rod, bent, along.force, along.is_snaking | along.is_helix, amplitude)
+
+
+def stress_of(rod: RodData, bent: Floats, force: Floats, is_wound: Bools, amplitude: Any) -> StressAlong:
+    """Return the stress where a well has a curvature in 1/m, from the force in N and its vibration."""
+    push = np.where(is_wound, np.maximum(force, 0.0), 0.0)
+    wound = push * rod.radial_clearance / (2.0 * rod.flexural_rigidity)
+    return StressAlong((np.abs(force) + amplitude) / rod.area, rod.youngs_modulus * rod.radius * (bent + wound))

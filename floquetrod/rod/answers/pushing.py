@@ -1,0 +1,325 @@
+"""Strings pushed into a well as far as they go: until they lock up, yield or need more than the injector gives.
+
+Without a tool, the state y at the upper end depends on the depth b of the lower end through
+
+    dy_top / db = P (mu N - w cos(phi)),    P > 0,
+
+with the bracket at the lower end, under the force there: of two strings the one with the larger force anywhere has the
+larger force everywhere above.  Between zeros of the bracket the force at every place of the string rises with b, or
+falls.  A string that passes the depths at which it changes sign therefore passes all depths between them.  The largest
+stress at a place, that of a push or of a pull, is then largest at one end, too; what the lower end has at once, where
+it enters a bend, is examined along the well.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from floquetrod._util import validate
+from floquetrod._util.arrays import Bools, Floats, Ints
+from floquetrod._util.caching import cached_property
+from floquetrod._util.roots import roots
+from floquetrod.rod.answers.mean_force import MeanForce, mean_force
+from floquetrod.rod.answers.stress_along import StressAlong, stress_along, stress_of
+from floquetrod.rod.model.data import RodData
+from floquetrod.wells import strings
+from floquetrod.wells.drag import CHECKED, FAST, SOUGHT, Drag, Effort, Place
+from floquetrod.wells.survey import LENGTHS
+
+LOCK_UP, YIELD, PUSH, END, ASKED = "lock-up", "yield", "push", "end of the well", "deepest asked for"
+"""What limits a reach."""
+
+ACCURACY = 1e-6, 1e-4
+"""Of a reach, over the length of the path, without a tool and with one."""
+
+_SPACING, _MOST_PLACES = 10.0, 2000  # m between the places of a string whose stress is examined, and their number
+_PER_PIECE = 17  # depths of a piece of one arc and friction between which the bracket above changes sign
+_TRIED_DEPTHS = 100  # of a string with a tool
+_SECTIONS = 26, 8  # into how many a bracket is divided at once
+_WIDENS = 4.0  # how much farther the next attempt lies
+_PARTS = (25, 9, 9), (25, 2, 2, 2, 2, 2, 2)
+"""Into how many parts what holds a limit sought is divided, one time after the other, without a tool and with it.
+
+Many strings without a tool take hardly longer than one, side by side; with a tool each takes its time.
+"""
+MOST_FORCE = 10.0  # critical forces, up to which they are tried at the lower end (a choice: pipes yield before)
+
+
+class Limits(NamedTuple):
+    """The largest force in N at the upper end, and the largest stress in Pa; infinite for none."""
+
+    push: float = math.inf
+    stress: float = math.inf
+
+
+STATICS = Limits()
+"""Lock-up alone."""
+
+
+class Ends(NamedTuple):
+    """Forces in N at the upper ends of strings, infinite where one is stopped, and the largest stress in Pa along."""
+
+    force: Floats
+    stress: Floats
+
+    def within(self, limits: Limits) -> Bools:
+        """Return which strings are not stopped."""
+        return np.asarray(np.isfinite(self.force) & (self.force <= limits.push) & (self.stress <= limits.stress))
+
+    def reason(self, k: int, limits: Limits) -> str:
+        """Return what stops string k."""
+        if not math.isfinite(self.force[k]):
+            return LOCK_UP
+        return PUSH if self.force[k] > limits.push else YIELD
+
+
+class Reached(NamedTuple):
+    """Measured depth in m that a string reaches, and what limits it."""
+
+    depth: float
+    limit: str
+
+
+class Sought(NamedTuple):
+    """How deep strings reach, within limits and by statics alone, and what it takes.
+
+    The force in N at the upper ends of strings to all depths, and the greatest that arrives at the lower ends at a few.
+    """
+
+    injector: Floats
+    bit: Floats
+    reached: Reached
+    lock_up: Reached
+
+
+def stress_limit(rod: RodData, yield_share: Any) -> float:
+    """Return the largest stress in Pa: a share of the yield strength, infinite where either is None."""
+    if yield_share is None:
+        return math.inf
+    share = validate.within("yield_share", yield_share, 1e-3, 1.0, "a share of the yield strength, or None for none")
+    return math.inf if rod.yield_strength is None else share * rod.yield_strength
+
+
+@dataclass(frozen=True)
+class Pushing:
+    """Strings of one rod in one well, with the compression in N at their lower ends.
+
+    To the depth ``passed`` in m they go without their tool, which need not run before: its stress there does not count.
+    """
+
+    rod: RodData
+    drag: Drag
+    far_force: float
+    passed: float = -math.inf
+
+    @property
+    def accuracy(self) -> float:
+        """Accuracy in m of a reach."""
+        path = self.drag.path
+        return ACCURACY[self.drag.shaking is not None] * (path.end - path.start)
+
+    @cached_property
+    def places(self) -> Floats:
+        """Measured depths in m at which the stress of strings is examined."""
+        path = self.drag.path
+        number = int(np.clip((path.end - path.start) / _SPACING, 50, _MOST_PLACES))
+        return np.union1d(np.linspace(path.start, path.end, number + 1), path.stations)
+
+    def _curvature(self, depth: Floats) -> Floats:
+        """Return the curvature of the well in 1/m, at a station the larger of those of both arcs."""
+        arcs = self.drag.path.arcs
+        below = arcs.at(depth).arc
+        above = np.maximum(np.searchsorted(arcs.start, depth, side="left") - 1, 0)
+        return np.maximum(arcs.curvature[below], arcs.curvature[above])
+
+    def _stress(self, depth: Floats, y: Floats, vibration: Any) -> Floats:
+        """Return the stress in Pa of strings at depths, NaN where they are not."""
+        place, force = Place.at(self.drag.path.arcs.at(depth)), self.drag.force(y)
+        is_wound = self.drag.is_snaking(place, force) | self.drag.is_helix(place, y)
+        both = stress_of(self.rod, self._curvature(depth), force, is_wound, vibration)
+        return np.asarray(both.axial + both.bending)
+
+    def run(self, bottoms: Floats, far_force: Any, effort: Effort, limits: Limits) -> Ends:
+        """Return the forces and stresses of strings to measured depths; stresses are 0 where none is limited."""
+        drag = self.drag
+        is_limited = math.isfinite(limits.stress)
+        places = self.places[self.places < bottoms.max()] if is_limited else np.empty(0)
+        runs = strings.run(drag, drag.path.start, bottoms, far_force, places, effort)
+        force = np.where(runs.is_settled, drag.force(runs.top_y), math.inf)
+        stress = np.zeros(bottoms.size)
+        if is_limited:
+            y = drag.y_of(np.broadcast_to(np.asarray(far_force, dtype=float), bottoms.shape))
+            stress = self._stress(bottoms, y, 0.0)
+            if places.size:
+                along = self._stress(places[:, None], runs.y, runs.wave[1])
+                stress = np.fmax(stress, np.fmax.reduce(along, axis=0))
+        return Ends(force, stress)
+
+    def pushed(self, bottoms: Floats, effort: Effort, limits: Limits) -> Ends:
+        """Return what `run` does for strings with the force at their lower ends, of which the stress may not count."""
+        ends = self.run(bottoms, self.far_force, effort, limits)
+        return ends._replace(stress=np.where(bottoms > self.passed, ends.stress, 0.0))
+
+    def turning(self, deepest: float) -> Floats:
+        """Return the depths of the lower end at which the force above begins to rise or fall as it goes deeper."""
+        drag = self.drag
+        ends = np.concatenate([drag.path.stations, drag.friction.depths])
+        ends = np.unique(np.append(ends[(ends > drag.path.start) & (ends < deepest)], [drag.path.start, deepest]))
+        share = (np.arange(_PER_PIECE) + 0.5) / _PER_PIECE
+        depth = (ends[:-1, None] + np.diff(ends)[:, None] * share).ravel()
+        rises = self._rise(depth)
+        i = np.flatnonzero((rises[1:] > 0.0) != (rises[:-1] > 0.0))
+        low, high = depth[i], depth[i + 1]
+        is_across = i % _PER_PIECE == _PER_PIECE - 1  # from one piece to the next
+        found = ends[1 + i // _PER_PIECE]
+        within = np.flatnonzero(~is_across)
+        if within.size:
+            at = i[within]
+            found[within] = roots(lambda x, _: self._rise(x), low[within], high[within], rises[at], rises[at + 1])
+        return np.asarray(found[(found > drag.path.start) & (found < deepest)])
+
+    def _rise(self, depth: Floats) -> Floats:
+        """Return -dy/ds at the lower end of strings."""
+        drag, place = self.drag, Place.at(self.drag.path.arcs.at(depth))
+        y = np.broadcast_to(drag.y_of(np.asarray(self.far_force)), depth.shape)
+        return -drag.slopes(place, drag.friction.at(depth), y, drag.is_helix(place, y))
+
+    def examined(self, deepest: float, limits: Limits) -> Floats:
+        """Return the depths that a string must pass to reach the deepest, that among them.
+
+        With a tool, whose wave is reflected by the ends, nothing rises or falls with depth alone: evenly spaced depths.
+        """
+        path = self.drag.path
+        if self.drag.shaking is not None:
+            even = np.linspace(path.start, path.end, _TRIED_DEPTHS + 1)[1:]
+            return np.append(even[even < deepest], deepest)
+        enters = np.empty(0)
+        if math.isfinite(limits.stress):
+            places = self.places[(self.places > path.start) & (self.places < deepest)]
+            y = np.broadcast_to(self.drag.y_of(np.asarray(self.far_force)), places.shape)
+            enters = places[self._stress(places, y, 0.0) > limits.stress][:1]
+        return np.unique(np.concatenate([self.turning(deepest), enters, [deepest]]))
+
+    def passes(self, depths: Floats, limits: Limits) -> Bools:
+        """Return which increasing depths strings are pushed to through all before; with a tool, through these alone."""
+        every = depths
+        if self.drag.shaking is None:
+            every = np.union1d(self.examined(float(depths[-1]), limits), depths)
+        goes = np.logical_and.accumulate(self.pushed(every, SOUGHT, limits).within(limits))
+        return np.asarray(goes[np.searchsorted(every, depths)])
+
+    def sought(self, depths: Floats, few: Ints, limits: Limits) -> Sought:
+        """Return how deep strings reach, at most to the last of increasing depths, and the forces at both ends.
+
+        Those at the lower ends are sought at a ``few`` of the depths.
+        """
+        start, deepest = self.drag.path.start, float(depths[-1])
+        every = np.union1d(self.examined(deepest, limits), depths)
+        ends = self.pushed(every, FAST, limits)
+        kinds = (limits,) if limits == STATICS else (limits, STATICS)
+        passed = [np.logical_and.accumulate(ends.within(kind)) for kind in kinds]
+        rows = np.searchsorted(every, depths)
+        arrives = few[passed[0][rows[few]]]
+        # Columns: the depths at which the force at the lower end is sought, then the reach of each kind that stops.
+        stops = [(kind, int(np.argmin(each))) for kind, each in zip(kinds, passed, strict=True) if not each.all()]
+        y = float(self.drag.y_of(np.asarray(self.far_force)))
+        low, high = np.full((2, 2, arrives.size + len(stops)), y)
+        before = np.append(start, every)
+        low[0], high[0] = (np.append(depths[arrives], [each[k] for _, k in stops]) for each in (before, every))
+        high[1, : arrives.size] = max(y, math.atan(MOST_FORCE))
+        if low.size:
+            of = [limits] * arrives.size + [kind for kind, _ in stops]
+            relieved = np.append(np.full(arrives.size, -math.inf), np.full(len(stops), self.passed))
+            low, high = self._narrowed(low, high, relieved, np.array([kind == STATICS for kind in of]), limits)
+        bit = np.full(few.size, math.nan)
+        middle = 0.5 * (low[1] + high[1])[: arrives.size]
+        bit[np.isin(few, arrives)] = self.drag.pipe.scale * np.tan(middle)
+        reached = [self._ended(deepest)] * len(kinds)
+        for (kind, _), a, b in zip(stops, low[0, arrives.size :], high[0, arrives.size :], strict=True):
+            if kind == limits or reached[0].limit != LOCK_UP:
+                reached[kinds.index(kind)] = self.confirmed(float(a), float(b), deepest, kind)
+            else:
+                reached[1] = reached[0]
+        return Sought(ends.force[rows], bit, reached[0], reached[-1])
+
+    def reached(self, deepest: float, limits: Limits) -> Reached:
+        """Return how deep strings reach, at most to a depth."""
+        return self.sought(np.array([deepest]), np.empty(0, dtype=np.intp), limits).reached
+
+    def _ended(self, deepest: float) -> Reached:
+        return Reached(deepest, END if deepest >= self.drag.path.end else ASKED)
+
+    def _narrowed(
+        self, low: Floats, high: Floats, relieved: Floats, is_static: Bools, limits: Limits
+    ) -> tuple[Floats, Floats]:
+        """Return what is between strings that go and those that are stopped, depths and y of lower ends in rows.
+
+        To depths that are ``relieved`` stress does not count; of columns that are static nothing but lock-up does.
+        """
+        for k, parts in enumerate(_PARTS[self.drag.shaking is not None]):
+            steps = np.linspace(low, high, parts + 1, axis=1)
+            bottoms, y = steps[:, 1:] if k == 0 else steps[:, 1:-1]
+            ends = self.run(bottoms.ravel(), self.drag.pipe.scale * np.tan(y.ravel()), SOUGHT, limits)
+            stress = np.where(bottoms.ravel() > np.tile(relieved, len(y)), ends.stress, 0.0)
+            within = ends._replace(stress=stress).within(limits)
+            goes = np.where(np.tile(is_static, len(y)), ends.within(STATICS), within)
+            last = np.cumprod(goes.reshape(y.shape), axis=0).sum(axis=0)
+            each = np.arange(last.size)
+            low, high = steps[:, last, each], steps[:, np.minimum(last + 1, parts), each]
+        return low, high
+
+    def confirmed(self, low: float, high: float, deepest: float, limits: Limits) -> Reached:
+        """Return the reach, from depths between which a string is stopped by quicker integration, by `mean_force`'s.
+
+        The string goes there as `mean_force` computes it, and is stopped no farther below than ``accuracy``.
+        """
+        least = self.drag.path.start + LENGTHS[0]
+        sections, widens = _SECTIONS[self.drag.shaking is not None], max(high - low, 2.0 * self.accuracy)
+        low, high = min(max(low - widens, least), deepest), min(max(high + widens, least), deepest)
+        while True:
+            depth = np.unique(np.linspace(low, high, sections + 1))
+            ends = self._checked(depth, limits)
+            goes = ends.within(limits)
+            if goes.all():
+                if high >= deepest:
+                    return self._ended(deepest)
+                low, high, widens = high, min(high + widens, deepest), _WIDENS * widens
+            elif not goes[0]:
+                if low <= least:
+                    return Reached(self.drag.path.start, ends.reason(0, limits))
+                low, high, widens = max(low - widens, least), low, _WIDENS * widens
+            else:
+                k = int(np.argmin(goes))
+                low, high = float(depth[k - 1]), float(depth[k])
+                if high - low <= self.accuracy:
+                    return Reached(low, ends.reason(k, limits))
+
+    def _checked(self, depth: Floats, limits: Limits) -> Ends:
+        """Return forces and stresses by the integrations of `mean_force`, infinite where one of them is."""
+        ends = self.pushed(depth, CHECKED[0], limits)
+        if self.drag.shaking is None:
+            return ends
+        other = self.pushed(depth, CHECKED[1], STATICS)
+        return ends._replace(force=np.where(np.isfinite(other.force), ends.force, math.inf))
+
+    def along(self, reached: Reached, limits: Limits) -> tuple[Reached, MeanForce, StressAlong]:
+        """Return the reach with the string along its length there, by `mean_force`, whose stress is within limits.
+
+        Where the string locks up, its force is told a little above, where it is not larger than any other.
+        """
+        path, step = self.drag.path, self.accuracy
+        while True:
+            bottom = max(reached.depth, path.start + LENGTHS[0])
+            if reached.limit == LOCK_UP:
+                bottom = max(bottom - 1e-3 * (bottom - path.start), path.start + LENGTHS[0])
+            along = mean_force(self.drag, self.far_force, bottom, None)
+            stress = stress_along(self.rod, path, along, along.vibration)
+            is_within = reached.depth <= self.passed or not (stress.axial + stress.bending > limits.stress).any()
+            if is_within or reached.limit == LOCK_UP or reached.depth <= path.start:
+                return reached, along, stress
+            reached = Reached(max(reached.depth - step, path.start), YIELD)
+            step *= _WIDENS
