@@ -49,6 +49,23 @@ def test_it_draws(line: list[str], tmp_path: Path, capsys: pytest.CaptureFixture
     assert picture.stat().st_size > 10_000
 
 
+def test_what_limits_it_and_its_speed_are_options_and_said(line: list[str], capsys: pytest.CaptureFixture[str]) -> None:
+    path = fr.WellPath.from_csv(line[2])
+    string = [*line[:4], "2.00x0.156 CT90", "--bore", "4.778in", "--friction", "0.9"]
+    rod = fr.Rod.catalogue("2.00x0.156 CT90", bore="4.778in", length=1000.0)
+    for share, given in (("30%", 0.3), ("none", None), ("0.05", 0.05)):
+        assert cli.main([*string, "--yield-share", share, "--json"]) == 0
+        record, found = json.loads(capsys.readouterr().out), rod.reach(path, 0.9, yield_share=given)
+        assert (record["reach_m"], record["limit"], record["yield_share"]) == (found.reach, found.limit, given)
+    assert found.limit == "yield"
+    assert cli.main(string) == 0
+    assert "in air: no fluids given" in capsys.readouterr().out
+    with pytest.raises(SystemExit):
+        cli.main(["reach", "--help"])
+    short = capsys.readouterr().out
+    assert all(f"--{name}" in short for name in ("speed", "push", "yield-share"))
+
+
 @pytest.mark.parametrize(
     ("options", "words"),
     [
@@ -62,6 +79,8 @@ def test_it_draws(line: list[str], tmp_path: Path, capsys: pytest.CaptureFixture
             "--tool must lie in the string, less than its length 2000 m",
         ),
         (["--friction", "0.3", "--push", "3 furlong"], "--push must be a number with"),
+        (["--friction", "0.3", "--yield-share", "150%"], "--yield-share must"),
+        (["--friction", "0.3", "--yield-share", "much"], "--yield-share must be a number"),
         (["--friction", "0.3", "--figure", "reach.doc"], "--figure must end in"),
         (["--friction", "0.3", "--report", "reach.doc"], "--report must end in"),
         (["--friction", "0.3", "--unit", "mm/s"], "--unit must name units such as ft,lbf, got 'mm/s'"),

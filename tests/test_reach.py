@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import json
 import math
 from dataclasses import replace
@@ -11,10 +12,11 @@ import pytest
 from matplotlib import pyplot
 
 import floquetrod as fr
-from floquetrod.rod.answers import reach
+from floquetrod.rod.answers import pushing, reach
 from floquetrod.rod.answers.growth_along import growth_along
 from floquetrod.rod.answers.mean_force import drag_of
 from floquetrod.rod.answers.sliding import damping_across
+from floquetrod.rod.answers.stress_along import stress_along
 from floquetrod.wells.drag import Drag, Place
 
 TUBING = fr.Rod.catalogue("2.00x0.156", bore="4.778in", length=1.0, fluid_inside=1e3, fluid_outside=1e3)
@@ -39,6 +41,160 @@ def test_where_it_ends_mean_forces_become_infinite() -> None:
     for depth, force in zip(DEPTHS[:2], found.injector[:2], strict=True):
         one = TUBING.mean_force(WELL, 0.3, bottom=depth, depth=[0.0])
         assert force == pytest.approx(one.at_top, rel=1e-6)
+
+
+SHORT_HELIX = fr.WellPath(
+    [
+        0,
+        437.3055501986551,
+        1063.8860581609604,
+        1489.1927477961558,
+        2148.154255423122,
+        2608.149718164062,
+        2942.959488110964,
+    ],
+    [0, 0, 0.6371828557368573, 1.2292064462733374, 1.6690298043288738, 1.75, 1.75],
+    [
+        *(0.3160732245689949, -0.024986577899869744, 0.1517529055116697, 0.10617352043257672),
+        *(0.15620019715774586, 0.2764670059199878, 0.3477316107469158),
+    ],
+)
+STIFF = fr.Rod(
+    *(2.07e11, 7850),
+    radius=0.014560815934333622,
+    inner_radius=0.006904710837331386,
+    length=10,
+    channel_radius=0.13920085580916752,
+    fluid_inside=1000,
+    fluid_outside=1400,
+)
+
+
+@pytest.mark.parametrize("depths", [None, [2942.0], [50.0, 2800.0, 2900.0]])
+def test_a_short_helix_that_locks_up_is_not_passed_over(depths: list[float] | None) -> None:
+    """It begins where the string leaves the low side, with the lower end at 2752.25 m by steps of 5 mm."""
+    friction, far_force = 0.1522268148152164, -3514.107319806371
+    found = STIFF.reach(SHORT_HELIX, friction, far_force=far_force, depth=depths)
+    assert (found.limit, found.lock_up) == ("lock-up", found.reach)
+    assert found.reach == pytest.approx(2752.255, abs=0.006)
+    for off, is_locked in ((0.0, False), (1e-6 * SHORT_HELIX.end, True)):
+        one = STIFF.mean_force(SHORT_HELIX, friction, far_force=far_force, bottom=found.reach + off, depth=[0.0])
+        assert one.is_locked == is_locked
+
+
+def drawn_string(seed: int) -> tuple[fr.Rod, fr.WellPath, float, float]:
+    """Return a string of steel with a yield strength, a well that builds, turns and undulates, friction and a force."""
+    rng = np.random.default_rng([48, seed])
+    size = int(rng.integers(4, 8))
+    measured = np.append(0.0, np.cumsum(rng.uniform(150.0, 650.0, size)))
+    inclination = np.concatenate([[0.0, 0.0], np.sort(rng.uniform(0.2, 1.75, size - 1))])
+    inclination[2:] += rng.normal(0.0, 0.1, size - 1) * rng.integers(0, 2)
+    well = fr.WellPath(measured, np.abs(inclination), rng.normal(0.0, 0.15, size + 1))
+    radius = rng.uniform(0.012, 0.03)
+    rod = fr.Rod(
+        *(2.07e11, 7850.0),
+        radius=radius,
+        inner_radius=radius * rng.uniform(0.4, 0.85),
+        length=10.0,
+        channel_radius=rng.uniform(0.05, 0.15),
+        fluid_inside=1000.0,
+        fluid_outside=rng.uniform(1000.0, 1400.0),
+        yield_strength=rng.uniform(200e6, 700e6),
+    )
+    return rod, well, rng.uniform(0.12, 0.5), rng.uniform(-5e3, 2e3)
+
+
+def require_reach(found: fr.Reach, rod: fr.Rod, friction: float, far_force: float) -> None:
+    """Require that a string goes as deep as it reaches, and no deeper."""
+    well, stress = found.path, 0.0
+    if found.reach > well.start:
+        along = rod.mean_force(well, friction, far_force=far_force, bottom=found.reach)
+        assert not along.is_locked
+        assert along.at_top <= found.push
+        stress = float(np.max(stress_along(rod, well, along, along.vibration).largest))
+        assert stress <= found.yield_share * rod.yield_strength * (1.0 + 1e-12) or found.limit == "lock-up"
+    if found.is_stopped:
+        deeper = found.reach + 3e-6 * (well.end - well.start)
+        along = rod.mean_force(
+            well, friction, far_force=far_force, bottom=deeper, depth=well.stations[well.stations < deeper]
+        )
+        off = stress_along(rod, well, along, along.vibration).largest.max()
+        strength = found.yield_share * rod.yield_strength
+        is_beyond = {
+            "lock-up": along.is_locked,
+            "push": along.at_top > found.push * (1.0 - 1e-9),
+            "yield": off > 0.999 * strength or stress > 0.999 * strength,  # at a bend between its places, too
+        }
+        assert is_beyond[found.limit]
+    else:
+        assert found.reach == found.depth[-1]
+
+
+@pytest.mark.filterwarnings("ignore::floquetrod.PlausibilityWarning")
+@pytest.mark.parametrize("seeds", [range(5), pytest.param(range(5, 1000), marks=pytest.mark.slow)])
+def test_a_reach_is_one_at_which_the_mean_force_is_finite_and_hardly_deeper_it_is_not(seeds: range) -> None:
+    for seed in seeds:
+        rod, well, friction, far_force = drawn_string(seed)
+        push = [None, 5e3, 30e3][seed % 3]
+        found = rod.reach(well, friction, far_force=far_force, push=push, depth=[well.end])
+        require_reach(found, rod, friction, far_force)
+        statics = rod.reach(
+            well, friction, far_force=far_force, yield_share=None, depth=well.end * np.array([0.3, 0.77, 1.0])
+        )
+        require_reach(replace(statics, yield_share=1e9), rod, friction, far_force)
+        assert statics.lock_up == pytest.approx(found.lock_up, abs=2e-6 * well.end)
+        assert found.reach <= statics.reach + 2e-6 * well.end
+        share = fr.probability_of_reach(
+            rod, well, (friction, friction * (1.0 + 1e-12)), depth=[well.end], push=push, far_force=far_force, samples=1
+        )
+        assert share.probability[0] == (not found.is_stopped)
+
+
+@pytest.mark.filterwarnings("ignore::floquetrod.PlausibilityWarning")
+def test_between_the_depths_at_which_the_lower_end_turns_no_string_is_stopped() -> None:
+    """Forces of strings to a thousand depths, of which none exceeds those at both turning points beside it."""
+    well = fr.WellPath([0.0, 500.0, 900.0, 1400.0, 1700.0, 2200.0], [0.0, 0.0, 1.3, 1.75, 1.0, 1.6])
+    strings = pushing.Pushing(TUBING, drag_of(TUBING, well, 0.25, "pushed", "energy", None, 0.05), 500.0)
+    turning = strings.turning(well.end)
+    assert 2 <= turning.size <= 8
+    every = np.union1d(np.linspace(1.0, well.end, 1000), turning)
+    force = strings.run(every, 500.0, pushing.FAST, pushing.STATICS).force
+    ends = np.searchsorted(every, np.concatenate([[1.0], turning, [well.end]]))
+    for low, high in itertools.pairwise(ends):
+        steps = np.diff(force[low : high + 1])
+        assert (steps > -1e-3).all() or (steps < 1e-3).all()
+
+
+def test_the_reach_is_that_within_a_share_of_yield_and_lock_up_is_told_beside_it() -> None:
+    rod = TUBING.replace(yield_strength="70ksi")
+    deep = [rod.reach(WELL, 0.2, yield_share=share, depth=[4000.0]) for share in (None, 0.8, 0.5, 0.15)]
+    assert [each.limit for each in deep] == ["lock-up", "yield", "yield", "yield"]
+    assert all(a.reach > b.reach for a, b in itertools.pairwise(deep))
+    assert [each.lock_up for each in deep] == pytest.approx([deep[0].reach] * 4, abs=0.01)
+    for each in deep[1:]:
+        assert each.stress.share_of_yield == pytest.approx(each.yield_share, rel=0.02)
+        assert each.stress.share_of_yield <= each.yield_share
+        assert f"{100.0 * each.yield_share:g} % of its yield strength" in repr(each)
+        assert f"by statics alone it locks up at {each.lock_up:.5g} m" in str(each.report())
+        assert each.as_dict()["limit"] == "yield"
+    pushed = rod.reach(WELL, 0.2, push="1kN", depth=[4000.0])
+    assert pushed.limit == "push"
+    assert rod.mean_force(WELL, 0.2, bottom=pushed.reach).at_top == pytest.approx(1e3, rel=1e-3)
+    assert "with 1 kN" in repr(pushed)
+    plain = TUBING.reach(WELL, 0.2, depth=[4000.0])
+    assert (plain.limit, plain.reach) == ("lock-up", plain.lock_up)
+    assert "since no yield strength is given" in str(plain.report())
+    for wrong in (0.0, 1.5, -1.0, "much"):
+        with pytest.raises((TypeError, ValueError), match=r"^yield_share must"):
+            rod.reach(WELL, 0.2, yield_share=wrong)
+
+
+def test_a_string_is_told_to_hang_in_air_where_no_fluid_is_given() -> None:
+    dry = TUBING.replace(fluid_inside=0.0, fluid_outside=0.0)
+    rods = dry, TUBING, TUBING.replace(fluid_inside=0.0)
+    for rod, said in zip(rods, ("in air: no fluids given", "in its fluids\n", "fluids, with none inside"), strict=True):
+        text = str(rod.reach(WELL, 0.3, depth=[50.0]).report())
+        assert said in text
 
 
 @pytest.mark.slow
@@ -106,6 +262,23 @@ def test_a_tool_too_weak_to_move_the_string_gains_nothing() -> None:
 
 
 @pytest.mark.slow
+def test_what_a_tool_gains_is_told_for_three_speeds_of_sliding() -> None:
+    found = TUBING.reach(WELL, 0.3, tool=TOOL, speed="0.1m/s", depth=[4000.0])
+    assert found.speeds == pytest.approx([0.04, 0.1, 0.4])
+    assert found.reach_at_speeds[1] == found.reach_shaken
+    for speed, deep in zip(found.speeds, found.reach_at_speeds, strict=True):
+        other = TUBING.reach(WELL, 0.3, tool=TOOL, speed=speed, depth=[4000.0])
+        assert other.reach_shaken == pytest.approx(deep, abs=0.5)
+        assert not TUBING.mean_force(WELL, 0.3, tool=TOOL, speed=speed, bottom=deep).is_locked
+    assert (np.diff(found.gain_at_speeds) < 0.0).all()
+    assert "sliding at 0.1 m/s" in repr(found)
+    assert f"the tool gains {found.gain_at_speeds[0]:.4g} m at 0.04 m/s" in str(found.report())
+    sheet = found.as_dict()
+    assert sheet["gain_at_speeds_m"] == pytest.approx(found.gain_at_speeds)
+    assert TUBING.reach(WELL, 0.3, depth=[1000.0]).speeds.size == 0
+
+
+@pytest.mark.slow
 def test_a_tool_gains_reach_and_says_where_it_hurts() -> None:
     still, shaken = TUBING.reach(WELL, 0.3, depth=DEPTHS), TUBING.reach(WELL, 0.3, tool=TOOL, depth=DEPTHS)
     assert (still.gain, still.reach) == (0.0, shaken.reach)
@@ -142,12 +315,11 @@ def test_the_reach_is_that_with_finer_waves(
     """The table of docs/theory/mean_force.md; a quarter of a wave above the lower end, 71.3 m, little is gained."""
     well = fr.WellPath([0.0, 1000.0, 1450.0, 5000.0], ["0deg", "0deg", "90deg", "90deg"])
     drag = drag_of(TUBING, well, 0.3, "pushed", "energy", fr.VibrationTool("8kN", frequency, above_end), 0.05)
-    search, depth = reach._Search(drag, 0.0, math.inf), expected + np.linspace(-30.0, 30.0, 7)
-    found = []
-    for cells in (reach.FAST.cells, 36):
+    search, found = pushing.Pushing(TUBING, drag, 0.0), []
+    for cells in (pushing.FAST.cells, 36):
         for name in ("FAST", "SOUGHT"):
-            monkeypatch.setattr(reach, name, getattr(reach, name)._replace(cells=cells))
-        found.append(search.limits(depth, search.injector(depth, 0.0, reach.FAST), np.arange(1))[0][0])
+            monkeypatch.setattr(pushing, name, getattr(pushing, name)._replace(cells=cells))
+        found.append(search.reached(well.end, pushing.STATICS).depth)
     assert found == pytest.approx([expected, found[0]], rel=5e-4)
 
 

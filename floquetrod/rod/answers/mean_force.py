@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import functools
 import itertools
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -21,7 +22,7 @@ from floquetrod.rod.model.data import RodData
 from floquetrod.rod.model.parts import friction_coefficient
 from floquetrod.units import with_unit
 from floquetrod.wells import strings
-from floquetrod.wells.drag import CHECKED, HELICAL, MOTIONS, TRIED, Drag, Friction, Pipe, Place, Shaking
+from floquetrod.wells.drag import CHECKED, HELICAL, MOTIONS, TRIED, Drag, Effort, Friction, Pipe, Place, Shaking
 from floquetrod.wells.path import WellPath
 from floquetrod.wells.survey import LENGTHS
 
@@ -29,6 +30,9 @@ _LARGEST = 1e12  # N
 _SPEEDS = 1e-9, 1e3  # m/s of sliding
 _SPACING = 10.0  # m between depths where none are asked for (a choice)
 _MOST = 2000  # depths where none are asked for
+_CLOSE = 1e-3  # of the largest speed and vibration: waves that differ by more are computed with finer cells
+_FINER = 4, 16  # times as many
+_SAFETY = 3.0  # of the difference of two waves: friction beside the corner makes it fall unevenly (measured)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -58,6 +62,10 @@ class MeanForce(Printed, ByContent):
     error : float
         Estimated error of ``force`` in N where it is finite, that of the integration alone.  With a tool its wave and
         the force are computed alternately, and from above and below; infinite where these have not converged.
+    speed_error : float
+        Estimated error of ``speed`` in m/s, of the same solutions: largest next to an axial resonance.
+    vibration_error : float
+        Estimated error of ``vibration`` in N.
     """
 
     depth: Floats
@@ -70,6 +78,8 @@ class MeanForce(Printed, ByContent):
     is_helix: Bools
     motion: str
     error: float
+    speed_error: float
+    vibration_error: float
 
     @property
     def at_top(self) -> float:
@@ -94,7 +104,8 @@ class MeanForce(Printed, ByContent):
         lines = [("snaking", _depths(self.depth, self.is_snaking)), ("helix", _depths(self.depth, self.is_helix))]
         return Report(self._in_words, [*lines, ("assumed", "; ".join(ASSUMED))])
 
-    _keys = "motion depth_m force_N contact_N_per_m friction speed_m_per_s vibration_N is_snaking is_helix error_N"
+    _keys = "motion depth_m force_N contact_N_per_m friction speed_m_per_s vibration_N is_snaking is_helix error_N "
+    _keys += "speed_error_m_per_s vibration_error_N"
 
 
 ASSUMED = (
@@ -168,12 +179,36 @@ def mean_force(drag: Drag, far_force: float, bottom: float, depth: Any) -> MeanF
     """Return what `Rod.mean_force` does."""
     path = drag.path
     depths = _asked(path.start, bottom, depth)
-    found, rough = (strings.run(drag, path.start, np.array([bottom]), far_force, depths, each) for each in CHECKED)
+    run = functools.partial(strings.run, drag, path.start, np.array([bottom]), far_force, depths)
+    found, rough = map(run, CHECKED)
     force, other = drag.force(found.y[:, 0]), drag.force(rough.y[:, 0])
     is_free = np.isfinite(force) & np.isfinite(other)
-    is_settled = bool(found.is_settled[0] and rough.is_settled[0])
-    error = float(np.abs(force[is_free] - other[is_free]).max(initial=0.0)) if is_settled else math.inf
-    return _along(drag, found, 0, error)
+    if not (found.is_settled[0] and rough.is_settled[0]):
+        return _along(drag, found, 0, (math.inf, math.inf, math.inf))
+    error = float(np.abs(force[is_free] - other[is_free]).max(initial=0.0))
+    wave, errors = _refined_wave(run, found, rough)
+    return _along(drag, found._replace(wave=wave), 0, (error, *errors))
+
+
+def _refined_wave(
+    run: Callable[[Effort], strings.Run], found: strings.Run, rough: strings.Run
+) -> tuple[Floats, tuple[float, float]]:
+    """Return the wave of a tool, with finer cells next to an axial resonance, and the errors of speed and vibration.
+
+    There elastic forces cancel, and what friction takes where the wave is hardly faster than the string slides, in few
+    cells, decides how large it becomes: its corner is sharper, too.
+    """
+    wave, other = found.wave, rough.wave
+    for finer in (*_FINER, 0):
+        off = [float(np.fmax.reduce(each, initial=0.0)) for each in np.abs(wave - other)[..., 0]]
+        largest = [float(np.fmax.reduce(each, initial=0.0)) for each in wave[..., 0]]
+        if finer == 0 or all(a <= _CLOSE * b for a, b in zip(off, largest, strict=True)):
+            break
+        again = run(CHECKED[0]._replace(cells=finer * CHECKED[0].cells, soft=CHECKED[0].soft / finer))
+        if not again.is_settled[0]:
+            break
+        wave, other = again.wave, wave
+    return wave, (_SAFETY * off[0], _SAFETY * off[1])
 
 
 def mean_forces(drag: Drag, far_force: float, bottoms: Floats, spacing: float) -> list[MeanForce | None]:
@@ -185,11 +220,12 @@ def mean_forces(drag: Drag, far_force: float, bottoms: Floats, spacing: float) -
     depths = np.append(np.linspace(start, deepest, 1 + math.ceil((deepest - start) / spacing)), bottoms)
     found = strings.run(drag, start, bottoms, far_force, depths, TRIED)
     goes = found.is_settled & np.isfinite(drag.force(found.top_y))
-    return [_along(drag, found, k, math.nan) if goes[k] else None for k in range(bottoms.size)]
+    unknown = math.nan, math.nan, math.nan
+    return [_along(drag, found, k, unknown) if goes[k] else None for k in range(bottoms.size)]
 
 
-def _along(drag: Drag, found: strings.Run, k: int, error: float) -> MeanForce:
-    """Return the results along string k."""
+def _along(drag: Drag, found: strings.Run, k: int, errors: tuple[float, float, float]) -> MeanForce:
+    """Return the results along string k, with the errors of force, speed and vibration."""
     there = np.isfinite(found.y[:, k])
     depth, y, (speed, vibration) = found.depth[there], found.y[there, k], found.wave[:, there, k]
     force, place = drag.force(y), Place.at(drag.path.arcs.at(depth))
@@ -208,7 +244,9 @@ def _along(drag: Drag, found: strings.Run, k: int, error: float) -> MeanForce:
         is_snaking=drag.is_snaking(place, force),
         is_helix=is_helix,
         motion=drag.motion,
-        error=error,
+        error=errors[0],
+        speed_error=errors[1],
+        vibration_error=errors[2],
     )
 
 

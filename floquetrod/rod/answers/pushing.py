@@ -140,8 +140,7 @@ class Pushing:
         """Return the stress in Pa of strings at depths, NaN where they are not."""
         place, force = Place.at(self.drag.path.arcs.at(depth)), self.drag.force(y)
         is_wound = self.drag.is_snaking(place, force) | self.drag.is_helix(place, y)
-        both = stress_of(self.rod, self._curvature(depth), force, is_wound, vibration)
-        return np.asarray(both.axial + both.bending)
+        return stress_of(self.rod, self._curvature(depth), force, is_wound, vibration).largest
 
     def run(self, bottoms: Floats, far_force: Any, effort: Effort, limits: Limits) -> Ends:
         """Return the forces and stresses of strings to measured depths; stresses are 0 where none is limited."""
@@ -318,7 +317,7 @@ class Pushing:
                 bottom = max(bottom - 1e-3 * (bottom - path.start), path.start + LENGTHS[0])
             along = mean_force(self.drag, self.far_force, bottom, None)
             stress = stress_along(self.rod, path, along, along.vibration)
-            is_within = reached.depth <= self.passed or not (stress.axial + stress.bending > limits.stress).any()
+            is_within = reached.depth <= self.passed or not (stress.largest > limits.stress).any()
             if is_within or reached.limit == LOCK_UP or reached.depth <= path.start:
                 return reached, along, stress
             reached = Reached(max(reached.depth - step, path.start), YIELD)

@@ -18,6 +18,11 @@ class StressAlong(NamedTuple):
     axial: Floats
     bending: Floats
 
+    @property
+    def largest(self) -> Floats:
+        """Both together."""
+        return np.asarray(self.axial + self.bending)
+
 
 def stress_along(rod: RodData, path: WellPath, along: MeanForce, amplitude: Floats) -> StressAlong:
     """Return the largest stress in the section, with the vibration of the force in N.
