@@ -52,7 +52,7 @@ class Effort(NamedTuple):
     soft: float = 1e-4
 
 
-CHECKED = Effort(1e-12, 2, 24, soft=1e-6), Effort(1e-10, 1, 12, 0.0, 3e-6)
+CHECKED = Effort(1e-12, 2, 24), Effort(1e-10, 1, 12, 0.0, 3e-4)
 FAST, SOUGHT, TRIED = Effort(1e-8, 1, 12), Effort(1e-6, 1, 12), Effort(1e-6, 1, 6)
 """Of one string, and what it is compared with, whose error is the difference; of many strings; of a depth sought; of a
 force sought at the lower end."""

@@ -31,7 +31,7 @@ _SPEEDS = 1e-9, 1e3  # m/s of sliding
 _SPACING = 10.0  # m between depths where none are asked for (a choice)
 _MOST = 2000  # depths where none are asked for
 _CLOSE = 1e-3  # of the largest speed and vibration: waves that differ by more are computed with finer cells
-_FINER = 4, 16  # times as many
+_FINER = (1, 1e-6), (4, 1e-7), (16, 1e-8)  # times as many, and their `Effort.soft`, as long as the turns settle
 _SAFETY = 3.0  # of the difference of two waves: friction beside the corner makes it fall unevenly (measured)
 
 
@@ -186,7 +186,7 @@ def mean_force(drag: Drag, far_force: float, bottom: float, depth: Any) -> MeanF
     if not (found.is_settled[0] and rough.is_settled[0]):
         return _along(drag, found, 0, (math.inf, math.inf, math.inf))
     error = float(np.abs(force[is_free] - other[is_free]).max(initial=0.0))
-    wave, errors = _refined_wave(run, found, rough)
+    wave, errors = (found.wave, (0.0, 0.0)) if drag.shaking is None else _refined_wave(run, found, rough)
     return _along(drag, found._replace(wave=wave), 0, (error, *errors))
 
 
@@ -198,17 +198,22 @@ def _refined_wave(
     There elastic forces cancel, and what friction takes where the wave is hardly faster than the string slides, in few
     cells, decides how large it becomes: its corner is sharper, too.
     """
-    wave, other = found.wave, rough.wave
-    for finer in (*_FINER, 0):
-        off = [float(np.fmax.reduce(each, initial=0.0)) for each in np.abs(wave - other)[..., 0]]
-        largest = [float(np.fmax.reduce(each, initial=0.0)) for each in wave[..., 0]]
-        if finer == 0 or all(a <= _CLOSE * b for a, b in zip(off, largest, strict=True)):
+    wave, off = found.wave, _largest(found.wave - rough.wave)
+    for k, (cells, soft) in enumerate(_FINER):
+        finer = run(CHECKED[0]._replace(cells=cells * CHECKED[0].cells, soft=soft))
+        if not finer.is_settled[0]:
             break
-        again = run(CHECKED[0]._replace(cells=finer * CHECKED[0].cells, soft=CHECKED[0].soft / finer))
-        if not again.is_settled[0]:
+        # The first differs in the corner, the two before it in their cells: both errors count.
+        change = _largest(finer.wave - wave)
+        off, wave = np.maximum(change, off) if k == 0 else change, finer.wave
+        if (off <= _CLOSE * _largest(wave)).all():
             break
-        wave, other = again.wave, wave
-    return wave, (_SAFETY * off[0], _SAFETY * off[1])
+    return wave, (float(_SAFETY * off[0]), float(_SAFETY * off[1]))
+
+
+def _largest(wave: Floats) -> Floats:
+    """Return the largest sizes of speed and vibration (2,) along one string."""
+    return np.asarray(np.fmax.reduce(np.abs(wave[..., 0]), axis=1, initial=0.0))
 
 
 def mean_forces(drag: Drag, far_force: float, bottoms: Floats, spacing: float) -> list[MeanForce | None]:
