@@ -101,7 +101,7 @@ def drawn_string(seed: int) -> tuple[fr.Rod, fr.WellPath, float, float]:
         fluid_outside=rng.uniform(1000.0, 1400.0),
         yield_strength=rng.uniform(200e6, 700e6),
     )
-    return rod, well, rng.uniform(0.12, 0.5), rng.uniform(-5e3, 2e3)
+    return rod, well, rng.uniform(0.2, 0.9), rng.uniform(-5e3, 2e3)
 
 
 def require_reach(found: fr.Reach, rod: fr.Rod, friction: float, far_force: float) -> None:
