@@ -23,7 +23,7 @@ from damages import damaged, sealed, shuffled
 from floquetrod import cli
 from floquetrod._util import files
 from floquetrod._util.files import atomic_file, writable
-from floquetrod.ensembles.runs import Runs
+from floquetrod.ensembles.runs import Runs, Variable
 from floquetrod.equations.system_files import read_system
 
 ROD = fr.Rod.nitinol()
@@ -509,3 +509,75 @@ def test_names_of_files_are_printable_in_the_terminal(
         said = "".join(capsys.readouterr())
         assert code not in said
         assert code == "\r" or code.encode("unicode_escape").decode()[:4] in said  # white space is one space
+
+
+ZEROS = "{'descr': '<f8', 'fortran_order': False, 'shape': (12500000,)}"
+"""Header of 100 MB of zeros, which a hundred kilobytes unfold to."""
+
+
+def bombs(path: Path) -> dict[str, Callable[[], object]]:
+    """Write archives with members that unfold to 100 MB and do not fit the others; return who reads them."""
+    zeros = np.zeros(12_500_000)
+
+    def forge(saved: Path, *names: str) -> None:
+        meta, arrays = files._unpack(saved)
+        for name in names:
+            place = path / f"{saved.stem} {name}.npz"
+            files.write_npz(place, meta, {**arrays, name: zeros}, compress=True)
+
+    forge(small_map().save(path / "chart.npz"), "stable", "x", "growth_rate")
+    forge(short_run().save(path / "run.npz"), "time", "positions")
+    kick = Variable(("kick",), np.ones(3), {})
+    forge(Runs({"a": kick, "b": kick}, {"kick": kick}, {}).save(path / "runs.npz"), "variables.b", "coords.kick")
+    np.savez_compressed(path / "system.npz", stiffness=np.eye(2), cosines=zeros)
+    np.savez_compressed(path / "batch.npz", stiffness=np.zeros((1_000_000, 3, 3)))
+    readers: dict[str, Callable[[], object]] = {}
+    for file in path.glob("* *.npz"):
+        load = {"chart": fr.Chart.load, "run": fr.Simulation.load, "runs": Runs.load}[file.name.split()[0]]
+        readers[file.name] = lambda load=load, file=file: load(file)  # type: ignore[misc]
+    for name in ("system.npz", "batch.npz"):
+        readers[name] = lambda name=name: read_system(path / name)  # type: ignore[misc]
+    return readers
+
+
+def test_archives_that_unfold_to_what_does_not_fit_take_no_memory(tmp_path: Path) -> None:
+    """Shapes are compared before anything is read, by every reader of such files."""
+    readers = bombs(tmp_path)
+    assert len(readers) == 9
+    for name, load in readers.items():
+        tracemalloc.start()
+        with pytest.raises(ValueError, match=r"be read"):
+            load()
+        peak = tracemalloc.get_traced_memory()[1]
+        tracemalloc.stop()
+        assert peak < 20_000_000, name
+
+
+def test_a_directory_that_claims_more_than_the_file_can_hold_is_refused(tmp_path: Path) -> None:
+    path = tmp_path / "chart.npz"
+    bomb(path, ZEROS, bytes(64))
+    content = bytearray(path.read_bytes())
+    at = content.rindex(b"PK\x01\x02")
+    content[at + 24 : at + 28] = (1 << 30).to_bytes(4, "little")  # the size of the member, in the directory
+    path.write_bytes(sealed(bytes(content)))
+    with pytest.raises(ValueError, match=r"stable\.npy claims more than a file of \d+ bytes can hold"):
+        fr.Chart.load(path)
+
+
+def test_a_closed_folder_is_named_and_nothing_is_left(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    run, opened = short_run(), os.open
+
+    def closed(path: Any, flags: int, *mode: int, **options: Any) -> int:
+        if flags & os.O_CREAT:
+            raise PermissionError(errno.EACCES, "Permission denied", str(path))
+        return opened(path, flags, *mode, **options)
+
+    with monkeypatch.context() as patched:
+        patched.setattr(os, "open", closed)
+        with pytest.raises(ValueError, match=r"path must be in a folder that can be written, got .*Permission denied"):
+            run.save(tmp_path / "run.npz")
+    (tmp_path / "file").write_text("")
+    for place in (tmp_path / "none" / "run.npz", tmp_path / "file" / "run.npz", tmp_path):
+        with pytest.raises(ValueError, match=r"there is no folder|is a folder"):
+            run.save(place)
+    assert [path.name for path in tmp_path.iterdir()] == ["file"]

@@ -7,6 +7,7 @@ abandoned, and the next save into the folder removes it.
 
 from __future__ import annotations
 
+import copy
 import errno
 import hashlib
 import json
@@ -20,7 +21,7 @@ import zipfile
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager, suppress
 from pathlib import Path
-from typing import IO, Any, TypeVar
+from typing import IO, Any, NamedTuple, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,10 +31,14 @@ from floquetrod._util import validate
 Result = TypeVar("Result")
 
 _LARGEST = 1 << 33  # bytes of a file, and of its arrays: what a person may still want to load
+_LARGEST_DESCRIPTION = 1 << 28  # bytes, of the JSON beside the arrays (a choice)
+_MOST_UNFOLDED = 1032  # bytes that one byte of deflate can stand for: 258 in two bits
+_HEADERS = {(1, 0): np.lib.format.read_array_header_1_0, (2, 0): np.lib.format.read_array_header_2_0}
 _PART = re.compile(r"\.floquetrod-[0-9a-f]{16}\.part")
 _SEAL = b"sha256:"
 _SEALED = len(_SEAL) + 2 * hashlib.sha256().digest_size
 _CLOSED_FIRST = sys.platform == "win32"  # which does not rename a file that is open
+_CLOSED = (errno.EACCES, errno.EPERM, errno.EROFS, errno.ENOENT, errno.ENOTDIR)  # what a folder may refuse a file with
 _BINARY = getattr(os, "O_BINARY", 0)  # exists on Windows only
 
 
@@ -72,11 +77,18 @@ def require_regular(path: Path, largest: int | None = None) -> None:
 def atomic_file(path: Path) -> Iterator[IO[bytes]]:
     """Open a file for writing that takes the place of ``path`` once it is complete and on the disk.
 
-    Until then the old one stays.  Symbolic links are followed; an older file's permissions are kept.
+    Until then the old one stays.  Symbolic links are followed; an older file's permissions are kept.  Raises ValueError
+    where nothing can be written there, OSError where a disk fails.
     """
     target = _target(path)
     # The part must not be readable by anyone who may not read the target; the system sets the rights of a new file.
-    handle, part = _new_part(target.parent, 0o600 if target.exists() else 0o666)
+    try:
+        handle, part = _new_part(target.parent, 0o600 if target.exists() else 0o666)
+    except OSError as error:
+        if error.errno in _CLOSED:
+            where = f"{path}: {error.strerror} (folder {target.parent})"
+            raise validate.wrong_value("path", f"must be in a folder that can be written, got {where}") from None
+        raise
     try:
         with os.fdopen(handle, "w+b") as file:
             yield file
@@ -219,7 +231,7 @@ def _seal(file: IO[bytes]) -> bytes:
 
 
 def read_npz(
-    path: str | Path, file_format: str, what: str, build: Callable[[dict[str, Any], dict[str, NDArray[Any]]], Result]
+    path: str | Path, file_format: str, what: str, build: Callable[[dict[str, Any], Arrays], Result]
 ) -> Result:
     """Return what ``build`` makes of description and arrays that `write_npz` wrote with this ``meta["format"]``.
 
@@ -230,63 +242,173 @@ def read_npz(
     if not path.exists():
         raise ValueError(f"{path} is not {what} that can be read: there is no such file")
     try:
-        meta, arrays = _unpack(path)
-        if meta["format"] != file_format:
-            raise ValueError(f"its format is {meta['format']!r}, not {file_format!r}: it is of another kind or version")
-        return build(meta, arrays)
+        with _opened(path) as (meta, arrays):
+            if meta["format"] != file_format:
+                raise ValueError(
+                    f"its format is {meta['format']!r}, not {file_format!r}: it is of another kind or version"
+                )
+            return build(meta, arrays)
     except Exception as error:  # any error while reading means that the file is not one of ours
         cause = f"it has no {error}" if isinstance(error, KeyError) else error
         raise ValueError(f"{path} is not {what} that can be read: {cause}") from error
 
 
-def _unpack(path: Path) -> tuple[dict[str, Any], dict[str, NDArray[Any]]]:
-    """Return description and arrays of a sealed file."""
+@contextmanager
+def _opened(path: Path) -> Iterator[tuple[dict[str, Any], Arrays]]:
+    """Open a sealed file: its description, and its arrays, of which nothing has been read but the headers."""
     require_regular(path, _LARGEST)
     with path.open("rb") as file:
-        seal = _seal(file)
-        if not (found := file.read()).startswith(_SEAL):
-            raise ValueError("it has no checksum: it is damaged, foreign, or of a version before checksums")
-        if found != seal:
-            raise ValueError("its checksum does not fit: it is damaged")
-        with zipfile.ZipFile(file) as archive:
-            members = archive.infolist()
-            if sum(member.file_size for member in members) > _LARGEST:
+        _require_sealed(file)
+        with Arrays.opened(file, path.stat().st_size) as arrays:
+            if arrays.size > _LARGEST:
                 raise ValueError(f"it holds more than {_LARGEST:,} bytes")
-            arrays = {member.filename.removesuffix(".npy"): _array(archive, member) for member in members}
-    if len(arrays) != len(members):
-        raise ValueError("it holds two arrays of one name")
-    meta = json.loads(str(field(arrays, "meta", arrays["meta"].dtype, ())[()]))
+            yield _description(arrays), arrays
+
+
+def _unpack(path: Path) -> tuple[dict[str, Any], dict[str, NDArray[Any]]]:
+    """Return description and arrays of a sealed file, all of them read."""
+    with _opened(path) as (meta, arrays):
+        return meta, {name: arrays[name] for name in arrays if name != "meta"}
+
+
+def _require_sealed(file: IO[bytes]) -> None:
+    """Raise ValueError where the checksum at the end of a file is missing or does not fit."""
+    seal = _seal(file)
+    if not (found := file.read()).startswith(_SEAL):
+        raise ValueError("it has no checksum: it is damaged, foreign, or of a version before checksums")
+    if found != seal:
+        raise ValueError("its checksum does not fit: it is damaged")
+
+
+def _description(arrays: Arrays) -> dict[str, Any]:
+    """Return the description in a file."""
+    if arrays.headers["meta"].size > _LARGEST_DESCRIPTION:
+        raise ValueError(f"its description has more than {_LARGEST_DESCRIPTION:,} bytes")
+    meta = json.loads(str(field(arrays, "meta", arrays.headers["meta"].dtype, ())[()]))
     if not isinstance(meta, dict):
         raise ValueError("its description is none")
-    del arrays["meta"]
-    return meta, arrays
+    return meta
 
 
-def _array(archive: zipfile.ZipFile, member: zipfile.ZipInfo) -> NDArray[Any]:
-    """Return a member of an archive; memory is allocated only as far as there is content."""
+class _Header(NamedTuple):
+    """What an npz file says of an array before it is read."""
+
+    member: zipfile.ZipInfo
+    shape: tuple[int, ...]
+    fortran: bool
+    dtype: np.dtype[Any]
+    start: int  # of its content, bytes from the beginning of the member
+
+    @property
+    def size(self) -> int:
+        """Bytes of the content."""
+        return math.prod(self.shape) * self.dtype.itemsize
+
+
+class Arrays(Mapping[str, NDArray[Any]]):
+    """The arrays of an npz file by name, each read when it is asked for; `headers` has their shapes and types before.
+
+    A claim costs no memory: what headers and directory say must agree with each other and with the length of the file.
+    """
+
+    def __init__(self, archive: zipfile.ZipFile, length: int) -> None:
+        """Read the headers of an archive of a length in bytes; ValueError where they cannot be right."""
+        members = archive.infolist()
+        for member in members:
+            if not member.filename.endswith(".npy"):
+                raise ValueError(f"{member.filename!r} is no array")
+            if member.compress_size > length or member.file_size > _MOST_UNFOLDED * member.compress_size:
+                raise ValueError(f"{member.filename} claims more than a file of {length:,} bytes can hold")
+        self._archive = archive
+        self.headers = {member.filename.removesuffix(".npy"): _header(archive, member) for member in members}
+        if len(self.headers) != len(members):
+            raise ValueError("it holds two arrays of one name")
+
+    def under(self, prefix: str) -> Arrays:
+        """Return the arrays whose names begin with a prefix, by the rest of their names."""
+        found = copy.copy(self)
+        found.headers = {n.removeprefix(prefix): header for n, header in self.headers.items() if n.startswith(prefix)}
+        return found
+
+    @classmethod
+    @contextmanager
+    def opened(cls, file: IO[bytes] | Path, length: int) -> Iterator[Arrays]:
+        """Open an npz file of a length in bytes."""
+        with zipfile.ZipFile(file) as archive:
+            yield cls(archive, length)
+
+    @property
+    def size(self) -> int:
+        """Bytes of all arrays with their headers."""
+        return sum(header.member.file_size for header in self.headers.values())
+
+    def __getitem__(self, name: str) -> NDArray[Any]:
+        """Read an array; memory is allocated once, and only used as far as there is content."""
+        header = self.headers[name]
+        array = np.ndarray(header.shape, header.dtype, order="F" if header.fortran else "C")
+        with self._archive.open(header.member) as stream:
+            stream.read(header.start)
+            left: memoryview = memoryview(array.reshape(-1, order="A").view(np.uint8).data)
+            while left and (block := stream.read(min(len(left), 1 << 20))):
+                left[: len(block)] = block
+                left = left[len(block) :]
+            if left or stream.read(1):
+                raise ValueError(f"{header.member.filename} is not what its header says")
+        return array
+
+    def __contains__(self, name: object) -> bool:
+        """Return whether there is an array of this name, without reading it."""
+        return name in self.headers
+
+    def __iter__(self) -> Iterator[str]:
+        """Iterate over the names."""
+        return iter(self.headers)
+
+    def __len__(self) -> int:
+        """Return the number of arrays."""
+        return len(self.headers)
+
+
+def _header(archive: zipfile.ZipFile, member: zipfile.ZipInfo) -> _Header:
+    """Return what a member of an archive says of itself; ValueError where it does not fit its length."""
     with archive.open(member) as stream:
-        if np.lib.format.read_magic(stream) != (1, 0):
+        version = np.lib.format.read_magic(stream)
+        if version not in _HEADERS:
             raise ValueError(f"{member.filename} is of another version")
-        shape, fortran, dtype = np.lib.format.read_array_header_1_0(stream)
-        content = bytearray(stream.read())
-    if dtype.hasobject or math.prod(shape) * dtype.itemsize != len(content):
+        shape, fortran, dtype = _HEADERS[version](stream)
+        header = _Header(member, shape, fortran, dtype, stream.tell())
+    if dtype.hasobject:
+        raise ValueError(f"Object arrays cannot be loaded, and {member.filename} is one")
+    if not dtype.itemsize or any(length < 0 for length in shape):
         raise ValueError(f"{member.filename} is not what its header says")
-    return np.ndarray(shape, dtype, buffer=content, order="F" if fortran else "C")
+    if header.start + header.size != member.file_size:
+        raise ValueError(f"{member.filename} is not what its header says")
+    return header
 
 
 def field(
     arrays: Mapping[str, NDArray[Any]], name: str, dtype: Any, shape: tuple[int | None, ...], *, finite: bool = False
 ) -> NDArray[Any]:
     """Return an array of a file; ValueError unless it has this type and this shape, None for any length."""
+    claimed = arrays.headers[name] if isinstance(arrays, Arrays) else arrays[name]
+    require_shape(arrays, name, shape)
+    if claimed.dtype.newbyteorder("=") != np.dtype(dtype):
+        raise ValueError(f"{name} is an array of {claimed.dtype} and shape {claimed.shape}")
     array = arrays[name]
-    fits = len(array.shape) == len(shape) and all(
-        wanted in (None, length) for wanted, length in zip(shape, array.shape, strict=True)
-    )
-    if not fits or array.dtype.newbyteorder("=") != np.dtype(dtype):
-        raise ValueError(f"{name} is an array of {array.dtype} and shape {array.shape}")
     if finite and not np.isfinite(array).all():
         raise ValueError(f"{name} is not finite")
     return array.astype(dtype, copy=False)
+
+
+def require_shape(arrays: Mapping[str, NDArray[Any]], name: str, shape: tuple[int | None, ...]) -> tuple[int, ...]:
+    """Return the shape of an array of a file, which is not read; ValueError unless it is this, None for any length."""
+    claimed = arrays.headers[name] if isinstance(arrays, Arrays) else arrays[name]
+    fits = len(claimed.shape) == len(shape) and all(
+        wanted in (None, length) for wanted, length in zip(shape, claimed.shape, strict=True)
+    )
+    if not fits:
+        raise ValueError(f"{name} is an array of {claimed.dtype} and shape {claimed.shape}")
+    return claimed.shape
 
 
 def entry(meta: Mapping[str, Any], name: str, kind: type[Result]) -> Result:

@@ -227,8 +227,8 @@ def _write_all(run: fr.Simulation, paths: list[Path]) -> tuple[list[str], list[s
         try:
             with Waiting(f"writing {path}", "pictures") as progress:
                 written.append(str(_write(run, path, progress)))
-        except OSError as error:
-            missed.append(f"{path} could not be written: {error.strerror or error}")
+        except (OSError, ValueError) as error:  # a folder may close while a run takes its time
+            missed.append(f"{path} could not be written: {getattr(error, 'strerror', None) or error}")
     if missed:
         try:
             spare = run.save(Path(tempfile.mkdtemp(prefix="floquetrod-")) / "run.npz")

@@ -13,7 +13,7 @@ import numpy as np
 
 from floquetrod import units
 from floquetrod._util import validate
-from floquetrod._util.files import require_regular
+from floquetrod._util.files import Arrays, require_regular
 from floquetrod._util.tables import require_known
 from floquetrod.equations import matrices
 from floquetrod.equations.delay_system import DelaySystem
@@ -28,6 +28,8 @@ _DELAYED = ("delay", "matrix", "cosines", "sines", "pieces")
 _OF_A_DELAYED_PIECE = ("duration", "matrix", "slope", "cosines", "sines")
 _OF_A_PIECE = ("duration", "stiffness", "mean", "slope", "cosines", "sines")
 _KEYS = tuple(dict.fromkeys((*_SECOND_ORDER, *_FIRST_ORDER)))
+_MATRICES = (*_OF_A_PIECE[1:], "mass", "damping", "gyroscopic", "delayed", "delayed_cosines", "delayed_sines")
+_SMALL = 1 << 20  # numbers of an array that is read whatever it is (a choice)
 _LARGEST = {".toml": 1 << 26, ".npz": 1 << 32}  # bytes that are read, those of unpacked arrays (a choice)
 
 
@@ -81,18 +83,25 @@ def _toml(path: Path) -> Mapping[str, Any]:
 
 def _npz(path: Path) -> Mapping[str, Any]:
     """Return the arrays of an npz file, single numbers and words as such."""
-    with zipfile.ZipFile(path) as archive:
-        size = sum(member.file_size for member in archive.infolist())
-    if size > _LARGEST[".npz"]:
-        raise ValueError(f"it holds {size:,} bytes, at most {_LARGEST['.npz']:,} are read")
-    with np.load(path, allow_pickle=False) as content:
-        arrays = {name: content[name] for name in content.files}
-    foreign = [name for name, value in arrays.items() if not isinstance(value, np.ndarray)]
-    if foreign:
-        raise ValueError(f"{foreign[0]!r} is no array")
+    with Arrays.opened(path, path.stat().st_size) as content:
+        if content.size > _LARGEST[".npz"]:
+            raise ValueError(f"it holds {content.size:,} bytes, at most {_LARGEST['.npz']:,} are read")
+        _require_possible({name: header.shape for name, header in content.headers.items()})
+        arrays = dict(content)
     table = {name: value if value.ndim else value.item() for name, value in arrays.items()}
     whole = _by_piece(table) if "durations" in table else table
     return _by_delay(whole) if "delays" in whole else whole
+
+
+def _require_possible(shapes: Mapping[str, tuple[int, ...]]) -> None:
+    """Raise ValueError for large arrays that no system can have, before they are read."""
+    order = next((shapes[name][-1:] for name in ("stiffness", "mean") if name in shapes), (0,)) or (0,)
+    for name, shape in shapes.items():
+        harmonics, pieces = name.endswith(("cosines", "sines")), name in _OF_A_PIECE and "durations" in shapes
+        stacked = harmonics + pieces + name.startswith("delayed")
+        is_matrix = shape[-2:] == 2 * order and len(shape) <= 2 + stacked and order[0] <= matrices.MOST_EQUATIONS
+        if math.prod(shape) > _SMALL and not (name in _MATRICES and is_matrix):
+            raise ValueError(f"array {name!r} has shape {shape}, which no system of its other arrays takes")
 
 
 def _by_delay(table: Mapping[str, Any]) -> Mapping[str, Any]:

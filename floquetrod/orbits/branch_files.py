@@ -94,7 +94,7 @@ def load(path: str | Path, system: NonlinearSystem) -> dict[str, Any]:
     return files.read_npz(path, _FORMAT, "a branch", lambda meta, arrays: _branch(meta, arrays, system))
 
 
-def _branch(meta: dict[str, Any], arrays: dict[str, NDArray[Any]], system: NonlinearSystem) -> dict[str, Any]:
+def _branch(meta: dict[str, Any], arrays: files.Arrays, system: NonlinearSystem) -> dict[str, Any]:
     """Return the fields that a file describes; ValueError or KeyError where it is not as `save` writes it."""
     parameter, count = files.entry(meta, "parameter", str), files.entry(meta, "orbits", int)
     given = files.entry(meta, "parameters", dict)
@@ -116,12 +116,24 @@ def _branch(meta: dict[str, Any], arrays: dict[str, NDArray[Any]], system: Nonli
     }
 
 
-def _orbits(meta: dict[str, Any], arrays: dict[str, NDArray[Any]], system: NonlinearSystem) -> Iterator[PeriodicOrbit]:
+def _orbits(meta: dict[str, Any], arrays: files.Arrays, system: NonlinearSystem) -> Iterator[PeriodicOrbit]:
     """Return the orbits, one after the other."""
     n, parameter, turns = files.entry(meta, "equations", int), files.entry(meta, "parameter", str), meta["turns"]
     names = ("values", "periods", "period_errors", "errors", "traces", "trace_errors", "intervals", "degrees", "steps")
-    columns = zip(*(arrays[name].tolist() for name in names), strict=True)
-    taken = {name: _Taken(arrays[name]) for name in ("meshes", "nodes", "stages", "maps", "map_errors")}
+    many = (files.entry(meta, "orbits", int) + len(files.entry(meta, "kinds", list)),)
+    for name in names:
+        files.require_shape(arrays, name, many)
+    column = {name: arrays[name].tolist() for name in names}
+    columns = zip(*column.values(), strict=True)
+    lengths = {"meshes": 0, "nodes": 0, "stages": 0, "maps": 0}
+    for count, degree in zip(column["intervals"], column["degrees"], strict=True):
+        lengths["meshes"] += count + 1
+        lengths["nodes"] += count * n
+        lengths["stages"] += count * degree * n
+        lengths["maps"] += count * n * n
+    for name, length in (*lengths.items(), ("map_errors", lengths["maps"])):
+        files.require_shape(arrays, name, (length,))
+    taken = {name: _Taken(arrays[name]) for name in (*lengths, "map_errors")}
     for value, period, period_error, error, trace, trace_error, count, degree, steps in columns:
         mesh, nodes = taken["meshes"].next(count + 1), taken["nodes"].next(count, n)
         point = Point(nodes, taken["stages"].next(count, degree, n), period, value)
@@ -136,9 +148,7 @@ def _orbits(meta: dict[str, Any], arrays: dict[str, NDArray[Any]], system: Nonli
         yield as_orbit(found, steps)
 
 
-def _points(
-    meta: dict[str, Any], arrays: dict[str, NDArray[Any]], orbits: list[PeriodicOrbit]
-) -> Iterator[SpecialPoint]:
+def _points(meta: dict[str, Any], arrays: files.Arrays, orbits: list[PeriodicOrbit]) -> Iterator[SpecialPoint]:
     """Return the special points, whose orbits are known."""
     parameter, taken = meta["parameter"], {n: _Taken(arrays[n]) for n in ("directions", "scalars", "scales")}
     multipliers = arrays["point_multipliers"].reshape(-1, 2)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import csv
 import io
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -212,10 +212,12 @@ class Bands(NoTruthValue, ByContent):
         }
 
     @staticmethod
-    def bands_of(arrays: dict[str, NDArray[Any]]) -> tuple[Band, ...]:
+    def bands_of(arrays: Mapping[str, NDArray[Any]]) -> tuple[Band, ...]:
         """Return the bands that `as_arrays` describes; ValueError where the arrays do not fit each other."""
-        size = files.field(arrays, "size", np.int64, (None,))
-        each = (size.size,)
+        each = files.require_shape(arrays, "size", (None,))
+        for name in ("mode", "partner", "tongue", "growth"):
+            files.require_shape(arrays, name, each)
+        size = files.field(arrays, "size", np.int64, each)
         mode, partner, tongue = (files.field(arrays, name, np.int64, each) for name in ("mode", "partner", "tongue"))
         growth = files.field(arrays, "growth", np.float64, each)
         place = files.field(arrays, "place", np.float64, (size.size, 2))

@@ -282,10 +282,12 @@ class Chart(NoTruthValue, ByContent):
         return xarray.Dataset(data, coords, attributes)
 
 
-def _chart(meta: dict[str, Any], arrays: dict[str, NDArray[Any]]) -> Chart:
+def _chart(meta: dict[str, Any], arrays: files.Arrays) -> Chart:
     """Return the chart that a file describes; ValueError or KeyError where it is not as `Chart.save` writes it."""
+    shape = files.require_shape(arrays, "y", (None,)) + files.require_shape(arrays, "x", (None,))
+    for name in ("stable", *(name for name in _OPTIONAL if name in arrays)):
+        files.require_shape(arrays, name, shape)
     x, y = (_axis(meta, arrays, name) for name in "xy")
-    shape = y.values.size, x.values.size
     entries: dict[str, Any] = {name: files.entry(meta, name, kind) for name, kind in _ENTRIES.items()}
     tolerance, undecided, subject = (entries[name] for name in ("growth_tolerance", "undecided", "subject"))
     if tolerance < 0.0 or not 0 <= undecided <= shape[0] * shape[1]:
@@ -304,16 +306,15 @@ def _chart(meta: dict[str, Any], arrays: dict[str, NDArray[Any]]) -> Chart:
     return chart
 
 
-def _bands(chart: Chart, meta: dict[str, Any], arrays: dict[str, NDArray[Any]]) -> Bands:
+def _bands(chart: Chart, meta: dict[str, Any], arrays: files.Arrays) -> Bands:
     """Return the bands that a file of a chart describes."""
-    own = {name.removeprefix(_BANDS): values for name, values in arrays.items() if name.startswith(_BANDS)}
     resolution = files.entry(meta, "resolution", list)
     if [type(size) for size in resolution] != [float, float]:
         raise ValueError(f"resolution of bands is {resolution!r}")
     return Bands(
         chart.x.ends,
         chart.y.ends,
-        Bands.bands_of(own),
+        Bands.bands_of(arrays.under(_BANDS)),
         chart.growth_unit,
         chart.growth_tolerance,
         files.entry(meta, "tongues_left_out" if "tongues_left_out" in meta else "hairlines", int),  # its earlier name
@@ -341,7 +342,7 @@ class _Scaled:
         return self.source(accuracy, progress).scaled(self.x, self.y, self.factors)
 
 
-def _axis(meta: dict[str, Any], arrays: dict[str, NDArray[Any]], name: str) -> Axis:
+def _axis(meta: dict[str, Any], arrays: files.Arrays, name: str) -> Axis:
     words = files.entry(meta, name, list)
     values = files.field(arrays, name, np.float64, (None,), finite=True)
     if [type(word) for word in words] != [str] * 3 or not (np.diff(values) > 0.0).all():

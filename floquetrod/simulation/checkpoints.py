@@ -188,9 +188,7 @@ class Checkpoint:
             raise ValueError(f"checkpoint {self.path} {foreign}, {remedy}")
         return state
 
-    def _read(
-        self, expected: Resumable, meta: dict[str, Any], arrays: dict[str, NDArray[Any]]
-    ) -> tuple[str, RunState | None]:
+    def _read(self, expected: Resumable, meta: dict[str, Any], arrays: files.Arrays) -> tuple[str, RunState | None]:
         """Return why the content is not for this run, or the state it holds."""
         unlike = f"of floquetrod {files.entry(meta, 'version', str)} cannot be continued bit for bit here"
         theirs, ours = files.entry(meta, "arithmetic", dict), arithmetic()

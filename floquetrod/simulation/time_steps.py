@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+from floquetrod._util import validate
 from floquetrod._util.arguments import wrong_value
 from floquetrod.simulation.mesh import DiscreteRod
 
@@ -33,7 +34,15 @@ class TimeSteps:
 
     @classmethod
     def between_frames(cls, duration: float, frames: int, per_frame: int, limit: str) -> TimeSteps:
-        """Return the steps of a run of ``duration`` s, ``per_frame`` of them between each two frames."""
+        """Return the steps of a run of ``duration`` s, ``per_frame`` of them between each two frames.
+
+        Raises ValueError or TypeError for fewer than two frames, no steps between them, and a duration that is not
+        positive.
+        """
+        duration = validate.positive("duration", duration, "in s")
+        frames = validate.integer("frames", frames, 2, hint="the start and the end among them")
+        per_frame = validate.integer("per_frame", per_frame, 1)
+        limit = validate.choice("limit", limit, STEP_LIMITS)
         count = (frames - 1) * per_frame
         return cls(count, per_frame, duration / count, limit)
 
