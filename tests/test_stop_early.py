@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import floquetrod as fr
-from floquetrod.simulation import result
+from floquetrod.simulation import outcome
 
 ROD = fr.Rod.nitinol()
 FORCE = ROD.critical_force
@@ -56,8 +56,8 @@ def test_when_a_rod_buckled() -> None:
     run = BUCKLING.run()
     assert run.buckled_at is not None
     place = int(np.flatnonzero(run.time == run.buckled_at)[0])
-    assert (run.largest_angle[:place] <= result.BUCKLED_ANGLE).all()
-    assert run.largest_angle[place] > result.BUCKLED_ANGLE
+    assert (run.largest_angle[:place] <= outcome.BUCKLED_ANGLE).all()
+    assert run.largest_angle[place] > outcome.BUCKLED_ANGLE
     assert RESTING.run().buckled_at is None
     assert "stopped at" in repr(run)
     assert "stopped" not in repr(BUCKLING.replace(stop_early=False, duration=0.01).run())

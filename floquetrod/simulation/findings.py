@@ -16,8 +16,14 @@ from floquetrod.rod.friction.kicks import CriticalKick
 from floquetrod.rod.loads.load import AxialLoad, with_waves
 from floquetrod.rod.model.data import special_parameters
 from floquetrod.simulation.growth import GrowthFit
-from floquetrod.simulation.result import BUCKLED_ANGLE
+from floquetrod.simulation.outcome import BUCKLED_ANGLE, DEFINITION
 from floquetrod.units import Unit
+
+STABLE_LOAD = (
+    "by theory nothing grows under this load: what moves the rod is its kick, or a large motion that the linear "
+    "equations do not know; simulate longer, or kick less"
+)
+"""What is said of a rod that has buckled under a load that is stable without friction."""
 
 
 class _Growing(NamedTuple):
@@ -91,7 +97,7 @@ class Findings(Printed):
     def _growing(self) -> _Growing | None:
         """How a rod that has not buckled grows, as fitted or, where that shows nothing, by theory; None without."""
         run, fit, linear = self.run, self.growth, self.linear
-        if run.buckled or run.problem.wall_friction.largest > 0.0:
+        if run.outcome.kind != "quiet" or run.problem.wall_friction.largest > 0.0:
             return None
         if fit is not None and fit.rate > fit.error:
             rate, words = fit.rate, f"mode {run.dominant_mode} at {fit.rate:.4g} 1/s"
@@ -132,7 +138,10 @@ class Findings(Printed):
                 f"{run.seconds:.3g} s of wall time for {float(run.time[-1]):.4g} s of {problem.segments} segments",
             ),
         ]
-        return Report(self._outcome, [*lines, *([("note", run.note)] if run.note else [])])
+        if run.outcome.kind != "quiet":
+            lines.append(("buckled", f"means {DEFINITION}"))
+        lines += [("note", text) for text in (run.outcome.doubt, self._against_theory, run.note) if text]
+        return Report(self._outcome, lines)
 
     @property
     def _outcome(self) -> str:
@@ -143,10 +152,18 @@ class Findings(Printed):
             status = f"GROWING, not yet buckled after {run.time[-1]:.4g} s: {growing.words}{soon}; {angle}"
         else:
             leads = "" if run.named_mode is None else f"mode {run.named_mode} leads, "
-            status = f"BUCKLED: {leads}{angle}" if run.buckled else f"NOT BUCKLED: {angle}"
+            words = run.outcome.words.replace("not buckled", "NOT BUCKLED")
+            status = f"BUCKLED: {leads}{angle}" if run.buckled else f"{words}: {angle}"
         if run.complete:
             return status
         return f"INTERRUPTED at {run.time[-1]:.4g} s of {run.problem.duration:g} s; so far {status}"
+
+    @property
+    def _against_theory(self) -> str:
+        """Why a rod that has buckled should not have, by theory; "" without a reason."""
+        if not (self.run.buckled and self.linear is not None and self.linear.status == "stable"):
+            return ""
+        return STABLE_LOAD
 
     def _growth_text(self) -> str:
         fit, run = self.growth, self.run
@@ -184,6 +201,11 @@ class Findings(Printed):
         run, growing = self.run, self._growing
         return {
             "buckled": run.buckled,
+            "outcome": run.outcome.kind,
+            "angle_in_the_end_degrees": math.degrees(run.outcome.angle),
+            "buckled_means": DEFINITION,
+            "outcome_doubt": run.outcome.doubt or None,
+            "against_theory": self._against_theory or None,
             "growing": run.buckled or growing is not None,
             **by_keys(growing, "buckles_at_about_s=until"),
             **by_keys(run, "dominant_mode=named_mode note"),

@@ -33,6 +33,7 @@ from floquetrod.simulation.growth import GrowthFit, growth_of_motion
 from floquetrod.simulation.integration import Integration
 from floquetrod.simulation.measures import axial_force, contact_force
 from floquetrod.simulation.mesh import ENERGIES, DiscreteRod
+from floquetrod.simulation.outcome import BUCKLED_ANGLE, Kick, Outcome, outcome_of, turned
 from floquetrod.simulation.resolution import GrowingWaves, ResolutionWarning, growing_waves
 from floquetrod.simulation.result import ENDINGS, EarlyEnd, RecordedMotion
 from floquetrod.simulation.start import LEAST_SEGMENTS, MOST_SEGMENTS, Perturbation
@@ -102,8 +103,8 @@ class SimulationProblem:
         nodes beside it; waves run from it both ways, and the ends reflect them.
     stop_early : bool
         Whether the run ends at the frame at which it has clearly buckled, the largest angle beyond 45 degrees (a
-        choice), or at which friction holds it at rest: no node's angle has changed by more than 1e-5 rad over the last
-        full period of the force, and none is beyond 5 degrees.
+        choice) and beyond twice what the kick does by itself, or at which friction holds it at rest: no node's angle
+        has changed by more than 1e-5 rad over the last full period of the force, and none is beyond 5 degrees.
 
     Raises
     ------
@@ -208,6 +209,11 @@ class SimulationProblem:
         return friction_along(self.friction)
 
     @cached_property
+    def kick_alone(self) -> Kick:
+        """What the perturbation does by itself, and what ends that motion."""
+        return Kick.of(self.mesh, self.wall_friction, self.perturbation.velocities(self.segments))
+
+    @cached_property
     def time_steps(self) -> TimeSteps:
         """The steps to be taken, with their number, how many between frames, their size in s, and the limit on it."""
         speed = float(np.abs(self.perturbation.velocities(self.segments)).max())
@@ -272,7 +278,9 @@ class SimulationProblem:
     def _integration(self, file: Checkpoint | None = None) -> Integration[Simulation]:
         """Return the run at its start, or where its checkpoint has come to."""
         velocities = self.perturbation.velocities(self.segments)
-        early = EarlyEnd(self.wall_friction.largest, self._frames_in_a_period) if self.stop_early else None
+        early = None
+        if self.stop_early:
+            early = EarlyEnd(self.wall_friction.largest, self._frames_in_a_period, self.kick_alone.clearly_buckled)
         return Integration(
             self.mesh, self.driving, self.wall_friction, self.time_steps, velocities, self._result, early, file
         )
@@ -484,6 +492,28 @@ class Simulation(Reported, RecordedMotion):
             self, problem.rod, problem.load, mode, problem.duration, problem.frames, problem.indentation
         )
 
+    @cached_property
+    def outcome(self) -> Outcome:
+        """What has become of the rod, with the angle in rad at which it is; its ``kind`` "buckled" or another."""
+        speeds = np.hypot(self.velocities[..., 1], self.velocities[..., 2])
+        return outcome_of(self.time, self.angle, speeds, self.problem.kick_alone)
+
+    @property
+    def buckled(self) -> bool:
+        """Whether the rod has buckled, by the rule of `floquetrod.simulation.outcome`.
+
+        It was beyond 5 degrees in the last quarter of the time simulated, and neither at rest where friction holds it
+        (up to arctan mu), nor dying out, nor swinging on by no more than twice what its kick does by itself;
+        ``outcome`` tells these apart.
+        """
+        return self.outcome.kind == "buckled"
+
+    @property
+    def buckled_at(self) -> float | None:
+        """The first recorded time in s at which a node was beyond 5 degrees, None where the rod has not `buckled`."""
+        beyond = np.abs(turned(self.angle)).max(axis=1) > BUCKLED_ANGLE
+        return float(self.time[np.argmax(beyond)]) if self.buckled else None
+
     def findings(self, *, theory: bool = True) -> Findings:
         """Return the fitted growth and that of theory as `Findings`, which can be read as a report.
 
@@ -537,7 +567,7 @@ class Simulation(Reported, RecordedMotion):
     def _outcome(self) -> str:
         """What came of the rod, with the mode where one can be named."""
         if not self.buckled:
-            return "not buckled"
+            return self.outcome.words
         return "buckled" if self.named_mode is None else f"buckled in mode {self.named_mode}"
 
     @property
@@ -635,20 +665,20 @@ class Simulation(Reported, RecordedMotion):
         return files.read_npz(path, _FORMAT, "a simulation", _simulation)
 
 
-def _simulation(meta: dict[str, Any], arrays: dict[str, NDArray[Any]]) -> Simulation:
+def _simulation(meta: dict[str, Any], arrays: files.Arrays) -> Simulation:
     """Return the simulation that a file describes; an error where it is not as `Simulation.save` writes it."""
     problem = SimulationProblem.from_dict(files.entry(meta, "problem", dict))
     # As they were taken: another version may choose others for the same problem.
     per_frame = validate.integer("steps_per_frame", files.entry(meta, "steps_per_frame", int), 1)
     limit = validate.choice("step_limit", meta["step_limit"], STEP_LIMITS)
     ended, seconds = validate.choice("ended", meta["ended"], ENDINGS), files.entry(meta, "seconds", float)
-    time = files.field(arrays, "time", np.float64, (None,), finite=True)
-    count, nodes = time.size, problem.segments + 1
+    (count,), nodes = files.require_shape(arrays, "time", (None,)), problem.segments + 1
     fits = (ended == "duration") == (count == problem.frames) and (problem.stop_early or ended in ENDINGS[::3])
     if not (1 <= count <= problem.frames and fits and seconds >= 0.0):
         raise validate.wrong_value(
             "it", f"has {count} of {problem.frames} frames, made in {seconds!r} s, and ended: {ended}"
         )
+    time = files.field(arrays, "time", np.float64, (count,), finite=True)
     positions, velocities = (
         files.field(arrays, name, np.float64, (count, nodes, 3), finite=True) for name in ("positions", "velocities")
     )

@@ -1,4 +1,4 @@
-"""The recorded motion of a simulated rod: frames, energies, modes, buckling."""
+"""The recorded motion of a simulated rod: frames, energies, modes."""
 
 from __future__ import annotations
 
@@ -13,12 +13,9 @@ from floquetrod._util import validate
 from floquetrod._util.caching import cached_property
 from floquetrod._util.content import ByContent, NoTruthValue
 from floquetrod.floquet.references import references
+from floquetrod.simulation.outcome import BUCKLED_ANGLE
 from floquetrod.simulation.start import SEGMENTS_TO_SEE
 
-BUCKLED_ANGLE = math.radians(5.0)
-"""Angle beyond which a rod counts as buckled, that of the paper (section 4.3 of DOI 10.1115/1.4031710)."""
-
-_CLEARLY_BUCKLED = math.radians(45.0)  # at which a run may stop early: from 19 degrees one fell back
 _AT_REST = 1e-5  # rad: a node that turns by no more in a period of the force has come to rest (a choice)
 
 ENDINGS = ("duration", "buckled", "at rest", "interrupted")
@@ -27,7 +24,7 @@ ENDINGS = ("duration", "buckled", "at rest", "interrupted")
 
 @dataclass(frozen=True)
 class EarlyEnd:
-    """When a run may stop before its duration: once it has clearly buckled, or where ``friction`` holds it at rest.
+    """When a run may stop before its duration: beyond the angle ``buckled``, or where ``friction`` holds it at rest.
 
     At rest no node's angle has changed by more than 1e-5 rad for ``frames``, which cover a period of the force, and
     none is beyond 5 degrees.
@@ -35,12 +32,13 @@ class EarlyEnd:
 
     friction: float
     frames: int
+    buckled: float  # rad
 
     def of(self, positions: NDArray[np.float64]) -> str | None:
         """Return how a run of these frames (frames, nodes, 3) has ended at the last of them, None where it has not."""
         last = angles(positions[-1])
         largest = float(np.abs(last).max())
-        if largest > _CLEARLY_BUCKLED:
+        if largest > self.buckled:
             return "buckled"
         if self.friction == 0.0 or largest >= BUCKLED_ANGLE or len(positions) <= self.frames:
             return None
@@ -108,19 +106,6 @@ class RecordedMotion(NoTruthValue, ByContent):
         that of a rod 5 % or more too soft.
         """
         return self._amplitudes(validate.integers("modes", modes, 1, self._most_modes, self._why_no_more))
-
-    @property
-    def buckled(self) -> bool:
-        """Whether any node was beyond 5 degrees in the last quarter of the time simulated.
-
-        The paper asks for 5 degrees at any time after 1 s, which the decaying motion after a strong kick passes too.
-        """
-        return bool(self.largest_angle[-self._last_quarter :].max() > BUCKLED_ANGLE)
-
-    @property
-    def buckled_at(self) -> float | None:
-        """The first recorded time in s at which a node was beyond 5 degrees, None where the rod has not `buckled`."""
-        return float(self.time[np.argmax(self.largest_angle > BUCKLED_ANGLE)]) if self.buckled else None
 
     @property
     def dominant_mode(self) -> int:

@@ -1,0 +1,175 @@
+"""What has become of a simulated rod: the one rule by which a run, an ensemble and the published study call it buckled.
+
+The paper (section 4.3 of DOI 10.1115/1.4031710) asks for 5 degrees at any time after 1 s.  A rod at rest on the wall,
+where friction holds it up to arctan(mu), passes that too, and so does motion that a strong kick left and that dies out.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from floquetrod.simulation.mesh import DiscreteRod
+from floquetrod.wells.drag import Friction
+
+BUCKLED_ANGLE = math.radians(5.0)
+"""Angle beyond which a rod may count as buckled, that of the paper."""
+
+_CLEARLY_BUCKLED = math.radians(45.0)  # at which a run may stop early: from 19 degrees one fell back (a choice)
+_STILL = math.radians(1.0)  # by which no node of a rod at rest swings (a choice: small waves run on for long)
+_DIES_OUT = 0.95  # of the largest angle before, below which that of the last quarter is smaller (a choice)
+_GROWN = 2.0  # times the swing of the kick alone, which a force short of the critical one amplifies too (a choice)
+_OUTLIVED = 0.5  # of a run, after which nothing should be left of the kick (a choice)
+_LEFT = 3.0  # damping rate times time after which a twentieth is left of motion
+_PERIODS, _TIMES = (
+    3,
+    96,
+)  # of the slowest mode over which the swing of a kick is looked for, and times in them (a choice)
+
+KINDS = ("quiet", "buckled", "at rest", "dying out", "swinging")
+"""What may have become of a rod; the places are the numbers of ``outcome`` in ensembles."""
+
+DEFINITION = (
+    "beyond 5 degrees in the last quarter of the run, and neither at rest where friction holds, nor dying out, nor "
+    "swinging on by no more than twice what the kick alone does"
+)
+"""When a rod has buckled, in words."""
+
+
+class Outcome(NamedTuple):
+    """What has become of a rod.
+
+    Attributes
+    ----------
+    kind : {"quiet", "buckled", "at rest", "dying out", "swinging"}
+        Quiet: within 5 degrees over the last quarter.  At rest: beyond, still, and no further than friction holds.
+        Dying out: beyond, and less far than before.  Swinging: beyond, and no further than the kick may have taken it,
+        which nothing has ended yet.  Buckled: beyond otherwise.
+    angle : float
+        Largest angle of any node from where it began, over the last quarter, in rad.
+    """
+
+    kind: str
+    angle: float
+
+    @property
+    def words(self) -> str:
+        """What it says of the rod."""
+        at = f"{math.degrees(self.angle):.3g} degrees"
+        return {
+            "quiet": "not buckled",
+            "buckled": "buckled",
+            "at rest": f"not buckled, at rest at {at} where friction holds",
+            "dying out": f"not buckled, dying out at {at}",
+            "swinging": f"not buckled, swinging on to {at}",
+        }[self.kind]
+
+    @property
+    def doubt(self) -> str:
+        """Why a longer run may end otherwise, "" where nothing says so."""
+        if self.kind == "dying out":
+            return "still moving and dying out at the end: simulate longer"
+        if self.kind == "swinging":
+            return "still swinging as its kick may have left it, without growth: simulate longer, or kick less"
+        return ""
+
+
+class Kick(NamedTuple):
+    """How a rod is set moving, and what ends that motion.
+
+    Attributes
+    ----------
+    swing : float
+        Largest angle in rad that the rod reaches by its kick alone, without load, friction and damping.
+    holding : float
+        The largest coefficient of friction.
+    ended : float
+        Time in s after which friction or damping has ended the motion that the kick alone makes, infinite without.
+    slowly : float
+        Speed across in m/s of a swing of one radian on the floor, sqrt(g R).
+    """
+
+    swing: float
+    holding: float
+    ended: float
+    slowly: float
+
+    @classmethod
+    def of(cls, mesh: DiscreteRod, friction: Friction, velocities: NDArray[np.float64]) -> Kick:
+        """Return that of a rod whose nodes start with these speeds across the channel, (nodes,), in m/s."""
+        rod, gravity = mesh.rod, mesh.gravity_on_wall
+        # Coulomb: v / (mu g), by the smallest mu; damping e^(-c t).
+        rubbing = min(friction.values) * gravity
+        rubbed = float(np.abs(velocities).max()) / rubbing if rubbing > 0.0 else math.inf
+        damped = _LEFT / rod.damping_rate if rod.damping_rate > 0.0 else math.inf
+        swing = kick_swing(
+            velocities, rod.length, rod.flexural_rigidity / rod.mass_per_length, gravity, rod.radial_clearance
+        )
+        return cls(swing, friction.largest, min(rubbed, damped), math.sqrt(gravity * rod.radial_clearance))
+
+    @property
+    def clearly_buckled(self) -> float:
+        """Angle in rad at which a run may stop early, as the rod has buckled."""
+        return max(_CLEARLY_BUCKLED, _GROWN * self.swing)
+
+
+def kick_swing(
+    velocities: NDArray[np.float64], length: float, bending: float, gravity: float, clearance: float
+) -> float:
+    """Return the largest angle in rad that a kick causes by itself: no load, no friction, small motion, hinged ends.
+
+    Mode m of wavenumber w = m pi / L turns by b_m sin(w_m t) / w_m, w_m^2 = g / R + (EI / m_t) w^4; b_m are the
+    coefficients of v(s) / R.  The nodes follow from them at equal times of three periods of the slowest mode.
+    """
+    from scipy.fft import dst
+
+    segments = velocities.size - 1
+    rates = dst(velocities[1:-1] / clearance, type=1) / segments
+    frequencies = np.sqrt(gravity / clearance + bending * (np.arange(1, segments) * (math.pi / length)) ** 4)
+    times = np.linspace(0.0, _PERIODS * 2.0 * math.pi / float(frequencies[0]), _TIMES + 1)[1:]
+    largest = 0.0
+    for time in times:  # one after another: a hundred thousand segments take little memory so
+        largest = max(largest, float(np.abs(dst(rates * np.sin(frequencies * time) / frequencies, type=1)).max()) / 2.0)
+    return largest
+
+
+def turned(angle: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return by how much nodes have turned from where they began, in (-pi, pi], (frames, nodes)."""
+    away = angle - angle[0]
+    return np.asarray(np.arctan2(np.sin(away), np.cos(away))) if np.abs(away).max() > math.pi else away
+
+
+def outcome_of(
+    time: NDArray[np.float64], angle: NDArray[np.float64], speeds: NDArray[np.float64], kick: Kick
+) -> Outcome:
+    """Return what has become of a rod.
+
+    Parameters
+    ----------
+    time : ndarray (frames,)
+        In s.
+    angle : ndarray (frames, nodes)
+        Around the channel's axis, in rad.
+    speeds : ndarray (frames, nodes)
+        Across the channel, in m/s.
+    kick : Kick
+    """
+    away = turned(angle)
+    largest, quarter = np.abs(away).max(axis=1), max(1, math.ceil(time.size / 4))
+    last = float(largest[-quarter:].max())
+    if last <= BUCKLED_ANGLE:
+        return Outcome("quiet", last)
+    # Frames may fall together with the zeros of the motion: a speed is that of a swing, too.
+    swing = float(np.ptp(away[-quarter:], axis=0).max())
+    if max(swing, float(speeds[-quarter:].max()) / kick.slowly) < _STILL:
+        return Outcome("at rest" if last <= math.atan(kick.holding) else "buckled", last)
+    before = largest[-3 * quarter : -quarter]
+    brakes = kick.holding > 0.0 or math.isfinite(kick.ended)
+    dies_out = brakes and before.size > 0 and last < _DIES_OUT * float(before.max())
+    outlived = kick.ended < _OUTLIVED * float(time[-1])
+    if last > _GROWN * kick.swing or (outlived and not dies_out):
+        return Outcome("buckled", last)
+    return Outcome("dying out" if dies_out else "swinging", last)
