@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from floquetrod._util.interchange import to_json as to_json
     from floquetrod._util.interchange import to_pandas as to_pandas
     from floquetrod._util.version import __version__ as __version__
+    from floquetrod.ensembles.doubts import OutcomeWarning as OutcomeWarning
     from floquetrod.ensembles.ensemble import ensemble as ensemble
     from floquetrod.ensembles.study import Study as Study
     from floquetrod.equations import DelaySystem as DelaySystem
@@ -105,6 +106,7 @@ _NAMES = {
     "_util.implausible": ("PlausibilityWarning",),
     "_util.interchange": ("to_json", "to_pandas"),
     "_util.version": ("__version__",),
+    "ensembles.doubts": ("OutcomeWarning",),
     "ensembles.ensemble": ("ensemble",),
     "ensembles.study": ("Study",),
     "equations": (

@@ -21,6 +21,7 @@ from floquetrod._util import waiting
 from floquetrod.ensembles import Runs, axes
 from floquetrod.ensembles.runs import Variable
 from floquetrod.ensembles.stores import RESULTS, chunk_shape
+from floquetrod.simulation import outcome
 
 
 def test_every_run_is_the_simulation_of_its_values() -> None:
@@ -34,7 +35,10 @@ def test_every_run_is_the_simulation_of_its_values() -> None:
     run = PROBLEM.replace(load=fr.AxialLoad(0.3, 0.3, 150.0), perturbation=kick).run()
     assert abs(np.abs(kick.velocities(60)).max() - 0.1) < 1e-15
     assert bool(one.buckled) == run.buckled
-    assert float(one.time_to_buckle) == run.buckled_at
+    assert run.buckled_at is None
+    assert np.isnan(one.time_to_buckle)
+    assert outcome.KINDS[int(one.outcome)] == run.outcome.kind == "swinging"
+    assert float(one.angle_in_the_end) == run.outcome.angle
     assert int(one.dominant_mode) == run.dominant_mode
     assert float(one.largest_angle) == run.largest_angle.max()
     assert float(one.energy_error) == np.abs(run.energy_error).max()
@@ -377,23 +381,30 @@ def test_probabilities_print_as_a_table() -> None:
 
 
 def test_probability_is_that_of_binomial_tests() -> None:
-    found = fr.ensemble(PROBLEM, {"kick": [0.01, 0.04, 0.1], "seed": range(12), "friction": [0.0, -1.0]})
-    answer = found.floquetrod.probability("buckled", over=["seed", "friction"], confidence=0.9)
+    over = {"kick": [0.01, 0.06, 0.1], "seed": range(12), "length": [PROBLEM.rod.length, -1.0]}
+    found = fr.ensemble(PROBLEM, over).isel(length=0)
+    found = found.assign(far=found.largest_angle > 0.06)
+    answer = found.floquetrod.probability("far", over="seed", confidence=0.9)
     assert answer.probability.dims == ("kick",)
-    assert answer.kick.values.tolist() == [0.01, 0.04, 0.1]
+    assert answer.kick.values.tolist() == [0.01, 0.06, 0.1]
     for place in range(3):
-        runs = found.isel(kick=place, friction=0)
-        count = int(runs.buckled.sum())
-        low = stats.binomtest(count, 24).proportion_ci(0.9, "exact").low
-        high = stats.binomtest(count + 12, 24).proportion_ci(0.9, "exact").high
-        assert answer.probability.values[place] == count / 12
+        count = int(found.far.isel(kick=place).sum())
+        low, high = stats.binomtest(count, 12).proportion_ci(0.9, "exact")
+        assert answer.probability.values[place] == pytest.approx(count / 12)
         assert answer.lower.values[place] == pytest.approx(low, rel=1e-12)
         assert answer.upper.values[place] == pytest.approx(high, rel=1e-12)
-        assert (answer.done.values[place], answer.failed.values[place]) == (12, 12)
-    counted = {0, 12} - set((answer.probability.values * 12).astype(int).tolist())
+        assert (answer.done.values[place], answer.failed.values[place]) == (12, 0)
+    assert 0.0 < answer.probability.values[1] < 1.0
+    counted = {0.0, 1.0} - set(answer.probability.values.tolist())
     assert len(counted) < 2, "no end of the range was met"
-    in_numpy = fr.ensembles.probability(in_memory(found), over=("seed", "friction"), confidence=0.9)
+    in_numpy = fr.ensembles.probability(in_memory(found), "far", over="seed", confidence=0.9)
     assert np.array_equal(in_numpy["upper"], answer.upper)
+    status = Variable(("seed",), np.array([1, 1, 1, 1, 2, 2]), {})
+    far = Variable(("seed",), np.array([True, False, True, False, False, False]), {})
+    lost = fr.ensembles.probability(Runs({"status": status, "far": far}, {}, {}), "far", over="seed")
+    assert float(lost["probability"]) == 0.5
+    assert float(lost["lower"]) == pytest.approx(stats.binomtest(2, 6).proportion_ci(0.95, "exact").low)
+    assert float(lost["upper"]) == pytest.approx(stats.binomtest(4, 6).proportion_ci(0.95, "exact").high)
     pending = fr.ensemble(PROBLEM, {"seed": range(4)}, part=(1, 2)).floquetrod.probability(over="seed")
     assert int(pending.done) == 2
     nothing = fr.ensembles.probability(

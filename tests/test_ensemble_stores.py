@@ -354,3 +354,26 @@ def test_damaged_chunks_are_computed_again(name: str, damage: str, tmp_path: Pat
     found = fr.ensemble(PROBLEM, over, store=place, frames=True, progress=count)
     assert count.calls == (1 if name == "positions" else 4)
     assert_same(found, whole)
+
+
+@pytest.mark.parametrize("name", ["status", "largest_angle", "buckled", "positions"])
+def test_chunks_that_change_places_are_computed_again(name: str, tmp_path: Path) -> None:
+    """Within a store, and with the same chunk of a store of another study."""
+    over, place, other = {"kick": [0.01, 0.05], "seed": range(2)}, tmp_path / "runs.zarr", tmp_path / "other.zarr"
+    for k in range(1, 5):  # parts make chunks of one run each
+        whole = fr.ensemble(PROBLEM, over, store=place, frames=True, part=(k, 4)).load()
+    for k in range(1, 5):
+        fr.ensemble(PROBLEM.replace(friction=0.3), over, store=other, frames=True, part=(k, 4))
+    files = sorted(path for path in (place / name).rglob("*") if path.is_file() and not path.name.startswith("."))
+    assert len(files) == 4
+    first, last = files[0].read_bytes(), files[-1].read_bytes()
+    files[0].write_bytes(last)
+    files[-1].write_bytes(first)
+    count = Stopped()
+    assert_same(fr.ensemble(PROBLEM, over, store=place, frames=True, progress=count), whole)
+    assert count.calls == 2
+    files[1].write_bytes((other / files[1].relative_to(place)).read_bytes())
+    count = Stopped()
+    assert_same(fr.ensemble(PROBLEM, over, store=place, frames=True, progress=count), whole)
+    assert count.calls == 1
+    assert_same(xarray.open_zarr(place), whole)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import math
 import re
 import shlex
 import signal
@@ -22,6 +23,7 @@ from floquetrod.cli.common import describe_command, warnings_at_once
 from floquetrod.cli.output import Output, output
 from floquetrod.cli.parser import Parser, ratio, whole_number
 from floquetrod.ensembles.overview import Overview, Row
+from floquetrod.simulation.outcome import DEFINITION
 
 _HELP = """\
 Simulate a rod many times, with other loads, kicks, seeds or data each time, and count how often it buckles.
@@ -108,6 +110,9 @@ def _ensemble(options: argparse.Namespace) -> Output:
         "pending": summary.pending,
         "complete": complete,
         "buckled": summary.buckled,
+        "outcomes": summary.outcomes,
+        "buckled_means": DEFINITION,
+        "notes": summary.doubts,
         "failures": [{"reason": reason, "runs": count} for reason, count in summary.reasons],
         "confidence": options.confidence,
         "rows": [
@@ -172,7 +177,9 @@ def _report(summary: Overview, record: dict[str, Any], study: fr.Study, options:
     yield headline if record["complete"] else f"INTERRUPTED: {headline}"
     yield ""
     if summary.done:
-        yield f"buckled   {summary.buckled:,} of {summary.done:,}"
+        yield f"buckled   {summary.buckled:,} of {summary.done:,}{_others(summary)}"
+        yield f"          buckled means {DEFINITION}"
+        yield from (f"note      {text}" for text in summary.doubts)
     for place, (reason, count) in enumerate(summary.reasons[:_REASONS]):
         yield f"{'' if place else 'failed':<8}  {count:,}: {reason}"
     if len(summary.reasons) > _REASONS:
@@ -183,6 +190,19 @@ def _report(summary: Overview, record: dict[str, Any], study: fr.Study, options:
         yield _onwards(options)
     if summary.done:
         yield from _table(summary.rows, study, options)
+
+
+def _others(summary: Overview) -> str:
+    """Return what became of the rods beyond 5 degrees that have not buckled."""
+    words = [
+        f"{count:,} {kind}" for kind, count in summary.outcomes.items() if kind not in ("buckled", "quiet") and count
+    ]
+    if summary.resting is not None:
+        low, high = (f"{math.degrees(angle):.3g}" for angle in summary.resting)
+        range_of = low if low == high else f"{low} to {high}"
+        resting = f"{summary.outcomes['at rest']:,} at rest"
+        words = [f"{word} at {range_of} degrees" if word == resting else word for word in words]
+    return f"; not buckled, but beyond 5 degrees: {', '.join(words)}" if words else ""
 
 
 def _named(options: argparse.Namespace) -> str:

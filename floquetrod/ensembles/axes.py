@@ -50,6 +50,8 @@ VARIED_KINDS = {
 
 TOOL = {name: name.removeprefix("tool_") for name in TOOL_KINDS}
 START = ("kick", "seed")
+RUN_SEED = "run_seed"
+"""Name of the seeds of runs where every sample has seeds of its own."""
 
 
 class VariedAxis(NamedTuple):
@@ -82,6 +84,7 @@ class Design:
 
     problem: SimulationProblem
     axes: tuple[VariedAxis, ...]
+    seed: int = 0  # of the values drawn
 
     @cached_property
     def dims(self) -> tuple[str, ...]:
@@ -102,7 +105,23 @@ class Design:
     def values(self, run: int) -> dict[str, float | int]:
         """Return what is varied, with its values in a run."""
         place = dict(zip(self.dims, np.unravel_index(run, self.shape), strict=True))
-        return {axis.name: axis.values[place[axis.dim]].item() for axis in self.axes}
+        found = {axis.name: axis.values[place[axis.dim]].item() for axis in self.axes}
+        if self.has_own_seeds:
+            found["seed"] = _own_seed(self.seed, int(place["sample"]), found["seed"])
+        return found
+
+    @property
+    def has_own_seeds(self) -> bool:
+        """Whether every sample has seeds of its own: runs of one seed in all samples would not be independent."""
+        return {"sample", "seed"} <= set(self.dims)
+
+    @cached_property
+    def own_seeds(self) -> NDArray[np.int64]:
+        """The seed of every run where samples have seeds of their own, (samples, seeds)."""
+        by_dim = {axis.dim: axis.values for axis in self.axes}
+        samples, seeds = len(by_dim["sample"]), by_dim["seed"].tolist()
+        every = [[_own_seed(self.seed, sample, seed) for seed in seeds] for sample in range(samples)]
+        return np.array(every, dtype=np.int64)
 
     def tried_first(self) -> Iterator[int]:
         """Yield runs that show whether any can be made: the first, then along every dimension, at most a thousand."""
@@ -146,6 +165,13 @@ def varied(problem: SimulationProblem, values: Mapping[str, float | int]) -> Sim
     if "kick" not in values:
         return changed
     return changed.replace(perturbation=_scaled(kick, float(values["kick"]), changed.mesh.segments))
+
+
+def _own_seed(drawn_with: int, sample: int, seed: int) -> int:
+    """Return the seed of the run of a sample and a seed, of 62 bits, in an ensemble drawn with another seed."""
+    low, high = seed & 0xFFFFFFFF, seed >> 32  # of known lengths: other numbers make other entropy
+    words = np.random.SeedSequence([sample, low, high, drawn_with]).generate_state(1, np.uint64)
+    return int(words[0]) >> 2
 
 
 def _seeded(kick: Perturbation, seed: int) -> Perturbation:
@@ -203,7 +229,7 @@ def design_of(problem: SimulationProblem, over: Any, layout: str, samples: Any, 
                 "over", f"must hold as many values of each name where layout is 'list', got: {listed}"
             )
     dim = {name: "run" if layout == "list" else "sample" if name in drawn else name for name in over}
-    study = Design(problem, tuple(VariedAxis(name, dim[name], given[name]) for name in over))
+    study = Design(problem, tuple(VariedAxis(name, dim[name], given[name]) for name in over), seed)
     runs = float(np.prod([float(length) for length in study.shape]))
     if runs > MOST_RUNS:
         raise validate.wrong_value("over", f"makes {runs:,.0f} runs, at most {MOST_RUNS:,} are made; vary less")

@@ -11,7 +11,7 @@ from typing import Any, Literal
 
 from floquetrod._util import interrupt, validate, waiting
 from floquetrod.ensembles import stores_disk, stores_zarr, tasks
-from floquetrod.ensembles.axes import MOST_RUNS, Design, design_of, varied
+from floquetrod.ensembles.axes import MOST_RUNS, RUN_SEED, Design, design_of, varied
 from floquetrod.ensembles.runs import DONE
 from floquetrod.ensembles.stores import RESULTS, Layout, MemoryStore, Outcome, chunk_shape, reason_of
 from floquetrod.ensembles.workers import OwnProcesses, TaskRunner, require_executor, work
@@ -48,11 +48,13 @@ def ensemble(
         its parameters given, from which ``samples`` are drawn.
     layout : {"grid", "list"}
         "grid": every combination of the values, one dimension for each name; values drawn share the dimension "sample".
+        A sample has seeds of its own: that of a run follows from ``seed``, its sample and its seed in ``over``, and is
+        the coordinate ``run_seed``.
         "list": the first values together, the second ones, and so on, along the one dimension "run".
     samples : int, optional
         How many values are drawn from distributions.
     seed : int
-        Seed of the values drawn from distributions.
+        Seed of the values drawn from distributions, and of the seeds of their runs.
     executor : concurrent.futures.Executor, optional
         Makes the runs, in any order; it is not shut down.  Any object with the same ``submit``: a process pool,
         ``MPIPoolExecutor`` of mpi4py, or a ``Client`` of dask.distributed.  By default threads, as many as there are
@@ -231,7 +233,16 @@ def _first_runs(
                 "summary", f"must return numbers for a run; for that with {at} it raised {reason_of(error)}"
             ) from error
         names = tuple(outcome.summary)
-        taken = {*RESULTS, *study.dims, *(axis.name for axis in study.axes), "reason", "time", "angle", "positions"}
+        taken = {
+            *RESULTS,
+            RUN_SEED,
+            *study.dims,
+            *(axis.name for axis in study.axes),
+            "reason",
+            "time",
+            "angle",
+            "positions",
+        }
         for name in names:
             if name in taken or not name.isidentifier():
                 raise validate.wrong_value("summary", f"must use names that are not taken, got {name!r}")

@@ -7,11 +7,10 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from floquetrod._util.report import number
+from floquetrod.ensembles.doubts import counted, doubts
 from floquetrod.ensembles.runs import DONE, FAILED, PENDING, Runs, require_runs
-from floquetrod.ensembles.statistics import probability
-
-_SAMPLED = ("seed", "sample", "run")
-"""Dimensions along which runs are samples of one another."""
+from floquetrod.ensembles.statistics import RANDOM, probability_of
+from floquetrod.simulation.outcome import KINDS
 
 _NUMBERS = str.maketrans("", "", "0123456789.,+-")
 
@@ -32,6 +31,9 @@ class Overview(NamedTuple):
     failed: int
     pending: int
     buckled: int
+    outcomes: dict[str, int]
+    resting: tuple[float, float] | None  # rad, the least and the largest angle of a rod at rest beyond 5 degrees
+    doubts: list[str]
     reasons: list[tuple[str, int]]
     rows: list[Row]
     units: dict[str, str]
@@ -40,15 +42,26 @@ class Overview(NamedTuple):
     def of(cls, found: Any, confidence: float) -> Overview:
         """Return it from what `floquetrod.ensemble` returned."""
         if not isinstance(found, Runs):
-            found = found[["status", "reason", "buckled"]]  # frames stay where they are
+            found = found[["status", "reason", "buckled", "outcome", "angle_in_the_end"]]  # frames stay where they are
         runs = require_runs("runs", found)
         status = runs["status"]
         done, failed, pending = (int((status == kind).sum()) for kind in (DONE, FAILED, PENDING))
         buckled = int((runs["buckled"][status == DONE] == 1).sum())
-        sampled = [dim for dim in runs.variables["status"].dims if dim in _SAMPLED]
-        rows = _table(probability(runs, over=sampled, confidence=confidence)) if sampled else []
+        sampled = [dim for dim in runs.variables["status"].dims if dim in RANDOM]
+        rows = _table(probability_of(runs, "buckled", sampled, confidence)) if sampled else []
+        rest = runs["angle_in_the_end"][(status == DONE) & (runs["outcome"] == KINDS.index("at rest"))]
         return cls(
-            status.size, done, failed, pending, buckled, _counted(runs["reason"][status == FAILED]), rows, runs.units
+            status.size,
+            done,
+            failed,
+            pending,
+            buckled,
+            counted(runs),
+            (float(rest.min()), float(rest.max())) if rest.size else None,
+            doubts(runs),
+            _counted(runs["reason"][status == FAILED]),
+            rows,
+            runs.units,
         )
 
 

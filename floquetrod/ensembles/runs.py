@@ -127,25 +127,30 @@ class Runs(NoTruthValue, ByContent):
     def load(cls, path: str | Path) -> Runs:
         """Read runs that `save` wrote; ValueError for a file that is damaged, if only in one bit, or foreign."""
         if validate.path("path", path).is_dir():
-            raise ValueError(f"{path} is a folder; Runs.load reads .npz files, ensembles.open_zarr stores of zarr")
+            raise ValueError(
+                f"{path} is a folder; Runs.load reads .npz files, xarray.open_zarr the stores that end in .zarr"
+            )
         return files.read_npz(path, _FORMAT, "an ensemble", cls._read)
 
     @classmethod
-    def _read(cls, meta: dict[str, Any], arrays: dict[str, NDArray[Any]]) -> Runs:
+    def _read(cls, meta: dict[str, Any], arrays: files.Arrays) -> Runs:
         """Return what a file holds; ValueError where it is not as `save` writes it."""
-        found: dict[str, dict[str, Variable]] = {"variables": {}, "coords": {}}
-        for kind, of in found.items():
-            for name, (dims, attrs) in files.entry(meta, kind, dict).items():
-                values = arrays[f"{kind}.{name}"]
-                if len(dims) != values.ndim or not isinstance(attrs, dict):
-                    raise ValueError(f"{name} is an array of {values.ndim} dimensions named {dims}")
-                of[name] = Variable(tuple(map(str, dims)), values, attrs)
-        runs = cls(found["variables"], found["coords"], files.entry(meta, "attrs", dict))
-        lengths = runs.dims
-        for name, v in (runs.coords | runs.variables).items():
-            if v.values.shape != tuple(lengths[dim] for dim in v.dims):
-                raise ValueError(f"{name} is an array of shape {v.values.shape}, of dimensions {lengths}")
-        return runs
+        lengths: dict[str, int] = {}
+        kinds = {kind: files.entry(meta, kind, dict) for kind in ("coords", "variables")}
+        for kind, of in kinds.items():  # before anything is read: shapes cost no memory
+            for name, (dims, attrs) in of.items():
+                shape = files.require_shape(arrays, f"{kind}.{name}", tuple(lengths.get(dim) for dim in dims))
+                lengths |= dict(zip(map(str, dims), shape, strict=True))
+                if not isinstance(attrs, dict):
+                    raise ValueError(f"attributes of {name} are {attrs!r}")
+        found = {
+            kind: {
+                name: Variable(tuple(map(str, dims)), arrays[f"{kind}.{name}"], attrs)
+                for name, (dims, attrs) in of.items()
+            }
+            for kind, of in kinds.items()
+        }
+        return cls(found["variables"], found["coords"], files.entry(meta, "attrs", dict))
 
 
 def require_runs(name: str, value: Any) -> Runs:

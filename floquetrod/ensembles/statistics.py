@@ -2,14 +2,23 @@
 
 from __future__ import annotations
 
+import math
+import warnings
 from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from floquetrod._util import validate
-from floquetrod._util.proportions import clopper_pearson
-from floquetrod.ensembles.runs import DONE, FAILED, Runs, Variable, require_runs
+from floquetrod._util.calling import level_of_caller
+from floquetrod._util.proportions import clopper_pearson, mean_of_shares
+from floquetrod.ensembles.axes import RUN_SEED
+from floquetrod.ensembles.doubts import OutcomeWarning, doubts
+from floquetrod.ensembles.runs import DONE, FAILED, PENDING, Runs, Variable, require_runs
+
+RANDOM = ("sample", "run", "seed")
+"""Dimensions along which runs are drawn; the values along all others are chosen."""
 
 
 def probability(runs: Any, name: str = "buckled", *, over: str | Iterable[str], confidence: float = 0.95) -> Any:
@@ -22,7 +31,7 @@ def probability(runs: Any, name: str = "buckled", *, over: str | Iterable[str], 
     name : str
         A result that is true or false, or 1 or 0.
     over : str or several
-        Dimensions along which runs are independent samples: "seed", "sample", "run".
+        Dimensions to average over, at least one along which runs are drawn: "seed", "sample", "run".
     confidence : float
         Of the interval, between 0 and 1.
 
@@ -30,13 +39,29 @@ def probability(runs: Any, name: str = "buckled", *, over: str | Iterable[str], 
     -------
     the same kind as ``runs``
         ``probability``, the share of runs that are true among those done, NaN where none is; ``lower`` and ``upper``,
-        the interval by Clopper and Pearson, whose coverage is at least ``confidence``; ``done`` and ``failed``, numbers
-        of runs.  Those that failed count as false at the lower end and as true at the upper; pending ones do not count.
+        its interval; ``done`` and ``failed``, numbers of runs.  Those that failed count as false at the lower end and
+        as true at the upper; pending ones do not count.
+
+    Warns
+    -----
+    OutcomeWarning
+        For ``buckled``, where runs were still moving beyond 5 degrees at their end and did not count as buckled, and
+        where some buckled under a load that theory calls stable.
+
+    Notes
+    -----
+    Over one dimension of draws runs are independent, and the interval is that of Clopper and Pearson, whose coverage is
+    at least ``confidence``.  Over several dimensions runs that share a draw are not: those of one sample, those of one
+    seed at several chosen values, those of one seed in a list.  Such a group counts as one number, its share of runs
+    that are true; ``probability`` is the mean of these shares, and the interval that of Gaffke
+    (`floquetrod._util.proportions.mean_of_shares`), which is Clopper and Pearson's where groups have one run.  Where
+    chosen values are averaged over, their pending runs count as failed ones.
 
     Raises
     ------
     TypeError, ValueError
-        For a result or a dimension that there is not, and for results that are neither true nor false.
+        For a result or a dimension that there is not, for results that are neither true nor false, for dimensions that
+        are all chosen, and for samples that share their seeds, as those of earlier versions did.
 
     Examples
     --------
@@ -47,6 +72,14 @@ def probability(runs: Any, name: str = "buckled", *, over: str | Iterable[str], 
     (0.333, 0.006, 0.932)
     """
     found = require_runs("runs", runs)
+    answer = probability_of(found, name, over, confidence)
+    for text in doubts(found) if name == "buckled" else []:
+        warnings.warn(text, OutcomeWarning, stacklevel=level_of_caller())
+    return answer if isinstance(runs, Runs) else answer.to_xarray()
+
+
+def probability_of(found: Runs, name: str, over: Any, confidence: Any) -> Runs:
+    """Return what `probability` does for `Runs`, without its warnings."""
     confidence = validate.confidence(confidence)
     for needed in ("status", validate.choice("name", name, found.variables)):
         if needed not in found.variables:
@@ -69,26 +102,83 @@ def probability(runs: Any, name: str = "buckled", *, over: str | Iterable[str], 
             "name", f"must be a result that is true or false, 1 or 0, got {name!r}; compare it with a number"
         )
     left = tuple(dim for place, dim in enumerate(dims) if place not in places)
-    counts = done.sum(axis=places)
-    failed = (status == FAILED).sum(axis=places)
-    true = (done & (values == 1)).sum(axis=places)
-    lower, upper = clopper_pearson(true, counts + failed, confidence, unknown=failed)
-    with np.errstate(invalid="ignore"):
-        share = np.where(counts > 0, true / np.maximum(counts, 1), np.nan)
+    group = _groups(found, dims, places)
+    order = [dims.index(dim) for dim in left] + list(places)
+    shape = tuple(status.shape[dims.index(dim)] for dim in left)
+
+    def by_group(of: NDArray[np.bool_]) -> NDArray[np.int64]:
+        """Return numbers of runs, (..., groups)."""
+        flat = of.transpose(order).reshape(math.prod(shape), -1)
+        counts = np.zeros((int(group.max(initial=-1)) + 1, len(flat)), dtype=np.int64)
+        np.add.at(counts, group, flat.T)
+        return counts.T
+
+    true, finished, lost = by_group(done & (values == 1)), by_group(done), by_group(status == FAILED)
+    chosen = any(dims[place] not in RANDOM for place in places)
+    unknown = lost + by_group(status == PENDING) if chosen else lost
+    if group.size == true.shape[1]:  # every run is a group
+        lower, upper = clopper_pearson(
+            true.sum(axis=1), (finished + unknown).sum(axis=1), confidence, unknown=unknown.sum(axis=1)
+        )
+    else:
+        lower, upper = (
+            np.array([_interval(*counts, confidence) for counts in zip(true, finished, unknown, strict=True)])
+            .reshape(-1, 2)
+            .T
+        )
+    share = np.full(len(true), np.nan)
+    for row in np.flatnonzero(finished.any(axis=1)):
+        some = finished[row] > 0
+        share[row] = np.mean(true[row, some] / finished[row, some])
 
     def variable(values: Any, text: str) -> Variable:
-        return Variable(left, np.asarray(values), {"long_name": text, "units": "1"})
+        return Variable(left, np.reshape(values, shape), {"long_name": text, "units": "1"})
 
     percent = f"{100.0 * confidence:g} % confidence"
-    answer = Runs(
+    return Runs(
         {
             "probability": variable(share, f"share of runs with {name} among those done"),
             "lower": variable(lower, f"lower end of the interval of {percent}"),
             "upper": variable(upper, f"upper end of the interval of {percent}"),
-            "done": variable(counts, "runs done"),
-            "failed": variable(failed, "runs that failed"),
+            "done": variable(finished.sum(axis=1), "runs done"),
+            "failed": variable(lost.sum(axis=1), "runs that failed"),
         },
         {key: v for key, v in found.coords.items() if set(v.dims) <= set(left)},
         {**found.attrs, "result": name, "confidence": confidence},
     )
-    return answer if isinstance(runs, Runs) else answer.to_xarray()
+
+
+def _groups(found: Runs, dims: tuple[str, ...], places: tuple[int, ...]) -> NDArray[np.int64]:
+    """Return to which group each run averaged over belongs, in the order of the dimensions; groups are independent.
+
+    ``places`` are those of the dimensions averaged over.  Raises ValueError where there are no such groups.
+    """
+    averaged = [dims[place] for place in places]
+    drawn = [dim for dim in RANDOM if dim in averaged]
+    if not drawn:
+        raise validate.wrong_value(
+            "over",
+            f"must name a dimension along which runs are drawn, {', '.join(RANDOM)}, got {', '.join(averaged)}, whose "
+            'values are chosen; where you drew them yourself give them as a list, layout="list", or as a distribution',
+        )
+    if len(drawn) > 1 and RUN_SEED not in found.coords:
+        raise validate.wrong_value(
+            "over",
+            f"names {' and '.join(drawn)}, but all samples have the same seeds, as in ensembles of earlier versions: "
+            "their runs are not independent; average over one of them, or simulate again",
+        )
+    lengths = [found["status"].shape[place] for place in places]
+    number = np.indices(lengths)[averaged.index(drawn[0])].ravel()
+    seeds = found.coords.get("seed")
+    if drawn == ["run"] and seeds is not None:
+        _, number = np.unique(seeds.values, return_inverse=True)
+    return np.asarray(number, dtype=np.int64)
+
+
+def _interval(
+    true: NDArray[np.int64], finished: NDArray[np.int64], unknown: NDArray[np.int64], confidence: float
+) -> tuple[float, float]:
+    """Return the interval of a probability from the numbers of runs in each group."""
+    runs = finished + unknown
+    some = runs > 0
+    return mean_of_shares(true[some] / runs[some], (true + unknown)[some] / runs[some], confidence)

@@ -21,9 +21,10 @@ from numpy.typing import NDArray
 
 from floquetrod._util.caching import cached_property
 from floquetrod._util.version import __version__
-from floquetrod.ensembles.axes import Design
+from floquetrod.ensembles.axes import RUN_SEED, Design
 from floquetrod.ensembles.runs import DONE, FAILED, PENDING, Runs, Variable
 from floquetrod.simulation.arithmetic import arithmetic
+from floquetrod.simulation.outcome import DEFINITION, KINDS
 
 _RUNS_IN_A_CHUNK = 256  # at most: files of kilobytes, written again with each save of a run of theirs
 _SECONDS_BETWEEN = 1.0  # of wall time, between saves: what a kill costs
@@ -49,7 +50,9 @@ class Kind(NamedTuple):
 
 RESULTS = {
     "status": Kind(np.int8, "1", "pending, done or failed"),
-    "buckled": Kind(np.bool_, "1", "whether a node was beyond 5 degrees in the last quarter"),
+    "buckled": Kind(np.bool_, "1", f"whether the rod has buckled: {DEFINITION}"),
+    "outcome": Kind(np.int8, "1", "what has become of the rod"),
+    "angle_in_the_end": Kind(np.float64, "rad", "largest angle of any node from where it began, over the last quarter"),
     "time_to_buckle": Kind(np.float64, "s", "first recorded time beyond 5 degrees of a run that buckled"),
     "dominant_mode": Kind(np.int16, "1", "mode of largest amplitude over the last quarter"),
     "growth_rate": Kind(np.float64, "1/s", "growth rate of the dominant mode while motion is small"),
@@ -60,7 +63,14 @@ RESULTS = {
 }
 """Results of every run, beside ``reason``, a text."""
 
-_FLAGS = {"flag_values": [PENDING, DONE, FAILED], "flag_meanings": "pending done failed"}
+_FLAGS = {
+    "status": {"flag_values": [PENDING, DONE, FAILED], "flag_meanings": "pending done failed"},
+    "outcome": {
+        "flag_values": list(range(len(KINDS))),
+        "flag_meanings": " ".join(kind.replace(" ", "_") for kind in KINDS),
+    },
+}
+"""Meanings of the numbers of a result, as netCDF's conventions give them."""
 
 
 class Outcome(NamedTuple):
@@ -134,17 +144,21 @@ class Layout:
             return {"long_name": "why a run failed"}
         kind = self.kinds[name]
         own = {"long_name": kind.long_name, "units": kind.unit}
-        return own | _FLAGS if name == "status" else own
+        return own | _FLAGS.get(name, {})
 
     @property
     def coords(self) -> dict[str, Variable]:
-        """What is varied."""
-        return {
+        """What is varied, and the seeds of runs where samples have their own."""
+        found = {
             axis.name: Variable(
                 (axis.dim,), axis.values, {"long_name": axis.name.replace("_", " "), "units": axis.unit}
             )
             for axis in self.study.axes
         }
+        if self.study.has_own_seeds:
+            about = {"long_name": "seed of the run, derived from its sample and its seed", "units": "1"}
+            found[RUN_SEED] = Variable(("sample", "seed"), self.study.own_seeds, about)
+        return found
 
     @property
     def about(self) -> dict[str, Any]:
@@ -160,11 +174,14 @@ class Layout:
 
 def identity(study: Design, frames: bool) -> dict[str, Any]:
     """Return plain data that distinguishes a study from every other, except for the names of its summary."""
+    own = {"seeds": [study.seed, "of each sample"]} if study.has_own_seeds else {}
     return {
         "problem": study.problem.as_dict(),
         "axes": [[axis.name, axis.dim, hashlib.sha256(axis.values.tobytes()).hexdigest()] for axis in study.axes],
         "frames": frames,
         "arithmetic": arithmetic(),
+        "buckled": DEFINITION,
+        **own,
     }
 
 
@@ -175,7 +192,12 @@ def require_same(place: Path, attrs: Mapping[str, Any], study: Design, frames: b
     except (KeyError, TypeError, ValueError):
         raise ValueError(f"store {place} is not one of fr.ensemble; give another path") from None
     ours = identity(study, frames)
-    wrong = [name for name in ours if theirs.get(name) != ours[name]]
+    wrong = [name for name in {**ours, **theirs} if theirs.get(name) != ours.get(name)]
+    if "buckled" in wrong:
+        raise ValueError(
+            f"store {place} was made by a version with another rule for which rods have buckled; it can be read, with "
+            "floquetrod.ensembles.Runs.load or xarray.open_zarr, but not continued: give another path"
+        )
     if wrong == ["arithmetic"]:
         other = [f"{name} {value}" for name, value in theirs["arithmetic"].items() if ours[wrong[0]].get(name) != value]
         raise ValueError(

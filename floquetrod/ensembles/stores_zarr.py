@@ -2,7 +2,8 @@
 
 It is of zarr's format 2, whose types include text and whose consolidated metadata is part of the format.  Files of
 chunks are written here: a file of that format is the compressed content of its array.  Each takes the place of an older
-one at once, has a checksum, and counts as missing where that does not fit.
+one at once, has a checksum, and counts as missing where that does not fit.  The checksum covers the place in the store,
+too, and the store's identity; it follows the compressed content in a frame that readers skip.
 
 `Dataset.to_zarr(region=...)` would not do.  Of its chunks a damaged one makes the whole array unreadable, and one that
 is lost reads as fill values: test_ensemble_stores.py::test_damaged_chunks_are_computed_again.  After Ctrl-C a thread of
@@ -12,10 +13,12 @@ and a kill cuts them off.
 
 from __future__ import annotations
 
+import hashlib
 import json
 import math
 import secrets
 import shutil
+import struct
 import time
 from collections.abc import Callable, Iterable, Mapping
 from contextlib import suppress
@@ -35,6 +38,9 @@ from floquetrod.ensembles.stores import FRAME_ATTRS, REASON, Layout, MemoryStore
 from floquetrod.ensembles.stores_disk import DiskStore
 
 _ABANDONED = 3600.0  # s after which a creation that takes a second has been killed
+_SEAL = struct.pack("<II", 0x184D2A50, hashlib.sha256().digest_size)
+"""Head of a frame that decoders of Zstandard skip, RFC 8878, 3.1.2: its magic number and the length of its content."""
+
 _LOCK = "status/.lock"  # where zarr does not look for arrays
 
 
@@ -45,6 +51,8 @@ class ZarrStore(DiskStore):
         """Create the store unless it exists, and take over what it holds."""
         super().__init__(layout, path)
         self._codec = _codec()
+        about = layout.about
+        self._identity = json.dumps([about["study"], about["summary"], layout.chunk], sort_keys=True).encode()
         self._own = range(len(self.layout.starts))
         self._waiting: dict[int, Mapping[str, NDArray[np.float64]]] = {}  # frames that could not be written
         if not path.exists():
@@ -117,7 +125,7 @@ class ZarrStore(DiskStore):
         """Write the values of consecutive runs."""
         full = np.zeros(self.layout.chunk, dtype=values.dtype)  # chunks at an edge are filled up
         full[tuple(map(slice, self._extent(runs)))] = values.reshape(self._extent(runs))
-        replace(self._file(name, runs.start), self._codec.encode(full.tobytes()))
+        self._write_sealed(self._file(name, runs.start), full.tobytes())
 
     def _read(self, chunk: int) -> None:
         """Take over a chunk of results; where a file of it is missing or damaged its runs are pending."""
@@ -141,11 +149,38 @@ class ZarrStore(DiskStore):
     def _read_chunk(self, name: str, runs: range, dtype: Any) -> NDArray[Any] | None:
         """Return the values of consecutive runs, None where there is no such file or it is damaged."""
         try:
-            content = self._codec.decode(self._file(name, runs.start).read_bytes())
+            content = self._read_sealed(
+                self._file(name, runs.start), math.prod(self.layout.chunk) * np.dtype(dtype).itemsize
+            )
             full = np.frombuffer(content, dtype=dtype).reshape(self.layout.chunk)
         except (OSError, RuntimeError, ValueError):
             return None
         return full[tuple(map(slice, self._extent(runs)))].ravel()
+
+    def _write_sealed(self, file: Path, content: bytes) -> None:
+        """Write a chunk, compressed, and after it the checksum of its content, its place and the store's identity."""
+        packed = bytes(self._codec.encode(content))
+        replace(file, packed + _SEAL + self._seal(file, packed))
+
+    def _read_sealed(self, file: Path, size: int) -> bytes:
+        """Return the content of a chunk, of a size in bytes; ValueError where it is damaged or belongs elsewhere."""
+        written = file.read_bytes()
+        packed = written[: max(len(written) - len(_SEAL) - hashlib.sha256().digest_size, 0)]
+        if written[len(packed) :] != _SEAL + self._seal(file, packed):
+            raise ValueError(f"{file} is damaged, or belongs elsewhere")
+        return self._decoded(packed, size)
+
+    def _decoded(self, packed: bytes, size: int) -> bytes:
+        """Return what was compressed; ValueError or RuntimeError where it has more bytes, whatever it claims."""
+        content = np.empty(size, np.uint8)
+        self._codec.decode(packed, out=content)
+        return content.tobytes()
+
+    def _seal(self, file: Path, packed: bytes) -> bytes:
+        """Return the checksum of a chunk: of its compressed content, its place, and the identity of its store."""
+        place = file.relative_to(self.path).as_posix().encode()
+        parts = (self._identity, place, packed)
+        return hashlib.sha256(b"".join(len(part).to_bytes(8, "little") + part for part in parts)).digest()
 
     def _extent(self, runs: range) -> tuple[int, ...]:
         """Return the shape of the runs of a chunk, less than that of a chunk at an edge."""
@@ -178,14 +213,16 @@ class ZarrStore(DiskStore):
         for name, file in self._frame_files(run).items():
             full = np.full([length for _, length in self.layout.frame_shapes[name]], np.nan)
             full[: len(frames[name])] = frames[name]
-            replace(file, self._codec.encode(full.tobytes()))
+            self._write_sealed(file, full.tobytes())
 
     def _has_frames(self, run: int) -> bool:
         """Return whether all frames of a run that are wanted exist and can be read."""
         try:
-            return all(self._codec.decode(file.read_bytes()) for file in self._frame_files(run).values())
+            for name, file in self._frame_files(run).items():
+                self._read_sealed(file, 8 * math.prod(length for _, length in self.layout.frame_shapes[name]))
         except (OSError, RuntimeError, ValueError):
             return False
+        return True
 
     def _frame_files(self, run: int) -> dict[str, Path]:
         """Return the files of the frames of a run."""
@@ -201,9 +238,9 @@ class ZarrStore(DiskStore):
             if not _is_json(self.path / path, content):
                 replace(self.path / path, content)
         for name, v in self.layout.coords.items():
-            file = self.path / name / "0"
+            file = self.path.joinpath(name, *["0"] * len(v.dims))
             try:
-                found = bytes(self._codec.decode(file.read_bytes()))
+                found = self._decoded(file.read_bytes(), v.values.nbytes)
             except (OSError, RuntimeError, ValueError):
                 found = b""
             if found != v.values.tobytes():

@@ -12,6 +12,7 @@ from floquetrod._util import validate
 from floquetrod.ensembles.axes import varied
 from floquetrod.ensembles.runs import DONE, FAILED
 from floquetrod.ensembles.stores import Outcome, reason_of
+from floquetrod.simulation.outcome import KINDS
 from floquetrod.simulation.problem import Simulation, SimulationProblem
 
 Summary = Callable[[Simulation], Mapping[str, float]]
@@ -67,6 +68,8 @@ def results(made: Simulation) -> dict[str, float]:
         rate = error = math.nan
     return {
         "buckled": made.buckled,
+        "outcome": KINDS.index(made.outcome.kind),
+        "angle_in_the_end": made.outcome.angle,
         "time_to_buckle": math.nan if made.buckled_at is None else made.buckled_at,
         "dominant_mode": mode,
         "growth_rate": rate,

@@ -112,6 +112,7 @@ LEFT_OUT = {
     "Stability": "constructed by every method",
     "mathieu.FloquetSolution": "constructed by characteristic_function and floquet_solutions",
     "PlausibilityWarning": "a warning",
+    "OutcomeWarning": "a warning",
     "ResolutionWarning": "a warning",
     "ForcedAngleWarning": "a warning",
     "LeavesWallError": "an exception",

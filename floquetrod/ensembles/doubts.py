@@ -1,0 +1,82 @@
+"""What makes outcomes of an ensemble doubtful: motion at the end of runs, loads that theory calls stable."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator
+
+import numpy as np
+
+from floquetrod.ensembles.axes import varied
+from floquetrod.ensembles.runs import DONE, Runs
+from floquetrod.simulation.findings import STABLE_LOAD
+from floquetrod.simulation.outcome import KINDS, Outcome
+from floquetrod.simulation.problem import SimulationProblem
+
+_MOST_VERDICTS = 20  # on loads under which rods buckled, milliseconds each (a choice)
+_OF_A_PROBLEM = ("kick", "seed", "duration", "time_step", "frames", "segments", "friction")
+"""Quantities on which the stability of a load without friction does not depend."""
+
+
+class OutcomeWarning(UserWarning):
+    """Simulated rods may end otherwise in longer runs, or should not have buckled by theory."""
+
+
+def counted(runs: Runs) -> dict[str, int]:
+    """Return how many of the runs done have come to each outcome, by its kind."""
+    kinds = runs["outcome"][runs["status"] == DONE]
+    return {kind: int(np.sum(kinds == number)) for number, kind in enumerate(KINDS)}
+
+
+def doubts(runs: Runs) -> list[str]:
+    """Return, in sentences, why some of the runs done may not have ended as they seem; nothing without ``outcome``."""
+    if not {"outcome", "buckled"} <= runs.variables.keys():
+        return []
+    found = []
+    for kind, count in counted(runs).items():
+        if count and (doubt := Outcome(kind, 0.0).doubt):
+            found.append(f"{count:,} {'run' if count == 1 else 'runs'} counted as not buckled, {doubt}")
+    count = _buckled_under_stable_loads(runs)
+    return [*found, f"{count:,} {'run' if count == 1 else 'runs'} buckled, but {STABLE_LOAD}"] if count else found
+
+
+def _buckled_under_stable_loads(runs: Runs) -> int:
+    """Return how many runs buckled under loads that are stable by theory, among the first twenty loads that differ.
+
+    Coupled modes, whose verdict may take half a minute, are left out; so are rods that a tool or a moved end drives.
+    """
+    dims = runs.variables["status"].dims
+    buckled = np.argwhere((runs["status"] == DONE) & (runs["buckled"] == 1))
+    if not buckled.size or "problem" not in runs.attrs:
+        return 0
+    problem = SimulationProblem.from_dict(json.loads(runs.attrs["problem"]))
+    if not _has_theory(problem):
+        return 0
+    of_the_load = [name for name in runs.attrs.get("varied", ()) if name not in _OF_A_PROBLEM]
+    if not set(of_the_load) <= runs.coords.keys():
+        return 0
+    counts: dict[tuple[float, ...], int] = {}
+    for place in buckled:
+        at = dict(zip(dims, place.tolist(), strict=True))
+        values = tuple(runs[name][tuple(at[dim] for dim in runs.coords[name].dims)].item() for name in of_the_load)
+        counts[values] = counts.get(values, 0) + 1
+    return sum(_stable(problem, of_the_load, list(counts.items())[:_MOST_VERDICTS]))
+
+
+def _has_theory(problem: SimulationProblem) -> bool:
+    """Return whether the modes of a problem are independent, and nothing but its load drives the rod."""
+    driven = (problem.feed_speed, problem.far_force, problem.tool)
+    apart = problem.rod.modes_under(problem.load).told_apart(range(1, 2))
+    return bool(apart) and all(each is None for each in driven)
+
+
+def _stable(problem: SimulationProblem, names: list[str], counts: list[tuple[tuple[float, ...], int]]) -> Iterator[int]:
+    """Yield the numbers of runs under loads that are stable, from those under each."""
+    for values, count in counts:
+        try:
+            each = varied(problem, dict(zip(names, values, strict=True)))
+            status = each.rod.stability(each.load).status
+        except (ValueError, ArithmeticError):  # a rod or a load of which there is no verdict
+            continue
+        if status == "stable":
+            yield count
