@@ -9,8 +9,11 @@ from typing import Any
 import numpy as np
 import pytest
 import sympy
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 import floquetrod as fr
+from conftest import depth
 from test_periodic_orbits import DUFFING, VAN_DER_POL, duffing, van_der_pol
 
 TIMES = np.array([0.1, 0.4, 2.0])
@@ -152,12 +155,101 @@ def test_a_linear_system_with_a_force() -> None:
         ({"parameters": {"mu": 1.0}, "period": "2*pi/nu"}, "'nu', which is no parameter"),
         ({"parameters": {"mu": 1.0}, "period": "().__class__"}, "period must be a number or a formula"),
         ({"parameters": {"mu": 0.0}, "period": "2*pi/mu"}, "division by zero"),
+        ({"parameters": {"mu": 1.0}, "period": "sqrt(-mu)"}, "period must be a number or a formula"),
+        ({"parameters": {"mu": 1.0}, "period": "9**9**9"}, "its value is beyond 1e308"),
+        ({"parameters": {"mu": 1.0}, "period": "1<<10**9"}, "period must be a number or a formula"),
+        ({"parameters": {"mu": 1.0}, "period": "'a'*10**9"}, "not a formula"),
+        ({"parameters": {"mu": 1.0}, "period": "(" * 5000}, "at most 1000 are read"),
         ({"parameters": {"mu": -1.0}, "period": "2*pi/mu"}, "period must be greater than zero"),
     ],
 )
 def test_what_is_refused(arguments: dict[str, Any], message: str) -> None:
     with pytest.raises((ValueError, TypeError), match=message.replace("(", r"\(").replace(")", r"\)")):
         fr.NonlinearSystem(van_der_pol, **arguments)
+
+
+CODE = "__import__('floquetrod').__dict__.update(planted=True)"
+
+
+class Written:
+    """An object whose texts are code."""
+
+    def __str__(self) -> str:
+        return CODE
+
+    __repr__ = __str__
+
+    def _sympy_(self) -> str:
+        return CODE
+
+
+texts = st.sampled_from([CODE, CODE.encode(), bytearray(CODE.encode()), np.str_(CODE), np.array(CODE), Written()])
+nested = st.recursive(
+    texts,
+    lambda inner: st.one_of(
+        st.lists(inner, min_size=1, max_size=2),
+        st.tuples(inner),
+        inner.map(lambda each: np.array([each], dtype=object)),
+        inner.map(lambda each: {"x": each}),
+    ),
+    max_leaves=4,
+)
+
+
+@given(nested, st.sampled_from(["equations", "equation", "states", "time", "period", "value", "name"]))
+@settings(max_examples=depth(500, 60), deadline=None)
+def test_no_text_is_run_as_code(code: Any, argument: str) -> None:
+    x, v = sympy.symbols("x v")
+    given: dict[str, Any] = {"equations": [v, -x], "states": [x, v]}
+    changed = {
+        "equations": {"equations": code},
+        "equation": {"equations": [v, code]},
+        "states": {"states": [x, code]},
+        "time": {"time": code},
+        "period": {"period": code},
+        "value": {"parameters": {"mu": code}},
+        "name": {"parameters": {str(code): 1.0}},
+    }[argument]
+    with pytest.raises((TypeError, ValueError)):
+        fr.NonlinearSystem.from_sympy(**given | changed)
+    assert not hasattr(fr, "planted")
+
+
+def test_functions_that_sympy_cannot_compute_are_refused() -> None:
+    x, v = sympy.symbols("x v")
+    for expression in (sympy.Function(CODE)(x), x + sympy.Function("f")(v) ** 2):
+        with pytest.raises(TypeError, match=r"equations\[1\] must be of functions that sympy can compute"):
+            fr.NonlinearSystem.from_sympy([v, expression], [x, v])
+    assert not hasattr(fr, "planted")
+    numbers = (2, 0.5, np.float64(3.0), np.int64(4))
+    system = fr.NonlinearSystem.from_sympy([*numbers], sympy.symbols("a b c d"))
+    assert system.rates([0.0], np.zeros((1, 4))).tolist() == [[2.0, 0.5, 3.0, 4.0]]
+
+
+formulas = st.recursive(
+    st.sampled_from(["2", "0.5", "pi", "mu", "3", "1e3"]),
+    lambda inner: st.one_of(
+        st.tuples(inner, st.sampled_from("+-*/"), inner).map(lambda parts: f"({''.join(parts)})"),
+        st.tuples(st.sampled_from(["sqrt", "exp", "sin"]), inner).map(lambda parts: f"{parts[0]}({parts[1]})"),
+        inner.map(lambda each: f"-{each}"),
+    ),
+    max_leaves=8,
+)
+
+
+@given(formulas)
+@settings(max_examples=depth(500, 60), deadline=None)
+def test_a_formula_of_the_period_means_what_python_makes_of_it(formula: str) -> None:
+    try:
+        expected = eval(formula, {"__builtins__": {}}, vars(math) | {"mu": 1.5})
+    except (ArithmeticError, ValueError):
+        expected = math.nan
+    if math.isfinite(expected) and expected > 0.0:
+        system = fr.NonlinearSystem(van_der_pol, period=formula, parameters={"mu": 1.5})
+        assert system.period == pytest.approx(expected, rel=1e-14)
+    else:
+        with pytest.raises(ValueError, match="period"):
+            fr.NonlinearSystem(van_der_pol, period=formula, parameters={"mu": 1.5})
 
 
 def test_parameters() -> None:

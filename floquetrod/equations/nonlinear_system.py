@@ -36,6 +36,7 @@ _ALLOWED = (
     ast.unaryop,
     ast.Load,
 )
+_LONGEST_FORMULA = 1000  # characters of a formula of the period (a choice)
 
 
 @constructor_hints(frequency="period is 2 pi / frequency, as in period='2*pi/frequency'")
@@ -333,28 +334,39 @@ def _formula(text: str, parameters: Mapping[str, float]) -> Any:
     """Return the value of a formula of parameters."""
     known = _FUNCTIONS | dict(parameters)
     try:
-        code, names, is_formula = _parsed(text)
-        if unknown := [name for name in names if name not in known]:
-            hint = did_you_mean(unknown[0], list(known))
-            raise ValueError(
-                f"period {validate.short(text)} has {validate.short(unknown[0])}, which is no parameter{hint}"
-            )
-        if not is_formula:
-            raise SyntaxError("not a formula")
-        return eval(code, {"__builtins__": {}}, known)
-    except (SyntaxError, TypeError, ArithmeticError, RecursionError, MemoryError) as error:
+        code, names = _parsed(text)
+        unknown = [name for name in names if name not in known]
+        if not unknown:
+            return eval(code, {"__builtins__": {}}, known)
+    except (SyntaxError, TypeError, ValueError, ArithmeticError, RecursionError, MemoryError) as error:
+        reason = "its value is beyond 1e308" if isinstance(error, OverflowError) else str(error)
         raise ValueError(
-            f"period must be a number or a formula such as '2*pi/omega', got {validate.short(text)}: "
-            f"{validate.short(str(error))}"
+            f"period must be a number or a formula such as '2*pi/omega', got {validate.short(text)}: {reason[:80]}"
         ) from None
+    hint = did_you_mean(unknown[0], list(known))
+    raise ValueError(f"period {validate.short(text)} has {validate.short(unknown[0])}, which is no parameter{hint}")
+
+
+class _Doubles(ast.NodeTransformer):
+    """Numbers of a formula as doubles: powers of integers take any memory and time, those of doubles overflow."""
+
+    def visit_Constant(self, node: ast.Constant) -> ast.Constant:
+        """Return the number as a double; SyntaxError for a text or another constant."""
+        if isinstance(node.value, bool) or not isinstance(node.value, int | float):
+            raise SyntaxError("not a formula")
+        return ast.copy_location(ast.Constant(float(node.value)), node)
 
 
 @functools.lru_cache(64)
-def _parsed(text: str) -> tuple[CodeType, list[str], bool]:
-    """Return a formula compiled, the names in it, and whether it is one."""
+def _parsed(text: str) -> tuple[CodeType, list[str]]:
+    """Return a formula compiled, and the names in it; SyntaxError where it is none."""
+    if len(text) > _LONGEST_FORMULA:
+        raise SyntaxError(f"it has {len(text)} characters, at most {_LONGEST_FORMULA} are read")
     tree = ast.parse(text, mode="eval")
+    if not all(isinstance(node, _ALLOWED) for node in ast.walk(tree)):
+        raise SyntaxError("not a formula")
     names = [node.id for node in ast.walk(tree) if isinstance(node, ast.Name)]
-    return compile(tree, "period", "eval"), names, all(isinstance(node, _ALLOWED) for node in ast.walk(tree))
+    return compile(_Doubles().visit(tree), "period", "eval"), names
 
 
 def _is_number(value: Any) -> bool:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from numbers import Number
 from typing import Any
 
 from floquetrod._util import validate
@@ -40,14 +41,17 @@ class _Lambdified:
 def _expression(i: int, given: Any) -> Any:
     """Return the right-hand side of one equation; TypeError for what is no expression."""
     import sympy
+    from sympy.core.function import AppliedUndef
 
-    try:
-        found = None if isinstance(given, list | tuple | dict | set) else sympy.sympify(given)
-    except Exception:  # whatever an object raises that is asked what it is
-        found = None
-    if not isinstance(found, sympy.Expr):
-        raise TypeError(f"equations[{i}] must be an expression of sympy, got {validate.short(given)}")
-    return found
+    # Only numbers are converted: sympy evaluates texts, and texts within other objects, as code.
+    expression = sympy.sympify(given, strict=True) if isinstance(given, Number) else given
+    if not isinstance(expression, sympy.Expr):
+        hint = "; sympy runs texts as code: write it with symbols" if isinstance(given, str | bytes) else ""
+        raise TypeError(f"equations[{i}] must be an expression of sympy, got {validate.short(given)}{hint}")
+    if undefined := expression.atoms(AppliedUndef):
+        shown = validate.short(sorted(map(str, undefined))[0])
+        raise TypeError(f"equations[{i}] must be of functions that sympy can compute, got {shown} in it")
+    return expression
 
 
 def lambdified(
