@@ -202,6 +202,7 @@ CALLS: list[tuple[Callable[..., Any], dict[str, Any]]] = [
         {"along": "beta", "within": (-1.0, 0.0), "samples": 5},
     ),
     (fr.Mathieu.from_aq, {"a": 1.0, "q": 1.0, "damping": 0.1}),
+    (fr.Mathieu.from_delta_epsilon, {"delta": 0.6, "epsilon": 0.2, "damping": 0.1}),
     (fr.mathieu.transition_curves, {"alpha": [0.1, 0.2], "orders": 2}),
     (fr.FiniteTimeCriterion, {"periods": 10, "limit": 1e6, "by": "exact", "step": 0.01}),
     (fr.FiniteTimeCriterion().growth, ALL),

@@ -73,6 +73,10 @@ MISTAKES: list[tuple[Call, str, str, str]] = [
     (lambda: fr.stability(EQUATION, "monodromy", tol=1e-9), "stability()", "'tol'", "unexpected keyword"),
     (lambda: fr.stability(EQUATION, rtol=1e-9), "method", "rtol", "name a method"),
     (lambda: fr.Mathieu(a=1.2, q=0.9), "Mathieu()", "'a'", "Mathieu.from_aq(a, q)"),
+    (lambda: fr.Mathieu(delta=0.6, epsilon=0.2), "Mathieu()", "'delta'", "Mathieu.from_delta_epsilon(delta, epsilon)"),
+    (lambda: fr.Meissner(delta=0.6, epsilon=0.2), "Meissner()", "'delta'", "beta is -delta"),
+    (lambda: fr.FrictionalMathieu(delta=0.6, epsilon=0.2, gamma=1), "FrictionalMathieu()", "'delta'", "from_delta"),
+    (lambda: fr.mathieu.is_stable(delta=0.6, epsilon=0.2), "is_stable()", "'delta'", "conventions.from_delta_epsilon"),
     (lambda: fr.Mathieu(alpha=0.5, betta=0.9), "Mathieu()", "'betta'", "did you mean beta?"),
     (lambda: fr.Mathieu(0.5 + 1j, 0.9), "alpha", "0.5+1j", "real number"),  # type: ignore[arg-type]
     (lambda: fr.Mathieu(0.5, 0.9, damping=-1), "damping", "-1", "zero or more"),

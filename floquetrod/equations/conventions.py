@@ -24,6 +24,16 @@ __all__ = ["from_aq", "from_delta_epsilon", "to_aq", "to_delta_epsilon"]
 _LARGEST = 4.0 * validate.LARGEST
 
 
+def other_forms(owner: str, verb: str = "returns alpha and beta") -> dict[str, str]:
+    """Return the remedies for parameters of the other forms, by name, where alpha and beta are arguments.
+
+    Without them the nearest name would be suggested, which is the opposite of what was meant: beta = -delta.
+    """
+    aq = f"{owner}.from_aq(a, q) {verb} for y'' + (a - 2 q cos 2 z) y = 0"
+    delta = f"{owner}.from_delta_epsilon(delta, epsilon) {verb} for x'' + (delta + epsilon cos t) x = 0"
+    return dict.fromkeys(("a", "q"), aq) | dict.fromkeys(("delta", "epsilon"), delta)
+
+
 def to_aq(alpha: Any, beta: Any) -> tuple[Any, Any]:
     """Return (a, q) = (-4 beta, 2 alpha), the parameters of y'' + (a - 2 q cos 2 z) y = 0.
 

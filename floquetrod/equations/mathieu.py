@@ -12,10 +12,11 @@ from floquetrod._util import validate
 from floquetrod._util.arrays import shaped
 from floquetrod._util.calling import constructor_hints
 from floquetrod.equations.base import Alternating, Piece, damping_rate, set_field, times
+from floquetrod.equations.conventions import other_forms
 from floquetrod.equations.hill import Hill
 
 
-@constructor_hints(a="Mathieu.from_aq(a, q) accepts them", q="Mathieu.from_aq(a, q) takes them")
+@constructor_hints(**other_forms("Mathieu", "makes the equation"))
 @dataclass(frozen=True)
 class Mathieu(Alternating):
     """Mathieu's equation A'' + 2 c A' = (beta + alpha sin tau) A, of period 2 pi.
@@ -54,6 +55,19 @@ class Mathieu(Alternating):
         validate.within("q", amplitude, -2.0 * validate.LARGEST, 2.0 * validate.LARGEST)
         return cls(0.5 * amplitude, -0.25 * mean, 0.5 * damping_rate(damping))
 
+    @classmethod
+    def from_delta_epsilon(cls, delta: float, epsilon: float, damping: float = 0.0) -> Mathieu:
+        """Return x'' + 2 c x' + (delta + epsilon cos t) x = 0 as an equation in tau = t - pi / 2.
+
+        ``delta`` and ``epsilon`` are numbers of magnitude up to 1e9, and beta = -delta; ``damping`` is c, the decay
+        rate per unit t.
+
+        >>> Mathieu.from_delta_epsilon(delta=0.25, epsilon=0.5)
+        Mathieu(alpha=0.5, beta=-0.25, damping=0.0)
+        """
+        restoring, amplitude = (validate.coefficient(name, x) for name, x in (("delta", delta), ("epsilon", epsilon)))
+        return cls(amplitude, -restoring, damping)
+
     @property
     def title(self) -> str:
         """Name of the equation in charts."""
@@ -77,7 +91,7 @@ class Mathieu(Alternating):
         return Hill(self.beta, sines=(self.alpha,), damping=self.damping)
 
 
-@constructor_hints()
+@constructor_hints(**other_forms("conventions"))
 @dataclass(frozen=True)
 class FrictionalMathieu:
     """Mathieu's equation with dry friction, A'' + 2 c A' = (beta + alpha sin tau) A - gamma sign(A').

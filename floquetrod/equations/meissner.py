@@ -12,8 +12,10 @@ from floquetrod._util.arrays import shaped
 from floquetrod._util.calling import constructor_hints
 from floquetrod.equations.base import Alternating, Piece, times
 
+_SQUARE = "in x'' + (delta + epsilon sign(sin t)) x = 0 alpha is -epsilon and beta is -delta"
 
-@constructor_hints()
+
+@constructor_hints(delta=_SQUARE, epsilon=_SQUARE)
 @dataclass(frozen=True)
 class Meissner(Alternating):
     """Meissner's equation A'' + 2 c A' = (beta + alpha sign(sin tau)) A, of period 2 pi.

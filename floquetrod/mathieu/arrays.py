@@ -15,6 +15,7 @@ from floquetrod._util import validate
 from floquetrod._util.arrays import Bools, Floats, broadcast, shaped
 from floquetrod._util.calling import call_hints
 from floquetrod._util.compilation import INTERPRETED_UP_TO, over_chunks
+from floquetrod.equations.conventions import other_forms
 from floquetrod.floquet.kernels import mathieu as kernels
 from floquetrod.floquet.kernels import mathieu_counts as counts
 
@@ -24,9 +25,7 @@ _CHUNK = 1024
 _COMPILE_AFTER = 100
 """Times as many points as are always interpreted before growth is compiled, which takes seconds (heuristic)."""
 
-_hints = call_hints(
-    a="conventions.from_aq(a, q) returns alpha and beta", q="conventions.from_aq(a, q) returns alpha and beta"
-)
+_hints = call_hints(**other_forms("conventions"))
 
 
 @_hints
