@@ -13,6 +13,7 @@ import pytest
 from hypothesis import assume, example, given, settings
 from hypothesis import strategies as st
 
+import floquetrod as fr
 from conftest import depth
 from floquetrod.equations import Equation, Hill, Mathieu, Meissner
 from floquetrod.floquet.methods.reference import DiscriminantExcess, TooMuchWork, discriminant_excess, reference
@@ -297,3 +298,12 @@ def test_wrong_digits(digits: Any, error: type[Exception]) -> None:
 def test_wrong_equation() -> None:
     with pytest.raises(TypeError, match="equation must be an Equation"):
         reference((1.0, -1.0))  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("digits", [math.inf, math.nan, 5, 10**9, 10**400, "30", None, 30.0])
+def test_digits_that_are_no_number_of_digits_are_refused(digits: Any) -> None:
+    for function in (fr.methods.discriminant_excess, fr.methods.reference):
+        with pytest.raises((ValueError, TypeError), match="digits must be"):
+            function(fr.Mathieu(0.1, 0.2), digits=digits)
+    with pytest.raises(TypeError, match="equation must be"):
+        fr.methods.discriminant_excess(3)  # type: ignore[arg-type]

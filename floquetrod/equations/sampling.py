@@ -101,15 +101,32 @@ def smooth(sampled: Callable[[NDArray[Any]], Matrix], period: float, required: f
 
 
 def _gap(sampled: Callable[[NDArray[Any]], Matrix], period: float, shares: NDArray[Any], size: float) -> float:
-    """Return by how much values a period apart differ; ValueError where that is more than noise."""
-    periods = np.array([1.0, 1.0, -1.0])
-    before, again = sampled(shares * period), sampled((shares + periods) * period)
-    gap = float(np.abs(again - before).max())
-    if gap > 1e-9 * size:
+    """Return by how much values a period apart differ; ValueError where that is more than noise.
+
+    At a jump rounding decides between the two sides, so values differ there in a function that is periodic: then they
+    agree at all other instants.
+    """
+    gaps = _gaps(sampled, period, shares)
+    gap, noise = float(gaps.max()), 1e-9 * size
+    if gap <= noise:
+        return gap
+    others = np.arange(1, _TRIALS + 1) * _GOLDEN % 1.0
+    if float(_gaps(sampled, period, others).max()) <= noise:
+        instant = float(shares[gaps.argmax()]) * period
         raise ValueError(
-            f"function is not periodic: values a period of {period:g} apart differ by {gap:.3g}, of {size:.3g}"
+            f"function jumps at t = {instant:.6g}, which is not among its jumps: values a period of {period:g} apart "
+            f"agree everywhere else; name all its jumps within a period, such as jumps=[{instant:.6g}, ...]"
         )
-    return gap
+    raise ValueError(
+        f"function is not periodic: values a period of {period:g} apart differ by {gap:.3g}, of {size:.3g}"
+    )
+
+
+def _gaps(sampled: Callable[[NDArray[Any]], Matrix], period: float, shares: NDArray[Any]) -> NDArray[Any]:
+    """Return the largest difference of values a period apart, at instants that are shares of the period."""
+    periods = np.where(shares < 0.7, 1.0, -1.0)  # later and earlier ones
+    before, again = sampled(shares * period), sampled((shares + periods) * period)
+    return np.asarray(np.abs(again - before).max(axis=(1, 2)))
 
 
 def _in_pieces(function: Function, period: float, jumps: list[float], shape: tuple[int, ...]) -> Sampled:
@@ -145,7 +162,7 @@ class _Fit(NamedTuple):
 
 
 def _fit(function: Function, period: float, begin: Fraction, length: Fraction, shape: tuple[int, ...]) -> _Fit | None:
-    """Return a mean, slope and harmonics fitted to a piece by least squares, None where a few do not describe it.
+    """Return a start, slope and harmonics fitted to a piece by least squares, None where a few do not describe it.
 
     Harmonics of the whole period describe any smooth function over half of it or less: it may be extended smoothly.
     D. Huybrechs, SIAM J. Numer. Anal. 47 (2010) 4326, doi:10.1137/090752456.
@@ -168,7 +185,7 @@ def _fit(function: Function, period: float, begin: Fraction, length: Fraction, s
         if total <= _LARGEST_FIT * size and (missed <= _ROUNDED * size or (noise and count > 4)):
             tidy = _tidy(values, trials)
             rows = tidy(np.asarray(solved, dtype=np.float64).reshape(-1, *shape))
-            value = Varying(rows[0], rows[1] / lasts, rows[2 : 2 + count], rows[2 + count :])
+            value = Varying(None, rows[1] / lasts, rows[2 : 2 + count], rows[2 + count :], start=rows[0])
             return _Fit(value, 2.0 * missed + 4.0 * EPS * total)
         before = missed
     return None

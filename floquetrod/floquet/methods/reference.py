@@ -29,12 +29,14 @@ from floquetrod.equations import Equation, require
 from floquetrod.floquet.fixed_point import GUARD_BITS, Stretch, multiply, period_map
 from floquetrod.floquet.verdict import Cost, Stability, Status, classify
 
-_MOST_DIGITS = 100_000  # that may be asked for: pi alone takes seconds with some more (a choice)
 _LARGEST_RAISE = 20  # working digits go up to this many times the digits asked for (heuristic)
 _LARGEST_WORK = 3e6  # terms of series times their cost, a few seconds' worth (heuristic)
 _LARGEST_SIZE = 1e18  # of period^2 (abs(p) + c^2): beyond it no series is short enough, nor a double able to tell
 _SETTLED = 2.0**60  # times its error: an excess that large is known as well as a double can hold it
 _PIECES_PER_WAVE = 0.35  # pieces of the period per unit of sqrt(largest abs(p) + c^2), measured to be fastest
+_MOST_DIGITS = (
+    20_000  # that may be asked for: constant pieces take seconds with so many, others give up before (a choice)
+)
 _LEAST_PIECES = 7  # the fewest for which tan(theta / 2) stays below 1/4
 
 
@@ -62,7 +64,7 @@ def reference(equation: Equation, *, digits: int = 50) -> Stability:
     equation : Equation
         The parameters are taken as the exact binary numbers they are.
     digits : int
-        Decimal digits of the excess X relative to max(1, abs(X)), 10 to 100,000.  More are used internally, up to 20
+        Decimal digits of the excess X relative to max(1, abs(X)), 10 to 20,000.  More are used internally, up to 20
         times as many, while X cannot be distinguished from zero.
 
     Returns
@@ -79,8 +81,6 @@ def reference(equation: Equation, *, digits: int = 50) -> Stability:
     """
     from mpmath.ctx_mp import MPContext
 
-    require(equation)
-    digits = validate.integer("digits", digits, 10, _MOST_DIGITS)
     try:
         found = discriminant_excess(equation, digits)
     except TooMuchWork as reason:
@@ -107,8 +107,8 @@ def reference(equation: Equation, *, digits: int = 50) -> Stability:
 def discriminant_excess(equation: Equation, digits: int = 50) -> DiscriminantExcess:
     """Return the undamped excess X of an equation with its sign and error, as numbers of mpmath.
 
-    ``digits``, 10 to 100,000, are those of X relative to max(1, abs(X)).  TypeError for anything but an equation,
-    ValueError for other numbers of digits, `TooMuchWork` when even a first attempt would take more than a few seconds.
+    Raises `TooMuchWork` when even a first attempt would take more than a few seconds, ValueError and TypeError for an
+    equation that is none and for ``digits`` that are no integer from 10 to 20,000.
 
     >>> from floquetrod.equations import Mathieu
     >>> found = discriminant_excess(Mathieu(alpha=0.0, beta=1.0), 30)  # X = sinh(pi)^2
@@ -211,7 +211,7 @@ def _stretches(equation: Equation, context: Any) -> tuple[list[Stretch], Any]:
     for piece in equation.pieces():
         begin, length = (2 * context.pi * _exactly(part, context) for part in (share, piece.share))
         harmonics = tuple((unit**2 * context.mpf(z.real), unit**2 * context.mpf(z.imag)) for z in piece.harmonics)
-        mean, slope = unit**2 * _exactly(piece.mean, context), unit**3 * _exactly(piece.slope, context)
+        mean, slope = unit**2 * _exactly(piece.start, context), unit**3 * _exactly(piece.slope, context)
         found.append(Stretch(begin, length, mean, slope, harmonics))
         share += piece.share
     return found, unit * context.mpf(equation.damping)
