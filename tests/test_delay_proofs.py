@@ -90,12 +90,12 @@ def test_delays_of_parts_and_of_several_periods(period: float, delay: float) -> 
 
 @pytest.mark.slow
 def test_jumps_slopes_and_harmonics_against_estimated_multipliers() -> None:
-    here = Varying([[2.0, 0.1], [0.1, 3.0]], slope=[[0.8, 0.0], [0.0, -0.5]], cosines=[[[0.5, 0.2], [0.2, 0.3]]])
-    there = Varying([[0.2, 0.3], [-0.4, 0.1]], slope=[[0.3, 0.0], [0.1, 0.0]])
+    here = Varying(start=[[2.0, 0.1], [0.1, 3.0]], slope=[[0.8, 0.0], [0.0, -0.5]], cosines=[[[0.5, 0.2], [0.2, 0.3]]])
+    there = Varying(start=[[0.2, 0.3], [-0.4, 0.1]], slope=[[0.3, 0.0], [0.1, 0.0]])
     counted = set()
     for delay in (0.5, 1.0, 2.0):
         for size in (0.5, 6.0):
-            back = Varying(size * there.mean, slope=size * there.slope)
+            back = Varying(start=size * there.start, slope=size * there.slope)
             system = fr.DelaySystem.from_pieces(
                 [(0.25, here), (0.75, [[2.5, 0.0], [0.0, 2.0]])],
                 damping=[[0.4, 0.0], [0.0, 0.3]],
@@ -190,11 +190,11 @@ def drawn(rng: np.random.Generator) -> fr.DelaySystem:
 
     def varying() -> Varying:
         slope = 0.3 * rng.normal(size=(n, n)) if rng.random() < 0.5 else None
-        return Varying(rng.normal(size=(n, n)) + 2.0 * np.eye(n), slope=slope, cosines=waves)
+        return Varying(start=rng.normal(size=(n, n)) + 2.0 * np.eye(n), slope=slope, cosines=waves)
 
     first = period / 4.0
     return fr.DelaySystem.from_pieces(
         [(first, varying()), (period - first, varying())],
         damping=0.5 * np.eye(n),
-        delayed=[(delay, [(period / 2.0, matrix()), (period / 2.0, Varying(matrix(), slope=0.3 * matrix()))])],
+        delayed=[(delay, [(period / 2.0, matrix()), (period / 2.0, Varying(start=matrix(), slope=0.3 * matrix()))])],
     )

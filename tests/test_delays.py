@@ -249,7 +249,7 @@ def test_files_hold_systems_with_delays(tmp_path: Path) -> None:
     expected = fr.DelaySystem([[3.0]], [[[2.0]]], damping=[[0.1]], period=6.25, delayed=[(6.25, [[0.15]], (), wave)])
     assert read_system(path) == expected
     path.write_text(PIECES, encoding="utf-8")
-    back = [(1.0, fr.equations.Varying([[0.3]], [[0.1]])), (0.5, [[0.0]])]
+    back = [(1.0, fr.equations.Varying(start=[[0.3]], slope=[[0.1]])), (0.5, [[0.0]])]
     pieces = [(1.0, [[-1.0]]), (0.5, [[0.2]])]
     assert read_system(path) == fr.DelaySystem.first_order_from_pieces(pieces, delayed=[(0.75, back)])
 

@@ -44,14 +44,24 @@ MADE = {
     "follower": fr.HillSystem.from_pieces([(1.0, [[1.5, 0.5], [0.25, 4.5]]), (2.0, SOFT)], mass=MASS),
     "gyroscopic": fr.HillSystem.from_pieces([(1.0, STIFF), (2.0, SOFT)], gyroscopic=[[0.0, 0.5], [-0.5, 0.0]]),
     "ramps": fr.HillSystem.from_pieces(
-        [(1.0, Varying(STIFF, slope=SOFT)), (0.5, Varying(SOFT, slope=[[-1.0, 0.0], [0.0, 0.5]])), (0.25, STIFF)]
+        [
+            (1.0, Varying(start=STIFF, slope=SOFT)),
+            (0.5, Varying(start=SOFT, slope=[[-1.0, 0.0], [0.0, 0.5]])),
+            (0.25, STIFF),
+        ]
     ),
     "waves": fr.HillSystem.from_pieces(
-        [(Fraction(1, 3), Varying(STIFF, cosines=[SOFT], sines=[STIFF, SOFT])), (1.5, Varying(SOFT, SOFT, [STIFF]))],
+        [
+            (Fraction(1, 3), Varying(STIFF, cosines=[SOFT], sines=[STIFF, SOFT])),
+            (1.5, Varying(None, SOFT, [STIFF], start=SOFT)),
+        ],
         damping=np.diag([0.2, 0.1]),
     ),
     "first order": fr.PeriodicSystem.from_pieces(
-        [(0.5, [[0.0, 1.0, 0.0], [-1.0, -0.5, 0.5], [0.0, 0.25, -0.5]]), (1.0, Varying(np.eye(3), -np.eye(3)))]
+        [
+            (0.5, [[0.0, 1.0, 0.0], [-1.0, -0.5, 0.5], [0.0, 0.25, -0.5]]),
+            (1.0, Varying(start=np.eye(3), slope=-np.eye(3))),
+        ]
     ),
 }
 NAMES = {"HillSystem": fr.HillSystem, "PeriodicSystem": fr.PeriodicSystem, "Varying": Varying, "Fraction": Fraction}
@@ -238,7 +248,7 @@ class Ramped(Alternating):
     def pieces(self) -> tuple[Piece, ...]:
         """Return the three parts."""
         return (
-            Piece(Fraction(1, 4), self.beta, slope=0.25 * self.alpha),
+            Piece(Fraction(1, 4), start=self.beta, slope=0.25 * self.alpha),
             Piece(Fraction(1, 2), self.beta, (complex(self.alpha, 0.2 * self.alpha),)),
             Piece(Fraction(1, 4), self.beta - self.alpha),
         )
@@ -267,8 +277,8 @@ def test_what_is_rounded_on_the_way_to_a_system_is_stated() -> None:
     assert fr.Meissner(0.5, -0.25).as_system().coefficient_error == 0.0
     equation = fr.Meissner(0.1, 1.0)
     system = equation.as_system()
-    exact = [Fraction(piece.mean) for piece in equation.pieces()]
-    found = [Fraction(float(value.mean[0, 0])) for _, value in system.pieces]
+    exact = [Fraction(piece.start) for piece in equation.pieces()]
+    found = [Fraction(float(value.start[0, 0])) for _, value in system.pieces]
     off = max(abs(one + other) for one, other in zip(exact, found, strict=True))
     assert 0 < off <= Fraction(system.coefficient_error) < 2 * off
 
@@ -337,7 +347,7 @@ def test_copies_and_the_repr(name: str) -> None:
     assert eval(repr(system), NAMES) == system or "array>" in repr(system)
     assert dataclasses.replace(system, coefficient_error=1e-9) != system
     assert dataclasses.replace(dataclasses.replace(system, coefficient_error=1e-9), coefficient_error=0.0) == system
-    shorter = [(duration, value.mean) for duration, value in system.pieces][:-1]
+    shorter = [(duration, value.start) for duration, value in system.pieces][:-1]
     assert type(system).from_pieces(shorter) != system
 
 
@@ -392,11 +402,11 @@ def test_what_is_no_piece_is_refused(pieces: Any, message: str) -> None:
 def test_a_batch_answers_as_each_of_its_systems() -> None:
     frequency = np.linspace(0.7, 4.0, 23)
     singles = [
-        fr.HillSystem.from_pieces([(math.pi / w, STIFF), (math.pi / w, Varying(SOFT, 0.1 * np.eye(2)))])
+        fr.HillSystem.from_pieces([(math.pi / w, STIFF), (math.pi / w, Varying(start=SOFT, slope=0.1 * np.eye(2)))])
         for w in frequency
     ]
     batch = fr.HillSystem.from_pieces(
-        [(math.pi / frequency, STIFF), (math.pi / frequency, Varying(SOFT, 0.1 * np.eye(2)))]
+        [(math.pi / frequency, STIFF), (math.pi / frequency, Varying(start=SOFT, slope=0.1 * np.eye(2)))]
     )
     assert batch == fr.systems.stack(singles)
     assert batch.shape == (23,)
@@ -486,7 +496,7 @@ def test_functions_with_constant_pieces_are_found_exactly() -> None:
 
     assert fr.HillSystem.from_function(square, 3.0, jumps=[1.0, 0.0]).coefficient(0.5).tolist() == STIFF
     found = fr.HillSystem.from_function(square, 3.0, jumps=[1.0])
-    assert {repr(value.mean.tolist()) for _, value in found.pieces} == {repr(STIFF), repr(SOFT)}
+    assert {repr(value.start.tolist()) for _, value in found.pieces} == {repr(STIFF), repr(SOFT)}
     assert found.coefficient_error == 0.0
     assert abs(fr.stability(found).growth_rate - fr.stability(SQUARE).growth_rate) < 1e-12
 
@@ -503,6 +513,24 @@ def test_jumps_that_are_not_named_are_refused() -> None:
         fr.HillSystem.from_function(square, 2.0, jumps=[2.0])
     with pytest.raises(ValueError, match="not periodic"):
         fr.HillSystem.from_function(lambda t: [[t]], 2.0, jumps=[0.0])
+
+
+@given(st.integers(0, 5), st.floats(0.1, 9.0), st.floats(0.1, 20.0))
+@settings(max_examples=depth(300, 25), deadline=None)
+def test_a_periodic_function_that_jumps_is_not_said_to_be_aperiodic(shift: int, size: float, period: float) -> None:
+    """Rounding decides between the sides of a jump, also where values a period apart are compared."""
+    share = (0.0, 0.37, 0.71, 0.25, 0.5, 0.9)[shift]
+
+    def square(t: float) -> float:
+        return size * float(np.sign(np.sin(2.0 * math.pi * (t / period - share))))
+
+    with pytest.raises(ValueError, match=r"(jumps at t = .*; name all its jumps|name its jumps and kinks) .*jumps"):
+        fr.Hill.from_function(square, period)
+    inner = sorted((share + half) % 1.0 * period for half in (0.0, 0.5))
+    found = fr.Hill.from_function(square, period, jumps=inner)
+    assert sorted({abs(float(piece.start)) for piece in found.pieces()}) == pytest.approx([size])
+    with pytest.raises(ValueError, match="not periodic"):
+        fr.Hill.from_function(lambda t: square(t) + 1e-3 * size * math.sin(t / period), period, jumps=inner)
 
 
 def test_a_scalar_function() -> None:
@@ -555,7 +583,7 @@ stiffness = [[1.5, 0.5], [0.5, 4.5]]
 
 [[system.pieces]]
 duration = 2.0
-stiffness = [[0.5, -0.5], [-0.5, 3.5]]
+stiffness_start = [[0.5, -0.5], [-0.5, 3.5]]
 slope = [[0.1, 0.0], [0.0, 0.2]]
 cosines = [[[0.1, 0.0], [0.0, 0.2]]]
 """
@@ -564,7 +592,7 @@ cosines = [[[0.1, 0.0], [0.0, 0.2]]]
 def test_a_file_with_pieces(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     path = tmp_path / "square.toml"
     path.write_text(FILE)
-    varying = Varying(SOFT, np.diag([0.1, 0.2]), [np.diag([0.1, 0.2])])
+    varying = Varying(None, np.diag([0.1, 0.2]), [np.diag([0.1, 0.2])], start=SOFT)
     system = fr.HillSystem.from_pieces([(0.5, STIFF), (2.0, varying)], mass=MASS)
     assert read_system(path) == system
     expected = fr.stability(system)
@@ -580,8 +608,11 @@ def test_an_npz_file_with_pieces(tmp_path: Path) -> None:
     matrices = np.array([STIFF, SOFT])
     slope = np.array([np.zeros((2, 2)), np.diag([0.1, 0.2])])
     cosines = slope[:, None]
-    np.savez(path, durations=[0.5, 2.0], stiffness=matrices, slope=slope, cosines=cosines, mass=MASS)
-    pieces = [(t, Varying(*given)) for t, *given in zip([0.5, 2.0], matrices, slope, cosines, strict=True)]
+    np.savez(path, durations=[0.5, 2.0], stiffness_start=matrices, slope=slope, cosines=cosines, mass=MASS)
+    pieces = [
+        (t, Varying(None, ramp, waves, start=start))
+        for t, start, ramp, waves in zip([0.5, 2.0], matrices, slope, cosines, strict=True)
+    ]
     assert read_system(path) == fr.HillSystem.from_pieces(pieces, mass=MASS)
     np.savez(path, durations=[0.5, 2.0], mean=matrices)
     assert read_system(path) == fr.PeriodicSystem.from_pieces([(0.5, STIFF), (2.0, SOFT)])
@@ -598,7 +629,13 @@ def test_an_npz_file_with_pieces(tmp_path: Path) -> None:
         (("slope =", "slop ="), r"pieces\[1\]: unknown key 'slop'"),
         (("[system]", "[system]\nperiod = 1.0"), "key 'period' belongs to the pieces"),
         (("stiffness = [[1.5", "mean = [[1.5"), "pieces with stiffness and pieces with mean"),
-        (("[[0.5, -0.5], [-0.5, 3.5]]", "[[0.5]]"), r"pieces\[1\]: slope must be 1 x 1 as mean is"),
+        (("[[0.5, -0.5], [-0.5, 3.5]]", "[[0.5]]"), r"pieces\[1\]: slope must be 1 x 1 as start is"),
+        (
+            ("stiffness_start = ", "stiffness = "),
+            r"pieces\[1\]: stiffness beside a slope .* stiffness_start = stiffness -",
+        ),
+        (("stiffness_start = ", "stiffness = [[1.0]]\nstiffness_start = "), "it has stiffness and stiffness_start"),
+        (("stiffness_start = ", "matrix_start = "), "pieces with stiffness and pieces with mean"),
     ],
 )
 def test_a_file_with_wrong_pieces(tmp_path: Path, changed: tuple[str, str], message: str) -> None:
@@ -699,7 +736,7 @@ def test_the_same_ramps_written_otherwise(rng: np.random.Generator) -> None:
             whole.append((float(rng.integers(1, 9)) / 4.0, mean, slope))
 
         def made(pieces: list[Any]) -> fr.HillSystem:
-            return fr.HillSystem.from_pieces([(d, Varying(mean, slope)) for d, mean, slope in pieces])
+            return fr.HillSystem.from_pieces([(d, Varying(start=mean, slope=slope)) for d, mean, slope in pieces])
 
         halves = [part for d, m, s in whole for part in ((d / 2.0, m, s), (d / 2.0, m + d / 2.0 * s, s))]
         one = fr.stability(made(whole), "reference")

@@ -9,17 +9,19 @@ from dataclasses import dataclass
 from fractions import Fraction
 from itertools import pairwise
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
+from matplotlib import pyplot
 from scipy.integrate import solve_ivp
 
 import floquetrod as fr
 from conftest import depth
 from floquetrod.cli import main
-from floquetrod.equations import Equation, Piece
+from floquetrod.equations import Equation, Piece, Varying
 from strategies import numbers
 
 
@@ -48,9 +50,9 @@ class Trapezoid(Equation):
         steep = 2 * a / (self.ramp * Fraction(self.period))
         return (
             Piece(flat, b + a),
-            Piece(self.ramp, b + a, slope=-steep),
+            Piece(self.ramp, start=b + a, slope=-steep),
             Piece(flat, b - a),
-            Piece(self.ramp, b - a, slope=steep),
+            Piece(self.ramp, start=b - a, slope=steep),
         )
 
 
@@ -72,9 +74,123 @@ class Bumps(Equation):
         third = Fraction(1, 3)
         return (
             Piece(third, self.beta, (complex(self.alpha, 0.2), complex(0.0, 0.3 * self.alpha))),
-            Piece(third, self.beta, (complex(0.1, self.alpha),), slope=0.4),
+            Piece(third, start=self.beta, harmonics=(complex(0.1, self.alpha),), slope=0.4),
             Piece(third, self.beta - self.alpha),
         )
+
+
+@dataclass(frozen=True)
+class Ramp(Equation):
+    """A ramp for a part of the period, written with its value at the beginning or with its mean, and then constant."""
+
+    share: Fraction
+    height: Fraction
+    slope: Fraction
+    rest: Fraction
+    by_mean: bool
+    damping: float = 0.0
+    period: float = 2.0
+
+    @property
+    def start(self) -> Fraction:
+        """Value at the beginning of the ramp, which is lower than its mean by half of what it rises."""
+        rise = self.slope * self.share * Fraction(self.period)
+        return self.height - rise / 2 if self.by_mean else self.height
+
+    def pieces(self) -> tuple[Piece, ...]:
+        """Return the ramp and the rest."""
+        return Piece(self.share, start=self.start, slope=self.slope), Piece(1 - self.share, self.rest)
+
+    def trace(self) -> float:
+        """Return the sum of the multipliers without damping by DOP853, from the straight line through its two ends."""
+        length = float(self.share) * self.period
+        low, high = float(self.start), float(self.start) + float(self.slope) * length
+        if self.by_mean:
+            assert (low + high) / 2.0 == pytest.approx(float(self.height), abs=1e-12)
+
+        def ramp(t: float, y: np.ndarray) -> np.ndarray:
+            a, b, c, d = y
+            p = low + (high - low) * t / length
+            return np.array([b, p * a, d, p * c])
+
+        def rest(t: float, y: np.ndarray) -> np.ndarray:
+            a, b, c, d = y
+            return np.array([b, float(self.rest) * a, d, float(self.rest) * c])
+
+        y = np.array([1.0, 0.0, 0.0, 1.0])
+        for rates, span in ((ramp, length), (rest, self.period - length)):
+            y = solve_ivp(rates, (0.0, span), y, method="DOP853", rtol=1e-11, atol=1e-12).y[:, -1]
+        return float(y[0] + y[3])
+
+
+quarters = st.fractions(-9, 3, max_denominator=8)
+
+
+@given(
+    share=st.sampled_from([Fraction(1, 4), Fraction(1, 3), Fraction(5, 8)]),
+    level=quarters,
+    slope=st.fractions(-8, 8, max_denominator=8),
+    rest=quarters,
+    by_mean=st.booleans(),
+)
+@settings(max_examples=depth(500, 20), deadline=None)
+def test_a_ramp_written_with_its_start_or_its_mean(
+    share: Fraction, level: Fraction, slope: Fraction, rest: Fraction, by_mean: bool
+) -> None:
+    equation = Ramp(share, level, slope, rest, by_mean)
+    trace = equation.trace()
+    assume(abs(abs(trace) - 2.0) > 1e-6 * max(1.0, abs(trace)))
+    expected = "unstable" if abs(trace) > 2.0 else "stable"
+    verdict, system = fr.stability(equation), equation.as_system()
+    assert verdict.status == expected == fr.stability(system).status
+    assert sum(verdict.multipliers).real == pytest.approx(trace, rel=1e-8, abs=1e-8)
+    assert fr.certify(equation).status == fr.certify(system).status == expected
+    mean = float(share * level + (1 - share) * rest) + (0.0 if by_mean else float(share**2 * slope))
+    assert -system.stiffness[0, 0] == pytest.approx(mean, abs=1e-12)
+    if slope:
+        with pytest.raises(
+            ValueError, match=r"two ways: give start = mean where .* mean - slope \* share \* period / 2"
+        ):
+            Piece(share, level, slope=slope)
+    else:
+        assert Piece(share, level, slope=slope) == Piece(share, start=level)
+
+
+def test_pieces_have_a_mean_or_a_start() -> None:
+    for wrong in ({}, {"mean": 1.0, "start": 1.0}):
+        with pytest.raises(TypeError, match="either its mean, where it has no slope, or its start"):
+            Piece(Fraction(1), **wrong)
+        with pytest.raises(TypeError, match="either its mean, where it has no slope, or its start"):
+            Varying(**{name: [[value]] for name, value in wrong.items()})
+    with pytest.raises(ValueError, match=r"two ways: give start = mean where .* mean - slope \* duration / 2"):
+        Varying([[1.0]], slope=[[0.5]])
+    assert Varying([[1.0]], slope=[[0.0]]) == Varying(start=[[1.0]])
+    piece = Piece(Fraction(1, 3), start=0.5, harmonics=(1j,), slope=0.25)
+    assert pickle.loads(pickle.dumps(piece)) == piece == eval(repr(piece), {"Piece": Piece, "Fraction": Fraction})
+
+
+@given(st.integers(0, 10**6))
+@settings(max_examples=depth(60, 6), deadline=None)
+def test_the_picture_of_a_coefficient_is_what_it_is(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    share, slope = Fraction(int(rng.integers(1, 8)), 8), Fraction(int(rng.integers(-8, 8)), 4)
+    ramp = Ramp(share, Fraction(-1), slope, Fraction(-2), by_mean=bool(seed % 2))
+    drawn: tuple[Any, ...] = (ramp, ramp.as_system(), Bumps(0.3, -0.4), fr.Mathieu(0.5, -0.2))
+    for equation in drawn:
+        ax = equation.plot()
+        solid = [line for line in ax.lines if line.get_linestyle() == "-" and len(line.get_xdata()) > 2]
+        areas, widths = [], []
+        for line in solid:
+            x, y = (np.asarray(data, float) for data in line.get_data())
+            assert y[1:-1] == pytest.approx(np.ravel(equation.coefficient(x[1:-1])), abs=1e-12)
+            areas.append(float(np.diff(x) @ (y[1:] + y[:-1]) / 2.0))
+            widths.append(x[-1] - x[0])
+        (mean,) = (line for line in ax.lines if line.get_linestyle() == "-.")
+        assert sum(widths) == pytest.approx(float(equation.period), rel=1e-12)
+        assert mean.get_ydata()[0] == pytest.approx(sum(areas) / sum(widths), abs=1e-3)
+        assert str(ax.get_ylabel()).count("$") == 2
+        assert str(ax.get_xlabel()).startswith("$")
+        pyplot.close("all")
 
 
 KINDS = st.sampled_from((Trapezoid, Bumps))
@@ -181,7 +297,7 @@ def test_the_terminal_takes_it_as_a_system(tmp_path: Path, capsys: pytest.Captur
     lines = ["[system]", f"damping = [[{2.0 * equation.damping!r}]]"]
     for piece in equation.pieces():
         lines += ["[[system.pieces]]", f"duration = {float(piece.share) * equation.period!r}"]
-        lines += [f"stiffness = [[{-float(piece.mean)!r}]]", f"slope = [[{-float(piece.slope)!r}]]"]
+        lines += [f"stiffness_start = [[{-float(piece.start)!r}]]", f"slope = [[{-float(piece.slope)!r}]]"]
     path = tmp_path / "trapezoid.toml"
     path.write_text("\n".join(lines))
     assert main(["check", "--system", str(path), "--json"]) == 0
@@ -239,7 +355,7 @@ def test_the_coefficient_is_that_of_its_pieces(kind: type, tau: float) -> None:
     assume(np.abs(np.append(ends, 0.0) - phase).min() > 1e-9)
     i = int(np.searchsorted(ends, phase))
     piece = equation.pieces()[i]
-    value = float(piece.mean) + float(piece.slope) * (phase - (ends[i - 1] if i else 0.0))
+    value = float(piece.start) + float(piece.slope) * (phase - (ends[i - 1] if i else 0.0))
     for k, z in enumerate(piece.harmonics, start=1):
         value += (z * np.exp(2j * math.pi * k * phase / equation.period)).real
     assert equation.coefficient(tau) == pytest.approx(value, rel=1e-9, abs=1e-9)

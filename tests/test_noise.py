@@ -129,7 +129,7 @@ def test_systems_that_jump_have_moments_that_are_products_of_exponentials() -> N
     product = expm(1.5 * kronecker(high, noise)) @ expm(0.75 * kronecker(low, noise))
     expected = math.log(np.abs(np.linalg.eigvals(product)).max()) / 2.25
     assert fr.stability(system, noise=noise).exponents[0].real == pytest.approx(expected, abs=1e-10)
-    ramp = fr.PeriodicSystem.from_pieces([(1.0, Varying(low, slope=high - low)), (1.0, high)])
+    ramp = fr.PeriodicSystem.from_pieces([(1.0, Varying(start=low, slope=high - low)), (1.0, high)])
 
     def coefficient(t: float) -> Any:
         return low + (high - low) * min(t, 1.0)

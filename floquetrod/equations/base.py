@@ -8,9 +8,9 @@ from __future__ import annotations
 
 import math
 from abc import ABC, abstractmethod
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -18,30 +18,57 @@ from floquetrod._util import validate
 from floquetrod._util.arrays import Floats, shaped
 from floquetrod._util.calling import TellsAttributes
 from floquetrod.equations.hill_system import HillSystem
-from floquetrod.equations.pieces import Varying
+from floquetrod.equations.pieces import Varying, one_of_mean_and_start, refuse_mean_with_slope
 
 _LATEST = 1e14  # periods, after which neighbouring doubles lie a large part of one apart
 
 
-class Piece(NamedTuple):
-    """A part of the period on which p = mean + slope t + sum_k Re(z_k exp(i k W tau)), t from its beginning.
+@dataclass(frozen=True, init=False)
+class Piece:
+    """A part of the period on which p = start + slope t + sum_k Re(z_k exp(i k W tau)), t from its beginning.
 
-    Attributes
+    Parameters
     ----------
     share : Fraction
         Its length as a fraction of the period; an exact number, so that pieces meet without rounding.
-    mean : Fraction or float
-        Taken as the exact number it is.
-    slope : Fraction or float
-        Taken as the exact number it is.
+    mean : Fraction or float, optional
+        Constant part of a piece without slope, taken as the exact number it is: give either ``mean`` or ``start``.
     harmonics : tuple of complex
-        Amplitudes z_k, k = 1, 2, ..., with W = 2 pi / period and tau counted from the beginning of the period.
+        Amplitudes z_k, k = 1, 2, ..., with W = 2 pi / period and tau counted from the beginning of the period; none by
+        default.
+    slope : Fraction or float
+        Change of p per unit of tau, taken as the exact number it is; by default 0.
+    start : Fraction or float, optional
+        Value of start + slope t at the beginning of the piece, taken as the exact number it is; beside a slope ``mean``
+        is refused, since a ramp has its mean half the piece later.
+
+    Examples
+    --------
+    >>> Piece(Fraction(1, 2), -0.3) == Piece(Fraction(1, 2), start=-0.3)
+    True
+    >>> Piece(Fraction(1, 2), start=-0.3, slope=0.1)
+    Piece(share=Fraction(1, 2), start=-0.3, harmonics=(), slope=0.1)
     """
 
     share: Fraction
-    mean: Fraction | float
+    start: Fraction | float
     harmonics: tuple[complex, ...] = ()
     slope: Fraction | float = 0.0
+
+    def __init__(
+        self,
+        share: Fraction,
+        mean: Fraction | float | None = None,
+        harmonics: tuple[complex, ...] = (),
+        slope: Fraction | float = 0.0,
+        *,
+        start: Fraction | float | None = None,
+    ) -> None:
+        """Refuse a mean beside a slope."""
+        name, value = one_of_mean_and_start(mean, start)
+        if slope and name == "mean":
+            refuse_mean_with_slope("share * period")
+        vars(self).update(share=share, start=value, harmonics=harmonics, slope=slope)
 
     @property
     def is_constant(self) -> bool:
@@ -94,24 +121,24 @@ class Equation(TellsAttributes, ABC):
     def level(self) -> Fraction | None:
         """The coefficient where it is constant, exactly; None where it varies."""
         pieces = self.pieces()
-        first = Fraction(pieces[0].mean)
-        return first if all(p.is_constant and Fraction(p.mean) == first for p in pieces) else None
+        first = Fraction(pieces[0].start)
+        return first if all(p.is_constant and Fraction(p.start) == first for p in pieces) else None
 
     def as_system(self) -> HillSystem:
         """Return the same equation as a system of one: K = -p, since positive stiffness restores, and C = 2 c.
 
-        Its period is the double ``period``.  Where the mean or the slope of a piece is no double it is rounded, which
+        Its period is the double ``period``.  Where the start or the slope of a piece is no double it is rounded, which
         the system's ``coefficient_error`` bounds.
         """
         damping = [[2.0 * self.damping]] if self.damping else None
         period, parts, errors = Fraction(self.period), [], [Fraction(0)]
         for piece in self.pieces():
-            mean, slope = -float(piece.mean), -float(piece.slope)
+            start, slope = -float(piece.start), -float(piece.slope)
             cosines = [[[-z.real]] for z in piece.harmonics]
             sines = [[[z.imag]] for z in piece.harmonics]
-            parts.append((piece.share * period, Varying([[mean]], [[slope]], cosines, sines)))
+            parts.append((piece.share * period, Varying(None, [[slope]], cosines, sines, start=[[start]])))
             off = abs(Fraction(piece.slope) + Fraction(slope)) * piece.share * period
-            errors.append(abs(Fraction(piece.mean) + Fraction(mean)) + off)
+            errors.append(abs(Fraction(piece.start) + Fraction(start)) + off)
         return HillSystem.from_pieces(parts, damping=damping, coefficient_error=_above(max(errors)))
 
     def coefficient(self, tau: Any) -> Any:
@@ -128,6 +155,34 @@ class Equation(TellsAttributes, ABC):
                 total[here] += value_on(piece, t[here], low, period)
                 weight[here] += 1.0
         return shaped(total / weight, phase.shape)
+
+    def plot(self, ax: Any = None) -> Any:
+        r"""Draw p(tau) over one period, its jumps and its mean, on new axes or those given; return the axes.
+
+        Examples
+        --------
+        >>> from floquetrod.equations import Mathieu
+        >>> Mathieu(alpha=0.5, beta=-0.25).plot().get_ylabel()
+        'coefficient $p(\\tau)$'
+        """
+        from floquetrod.plotting.coefficients import Stretch, draw_coefficients, instants
+
+        require(self)
+        stretches, end = [], Fraction(0)
+        for piece in self.pieces():
+            begin, end = end, end + piece.share
+            low, high = float(begin) * self.period, float(end) * self.period
+            tau = low + (high - low) * instants(len(piece.harmonics))
+            stretches.append(Stretch(tau, value_on(piece, tau, low, self.period)[:, None]))
+        return draw_coefficients(
+            stretches,
+            [r"$p(\tau)$"],
+            time=r"$\tau$",
+            axis=r"coefficient $p(\tau)$",
+            title=rf"{self.title}: $A'' + 2 c A' = p(\tau) A$, $c$ = {self.damping:.5g}",
+            mean=-float(self.as_system().stiffness[0, 0]),
+            ax=ax,
+        )
 
 
 @dataclass(frozen=True)
@@ -163,7 +218,7 @@ def _above(value: Fraction) -> float:
 
 def value_on(piece: Piece, tau: Floats, begin: float, period: float) -> Floats:
     """Return p at times within a piece that begins at ``begin``."""
-    value = float(piece.mean) + float(piece.slope) * (tau - begin)
+    value = float(piece.start) + float(piece.slope) * (tau - begin)
     for k, z in enumerate(piece.harmonics, start=1):
         angle = k * (2.0 * math.pi / period) * tau
         value = value + z.real * np.cos(angle) - z.imag * np.sin(angle)
@@ -188,9 +243,9 @@ def from_instant(pieces: tuple[Piece, ...], start: float, period: float) -> tupl
             after.append(piece)
         else:
             cut = share - begin
-            risen = Fraction(piece.mean) + Fraction(piece.slope) * cut * Fraction(period)
-            before.append(piece._replace(share=cut))
-            after.append(piece._replace(share=piece.share - cut, mean=risen))
+            risen = Fraction(piece.start) + Fraction(piece.slope) * cut * Fraction(period)
+            before.append(replace(piece, share=cut))
+            after.append(replace(piece, share=piece.share - cut, start=risen))
     return (*after, *before), phase
 
 

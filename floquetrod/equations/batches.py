@@ -63,9 +63,9 @@ def stack(systems: Sequence[System]) -> System:
     def piece(j: int) -> tuple[Any, Varying]:
         durations, values = zip(*(system.pieces[j] for system in listed), strict=True)
         slope = None if all(value.slope is None for value in values) else _merged([v.slope_or_zero for v in values])
-        mean = _merged([value.mean for value in values])
+        start = _merged([value.start for value in values])
         return _merged([*map(float, durations)]), Varying(
-            mean, slope, series("cosines", values), series("sines", values)
+            None, slope, series("cosines", values), series("sines", values), start=start
         )
 
     error = max(system.coefficient_error for system in listed)

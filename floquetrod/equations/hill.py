@@ -88,7 +88,7 @@ class Hill(Equation):
         >>> len(Hill.from_function(lambda tau: -1.0 / (1.1 + math.cos(tau)), 2.0 * math.pi).cosines)
         74
         >>> wave = Hill.from_function(lambda tau: -2.0 if tau % 2.0 < 1.0 else -0.5, 2.0, jumps=[0.0, 1.0])
-        >>> [(str(piece.share), piece.mean) for piece in wave.pieces()]
+        >>> [(str(piece.share), piece.start) for piece in wave.pieces()]
         [('1/2', -2.0), ('1/2', -0.5)]
         """
         from floquetrod.equations import sampling
@@ -97,7 +97,7 @@ class Hill(Equation):
         period, damping = validate.positive("period", period), damping_rate(damping)
         found = sampling.expanded(lambda tau: [[function(tau)]], period, jumps, 1)
         parts = tuple(_piece(Fraction(duration) / Fraction(period), value) for duration, value in found.pieces)
-        largest = max(abs(float(p.mean)) + abs(float(p.slope)) * period + sum(map(abs, p.harmonics)) for p in parts)
+        largest = max(abs(float(p.start)) + abs(float(p.slope)) * period + sum(map(abs, p.harmonics)) for p in parts)
         if found.error > _MOST_ERROR * largest:
             raise ValueError(
                 f"function must have a series that agrees with it to {_MOST_ERROR:g} of its size, got one to "
@@ -107,7 +107,7 @@ class Hill(Equation):
             return JumpingHill(parts, period, damping)
         ((_, value),) = found.pieces
         cosines, sines = (tuple(float(m[0, 0]) for m in part) for part in (value.cosines, value.sines))
-        return cls(float(value.mean[0, 0]), cosines, sines, period, damping)
+        return cls(float(value.start[0, 0]), cosines, sines, period, damping)
 
     def coefficient(self, tau: Any) -> Any:
         """Return p(tau); broadcasts over ``tau``."""
@@ -179,7 +179,8 @@ def _piece(share: Fraction, value: Any) -> Piece:
     """Return a piece of a scalar equation from matrices of one row."""
     pairs = zip_longest(value.cosines, value.sines, fillvalue=[[0.0]])
     harmonics = tuple(complex(cosine[0][0], -sine[0][0]) for cosine, sine in pairs)
-    return Piece(share, float(value.mean[0, 0]), harmonics, float(value.slope_or_zero[0, 0]))
+    start, slope = float(value.start[0, 0]), float(value.slope_or_zero[0, 0])
+    return Piece(share, harmonics=harmonics, slope=slope, start=start)
 
 
 def _even_amplitudes(harmonics: tuple[complex, ...]) -> tuple[complex, ...] | None:

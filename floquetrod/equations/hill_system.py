@@ -267,7 +267,7 @@ class HillSystem(matrices.PeriodicMatrixSystem):
         freed = by_pieces.mapped(HillSystem, self, lambda m: m - shift, **others)
         if self.pieces:
             vars(freed)["even_start"] = self._even_instant  # of the numbers given, not of rounded ones
-        means = [value.mean for _, value in freed.pieces] or [freed.stiffness]
+        means = [value.start for _, value in freed.pieces] or [freed.stiffness]
         largest = functools.reduce(np.maximum, map(norms, means))
         object.__setattr__(freed, "_rounding", EPS * (largest + 2.0 * c * c * norms(mass)))
         return freed, c

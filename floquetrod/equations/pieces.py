@@ -1,4 +1,4 @@
-"""Coefficients of systems in pieces of the period: matrices with a mean, a slope and harmonics on each of them."""
+"""Coefficients of systems in pieces of the period: matrices with a start, a slope and harmonics on each of them."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import Any, NamedTuple, TypeVar
+from typing import Any, NamedTuple, NoReturn, TypeVar
 
 import numpy as np
 
@@ -28,47 +28,75 @@ Pieces = tuple[tuple[Any, "Varying"], ...]
 """What a system with jumps is made of: durations, each a double, a Fraction or an array of a batch, and matrices."""
 
 
+def one_of_mean_and_start(mean: Any, start: Any) -> tuple[str, Any]:
+    """Return which of the two was given, by its name, and its value; TypeError where both or none are."""
+    if (mean is None) == (start is None):
+        given = "none" if mean is None else "both"
+        raise TypeError(f"a piece must have either its mean, where it has no slope, or its start, got {given}")
+    return ("mean", mean) if start is None else ("start", start)
+
+
+def refuse_mean_with_slope(length: str, mean: str = "mean", start: str = "start") -> NoReturn:
+    """Raise ValueError about a mean beside a slope, which may be read in two ways, with both of them."""
+    raise ValueError(
+        f"{mean} beside a slope may be read in two ways: give {start} = {mean} where it is the value at the beginning "
+        f"of the piece, or {start} = {mean} - slope * {length} / 2 where it is the mean over the piece"
+    )
+
+
 @constructor_hints()
 @dataclass(frozen=True, eq=False, repr=False)
 class Varying(ByContent):
     """A matrix that varies over a piece of the period, for ``from_pieces`` of `HillSystem` and `PeriodicSystem`.
 
-    mean + slope (t - b) + sum_k cosines[k-1] cos k w t + sines[k-1] sin k w t, b the time at which the piece begins,
+    start + slope (t - b) + sum_k cosines[k-1] cos k w t + sines[k-1] sin k w t, b the time at which the piece begins,
     w = 2 pi / period of the whole period, and t from its beginning.
 
     Parameters
     ----------
-    mean : array_like (..., n, n)
-        Constant part, which is the whole at the beginning of the piece where there are no harmonics.
+    mean : array_like (..., n, n), optional
+        Constant part of a matrix without slope: give either ``mean`` or ``start``.
     slope : array_like (..., n, n), optional
         Change per unit of time; none by default, and None where it is zero.
     cosines : sequence of array_like (..., n, n)
         Coefficients of the cosines of the whole period, from the first harmonic on; none by default.
     sines : sequence of array_like (..., n, n)
         Coefficients of the sines of the whole period, from the first harmonic on; none by default.
+    start : array_like (..., n, n), optional
+        Value of start + slope (t - b) at the beginning of the piece; beside a slope ``mean`` is refused, since a ramp
+        has its mean half the piece later.
 
     Examples
     --------
-    >>> Varying([[1.0]], slope=[[-0.5]])
-    Varying(mean=[[1.0]], slope=[[-0.5]])
+    >>> Varying(start=[[1.0]], slope=[[-0.5]])
+    Varying(start=[[1.0]], slope=[[-0.5]])
+    >>> Varying([[1.0]], cosines=[[[0.5]]])
+    Varying(start=[[1.0]], cosines=[[[0.5]]])
     """
 
-    mean: Matrix
+    start: Matrix
     slope: Matrix | None = None
     cosines: tuple[Matrix, ...] = ()
     sines: tuple[Matrix, ...] = ()
 
-    def __init__(self, mean: Any, slope: Any = None, cosines: Any = (), sines: Any = ()) -> None:
+    def __init__(
+        self, mean: Any = None, slope: Any = None, cosines: Any = (), sines: Any = (), *, start: Any = None
+    ) -> None:
         """Check and copy the matrices."""
         most = 2 * matrices.MOST_EQUATIONS
-        average = matrices.square("mean", mean, most=most)
-        order = average.shape[-1]
-        ramp = None if slope is None else matrices.square("slope", slope, order, "mean", most)
+        name, value = one_of_mean_and_start(mean, start)
+        beginning = matrices.square(name, value, most=most)
+        order = beginning.shape[-1]
+        ramp = None if slope is None else matrices.square("slope", slope, order, name, most)
+        if ramp is not None and not ramp.any():
+            ramp = None
+        if ramp is not None and name == "mean":
+            refuse_mean_with_slope("duration")
         series = {
-            name: matrices.by_harmonic(name, values, order, "mean")
-            for name, values in (("cosines", cosines), ("sines", sines))
+            each: matrices.by_harmonic(each, values, order, name)
+            for each, values in (("cosines", cosines), ("sines", sines))
         }
-        self.__setstate__({"mean": average, "slope": ramp if ramp is not None and ramp.any() else None, **series})
+        self.__setstate__({"start": beginning, "slope": ramp, **series})
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         """Take over the matrices, closed to writing."""
@@ -79,26 +107,27 @@ class Varying(ByContent):
     @property
     def matrices(self) -> tuple[Matrix, ...]:
         """Every matrix there is."""
-        return (self.mean, *(() if self.slope is None else (self.slope,)), *self.cosines, *self.sines)
+        return (self.start, *(() if self.slope is None else (self.slope,)), *self.cosines, *self.sines)
 
     @property
     def slope_or_zero(self) -> Matrix:
         """The slope, zeros where there is none."""
-        return np.zeros(self.mean.shape) if self.slope is None else self.slope
+        return np.zeros(self.start.shape) if self.slope is None else self.slope
 
     @property
     def is_constant(self) -> bool:
         """Whether the matrix is one and the same all over the piece."""
         return self.slope is None and not any(matrix.any() for matrix in (*self.cosines, *self.sines))
 
-    def mapped(self, mean: Any, others: Any) -> Varying:
-        """Return the same with functions applied to the mean and to all other matrices."""
-        slope = None if self.slope is None else others(self.slope)
-        return Varying(mean(self.mean), slope, [others(m) for m in self.cosines], [others(m) for m in self.sines])
+    def mapped(self, of_start: Any, of_others: Any) -> Varying:
+        """Return the same with functions applied to the start and to all other matrices."""
+        slope = None if self.slope is None else of_others(self.slope)
+        cosines, sines = ([of_others(m) for m in series] for series in (self.cosines, self.sines))
+        return Varying(start=of_start(self.start), slope=slope, cosines=cosines, sines=sines)
 
     def __repr__(self) -> str:
         """Return the constructor's call, large matrices by their shape."""
-        return matrices.written(self, ["mean", "slope", "cosines", "sines"])
+        return matrices.written(self, ["start", "slope", "cosines", "sines"])
 
 
 class TimedPiece(NamedTuple):
@@ -184,9 +213,9 @@ def read(pieces: Any) -> Pieces:
         if not isinstance(pair, tuple | list) or len(pair) != 2:
             raise TypeError(f"{example}, got {validate.short(pair)} as pieces[{i}]")
         value = pair[1] if isinstance(pair[1], Varying) else Varying(matrices.square(f"pieces[{i}][1]", pair[1]))
-        if found and value.mean.shape[-1] != found[0][1].mean.shape[-1]:
-            order = found[0][1].mean.shape[-1]
-            raise ValueError(f"pieces[{i}][1] must be {order} x {order} as pieces[0][1] is, got {value.mean.shape}")
+        if found and value.start.shape[-1] != found[0][1].start.shape[-1]:
+            order = found[0][1].start.shape[-1]
+            raise ValueError(f"pieces[{i}][1] must be {order} x {order} as pieces[0][1] is, got {value.start.shape}")
         found.append((_duration(f"pieces[{i}][0]", pair[0]), value))
     if not found:
         raise ValueError(f"{example}, one at least, got none")
@@ -221,7 +250,7 @@ def made(kind: Callable[..., System], pieces: Any, **others: Any) -> System:
     found = read(pieces)
     period, single = total([duration for duration, _ in found]), one_series(found)
     if single is not None:
-        return kind(single.mean, single.cosines, single.sines, period=period, **others)
+        return kind(single.start, single.cosines, single.sines, period=period, **others)
     return kind(average(found, period), period=period, pieces=found, **others)
 
 
@@ -238,15 +267,15 @@ def mapped(
 def average(pieces: Pieces, period: Any) -> Matrix:
     """Return the mean over the period."""
     first = pieces[0][1]
-    if all(value.is_constant and np.array_equal(value.mean, first.mean) for _, value in pieces):
-        return np.array(first.mean)
+    if all(value.is_constant and np.array_equal(value.start, first.start) for _, value in pieces):
+        return np.array(first.start)
     found: Any = 0.0
     end = np.zeros(np.shape(period))
     for duration, value in pieces:
         begin, length = end, np.asarray(duration, dtype=float)
         end = begin + length
         share = (length / period)[..., None, None]
-        middle = value.mean if value.slope is None else value.mean + value.slope * (0.5 * length)[..., None, None]
+        middle = value.start if value.slope is None else value.start + value.slope * (0.5 * length)[..., None, None]
         found = found + share * middle
         for matrices_, function in ((value.cosines, np.sin), (value.sines, lambda angle: -np.cos(angle))):
             for k, matrix in enumerate(matrices_, start=1):
@@ -265,7 +294,7 @@ def in_time(system: Any) -> tuple[TimedPiece, ...]:
     for duration, value in system.pieces:
         length = Fraction(duration)
         waves = matrices.harmonic_amplitudes(value.cosines, value.sines, (), system.order)
-        found.append(TimedPiece(begin, length, value.mean, value.slope, waves, begin))
+        found.append(TimedPiece(begin, length, value.start, value.slope, waves, begin))
         begin += length
     return tuple(found)
 
@@ -331,7 +360,7 @@ def of_batch(system: Any) -> PieceArrays:
     harmonics, length = np.zeros((*shape, waves, order, order), dtype=complex), np.zeros(shape)
     begin = np.zeros(size)
     for j, (duration, value) in enumerate(system.pieces):
-        mean[:, j], length[:, j] = flat(value.mean, tail=2), flat(np.asarray(duration, dtype=float), tail=0)
+        mean[:, j], length[:, j] = flat(value.start, tail=2), flat(np.asarray(duration, dtype=float), tail=0)
         if value.slope is not None:
             slope[:, j] = flat(value.slope, tail=2)
         series = matrices.harmonic_amplitudes(value.cosines, value.sines, system.shape, order)

@@ -273,7 +273,7 @@ def with_drift(system: PeriodicSystem, sources: list[Source], share: float) -> t
     if not drift.any():
         return system, error
     moved = mapped(PeriodicSystem, system, lambda m: m + drift, coefficient_error=system.coefficient_error)
-    means = [value.mean for _, value in moved.pieces] or [moved.mean]
+    means = [value.start for _, value in moved.pieces] or [moved.mean]
     return moved, error + EPS * max(float(np.abs(mean).max()) for mean in means)
 
 

@@ -19,14 +19,17 @@ from floquetrod.equations import matrices
 from floquetrod.equations.delay_system import DelaySystem
 from floquetrod.equations.hill_system import HillSystem
 from floquetrod.equations.periodic_system import PeriodicSystem
-from floquetrod.equations.pieces import Varying
+from floquetrod.equations.pieces import Varying, refuse_mean_with_slope
 
 _SERIES = ("cosines", "sines", "period", "frequency")
 _SECOND_ORDER = ("stiffness", "mass", "damping", "gyroscopic", "coefficient_error", "delayed", "pieces", *_SERIES)
 _FIRST_ORDER = ("mean", "coefficient_error", "delayed", "pieces", *_SERIES)
 _DELAYED = ("delay", "matrix", "cosines", "sines", "pieces")
-_OF_A_DELAYED_PIECE = ("duration", "matrix", "slope", "cosines", "sines")
-_OF_A_PIECE = ("duration", "stiffness", "mean", "slope", "cosines", "sines")
+_STARTS = {"stiffness": "stiffness_start", "mean": "matrix_start", "matrix": "matrix_start"}
+"""Keys of a piece's matrix at its beginning, which go with a slope, in place of its constant matrix."""
+
+_OF_A_DELAYED_PIECE = ("duration", "matrix", "matrix_start", "slope", "cosines", "sines")
+_OF_A_PIECE = ("duration", "stiffness", "stiffness_start", "mean", "matrix_start", "slope", "cosines", "sines")
 _KEYS = tuple(dict.fromkeys((*_SECOND_ORDER, *_FIRST_ORDER)))
 _MATRICES = (*_OF_A_PIECE[1:], "mass", "damping", "gyroscopic", "delayed", "delayed_cosines", "delayed_sines")
 _SMALL = 1 << 20  # numbers of an array that is read whatever it is (a choice)
@@ -41,13 +44,15 @@ def read_system(path: str | Path) -> HillSystem | PeriodicSystem | DelaySystem:
     period.  Both may be strings with a unit, such as "24Hz" or "0.2s", where time is in seconds.
 
     A coefficient in pieces, which may jump, has a table [[system.pieces]] for each, with its ``duration`` and its
-    ``stiffness`` or ``mean``, and with ``slope``, ``cosines`` and ``sines`` where it varies as `Varying` does.  In an
-    npz file an array of all ``durations`` says so; the other arrays then have the pieces as their first axis.
+    ``stiffness`` or ``mean``, and with ``slope``, ``cosines`` and ``sines`` where it varies as `Varying` does.  Beside
+    a ``slope`` it has its value at the beginning of the piece, ``stiffness_start`` or, in first order,
+    ``matrix_start``, in place of ``stiffness`` or ``mean``.  In an npz file an array of all ``durations`` says so; the
+    other arrays then have the pieces as their first axis.
 
     Delayed terms have, in TOML files, a table [[system.delayed]] each, with the ``delay`` and the ``matrix``, with
-    ``cosines`` and ``sines``, or with tables [[system.delayed.pieces]] of ``duration`` and ``matrix``.  In npz files
-    they are arrays with the terms as their first axis: ``delays``, ``delayed``, ``delayed_cosines`` and
-    ``delayed_sines``.
+    ``cosines`` and ``sines``, or with tables [[system.delayed.pieces]] of ``duration`` and ``matrix``, or
+    ``matrix_start`` and ``slope``.  In npz files they are arrays with the terms as their first axis: ``delays``,
+    ``delayed``, ``delayed_cosines`` and ``delayed_sines``.
 
     Raises
     ------
@@ -185,7 +190,8 @@ def _in_pieces(table: Mapping[str, Any]) -> HillSystem | PeriodicSystem | DelayS
     misplaced = [key for key in ("stiffness", "mean", *_SERIES) if key in table]
     if misplaced:
         raise ValueError(f"key {misplaced[0]!r} belongs to the pieces; their durations make the period")
-    named = ["mean" if "mean" in piece else "stiffness" for piece in listed]
+    first_order = ("mean", _STARTS["mean"])
+    named = ["mean" if any(key in piece for key in first_order) else "stiffness" for piece in listed]
     if len(set(named)) > 1:
         raise ValueError("it has pieces with stiffness and pieces with mean; give one of them in all")
     pieces = [_piece(f"pieces[{i}]", piece, named[0]) for i, piece in enumerate(listed)]
@@ -209,12 +215,18 @@ def _piece(
     """Return the duration and the matrix of a piece."""
     try:
         require_known(table, known)
-        if "duration" not in table or mean not in table:
+        start = _STARTS[mean]
+        if "duration" not in table or (mean not in table and start not in table):
             other = ", or a mean in first order" if mean in _OF_A_PIECE else ""
-            raise ValueError(f"it must have a duration and a {mean}{other}")
+            raise ValueError(f"it must have a duration and a {mean}, or {start} beside a slope{other}")
+        if mean in table and start in table:
+            raise ValueError(f"it has {mean} and {start}; give {start} beside a slope, else {mean}")
         duration = units.quantity(table["duration"], "duration", "time", least=math.ulp(0.0))
         varying = {key: value for key, value in table.items() if key in ("slope", "cosines", "sines")}
-        return duration, Varying(table[mean], **varying)
+        value = Varying(start=table[start if start in table else mean], **varying)
+        if mean in table and value.slope is not None:
+            refuse_mean_with_slope("duration", mean, start)
+        return duration, value
     except (TypeError, ValueError) as error:
         raise ValueError(f"{name}: {error}") from None
 

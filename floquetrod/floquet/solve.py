@@ -295,12 +295,12 @@ def _of_equation(equation: Equation) -> _Course:
     period = Fraction(equation.period) if multiple is None else multiple * _PI
     found, begin = [], Fraction(0)
     for piece in equation.pieces():
-        mean = np.array([[0.0, 1.0], [float(piece.mean), -2.0 * equation.damping]])
+        mean = np.array([[0.0, 1.0], [float(piece.start), -2.0 * equation.damping]])
         slope = np.array([[0.0, 0.0], [float(piece.slope), 0.0]])
         harmonics = np.zeros((len(piece.harmonics), 2, 2), dtype=complex)
         harmonics[:, 1, 0] = piece.harmonics
         risen = (Fraction(piece.slope) - Fraction(float(piece.slope))) * piece.share * period
-        off = abs(Fraction(piece.mean) - Fraction(float(piece.mean))) + abs(risen)
+        off = abs(Fraction(piece.start) - Fraction(float(piece.start))) + abs(risen)
         doubt = np.array([[0.0, 0.0], [float(off), 0.0]])
         found.append(_Piece(begin * period, mean, slope, harmonics, doubt))
         begin += piece.share

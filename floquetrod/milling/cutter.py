@@ -211,7 +211,7 @@ class Cutter(ByContent):
         lengths = [float(duration) / turn for duration, _ in cut.pieces]
         values = [_scaled(value, deep, turn) for _, value in cut.pieces]
         now = [
-            (length, Varying(stiffness + value.mean, value.slope, value.cosines, value.sines))
+            (length, value.mapped(lambda constant: stiffness + constant, np.asarray))
             for length, value in zip(lengths, values, strict=True)
         ]
         back = [(length, value.mapped(np.negative, np.negative)) for length, value in zip(lengths, values, strict=True)]
@@ -265,4 +265,5 @@ def _modes(name: str, given: Any) -> list[ToolMode]:
 def _scaled(value: Varying, depth: float, speed: float) -> Varying:
     """Return H over angles as depth H over time."""
     slope = None if value.slope is None else depth * speed * value.slope
-    return Varying(depth * value.mean, slope, [depth * m for m in value.cosines], [depth * m for m in value.sines])
+    cosines, sines = ([depth * m for m in series] for series in (value.cosines, value.sines))
+    return Varying(None, slope, cosines, sines, start=depth * value.start)

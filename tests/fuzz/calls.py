@@ -131,6 +131,10 @@ LEFT_OUT = {
         f"{kind}.{name}": "takes no argument" for kind in ("Hill", "Mathieu", "Meissner") for name in ("pieces", "half")
     },
     **{f"{kind}.as_system": "takes no argument" for kind in ("Hill", "Mathieu", "Meissner")},
+    **{
+        f"{kind}.plot": "its axes are an object of matplotlib"
+        for kind in ("Hill", "HillSystem", "Mathieu", "Meissner", "PeriodicSystem")
+    },
     "Hill.as_hill": "takes no argument",
     "HillSystem.as_periodic_system": "takes no argument",
     "Mathieu.as_hill": "takes no argument",
@@ -626,6 +630,9 @@ def _of_mathieu() -> dict[str, Call]:
         ),
         "floquet_solutions": Call(fr.floquet_solutions, {"equation": fr.Meissner(0.5, -0.3)}),
         "solve": Call(fr.solve, {"equation": fr.Mathieu(0.5, -0.3), "initial": (1.0, 0.0), "span": 2.0}),
+        "Mathieu.from_delta_epsilon": Call(
+            fr.Mathieu.from_delta_epsilon, {"delta": 0.6, "epsilon": 0.2, "damping": 0.1}
+        ),
         "Mathieu.from_aq": Call(fr.Mathieu.from_aq, {"a": 1.0, "q": 1.0, "damping": 0.1}),
         "mathieu.tongue_widths": Call(fr.mathieu.tongue_widths, {"order": 2, "q": 0.5, "workers": 1}),
         "mathieu.transition_curves": Call(fr.mathieu.transition_curves, {"alpha": [0.1, 0.2], "orders": 2}),
@@ -678,7 +685,7 @@ def _of_systems() -> dict[str, Call]:
     matrix, wave = [[2.0, 0.5], [0.5, 1.0]], [WAVE]
     hill = {"stiffness": matrix, "cosines": wave, "sines": wave, "mass": matrix, "damping": matrix, "period": 2.0}
     first = {"mean": matrix, "cosines": wave, "sines": wave, "period": 2.0, "coefficient_error": 1e-12}
-    pieces = [(0.5, matrix), (1.5, fr.equations.Varying(matrix, [[0.1, 0.0], [0.0, 0.2]], wave))]
+    pieces = [(0.5, matrix), (1.5, fr.equations.Varying(None, [[0.1, 0.0], [0.0, 0.2]], wave, start=matrix))]
     delayed = [(0.7, matrix, wave, wave), (3.1, matrix)]
     others = {"mass": matrix, "damping": matrix, "gyroscopic": [[0.0, 1.0], [-1.0, 0.0]]}
     axes = {"omega": (2.5, 3.5, 3), "epsilon": (0.1, 0.3, 2)}

@@ -90,7 +90,7 @@ def _stacked(system: System) -> dict[str, Any]:
     cosines = [[*value.cosines, *[zero] * (most - len(value.cosines))] for value in values]
     gone = dict.fromkeys(("pieces", "period", "sines"))
     slopes = [value.slope_or_zero for value in values]
-    means = [value.mean for value in values]
+    means = [value.start for value in values]
     return gone | {"durations": durations, system.MEAN: means, "slope": slopes, "cosines": cosines}
 
 

@@ -120,9 +120,9 @@ def jumping(system: System, rng: np.random.Generator) -> System:
     for duration in durations.tolist():
         level = short(mean + float(short(rng.uniform(-2.0, 2.0))) * waves[0])
         slope = short(rng.uniform(-1.0, 1.0) / duration) * waves[-1] if rng.random() < 0.3 else None
-        pieces.append((duration, Varying(level, slope, waves[:1] if rng.random() < 0.2 else [])))
+        pieces.append((duration, Varying(None, slope, waves[:1] if rng.random() < 0.2 else [], start=level)))
     if rng.random() < 0.3:
-        pieces = [(duration, Varying(value.mean)) for duration, value in (*pieces, *pieces[::-1])]  # even
+        pieces = [(duration, Varying(value.start)) for duration, value in (*pieces, *pieces[::-1])]  # even
     return rewritten(system, pieces=pieces)
 
 
@@ -251,7 +251,12 @@ def alike_in_pieces(system: System, rng: np.random.Generator) -> Iterator[tuple[
     faster = [
         (
             duration / fast,
-            Varying(power * value.mean, fast * power * value.slope_or_zero, [power * m for m in value.cosines]),
+            Varying(
+                None,
+                fast * power * value.slope_or_zero,
+                [power * m for m in value.cosines],
+                start=power * value.start,
+            ),
         )
         for duration, value in system.pieces
     ]
@@ -280,7 +285,7 @@ def _over_piece(system: System, value: Varying, begin: float, duration: float) -
     def varying(t: float) -> Array:
         waves = [m * math.cos(k * w * (begin + t)) for k, m in enumerate(value.cosines, start=1)]
         waves += [m * math.sin(k * w * (begin + t)) for k, m in enumerate(value.sines, start=1)]
-        return np.asarray(value.mean + t * value.slope_or_zero + sum(waves, zero))
+        return np.asarray(value.start + t * value.slope_or_zero + sum(waves, zero))
 
     if isinstance(system, fr.PeriodicSystem):
         first, size = varying, system.order

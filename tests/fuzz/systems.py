@@ -72,7 +72,7 @@ def told(system: System) -> str:
 def _varying(value: Varying) -> str:
     slope = None if value.slope is None else value.slope.tolist()
     series = ([m.tolist() for m in matrices] for matrices in (value.cosines, value.sines))
-    return f"fr.equations.Varying({value.mean.tolist()!r}, {slope!r}, {', '.join(map(repr, series))})"
+    return f"fr.equations.Varying(None, {slope!r}, {', '.join(map(repr, series))}, start={value.start.tolist()!r})"
 
 
 def disagreements(system: System, rng: np.random.Generator) -> list[str]:

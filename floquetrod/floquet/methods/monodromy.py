@@ -134,7 +134,7 @@ def _stretches(pieces: tuple[Piece, ...], start: float, equation: Equation) -> l
     square = Fraction(equation.damping) ** 2
     stretches, share = [], Fraction(0)
     for piece in pieces:
-        mean = float(Fraction(piece.mean) + square)  # rounded once
+        mean = float(Fraction(piece.start) + square)  # rounded once
         begin, length = start + float(share) * equation.period, float(piece.share) * equation.period
         if length > 0.0:
             stretches.append(_Stretch(begin, length, mean, float(piece.slope), piece.harmonics))

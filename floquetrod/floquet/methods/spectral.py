@@ -130,7 +130,7 @@ def _one_less(a: float, shift: float) -> tuple[float, float]:
 def _hill(equation: Equation) -> Stability:
     (piece,) = equation.pieces()
     harmonics = np.array(piece.harmonics, dtype=np.complex128)
-    mean = float(piece.mean) + equation.damping**2
+    mean = float(piece.start) + equation.damping**2
     bound = float(np.abs(harmonics).sum())
     turn = 2.0 * math.pi / equation.period
     cut = math.ceil(math.sqrt(abs(mean) + 2.0 * bound) / turn) + len(harmonics) + 8

@@ -90,7 +90,7 @@ def problem_of(equation: Equation) -> ExactProblem | None:
     given = equation.pieces() if level is None else (EquationPiece(Fraction(1), level),)
     if any(piece.slope for piece in given):
         return None
-    pieces = tuple(Piece(p.share, Fraction(p.mean) * scale**2, _waves(p.harmonics, scale**2)) for p in given)
+    pieces = tuple(Piece(p.share, Fraction(p.start) * scale**2, _waves(p.harmonics, scale**2)) for p in given)
     period = Fraction(equation.period) if multiple is None else None
     found = ExactProblem(equation, pieces, Fraction(equation.damping) * scale, period, ())
     return found if len(pieces) == 1 or found.halves is not None else None
