@@ -32,10 +32,10 @@ if TYPE_CHECKING:
     from floquetrod.equations import Meissner as Meissner
     from floquetrod.equations import NonlinearSystem as NonlinearSystem
     from floquetrod.equations import PeriodicSystem as PeriodicSystem
-    from floquetrod.equations import SecondMoments as SecondMoments
     from floquetrod.equations import SquareWave as SquareWave
     from floquetrod.equations import conventions as conventions
-    from floquetrod.equations import second_moments as second_moments
+    from floquetrod.equations.second_moments import SecondMoments as SecondMoments
+    from floquetrod.equations.second_moments import second_moments as second_moments
     from floquetrod.explorer import Explorer as Explorer
     from floquetrod.floquet.almost_sure import AlmostSureExponent as AlmostSureExponent
     from floquetrod.floquet.almost_sure import almost_sure_exponent as almost_sure_exponent
@@ -118,10 +118,9 @@ _NAMES = {
         "Meissner",
         "NonlinearSystem",
         "PeriodicSystem",
-        "SecondMoments",
         "SquareWave",
-        "second_moments",
     ),
+    "equations.second_moments": ("SecondMoments", "second_moments"),
     "explorer": ("Explorer",),
     "floquet.almost_sure": ("AlmostSureExponent", "almost_sure_exponent"),
     "floquet.comparison": ("Comparison", "compare"),

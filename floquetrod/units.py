@@ -8,7 +8,12 @@ import unicodedata
 from collections.abc import Callable, Iterable
 from typing import Any, NamedTuple
 
+import numpy as np
+from numpy.typing import NDArray
+
+from floquetrod._util import validate
 from floquetrod._util.arguments import wrong_type, wrong_value
+from floquetrod._util.measured import is_measured, magnitude, mapped
 from floquetrod._util.suggest import did_you_mean, short
 
 _POUND = 0.45359237  # of mass, in kg
@@ -325,16 +330,46 @@ def with_unit(value: float, unit_name: str, digits: int = 6) -> str:
     return f"{float(f'{value:.{digits}g}'):g} {unit_name}".strip()
 
 
-def lengths(name: str, values: Any) -> Any:
-    """Return lengths in m, one or several, each a number or with a unit, such as "9000ft"; others as they are."""
-    if isinstance(values, list | tuple):
-        return [si(each, name, "length") for each in values]
-    return si(values, name, "length")
+def si(values: Any, name: str, kind: str) -> Any:
+    """Return what has its unit with it in SI units: a text, a quantity of pint, sequences and arrays of them.
+
+    Everything else is in SI units and stays as it is.
+    """
+    return mapped(name, values, is_written, lambda at, value: _one_in_si(value, at, kind))
 
 
-def si(value: Any, name: str, kind: str) -> Any:
-    """Return what is given with its unit in SI units, and anything else as it is."""
+def _one_in_si(value: Any, name: str, kind: str) -> Any:
+    return in_si(value, name, kind) if is_measured(value) else quantity(value, name, kind)
+
+
+def single(value: Any, name: str, kind: str) -> Any:
+    """Return one value that has its unit with it in SI units; everything else stays as it is."""
     return quantity(value, name, kind) if is_written(value) else value
+
+
+def number(
+    name: str, value: Any, kind: str, least: float = -math.inf, largest: float = math.inf, hint: str = ""
+) -> float:
+    """Return a physical argument in SI units, from ``least`` to ``largest``: the one entrance of single numbers.
+
+    A number alone is in the SI unit of its kind; others are texts such as "0.8mm" and quantities of pint.  Raises
+    ValueError and TypeError that begin with the argument's name, as `floquetrod._util.validate.within` does.
+    """
+    return validate.within(name, single(value, name, kind), least, largest, hint)
+
+
+def tolerance(name: str, value: Any) -> float:
+    """Return a growth rate in 1/s up to which a motion counts as stable, as `floquetrod._util.validate.tolerance`."""
+    return validate.tolerance(name, single(value, name, "rate"))
+
+
+def array(name: str, values: Any, kind: str, least: float, largest: float) -> NDArray[np.float64]:
+    """Return a physical argument as an array in SI units, from ``least`` to ``largest``: the one entrance of arrays.
+
+    Numbers alone are in the SI unit of their kind; others are texts, quantities of pint, also of arrays, and sequences
+    of them.  Raises as `floquetrod._util.validate.array` does.
+    """
+    return validate.array(name, si(values, name, kind), least=least, largest=largest)
 
 
 def quantity(
@@ -388,7 +423,10 @@ def quantity(
     """
     units = units_of(kind, critical_force)
     if is_measured(value):
-        return _bounded(in_si(value, name, kind, float), name, units, least, largest, short(value))
+        converted = in_si(value, name, kind)
+        if np.ndim(converted):
+            raise wrong_value(name, f"{_wanted(kind, units)}, got several: {short(value)}")
+        return _bounded(converted, name, units, least, largest, short(value))
     if isinstance(value, int | float) and not isinstance(value, bool):
         try:
             number = float(value)
@@ -396,6 +434,12 @@ def quantity(
             raise wrong_value(name, "must be finite, got an integer beyond 1e308") from None
         return _bounded(number, name, units, least, largest, repr(value) if given is None else given)
     given = short(value) if given is None else given
+    if kind == "force" and critical_force is None and isinstance(value, str) and value.strip().lower().endswith("fcr"):
+        raise wrong_value(
+            name,
+            f"must have a unit of force such as N or kN, got {given}: here no rod is known; give {name} as a number "
+            "times rod.critical_force",
+        )
     written = _written(value) if isinstance(value, str) else None
     if written is None or "," in written[1] or ":" in written[1]:
         raise wrong_value(name, f"{_wanted(kind, units)}, got {given}: {_why_no_number(value)}")
@@ -419,22 +463,17 @@ def is_written(value: Any) -> bool:
     return isinstance(value, str) or is_measured(value)
 
 
-def is_measured(value: Any) -> bool:
-    """Return whether a value is a quantity of pint, which is not imported: it says what unit it is in."""
-    return hasattr(value, "magnitude") and hasattr(value, "units") and callable(getattr(value, "to", None))
-
-
-def in_si(value: Any, name: str, kind: str, number: Callable[[Any], Any]) -> Any:
-    """Return what ``number``, float or of an array, makes of a quantity of pint in the SI unit of a kind.
+def in_si(value: Any, name: str, kind: str) -> Any:
+    """Return a quantity of pint in the SI unit of a kind, a float or an array.
 
     To pint a hertz is 1/s and an angle has no dimension: what counts periods is given by the name of its unit.
     """
     counts = kind in ("frequency", "rate")
     target = re.sub(r"(?<=[a-z])(\d)$", r"^\1", next(iter(_UNITS[kind]))) or "dimensionless"
     try:
-        if counts and re.search("hertz|count", str(value.units)):
+        if counts and re.search("hertz|count", str(getattr(value, "units", ""))):
             target = "hertz" if kind == "frequency" else "of a rate, not of a frequency"
-        return number(value.to(target).magnitude) * (2.0 * math.pi if target == "hertz" else 1.0)
+        return magnitude(value, target) * (2.0 * math.pi if target == "hertz" else 1.0)
     except Exception as error:  # pint has its own for each way in which units differ
         raise wrong_value(name, f"{_wanted(kind, _UNITS[kind])}, got {short(value)}: {error}") from None
 

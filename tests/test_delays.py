@@ -234,7 +234,7 @@ mean = [[0.2]]
 delay = 0.75
 [[system.delayed.pieces]]
 duration = 1.0
-matrix = [[0.3]]
+matrix_start = [[0.3]]
 slope = [[0.1]]
 [[system.delayed.pieces]]
 duration = 0.5

@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 
 from floquetrod._util.arguments import wrong_type as wrong_type
 from floquetrod._util.arguments import wrong_value as wrong_value
+from floquetrod._util.measured import is_measured, mapped, without_unit
 from floquetrod._util.suggest import did_you_mean
 from floquetrod._util.suggest import short as short
 
@@ -51,7 +52,9 @@ T = TypeVar("T")
 
 
 def finite(name: str, value: Any, hint: str = "") -> float:
-    """Return ``value`` as a finite float."""
+    """Return ``value`` as a finite float; `floquetrod.units` takes quantities of pint, here they must have no unit."""
+    if type(value) is not float and is_measured(value):
+        value = without_unit(name, value)
     # A truth value, text, an array or a numpy scalar that is no number: float() would take some of them.
     if (
         isinstance(value, bool | str | bytes | bytearray)
@@ -316,8 +319,9 @@ def workers(value: Any) -> int | None:
 
 
 def untyped(name: str, values: Any) -> NDArray[Any]:
-    """Return ``values`` as an array of any type; ragged and masked ones are refused, and those too large."""
+    """Return ``values`` as an array of any type; ragged and masked ones are refused, those too large or with units."""
     elements(name, values.size if type(values) is np.ndarray else _counted(name, values, {}))
+    values = mapped(name, values, is_measured, without_unit)
     try:
         return np.asarray(values)
     except Exception:  # ragged, or whatever an object's own conversion raises

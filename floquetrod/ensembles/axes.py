@@ -246,6 +246,8 @@ def _values(problem: SimulationProblem, name: str, given: Any) -> NDArray[Any]:
             f"must be a sequence of numbers such as [0.1, 0.2], or a frozen distribution such as "
             f"scipy.stats.uniform(0.1, 0.1), got {validate.short(given)}",
         )
+    if name in VARIED_KINDS:
+        given = units.si(given, argument, VARIED_KINDS[name])
     array = validate.array(argument, given, least=-_LARGEST, largest=_LARGEST)
     if array.ndim != 1 or not array.size:
         raise validate.wrong_value(argument, f"must have one dimension and at least one value, got shape {array.shape}")

@@ -162,7 +162,7 @@ class Cutter(ByContent):
 
         ValueError or TypeError for angles that are no finite numbers.
         """
-        angle = validate.array("angle", angle)
+        angle = units.array("angle", angle, "angle", -validate.LARGEST, validate.LARGEST)
         entry, leave = self.angles
         teeth = angle[..., None] + self.pitch * np.arange(self.teeth)
         teeth = teeth - 2.0 * math.pi * np.floor(teeth / (2.0 * math.pi))

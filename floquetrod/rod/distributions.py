@@ -231,8 +231,5 @@ def distribution(argument: str, given: Any, element: Callable[[str, Any], float]
 
 def _number(name: str, argument: str, value: Any) -> float:
     """Return a number in SI that is given as one or with its unit."""
-    if not units.is_written(value):
-        return validate.finite(argument, value)
-    if name in KINDS:
-        return units.quantity(value, argument, KINDS[name])
-    return units.quantity(value, argument, "angle" if name in SURVEY else units.ROD_KINDS[name])
+    kind = KINDS[name] if name in KINDS else "angle" if name in SURVEY else units.ROD_KINDS[name]
+    return units.number(argument, value, kind)

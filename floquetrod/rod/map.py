@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from floquetrod import units
 from floquetrod._util import validate
 from floquetrod._util.progress import Progress
 from floquetrod.mathieu.criterion import FiniteTimeCriterion
@@ -15,7 +16,7 @@ from floquetrod.rod import motion_map
 from floquetrod.rod.friction.mode_friction import friction_and_kick
 from floquetrod.rod.large_orbits import require_possible
 from floquetrod.rod.loads.axial import require_off_resonance
-from floquetrod.rod.loads.load import LIMITS, QUANTITIES, AnyLoad, Loads, Quantity, kind, require_load
+from floquetrod.rod.loads.load import KINDS, LIMITS, QUANTITIES, AnyLoad, Loads, Quantity, kind, require_load
 from floquetrod.rod.model.assumptions import warn_unless_uniform
 from floquetrod.rod.modes.mode_model import ModeModel
 from floquetrod.rod.plane import AXES, LoadPlane
@@ -98,6 +99,7 @@ def stability_map(
     if mu_and_kick is not None and growth:
         raise validate.wrong_value("growth", "is that of the rod without friction; leave out either growth or friction")
     given: dict[Quantity, Any] = {"mean": mean, "amplitude": amplitude, "frequency": frequency}
+    given = {name: units.si(values, name, KINDS[name]) for name, values in given.items()}
     largest = max(limits.largest for limits in LIMITS.values())  # the number of points, too, is among the values
     fixed = [
         name for name, value in given.items() if validate.array(name, value, least=-largest, largest=largest).ndim == 0
@@ -107,7 +109,7 @@ def stability_map(
             "exactly one of mean, amplitude and frequency must be a single number and the others (low, high, number) "
             f"or arrays; single numbers here: {', '.join(fixed) or 'none'}"
         )
-    tolerance = validate.tolerance("growth_tolerance", growth_tolerance)
+    tolerance = units.tolerance("growth_tolerance", growth_tolerance)
     if damping is not None:
         rod = rod.replace(damping_rate=damping)
     across, up = (name for name in AXES if name not in fixed)

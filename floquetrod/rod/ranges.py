@@ -91,6 +91,7 @@ class StabilityIntervals(Reported, NoTruthValue):
 
     def __contains__(self, value: Any) -> bool:
         """Return whether ``value`` is stable; an end of the search may be, an end of a tongue is not."""
+        value = units.single(value, "value", units.kind_of(self.unit) or "ratio")
         return any(
             part.low < value < part.high
             or (value == part.low and part.low_end is None)
@@ -239,7 +240,7 @@ def stable_values(
     if varied == "frequency":
         constants_under(model.rod, largest.mean).require_in_reach(Loads.single(largest.varied(varied, low)))
     validate.progress(progress)
-    search = Search(varied, largest, (low, high), validate.tolerance("growth_tolerance", growth_tolerance))
+    search = Search(varied, largest, (low, high), units.tolerance("growth_tolerance", growth_tolerance))
     warn_unless_uniform(model.rod, largest)
     found = model.ranges(search, progress)
     return StabilityIntervals(
@@ -265,7 +266,7 @@ def first_unstable(
     """Return where one quantity, going up from zero, first meets growth; infinite without any."""
     largest = _load(model, {**others, varied: _largest(model, varied, others)})
     validate.progress(progress)
-    tolerance = validate.tolerance("growth_tolerance", growth_tolerance)
+    tolerance = units.tolerance("growth_tolerance", growth_tolerance)
     warn_unless_uniform(model.rod, largest)
     search = Search(varied, largest, (0.0, getattr(largest, varied)), tolerance)
     edge = model.first_unstable(search, _saying_how_far(progress, varied, largest))

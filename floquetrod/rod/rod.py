@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from functools import partial
 from typing import TYPE_CHECKING, Any, overload
 
+from floquetrod import units
 from floquetrod._util import validate
 from floquetrod._util.arrays import shaped
 from floquetrod._util.calling import call_hints
@@ -221,7 +222,7 @@ class Rod(RodData):
         a, q and c^2 go like 1 / omega^2, so a higher frequency leaves fewer evanescent factors q / (a - k^2 - q), each
         larger, before a rate that in 1/s does not depend on it.
         """
-        load, tolerance = require_load("load", load), validate.tolerance("growth_tolerance", growth_tolerance)
+        load, tolerance = require_load("load", load), units.tolerance("growth_tolerance", growth_tolerance)
         return self.modes_under(load).modes_needed(load, tolerance)
 
     # --- along a well ---
@@ -459,7 +460,7 @@ class Rod(RodData):
         """Return the results of `critical_kick` over arrays of loads (N, N, rad/s) that broadcast; mode 0 for none."""
         from floquetrod.rod.friction import kicks
 
-        mu, tolerance = friction_coefficient(friction), validate.tolerance("growth_tolerance", growth_tolerance)
+        mu, tolerance = friction_coefficient(friction), units.tolerance("growth_tolerance", growth_tolerance)
         model, loads = self.modes_under(like), Loads.of(mean, amplitude, frequency)
         model.require("friction")
         return kicks.critical_kicks(self, model.systems(loads), mu, tolerance, workers)
@@ -897,7 +898,7 @@ class Rod(RodData):
         >>> round(rod.critical_noise(fr.AxialLoad(-1.0, 0.0, 150.0, noise=1.0)) / bound, 6)
         1.0
         """
-        found, tolerance = require_noise("load", load), validate.tolerance("growth_tolerance", growth_tolerance)
+        found, tolerance = require_noise("load", load), units.tolerance("growth_tolerance", growth_tolerance)
         model: Any = self.modes_under(found)
         return float(model.critical_noise(found, tolerance))
 

@@ -8,6 +8,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from floquetrod import units
 from floquetrod._util import validate
 from floquetrod._util.arrays import Floats
 from floquetrod._util.caching import cached_property
@@ -223,7 +224,7 @@ def probability_of_instability(
     validate.instance("rod", rod, Rod, "Rod.nitinol(), say")
     load = require_load("load", load)
     samples = None if samples is None else validate.integer("samples", samples, 1, _MOST_SAMPLES)
-    tolerance = validate.tolerance("growth_tolerance", growth_tolerance)
+    tolerance = units.tolerance("growth_tolerance", growth_tolerance)
     confidence = validate.confidence(confidence)
     seed = entropy() if seed is None else validate.integer("seed", seed, 0, 2**128 - 1)
     workers = validate.workers(workers)

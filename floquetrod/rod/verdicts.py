@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 
+from floquetrod import units
 from floquetrod._util import validate
 from floquetrod._util.arrays import shaped
 from floquetrod._util.progress import Progress
@@ -36,7 +37,7 @@ def stability(
     """Return the verdict under a load or a record; see `floquetrod.Rod.stability`."""
     load, rod = require_load("load", given), model.rod
     frictional = friction_and_kick(friction, kick)
-    tolerance = validate.tolerance("growth_tolerance", growth_tolerance)
+    tolerance = units.tolerance("growth_tolerance", growth_tolerance)
     validate.progress(progress)
     record = cast("ForceRecord", given) if isinstance(given, LoadSource) else None
     warn_unless_uniform(rod, load)
@@ -68,7 +69,7 @@ def statuses(
     progress: Progress | None,
 ) -> Any:
     """Return the status under each load; see `floquetrod.Rod.verdicts`."""
-    tolerance = validate.tolerance("growth_tolerance", growth_tolerance)
+    tolerance = units.tolerance("growth_tolerance", growth_tolerance)
     frictional = friction_and_kick(friction, kick)
     validate.progress(progress)
     if criterion is not None:

@@ -157,14 +157,16 @@ class SimulationProblem:
         cleaned: dict[str, Any] = {
             "load": load,
             "perturbation": kick,
-            "duration": validate.positive("duration", self.duration, "in s"),
+            "duration": units.number("duration", self.duration, "time", math.ulp(0.0), hint="in s"),
             "frames": validate.integer("frames", self.frames, 2),
             "stop_early": validate.flag("stop_early", self.stop_early),
             "friction": _friction(self.friction),
-            "time_step": None if self.time_step is None else validate.positive("time_step", self.time_step, "in s"),
+            "time_step": None
+            if self.time_step is None
+            else units.number("time_step", self.time_step, "time", math.ulp(0.0), hint="in s"),
             "feed_speed": None
             if self.feed_speed is None
-            else validate.nonnegative("feed_speed", self.feed_speed, "in m/s"),
+            else units.number("feed_speed", self.feed_speed, "speed", 0.0, hint="in m/s"),
             "far_force": None if self.far_force is None else load_number("mean", self.far_force, "far_force"),
             "natural_curvature": _natural_curvature(self.natural_curvature),
             "tool": None if self.tool is None else tool_inside(self.tool, self.rod.length, "rod"),
@@ -403,8 +405,8 @@ def _natural_curvature(value: Any) -> float | str:
     """Return the natural curvature of a rod in 1/m, which may be given with its unit, or "path"."""
     if isinstance(value, str) and units.unit_of(value) is None:
         return validate.choice("natural_curvature", value.strip().lower(), ("path",))
-    value = units.si(value, "natural_curvature", "curvature")
-    return validate.within("natural_curvature", value, -_MOST_CURVED, _MOST_CURVED, 'give it in 1/m, or "path"')
+    hint = 'give it in 1/m, or "path"'
+    return units.number("natural_curvature", value, "curvature", -_MOST_CURVED, _MOST_CURVED, hint)
 
 
 def _friction(given: Any) -> float | Intervals:

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from floquetrod import units
 from floquetrod._util import validate
 from floquetrod.units import with_unit
 
@@ -183,7 +184,7 @@ def _mode(name: str, value: int) -> int:
 
 def _speed(name: str, value: float) -> float:
     """Return a speed of plausible size."""
-    speed = validate.finite(name, value, "in m/s")
+    speed = units.number(name, value, "speed", hint="in m/s")
     if abs(speed) > _FASTEST:
         raise validate.wrong_value(name, f"must be at most {_FASTEST:g} m/s, got {speed:g}; check the units")
     return speed

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+from floquetrod import units
 from floquetrod._util import validate
 from floquetrod._util.arguments import wrong_value
 from floquetrod.simulation.mesh import DiscreteRod
@@ -66,6 +67,7 @@ def critical_time_step(mesh: DiscreteRod, impact_speed: float = 0.0) -> tuple[fl
     stretch = (7.0 / 3.0 * mesh.rod.wave_speed / length) ** 2
     bend = (7.0 / 6.0) ** 2 * (4.0 / 3.0) * 16.0 * mesh.rod.flexural_rigidity
     bend /= mesh.rod.mass_per_length * length**4
+    impact_speed = units.number("impact_speed", impact_speed, "speed", 0.0, hint="in m/s")
     speed2 = 4.0 * mesh.gravity_on_wall * mesh.rod.radial_clearance + impact_speed**2
     depth = mesh.depth_at_rest + (1.25 * speed2 / mesh.contact_stiffness) ** 0.4
     contact = 1.5 * mesh.contact_stiffness * math.sqrt(depth)

@@ -383,7 +383,7 @@ class WellPath(Reported, ByContent, TellsAttributes):
 
     def _points(self, depth: Any) -> tuple[tuple[int, ...], Points]:
         """Return the shape of measured depths and the points there, flat."""
-        depths = validate.array("depth", depth)
+        depths = units.array("depth", depth, "length", -validate.LARGEST, validate.LARGEST)
         return depths.shape, self.arcs.at(self._inside(depths.ravel()))
 
     def _inside(self, depths: Floats, name: str = "depth") -> Floats:

@@ -52,11 +52,7 @@ def column(name: str, values: Any, many: int | None = None) -> Floats:
 
     Raises TypeError or ValueError, naming argument and place, for what is no list of numbers.
     """
-    if units.is_measured(values):
-        values = units.in_si(values, name, KINDS[name], np.asarray)
-    elif isinstance(values, list | tuple) and any(map(units.is_measured, values)):
-        values = [number(f"{name}[{i}]", value, KINDS[name]) for i, value in enumerate(values)]
-    raw = validate.untyped(name, values)
+    raw = validate.untyped(name, units.si(values, name, KINDS[name]))
     if raw.ndim > 1 or (raw.ndim == 0 and many is None):
         raise validate.wrong_value(
             name, f"must be a list with a number for every station, got {validate.short(values)}"
@@ -80,7 +76,7 @@ def column(name: str, values: Any, many: int | None = None) -> Floats:
 
 def number(name: str, value: Any, kind: str) -> float:
     """Return a length in m or an angle in rad, given as a number or a string with a unit."""
-    return validate.finite(name, units.si(value, name, kind))
+    return units.number(name, value, kind)
 
 
 def within(inclination: Floats, azimuth: Floats) -> tuple[Floats, Floats]:

@@ -136,7 +136,7 @@ def drag_of(
     shaking = None
     if tool is not None:
         tool = validate.instance("tool", tool, VibrationTool, "such as fr.VibrationTool('5kN', '18Hz', '30m')")
-        sliding = validate.within("speed", units.si(speed, "speed", "speed"), *_SPEEDS, "give it in m/s")
+        sliding = units.number("speed", speed, "speed", *_SPEEDS, "give it in m/s")
         impedance = rod.mass_along * rod.wave_speed
         along = impedance, rod.wave_speed, rod.damping_rate, sliding
         shaking = Shaking(tool.amplitude, tool.frequency, tool.above_end, *along)
@@ -161,7 +161,7 @@ def friction_along(given: Any) -> Friction:
             raise validate.wrong_type(
                 f"friction[{i}]", f"must be a depth and a coefficient, got {validate.short(pair)}"
             )
-        depths.append(validate.within(f"friction[{i}]", units.si(pair[0], f"friction[{i}]", "length"), 0.0, LENGTHS[1]))
+        depths.append(units.number(f"friction[{i}]", pair[0], "length", 0.0, LENGTHS[1]))
         values.append(friction_coefficient(pair[1]))
     if not depths or depths[0] > 0.0 or any(a >= b for a, b in itertools.pairwise(depths)):
         raise validate.wrong_value(
@@ -172,7 +172,7 @@ def friction_along(given: Any) -> Friction:
 
 def force_in_newtons(name: str, value: Any) -> float:
     """Return a force in N, given as a number or with a unit; negative for a pull."""
-    return validate.within(name, units.si(value, name, "force"), -_LARGEST, _LARGEST, "give it in N")
+    return units.number(name, value, "force", -_LARGEST, _LARGEST, "give it in N")
 
 
 def mean_force(drag: Drag, far_force: float, bottom: float, depth: Any) -> MeanForce:
@@ -260,7 +260,7 @@ def _asked(top: float, bottom: float, depth: Any) -> Floats:
     if depth is None:
         number = int(np.clip((bottom - top) / _SPACING, 50, _MOST))
         return np.linspace(top, bottom, number + 1)
-    asked = validate.array("depth", units.lengths("depth", depth), least=0.0, largest=1e6).ravel()
+    asked = units.array("depth", depth, "length", 0.0, 1e6).ravel()
     outside = (asked < top) | (asked > bottom)
     if outside.any():
         raise validate.wrong_value(
@@ -273,7 +273,7 @@ def lower_end(path: Any, bottom: Any) -> float:
     """Return the measured depth of the lower end of a string, by default that of the path."""
     if bottom is None:
         return float(path.end)
-    depth = validate.finite("bottom", units.si(bottom, "bottom", "length"))
+    depth = units.number("bottom", bottom, "length")
     if not path.start + LENGTHS[0] <= depth <= path.end:
         raise validate.wrong_value(
             "bottom",

@@ -401,7 +401,7 @@ class Reach(Printed, ByContent):
 
     def is_limited(self, force: Any) -> NDArray[np.bool_]:
         """Return whether forces in N at the lower end are the largest that was tried, so that more may arrive there."""
-        return np.asarray(np.asarray(force) >= (1.0 - 1e-9) * self.bit_limit)
+        return np.asarray(units.si(force, "force", "force")) >= (1.0 - 1e-9) * self.bit_limit
 
     def as_dict(self) -> dict[str, Any]:
         """Return everything as numbers for JSON, units in the keys; None where a force is infinite."""
@@ -561,8 +561,7 @@ def depths_of(path: WellPath, depth: Any) -> Floats:
     """Return the measured depths of the lower end that are asked for, increasing."""
     if depth is None:
         return np.linspace(path.start, path.end, _DEPTHS + 1)[1:]
-    given = units.lengths("depth", depth)
-    asked = np.unique(validate.array("depth", given, least=0.0, largest=1e6))
+    asked = np.unique(units.array("depth", depth, "length", 0.0, 1e6))
     if not asked.size or asked[0] < path.start + 1e-6 or asked[-1] > path.end + 1e-6:
         written = depth[-1] if isinstance(depth, list | tuple) and depth else depth
         name = units.unit_of(written) if isinstance(written, str) else None

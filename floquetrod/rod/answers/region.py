@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from floquetrod import mathieu
+from floquetrod import mathieu, units
 from floquetrod._util import validate
 from floquetrod._util.parts import complement
 from floquetrod._util.progress import Progress
@@ -50,7 +50,7 @@ def certify_rods(
     progress: Progress | None,
 ) -> RegionProof:
     """Return what `Rod.certify` does; ``sides`` are those of mean force, amplitude and frequency."""
-    tolerance = validate.tolerance("growth_tolerance", growth_tolerance)
+    tolerance = units.tolerance("growth_tolerance", growth_tolerance)
     max_boxes = validate.integer("max_boxes", max_boxes, 1)
     validate.progress(progress)
     box = RodBox.of(rod, like, *sides, parameters)

@@ -147,7 +147,7 @@ def largest_safe_box(
 ) -> SafeBox:
     """Return what `Rod.largest_safe_box` does about a load, which ``judge`` gives its verdict with a tolerance."""
     chosen = _chosen(vary)
-    tolerance = validate.tolerance("growth_tolerance", growth_tolerance)
+    tolerance = units.tolerance("growth_tolerance", growth_tolerance)
     accuracy = validate.within("accuracy", accuracy, 1e-4, 0.5, "it is a share of the width of the box")
     validate.progress(progress)
     warn_unless_uniform(rod, load)

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
 
 import numpy as np
 
+from floquetrod import units
 from floquetrod._util import validate
 from floquetrod._util.arrays import Floats
 from floquetrod._util.caching import cached_property
@@ -399,7 +400,7 @@ class RodStability(Reported, Verdict):
         """
         validate.choice("quantity", quantity, WAYS)
         if not (isinstance(seconds, float) and seconds == math.inf):
-            seconds = validate.positive("seconds", seconds, "leave it out to search everything")
+            seconds = units.number("seconds", seconds, "time", math.ulp(0.0), hint="leave it out to search everything")
         validate.progress(progress)
         here: float = getattr(self.load, quantity)
         ways = [[here, *way] for way in WAYS[quantity](here, self.rod.critical_force)]

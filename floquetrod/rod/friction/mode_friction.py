@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from floquetrod import units
 from floquetrod._util import validate
 from floquetrod._util.arrays import shaped
 from floquetrod.rod.model.data import RodData
@@ -90,7 +91,8 @@ def friction_and_kick(friction: Any, kick: Any) -> tuple[float, float] | None:
             "unstable mode grows whatever the kick; give friction=0.1, say, or leave out both",
         )
     hint = "give the transverse velocity in m/s, 0.05 say; critical_kick computes the smallest that buckles"
-    return friction, validate.within("kick", validate.positive("kick", kick, hint), 0.0, _LARGEST, "give it in m/s")
+    speed = units.number("kick", kick, "speed", math.ulp(0.0), hint=hint)
+    return friction, validate.within("kick", speed, 0.0, _LARGEST, "give it in m/s")
 
 
 def axial_velocity(rod: RodData, amplitude: Any, frequency: Any) -> Any:

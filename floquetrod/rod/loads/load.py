@@ -62,21 +62,8 @@ LIMITS: dict[Quantity, _Limits] = {
 def load_number(quantity: Quantity, value: Any, name: str | None = None) -> float:
     """Return a quantity of a load as a float within its limits; ``name`` is the argument's, where it is another."""
     name, limits = name or quantity, LIMITS[quantity]
-    if units.is_written(value):
-        value = _in_si(quantity, value, name)
-    number = limits.check(name, value, limits.hint)
+    number = limits.check(name, units.single(value, name, KINDS[quantity]), limits.hint)
     return validate.within(name, number, limits.least, limits.largest, f"give it in {limits.unit}")
-
-
-def _in_si(quantity: Quantity, text: Any, name: str) -> float:
-    """Return a quantity of a load that is given with its unit, such as "24Hz" or "0.2kN"."""
-    if KINDS[quantity] == "force" and isinstance(text, str) and text.strip().lower().endswith("fcr"):
-        raise validate.wrong_value(
-            name,
-            f"must have a unit of force such as N or kN, got {validate.short(text)}: a load does not contain "
-            f"the rod; give {name} as a number times rod.critical_force",
-        )
-    return units.quantity(text, name, KINDS[quantity])
 
 
 def load_bounds(quantity: Quantity, bounds: Any) -> tuple[float, float]:
@@ -101,7 +88,7 @@ class Loads(NamedTuple):
         """Return arrays that broadcast as loads; ValueError and TypeError name the quantity that cannot be."""
         given: dict[Quantity, Any] = {"mean": mean, "amplitude": amplitude, "frequency": frequency}
         arrays: dict[str, NDArray[np.float64]] = {
-            name: validate.array(name, values, least=LIMITS[name].least, largest=LIMITS[name].largest)
+            name: units.array(name, values, KINDS[name], LIMITS[name].least, LIMITS[name].largest)
             for name, values in given.items()
         }
         shape, flat = broadcast(**arrays)
@@ -267,10 +254,9 @@ class Load(TellsAttributes, ABC):
 
     @classmethod
     def hertz(cls, mean: float, amplitude: float, frequency: float, **others: Any) -> Self:
-        """Return a load whose frequency is given in Hz."""
-        return cls(
-            mean, amplitude, 2.0 * math.pi * validate.positive("frequency", frequency, "give it in Hz"), **others
-        )
+        """Return a load whose frequency, where it has no unit with it, is given in Hz."""
+        in_hertz = validate.positive("frequency", _hertz("frequency", frequency), "give it in Hz")
+        return cls(mean, amplitude, 2.0 * math.pi * in_hertz, **others)
 
 
 @constructor_hints()
@@ -420,7 +406,7 @@ class AxialWave(Load):
                 Mention("wave", "AxialLoad", "no --wave"),
             )
         validate.choice("far_end", self.far_end, FAR_ENDS)
-        rate = validate.within("axial_damping", self.axial_damping, 0.0, _FASTEST, "give the decay rate in 1/s")
+        rate = units.number("axial_damping", self.axial_damping, "rate", 0.0, _FASTEST, "give the decay rate in 1/s")
         object.__setattr__(self, "axial_damping", rate)
 
     def profile(self, wave_speed: float, length: float, s: NDArray[np.float64], frequency: float) -> NDArray[Any]:
@@ -477,8 +463,8 @@ class AxialWave(Load):
 
 def with_waves(load: Load, axial_damping: float = 0.0, name: str = "axial_damping") -> AxialWave:
     """Return an `AxialLoad` with the waves it sends from both ends, damped at a rate in 1/s that errors give a name."""
-    validate.within(name, axial_damping, 0.0, _FASTEST, "give the decay rate in 1/s")
-    return AxialWave(**load.as_dict(), far_end="driven", axial_damping=axial_damping)
+    rate = units.number(name, axial_damping, "rate", 0.0, _FASTEST, "give the decay rate in 1/s")
+    return AxialWave(**load.as_dict(), far_end="driven", axial_damping=rate)
 
 
 def noise_density(name: str, value: Any) -> float | tuple[tuple[float, float], ...]:
@@ -493,13 +479,19 @@ def noise_density(name: str, value: Any) -> float | tuple[tuple[float, float], .
             example = "a density in N^2/Hz or pairs of a frequency in Hz and a density"
             raise validate.wrong_type(name, f"must be {example}, got {validate.short(pair)} among the pairs")
         hertz, density = pair
-        at = validate.within(f"{name}[{i}][0]", hertz, 0.0, _FASTEST, "give it in Hz")
-        found.append((at, validate.within(f"{name}[{i}][1]", density, 0.0, _LOUDEST, "give it in N^2/Hz")))
+        at = validate.within(f"{name}[{i}][0]", _hertz(f"{name}[{i}][0]", hertz), 0.0, _FASTEST, "give it in Hz")
+        size = units.number(f"{name}[{i}][1]", density, "force density", 0.0, _LOUDEST, "give it in N^2/Hz")
+        found.append((at, size))
     if not found or any(one >= other for (one, _), (other, _) in pairwise(found)):
         raise validate.wrong_value(
             name, f"must have frequencies that increase, one at least, got {validate.short(value)}"
         )
     return tuple(found) if any(density for _, density in found) else 0.0
+
+
+def _hertz(name: str, value: Any) -> Any:
+    """Return a frequency in Hz that is given as a number in Hz or with its unit."""
+    return units.quantity(value, name, "frequency") / (2.0 * math.pi) if units.is_written(value) else value
 
 
 def density_at(noise: Noise, hertz: Any) -> NDArray[np.float64]:

@@ -281,7 +281,7 @@ class ForceRecord(LoadSource, ByContent):
 
     def force(self, t: Any) -> Any:
         """Return the fitted force, mean and harmonics, in N at times in s, in their shape."""
-        times = validate.array("t", t, least=-_LATEST, largest=_LATEST)
+        times = units.array("t", t, "time", -_LATEST, _LATEST)
         values = self.mean + self._vibration(self.frequency * times)
         return shaped(np.asarray(values), times.shape)
 
@@ -385,7 +385,7 @@ def _checked(time: Any, force: Any) -> tuple[NDArray[np.float64], NDArray[np.flo
 
 def _column(name: str, values: Any, least: float, largest: float) -> NDArray[np.float64]:
     """Return one column of samples as a new array, in which there may be NaN."""
-    values = validate.untyped(name, values)
+    values = validate.untyped(name, units.si(values, name, name))
     try:
         holes = np.isnan(values)
     except TypeError:  # of another kind, which the check names

@@ -48,8 +48,8 @@ class VibrationTool:
         """Check and clean the parameters."""
         object.__setattr__(self, "amplitude", load_number("amplitude", self.amplitude))
         object.__setattr__(self, "frequency", load_number("frequency", self.frequency))
-        distance = units.si(self.above_end, "above_end", "length")
-        object.__setattr__(self, "above_end", validate.within("above_end", distance, 0.0, _LARGEST, "give it in m"))
+        distance = units.number("above_end", self.above_end, "length", 0.0, _LARGEST, "give it in m")
+        object.__setattr__(self, "above_end", distance)
 
     @property
     def share(self) -> float:

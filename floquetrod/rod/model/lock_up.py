@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from floquetrod._util import validate
+from floquetrod import units
 from floquetrod._util.arrays import shaped
 from floquetrod._util.caching import cached_property
 from floquetrod._util.interchange import by_keys, plain
@@ -61,7 +61,7 @@ class LockUp(Printed):
 
     def __post_init__(self) -> None:
         """Check and clean the force at the far end; what is of the rod has been."""
-        far_force = validate.within("far_force", self.far_force, -_LARGEST, _LARGEST, "give the force in N")
+        far_force = units.number("far_force", self.far_force, "force", -_LARGEST, _LARGEST, "give the force in N")
         object.__setattr__(self, "far_force", far_force)
 
     def _in_words(self, shown: AnswerUnits) -> str:
@@ -81,7 +81,7 @@ class LockUp(Printed):
 
         At the distance of the pushed end, this is the force that it takes to push a string so long.
         """
-        distances = validate.array("distance", distance, least=0.0, largest=_LARGEST)
+        distances = units.array("distance", distance, "length", 0.0, _LARGEST)
         scaled = [self._force(x) for x in (distances.ravel() / self.critical_force).tolist()]
         return shaped(self.critical_force * np.array(scaled), distances.shape)
 
@@ -90,7 +90,7 @@ class LockUp(Printed):
 
         Zero where the force is less than that at the far end, and infinite where weight carries the string.
         """
-        forces = validate.array("force", force, least=-_LARGEST, largest=_LARGEST)
+        forces = units.array("force", force, "force", -_LARGEST, _LARGEST)
         scaled = [self._length(f) for f in (forces.ravel() / self.critical_force).tolist()]
         return shaped(self.critical_force * np.array(scaled), forces.shape)
 
@@ -102,6 +102,7 @@ class LockUp(Printed):
         shown = AnswerUnits.named(force, length)
         lines = [("assumed", "; ".join(self.assumptions))]
         if push is not None:
+            push = units.number("push", push, "force", -_LARGEST, _LARGEST, "give the force in N")
             reach = float(self.pushed_length(push))
             string = "a string of any length" if math.isinf(reach) else shown.length.show(reach, 4)
             lines.insert(0, ("pushed", f"{shown.force.show(push)} at the upper end pushes {string}"))
@@ -112,6 +113,7 @@ class LockUp(Printed):
 
         Also the length that a ``push`` in N can push.
         """
+        push = None if push is None else units.number("push", push, "force", -_LARGEST, _LARGEST)
         pushed = {"push_N": push, "pushed_length_m": None if push is None else plain(self.pushed_length(push))}
         found = by_keys(self, "length_m friction far_force_N critical_force_N")
         return found | pushed | by_keys(self, "assumptions")

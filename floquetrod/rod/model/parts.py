@@ -72,13 +72,13 @@ _HINTS = {
 
 def in_si(name: str, value: Any) -> Any:
     """Return a parameter that is a string with a unit, such as "0.8mm", as a number in its SI unit, else as it is."""
-    return units.si(value, name, units.ROD_KINDS[name])
+    return units.single(value, name, units.ROD_KINDS[name])
 
 
 def parameter(name: str, value: Any) -> float:
     """Return a parameter of a rod, or what is given in place of one, in its SI unit and within its limits."""
     least, largest = (LIMITS | _INSTEAD_LIMITS).get(name, (_LEAST, _LARGEST))
-    return validate.within(name, in_si(name, value), least, largest, _HINTS.get(name, "give it in m"))
+    return units.number(name, value, units.ROD_KINDS[name], least, largest, _HINTS.get(name, "give it in m"))
 
 
 def radius_of(radius: Any, diameter: Any, names: tuple[str, str]) -> Any:

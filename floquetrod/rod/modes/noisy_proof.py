@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from floquetrod import units
 from floquetrod._util import validate
 from floquetrod._util.arguments import wrong_value
 from floquetrod._util.arrays import EPS
@@ -45,7 +46,7 @@ def certify_noisy(
     progress: Progress | None,
 ) -> RegionProof:
     """Return what is proved in mean square of every load of a box of mean forces and amplitudes at one frequency."""
-    tolerance = validate.tolerance("growth_tolerance", growth_tolerance)
+    tolerance = units.tolerance("growth_tolerance", growth_tolerance)
     max_boxes = validate.integer("max_boxes", max_boxes, 1)
     validate.progress(progress)
     box = _box(model, sides, rod)
