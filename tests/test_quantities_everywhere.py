@@ -1,9 +1,11 @@
-"""Every public callable takes its physical arguments with a unit, as texts and as quantities, and refuses wrong ones."""
+"""Every public callable takes physical arguments with a unit, as texts and as quantities, and refuses wrong ones."""
 
 from __future__ import annotations
 
 import dataclasses
+import functools
 import importlib.util
+import re
 import warnings
 from collections.abc import Callable, Mapping
 from typing import Any
@@ -12,7 +14,6 @@ import numpy as np
 import pytest
 
 import floquetrod as fr
-from conftest import depth
 from floquetrod import units
 from floquetrod.rod.loads.load import KINDS
 from floquetrod.units import ROD_KINDS, units_of
@@ -130,7 +131,7 @@ def given(name: str, call: Call, change: Callable[[Any, str], Any]) -> dict[str,
     """Return the arguments of a call with its physical numbers changed, None where it has none."""
     arguments = dict(call.arguments)
     for argument, value in call.arguments.items():
-        if argument in OF_NAMES and isinstance(value, Mapping):
+        if argument in OF_NAMES and isinstance(value, Mapping) and name.partition(".")[0] in ABOUT:
             arguments[argument] = {
                 key: changed(each, lambda x, key=key: change(x, si_name(PHYSICAL[key]))) if key in PHYSICAL else each
                 for key, each in value.items()
@@ -139,7 +140,7 @@ def given(name: str, call: Call, change: Callable[[Any, str], Any]) -> dict[str,
             arguments[argument] = tuple((mode, change(speed, "m/s")) for mode, speed in value)
         elif (kind := kind_of(name, argument)) is not None:
             arguments[argument] = changed(value, lambda x, kind=kind: change(x, si_name(kind)), last=False)
-    return None if all(arguments[each] is call.arguments[each] for each in arguments) else arguments
+    return None if repr(arguments) == repr(call.arguments) else arguments
 
 
 def content(result: Any) -> Any:
@@ -174,6 +175,7 @@ def as_text(value: Any, unit: str) -> Any:
     return f"{value!r} {unit}"
 
 
+@functools.cache
 def quantities() -> list[Any]:
     """Return what makes a quantity of a number and a unit: our own, and pint's where it is installed."""
     if not HAS_PINT:
@@ -184,7 +186,7 @@ def quantities() -> list[Any]:
 
 
 CALLS = table()
-WITH_UNITS = [name for name, call in CALLS.items() if given(name, call, lambda x, unit: x) is not None]
+WITH_UNITS = [name for name, call in CALLS.items() if given(name, call, lambda x, unit: (x, unit)) is not None]
 MARKED = [pytest.param(name, marks=pytest.mark.slow) if name in SLOW else name for name in WITH_UNITS]
 
 
@@ -233,11 +235,11 @@ def in_si(value: Any, kind: str | None) -> Any:
 def test_arrays_of_quantities_mean_the_same_as_arrays(name: str) -> None:
     call = CALLS[name]
     scaled = np.array([1.0, 0.9, 0.7])
-    numbers = given(name, call, lambda x, unit: x if unit == "1/s" else x * scaled)
+    numbers = given(name, call, lambda x, unit: x if unit == "1/s" else x * scaled)  # a tolerance is one number
     assert numbers is not None
     numbers = {key: value for key, value in numbers.items() if value is not None}
     expected = np.asarray(call.function(**numbers))
-    assert expected.shape[0] == 3
+    assert 3 in expected.shape
 
     def each(convert: Callable[[float, str], Any], collect: Callable[[list[Any]], Any]) -> Callable[[Any, str], Any]:
         return lambda x, unit: (
@@ -282,18 +284,13 @@ NUMERIC = [
 @pytest.mark.parametrize("part", range(10))
 def test_a_quantity_of_a_wrong_dimension_is_refused_by_every_argument(part: int) -> None:
     """Of every public callable, and every argument with a number in it, physical or not."""
-    chosen = NUMERIC[part :: depth(10, 10)]
-    for name, argument in chosen:
+    for name, argument in NUMERIC[part::10]:
         call = CALLS[name]
+        value = call.arguments[argument]
+        names = [argument, *(value if isinstance(value, Mapping) else ())]
         for change in wrong(name, argument):
-            arguments = {**call.arguments, argument: changed(call.arguments[argument], change)}
+            given = {**call.arguments, argument: changed(value, change)}
             with warnings.catch_warnings():
                 warnings.simplefilter("error")
-                try:
-                    found = call.function(**arguments)
-                except (ValueError, TypeError) as error:
-                    inner = call.arguments[argument]
-                    names = {argument, *(inner if isinstance(inner, Mapping) else ())}
-                    assert any(str(each) in str(error) for each in names), f"{name}({argument}): {error}"
-                    continue
-            pytest.fail(f"{name}({argument}={arguments[argument]!r}) answers {found!r}")
+                with pytest.raises((ValueError, TypeError), match="|".join(map(re.escape, map(str, names)))):
+                    call.function(**given)

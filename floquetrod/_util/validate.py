@@ -119,7 +119,7 @@ def unrounded(name: str, value: Any, number: float) -> float:
 
     An equation is defined by its parameters: a verdict on the nearest double is not one on 1/3.
     """
-    if value != number:
+    if value != number and not is_measured(value):
         raise ValueError(
             f"{name} = {short(value)} is not a binary number of 53 digits; round it with float({name}), or prove the "
             f"exact number with certify(Mathieu, {name}=..., ...), say"
