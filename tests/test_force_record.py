@@ -333,7 +333,7 @@ TIME, FORCE, *_ = made(np.random.default_rng(3), rate=100)
         (TIME, np.where(TIME > 0.2, np.inf, FORCE), {}, "force must be finite"),
         (TIME, FORCE + 0j, {}, "force must hold real numbers"),
         (TIME, [TIME, FORCE], {}, "force must be one-dimensional"),
-        ("a", FORCE, {}, "time must hold real numbers"),
+        ("a", FORCE, {}, "time must be a number with a time unit"),
         (TIME, [[1.0], [2.0, 3.0]], {}, "force must be an array"),
         (np.ma.array(TIME), FORCE, {}, "time must not be a masked array"),
         (TIME, FORCE, {"harmonics": 0}, "harmonics must be 1 or more"),

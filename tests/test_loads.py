@@ -307,7 +307,7 @@ def test_bad_loads(
         ({"far_end": "open"}, ValueError, "^far_end must be one of 'held', 'free', 'driven', got 'open'"),
         ({"far_end": None}, TypeError, "^far_end must be one of"),
         ({"axial_damping": -0.1}, ValueError, "^axial_damping must be zero or more.*decay rate in 1/s"),
-        ({"axial_damping": "0.5"}, TypeError, "^axial_damping must be a real number"),
+        ({"axial_damping": "0.5N"}, ValueError, "^axial_damping must be a number with a rate unit"),
         ({"axial_damping": 1e13}, ValueError, "^axial_damping must lie between"),
         ({"axial_damping": math.nan}, ValueError, "^axial_damping must be finite"),
     ],

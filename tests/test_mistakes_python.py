@@ -55,7 +55,7 @@ MISTAKES: list[tuple[Call, str, str, str]] = [
     (lambda: fr.AxialLoad(1.0, -2.0, 3), "amplitude", "-2", "give its size"),
     (lambda: fr.AxialLoad("0.2Fcr", 2.0, 3), "mean", "0.2Fcr", "times rod.critical_force"),
     (lambda: fr.AxialLoad(1.0, 2.0, "24 herz"), "frequency", "herz", "Hz"),
-    (lambda: fr.AxialLoad.hertz(1.0, 2.0, "24Hz"), "frequency", "'24Hz'", "give it in Hz"),
+    (lambda: fr.AxialLoad.hertz(1.0, 2.0, "24N"), "frequency", "'24N'", "it is a unit of force"),
     (lambda: fr.AxialLoad(float("nan"), 2.0, 3), "mean", "nan", "give it in N"),
     (lambda: fr.AxialLoad([1.0, 2.0], 2.0, 3), "mean", "[1.0, 2.0]", "give it in N"),
     (lambda: ROD.stability(0.34), "load", "0.34", "AxialLoad"),

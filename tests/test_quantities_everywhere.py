@@ -124,7 +124,8 @@ def changed(value: Any, change: Callable[[float], Any], *, last: bool = True) ->
 
 
 def si_name(kind: str) -> str:
-    return next(iter(units_of(kind)))
+    """Return the name of the SI unit of a kind as texts and pint have it."""
+    return re.sub(r"(?<=[a-z])(\d)$", r"^\1", next(iter(units_of(kind))))
 
 
 def given(name: str, call: Call, change: Callable[[Any, str], Any]) -> dict[str, Any] | None:

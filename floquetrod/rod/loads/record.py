@@ -132,14 +132,13 @@ class ForceRecord(LoadSource, ByContent):
         """Check the samples and fit them."""
         most = None if harmonics is None else validate.integer("harmonics", harmonics, 1, _MOST_HARMONICS)
         guess = None if frequency is None else load_number("frequency", frequency)
-        times, forces = _checked(time, force)
+        times, forces, missing = _checked(time, force)
         if most is not None and 2 * most + 4 > times.size:
             raise validate.wrong_value(
                 "harmonics",
                 f"must be at most {times.size // 2 - 2} for {times.size} samples, got {most}: a harmonic has "
                 "two unknowns, mean, trend and frequency one each",
             )
-        missing = np.size(time) - times.size
         samples = Samples.of(times, forces)
         found = find(samples, None if guess is None else guess * samples.half / math.pi, most)
         fit = _in_units(samples, found)
@@ -348,8 +347,8 @@ class ForceRecord(LoadSource, ByContent):
         return max(float(values.max()), sign * float(self._vibration(np.array(angle))))
 
 
-def _checked(time: Any, force: Any) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Return the samples that are there, after checking them."""
+def _checked(time: Any, force: Any) -> tuple[NDArray[np.float64], NDArray[np.float64], int]:
+    """Return the samples that are there, after checking them, and how many are without a number."""
     times = _column("time", time, -_LATEST, _LATEST)
     forces = _column("force", force, LIMITS["mean"].least, LIMITS["mean"].largest)
     if times.size != forces.size:
@@ -380,7 +379,7 @@ def _checked(time: Any, force: Any) -> tuple[NDArray[np.float64], NDArray[np.flo
         raise validate.wrong_value(
             "force", f"must vary, got {float(forces[0])!r} N throughout; for a constant force use AxialLoad"
         )
-    return times, forces
+    return times, forces, int((~there).sum())
 
 
 def _column(name: str, values: Any, least: float, largest: float) -> NDArray[np.float64]:
