@@ -350,6 +350,18 @@ class HillSystem(matrices.PeriodicMatrixSystem):
             return PeriodicSystem.from_pieces(turned, coefficient_error=error)
         return PeriodicSystem(mean, cosines, sines, period=self.period, coefficient_error=error)
 
+    def plot(self, ax: Any = None) -> Any:
+        """Draw the entries of the matrix that vary, of one system, over one period, on new axes or those given.
+
+        Of a symmetric matrix those on and above the diagonal; where nothing varies, all.  Return the axes.
+
+        Examples
+        --------
+        >>> HillSystem.from_pieces([(1.0, [[1.5]]), (2.0, [[0.5]])]).plot().get_xlabel()
+        '$t$, over a period of 3'
+        """
+        return by_pieces.draw(self, ax)
+
     def coefficient(self, t: Any) -> Floats:
         """Return K(t), of shape ``(*t.shape, n, n)``, the mean of both sides at a jump; of one system."""
         return by_pieces.value_at(self, t)

@@ -103,46 +103,6 @@ class PeriodicMatrixSystem(ByContent):
             return tuple(matrix for _, value in self.pieces for matrix in value.matrices)
         return (getattr(self, self.MEAN), *self.cosines, *self.sines)
 
-    def plot(self, ax: Any = None) -> Any:
-        """Draw the entries of the matrix that vary, of one system, over one period, on new axes or those given.
-
-        Of a symmetric matrix those on and above the diagonal; where nothing varies, all.  Return the axes.
-
-        Examples
-        --------
-        >>> from floquetrod.equations import HillSystem
-        >>> HillSystem.from_pieces([(1.0, [[1.5]]), (2.0, [[0.5]])]).plot().get_xlabel()
-        '$t$, over a period of 3'
-        """
-        from floquetrod.equations.pieces import in_time
-        from floquetrod.plotting.coefficients import Stretch, draw_coefficients, instants
-
-        pieces, mean = in_time(self), getattr(self, self.MEAN)
-        curves = []
-        for piece in pieces:
-            into = float(piece.length) * instants(len(piece.harmonics))
-            curves.append((float(piece.begin) + into, piece.at(into, float(self.period))))
-        first = curves[0][1][0]
-        varies = np.array([np.abs(values - first).max(axis=0) for _, values in curves]).max(axis=0) > 0.0
-        chosen = varies if varies.any() else np.ones_like(varies)
-        if all(symmetric(values) for _, values in curves):
-            chosen = np.triu(chosen)
-        rows, columns = np.nonzero(chosen)
-        symbol = {"stiffness": "K", "mean": "A"}[self.MEAN]
-        form = r"$M\ddot{q} + (C + G)\dot{q} + K(t) q = 0$" if symbol == "K" else r"$\dot{x} = A(t) x$"
-        return draw_coefficients(
-            [Stretch(time, values[:, rows, columns]) for time, values in curves],
-            [
-                f"${symbol}_{{{i + 1}{',' if self.order > 9 else ''}{j + 1}}}$"
-                for i, j in zip(rows, columns, strict=True)
-            ],
-            time="$t$",
-            axis=f"${symbol}(t)$",
-            title=f"{form}, {self.variation}",
-            mean=float(mean[rows[0], columns[0]]) if len(rows) == 1 else None,
-            ax=ax,
-        )
-
     def __getstate__(self) -> dict[str, Any]:
         """Return what was given, without what follows from it."""
         value: Any = self

@@ -173,6 +173,18 @@ class PeriodicSystem(matrices.PeriodicMatrixSystem):
         inner = all(not m[..., :half, half:].any() and not m[..., half:, :half].any() for m in self.sines)
         return "reversible" if outer and inner else None
 
+    def plot(self, ax: Any = None) -> Any:
+        """Draw the entries of the matrix that vary, of one system, over one period, on new axes or those given.
+
+        Of a symmetric matrix those on and above the diagonal; where nothing varies, all.  Return the axes.
+
+        Examples
+        --------
+        >>> PeriodicSystem.from_pieces([(1.0, [[-1.5]]), (2.0, [[0.5]])]).plot().get_xlabel()
+        '$t$, over a period of 3'
+        """
+        return by_pieces.draw(self, ax)
+
     def coefficient(self, t: Any) -> Floats:
         """Return A(t), of shape ``(*t.shape, N, N)``, the mean of both sides at a jump; of one system."""
         return by_pieces.value_at(self, t)

@@ -450,3 +450,31 @@ def _mirrored(one: TimedPiece, other: TimedPiece) -> bool:
     return all(
         Fraction(mean) + Fraction(slope) * out == Fraction(end) - Fraction(slope) * into for mean, slope, end in ends
     )
+
+
+def draw(system: Any, ax: Any) -> Any:
+    """Draw the entries of the periodic matrix of one system over one period, and return the axes."""
+    from floquetrod.plotting.coefficients import Stretch, draw_coefficients, instants
+
+    pieces, mean = in_time(system), getattr(system, system.MEAN)
+    curves = []
+    for piece in pieces:
+        into = float(piece.length) * instants(len(piece.harmonics))
+        curves.append((float(piece.begin) + into, piece.at(into, float(system.period))))
+    first = curves[0][1][0]
+    varies = np.array([np.abs(values - first).max(axis=0) for _, values in curves]).max(axis=0) > 0.0
+    chosen = varies if varies.any() else np.ones_like(varies)
+    if all(matrices.symmetric(values) for _, values in curves):
+        chosen = np.triu(chosen)
+    rows, columns = np.nonzero(chosen)
+    symbol = {"stiffness": "K", "mean": "A"}[system.MEAN]
+    form = r"$M\ddot{q} + (C + G)\dot{q} + K(t) q = 0$" if symbol == "K" else r"$\dot{x} = A(t) x$"
+    return draw_coefficients(
+        [Stretch(time, values[:, rows, columns]) for time, values in curves],
+        [f"${symbol}_{{{i + 1}{',' if system.order > 9 else ''}{j + 1}}}$" for i, j in zip(rows, columns, strict=True)],
+        time="$t$",
+        axis=f"${symbol}(t)$",
+        title=f"{form}, {system.variation}",
+        mean=float(mean[rows[0], columns[0]]) if len(rows) == 1 else None,
+        ax=ax,
+    )
