@@ -254,7 +254,7 @@ BAD: list[tuple[dict[str, Any], type[Exception], str]] = [
     ({"over": {"friction": 0.1}}, TypeError, r"over\['friction'\] must be a sequence"),
     ({"over": {"friction": "0.1"}}, TypeError, r"over\['friction'\] must be a sequence"),
     ({"over": {"friction": {0.1}}}, TypeError, r"over\['friction'\] must be a sequence"),
-    ({"over": {"friction": ["a"]}}, TypeError, r"over\['friction'\] must hold real numbers"),
+    ({"over": {"friction": ["a"]}}, ValueError, r"over\['friction'\]\[0\] must be a number with no unit"),
     ({"over": {"friction": [None]}}, TypeError, r"over\['friction'\]"),
     ({"over": {"friction": [True]}}, TypeError, r"over\['friction'\] must hold real numbers"),
     ({"over": {"friction": []}}, ValueError, r"over\['friction'\] must have one dimension"),

@@ -119,7 +119,8 @@ CALLS: list[tuple[Callable[..., Any], dict[str, Any]]] = [
         },
     ),
     (fr.Hill.from_function, {"function": lambda t: 1.0, "period": 6.0, "damping": 0.1, "jumps": [1.0]}),
-    (fr.equations.Varying, {"mean": [[1.0]], "slope": [[1.0]], "cosines": [[[1.0]]], "sines": [[[1.0]]]}),
+    (fr.equations.Varying, {"start": [[1.0]], "slope": [[1.0]], "cosines": [[[1.0]]], "sines": [[[1.0]]]}),
+    (fr.equations.Varying, {"mean": [[1.0]]}),
     (fr.HillSystem([[1.0]]).coefficient, {"t": 1.0}),
     (
         fr.chart,
