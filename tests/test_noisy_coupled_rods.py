@@ -11,7 +11,7 @@ import pytest
 import floquetrod as fr
 from conftest import depth
 from floquetrod.rod.loads.load import Loads
-from floquetrod.rod.modes.mode_model import Answers
+from floquetrod.rod.modes.mode_model import Answers, ModeModel
 from floquetrod.rod.modes.noisy_together import NoisyTogetherModel
 
 ROD = fr.Rod.nitinol().replace(damping_rate=1.0)
@@ -96,6 +96,7 @@ def test_margins_pass_over_growth_within_their_tolerance(monkeypatch: pytest.Mon
         return Answers((growth <= growth_tolerance).astype(np.int8), growth, np.zeros(loads.size, dtype=np.int64))
 
     monkeypatch.setattr(NoisyTogetherModel, "answers", answers)
+    monkeypatch.setattr(NoisyTogetherModel, "status", ModeModel.status)
     margin = verdict.margin("amplitude", seconds=10.0)
     assert force.amplitude + margin.above == pytest.approx(3.0 * force.amplitude, rel=1e-5)
 
@@ -138,6 +139,19 @@ def test_maps_and_arrays_say_what_single_loads_do() -> None:
     status = CLAMPED.verdicts(mean, like.amplitude, like.frequency, like=like)
     alone = [CLAMPED.stability(like.varied("mean", each)) for each in mean.tolist()]
     assert status.tolist() == [{"stable": 1, "unstable": 0}[each.status] for each in alone]
+    growth = CLAMPED.growth_rate(mean, like.amplitude, like.frequency, like=like)
+    assert growth == pytest.approx([each.growth_rate for each in alone], abs=1e-9)
+
+
+@pytest.mark.slow
+def test_noise_adds_to_the_growth_that_is_there_without_it() -> None:
+    rod = ROD.replace(ends="clamped-hinged", length=0.97, damping_rate=0.35)
+    like = fr.AxialLoad(0.33 * rod.critical_force, 0.2 * rod.critical_force, 244.4, noise=0.02)
+    alone = rod.stability(like)
+    assert rod.stability(replace(like, noise=0.0)).status == alone.status == "unstable"
+    growth, mode = rod.fastest(like.mean, like.amplitude, like.frequency, like=like)
+    assert growth == pytest.approx(alone.growth_rate, abs=1e-9)
+    assert mode == -1
     chart = fr.stability_map(
         CLAMPED, mean=(0.1 * CLAMPED.critical_force, 0.5 * CLAMPED.critical_force, 3), amplitude=like.amplitude,
         frequency=(100.0, 200.0, 3), like=like,

@@ -71,13 +71,84 @@ def test_growth_lies_between_its_bounds() -> None:
         )
         modes = NoisyModes(rod.modes_under().constants, force)  # type: ignore[attr-defined]
         last = int(rng.integers(8, 30))
+        left_out = float(modes.growth_bounds(Loads.single(force)).left_out(np.array([last]))[0])
         parts = modes.parts(Loads((1,), *Loads.single(force).flat), [last, last + 1, last + 9])
         low, high = (bound[0] for bound in parts.growth_bounds)
         every = parts.moments(np.ones((1, 3), dtype=np.bool_))
         for i in range(3):
             found = fr.stability(pick(every, i), "monodromy").exponents[0].real * parts.rate[0, i]
             assert low[i] - 1e-6 <= found <= high[i] + 1e-6
-            assert i == 0 or found <= modes.left_out(force, last) + 1e-6
+            assert i == 0 or found <= left_out + 1e-6
+
+
+def test_growth_is_that_of_the_fastest_mode_among_the_first_and_the_highest() -> None:
+    """All high modes grow, lower ones faster, neither the first ones nor the last."""
+    rod = fr.Rod.nitinol().replace(length=2.511216768744762, damping_rate=0.549411566455027)
+    force = fr.AxialLoad(0.4564704478310943, 0.0, 147.2769511376555, noise=0.0012590242300885503)
+    verdict, every = rod.stability(force), rod.stability(force, modes=range(1, 31))
+    assert (verdict.fastest_mode, every.fastest_mode) == (10, 10)
+    assert abs(verdict.growth_rate - every.growth_rate) <= verdict.error + every.error + 1e-14
+    assert verdict.growth_rate == pytest.approx(0.0875265440731, abs=1e-12)
+    assert verdict.time_to_grow() == pytest.approx(math.log(10.0) / verdict.growth_rate)
+    assert set(verdict.unstable_modes) == set(every.unstable_modes) & set(verdict.modes)
+    assert "and all high modes" in str(verdict)
+    growth, mode = rod.fastest(force.mean, force.amplitude, force.frequency, like=force)
+    assert (growth, mode) == (pytest.approx(verdict.growth_rate, abs=1e-9), 10)
+
+
+def drawn(rng: np.random.Generator) -> tuple[fr.Rod, fr.AxialLoad, float]:
+    """Return a rod, long or short, damped a little or much, a load, weakly or strongly random, and a tolerance."""
+    rod = ROD.replace(length=rng.uniform(0.8, 7.0), damping_rate=10.0 ** rng.uniform(-1.5, 1.7))
+    if rng.uniform() < 0.1:
+        rod = rod.replace(curvature=rng.uniform(-0.05, 0.1))
+    high_modes = 8.0 * rod.damping_rate * rod.flexural_rigidity * rod.mass_per_length
+    noise: Any = high_modes * 10.0 ** rng.uniform(-2.0, 0.7)
+    if rng.uniform() < 0.2:
+        noise = ((0.0, noise), (rng.uniform(1.0, 100.0), 0.5 * noise), (rng.uniform(100.0, 600.0), 0.0))
+    mean = 0.0 if rng.uniform() < 0.1 else rng.uniform(-1.0, 0.95)
+    amplitude = 0.0 if rng.uniform() < 0.25 else rng.uniform(0.0, 0.6)
+    force = fr.AxialLoad(
+        mean * rod.critical_force,
+        amplitude * rod.critical_force,
+        10.0 ** rng.uniform(0.7, 2.4),
+        noise=noise,
+        waveform=(1.0, 0.3j) if rng.uniform() < 0.2 else "sine",
+    )
+    return rod, force, 0.0 if rng.uniform() < 0.7 else 10.0 ** rng.uniform(-3.0, 0.0)
+
+
+@pytest.mark.filterwarnings("ignore::floquetrod.UniformForceWarning")
+@pytest.mark.parametrize("seed", range(depth(20, 1)))
+def test_growth_is_that_of_the_fastest_of_all_modes_named(seed: int) -> None:
+    """Against every mode on its own, many more than were examined, without the bounds that exclude modes."""
+    rng, grew = np.random.default_rng((48, seed)), 0
+    draws = depth(25, 8)
+    for _ in range(draws):
+        rod, force, tolerance = drawn(rng)
+        verdict = rod.stability(force, growth_tolerance=tolerance)
+        model: Any = rod.modes_under(force)
+        rates = np.array(model.growth_of_modes(force, range(1, max(60, len(verdict.modes) + 20) + 1)))
+        limit, close = model.growth_beyond(force), 1e-8 * (1.0 + rod.damping_rate)
+        fastest = max(float(rates.max()), limit)
+        assert abs(verdict.growth_rate - fastest) <= verdict.error + close
+        assert verdict.status == "stable" or verdict.error <= 1e-5 * (1.0 + rod.damping_rate)
+        if abs(fastest - tolerance) > close:
+            assert verdict.status == ("unstable" if fastest > tolerance else "stable")
+        if verdict.fastest_mode is not None:
+            assert rates[verdict.fastest_mode - 1] >= fastest - verdict.error - close
+        if verdict.status == "unstable":
+            growing = set((np.flatnonzero(rates > tolerance + close) + 1).tolist())
+            assert growing & set(verdict.modes) <= set(verdict.unstable_modes)
+            assert limit > tolerance or growing <= set(verdict.modes)
+        numbers = force.mean, force.amplitude, force.frequency
+        status = int(rod.verdicts(*numbers, like=force, growth_tolerance=tolerance))
+        assert status == {"stable": 1, "unstable": 0, "undecided": -1}[verdict.status]
+        growth, mode = rod.fastest(*numbers, like=force)
+        assert abs(growth - verdict.growth_rate) <= verdict.error + close
+        if verdict.growth_rate > close:
+            assert mode == (verdict.fastest_mode or -1)
+        grew += verdict.status == "unstable"
+    assert 0 < grew < draws
 
 
 def test_arrays_of_loads_say_what_single_ones_do() -> None:
@@ -100,13 +171,13 @@ def test_only_the_highest_modes_may_grow() -> None:
 
 def test_each_side_of_a_bend_has_its_own_modes_and_bound(monkeypatch: pytest.MonkeyPatch) -> None:
     bent, asked = ROD.replace(curvature=0.5), []
-    needed = NoisyModes.modes_needed
+    bounds = NoisyModes.growth_bounds
 
-    def noted(modes: NoisyModes, *given: Any) -> tuple[int, float]:
+    def noted(modes: NoisyModes, loads: Loads) -> Any:
         asked.append(float(modes.constants.pendulum_squared))
-        return needed(modes, *given)
+        return bounds(modes, loads)
 
-    monkeypatch.setattr(NoisyModes, "modes_needed", noted)
+    monkeypatch.setattr(NoisyModes, "growth_bounds", noted)
     like, told = load(0.1 * HIGH_MODES), []
     mean = np.array([-3.0, 2.0, -1.0, -0.15, 3.0]) * FCR
     status = bent.verdicts(mean, 0.02 * FCR, 150.0, like=like, progress=lambda done, total: told.append((done, total)))

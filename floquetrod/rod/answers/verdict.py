@@ -193,7 +193,7 @@ class RodStability(Reported, Verdict):
     of the fastest solution, within the tolerance or not; the exponents are those of all modes, or, of more than 60 that
     are coupled, of those that may resonate.  Where modes are independent ``error`` is the largest of a mode's
     discriminant; where they are coupled that of the growth rate in 1/s, of the multipliers and, estimated, of the modes
-    left out.
+    left out.  Of independent modes under noise it is that of the growth rate in 1/s, with a bound on all other modes.
 
     Attributes
     ----------

@@ -502,11 +502,13 @@ def density_at(noise: Noise, hertz: Any) -> NDArray[np.float64]:
     return np.full(np.shape(hertz), float(noise))
 
 
-def largest_density(noise: Noise, hertz: float) -> float:
+def largest_density(noise: Noise, hertz: Any) -> NDArray[np.float64]:
     """Return the largest density in N^2/Hz at any frequency from so many Hz on."""
     if not isinstance(noise, tuple):
-        return float(noise)
-    return max([float(density_at(noise, hertz)), *(density for at, density in noise if at >= hertz)])
+        return np.full(np.shape(hertz), float(noise))
+    at, density = np.array(noise).T
+    beyond = np.append(np.maximum.accumulate(density[::-1])[::-1], 0.0)
+    return np.asarray(np.maximum(density_at(noise, hertz), beyond[np.searchsorted(at, hertz)]))
 
 
 def scaled_noise(noise: Noise, factor: float) -> Noise:

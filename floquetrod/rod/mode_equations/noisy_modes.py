@@ -1,32 +1,52 @@
-"""Modes under a force that is partly random: the second moments of each, and a bound of their growth.
+"""Modes under a force that is partly random: the second moments of each, and bounds of their growth.
 
 Mode m of a rod with hinged ends obeys q'' + 2 c q' + (w^2 + p(t)) q = s q xi, with s^2 = S k^2 / 2 from the one-sided
 density S of the force at twice the mode's frequency, and k what a newton of compression takes from the stiffness.
 
-With Q = q' + a q, K = w^2 + a^2 - 2 a c + p, V = Q^2 + K q^2 and a = c + s^2 / 4 (w^2 - c^2),
+With e > 0 from 4 e (w^2 - c^2 + e^2) = s^2, Q = q' + (c + e) q, K0 = w^2 - c^2 + e^2, K = K0 + p, V = Q^2 + K q^2,
 
-    U = (V - g q Q) / sqrt(K),   g = s^2 / 2 (w^2 - c^2) - (p' + s^2) / 2 K,
+    U = (V - g q Q) / sqrt(K),   g = s^2 / 2 K0 - (p' + s^2) / 2 K,
     d E[U] / dt = (-2 c + s^2 / 2 K) E[U] + (g (p' + s^2) / 2 K - g') E[q Q] / sqrt(K),
 
-and abs(q Q) <= V / 2 sqrt(K): between these bounds second moments grow where K is positive.  Without p they are sharp:
-2 c against s^2 / 2 w^2, except for c^2.
+and abs(q Q) <= V / 2 sqrt(K): over a period second moments grow by the mean of the first bracket, between bounds of the
+second, where K is positive.  The mean of 1 / K lies between 1 / K0 + v / K0^2 (K0 +- max abs(p)), v that of p^2.
+Without p both are sharp: they grow at -2 c + 2 e, which is zero at s^2 = 4 c w^2.
+
+High modes under white noise grow at -2 c + S c2^2 / 4 c1 in the limit, c1 and c2 of `ModeConstants`, which they
+approach from above under a compression and from below under tension: the fastest may have any number, or be none.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from floquetrod._util.arguments import wrong_value
-from floquetrod._util.arrays import Bools, Floats
+from floquetrod._util.arrays import EPS, Bools, Floats, Ints
 from floquetrod.equations import HillSystem, SecondMoments, second_moments
 from floquetrod.rod.loads.load import Load, Loads, density_at, largest_density
-from floquetrod.rod.model.constants import MOST_MODES, ModeConstants
+from floquetrod.rod.model.constants import MOST_MODES, NEGLIGIBLE_GROWTH, ModeConstants
+
+_SINGLE = 64  # modes each with a bound of its own (a choice)
+_WIDER = 1.125  # numbers of modes at both ends of a block of higher ones (a choice)
+_EXAMINED = 128  # modes at most that a growth rate needs, the rest of which is in its error (a choice)
+_NEGLIGIBLE = 1e-10  # growth beside that of others, in terms of damping and of the limit of high modes (a choice)
+_NEWTON = 12  # steps
+_ROUNDING = 64.0 * EPS  # relative, of growth from coefficients
+
+
+def _blocks() -> Ints:
+    """Return the first mode of each block of high modes, the last of which has no end."""
+    count = math.ceil(math.log(MOST_MODES / (_SINGLE + 1)) / math.log(_WIDER))
+    return np.unique(np.geomspace(_SINGLE + 1, MOST_MODES, count).round().astype(np.int64))
+
+
+_FIRST = _blocks()
+_EVERY = np.append(np.arange(1, _SINGLE + 1), _FIRST)
 
 
 class Parts(NamedTuple):
@@ -57,19 +77,24 @@ class Parts(NamedTuple):
 
     @property
     def growth_bounds(self) -> tuple[Floats, Floats]:
-        """Lower and upper bound of the growth of second moments in 1/s, infinite where none is known."""
-        noise, least = np.square(self.intensity), self.squared - self.damping**2
-        held = least > 0.0
-        least = np.where(held, least, 1.0)
-        size, slope, curve = (self._size(power) for power in (0, 1, 2))
-        middle = least + np.square(0.25 * noise / least)
-        held &= middle > size
-        low = np.where(held, middle - size, 1.0)
-        off = np.where(held, _unevenness(noise, middle - least + size, slope, curve, low), np.inf)
-        return 0.5 * noise / (middle + size) - 2.0 * self.damping - off, 0.5 * noise / low - 2.0 * self.damping + off
+        """Lower and upper bound of the growth of second moments in 1/s, -2 c and infinite where none is known."""
+        noise, c = np.square(self.intensity), self.damping
+        sizes = [self._size(power) for power in range(4)]
+        mean_square = 0.5 * np.asarray(sum(np.square(np.abs(wave)) for wave in self.waves))
+        e = _excess(self.squared - c * c, noise)
+        center = self.squared - c * c + e * e
+        held = center > sizes[0]
+        center, sizes[0] = np.where(held, center, 1.0), np.where(held, sizes[0], 0.0)
+        off = _unevenness(noise, sizes, center)
+        off = off + _ROUNDING * (2.0 * c + 2.0 * e * (1.0 + (np.abs(self.squared) + c * c) / center))
+        low, high = (
+            2.0 * e * (1.0 + mean_square / (center * (center + sign * sizes[0]))) - 2.0 * c - sign * off
+            for sign in (1.0, -1.0)
+        )
+        return np.where(held, np.maximum(low, -2.0 * c), -2.0 * c), np.where(held, high, np.inf)
 
     def _size(self, power: int) -> Floats:
-        """Return a bound of p, of p' or of p''."""
+        """Return a bound of a derivative of p."""
         turns = ((k * self.frequency) ** power * np.abs(wave) for k, wave in enumerate(self.waves, start=1))
         found: Any = sum(turns, np.zeros_like(self.squared))
         return np.asarray(found)
@@ -125,76 +150,182 @@ class NoisyModes:
         waves = tuple(-per_newton * amplitude * h for h in self.like.harmonics.tolist())
         return Parts(squared, waves, frequency, intensity, float(constants.damping_rate))
 
-    def left_out(self, load: Load, last: int) -> float:
-        """Return a bound in 1/s on the growth of the second moments of all modes beyond one; infinite without any.
+    def limit(self) -> float:
+        """Return the growth in 1/s that high modes approach, -2 c where the density ends."""
+        bending, per_newton, _, _, c = (float(part) for part in self.constants)
+        density = 0.0 if isinstance(self.like.noise, tuple) else float(self.like.noise)
+        return 0.25 * density * per_newton**2 / bending - 2.0 * c
 
-        For x = m^2 from (last + 1)^2 on k <= c2 g x, g = 1 + abs(h) / x: every term of the bound falls with x.
+    def growth_bounds(self, loads: Loads) -> GrowthBounds:
+        """Return bounds on the growth of all modes under flat loads."""
+        parts = self.parts(loads, np.arange(1, _SINGLE + 1))
+        low, single = parts.growth_bounds
+        together = self._together(loads)
+        if isinstance(self.like.noise, tuple):  # beyond its band modes grow as without noise
+            strongest = self.like.with_numbers(*(float(values.max()) for values in loads.flat))
+            quiet, plain = self.constants.modes_needed(strongest, 0.0)
+            single, together = (
+                np.where((first > quiet) & (density == 0.0), np.minimum(high, 2.0 * plain), high)
+                for first, density, high in (
+                    (np.arange(1, _SINGLE + 1), np.square(parts.intensity), single),
+                    (_FIRST, self._densities(loads, _FIRST.astype(float) ** 2), together),
+                )
+            )
+        every = np.concatenate([single, together], axis=1)
+        beyond = np.maximum.accumulate(every[:, ::-1], axis=1)[:, ::-1]
+        negligible = NEGLIGIBLE_GROWTH + _NEGLIGIBLE * (self.limit() + 2.0 * float(self.constants.damping_rate))
+        return GrowthBounds(low, single, beyond, self.limit(), negligible)
+
+    def _together(self, loads: Loads) -> Floats:
+        """Return bounds on the growth of all modes of each block, (loads, blocks).
+
+        With u = 1 / m^2 the growth without p is at most -2 c + S k^2 / 4 w^2 where that is positive, and with w^2 - c^2
+        for w^2 wherever; k^2 / w^2 = c2^2 (1 - h u)^2 / (c1 - c2 F u (1 - h u) + Omega^2 u^2) has one maximum or none.
+        What p adds to it falls with m^2 from the first mode of a block on, where k <= c2 m^2 (1 + abs(h) / m^2).
         """
         bending, per_newton, pendulum_squared, held, c = (float(part) for part in self.constants)
-        x = float(last + 1) ** 2
-        sizes = np.abs(self.like.harmonics) * load.amplitude
-        turns = load.frequency * np.arange(1, sizes.size + 1)
-        g = 1.0 + abs(held) / x
-        size, slope, curve = (per_newton * g * x * float((sizes * turns**power).sum()) for power in (0, 1, 2))
-        softer = per_newton * g * x * max(0.0, load.mean) + size + max(0.0, -pendulum_squared) + c * c
-        least = bending * x * x - softer
-        if not least > 0.0:
-            return math.inf
-        density = largest_density(load.noise, math.sqrt(least) / math.pi)
-        noise = 0.5 * density * (per_newton * g * x) ** 2
-        off = _unevenness(noise, size + (0.25 * noise / least) ** 2, slope, curve, least)
-        return -2.0 * c + 0.5 * noise / least + float(off)
+        mean, amplitude, frequency = (values[:, None] for values in loads.flat)
+        x = _FIRST.astype(float) ** 2
+        near, far = 1.0 / x, np.append(1.0 / np.square(_FIRST[1:] - 1.0), 0.0)
+        density = self._densities(loads, x)
 
-    def growth_beyond(self, loads: Loads) -> Floats:
-        """Return growth rates in 1/s that the second moments of the highest mode of all have at least, or 0."""
-        return np.maximum(0.0, self.parts(loads, [MOST_MODES]).growth_bounds[0][:, 0])
+        def largest_share(pendulum: float) -> Floats:
+            """Return the largest k^2 / w^2, infinite where w^2 is not positive."""
+            linear, square = -per_newton * mean, pendulum + per_newton * mean * held
+            with np.errstate(divide="ignore", invalid="ignore"):
+                at = -(2.0 * held * bending + linear) / (2.0 * square + held * linear)
+                lowest = -0.5 * linear / square
+            found: Any = 0.0
+            least: Any = math.inf
+            for turn in (at, lowest):
+                for u in (near, far, np.clip(np.nan_to_num(turn), far, near)):
+                    below = bending + linear * u + square * u * u
+                    least = np.minimum(least, below)
+                    found = np.maximum(found, (1.0 - held * u) ** 2 / np.where(below > 0.0, below, 1.0))
+            return np.where(least > 0.0, per_newton**2 * found, np.inf)
+
+        with np.errstate(invalid="ignore"):  # no noise times infinity
+            share, damped = (
+                np.where(density > 0.0, 0.25 * density * largest_share(pendulum), 0.0) - 2.0 * c
+                for pendulum in (pendulum_squared, pendulum_squared - c * c)
+            )
+        plain = np.minimum(np.maximum(share, 0.0), damped)
+        k = per_newton * (x + abs(held))
+        sizes, turns = np.abs(self.like.harmonics), np.arange(1, self.like.harmonics.size + 1)
+        waves = [k * amplitude * frequency**n * float((sizes * turns**n).sum()) for n in range(4)]
+        mean_square = 0.5 * np.square(k * amplitude) * float(np.square(sizes).sum())
+        center = bending * x * x - k * np.maximum(0.0, mean) - max(0.0, -pendulum_squared) - c * c
+        known = center > waves[0]
+        center, waves[0] = np.where(known, center, 1.0), np.where(known, waves[0], 0.0)
+        noise = 0.5 * density * k * k
+        most = 0.5 * noise * mean_square / (center * center * (center - waves[0])) + _unevenness(noise, waves, center)
+        return np.where(known, plain + most, np.inf)
+
+    def _densities(self, loads: Loads, x: Floats) -> Floats:
+        """Return the largest density at twice the frequencies of all modes from m^2 = ``x`` on, (loads, modes)."""
+        bending, per_newton, pendulum_squared, held, _ = (float(part) for part in self.constants)
+        push = per_newton * np.maximum(0.0, loads.flat[0])[:, None]
+        squared = bending * x * x - push * (x + abs(held)) + min(0.0, pendulum_squared)
+        return largest_density(self.like.noise, np.sqrt(np.maximum(0.0, squared)) / math.pi)
 
     def modes_needed(self, load: Load, growth_tolerance: float) -> tuple[int, float]:
-        """Return how many modes decide a verdict, and a bound in 1/s on the growth in mean square of all others.
-
-        Beyond the band of the noise it is that without noise.  White noise makes all high modes grow or decay alike:
-        where they grow, see `growth_beyond`, the bound is loose.
-        """
-        first, plain = self.constants.modes_needed(load, growth_tolerance)
-        beyond = _least(lambda last: not largest_density(load.noise, self._lowest(load, last)), first)
-        limit = self.left_out(load, MOST_MODES)
-        loose = 2.0 * (max(0.0, limit) + float(self.constants.damping_rate))
-        target = growth_tolerance if limit < growth_tolerance else loose
-        last = _least(lambda last: self.left_out(load, last) <= target, first)
-        if beyond is not None and (last is None or beyond <= last):
-            return beyond, 2.0 * plain
-        if last is None:
-            raise wrong_value("load", f"needs more than {MOST_MODES} modes for its noise; check the units")
-        return last, max(0.0, self.left_out(load, last))
-
-    def _lowest(self, load: Load, last: int) -> float:
-        """Return a frequency in Hz below twice those of all modes beyond one."""
-        x = float(last + 1) ** 2
-        bending, per_newton, pendulum_squared, held, _ = (float(part) for part in self.constants)
-        squared = bending * x * x - per_newton * (x + abs(held)) * max(0.0, load.mean) + min(0.0, pendulum_squared)
-        return math.sqrt(max(0.0, squared)) / math.pi
+        """Return how many modes decide a verdict, and a bound in 1/s on the growth in mean square of all others."""
+        bounds = self.growth_bounds(Loads.single(load))
+        last = bounds.modes_needed(bounds.least, growth_tolerance)
+        return int(last[0]), max(0.0, float(bounds.left_out(last)[0]))
 
 
-def _unevenness(noise: Any, size: Any, slope: Any, curve: Any, least: Any) -> Any:
-    """Return a bound of what the last term of d E[U] / dt adds to the rate, K being ``least`` at least.
+class GrowthBounds(NamedTuple):
+    """Bounds in 1/s on the growth of second moments of all modes under loads.
 
-    ``size`` bounds the distance of K from w^2 - c^2, ``slope`` and ``curve`` p' and p''.
+    Attributes
+    ----------
+    low, high : ndarray
+        Of each of the first modes, (loads, modes).
+    beyond : ndarray
+        Upper bound for each of the first modes, then for blocks of modes, and all above, (loads, modes and blocks).
+    limit : float
+        Growth that high modes approach.
+    negligible : float
+        Growth that is taken for none beside that of other modes.
     """
-    g = (noise * size / least + slope) / (2.0 * least)
-    change = (curve + (slope + noise) * slope / least) / (2.0 * least)
-    room = 1.0 - g / (2.0 * np.sqrt(least))
-    found = (g * (slope + noise) / (2.0 * least) + change) / (2.0 * np.sqrt(least) * np.where(room > 0.0, room, 1.0))
-    return np.where(room > 0.0, found, np.inf)
+
+    low: Floats
+    high: Floats
+    beyond: Floats
+    limit: float
+    negligible: float
+
+    @property
+    def least(self) -> Floats:
+        """Lower bound for the fastest mode, or the limit of high ones."""
+        return np.asarray(np.maximum(self.low.max(axis=1), self.limit))
+
+    def some(self, chosen: Ints) -> GrowthBounds:
+        """Return those under some of the loads."""
+        return self._replace(low=self.low[chosen], high=self.high[chosen], beyond=self.beyond[chosen])
+
+    def left_out(self, last: Ints) -> Floats:
+        """Return a bound for all modes beyond one, for each load."""
+        block = np.searchsorted(_EVERY, last + 1, side="right") - 1
+        return np.asarray(self.beyond[np.arange(last.size), block])
+
+    def modes_needed(self, fastest: Floats, growth_tolerance: float) -> Ints:
+        """Return how many modes to examine where one is known that grows so fast, for each load.
+
+        All that may grow faster than the tolerance, as far as these have an end, and than the fastest known.  Where the
+        verdict is known without, no more than `_EXAMINED`.
+        """
+        decisive, loosely = (
+            self._modes_beyond_which(np.full(fastest.shape, max(growth_tolerance, least)))
+            for least in (0.0, 2.0 * NEGLIGIBLE_GROWTH)
+        )
+        decisive = np.where(decisive > MOST_MODES, loosely, decisive)
+        sharp = self._modes_beyond_which(np.maximum(fastest, 0.0) + self.negligible)
+        some = np.where(fastest > growth_tolerance, np.minimum(decisive, _EXAMINED), decisive)
+        highest = np.where(self.low.max(axis=1) > self.limit, self.low.argmax(axis=1) + 1, 1)
+        return np.maximum(np.where(decisive > MOST_MODES, highest, some), np.minimum(sharp, _EXAMINED))
+
+    def _modes_beyond_which(self, growth: Floats) -> Ints:
+        """Return after how many modes, one at least, none grows faster, for each load; more than all where some may."""
+        slow = self.beyond <= growth[:, None]
+        return np.maximum(1, np.where(slow.any(axis=1), _EVERY[slow.argmax(axis=1)] - 1, MOST_MODES + 1))
 
 
-def _least(holds: Callable[[int], bool], first: int) -> int | None:
-    """Return the least number of modes, from the first on, for which something holds that then holds for all more."""
-    if not holds(MOST_MODES):
-        return None
-    low, high = first - 1, first
-    while not holds(high):
-        low, high = high, min(2 * high, MOST_MODES)
-    while high - low > 1:
-        middle = (low + high) // 2
-        low, high = (low, middle) if holds(middle) else (middle, high)
-    return high
+def _excess(least: Floats, noise: Floats) -> Floats:
+    """Return e > 0 from 4 e (least + e^2) = noise, by Newton's method from above: the cubic is convex there."""
+    target = 0.25 * noise
+    with np.errstate(divide="ignore", invalid="ignore"):
+        linear = np.where(least > 0.0, target / least, np.inf)
+        e = np.minimum(linear, np.cbrt(target) + np.sqrt(np.maximum(0.0, -least)))
+        for _ in range(_NEWTON):
+            slope = 3.0 * e * e + least
+            e = np.where(slope > 0.0, (2.0 * e**3 + target) / slope, e)
+    return np.asarray(e)
+
+
+def _unevenness(noise: Any, sizes: Sequence[Any], center: Any) -> Any:
+    """Return a bound of what the last term of d E[U] / dt adds to the rate, for K = ``center`` + p > 0.
+
+    ``sizes`` bound p and its first three derivatives.  With D = Q^2 - K q^2, h the factor of E[q Q] / sqrt(K), and
+
+        4 K E[q Q] = (2 e + (s^2 - p') / 2 K) E[V] - (2 c + (s^2 - p') / 2 K) E[D] - d E[D] / dt,
+
+    W = U + j D, j = h / 4 K^1.5, has d E[W] / dt = (-2 c + s^2 / 2 K) E[W] + j ((2 e + (s^2 - p') / 2 K) E[V]
+    - (2 s^2 - p') / 2 K E[D]) + j' E[D], and abs(D) <= V: a bound that falls with m^6, not m^4.
+    """
+    size, slope, curve, third = sizes
+    least = center - size
+    twice, root, driven = 2.0 * least, np.sqrt(least), noise + slope
+    g = (noise * size / center + slope) / twice
+    change = (curve + driven * slope / least) / twice
+    h = g * driven / twice + change
+    turn = (third + (2.0 * slope + driven) * curve / least) / twice + driven * np.square(slope / least) / least
+    turn = turn + (change * driven + g * (curve + driven * slope / least)) / twice
+    j, j_change = 0.25 * h / least, 0.25 * (turn + 1.5 * h * slope / least) / least
+    once, again = 1.0 - 0.5 * g / root, 1.0 - 0.5 * g / root - j
+    first = h / (2.0 * root * np.where(once > 0.0, once, 1.0))
+    second = (j * (0.5 * noise / center + (3.0 * noise + 2.0 * slope) / twice) + j_change) / np.where(
+        again > 0.0, again, 1.0
+    )
+    return np.minimum(np.where(once > 0.0, first, np.inf), np.where(again > 0.0, second, np.inf))

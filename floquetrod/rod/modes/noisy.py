@@ -11,7 +11,7 @@ import numpy as np
 
 from floquetrod._util import validate
 from floquetrod._util.arguments import Mention, wrong_value
-from floquetrod._util.arrays import Floats
+from floquetrod._util.arrays import Bools
 from floquetrod._util.progress import Progress
 from floquetrod.floquet.status import STABLE, UNDECIDED, UNSTABLE
 from floquetrod.floquet.verdict import tolerated
@@ -19,17 +19,19 @@ from floquetrod.rod.answers.intervals import FoundIntervals, Search, StabilityIn
 from floquetrod.rod.answers.margins import Edge
 from floquetrod.rod.answers.verdict import RodStability
 from floquetrod.rod.loads.load import Load, Loads, largest_density, noise_in_words, scaled_noise
-from floquetrod.rod.mode_equations.noisy_modes import NoisyModes
+from floquetrod.rod.mode_equations.noisy_modes import NoisyModes, Parts
 from floquetrod.rod.model.constants import mode_constants
 from floquetrod.rod.model.contact import constants_under, require_on_wall
-from floquetrod.rod.modes.mode_model import Answers, ModeModel, Statuses
+from floquetrod.rod.modes.mode_model import Answers, ModeModel
 from floquetrod.rod.modes.noisy_search import AT_ONCE, changes, first_change, least, stable_at
 
 if TYPE_CHECKING:
     from floquetrod.floquet.proof.region import RegionProof
+    from floquetrod.floquet.systems.many import ManyVerdicts
     from floquetrod.rod.mode_equations.coupled_systems import CoupledEquations
 
-_AT_ONCE = 1 << 17  # modes under loads that are judged at once (a choice)
+_AT_ONCE = 1 << 11  # loads that are judged at once (a choice)
+_STEP = 16  # modes that are examined before the bounds on others are asked again, then twice as many (a choice)
 _CLOSER = 17  # places in a band at which growth is examined (a choice)
 _STRONGEST = 10.0  # damping rate that is tried, in terms of the frequency of the load (a choice)
 _LARGEST = 1e9  # density that is tried, in terms of the limit of high modes (a choice)
@@ -74,8 +76,8 @@ class NoisyModel(ModeModel):
         return self._modes(load.mean).modes_needed(load, growth_tolerance)
 
     def growth_beyond(self, load: Load) -> float:
-        """Return how fast in 1/s all high modes grow at least in mean square, 0 where that is not known."""
-        return float(self._modes(load.mean).growth_beyond(Loads.single(load))[0])
+        """Return how fast in 1/s all high modes grow in mean square, 0 where they do not."""
+        return max(0.0, NoisyModes(constants_under(self.rod, load.mean), load).limit())
 
     def in_modes(self, count: int) -> CoupledEquations:
         """Raise ValueError: second moments are not systems of second order."""
@@ -108,21 +110,15 @@ class NoisyModel(ModeModel):
         mode_constants(self.rod).require_in_reach(loads)
         status, growth = np.full(loads.size, UNDECIDED, dtype=np.int8), np.full(loads.size, np.nan)
         fastest = np.zeros(loads.size, dtype=np.int64)
+        mode_constants(self.rod).require_in_reach(loads)
         sides = list(self.on_sides(loads))
         done = loads.size - sum(at.size for at, *_ in sides)
         for at, constants, there in sides:
             modes = NoisyModes(constants, self.like)
-            strongest = self.like.with_numbers(*(float(values.max()) for values in there.flat))
-            last, left_out = modes.modes_needed(strongest, growth_tolerance)
-            step = max(1, _AT_ONCE // last)
-            for start in range(0, at.size, step):
-                part, some = at[start : start + step], there.some(slice(start, start + step))
-                every, rates = _rates(modes, some, range(1, last + 1), workers)
-                beyond, most = modes.growth_beyond(some), rates.max(axis=1)
-                status[part] = _together(every, rates, growth_tolerance, left_out)
-                status[part[beyond > growth_tolerance]] = UNSTABLE
-                growth[part] = np.maximum(most, beyond)
-                fastest[part] = np.where(most > 0.0, rates.argmax(axis=1) + 1, np.where(beyond > 0.0, -1, 0))
+            for start in range(0, at.size, _AT_ONCE):
+                part = at[start : start + _AT_ONCE]
+                some = there.some(slice(start, start + _AT_ONCE))
+                status[part], growth[part], fastest[part] = _examined(modes, some, growth_tolerance, workers)
                 done += part.size
                 if progress is not None:
                     progress(done, loads.size)
@@ -131,7 +127,8 @@ class NoisyModel(ModeModel):
     def growth_of_modes(self, load: Load, modes: Iterable[int]) -> tuple[float, ...]:
         """Return the growth of the second moments of modes in 1/s."""
         there = NoisyModes(constants_under(self.rod, load.mean), load)
-        return tuple(_rates(there, Loads.single(load), list(modes), None)[1][0].tolist())
+        parts = there.parts(Loads.single(load), list(modes))
+        return tuple(_rates(parts, np.ones(parts.squared.shape, dtype=np.bool_), None).growth.tolist())
 
     # --- along a quantity ---
 
@@ -177,7 +174,7 @@ class NoisyModel(ModeModel):
         Infinite where the mean force alone buckles a mode, and where none up to ten times the frequency of the load is.
         """
         modes = self.under(load)._modes(load.mean)
-        last, _ = modes.modes_needed(load, growth_tolerance)
+        last, _ = modes.constants.modes_needed(load, growth_tolerance)
         if modes.parts(Loads((1,), *Loads.single(load).flat), range(1, last + 1)).squared.min() <= 0.0:
             return math.inf
 
@@ -196,7 +193,7 @@ class NoisyModel(ModeModel):
 
         constants = mode_constants(self.rod)
         bound = 8.0 * self.rod.damping_rate * constants.bending / constants.per_newton**2
-        start = bound / largest_density(load.noise, 0.0) or 1.0
+        start = bound / float(largest_density(load.noise, 0.0)) or 1.0
         decays = bound + growth_tolerance > 0.0  # else any noise that a mode feels makes it grow
         stable, unstable = least(is_unstable, start, _LARGEST * start, 1e-10) if decays else (0.0, 0.0)
         if stable == 0.0:
@@ -217,33 +214,54 @@ class NoisyModel(ModeModel):
         return certify_noisy(self, *asked)
 
 
-def _rates(modes: NoisyModes, loads: Loads, numbers: Sequence[int], workers: int | None) -> tuple[Statuses, Floats]:
-    """Return status and growth rate of the second moments of some modes, (loads, modes); 0 where they decay.
+def _examined(modes: NoisyModes, loads: Loads, growth_tolerance: float, workers: int | None) -> Answers:
+    """Return what the modes of each load answer, as far as bounds do not exclude them."""
+    bounds = modes.growth_bounds(loads)
+    best, fastest = np.full(loads.size, bounds.limit), np.full(loads.size, -1)
+    grows, unsure, lost = np.full(loads.size, bounds.limit > growth_tolerance), *np.zeros((2, loads.size), np.bool_)
+    last, examined = bounds.modes_needed(bounds.least, growth_tolerance), np.zeros(loads.size, dtype=np.int64)
+    first, step = 1, _STEP
+    while (going := np.flatnonzero(last >= first)).size:
+        numbers = np.arange(first, min(first + step - 1, int(last.max())) + 1)
+        parts, known = modes.parts(loads.some(going), numbers), np.maximum(best, bounds.least)[going, None]
+        low, high = parts.growth_bounds
+        matters = (high > np.maximum(known, 0.0) + bounds.negligible) | (
+            (high > growth_tolerance) & (known <= growth_tolerance)
+        )
+        chosen = (numbers <= last[going, None]) & matters
+        found = _rates(parts, chosen, workers)
+        status, rates = np.where(low > growth_tolerance, UNSTABLE, STABLE), low.copy()
+        status[chosen & (low <= growth_tolerance)] = found.status[(low <= growth_tolerance)[chosen]]
+        status[high <= growth_tolerance] = STABLE
+        rates[chosen] = np.clip(found.growth, low[chosen], high[chosen])
+        lost[going] |= np.isnan(rates).any(axis=1)
+        rates = np.where(np.isnan(rates), low, rates)
+        grows[going] |= ((status == UNSTABLE) & ~tolerated(rates, growth_tolerance)).any(axis=1)
+        unsure[going] |= (status == UNDECIDED).any(axis=1)
+        most, where = rates.max(axis=1), rates.argmax(axis=1)
+        faster = most > best[going]
+        best[going[faster]], fastest[going[faster]] = most[faster], numbers[where[faster]]
+        examined[going] = np.minimum(last[going], numbers[-1])
+        last[going] = bounds.some(going).modes_needed(np.maximum(best, bounds.least)[going], growth_tolerance)
+        first, step = first + step, 2 * step
+    unsure |= bounds.left_out(examined) > growth_tolerance
+    status = np.where(grows, UNSTABLE, np.where(unsure, UNDECIDED, STABLE)).astype(np.int8)
+    growth = np.where(lost, np.nan, np.maximum(best, 0.0))
+    return Answers(status, growth, np.where(best > 0.0, fastest, 0))
+
+
+def _rates(parts: Parts, chosen: Bools, workers: int | None) -> ManyVerdicts:
+    """Return status and growth in 1/s of the second moments of some modes, in the order of C; 0 where they decay.
 
     Undecided to about 1e-11 of a multiplier: many digits would take a second each.
     """
+    from floquetrod.floquet.systems.many import ManyVerdicts
     from floquetrod.systems.arrays import verdicts
 
-    parts = modes.parts(loads, numbers)
-    status = np.full((loads.size, len(numbers)), STABLE, dtype=np.int8)
-    growth = np.zeros(status.shape)
-    most = np.broadcast_to(parts.growth_bounds[1], status.shape)
-    unknown = np.logical_not(most < -1e-9 * parts.damping)
-    if unknown.any():
-        found = verdicts(parts.moments(unknown), workers=workers, quick=True)
-        status[unknown] = found.status
-        growth[unknown] = found.growth * np.broadcast_to(parts.rate, unknown.shape)[unknown]
-    return status, growth
-
-
-def _together(status: Statuses, growth: Floats, growth_tolerance: float, left_out: float) -> Statuses:
-    """Return the status of all modes of each load from those of each mode."""
-    fine = (status == STABLE) | ((status == UNSTABLE) & tolerated(growth, growth_tolerance))
-    worst = np.where((status == UNSTABLE) & ~fine, UNSTABLE, np.where(fine, STABLE, UNDECIDED)).astype(np.int8)
-    together = np.where((worst == UNSTABLE).any(axis=1), UNSTABLE, worst.min(axis=1)).astype(np.int8)
-    if left_out > growth_tolerance:
-        together[together == STABLE] = UNDECIDED
-    return together
+    if not chosen.any():
+        return ManyVerdicts(np.zeros(0, dtype=np.int8), np.zeros(0))
+    found = verdicts(parts.moments(chosen), workers=workers, quick=True)
+    return ManyVerdicts(found.status, found.growth * np.broadcast_to(parts.rate, chosen.shape)[chosen])
 
 
 def unstable_without_noise() -> ValueError:

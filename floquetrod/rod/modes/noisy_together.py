@@ -19,7 +19,7 @@ from floquetrod._util.arguments import wrong_value
 from floquetrod._util.progress import Progress, shifted
 from floquetrod._util.report import number
 from floquetrod.floquet.references import references
-from floquetrod.floquet.status import STABLE, UNDECIDED, UNSTABLE
+from floquetrod.floquet.status import STATUS_CODES, UNDECIDED, UNSTABLE
 from floquetrod.floquet.systems.damping import least_damping
 from floquetrod.floquet.systems.moment_growth import Growth, MomentGrowth
 from floquetrod.floquet.verdict import Cost, Status
@@ -31,7 +31,7 @@ from floquetrod.rod.model.constants import mode_constants
 from floquetrod.rod.model.contact import require_on_wall
 from floquetrod.rod.modes.coupled import CoupledModel, chosen_count
 from floquetrod.rod.modes.coupled_verdict import SharedGrowth
-from floquetrod.rod.modes.mode_model import Answers, ModeModel
+from floquetrod.rod.modes.mode_model import Answers, ModeModel, Statuses
 from floquetrod.rod.modes.noisy import NoisyModel, unstable_without_noise
 from floquetrod.rod.modes.noisy_search import Effort
 from floquetrod.rod.modes.noisy_verdict import HIGH_MODES_GROW, IN_MEAN_SQUARE, UnderNoise
@@ -79,7 +79,7 @@ class NoisyTogetherModel(NoisyModel):
 
     def density(self) -> float:
         """Return the density in N^2/Hz of white noise that makes everything grow as fast at least."""
-        return largest_density(self.like.noise, 0.0)
+        return float(largest_density(self.like.noise, 0.0))
 
     def trial(self, load: Load, count: int) -> Trial:
         """Return what is known of the first modes under a load."""
@@ -102,25 +102,37 @@ class NoisyTogetherModel(NoisyModel):
     def answers(
         self, loads: Loads, growth_tolerance: float = 0.0, workers: int | None = None, progress: Progress | None = None
     ) -> Answers:
-        """Return status, growth of second moments in 1/s, and -1 where something grows, one load after another."""
+        """Return status, growth of second moments in 1/s, and -1 where something grows, as verdicts, one by one."""
+        status, growth = np.full(loads.size, UNDECIDED, dtype=np.int8), np.full(loads.size, np.nan)
+        for i in range(loads.size):
+            load = self.like.with_numbers(*(float(values[i]) for values in loads.flat))
+            under = self.under(load)
+            trials, found = _counted(under, load, growth_tolerance)
+            final = _with_left_out(found)
+            judged, _ = _judged(under, load, final, trials[-1].growth(0.0), growth_tolerance)
+            status[i] = STATUS_CODES[judged]
+            growth[i] = np.maximum(final.rate, under.growth_beyond(load))  # NaN where it is not known
+            if progress is not None:
+                progress(i + 1, loads.size)
+        return Answers(status, growth, np.where(growth > 0.0, -1, 0))
+
+    def status(
+        self, loads: Loads, growth_tolerance: float = 0.0, workers: int | None = None, progress: Progress | None = None
+    ) -> Statuses:
+        """Return the status of each load, with the moments of those alone that do not grow without noise already."""
 
         def told(done: int, total: int) -> None:
             if progress is not None:
                 progress(done * loads.size // total, loads.size)
 
-        quiet = self.quiet.answers(loads, 0.5 * growth_tolerance, workers, shifted(told, 0, loads.size))
-        status, growth = quiet.status.copy(), 2.0 * quiet.growth
-        left = np.flatnonzero(status == STABLE).tolist()
-        told(2 * loads.size - len(left), 2 * loads.size)
-        for done, i in enumerate(left, 1 - len(left)):
-            load = self.like.with_numbers(*(float(values[i]) for values in loads.flat))
-            trial = self.trial(load, self.count_for(Loads.single(load), growth_tolerance))
-            found = trial.growth(self.density())
-            judged, _ = _judged(self, load, found, trial.growth(0.0), growth_tolerance)
-            status[i] = {"stable": STABLE, "unstable": UNSTABLE}.get(judged, UNDECIDED)
-            growth[i] = np.maximum(found.rate, max(0.0, self.growth_beyond(load)))  # NaN where it is not known
-            told(2 * loads.size + done, 2 * loads.size)
-        return Answers(status, growth, np.where(growth > 0.0, -1, 0))
+        status = self.quiet.status(loads, 0.5 * growth_tolerance, workers, shifted(told, 0, loads.size)).copy()
+        left = np.flatnonzero(status != UNSTABLE)
+        known = 2 * loads.size - left.size
+        told(known, 2 * loads.size)
+        if left.size:
+            there = shifted(told, known, known)
+            status[left] = self.answers(loads.some(left), growth_tolerance, workers, there).status
+        return status
 
     growth_of_modes = ModeModel.growth_of_modes
 
@@ -140,7 +152,7 @@ class NoisyTogetherModel(NoisyModel):
             )
 
         def excess(rate: float) -> float:
-            found = Trial.of(modes.damped(rate), quiet).growth(largest_density(load.noise, 0.0)).rate
+            found = Trial.of(modes.damped(rate), quiet).growth(float(largest_density(load.noise, 0.0))).rate
             return -1.0 if math.isnan(found) else found - growth_tolerance
 
         start = max(beyond, 0.5 * self.rod.damping_rate, 1e-6 * load.frequency)

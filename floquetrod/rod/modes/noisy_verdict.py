@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Any, ClassVar
 
@@ -29,6 +30,7 @@ from floquetrod.rod.modes.mode_model import ModeModel
 from floquetrod.rod.modes.noisy_search import HALVINGS, Effort, first_change
 
 _SAMPLES = 65  # of each piece of a search for a margin (a choice)
+_STEP = 16  # modes that are examined before the bounds on others are asked again (a choice)
 _LISTED = 5  # modes in a report besides those that grow, those next to growth
 
 IN_MEAN_SQUARE = "growth is that of second moments, twice that of amplitudes: the verdict is in mean square"
@@ -146,8 +148,9 @@ class NoisyEvidence(UnderNoise, EachMode):
 
     def fastest_mode(self, verdict: RodStability) -> int | None:
         """Return the mode that grows fastest, None when none grows."""
-        fastest = int(np.nan_to_num(self.mode_growth_rates, nan=-math.inf).argmax())
-        return self.modes[fastest] if self.mode_growth_rates[fastest] > 0.0 else None
+        fastest = int(self.mode_growth_rates.argmax())
+        rate = self.mode_growth_rates[fastest]
+        return self.modes[fastest] if rate > 0.0 and rate >= verdict.growth_rate else None
 
     def growth_of(self, verdict: RodStability, mode: int) -> float:
         """Return the growth rate of the second moments of a mode in 1/s."""
@@ -228,60 +231,132 @@ class NoisyEvidence(UnderNoise, EachMode):
 
     def _growing(self, verdict: RodStability) -> str:
         names = verdict.unstable_modes
+        model: Any = self.model
+        beyond = math.isfinite(self.left_out_bound) and model.growth_beyond(self.load) > verdict.growth_tolerance
         if not names:
-            return "all high modes grow"
+            return "all high modes grow" if beyond else f"mode {verdict.fastest_mode} grows"
+        others = ", and all high modes" if beyond else ""
         if len(names) > 3:
-            return f"{len(names)} modes grow, {names[0]} to {names[-1]}"
-        return f"modes {', '.join(map(str, names))} grow" if len(names) > 1 else f"mode {names[0]} grows"
+            return f"{len(names)} modes grow, {names[0]} to {names[-1]}{others}"
+        return (f"modes {', '.join(map(str, names))} grow" if len(names) > 1 else f"mode {names[0]} grows") + others
 
 
 def classify_noisy(
     model: ModeModel, load: Load, chosen: tuple[int, ...] | None, growth_tolerance: float, progress: Progress | None
 ) -> RodStability:
-    """Classify the second moments of every mode and put the verdicts together."""
+    """Classify the second moments of every mode that matters and put the verdicts together."""
     equations = NoisyModes(constants_under(model.rod, load.mean), load)
-    last, left_out = (0, math.inf) if chosen else model.modes_needed(load, growth_tolerance)
-    modes = chosen or tuple(range(1, last + 1))
-    parts = equations.parts(Loads((1,), *Loads.single(load).flat), modes)
-    every = parts.moments(np.ones((1, len(modes)), dtype=np.bool_))
-    verdicts = []
-    for i in range(len(modes)):
-        verdicts.append(stability(pick(every, i)))
-        if progress is not None:
-            progress(i + 1, len(modes))
-    units = np.broadcast_to(parts.rate, (1, len(modes)))[0]
-    rates = units * np.array([v.exponents[0].real if v.exponents else math.nan for v in verdicts])
-    beyond = 0.0 if chosen else float(equations.growth_beyond(Loads.single(load))[0])
-    status, note = _concluded(verdicts, units, (beyond, left_out), growth_tolerance)
-    exponents = (unit * each for unit, v in zip(units.tolist(), verdicts, strict=True) for each in v.exponents)
-    errors = (unit * v.exponent_errors[0] if v.exponents else math.inf for unit, v in zip(units, verdicts, strict=True))
+    examined = _Examined(equations, load)
+    limit, left_out = -math.inf, math.inf
+    if chosen:
+        examined.add(chosen, len(chosen), progress)
+    else:
+        bounds = equations.growth_bounds(Loads.single(load))
+        limit, best = bounds.limit, bounds.least
+        while len(examined.modes) < (last := int(bounds.modes_needed(best, growth_tolerance)[0])):
+            first = len(examined.modes) + 1
+            examined.add(range(first, min(last, first + _STEP - 1) + 1), last, progress)
+            best = np.maximum(best, examined.rates.max(initial=-math.inf))
+        left_out = float(bounds.left_out(np.array([len(examined.modes)]))[0])
+    rates = examined.rates
+    status, note = _concluded(examined, (limit, left_out), growth_tolerance)
+    exponents = [*examined.exponents, *([complex(limit)] if limit > rates.max() else [])]
+    costs = (verdict.cost.amount for verdict in examined.verdicts)
     return RodStability(
         rod=model.rod,
-        evidence=NoisyEvidence(model, modes, tuple(verdicts), rates, parts.intensity[0], left_out),
+        evidence=NoisyEvidence(
+            model,
+            tuple(examined.modes),
+            tuple(examined.verdicts),
+            rates,
+            np.array(examined.intensities),
+            max(0.0, left_out),
+        ),
         growth_tolerance=growth_tolerance,
         status=status,
-        growth_rate=max(0.0, float(rates.max()), beyond),
+        growth_rate=max(0.0, float(rates.max()), limit),
         exponents=tuple(sorted(exponents, key=lambda exponent: -exponent.real)),
         period=2.0 * math.pi / load.frequency,
-        error=float(max(errors)),
-        cost=Cost(sum(verdict.cost.amount for verdict in verdicts), "operations"),
+        error=examined.error((limit, -math.inf if chosen else left_out)),
+        cost=Cost(sum(costs), "operations"),
         note=note,
         assumptions=(*assumptions(model.rod, load), *ASSUMED),
     )
 
 
-def _concluded(
-    verdicts: list[SystemStability], units: Floats, others: tuple[float, float], growth_tolerance: float
-) -> tuple[Status, str]:
+class _Examined:
+    """Modes under a load: the verdict on the second moments of each, and their growth in 1/s between bounds."""
+
+    def __init__(self, equations: NoisyModes, load: Load) -> None:
+        """Take the equations; nothing is examined yet."""
+        self.equations, self.load = equations, load
+        self.modes: list[int] = []
+        self.verdicts: list[SystemStability] = []
+        self.intensities: list[float] = []
+        self.exponents: list[complex] = []
+        self.rates, self.low, self.high = np.zeros((3, 0))
+
+    def add(self, modes: Sequence[int], total: int, progress: Progress | None) -> None:
+        """Examine more modes; the bounds that hold for high ones are often closer than the errors of verdicts."""
+        parts = self.equations.parts(Loads.single(self.load), modes)
+        every = parts.moments(np.ones((1, len(modes)), dtype=np.bool_))
+        units = np.broadcast_to(parts.rate, (1, len(modes)))[0].tolist()
+        found = []
+        for i, unit in enumerate(units):
+            verdict = stability(pick(every, i))
+            self.verdicts.append(verdict)
+            self.exponents.extend(unit * exponent for exponent in verdict.exponents)
+            known = bool(verdict.exponents)
+            rate, error = (verdict.exponents[0].real, verdict.exponent_errors[0]) if known else (-math.inf, math.inf)
+            found.append((unit * rate, unit * error))
+            if progress is not None:
+                progress(len(self.verdicts), total)
+        low, high = (bound[0] for bound in parts.growth_bounds)
+        rates, errors = np.array(found).T
+        self.rates = np.append(self.rates, np.clip(rates, low, high))
+        status = np.array([verdict.status for verdict in self.verdicts[len(self.modes) :]])
+        low, high = np.fmax(low, rates - errors), np.fmin(high, rates + errors)
+        self.low = np.append(self.low, np.where(status == "unstable", np.maximum(low, 0.0), low))
+        self.high = np.append(self.high, np.where(status == "stable", np.minimum(high, 0.0), high))
+        self.modes.extend(modes)
+        self.intensities.extend(parts.intensity[0].tolist())
+
+    def error(self, others: tuple[float, float]) -> float:
+        """Return the error in 1/s of the growth rate, no less than of the fastest mode's.
+
+        Of the other modes the limit of high ones and a bound.
+        """
+        limit, left_out = others
+        fastest = int(self.rates.argmax())
+        rate, low, high = (
+            max(0.0, *values)
+            for values in (
+                (float(self.rates.max()), limit),
+                (float(self.low.max()), limit),
+                (float(self.high.max()), left_out),
+            )
+        )
+        own = max(self.high[fastest] - self.rates[fastest], self.rates[fastest] - self.low[fastest])
+        return float(max(rate - low, high - rate, own if self.rates[fastest] >= limit else 0.0))
+
+
+def _concluded(examined: _Examined, others: tuple[float, float], growth_tolerance: float) -> tuple[Status, str]:
     """Return the verdict on all modes, and what to know of it; ``others`` grow at least, and at most, so fast."""
-    beyond, left_out = others
-    rates = [v.growth_rate * unit for v, unit in zip(verdicts, units.tolist(), strict=True)]
-    found = list(zip(verdicts, rates, strict=True))
-    if beyond > growth_tolerance:
-        return "unstable", HIGH_MODES_GROW.format(beyond)
-    if any(v.status == "unstable" and not tolerated(rate, growth_tolerance) for v, rate in found):
+    limit, left_out = others
+    verdicts, rates = examined.verdicts, examined.rates.tolist()
+    if limit > growth_tolerance:
+        return "unstable", HIGH_MODES_GROW.format(limit)
+    grows = (
+        v.status == "unstable" and not tolerated(rate, growth_tolerance)
+        for v, rate in zip(verdicts, rates, strict=True)
+    )
+    if any(grows) or examined.low.max() > growth_tolerance:
         return "unstable", ""
-    unsure = [v for v, rate in found if v.status == "undecided" and (rate == 0.0 or not rate < growth_tolerance)]
+    unsure = [
+        v
+        for v, high in zip(verdicts, examined.high, strict=True)
+        if v.status == "undecided" and not high < growth_tolerance
+    ]
     if unsure:
         return "undecided", "; ".join(dict.fromkeys(v.note for v in unsure))
     if growth_tolerance < left_out < math.inf:
