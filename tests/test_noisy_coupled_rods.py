@@ -74,6 +74,7 @@ def test_the_noise_that_clamped_ends_bear_separates_verdicts() -> None:
     unit = load(CLAMPED, 1.0)
     most = CLAMPED.critical_noise(unit)
     assert most < HIGH_MODES
+    assert 0.0 < most.error < 1e-4 * most
     for factor, status in ((1.0 - 1e-4, "stable"), (1.0 + 1e-4, "unstable")):
         assert CLAMPED.stability(replace(unit, noise=factor * most)).status == status
     found = CLAMPED.stability(replace(unit, noise=1.3 * most))

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import json
 import math
+import pickle
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -14,7 +16,7 @@ import floquetrod as fr
 from conftest import depth
 from floquetrod.cli import main
 from floquetrod.equations.batches import pick
-from floquetrod.rod.loads.load import Loads, load_from_dict
+from floquetrod.rod.loads.load import Loads, load_from_dict, scaled_noise
 from floquetrod.rod.mode_equations.noisy_modes import NoisyModes
 from floquetrod.rod.modes.noisy import NoisyModel
 
@@ -96,13 +98,13 @@ def test_growth_is_that_of_the_fastest_mode_among_the_first_and_the_highest() ->
     assert (growth, mode) == (pytest.approx(verdict.growth_rate, abs=1e-9), 10)
 
 
-def drawn(rng: np.random.Generator) -> tuple[fr.Rod, fr.AxialLoad, float]:
+def drawn(rng: np.random.Generator, unit: bool = False) -> tuple[fr.Rod, fr.AxialLoad, float]:
     """Return a rod, long or short, damped a little or much, a load, weakly or strongly random, and a tolerance."""
     rod = ROD.replace(length=rng.uniform(0.8, 7.0), damping_rate=10.0 ** rng.uniform(-1.5, 1.7))
     if rng.uniform() < 0.1:
         rod = rod.replace(curvature=rng.uniform(-0.05, 0.1))
     high_modes = 8.0 * rod.damping_rate * rod.flexural_rigidity * rod.mass_per_length
-    noise: Any = high_modes * 10.0 ** rng.uniform(-2.0, 0.7)
+    noise: Any = 1.0 if unit else high_modes * 10.0 ** rng.uniform(-2.0, 0.7)
     if rng.uniform() < 0.2:
         noise = ((0.0, noise), (rng.uniform(1.0, 100.0), 0.5 * noise), (rng.uniform(100.0, 600.0), 0.0))
     mean = 0.0 if rng.uniform() < 0.1 else rng.uniform(-1.0, 0.95)
@@ -149,6 +151,72 @@ def test_growth_is_that_of_the_fastest_of_all_modes_named(seed: int) -> None:
             assert mode == (verdict.fastest_mode or -1)
         grew += verdict.status == "unstable"
     assert 0 < grew < draws
+
+
+def both_ways(rod: fr.Rod, force: fr.AxialLoad, tolerance: float) -> tuple[str, int]:
+    """Return the verdict on one load, and that of arrays."""
+    status = rod.verdicts(force.mean, force.amplitude, force.frequency, like=force, growth_tolerance=tolerance)
+    return rod.stability(force, growth_tolerance=tolerance).status, int(status)
+
+
+@pytest.mark.parametrize(
+    ("rod", "numbers", "mode"),
+    [
+        (
+            fr.Rod(
+                4766063780.852754,
+                2143.0482359694447,
+                radius=0.01124387879662149,
+                length=3.2354038977813966,
+                channel_radius=0.2328261041550565,
+                damping_rate=66.53758651111661,
+            ),
+            (5.610429952998382, 0.6185012786735394, 12.182026642890781),
+            4,
+        ),
+        (
+            fr.Rod.nitinol().replace(length=3.0608192459699874, damping_rate=0.10118106403204984),
+            (-0.12110290799447535, 0.1721191316143035, 83.68233563823031),
+            None,
+        ),
+    ],
+)
+def test_both_verdicts_change_within_the_error_of_the_critical_noise(
+    rod: fr.Rod, numbers: tuple[float, float, float], mode: int | None
+) -> None:
+    told: list[tuple[int, int]] = []
+    found = rod.critical_noise(fr.AxialLoad(*numbers, noise=1.0), progress=lambda *parts: told.append(parts))
+    assert (found.mode, found.searched) == (mode, float(found))
+    assert 0.0 < found.error <= 1e-8 * found
+    for way, says in ((-2.0, ("stable", 1)), (2.0, ("unstable", 0))):
+        assert both_ways(rod, fr.AxialLoad(*numbers, noise=found + way * found.error), 0.0) == says
+    assert [done for done, _ in told] == list(range(1, len(told) + 1))
+    assert told[-1][0] == told[-1][1]
+    again = pickle.loads(pickle.dumps(found))
+    assert (again, again.error, again.mode) == (found, found.error, found.mode)
+    assert json.loads(json.dumps(found.as_dict()))["critical_noise_factor"] == float(found)
+    assert f"{float(found):.9g} times the noise" in repr(found)
+
+
+@pytest.mark.filterwarnings("ignore::floquetrod.UniformForceWarning")
+@pytest.mark.parametrize("seed", range(depth(10, 1)))
+def test_critical_noise_separates_verdicts_of_drawn_rods(seed: int) -> None:
+    rng, separated = np.random.default_rng((49, seed)), 0
+    while separated < depth(12, 2):
+        rod, force, tolerance = drawn(rng, unit=True)
+        try:
+            found = rod.critical_noise(force, growth_tolerance=tolerance)
+        except ValueError as error:
+            assert "stable without noise" in str(error)  # noqa: PT017
+            continue
+        if math.isinf(found):
+            assert "no critical noise" in repr(found)
+            continue
+        assert found.error <= 1e-6 * found
+        for way, says in ((-2.0, ("stable", 1)), (2.0, ("unstable", 0))):
+            near = replace(force, noise=scaled_noise(force.noise, found + way * found.error))
+            assert both_ways(rod, near, tolerance) == says
+        separated += 1
 
 
 def test_arrays_of_loads_say_what_single_ones_do() -> None:

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 from floquetrod._util.lazy import names_of
 
 if TYPE_CHECKING:
+    from floquetrod.rod.answers.critical_noise import CriticalFactor
     from floquetrod.rod.answers.intervals import BucklingWarning, StabilityInterval, UnstableBand
     from floquetrod.rod.answers.margins import CriticalLoad, Margin
     from floquetrod.rod.friction.kicks import CriticalKick
@@ -24,6 +25,7 @@ __all__ = [
     "BucklingForce",
     "BucklingWarning",
     "Channel",
+    "CriticalFactor",
     "CriticalKick",
     "CriticalLoad",
     "Ends",
@@ -49,6 +51,7 @@ __getattr__, __dir__ = names_of(
         "rod.mode_equations.modal_systems": ("ModalSystem", "ModalSystems"),
         "rod.model.parts": ("Channel", "Ends", "Fluids", "Material", "Section"),
         "rod.model.stress": ("Stress",),
+        "rod.answers.critical_noise": ("CriticalFactor",),
         "rod.answers.intervals": ("BucklingWarning", "StabilityInterval", "UnstableBand"),
         "rod.answers.margins": ("CriticalLoad", "Margin"),
     },

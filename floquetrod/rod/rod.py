@@ -29,6 +29,7 @@ from floquetrod.rod.modes.mode_model import ModeModel
 # Loaded by the methods that need them: a first verdict takes a quarter of the package.
 if TYPE_CHECKING:
     from floquetrod.floquet.proof.region import RegionProof
+    from floquetrod.rod.answers.critical_noise import CriticalFactor
     from floquetrod.rod.answers.margins import CriticalLoad
     from floquetrod.rod.answers.mean_force import MeanForce
     from floquetrod.rod.answers.reach import Reach
@@ -869,12 +870,15 @@ class Rod(RodData):
 
         return kicked_motion.safe_kick(self.modes_under(require_load("load", load)), load, indentation)
 
-    def critical_noise(self, load: AnyLoad, *, growth_tolerance: float = 0.0) -> float:
+    def critical_noise(
+        self, load: AnyLoad, *, growth_tolerance: float = 0.0, progress: Progress | None = None
+    ) -> CriticalFactor:
         """Return the factor by which the noise of a load may be multiplied with the rod still stable in mean square.
 
-        Of noise 1 that is the largest density in N^2/Hz.  It is found to 1e-10, between a factor at which the verdict
-        is stable and one at which it is not; infinite where no change is found.  Where modes are coupled it is found to
-        about a millionth, with the modes a verdict takes; of a density that depends on the frequency a lower bound.
+        Of noise 1 that is the largest density in N^2/Hz.  It is a number that knows its ``error``, within which the
+        verdict, and that of arrays, changes from stable to unstable, mostly 1e-10 of it, and the ``mode`` that grows
+        beyond; infinite where no change is found.  Where modes are coupled the error is that of the modes a verdict
+        takes, mostly a millionth; of a density that depends on the frequency a lower bound.
 
         Parameters
         ----------
@@ -882,6 +886,8 @@ class Rod(RodData):
             With noise.
         growth_tolerance : float
             Growth of second moments in 1/s up to which a mode counts as stable.
+        progress : callable, optional
+            Called with the numbers of parts of the search done and of all that are known of.
 
         Raises
         ------
@@ -899,8 +905,10 @@ class Rod(RodData):
         1.0
         """
         found, tolerance = require_noise("load", load), units.tolerance("growth_tolerance", growth_tolerance)
+        validate.progress(progress)
         model: Any = self.modes_under(found)
-        return float(model.critical_noise(found, tolerance))
+        factor: CriticalFactor = model.critical_noise(found, tolerance, progress)
+        return factor
 
     # --- proofs ---
 

@@ -552,7 +552,7 @@ def _of_rods(place: Path) -> dict[str, Call]:
             {"mean": 0.34, "amplitude": 0.34, "bounds": (100.0, 150.0), "progress": None, **tolerance},
         ),
         "Rod.critical_noise": Call(
-            QUIET.critical_noise, {"load": fr.AxialLoad(-1.0, 0.0, 150.0, noise=1.0), **tolerance}
+            QUIET.critical_noise, {"load": fr.AxialLoad(-1.0, 0.0, 150.0, noise=1.0), "progress": None, **tolerance}
         ),
         "Rod.critical_mean_force": Call(ROD.critical_mean_force, {"amplitude": 0.34, "frequency": 150.0, **tolerance}),
         "Rod.critical_amplitude": Call(ROD.critical_amplitude, {"mean": 0.34, "frequency": 150.0, **tolerance}),

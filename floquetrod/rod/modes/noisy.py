@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, ClassVar, NoReturn
 
@@ -13,8 +13,11 @@ from floquetrod._util import validate
 from floquetrod._util.arguments import Mention, wrong_value
 from floquetrod._util.arrays import Bools
 from floquetrod._util.progress import Progress
-from floquetrod.floquet.status import STABLE, UNDECIDED, UNSTABLE
+from floquetrod.equations.batches import pick
+from floquetrod.floquet.dispatch import run
+from floquetrod.floquet.status import STABLE, STATUS_CODES, UNDECIDED, UNSTABLE
 from floquetrod.floquet.verdict import tolerated
+from floquetrod.rod.answers.critical_noise import CriticalFactor
 from floquetrod.rod.answers.intervals import FoundIntervals, Search, StabilityInterval, UnstableBand
 from floquetrod.rod.answers.margins import Edge
 from floquetrod.rod.answers.verdict import RodStability
@@ -35,6 +38,9 @@ _STEP = 16  # modes that are examined before the bounds on others are asked agai
 _CLOSER = 17  # places in a band at which growth is examined (a choice)
 _STRONGEST = 10.0  # damping rate that is tried, in terms of the frequency of the load (a choice)
 _LARGEST = 1e9  # density that is tried, in terms of the limit of high modes (a choice)
+NEAREST = 1e-10  # of verdicts on both sides of a critical factor, relative (a choice)
+_MOST_DECISIVE = 256  # modes that a verdict next to a critical factor may need: a closer one would take long (a choice)
+_PARTS = 2  # of a search for a critical factor that are to come, at least
 
 
 @dataclass(frozen=True)
@@ -185,20 +191,17 @@ class NoisyModel(ModeModel):
             return 0.0
         return least(is_stable, 1e-6 * load.frequency, _STRONGEST * load.frequency, 1e-9)[1]
 
-    def critical_noise(self, load: Load, growth_tolerance: float) -> float:
-        """Return the largest factor of the noise of a load at which it is stable in mean square, to 1e-10."""
+    def critical_noise(self, load: Load, growth_tolerance: float, progress: Progress | None = None) -> CriticalFactor:
+        """Return the largest factor of the noise of a load at which it is stable in mean square, and its error.
 
-        def is_unstable(factor: float) -> bool:
-            return not self._is_stable(replace(load, noise=scaled_noise(load.noise, factor)), growth_tolerance)
-
-        constants = mode_constants(self.rod)
-        bound = 8.0 * self.rod.damping_rate * constants.bending / constants.per_newton**2
-        start = bound / float(largest_density(load.noise, 0.0)) or 1.0
-        decays = bound + growth_tolerance > 0.0  # else any noise that a mode feels makes it grow
-        stable, unstable = least(is_unstable, start, _LARGEST * start, 1e-10) if decays else (0.0, 0.0)
-        if stable == 0.0:
+        Each mode grows the faster the more noise there is: from a factor at which one grows that of the fastest is
+        lowered to where it no longer does, until no other grows there.
+        """
+        require_on_wall(self.rod, load)
+        search = _FactorSearch(self, load, growth_tolerance, progress)
+        if not self._is_stable(replace(load, noise=0.0), growth_tolerance):
             raise unstable_without_noise()
-        return stable if unstable < math.inf else math.inf
+        return search.critical()
 
     def _is_stable(self, load: Load, growth_tolerance: float) -> bool:
         """Return whether a rod is seen to be stable in mean square under one load."""
@@ -262,6 +265,98 @@ def _rates(parts: Parts, chosen: Bools, workers: int | None) -> ManyVerdicts:
         return ManyVerdicts(np.zeros(0, dtype=np.int8), np.zeros(0))
     found = verdicts(parts.moments(chosen), workers=workers, quick=True)
     return ManyVerdicts(found.status, found.growth * np.broadcast_to(parts.rate, chosen.shape)[chosen])
+
+
+class _FactorSearch:
+    """A search for the largest factor of the noise of a load at which a rod is stable in mean square."""
+
+    def __init__(self, model: NoisyModel, load: Load, growth_tolerance: float, progress: Progress | None) -> None:
+        """Take what does not vary."""
+        self.model, self.load, self.tolerance, self.progress = model.under(load), load, growth_tolerance, progress
+        self.constants = constants_under(model.rod, load.mean)
+        self.done = 0
+
+    def told(self, left: int) -> None:
+        """Report that a part of the search is done, and how many there are still at least."""
+        self.done += 1
+        if self.progress is not None:
+            self.progress(self.done, self.done + left)
+
+    def scaled(self, factor: float) -> Load:
+        """Return the load with its noise a factor as large."""
+        return replace(self.load, noise=scaled_noise(self.load.noise, factor))
+
+    def modes(self, factor: float) -> NoisyModes:
+        """Return the modes under so much noise."""
+        return NoisyModes(self.constants, self.scaled(factor))
+
+    def critical(self) -> CriticalFactor:
+        """Return the factor."""
+        decay = 2.0 * float(self.constants.damping_rate) + self.tolerance
+        per_density = 0.25 * float(self.constants.per_newton) ** 2 / float(self.constants.bending)
+        most = decay / (per_density * float(largest_density(self.load.noise, 0.0)))
+        if not most > 0.0:  # else any noise that a mode feels makes it grow
+            raise unstable_without_noise()
+        factor, mode = most, None
+        if isinstance(self.load.noise, tuple):  # high modes feel none
+            farthest = _LARGEST * most
+            while self.fastest(factor) is None:
+                factor *= 4.0
+                self.told(_PARTS)
+                if factor > farthest:
+                    return CriticalFactor(math.inf, math.inf, searched=0.25 * factor)
+        while (faster := self.fastest(factor)) not in (None, mode):
+            mode = faster
+            factor = self.root(mode, factor)
+            self.told(_PARTS)
+        error = self.error(factor)
+        self.told(0)
+        return CriticalFactor(factor, error, mode)
+
+    def fastest(self, factor: float) -> int | None:
+        """Return the mode that grows fastest beyond the tolerance, None where none does."""
+        found = _examined(self.modes(factor), Loads((1,), *Loads.single(self.load).flat), self.tolerance, None)
+        return int(found.mode[0]) if found.growth[0] > self.tolerance and found.mode[0] > 0 else None
+
+    def root(self, mode: int, high: float) -> float:
+        """Return the factor at which the growth of a mode is that tolerated, below one at which it is larger."""
+        from scipy.optimize import brentq
+
+        def excess(factor: float) -> float:
+            parts = self.modes(factor).parts(Loads.single(self.load), [mode])
+            low, most = (float(bound[0, 0]) for bound in parts.growth_bounds)
+            moments = run("monodromy", pick(parts.moments(np.ones((1, 1), dtype=np.bool_)), 0))
+            if not moments.exponents:
+                raise wrong_value("load", f"must be one under which mode {mode} can be judged, got {self.load!r}")
+            rate = moments.exponents[0].real * float(np.broadcast_to(parts.rate, (1, 1))[0, 0])
+            return float(np.clip(rate, low, most)) - self.tolerance
+
+        low = 0.5 * high
+        while not excess(low) < 0.0:
+            low *= 0.5
+            if low < high / _LARGEST:
+                raise unstable_without_noise()
+        return float(brentq(excess, low, high, xtol=1e-14 * high, rtol=1e-14)) if excess(high) > 0.0 else high
+
+    def error(self, factor: float) -> float:
+        """Return within how much of a factor both the verdict and that of arrays change from stable to unstable."""
+        apart = NEAREST
+        while apart < 0.5:
+            below, above = (self.scaled(factor * (1.0 + sign * apart)) for sign in (-1.0, 1.0))
+            needed, _ = NoisyModes(self.constants, below).modes_needed(below, self.tolerance)
+            if needed <= _MOST_DECISIVE and all(self.separate(below, above)):
+                break
+            apart *= 4.0
+        return apart * factor
+
+    def separate(self, below: Load, above: Load) -> Iterator[bool]:
+        """Yield whether arrays say that one load is stable and another is not, and then whether verdicts do."""
+        for load, status in ((below, STABLE), (above, UNSTABLE)):
+            at = Loads((1,), *Loads.single(load).flat)
+            yield int(self.model.under(load).status(at, self.tolerance)[0]) == status
+        for load, status in ((below, STABLE), (above, UNSTABLE)):
+            verdict = self.model.under(load).verdict(load, growth_tolerance=self.tolerance)
+            yield STATUS_CODES[verdict.status] == status
 
 
 def unstable_without_noise() -> ValueError:

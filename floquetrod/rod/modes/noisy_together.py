@@ -23,16 +23,17 @@ from floquetrod.floquet.status import STATUS_CODES, UNDECIDED, UNSTABLE
 from floquetrod.floquet.systems.damping import least_damping
 from floquetrod.floquet.systems.moment_growth import Growth, MomentGrowth
 from floquetrod.floquet.verdict import Cost, Status
+from floquetrod.rod.answers.critical_noise import CriticalFactor
 from floquetrod.rod.answers.verdict import RodStability
 from floquetrod.rod.loads.load import Load, Loads, largest_density
 from floquetrod.rod.mode_equations.coupled_matrices import CoupledModes
 from floquetrod.rod.model.assumptions import assumptions
 from floquetrod.rod.model.constants import mode_constants
-from floquetrod.rod.model.contact import require_on_wall
+from floquetrod.rod.model.contact import constants_under, require_on_wall
 from floquetrod.rod.modes.coupled import CoupledModel, chosen_count
 from floquetrod.rod.modes.coupled_verdict import SharedGrowth
 from floquetrod.rod.modes.mode_model import Answers, ModeModel, Statuses
-from floquetrod.rod.modes.noisy import NoisyModel, unstable_without_noise
+from floquetrod.rod.modes.noisy import NEAREST, NoisyModel, unstable_without_noise
 from floquetrod.rod.modes.noisy_search import Effort
 from floquetrod.rod.modes.noisy_verdict import HIGH_MODES_GROW, IN_MEAN_SQUARE, UnderNoise
 
@@ -158,36 +159,46 @@ class NoisyTogetherModel(NoisyModel):
         start = max(beyond, 0.5 * self.rod.damping_rate, 1e-6 * load.frequency)
         return max(beyond, least_damping(excess, start, load.frequency))
 
-    def critical_noise(self, load: Load, growth_tolerance: float) -> float:
-        """Return the largest factor of the noise of a load at which it is stable in mean square, to 1e-10.
+    def critical_noise(self, load: Load, growth_tolerance: float, progress: Progress | None = None) -> CriticalFactor:
+        """Return the largest factor of the noise of a load at which it is stable in mean square, and its error.
 
-        With as many modes as a verdict takes, and the limit of high modes.
+        With as many modes as verdicts on both sides take, which they tell apart within the error, and the limit of high
+        modes.  Of a density that depends on the frequency it is a lower bound, and the error that of the bound.
         """
         from scipy.optimize import brentq
 
         require_on_wall(self.rod, load)
-        under = self.under(load)
-        trial = _counted(under, load, growth_tolerance)[0][-1]
-        largest, constants = under.density(), mode_constants(self.rod)
+        under, constants = self.under(load), constants_under(self.rod, load.mean)
+        trials, _ = _counted(under, load, growth_tolerance, progress)
+        largest = under.density()
+        decay = 8.0 * float(constants.damping_rate) + 4.0 * growth_tolerance
+        most = decay * float(constants.bending) / float(constants.per_newton) ** 2 / largest
+        is_white = not isinstance(load.noise, tuple)
 
-        def excess(factor: float) -> float:
-            found = trial.growth(factor * largest)
+        def growth(factor: float) -> Growth:
+            found = _with_left_out([trial.growth(factor * largest) for trial in trials])
             if math.isnan(found.rate):
                 raise wrong_value("load", "must be one whose second moments can be computed, got one where they cannot")
-            return found.rate - growth_tolerance
+            return found
+
+        def excess(factor: float) -> float:
+            return growth(factor).rate - growth_tolerance
+
+        def is_apart(factor: float, apart: float) -> bool:
+            below, above = growth(factor * (1.0 - apart)), growth(factor * (1.0 + apart))
+            grows = (is_white and factor * (1.0 + apart) > most) or above.rate - above.error > growth_tolerance
+            return below.rate + below.error < growth_tolerance and grows
 
         if not excess(0.0) < 0.0:
             raise unstable_without_noise()
-        high_modes = (
-            (8.0 * self.rod.damping_rate + 4.0 * growth_tolerance) * constants.bending / constants.per_newton**2
-        )
-        high = high_modes / largest
-        if excess(high) < 0.0:
-            if not isinstance(load.noise, tuple):
-                return float(high)
-            while excess(high) < 0.0:
-                high *= 4.0
-        return float(brentq(excess, 0.0, high, xtol=1e-13 * high, rtol=1e-12))
+        high = most
+        while not is_white and excess(high) < 0.0:
+            high *= 4.0
+        factor = high if excess(high) < 0.0 else brentq(excess, 0.0, high, xtol=1e-13 * high, rtol=1e-12)
+        apart = NEAREST
+        while apart < 0.5 and not is_apart(factor, apart):
+            apart *= 4.0
+        return CriticalFactor(float(factor), float(apart * factor))
 
     def certify(self, *given: Any) -> NoReturn:
         """Raise ValueError: proofs under noise are of independent modes."""
