@@ -305,10 +305,12 @@ class _FactorSearch:
                 self.told(_PARTS)
                 if factor > farthest:
                     return CriticalFactor(math.inf, math.inf, searched=0.25 * factor)
-        while (faster := self.fastest(factor)) not in (None, mode):
-            mode = faster
-            factor = self.root(mode, factor)
+        while (faster := self.fastest(factor)) is not None and faster != mode:
+            before, mode = factor, faster
+            factor = self.root(faster, before)
             self.told(_PARTS)
+            if not factor < before * (1.0 - 1e-13):  # two modes begin to grow together
+                break
         error = self.error(factor)
         self.told(0)
         return CriticalFactor(factor, error, mode)
