@@ -6,15 +6,14 @@ import math
 import re
 import unicodedata
 from collections.abc import Callable, Iterable
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
-import numpy as np
-from numpy.typing import NDArray
-
-from floquetrod._util import validate
 from floquetrod._util.arguments import wrong_type, wrong_value
 from floquetrod._util.measured import is_measured, magnitude, mapped
 from floquetrod._util.suggest import did_you_mean, short
+
+if TYPE_CHECKING:
+    from floquetrod._util.arrays import Floats
 
 _POUND = 0.45359237  # of mass, in kg
 _POUNDS_PER_GALLON = _POUND / 3.785411784e-3  # of US gallons, in kg/m^3
@@ -355,20 +354,26 @@ def number(
     A number alone is in the SI unit of its kind; others are texts such as "0.8mm" and quantities of pint.  Raises
     ValueError and TypeError that begin with the argument's name, as `floquetrod._util.validate.within` does.
     """
+    from floquetrod._util import validate  # which needs numpy: texts alone do not
+
     return validate.within(name, single(value, name, kind), least, largest, hint)
 
 
 def tolerance(name: str, value: Any) -> float:
     """Return a growth rate in 1/s up to which a motion counts as stable, as `floquetrod._util.validate.tolerance`."""
+    from floquetrod._util import validate
+
     return validate.tolerance(name, single(value, name, "rate"))
 
 
-def array(name: str, values: Any, kind: str, least: float, largest: float) -> NDArray[np.float64]:
+def array(name: str, values: Any, kind: str, least: float, largest: float) -> Floats:
     """Return a physical argument as an array in SI units, from ``least`` to ``largest``: the one entrance of arrays.
 
     Numbers alone are in the SI unit of their kind; others are texts, quantities of pint, also of arrays, and sequences
     of them.  Raises as `floquetrod._util.validate.array` does.
     """
+    from floquetrod._util import validate
+
     return validate.array(name, si(values, name, kind), least=least, largest=largest)
 
 
@@ -424,7 +429,7 @@ def quantity(
     units = units_of(kind, critical_force)
     if is_measured(value):
         converted = in_si(value, name, kind)
-        if np.ndim(converted):
+        if getattr(converted, "ndim", 0):
             raise wrong_value(name, f"{_wanted(kind, units)}, got several: {short(value)}")
         return _bounded(converted, name, units, least, largest, short(value))
     if isinstance(value, int | float) and not isinstance(value, bool):

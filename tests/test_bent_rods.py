@@ -405,7 +405,7 @@ def test_a_rod_on_a_path_round_trips() -> None:
 
 def test_files_name_a_survey_or_hold_it(tmp_path: Path) -> None:
     (tmp_path / "survey.csv").write_text("MD (m),Inc (deg),Azi (deg)\n0,80,0\n200,84,3\n500,90,5\n")
-    sheet = 'catalogue = "2.00x0.156"\nbore = "4.778in"\nlength = 60\ndepth = "100ft"\n'
+    sheet = 'catalogue = "2.00x0.156"\nbore = "4.778in"\nlength = "60m"\ndepth = "100ft"\n'
     file = tmp_path / "rod.toml"
     file.write_text(sheet + 'path = "survey.csv"\n')
     found = fr.Rod.from_toml(file)

@@ -390,7 +390,7 @@ def test_unknown_far_ends_are_refused(value: Any) -> None:
         fr.AxialWave(0.3, 0.3, 150.0, far_end=value)
 
 
-@pytest.mark.parametrize("value", [-1e-9, math.nan, math.inf, None, "0.1", True])
+@pytest.mark.parametrize("value", [-1e-9, math.nan, math.inf, None, "0.1N", True])
 def test_axial_damping_is_a_decay_rate(value: Any) -> None:
     with pytest.raises((TypeError, ValueError), match=r"^axial_damping must"):
         fr.AxialWave(0.3, 0.3, 150.0, axial_damping=value)

@@ -219,7 +219,7 @@ CALLS: list[tuple[Callable[..., Any], dict[str, Any]]] = [
     (
         ROD.reach,
         {"path": WELL, "friction": 0.2, "tool": fr.VibrationTool(1.0, 100.0, 3.0), "speed": 0.05}
-        | {"far_force": 0.1, "push": 3.0, "depth": [10.0], "helical": "energy"},
+        | {"far_force": 0.1, "push": 3.0, "depth": [10.0], "helical": "energy", "yield_share": 0.8},
     ),
     (fr.ToolMode, {"frequency": "922Hz", "damping_ratio": 0.011, "mass": "39.93g"}),
     (fr.ToolMode, {"frequency": "922Hz", "damping_ratio": 0.011, "stiffness": "1.3N/um"}),
@@ -405,6 +405,7 @@ CALLS: list[tuple[Callable[..., Any], dict[str, Any]]] = [
             "far_force": 0.0,
             "push": 30.0,
             "helical": "energy",
+            "yield_share": 0.8,
             "samples": 2,
             "seed": 1,
             "confidence": 0.9,

@@ -116,6 +116,8 @@ def changed(value: Any, change: Callable[[float], Any], *, last: bool = True) ->
     if isinstance(value, Mapping):
         return {key: changed(each, change) for key, each in value.items()}
     if isinstance(value, list | tuple):
+        if hasattr(value, "_fields") or type(value) not in (list, tuple):
+            return value  # a result, such as a margin
         counted = isinstance(value, tuple) and len(value) == 3 and isinstance(value[2], int)
         return type(value)(
             each if counted and i == 2 and not last else changed(each, change) for i, each in enumerate(value)
@@ -198,6 +200,7 @@ def test_the_table_knows_every_physical_argument() -> None:
         *("highest", "segments", "frames", "friction", "poisson_ratio", "indentation", "contact_damping", "workers"),
         *("max_boxes", "steps", "longest", "accuracy", "samples", "confidence", "factor", "size", "noises", "x", "y"),
         "stiffness",
+        "yield_share",
     }
     for name, call in CALLS.items():
         plain = name.partition(" ")[0]

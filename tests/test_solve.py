@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from fractions import Fraction
 from typing import Any
 
@@ -213,7 +214,7 @@ def test_the_error_holds_what_rounds_the_coefficient() -> None:
 
     class Between(fr.Hill):
         def pieces(self) -> tuple[Any, ...]:
-            return (super().pieces()[0]._replace(mean=mean),)
+            return (replace(super().pieces()[0], start=mean),)
 
     solution = fr.solve(Between(-1.0, period=100.0), (1.0, 0.0), 602.0)
     with mp.workdps(40):

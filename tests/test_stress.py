@@ -62,7 +62,7 @@ def test_files_and_copies_keep_the_strength(tmp_path: Path) -> None:
     assert fr.Rod(**PIPE.as_dict()) == PIPE
     assert "yield_strength" not in ROD.as_dict()
     path = tmp_path / "rod.toml"
-    path.write_text('catalogue = "2.00x0.156 CT90"\nbore = "4.778in"\nlength = 60.0\nyield_strength = "500MPa"\n')
+    path.write_text('catalogue = "2.00x0.156 CT90"\nbore = "4.778in"\nlength = "60m"\nyield_strength = "500MPa"\n')
     assert fr.Rod.from_toml(path).yield_strength == 500e6
 
 

@@ -67,14 +67,15 @@ def test_strong_buckling_is_unstable(coupling: list[list[float]], growth: float)
         pytest.param(3e4, 3, marks=pytest.mark.slow),
     ],
 )
-def test_maps_beyond_doubles_are_undecided(size: float, equations: int) -> None:
+def test_maps_beyond_doubles_are_decided_by_the_matrix_of_hill(size: float, equations: int) -> None:
     rng = np.random.default_rng(equations)
     coupling = rng.normal(size=(equations, equations))
     for part in (coupling, coupling + coupling.T):
         system = fr.HillSystem(part - size * np.eye(equations), cosines=[np.eye(equations)])
-        assert fr.stability(system).status == "undecided"
-        with pytest.warns(fr.UndecidedWarning):
-            assert fr.systems.is_stable(system) is False
+        found = fr.stability(system)
+        assert (found.method, found.status) == ("spectral", "unstable")
+        assert found.growth_rate == pytest.approx(math.sqrt(size - np.linalg.eigvals(part).real.min()), rel=1e-4)
+        assert fr.systems.is_stable(system) is False
         assert np.isnan(fr.systems.multipliers(system)).all()
 
 

@@ -5,8 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-import numpy as np
-
 from floquetrod._util.arguments import wrong_value
 from floquetrod._util.suggest import short
 
@@ -27,7 +25,7 @@ def magnitude(value: Any, unit: str) -> Any:
     """Return the float, or the array, that a measured value is in a unit, named as pint does."""
     converted = value.to(unit)
     number = converted.magnitude if hasattr(converted, "magnitude") else converted.value
-    return float(number) if np.ndim(number) == 0 else number
+    return number if getattr(number, "ndim", 0) else float(number)
 
 
 def without_unit(name: str, value: Any) -> Any:
@@ -45,7 +43,8 @@ def mapped(
 
     Everything else stays as it is.  ``convert`` gets the name of each, such as "mean[3]", and itself.
     """
-    if type(values) in _PLAIN or (type(values) is np.ndarray and values.dtype.kind not in "OU"):
+    kind = getattr(getattr(values, "dtype", None), "kind", None)
+    if type(values) in _PLAIN or (type(values).__module__ == "numpy" and kind is not None and kind not in "OU"):
         return values
     if is_one(values):
         return convert(name, values)
@@ -60,7 +59,9 @@ def mapped(
         return tuple(found) if isinstance(values, tuple) else found
     if is_measured(held := getattr(values, "data", None)):  # an array of xarray about one of pint
         return convert(name, held)
-    if getattr(getattr(values, "dtype", None), "kind", None) in ("O", "U"):
+    if kind in ("O", "U"):
+        import numpy as np
+
         array = np.asarray(values)
         entries = np.empty(array.shape, dtype=object)
         for index, each in np.ndenumerate(array):

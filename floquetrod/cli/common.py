@@ -179,10 +179,10 @@ def add_wall_friction(command: argparse.ArgumentParser, *, required: bool = Fals
     )
 
 
-def add_push(command: argparse.ArgumentParser, push: str = "force at the upper end, such as 20kN") -> None:
+def add_push(command: argparse.ArgumentParser) -> None:
     """Add the options for the forces at both ends of a string, which `read_push` reads."""
     command.add_argument("--far-force", metavar="FORCE", default="0", help="mean force at the lower end (default: 0)")
-    command.add_argument("--push", metavar="FORCE", help=push)
+    command.add_argument("--push", metavar="FORCE", help="force that the injector gives, such as 20kN (default: any)")
 
 
 def read_push(options: argparse.Namespace, rod: fr.Rod) -> tuple[float, float | None]:

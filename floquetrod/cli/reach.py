@@ -59,9 +59,7 @@ are effective, positive in compression.
 
 def add(command: Parser) -> None:
     """Add help and options of the command to its parser."""
-    describe_command(
-        command, _HELP, _reach, ("well", "rod", "friction", "tool", "speed", "push", "yield_share", "figure")
-    )
+    describe_command(command, _HELP, _reach, ("well", "rod", "friction", "tool", "speed"))
     add_well(command, required=True)
     add_survey_units(command)
     add_rod(command, classified=False, in_a_well=True)
@@ -88,12 +86,12 @@ def add_well(command: argparse.ArgumentParser, *, required: bool) -> None:
     command.add_argument(
         "--speed", default="0.05m/s", help="speed at which the string slides while the tool works (default 0.05m/s)"
     )
-    add_push(command, "greatest force that the injector gives, such as 20kN (default: any)")
+    add_push(command)
     command.add_argument(
         "--yield-share",
         metavar="SHARE",
         default="0.8",
-        help="largest stress as a share of the yield strength, such as 0.6 or 60%%, or none for any (default 0.8)",
+        help="largest stress as a fraction of the yield strength, such as 0.6 or 60%%, or none for any (default 0.8)",
     )
     command.add_argument(
         "--helical",

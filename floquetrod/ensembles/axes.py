@@ -112,7 +112,7 @@ class Design:
 
     @property
     def has_own_seeds(self) -> bool:
-        """Whether every sample has seeds of its own: runs of one seed in all samples would not be independent."""
+        """Whether every sample has seeds of its own, without which the runs of different samples are not independent."""
         return {"sample", "seed"} <= set(self.dims)
 
     @cached_property

@@ -104,14 +104,16 @@ def log_errors(y: NDArray[Any], above: NDArray[Any], radii: Floats) -> Floats:
     return np.asarray(np.where(radii > 0.5 * nearest, whole, np.fmin(slopes(y, above, radii), whole)))
 
 
-def vague_growth(y: NDArray[Any], radii: Floats) -> tuple[Floats, Floats]:
-    """Return the middle of what the growth over a period may be within large discs, and the error of s.
+def growth_bounds(y: NDArray[Any], radii: Floats) -> tuple[Floats, Floats]:
+    """Return bounds of the growth over a period within large discs: abs(y) = sinh(growth / 2)^2 + sin(turn / 2)^2."""
+    low = 2.0 * np.arcsinh(np.sqrt(np.maximum(0.0, np.abs(y) - radii - 1.0)))
+    return low, 2.0 * np.arcsinh(np.sqrt(np.abs(y) + radii))
 
-    From abs(y) = sinh(growth / 2)^2 + sin(turn / 2)^2.
-    """
-    low = np.arcsinh(np.sqrt(np.maximum(0.0, np.abs(y) - radii - 1.0)))
-    high = np.arcsinh(np.sqrt(np.abs(y) + radii))
-    return low + high, np.hypot(high - low, math.pi)
+
+def vague_growth(y: NDArray[Any], radii: Floats) -> tuple[Floats, Floats]:
+    """Return the middle of the bounds of the growth over a period within large discs, and the error of s."""
+    low, high = growth_bounds(y, radii)
+    return 0.5 * (low + high), np.hypot(0.5 * (high - low), math.pi)
 
 
 def ldexp(value: float, exponent: int) -> float:

@@ -1,4 +1,4 @@
-"""When motion returns to where it was, at all or but for coordinates that grow: angles, and what nothing depends on."""
+"""When motion returns to where it was, at all or except for coordinates that grow: angles, and what nothing depends on."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ def returned(times: Floats, states: Floats, rates: Floats) -> float | None:
 def sizes(states: Floats) -> Floats:
     """Return how far motion goes in each of its components, not less than 1e-6 of the largest magnitude of them all.
 
-    In an invariant plane a component is 0 but for errors of the integration.
+    In an invariant plane a component is 0 except for errors of the integration.
     """
     return np.asarray(np.maximum(np.ptp(states, axis=0), 1e-6 * float(np.abs(states).max()) + 1e-300))
 
@@ -42,7 +42,7 @@ def sizes(states: Floats) -> Floats:
 def require_no_rotation(
     system: NonlinearSystem, times: Floats, states: Floats, rates: Floats, march: Callable[[Floats, float], Floats]
 ) -> None:
-    """Raise ValueError where motion has settled to one that returns but for coordinates that grow.
+    """Raise ValueError where motion has settled to one that returns except for coordinates that grow.
 
     ``march`` gives the states of the motion from a state over a time.
     """

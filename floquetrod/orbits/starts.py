@@ -232,7 +232,7 @@ def _autonomous(system: NonlinearSystem, state: Floats) -> Guess:
 
 
 def _require_no_rotation(system: NonlinearSystem, motion: Guess, last: slice) -> None:
-    """Raise ValueError where the last samples of motion return but for coordinates that grow."""
+    """Raise ValueError where the last samples of motion return except for coordinates that grow."""
 
     def march(state: Floats, span: float) -> Floats:
         return _marched(system, state, span, "").states

@@ -168,7 +168,7 @@ def probability_of_reach(
     push : float or str, optional
         Greatest compression in N that the upper end can be given; by default any.
     yield_share : float or None
-        Largest stress as a share of the rod's ``yield_strength``, as in `Rod.reach`; None for any.
+        Largest stress as a fraction of the rod's ``yield_strength``, as in `Rod.reach`; None for any.
     helical : str
         When a pushed string becomes a helix, as in `Rod.reach`.
     samples : int

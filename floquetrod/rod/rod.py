@@ -316,7 +316,7 @@ class Rod(RodData):
         push : float or str, optional
             Greatest compression in N that the upper end can be given; by default any.
         yield_share : float or None
-            Largest stress anywhere along the string, axial and bending together, as a share of the rod's
+            Largest stress anywhere along the string, axial and bending together, as a fraction of the rod's
             ``yield_strength``: more than 0, 1 at most, or None for any.  Without a yield strength nothing is limited.
         depth : array_like, optional
             Measured depths in m, or each with a unit such as "9000ft", of the lower end at which the force at the upper
@@ -906,9 +906,7 @@ class Rod(RodData):
         """
         found, tolerance = require_noise("load", load), units.tolerance("growth_tolerance", growth_tolerance)
         validate.progress(progress)
-        model: Any = self.modes_under(found)
-        factor: CriticalFactor = model.critical_noise(found, tolerance, progress)
-        return factor
+        return self.modes_under(found).critical_noise(found, tolerance, progress)
 
     # --- proofs ---
 

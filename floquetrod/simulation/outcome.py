@@ -27,7 +27,7 @@ _LEFT = 3.0  # damping rate times time after which a twentieth is left of motion
 _PERIODS, _TIMES = (
     3,
     96,
-)  # of the slowest mode over which the swing of a kick is looked for, and times in them (a choice)
+)  # of the slowest mode over which the swing of a kick is searched for, and times in them (a choice)
 
 KINDS = ("quiet", "buckled", "at rest", "dying out", "swinging")
 """What may have become of a rod; the places are the numbers of ``outcome`` in ensembles."""

@@ -43,7 +43,6 @@ class TimeSteps:
         duration = validate.positive("duration", duration, "in s")
         frames = validate.integer("frames", frames, 2, hint="the start and the end among them")
         per_frame = validate.integer("per_frame", per_frame, 1)
-        limit = validate.choice("limit", limit, STEP_LIMITS)
         count = (frames - 1) * per_frame
         return cls(count, per_frame, duration / count, limit)
 

@@ -116,7 +116,7 @@ class WellPath(Reported, ByContent, TellsAttributes):
         if found is not None:
             error = validate.wrong_value(found.argument, f"at station {found.station} {found.problem}")
             raise located(f"{file}line {lines[found.station - 1]}", error) if lines else error
-        for odd in survey.suspicions(*columns, has_headings=has_headings, in_degrees=in_degrees):
+        for odd in survey.suspicions(*columns, of_file=bool(lines), has_headings=has_headings, in_degrees=in_degrees):
             where = f"{file}line {lines[odd.station - 1]}: " if lines else ""
             text = Message(f"{where}station {odd.station} ", odd.problem, SILENCE)
             warnings.warn(text, PlausibilityWarning, stacklevel=level_of_caller())

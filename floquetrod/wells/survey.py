@@ -132,11 +132,18 @@ def _faults(columns: dict[str, Floats]) -> Iterator[Fault]:
 
 
 def suspicions(
-    depth: Floats, inclination: Floats, azimuth: Floats, *, has_headings: bool = True, in_degrees: bool = False
+    depth: Floats,
+    inclination: Floats,
+    azimuth: Floats,
+    *,
+    of_file: bool = False,
+    has_headings: bool = True,
+    in_degrees: bool = False,
 ) -> Iterator[Fault]:
     """Yield what is most likely a mistake in a survey that is possible, for each kind of mistake one station.
 
-    The columns of a file may have no headings, and angles taken ``in_degrees`` that nobody named for this file.
+    The columns of a file may be exchanged, have no headings, and hold angles taken ``in_degrees`` without a unit.  Arrays
+    are often sections of a well.
     """
     if in_degrees and _in_radians(depth, np.degrees(inclination), np.degrees(azimuth)):
         i = int(np.argmax(inclination))
@@ -157,7 +164,7 @@ def suspicions(
             f"has {math.degrees(inclination[0]):.4g} deg of inclination, so that the well goes up from there: 0 is "
             "straight down here; where 180 deg is, give 180 deg minus these",
         )
-    elif _exchanged(depth, inclination, azimuth):
+    elif of_file and _exchanged(depth, inclination, azimuth):
         yield Fault(
             "inclination",
             1,

@@ -468,7 +468,15 @@ def _of_wells() -> dict[str, Call]:
     along = {"path": path, "friction": 0.2, "motion": "pushed", "far_force": 0.1, "bottom": 1200.0, "depth": [300.0]}
     tool = {"tool": fr.VibrationTool(1.0, 100.0, 3.0), "speed": 0.05, "helical": "energy"}
     along |= tool
-    pushed = {"path": path, "friction": 0.2, "far_force": 0.1, "push": 30.0, "depth": [300.0], **tool}
+    pushed = {
+        "path": path,
+        "friction": 0.2,
+        "far_force": 0.1,
+        "push": 30.0,
+        "depth": [300.0],
+        "yield_share": 0.8,
+        **tool,
+    }
     return {
         "VibrationTool": Call(fr.VibrationTool, {"amplitude": 5e3, "frequency": 113.0, "above_end": 30.0}),
         "Rod.mean_force": Call(ROD.mean_force, along),

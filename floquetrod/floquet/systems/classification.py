@@ -93,12 +93,13 @@ def classify_pairs(
         digits = ManyDigits(1.0 + discs.values, net, lambda cluster: spectra.discriminant(discs, cluster))
     logs = pairs.upper_logarithms(discs.values, digits.above)
     errors = pairs.log_errors(discs.values, digits.above, discs.radii)
-    whole_errors = errors if len(discs.clusters) == len(discs.values) else _errors_of_pairs(discs, digits.above)
     net, outside = digits.net.copy(), pairs.outside(discs.values, digits.above)
-    vague = discs.radii > 0.5 * np.maximum(1.0, np.abs(discs.values))  # beside others that grow fast
+    vague = _are_vague(discs.values, discs.radii)
     net[vague], errors[vague] = pairs.vague_growth(discs.values[vague], discs.radii[vague])
-    whole_errors[vague] = np.fmax(whole_errors[vague], errors[vague])
     net[vague] -= limit
+    whole_errors = errors
+    if len(discs.clusters) < len(discs.values):
+        whole_errors = np.fmax(errors, _errors_of_clusters(discs, digits.above, net + limit))
     digits = digits._replace(net=net)
     signs = np.zeros(len(logs), dtype=int)
     sides = _Sides.of(discs, digits, outside, errors, limit)
@@ -129,9 +130,21 @@ def classify_pairs(
     )
 
 
-def _errors_of_pairs(discs: Discs, above: Complexes) -> Floats:
-    """Return errors of the logarithms where discs of y touch: any of a cluster may be anywhere in its discs."""
-    return pairs.log_errors(discs.values, above, discs.reaches)
+def _are_vague(values: Complexes, radii: Floats) -> Bools:
+    """Return which discs of y are too large for a derivative of the logarithm, beside others that grow fast."""
+    return np.asarray(radii > 0.5 * np.maximum(1.0, np.abs(values)))
+
+
+def _errors_of_clusters(discs: Discs, above: Complexes, growth: Floats) -> Floats:
+    """Return errors of the logarithms of y where discs touch: any of a cluster may be anywhere in its discs.
+
+    ``growth`` over a period is their real part.
+    """
+    reaches = discs.reaches
+    errors, vague = pairs.log_errors(discs.values, above, reaches), _are_vague(discs.values, reaches)
+    low, high = pairs.growth_bounds(discs.values[vague], reaches[vague])
+    errors[vague] = np.hypot(np.maximum(high - growth[vague], growth[vague] - low), math.pi)
+    return errors
 
 
 class _Sides(NamedTuple):

@@ -1,4 +1,4 @@
-"""How much noise a rod bears: a factor, how well it is known, and what grows beyond it."""
+"""The critical noise of a rod: a factor, its error, and the mode that grows beyond it."""
 
 from __future__ import annotations
 

@@ -95,7 +95,7 @@ class Reach(Printed, ByContent):
     limit_shaken : str
         The same with the tool.
     lock_up : float
-        Measured depth in m at which the string locks up by statics alone, whatever it bears and the injector gives;
+        Measured depth in m at which the string locks up by statics alone, whatever its stress and the push;
         infinite where it does not, down to the deepest asked for.
     lock_up_shaken : float
         The same with the tool.

@@ -32,6 +32,7 @@ if TYPE_CHECKING:
     from floquetrod.floquet.proof.region import RegionProof
     from floquetrod.mathieu.criterion import FiniteTimeCriterion
     from floquetrod.plane import Axis, FoundBands
+    from floquetrod.rod.answers.critical_noise import CriticalFactor
     from floquetrod.rod.answers.intervals import FoundIntervals, Search, UnstableBand
     from floquetrod.rod.mode_equations.coupled_systems import CoupledEquations
 
@@ -228,6 +229,10 @@ class ModeModel(ABC):
     @abstractmethod
     def first_growth(self, search: Search, progress: Progress | None) -> Edge:
         """Return where something first grows within bounds, from the low one up, where nothing does."""
+
+    def critical_noise(self, load: Load, growth_tolerance: float, progress: Progress | None) -> CriticalFactor:
+        """Return the factor of the noise up to which the rod is stable in mean square."""
+        raise self.refusal("critical_noise")
 
     @abstractmethod
     def unstable_bands(
