@@ -14,6 +14,7 @@ import pytest
 import floquetrod as fr
 from conftest import depth
 from floquetrod.rod.loads.load import Load
+from floquetrod.rod.modes.coupled import CoupledModel
 from fuzz.rods import decades
 
 SLOW = 1e-6
@@ -102,6 +103,8 @@ def disagreements(question: Question, with_ranges: bool, dense: int) -> list[str
     growing = np.flatnonzero(question.growth(values) > SLOW)
     starts = list(values[growing[np.diff(growing, prepend=-2) > 1]]) if growing.size else []
     wrong = []
+    if with_ranges and isinstance(ranges.searched.model, CoupledModel) and answers["the range"][0] != critical:
+        wrong.append(f"the range ends at {answers['the range'][0]!r}, the critical load is {float(critical)!r}")
     if lowest < math.inf:
         starts.append(lowest)
         above = question.growth(lowest + 1e-7 * unit + critical.resolution * np.linspace(0.0, 1.0, 9))
@@ -125,11 +128,12 @@ def _is_narrow(question: Question, start: float, width: float) -> bool:
     ("changes", "amplitude", "frequency", "share"),
     [
         ({"ends": "clamped-hinged", "length": 3.6254783670219677}, 0.055708870618028705, 157.66443184038263, 0.03185),
-        (
+        pytest.param(
             {"ends": "clamped-free", "length": 2.4658167476469655, "damping_rate": 0.05},
             0.08483359862503231,
             77.67098964857985,
             0.27081,
+            marks=pytest.mark.slow,
         ),
     ],
 )
@@ -143,8 +147,27 @@ def test_no_unstable_band_wider_than_the_resolution_is_stepped_over(
     assert critical == pytest.approx(rod.stability(load).margin("mean").above, rel=1e-9)
     assert 0.0 < critical.resolution < 0.002 * rod.critical_force
     assert critical.searched == critical
+    end = 0.125 if share < 0.125 else 0.5  # of a piece that is searched
+    ranges = rod.stable_mean_forces(amplitude, frequency, bounds=(0.0, end * rod.critical_force))
+    assert ranges.intervals[0][:2] == (0.0, float(critical))
+    assert all("unnamed" not in part[2:] for part in ranges)
+    assert ranges.resolution < 0.002 * rod.critical_force
     assert rod.stability(fr.AxialLoad(critical * 0.9999, amplitude, frequency)).status == "stable"
     assert rod.stability(fr.AxialLoad(critical * 1.01, amplitude, frequency)).status == "unstable"
+
+
+def test_ranges_begin_with_the_interval_up_to_the_critical_load() -> None:
+    for seed in (12, *range(depth(60, 0))):
+        question = drawn(np.random.default_rng([77, seed]))
+        critical, ranges = question.critical(), question.ranges()
+        if isinstance(ranges.searched.model, CoupledModel) and critical > 0.0:
+            first = ranges.intervals[0]
+            assert first.low == 0.0, (seed, question)
+            assert (math.inf if first.high_end is None else first.high) == critical, (seed, question)
+            assert first.high == critical.searched, (seed, question)
+            assert critical.resolution <= ranges.resolution, (seed, question)
+        else:
+            assert seed != 12
 
 
 def test_critical_loads_margins_and_verdicts_of_drawn_rods_agree() -> None:

@@ -85,13 +85,14 @@ class CriticalLoad(float):
         }
 
 
-def ways_from_zero(quantity: Quantity, largest: float, unit: float) -> list[float]:
-    """Return the ends of the pieces in which a critical load is searched from zero up to the largest.
+def ends_between(quantity: Quantity, bounds: tuple[float, float], unit: float) -> list[float]:
+    """Return the ends of the pieces in which a force is searched within bounds, in increasing order.
 
-    They are those of a margin above zero, with ``unit`` the critical force, as far as the search goes.
+    Critical loads and ranges share them: zero and the ends of a margin about zero, with ``unit`` the critical force.
     """
-    _, above = WAYS[quantity](0.0, unit)
-    return [0.0, *(end for end in above if end < largest), largest]
+    low, high = bounds
+    below, above = WAYS[quantity](0.0, unit)
+    return [low, *sorted({end for end in (*below, 0.0, *above) if low < end < high}), high]
 
 
 def outward(

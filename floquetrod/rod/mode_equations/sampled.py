@@ -4,13 +4,16 @@ No count tells how many boundaries lie between two loads when modes are coupled,
 the distance of two samples may be missed; results say how wide that is.  Samples are evenly spaced, and more are taken
 where the modes that may resonate, most often far fewer than all, grow faster than between them: without damping a
 tongue is wider than the part of it that outgrows the damping, about four times the largest growth in frequency.
+
+Along a force, ranges and critical loads take the same samples: the first stable interval above zero ends at the
+critical load.
 """
 
 from __future__ import annotations
 
 import math
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import Literal, NamedTuple
@@ -33,6 +36,7 @@ SAMPLES = 257  # of a search between bounds, or of a piece of a search for a mar
 _AT_ONCE = 128  # steps between samples of all modes, unless fewer modes tell of more, and between reports (a choice)
 _ACCURACY = 1e-10  # relative, of a change
 _MOST_STEPS = 80  # to it: most often about ten
+_EVERY = 4  # steps along a force between samples of all modes, where time does not matter (a choice)
 _UNTOLD = 2.0  # seconds between two reports, about (a choice)
 _CLOSE_LOOKS = 1.5  # verdicts of few modes for each step: some are examined more closely
 _FEWEST_STEPS = 8  # of a search: with fewer it tells little (a choice)
@@ -60,29 +64,33 @@ def unstable_parts(
     varied: Quantity,
     modes: CoupledEquations,
     load: Load,
-    bounds: tuple[float, float],
+    piece: tuple[float, float],
     tolerance: float,
-    progress: Progress | None = None,
+    bounds: tuple[float, float],
     samples: int = SAMPLES,
+    progress: Progress | None = None,
 ) -> tuple[list[UnstablePart], float]:
-    """Return the parts of ``bounds`` that are not stable, in order, and the distance of samples."""
+    """Return the parts of ``piece`` that are not stable, in order, and the distance of samples.
+
+    An end of the piece that is an end of ``bounds`` has no name.
+    """
     search = _SampledSearch(varied, modes, load, tolerance)
-    even = np.linspace(*bounds, samples)
-    answers = []
-    for start in range(0, even.size, _AT_ONCE):
-        answers.append(search.stable(even[start : start + _AT_ONCE]))
-        if progress is not None:
-            progress(min(start + _AT_ONCE, even.size), even.size)
-    places, stable = search.completed(even, np.concatenate(answers), even)
+    even = np.linspace(*piece, samples)
+    steps = _Steps(even.size - 1, 1)  # along a force those of a critical load
+    if varied != "frequency":
+        steps = _Steps(search.costs(piece, grows=False).at_once, _EVERY)
+    blocks = list(search.blocks(even, steps, progress=progress))
+    places = np.concatenate([blocks[0][0][:1], *(seen[1:] for seen, _ in blocks)])
+    stable = np.concatenate([blocks[0][1][:1], *(answers[1:] for _, answers in blocks)])
     inside = search.changes(places, stable)
     ends = dict(zip(np.flatnonzero(stable[1:] != stable[:-1]).tolist(), inside.tolist(), strict=True))
     parts: list[UnstablePart] = []
     for first, after in runs(~stable):
-        low, high = ends.get(first - 1, bounds[0]), ends.get(after - 1, bounds[1])
+        low, high = ends.get(first - 1, piece[0]), ends.get(after - 1, piece[1])
         # Named where something is sure to grow: at the samples next to the ends; an end of the search needs no name.
         causes = (
             "unnamed" if at_end else _cause(varied, modes, load, float(places[i]))
-            for i, at_end in ((first, first == 0), (after - 1, after == places.size))
+            for i, at_end in ((first, low == bounds[0]), (after - 1, high == bounds[1]))
         )
         parts.append(UnstablePart(float(low), float(high), *causes))
     return parts, float(even[1] - even[0])
@@ -108,29 +116,31 @@ def first_change(
     search = _SampledSearch(varied, modes, load, tolerance)
     if not search.costs(piece, grows=not begins_stable).steps(most_seconds):
         return Edge(None, piece[0], 0.0)
-    here = search.stable(np.array(piece[:1]))
-    begins = bool(here[0]) if begins_stable is None else begins_stable
+    here = search.stable(np.array(piece[:1])) if begins_stable is None else None
+    begins = bool(begins_stable if here is None else here[0])
     costs = search.costs(piece, grows=not begins)
     steps = costs.steps(most_seconds)
     if not steps:
         return Edge(None, piece[0], 0.0, costs.each)
     places = np.linspace(*piece, steps + 1)
     step, spent = abs(float(places[1] - places[0])), costs.seconds(steps)
-    if here[0] != begins:
-        return Edge(piece[0], piece[0], step, costs.each)
-    for start in range(0, steps, costs.at_once):  # nothing beyond the first change matters
-        closer = places[start : start + costs.at_once + 1]
-        told = np.append(here, search.stable(closer[-1:]))
-        seen, stable = search.completed(closer[[0, -1]], told, closer, grows=not begins)
-        differ = np.flatnonzero(stable != begins)
+    distances = _Steps(costs.at_once, _EVERY if math.isinf(most_seconds) else costs.at_once)
+    for seen, stable in search.blocks(places, distances, here, grows=not begins, progress=progress):
+        differ = np.flatnonzero(stable != begins)  # nothing beyond the first change matters
         if differ.size:
             last = int(differ[0]) + 1
+            if last == 1:
+                return Edge(piece[0], piece[0], step, costs.each)
             at = float(search.changes(seen[last - 2 : last], stable[last - 2 : last])[0])
             return Edge(at, at, step, spent)
-        here = stable[-1:]
-        if progress is not None:
-            progress(min(start + costs.at_once, steps), steps)
     return Edge(None, piece[1], step, spent)
+
+
+class _Steps(NamedTuple):
+    """How many steps a block of samples has, and how many lie between samples of all modes."""
+
+    at_once: int
+    every: int
 
 
 class _SampledSearch(NamedTuple):
@@ -152,6 +162,31 @@ class _SampledSearch(NamedTuple):
 
     def _loads(self, places: Floats) -> Loads:
         return Loads.along(self.load, self.varied, places)
+
+    def blocks(
+        self,
+        places: Floats,
+        steps: _Steps,
+        first: Bools | None = None,
+        *,
+        grows: bool = False,
+        progress: Progress | None = None,
+    ) -> Iterator[tuple[Floats, Bools]]:
+        """Yield places, with those that few modes add, and whether they are stable, block by block in order.
+
+        Neighbouring blocks share a place.  ``first`` is the verdict at the first place where it is known.
+        """
+        known = np.zeros(0, dtype=np.bool_) if first is None else first
+        for start in range(0, places.size - 1, steps.at_once):
+            closer = places[start : start + steps.at_once + 1]
+            chosen = np.append(np.arange(0, closer.size - 1, steps.every), closer.size - 1)
+            while known.size < chosen.size:
+                known = np.append(known, self.stable(closer[chosen[known.size : known.size + _AT_ONCE]]))
+                if progress is not None:
+                    progress(start + int(chosen[known.size - 1]), places.size - 1)
+            seen, stable = self.completed(closer[chosen], known, closer, grows=grows)
+            yield seen, stable
+            known = stable[-1:]
 
     def changes(self, places: Floats, stable: Bools) -> Floats:
         """Return the last stable place before each change of the verdicts of neighbouring places."""

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from floquetrod._util.arrays import Bools, Floats, Ints
 from floquetrod._util.progress import Progress
 from floquetrod.equations import HillSystem
-from floquetrod.rod.answers.margins import Edge, outward, ways_from_zero
+from floquetrod.rod.answers.margins import Edge, ends_between, outward
 from floquetrod.rod.answers.verdict import RodStability
 from floquetrod.rod.loads.load import LIMITS, Load, Loads, Quantity
 from floquetrod.rod.mode_equations.coupling import coupling, refusal
@@ -218,7 +218,7 @@ class ModeModel(ABC):
         """
         self.require_on_wall(search)
         varied, _, (_, largest), _ = search
-        way = ways_from_zero(varied, largest, self.rod.critical_force)
+        way = ends_between(varied, (0.0, largest), self.rod.critical_force)
         told = [_as_shares(progress, piece, largest) for piece in pairwise(way)]
 
         def edge(piece: tuple[float, float], seconds: float, progress: Progress | None) -> Edge:

@@ -14,7 +14,7 @@ from floquetrod._util.parts import Gap, complement
 from floquetrod._util.progress import Progress, shifted
 from floquetrod.floquet.status import UndecidedWarning
 from floquetrod.rod.answers.intervals import QUANTITIES, BucklingWarning, FoundIntervals, Search, StabilityInterval
-from floquetrod.rod.answers.margins import Edge
+from floquetrod.rod.answers.margins import Edge, ends_between
 from floquetrod.rod.loads.axial import AxialGap, AxialResonanceError, axial_response, gaps, joined
 from floquetrod.rod.loads.load import Load, Loads, Quantity
 from floquetrod.rod.mode_equations.coupled_systems import CoupledEquations
@@ -89,17 +89,19 @@ def sampled_ranges(model: ModeModel, search: Search, progress: Progress | None) 
     if varied == "frequency" and not largest.is_uniform:
         pieces, skipped = _pieces_of_waves(model, search)
     else:
-        pieces = [(bounds, _modes(model, search))]
-    samples = [_share(piece, bounds, SAMPLES, _LEAST_SAMPLES) for piece, _ in pieces]
+        ends = bounds if varied == "frequency" else ends_between(varied, bounds, model.rod.critical_force)
+        pieces = [(piece, _modes(model, search._replace(bounds=piece))) for piece in pairwise(ends)]
+    every_piece = varied != "frequency"  # has as many samples as that of a critical load
+    samples = [SAMPLES if every_piece else _share(piece, bounds, SAMPLES, _LEAST_SAMPLES) for piece, _ in pieces]
     segments: list[tuple[tuple[float, float], list[UnstablePart]]] = []
     resolution, done = 0.0, 0
     for (piece, modes), number in zip(pieces, samples, strict=True):
-        told = shifted(progress, done, sum(samples) - number)
-        parts, distance = unstable_parts(varied, modes, largest, piece, tolerance, told, number)
-        resolution, done = max(resolution, distance), done + number
+        told = shifted(progress, done, sum(samples) - len(samples) - (number - 1))
+        parts, distance = unstable_parts(varied, modes, largest, piece, tolerance, bounds, number, told)
+        resolution, done = max(resolution, distance), done + number - 1
         if segments and segments[-1][0][1] == piece[0]:
             before, known = segments.pop()
-            if known and parts and known[-1].high == parts[0].low:
+            if known and parts and known[-1].high == parts[0].low:  # one part, cut where two pieces meet
                 first = known.pop()
                 parts[0] = replace(parts[0], low=first.low, low_cause=first.low_cause)
             piece, parts = (before[0], piece[1]), known + parts
