@@ -117,8 +117,9 @@ class _Pushed(NamedTuple):
         if pushing.drag.shaking is None:
             return pushing.passes(self.depths, limits)
         # Where it goes without its tool, which need not run before, the stress that its vibration adds does not count.
-        without = replace(pushing, drag=replace(pushing.drag, shaking=None)).passes(self.depths, limits)
-        passed = float(self.depths[without][-1]) if without.any() else -math.inf
+        every = pushing.examined(self.depths, limits)
+        without = replace(pushing, drag=replace(pushing.drag, shaking=None)).passes(every, limits)
+        passed = float(every[without][-1]) if without.any() else -math.inf
         return replace(pushing, passed=passed).passes(self.depths, limits)
 
 
@@ -157,8 +158,8 @@ def probability_of_reach(
         of the errors of the survey, "inclination_systematic", "azimuth_systematic", "inclination_random" and
         "azimuth_random", in rad.
     depth : array_like, optional
-        Measured depths in m of the lower end; twenty by default.  A string with a tool counts as stopped where it is at
-        one of them: between two it may be stopped unseen.
+        Measured depths in m of the lower end; twenty by default.  A string with a tool must pass a hundred depths along
+        the path, too, as in `Rod.reach`: between two it may be stopped unseen.
     tool : VibrationTool, optional
         It vibrates the string, as in `Rod.reach`.
     speed : float or str

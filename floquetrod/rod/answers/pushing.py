@@ -187,27 +187,28 @@ class Pushing:
         y = np.broadcast_to(drag.y_of(np.asarray(self.far_force)), depth.shape)
         return -drag.slopes(place, drag.friction.at(depth), y, drag.is_helix(place, y))
 
-    def examined(self, deepest: float, limits: Limits) -> Floats:
-        """Return the depths that a string must pass to reach the deepest, that among them.
+    def examined(self, depths: Floats, limits: Limits) -> Floats:
+        """Return the depths that a string must pass to reach the last of increasing ones, all of these among them.
 
-        With a tool, whose wave is reflected by the ends, nothing rises or falls with depth alone: evenly spaced depths.
+        With a tool, whose wave is reflected by the ends, nothing rises or falls with depth alone: no two depths are
+        farther from each other than a hundredth of the path.
         """
-        path = self.drag.path
+        path, deepest = self.drag.path, float(depths[-1])
         if self.drag.shaking is not None:
-            even = np.linspace(path.start, path.end, _TRIED_DEPTHS + 1)[1:]
-            return np.append(even[even < deepest], deepest)
+            before = np.append(path.start, depths[:-1])
+            parts = np.ceil((depths - before) * (_TRIED_DEPTHS / (path.end - path.start)) - 1e-9)
+            each = zip(before, depths, np.maximum(parts, 1.0).astype(int), strict=True)
+            return np.concatenate([np.linspace(a, b, n + 1)[1:] for a, b, n in each])
         enters = np.empty(0)
         if math.isfinite(limits.stress):
             places = self.places[(self.places > path.start) & (self.places < deepest)]
             y = np.broadcast_to(self.drag.y_of(np.asarray(self.far_force)), places.shape)
             enters = places[self._stress(places, y, 0.0) > limits.stress][:1]
-        return np.unique(np.concatenate([self.turning(deepest), enters, [deepest]]))
+        return np.unique(np.concatenate([self.turning(deepest), enters, depths]))
 
     def passes(self, depths: Floats, limits: Limits) -> Bools:
-        """Return which increasing depths strings are pushed to through all before; with a tool, through these alone."""
-        every = depths
-        if self.drag.shaking is None:
-            every = np.union1d(self.examined(float(depths[-1]), limits), depths)
+        """Return which increasing depths strings are pushed to through all that are `examined`."""
+        every = self.examined(depths, limits)
         goes = np.logical_and.accumulate(self.pushed(every, SOUGHT, limits).within(limits))
         return np.asarray(goes[np.searchsorted(every, depths)])
 
@@ -217,7 +218,7 @@ class Pushing:
         Those at the lower ends are sought at a ``few`` of the depths.
         """
         start, deepest = self.drag.path.start, float(depths[-1])
-        every = np.union1d(self.examined(deepest, limits), depths)
+        every = self.examined(depths, limits)
         ends = self.pushed(every, FAST, limits)
         kinds = (limits,) if limits == STATICS else (limits, STATICS)
         passed = [np.logical_and.accumulate(ends.within(kind)) for kind in kinds]

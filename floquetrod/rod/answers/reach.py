@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from floquetrod import units
 from floquetrod._util import validate
 from floquetrod._util.arrays import Bools, Floats
+from floquetrod._util.caching import cached_property
 from floquetrod._util.content import ByContent
 from floquetrod._util.deprecation import Renamed
 from floquetrod._util.interchange import by_keys
@@ -88,8 +89,8 @@ class Reach(Printed, ByContent):
         string is stopped it is so no farther below than 1e-6 of the length of the path.
     reach_shaken : float
         The same with the tool, whose stress counts deeper than ``reach`` alone: before, it need not run.  Some 5e-4 of
-        it are not known (measured), and a string that is stopped and goes on again between two of 100 depths along the
-        path is not seen to be.
+        it are not known (measured), and a string that is stopped and goes on again between two of the depths examined,
+        which are a hundredth of the path apart at most, is not seen to be.
     limit : str
         What limits ``reach``: "lock-up", "yield", "push", "end of the well" or "deepest asked for".
     limit_shaken : str
@@ -99,10 +100,6 @@ class Reach(Printed, ByContent):
         infinite where it does not, down to the deepest asked for.
     lock_up_shaken : float
         The same with the tool.
-    speeds : ndarray (3,)
-        Speeds of sliding in m/s, 0.4, 1 and 4 times ``sliding``; empty without a tool.
-    reach_at_speeds : ndarray (3,)
-        ``reach_shaken`` while the string slides at each of them.
     tool : VibrationTool or None
     along : MeanForce
         Along the string with the tool, its lower end as deep as it reaches.
@@ -159,8 +156,6 @@ class Reach(Printed, ByContent):
     limit_shaken: str
     lock_up: float
     lock_up_shaken: float
-    speeds: Floats
-    reach_at_speeds: Floats
     tool: VibrationTool | None
     along: MeanForce
     amplitude: Floats
@@ -178,6 +173,8 @@ class Reach(Printed, ByContent):
     frequency_depth: Floats
     frequency_growth: Floats
     frequency_speed: Floats
+    _pushing: Pushing = field(compare=False)
+    _limits: Limits = field(compare=False)
 
     kick = Renamed("speed_to_grow", until="0.2")
 
@@ -190,6 +187,23 @@ class Reach(Printed, ByContent):
     def is_stopped_shaken(self) -> bool:
         """The same with the tool."""
         return self.limit_shaken not in (END, ASKED)
+
+    @property
+    def speeds(self) -> Floats:
+        """Speeds of sliding in m/s, 0.4, 1 and 4 times ``sliding``, (3,); empty without a tool."""
+        return self.sliding * _SPEEDS if self.tool else np.empty(0)
+
+    @cached_property
+    def reach_at_speeds(self) -> Floats:
+        """``reach_shaken`` while the string slides at each of ``speeds``; computed when it is first asked for."""
+        shaking = self._pushing.drag.shaking
+        depth = np.full(self.speeds.size, self.reach_shaken)
+        for k in np.flatnonzero(self.speeds != self.sliding):
+            if shaking is not None:
+                other = replace(self._pushing.drag, shaking=replace(shaking, speed=float(self.speeds[k])))
+                string = replace(self._pushing, drag=other)
+                depth[k] = string.reached(float(self.depth[-1]), self._limits).depth
+        return depth
 
     @property
     def gain_at_speeds(self) -> Floats:
@@ -492,8 +506,10 @@ def reach(
     few = np.unique(np.linspace(0, depths.size - 1, _BITS).round().astype(int))
     pushing = Pushing(rod, replace(drag, shaking=None), far_force)
     without = shaken = pushing.sought(depths, few, limits)
-    reached, along, stress = pushing.along(without.reached, limits)
-    by_itself = reached
+    by_itself = without.reached
+    if tool is None or math.isfinite(limits.stress):  # with a tool, only for the stress at its places
+        by_itself, along, stress = pushing.along(by_itself, limits)
+    reached = by_itself
     if tool is not None:
         pushing = Pushing(rod, drag, far_force, by_itself.depth)
         shaken = pushing.sought(depths, few, limits)
@@ -519,8 +535,6 @@ def reach(
         limit_shaken=reached.limit,
         lock_up=_locks_up(without.lock_up),
         lock_up_shaken=_locks_up(shaken.lock_up),
-        speeds=sliding * _SPEEDS if tool else np.empty(0),
-        reach_at_speeds=_at_speeds(pushing, reached, float(depths[-1]), limits) if tool else np.empty(0),
         tool=tool,
         along=along,
         amplitude=along.vibration,
@@ -538,23 +552,14 @@ def reach(
         frequency_depth=others.depth,
         frequency_growth=others.growth,
         frequency_speed=others.speed,
+        _pushing=pushing,
+        _limits=limits,
     )
 
 
 def _locks_up(reached: Reached) -> float:
     """Return the depth in m at which a string locks up, infinite where it does not."""
     return reached.depth if reached.limit == LOCK_UP else math.inf
-
-
-def _at_speeds(pushing: Pushing, reached: Reached, deepest: float, limits: Limits) -> Floats:
-    """Return how deep a string with a tool reaches that slides at other speeds, the reach at its own given."""
-    shaking = pushing.drag.shaking
-    depth = np.full(_SPEEDS.size, reached.depth)
-    for k in np.flatnonzero(_SPEEDS != 1.0):
-        if shaking is not None:
-            other = replace(pushing.drag, shaking=replace(shaking, speed=float(_SPEEDS[k] * shaking.speed)))
-            depth[k] = replace(pushing, drag=other).reached(deepest, limits).depth
-    return depth
 
 
 def depths_of(path: WellPath, depth: Any) -> Floats:
