@@ -242,6 +242,20 @@ def test_surveys_in_other_conventions_are_warned_of(tmp_path: Path) -> None:
         ]
 
 
+def test_a_section_that_begins_inclined_has_no_exchanged_columns() -> None:
+    """It may turn from an azimuth of 0: by less than its inclination changes, or less than wells build."""
+    rng = np.random.default_rng(29)
+    for _ in range(depth(300, 30)):
+        md = np.cumsum(np.r_[0.0, rng.uniform(60.0, 200.0, 9)])
+        built = np.linspace(rng.uniform(10.0, 30.0), rng.uniform(60.0, 90.0), 10)
+        held = rng.uniform(10.0, 90.0) + np.zeros(10)
+        with warnings.catch_warnings():
+            warnings.simplefilter("error")
+            for inclination, most in ((built, 29.0), (held, 19.0)):
+                azimuth = np.linspace(0.0, rng.uniform(1.0, most), 10)
+                fr.WellPath(md, np.radians(inclination), np.radians(azimuth))
+
+
 def test_a_vertical_well_is_no_survey_in_radians(tmp_path: Path) -> None:
     rng = np.random.default_rng(3)
     for _ in range(depth(200, 20)):

@@ -31,6 +31,7 @@ _STRAIGHTER = 0.25  # the bend that is left without that station (a choice)
 _WELL = 30.0  # m: shorter paths are those of models in a laboratory, which may go up (a choice)
 _UPWARDS = math.radians(100.0)  # of the first station: beyond it a well would go up from the surface (a choice)
 _SURFACE = 0.01  # of the last depth, within which the first station is at the surface (a choice)
+_BUILDS = math.radians(20.0)  # least inclination that a well builds to (a choice)
 _NEARLY_VERTICAL = math.radians(1.0)  # of a first station of a usual well (a choice)
 _LEAST_BUILT, _RIGHT = 0.2, 1.6  # of the largest inclination as it stands in a file, which may be in radians (choices)
 _NEARLY_RIGHT = 1.4  # of these, beyond which a largest one of whole quarters may be in radians (a choice)
@@ -186,8 +187,13 @@ def suspicions(
 
 
 def _exchanged(depth: Floats, inclination: Floats, azimuth: Floats) -> bool:
-    """Return whether a survey begins inclined at the surface, and would begin vertical if its angles were exchanged."""
-    builds = azimuth.min() >= 0.0 and _KINK < azimuth.max() <= _UPWARDS and azimuth[0] < _NEARLY_VERTICAL
+    """Return whether a survey begins inclined at the surface, and would begin vertical if its angles were exchanged.
+
+    What is taken for azimuths builds as inclinations do, and by more than what is taken for inclinations changes: a
+    section of a well that begins inclined may turn from an azimuth of 0, too.
+    """
+    builds = azimuth.min() >= 0.0 and _BUILDS < azimuth.max() <= _UPWARDS and azimuth[0] < _NEARLY_VERTICAL
+    builds &= np.ptp(azimuth) > np.ptp(inclination)
     return bool(_begins_inclined(depth, inclination) and builds and azimuth[0] == azimuth.min())
 
 
