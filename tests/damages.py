@@ -3,10 +3,14 @@
 from __future__ import annotations
 
 import io
+import json
 import zipfile
 from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from floquetrod._util import files
 
@@ -67,3 +71,10 @@ def shuffled(whole: bytes, others: Sequence[bytes], rng: np.random.Generator) ->
 def sealed(content: bytes) -> bytes:
     """Return the same bytes with the seal that belongs to them: no accident, somebody did that on purpose."""
     return content[: -files._SEALED] + files._seal(io.BytesIO(content))
+
+
+def unpacked(path: Path) -> tuple[dict[str, Any], dict[str, NDArray[Any]]]:
+    """Return description and arrays of a file of ours as numpy reads it, to be written again with changes."""
+    with np.load(path, allow_pickle=False) as file:
+        arrays = dict(file)
+    return json.loads(str(arrays.pop("meta"))), arrays

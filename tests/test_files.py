@@ -19,7 +19,7 @@ import pytest
 
 import floquetrod as fr
 from conftest import depth
-from damages import damaged, sealed, shuffled
+from damages import damaged, sealed, shuffled, unpacked
 from floquetrod import cli
 from floquetrod._util import files
 from floquetrod._util.files import atomic_file, writable
@@ -335,7 +335,7 @@ def test_the_same_content_makes_the_same_file_which_numpy_reads(tmp_path: Path) 
 
 def forge(path: Path, **changes: Any) -> None:
     """Write a chart with other entries of its description, or other arrays, under a seal that fits."""
-    meta, arrays = files._unpack(small_map().save(path))
+    meta, arrays = unpacked(small_map().save(path))
     for name, value in changes.items():
         target: dict[str, Any] = meta if name in meta and not isinstance(value, np.ndarray) else arrays
         target[name] = value
@@ -375,7 +375,7 @@ def test_every_field_of_a_chart_is_checked(tmp_path: Path, changes: dict[str, An
 
 def test_every_field_of_a_simulation_is_checked(tmp_path: Path) -> None:
     path = short_run().save(tmp_path / "run.npz")
-    meta, arrays = files._unpack(path)
+    meta, arrays = unpacked(path)
     bad = {name: array[:-1] for name, array in arrays.items()} | {
         "positions": np.full_like(arrays["positions"], np.nan)
     }
@@ -520,7 +520,7 @@ def bombs(path: Path) -> dict[str, Callable[[], object]]:
     zeros = np.zeros(12_500_000)
 
     def forge(saved: Path, *names: str) -> None:
-        meta, arrays = files._unpack(saved)
+        meta, arrays = unpacked(saved)
         for name in names:
             place = path / f"{saved.stem} {name}.npz"
             files.write_npz(place, meta, {**arrays, name: zeros}, compress=True)

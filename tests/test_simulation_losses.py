@@ -15,6 +15,7 @@ import numpy as np
 import pytest
 
 import floquetrod as fr
+from damages import unpacked
 from floquetrod._util import files
 from floquetrod.simulation import checkpoints, integration, problem, rod_record
 from test_simulation import ROD, Stop, run
@@ -236,7 +237,7 @@ def test_what_another_version_or_machine_wrote_is_refused_with_a_remedy(
     with pytest.raises(ValueError, match=rf"cannot be continued bit for bit here: .* {name} 7\.5; continue .*remove"):
         run(checkpoint=path)
     assert path.read_bytes() == before
-    meta, _ = files._unpack(path)
+    meta, _ = unpacked(path)
     assert meta["version"] == fr.__version__
 
 
@@ -244,7 +245,7 @@ def test_a_processor_that_rounds_otherwise_is_found_out(tmp_path: Path) -> None:
     """The last steps are done again: a bit of the state they start from stands for one of another machine's sine."""
     path = tmp_path / "run.ckpt"
     run(checkpoint=path, progress=Stop(3))
-    meta, arrays = files._unpack(path)
+    meta, arrays = unpacked(path)
     before = arrays["before"].copy()
     before[8 * rod_record.FIRST] ^= 1  # of the place of the first node
     files.write_npz(path, meta, {**arrays, "before": before}, compress=False)
@@ -265,7 +266,7 @@ def test_a_processor_that_rounds_otherwise_is_found_out(tmp_path: Path) -> None:
 def test_every_field_of_a_checkpoint_is_checked(tmp_path: Path, name: str, change: Any, message: str) -> None:
     path = tmp_path / "run.ckpt"
     run(checkpoint=path, progress=Stop(3))
-    meta, arrays = files._unpack(path)
+    meta, arrays = unpacked(path)
     changed = {**arrays, name: change(arrays[name])}
     files.write_npz(path, meta, {key: value for key, value in changed.items() if value is not None}, compress=False)
     with pytest.raises(ValueError, match=f"is not a checkpoint of a simulation that can be read: {message}"):
@@ -275,7 +276,7 @@ def test_every_field_of_a_checkpoint_is_checked(tmp_path: Path, name: str, chang
 def test_a_clock_that_cannot_be_is_refused(tmp_path: Path) -> None:
     path = tmp_path / "run.ckpt"
     run(checkpoint=path, progress=Stop(3))
-    meta, arrays = files._unpack(path)
+    meta, arrays = unpacked(path)
     layout = rod_record.rod_type(60)
     for value in (np.nan, -1.0, 0.5, 1e300):
         (rod,) = np.frombuffer(bytearray(arrays["state"]), layout)

@@ -12,6 +12,7 @@ from pathlib import Path
 import pytest
 
 import floquetrod as fr
+from damages import unpacked
 from floquetrod._util import files
 from floquetrod.simulation.time_steps import TimeSteps
 
@@ -91,15 +92,23 @@ def test_plain_data_makes_the_problem_again() -> None:
 def test_a_file_tells_the_steps_that_were_taken(tmp_path: Path) -> None:
     """Another version may take other steps for the same problem; what it made stays readable, and says so."""
     path = PROBLEM.run().save(tmp_path / "run.npz")
-    meta, arrays = files._unpack(path)
+    meta, arrays = unpacked(path)
     files.write_npz(path, {**meta, "steps_per_frame": 1000}, arrays, compress=True)
     assert fr.Simulation.load(path).time_steps == TimeSteps.between_frames(0.01, 5, 1000, "stretch")
+
+
+def test_steps_of_a_duration_with_a_unit() -> None:
+    assert TimeSteps.between_frames("10ms", 5, 1000, "stretch") == TimeSteps.between_frames(0.01, 5, 1000, "stretch")
+    with pytest.raises(ValueError, match="duration must be"):
+        TimeSteps.between_frames("10m", 5, 1000, "stretch")
+    with pytest.raises(ValueError, match="duration must be"):
+        TimeSteps.between_frames(0.0, 5, 1000, "stretch")
 
 
 def test_a_checkpoint_of_an_older_format_is_refused_with_a_remedy(tmp_path: Path) -> None:
     path = tmp_path / "run.ckpt"
     PROBLEM.run(checkpoint=path)
-    meta, arrays = files._unpack(path)
+    meta, arrays = unpacked(path)
     files.write_npz(path, {**meta, "format": "floquetrod checkpoint 2"}, arrays, compress=False)
     with pytest.raises(ValueError, match=r"its format is 'floquetrod checkpoint 2'.*; give another path, or remove it"):
         PROBLEM.run(checkpoint=path)

@@ -265,12 +265,6 @@ def _opened(path: Path) -> Iterator[tuple[dict[str, Any], Arrays]]:
             yield _description(arrays), arrays
 
 
-def _unpack(path: Path) -> tuple[dict[str, Any], dict[str, NDArray[Any]]]:
-    """Return description and arrays of a sealed file, all of them read."""
-    with _opened(path) as (meta, arrays):
-        return meta, {name: arrays[name] for name in arrays if name != "meta"}
-
-
 def _require_sealed(file: IO[bytes]) -> None:
     """Raise ValueError where the checksum at the end of a file is missing or does not fit."""
     seal = _seal(file)

@@ -40,7 +40,7 @@ class TimeSteps:
         Raises ValueError or TypeError for fewer than two frames, no steps between them, and a duration that is not
         positive.
         """
-        duration = validate.positive("duration", duration, "in s")
+        duration = units.number("duration", duration, "time", math.ulp(0.0), hint="in s")
         frames = validate.integer("frames", frames, 2, hint="the start and the end among them")
         per_frame = validate.integer("per_frame", per_frame, 1)
         count = (frames - 1) * per_frame
