@@ -407,8 +407,8 @@ def physics(mesh: DiscreteRod, load: fr.AxialLoad, step: float, friction: float)
     )
 
 
-def critical_time_step(mesh: DiscreteRod, impact_speed: float) -> tuple[float, str]:
-    """Return the largest stable time step in s, with the simulator's margin, and what limits it."""
+def critical_time_step(mesh: DiscreteRod, impact_speed: float) -> float:
+    """Return the largest stable time step in s, with the simulator's margin."""
     rod, length, mass, rigidity = mesh.rod, mesh.segment_length, mesh.segment_mass, _shear_rigidity(mesh)
     inertia = mass * (rod.radius**2 / 4.0 + length**2 / 12.0)
     stretch = 4.0 * rod.youngs_modulus / (rod.density * length**2)
@@ -417,12 +417,9 @@ def critical_time_step(mesh: DiscreteRod, impact_speed: float) -> tuple[float, s
     speed2 = 4.0 * rod.gravity * rod.radial_clearance + impact_speed**2
     depth = mesh.depth_at_rest + (1.25 * speed2 / mesh.contact_stiffness) ** 0.4
     contact = 1.5 * mesh.contact_stiffness * math.sqrt(depth)
-    fastest = max(stretch, shear)
-    frequency = math.sqrt(fastest + contact)
+    frequency = math.sqrt(max(stretch, shear) + contact)
     ratio = 0.5 * mesh.contact_stiffness * math.sqrt(depth) * mesh.contact_time / frequency
-    bound = 2.0 / frequency * (math.sqrt(1.0 + ratio**2) - ratio)
-    limit = "contact" if contact > fastest else "shear" if shear > stretch else "stretch"
-    return SAFETY * bound, limit
+    return SAFETY * 2.0 / frequency * (math.sqrt(1.0 + ratio**2) - ratio)
 
 
 def start(problem: fr.SimulationProblem) -> Any:
@@ -443,9 +440,9 @@ def start(problem: fr.SimulationProblem) -> Any:
 def simulate(problem: fr.SimulationProblem) -> fr.Simulation:
     """Return what the former simulator makes of a problem; its energies and forces at the ends are left out."""
     speed = float(np.abs(problem.perturbation.velocities(problem.segments)).max())
-    largest, limit = critical_time_step(problem.mesh, speed)
+    largest = critical_time_step(problem.mesh, speed)
     between = math.ceil(problem.duration / (problem.frames - 1) / largest)
-    steps = TimeSteps.between_frames(problem.duration, problem.frames, between, limit)
+    steps = TimeSteps.between_frames(problem.duration, problem.frames, between, "choice")
     constants = physics(problem.mesh, problem.load, steps.size, problem.friction)
     rod, nodes = start(problem), slice(problem.segments + 1)
     run = compiled_for(advance, rod, 1, constants)

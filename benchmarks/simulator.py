@@ -86,7 +86,7 @@ def element_step(friction: float, segments: int) -> float:
 def former_element_step(friction: float, segments: int) -> float:
     """Return the seconds one step of one segment takes the former kernel."""
     problem = fr.SimulationProblem(ROD, LOAD, friction=friction, segments=segments)
-    step, _ = cosserat.critical_time_step(problem.mesh, 1e-3)
+    step = cosserat.critical_time_step(problem.mesh, 1e-3)
     return _element_step(
         cosserat.advance, cosserat.start(problem), cosserat.physics(problem.mesh, LOAD, step, friction)
     )

@@ -30,6 +30,8 @@ SPEED, HIGHEST = 0.05, 20
 FIGURE_4 = {85.0: (0.10, 0.25, 0.40, 0.55, 0.70), 150.0: (0.05, 0.20, 0.34, 0.52, 0.63)}
 """Mean forces at each frequency (rad/s); those at 85 rad/s are ours, on both sides of the 0.45 of claim F3-a."""
 
+_FRAMES_4 = 601  # of 3 s: more than 8 in each of 72 periods of 150 rad/s, as fits of growth need
+
 FIGURE_7 = {
     (85.0, 0.118): {"A": 0, "B": 0, "C 6": 0, "C 10": 0, "D": 0},
     (85.0, 0.424): {"A": 0, "B": 0, "C 6": 0, "C 10": 0, "D": 0},
@@ -111,7 +113,9 @@ def figure_4(seed: int = 1, speed: float = 1e-3, duration: float = 3.0) -> list[
             linear = ROD.stability(load)
             rates = zip(linear.modes, linear.mode_growth_rates.tolist(), strict=True)
             grow = tuple(mode for mode, rate in rates if rate * duration > np.log(100.0))
-            problem = SimulationProblem(ROD, load, duration=duration, perturbation=kick, stop_early=True)
+            problem = SimulationProblem(
+                ROD, load, duration=duration, frames=_FRAMES_4, perturbation=kick, stop_early=True
+            )
             trials.append(Trial(problem, mean, f"random, seed {seed}", grow))
     return trials
 

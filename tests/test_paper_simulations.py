@@ -13,6 +13,7 @@ import pytest
 from numpy.typing import NDArray
 
 import floquetrod as fr
+from floquetrod.simulation.growth import LEAST_PER_PERIOD
 from studies import reproduction, simulation_claims, simulations
 from studies.__main__ import main
 from studies.simulation_claims import SimulationStudy, friction_share
@@ -50,6 +51,12 @@ def as_the_paper_says(study: SimulationStudy) -> SimulationStudy:
         )
 
     return replace(study, figure_4=all_of(study.figure_4), figure_7=all_of(study.figure_7))
+
+
+def test_frames_are_close_enough_for_fits_of_growth() -> None:
+    for trial in simulations.figure_4():
+        spacing = trial.problem.duration / (trial.problem.frames - 1)
+        assert LEAST_PER_PERIOD * spacing <= 2.0 * np.pi / trial.frequency, str(trial)
 
 
 def test_draws_that_end_as_expected_are_counted() -> None:

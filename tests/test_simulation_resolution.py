@@ -103,6 +103,6 @@ def test_a_rod_that_has_left_the_wall_says_so_in_place_of_a_mode() -> None:
     off = radius.min(axis=1) < 0.99 * ROD.radial_clearance
     assert thrown.left_wall == off.mean() > 0.5
     assert thrown.note == f"off the wall in {100 * off.mean():.0f} % of the frames of the last quarter"
-    assert repr(thrown).startswith("<buckled, largest angle")
+    assert repr(thrown).startswith("<not buckled, swinging on to")  # 3 m/s throw it as far without any load
     lying = fr.simulate(ROD, load, duration=0.5, perturbation=fr.Perturbation.modes({7: 0.02}))
     assert (lying.left_wall < 0.5, lying.note) == (True, "")
