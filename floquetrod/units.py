@@ -49,7 +49,16 @@ _UNITS: dict[str, dict[str, float]] = {
     },
     "acceleration": {"m/s2": 1.0, "m/s^2": 1.0, "ft/s2": 0.3048},
     "rate": {"1/s": 1.0, "/s": 1.0},
-    "speed": {"m/s": 1.0, "cm/s": 1e-2, "mm/s": 1e-3, "ft/s": 0.3048},
+    "speed": {
+        "m/s": 1.0,
+        "cm/s": 1e-2,
+        "mm/s": 1e-3,
+        "ft/s": 0.3048,
+        "m/min": 1.0 / 60.0,
+        "ft/min": 0.3048 / 60.0,
+        "m/h": 1.0 / 3600.0,
+        "ft/h": 0.3048 / 3600.0,
+    },
     "angle": {"rad": 1.0, "deg": math.pi / 180.0},
     "curvature": {
         "1/m": 1.0,

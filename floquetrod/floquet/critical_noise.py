@@ -96,7 +96,7 @@ def critical_noise(system: Problem, noise: Any, interpretation: str = "ito") -> 
 
     def growth(factor: float) -> float:
         found: SystemStability = run("monodromy", moments(factor))
-        return found.exponents[0].real if found.exponents else math.nan
+        return found.highest_rate
 
     size = float(np.abs(whole.mean - second_moments(system, _scaled(system, noise, 0.0), interpretation).mean).max())
     if size == 0.0:

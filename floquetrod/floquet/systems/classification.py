@@ -352,6 +352,8 @@ def _verdict(
     """
     period = float(system.period)
     damped = damping > 0.0
+    # Solutions that keep their norm are bounded; a Hamiltonian matrix next to such a one need not keep it.
+    stays = system.structure == "unitary" or all(part.high < 0.0 or (part.bounded and not damped) for part in parts)
     if isinstance(system, PeriodicSystem) and system.keeps_norm and are_all:
         parts, net = (
             [part._replace(low=0.0, high=0.0, bounded=True, reason="") for part in parts],
@@ -362,7 +364,7 @@ def _verdict(
     if any(part.low > 0.0 or (are_paired and not damped and not part.bounded and not part.reason) for part in parts):
         status, strongly = "unstable", False
     elif all(part.high < 0.0 or (part.bounded and not damped) for part in parts):
-        status, strongly = "stable", True
+        status, strongly = "stable", True if stays else None
     else:
         status, strongly = "undecided", None
         if not isinstance(system, DelaySystem):

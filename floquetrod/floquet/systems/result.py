@@ -58,6 +58,12 @@ class SystemStability(FloquetVerdict):
         return bool(self.exponents) and all(error * self.period <= 1.0 for error in self.exponent_errors)
 
     @property
+    def highest_rate(self) -> float:
+        """Largest real part of the exponents that are known, an upper bound where none is, NaN without exponents."""
+        rates = [exponent.real for exponent in self.exponents if exponent == exponent]
+        return max(rates, default=self.unknown_below if self.exponents else math.nan)
+
+    @property
     def _slowest(self) -> float:
         """Largest real part of the exponents, or upper bound of it where some are not known."""
         return max(super()._slowest, self.unknown_below)

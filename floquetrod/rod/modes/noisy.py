@@ -39,6 +39,7 @@ _CLOSER = 17  # places in a band at which growth is examined (a choice)
 _STRONGEST = 10.0  # damping rate that is tried, in terms of the frequency of the load (a choice)
 _LARGEST = 1e9  # density that is tried, in terms of the limit of high modes (a choice)
 NEAREST = 1e-10  # of verdicts on both sides of a critical factor, relative (a choice)
+_MOST_AGAIN = 64  # modes that a batch leaves undecided, judged one by one in some milliseconds each (a choice)
 _MOST_DECISIVE = 256  # modes that a verdict next to a critical factor may need: a closer one would take long (a choice)
 _PARTS = 2  # of a search for a critical factor that are to come, at least
 
@@ -263,8 +264,14 @@ def _rates(parts: Parts, chosen: Bools, workers: int | None) -> ManyVerdicts:
 
     if not chosen.any():
         return ManyVerdicts(np.zeros(0, dtype=np.int8), np.zeros(0))
-    found = verdicts(parts.moments(chosen), workers=workers, quick=True)
-    return ManyVerdicts(found.status, found.growth * np.broadcast_to(parts.rate, chosen.shape)[chosen])
+    moments = parts.moments(chosen)
+    status, growth = verdicts(moments, workers=workers, quick=True)
+    # Multipliers many decades apart, as those of strong damping, have no joint error in a batch, but each its own.
+    for i in np.flatnonzero(status == UNDECIDED)[:_MOST_AGAIN]:
+        alone = run("monodromy", pick(moments, int(i)))
+        if alone.status != "undecided":
+            status[i], growth[i] = STATUS_CODES[alone.status], alone.growth_rate
+    return ManyVerdicts(status, growth * np.broadcast_to(parts.rate, chosen.shape)[chosen])
 
 
 class _FactorSearch:
@@ -330,7 +337,7 @@ class _FactorSearch:
             moments = run("monodromy", pick(parts.moments(np.ones((1, 1), dtype=np.bool_)), 0))
             if not moments.exponents:
                 raise wrong_value("load", f"must be one under which mode {mode} can be judged, got {self.load!r}")
-            rate = moments.exponents[0].real * float(np.broadcast_to(parts.rate, (1, 1))[0, 0])
+            rate = moments.highest_rate * float(np.broadcast_to(parts.rate, (1, 1))[0, 0])
             return float(np.clip(rate, low, most)) - self.tolerance
 
         low = 0.5 * high
