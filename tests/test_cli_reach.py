@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 import floquetrod as fr
+from conftest import depth
 from floquetrod import cli
 from floquetrod.plotting import reach
 
@@ -64,6 +65,32 @@ def test_what_limits_it_and_its_speed_are_options_and_said(line: list[str], caps
         cli.main(["reach", "--help"])
     short = capsys.readouterr().out
     assert all(f"--{name}" in short for name in ("speed", "push", "yield-share"))
+
+
+@pytest.mark.parametrize("seed", range(depth(25, 2)))
+def test_the_terminal_and_python_reach_the_same(seed: int, line: list[str], capsys: pytest.CaptureFixture[str]) -> None:
+    """Drawn friction, tool, speed of sliding, push, force at the bit and share of yield, in the units of people."""
+    rng = np.random.default_rng([48, 4, seed])
+    friction, below = rng.uniform(0.2, 0.9, 2).round(3).tolist()
+    share, push = round(rng.uniform(0.02, 1.0), 3), f"{rng.uniform(5.0, 60.0):.2f}kN"
+    tool = f"{rng.uniform(1.0, 9.0):.2f}kN", f"{rng.uniform(5.0, 25.0):.2f}Hz", f"{rng.uniform(0.0, 90.0):.1f}ft"
+    speed, bit = f"{rng.uniform(10.0, 60.0):.1f}ft/min", f"{rng.uniform(-500.0, 500.0):.1f}lbf"
+    string = [*line[:3], "--rod", "2.00x0.156 CT90", "--bore", "4.778in", "--friction", f"{friction},{below}@900m"]
+    limits = ["--yield-share", f"{100.0 * share:.1f}%", "--push", push, f"--far-force={bit}", "--speed", speed]
+    assert cli.main([*string, *limits, *(["--tool", "@".join(tool)] if seed % 3 else []), "--json"]) == 0
+    record = json.loads(capsys.readouterr().out)
+    found = fr.Rod.catalogue("2.00x0.156 CT90", bore="4.778in", length=1000.0).reach(
+        fr.WellPath.from_csv(line[2]),
+        [(0.0, friction), (900.0, below)],
+        tool=fr.VibrationTool(*tool) if seed % 3 else None,
+        speed=speed,
+        push=push,
+        far_force=bit,
+        yield_share=share,
+    )
+    record.pop("command", None)
+    assert record["limit"] == found.limit
+    assert {name: record[name] for name in found.as_dict()} == json.loads(json.dumps(found.as_dict()))
 
 
 @pytest.mark.parametrize(

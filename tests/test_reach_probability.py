@@ -119,3 +119,22 @@ def test_what_cannot_be_pushed_is_refused(friction: Any, changes: dict[str, Any]
     options = {"samples": 5, "seed": 1, "depth": [2000.0]} | changes
     with pytest.raises((ValueError, TypeError), match=words):
         fr.probability_of_reach(TUBING, WELL, friction, **options)
+
+
+@pytest.mark.filterwarnings("ignore::floquetrod.PlausibilityWarning")
+@pytest.mark.parametrize("seed", range(depth(20, 3)))
+def test_with_a_tool_a_string_is_stopped_where_its_reach_says(seed: int) -> None:
+    """Whatever depths are asked for: all before them count, those at which the tool alone adds too much stress, too."""
+    rng = np.random.default_rng([48, 3, seed])
+    rod = fr.Rod.catalogue("2.00x0.156 CT90", bore="4.778in", length=1.0, fluid_inside=1e3, fluid_outside=1e3)
+    well = fr.WellPath([0.0, 1000.0, 1450.0, 4000.0], ["0deg", "0deg", "90deg", "90deg"])
+    tool = fr.VibrationTool(rng.uniform(3e3, 2e4), f"{rng.uniform(5.0, 25.0)}Hz", rng.uniform(0.0, 100.0))
+    friction, share = rng.uniform(0.2, 0.4), [None, rng.uniform(0.1, 0.4), 0.8][seed % 3]
+    found = rod.reach(well, friction, tool=tool, yield_share=share, depth=[4000.0])
+    assert found.reach_shaken >= found.reach or found.limit_shaken != "yield"
+    off = 1e-3 * found.reach_shaken
+    depths = found.reach_shaken + np.array([-off, off]) if found.is_stopped_shaken else np.array([4000.0])
+    for asked in (depths, depths[-1:], np.append(0.5 * depths[0], depths)):
+        between = friction, friction * (1.0 + 1e-12)
+        told = fr.probability_of_reach(rod, well, between, depth=asked, tool=tool, yield_share=share, samples=1, seed=0)
+        assert (told.probability == (asked <= found.reach_shaken)).all()

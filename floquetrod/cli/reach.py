@@ -84,7 +84,9 @@ def add_well(command: argparse.ArgumentParser, *, required: bool) -> None:
     add_wall_friction(command, required=required)
     add_tool(command)
     command.add_argument(
-        "--speed", default="0.05m/s", help="speed at which the string slides while the tool works (default 0.05m/s)"
+        "--speed",
+        default="0.05m/s",
+        help="speed at which the string slides while the tool works, such as 40ft/min (default 0.05m/s)",
     )
     add_push(command)
     command.add_argument(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import textwrap
 from typing import Any
 
@@ -40,7 +41,8 @@ def draw_reach(found: Any, shown: AnswerUnits, title: str, figure: Any = None) -
         ax.set_xlim(shown.length.of(found.path.start), shown.length.of(found.path.end))
     force.legend(handles=_areas(found), loc="best", fontsize="x-small", frameon=False)
     axes[-1].set_xlabel(f"measured depth / {shown.length.name}")
-    figure.suptitle(textwrap.fill(title, _TITLE), fontsize="medium")
+    unbroken = re.sub(r"(?<=\d) (?=\S)", "\N{NO-BREAK SPACE}", title)  # numbers stay beside their units
+    figure.suptitle(textwrap.fill(unbroken, _TITLE), fontsize="medium")
     return figure
 
 
@@ -78,9 +80,11 @@ def _draw_injector(found: Any, shown: AnswerUnits, ax: Any) -> None:
     for force, reach, lock_up, line, label in cases:
         goes = found.depth <= reach
         first = max(np.count_nonzero(goes) - 1, 0)
-        ax.plot(depth[first:], unit.of(force[first:]), color="0.7", linestyle=line)
+        deeper = {"label": "deeper than it is pushed"} if np.isfinite(force[~goes]).any() else {}
+        ax.plot(depth[first:], unit.of(force[first:]), color="0.7", linestyle=line, **deeper)
         ax.plot(depth[goes], unit.of(force[goes]), color="black", linestyle=line, label=label)
-        ax.axvline(shown.length.of(reach), color="0.5", linestyle=line, linewidth=0.8)
+        end = {"color": "0.5", "linestyle": line, "linewidth": 0.8, "label": "reach" if line == "-" else None}
+        ax.axvline(shown.length.of(reach), **end)
         if lock_up > reach and np.isfinite(lock_up):
             ax.axvline(shown.length.of(lock_up), color="0.5", linestyle=":", linewidth=0.8, label="lock-up by statics")
         highest += list(unit.of(force[goes]))

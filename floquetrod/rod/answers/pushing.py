@@ -296,7 +296,9 @@ class Pushing:
                 k = int(np.argmin(goes))
                 low, high = float(depth[k - 1]), float(depth[k])
                 if high - low <= self.accuracy:
-                    return Reached(low, ends.reason(k, limits))
+                    # Deeper than it goes without its tool by nothing, where the tool alone adds too much stress.
+                    reason = ends.reason(k, limits)
+                    return Reached(self.passed if reason == YIELD and low < self.passed < high else low, reason)
 
     def _checked(self, depth: Floats, limits: Limits) -> Ends:
         """Return forces and stresses by the integrations of `mean_force`, infinite where one of them is."""

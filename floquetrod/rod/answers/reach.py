@@ -348,7 +348,11 @@ class Reach(Printed, ByContent):
 
     def _stress_lines(self, shown: AnswerUnits) -> list[tuple[str, str]]:
         stress, depth, unit = self.stress, self.along.depth, shown.length
-        lines = [("stress", f"{stress.in_words(shown.pressure)}; at {unit.show(depth[0] + stress.position)}")]
+        share, most = stress.share_of_yield, self.yield_share
+        text = f"{stress.in_words(shown.pressure)}; at {unit.show(depth[0] + stress.position)}"
+        if self.tool and self.limit_shaken == YIELD and share is not None and most is not None and share > most:
+            text += f"; that is with the tool, which need not run down to {unit.show(self.reach, 5)}"
+        lines = [("stress", text)]
         return [*lines, ("yields", _listed(depth, self.yields, unit))] if self.yields.any() else lines
 
     def _vibration_in_words(self, shown: AnswerUnits) -> str:
