@@ -110,6 +110,8 @@ def test_the_rule() -> None:
     assert kind(20.0 * SWING, swing=11.0, ended=0.2) == "buckled"
     assert kind(40.0 * np.exp(-TIME) * SWING, swing=11.0, ended=0.2) == "dying out"
     assert kind(40.0 * np.exp(-TIME) * SWING, swing=11.0) == "swinging"  # nothing brakes it: by chance
+    by_chance = np.where(TIME < 1.5, 59.0, 55.0) * SWING  # a rod that stays buckled, long after its kick
+    assert kind(by_chance, friction=0.1, ended=0.2, swing=40.0) == "buckled"
     rest = np.minimum(TIME, 1.0)
     assert kind(10.0 * rest, friction=0.4, ended=0.2) == "at rest"
     assert kind(10.0 * rest, friction=0.1, ended=0.2) == "buckled"  # friction holds up to 5.7 degrees

@@ -20,7 +20,7 @@ BUCKLED_ANGLE = math.radians(5.0)
 
 _CLEARLY_BUCKLED = math.radians(45.0)  # at which a run may stop early: from 19 degrees one fell back (a choice)
 _STILL = math.radians(1.0)  # by which no node of a rod at rest swings (a choice: small waves run on for long)
-_DIES_OUT = 0.95  # of the largest angle before, below which that of the last quarter is smaller (a choice)
+_DIES_OUT = 0.95  # of the largest angle of the quarter before, below which that of a quarter is smaller (a choice)
 _GROWN = 2.0  # times the swing of the kick alone, which a force short of the critical one amplifies too (a choice)
 _OUTLIVED = 0.5  # of a run, after which nothing should be left of the kick (a choice)
 _LEFT = 3.0  # damping rate times time after which a twentieth is left of motion
@@ -46,8 +46,8 @@ class Outcome(NamedTuple):
     ----------
     kind : {"quiet", "buckled", "at rest", "dying out", "swinging"}
         Quiet: within 5 degrees over the last quarter.  At rest: beyond, still, and no further than friction holds.
-        Dying out: beyond, and less far than before.  Swinging: beyond, and no further than the kick may have taken it,
-        which nothing has ended yet.  Buckled: beyond otherwise.
+        Dying out: beyond, and less far from quarter to quarter.  Swinging: beyond, and no further than the kick may
+        have taken it, which nothing has ended yet.  Buckled: beyond otherwise.
     angle : float
         Largest angle of any node from where it began, over the last quarter, in rad.
     """
@@ -166,9 +166,10 @@ def outcome_of(
     swing = float(np.ptp(away[-quarter:], axis=0).max())
     if max(swing, float(speeds[-quarter:].max()) / kick.slowly) < _STILL:
         return Outcome("at rest" if last <= math.atan(kick.holding) else "buckled", last)
-    before = largest[-3 * quarter : -quarter]
+    # From quarter to quarter: a rod that stays buckled swings less far in one of them by chance.
+    third, second = largest[-2 * quarter : -quarter], largest[-3 * quarter : -2 * quarter]
     brakes = kick.holding > 0.0 or math.isfinite(kick.ended)
-    dies_out = brakes and before.size > 0 and last < _DIES_OUT * float(before.max())
+    dies_out = brakes and second.size > 0 and last < _DIES_OUT * float(third.max()) < _DIES_OUT**2 * float(second.max())
     outlived = kick.ended < _OUTLIVED * float(time[-1])
     if last > _GROWN * kick.swing or (outlived and not dies_out):
         return Outcome("buckled", last)
