@@ -33,6 +33,8 @@ A .png, .pdf or .svg file is a figure, a .csv file the vertices of the boundary 
 numbers (floquetrod.Chart.load reads it); --out may be repeated.
 """
 
+_CHART = "lobes.png"  # written where no other file is named
+
 _READERS: dict[str, Callable[[str, str], float]] = {"speed": spindle_speed, "depth": cutting_depth}
 
 
@@ -45,13 +47,17 @@ def add(command: Parser) -> None:
     command.add_argument("--points", metavar="COLUMNSxROWS", default="200x100", help="columns x rows (default 200x100)")
     command.add_argument("--growth", action="store_true", help="shade by growth rate")
     command.add_argument("--at", metavar="SPEED", help="print only the critical depth at this speed (default: rpm)")
-    command.add_output("--out", chart_files, "file to write", default="lobes.png")
+    command.add_output("--out", chart_files, "file to write", default=_CHART)
 
 
 def _lobes(options: argparse.Namespace) -> Output:
     require_file("FILE", options.tool, "a TOML file of a milling cutter")
     mill = fr.Milling.from_toml(options.tool)
-    return _critical_depth(options, mill) if options.at is not None else _chart(options, mill)
+    if options.at is None:
+        return _chart(options, mill)
+    if options.out != [Path(_CHART)]:
+        raise ValueError("--out writes a chart, and --at prints one critical depth: leave out one of them")
+    return _critical_depth(options, mill)
 
 
 def _critical_depth(options: argparse.Namespace, mill: fr.Milling) -> Output:

@@ -112,7 +112,7 @@ class Design:
 
     @property
     def has_own_seeds(self) -> bool:
-        """Whether every sample has seeds of its own, without which the runs of different samples are not independent."""
+        """Whether every sample has seeds of its own, so that runs of different samples are independent."""
         return {"sample", "seed"} <= set(self.dims)
 
     @cached_property

@@ -150,7 +150,7 @@ class PeriodicSystem(matrices.PeriodicMatrixSystem):
 
     @cached_property
     def keeps_norm(self) -> bool:
-        """Whether A(t) is minus its transpose, entry by entry: every solution keeps its norm.
+        """Whether A(t) is minus its transpose, entry by entry, so that every solution keeps its norm.
 
         The ``coefficient_error`` of such an A is taken to be skew-symmetric, too.  Of a batch: whether all A are.
         """

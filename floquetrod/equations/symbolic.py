@@ -54,14 +54,21 @@ def _expression(i: int, given: Any) -> Any:
     return expression
 
 
+def _sequence(name: str, values: Any, what: str, example: str) -> list[Any]:
+    """Return a sequence of objects of sympy as a list; TypeError for a text or one alone."""
+    if isinstance(values, str | bytes) or not validate.iterable(values):
+        raise validate.wrong_type(name, f"must be a sequence of {what} such as {example}, got {validate.short(values)}")
+    return validate.listed(name, values, validate.MOST_NUMBERS, what)
+
+
 def lambdified(
     equations: Any, states: Any, time: Any, parameters: Mapping[str, float]
 ) -> tuple[_Lambdified, _Lambdified]:
     """Return the rates and their derivatives as functions; ValueError names a symbol that has no value."""
     import sympy
 
-    found = [_expression(i, each) for i, each in enumerate(validate.sequence("equations", equations, "[v, -x]"))]
-    symbols = validate.sequence("states", states, "[x, v]")
+    found = [_expression(i, each) for i, each in enumerate(_sequence("equations", equations, "expressions", "[v, -x]"))]
+    symbols = _sequence("states", states, "symbols", "[x, v]")
     for i, each in enumerate(symbols):
         if not isinstance(each, sympy.Symbol):
             raise TypeError(f"states[{i}] must be a symbol of sympy, got {validate.short(each)}")

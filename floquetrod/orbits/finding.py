@@ -200,6 +200,15 @@ def _require_periodic(collocation: Collocation, point: Point) -> None:
     size = max(float(np.abs(collocation.rates(point)).max()), 1e-300)
     gap = float(np.abs(here - there).max())
     if not gap <= 1e-9 * size:
+        others = times + 0.1937 * point.period  # at a jump rounding decides between both sides; elsewhere it does not
+        if system.period is not None and np.allclose(
+            system.rates(others, states), system.rates(others + shift, states), rtol=0.0, atol=1e-9 * size
+        ):
+            at = float(times[np.abs(here - there).reshape(len(times), -1).max(axis=1).argmax()])
+            raise ValueError(
+                f"function jumps at t = {at:.6g}: rates a period of {shift:.6g} apart agree elsewhere; orbits are of rates "
+                "without jumps in time: smooth it, as by tanh(k sin(t)) in place of sign(sin(t))"
+            )
         said = "depends on time; give its period" if system.period is None else f"is not periodic in {shift:.9g}"
         raise ValueError(f"function {said}: rates {shift:.6g} later differ by {gap:.3g}, of {size:.3g}")
 

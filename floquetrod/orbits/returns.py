@@ -1,4 +1,4 @@
-"""When motion returns to where it was, at all or except for coordinates that grow: angles, and what nothing depends on."""
+"""When motion returns to its start, at all or except for coordinates that grow, such as angles."""
 
 from __future__ import annotations
 

@@ -143,8 +143,8 @@ def suspicions(
 ) -> Iterator[Fault]:
     """Yield what is most likely a mistake in a survey that is possible, for each kind of mistake one station.
 
-    The columns of a file may be exchanged, have no headings, and hold angles taken ``in_degrees`` without a unit.  Arrays
-    are often sections of a well.
+    The columns of a file may be exchanged, have no headings, and hold angles taken ``in_degrees`` without a unit.
+    Arrays are often sections of a well.
     """
     if in_degrees and _in_radians(depth, np.degrees(inclination), np.degrees(azimuth)):
         i = int(np.argmax(inclination))
@@ -155,7 +155,9 @@ def suspicions(
                 f"has the largest inclination, {math.degrees(inclination[i]):.4g} deg: these are probably in radians; "
                 "give ",
                 Mention("angle_unit", 'angle_unit="rad"', "rad"),
-                ", or name the unit in each heading, and deg where that is right",
+                ", or ",
+                Mention("angle_unit", 'angle_unit="deg"', "deg"),
+                " where they are in degrees",
             ),
         )
     if depth[-1] - depth[0] >= _WELL and inclination[0] > _UPWARDS:

@@ -232,9 +232,9 @@ def _numbers(column: _Column, rows: Sequence[tuple[int, list[str]]]) -> list[flo
         if not NUMBER.fullmatch(cell):
             hint = "write a point before decimals, or separate columns by semicolons" if "," in cell else ""
             hint = "write numbers without marks between thousands" if _GROUPED.fullmatch(cell) else hint
+            hint = hint or ("fill it in" if not cell and station == 1 else "put # before lines without data")
             raise ValueError(
-                f"line {line}, station {station}: {column.name} must be a number, got {validate.short(cell)}; "
-                f"{hint or 'put # before lines without data'}"
+                f"line {line}, station {station}: {column.name} must be a number, got {validate.short(cell)}; {hint}"
             )
         numbers.append(float(cell))
     return numbers
