@@ -206,8 +206,8 @@ def _require_periodic(collocation: Collocation, point: Point) -> None:
         ):
             at = float(times[np.abs(here - there).reshape(len(times), -1).max(axis=1).argmax()])
             raise ValueError(
-                f"function jumps at t = {at:.6g}: rates a period of {shift:.6g} apart agree elsewhere; orbits are of rates "
-                "without jumps in time: smooth it, as by tanh(k sin(t)) in place of sign(sin(t))"
+                f"function jumps at t = {at:.6g}: rates a period of {shift:.6g} apart agree elsewhere; orbits are of "
+                "rates without jumps in time: smooth it, as by tanh(k sin(t)) in place of sign(sin(t))"
             )
         said = "depends on time; give its period" if system.period is None else f"is not periodic in {shift:.9g}"
         raise ValueError(f"function {said}: rates {shift:.6g} later differ by {gap:.3g}, of {size:.3g}")
