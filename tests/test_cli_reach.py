@@ -61,10 +61,11 @@ def test_what_limits_it_and_its_speed_are_options_and_said(line: list[str], caps
     assert found.limit == "yield"
     assert cli.main(string) == 0
     assert "in air: no fluids given" in capsys.readouterr().out
-    with pytest.raises(SystemExit):
-        cli.main(["reach", "--help"])
-    short = capsys.readouterr().out
-    assert all(f"--{name}" in short for name in ("speed", "push", "yield-share"))
+    for option, names in (("--help", ["speed"]), ("--help-all", ["speed", "push", "yield-share"])):
+        with pytest.raises(SystemExit):
+            cli.main(["reach", option])
+        text = capsys.readouterr().out
+        assert all(f"--{name}" in text for name in names)
 
 
 @pytest.mark.parametrize("seed", range(depth(25, 2)))

@@ -232,7 +232,7 @@ class LogDiscs(NamedTuple):
 
     @property
     def errors(self) -> Floats:
-        """Error of each logarithm, (N,): a multiplier of a cluster may be anywhere in its discs.
+        """Errors of the logarithms, (N,), those of a cluster as if each multiplier were anywhere in its discs.
 
         Infinite in a cluster that cannot be distinguished from 0.
         """

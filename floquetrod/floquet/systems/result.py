@@ -82,7 +82,7 @@ class SystemStability(FloquetVerdict):
 
     @property
     def structure(self) -> Structure:
-        """Structure of the system's matrices, as they say it exactly: "hamiltonian", "reversible", "unitary", ..."""
+        """Structure that follows exactly from the matrices, such as "hamiltonian", "reversible" or "unitary"."""
         found: Structure = self.system.structure
         return found
 
