@@ -214,7 +214,7 @@ class _Step(ByContent):
 
     @property
     def may_change(self) -> Bools:
-        """Whether strings may have another shape somewhere in the step: where bounds of both sides do not exclude it.
+        """Whether bounds at both sides allow strings another shape within the step.
 
         By three places, y in the middle that of a cubic.  Between them y and the contact force of the lying string, a
         vector across it, leave their chords by no more than their second differences, eight times what a parabola

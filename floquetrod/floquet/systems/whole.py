@@ -52,7 +52,7 @@ def _levels(sizes: Floats) -> Floats | None:
 
     Where A, of magnitudes (b, N, N), is block triangular after a permutation, the diagonal blocks alone have the
     multipliers, and each level of blocks may be scaled by itself: couplings become a millionth of the largest rate, as
-    far as the range of doubles allows.  Searched for where a row or a column of an A has nothing but its diagonal entry.
+    far as the range of doubles allows.  Tried where a row or a column of an A has nothing but its diagonal entry.
     """
     n = sizes.shape[-1]
     inner = sizes * (1.0 - np.eye(n))
