@@ -390,6 +390,7 @@ def _verdict(
         krein_signs=tuple(signs[order].tolist()),
         strongly_stable=strongly,
         unknown_below=unknown_below,
+        growth_below=max((part.high for part in parts), default=math.inf) / period,
         period=period,
         error=float(errors[~lost].max(initial=0.0)) if known.size else math.inf,
         cost=cost,

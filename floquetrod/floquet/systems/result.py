@@ -42,6 +42,8 @@ class SystemStability(FloquetVerdict):
     unknown_below : float
         Upper bound of the real parts of exponents that are not known, which are NaN, as are their multipliers, and
         come last; minus infinity where all are known.
+    growth_below : float
+        Upper bound of the real parts of all exponents, infinite where there is none.
     strongly_stable : bool or None
         Whether all small changes of the coefficients that keep the structure leave the system stable; with damping:
         whether every solution decays.  None when undecided.
@@ -51,6 +53,7 @@ class SystemStability(FloquetVerdict):
     krein_signs: tuple[int, ...] = ()
     strongly_stable: bool | None = None
     unknown_below: float = -math.inf
+    growth_below: float = math.inf
 
     @property
     def are_resolved(self) -> bool:

@@ -511,7 +511,8 @@ class _WithModes(NamedTuple):
         known = np.isfinite(errors)
         if not known.any():
             return cls(modes, system, whole, -math.inf, math.inf)
-        most = float((rates + errors)[known].max()) if known.all() else math.inf
+        # The errors of multipliers that cannot be distinguished reach below them, too.
+        most = min(float((rates + errors)[known].max()) if known.all() else math.inf, whole.growth_below)
         return cls(modes, system, whole, float((rates - errors)[known].max()), most, fastest, part)
 
     def with_fewer(self, modes: CoupledEquations) -> _WithModes | None:
