@@ -24,10 +24,8 @@ _DIES_OUT = 0.95  # of the largest angle of the quarter before, below which that
 _GROWN = 2.0  # times the swing of the kick alone, which a force short of the critical one amplifies too (a choice)
 _OUTLIVED = 0.5  # of a run, after which nothing should be left of the kick (a choice)
 _LEFT = 3.0  # damping rate times time after which a twentieth is left of motion
-_PERIODS, _TIMES = (
-    3,
-    96,
-)  # of the slowest mode over which the swing of a kick is searched for, and times in them (a choice)
+_PERIODS = 3  # of the slowest mode over which the swing of a kick is searched for (a choice)
+_TIMES = 96  # in these periods (a choice)
 
 KINDS = ("quiet", "buckled", "at rest", "dying out", "swinging")
 """What may have become of a rod; the places are the numbers of ``outcome`` in ensembles."""

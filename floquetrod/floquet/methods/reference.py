@@ -34,9 +34,7 @@ _LARGEST_WORK = 3e6  # terms of series times their cost, a few seconds' worth (h
 _LARGEST_SIZE = 1e18  # of period^2 (abs(p) + c^2): beyond it no series is short enough, nor a double able to tell
 _SETTLED = 2.0**60  # times its error: an excess that large is known as well as a double can hold it
 _PIECES_PER_WAVE = 0.35  # pieces of the period per unit of sqrt(largest abs(p) + c^2), measured to be fastest
-_MOST_DIGITS = (
-    20_000  # that may be asked for: constant pieces take seconds with so many, others give up before (a choice)
-)
+_MOST_DIGITS = 20_000  # that may be asked for: constant pieces take seconds, others give up before (a choice)
 _LEAST_PIECES = 7  # the fewest for which tan(theta / 2) stays below 1/4
 
 

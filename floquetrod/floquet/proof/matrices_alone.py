@@ -10,10 +10,9 @@ from floquetrod._util.arrays import Floats
 from floquetrod.equations import HillSystem, PeriodicSystem
 from floquetrod.equations.pieces import TimedPiece, in_time
 from floquetrod.floquet.proof.balls import up
+from floquetrod.floquet.proof.exact import Exact, exact, identity, is_positive
 
 _MOST_ROWS = 24  # of matrices in exact arithmetic: a tenth of a second (a choice)
-
-Exact = list[list[Fraction]]
 
 
 def norm_kept(system: HillSystem | PeriodicSystem) -> str | None:
@@ -34,15 +33,15 @@ def overdamped(system: HillSystem | PeriodicSystem) -> str | None:
     damping = system.damping
     if damping is None or not system.is_symmetric or not np.array_equal(damping, damping.T):
         return None
-    if system.order > _MOST_ROWS or not _is_positive_definite(_exact(damping)):
+    if system.order > _MOST_ROWS or not is_positive(exact(damping)):
         return None
-    c = np.array(_exact(damping), dtype=object)
+    c = np.array(exact(damping), dtype=object)
     for piece in in_time(system):
         swing = _swing(piece)
         around = Fraction(float(up(swing + system.order * system.coefficient_error)))
-        mean = np.array(_exact(piece.mean), dtype=object)
-        shift = np.array(_exact(np.eye(system.order)), dtype=object) * around
-        if not all(_is_positive_definite(m.tolist()) for m in (mean - shift, c @ c - mean - shift)):
+        mean = np.array(exact(piece.mean), dtype=object)
+        shift = np.array(identity(system.order), dtype=object) * around
+        if not all(is_positive(m.tolist()) for m in (mean - shift, c @ c - mean - shift)):
             return None
     return (
         "C, K(t) and C^2 - K(t) are positive definite at all times, so the energy s^T C s + w^T C w of s = q + C^-1 q' "
@@ -59,31 +58,13 @@ def _swing(piece: TimedPiece) -> float:
     return float(up(swing * (1.0 + 1e-12)))  # rounding of the sums
 
 
-def _exact(matrix: Floats) -> Exact:
-    """Return a matrix of exact numbers."""
-    return [[Fraction(float(value)) for value in row] for row in matrix]
-
-
-def _is_positive_definite(matrix: Exact) -> bool:
-    """Return whether a symmetric matrix is positive definite: all pivots of its elimination are positive."""
-    rows = [list(row) for row in matrix]
-    for i, pivot in enumerate(rows):
-        if not pivot[i] > 0:
-            return False
-        for row in rows[i + 1 :]:
-            factor = row[i] / pivot[i]
-            for j in range(i, len(rows)):
-                row[j] -= factor * pivot[j]
-    return True
-
-
 def turning(system: HillSystem | PeriodicSystem) -> str | None:
     """Return that nothing but an invertible G acts: M q'' + G q' = 0, of which M q' + G q is constant; or None."""
     if isinstance(system, PeriodicSystem) or not system.is_constant or system.damping is not None:
         return None
     if system.coefficient_error or system.gyroscopic is None or system.order > _MOST_ROWS:
         return None
-    if any(matrix.any() for matrix in system.every_matrix) or not _is_invertible(_exact(system.gyroscopic)):
+    if any(matrix.any() for matrix in system.every_matrix) or not _is_invertible(exact(system.gyroscopic)):
         return None
     return "there is no stiffness and G is invertible, so q' keeps its energy, M q' + G q is constant, and q is bounded"
 

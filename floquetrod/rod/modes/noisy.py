@@ -117,7 +117,6 @@ class NoisyModel(ModeModel):
         mode_constants(self.rod).require_in_reach(loads)
         status, growth = np.full(loads.size, UNDECIDED, dtype=np.int8), np.full(loads.size, np.nan)
         fastest = np.zeros(loads.size, dtype=np.int64)
-        mode_constants(self.rod).require_in_reach(loads)
         sides = list(self.on_sides(loads))
         done = loads.size - sum(at.size for at, *_ in sides)
         for at, constants, there in sides:
