@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from fractions import Fraction
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -348,3 +350,10 @@ def test_fast_noise_is_white_and_noise_in_a_band_acts_by_its_density_at_twice_th
 def test_bad_filters_are_told(filter_: Any, kind: type[Exception], says: str) -> None:
     with pytest.raises(kind, match=says):
         fr.filtered_growth(mathieu(1.0, 0.0, 0.05), ONE, filter_)
+
+
+def test_a_growth_that_is_never_known_ends_the_search(monkeypatch: pytest.MonkeyPatch) -> None:
+    rates = itertools.chain([1.0], itertools.repeat(math.nan))
+    monkeypatch.setattr("floquetrod.floquet.critical_noise.run", lambda *_: SimpleNamespace(highest_rate=next(rates)))
+    with pytest.raises(ValueError, match="noise must have a largest stable intensity that growth can tell"):
+        fr.critical_noise(fr.HillSystem([[1.0]], damping=[[0.2]]), [([[1.0]], 1.0)])

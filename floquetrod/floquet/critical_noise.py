@@ -117,6 +117,10 @@ def _root(growth: Any, high: float) -> float:
     low = 0.5 * high
     while not growth(low) < 0.0:
         low *= 0.5
+        if low < high / _FARTHEST:
+            raise ValueError(
+                "noise must have a largest stable intensity that growth can tell, got none: it is not known"
+            )
     return float(brentq(growth, low, high, xtol=1e-14 * high, rtol=1e-14))
 
 
