@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import math
 from typing import Any, NamedTuple
 
@@ -24,6 +25,7 @@ _FIRST = (24, 120)  # intervals of the first mesh, tried in turn
 _JUMPING = (480, meshes.MOST)  # likewise, of motion that jumps
 _LEAST_STEPS = 0.1  # of the mean density of an integrator's steps that there is everywhere (a choice)
 _MOST_MESHES = 10
+_SAME = 0.1  # of a period that was given, by which the one of motion that returns may differ (a choice)
 _MOST_TURNS = 1000  # of the forcing in an orbit (a choice)
 _TRIALS = np.array([0.08, 0.29, 0.5, 0.71, 0.92])  # of an interval, where the two are compared
 
@@ -77,7 +79,26 @@ def periodic_orbit(
     if isinstance(start, PeriodicOrbit):
         return orbit_of(*_from_orbit(system, start, turns), tolerance)
     length = period if turns is None else turns * float(system.period or math.nan)
-    return _near(system, starts.guessed(system, start, length), turns, tolerance)
+    try:
+        return _near(system, starts.guessed(system, start, length), turns, tolerance)
+    except NoOrbitError as error:
+        if turns is None and period is not None:
+            with contextlib.suppress(ValueError):  # what the given period led to is the better message
+                return _returning(system, start, period, turns, tolerance)
+        raise error
+
+
+def _returning(
+    system: NonlinearSystem, start: Any, period: float, turns: int | None, tolerance: float
+) -> PeriodicOrbit:
+    """Return the orbit of about a period, from motion that is followed until it returns.
+
+    A period good to three digits does not close motion that jumps within a millionth of it.
+    """
+    guess = starts.guessed(system, start, None)
+    if abs(guess.period - period) > _SAME * period:
+        raise NoOrbitError(f"motion from start returns after {guess.period:.6g}, not after about {period:.6g}")
+    return _near(system, guess, turns, tolerance)
 
 
 def _near(system: NonlinearSystem, guess: starts.Guess, turns: int | None, tolerance: float) -> PeriodicOrbit:
