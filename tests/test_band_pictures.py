@@ -357,7 +357,7 @@ def test_notes_of_panels_side_by_side_stay_apart() -> None:
     pyplot.close(figure)
 
 
-@pytest.mark.parametrize("seed", range(depth(40, 3)))
+@pytest.mark.parametrize("seed", range(depth(40, 1)))
 def test_what_a_note_explains_is_drawn(seed: int) -> None:
     rng = np.random.default_rng(seed)
     rod = fr.Rod.nitinol()

@@ -58,11 +58,9 @@ def scan(varied: str, values: np.ndarray, kind: str = "sine", rod: fr.Rod = ROD,
 # --- one load and many ---
 
 
-@pytest.mark.parametrize(
-    "kind", [pytest.param(kind, marks=[pytest.mark.slow] * (kind in ("harmonics", "wave"))) for kind in KINDS]
-)
+@pytest.mark.parametrize("kind", [pytest.param(kind, marks=[pytest.mark.slow] * (kind != "sine")) for kind in KINDS])
 def test_arrays_say_what_single_verdicts_do(kind: str, rng: np.random.Generator) -> None:
-    size = 6
+    size = depth(6, 3)
     numbers = (
         rng.uniform(-0.2, 0.9, size) * UNIT,
         rng.uniform(0.0, 0.6, size) * UNIT,
@@ -169,7 +167,7 @@ BOUNDS = {"mean": (0.0, 1.2 * UNIT), "amplitude": (0.0, 0.8 * UNIT), "frequency"
 @pytest.mark.parametrize(
     ("kind", "quantity"),
     [
-        ("driven", "mean"),
+        pytest.param("driven", "mean", marks=pytest.mark.slow),
         pytest.param("sine", "amplitude", marks=pytest.mark.slow),
         pytest.param("sine", "frequency", marks=pytest.mark.slow),
         pytest.param("sine", "mean", marks=pytest.mark.slow),
@@ -717,7 +715,7 @@ def test_rods_that_may_move_as_a_whole_are_judged(ends: str) -> None:
     assert math.isfinite(found.growth_rate)
 
 
-@pytest.mark.parametrize("pull", [0.1, 3.0, 1e3, 1e5])
+@pytest.mark.parametrize("pull", [0.1, 3.0, 1e3, pytest.param(1e5, marks=pytest.mark.slow)])
 def test_tension_stabilises(pull: float) -> None:
     assert ROD.stability(load(mean=-pull * UNIT, amplitude=0.05 * UNIT)).status == "stable"
 

@@ -130,6 +130,7 @@ LONG = {
     "theory/hill.md",
     "theory/maps.md",
     "theory/leapfrog.md",
+    "theory/ranges.md",
 }
 """Pages that take a second and more; `make slow` and `make docs` execute them."""
 

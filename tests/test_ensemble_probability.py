@@ -80,7 +80,7 @@ KINDS: dict[str, Callable[[np.random.Generator, float, int], NDArray[np.float64]
 """How probable the result is in each of n samples, p on average."""
 
 
-@depth(3000, 150)
+@depth(3000, 60)
 @pytest.mark.parametrize("kind", KINDS)
 def test_the_interval_covers_what_is_true(kind: str, draws: int) -> None:
     """Of samples with seeds of their own, as the ensemble derives them; the seed of a run decides about it."""

@@ -356,7 +356,10 @@ def test_damaged_chunks_are_computed_again(name: str, damage: str, tmp_path: Pat
     assert_same(found, whole)
 
 
-@pytest.mark.parametrize("name", ["status", "largest_angle", "buckled", "positions"])
+@pytest.mark.parametrize(
+    "name",
+    ["status", "positions", *(pytest.param(name, marks=pytest.mark.slow) for name in ("largest_angle", "buckled"))],
+)
 def test_chunks_that_change_places_are_computed_again(name: str, tmp_path: Path) -> None:
     """Within a store, and with the same chunk of a store of another study."""
     over, place, other = {"kick": [0.01, 0.05], "seed": range(2)}, tmp_path / "runs.zarr", tmp_path / "other.zarr"

@@ -18,7 +18,7 @@ import numpy as np
 import pytest
 
 import floquetrod as fr
-from conftest import depth
+from conftest import DEEP, depth
 from damages import damaged, sealed, shuffled, unpacked
 from floquetrod import cli
 from floquetrod._util import files
@@ -490,10 +490,12 @@ def test_names_of_files_are_printable_in_the_terminal(
     code: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.chdir(tmp_path)
+    if not DEEP:  # pictures take seconds
+        monkeypatch.setattr("floquetrod.plotting.charts.save_figure", lambda drawn, path: path)
     name, examples = f"a{code}b", Path(__file__).parents[1] / "examples"
     Path(f"{name}.csv").write_bytes((examples / "survey.csv").read_bytes())
     Path(f"{name}.toml").write_text("length = 3", encoding="utf-8")
-    reach = ["reach", "--rod", str(examples / "tubing.toml"), "--friction", "0.3", "--depths", "2000m"]
+    reach = ["reach", "--rod", str(examples / "tubing.toml"), "--friction", "0.3", "--depths", "300m"]
     load = ["--mean", "0", "--amplitude", "0", "--frequency", "1"]
     for words, status in (
         ([*reach, "--well", f"no{name}.csv"], 2),
@@ -516,8 +518,8 @@ ZEROS = "{'descr': '<f8', 'fortran_order': False, 'shape': (12500000,)}"
 
 
 def bombs(path: Path) -> dict[str, Callable[[], object]]:
-    """Write archives with members that unfold to 100 MB and do not fit the others; return who reads them."""
-    zeros = np.zeros(12_500_000)
+    """Write archives with members that unfold to 40 MB and do not fit the others; return who reads them."""
+    zeros = np.zeros(5_000_000)
 
     def forge(saved: Path, *names: str) -> None:
         meta, arrays = unpacked(saved)
@@ -530,7 +532,7 @@ def bombs(path: Path) -> dict[str, Callable[[], object]]:
     kick = Variable(("kick",), np.ones(3), {})
     forge(Runs({"a": kick, "b": kick}, {"kick": kick}, {}).save(path / "runs.npz"), "variables.b", "coords.kick")
     np.savez_compressed(path / "system.npz", stiffness=np.eye(2), cosines=zeros)
-    np.savez_compressed(path / "batch.npz", stiffness=np.zeros((1_000_000, 3, 3)))
+    np.savez_compressed(path / "batch.npz", stiffness=np.zeros((500_000, 3, 3)))
     readers: dict[str, Callable[[], object]] = {}
     for file in path.glob("* *.npz"):
         load = {"chart": fr.Chart.load, "run": fr.Simulation.load, "runs": Runs.load}[file.name.split()[0]]

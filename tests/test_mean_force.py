@@ -218,9 +218,16 @@ def drawn_resonance(seed: int) -> tuple[float, ...]:
 
 
 @pytest.mark.parametrize(
-    "cases", [RESONANCES, pytest.param([drawn_resonance(seed) for seed in range(120)], marks=pytest.mark.slow)]
+    ("cases", "is_drawn"),
+    [
+        pytest.param(RESONANCES[:1], False, marks=pytest.mark.slow),
+        (RESONANCES[1:], False),
+        pytest.param([drawn_resonance(seed) for seed in range(120)], True, marks=pytest.mark.slow),
+    ],
 )
-def test_next_to_an_axial_resonance_the_speed_is_that_of_much_finer_cells(cases: list[tuple[float, ...]]) -> None:
+def test_next_to_an_axial_resonance_the_speed_is_that_of_much_finer_cells(
+    cases: list[tuple[float, ...]], is_drawn: bool
+) -> None:
     """Where friction is hardly more than what the tool gives, and the wave hardly faster than the string slides."""
     for length, quarters, near, mu, force, speed, above, damping in cases:
         frequency = 0.5 * math.pi * quarters * TUBING.wave_speed / length * near
@@ -230,11 +237,11 @@ def test_next_to_an_axial_resonance_the_speed_is_that_of_much_finer_cells(cases:
         drag = drag_of(rod, path, mu, "pushed", "energy", tool, speed)
         effort = CHECKED[0]._replace(cells=144, soft=1e-8)
         fine = strings.run(drag, 0.0, np.array([length]), 0.0, depths, effort)
-        if cases is not RESONANCES and not (fine.is_settled[0] and math.isfinite(found.speed_error)):
+        if is_drawn and not (fine.is_settled[0] and math.isfinite(found.speed_error)):
             continue  # about to lock up
         largest, off = found.speed.max(), np.abs(fine.wave[0, :, 0] - found.speed).max()
         assert off < max(found.speed_error, 1e-4 * largest)
-        assert cases is not RESONANCES or off < found.speed_error < 0.02 * largest
+        assert is_drawn or off < found.speed_error < 0.02 * largest
 
 
 def test_the_law_of_friction_is_the_mean_over_a_period() -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import math
 import pickle
 import re
@@ -176,7 +177,9 @@ def drawn_cutter(rng: np.random.Generator) -> fr.Milling:
     )
 
 
-def drawn_lobes(rng: np.random.Generator) -> Any:
+@functools.cache
+def drawn_lobes(seed: int) -> Any:
+    rng = np.random.default_rng(seed)
     cutter = drawn_cutter(rng)
     beat = min(mode.frequency for mode in cutter.modes) / cutter.teeth
     low = beat * rng.uniform(0.15, 0.5)
@@ -187,7 +190,7 @@ def drawn_lobes(rng: np.random.Generator) -> Any:
 
 @pytest.mark.parametrize("seed", range(depth(60, 2)))
 def test_every_name_in_a_chart_of_lobes_lies_on_its_own_lobe(seed: int) -> None:
-    lobes = drawn_lobes(np.random.default_rng(seed))
+    lobes = drawn_lobes(seed)
     ax = lobes.plot()
     ax.figure.canvas.draw()
     rpm = 30.0 / math.pi
@@ -218,7 +221,7 @@ def test_every_name_in_a_chart_of_lobes_lies_on_its_own_lobe(seed: int) -> None:
 
 @pytest.mark.parametrize("seed", range(depth(60, 2)))
 def test_the_table_of_lobes_names_each_once_and_no_neighbours_are_one_lobe(seed: int) -> None:
-    lobes = drawn_lobes(np.random.default_rng(seed))
+    lobes = drawn_lobes(seed)
     table = lobes.report().table
     if table is None:
         assert "no lobe in range" in lobes.report().headline

@@ -117,7 +117,7 @@ def drawn(seed: int) -> tuple[fr.Rod, Load]:
 
 
 @pytest.mark.parametrize(
-    "seeds", [range(1000, 1008), pytest.param(range(1008, 1060), marks=pytest.mark.slow)], ids=["some", "many"]
+    "seeds", [range(1000, 1004), pytest.param(range(1004, 1060), marks=pytest.mark.slow)], ids=["some", "many"]
 )
 @pytest.mark.filterwarnings("ignore::floquetrod.UniformForceWarning", "ignore::floquetrod.ForcedAngleWarning")
 def test_arrays_of_loads_say_what_all_modes_do(seeds: range) -> None:
@@ -155,7 +155,7 @@ def found_fewer(system: fr.HillSystem) -> None:
 
 
 @pytest.mark.parametrize(
-    "seeds", [range(30), pytest.param(range(30, 400), marks=pytest.mark.slow)], ids=["some", "many"]
+    "seeds", [range(16), pytest.param(range(16, 400), marks=pytest.mark.slow)], ids=["some", "many"]
 )
 @pytest.mark.filterwarnings("ignore::floquetrod.UniformForceWarning", "ignore::floquetrod.ForcedAngleWarning")
 def test_the_verdict_on_a_string_is_that_of_all_its_modes(seeds: range) -> None:

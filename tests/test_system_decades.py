@@ -154,7 +154,7 @@ def test_what_no_method_decides_is_not_agreed_upon() -> None:
 # --- clusters --------------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("digits", [15, 40])
+@pytest.mark.parametrize("digits", [15, pytest.param(40, marks=pytest.mark.slow)])
 def test_discs_of_a_defective_matrix_hold_the_eigenvalues_of_those_near_it(digits: int) -> None:
     from mpmath.ctx_mp import MPContext
 

@@ -136,7 +136,7 @@ def test_loads_are_sorted_into_lines_of_one_force() -> None:
     [
         ("hinged", 0.0, 0.0, None),
         ("clamped", 0.02 * SWING, 0.0, None),
-        ("clamped-free", 0.0, 0.01 * SWING, None),
+        pytest.param("clamped-free", 0.0, 0.01 * SWING, None, marks=pytest.mark.slow),
         ("guided-hinged", 0.01 * SWING, 0.002 * SWING, WAVE),
     ],
 )

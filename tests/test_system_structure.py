@@ -91,7 +91,7 @@ def test_levels_of_what_is_only_driven() -> None:
 # --- heavy damping ---------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("damping", [1e2, 1e4, 1e5, 1e6, 1e8])
+@pytest.mark.parametrize("damping", [1e2, 1e4, 1e5, pytest.param(1e6, marks=pytest.mark.slow), 1e8])
 def test_heavy_damping_is_stable_and_its_opposite_is_not(damping: float) -> None:
     damped = fr.HillSystem([[1.0]], [[[0.5]]], damping=[[damping]], period=1.0)
     assert every_door(damped) == {"stable"}
