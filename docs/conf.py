@@ -35,6 +35,7 @@ extensions = [
     "executed",
     "formulas",
     "kernels",
+    "method_list",
     "parameters",
     "search_excerpts",
 ]

@@ -9,6 +9,7 @@ import pytest
 import floquetrod as fr
 from benchmarks import agreement
 from conftest import depth
+from floquetrod.floquet.registry import methods_for
 
 
 def test_no_two_methods_differ_by_more_than_they_state() -> None:
@@ -22,7 +23,7 @@ def test_no_two_methods_differ_by_more_than_they_state() -> None:
 def test_no_two_methods_for_systems_differ_by_more_than_they_state() -> None:
     found = agreement.matrix(agreement.draw_systems(depth(10, 5), seed=1))
     assert found.faults == []
-    assert {"half_period", "monodromy", "segmented", "spectral", "reference"} == set(found.seconds)
+    assert {method.name for method in methods_for("systems")} == set(found.seconds)
     assert all(found.seconds.values())
 
 

@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 import re
+import runpy
 from pathlib import Path
 from typing import Any
 
 import pytest
 
 import floquetrod as fr
-from floquetrod.floquet.references import FLOQUETROD, SOURCES, STUDY, references
-from floquetrod.floquet.registry import METHODS
+from floquetrod.floquet import references
+from floquetrod.floquet.problems import KINDS
+from floquetrod.floquet.references import FLOQUETROD, STUDY
+from floquetrod.floquet.registry import METHODS, methods_for, sources
 
 MATHIEU = fr.Mathieu(0.5, -0.25)
 SYSTEM = fr.HillSystem([[1.0, 0.0], [0.0, 4.0]], cosines=[[[0.1, 0.2], [0.2, 0.16]]])
@@ -18,28 +21,28 @@ ROD = fr.Rod.nitinol()
 LOAD = fr.AxialLoad(0.34, 0.34, 150.0)
 
 
-def test_every_method_has_sources_and_no_others_have() -> None:
-    named = {("equation", method.name) for method in METHODS if method.equations is not None}
-    named |= {("system", method.name) for method in METHODS if method.systems is not None}
-    named |= {("delays", method.name) for method in METHODS if method.delays is not None}
-    others = {("equation", "certify"), ("system", "certify"), ("any", "solve"), ("any", "noise"), ("rod", "model")}
-    others |= {("delays", "certify"), ("delays", "solve")}
-    others.add(("orbit", "collocation"))
-    assert SOURCES.keys() == named | others
-    assert all(SOURCES.values())
+def test_every_method_has_sources_and_a_sentence_and_an_accuracy() -> None:
+    for kind in KINDS:
+        assert kind.proof_sources
+        for method in methods_for(kind.field):
+            service = getattr(method, kind.field)
+            assert service.sources
+            assert service.does
+            assert 0.0 < service.accuracy < 1e-3
     with pytest.raises(KeyError):
-        references(("equation", "guess"))
+        sources(MATHIEU, "guess")
+    with pytest.raises(ValueError, match="segmented is a method for systems, not for scalar equations"):
+        sources(MATHIEU, "segmented")
 
 
 def test_every_method_is_named_where_people_look() -> None:
-    page = (Path(__file__).parents[1] / "docs/reference/verdicts.rst").read_text(encoding="utf-8")
-    systems = (Path(__file__).parents[1] / "docs/reference/systems.rst").read_text(encoding="utf-8")
-    delays = (Path(__file__).parents[1] / "docs/reference/delays.rst").read_text(encoding="utf-8")
-    for method in METHODS:
-        assert f'"{method.name}"' in str(fr.stability.__doc__)
-        assert method.equations is None or f"floquetrod.methods.{method.name}\n" in page
-        assert method.delays is None or f"methods.delay_{method.name}.{method.name}\n" in delays
-        assert method.systems is None or f"methods.system_{method.name}.{method.name}\n" in systems
+    shown = runpy.run_path(str(Path(__file__).parents[1] / "docs/method_list.py"))["described"]
+    for kind in KINDS:
+        lines = "\n".join(shown(kind.field))
+        for method in methods_for(kind.field):
+            assert f'"{method.name}"' in str(fr.stability.__doc__)
+            assert f".{method.name}\n" in f"{lines}\n"
+    assert {method.name for method in methods_for("equations")} < set(fr.methods.__all__)
 
 
 def test_floquetrod_is_cited_as_its_own_file_says() -> None:
@@ -55,7 +58,9 @@ def test_floquetrod_is_cited_as_its_own_file_says() -> None:
 def test_dois_are_stated_elsewhere_in_the_code_too() -> None:
     root = Path(fr.__file__).parent
     text = "".join(path.read_text(encoding="utf-8") for path in root.rglob("*.py") if path.name != "references.py")
-    for source in {each for every in SOURCES.values() for each in every}:
+    publications = {text for text in vars(references).values() if isinstance(text, str) and "doi:" in text}
+    publications |= {text for method in METHODS for service in method[1:] if service for text in service.sources}
+    for source in publications:
         assert "doi:" not in source or source.rpartition("doi:")[2] in text
 
 

@@ -18,7 +18,7 @@ from floquetrod._util.arrays import EPS, Floats, shaped
 from floquetrod._util.content import ByContent
 from floquetrod.equations import DelaySystem
 from floquetrod.equations import pieces as by_pieces
-from floquetrod.floquet.references import references
+from floquetrod.floquet.references import DELAYED_SOLUTIONS, references
 from floquetrod.floquet.systems import delay_maps
 from floquetrod.floquet.systems.delay_mesh import integral, rule
 
@@ -65,7 +65,7 @@ class DelaySolution(ByContent):
     @property
     def references(self) -> tuple[str, ...]:
         """Publications to cite, in plain text with DOI, floquetrod first, then the sources of the methods used."""
-        return references(("delays", "solve"))
+        return references(DELAYED_SOLUTIONS)
 
     def __call__(self, time: Any, derivative: int = 0) -> Any:
         """Return the solution at times within the interval (array_like), or its derivative; n in the last axis."""

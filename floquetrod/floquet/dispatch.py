@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import textwrap
 from importlib import import_module
 from typing import TYPE_CHECKING, Any, overload
 
@@ -12,7 +13,7 @@ from floquetrod.equations import DelaySystem, Equation, HillSystem, PeriodicSyst
 from floquetrod.equations.hill_system import states
 from floquetrod.equations.second_moments import balanced_moments
 from floquetrod.floquet.problems import Problem, kind_of, require_problem
-from floquetrod.floquet.registry import in_turn, names_of, refusal
+from floquetrod.floquet.registry import in_turn, names_in_words, names_of, refusal
 from floquetrod.floquet.verdict import FloquetVerdict, Stability, Verdict
 
 if TYPE_CHECKING:
@@ -70,10 +71,9 @@ def stability(
         The problem: `Mathieu`, `Meissner`, `Hill`, or any other `floquetrod.equations.Equation`; or a system of
         equations, with delays or without.
     method : str
-        "auto", or the name of one: of equations "spectral", "determinant", "monodromy", "square_wave", "leapfrog",
-        "reference"; of systems "spectral", "half_period", "monodromy", "segmented", "reference"; of systems with delays
-        "collocation", "semi_discretisation".  "auto" takes the fastest trustworthy one and continues with slower, more
-        accurate ones while the verdict is undecided.
+        "auto", or the name of one of `floquetrod.floquet.registry.METHODS`.
+        "auto" takes the fastest trustworthy one and continues with slower, more accurate ones while the verdict is
+        undecided.
     noise : sequence of (matrix, intensity), or float, optional
         White noise in the coefficients, as `floquetrod.second_moments` takes it, whose system is then classified: the
         verdict is in mean square, growth and exponents are those of the second moments.
@@ -124,6 +124,11 @@ def stability(
     judged = judge(equation)
     told: Stability | SystemStability = judged
     return told if isinstance(equation, Equation | DelaySystem) else _resolved(equation, judged)
+
+
+if stability.__doc__:
+    _wrapped = textwrap.fill(f"the name of one: {names_in_words()}.", 104).replace("\n", "\n        ")
+    stability.__doc__ = stability.__doc__.replace("the name of one of `floquetrod.floquet.registry.METHODS`.", _wrapped)
 
 
 def under_noise(problem: Problem, noise: Any, interpretation: str) -> Problem:

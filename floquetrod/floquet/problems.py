@@ -8,28 +8,32 @@ from typing import Any, NamedTuple
 from floquetrod._util import validate
 from floquetrod.equations import DelaySystem, Equation, HillSystem, PeriodicSystem, matrices
 from floquetrod.equations import require as require_equation
+from floquetrod.floquet import references
+
+System = HillSystem | PeriodicSystem
+"""A system without delays."""
 
 Problem = Equation | HillSystem | PeriodicSystem | DelaySystem
 """A scalar equation, or a system, with delays or without."""
 
 
-class Kind(NamedTuple):
-    """A kind of problem: what it is called, and its names where methods, their files and sources are listed by kind."""
+class ProblemKind(NamedTuple):
+    """A kind of problem, and where the registry, the files and the proofs keep what they have for it."""
 
     words: str
-    field: str  # of a method in the registry
-    prefix: str  # of the file of a method
-    name: str  # beside that of a method in `floquetrod.floquet.references.SOURCES`
+    field: str  # of `floquetrod.floquet.registry.Method`
+    prefix: str  # of the files of methods
+    proof_sources: tuple[str, ...]
 
 
 KINDS = (
-    Kind("scalar equations", "equations", "", "equation"),
-    Kind("systems", "systems", "system_", "system"),
-    Kind("systems with delays", "delays", "delay_", "delays"),
+    ProblemKind("scalar equations", "equations", "", (references.DLMF, references.THEORY)),
+    ProblemKind("systems", "systems", "system_", (references.THEORY, references.BOTT, references.RUMP)),
+    ProblemKind("systems with delays", "delays", "delay_", (references.GU, references.SIEBER)),
 )
 
 
-def kind_of(problem: Any) -> Kind:
+def kind_of(problem: Any) -> ProblemKind:
     """Return the kind of a problem."""
     return KINDS[0 if isinstance(problem, Equation) else 2 if isinstance(problem, DelaySystem) else 1]
 
@@ -46,6 +50,14 @@ def require_without_delays(problem: Any, what: str) -> None:
     """Raise TypeError for a system with delays, of which there is no such thing."""
     if isinstance(problem, DelaySystem):
         raise TypeError(f"equation must be without delays for {what}, got {validate.short(problem)}")
+
+
+def undamped_pairs(system: System | DelaySystem) -> tuple[System, float] | None:
+    """Return the system without its uniform damping c, and c, where its multipliers come in mu, 1 / mu; else None."""
+    if isinstance(system, DelaySystem):
+        return None
+    freed = system.undamped if isinstance(system, HillSystem) else (system, 0.0)
+    return freed if freed is not None and freed[0].structure in ("hamiltonian", "reversible") else None
 
 
 def member(

@@ -1,4 +1,8 @@
-"""One registry of methods: what each of them serves, and in which order they are tried."""
+"""One record for each method: what it does, what it serves, how accurate it is and where it comes from.
+
+`floquetrod.stability` and its docstring, `floquetrod.compare`, `floquetrod.methods`, the terminal, the reference pages
+and the tests over all methods read `METHODS`.
+"""
 
 from __future__ import annotations
 
@@ -8,13 +12,8 @@ from typing import Any, NamedTuple
 from floquetrod._util import validate
 from floquetrod.equations import DelaySystem, Equation, HillSystem, Mathieu, Meissner, PeriodicSystem
 from floquetrod.equations import require as require_equation
-from floquetrod.floquet.problems import KINDS, Problem, kind_of
-
-Served = Callable[[Any], "str | None"]
-
-
-def _any(_: Any) -> None:
-    """Serve every problem."""
+from floquetrod.floquet import references
+from floquetrod.floquet.problems import KINDS, Problem, kind_of, undamped_pairs
 
 
 def _series(equation: Equation) -> str | None:
@@ -37,8 +36,6 @@ def _two_levels(equation: Equation) -> str | None:
 
 
 def _even(system: HillSystem | PeriodicSystem) -> str | None:
-    from floquetrod.floquet.systems.classification import undamped_pairs
-
     pairs = undamped_pairs(system)
     if pairs is not None and isinstance(pairs[0], HillSystem) and pairs[0].is_even:
         return None
@@ -60,59 +57,130 @@ def _is_sine(equation: Equation) -> bool:
     return isinstance(equation, Mathieu)
 
 
-class Method(NamedTuple):
-    """A method: the function of its name in the file of `floquetrod.floquet.methods` named after it.
+class Service(NamedTuple):
+    """How a method serves one kind of problem: equations, systems, or systems with delays."""
 
-    That for systems is in a file of its own, ``system_`` before the name, and that for systems with delays, ``delay_``.
-    What is served of each kind: a callable that returns None of a problem served, else the sentence that says what the
-    method needs; None in place of it where nothing of that kind is.  ``approximates``: whether the stated error leaves
-    out how far the method's own equation is from the problem.
+    does: str  # in a sentence
+    sources: tuple[str, ...]
+    refusal: Callable[[Any], str | None] | None = None
+    """Of a problem of the kind: why the method does not serve it, None where it does; None where it serves all."""
+    accuracy: float = 1e-13
+    """Error of growth and multipliers, relative, on problems of moderate size and with the default options."""
+    approximates: Callable[[Any], bool] = _never
+    """Of a problem: whether the stated error leaves out how far the method's own equation is from it."""
+
+
+class Method(NamedTuple):
+    """A method, and what it does for each kind of problem that it serves; None for the kinds it does not.
+
+    Its function has its name, in the file of `floquetrod.floquet.methods` named after it: ``spectral`` for equations,
+    ``system_spectral`` for systems, ``delay_spectral`` for systems with delays.
     """
 
     name: str
-    equations: Served | None = None
-    systems: Served | None = None
-    delays: Served | None = None
-    approximates: Callable[[Any], bool] = _never
+    equations: Service | None = None
+    systems: Service | None = None
+    delays: Service | None = None
 
-    def serves(self, problem: Problem) -> Served | None:
-        """Return what tells whether it serves a problem of this kind; None where it serves none of the kind."""
-        found: Served | None = getattr(self, kind_of(problem).field)
-        return found
+    def service(self, problem: Problem) -> Service | None:
+        """Return what the method does for problems of this kind, None where it does not serve the kind."""
+        service: Service | None = getattr(self, kind_of(problem).field)
+        return service
 
     def refusal(self, problem: Problem) -> str | None:
-        """Return None where it serves the problem, else the sentence why not."""
-        served = self.serves(problem)
-        if served is not None:
-            return served(problem)
+        """Return why the method does not serve a problem, None where it does."""
+        service = self.service(problem)
+        if service is not None:
+            return None if service.refusal is None else service.refusal(problem)
         words = [kind.words for kind in KINDS if getattr(self, kind.field) is not None]
         return f"{self.name} is a method for {' and '.join(words)}, not for {kind_of(problem).words}"
 
 
 METHODS = (
-    Method("spectral", _series, _smooth),
-    Method("determinant", _sine),
-    Method("half_period", systems=_even),
-    Method("monodromy", _any, _any),
-    Method("segmented", systems=_any),
-    Method("square_wave", _two_levels, approximates=_is_sine),
-    Method("leapfrog", _any, approximates=_always),
-    Method("reference", _any, _any),
-    Method("collocation", delays=_any),
-    Method("semi_discretisation", delays=_any),
+    Method(
+        "spectral",
+        equations=Service(
+            "Hill's matrix: counts of its eigenvalues below that of the equation", (references.DLMF,), _series
+        ),
+        systems=Service(
+            "Hill's matrix: its eigenvalues, and counts of its negative ones",
+            (references.THEORY, references.BOTT),
+            _smooth,
+        ),
+    ),
+    Method(
+        "determinant",
+        equations=Service("Hill's four determinants, and their signs", (references.STUDY, references.DLMF), _sine),
+    ),
+    Method(
+        "half_period",
+        systems=Service("the map over half a period, from an instant of evenness", (references.THEORY,), _even),
+    ),
+    Method(
+        "monodromy",
+        equations=Service("the map over a period, by Taylor series", (references.THEORY,)),
+        systems=Service("the map over a period, by Taylor series", (references.THEORY, references.MEHRMANN)),
+    ),
+    Method(
+        "segmented",
+        systems=Service("maps over segments of the period, which are never multiplied", (references.THEORY,)),
+    ),
+    Method(
+        "square_wave",
+        equations=Service(
+            "the closed form of a coefficient with two values", (references.STUDY,), _two_levels, approximates=_is_sine
+        ),
+    ),
+    Method(
+        "leapfrog",
+        equations=Service(
+            "the published study's test: 100 periods by leapfrog",
+            (references.STUDY,),
+            accuracy=1e-6,
+            approximates=_always,
+        ),
+    ),
+    Method(
+        "reference",
+        equations=Service("the map over a period in many digits, with bounds", (references.THEORY,)),
+        systems=Service("the map over a period in many digits, with bounds", (references.THEORY, references.MEHRMANN)),
+    ),
+    Method(
+        "collocation",
+        delays=Service(
+            "the map of the state and its history, by collocation at Gauss's nodes",
+            (references.BREDA, references.INSPERGER),
+            accuracy=1e-11,
+        ),
+    ),
+    Method(
+        "semi_discretisation",
+        delays=Service("short steps with constant coefficients, extrapolated", (references.INSPERGER,), accuracy=1e-5),
+    ),
 )
-"""Every method there is."""
+"""Every method there is, in the order in which `floquetrod.compare` runs them."""
 
-_BY_NAME = {method.name: method for method in METHODS}
+BY_NAME = {method.name: method for method in METHODS}
+"""The methods by their names."""
 
-_NAMES = {
-    kind: ("auto", *(method.name for method in METHODS if getattr(method, kind.field) is not None)) for kind in KINDS
-}
+
+def methods_for(kind: str) -> tuple[Method, ...]:
+    """Return the methods that serve problems of a kind: "equations", "systems" or "delays"."""
+    return tuple(method for method in METHODS if getattr(method, kind) is not None)
+
+
+_NAMES = {kind: ("auto", *(method.name for method in methods_for(kind.field))) for kind in KINDS}
 
 
 def names_of(problem: Problem) -> tuple[str, ...]:
     """Return "auto" and the names of the methods for a problem of this kind."""
     return _NAMES[kind_of(problem)]
+
+
+def names_in_words() -> str:
+    """Return the names of the methods by kind of problem, for the docstring of `floquetrod.stability`."""
+    quoted = {kind.words: ", ".join(f'"{name}"' for name in names[1:]) for kind, names in _NAMES.items()}
+    return "; ".join(f"of {words} {names}" for words, names in quoted.items())
 
 
 def applicable(problem: Problem) -> tuple[Method, ...]:
@@ -121,13 +189,35 @@ def applicable(problem: Problem) -> tuple[Method, ...]:
 
 
 def refusal(problem: Problem, method: str) -> str | None:
-    """Return None where the method of this name serves a problem, else the sentence why not."""
-    return _BY_NAME[method].refusal(problem)
+    """Return why the method of this name does not serve a problem, None where it does."""
+    return BY_NAME[method].refusal(problem)
+
+
+def service(problem: Problem, method: str) -> Service:
+    """Return what the method of this name does for problems of this kind; ValueError where it does not serve it."""
+    record = BY_NAME[method].service(problem)
+    if record is None:
+        raise ValueError(BY_NAME[method].refusal(problem))
+    return record
 
 
 def is_approximation(problem: Problem, method: str) -> bool:
-    """Return whether the method of this name solves an equation near the problem, and its errors are those of that."""
-    return _BY_NAME[method].approximates(problem)
+    """Return whether the method solves an equation near the problem, whose distance its errors do not include."""
+    return service(problem, method).approximates(problem)
+
+
+def sources(problem: Problem, method: str) -> tuple[str, ...]:
+    """Return the sources of the method that answered for a problem, and of second moments where it is such."""
+    return service(problem, method).sources + _noise(problem)
+
+
+def proof_sources(problem: Problem) -> tuple[str, ...]:
+    """Return the sources of proofs for a problem."""
+    return kind_of(problem).proof_sources + _noise(problem)
+
+
+def _noise(problem: Any) -> tuple[str, ...]:
+    return references.NOISE if getattr(problem, "MEANING", "") else ()
 
 
 def require(equation: Any, method: str) -> None:

@@ -19,7 +19,7 @@ from floquetrod.equations import DelaySystem, HillSystem, PeriodicSystem
 from floquetrod.equations.base import Equation, require
 from floquetrod.equations.matrices import mass_matrix, velocity_matrix
 from floquetrod.equations.pieces import exact_period, in_time
-from floquetrod.floquet.references import references
+from floquetrod.floquet.references import SOLUTIONS, references
 
 _ORDERS = (26, 32)  # of the series, the second one to learn the error of the first (heuristic)
 _TOLERANCES = (1e-16, 1e-18)  # part of the solution that the last terms of a step may be
@@ -120,7 +120,7 @@ class Solution(ByContent):
     @property
     def references(self) -> tuple[str, ...]:
         """Publications to cite, in plain text with DOI, floquetrod first, then the sources of the methods used."""
-        return references(("any", "solve"))
+        return references(SOLUTIONS)
 
     def __call__(self, time: Any, derivative: int = 0) -> Any:
         """Return the solution at times within the interval (array_like), or its first derivative.

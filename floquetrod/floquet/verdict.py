@@ -19,7 +19,8 @@ from floquetrod._util.content import ByContent, NoTruthValue
 from floquetrod._util.report import Report, Reported, number
 from floquetrod.equations import DelaySystem, Equation, PeriodicSystem
 from floquetrod.floquet import pairs
-from floquetrod.floquet.references import references, used_on
+from floquetrod.floquet.references import references
+from floquetrod.floquet.registry import sources
 from floquetrod.floquet.status import Status as Status
 
 if TYPE_CHECKING:
@@ -227,7 +228,7 @@ class FloquetVerdict(ByContent, Reported, Verdict):
     @property
     def references(self) -> tuple[str, ...]:
         """Publications to cite, in plain text with DOI, floquetrod first, then the sources of the methods used."""
-        return references(*used_on(self.equation, self.method))
+        return references(sources(self.equation, self.method))
 
     @property
     def _status_in_words(self) -> str:

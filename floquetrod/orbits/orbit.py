@@ -14,7 +14,7 @@ from floquetrod._util.caching import cached_property
 from floquetrod._util.content import ByContent, NoTruthValue
 from floquetrod._util.report import Printed, Report
 from floquetrod.equations import NonlinearSystem, PeriodicSystem, sampling
-from floquetrod.floquet.references import references
+from floquetrod.floquet.references import ORBITS, references
 from floquetrod.floquet.status import Status
 from floquetrod.floquet.systems.result import SystemStability
 from floquetrod.orbits.collocation import Collocation, Point
@@ -161,7 +161,7 @@ class PeriodicOrbit(ByContent, Printed, NoTruthValue):
     @property
     def references(self) -> tuple[str, ...]:
         """Publications to cite, in plain text with DOI, floquetrod first, then the sources of the methods used."""
-        return references(("orbit", "collocation"), ("system", "segmented"))
+        return references(ORBITS)
 
     def plot(self, ax: Any = None) -> Any:
         """Draw the states over a period: solid where the orbit is stable, dashed where not, dotted where undecided.

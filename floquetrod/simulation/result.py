@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from floquetrod._util import validate
 from floquetrod._util.caching import cached_property
 from floquetrod._util.content import ByContent, NoTruthValue
-from floquetrod.floquet.references import references
+from floquetrod.floquet.references import ROD, references
 from floquetrod.simulation.outcome import BUCKLED_ANGLE
 from floquetrod.simulation.start import SEGMENTS_TO_SEE
 
@@ -74,7 +74,7 @@ class RecordedMotion(NoTruthValue, ByContent):
     @property
     def references(self) -> tuple[str, ...]:
         """Publications to cite, in plain text with DOI, floquetrod first, then the sources of the methods used."""
-        return references(("rod", "model"))
+        return references(ROD)
 
     @property
     def complete(self) -> bool:

@@ -21,9 +21,10 @@ from floquetrod.equations.matrices import flat
 from floquetrod.floquet.dispatch import judge
 from floquetrod.floquet.kernels.system_even import pair_numbers
 from floquetrod.floquet.pairs import logarithms
+from floquetrod.floquet.problems import undamped_pairs
 from floquetrod.floquet.status import STABLE, STATUS_CODES, UNDECIDED, are
 from floquetrod.floquet.systems import even, many, whole
-from floquetrod.floquet.systems.classification import MOST_SECONDS, undamped_pairs
+from floquetrod.floquet.systems.classification import MOST_SECONDS
 from floquetrod.floquet.systems.many import ManyVerdicts
 from floquetrod.floquet.systems.whole import PeriodMaps
 

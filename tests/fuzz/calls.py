@@ -41,10 +41,8 @@ METHOD_OPTIONS: dict[str, dict[str, Any]] = {
     "monodromy": {"rtol": 1e-9},
     "monodromy_matrix": {"rtol": 1e-9, "start": 0.3},
     "reference": {"digits": 30},
-    "spectral": {},
-    "square_wave": {},
 }
-"""Methods for equations with their own arguments."""
+"""Arguments of their own of the functions of `fr.methods`."""
 
 STUDY = """\
 rod = "rod.toml"
@@ -373,8 +371,8 @@ def _of_equations() -> dict[str, Call]:
             {"system": NOISY, "matrix": [[1.0]], "filter": ([[-2.0]], [1.0], [0.3]), "accuracy": 1e-6, "most": 8},
         ),
         **{
-            f"methods.{name}": Call(getattr(fr.methods, name), {"equation": EQUATION, **options})
-            for name, options in METHOD_OPTIONS.items()
+            f"methods.{name}": Call(getattr(fr.methods, name), {"equation": EQUATION, **METHOD_OPTIONS.get(name, {})})
+            for name in fr.methods.__all__
         },
         "critical_noise": Call(fr.critical_noise, {"system": NOISY, **NOISE}),
         "almost_sure_exponent": Call(

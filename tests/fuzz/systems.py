@@ -19,6 +19,7 @@ from fuzz.system_draws import System
 CASES = 60
 QUICK = 3
 
+_SLOW = ("spectral", "reference")  # asked of small systems, and not always
 _INTEGRATED = 1e-9  # of the map by scipy, relative to its norm: the integrator is asked for 1e-12
 _NONE = 1e-7  # growth over a period that is none, on the coarser map of a batch
 _ROUNDING = 1e-12  # of exponents times the period, beside the errors that are stated
@@ -43,7 +44,7 @@ def warm() -> None:
         for more in ({}, {"sines": [0.5 * waves[0], waves[0]]}, {"damping": mean, "sines": [waves[0], waves[0]]}):
             system = fr.HillSystem(mean, waves, **more)
             for method in applicable(system):
-                if method.name in ("half_period", "monodromy", "segmented"):
+                if method.name not in _SLOW:
                     fr.stability(system, method.name)
             fr.systems.is_stable(fr.systems.stack([system] * 70))
             fr.systems.multipliers(system)
@@ -79,7 +80,7 @@ def disagreements(system: System, rng: np.random.Generator) -> list[str]:
     """Return every pair of answers about a system that contradict each other, each on a line."""
     results = {}
     for method in (each.name for each in applicable(system)):
-        slow = method in ("spectral", "reference")
+        slow = method in _SLOW
         if not slow or (system.order <= 3 and rng.random() < 0.3):
             with limit(60.0 if slow else LONGEST):
                 results[method] = fr.stability(system, method)

@@ -9,7 +9,7 @@ import mpmath
 import numpy as np
 
 import floquetrod as fr
-from floquetrod.floquet.registry import applicable
+from floquetrod.floquet.registry import applicable, is_approximation
 from fuzz import oracle, precise, rods
 from fuzz.core import Found, limit
 
@@ -19,8 +19,6 @@ QUICK = 2
 AT_ONCE = 500
 """Equations of a case that go through the functions over arrays."""
 
-_FINITE_TIME = ("leapfrog",)  # sees growth above a threshold alone, and says so in a note
-_APPROXIMATE = ("square_wave",)  # of Mathieu's equation: says so in a note
 _ROUNDED = 1e-5  # growth beside a curve that rounding explains: 1e-10 of the excess, of which it is the root
 _RESOLVED = 1e-9  # distance to a boundary, relative, from which a double has to decide
 
@@ -145,9 +143,7 @@ def judged(result: fr.Stability, rate: Any, x: Any, decides: bool = False) -> li
     wrong = []
     damping = result.equation.damping
     truth = _truth(rate, x, damping)
-    sees_all = result.method not in _FINITE_TIME and not (
-        result.method in _APPROXIMATE and isinstance(result.equation, fr.Mathieu)
-    )
+    sees_all = not is_approximation(result.equation, result.method)
     if sees_all and result.status not in ("undecided", truth):
         wrong.append(f"{result.status}, growth is {mpmath.nstr(rate, 8)}")
     clear = abs(x) > _RESOLVED if damping == 0.0 else abs(rate) > _RESOLVED

@@ -14,8 +14,9 @@ from floquetrod.equations import HillSystem, PeriodicSystem
 from floquetrod.equations import pieces as by_pieces
 from floquetrod.floquet import registry
 from floquetrod.floquet.pairs import logarithms
+from floquetrod.floquet.problems import undamped_pairs
 from floquetrod.floquet.systems import even, spectra, whole
-from floquetrod.floquet.systems.classification import classify_pairs, too_long, undamped_pairs
+from floquetrod.floquet.systems.classification import classify_pairs, too_long
 from floquetrod.floquet.systems.result import SystemStability
 from floquetrod.floquet.verdict import Cost
 

@@ -13,14 +13,9 @@ from floquetrod.equations import HillSystem, PeriodicSystem
 from floquetrod.equations import pieces as by_pieces
 from floquetrod.equations.hill_system import in_first_order
 from floquetrod.floquet.kernels.system_maps_large import large_seconds, period_map_large
+from floquetrod.floquet.problems import undamped_pairs
 from floquetrod.floquet.systems import spectra, symplectic, whole
-from floquetrod.floquet.systems.classification import (
-    LogDiscs,
-    classify_multipliers,
-    classify_pairs,
-    too_long,
-    undamped_pairs,
-)
+from floquetrod.floquet.systems.classification import LogDiscs, classify_multipliers, classify_pairs, too_long
 from floquetrod.floquet.systems.result import SystemStability
 from floquetrod.floquet.verdict import Cost
 

@@ -22,14 +22,9 @@ from floquetrod.equations import HillSystem, PeriodicSystem
 from floquetrod.equations import pieces as by_pieces
 from floquetrod.equations.hill_system import states
 from floquetrod.equations.pieces import TimedPiece
+from floquetrod.floquet.problems import undamped_pairs
 from floquetrod.floquet.systems import independent_solutions, precise_maps, precise_spectra
-from floquetrod.floquet.systems.classification import (
-    LogDiscs,
-    ManyDigits,
-    classify_multipliers,
-    classify_pairs,
-    undamped_pairs,
-)
+from floquetrod.floquet.systems.classification import LogDiscs, ManyDigits, classify_multipliers, classify_pairs
 from floquetrod.floquet.systems.precise_maps import PeriodMap, Plan, Series
 from floquetrod.floquet.systems.result import SystemStability
 from floquetrod.floquet.systems.symplectic import pair_matrix

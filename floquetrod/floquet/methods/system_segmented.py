@@ -12,8 +12,9 @@ from floquetrod._util.arrays import Floats, norms
 from floquetrod.equations import HillSystem, PeriodicSystem
 from floquetrod.equations import pieces as by_pieces
 from floquetrod.equations.hill_system import in_first_order
+from floquetrod.floquet.problems import undamped_pairs
 from floquetrod.floquet.systems import cyclic, independent_solutions
-from floquetrod.floquet.systems.classification import classify_multipliers, undamped_pairs
+from floquetrod.floquet.systems.classification import classify_multipliers
 from floquetrod.floquet.systems.result import SystemStability
 from floquetrod.floquet.systems.whole import balanced_maps, error_stretch
 from floquetrod.floquet.verdict import Cost

@@ -24,7 +24,7 @@ from floquetrod.floquet.proof.region_equation import concluded
 from floquetrod.floquet.proof.result import Proof
 from floquetrod.floquet.proof.system_numbers import NotAffine, bounds_of, require_affine, system_problem
 from floquetrod.floquet.proof.systems import status_of_all
-from floquetrod.floquet.references import used_on
+from floquetrod.floquet.registry import proof_sources
 
 _MOST_SIDES = 6  # 64 corners (a choice)
 _CHECKED = 5  # points within the box at which the coefficients are checked (a choice)
@@ -142,7 +142,7 @@ class _Subdivision:
             tolerance=0.0,
             unit="per unit of time",
             assumptions=_ASSUMED,
-            used=used_on(self.family.at(next(corners(self.box))), "certify"),
+            sources=proof_sources(self.family.at(next(corners(self.box)))),
         )
 
     def _examine(self) -> None:

@@ -16,9 +16,10 @@ from floquetrod._util.arrays import Floats
 from floquetrod._util.compilation import compiled_for, runner
 from floquetrod._util.content import NoTruthValue
 from floquetrod._util.report import Report, Reported, number
+from floquetrod.floquet.problems import KINDS
 from floquetrod.floquet.proof.kernels import regions as kernels
 from floquetrod.floquet.proof.kernels.regions_boxes import tail_modes
-from floquetrod.floquet.references import references
+from floquetrod.floquet.references import ROD, references
 
 _MOST_AT_ONCE = 100_000  # parts that wait in one search: tens of megabytes (a choice)
 _STEPS = 2_000  # parts examined between two reports of progress: some tens of milliseconds (a choice)
@@ -113,12 +114,12 @@ class RegionProof(Reported, NoTruthValue):
     statement: str
     note: str
     assumptions: tuple[str, ...]
-    _used: tuple[tuple[str, str], ...] = field(default=(("equation", "certify"),), kw_only=True)  # for `references`
+    _sources: tuple[str, ...] = field(default=KINDS[0].proof_sources, kw_only=True)  # for `references`
 
     @property
     def references(self) -> tuple[str, ...]:
         """Publications to cite, in plain text with DOI, floquetrod first, then the sources of the methods used."""
-        return references(*self._used, *((("rod", "model"),) if self._is_of_rods else ()))
+        return references(self._sources, ROD if self._is_of_rods else ())
 
     @property
     def stable(self) -> bool | None:

@@ -10,6 +10,7 @@ from typing import Any, NamedTuple
 from floquetrod._util import validate
 from floquetrod._util.interval import Interval
 from floquetrod.equations import Mathieu
+from floquetrod.floquet.problems import KINDS
 from floquetrod.floquet.proof.problem import Parameters, exact_number
 from floquetrod.floquet.proof.region import ModeBox, RegionProof, RegionStatus, Shares, Side, side_ends, subdivide
 from floquetrod.floquet.proof.result import Proof
@@ -64,7 +65,7 @@ def concluded(
     tolerance: float,
     unit: str,
     assumptions: tuple[str, ...],
-    used: tuple[tuple[str, str], ...] = (("equation", "certify"),),
+    sources: tuple[str, ...] = KINDS[0].proof_sources,
 ) -> RegionProof:
     """Return what follows from the shares of a box of equations or systems that were proved.
 
@@ -80,8 +81,8 @@ def concluded(
         Growth, in ``unit``, that counts as none.
     assumptions : tuple of str
         Beside those of the arithmetic.
-    used : tuple of (str, str)
-        As `used_on` returns it.
+    sources : tuple of str
+        Publications behind the proof.
     """
     status: RegionStatus = "undecided"
     if finished and not shares.unstable:
@@ -105,7 +106,7 @@ def concluded(
         statement=statement_on(status, box, tolerance),
         note=note_on(status, shares, boxes),
         assumptions=(*assumptions, "doubles are added, multiplied and divided as IEEE 754 says, rounded to nearest"),
-        _used=used,
+        _sources=sources,
     )
 
 

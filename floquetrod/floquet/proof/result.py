@@ -8,7 +8,8 @@ from typing import Any, NamedTuple
 
 from floquetrod._util.report import Report, Reported
 from floquetrod.equations import DelaySystem, Equation, HillSystem, PeriodicSystem
-from floquetrod.floquet.references import references, used_on
+from floquetrod.floquet.references import references
+from floquetrod.floquet.registry import proof_sources
 from floquetrod.floquet.verdict import Answer, Interval, Status
 
 MAX_BOXES = 100_000
@@ -67,7 +68,7 @@ class Proof(Reported, Answer):
     @property
     def references(self) -> tuple[str, ...]:
         """Publications to cite, in plain text with DOI, floquetrod first, then the sources of the methods used."""
-        return references(*used_on(self.equation, "certify"))
+        return references(proof_sources(self.equation))
 
     def report(self) -> Report:
         """Return the proof in lines."""

@@ -22,6 +22,7 @@ from floquetrod.equations.batches import System
 from floquetrod.equations.hill_system import in_first_order
 from floquetrod.equations.pieces import TimedPiece
 from floquetrod.floquet import pairs
+from floquetrod.floquet.problems import undamped_pairs
 from floquetrod.floquet.systems import spectra
 from floquetrod.floquet.systems.result import SystemStability
 from floquetrod.floquet.systems.spectra import Discs
@@ -52,14 +53,6 @@ class _Part(NamedTuple):
     bounded: bool
     reason: str = ""
     krein: int = 0
-
-
-def undamped_pairs(system: AnySystem) -> tuple[System, float] | None:
-    """Return the system without its uniform damping c, and c, where its multipliers come in mu, 1 / mu; else None."""
-    if isinstance(system, DelaySystem):
-        return None
-    freed = system.undamped if isinstance(system, HillSystem) else (system, 0.0)
-    return freed if freed is not None and freed[0].structure in ("hamiltonian", "reversible") else None
 
 
 def classify_pairs(

@@ -23,8 +23,9 @@ from floquetrod._util.interpolation import chebyshev_points, chebyshev_weights
 from floquetrod.equations import HillSystem
 from floquetrod.equations import pieces as by_pieces
 from floquetrod.floquet.kernels.system_even import half_period_map
+from floquetrod.floquet.problems import undamped_pairs
 from floquetrod.floquet.systems import even, many, whole
-from floquetrod.floquet.systems.classification import MOST_SECONDS, undamped_pairs
+from floquetrod.floquet.systems.classification import MOST_SECONDS
 from floquetrod.floquet.systems.many import ManyVerdicts
 from floquetrod.floquet.systems.whole import PeriodMaps
 

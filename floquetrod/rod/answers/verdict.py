@@ -21,7 +21,7 @@ from floquetrod._util.progress import Progress
 from floquetrod._util.report import Report, Reported, Table
 from floquetrod._util.suggest import listed
 from floquetrod.equations import HillSystem, Mathieu
-from floquetrod.floquet.references import references, united
+from floquetrod.floquet.references import ROD, references, united
 from floquetrod.floquet.systems.resonances import Resonance
 from floquetrod.floquet.systems.result import SystemStability
 from floquetrod.floquet.verdict import Stability, Verdict
@@ -224,7 +224,7 @@ class RodStability(Reported, Verdict):
     @property
     def references(self) -> tuple[str, ...]:
         """Publications to cite, in plain text with DOI, floquetrod first, then the sources of the methods used."""
-        return united(references(("rod", "model")), self.evidence.references)
+        return united(references(ROD), self.evidence.references)
 
     @property
     def modes(self) -> tuple[int, ...]:

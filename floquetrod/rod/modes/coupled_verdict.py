@@ -18,7 +18,7 @@ from floquetrod.equations.pieces import of_batch
 from floquetrod.floquet.dispatch import judge, stability
 from floquetrod.floquet.methods.system_half_period import solved_pairs
 from floquetrod.floquet.methods.system_monodromy import solved_many
-from floquetrod.floquet.systems.classification import undamped_pairs
+from floquetrod.floquet.problems import undamped_pairs
 from floquetrod.floquet.systems.damping import least_damping
 from floquetrod.floquet.systems.fastest import fast_solutions
 from floquetrod.floquet.systems.resonances import Resonance

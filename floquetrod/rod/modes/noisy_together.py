@@ -18,7 +18,7 @@ import numpy as np
 from floquetrod._util.arguments import wrong_value
 from floquetrod._util.progress import Progress, shifted
 from floquetrod._util.report import number
-from floquetrod.floquet.references import references
+from floquetrod.floquet.references import NOISE, references
 from floquetrod.floquet.status import STATUS_CODES, UNDECIDED, UNSTABLE
 from floquetrod.floquet.systems.damping import least_damping
 from floquetrod.floquet.systems.moment_growth import Growth, MomentGrowth
@@ -253,7 +253,7 @@ class NoisyTogether(UnderNoise, SharedGrowth):
     @property
     def references(self) -> tuple[str, ...]:
         """What to cite for the methods used."""
-        return references(("any", "noise"))
+        return references(NOISE)
 
     def plot(self, verdict: RodStability, ax: Any = None) -> Any:
         """Raise ValueError: second moments have no one shape."""
