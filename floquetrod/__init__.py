@@ -46,13 +46,13 @@ if TYPE_CHECKING:
     from floquetrod.floquet.dispatch import stability as stability
     from floquetrod.floquet.filtered_noise import FilteredGrowth as FilteredGrowth
     from floquetrod.floquet.filtered_noise import filtered_growth as filtered_growth
+    from floquetrod.floquet.floquet_modes import FloquetMode as FloquetMode
+    from floquetrod.floquet.floquet_modes import floquet_solutions as floquet_solutions
     from floquetrod.floquet.margins import Margin as Margin
     from floquetrod.floquet.margins import margin as margin
     from floquetrod.floquet.proof import Proof as Proof
     from floquetrod.floquet.proof import certify as certify
-    from floquetrod.floquet.proof.region import RegionProof as RegionProof
-    from floquetrod.floquet.solutions import FloquetMode as FloquetMode
-    from floquetrod.floquet.solutions import floquet_solutions as floquet_solutions
+    from floquetrod.floquet.proof.region_proof import RegionProof as RegionProof
     from floquetrod.floquet.solve import Solution as Solution
     from floquetrod.floquet.solve import solve as solve
     from floquetrod.floquet.status import UndecidedWarning as UndecidedWarning
@@ -129,8 +129,8 @@ _NAMES = {
     "floquet.filtered_noise": ("FilteredGrowth", "filtered_growth"),
     "floquet.margins": ("Margin", "margin"),
     "floquet.proof": ("Proof", "certify"),
-    "floquet.proof.region": ("RegionProof",),
-    "floquet.solutions": ("FloquetMode", "floquet_solutions"),
+    "floquet.proof.region_proof": ("RegionProof",),
+    "floquet.floquet_modes": ("FloquetMode", "floquet_solutions"),
     "floquet.solve": ("Solution", "solve"),
     "floquet.status": ("UndecidedWarning",),
     "floquet.verdict": ("Stability",),

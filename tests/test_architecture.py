@@ -228,7 +228,7 @@ from ..methods.spectral import spectral
 if TYPE_CHECKING:
     import floquetrod.cli
 def later():
-    from floquetrod.floquet.kernels import mathieu
+    from floquetrod.floquet.kernels import mathieu_discriminant
     importlib.import_module(f"floquetrod.methods.{name}")
 """
     found = set(imports(code, "kernels.mathieu", Path("mathieu.py")))
@@ -237,7 +237,7 @@ def later():
         "floquetrod.kernels.verdict",
         "floquetrod.methods.spectral.spectral",
         "floquetrod.cli",
-        "floquetrod.floquet.kernels.mathieu",
+        "floquetrod.floquet.kernels.mathieu_discriminant",
         "floquetrod.methods.",
     }
     # Where nothing is imported by a call, statements alone are looked at.

@@ -25,7 +25,8 @@ import floquetrod as fr
 from conftest import needs_jit
 from floquetrod._util import compilation, interrupt, kernel_cache
 from floquetrod.cli import common
-from floquetrod.floquet.kernels import mathieu_counts, powers
+from floquetrod.floquet.kernels import powers
+from floquetrod.floquet.mathieu_chains import mathieu_counts
 from floquetrod.rod.mode_equations import modal_systems
 from floquetrod.simulation import integration
 
@@ -99,7 +100,7 @@ def test_without_any_folder_it_runs_uncached_and_says_so_once(tmp_path: Path) ->
     program = (
         TELL
         + SMALL
-        + "from floquetrod.floquet.kernels.leapfrog import leapfrog_map_fill; compiled(leapfrog_map_fill)\n"
+        + "from floquetrod.floquet.kernels.leapfrog_map import leapfrog_map_fill; compiled(leapfrog_map_fill)\n"
     )
     run = python(
         program + "print(once(), once())",
@@ -246,7 +247,7 @@ import signal, sys
 signal.signal(signal.SIGINT, signal.default_int_handler)  # a process in the background would inherit "ignore"
 import numpy as np
 from floquetrod._util.compilation import compiled
-from floquetrod.floquet.kernels.mathieu import damped_stable_fill
+from floquetrod.floquet.kernels.mathieu_discriminant import damped_stable_fill
 points, out = np.linspace(-1.0, 1.0, 50), np.empty(50, dtype=bool)
 def once():
     compiled(damped_stable_fill)(points, points, 0.1 + 0.0 * points, out)
@@ -593,7 +594,7 @@ def test_compiling_that_takes_long_is_told_once_in_a_process(tmp_path: Path) -> 
     program = SMALL + (
         "from floquetrod._util import compilation\n"
         "compilation._LONG = 0.0\n"
-        "from floquetrod.floquet.kernels.mathieu_counts import shown_one_by_one\n"
+        "from floquetrod.floquet.mathieu_chains.mathieu_counts import shown_one_by_one\n"
         "once(); compiled(shown_one_by_one)(maps[:, 0].copy(), maps[:, 1].copy(), np.empty(3, np.int8))"
     )
     first, second = python(program, tmp_path), python(program, tmp_path)

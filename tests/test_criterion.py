@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 import floquetrod as fr
 from floquetrod._util.compilation import compiled
-from floquetrod.floquet.kernels.leapfrog import leapfrog_map_fill
+from floquetrod.floquet.kernels.leapfrog_map import leapfrog_map_fill
 from floquetrod.floquet.kernels.powers import displacement_fill
 from floquetrod.floquet.kernels.taylor import mathieu_map_fill
 from floquetrod.floquet.methods.monodromy import monodromy_matrix

@@ -12,7 +12,7 @@ import pytest
 import floquetrod as fr
 from conftest import depth
 from floquetrod.floquet.proof.balls import Doubles
-from floquetrod.floquet.proof.family import corners
+from floquetrod.floquet.proof.family_boxes import corners
 from floquetrod.floquet.proof.system_flow import monodromy
 from floquetrod.floquet.proof.system_numbers import system_problem
 from test_new_equation import Trapezoid

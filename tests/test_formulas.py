@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 import floquetrod as fr
-from floquetrod._util.interval import PI, Interval
+from floquetrod._util.interval import PI, RealInterval
 from floquetrod.rod.model.constants import ModeConstants, mode_constants
 
 
@@ -108,12 +108,12 @@ def test_intervals_enclose_exact_numbers() -> None:
     rng = np.random.default_rng(4)
     for rod in random_rods(100, 5):
         horizontal = rod.parameters | {"inclination": 0.5 * math.pi}
-        point = ModeConstants.of({n: Interval(v, v) for n, v in horizontal.items()}, pi=3, sin=lambda _: 1.0)
+        point = ModeConstants.of({n: RealInterval(v, v) for n, v in horizontal.items()}, pi=3, sin=lambda _: 1.0)
         for value, interval in zip(exact(horizontal), point, strict=False):
             assert value in interval
             assert interval.width <= 1e-13 * interval.high
         spread = 0.002 * rng.random()
-        box = {n: Interval(v * (1.0 - spread), v * (1.0 + spread)) for n, v in horizontal.items()}
+        box = {n: RealInterval(v * (1.0 - spread), v * (1.0 + spread)) for n, v in horizontal.items()}
         try:
             found = ModeConstants.of(box, pi=3, sin=lambda _: 1.0)
         except ZeroDivisionError:
@@ -129,7 +129,7 @@ def test_intervals_of_a_solid_rod_are_tight() -> None:
     """Each parameter occurs once: the ends are values at corners of the box, but for rounding."""
     names = ("youngs_modulus", "density", "radius", "length", "channel_radius", "gravity")
     rod = fr.Rod.nitinol()
-    box = {name: Interval(0.99 * getattr(rod, name), 1.01 * getattr(rod, name)) for name in names}
+    box = {name: RealInterval(0.99 * getattr(rod, name), 1.01 * getattr(rod, name)) for name in names}
     found = ModeConstants.of(rod.parameters | box, pi=PI)
     corners = [
         ModeConstants.of(rod.parameters | dict(zip(names, corner, strict=True)))

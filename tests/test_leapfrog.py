@@ -11,7 +11,7 @@ from hypothesis import assume, given, settings
 import floquetrod as fr
 from conftest import JIT, depth
 from floquetrod._util.compilation import compiled
-from floquetrod.floquet.kernels.leapfrog import leapfrog_map_fill
+from floquetrod.floquet.kernels.leapfrog_map import leapfrog_map_fill
 from floquetrod.floquet.methods.leapfrog import leapfrog
 from strategies import decades, hills, mathieus, square_waves
 

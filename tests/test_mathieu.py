@@ -13,8 +13,8 @@ from hypothesis import given, settings
 
 import floquetrod as fr
 from conftest import depth, needs_jit
-from floquetrod.floquet.kernels import mathieu_counts
-from floquetrod.floquet.kernels.mathieu_counts import count_below
+from floquetrod.floquet.mathieu_chains import mathieu_counts
+from floquetrod.floquet.mathieu_chains.mathieu_counts import count_below
 from floquetrod.floquet.methods.reference import reference
 from floquetrod.mathieu import arrays
 from strategies import mathieu_points, near_boundary_points

@@ -9,15 +9,15 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from floquetrod._util.interval import Interval
+from floquetrod._util.interval import RealInterval
 from floquetrod._util.parts import complement, runs
 
 ENDS = st.integers(-2, 12).map(float)
-PARTS = st.lists(st.tuples(ENDS, ENDS).map(lambda pair: Interval(min(pair), max(pair))), max_size=6)
+PARTS = st.lists(st.tuples(ENDS, ENDS).map(lambda pair: RealInterval(min(pair), max(pair))), max_size=6)
 
 
 @given(PARTS)
-def test_bounds_are_what_parts_cover_and_what_they_leave(parts: list[Interval]) -> None:
+def test_bounds_are_what_parts_cover_and_what_they_leave(parts: list[RealInterval]) -> None:
     found = complement((0.0, 10.0), parts)
     for middle in np.arange(0.5, 10.0).tolist():  # all ends are whole
         is_covered = any(part.low < middle < part.high for part in parts)
@@ -33,8 +33,8 @@ def test_bounds_are_what_parts_cover_and_what_they_leave(parts: list[Interval]) 
 
 def test_bounds_without_a_width_and_equal_parts() -> None:
     assert [gap[:2] for gap in complement((1.0, 1.0), [])] == [(1.0, 1.0)]
-    assert complement((1.0, 1.0), [Interval(0.0, 2.0)]) == []
-    one, other, touching = Interval(1.0, 2.0), Interval(1.0, 2.0), Interval(2.0, 3.0)
+    assert complement((1.0, 1.0), [RealInterval(0.0, 2.0)]) == []
+    one, other, touching = RealInterval(1.0, 2.0), RealInterval(1.0, 2.0), RealInterval(2.0, 3.0)
     before, after = complement((0.0, 4.0), [touching, one, other])
     assert before.after is one
     assert after.before is touching

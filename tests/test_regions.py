@@ -19,8 +19,8 @@ from hypothesis import strategies as st
 import floquetrod as fr
 from conftest import depth
 from floquetrod import methods
-from floquetrod._util.interval import PI, Interval
-from floquetrod.floquet.proof.region import RegionProof
+from floquetrod._util.interval import PI, RealInterval
+from floquetrod.floquet.proof.region_proof import RegionProof
 from floquetrod.rod.answers.rod_box import RodBox
 from floquetrod.rod.loads.load import kind
 
@@ -37,17 +37,17 @@ FLOATS = st.floats(allow_nan=False, allow_infinity=False)
 
 
 @st.composite
-def enclosed(draw: st.DrawFn) -> tuple[Interval, Fraction]:
+def enclosed(draw: st.DrawFn) -> tuple[RealInterval, Fraction]:
     """Draw an interval and an exact number in it."""
     ends = sorted((draw(FLOATS), draw(FLOATS)))
-    interval = Interval(*ends)
+    interval = RealInterval(*ends)
     share = Fraction(draw(st.integers(0, 16)), 16)
     return interval, Fraction(interval.low) + share * (Fraction(interval.high) - Fraction(interval.low))
 
 
 @given(enclosed(), enclosed(), st.integers(0, 6))
 def test_interval_arithmetic_encloses_exact_results(
-    one: tuple[Interval, Fraction], other: tuple[Interval, Fraction], power: int
+    one: tuple[RealInterval, Fraction], other: tuple[RealInterval, Fraction], power: int
 ) -> None:
     (x, p), (y, q) = one, other
     for act in (operator.add, operator.sub, operator.mul):
@@ -70,19 +70,19 @@ def test_interval_arithmetic_encloses_exact_results(
 
 @given(st.fractions())
 def test_an_exact_number_is_enclosed_by_neighbours(value: Fraction) -> None:
-    found = Interval.of(value)
+    found = RealInterval.of(value)
     assert value in found
     assert found.high <= math.nextafter(found.low, math.inf)
 
 
 def test_intervals_are_rounded_outwards_where_doubles_are_not_exact() -> None:
-    third = Interval.of(1.0) / 3
+    third = RealInterval.of(1.0) / 3
     assert third.low < Fraction(1, 3) < third.high
-    assert Interval.of(0.1) + 0.2 != Interval.of(0.1 + 0.2)
+    assert RealInterval.of(0.1) + 0.2 != RealInterval.of(0.1 + 0.2)
     assert PI.low < Fraction("3.14159265358979323846") < PI.high
-    assert Interval.of(10**400).low == math.nextafter(math.inf, 0.0)
+    assert RealInterval.of(10**400).low == math.nextafter(math.inf, 0.0)
     with pytest.raises(ValueError, match="low <= high"):
-        Interval(1.0, math.nan)
+        RealInterval(1.0, math.nan)
 
 
 # --- boxes of loads and rods ---
@@ -367,8 +367,8 @@ def test_what_does_not_vary_stays() -> None:
     assert "fixed" in found.table()
 
 
-def _range(part: Any) -> Interval:
-    return Interval(part.low, part.high)
+def _range(part: Any) -> RealInterval:
+    return RealInterval(part.low, part.high)
 
 
 def test_a_load_that_is_not_stable_has_no_safe_box() -> None:

@@ -16,12 +16,12 @@ from numpy.typing import NDArray
 import floquetrod as fr
 from conftest import JIT, depth, needs_jit
 from floquetrod._util.compilation import compiled
-from floquetrod.floquet.kernels import mathieu
-from floquetrod.floquet.kernels.mathieu import undamped_growth
-from floquetrod.floquet.kernels.mathieu_counts import count_below
+from floquetrod.floquet.kernels import mathieu_discriminant
+from floquetrod.floquet.kernels.mathieu_discriminant import undamped_growth
+from floquetrod.floquet.mathieu_chains.mathieu_counts import count_below
 from floquetrod.floquet.methods.reference import discriminant_excess
-from floquetrod.floquet.proof.kernels import intervals, regions, regions_boxes, regions_excess, regions_modes
-from floquetrod.floquet.proof.kernels.intervals import Pair
+from floquetrod.floquet.proof.kernels import double_intervals, regions, regions_boxes, regions_excess, regions_modes
+from floquetrod.floquet.proof.kernels.double_intervals import Pair
 from floquetrod.floquet.status import STABLE, UNDECIDED, UNSTABLE
 from floquetrod.rod.model.constants import mode_constants
 
@@ -31,11 +31,11 @@ in_python_anyway = pytest.mark.skipif(not JIT, reason="calls kernels as the Pyth
 Floats = NDArray[np.float64]
 
 OPERATIONS: dict[str, tuple[Callable[[Pair, Pair], Pair], Callable[[Fraction, Fraction], Fraction]]] = {
-    "add": (intervals.add, lambda x, y: x + y),
-    "subtract": (intervals.subtract, lambda x, y: x - y),
-    "multiply": (intervals.multiply, lambda x, y: x * y),
-    "divide": (intervals.divide, lambda x, y: x / y),
-    "square": (lambda x, _: intervals.square(x), lambda x, _y: x * x),
+    "add": (double_intervals.add, lambda x, y: x + y),
+    "subtract": (double_intervals.subtract, lambda x, y: x - y),
+    "multiply": (double_intervals.multiply, lambda x, y: x * y),
+    "divide": (double_intervals.divide, lambda x, y: x / y),
+    "square": (lambda x, _: double_intervals.square(x), lambda x, _y: x * x),
 }
 
 
@@ -74,8 +74,8 @@ def test_operations_enclose_the_exact_result(name: str) -> None:
 
 @pytest.mark.parametrize("name", OPERATIONS)
 def test_without_the_outward_step_they_would_not(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(intervals, "ULP", 0.0)
-    monkeypatch.setattr(intervals, "TINY", 0.0)
+    monkeypatch.setattr(double_intervals, "ULP", 0.0)
+    monkeypatch.setattr(double_intervals, "TINY", 0.0)
     assert misses(name) > 100
 
 
@@ -84,23 +84,23 @@ def test_what_is_not_finite_is_never_a_bound() -> None:
         for operation, _ in OPERATIONS.values():
             low, high = operation((a, b), (1.0, 2.0))
             assert not (low > -math.inf and high < math.inf)
-    assert all(map(math.isnan, intervals.divide((1.0, 1.0), (-1.0, 1.0))))
-    assert all(map(math.isnan, intervals.divide((1.0, 1.0), (0.0, 1.0))))
+    assert all(map(math.isnan, double_intervals.divide((1.0, 1.0), (-1.0, 1.0))))
+    assert all(map(math.isnan, double_intervals.divide((1.0, 1.0), (0.0, 1.0))))
 
 
 def test_exponential_and_hyperbolic_sine_enclose() -> None:
     rng = np.random.default_rng(3)
     with mpmath.workdps(50):
         for x in [*rng.uniform(-600, 600, 300), *(10.0 ** rng.uniform(-18, 0, 300)), 0.0, 1.0]:
-            low, high = intervals.exp(float(x))
+            low, high = double_intervals.exp(float(x))
             assert low <= mpmath.exp(mpmath.mpf(float(x))) <= high
             assert high - low <= 1e-12 * high
         for x in [*rng.uniform(0, 300, 300), *(10.0 ** rng.uniform(-18, 0, 300)), 0.0, 0.5, 0.4999999999999999]:
-            low, high = intervals.sinh_squared(float(x))
+            low, high = double_intervals.sinh_squared(float(x))
             assert low <= mpmath.sinh(mpmath.mpf(float(x))) ** 2 <= high
             assert high - low <= 1e-12 * high + 1e-300
-    assert math.isnan(intervals.exp(700.0)[0])
-    assert math.isnan(intervals.sinh_squared(-1.0)[0])
+    assert math.isnan(double_intervals.exp(700.0)[0])
+    assert math.isnan(double_intervals.sinh_squared(-1.0)[0])
 
 
 def random_equation(rng: np.random.Generator) -> tuple[float, float]:
@@ -121,7 +121,7 @@ def test_excess_encloses_and_both_add_up_to_minus_one() -> None:
         (el, eh), (ol, oh) = both
         assert el + ol <= -1.0 + 1e-9 * abs(el)
         assert eh + oh >= -1.0 - 1e-9 * abs(eh)
-        sign, x, exponent, _, _ = mathieu.discriminant_excess(0.5 * q, -0.25 * a, 0.0)
+        sign, x, exponent, _, _ = mathieu_discriminant.discriminant_excess(0.5 * q, -0.25 * a, 0.0)
         value = math.ldexp(x, exponent)
         for low, high, true in (
             (el, eh, value if sign > 0 else -1.0 - value),
@@ -274,8 +274,8 @@ def test_beside_a_boundary_nothing_is_misjudged() -> None:
 @in_python_anyway
 def test_broken_rounding_is_caught(monkeypatch: pytest.MonkeyPatch) -> None:
     """Without the outward step the doubles beside boundaries are judged, and some of them wrongly."""
-    monkeypatch.setattr(intervals, "ULP", 0.0)
-    monkeypatch.setattr(intervals, "TINY", 0.0)
+    monkeypatch.setattr(double_intervals, "ULP", 0.0)
+    monkeypatch.setattr(double_intervals, "TINY", 0.0)
     wrong, judged = wrong_beside_boundaries()
     assert judged > 500
     assert wrong > 20
@@ -300,8 +300,8 @@ def test_rounding_of_the_excess_is_needed(monkeypatch: pytest.MonkeyPatch) -> No
         return missed
 
     assert wrong() == 0
-    monkeypatch.setattr(intervals, "ULP", 0.0)
-    monkeypatch.setattr(intervals, "TINY", 0.0)
+    monkeypatch.setattr(double_intervals, "ULP", 0.0)
+    monkeypatch.setattr(double_intervals, "TINY", 0.0)
     assert wrong() > 5
 
 

@@ -22,9 +22,9 @@ from floquetrod.equations import HillSystem, PeriodicSystem
 from floquetrod.floquet.proof.balls import Doubles
 from floquetrod.floquet.proof.inertia import inertia
 from floquetrod.floquet.proof.integers import Integers
-from floquetrod.floquet.proof.intervals import TooMuchWork, Unresolved
 from floquetrod.floquet.proof.krein import krein_sums
-from floquetrod.floquet.proof.result import Proof
+from floquetrod.floquet.proof.many_digits import TooMuchWork, Unresolved
+from floquetrod.floquet.proof.proof import Proof
 from floquetrod.floquet.proof.system_counts import _last, _matrix, _truncation, count
 from floquetrod.floquet.proof.system_discs import enclose_eigenvalues
 from floquetrod.floquet.proof.system_flow import monodromy

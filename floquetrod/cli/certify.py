@@ -16,8 +16,8 @@ from floquetrod.cli.common import LARGEST, ROD_AND_LOAD, add_subject, describe_c
 from floquetrod.cli.loads import add_question, read_ranges
 from floquetrod.cli.output import Output, output
 from floquetrod.cli.parser import Parser, whole_number
-from floquetrod.floquet.proof.region import RegionProof
-from floquetrod.floquet.proof.result import MAX_BOXES
+from floquetrod.floquet.proof.proof import MAX_BOXES
+from floquetrod.floquet.proof.region_proof import RegionProof
 from floquetrod.rod.answers.safe_box import SafeBox
 from floquetrod.rod.model.constants import SLOW_GROWTH
 from floquetrod.rod.model.parts import DIAMETERS

@@ -155,7 +155,7 @@ def _require_single(sources: list[Source]) -> None:
             raise ValueError(f"noise[{i}] must be one matrix and one intensity, got a batch of shape {shape}")
 
 
-class _Grid(NamedTuple):
+class _NoiseSteps(NamedTuple):
     """Steps of a period, an even number, and flows between the instants at which noise acts, their middles.
 
     ``fine[k]`` leads from the middle of step k - 1 to that of step k, the last step of the period before for k = 0;
@@ -167,7 +167,7 @@ class _Grid(NamedTuple):
     coarse: Floats
 
 
-def _grid(system: PeriodicSystem) -> _Grid:
+def _grid(system: PeriodicSystem) -> _NoiseSteps:
     """Return the steps of a period, which jumps separate, and the flows."""
     halves: list[Floats] = []
     lengths: list[float] = []
@@ -182,7 +182,7 @@ def _grid(system: PeriodicSystem) -> _Grid:
     fine = np.einsum("kij,kjl->kil", quarter[0], np.roll(quarter[1], 1, axis=0))
     whole = np.einsum("kij,kjl->kil", quarter[1], quarter[0])
     coarse = np.einsum("kij,kjl->kil", whole[0::2], np.roll(whole[1::2], 1, axis=0))
-    return _Grid(lengths, fine, coarse)
+    return _NoiseSteps(lengths, fine, coarse)
 
 
 def _count(system: PeriodicSystem, piece: TimedPiece, length: float) -> int:
@@ -204,7 +204,7 @@ def _flows(system: PeriodicSystem, piece: TimedPiece, edges: Floats) -> list[Flo
 
 
 def _logarithms(
-    grid: _Grid, sources: list[Source], paths: int, periods: int, seed: int, progress: Progress | None
+    grid: _NoiseSteps, sources: list[Source], paths: int, periods: int, seed: int, progress: Progress | None
 ) -> Floats:
     """Return the logarithms of the growth of paths after those of the beginning, (2, paths): fine and coarse."""
     rng = np.random.default_rng(seed)
@@ -224,7 +224,7 @@ def _logarithms(
 
 
 def _over_period(
-    grid: _Grid, sources: list[Source], rng: np.random.Generator, fine: Floats, coarse: Floats
+    grid: _NoiseSteps, sources: list[Source], rng: np.random.Generator, fine: Floats, coarse: Floats
 ) -> tuple[Floats, Floats]:
     """Return where paths are a period later, in steps and in pairs of steps under the same noise."""
     roots = np.sqrt(grid.lengths)

@@ -32,7 +32,7 @@ _MOST_IMAGES = 5_000  # of jumps (a choice)
 _ROUNDING = 16.0 * EPS
 
 
-class _Steps(NamedTuple):
+class _DelayedSteps(NamedTuple):
     """A solution: ends of its steps, Legendre coefficients (steps, m, n) on each, and states at the ends."""
 
     ends: Floats
@@ -71,7 +71,7 @@ class DelaySolution(ByContent):
         """Return the solution at times within the interval (array_like), or its derivative; n in the last axis."""
         times = validate.array("time", time, least=float(self.time[0]), largest=float(self.time[-1]))
         derivative = validate.integer("derivative", derivative, 0, 1)
-        found = _values(_Steps(self.time, self.series, self.states), times.ravel(), derivative)
+        found = _values(_DelayedSteps(self.time, self.series, self.states), times.ravel(), derivative)
         return shaped(found, (*times.shape, self.equation.order))
 
     def __repr__(self) -> str:
@@ -149,7 +149,7 @@ def _ends(system: DelaySystem, start: float, stop: float) -> Floats:
     return np.concatenate([[start], *parts_])
 
 
-def _marched(system: DelaySystem, history: History, rate: Floats | None, ends: Floats, nodes: int) -> _Steps:
+def _marched(system: DelaySystem, history: History, rate: Floats | None, ends: Floats, nodes: int) -> _DelayedSteps:
     """Return the solution by steps with so many nodes."""
     n, derivatives = system.order, 2 if rate is not None else 1
     count = len(ends) - 1
@@ -172,7 +172,7 @@ def _marched(system: DelaySystem, history: History, rate: Floats | None, ends: F
         if given.rate is not None:
             right = right + given.rate[0] @ v
             left = left + given.rate[0][:, :, None, :] * (half * integrals[0])[:, None, :, None]
-        known = _Steps(ends[: i + 1], series[:i], states[: i + 1])
+        known = _DelayedSteps(ends[: i + 1], series[:i], states[: i + 1])
         for delay, matrix in zip(system.delays, given.delayed, strict=True):
             right = right + np.einsum("fij,fj->fi", matrix[0], _earlier(known, history, times - float(delay)))
         size = nodes * n
@@ -182,7 +182,7 @@ def _marched(system: DelaySystem, history: History, rate: Floats | None, ends: F
         if derivatives == 2:
             ended.insert(0, q + 2.0 * half * v + half**2 * whole[1] @ found)
         states[i + 1] = np.concatenate(ended)
-    return _Steps(ends, series, states)
+    return _DelayedSteps(ends, series, states)
 
 
 def _as_series(found: Floats, half: float, state: Floats) -> Floats:
@@ -194,7 +194,7 @@ def _as_series(found: Floats, half: float, state: Floats) -> Floats:
     return np.asarray(series)
 
 
-def _earlier(known: _Steps, history: History, times: Floats) -> Floats:
+def _earlier(known: _DelayedSteps, history: History, times: Floats) -> Floats:
     """Return values at times before the step, of the history too."""
     before = times <= known.ends[0]
     found = np.empty((len(times), known.series.shape[2]))
@@ -205,7 +205,7 @@ def _earlier(known: _Steps, history: History, times: Floats) -> Floats:
     return found
 
 
-def _values(steps: _Steps, times: Floats, derivative: int) -> Floats:
+def _values(steps: _DelayedSteps, times: Floats, derivative: int) -> Floats:
     """Return the solution at times of the steps, or its derivative, (times, n)."""
     place = np.clip(np.searchsorted(steps.ends, times, side="right") - 1, 0, len(steps.series) - 1)
     found = np.empty((times.size, steps.series.shape[2]))

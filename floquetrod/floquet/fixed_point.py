@@ -14,7 +14,7 @@ GUARD_BITS = 24  # beyond what the digits need (heuristic)
 Matrix = tuple[int, int, int, int]
 
 
-class Stretch(NamedTuple):
+class PrecisePiece(NamedTuple):
     """A piece of the coefficient with time in units of period / 2 pi, as numbers of a context."""
 
     begin: Any
@@ -30,7 +30,7 @@ class Stretch(NamedTuple):
 
 
 def period_map(
-    stretches: list[Stretch], damping: Any, context: Any, pieces: int, more: int, bits: int, offset: float
+    stretches: list[PrecisePiece], damping: Any, context: Any, pieces: int, more: int, bits: int, offset: float
 ) -> tuple[Matrix, int, int]:
     """Return the map over a period as integers times 2**exponent, and the terms summed.
 
@@ -51,7 +51,7 @@ def period_map(
 
 
 def _ends(
-    stretch: Stretch, middle: Any, half: Any, damping: Any, context: Any, bits: int
+    stretch: PrecisePiece, middle: Any, half: Any, damping: Any, context: Any, bits: int
 ) -> list[tuple[int, int, int, int, int]]:
     """Return what `_series` does for both unit solutions of a step whose middle is ``middle`` after the beginning."""
     starts = ((1 << bits, 0), (0, 1 << bits))

@@ -24,7 +24,7 @@ from floquetrod.floquet.registry import sources
 from floquetrod.floquet.status import Status as Status
 
 if TYPE_CHECKING:
-    from floquetrod.floquet.solutions import MonodromyMatrix
+    from floquetrod.floquet.floquet_modes import MonodromyMatrix
 
 _STATUS: dict[int, Status] = {1: "unstable", -1: "stable"}
 
@@ -184,7 +184,7 @@ class FloquetVerdict(ByContent, Reported, Verdict):
         >>> f"{matrix[0, 0] + matrix[1, 1]:.9f}", error < 1e-12
         ('-4.396667735', True)
         """
-        from floquetrod.floquet.solutions import monodromy_over_period
+        from floquetrod.floquet.floquet_modes import monodromy_over_period
 
         return monodromy_over_period(self.equation)
 

@@ -16,8 +16,8 @@ from floquetrod._util.arrays import Bools, Floats, broadcast, shaped
 from floquetrod._util.calling import call_hints
 from floquetrod._util.compilation import INTERPRETED_UP_TO, over_chunks
 from floquetrod.equations.conventions import other_forms
-from floquetrod.floquet.kernels import mathieu as kernels
-from floquetrod.floquet.kernels import mathieu_counts as counts
+from floquetrod.floquet.kernels import mathieu_discriminant as kernels
+from floquetrod.floquet.mathieu_chains import mathieu_counts as counts
 
 _CHUNK = 1024
 """Points a thread takes at a time; each costs a microsecond, far out more, and a verdict without damping much less."""

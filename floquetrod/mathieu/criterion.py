@@ -12,7 +12,7 @@ from floquetrod._util import validate
 from floquetrod._util.arrays import broadcast, shaped
 from floquetrod._util.calling import constructor_hints
 from floquetrod._util.compilation import over_chunks
-from floquetrod.floquet.kernels.leapfrog import leapfrog_map_fill
+from floquetrod.floquet.kernels.leapfrog_map import leapfrog_map_fill
 from floquetrod.floquet.kernels.powers import displacement_fill
 from floquetrod.floquet.kernels.taylor import mathieu_map_fill
 

@@ -17,7 +17,8 @@ from numpy.typing import NDArray
 from floquetrod._util.arrays import Bools, Floats, Ints
 from floquetrod._util.compilation import over_chunks
 from floquetrod._util.roots import bisected
-from floquetrod.floquet.kernels import mathieu, mathieu_counts
+from floquetrod.floquet.kernels import mathieu_discriminant
+from floquetrod.floquet.mathieu_chains import mathieu_counts
 from floquetrod.mathieu import enclosures
 from floquetrod.mathieu.concave import Parts, level, parts_above
 from floquetrod.mathieu.kernels import characteristic
@@ -303,7 +304,7 @@ def _amplitude_pieces(b: Floats, low: Floats, high: Floats) -> tuple[Ints, Ints,
 
 def _growth(alpha: Floats, b: Floats) -> Floats:
     inputs = alpha, b, np.zeros(b.size)
-    return filled(mathieu.growth_fill, inputs, np.empty(b.size), (-4.0 * b, 2.0 * alpha), 4.0)
+    return filled(mathieu_discriminant.growth_fill, inputs, np.empty(b.size), (-4.0 * b, 2.0 * alpha), 4.0)
 
 
 def counts(a: Floats, q: Floats) -> Ints:
@@ -313,7 +314,7 @@ def counts(a: Floats, q: Floats) -> Ints:
 
 def growth_bounds(a: Floats, q: Floats) -> Floats:
     """Return a bound on the growth per unit tau, which falls as a grows and rises with q; infinite for a <= 2 q."""
-    return filled(mathieu.growth_bound_fill, (a, q), np.empty(a.size), (a, q), 1.0, chunk=4096)
+    return filled(mathieu_discriminant.growth_bound_fill, (a, q), np.empty(a.size), (a, q), 1.0, chunk=4096)
 
 
 def filled(

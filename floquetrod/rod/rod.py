@@ -13,7 +13,7 @@ from floquetrod._util.arrays import shaped
 from floquetrod._util.calling import call_hints
 from floquetrod._util.progress import Progress
 from floquetrod.equations import HillSystem
-from floquetrod.floquet.proof.result import MAX_BOXES
+from floquetrod.floquet.proof.proof import MAX_BOXES
 from floquetrod.floquet.status import are
 from floquetrod.mathieu.criterion import FiniteTimeCriterion
 from floquetrod.rod import verdicts
@@ -28,7 +28,7 @@ from floquetrod.rod.modes.mode_model import ModeModel
 
 # Loaded by the methods that need them: a first verdict takes a quarter of the package.
 if TYPE_CHECKING:
-    from floquetrod.floquet.proof.region import RegionProof
+    from floquetrod.floquet.proof.region_proof import RegionProof
     from floquetrod.rod.answers.critical_noise import CriticalFactor
     from floquetrod.rod.answers.margins import CriticalLoad
     from floquetrod.rod.answers.mean_force import MeanForce

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from floquetrod._util.compilation import over_chunks
-from floquetrod.floquet.kernels import mathieu
+from floquetrod.floquet.kernels import mathieu_discriminant
 from floquetrod.rod.kernels import modes as rod_modes
 from floquetrod.rod.loads.load import Loads
 from floquetrod.rod.model.constants import ModeConstants, mode_constants
@@ -87,5 +87,5 @@ def _growth(constants: ModeConstants, loads: Loads, slowest: float) -> tuple[NDA
     A, B, C, D, _ = (part[:, None] for part in family)
     alpha, beta = rod_modes.mode_coefficients(A, B, C, D, constants.held, modes)
     rates = np.empty(alpha.size)
-    over_chunks(mathieu.growth_fill, (alpha.ravel(), beta.ravel(), np.repeat(c, modes.size)), rates)
+    over_chunks(mathieu_discriminant.growth_fill, (alpha.ravel(), beta.ravel(), np.repeat(c, modes.size)), rates)
     return modes, (rates.reshape(alpha.shape) * frequency[:, None]).max(axis=0)

@@ -11,8 +11,8 @@ from floquetrod.floquet.kernels.system_even_steps import balance, cut_harmonics,
 from floquetrod.floquet.kernels.system_large import (
     LEVELS,
     Matrix,
-    Series,
     Stop,
+    TaylorTerms,
     chain,
     crossing,
     joined,
@@ -65,7 +65,7 @@ def half_period_large(
     errors: list[float] = []
     x = np.zeros((most + 2, *together, n, 2 * n))
     for matrices in ends:
-        series = Series(s, matrices, even, most, x, constant=first == 0)
+        series = TaylorTerms(s, matrices, even, most, x, constant=first == 0)
         sums, rest = _even_sums(series, h, terms, ratio, stop)
         for value, slope in sums:
             a, b = value[:, :n] * scale, value[:, n:] * rate
@@ -87,7 +87,7 @@ def half_period_large(
     return product, g, error
 
 
-def _even_sums(series: Series, h: float, terms: int, ratio: float, stop: Stop) -> tuple[Floats, float]:
+def _even_sums(series: TaylorTerms, h: float, terms: int, ratio: float, stop: Stop) -> tuple[Floats, float]:
     """Return values and slopes at h of the even solutions and, over h, of the odd ones, and what is left out.
 
     As (ends, 2, n, 2 n), where the terms of the series are (ends, n, 2 n), or (n, 2 n) of a single one.

@@ -24,7 +24,7 @@ LEVELS = 6
 _FARTHEST = 500  # terms that it follows at most
 
 
-class Parts(NamedTuple):
+class ModalEquations(NamedTuple):
     """The equations v'' + (diag(rates) + sum_k F_k cos(m_k w t + pi turn_k)) v = 0 of u = q v."""
 
     rates: Floats  # (n,), the mean stiffness
@@ -130,7 +130,7 @@ def add_product(matrix: Matrix, x: Floats, out: Floats, work: Floats) -> None:
     out[lower] += np.matmul(matrix.right.T, matrix.left.T @ x[upper], out=work[lower])
 
 
-class Series:
+class TaylorTerms:
     """Terms x_i, matrices (n, q), of a series that solves u'' + (diag(s) + sum_k c_k(t) F_k) u = 0.
 
     All terms share memory, since as much of it anew takes longer than the products do: rows of ``terms`` come again
@@ -254,13 +254,13 @@ def crossing(
     for part in parts:
         x = np.zeros((most + 3, n, part.stop - part.start))
         x[0], x[1] = np.split(np.eye(2 * n)[:, part], 2)
-        even, odd, rest = _summed(Series(s, matrices, c, most, x, constant=constant), h, order, ratio, stop)
+        even, odd, rest = _summed(TaylorTerms(s, matrices, c, most, x, constant=constant), h, order, ratio, stop)
         forth[:, part], back[:, part] = even + odd, even - odd
         rests.append(rest)
     return forth, back, math.hypot(*rests)
 
 
-def _summed(series: Series, h: float, order: int, ratio: float, stop: Stop) -> tuple[Floats, Floats, float]:
+def _summed(series: TaylorTerms, h: float, order: int, ratio: float, stop: Stop) -> tuple[Floats, Floats, float]:
     """Return the even and the odd part of (u, h u') at h, and what is left out, from the first two terms."""
     x = series.terms
     sizes = np.zeros(order + 1)

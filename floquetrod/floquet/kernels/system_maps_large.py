@@ -8,7 +8,16 @@ import numpy as np
 
 from floquetrod._util.arrays import Complexes, Floats
 from floquetrod.floquet.kernels.system_even_steps import balance
-from floquetrod.floquet.kernels.system_large import LEVELS, Parts, chain, crossing, joined, norm_bound, split, stop_rule
+from floquetrod.floquet.kernels.system_large import (
+    LEVELS,
+    ModalEquations,
+    chain,
+    crossing,
+    joined,
+    norm_bound,
+    split,
+    stop_rule,
+)
 from floquetrod.floquet.kernels.system_series import MOST_TERMS, ROUNDING, coefficient_bound, plan_segments, reach
 
 _FINEST = 1e-13  # error of a segment for each equation: below it the bounds of rounding in products outweigh it
@@ -51,7 +60,7 @@ def period_map_large(
     """
     n, omega = len(stiffness), 2.0 * math.pi / period
     accuracy = max(accuracy, n * _FINEST)
-    s, q, matrices, orders, turns, norms, slack, _ = Parts.of(stiffness, harmonics)
+    s, q, matrices, orders, turns, norms, slack, _ = ModalEquations.of(stiffness, harmonics)
     g = np.empty(n)
     size, slow, fast = balance(s, np.abs(np.reshape(matrices, (-1, n, n))), omega, g)
     bound = math.sqrt(coefficient_bound(size, norms, 1, 0.0))

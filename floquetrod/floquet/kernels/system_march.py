@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from floquetrod._util.arrays import Floats
 from floquetrod._util.content import ByContent
 from floquetrod.floquet.kernels.system_even_steps import balance
-from floquetrod.floquet.kernels.system_large import LEVELS, Matrix, Parts, Series, split
+from floquetrod.floquet.kernels.system_large import LEVELS, Matrix, ModalEquations, TaylorTerms, split
 from floquetrod.floquet.kernels.system_series import MOST_TERMS, ROUNDING, coefficient_bound
 
 _REACH = 4.0  # phase that a series crosses: beyond it as many terms are needed in all (measured)
@@ -24,7 +24,7 @@ _FEW, _NOTHING = 4, 1e-4  # terms in a row, as a part of the accuracy, below whi
 class March(ByContent):
     """The map over a period, or half, in the coordinates of `period_map_large`, as a linear function of states."""
 
-    parts: Parts  # the equations
+    parts: ModalEquations  # the equations
     scaling: Floats  # (n,), g of the states (v, p) = (g u, u' / g), u in eigenvectors of the mean stiffness
     blocks: list[Matrix]  # the amplitudes of K
     factors: Floats  # (segments, parts, terms), Taylor coefficients of their factors from the beginning of a segment
@@ -33,14 +33,14 @@ class March(ByContent):
     error: float = math.inf  # of the map, in the 2-norm, estimated: what more terms would add to states drawn at random
 
     @classmethod
-    def of(cls, parts: Parts, period: float, accuracy: float, start: Floats) -> Self | None:
+    def of(cls, parts: ModalEquations, period: float, accuracy: float, start: Floats) -> Self | None:
         """Return the map with the terms that orthonormal states drawn at random need; None where these are too many."""
         march = cls.with_all_terms(parts, period, accuracy)
         return None if march is None else march._shortened(start, accuracy)
 
     @classmethod
     def with_all_terms(
-        cls, parts: Parts, period: float, accuracy: float, most: float = _MOST_SEGMENTS, *, share: float = 1.0
+        cls, parts: ModalEquations, period: float, accuracy: float, most: float = _MOST_SEGMENTS, *, share: float = 1.0
     ) -> Self | None:
         """Return the map over a share of a period, a half or all of it, with all terms there may be.
 
@@ -101,7 +101,7 @@ class March(ByContent):
         """Return the terms of u from the beginning of a segment, in powers of its length, down to ``least``."""
         x = np.zeros((self.terms + 1, *state.shape[1:]))
         x[:2] = state
-        series = Series(self.parts.rates, self.blocks, factors, self.terms, x, constant=self.parts.constant > 0.0)
+        series = TaylorTerms(self.parts.rates, self.blocks, factors, self.terms, x, constant=self.parts.constant > 0.0)
         for i in range(self.terms - 1):
             series.append(i, i + 2, -(self.reach**2) / ((i + 1.0) * (i + 2.0)))
             if least and i % _FEW == _FEW - 1 and self._sizes(x[i + 3 - _FEW : i + 3], i + 3 - _FEW).max() < least:

@@ -70,7 +70,7 @@ def semi_discretisation(system: DelaySystem, *, above: float = 0.3) -> SystemSta
     return classify_multipliers(system, "semi_discretisation", logs, cost=cost)
 
 
-class _Grid(NamedTuple):
+class _StepEnds(NamedTuple):
     """Ends of steps in a period, from 0 to 1 in periods, and how many of the last ones a state holds."""
 
     times: Floats
@@ -78,7 +78,7 @@ class _Grid(NamedTuple):
     period: float
 
 
-def _grid(system: DelaySystem, laid: delay_maps.Layout, refinement: int) -> _Grid:
+def _grid(system: DelaySystem, laid: delay_maps.Layout, refinement: int) -> _StepEnds:
     """Return the steps of a period, none longer than the shortest delay, all breaks among their ends."""
     longest = _RADIANS / max(delay_maps.rate(system) * laid.period, 1e-12)
     shortest = min((float(delay) / laid.period for delay in system.delays), default=1.0)
@@ -93,10 +93,10 @@ def _grid(system: DelaySystem, laid: delay_maps.Layout, refinement: int) -> _Gri
     first = np.asarray(times)
     lengths = np.concatenate([np.diff(first)] * (whole + 2))[::-1]
     reach = max(reach, int(np.searchsorted(np.cumsum(lengths), back)) + _NEIGHBOURS)
-    return _Grid(first, reach, laid.period)
+    return _StepEnds(first, reach, laid.period)
 
 
-def _map(system: DelaySystem, grid: _Grid) -> Floats:
+def _map(system: DelaySystem, grid: _StepEnds) -> Floats:
     """Return the map over a period of values at the ends of the last steps, the newest last, and of rates."""
     n, second = system.order, system.is_second_order
     steps, reach = len(grid.times) - 1, grid.reach
@@ -132,7 +132,7 @@ class _Exponentials(NamedTuple):
     forced: list[tuple[Floats, Floats]]
 
 
-def _exponentials(system: DelaySystem, grid: _Grid, lengths: Floats) -> _Exponentials:
+def _exponentials(system: DelaySystem, grid: _StepEnds, lengths: Floats) -> _Exponentials:
     from scipy.linalg import expm
 
     given = delay_maps.coefficients(system, grid.period, 0.5 * (grid.times[1:] + grid.times[:-1]))

@@ -13,7 +13,7 @@ from floquetrod._util.arrays import EPS, Floats
 from floquetrod._util.compilation import compiled
 from floquetrod.equations import Equation, Piece
 from floquetrod.equations.base import value_on
-from floquetrod.floquet.kernels.leapfrog import leapfrog_map_fill
+from floquetrod.floquet.kernels.leapfrog_map import leapfrog_map_fill
 from floquetrod.floquet.kernels.powers import displacement_fill
 from floquetrod.floquet.verdict import Cost, Stability, Status, classify, discriminant_excess_of
 

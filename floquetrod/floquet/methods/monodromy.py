@@ -21,7 +21,7 @@ from floquetrod.floquet.verdict import Cost, Stability, classify
 _MOST_STEPS = 1_000_000
 
 
-class _Stretch(NamedTuple):
+class _UndampedPiece(NamedTuple):
     """A piece of the undamped coefficient, p + c^2, in doubles: where it begins, its length and its series."""
 
     start: float
@@ -129,7 +129,7 @@ def monodromy_matrix(equation: Equation, *, rtol: float = 1e-12, start: float = 
     return matrix
 
 
-def _stretches(pieces: tuple[Piece, ...], start: float, equation: Equation) -> list[_Stretch]:
+def _stretches(pieces: tuple[Piece, ...], start: float, equation: Equation) -> list[_UndampedPiece]:
     """Return pieces that follow one another from ``start`` as what is integrated, with the damping removed."""
     square = Fraction(equation.damping) ** 2
     stretches, share = [], Fraction(0)
@@ -137,24 +137,24 @@ def _stretches(pieces: tuple[Piece, ...], start: float, equation: Equation) -> l
         mean = float(Fraction(piece.start) + square)  # rounded once
         begin, length = start + float(share) * equation.period, float(piece.share) * equation.period
         if length > 0.0:
-            stretches.append(_Stretch(begin, length, mean, float(piece.slope), piece.harmonics))
+            stretches.append(_UndampedPiece(begin, length, mean, float(piece.slope), piece.harmonics))
         share += piece.share
     return stretches
 
 
-def _frequency(piece: _Stretch, period: float) -> float:
+def _frequency(piece: _UndampedPiece, period: float) -> float:
     """Return a frequency that bounds how fast solution and coefficient vary."""
     omega = 2.0 * math.pi / period
     largest = abs(piece.mean) + abs(piece.slope) * piece.length + sum(map(abs, piece.amplitudes))
     return math.sqrt(largest) + omega * max(1, len(piece.amplitudes))
 
 
-def _needed(pieces: list[_Stretch], frequency: float) -> float:
+def _needed(pieces: list[_UndampedPiece], frequency: float) -> float:
     """Return the steps of the first two maps together, possibly infinite."""
     return 3.0 * frequency * math.fsum(piece.length for piece in pieces) / REACH
 
 
-def _converged(pieces: list[_Stretch], period: float, frequency: float, rtol: float) -> tuple[_Map, float, int]:
+def _converged(pieces: list[_UndampedPiece], period: float, frequency: float, rtol: float) -> tuple[_Map, float, int]:
     """Return the map once halving the steps changes it by no more than ``rtol``, that change, and all steps taken.
 
     It also stops where rounding or the limit on steps allows no more; the change then shows it.
@@ -171,7 +171,7 @@ def _converged(pieces: list[_Stretch], period: float, frequency: float, rtol: fl
         coarse, wanted = fine, 2 * wanted
 
 
-def _carry(pieces: list[_Stretch], period: float, steps: int) -> _Map:
+def _carry(pieces: list[_UndampedPiece], period: float, steps: int) -> _Map:
     """Carry the unit solutions over the pieces in about ``steps`` steps."""
     whole = sum(piece.length for piece in pieces)
     y = np.array([1.0, 0.0, 0.0, 1.0])

@@ -26,7 +26,8 @@ from typing import Any, NamedTuple
 
 from floquetrod._util import validate
 from floquetrod.equations import Equation, require
-from floquetrod.floquet.fixed_point import GUARD_BITS, Stretch, multiply, period_map
+from floquetrod.floquet.fixed_point import GUARD_BITS, PrecisePiece, multiply, period_map
+from floquetrod.floquet.proof.many_digits import TooMuchWork
 from floquetrod.floquet.verdict import Cost, Stability, Status, classify
 
 _LARGEST_RAISE = 20  # working digits go up to this many times the digits asked for (heuristic)
@@ -48,10 +49,6 @@ class DiscriminantExcess(NamedTuple):
     excess: Any
     error: Any
     terms: int
-
-
-class TooMuchWork(ValueError):
-    """The digits asked for would take too long to compute."""
 
 
 def reference(equation: Equation, *, digits: int = 50) -> Stability:
@@ -202,7 +199,7 @@ def _twice(equation: Equation, context: Any, digits: int) -> tuple[Any, Any, int
     return traces[0], max(error, abs(traces[0] - traces[1])), terms
 
 
-def _stretches(equation: Equation, context: Any) -> tuple[list[Stretch], Any]:
+def _stretches(equation: Equation, context: Any) -> tuple[list[PrecisePiece], Any]:
     """Return the pieces and the damping of an equation with time in units of period / 2 pi."""
     unit = _period(equation, context) / (2 * context.pi)
     found, share = [], Fraction(0)
@@ -210,7 +207,7 @@ def _stretches(equation: Equation, context: Any) -> tuple[list[Stretch], Any]:
         begin, length = (2 * context.pi * _exactly(part, context) for part in (share, piece.share))
         harmonics = tuple((unit**2 * context.mpf(z.real), unit**2 * context.mpf(z.imag)) for z in piece.harmonics)
         mean, slope = unit**2 * _exactly(piece.start, context), unit**3 * _exactly(piece.slope, context)
-        found.append(Stretch(begin, length, mean, slope, harmonics))
+        found.append(PrecisePiece(begin, length, mean, slope, harmonics))
         share += piece.share
     return found, unit * context.mpf(equation.damping)
 

@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 from floquetrod._util.arrays import EPS
 from floquetrod.equations import Equation, Mathieu
 from floquetrod.floquet import registry
-from floquetrod.floquet.kernels import mathieu as kernels
+from floquetrod.floquet.kernels import mathieu_discriminant as kernels
+from floquetrod.floquet.mathieu_chains.certain_count import certain_count
 from floquetrod.floquet.verdict import Cost, Interval, Stability, Status, classify
 
 _MOST_ROWS = 250  # rows of a banded matrix beyond which `spectral` declines (a choice: a few seconds of work)
@@ -62,7 +63,7 @@ def _mathieu(equation: Mathieu) -> Stability:
     if not excess_error < math.inf:  # alpha^2 is beyond the range of a double, and X that of alpha = 0 to rounding
         _, unforced, shift, unforced_error, _ = kernels.discriminant_excess(0.0, equation.beta, equation.damping)
         excess_error = unforced_error + abs(size - min(1.0, abs(math.ldexp(unforced, min(shift, 60)))))
-    below, pivots = _certain_count(equation)
+    below, pivots = certain_count(equation.alpha, equation.beta, equation.damping)
     status: Status = "undecided" if below is None else "stable" if below % 2 else "unstable"
     interval = None if below is None else Interval.from_count(below)
     return classify(
@@ -77,51 +78,6 @@ def _mathieu(equation: Mathieu) -> Stability:
         cost=Cost(pivots + rows, "pivots"),
         note="a pivot cannot be distinguished from zero in double precision" if status == "undecided" else "",
     )
-
-
-def _up(value: float) -> float:
-    return math.nextafter(value, math.inf)
-
-
-def _down(value: float) -> float:
-    return math.nextafter(value, -math.inf)
-
-
-def _certain_count(equation: Mathieu) -> tuple[int | None, int]:
-    """Return the proved number of characteristic values below a (None where rounding hides it), and pivots used."""
-    q = 2.0 * abs(equation.alpha)
-    a_low = a_high = -4.0 * equation.beta
-    if equation.damping > 0.0:
-        square = equation.damping * equation.damping
-        a_low = _down(a_low - _up(4.0 * _up(square)))
-        a_high = _up(a_high - _down(4.0 * _down(square)))
-    count, pivots = 0, 0
-    for start, doubled, shift in ((0.0, True, 0.0), (2.0, False, 0.0), (1.0, False, q), (1.0, False, -q)):
-        k = start
-        low, high = _down(_down(k * k - a_high) + shift), _up(_up(k * k - a_low) + shift)
-        if a_low == a_high and k == 1.0:  # exact where 1 - a is: the tongue at a = 1 is then resolved at any q
-            low, high = _one_less(a_low, shift)
-        while True:
-            pivots += 1
-            if low <= 0.0 <= high:
-                return None, pivots
-            count += high < 0.0
-            if low > q and _down(k * k - a_high) >= 2.0 * q and not doubled:
-                break
-            square_low = _down(q * _down(q / high)) if q else 0.0
-            square_high = _up(q * _up(q / low)) if q else 0.0
-            if doubled:
-                square_low, square_high, doubled = 2.0 * square_low, 2.0 * square_high, False
-            k += 2.0
-            low, high = _down(_down(k * k - a_high) - square_high), _up(_up(k * k - a_low) - square_low)
-    return count, pivots
-
-
-def _one_less(a: float, shift: float) -> tuple[float, float]:
-    """Enclose 1 - a + shift, exactly where the double result is exact."""
-    value = math.fsum((1.0, -a, shift))  # correctly rounded
-    exact = math.fsum((1.0, -a, shift, -value)) == 0.0
-    return (value, value) if exact else (_down(value), _up(value))
 
 
 # --- general Hill equations ------------------------------------------------------------------------------------------

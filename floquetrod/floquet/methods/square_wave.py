@@ -7,7 +7,7 @@ import math
 from floquetrod._util.arrays import EPS
 from floquetrod.equations import Mathieu, Meissner
 from floquetrod.floquet import registry
-from floquetrod.floquet.kernels.square_wave import square_wave_excess
+from floquetrod.floquet.kernels.square_wave_excess import square_wave_excess
 from floquetrod.floquet.verdict import Cost, Stability, classify
 
 

@@ -39,7 +39,7 @@ _MOST_TRIES = 4  # to reach the digits wanted, which the product of the maps may
 _LEAST_ERROR = 1e-300  # of a map, so that it is a double
 
 
-class _Problem(NamedTuple):
+class _PreciseSystem(NamedTuple):
     """A system in first order: its pieces per unit of phase, and how its pairs are read off the map.
 
     ``kind`` is "hamiltonian" (canonical coordinates), "reversible" (an even instant at the start) or "general";
@@ -142,7 +142,7 @@ def _attempt(
     return result, total, uncertainty < error
 
 
-def _work(problem: _Problem, planned: Sequence[Plan]) -> float:
+def _work(problem: _PreciseSystem, planned: Sequence[Plan]) -> float:
     """Return about how many small products of integers a plan takes."""
     work = 0.0
     for series, one in zip(problem.pieces, planned, strict=True):
@@ -154,7 +154,7 @@ def _work(problem: _Problem, planned: Sequence[Plan]) -> float:
     return work
 
 
-def _problem(system: HillSystem | PeriodicSystem, context: Any) -> _Problem:
+def _problem(system: HillSystem | PeriodicSystem, context: Any) -> _PreciseSystem:
     """Return a system in first order, per unit of phase, in the precision of a context."""
     freed = undamped_pairs(system)
     kind: str = freed[0].structure if freed else "general"
@@ -181,7 +181,7 @@ def _problem(system: HillSystem | PeriodicSystem, context: Any) -> _Problem:
         begin, length = (_number(time, context) * turn for time in (piece.begin, piece.length))
         series.append(Series(mean * ratio * unit, turned, begin, length, slope))
     uncertainty = float(period) * system.coefficient_error * spread * float(ratio.max())
-    return _Problem(tuple(series), kind, damping, uncertainty)
+    return _PreciseSystem(tuple(series), kind, damping, uncertainty)
 
 
 def _even_start(system: HillSystem) -> Fraction:
@@ -250,7 +250,12 @@ def _scales(size: Floats, paired: bool, w: float) -> Floats:
 
 
 def _classified(
-    system: HillSystem | PeriodicSystem, problem: _Problem, found: PeriodMap, error: float, context: Any, cost: Cost
+    system: HillSystem | PeriodicSystem,
+    problem: _PreciseSystem,
+    found: PeriodMap,
+    error: float,
+    context: Any,
+    cost: Cost,
 ) -> SystemStability:
     """Return the verdict that the map over a period allows."""
     if problem.kind == "general":

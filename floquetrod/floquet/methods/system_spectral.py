@@ -14,7 +14,7 @@ from floquetrod.equations import HillSystem, PeriodicSystem
 from floquetrod.equations.hill_system import in_first_order
 from floquetrod.floquet.problems import undamped_pairs
 from floquetrod.floquet.proof.balls import Doubles
-from floquetrod.floquet.proof.intervals import TooMuchWork, Unresolved
+from floquetrod.floquet.proof.many_digits import TooMuchWork, Unresolved
 from floquetrod.floquet.proof.system_counts import Counts, angles_between, count
 from floquetrod.floquet.proof.system_numbers import system_problem
 from floquetrod.floquet.systems import independent_solutions, spectra

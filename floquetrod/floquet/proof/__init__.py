@@ -16,10 +16,10 @@ from floquetrod._util.lazy import names_of
 
 if TYPE_CHECKING:
     from floquetrod.floquet.proof.certification import certify
-    from floquetrod.floquet.proof.result import Enclosure, Proof
+    from floquetrod.floquet.proof.proof import Enclosure, Proof
 
 __all__ = ["Enclosure", "Proof", "certify"]
 
 __getattr__, __dir__ = names_of(
-    __name__, {"floquet.proof.certification": ("certify",), "floquet.proof.result": ("Enclosure", "Proof")}
+    __name__, {"floquet.proof.certification": ("certify",), "floquet.proof.proof": ("Enclosure", "Proof")}
 )

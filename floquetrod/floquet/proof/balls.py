@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from floquetrod.floquet.proof.intervals import TooMuchWork, Unresolved
+from floquetrod.floquet.proof.many_digits import TooMuchWork, Unresolved
 
 _UNIT = 2.0**-53  # largest relative error of one rounding
 _SLACK = 1.0 + 1e-11  # radii: sums of up to 10,000 terms, several after each other

@@ -13,7 +13,7 @@ import math
 from fractions import Fraction
 from typing import Any, NamedTuple
 
-from floquetrod.floquet.proof.intervals import Unresolved, check_work, enclose, rational
+from floquetrod.floquet.proof.many_digits import Unresolved, check_work, enclose, rational
 from floquetrod.floquet.proof.pivots import Count, Pivots, closer, no_sign
 from floquetrod.floquet.proof.series import EnclosedSeries
 

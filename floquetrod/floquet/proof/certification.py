@@ -19,8 +19,7 @@ from floquetrod.floquet.dispatch import under_noise
 from floquetrod.floquet.problems import Problem
 from floquetrod.floquet.proof.delayed import certify_delayed
 from floquetrod.floquet.proof.digits import FIRST
-from floquetrod.floquet.proof.family import certify_family
-from floquetrod.floquet.proof.problem import (
+from floquetrod.floquet.proof.exact_equation import (
     LISTS,
     MOST_DIGITS,
     Parameters,
@@ -30,9 +29,10 @@ from floquetrod.floquet.proof.problem import (
     problem_of,
     problem_of_one,
 )
-from floquetrod.floquet.proof.region import RegionProof, is_side, side_ends
+from floquetrod.floquet.proof.family_boxes import certify_family
+from floquetrod.floquet.proof.proof import MAX_BOXES, SECONDS, Proof
 from floquetrod.floquet.proof.region_equation import certify_box, in_aq
-from floquetrod.floquet.proof.result import MAX_BOXES, SECONDS, Proof
+from floquetrod.floquet.proof.region_proof import RegionProof, is_side, side_ends
 from floquetrod.floquet.proof.scalar import certify_scalar
 from floquetrod.floquet.proof.systems import certify_system
 

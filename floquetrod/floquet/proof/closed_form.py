@@ -12,7 +12,7 @@ from __future__ import annotations
 from fractions import Fraction
 from typing import Any, NamedTuple
 
-from floquetrod.floquet.proof.intervals import cosh_sinhc, pi, rational
+from floquetrod.floquet.proof.many_digits import cosh_sinhc, pi, rational
 
 
 class Factors(NamedTuple):

@@ -31,10 +31,18 @@ import numpy as np
 from floquetrod.equations import DelaySystem
 from floquetrod.equations.pieces import exact_period
 from floquetrod.floquet.proof.balls import Array, Doubles, up
-from floquetrod.floquet.proof.intervals import TooMuchWork, Unresolved
+from floquetrod.floquet.proof.many_digits import TooMuchWork, Unresolved
 from floquetrod.floquet.proof.system_flow import monodromy
 from floquetrod.floquet.proof.system_numbers import system_problem
-from floquetrod.floquet.proof.system_problem import Arithmetic, Ends, FirstOrder, Flow, Matrix, Stretch, balanced
+from floquetrod.floquet.proof.system_problem import (
+    Arithmetic,
+    BallPiece,
+    ExactRange,
+    FirstOrder,
+    Flow,
+    Matrix,
+    balanced,
+)
 
 _MOST_STATES = 24  # of all parts together (a choice: seconds)
 _MOST_PERIODS = 32  # that a delay may last (a choice)
@@ -51,22 +59,22 @@ class _Term(NamedTuple):
     """A coefficient in first order and balls."""
 
     steps: int  # back that it reads
-    pieces: list[Stretch]
+    pieces: list[BallPiece]
 
 
-class _Interval(NamedTuple):
+class _StepPiece(NamedTuple):
     """A piece of the step."""
 
     begin: Fraction  # as a fraction of the period, as is the length
     length: Fraction
-    powers: dict[int, Stretch]  # A(s, w) by powers of w
+    powers: dict[int, BallPiece]  # A(s, w) by powers of w
 
 
-class _Problem(NamedTuple):
+class _StepSystem(NamedTuple):
     """Y' = A(s, w) Y over a step with the period as the unit of time."""
 
     parts: int  # of a period
-    intervals: list[_Interval]
+    intervals: list[_StepPiece]
     states: int
 
 
@@ -107,7 +115,7 @@ def outside(arithmetic: Arithmetic, system: DelaySystem) -> int:
     return _turns(arithmetic, _polynomial(arithmetic, values, count), left_out)
 
 
-def _problem(arithmetic: Arithmetic, system: DelaySystem) -> _Problem:
+def _problem(arithmetic: Arithmetic, system: DelaySystem) -> _StepSystem:
     period, shares = _shares(system)
     parts, states = _size(system, shares)
     steps = [0, *(int(share * parts) for share in shares)]
@@ -117,7 +125,7 @@ def _problem(arithmetic: Arithmetic, system: DelaySystem) -> _Problem:
         _interval(arithmetic, terms, parts, low, high)
         for low, high in pairwise(sorted(ends | {Fraction(0), Fraction(1, parts)}))
     ]
-    return _Problem(parts, intervals, states)
+    return _StepSystem(parts, intervals, states)
 
 
 def _shares(system: DelaySystem) -> tuple[Fraction, list[Fraction]]:
@@ -130,11 +138,11 @@ def _shares(system: DelaySystem) -> tuple[Fraction, list[Fraction]]:
     return period, [delay / period for delay in delays]
 
 
-def _coefficients(arithmetic: Arithmetic, system: DelaySystem, period: Fraction) -> list[list[Stretch]]:
+def _coefficients(arithmetic: Arithmetic, system: DelaySystem, period: Fraction) -> list[list[BallPiece]]:
     """Return the pieces of all coefficients in first order, in coordinates that balance the rows of their sum."""
     every = [system_problem(each) for each in (system.present, *(term.coefficient for term in system.delayed))]
     pieces = [[piece._replace(begin=piece.begin * each.period.low / period) for piece in each.pieces] for each in every]
-    whole, unit = replace(every[0], pieces=tuple(itertools.chain.from_iterable(pieces))), Ends(period, period)
+    whole, unit = replace(every[0], pieces=tuple(itertools.chain.from_iterable(pieces))), ExactRange(period, period)
     if isinstance(whole, FirstOrder):
         found = whole.stretches(arithmetic, unit)
     else:
@@ -143,23 +151,23 @@ def _coefficients(arithmetic: Arithmetic, system: DelaySystem, period: Fraction)
     return [list(itertools.islice(rest, len(each))) for each in pieces]
 
 
-def _interval(arithmetic: Arithmetic, terms: list[_Term], parts: int, low: Fraction, high: Fraction) -> _Interval:
+def _interval(arithmetic: Arithmetic, terms: list[_Term], parts: int, low: Fraction, high: Fraction) -> _StepPiece:
     """Return the coefficients of all parts of a solution over a piece of the step."""
     n = terms[0].pieces[0].mean.shape[0]
-    powers: dict[int, Stretch] = {}
+    powers: dict[int, BallPiece] = {}
     for k, term in itertools.product(range(parts), terms):
         column = (k - term.steps) % parts
         power = (column - k + term.steps) // parts
         phase = Fraction(k, parts)
         piece = next(each for each in reversed(term.pieces) if each.begin <= phase + low)
         if power not in powers:
-            powers[power] = Stretch(low, high - low, arithmetic.zeros((parts * n, parts * n), real=True), None, [])
+            powers[power] = BallPiece(low, high - low, arithmetic.zeros((parts * n, parts * n), real=True), None, [])
         place = np.ix_(range(k * n, (k + 1) * n), range(column * n, (column + 1) * n))
         powers[power] = _added(arithmetic, powers[power], _moved(arithmetic, piece, phase + low, phase), place)
-    return _Interval(low, high - low, powers)
+    return _StepPiece(low, high - low, powers)
 
 
-def _moved(arithmetic: Arithmetic, piece: Stretch, time: Fraction, phase: Fraction) -> Stretch:
+def _moved(arithmetic: Arithmetic, piece: BallPiece, time: Fraction, phase: Fraction) -> BallPiece:
     """Return what a piece is from a time on, its waves turned by a phase."""
     mean = piece.mean
     if piece.slope is not None:
@@ -175,7 +183,7 @@ def _turned(arithmetic: Arithmetic, turns: Fraction) -> Matrix:
     return cosine + sine.times_i()
 
 
-def _added(arithmetic: Arithmetic, whole: Stretch, own: Stretch, place: Any) -> Stretch:
+def _added(arithmetic: Arithmetic, whole: BallPiece, own: BallPiece, place: Any) -> BallPiece:
     """Return a stretch with another's matrices added in a place."""
     shape = whole.mean.shape
 
@@ -191,7 +199,7 @@ def _added(arithmetic: Arithmetic, whole: Stretch, own: Stretch, place: Any) -> 
     return whole._replace(mean=mean, slope=slope, waves=waves)
 
 
-def _points(problem: _Problem, digits: int) -> tuple[int, float]:
+def _points(problem: _StepSystem, digits: int) -> tuple[int, float]:
     """Return at how many points f is taken, and what the polynomial through its values is off by within the circle."""
     best = math.inf, 0.0, 0.0
     for radius in np.geomspace(1.02, 1e4, 80).tolist():
@@ -206,7 +214,7 @@ def _points(problem: _Problem, digits: int) -> tuple[int, float]:
     return count, 2.0 * math.exp(largest - count * math.log(radius)) / (1.0 - 1.0 / radius) * (1.0 + 1e-9)
 
 
-def _growth(problem: _Problem, radius: float) -> float:
+def _growth(problem: _StepSystem, radius: float) -> float:
     """Return a bound of the logarithm of the norm of Phi(w), |w| = radius: the integral of a logarithmic norm."""
     total = 0.0
     for interval in problem.intervals:
@@ -226,7 +234,7 @@ def _symmetric(matrix: Matrix) -> Array:
     return up(0.5 * (np.abs(centre + centre.T) + offset + offset.T))
 
 
-def _value(arithmetic: Arithmetic, problem: _Problem, turns: Fraction) -> Matrix:
+def _value(arithmetic: Arithmetic, problem: _StepSystem, turns: Fraction) -> Matrix:
     """Enclose f at exp(2 pi i turns)."""
     flow = Flow([_real_stretch(arithmetic, each, turns) for each in problem.intervals], None)
     n = problem.states
@@ -237,7 +245,7 @@ def _value(arithmetic: Arithmetic, problem: _Problem, turns: Fraction) -> Matrix
     return _determinant(arithmetic, arithmetic.exact(np.eye(n, dtype=complex)) - moved)
 
 
-def _real_stretch(arithmetic: Arithmetic, interval: _Interval, turns: Fraction) -> Stretch:
+def _real_stretch(arithmetic: Arithmetic, interval: _StepPiece, turns: Fraction) -> BallPiece:
     """Return a piece for one w: the real parts of the unknowns, then the imaginary ones."""
     n = len(next(iter(interval.powers.values())).mean.centre())
     waves = max(len(stretch.waves) for stretch in interval.powers.values())
@@ -262,7 +270,7 @@ def _real_stretch(arithmetic: Arithmetic, interval: _Interval, turns: Fraction) 
             put(slope, stretch.slope)
         for wave, matrix in zip(others, stretch.waves, strict=False):
             put(wave, matrix)
-    return Stretch(interval.begin, interval.length, mean, slope if sloped else None, others)
+    return BallPiece(interval.begin, interval.length, mean, slope if sloped else None, others)
 
 
 def _determinant(arithmetic: Arithmetic, matrix: Matrix) -> Matrix:

@@ -27,7 +27,7 @@ from floquetrod.equations.pieces import in_time
 from floquetrod.floquet.proof.delay_counts import hindrance, outside
 from floquetrod.floquet.proof.digits import FIRST, balls, settled
 from floquetrod.floquet.proof.exact import Exact, exact, identity, inverse, is_positive, product, total, transposed
-from floquetrod.floquet.proof.result import Proof
+from floquetrod.floquet.proof.proof import Proof
 
 _MOST_STATES = 12  # of the system in first order (a choice: a second with fractions)
 _SLACK = 1.0 + 2.0**-40  # times what is computed in doubles bounds the true norm

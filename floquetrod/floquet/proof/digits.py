@@ -8,8 +8,8 @@ import numpy as np
 
 from floquetrod.floquet.proof.balls import Doubles
 from floquetrod.floquet.proof.integers import Integers
-from floquetrod.floquet.proof.intervals import TooMuchWork, Unresolved
-from floquetrod.floquet.proof.result import Proof
+from floquetrod.floquet.proof.many_digits import TooMuchWork, Unresolved
+from floquetrod.floquet.proof.proof import Proof
 
 FIRST = 15
 """Digits of the first attempt: those of doubles."""

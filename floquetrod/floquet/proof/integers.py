@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from floquetrod.floquet.proof.balls import Array, up
-from floquetrod.floquet.proof.intervals import TooMuchWork, Unresolved
+from floquetrod.floquet.proof.many_digits import TooMuchWork, Unresolved
 
 _LARGEST_WORK = 2e7  # multiplications, several seconds' worth (heuristic)
 _GUARD = 20  # bits beyond the digits asked for

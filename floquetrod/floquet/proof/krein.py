@@ -25,7 +25,7 @@ from floquetrod.floquet.proof.inertia import inertia
 from floquetrod.floquet.proof.system_problem import Arithmetic, Matrix
 
 
-class Arcs(NamedTuple):
+class KreinSums(NamedTuple):
     """Sums of Krein signs over arcs that meet at angles in turns, ascending, and the least margin of a sign."""
 
     angles: tuple[float, ...]
@@ -38,7 +38,7 @@ class Arcs(NamedTuple):
         return sum(map(abs, self.sums))
 
 
-def krein_sums(arithmetic: Arithmetic, matrix: Matrix, form: Matrix, angles: Sequence[float]) -> Arcs:
+def krein_sums(arithmetic: Arithmetic, matrix: Matrix, form: Matrix, angles: Sequence[float]) -> KreinSums:
     """Sum the Krein signs between angles from 0 to 1/2; raises `Unresolved` where one may be that of a multiplier."""
     product, sums, margin = form @ matrix, [], 1.0
     for low, high in pairwise(angles):
@@ -48,4 +48,4 @@ def krein_sums(arithmetic: Arithmetic, matrix: Matrix, form: Matrix, angles: Seq
         found = inertia(arithmetic, hermitian, hermitian.upper().max(axis=1))
         sums.append(found.negative - form.shape[0] // 2)
         margin = min(margin, found.margin)
-    return Arcs(tuple(angles), tuple(sums), margin)
+    return KreinSums(tuple(angles), tuple(sums), margin)

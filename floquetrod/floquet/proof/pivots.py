@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple
 
-from floquetrod.floquet.proof.intervals import Unresolved
-from floquetrod.floquet.proof.result import Enclosure
+from floquetrod.floquet.proof.many_digits import Unresolved
+from floquetrod.floquet.proof.proof import Enclosure
 
 
 class Count(NamedTuple):

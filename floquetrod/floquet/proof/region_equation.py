@@ -8,12 +8,12 @@ from fractions import Fraction
 from typing import Any, NamedTuple
 
 from floquetrod._util import validate
-from floquetrod._util.interval import Interval
+from floquetrod._util.interval import RealInterval
 from floquetrod.equations import Mathieu
 from floquetrod.floquet.problems import KINDS
-from floquetrod.floquet.proof.problem import Parameters, exact_number
-from floquetrod.floquet.proof.region import ModeBox, RegionProof, RegionStatus, Shares, Side, side_ends, subdivide
-from floquetrod.floquet.proof.result import Proof
+from floquetrod.floquet.proof.exact_equation import Parameters, exact_number
+from floquetrod.floquet.proof.proof import Proof
+from floquetrod.floquet.proof.region_proof import ModeBox, RegionProof, RegionStatus, Shares, Side, side_ends, subdivide
 
 _NAMES = ("alpha", "beta", "damping")
 
@@ -34,9 +34,9 @@ def certify_box(
     ``prove`` proves one equation, by its exact parameters.
     """
     sides = _sides(parameters)
-    alpha, beta, damping = (Interval.hull(ends) for ends in sides)
+    alpha, beta, damping = (RealInterval.hull(ends) for ends in sides)
     # A mode of a rod with c1 = Omega^2 = m_0 = 0, c2 = 1 and omega = 1; the sign of alpha only shifts time.
-    unit, none = Interval.of(1.0), Interval.of(0.0)
+    unit, none = RealInterval.of(1.0), RealInterval.of(0.0)
     numbers = (beta, abs(alpha), unit, none, unit, none, none, damping)
     box = ModeBox(*((side.low, side.high) for side in numbers))
     found = subdivide(box, 1, tolerance, max_boxes)

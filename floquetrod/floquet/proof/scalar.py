@@ -10,13 +10,14 @@ import math
 from fractions import Fraction
 from typing import Any
 
-from floquetrod.floquet.proof import band, chains
+from floquetrod.floquet.mathieu_chains import enclosed_counts
+from floquetrod.floquet.proof import band
 from floquetrod.floquet.proof.closed_form import trace_factors
 from floquetrod.floquet.proof.digits import settled
-from floquetrod.floquet.proof.intervals import Unresolved, arithmetic, cosh_sinhc, enclose, pi, rational
+from floquetrod.floquet.proof.exact_equation import ExactProblem
+from floquetrod.floquet.proof.many_digits import Unresolved, arithmetic, cosh_sinhc, enclose, pi, rational
 from floquetrod.floquet.proof.pivots import Count
-from floquetrod.floquet.proof.problem import ExactProblem
-from floquetrod.floquet.proof.result import Enclosure, Proof
+from floquetrod.floquet.proof.proof import Enclosure, Proof
 from floquetrod.floquet.proof.series import time_unit, undamped_series
 from floquetrod.floquet.proof.trace import enclose_trace
 from floquetrod.floquet.verdict import Interval, Status, static_status
@@ -44,7 +45,7 @@ def _attempt(problem: ExactProblem, digits: int) -> Proof:
         return _by_closed_form(context, problem, problem.halves)
     try:
         if problem.sinusoid is not None:
-            count = chains.count_eigenvalues(context, *problem.sinusoid, problem.damping)
+            count = enclosed_counts.count_eigenvalues(context, *problem.sinusoid, problem.damping)
         else:
             count = band.count_eigenvalues(context, undamped_series(context, problem))
     except Unresolved:

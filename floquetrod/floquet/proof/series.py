@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple
 
-from floquetrod.floquet.proof.intervals import pi, rational
-from floquetrod.floquet.proof.problem import ExactProblem
+from floquetrod.floquet.proof.exact_equation import ExactProblem
+from floquetrod.floquet.proof.many_digits import pi, rational
 
 
-class Wave(NamedTuple):
+class EnclosedWave(NamedTuple):
     """Enclosed coefficients of cos(k theta) and sin(k theta)."""
 
     cosine: Any
@@ -24,7 +24,7 @@ class EnclosedSeries(NamedTuple):
     """p(theta) = mean + sum over k = 1, 2, ... of waves, theta = 2 pi tau / period."""
 
     mean: Any
-    waves: list[Wave]
+    waves: list[EnclosedWave]
 
 
 def undamped_series(context: Any, problem: ExactProblem) -> EnclosedSeries:
@@ -32,7 +32,7 @@ def undamped_series(context: Any, problem: ExactProblem) -> EnclosedSeries:
     (piece,) = problem.pieces
     square = time_unit(context, problem) ** 2
     mean = square * rational(context, piece.mean + problem.damping**2)
-    waves = [Wave(*(square * rational(context, part) for part in wave)) for wave in piece.waves]
+    waves = [EnclosedWave(*(square * rational(context, part) for part in wave)) for wave in piece.waves]
     return EnclosedSeries(mean, waves)
 
 

@@ -23,7 +23,7 @@ import numpy as np
 
 from floquetrod.floquet.proof.balls import Array, down, up
 from floquetrod.floquet.proof.inertia import Inertia, inertia
-from floquetrod.floquet.proof.intervals import TooMuchWork, Unresolved
+from floquetrod.floquet.proof.many_digits import TooMuchWork, Unresolved
 from floquetrod.floquet.proof.system_problem import Arithmetic, Matrix, Oscillators, row_sum
 
 _GRID = 2.0**40

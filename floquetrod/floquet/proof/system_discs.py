@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from floquetrod.floquet.proof.balls import Array, down, up
-from floquetrod.floquet.proof.intervals import Unresolved
+from floquetrod.floquet.proof.many_digits import Unresolved
 from floquetrod.floquet.proof.system_problem import Arithmetic, Matrix
 
 _ROUND = 2.0**-51  # of two operations with doubles

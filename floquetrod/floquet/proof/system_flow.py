@@ -11,8 +11,8 @@ from fractions import Fraction
 import numpy as np
 
 from floquetrod.floquet.proof.balls import Array
-from floquetrod.floquet.proof.intervals import TooMuchWork, Unresolved
-from floquetrod.floquet.proof.system_problem import Arithmetic, Flow, Matrix, Stretch, row_sum
+from floquetrod.floquet.proof.many_digits import TooMuchWork, Unresolved
+from floquetrod.floquet.proof.system_problem import Arithmetic, BallPiece, Flow, Matrix, row_sum
 from floquetrod.floquet.systems.precise_maps import last_power
 
 _MOST_STEPS = 2**14
@@ -30,7 +30,7 @@ def monodromy(arithmetic: Arithmetic, flow: Flow) -> Matrix:
     return total
 
 
-def _piece_map(arithmetic: Arithmetic, piece: Stretch) -> Matrix:
+def _piece_map(arithmetic: Arithmetic, piece: BallPiece) -> Matrix:
     """Enclose the matrix that maps a solution over a piece, whose length is the unit of time from here on."""
     length = float(piece.length)
     if piece.length != 1:
@@ -63,7 +63,7 @@ def _piece_map(arithmetic: Arithmetic, piece: Stretch) -> Matrix:
     return maps[0]
 
 
-def _taylor_sums(arithmetic: Arithmetic, piece: Stretch, steps: int, order: int) -> Matrix:
+def _taylor_sums(arithmetic: Arithmetic, piece: BallPiece, steps: int, order: int) -> Matrix:
     """Return the sums of the Taylor series of the maps over each step of a piece, (steps, n, n).
 
     A product of A(t) with a solution needs, of the wave k, the solution times cos(2 pi k t) and sin(2 pi k t), t from
@@ -95,7 +95,7 @@ def _taylor_sums(arithmetic: Arithmetic, piece: Stretch, steps: int, order: int)
     return terms.each(lambda a: a[::-1]).sum(0).each(lambda a: a.reshape(steps, size, size))
 
 
-def _means(arithmetic: Arithmetic, piece: Stretch, steps: int) -> Matrix:
+def _means(arithmetic: Arithmetic, piece: BallPiece, steps: int) -> Matrix:
     """Return the mean, and what the slope has added, at the beginning of each step."""
     means = _repeated(piece.mean, steps)
     if piece.slope is None:
@@ -103,7 +103,7 @@ def _means(arithmetic: Arithmetic, piece: Stretch, steps: int) -> Matrix:
     return means + piece.slope * arithmetic.exact(np.arange(steps) / steps)[:, None, None]
 
 
-def _turned(piece: Stretch, k: int, steps: int) -> Array:
+def _turned(piece: BallPiece, k: int, steps: int) -> Array:
     """Return by which part of a turn, from -1/2 to 1/2, wave k has turned at the beginning of each step."""
     if piece.begin == 0 and piece.length == 1:
         turned = (k * np.arange(steps)) % steps / steps
@@ -112,7 +112,7 @@ def _turned(piece: Stretch, k: int, steps: int) -> Array:
     return np.array([turn - (turn > Fraction(1, 2)) for turn in exact], dtype=object)
 
 
-def _weights(arithmetic: Arithmetic, piece: Stretch, steps: int, order: int) -> Matrix:
+def _weights(arithmetic: Arithmetic, piece: BallPiece, steps: int, order: int) -> Matrix:
     """Return the Taylor coefficients of cos(2 pi k h s) and sin(2 pi k h s), two rows for each k."""
     weights = arithmetic.zeros((2 * len(piece.waves), order + 1), real=True)
     for k in range(1, len(piece.waves) + 1):

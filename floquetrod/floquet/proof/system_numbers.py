@@ -12,7 +12,7 @@ from floquetrod.equations import HillSystem, PeriodicSystem
 from floquetrod.equations.matrices import mass_matrix
 from floquetrod.equations.pieces import exact_period, in_time
 from floquetrod.floquet.proof.balls import Array, up
-from floquetrod.floquet.proof.system_problem import Ends, FirstOrder, Known, SecondOrder, Stretch, SystemProblem
+from floquetrod.floquet.proof.system_problem import BallPiece, ExactRange, FirstOrder, Known, SecondOrder, SystemProblem
 
 System = HillSystem | PeriodicSystem
 
@@ -147,7 +147,7 @@ def system_problem(*systems: Any) -> SystemProblem:
     bounds = bounds_of(systems)
     error, periods = max(system.coefficient_error for system in systems), [exact_period(system) for system in systems]
     rounding = Fraction(_ROUNDING) if min(periods) < max(periods) else 0
-    period = Ends(min(periods) * (1 - rounding), max(periods) * (1 + rounding))
+    period = ExactRange(min(periods) * (1 - rounding), max(periods) * (1 + rounding))
     pieces = _stretches(bounds, is_constant=all(system.is_constant for system in systems))
     all_hamiltonian = all(system.structure == "hamiltonian" for system in systems)
     is_reversible = not error and _is_reversible(systems, bounds)
@@ -176,13 +176,13 @@ def _is_reversible(systems: Sequence[System], bounds: Bounds) -> bool:
     return order % 2 == 0 and all(known.is_zero for known in (*even, numbers["sines 0"].at((..., ~same))))
 
 
-def _stretches(bounds: Bounds, *, is_constant: bool) -> tuple[Stretch, ...]:
+def _stretches(bounds: Bounds, *, is_constant: bool) -> tuple[BallPiece, ...]:
     """Return the pieces of the period, of a constant coefficient one."""
     found, begin = [], Fraction(0)
     for i, length in enumerate(bounds.durations[: 1 if is_constant else None]):
         mean, slope, cosines, sines = (bounds.numbers[f"{name} {i}"] for name in ("mean", "slope", "cosines", "sines"))
         waves = [] if is_constant else [_wave(cosines.at(k), sines.at(k)) for k in range(len(cosines.middle))]
-        found.append(Stretch(begin, length, mean, None if slope.is_zero else slope, waves))
+        found.append(BallPiece(begin, length, mean, None if slope.is_zero else slope, waves))
         begin += length
     return (found[0]._replace(length=Fraction(1)),) if is_constant else tuple(found)
 
@@ -195,14 +195,14 @@ def _wave(cosine: Known, sine: Known) -> Known:
     return Known(cosine.middle - 1j * sine.middle, up(np.hypot.reduce(radii)) if radii else None)
 
 
-def _rates(systems: Sequence[Any], *, mass_varies: bool) -> Ends | None:
+def _rates(systems: Sequence[Any], *, mass_varies: bool) -> ExactRange | None:
     """Return what the c of a damping 2 c M lies between, None where a system has another or it cannot be determined."""
     found = [_rate(system) for system in systems]
     rates = [rate for rate in found if rate is not None]
     if len(rates) < len(found) or (mass_varies and min(rates) < max(rates)):
         return None
     rounding = Fraction(_ROUNDING) if min(rates) < max(rates) else 0
-    return Ends(min(rates) * (1 - rounding), max(rates) * (1 + rounding))
+    return ExactRange(min(rates) * (1 - rounding), max(rates) * (1 + rounding))
 
 
 def _rate(system: HillSystem) -> Fraction | None:

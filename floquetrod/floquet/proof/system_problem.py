@@ -15,7 +15,7 @@ import numpy as np
 
 from floquetrod._util.caching import cached_property
 from floquetrod.floquet.proof.balls import Array, up
-from floquetrod.floquet.proof.intervals import Unresolved
+from floquetrod.floquet.proof.many_digits import Unresolved
 
 Arithmetic = Any  # `Doubles` or `Integers`
 Matrix = Any  # their arrays of balls
@@ -45,7 +45,7 @@ class Known(NamedTuple):
         return exact if self.radius is None else exact.widened(self.radius)
 
 
-class Ends(NamedTuple):
+class ExactRange(NamedTuple):
     """A number, zero or more, that is known to lie between two."""
 
     low: Fraction
@@ -58,7 +58,7 @@ class Ends(NamedTuple):
         return middle if low == high else middle.widened(np.array(up(float((high - low) / 2))))
 
 
-class Stretch(NamedTuple):
+class BallPiece(NamedTuple):
     """A piece of the period: mean + slope (t - begin) + sum_k Re(Z_k exp(2 pi i k t)), t in periods.
 
     Its matrices are balls in which the period is the unit of time, or, with the unit of time of the system, `Known`.
@@ -70,12 +70,12 @@ class Stretch(NamedTuple):
     slope: Matrix | None  # None where zero
     waves: list[Matrix]  # Z_k, k = 1, 2, ...
 
-    def each(self, of_mean: Callable[[Matrix], Matrix], of_other: Callable[[Matrix], Matrix]) -> Stretch:
+    def each(self, of_mean: Callable[[Matrix], Matrix], of_other: Callable[[Matrix], Matrix]) -> BallPiece:
         """Return the same with functions applied to the mean and to the other matrices."""
         slope = None if self.slope is None else of_other(self.slope)
         return self._replace(mean=of_mean(self.mean), slope=slope, waves=[of_other(wave) for wave in self.waves])
 
-    def ball(self, arithmetic: Arithmetic, unit: Ends) -> Stretch:
+    def ball(self, arithmetic: Arithmetic, unit: ExactRange) -> BallPiece:
         """Return matrices that are `Known` in balls, the slope with the period as the unit of time."""
         found = self.each(lambda m: m.ball(arithmetic), lambda m: m.ball(arithmetic))
         return found if found.slope is None else found._replace(slope=found.slope * unit.ball(arithmetic))
@@ -88,15 +88,15 @@ class Stretch(NamedTuple):
 
 
 @dataclass(frozen=True)
-class _Problem:
+class _KnownSystem:
     """Systems alike whose numbers are `Known`, with K(t) or A(t) off by up to ``error`` in each entry at any time.
 
     ``is_paired``: with every multiplier mu there is 1 / conj(mu).  ``is_hamiltonian``: the system is, of second order
     with uniform damping removed.
     """
 
-    pieces: tuple[Stretch, ...]
-    period: Ends
+    pieces: tuple[BallPiece, ...]
+    period: ExactRange
     error: float
     is_paired: bool
     is_hamiltonian: bool
@@ -112,13 +112,13 @@ class _Problem:
         return len(self.pieces) == 1 and self.pieces[0].slope is None
 
     @cached_property
-    def unit(self) -> Ends:
+    def unit(self) -> ExactRange:
         """The period; with constant coefficients, where any time will do, one in which solutions change little."""
         if not self.is_constant:
             return self.period
         fastest = float(np.abs(np.linalg.eigvals(self._generator())).max())
         time = Fraction(2) ** -round(math.log2(fastest)) if fastest > 0.0 else self.period.low
-        return Ends(time, time)
+        return ExactRange(time, time)
 
     def _generator(self) -> Array:
         """Return the matrix of first order of constant coefficients, about."""
@@ -126,7 +126,7 @@ class _Problem:
 
 
 @dataclass(frozen=True)
-class FirstOrder(_Problem):
+class FirstOrder(_KnownSystem):
     """x' = A(t) x.  ``is_hamiltonian``: x are positions and momenta."""
 
     is_damped = False
@@ -134,7 +134,7 @@ class FirstOrder(_Problem):
     def _generator(self) -> Array:
         return self.pieces[0].mean.middle
 
-    def stretches(self, arithmetic: Arithmetic, unit: Ends) -> list[Stretch]:
+    def stretches(self, arithmetic: Arithmetic, unit: ExactRange) -> list[BallPiece]:
         """Return the pieces in balls, with ``unit`` as the unit of time."""
         time = unit.ball(arithmetic)
         error = 0.0 if not self.error else up(self.error * float(unit.high) * (1.0 + 1e-9))
@@ -154,13 +154,13 @@ class FirstOrder(_Problem):
 
 
 @dataclass(frozen=True)
-class SecondOrder(_Problem):
+class SecondOrder(_KnownSystem):
     """M q'' + (C + G) q' + K(t) q = 0, M symmetric and positive definite, G = -G^T."""
 
     mass: Known
     damping: Known
     gyroscopic: Known
-    rates: Ends | None  # of the c of a damping 2 c M; None for any other
+    rates: ExactRange | None  # of the c of a damping 2 c M; None for any other
 
     @property
     def order(self) -> int:
@@ -181,7 +181,7 @@ class SecondOrder(_Problem):
         """Return the system of first order in balls; ``freed`` of uniform damping."""
         return self.oscillators(arithmetic, self.unit, freed=freed).flow(arithmetic)
 
-    def oscillators(self, arithmetic: Arithmetic, unit: Ends, *, freed: bool) -> Oscillators:
+    def oscillators(self, arithmetic: Arithmetic, unit: ExactRange, *, freed: bool) -> Oscillators:
         """Return the system in balls; ``freed`` of uniform damping, by which M c^2 leaves the stiffness."""
         mass, one = self.mass.ball(arithmetic), np.eye(self.order)
         transform = None
@@ -225,7 +225,7 @@ class Oscillators(NamedTuple):
     defect: float  # bound of its largest row sum
     damping: Matrix | None  # None where zero, as the next
     gyroscopic: Matrix | None
-    pieces: list[Stretch]  # of K
+    pieces: list[BallPiece]  # of K
     error: Array | None  # bounds of the entries of an E(t) in K(t) that varies in an unknown way, None where zero
 
     @property
@@ -248,7 +248,7 @@ class Oscillators(NamedTuple):
         """Amplitudes of a stiffness that is one Fourier series."""
         return self.pieces[0].waves
 
-    def stretches(self, arithmetic: Arithmetic, own: int | None = None) -> list[Stretch]:
+    def stretches(self, arithmetic: Arithmetic, own: int | None = None) -> list[BallPiece]:
         """Return the pieces of the system of first order for positions and velocities.
 
         Those after the first ``own`` are of a further coefficient, beside which there is nothing else.
@@ -290,7 +290,7 @@ class Oscillators(NamedTuple):
 class Flow(NamedTuple):
     """x' = A(t) x in balls, with the period as the unit of time."""
 
-    pieces: list[Stretch]
+    pieces: list[BallPiece]
     form: Matrix  # the Hermitian i (q^H p - p^H q) of positions and momenta, which Hamiltonian motion keeps
 
 
@@ -329,7 +329,7 @@ def canonical_form(order: int) -> Array:
     return 1j * (half - half.T)
 
 
-def balanced(pieces: list[Stretch], form: Matrix) -> Flow:
+def balanced(pieces: list[BallPiece], form: Matrix) -> Flow:
     """Scale the unknowns by powers of two so that rows and columns have alike sums."""
     from scipy.linalg import matrix_balance
 

@@ -19,10 +19,10 @@ import numpy as np
 from floquetrod.equations import HillSystem, PeriodicSystem
 from floquetrod.floquet.proof.balls import Array, Doubles, up
 from floquetrod.floquet.proof.digits import balls, settled
-from floquetrod.floquet.proof.intervals import TooMuchWork, Unresolved
 from floquetrod.floquet.proof.krein import krein_sums
+from floquetrod.floquet.proof.many_digits import TooMuchWork, Unresolved
 from floquetrod.floquet.proof.matrices_alone import expanding, norm_kept, overdamped, turning
-from floquetrod.floquet.proof.result import Enclosure, Proof
+from floquetrod.floquet.proof.proof import Enclosure, Proof
 from floquetrod.floquet.proof.system_counts import Counts, angles_between, count
 from floquetrod.floquet.proof.system_discs import EigenvalueDiscs, enclose_eigenvalues
 from floquetrod.floquet.proof.system_flow import monodromy

@@ -11,10 +11,10 @@ import numpy as np
 from floquetrod.equations import Hill
 from floquetrod.floquet.dispatch import stability
 from floquetrod.floquet.proof.digits import balls
-from floquetrod.floquet.proof.intervals import exp, rational
-from floquetrod.floquet.proof.problem import ExactProblem
+from floquetrod.floquet.proof.exact_equation import ExactProblem
+from floquetrod.floquet.proof.many_digits import exp, rational
 from floquetrod.floquet.proof.system_flow import monodromy
-from floquetrod.floquet.proof.system_problem import Arithmetic, Matrix, Stretch, balanced, canonical_form
+from floquetrod.floquet.proof.system_problem import Arithmetic, BallPiece, Matrix, balanced, canonical_form
 
 _LARGEST = 300.0  # exponent of a trace in doubles; growth beyond it is taken out (a choice: they reach 709)
 
@@ -41,7 +41,7 @@ def _shift(problem: ExactProblem) -> int:
     return round(growth) if growth > _LARGEST else 0
 
 
-def _stretch(arithmetic: Arithmetic, problem: ExactProblem, shift: int) -> Stretch:
+def _stretch(arithmetic: Arithmetic, problem: ExactProblem, shift: int) -> BallPiece:
     """Return (u, u') exp(-shift t) with the period as the unit of time."""
     (piece,) = problem.pieces
     unit = arithmetic.two_pi() if problem.period is None else arithmetic.rational(problem.period)
@@ -56,4 +56,4 @@ def _stretch(arithmetic: Arithmetic, problem: ExactProblem, shift: int) -> Stret
     mean[0, 1] = arithmetic.exact(np.array(1.0))
     mean = mean - arithmetic.exact(float(shift) * np.eye(2))
     waves = [block(arithmetic.rational(x) - arithmetic.rational(y).times_i(), real=False) for x, y in piece.waves]
-    return Stretch(Fraction(0), Fraction(1), mean, None, waves)
+    return BallPiece(Fraction(0), Fraction(1), mean, None, waves)

@@ -31,7 +31,7 @@ import numpy as np
 
 from floquetrod._util.arrays import Complexes, Floats
 from floquetrod.equations import HillSystem
-from floquetrod.floquet.kernels.system_large import Parts
+from floquetrod.floquet.kernels.system_large import ModalEquations
 from floquetrod.floquet.kernels.system_maps_large import period_map_large
 from floquetrod.floquet.kernels.system_march import March
 from floquetrod.floquet.systems.classification import LogDiscs, classify_multipliers
@@ -168,7 +168,7 @@ def fast_solutions(system: HillSystem, damping: float) -> FastSolutions | None:
     if n < _FEWEST or more or system.structure != "hamiltonian":
         return None
     start = np.linalg.qr(np.random.default_rng(_SEED).standard_normal((2 * n, _COLUMNS)))[0]
-    parts = Parts.of(system.stiffness, system.harmonics)
+    parts = ModalEquations.of(system.stiffness, system.harmonics)
     march = March.of(parts, period, _ACCURACY, start)
     if march is None:
         return None
@@ -249,7 +249,7 @@ def _window(spectrum: _Spectrum, space: _Space, n: int) -> slice | None:
     return None
 
 
-def _alone(parts: Parts, march: March, period: float, window: slice) -> tuple[Floats, Complexes]:
+def _alone(parts: ModalEquations, march: March, period: float, window: slice) -> tuple[Floats, Complexes]:
     """Return growing solutions of some modes alone, real columns, and the one that decays as the fastest grows."""
     n, count = len(parts.rates), window.stop - window.start
     harmonics = np.zeros((len(parts.norms), count, count), dtype=complex)

@@ -12,7 +12,7 @@ from typing import Any
 
 from floquetrod._util.arrays import EPS
 from floquetrod._util.compilation import kernel
-from floquetrod.floquet.kernels.mathieu import undamped_growth
+from floquetrod.floquet.kernels.mathieu_discriminant import undamped_growth
 from floquetrod.mathieu.kernels.characteristic import Line, tongue_bracket
 
 _GOLDEN = 0.3819660112501051

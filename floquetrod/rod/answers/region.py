@@ -15,7 +15,8 @@ from floquetrod import mathieu, units
 from floquetrod._util import validate
 from floquetrod._util.parts import complement
 from floquetrod._util.progress import Progress
-from floquetrod.floquet.proof.region import (
+from floquetrod.floquet.proof.proof import MAX_BOXES
+from floquetrod.floquet.proof.region_proof import (
     ModeBox,
     RegionProof,
     RegionStatus,
@@ -24,7 +25,6 @@ from floquetrod.floquet.proof.region import (
     modes_of_box,
     subdivide,
 )
-from floquetrod.floquet.proof.result import MAX_BOXES
 from floquetrod.rod.answers.rod_box import RodBox, RodExample
 from floquetrod.rod.loads.load import QUANTITIES, Load, Loads, Quantity
 from floquetrod.rod.mode_equations.modal_systems import ModalSystem

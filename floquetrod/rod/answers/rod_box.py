@@ -11,8 +11,8 @@ from typing import Any, NamedTuple
 from floquetrod import units
 from floquetrod._util import validate
 from floquetrod._util.interchange import by_keys
-from floquetrod._util.interval import PI, Interval
-from floquetrod.floquet.proof.region import ModeBox, Side, side_ends
+from floquetrod._util.interval import PI, RealInterval
+from floquetrod.floquet.proof.region_proof import ModeBox, Side, side_ends
 from floquetrod.rod.loads.load import LIMITS, QUANTITIES, Load, Quantity, load_number
 from floquetrod.rod.mode_equations.coupling import coupling, refusal
 from floquetrod.rod.model.constants import ModeConstants
@@ -57,8 +57,8 @@ class RodBox:
 
     rod: RodData  # gives the parameters that do not vary
     like: Load  # gives everything of the loads but their numbers
-    loads: Mapping[Quantity, Interval]  # mean force and amplitude in N, frequency in rad/s
-    parameters: Mapping[str, Interval]  # parameters of the rod that were given, in SI units
+    loads: Mapping[Quantity, RealInterval]  # mean force and amplitude in N, frequency in rad/s
+    parameters: Mapping[str, RealInterval]  # parameters of the rod that were given, in SI units
 
     @classmethod
     def of(
@@ -88,7 +88,7 @@ class RodBox:
 
     def constants(self) -> ModeConstants:
         """Return intervals of what the mode equations need of the rods."""
-        numbers = {name: Interval.of(value) for name, value in self.rod.parameters.items()} | dict(self.parameters)
+        numbers = {name: RealInterval.of(value) for name, value in self.rod.parameters.items()} | dict(self.parameters)
         return ModeConstants.of(numbers, pi=PI, sin=_sine)
 
     def mode_box(self) -> ModeBox:
@@ -105,14 +105,14 @@ class RodBox:
 
     def _effect(self, name: str) -> float:
         """Return how far the numbers of the modes vary, relatively, with one parameter."""
-        others = {n: Interval.of(side.middle) for n, side in self.parameters.items() if n != name}
+        others = {n: RealInterval.of(side.middle) for n, side in self.parameters.items() if n != name}
         found = replace(self, parameters={**self.parameters, **others}).constants()
         sizes = ((side.width, max(abs(side.low), abs(side.high))) for side in found)
         return float(sum(width / size for width, size in sizes if size > 0.0))
 
     def point(self, load: Load, rod: RodData) -> RodBox:
         """Return the box of one load on one of the rods."""
-        return RodBox(rod, load, {name: Interval.of(getattr(load, name)) for name in QUANTITIES}, {})
+        return RodBox(rod, load, {name: RealInterval.of(getattr(load, name)) for name in QUANTITIES}, {})
 
     def middle_rod(self) -> RodData:
         """Return the rod in the middle of the box."""
@@ -136,12 +136,12 @@ class RodBox:
         yield self.rod.replace(**{name: pair[heaviest.get(name, "high")] for name, pair in ends.items()})
 
 
-def _load_side(name: Quantity, value: Any) -> Interval:
+def _load_side(name: Quantity, value: Any) -> RealInterval:
     """Return one side of a box of loads."""
-    return Interval(*side_ends(name, value, lambda word, number: load_number(name, number, word)))
+    return RealInterval(*side_ends(name, value, lambda word, number: load_number(name, number, word)))
 
 
-def _rod_sides(rod: RodData, given: Mapping[str, Any] | None) -> dict[str, Interval]:
+def _rod_sides(rod: RodData, given: Mapping[str, Any] | None) -> dict[str, RealInterval]:
     """Return the sides of a box of rods."""
     if given is None:
         return {}
@@ -150,7 +150,7 @@ def _rod_sides(rod: RodData, given: Mapping[str, Any] | None) -> dict[str, Inter
             "rod", f'must be a mapping such as {{"length": (3.05, 3.15)}}, got {validate.short(given)}'
         )
     require_not_of_path(rod, given, "rod")
-    sides: dict[str, Interval] = {}
+    sides: dict[str, RealInterval] = {}
     for word, value in given.items():
         name = DIAMETERS.get(word, word)
         if name not in rod.parameters:
@@ -162,27 +162,27 @@ def _rod_sides(rod: RodData, given: Mapping[str, Any] | None) -> dict[str, Inter
         if name in sides:
             raise validate.wrong_value("rod", f"must give {name} once, got it also as {word}")
         ends = side_ends(str(word), value, validate.finite)
-        sides[name] = Interval(*(0.5 * end if word in DIAMETERS else end for end in ends))
+        sides[name] = RealInterval(*(0.5 * end if word in DIAMETERS else end for end in ends))
     return sides
 
 
 @functools.lru_cache(maxsize=64)
-def _sine(angle: Interval) -> Interval:
+def _sine(angle: RealInterval) -> RealInterval:
     """Return an enclosure of the sine, which rises from 0 to pi/2."""
-    low, high = (_sine_of(Interval.of(end)) for end in _ends(angle))
-    return Interval(max(0.0, low.low), min(1.0, high.high))
+    low, high = (_sine_of(RealInterval.of(end)) for end in _ends(angle))
+    return RealInterval(max(0.0, low.low), min(1.0, high.high))
 
 
-def _sine_of(x: Interval) -> Interval:
+def _sine_of(x: RealInterval) -> RealInterval:
     """Return the series of the sine; its terms alternate and, up to pi/2, fall, so that the next one is a bound."""
     term = total = x
     for n in range(1, _SINE_TERMS):
         term = term * x * x / float(2 * n * (2 * n + 1))
         total = total - term if n % 2 else total + term
-    return total + Interval(-term.high, term.high)
+    return total + RealInterval(-term.high, term.high)
 
 
-def _ends(interval: Interval) -> tuple[float, float]:
+def _ends(interval: RealInterval) -> tuple[float, float]:
     return interval.low, interval.high
 
 

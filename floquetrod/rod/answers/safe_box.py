@@ -14,10 +14,10 @@ from floquetrod import units
 from floquetrod._util import validate
 from floquetrod._util.caching import cached_property
 from floquetrod._util.content import NoTruthValue
-from floquetrod._util.interval import Interval
+from floquetrod._util.interval import RealInterval
 from floquetrod._util.progress import Progress
 from floquetrod._util.report import Report, Reported, Table
-from floquetrod.floquet.proof.region import RegionProof, Side
+from floquetrod.floquet.proof.region_proof import RegionProof, Side
 from floquetrod.rod.answers.intervals import QUANTITIES as NAMES
 from floquetrod.rod.answers.region import is_proved_stable, prove, require_in_reach
 from floquetrod.rod.answers.reports import shown_in
@@ -175,7 +175,7 @@ def _chosen(vary: Iterable[Quantity]) -> tuple[Quantity, ...]:
     return tuple(name for name in QUANTITIES if name in given)
 
 
-def _safe_alone(rod: RodData, verdict: RodStability, name: Quantity) -> Interval:
+def _safe_alone(rod: RodData, verdict: RodStability, name: Quantity) -> RealInterval:
     """Return how far one quantity may go alone on this rod: what is safe with others varying, too, lies within."""
     value = getattr(verdict.load, name)
     if name == "frequency":
@@ -185,7 +185,7 @@ def _safe_alone(rod: RodData, verdict: RodStability, name: Quantity) -> Interval
     if verdict.stable:  # else the load lies in a tongue so thin that only the proof resolves it
         below, above = verdict.margin(name).searched
         low, high = max(low, value - below), min(high, value + above)
-    return Interval(max(low, 0.0) if name == "amplitude" else low, high)
+    return RealInterval(max(low, 0.0) if name == "amplitude" else low, high)
 
 
 @dataclass(frozen=True)
@@ -195,7 +195,7 @@ class _SafeBoxSearch:
     point: RodBox
     tolerance: float
     accuracy: float
-    alone: Mapping[Quantity, Interval]
+    alone: Mapping[Quantity, RealInterval]
     progress: Progress | None
 
     @cached_property
@@ -282,7 +282,7 @@ class _SafeBoxSearch:
 
 def _with(box: RodBox, name: Quantity, low: float, high: float) -> RodBox:
     """Return a box of loads with one side changed."""
-    return replace(box, loads={**box.loads, name: Interval(low, high)})
+    return replace(box, loads={**box.loads, name: RealInterval(low, high)})
 
 
 def _shown(value: float) -> str:

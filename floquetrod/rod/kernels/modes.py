@@ -11,8 +11,8 @@ import math
 from typing import Any
 
 from floquetrod._util.compilation import kernel
-from floquetrod.floquet.kernels.mathieu import growth, growth_bound, is_stable
-from floquetrod.floquet.kernels.mathieu_counts import shown_by_count
+from floquetrod.floquet.kernels.mathieu_discriminant import growth, growth_bound, is_stable
+from floquetrod.floquet.mathieu_chains.mathieu_counts import shown_by_count
 from floquetrod.floquet.status import STABLE
 
 

@@ -34,7 +34,7 @@ from floquetrod.rod.modes.mode_model import Answers, BandFinder, ModeModel, Stat
 
 # Loaded by the methods that need them: a first verdict takes a quarter of the package.
 if TYPE_CHECKING:
-    from floquetrod.floquet.proof.region import RegionProof
+    from floquetrod.floquet.proof.region_proof import RegionProof
     from floquetrod.mathieu.criterion import FiniteTimeCriterion
     from floquetrod.rod.answers.intervals import FoundIntervals, Search, UnstableBand
     from floquetrod.rod.mode_equations.coupled_systems import CoupledEquations

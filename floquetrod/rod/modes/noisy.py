@@ -29,7 +29,7 @@ from floquetrod.rod.modes.mode_model import Answers, ModeModel
 from floquetrod.rod.modes.noisy_search import AT_ONCE, changes, first_change, least, stable_at
 
 if TYPE_CHECKING:
-    from floquetrod.floquet.proof.region import RegionProof
+    from floquetrod.floquet.proof.region_proof import RegionProof
     from floquetrod.floquet.systems.many import ManyVerdicts
     from floquetrod.rod.mode_equations.coupled_systems import CoupledEquations
 

@@ -15,9 +15,9 @@ from floquetrod._util.arrays import EPS
 from floquetrod._util.progress import Progress
 from floquetrod.equations import SecondMoments
 from floquetrod.floquet.proof import certify
-from floquetrod.floquet.proof.region import RegionProof, RegionStatus, Shares, Side, side_ends
+from floquetrod.floquet.proof.proof import Proof
 from floquetrod.floquet.proof.region_equation import note_on
-from floquetrod.floquet.proof.result import Proof
+from floquetrod.floquet.proof.region_proof import RegionProof, RegionStatus, Shares, Side, side_ends
 from floquetrod.floquet.status import STABLE, UNSTABLE
 from floquetrod.rod.answers.rod_box import RodExample
 from floquetrod.rod.loads.load import LIMITS, QUANTITIES, Loads, Quantity, load_number

@@ -17,7 +17,7 @@ import math
 from typing import Any
 
 from floquetrod._util.compilation import kernel
-from floquetrod.floquet.proof.kernels.intervals import Pair, down, multiply, square, up
+from floquetrod.floquet.proof.kernels.double_intervals import Pair, down, multiply, square, up
 from floquetrod.floquet.proof.kernels.regions_modes import mode_status
 from floquetrod.floquet.status import UNDECIDED
 

@@ -16,7 +16,7 @@ import math
 import numpy as np
 
 from floquetrod._util.compilation import kernel
-from floquetrod.floquet.proof.kernels.intervals import (
+from floquetrod.floquet.proof.kernels.double_intervals import (
     PI_HIGH,
     PI_LOW,
     Pair,

@@ -19,9 +19,9 @@ from floquetrod._util import validate
 from floquetrod.equations import Equation, HillSystem, PeriodicSystem
 from floquetrod.floquet.dispatch import stability
 from floquetrod.floquet.problems import Problem, member, require_problem, require_without_delays
-from floquetrod.floquet.proof.region import RegionProof, Shares, Side, side_ends
+from floquetrod.floquet.proof.proof import Proof
 from floquetrod.floquet.proof.region_equation import concluded
-from floquetrod.floquet.proof.result import Proof
+from floquetrod.floquet.proof.region_proof import RegionProof, Shares, Side, side_ends
 from floquetrod.floquet.proof.system_numbers import NotAffine, bounds_of, require_affine, system_problem
 from floquetrod.floquet.proof.systems import status_of_all
 from floquetrod.floquet.registry import proof_sources

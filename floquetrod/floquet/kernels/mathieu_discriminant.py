@@ -17,9 +17,9 @@ from typing import Any
 
 from floquetrod._util.arrays import EPS
 from floquetrod._util.compilation import kernel
-from floquetrod.floquet.kernels.mathieu_counts import shown_by_count
-from floquetrod.floquet.kernels.mathieu_determinants import determinant, determinant_pair, two_product, two_sum
-from floquetrod.floquet.kernels.mathieu_tail import TAIL_ERROR, slack
+from floquetrod.floquet.mathieu_chains.mathieu_counts import shown_by_count
+from floquetrod.floquet.mathieu_chains.mathieu_determinants import determinant, determinant_pair, two_product, two_sum
+from floquetrod.floquet.mathieu_chains.mathieu_tail import TAIL_ERROR, slack
 from floquetrod.floquet.status import STABLE, UNSTABLE
 
 _ENOUGH = 2e-13  # relative error of the excess above which the minors are run again in double-double

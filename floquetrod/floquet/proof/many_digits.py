@@ -10,7 +10,7 @@ import math
 from fractions import Fraction
 from typing import Any, NamedTuple
 
-from floquetrod.floquet.proof.result import Enclosure
+from floquetrod.floquet.proof.proof import Enclosure
 
 _LARGEST_WORK = 4e6  # interval operations, about ten seconds' worth (heuristic)
 
@@ -19,7 +19,7 @@ class Unresolved(Exception):
     """The sign of a quantity cannot be determined at the present precision."""
 
 
-class TooMuchWork(Exception):
+class TooMuchWork(ValueError):
     """The arithmetic would take too long."""
 
 

@@ -10,8 +10,7 @@ from itertools import zip_longest
 from typing import Any, NamedTuple, TypeGuard
 
 from floquetrod._util import validate
-from floquetrod.equations import Equation, Hill, HillSystem, Mathieu, Meissner
-from floquetrod.equations import Piece as EquationPiece
+from floquetrod.equations import Equation, Hill, HillSystem, Mathieu, Meissner, Piece
 
 MOST_DIGITS = 10_000
 """Most digits of an exact number, and of the arithmetic of a proof (a choice)."""
@@ -19,19 +18,19 @@ MOST_DIGITS = 10_000
 _HALF = Fraction(1, 2)
 
 
-class Wave(NamedTuple):
+class ExactWave(NamedTuple):
     """Coefficients of cos(k W tau) and sin(k W tau), W = 2 pi / period."""
 
     cosine: Fraction
     sine: Fraction
 
 
-class Piece(NamedTuple):
+class ExactPiece(NamedTuple):
     """A share of the period over which the coefficient is a finite Fourier series, with waves k = 1, 2, ..."""
 
     share: Fraction
     mean: Fraction
-    waves: tuple[Wave, ...] = ()
+    waves: tuple[ExactWave, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -39,7 +38,7 @@ class ExactProblem:
     """A'' + 2 c A' = p(tau) A with exact numbers."""
 
     equation: Equation | HillSystem  # with the nearest doubles
-    pieces: tuple[Piece, ...]  # of p over a period, from tau = 0 on
+    pieces: tuple[ExactPiece, ...]  # of p over a period, from tau = 0 on
     damping: Fraction  # c, zero or more
     period: Fraction | None  # of p; None is the exact 2 pi
     inexact: tuple[tuple[str, Fraction], ...]  # the parameters that are not doubles, by name
@@ -87,18 +86,18 @@ def problem_of(equation: Equation) -> ExactProblem | None:
     """
     level, multiple = equation.level, equation.period_over_pi
     scale = Fraction(1) if multiple is None else multiple / 2
-    given = equation.pieces() if level is None else (EquationPiece(Fraction(1), level),)
+    given = equation.pieces() if level is None else (Piece(Fraction(1), level),)
     if any(piece.slope for piece in given):
         return None
-    pieces = tuple(Piece(p.share, Fraction(p.start) * scale**2, _waves(p.harmonics, scale**2)) for p in given)
+    pieces = tuple(ExactPiece(p.share, Fraction(p.start) * scale**2, _waves(p.harmonics, scale**2)) for p in given)
     period = Fraction(equation.period) if multiple is None else None
     found = ExactProblem(equation, pieces, Fraction(equation.damping) * scale, period, ())
     return found if len(pieces) == 1 or found.halves is not None else None
 
 
-def _waves(harmonics: tuple[complex, ...], factor: Fraction) -> tuple[Wave, ...]:
+def _waves(harmonics: tuple[complex, ...], factor: Fraction) -> tuple[ExactWave, ...]:
     """Return harmonics times a factor, exactly, without zeros at the end."""
-    waves = [Wave(factor * Fraction(z.real), -factor * Fraction(z.imag)) for z in harmonics]
+    waves = [ExactWave(factor * Fraction(z.real), -factor * Fraction(z.imag)) for z in harmonics]
     while waves and not any(waves[-1]):
         waves.pop()
     return tuple(waves)
@@ -112,8 +111,8 @@ def problem_of_one(system: HillSystem) -> ExactProblem | None:
     mass = Fraction(1) if system.mass is None else Fraction(float(system.mass[0, 0]))
     damping = Fraction(0) if system.damping is None else Fraction(float(system.damping[0, 0]))
     amplitudes = system.harmonics[:, 0, 0].tolist()
-    waves = tuple(Wave(-Fraction(z.real) / mass, Fraction(z.imag) / mass) for z in amplitudes)
-    piece = Piece(Fraction(1), -Fraction(float(system.stiffness[0, 0])) / mass, waves)
+    waves = tuple(ExactWave(-Fraction(z.real) / mass, Fraction(z.imag) / mass) for z in amplitudes)
+    piece = ExactPiece(Fraction(1), -Fraction(float(system.stiffness[0, 0])) / mass, waves)
     return ExactProblem(system, (piece,), damping / mass / 2, Fraction(system.period), ())
 
 
@@ -143,27 +142,31 @@ LISTS = ("cosines", "sines")
 """Parameters that are sequences of numbers."""
 
 
-def _mathieu(parameters: Parameters) -> tuple[Piece, ...]:
-    waves = (Wave(Fraction(0), parameters["alpha"]),) if parameters["alpha"] else ()
-    return (Piece(Fraction(1), parameters["beta"], waves),)
+def _mathieu(parameters: Parameters) -> tuple[ExactPiece, ...]:
+    waves = (ExactWave(Fraction(0), parameters["alpha"]),) if parameters["alpha"] else ()
+    return (ExactPiece(Fraction(1), parameters["beta"], waves),)
 
 
-def _meissner(parameters: Parameters) -> tuple[Piece, ...]:
+def _meissner(parameters: Parameters) -> tuple[ExactPiece, ...]:
     alpha, beta = parameters["alpha"], parameters["beta"]
     if not alpha:
-        return (Piece(Fraction(1), beta),)
-    return Piece(_HALF, beta + alpha), Piece(_HALF, beta - alpha)
+        return (ExactPiece(Fraction(1), beta),)
+    return ExactPiece(_HALF, beta + alpha), ExactPiece(_HALF, beta - alpha)
 
 
-def _hill(parameters: Parameters) -> tuple[Piece, ...]:
+def _hill(parameters: Parameters) -> tuple[ExactPiece, ...]:
     pairs = zip_longest(parameters["cosines"], parameters["sines"], fillvalue=Fraction(0))
-    waves = [Wave(cosine, sine) for cosine, sine in pairs]
+    waves = [ExactWave(cosine, sine) for cosine, sine in pairs]
     while waves and not any(waves[-1]):
         waves.pop()
-    return (Piece(Fraction(1), parameters["mean"], tuple(waves)),)
+    return (ExactPiece(Fraction(1), parameters["mean"], tuple(waves)),)
 
 
-_READERS: dict[type, Callable[[Parameters], tuple[Piece, ...]]] = {Mathieu: _mathieu, Meissner: _meissner, Hill: _hill}
+_READERS: dict[type, Callable[[Parameters], tuple[ExactPiece, ...]]] = {
+    Mathieu: _mathieu,
+    Meissner: _meissner,
+    Hill: _hill,
+}
 """The classes of equations whose parameters may be given exactly, with the pieces of their coefficient."""
 
 

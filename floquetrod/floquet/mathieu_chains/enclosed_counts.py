@@ -20,11 +20,11 @@ import math
 from fractions import Fraction
 from typing import Any, NamedTuple
 
-from floquetrod.floquet.proof.intervals import check_work, enclose, rational
+from floquetrod.floquet.proof.many_digits import check_work, enclose, rational
 from floquetrod.floquet.proof.pivots import Count, Pivots, closer, no_sign
 
 
-class _Chain(NamedTuple):
+class ChainRows(NamedTuple):
     """A chain with the diagonal first^2 + shift, (first + 2)^2, (first + 4)^2, ...
 
     ``coupling`` is the square of the first off-diagonal entry; the others are q.
@@ -43,10 +43,10 @@ def count_eigenvalues(context: Any, mean: Fraction, amplitude: Fraction, damping
     check_work(context, 16.0 * (20.0 + math.sqrt(8.0 * abs(amplitude) + max(0.0, -4.0 * mean))))
     square = q * q
     chains = (
-        _Chain("even, period pi", 0, 0 * q, 2 * square),
-        _Chain("odd, period pi", 2, 0 * q, square),
-        _Chain("even, period 2 pi", 1, q, square),
-        _Chain("odd, period 2 pi", 1, -q, square),
+        ChainRows("even, period pi", 0, 0 * q, 2 * square),
+        ChainRows("odd, period pi", 2, 0 * q, square),
+        ChainRows("even, period 2 pi", 1, q, square),
+        ChainRows("odd, period 2 pi", 1, -q, square),
     )
     pivots = [_count_chain(a, q, chain) for chain in chains]
     enclosures = (
@@ -56,7 +56,7 @@ def count_eigenvalues(context: Any, mean: Fraction, amplitude: Fraction, damping
     return Count(sum(found.negative for found in pivots), tuple(enclosures))
 
 
-def _count_chain(a: Any, q: Any, chain: _Chain) -> Pivots:
+def _count_chain(a: Any, q: Any, chain: ChainRows) -> Pivots:
     """Count the negative pivots of a chain; a pair's closest value is divided by its off-diagonal entry q."""
     k, coupling = chain.first, chain.coupling
     count, pivot = 0, (k * k - a) + chain.shift

@@ -11,7 +11,7 @@ import math
 
 from floquetrod._util.arrays import EPS
 from floquetrod._util.compilation import kernel
-from floquetrod.floquet.kernels.mathieu_tail import TAIL_ERROR, slack, tail
+from floquetrod.floquet.mathieu_chains.mathieu_tail import TAIL_ERROR, slack, tail
 
 
 @kernel

@@ -1,0 +1,64 @@
+"""Kernels that count the characteristic values below a mode's number, in doubles rounded outwards, for boxes of loads.
+
+Freed of its damping a mode is u'' + (kappa - p sin omega t) u = 0.  Multiplied by h = omega^2 / 4, the rows of the
+four chains are k^2 h - kappa and their couplings g = p / 2, so that nothing is divided by omega.
+"""
+
+from __future__ import annotations
+
+from floquetrod._util.compilation import kernel
+from floquetrod.floquet.proof.kernels.double_intervals import down, up
+
+MOST_ROWS = 20_000  # of a chain, after which nothing is concluded
+
+
+@kernel
+def _chain_count(kappa: float, g: float, h: float, first: float, shift: float, doubled: bool) -> int:
+    """Return how many eigenvalues of a chain lie below kappa, all numbers exact, or -1 where rounding hides it."""
+    x = down(first * first * h)
+    y = up(first * first * h)
+    low = down(down(x - kappa) + shift)
+    high = up(up(y - kappa) + shift)
+    coupling_low = max(0.0, down(g * g))
+    coupling_high = up(g * g)
+    factor = 2.0 if doubled else 1.0
+    count = 0
+    k = first
+    while k < MOST_ROWS:
+        if not (low > 0.0 or high < 0.0):
+            return -1
+        k += 2.0
+        x = down(down(k * k * h) - kappa)
+        if k > first + 2.0 and low > g and x >= 2.0 * g:
+            return count
+        y = up(up(k * k * h) - kappa)
+        if high < 0.0:
+            count += 1
+        if low > 0.0:
+            low, high = down(x - up(factor * coupling_high / low)), up(y - down(factor * coupling_low / high))
+        else:
+            low, high = down(x - up(factor * coupling_low / low)), up(y - down(factor * coupling_high / high))
+        factor = 1.0
+    return -1
+
+
+@kernel
+def exact_count(kappa: float, p: float, fast: float, high: bool) -> int:
+    """Return how many characteristic values lie below kappa where p is exact, and omega^2 / 4 rounded up or down.
+
+    The number falls with omega: up (``high``) gives at most what it is at ``fast``, down at least.  -1 where rounding
+    hides the answer.
+    """
+    h = up(up(fast * fast) * 0.25) if high else down(down(fast * fast) * 0.25)
+    g = 0.5 * p
+    if not (g > 1e-150 and h > 0.0):
+        return -1
+    total = 0
+    for chain in range(4):
+        first = (0.0, 2.0, 1.0, 1.0)[chain]
+        shift = (0.0, 0.0, g, -g)[chain]
+        count = _chain_count(kappa, g, h, first, shift, chain == 0)
+        if count < 0:
+            return -1
+        total += count
+    return total
