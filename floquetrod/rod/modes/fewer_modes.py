@@ -19,7 +19,7 @@ import numpy as np
 
 from floquetrod._util.arrays import Complexes, Floats
 from floquetrod.equations import HillSystem
-from floquetrod.floquet.kernels.system_large import Parts
+from floquetrod.floquet.kernels.system_large import ModalEquations
 from floquetrod.floquet.kernels.system_march import March
 from floquetrod.floquet.methods.system_half_period import SolvedPairs
 from floquetrod.floquet.methods.system_monodromy import SolvedMany
@@ -80,7 +80,7 @@ class Fastest(NamedTuple):
         if self.even is not None:
             turns = np.exp(2j * math.pi * self.even / period * np.arange(1, len(harmonics) + 1))
             harmonics = (harmonics * turns[:, None, None]).real.astype(complex)
-        parts = Parts.as_they_are(system.stiffness[few, few], harmonics)
+        parts = ModalEquations.as_they_are(system.stiffness[few, few], harmonics)
         march = March.with_all_terms(
             parts, period, _ACCURACY, (count / _WORTH) ** 3, share=1.0 if self.even is None else 0.5
         )
