@@ -83,11 +83,11 @@ def test_a_random_subspace_meets_every_direction_as_often_as_stated(
     monkeypatch.setattr(fastest, "_CHANCE", each * rows / 2.0)
     rng = np.random.default_rng(7)
     drawn = np.concatenate([np.linalg.qr(rng.standard_normal((rows, columns)))[0] for _ in range(25)])
-    real = float(np.mean(np.linalg.norm(drawn, axis=1) < math.sqrt(2.0) * fastest._least(rows)))
+    real = float(np.mean(np.linalg.norm(drawn, axis=1) < math.sqrt(2.0) * fastest._shortest_projection(rows)))
     whirling = np.sqrt(0.5) * np.linalg.norm(drawn[::2] + 1j * drawn[1::2], axis=1)
     spread = math.sqrt(each / len(drawn))
     assert 0.8 * each - 3.0 * spread < real < each + 3.0 * spread
-    assert np.mean(whirling < fastest._least(rows)) < 0.2 * each
+    assert np.mean(whirling < fastest._shortest_projection(rows)) < 0.2 * each
 
 
 def multiplied(gap: float, seed: int) -> tuple[np.ndarray, np.ndarray]:
@@ -115,7 +115,7 @@ def held(matrix: np.ndarray, multipliers: np.ndarray, seed: int) -> list[bool]:
     for _ in range(9):
         spectrum = fastest._Spectrum.of(space)
         for radius in (1.05, 1.2, 1.5, 1.8):
-            radii = spectrum.radii(radius, fastest._least(rows), 1e-12)
+            radii = spectrum.radii(radius, fastest._shortest_projection(rows), 1e-12)
             if radii is not None:
                 outside = multipliers[multipliers > radius]
                 apart = np.abs(np.subtract.outer(outside, spectrum.values))

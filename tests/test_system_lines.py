@@ -12,7 +12,7 @@ from conftest import depth
 from coupled_cases import known
 from floquetrod._util.arrays import norms
 from floquetrod.floquet.systems import lines
-from floquetrod.floquet.systems.lines import Line, maps_along, verdicts_along
+from floquetrod.floquet.systems.lines import SystemLine, maps_along, verdicts_along
 from floquetrod.rod.loads.load import Loads, Quantity
 from floquetrod.rod.mode_equations.coupled_matrices import CoupledModes
 from floquetrod.systems.arrays import verdicts
@@ -49,7 +49,7 @@ def between(both: fr.HillSystem, places: np.ndarray) -> fr.HillSystem:
 
 @pytest.mark.parametrize("even", [True, False])
 def test_a_polynomial_leaves_out_less_than_it_says(even: bool) -> None:
-    line = Line.between(ends(1, n=2, even=even))
+    line = SystemLine.between(ends(1, n=2, even=even))
     assert line is not None
     assert line.is_even == even
     exact = line.nodes(line.degree() + 4)
@@ -162,7 +162,7 @@ def test_what_a_line_leaves_open_is_judged_load_by_load(monkeypatch: pytest.Monk
     loads = Loads.of(np.linspace(0.0, 0.6, 40) * UNIT, 0.2 * UNIT, 2.0 * SWING)
     expected = modes.answers(loads)
 
-    def rough(line: Line, nodes: lines.Nodes, places: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def rough(line: SystemLine, nodes: lines.Nodes, places: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         maps, error = maps_along(line, nodes, places)
         return maps, np.where(np.arange(places.size) % 2, error, 1e-2 * norms(maps))
 

@@ -402,7 +402,7 @@ def test_the_bound_of_the_map_covers_its_error(digits: int, rng: np.random.Gener
         context.dps = 2 * digits + 40
         exact = np.array([context.mpf(v) for v in waves.tolist()], dtype=object).reshape(-1, 1, 1)
         mean, start = np.array([[context.mpf(0)]], dtype=object), context.mpf(rng.uniform())
-        series = [precise_maps.Series(mean, exact, start, 2 * context.pi)]
+        series = [precise_maps.PieceSeries(mean, exact, start, 2 * context.pi)]
         planned = precise_maps.plan(series, digits)
         assert planned is not None
         found = precise_maps.period_map(series, context, planned)

@@ -1,4 +1,4 @@
-"""What every scalar equation A'' + 2 c A' = p(tau) A offers the methods: its coefficient p in smooth pieces.
+"""Scalar equations A'' + 2 c A' = p(tau) A: the base class, with the coefficient p in smooth pieces.
 
 Time tau is dimensionless.  Positive p pushes away from A = 0: the sign convention of the rod, where p grows with the
 axial force (Eq. (3) of DOI 10.1115/1.4031710).
@@ -131,15 +131,15 @@ class Equation(TellsAttributes, ABC):
         the system's ``coefficient_error`` bounds.
         """
         damping = [[2.0 * self.damping]] if self.damping else None
-        period, parts, errors = Fraction(self.period), [], [Fraction(0)]
+        period, pieces, errors = Fraction(self.period), [], [Fraction(0)]
         for piece in self.pieces():
             start, slope = -float(piece.start), -float(piece.slope)
             cosines = [[[-z.real]] for z in piece.harmonics]
             sines = [[[z.imag]] for z in piece.harmonics]
-            parts.append((piece.share * period, Varying(None, [[slope]], cosines, sines, start=[[start]])))
+            pieces.append((piece.share * period, Varying(None, [[slope]], cosines, sines, start=[[start]])))
             off = abs(Fraction(piece.slope) + Fraction(slope)) * piece.share * period
             errors.append(abs(Fraction(piece.start) + Fraction(start)) + off)
-        return HillSystem.from_pieces(parts, damping=damping, coefficient_error=_above(max(errors)))
+        return HillSystem.from_pieces(pieces, damping=damping, coefficient_error=_above(max(errors)))
 
     def coefficient(self, tau: Any) -> Any:
         """Return p(tau), its mean value at a jump; broadcasts over ``tau``."""
@@ -211,7 +211,7 @@ class Alternating(Equation):
 
 
 def _above(value: Fraction) -> float:
-    """Return a double that is no smaller than an exact number."""
+    """Return the smallest double not below an exact number, to one unit in the last place."""
     nearest = float(value)
     return nearest if value <= nearest else math.nextafter(nearest, math.inf)
 
@@ -226,7 +226,7 @@ def value_on(piece: Piece, tau: Floats, begin: float, period: float) -> Floats:
 
 
 def from_instant(pieces: tuple[Piece, ...], start: float, period: float) -> tuple[tuple[Piece, ...], float]:
-    """Return one period's pieces from tau = ``start``, and where in the period that is, from 0 up to ``period``.
+    """Return one period's pieces from tau = ``start``, and the phase of that instant, from 0 up to ``period``.
 
     The piece in which it begins is split in two; harmonics keep their phase, which counts from tau = 0.
     """
@@ -252,8 +252,8 @@ def from_instant(pieces: tuple[Piece, ...], start: float, period: float) -> tupl
 def require(value: Any, kinds: tuple[type, ...] = (Equation,), by: str = "", hint: str = "") -> None:
     """Raise TypeError unless ``value`` is one of the equation ``kinds``, ValueError where its pieces leave gaps."""
     if not isinstance(value, kinds):
-        every = "an Equation, such as Mathieu, Meissner or Hill"
-        names = every if kinds == (Equation,) else ", ".join(kind.__name__ for kind in kinds)
+        example = "an Equation, such as Mathieu, Meissner or Hill"
+        names = example if kinds == (Equation,) else ", ".join(kind.__name__ for kind in kinds)
         names += f", {hint}" if hint else ""
         raise validate.wrong_type(
             "equation", f"must be {names}{' for ' + by if by else ''}, got {validate.short(value)}"

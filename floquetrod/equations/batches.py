@@ -20,9 +20,9 @@ System = HillSystem | PeriodicSystem
 def stack(systems: Sequence[System]) -> System:
     """Return single systems as one batch of shape (m,), in their order.
 
-    Missing harmonics become zeros; systems in pieces must all have as many, and durations that are no doubles are
-    rounded.  A matrix that is the same in all stays one matrix, so that structure that can only be seen in shared
-    matrices (C = 2 c M) is kept.
+    Missing harmonics become zeros; systems in pieces must all have as many, and durations other than doubles are
+    rounded.  A matrix common to all stays one matrix, to keep structure that shows in shared matrices only
+    (C = 2 c M).
 
     Parameters
     ----------
@@ -55,10 +55,10 @@ def stack(systems: Sequence[System]) -> System:
             raise ValueError(f"systems[{i}] must have as many pieces as the first, {counts}; stack them apart")
     zero = np.zeros((listed[0].order,) * 2)
 
-    def series(name: str, of: Sequence[Any] = listed) -> list[Matrix]:
-        every = [getattr(system, name) for system in of]
-        longest = max(map(len, every))
-        return [_merged([one[k] if k < len(one) else zero for one in every]) for k in range(longest)]
+    def series(name: str, members: Sequence[Any] = listed) -> list[Matrix]:
+        values = [getattr(system, name) for system in members]
+        longest = max(map(len, values))
+        return [_merged([matrices[k] if k < len(matrices) else zero for matrices in values]) for k in range(longest)]
 
     def piece(j: int) -> tuple[Any, Varying]:
         durations, values = zip(*(system.pieces[j] for system in listed), strict=True)
@@ -81,8 +81,8 @@ def stack(systems: Sequence[System]) -> System:
         return PeriodicSystem(mean, series("cosines"), series("sines"), period=period, coefficient_error=error)
 
     def optional(name: str, absent: Matrix) -> Matrix | None:
-        every = [getattr(system, name) for system in listed]
-        return None if all(m is None for m in every) else _merged([absent if m is None else m for m in every])
+        values = [getattr(system, name) for system in listed]
+        return None if all(m is None for m in values) else _merged([absent if m is None else m for m in values])
 
     others = {
         "mass": optional("mass", np.eye(listed[0].order)),
@@ -97,33 +97,33 @@ def stack(systems: Sequence[System]) -> System:
 
 
 def pick(systems: System, index: int) -> System:
-    """Return one system of a batch by its place in the order of C; nothing in it is checked again."""
+    """Return one system of a batch by its index in C order; its matrices are not checked again."""
     if not systems.shape:
         return systems
-    place = np.unravel_index(index, systems.shape)
+    index_of = np.unravel_index(index, systems.shape)
 
-    def one(value: Any, tail: int = 2) -> Any:
+    def picked(value: Any, tail: int = 2) -> Any:
         if isinstance(value, tuple):
-            return tuple(map(one, value))
+            return tuple(map(picked, value))
         if isinstance(value, Varying):
-            return remade(value, **{name: one(matrix) for name, matrix in vars(value).items()})
+            return remade(value, **{name: picked(matrix) for name, matrix in vars(value).items()})
         if not isinstance(value, np.ndarray):
             return value  # one for all
         inner = value.shape[value.ndim - tail :]
-        return np.broadcast_to(value, (*systems.shape, *inner))[place].copy()
+        return np.broadcast_to(value, (*systems.shape, *inner))[index_of].copy()
 
-    values = {field.name: one(getattr(systems, field.name)) for field in fields(systems) if field.name != "pieces"}
-    values["period"] = float(one(systems.period, 0))
-    values["pieces"] = tuple((float(one(duration, 0)), one(value)) for duration, value in systems.pieces)
+    values = {field.name: picked(getattr(systems, field.name)) for field in fields(systems) if field.name != "pieces"}
+    values["period"] = float(picked(systems.period, 0))
+    values["pieces"] = tuple((float(picked(duration, 0)), picked(value)) for duration, value in systems.pieces)
     for name, absent in (("mass", np.eye(systems.order)), ("damping", 0.0), ("gyroscopic", 0.0)):
         if values.get(name) is not None and (values[name] == absent).all():
             values[name] = None
-    found: System = remade(systems, **values)
-    return found
+    system: System = remade(systems, **values)
+    return system
 
 
 def in_batches(systems: Sequence[System], call: Callable[[System], Sequence[Any]]) -> list[tuple[Any, ...]]:
-    """Return what ``call`` says of each system, asked once for each batch of systems of one kind, order and structure.
+    """Return the results of ``call`` for every system, called once for all systems of one kind, order and structure.
 
     Parameters
     ----------
@@ -144,7 +144,7 @@ def in_batches(systems: Sequence[System], call: Callable[[System], Sequence[Any]
     return answers
 
 
-def _merged(every: Sequence[Any]) -> Any:
-    """Return arrays, or numbers, as one array of them, or as the single one that they all are."""
-    first = every[0]
-    return first if all(np.array_equal(first, other) for other in every[1:]) else np.stack(every)
+def _merged(values: Sequence[Any]) -> Any:
+    """Return arrays, or numbers, stacked; a single one where all are equal."""
+    first = values[0]
+    return first if all(np.array_equal(first, value) for value in values[1:]) else np.stack(values)

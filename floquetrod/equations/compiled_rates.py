@@ -23,10 +23,10 @@ def at_points(
 ) -> NDArray[Any]:
     """Return the values (k, *shape) of a compiled function at times (k,) and states (k, n)."""
     listed = list(inspect.signature(call.py_func).parameters.values())[2:]
-    given = tuple(float(parameters.get(each.name, each.default)) for each in listed)
-    found = np.empty((len(times), *shape), dtype=states.dtype)
-    _loop(len(shape))(call, np.ascontiguousarray(times), np.ascontiguousarray(states), given, found)
-    return found
+    arguments = tuple(float(parameters.get(parameter.name, parameter.default)) for parameter in listed)
+    values = np.empty((len(times), *shape), dtype=states.dtype)
+    _loop(len(shape))(call, np.ascontiguousarray(times), np.ascontiguousarray(states), arguments, values)
+    return values
 
 
 @functools.cache
@@ -34,18 +34,18 @@ def _loop(depth: int) -> Any:
     """Return the compiled loop over instants, of a function that returns a vector or a matrix."""
     import numba
 
-    def vectors(function: Any, times: Any, states: Any, given: Any, found: Any) -> None:
+    def vectors(function: Any, times: Any, states: Any, arguments: Any, result: Any) -> None:
         for k in range(len(times)):
-            values = function(times[k], states[k], *given)
-            for i in range(found.shape[1]):
-                found[k, i] = values[i]
+            values = function(times[k], states[k], *arguments)
+            for i in range(result.shape[1]):
+                result[k, i] = values[i]
 
-    def matrices(function: Any, times: Any, states: Any, given: Any, found: Any) -> None:
+    def matrices(function: Any, times: Any, states: Any, arguments: Any, result: Any) -> None:
         for k in range(len(times)):
-            values = function(times[k], states[k], *given)
-            for i in range(found.shape[1]):
-                for j in range(found.shape[2]):
-                    found[k, i, j] = values[i][j]
+            values = function(times[k], states[k], *arguments)
+            for i in range(result.shape[1]):
+                for j in range(result.shape[2]):
+                    result[k, i, j] = values[i][j]
 
     compile_loop: Any = numba.njit
     return compile_loop(vectors if depth == 1 else matrices)

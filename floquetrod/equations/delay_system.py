@@ -32,9 +32,9 @@ class DelayedTerm(NamedTuple):
     Attributes
     ----------
     delay : float or Fraction
-        Exactly that.
+        tau, exactly.
     coefficient : PeriodicSystem
-        The matrix, periodic as that of a `PeriodicSystem` is: ``coefficient.coefficient(t)``.
+        The periodic matrix D or B: ``coefficient.coefficient(t)``.
     """
 
     delay: float | Fraction
@@ -82,8 +82,8 @@ class DelaySystem(ByContent):
     Raises
     ------
     TypeError, ValueError
-        For arguments that a `HillSystem` refuses, for delays that are not greater than zero, for terms of another order
-        or period, and for batches.
+        For arguments that a `HillSystem` refuses, for delays of zero or less, for terms of another order or period, and
+        for batches.
 
     Examples
     --------
@@ -220,18 +220,18 @@ class DelaySystem(ByContent):
 
     @classmethod
     def _made(cls, present: HillSystem | PeriodicSystem, delayed: tuple[DelayedTerm, ...]) -> DelaySystem:
-        found = object.__new__(cls)
-        found._take(present, delayed)
-        return found
+        system = object.__new__(cls)
+        system._take(present, delayed)
+        return system
 
     def _take(self, present: HillSystem | PeriodicSystem, delayed: tuple[DelayedTerm, ...]) -> None:
-        """Take over the parts, checked against each other."""
-        for name, part in (
+        """Store the system without delay and the delayed terms, checked to be single systems."""
+        for name, coefficient in (
             ("coefficients (stiffness, mean or pieces) and period", present),
             *((f"delayed[{j}]", t.coefficient) for j, t in enumerate(delayed)),
         ):
-            if part.shape:
-                raise ValueError(f"{name} must be of a single system, got a batch of shape {part.shape}")
+            if coefficient.shape:
+                raise ValueError(f"{name} must be of a single system, got a batch of shape {coefficient.shape}")
         vars(self).update(present=present, delayed=delayed)
 
     @property
@@ -296,8 +296,8 @@ class DelaySystem(ByContent):
         largest = 0.25 * matrices.LARGEST_ENTRY / max(1.0, float(np.abs(unit).max()))
         rate = validate.within("rate", rate, 0.0, largest)
         if isinstance(present, HillSystem):
-            there = np.zeros_like(unit) if present.damping is None else present.damping
-            return self._made(replace(present, damping=there + 2.0 * rate * unit), self.delayed)
+            damping = np.zeros_like(unit) if present.damping is None else present.damping
+            return self._made(replace(present, damping=damping + 2.0 * rate * unit), self.delayed)
         shift, error = rate * unit, present.coefficient_error
         lowered = mapped(PeriodicSystem, present, lambda m: m - shift, coefficient_error=error)
         return self._made(lowered, self.delayed)
@@ -317,21 +317,22 @@ class DelaySystem(ByContent):
 
 def _by_series(delayed: Any, present: HillSystem | PeriodicSystem) -> tuple[DelayedTerm, ...]:
     """Return the delayed terms of a system whose coefficients are Fourier series."""
-    found = []
+    terms = []
     for name, given in _listed(delayed, (2, 3, 4), _SERIES):
         delay, mean, *series = given
         matrix = matrices.square(f"{name}[1]", mean, present.order, present.MEAN)
         parts = [
-            matrices.by_harmonic(f"{name}[{k}]", part, present.order, present.MEAN) for k, part in enumerate(series, 2)
+            matrices.by_harmonic(f"{name}[{k}]", values, present.order, present.MEAN)
+            for k, values in enumerate(series, 2)
         ]
         coefficient = PeriodicSystem(matrix, *parts, period=present.period)
-        found.append(DelayedTerm(_delay(f"{name}[0]", delay), coefficient))
-    return tuple(found)
+        terms.append(DelayedTerm(_delay(f"{name}[0]", delay), coefficient))
+    return tuple(terms)
 
 
 def _by_pieces(delayed: Any, present: HillSystem | PeriodicSystem) -> tuple[DelayedTerm, ...]:
     """Return the delayed terms of a system whose coefficients are in pieces."""
-    found = []
+    terms = []
     for name, (delay, pieces) in _listed(delayed, (2,), _PIECES):
         try:
             coefficient = PeriodicSystem.from_pieces(pieces)
@@ -341,20 +342,20 @@ def _by_pieces(delayed: Any, present: HillSystem | PeriodicSystem) -> tuple[Dela
             raise ValueError(f"{name}[1] must be {present.order} x {present.order} as the other pieces are")
         if np.shape(coefficient.period) == () and coefficient.period != present.period:
             raise ValueError(f"{name}[1] must add up to the period {present.period!r}, got {coefficient.period!r}")
-        found.append(DelayedTerm(_delay(f"{name}[0]", delay), coefficient))
-    return tuple(found)
+        terms.append(DelayedTerm(_delay(f"{name}[0]", delay), coefficient))
+    return tuple(terms)
 
 
 def _listed(delayed: Any, lengths: tuple[int, ...], example: str) -> list[tuple[str, Any]]:
     """Return the terms with their names, each of one of the lengths."""
     if isinstance(delayed, str | bytes) or not validate.iterable(delayed):
         raise TypeError(f"delayed must be a sequence of {example}, got {validate.short(delayed)}")
-    found = []
+    terms = []
     for j, given in enumerate(validate.listed("delayed", delayed, MOST_DELAYS, "terms")):
         if not isinstance(given, tuple | list) or len(given) not in lengths:
             raise TypeError(f"delayed must be a sequence of {example}, got {validate.short(given)} as delayed[{j}]")
-        found.append((f"delayed[{j}]", given))
-    return found
+        terms.append((f"delayed[{j}]", given))
+    return terms
 
 
 def _delay(name: str, value: Any) -> float | Fraction:

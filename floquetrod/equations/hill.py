@@ -34,8 +34,8 @@ class Hill(Equation):
     cosines : sequence of float
         Coefficients of the cosines from the first harmonic on; none by default.
     sines : sequence of float
-        Coefficients of the sines from the first harmonic on; none by default.  Their number may differ
-        from that of the cosines.
+        Coefficients of the sines from the first harmonic on; none by default.  There may be more or fewer of them than
+        cosines.
     period : float
         Period of the coefficient, in the unit of tau.
     damping : float
@@ -95,18 +95,18 @@ class Hill(Equation):
 
         validate.function("function", function)
         period, damping = validate.positive("period", period), damping_rate(damping)
-        found = sampling.expanded(lambda tau: [[function(tau)]], period, jumps, 1)
-        parts = tuple(_piece(Fraction(duration) / Fraction(period), value) for duration, value in found.pieces)
-        largest = max(abs(float(p.start)) + abs(float(p.slope)) * period + sum(map(abs, p.harmonics)) for p in parts)
-        if found.error > _MOST_ERROR * largest:
+        expansion = sampling.expanded(lambda tau: [[function(tau)]], period, jumps, 1)
+        pieces = tuple(_piece(Fraction(duration) / Fraction(period), value) for duration, value in expansion.pieces)
+        largest = max(abs(float(p.start)) + abs(float(p.slope)) * period + sum(map(abs, p.harmonics)) for p in pieces)
+        if expansion.error > _MOST_ERROR * largest:
             raise ValueError(
                 f"function must have a series that agrees with it to {_MOST_ERROR:g} of its size, got one to "
-                f"{found.error / largest:.1g}; HillSystem.from_function takes it, of one equation with K = -p"
+                f"{expansion.error / largest:.1g}; HillSystem.from_function takes it, of one equation with K = -p"
             )
-        if len(parts) > 1:
-            return JumpingHill(parts, period, damping)
-        ((_, value),) = found.pieces
-        cosines, sines = (tuple(float(m[0, 0]) for m in part) for part in (value.cosines, value.sines))
+        if len(pieces) > 1:
+            return JumpingHill(pieces, period, damping)
+        ((_, value),) = expansion.pieces
+        cosines, sines = (tuple(float(m[0, 0]) for m in series) for series in (value.cosines, value.sines))
         return cls(float(value.start[0, 0]), cosines, sines, period, damping)
 
     def coefficient(self, tau: Any) -> Any:

@@ -51,9 +51,9 @@ class HillSystem(matrices.PeriodicMatrixSystem):
     """The system M q'' + (C + G) q' + K(t) q = 0 of n equations, K(t) periodic: a finite Fourier series, or in pieces.
 
     As a series of period 2 pi / w, K(t) = stiffness + sum_k cosines[k-1] cos k w t + sines[k-1] sin k w t;
-    `from_pieces` takes a K(t) that jumps.  Positive stiffness restores: the sign is the opposite of that of the scalar
-    `Hill`, whose positive coefficient pushes away, and ``damping`` is the matrix C, where the scalar's c stands for
-    C = 2 c.  ``Hill(...).as_system()`` converts.
+    `from_pieces` takes a K(t) that jumps.  Positive stiffness restores: the sign is opposite to the scalar `Hill`,
+    whose positive coefficient pushes away, and ``damping`` is the matrix C, where the scalar's c stands for C = 2 c.
+    ``Hill(...).as_system()`` converts.
 
     Any matrix may be an array of matrices with a leading shape, and ``period`` an array: together they are then a batch
     of systems, for `floquetrod.systems`.
@@ -65,8 +65,8 @@ class HillSystem(matrices.PeriodicMatrixSystem):
     cosines : sequence of array_like (..., n, n)
         Coefficients of the cosines of K from the first harmonic on; none by default.
     sines : sequence of array_like (..., n, n)
-        Coefficients of the sines of K from the first harmonic on; none by default.  Their number may differ from that
-        of the cosines.
+        Coefficients of the sines of K from the first harmonic on; none by default.  There may be more or fewer of them
+        than cosines.
     mass : array_like (..., n, n), optional
         M, symmetric and positive definite; the identity by default, which is kept as None.
     damping : array_like (..., n, n), optional
@@ -85,8 +85,8 @@ class HillSystem(matrices.PeriodicMatrixSystem):
     Raises
     ------
     TypeError, ValueError
-        For matrices that are not square and real, or of another order than the stiffness, a mass that is not symmetric
-        positive definite, a gyroscopic matrix that is not skew-symmetric, NaN, and periods that are not positive.
+        For matrices not square and real, or of another order than the stiffness, a mass that is not symmetric positive
+        definite, a gyroscopic matrix that is not skew-symmetric, NaN, and periods of zero or less.
 
     Examples
     --------
@@ -216,9 +216,9 @@ class HillSystem(matrices.PeriodicMatrixSystem):
         >>> system.is_smooth, system.coefficient_error < 1e-13
         (True, True)
         """
-        found = sampling.expanded(function, period, jumps, matrices.MOST_EQUATIONS)
+        expansion = sampling.expanded(function, period, jumps, matrices.MOST_EQUATIONS)
         others = {"mass": mass, "damping": damping, "gyroscopic": gyroscopic}
-        return cls.from_pieces(found.pieces, **others, coefficient_error=found.error)
+        return cls.from_pieces(expansion.pieces, **others, coefficient_error=expansion.error)
 
     @cached_property
     def is_symmetric(self) -> bool:
@@ -319,7 +319,7 @@ class HillSystem(matrices.PeriodicMatrixSystem):
         """Return the same system in first order, of mass 1: x = (u, u') with q = L u, M^-1 = L L^T.
 
         Where the system is Hamiltonian, x = (u, p) with p = u' + G u / 2, in which it is Hamiltonian too.  Its
-        ``coefficient_error`` includes that of the system and the rounding.
+        ``coefficient_error`` includes the error of the system and the rounding.
         """
         inverse = None if self.mass is None else np.linalg.inv(np.linalg.cholesky(self.mass))
         canonical = self.structure == "hamiltonian"
@@ -334,16 +334,16 @@ class HillSystem(matrices.PeriodicMatrixSystem):
         def whole(stiffness: Matrix) -> Matrix:
             return _first_order(tidy(reduced(stiffness)), friction, gyroscopic, canonical=canonical)
 
-        def other(matrix: Matrix) -> Matrix:
+        def varying(matrix: Matrix) -> Matrix:
             return _lower(-tidy(reduced(matrix)))
 
-        turned = [(duration, value.mapped(whole, other)) for duration, value in self.pieces]
+        turned = [(duration, value.mapped(whole, varying)) for duration, value in self.pieces]
         mean = whole(self.stiffness)
-        cosines, sines = ([other(m) for m in part] for part in (self.cosines, self.sines))
+        cosines, sines = ([varying(m) for m in series] for series in (self.cosines, self.sines))
         error = float(np.max(self.error_norm if inverse is None else self.error_norm * norms(inverse) ** 2))
         if inverse is not None or (canonical and self.gyroscopic is not None):
-            parts = [value.matrices for _, value in turned] or [(mean, *cosines, *sines)]
-            size = max(sum(float(np.abs(matrix).max()) for matrix in part) for part in parts)
+            sizes = [value.matrices for _, value in turned] or [(mean, *cosines, *sines)]
+            size = max(sum(float(np.abs(matrix).max()) for matrix in series) for series in sizes)
             condition = 1.0 if inverse is None else float(np.max(norms(np.asarray(self.mass)) * norms(inverse) ** 2))
             error += 8.0 * self.order * EPS * condition * size
         if self.pieces:
@@ -368,34 +368,34 @@ class HillSystem(matrices.PeriodicMatrixSystem):
 
 
 def damped(system: HillSystem, rate: float) -> HillSystem:
-    """Return the system of q = exp(-c t) u, u that of a system of one Fourier series without damping, c > 0."""
+    """Return the system of q = exp(-c t) u, c = ``rate`` > 0, from the system of u, without damping, of one series."""
     mass = matrices.mass_matrix(system)
     shifted = {"stiffness": system.stiffness + rate * rate * mass, "damping": 2.0 * rate * mass}
-    found: HillSystem = matrices.remade(system, **shifted)
-    vars(found)["undamped"] = system, rate
-    return found
+    system_with_damping: HillSystem = matrices.remade(system, **shifted)
+    vars(system_with_damping)["undamped"] = system, rate
+    return system_with_damping
 
 
 def restricted(system: HillSystem, kept: slice) -> HillSystem:
-    """Return some equations of a system of one Fourier series, without what couples them to the others."""
+    """Return the equations ``kept`` of a system of one Fourier series, without their coupling to the others."""
 
-    def part(matrix: Matrix | None) -> Any:
+    def block(matrix: Matrix | None) -> Any:
         return None if matrix is None else matrix[..., kept, kept].copy()
 
-    found: HillSystem = matrices.remade(
+    subsystem: HillSystem = matrices.remade(
         system,
-        stiffness=part(system.stiffness),
-        cosines=tuple(map(part, system.cosines)),
-        sines=tuple(map(part, system.sines)),
-        mass=_positive_definite(part(system.mass)),
-        damping=_unless_zero(part(system.damping)),
-        gyroscopic=_unless_zero(part(system.gyroscopic)),
+        stiffness=block(system.stiffness),
+        cosines=tuple(map(block, system.cosines)),
+        sines=tuple(map(block, system.sines)),
+        mass=_positive_definite(block(system.mass)),
+        damping=_unless_zero(block(system.damping)),
+        gyroscopic=_unless_zero(block(system.gyroscopic)),
     )
-    object.__setattr__(found, "_rounding", system._rounding)
+    object.__setattr__(subsystem, "_rounding", system._rounding)
     freed = vars(system).get("undamped")
     if freed is not None and freed[1] > 0.0:
-        vars(found)["undamped"] = restricted(freed[0], kept), freed[1]
-    return found
+        vars(subsystem)["undamped"] = restricted(freed[0], kept), freed[1]
+    return subsystem
 
 
 def in_first_order(system: HillSystem | PeriodicSystem) -> PeriodicSystem:
@@ -404,7 +404,7 @@ def in_first_order(system: HillSystem | PeriodicSystem) -> PeriodicSystem:
 
 
 def states(system: Any) -> int:
-    """Return how many equations of first order a system is."""
+    """Return the number of first-order equations of a system."""
     return int(system.order) * (2 if isinstance(system, HillSystem) else 1)
 
 
@@ -419,7 +419,7 @@ def _first_order(stiffness: Matrix, damping: Matrix, gyroscopic: Matrix, *, cano
         mean = _lower(-stiffness, -half)
         mean[..., :n, :n] = -half
     else:
-        mean = _lower(*(-part for part in np.broadcast_arrays(stiffness, damping + gyroscopic)))
+        mean = _lower(*(-matrix for matrix in np.broadcast_arrays(stiffness, damping + gyroscopic)))
     mean[..., :n, n:] = np.eye(n)
     return mean
 
@@ -444,8 +444,8 @@ def _positive_definite(mass: Matrix | None) -> Matrix | None:
     try:
         np.linalg.cholesky(mass)
     except np.linalg.LinAlgError:
-        least = float(np.linalg.eigvalsh(mass).min())
-        raise ValueError(f"mass must be positive definite, got one with the eigenvalue {least:.3g}") from None
+        lowest = float(np.linalg.eigvalsh(mass).min())
+        raise ValueError(f"mass must be positive definite, got one with the eigenvalue {lowest:.3g}") from None
     return None if (mass == np.eye(mass.shape[-1])).all() else mass
 
 
@@ -463,23 +463,23 @@ def _unless_zero(matrix: Matrix | None) -> Matrix | None:
     return None if matrix is None or not matrix.any() else matrix
 
 
-def _is_multiple(matrix: Matrix, factor: float, other: Matrix) -> bool:
-    """Return whether ``matrix`` is exactly ``factor`` times ``other``; False where products leave the normal doubles.
+def _is_multiple(matrix: Matrix, factor: float, base: Matrix) -> bool:
+    """Return whether ``matrix`` is exactly ``factor`` times ``base``; False where products leave the normal doubles.
 
     Where the rounded products agree, the exact ones differ by less than 2^63 units of their last places, if at all:
     the remainder modulo 2^64 tells.
     """
     with np.errstate(over="ignore", under="ignore"):
-        product = factor * other
-    matrix, product, other = np.broadcast_arrays(matrix, product, other)
-    if not np.array_equal(matrix, product) or (other[matrix == 0.0] != 0.0).any():
+        product = factor * base
+    matrix, product, base = np.broadcast_arrays(matrix, product, base)
+    if not np.array_equal(matrix, product) or (base[matrix == 0.0] != 0.0).any():
         return False
-    whole, last = matrix[matrix != 0.0], other[matrix != 0.0]
+    whole, last = matrix[matrix != 0.0], base[matrix != 0.0]
     if whole.size and not np.abs(whole).min() > 1e-280:
         return False
-    parts = [np.frexp(values) for values in (whole, last, np.full(whole.shape, factor))]
-    digits = [(fraction * 2.0**53).astype(np.int64).view(np.uint64) for fraction, _ in parts]
-    shift = (parts[0][1] - parts[1][1] - parts[2][1] + 53).astype(np.uint64)
+    factors = [np.frexp(values) for values in (whole, last, np.full(whole.shape, factor))]
+    digits = [(fraction * 2.0**53).astype(np.int64).view(np.uint64) for fraction, _ in factors]
+    shift = (factors[0][1] - factors[1][1] - factors[2][1] + 53).astype(np.uint64)
     return bool(np.array_equal(digits[0] << shift, digits[1] * digits[2]))
 
 
@@ -508,20 +508,20 @@ def _even_amplitudes(
     alone = ~plain & ~harmonics.real.any(axis=(-3, -2, -1)) & (present.sum(axis=-1) == 1)
     result = np.where(alone[..., None, None, None], -harmonics.imag, harmonics.real)
     phase = np.where(alone, 0.5 * math.pi / (first + 1), 0.0)
-    found = plain | alone
-    if found.all():
+    settled = plain | alone
+    if settled.all():
         return result, phase, np.zeros(shape)
-    uncertainty = np.where(found, 0.0, 16.0 * EPS * count)
+    uncertainty = np.where(settled, 0.0, 16.0 * EPS * count)
     flat = np.take_along_axis(harmonics.reshape(*shape, count, -1), first[..., None, None], axis=-2)[..., 0, :]
     largest = np.take_along_axis(flat, np.abs(flat).argmax(axis=-1)[..., None], axis=-1)[..., 0]
     slack = 8.0 * EPS * orders[:, None, None] * np.abs(harmonics).max(axis=(-2, -1), keepdims=True)
     for turn in range(2 * (int(first.max()) + 1)):
         angle = (math.pi * turn - np.angle(largest)) / (first + 1)
         turned = harmonics * np.exp(1j * angle[..., None] * orders)[..., None, None]
-        even = (np.abs(turned.imag) <= slack).all(axis=(-3, -2, -1)) & ~found
+        even = (np.abs(turned.imag) <= slack).all(axis=(-3, -2, -1)) & ~settled
         result[even], phase[even] = turned.real[even], angle[even]
-        found = found | even
-    return (result, phase, uncertainty) if found.all() else None
+        settled = settled | even
+    return (result, phase, uncertainty) if settled.all() else None
 
 
 def _congruence(left: Matrix, matrix: Matrix, name: str = "mass") -> Matrix:

@@ -1,4 +1,4 @@
-"""A linear system with a force that is not linear, in first order."""
+"""A linear system with a nonlinear force, in first order."""
 
 from __future__ import annotations
 
@@ -25,9 +25,9 @@ class WithLinearPart:
         """Return (q', q'') at one instant or at many, x (2 n, k)."""
         n = self.system.order
         q, velocity = x[:n], x[n:]
-        given = self.force(t, q, velocity, **parameters)
+        force = self.force(t, q, velocity, **parameters)
         pushed = np.empty(q.shape, dtype=x.dtype)
-        pushed[...] = np.asarray(given) if isinstance(given, np.ndarray) else np.broadcast_to(given, q.shape)
+        pushed[...] = np.asarray(force) if isinstance(force, np.ndarray) else np.broadcast_to(force, q.shape)
         if self._stiffness is not None:
             pull = self._stiffness @ q
         else:

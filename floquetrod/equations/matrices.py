@@ -1,4 +1,4 @@
-"""Matrices of a system's Fourier series: checked, in one shape, and turned into the forms that methods take."""
+"""Matrices of a system's Fourier series: checks, common shapes, and conversions for the methods."""
 
 from __future__ import annotations
 
@@ -33,12 +33,12 @@ _LEAST_PERIOD = 1e-100
 class PeriodicMatrixSystem(ByContent):
     """Base of systems with a periodic matrix, a Fourier series or in pieces: ``MEAN`` names the field of its mean.
 
-    Nobody can write into its arrays, nor into those of its copies, unpickled ones among them.
+    Its arrays are closed to writing, as are the arrays of its copies, unpickled ones among them.
     """
 
     MEAN: ClassVar[str]
     MEANING: ClassVar[str] = ""
-    """What stability of the system is of another, such as "mean-square"; "" where it is its own."""
+    """The kind of stability of another system that its stability means, such as "mean-square"; "" for its own."""
     cosines: tuple[Matrix, ...]
     sines: tuple[Matrix, ...]
     period: Any
@@ -98,13 +98,13 @@ class PeriodicMatrixSystem(ByContent):
 
     @property
     def every_matrix(self) -> tuple[Matrix, ...]:
-        """Every matrix of which the periodic one is made."""
+        """The mean and all coefficients of the periodic matrix; in pieces, of every piece."""
         if self.pieces:
             return tuple(matrix for _, value in self.pieces for matrix in value.matrices)
         return (getattr(self, self.MEAN), *self.cosines, *self.sines)
 
     def __getstate__(self) -> dict[str, Any]:
-        """Return what was given, without what follows from it."""
+        """Return the fields, without properties computed from them."""
         value: Any = self
         return {field.name: getattr(value, field.name) for field in fields(value)}
 
@@ -117,21 +117,21 @@ class PeriodicMatrixSystem(ByContent):
         value: Any = self
         names = [field.name for field in fields(value)]
         if not self.pieces:
-            return written(self, names[:-1])
+            return constructor_call(self, names[:-1])
         listed = []
         for duration, varying in self.pieces:
             text = described(duration) if isinstance(duration, np.ndarray) else repr(duration)
             listed.append(f"({text}, {described(varying.start) if varying.is_constant else repr(varying)})")
         made = [name for name in names if name not in (self.MEAN, "cosines", "sines", "period", "pieces")]
-        others = written(self, made).partition("(")[2]
+        others = constructor_call(self, made).partition("(")[2]
         return f"{type(self).__name__}.from_pieces([{', '.join(listed)}]{', ' if others != ')' else ''}{others}"
 
 
-def remade(like: Any, **changes: Any) -> Any:
-    """Return a system or a `Varying` with other values of fields, which are its own and need no check."""
-    found: Any = object.__new__(type(like))
-    found.__setstate__(like.__getstate__() | changes)
-    return found
+def remade(original: Any, **changes: Any) -> Any:
+    """Return a copy of a system or of a `Varying` with other values of fields, which are not checked."""
+    copy: Any = object.__new__(type(original))
+    copy.__setstate__(original.__getstate__() | changes)
+    return copy
 
 
 def mass_matrix(system: Any) -> Matrix:
@@ -149,21 +149,21 @@ def flat(array: Any, shape: tuple[int, ...], tail: int) -> NDArray[Any]:
     """Return an array with the leading shape of a batch made one axis; its last ``tail`` axes stay as they are."""
     array = np.asarray(array)
     if not shape:
-        one: NDArray[Any] = array[None]
-        return one
+        single: NDArray[Any] = array[None]
+        return single
     inner = array.shape[array.ndim - tail :]
     whole = np.broadcast_to(array, (*shape, *inner))
     return np.ascontiguousarray(whole).reshape(math.prod(shape), *inner)
 
 
-def square(name: str, value: Any, order: int | None = None, like: str = "", most: int = MOST_EQUATIONS) -> Matrix:
-    """Return matrices of shape (..., n, n), n up to ``most``; ``order`` is the n they must have, which ``like`` has."""
+def square(name: str, value: Any, order: int | None = None, reference: str = "", most: int = MOST_EQUATIONS) -> Matrix:
+    """Return matrices of shape (..., n, n), n up to ``most``; ``order`` is the required n, as of ``reference``."""
     if isinstance(value, np.ndarray):  # before its entries are read
         _require_square(name, value, most)
     array = validate.array(name, value, least=-LARGEST_ENTRY, largest=LARGEST_ENTRY)
     _require_square(name, array, most)
     if order is not None and array.shape[-1] != order:
-        raise ValueError(f"{name} must be {order} x {order} as {like} is, got shape {array.shape}")
+        raise ValueError(f"{name} must be {order} x {order} as {reference} is, got shape {array.shape}")
     _require_unrounded(name, np.asarray(value), array)
     return np.array(array)  # a copy of our own
 
@@ -183,7 +183,7 @@ def _require_unrounded(name: str, given: NDArray[Any], array: Floats) -> None:
 
 
 def _require_square(name: str, array: NDArray[Any], most: int) -> None:
-    """Raise ValueError unless the shape is that of square matrices, none too large."""
+    """Raise ValueError unless the array holds square matrices, none too large."""
     shape = array.shape
     if array.ndim < 2 or shape[-1] != shape[-2] or 0 in shape:
         hint = f"; for one equation give [[{array.item()}]]" if array.ndim == 0 else ""
@@ -194,7 +194,7 @@ def _require_square(name: str, array: NDArray[Any], most: int) -> None:
         raise ValueError(f"{name} must hold at most {_MOST_ENTRIES:,} entries, got shape {shape}; take fewer systems")
 
 
-def by_harmonic(name: str, values: Any, order: int, like: str) -> tuple[Matrix, ...]:
+def by_harmonic(name: str, values: Any, order: int, reference: str) -> tuple[Matrix, ...]:
     """Return the matrices of a sequence, one for each harmonic."""
     if isinstance(values, np.ndarray) and values.ndim and not validate.is_masked(values):
         listed = list(values[: MOST_HARMONICS + 1])
@@ -209,7 +209,7 @@ def by_harmonic(name: str, values: Any, order: int, like: str) -> tuple[Matrix, 
         return tuple(stacked)
     if listed and all(_is_flat(value) for value in listed):
         raise ValueError(f"{name} must be a sequence of matrices, one for each harmonic; for one give {name}=[matrix]")
-    return tuple(square(f"{name}[{k}]", value, order, like, 2 * MOST_EQUATIONS) for k, value in enumerate(listed))
+    return tuple(square(f"{name}[{k}]", value, order, reference, 2 * MOST_EQUATIONS) for k, value in enumerate(listed))
 
 
 def _stacked(listed: list[Any], order: int) -> NDArray[np.float64] | None:
@@ -226,7 +226,7 @@ def _stacked(listed: list[Any], order: int) -> NDArray[np.float64] | None:
 
 def _is_flat(value: Any) -> bool:
     """Return whether this is a number, or a sequence of numbers."""
-    return not any(validate.iterable(part) for part in value) if validate.iterable(value) else True
+    return not any(validate.iterable(element) for element in value) if validate.iterable(value) else True
 
 
 def periods(value: Any, name: str = "period") -> float | Floats:
@@ -257,7 +257,7 @@ def leading_shape(order: int, period: Any, **matrices: Matrix) -> tuple[int, ...
 
 
 def mirrored(matrix: NDArray[Any]) -> NDArray[Any]:
-    """Return matrices (..., n, n) that are symmetric except for rounding symmetric bit for bit."""
+    """Return the symmetric parts of matrices (..., n, n), symmetric bit for bit."""
     return np.asarray(0.5 * (matrix + np.swapaxes(matrix, -1, -2)))
 
 
@@ -283,7 +283,7 @@ def harmonic_amplitudes(
 
 
 def described(value: Any) -> str:
-    """Return a matrix as it is written in a repr: in full while it is small."""
+    """Return the text of a matrix in a repr: in full while it is small."""
     matrix = np.asarray(value)
     return repr(matrix.tolist()) if matrix.size <= 9 else f"<{' x '.join(map(str, matrix.shape))} array>"
 
@@ -308,9 +308,9 @@ def require_one(system: Any, name: str = "system") -> None:
         )
 
 
-def written(system: Any, names: list[str]) -> str:
-    """Return the call that makes a system, without what is left at its default."""
-    parts = []
+def constructor_call(system: Any, names: list[str]) -> str:
+    """Return the call that constructs a system, without arguments at their default."""
+    arguments = []
     for name in names:
         value = getattr(system, name)
         if isinstance(value, tuple):
@@ -319,5 +319,5 @@ def written(system: Any, names: list[str]) -> str:
             text = described(value)
         else:
             text = "" if value in (None, 0.0) else f"{value:.17g}"
-        parts += [f"{name}={text}"] if text else []
-    return f"{type(system).__name__}({', '.join(parts)})"
+        arguments += [f"{name}={text}"] if text else []
+    return f"{type(system).__name__}({', '.join(arguments)})"

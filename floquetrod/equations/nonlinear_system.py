@@ -20,7 +20,7 @@ from floquetrod._util.calling import constructor_hints
 from floquetrod._util.content import ByContent
 from floquetrod._util.suggest import did_you_mean
 from floquetrod.equations.hill_system import HillSystem
-from floquetrod.equations.rates import Rates
+from floquetrod.equations.rates import RateFunction
 
 _ALL_AT_ONCE = ("p", "params", "parameters")  # names of an argument that takes all parameters
 _TIMES = ("t", "time")  # names of the first argument
@@ -51,11 +51,11 @@ class NonlinearSystem(ByContent):
     function : callable (t, x, and parameters by name) -> n numbers
         f.  It is called with many instants at once, t (k,) and x (n, k), where that gives the same as one at a time:
         write it with numpy, ``def f(t, x, mu): return x[1], mu * (1 - x[0] ** 2) * x[1] - x[0]``.  One compiled by
-        numba is called from compiled code, with x (n,).  One written ``f(t, x, p)``, or with ``parameters`` in place
+        numba is called from compiled code, with x (n,).  A function ``f(t, x, p)``, or with ``parameters`` in place
         of ``p``, is given all of them there, as a mapping: ``p["mu"]``.
     jacobian : callable (t, x, and parameters by name) -> (n, n), optional
-        Derivatives, that of component i with x[j] in row i and column j; checked against differences of ``function``.
-        Left out, they are found by complex steps where f allows that, to rounding, else by differences.
+        Derivatives, df_i / dx_j in row i and column j; checked against differences of ``function``.  Left out, they are
+        computed by complex steps where f allows that, to rounding, else by differences.
     period : float, str or callable (of parameters by name), optional
         Period of f in t.  Where it depends on parameters: a formula such as "2*pi/omega", or a function of some.
     parameters : mapping of str to float
@@ -74,7 +74,7 @@ class NonlinearSystem(ByContent):
     jacobian: Callable[..., Any] | None = None
     given_period: Any = None
     parameters: Mapping[str, float] = field(default_factory=dict)
-    evaluated: Rates = field(init=False, compare=False)
+    evaluated: RateFunction = field(init=False, compare=False)
 
     def __init__(
         self,
@@ -91,7 +91,7 @@ class NonlinearSystem(ByContent):
         function, jacobian = _by_name(function, given), _by_name(jacobian, given)
         for name, call in (("function", function), ("jacobian", jacobian)):
             _require_names(name, call, given)
-        _take(self, function, jacobian, period, given, Rates(function, jacobian))
+        _take(self, function, jacobian, period, given, RateFunction(function, jacobian))
         _ = self.period
 
     @classmethod
@@ -104,7 +104,7 @@ class NonlinearSystem(ByContent):
         period: Any = None,
         parameters: Mapping[Any, float] | None = None,
     ) -> NonlinearSystem:
-        """Return the system whose rates are sympy expressions; their derivatives are found by sympy.
+        """Return the system whose rates are sympy expressions; sympy derives their derivatives.
 
         Parameters
         ----------
@@ -151,8 +151,8 @@ class NonlinearSystem(ByContent):
         force : callable (t, q, velocity, and parameters by name) -> n numbers
             The nonlinear part and the forcing, on the right side; of arrays q (n, k) as a function of a system.
         period : float, str or callable, optional
-            Of both together; by default that of the linear part, None where its coefficients are constant and the
-            force does not depend on time either.
+            Period of both together; by default the period of the linear part, None where its coefficients are constant
+            and the force does not depend on time either.
         parameters : mapping of str to float
             Of the force.
 
@@ -171,11 +171,11 @@ class NonlinearSystem(ByContent):
         _require_names("force", force, given, "t, q and velocity")
         if isinstance(period, str) and period == "of the system":
             period = None if system.is_constant else float(system.period)
-        made = WithLinearPart(system, force)
-        whole = object.__new__(cls)
-        _take(whole, made, None, period, given, Rates(made, None))
-        _ = whole.period
-        return whole
+        function = WithLinearPart(system, force)
+        nonlinear = object.__new__(cls)
+        _take(nonlinear, function, None, period, given, RateFunction(function, None))
+        _ = nonlinear.period
+        return nonlinear
 
     @property
     def is_autonomous(self) -> bool:
@@ -192,7 +192,7 @@ class NonlinearSystem(ByContent):
             given = _formula(given, self.parameters)
         elif callable(given):
             wanted = inspect.signature(given).parameters
-            takes_all = any(each.kind is each.VAR_KEYWORD for each in wanted.values())
+            takes_all = any(parameter.kind is parameter.VAR_KEYWORD for parameter in wanted.values())
             known = {name: value for name, value in self.parameters.items() if takes_all or name in wanted}
             try:
                 given = given(**known)
@@ -212,9 +212,9 @@ class NonlinearSystem(ByContent):
         for name in parameters:
             self.require_parameter(name)
         changed = {**self.parameters, **_numbers(parameters)}
-        other = object.__new__(type(self))
-        _take(other, self.function, self.jacobian, self.given_period, changed, self.evaluated)
-        return other
+        system = object.__new__(type(self))
+        _take(system, self.function, self.jacobian, self.given_period, changed, self.evaluated)
+        return system
 
     def require_parameter(self, name: Any, argument: str = "parameters") -> None:
         """Raise ValueError, about an argument, where there is no parameter of this name."""
@@ -232,7 +232,7 @@ class NonlinearSystem(ByContent):
         return self.evaluated.derivatives(np.asarray(times, float), np.asarray(states, float), self.parameters)
 
     def __getstate__(self) -> dict[str, Any]:
-        """Return what was given."""
+        """Return the fields, with parameters as a dictionary."""
         return {**vars(self), "parameters": dict(self.parameters)}
 
     def __setstate__(self, state: dict[str, Any]) -> None:
@@ -242,14 +242,19 @@ class NonlinearSystem(ByContent):
     def __repr__(self) -> str:
         """Return the call that makes the system."""
         name = getattr(self.function, "__name__", None) or repr(self.function)
-        parts = [name]
-        parts += [] if self.given_period is None else [f"period={self.given_period!r}"]
-        parts += [f"parameters={dict(self.parameters)!r}"] if self.parameters else []
-        return f"NonlinearSystem({', '.join(parts)})"
+        arguments = [name]
+        arguments += [] if self.given_period is None else [f"period={self.given_period!r}"]
+        arguments += [f"parameters={dict(self.parameters)!r}"] if self.parameters else []
+        return f"NonlinearSystem({', '.join(arguments)})"
 
 
 def _take(
-    system: NonlinearSystem, function: Any, jacobian: Any, period: Any, parameters: Mapping[str, float], rates: Rates
+    system: NonlinearSystem,
+    function: Any,
+    jacobian: Any,
+    period: Any,
+    parameters: Mapping[str, float],
+    rates: RateFunction,
 ) -> None:
     """Fill in the fields of a new system."""
     vars(system).update(
@@ -286,19 +291,19 @@ class _WithMapping:
     function: Callable[..., Any]
 
     def __call__(self, t: Any, x: Any, **parameters: float) -> Any:
-        """Return what the function does."""
+        """Return the function's value."""
         return self.function(t, x, parameters)
 
 
 def _by_name(function: Any, given: Mapping[str, float]) -> Any:
-    """Return a function that takes parameters by name, as it stands or made of one that takes them in a mapping."""
+    """Return a function that takes parameters by name: the given one, or a wrapper where it takes a mapping."""
     if function is None or hasattr(function, "py_func"):
         return function
     try:
         wanted = list(inspect.signature(function).parameters.values())
     except (TypeError, ValueError):  # it does not say
         return function
-    names = [each.name for each in wanted[2:] if each.kind is not each.VAR_KEYWORD]
+    names = [parameter.name for parameter in wanted[2:] if parameter.kind is not parameter.VAR_KEYWORD]
     takes_mapping = len(names) == 1 and names[0] in _ALL_AT_ONCE and names[0] not in given
     return _WithMapping(function) if takes_mapping else function
 
@@ -311,23 +316,27 @@ def _require_names(argument: str, function: Any, given: Mapping[str, float], oth
         wanted = inspect.signature(getattr(function, "py_func", function)).parameters.values()
     except (TypeError, ValueError):  # it does not say
         return
-    positional = [each for each in wanted if each.kind in (each.POSITIONAL_ONLY, each.POSITIONAL_OR_KEYWORD)]
+    positional = [
+        parameter
+        for parameter in wanted
+        if parameter.kind in (parameter.POSITIONAL_ONLY, parameter.POSITIONAL_OR_KEYWORD)
+    ]
     first = len(others.replace(" and", ",").split(","))
-    if len(positional) < first and not any(each.kind is each.VAR_POSITIONAL for each in wanted):
+    if len(positional) < first and not any(parameter.kind is parameter.VAR_POSITIONAL for parameter in wanted):
         raise TypeError(f"{argument} must take {others}, and then the parameters by name")
-    if any(each.name in _TIMES for each in positional[1:first]):
-        came = ", ".join(each.name for each in positional[:first])
+    if any(parameter.name in _TIMES for parameter in positional[1:first]):
+        came = ", ".join(parameter.name for parameter in positional[:first])
         raise TypeError(f"{argument} must take {others} in this order, got one that takes ({came})")
-    named = [*positional[first:], *(each for each in wanted if each.kind is each.KEYWORD_ONLY)]
-    names = [each.name for each in named]
-    takes_all = any(each.kind is each.VAR_KEYWORD for each in wanted)
+    named = [*positional[first:], *(parameter for parameter in wanted if parameter.kind is parameter.KEYWORD_ONLY)]
+    names = [parameter.name for parameter in named]
+    takes_all = any(parameter.kind is parameter.VAR_KEYWORD for parameter in wanted)
     for name in given:
         if name not in names and not takes_all:
             hint = did_you_mean(name, names) or f"; it takes {', '.join(names) or others + ' only'}"
             raise ValueError(f"parameters has {name!r}, which {argument} does not take{hint}")
-    for each in named:
-        if each.default is each.empty and each.name not in given:
-            raise ValueError(f"parameters must have a value of {each.name!r}, which {argument} takes")
+    for parameter in named:
+        if parameter.default is parameter.empty and parameter.name not in given:
+            raise ValueError(f"parameters must have a value of {parameter.name!r}, which {argument} takes")
 
 
 def _formula(text: str, parameters: Mapping[str, float]) -> Any:
@@ -348,7 +357,7 @@ def _formula(text: str, parameters: Mapping[str, float]) -> Any:
 
 
 class _Doubles(ast.NodeTransformer):
-    """Numbers of a formula as doubles: powers of integers take any memory and time, those of doubles overflow."""
+    """Numbers of a formula as doubles: powers of integers take any memory and time, powers of doubles overflow."""
 
     def visit_Constant(self, node: ast.Constant) -> ast.Constant:
         """Return the number as a double; SyntaxError for a text or another constant."""
@@ -359,7 +368,7 @@ class _Doubles(ast.NodeTransformer):
 
 @functools.lru_cache(64)
 def _parsed(text: str) -> tuple[CodeType, list[str]]:
-    """Return a formula compiled, and the names in it; SyntaxError where it is none."""
+    """Return a formula compiled, and the names in it; SyntaxError for other text."""
     if len(text) > _LONGEST_FORMULA:
         raise SyntaxError(f"it has {len(text)} characters, at most {_LONGEST_FORMULA} are read")
     tree = ast.parse(text, mode="eval")

@@ -33,10 +33,10 @@ class PeriodicSystem(matrices.PeriodicMatrixSystem):
     cosines : sequence of array_like (..., N, N)
         Coefficients of the cosines from the first harmonic on; none by default.
     sines : sequence of array_like (..., N, N)
-        Coefficients of the sines from the first harmonic on; none by default.  Their number may differ from that of
-        the cosines.
+        Coefficients of the sines from the first harmonic on; none by default.  There may be more or fewer of them than
+        cosines.
     period : float or array_like (...)
-        Period of A, in the unit of time of which A is the inverse.
+        Period of A, in the unit of time, the inverse of A's unit.
     coefficient_error : float
         Bound or estimate of the error of A(t), entry by entry, in the unit of A; `from_function` states one.
     pieces : sequence of (duration, matrix)
@@ -135,8 +135,8 @@ class PeriodicSystem(matrices.PeriodicMatrixSystem):
         >>> len(PeriodicSystem.from_function(saw, 2.0, jumps=[0.0]).pieces)
         2
         """
-        found = sampling.expanded(function, period, jumps, 2 * matrices.MOST_EQUATIONS)
-        return cls.from_pieces(found.pieces, coefficient_error=found.error)
+        expansion = sampling.expanded(function, period, jumps, 2 * matrices.MOST_EQUATIONS)
+        return cls.from_pieces(expansion.pieces, coefficient_error=expansion.error)
 
     @cached_property
     def structure(self) -> Structure:
@@ -162,8 +162,8 @@ class PeriodicSystem(matrices.PeriodicMatrixSystem):
         if self.order % 2:
             return None
         half = self.order // 2
-        every = self.every_matrix
-        if all(matrices.symmetric(np.concatenate([m[..., half:, :], -m[..., :half, :]], axis=-2)) for m in every):
+        blocks = self.every_matrix
+        if all(matrices.symmetric(np.concatenate([m[..., half:, :], -m[..., :half, :]], axis=-2)) for m in blocks):
             return "hamiltonian"
         if self.pieces:
             return None

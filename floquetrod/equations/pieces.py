@@ -25,11 +25,11 @@ MOST_PIECES = 1024
 """Most pieces of a period (a choice)."""
 
 Pieces = tuple[tuple[Any, "Varying"], ...]
-"""What a system with jumps is made of: durations, each a double, a Fraction or an array of a batch, and matrices."""
+"""Pairs of a duration, a double, a Fraction or an array of a batch, and the matrix over it."""
 
 
 def one_of_mean_and_start(mean: Any, start: Any) -> tuple[str, Any]:
-    """Return which of the two was given, by its name, and its value; TypeError where both or none are."""
+    """Return the name and the value of the one given argument, mean or start; TypeError for both or none."""
     if (mean is None) == (start is None):
         given = "none" if mean is None else "both"
         raise TypeError(f"a piece must have either its mean, where it has no slope, or its start, got {given}")
@@ -37,7 +37,7 @@ def one_of_mean_and_start(mean: Any, start: Any) -> tuple[str, Any]:
 
 
 def refuse_mean_with_slope(length: str, mean: str = "mean", start: str = "start") -> NoReturn:
-    """Raise ValueError about a mean beside a slope, which may be read in two ways, with both of them."""
+    """Raise ValueError about a mean beside a slope, naming both readings."""
     raise ValueError(
         f"{mean} beside a slope may be read in two ways: give {start} = {mean} where it is the value at the beginning "
         f"of the piece, or {start} = {mean} - slope * {length} / 2 where it is the mean over the piece"
@@ -93,8 +93,8 @@ class Varying(ByContent):
         if ramp is not None and name == "mean":
             refuse_mean_with_slope("duration")
         series = {
-            each: matrices.by_harmonic(each, values, order, name)
-            for each, values in (("cosines", cosines), ("sines", sines))
+            series_name: matrices.by_harmonic(series_name, values, order, name)
+            for series_name, values in (("cosines", cosines), ("sines", sines))
         }
         self.__setstate__({"start": beginning, "slope": ramp, **series})
 
@@ -106,7 +106,7 @@ class Varying(ByContent):
 
     @property
     def matrices(self) -> tuple[Matrix, ...]:
-        """Every matrix there is."""
+        """The start, the slope where there is one, cosines and sines."""
         return (self.start, *(() if self.slope is None else (self.slope,)), *self.cosines, *self.sines)
 
     @property
@@ -120,20 +120,20 @@ class Varying(ByContent):
         return self.slope is None and not any(matrix.any() for matrix in (*self.cosines, *self.sines))
 
     def mapped(self, of_start: Any, of_others: Any) -> Varying:
-        """Return the same with functions applied to the start and to all other matrices."""
+        """Return the matrix with ``of_start`` applied to the start and ``of_others`` to all other coefficients."""
         slope = None if self.slope is None else of_others(self.slope)
         cosines, sines = ([of_others(m) for m in series] for series in (self.cosines, self.sines))
         return Varying(start=of_start(self.start), slope=slope, cosines=cosines, sines=sines)
 
     def __repr__(self) -> str:
         """Return the constructor's call, large matrices by their shape."""
-        return matrices.written(self, ["start", "slope", "cosines", "sines"])
+        return matrices.constructor_call(self, ["start", "slope", "cosines", "sines"])
 
 
 class TimedPiece(NamedTuple):
     """A piece of one system: mean + slope (t - origin) + sum_k Re(Z_k exp(i k w t)) for ``length`` from ``begin`` on.
 
-    These three are exact, and t counts from the beginning of the period, as the phase of harmonics does.
+    The instants are exact, and t counts from the beginning of the period, as the phase of harmonics does.
     """
 
     begin: Fraction
@@ -165,17 +165,17 @@ class TimedPiece(NamedTuple):
         """Return the matrix, of shape (*into.shape, n, n), at times from the beginning of the piece."""
         phase = (2.0 * math.pi / period) * (float(self.begin) + into)
         waves = np.exp(1j * phase[..., None] * np.arange(1, len(self.harmonics) + 1))
-        found = np.asarray(self.mean + np.einsum("...k,kij->...ij", waves, self.harmonics).real)
+        values = np.asarray(self.mean + np.einsum("...k,kij->...ij", waves, self.harmonics).real)
         if self.slope is None:
-            return found
-        return np.asarray(found + self.slope * (into + float(self.begin - self.origin))[..., None, None])
+            return values
+        return np.asarray(values + self.slope * (into + float(self.begin - self.origin))[..., None, None])
 
 
 class PieceArrays(NamedTuple):
-    """Pieces of many systems in the form that maps are computed from.
+    """Pieces of many systems as arrays, for the kernels of maps.
 
-    On piece j, t from its beginning, A = mean[:, j] + slope[:, j] t + Re sum_k harmonics[:, j, k-1] exp(i k w t), w = 2
-    pi / period.
+    On piece j, t from its beginning, A = mean[:, j] + slope[:, j] t + Re sum_k harmonics[:, j, k-1] exp(i k w t),
+    w = 2 pi / period.
     """
 
     mean: Floats  # (b, P, N, N), real
@@ -187,43 +187,43 @@ class PieceArrays(NamedTuple):
     @property
     def sizes(self) -> Floats:
         """Bounds (b, P, N, N) of the magnitudes of A's entries."""
-        found = np.abs(self.mean) + np.abs(self.harmonics).sum(axis=2)
-        return np.asarray(found if self.slope is None else found + np.abs(self.slope) * self.length[..., None, None])
+        sizes = np.abs(self.mean) + np.abs(self.harmonics).sum(axis=2)
+        return np.asarray(sizes if self.slope is None else sizes + np.abs(self.slope) * self.length[..., None, None])
 
-    def some(self, part: slice | Bools) -> PieceArrays:
-        """Return those of some systems."""
+    def some(self, chosen: slice | Bools) -> PieceArrays:
+        """Return the pieces of the systems ``chosen``."""
         mean, slope, harmonics, length, period = self
-        slope = None if slope is None else slope[part]
-        return PieceArrays(mean[part], slope, harmonics[part], length[part], period[part])
+        slope = None if slope is None else slope[chosen]
+        return PieceArrays(mean[chosen], slope, harmonics[chosen], length[chosen], period[chosen])
 
     def scaled(self, scaling: Floats) -> PieceArrays:
-        """Return the same for x / scaling, scaling (b, N)."""
+        """Return the pieces in coordinates x / scaling, scaling (b, N)."""
         ratio = scaling[:, None, None, :] / scaling[:, None, :, None]
         slope = None if self.slope is None else self.slope * ratio
         return PieceArrays(self.mean * ratio, slope, self.harmonics * ratio[:, :, None], self.length, self.period)
 
 
 def read(pieces: Any) -> Pieces:
-    """Return what was given as pieces, checked: pairs of a duration and a matrix, or a `Varying`."""
+    """Return the argument ``pieces``, checked: pairs of a duration and a matrix, or a `Varying`."""
     example = "pieces must be a sequence of (duration, matrix)"
     if isinstance(pieces, str | bytes) or not validate.iterable(pieces):
         raise TypeError(f"{example}, got {validate.short(pieces)}")
-    found: list[tuple[Any, Varying]] = []
+    checked_pieces: list[tuple[Any, Varying]] = []
     for i, pair in enumerate(validate.listed("pieces", pieces, MOST_PIECES, "pieces")):
         if not isinstance(pair, tuple | list) or len(pair) != 2:
             raise TypeError(f"{example}, got {validate.short(pair)} as pieces[{i}]")
         value = pair[1] if isinstance(pair[1], Varying) else Varying(matrices.square(f"pieces[{i}][1]", pair[1]))
-        if found and value.start.shape[-1] != found[0][1].start.shape[-1]:
-            order = found[0][1].start.shape[-1]
+        if checked_pieces and value.start.shape[-1] != checked_pieces[0][1].start.shape[-1]:
+            order = checked_pieces[0][1].start.shape[-1]
             raise ValueError(f"pieces[{i}][1] must be {order} x {order} as pieces[0][1] is, got {value.start.shape}")
-        found.append((_duration(f"pieces[{i}][0]", pair[0]), value))
-    if not found:
+        checked_pieces.append((_duration(f"pieces[{i}][0]", pair[0]), value))
+    if not checked_pieces:
         raise ValueError(f"{example}, one at least, got none")
-    return tuple(found)
+    return tuple(checked_pieces)
 
 
 def _duration(name: str, value: Any) -> Any:
-    """Return how long a piece lasts, exactly: a double, a Fraction where it is none, or an array of a batch."""
+    """Return the duration of a piece, exactly: a double, a Fraction that is no double, or an array of a batch."""
     if isinstance(value, Fraction):
         nearest = matrices.periods(float(value), name)
         return nearest if value == nearest else value
@@ -235,23 +235,23 @@ def total(durations: list[Any]) -> float | Floats:
     shape = np.broadcast_shapes(*map(np.shape, durations))
     if not shape:
         return float(sum(map(Fraction, durations)))
-    every = np.array([np.broadcast_to(float(d) if isinstance(d, Fraction) else d, shape) for d in durations])
-    return np.array([math.fsum(column) for column in every.reshape(len(every), -1).T.tolist()]).reshape(shape)
+    lengths = np.array([np.broadcast_to(float(d) if isinstance(d, Fraction) else d, shape) for d in durations])
+    return np.array([math.fsum(column) for column in lengths.reshape(len(lengths), -1).T.tolist()]).reshape(shape)
 
 
 def one_series(pieces: Pieces) -> Varying | None:
-    """Return the single piece of a period that is one Fourier series after all, None for any other."""
+    """Return the only piece of a period where it is one Fourier series after all, else None."""
     duration, value = pieces[0]
     return value if len(pieces) == 1 and value.slope is None and not isinstance(duration, Fraction) else None
 
 
 def made(kind: Callable[..., System], pieces: Any, **others: Any) -> System:
     """Return a system of a kind from the pieces of its matrix, a Fourier series where they are one."""
-    found = read(pieces)
-    period, single = total([duration for duration, _ in found]), one_series(found)
+    checked_pieces = read(pieces)
+    period, single = total([duration for duration, _ in checked_pieces]), one_series(checked_pieces)
     if single is not None:
         return kind(single.start, single.cosines, single.sines, period=period, **others)
-    return kind(average(found, period), period=period, pieces=found, **others)
+    return kind(average(checked_pieces, period), period=period, pieces=checked_pieces, **others)
 
 
 def mapped(
@@ -260,7 +260,7 @@ def mapped(
     """Return a system of a kind whose matrices are functions of another's: of means, and of all others."""
     if system.pieces:
         return made(kind, [(duration, value.mapped(of_mean, of_other)) for duration, value in system.pieces], **others)
-    series = [[of_other(matrix) for matrix in part] for part in (system.cosines, system.sines)]
+    series = [[of_other(matrix) for matrix in coefficients] for coefficients in (system.cosines, system.sines)]
     return kind(of_mean(getattr(system, system.MEAN)), *series, period=system.period, **others)
 
 
@@ -269,34 +269,34 @@ def average(pieces: Pieces, period: Any) -> Matrix:
     first = pieces[0][1]
     if all(value.is_constant and np.array_equal(value.start, first.start) for _, value in pieces):
         return np.array(first.start)
-    found: Any = 0.0
+    mean: Any = 0.0
     end = np.zeros(np.shape(period))
     for duration, value in pieces:
         begin, length = end, np.asarray(duration, dtype=float)
         end = begin + length
         share = (length / period)[..., None, None]
         middle = value.start if value.slope is None else value.start + value.slope * (0.5 * length)[..., None, None]
-        found = found + share * middle
-        for matrices_, function in ((value.cosines, np.sin), (value.sines, lambda angle: -np.cos(angle))):
-            for k, matrix in enumerate(matrices_, start=1):
+        mean = mean + share * middle
+        for coefficients, function in ((value.cosines, np.sin), (value.sines, lambda angle: -np.cos(angle))):
+            for k, matrix in enumerate(coefficients, start=1):
                 w = 2.0 * math.pi * k / period
-                found = found + ((function(w * end) - function(w * begin)) / (w * period))[..., None, None] * matrix
-    return np.asarray(found)
+                mean = mean + ((function(w * end) - function(w * begin)) / (w * period))[..., None, None] * matrix
+    return np.asarray(mean)
 
 
 def in_time(system: Any) -> tuple[TimedPiece, ...]:
-    """Return the pieces of one system, of which a Fourier series has one."""
+    """Return the pieces of one system, a single one for a Fourier series."""
     matrices.require_one(system)
     if not system.pieces:
         mean = np.asarray(getattr(system, system.MEAN))
         return (TimedPiece(Fraction(0), Fraction(system.period), mean, None, system.harmonics, Fraction(0)),)
-    found, begin = [], Fraction(0)
+    timed, begin = [], Fraction(0)
     for duration, value in system.pieces:
         length = Fraction(duration)
         waves = matrices.harmonic_amplitudes(value.cosines, value.sines, (), system.order)
-        found.append(TimedPiece(begin, length, value.start, value.slope, waves, begin))
+        timed.append(TimedPiece(begin, length, value.start, value.slope, waves, begin))
         begin += length
-    return tuple(found)
+    return tuple(timed)
 
 
 def exact_period(system: Any) -> Fraction:
@@ -305,17 +305,17 @@ def exact_period(system: Any) -> Fraction:
 
 
 def between(pieces: tuple[TimedPiece, ...], start: Fraction, length: Fraction) -> tuple[TimedPiece, ...]:
-    """Return what of one period's pieces lies between ``start``, in the period, and ``length`` later, exactly."""
+    """Return the pieces between ``start``, in the period, and ``length`` later, cut exactly."""
     if len(pieces) == 1 and pieces[0].slope is None:
         return (pieces[0]._replace(begin=start, length=length),)
     period = pieces[-1].begin + pieces[-1].length
-    found = []
+    inside = []
     for turn in (0, period):
         for piece in pieces:
             low, high = max(piece.begin + turn, start), min(piece.begin + piece.length + turn, start + length)
             if low < high:
-                found.append(piece._replace(begin=low - turn, length=high - low))
-    return tuple(found)
+                inside.append(piece._replace(begin=low - turn, length=high - low))
+    return tuple(inside)
 
 
 def arrays_of(pieces: tuple[TimedPiece, ...], period: Fraction) -> PieceArrays:
@@ -334,14 +334,14 @@ def arrays_of(pieces: tuple[TimedPiece, ...], period: Fraction) -> PieceArrays:
 
 
 def from_instant(system: Any, start: Fraction, length: Fraction) -> tuple[PieceArrays, float]:
-    """Return what of one first-order system lies between two instants, and the error of its entries."""
+    """Return the pieces of one first-order system between two instants, and the error of their entries."""
     if not system.pieces and not start and length == system.period:
         return of_batch(system), system.coefficient_error
-    found = between(in_time(system), start, length)
+    inside = between(in_time(system), start, length)
     rounding = max(
-        (EPS * float(p.size.max()) for p in found if p.slope is not None and p.begin != p.origin), default=0.0
+        (EPS * float(p.size.max()) for p in inside if p.slope is not None and p.begin != p.origin), default=0.0
     )
-    return arrays_of(found, exact_period(system)), system.coefficient_error + rounding
+    return arrays_of(inside, exact_period(system)), system.coefficient_error + rounding
 
 
 def of_batch(system: Any) -> PieceArrays:
@@ -372,7 +372,7 @@ def of_batch(system: Any) -> PieceArrays:
 
 
 def fourier(system: Any, count: int) -> Complexes:
-    """Return Fourier amplitudes (count, n, n) of the coefficient of one system in pieces, or all those of a series.
+    """Return Fourier amplitudes (count, n, n) of the coefficient of one system in pieces, or all of a series.
 
     By Gauss's rule on each piece, with enough nodes for ten digits: they name resonances, no more.
     """
@@ -380,13 +380,13 @@ def fourier(system: Any, count: int) -> Complexes:
         return np.asarray(system.harmonics)
     period = float(system.period)
     nodes, weights = np.polynomial.legendre.leggauss(2 * count + 16)
-    found = np.zeros((count, system.order, system.order), dtype=complex)
+    amplitudes = np.zeros((count, system.order, system.order), dtype=complex)
     for piece in in_time(system):
         local = 0.5 * float(piece.length) * (1.0 + nodes)
         t = float(piece.begin) + local
         waves = np.exp(-2j * math.pi / period * np.arange(1, count + 1)[:, None] * t)
-        found += np.tensordot(waves * (weights * float(piece.length) / period), piece.at(local, period), axes=1)
-    return found
+        amplitudes += np.tensordot(waves * (weights * float(piece.length) / period), piece.at(local, period), axes=1)
+    return amplitudes
 
 
 def value_at(system: Any, times: Any) -> Floats:
@@ -408,18 +408,18 @@ def value_at(system: Any, times: Any) -> Floats:
 
 
 def checked(pieces: Any, others: dict[str, Any], mean: str) -> Pieces:
-    """Return the pieces that a constructor was given, from which its mean, its series and its period must follow."""
+    """Return the argument ``pieces`` of a constructor, checked against its mean, its series and its period."""
     if isinstance(pieces, tuple) and not pieces:
         return ()
-    found = read(pieces)
-    period = total([duration for duration, _ in found])
+    checked_pieces = read(pieces)
+    period = total([duration for duration, _ in checked_pieces])
     fitting = not others["cosines"] and not others["sines"] and np.array_equal(period, others["period"])
-    if not (fitting and np.array_equal(average(found, period), others[mean])):
+    if not (fitting and np.array_equal(average(checked_pieces, period), others[mean])):
         raise ValueError(
             f"pieces must be those of which {mean} and period are the mean and the sum, without cosines and sines; "
             "from_pieces finds these"
         )
-    return found
+    return checked_pieces
 
 
 def even_start(pieces: tuple[TimedPiece, ...]) -> Fraction | None:
@@ -430,23 +430,23 @@ def even_start(pieces: tuple[TimedPiece, ...]) -> Fraction | None:
     if any(len(piece.harmonics) for piece in pieces):
         return None
     period = pieces[-1].begin + pieces[-1].length
-    for other in pieces:
-        start = other.begin / 2  # the beginning of the period meets its mirror image, the beginning of another piece
+    for piece in pieces:
+        start = piece.begin / 2  # the beginning of the period meets its mirror image, the beginning of another piece
         around = between(pieces, start, period)
         pairs = zip(around, around[::-1], strict=True)
-        if all(one.length == other.length and _mirrored(one, other) for one, other in pairs):
+        if all(piece.length == mirror.length and _mirrored(piece, mirror) for piece, mirror in pairs):
             return start % (period / 2)
     return None
 
 
-def _mirrored(one: TimedPiece, other: TimedPiece) -> bool:
+def _mirrored(piece: TimedPiece, mirror: TimedPiece) -> bool:
     """Return whether pieces without harmonics are exactly each other's mirror image."""
-    if one.slope is None or other.slope is None:
-        return one.slope is None and other.slope is None and np.array_equal(one.mean, other.mean)
-    if not np.array_equal(one.slope, -other.slope):
+    if piece.slope is None or mirror.slope is None:
+        return piece.slope is None and mirror.slope is None and np.array_equal(piece.mean, mirror.mean)
+    if not np.array_equal(piece.slope, -mirror.slope):
         return False
-    into, out = other.begin - other.origin, one.begin + one.length - one.origin
-    ends = zip(one.mean.flat, one.slope.flat, other.mean.flat, strict=True)
+    into, out = mirror.begin - mirror.origin, piece.begin + piece.length - piece.origin
+    ends = zip(piece.mean.flat, piece.slope.flat, mirror.mean.flat, strict=True)
     return all(
         Fraction(mean) + Fraction(slope) * out == Fraction(end) - Fraction(slope) * into for mean, slope, end in ends
     )

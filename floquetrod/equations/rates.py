@@ -1,4 +1,4 @@
-"""What a user's function f(t, x, **parameters) returns at many instants, and its derivatives, checked."""
+"""Values of a user's function f(t, x, **parameters) at many instants, and its derivatives, checked."""
 
 from __future__ import annotations
 
@@ -19,12 +19,12 @@ _COMPLEX_STEP = 1e-100  # the derivative is exact to rounding however small it i
 _STEP = 4e-4  # of differences, part of a component's size: truncation 4e-14 of the fifth derivative, rounding 1e-12
 _SMALLER_STEPS = 2e-5, 1e-6  # rounding of the last: 1e-9
 _DIFFERENCES = ((-2.0, 1.0 / 12.0), (-1.0, -8.0 / 12.0), (1.0, 8.0 / 12.0), (2.0, -1.0 / 12.0))
-_AGREEMENT = 1e-5  # of derivatives with differences, part of what the component's rate changes by (a choice)
+_AGREEMENT = 1e-5  # of derivatives with differences, part of the change of the component's rate (a choice)
 _DIFFERENCES_ERROR = 1e-11  # of derivatives by differences, in the same sense (measured)
 
 
 class Disagreement(NamedTuple):
-    """The entry of the derivatives that agrees worst with differences, part of the largest of its row, and where."""
+    """The entry of the derivatives that agrees worst with differences: size relative to its row, indices, values."""
 
     size: float
     row: int
@@ -34,14 +34,14 @@ class Disagreement(NamedTuple):
     instant: int
 
 
-class Rates:
-    """A function and how it is called: all instants at once, one at a time, or from compiled code.
+class RateFunction:
+    """A function f and its way of being called: all instants at once, one at a time, or from compiled code.
 
-    How is found out by the first call, and kept; copies of a system with other parameters share it.
+    The first call determines the way; copies of a system with other parameters share it.
     """
 
     def __init__(self, function: Callable[..., Any], jacobian: Callable[..., Any] | None) -> None:
-        """Take the functions, of which nothing is known yet."""
+        """Store the functions; the first call determines how they are called."""
         self.function, self.jacobian = function, jacobian
         self.complex_steps = jacobian is None
         self._at_once: dict[str, bool] = {}
@@ -49,16 +49,16 @@ class Rates:
 
     @property
     def derivatives_error(self) -> float:
-        """Relative error of the derivatives, rounding, or that of differences where they are found by those."""
+        """Relative error of the derivatives: rounding, or the error of differences where these are used."""
         return 16.0 * EPS if self.jacobian is not None or self.complex_steps else _DIFFERENCES_ERROR
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return (Rates, (self.function, self.jacobian))
+        return (RateFunction, (self.function, self.jacobian))
 
     def start(self, time: float, state: Floats, parameters: Parameters) -> None:
-        """Call the function at one state for the first time: how many rates it returns, and whether all at once.
+        """Call the function at one state for the first time, to determine the way to call it.
 
-        ValueError names what is wrong with it: the shape, a value that is not finite.
+        ValueError names its fault: a wrong shape, a value that is not finite.
         """
         if self._order == len(state) and "function" in self._at_once:
             return
@@ -96,19 +96,19 @@ class Rates:
     def disagreement(
         self, times: Floats, states: Floats, parameters: Parameters, step: float = _STEP
     ) -> Disagreement | None:
-        """Return where derivatives disagree most with differences of the function; None where they agree."""
-        found = self.derivatives(times, states, parameters)
+        """Return the entry where derivatives disagree most with differences of the function; None where they agree."""
+        derivatives = self.derivatives(times, states, parameters)
         expected = self.by_differences(times, states, parameters, step)
         sizes = np.maximum(np.abs(states).max(axis=0), 1e-300)
         reach = np.abs(expected) * sizes
         largest = np.maximum(reach.max(axis=(0, 2)), np.abs(self.values(times, states, parameters)).max(axis=0))
-        parts = np.abs(found - expected) * sizes / np.maximum(largest[None, :, None], 1e-300)
-        parts = np.where(np.isfinite(parts), parts, np.inf)
-        k, i, j = map(int, np.unravel_index(int(parts.argmax()), parts.shape))
-        size = float(parts[k, i, j])
+        deviations = np.abs(derivatives - expected) * sizes / np.maximum(largest[None, :, None], 1e-300)
+        deviations = np.where(np.isfinite(deviations), deviations, np.inf)
+        k, i, j = map(int, np.unravel_index(int(deviations.argmax()), deviations.shape))
+        size = float(deviations[k, i, j])
         if size <= _AGREEMENT:
             return None
-        return Disagreement(size, i, j, float(found[k, i, j]), float(expected[k, i, j]), k)
+        return Disagreement(size, i, j, float(derivatives[k, i, j]), float(expected[k, i, j]), k)
 
     def require_derivatives(self, times: Floats, states: Floats, parameters: Parameters) -> None:
         """Raise ValueError where a given Jacobian matrix disagrees with differences, naming the entry.
@@ -117,18 +117,18 @@ class Rates:
         """
         if self.jacobian is None and not self.complex_steps:
             return
-        found = self.disagreement(times, states, parameters)
-        if found is None:
+        worst = self.disagreement(times, states, parameters)
+        if worst is None:
             return
         if self.jacobian is None:
             self.complex_steps = False
             return
-        # Where derivatives change within a step, smaller ones find them; wrong ones are wrong with every step.
+        # Where derivatives change within a step, smaller steps agree; wrong derivatives are wrong with every step.
         if any(self.disagreement(times, states, parameters, step) is None for step in _SMALLER_STEPS):
             return
         raise ValueError(
-            f"jacobian[{found.row}, {found.column}] = {found.given:.6g} disagrees with differences of function, "
-            f"{found.expected:.6g}, {_place(float(times[found.instant]), states[found.instant])}"
+            f"jacobian[{worst.row}, {worst.column}] = {worst.given:.6g} disagrees with differences of function, "
+            f"{worst.expected:.6g}, {_place(float(times[worst.instant]), states[worst.instant])}"
         )
 
     def by_differences(self, times: Floats, states: Floats, parameters: Parameters, step: float = _STEP) -> Floats:
@@ -158,36 +158,36 @@ class Rates:
             return False
 
     def _all(self, name: str, call: Any, times: Floats, states: NDArray[Any], parameters: Parameters) -> NDArray[Any]:
-        """Return the values of a function at all instants in the way that is known to work."""
+        """Return the values of a function at all instants, called in its way."""
         way = self._together if self._at_once.get(name) and not is_compiled(call) else self._singly
         return np.asarray(way(name, call, times, states, parameters))
 
     def _same_at_once(
         self, name: str, call: Any, times: Floats, states: Floats, parameters: Parameters, single: NDArray[Any]
     ) -> bool:
-        """Return whether a function called with arrays gives what it gives one at a time."""
+        """Return whether a function called with arrays returns the same values as one instant at a time."""
         if is_compiled(call):
             return False
         try:
             with warnings.catch_warnings(), np.errstate(all="ignore"):
                 warnings.simplefilter("error")
-                found = self._together(name, call, times, states, parameters)
+                together = self._together(name, call, times, states, parameters)
         except Exception:  # whatever a function of numbers raises for arrays
             return False
         rounding = 1e-12 * float(np.abs(single[np.isfinite(single)]).max(initial=0.0))  # of sums in another order
-        return bool(np.allclose(found, single, rtol=1e-12, atol=rounding, equal_nan=True))
+        return bool(np.allclose(together, single, rtol=1e-12, atol=rounding, equal_nan=True))
 
     def _together(self, name: str, call: Any, times: Floats, states: NDArray[Any], parameters: Parameters) -> Any:
         """Return the values of a function called once, with x (n, k)."""
         count, n = states.shape
-        given = call(times, states.T, **parameters)
+        returned = call(times, states.T, **parameters)
         shape = (n,) if name == "function" else (n, n)
-        if isinstance(given, np.ndarray) and given.dtype != object:
-            found = np.broadcast_to(given if given.ndim > len(shape) else given[..., None], (*shape, count))
+        if isinstance(returned, np.ndarray) and returned.dtype != object:
+            values = np.broadcast_to(returned if returned.ndim > len(shape) else returned[..., None], (*shape, count))
         else:
-            found = np.empty((*shape, count), dtype=states.dtype)
-            _fill(found, given, len(shape))
-        return np.ascontiguousarray(np.moveaxis(found, -1, 0))
+            values = np.empty((*shape, count), dtype=states.dtype)
+            _fill(values, returned, len(shape))
+        return np.ascontiguousarray(np.moveaxis(values, -1, 0))
 
     def _singly(self, name: str, call: Any, times: Floats, states: NDArray[Any], parameters: Parameters) -> Any:
         """Return the values of a function called at one instant after the other."""
@@ -195,40 +195,42 @@ class Rates:
         shape = (n,) if name == "function" else (n, n)
         if is_compiled(call) and self._at_once:
             return at_points(call, times, states, parameters, shape)
-        found = np.empty((count, *shape), dtype=states.dtype)
+        values = np.empty((count, *shape), dtype=states.dtype)
         for k in range(count):
-            given = _array(
+            value = _array(
                 name, call(float(times[k]), states[k].copy(), **parameters), states.dtype, times[k], states[k]
             )
-            if given.shape != shape:
+            if value.shape != shape:
                 wanted = f"{n} rates, one for each state" if name == "function" else f"a matrix {n} x {n}"
-                raise ValueError(f"{name} must return {wanted}, got shape {given.shape}; start has {n} states")
-            found[k] = given
-        return found
+                raise ValueError(f"{name} must return {wanted}, got shape {value.shape}; start has {n} states")
+            values[k] = value
+        return values
 
 
-def _fill(found: NDArray[Any], given: Any, depth: int) -> None:
+def _fill(array: NDArray[Any], nested: Any, depth: int) -> None:
     """Write nested sequences of arrays or numbers into an array; ValueError where lengths differ."""
     if depth == 0:
-        found[...] = given
+        array[...] = nested
         return
-    if len(given) != len(found):
+    if len(nested) != len(array):
         raise ValueError("lengths differ")
-    for part, value in zip(found, given, strict=True):
-        _fill(part, value, depth - 1)
+    for row, value in zip(array, nested, strict=True):
+        _fill(row, value, depth - 1)
 
 
-def _array(name: str, given: Any, kind: Any, time: float, state: NDArray[Any]) -> NDArray[Any]:
-    """Return what a function returned at one instant as an array."""
-    if given is None:
+def _array(name: str, returned: Any, kind: Any, time: float, state: NDArray[Any]) -> NDArray[Any]:
+    """Return the value of a function at one instant as an array; TypeError where it is not one of real numbers."""
+    if returned is None:
         raise TypeError(f"{name} must return numbers, got None; does it end in a return?")
     try:
-        found = np.asarray(given)
-        if found.dtype.kind not in "iufc" or (found.dtype.kind == "c" and kind != np.complex128):
+        array = np.asarray(returned)
+        if array.dtype.kind not in "iufc" or (array.dtype.kind == "c" and kind != np.complex128):
             raise TypeError
     except Exception:  # ragged, or no numbers
-        raise TypeError(f"{name} must return real numbers, got {validate.short(given)} {_place(time, state)}") from None
-    return found
+        raise TypeError(
+            f"{name} must return real numbers, got {validate.short(returned)} {_place(time, state)}"
+        ) from None
+    return array
 
 
 def _place(time: float, state: NDArray[Any]) -> str:

@@ -1,4 +1,4 @@
-"""Matrices that functions compute, expanded: in one Fourier series, or between jumps in pieces of the period."""
+"""Expansions of matrices that functions compute: one Fourier series, or pieces of the period between jumps."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ _REQUIRED_DECAY = 1e-10  # part of the largest coefficient: where the last harmo
 
 _NODES, _TRIALS_IN_A_PIECE = 96, 48  # instants at which a piece is fitted, and tried
 _HARMONICS = (0, 2, 4, 8, 12)  # of the fits to a piece that are tried in turn (a choice)
-_ROUNDED = 64.0 * EPS  # part of the largest value: a fit that misses less has found all there is
+_ROUNDED = 64.0 * EPS  # part of the largest value: a fit that misses less is exact to rounding
 _LARGEST_FIT = 100.0  # sum of a fit's coefficients over the largest value: with larger ones it loses digits (a choice)
 _SHORTEST = 2.0**-12  # part of the period: a piece that is not smooth over it has a jump (a choice)
 
@@ -57,7 +57,7 @@ def expanded(function: Any, period: Any, jumps: Any, most: int) -> Sampled:
 
 
 def smooth(sampled: Callable[[NDArray[Any]], Matrix], period: float, required: float = _REQUIRED_DECAY) -> Sampled:
-    """Return what is smooth as one Fourier series, from a function that returns its values (k, n, n) at times (k,).
+    """Return a smooth matrix as one Fourier series, from a function that returns its values (k, n, n) at times (k,).
 
     ``required`` is the part of the largest value that the series may miss; ValueError where it misses more.
     """
@@ -70,7 +70,7 @@ def smooth(sampled: Callable[[NDArray[Any]], Matrix], period: float, required: f
     size, before_rest = max(size, float(np.abs(trials).max())), 0.0
     while True:
         series = np.fft.rfft(values, axis=0) / count
-        top = 3 * count // 8  # harmonics from here on are the last quarter of what so many samples can tell apart
+        top = 3 * count // 8  # harmonics from here on are the last quarter of those that so many samples resolve
         sizes = np.abs(series).max(axis=(1, 2))
         rest = float(sizes[top:].max())
         floor = max(_NEGLIGIBLE * size, 2.0 * rest)
@@ -96,12 +96,12 @@ def smooth(sampled: Callable[[NDArray[Any]], Matrix], period: float, required: f
     neglected = 2.0 * float(np.abs(series[kept + 1 :]).sum(axis=0).max())
     tidy = _tidy(values, trials)
     waves = series[1 : kept + 1]
-    found = Varying(tidy(series[0].real), None, tidy(2.0 * waves.real), tidy(-2.0 * waves.imag))
-    return Sampled(((period, found),), 2.0 * (neglected + missed + (kept + 1) * EPS * size) + gap)
+    varying = Varying(tidy(series[0].real), None, tidy(2.0 * waves.real), tidy(-2.0 * waves.imag))
+    return Sampled(((period, varying),), 2.0 * (neglected + missed + (kept + 1) * EPS * size) + gap)
 
 
 def _gap(sampled: Callable[[NDArray[Any]], Matrix], period: float, shares: NDArray[Any], size: float) -> float:
-    """Return by how much values a period apart differ; ValueError where that is more than noise.
+    """Return the largest difference of values a period apart; ValueError where it exceeds noise.
 
     At a jump rounding decides between the two sides, so values differ there in a function that is periodic: then they
     agree at all other instants.
@@ -123,7 +123,7 @@ def _gap(sampled: Callable[[NDArray[Any]], Matrix], period: float, shares: NDArr
 
 
 def _gaps(sampled: Callable[[NDArray[Any]], Matrix], period: float, shares: NDArray[Any]) -> NDArray[Any]:
-    """Return the largest difference of values a period apart, at instants that are shares of the period."""
+    """Return the largest difference of values a period apart, at instants ``shares`` of the period."""
     periods = np.where(shares < 0.7, 1.0, -1.0)  # later and earlier ones
     before, again = sampled(shares * period), sampled((shares + periods) * period)
     return np.asarray(np.abs(again - before).max(axis=(1, 2)))
@@ -137,21 +137,21 @@ def _in_pieces(function: Function, period: float, jumps: list[float], shape: tup
     shares = np.array([float((0.7 * float(low) + 0.3 * float(high)) / period) for low, high in pairwise(edges)])
     size = max(float(np.abs(_samples(function, shares * period, shape)).max()), 5e-324)
     gap = _gap(lambda times: _samples(function, times, shape), period, shares[[0, len(shares) // 2, -1]], size)
-    found: list[tuple[Fraction, Varying]] = []
+    fitted: list[tuple[Fraction, Varying]] = []
     error = 0.0
     while waiting:
         begin, length = waiting.pop()
         fit = _fit(function, period, begin, length, shape) if 2 * length <= whole else None
         if fit is None:
-            if length < _SHORTEST * whole or len(found) + len(waiting) > MOST_PIECES - 2:
+            if length < _SHORTEST * whole or len(fitted) + len(waiting) > MOST_PIECES - 2:
                 raise ValueError(
                     f"function is not smooth near t = {float(begin):.6g}, which is not among its jumps; name it there"
                 )
             waiting += [(begin + length / 2, length / 2), (begin, length / 2)]
             continue
-        found.append((length, fit.value))
+        fitted.append((length, fit.value))
         error = max(error, fit.error)
-    return Sampled(tuple(found), error + gap)
+    return Sampled(tuple(fitted), error + gap)
 
 
 class _Fit(NamedTuple):
@@ -198,7 +198,7 @@ def _columns(local: NDArray[Any], turns: NDArray[Any], count: int) -> Matrix:
 
 
 def _tidy(*samples: Matrix) -> Callable[[Matrix], Matrix]:
-    """Return what makes matrices symmetric where all samples are."""
+    """Return the function that symmetrises matrices where all samples are symmetric, else leaves them."""
     if all(matrices.symmetric(values) for values in samples):
         return lambda values: 0.5 * (values + np.swapaxes(values, -1, -2))
     return np.asarray

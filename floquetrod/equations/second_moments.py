@@ -22,12 +22,12 @@ from floquetrod.equations.periodic_system import PeriodicSystem
 from floquetrod.equations.pieces import mapped
 
 INTERPRETATIONS = ("ito", "stratonovich")
-"""What the product of noise and solution may mean."""
+"""Meanings of the product of noise and solution."""
 
 MOST_UNKNOWNS = 44
 """Most equations of first order under noise (a choice): their 990 moments take a minute."""
 
-_LARGEST_INTENSITY = 1e15  # whose square is within what a matrix may hold
+_LARGEST_INTENSITY = 1e15  # its square is the largest entry of a matrix
 _EXAMPLE = "[(matrix, intensity), ...]"
 _SPLIT = 134217729.0  # 2^27 + 1, which splits a double in halves (Veltkamp)
 _LEAST_EXACT = 1e-280  # products above it have an exact remainder
@@ -36,14 +36,14 @@ _LEAST_EXACT = 1e-280  # products above it have an exact remainder
 class SecondMoments(PeriodicSystem):
     """The system p' = L(t) p of the second moments of another: p = P_11, P_12, ..., P_1n, P_22, ..., P = E[x x^T].
 
-    Made by `floquetrod.second_moments`.  Verdicts and growth are those of the second moments, which are bounded exactly
+    Returned by `floquetrod.second_moments`.  Verdicts and growth concern the second moments, which are bounded exactly
     where all solutions are in mean square; an amplitude, as the root of a moment, grows half as fast.
     """
 
     MEANING: ClassVar[str] = "mean-square"
 
 
-class Source(NamedTuple):
+class NoiseSource(NamedTuple):
     """A source of white noise: the matrix G (..., N, N) of x' = ... + s G x xi, its error, the intensity s (...)."""
 
     matrix: Matrix
@@ -51,39 +51,39 @@ class Source(NamedTuple):
     intensity: Floats
 
 
-class _Known(NamedTuple):
+class _Bounded(NamedTuple):
     """Numbers and bounds of their errors."""
 
     value: Floats
     error: Floats | float = 0.0
 
-    def plus(self, other: _Known) -> _Known:
+    def plus(self, addend: _Bounded) -> _Bounded:
         """Return the sum; its rounding is known exactly (Knuth)."""
-        a, b = self.value, other.value
+        a, b = self.value, addend.value
         total = np.asarray(a + b)
-        part = total - a
-        rounding = np.abs((a - (total - part)) + (b - part))
-        return _Known(total, rounding + self.error + other.error)
+        virtual = total - a
+        rounding = np.abs((a - (total - virtual)) + (b - virtual))
+        return _Bounded(total, rounding + self.error + addend.error)
 
-    def times(self, other: _Known) -> _Known:
+    def times(self, factor: _Bounded) -> _Bounded:
         """Return the product; its rounding is known exactly (Dekker), except for the smallest numbers."""
-        a, b = np.broadcast_arrays(self.value, other.value)
+        a, b = np.broadcast_arrays(self.value, factor.value)
         product = a * b
         (high, low), (top, bottom) = _halves(a), _halves(b)
         rounding = np.abs(((high * top - product) + high * bottom + low * top) + low * bottom)
         size = np.abs(product)
         rounding = np.where((size > _LEAST_EXACT) | (a == 0.0) | (b == 0.0), rounding, EPS * size + 1e-300)
-        spread = np.abs(a) * other.error + np.abs(b) * self.error + np.multiply(self.error, other.error)
-        return _Known(product, rounding + spread)
+        spread = np.abs(a) * factor.error + np.abs(b) * self.error + np.multiply(self.error, factor.error)
+        return _Bounded(product, rounding + spread)
 
-    def where(self, condition: Any) -> _Known:
+    def where(self, condition: Any) -> _Bounded:
         """Return zero where a condition does not hold."""
-        return _Known(np.where(condition, self.value, 0.0), np.where(condition, self.error, 0.0))
+        return _Bounded(np.where(condition, self.value, 0.0), np.where(condition, self.error, 0.0))
 
-    def at(self, i: Any, j: Any) -> _Known:
-        """Return entries of a matrix."""
+    def at(self, i: Any, j: Any) -> _Bounded:
+        """Return the entries i, j of matrices."""
         error = self.error[..., i, j] if isinstance(self.error, np.ndarray) else self.error
-        return _Known(self.value[..., i, j], error)
+        return _Bounded(self.value[..., i, j], error)
 
 
 def second_moments(
@@ -104,7 +104,7 @@ def second_moments(
         The system without noise, of at most 44 equations of first order; or a batch of systems.
     noise : sequence of (matrix, intensity), or float
         Sources: G_i, of as many rows as the system has equations, and s_i, zero or more.  Either may have a leading
-        shape, and makes a batch with that of the system.  A scalar equation takes s alone, too.
+        shape, which forms a batch with the system's.  A scalar equation takes s alone, too.
     interpretation : {"ito", "stratonovich"}
         Meaning of G x dW.  Stratonovich adds sum_i s_i^2 G_i^2 / 2 to A; where noise acts on positions alone, as in a
         `HillSystem` and in a scalar equation, G_i^2 = 0 and both are the same.
@@ -112,14 +112,14 @@ def second_moments(
     Returns
     -------
     SecondMoments
-        N = n (n + 1) / 2 equations, n those of first order, 2 for an oscillator.  ``coefficient_error`` bounds the
+        N = n (n + 1) / 2 equations for n of first order, 2 for an oscillator.  ``coefficient_error`` bounds the
         rounding and the effect of the system's error; it is zero where nothing was rounded.
 
     Raises
     ------
     TypeError, ValueError
-        For noise that is no such sequence, matrices of another order, intensities that are negative, NaN or beyond
-        1e15, leading shapes that do not fit, another interpretation, systems that are too large or have delays.
+        For noise that is no such sequence, matrices of another order, negative intensities, NaN or beyond 1e15, leading
+        shapes that do not fit, another interpretation, and systems too large or with delays.
 
     Examples
     --------
@@ -139,9 +139,9 @@ def second_moments(
 
 
 def balanced_moments(system: Any, noise: Any, interpretation: str = "ito") -> SecondMoments:
-    """Return the second moments of unknowns of alike sizes: those of `second_moments` scaled by powers of two.
+    """Return the second moments of unknowns scaled by powers of two to similar sizes, as `second_moments` otherwise.
 
-    No exponent changes, and what is rounded of one entry weighs no more than what is of another.
+    The exponents are the same, and the rounding of all entries has similar weight.
     """
     subject, sources, interpretation = _checked(system, noise, interpretation)
     sizes = sum((matrix_sizes(matrix) for matrix in subject.every_matrix), np.zeros((subject.order,) * 2))
@@ -160,8 +160,10 @@ def matrix_sizes(matrix: Matrix) -> Matrix:
     return np.asarray(np.abs(matrix).reshape(-1, *matrix.shape[-2:]).max(axis=0))
 
 
-def _scaled(system: PeriodicSystem, sources: list[Source], ratio: Matrix) -> tuple[PeriodicSystem, list[Source]]:
-    """Return a system and its noise for unknowns scaled by powers of two, the ratios of which are given."""
+def _scaled(
+    system: PeriodicSystem, sources: list[NoiseSource], ratio: Matrix
+) -> tuple[PeriodicSystem, list[NoiseSource]]:
+    """Return a system and its noise for unknowns scaled by powers of two, of the ratios (n, n) ``ratio``."""
     error = system.coefficient_error * float(ratio.max())
     turned = [
         source._replace(matrix=source.matrix * ratio, error=source.error * float(ratio.max())) for source in sources
@@ -173,14 +175,14 @@ def _scaled(system: PeriodicSystem, sources: list[Source], ratio: Matrix) -> tup
     return mapped(PeriodicSystem, system, scale, scale, coefficient_error=error), turned
 
 
-def _checked(system: Any, noise: Any, interpretation: str) -> tuple[PeriodicSystem, list[Source], str]:
+def _checked(system: Any, noise: Any, interpretation: str) -> tuple[PeriodicSystem, list[NoiseSource], str]:
     """Return the system in first order and the sources of noise, checked."""
     interpretation = validate.choice("interpretation", interpretation, INTERPRETATIONS)
     return of_first_order(system), sources_of(system, noise), interpretation
 
 
-def _moments_of(subject: PeriodicSystem, sources: list[Source], interpretation: str) -> SecondMoments:
-    """Return the second moments in the sense that is meant."""
+def _moments_of(subject: PeriodicSystem, sources: list[NoiseSource], interpretation: str) -> SecondMoments:
+    """Return the second moments in the sense of ``interpretation``."""
     whole = with_drift(subject, sources, 0.5) if interpretation == "stratonovich" else (subject, 0.0)
     return _moments(*whole, sources)
 
@@ -203,7 +205,7 @@ def of_first_order(system: Any) -> PeriodicSystem:
     return in_first_order(system)
 
 
-def sources_of(system: Any, noise: Any) -> list[Source]:
+def sources_of(system: Any, noise: Any) -> list[NoiseSource]:
     """Return the sources of noise in coordinates of first order, checked."""
     if isinstance(system, Equation):
         system = system.as_system()
@@ -217,7 +219,7 @@ def sources_of(system: Any, noise: Any) -> list[Source]:
     return [_source(system, f"noise[{i}]", pair) for i, pair in enumerate(listed)]
 
 
-def _source(system: HillSystem | PeriodicSystem, name: str, pair: Any) -> Source:
+def _source(system: HillSystem | PeriodicSystem, name: str, pair: Any) -> NoiseSource:
     """Return one source, checked."""
     if not isinstance(pair, tuple | list) or len(pair) != 2:
         raise TypeError(f"noise must be a sequence {_EXAMPLE}, got {validate.short(pair)} as {name}")
@@ -226,8 +228,8 @@ def _source(system: HillSystem | PeriodicSystem, name: str, pair: Any) -> Source
 
 def source(
     system: Equation | HillSystem | PeriodicSystem | DelaySystem, given: Any, strength: Any, names: tuple[str, str, str]
-) -> Source:
-    """Return a source of a matrix and an intensity, checked; ``names`` are those of both together, and of each."""
+) -> NoiseSource:
+    """Return a source from its matrix and intensity, checked; ``names`` of the pair, the matrix, the intensity."""
     if isinstance(system, Equation):
         system = system.as_system()
     assert not isinstance(system, DelaySystem)  # noqa: S101  # `of_first_order` has refused it
@@ -244,12 +246,12 @@ def source(
         shapes = f"matrix {matrix.shape[:-2]}, intensity {intensity.shape}, system {system.shape}"
         raise ValueError(f"{names[0]} must have a leading shape that fits the system's, got {shapes}") from None
     if not isinstance(system, HillSystem):
-        return Source(matrix, 0.0, intensity)
-    return Source(*_on_positions(system, matrix), intensity)
+        return NoiseSource(matrix, 0.0, intensity)
+    return NoiseSource(*_on_positions(system, matrix), intensity)
 
 
 def _on_positions(system: HillSystem, matrix: Matrix) -> tuple[Matrix, float]:
-    """Return the matrix of noise in a stiffness for positions and velocities of mass 1, and its error."""
+    """Return the matrix of noise in a stiffness, for positions and velocities of mass 1, and its error."""
     error = 0.0
     if system.mass is not None:
         inverse = np.linalg.inv(np.linalg.cholesky(system.mass))
@@ -262,8 +264,8 @@ def _on_positions(system: HillSystem, matrix: Matrix) -> tuple[Matrix, float]:
     return whole, error
 
 
-def with_drift(system: PeriodicSystem, sources: list[Source], share: float) -> tuple[PeriodicSystem, float]:
-    """Return the system with ``share`` times the sum of s^2 G^2 added to A, and a bound of the rounding of that."""
+def with_drift(system: PeriodicSystem, sources: list[NoiseSource], share: float) -> tuple[PeriodicSystem, float]:
+    """Return the system with ``share`` times the sum of s^2 G^2 added to A, and a bound of its rounding."""
     n, drift, error = system.order, np.zeros((system.order,) * 2), 0.0
     for matrix, unknown, intensity in sources:
         square = abs(share) * np.square(intensity)[..., None, None]
@@ -277,62 +279,62 @@ def with_drift(system: PeriodicSystem, sources: list[Source], share: float) -> t
     return moved, error + EPS * max(float(np.abs(mean).max()) for mean in means)
 
 
-def _moments(system: PeriodicSystem, rounding: float, sources: list[Source]) -> SecondMoments:
+def _moments(system: PeriodicSystem, rounding: float, sources: list[NoiseSource]) -> SecondMoments:
     """Return the system of second moments of a system of first order in Ito's sense."""
-    scattered = _Known(np.zeros((1, 1)))
+    scattered = _Bounded(np.zeros((1, 1)))
     for source in sources:
-        strength = _Known(source.intensity[..., None, None])
+        strength = _Bounded(source.intensity[..., None, None])
         scattered = scattered.plus(strength.times(strength).times(_scattering(source)))
     errors: list[float] = []
 
     def linear(matrix: Matrix) -> Matrix:
-        found = _drift(_Known(matrix))
-        errors.append(float(np.max(found.error, initial=0.0)))
-        return found.value
+        image = _drift(_Bounded(matrix))
+        errors.append(float(np.max(image.error, initial=0.0)))
+        return image.value
 
     def whole(matrix: Matrix) -> Matrix:
-        found = _drift(_Known(matrix)).plus(scattered)
-        errors.append(float(np.max(found.error, initial=0.0)))
-        return found.value
+        image = _drift(_Bounded(matrix)).plus(scattered)
+        errors.append(float(np.max(image.error, initial=0.0)))
+        return image.value
 
     turned = [(duration, value.mapped(whole, linear)) for duration, value in system.pieces]
     mean = whole(system.mean)
-    series = [[linear(m) for m in part] for part in (system.cosines, system.sines)]
+    series = [[linear(m) for m in coefficients] for coefficients in (system.cosines, system.sines)]
     error = 2.0 * (system.coefficient_error + rounding) + (1.0 + 1e-12) * sum(errors)
     if turned:
         return cast("SecondMoments", SecondMoments.from_pieces(turned, coefficient_error=error))
     return SecondMoments(mean, *series, period=system.period, coefficient_error=error)
 
 
-def _drift(matrix: _Known) -> _Known:
+def _drift(matrix: _Bounded) -> _Bounded:
     """Return the matrix of P -> A P + P A^T for the entries P_ij, i <= j, of a symmetric P."""
     (i, j), (k, m) = _entries(matrix.value.shape[-1])
-    found = matrix.at(i, k).where(m == j).plus(matrix.at(j, k).where(m == i))
-    other = matrix.at(i, m).where((k == j) & (k < m)).plus(matrix.at(j, m).where((k == i) & (k < m)))
-    return found.plus(other)
+    upper = matrix.at(i, k).where(m == j).plus(matrix.at(j, k).where(m == i))
+    mirrored = matrix.at(i, m).where((k == j) & (k < m)).plus(matrix.at(j, m).where((k == i) & (k < m)))
+    return upper.plus(mirrored)
 
 
 def linear_moments(matrix: Matrix) -> Matrix:
     """Return the matrix of P -> A P + P A^T for the entries P_ij, i <= j, of a symmetric P."""
-    return _drift(_Known(matrix)).value
+    return _drift(_Bounded(matrix)).value
 
 
-def _scattering(source: Source) -> _Known:
+def _scattering(source: NoiseSource) -> _Bounded:
     """Return the matrix of P -> G P G^T for the entries P_ij, i <= j, of a symmetric P."""
     (i, j), (k, m) = _entries(source.matrix.shape[-1])
-    matrix = _Known(source.matrix, source.error)
+    matrix = _Bounded(source.matrix, source.error)
     crossed = matrix.at(i, m).times(matrix.at(j, k)).where(k < m)
     return matrix.at(i, k).times(matrix.at(j, m)).plus(crossed)
 
 
 def _entries(order: int) -> tuple[Any, Any]:
-    """Return the places of the entries that rows, and those that columns stand for."""
+    """Return the indices (i, j) of the moments of rows, (m, 1), and of columns, (1, m)."""
     i, j = np.triu_indices(order)
     return (i[:, None], j[:, None]), (i[None, :], j[None, :])
 
 
 def _halves(a: Floats) -> tuple[Floats, Floats]:
-    """Return a number as the sum of two of half as many digits."""
+    """Return a number as the sum of two numbers of half as many digits (Veltkamp)."""
     scaled = _SPLIT * a
     high = scaled - (scaled - a)
     return high, a - high

@@ -1,4 +1,4 @@
-"""Systems written in sympy as functions of numpy: the rates, and their derivatives."""
+"""Sympy's expressions of a system as functions of numpy: the rates, and their derivatives."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ class _Lambdified:
 
 
 def _expression(i: int, given: Any) -> Any:
-    """Return the right-hand side of one equation; TypeError for what is no expression."""
+    """Return the right-hand side of one equation; TypeError for anything but an expression."""
     import sympy
     from sympy.core.function import AppliedUndef
 
@@ -67,27 +67,30 @@ def lambdified(
     """Return the rates and their derivatives as functions; ValueError names a symbol that has no value."""
     import sympy
 
-    found = [_expression(i, each) for i, each in enumerate(_sequence("equations", equations, "expressions", "[v, -x]"))]
+    rates = [
+        _expression(i, expression)
+        for i, expression in enumerate(_sequence("equations", equations, "expressions", "[v, -x]"))
+    ]
     symbols = _sequence("states", states, "symbols", "[x, v]")
-    for i, each in enumerate(symbols):
-        if not isinstance(each, sympy.Symbol):
-            raise TypeError(f"states[{i}] must be a symbol of sympy, got {validate.short(each)}")
-    if len(found) != len(symbols) or not symbols:
-        raise ValueError(f"equations must be one for each of {len(symbols)} states, got {len(found)}")
+    for i, expression in enumerate(symbols):
+        if not isinstance(expression, sympy.Symbol):
+            raise TypeError(f"states[{i}] must be a symbol of sympy, got {validate.short(expression)}")
+    if len(rates) != len(symbols) or not symbols:
+        raise ValueError(f"equations must be one for each of {len(symbols)} states, got {len(rates)}")
     if time is not None and not isinstance(time, sympy.Symbol):
         raise TypeError(f"time must be a symbol of sympy, got {validate.short(time)}")
     known = {*map(str, symbols), *parameters, *(() if time is None else (str(time),))}
-    free = sorted({str(symbol) for each in found for symbol in each.free_symbols} - known)
+    free = sorted({str(symbol) for expression in rates for symbol in expression.free_symbols} - known)
     if free:
         remedy = "give it in parameters" + ("" if time is not None else ", or as time")
         raise ValueError(f"equations have {validate.short(free[0])}, which has no value; {remedy}")
-    derivatives = sympy.Matrix(found).jacobian(symbols)
-    return tuple(_Lambdified(each, symbols, time, list(parameters)) for each in (found, derivatives))  # type: ignore[return-value]
+    derivatives = sympy.Matrix(rates).jacobian(symbols)
+    return tuple(_Lambdified(expression, symbols, time, list(parameters)) for expression in (rates, derivatives))  # type: ignore[return-value]
 
 
 def _symbol(expressions: Any, name: str) -> Any:
-    """Return the symbol of this name as it occurs, with its assumptions; a new one where it does not."""
+    """Return the symbol of a name as it occurs, with its assumptions; a new symbol where it does not."""
     import sympy
 
-    every = {str(symbol): symbol for each in expressions for symbol in each.free_symbols}
-    return every.get(name, sympy.Symbol(name))
+    symbols = {str(symbol): symbol for expression in expressions for symbol in expression.free_symbols}
+    return symbols.get(name, sympy.Symbol(name))

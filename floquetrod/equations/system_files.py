@@ -32,7 +32,7 @@ _OF_A_DELAYED_PIECE = ("duration", "matrix", "matrix_start", "slope", "cosines",
 _OF_A_PIECE = ("duration", "stiffness", "stiffness_start", "mean", "matrix_start", "slope", "cosines", "sines")
 _KEYS = tuple(dict.fromkeys((*_SECOND_ORDER, *_FIRST_ORDER)))
 _MATRICES = (*_OF_A_PIECE[1:], "mass", "damping", "gyroscopic", "delayed", "delayed_cosines", "delayed_sines")
-_SMALL = 1 << 20  # numbers of an array that is read whatever it is (a choice)
+_SMALL = 1 << 20  # entries of an array that is read unchecked (a choice)
 _LARGEST = {".toml": 1 << 26, ".npz": 1 << 32}  # bytes that are read, those of unpacked arrays (a choice)
 
 
@@ -58,7 +58,7 @@ def read_system(path: str | Path) -> HillSystem | PeriodicSystem | DelaySystem:
     ------
     ValueError
         Naming file and key: for files that cannot be read, are too large or of another kind, for unknown and missing
-        keys, and for what the constructors refuse.
+        keys, and for values that the constructors refuse.
     """
     path = validate.path("path", path)
     readers = {".toml": _toml, ".npz": _npz}
@@ -151,7 +151,7 @@ def _system(table: Mapping[str, Any]) -> HillSystem | PeriodicSystem | DelaySyst
         raise ValueError(f"key {misplaced[0]!r} does not go with {form}")
     given = {key: value for key, value in table.items() if key != "frequency"} | _period(table)
     if "delayed" in table:
-        given["delayed"] = [_delayed(f"delayed[{i}]", one) for i, one in enumerate(_tables(table, "delayed"))]
+        given["delayed"] = [_delayed(f"delayed[{i}]", term) for i, term in enumerate(_tables(table, "delayed"))]
         return DelaySystem.first_order(**given) if first_order else DelaySystem(**given)
     system = PeriodicSystem(**given) if first_order else HillSystem(**given)
     matrices.require_one(system)
@@ -159,9 +159,9 @@ def _system(table: Mapping[str, Any]) -> HillSystem | PeriodicSystem | DelaySyst
 
 
 def _tables(table: Mapping[str, Any], key: str) -> list[Any]:
-    """Return a list of tables; ValueError where it is something else."""
+    """Return a list of tables; ValueError for anything else."""
     listed = table[key]
-    if not isinstance(listed, list) or not listed or not all(isinstance(each, dict) for each in listed):
+    if not isinstance(listed, list) or not listed or not all(isinstance(entry, dict) for entry in listed):
         raise ValueError(f"{key} must be tables [[system.{key}]], got {validate.short(listed)}")
     return listed
 
@@ -178,8 +178,8 @@ def _delayed(name: str, table: Mapping[str, Any], *, pieces: bool = False) -> tu
         delay = units.quantity(table["delay"], "delay", "time", least=math.ulp(0.0))
         if not pieces:
             return delay, table["matrix"], table.get("cosines", ()), table.get("sines", ())
-        parts = enumerate(_tables(table, "pieces"))
-        return delay, [_piece(f"pieces[{i}]", one, "matrix", _OF_A_DELAYED_PIECE) for i, one in parts]
+        numbered = enumerate(_tables(table, "pieces"))
+        return delay, [_piece(f"pieces[{i}]", piece, "matrix", _OF_A_DELAYED_PIECE) for i, piece in numbered]
     except (TypeError, ValueError) as error:
         raise ValueError(f"{name}: {error}") from None
 
@@ -198,7 +198,7 @@ def _in_pieces(table: Mapping[str, Any]) -> HillSystem | PeriodicSystem | DelayS
     others = {key: value for key, value in table.items() if key != "pieces"}
     if "delayed" in table:
         terms = enumerate(_tables(table, "delayed"))
-        others["delayed"] = [_delayed(f"delayed[{i}]", one, pieces=True) for i, one in terms]
+        others["delayed"] = [_delayed(f"delayed[{i}]", term, pieces=True) for i, term in terms]
     if named[0] == "stiffness":
         kind = DelaySystem if "delayed" in table else HillSystem
         return kind.from_pieces(pieces, **others)
@@ -217,8 +217,8 @@ def _piece(
         require_known(table, known)
         start = _STARTS[mean]
         if "duration" not in table or (mean not in table and start not in table):
-            other = ", or a mean in first order" if mean in _OF_A_PIECE else ""
-            raise ValueError(f"it must have a duration and a {mean}, or {start} beside a slope{other}")
+            hint = ", or a mean in first order" if mean in _OF_A_PIECE else ""
+            raise ValueError(f"it must have a duration and a {mean}, or {start} beside a slope{hint}")
         if mean in table and start in table:
             raise ValueError(f"it has {mean} and {start}; give {start} beside a slope, else {mean}")
         duration = units.quantity(table["duration"], "duration", "time", least=math.ulp(0.0))
@@ -232,7 +232,7 @@ def _piece(
 
 
 def _period(table: Mapping[str, Any]) -> dict[str, float]:
-    """Return the period, given as such or as an angular frequency; nothing where nothing varies."""
+    """Return the period, from a period or an angular frequency; an empty dictionary without either."""
     given = [key for key in ("period", "frequency") if key in table]
     if len(given) == 2:
         raise ValueError("it has period and frequency; give one of them")

@@ -19,7 +19,7 @@ from floquetrod._util.progress import Progress
 from floquetrod.equations import PeriodicSystem
 from floquetrod.equations.matrices import require_one
 from floquetrod.equations.pieces import TimedPiece, in_time
-from floquetrod.equations.second_moments import INTERPRETATIONS, Source, of_first_order, sources_of, with_drift
+from floquetrod.equations.second_moments import INTERPRETATIONS, NoiseSource, of_first_order, sources_of, with_drift
 from floquetrod.floquet.problems import Problem
 from floquetrod.floquet.systems import magnus
 
@@ -147,7 +147,7 @@ def almost_sure_exponent(
     return _estimated(logs, periods * period, confidence, paths, max(grid.lengths), seed)
 
 
-def _require_single(sources: list[Source]) -> None:
+def _require_single(sources: list[NoiseSource]) -> None:
     """Raise ValueError where sources are a batch."""
     for i, source in enumerate(sources):
         if source.matrix.ndim > 2 or source.intensity.ndim:
@@ -204,7 +204,7 @@ def _flows(system: PeriodicSystem, piece: TimedPiece, edges: Floats) -> list[Flo
 
 
 def _logarithms(
-    grid: _NoiseSteps, sources: list[Source], paths: int, periods: int, seed: int, progress: Progress | None
+    grid: _NoiseSteps, sources: list[NoiseSource], paths: int, periods: int, seed: int, progress: Progress | None
 ) -> Floats:
     """Return the logarithms of the growth of paths after those of the beginning, (2, paths): fine and coarse."""
     rng = np.random.default_rng(seed)
@@ -224,7 +224,7 @@ def _logarithms(
 
 
 def _over_period(
-    grid: _NoiseSteps, sources: list[Source], rng: np.random.Generator, fine: Floats, coarse: Floats
+    grid: _NoiseSteps, sources: list[NoiseSource], rng: np.random.Generator, fine: Floats, coarse: Floats
 ) -> tuple[Floats, Floats]:
     """Return where paths are a period later, in steps and in pairs of steps under the same noise."""
     roots = np.sqrt(grid.lengths)
@@ -236,7 +236,7 @@ def _over_period(
     return fine, coarse
 
 
-def _kicked(x: Floats, sources: list[Source], increments: Floats) -> Floats:
+def _kicked(x: Floats, sources: list[NoiseSource], increments: Floats) -> Floats:
     """Return exp(sum_i s_i G_i dW_i) x by its series."""
     term, result = x, x
     for order in range(1, _MOST_TERMS):

@@ -13,7 +13,7 @@ from floquetrod.equations import DelaySystem
 from floquetrod.floquet.systems import delay_maps, delay_roots, delay_spectra
 from floquetrod.floquet.systems.classification import classify_multipliers
 from floquetrod.floquet.systems.delay_mesh import Mesh
-from floquetrod.floquet.systems.delay_spectra import Multipliers
+from floquetrod.floquet.systems.delay_spectra import LeadingMultipliers
 from floquetrod.floquet.systems.result import SystemStability
 from floquetrod.floquet.verdict import Cost
 
@@ -58,8 +58,8 @@ def collocation(system: DelaySystem, *, rtol: float = 1e-12, above: float = 0.1)
     """
     rtol = validate.within("rtol", rtol, 1e-15, 1e-3)
     above = validate.within("above", above, 1e-4, 0.9)
-    laid = delay_maps.layout(system)
-    least = laid.least(system, above)
+    laid = delay_maps.period_pieces(system)
+    least = laid.smallest_modulus(system, above)
     found, rows = _converged(system, laid, least, rtol)
     cost = Cost(rows, "rows")
     if found is None:
@@ -73,8 +73,8 @@ def collocation(system: DelaySystem, *, rtol: float = 1e-12, above: float = 0.1)
 
 
 def _converged(
-    system: DelaySystem, laid: delay_maps.Layout, least: float, rtol: float
-) -> tuple[Multipliers | None, int]:
+    system: DelaySystem, laid: delay_maps.PeriodPieces, least: float, rtol: float
+) -> tuple[LeadingMultipliers | None, int]:
     """Return the multipliers, their radii holding twice the last change, and the rows it took."""
     count, before, best = _FEWEST, None, None
     rows, rising = 0, 0
@@ -105,7 +105,7 @@ def _converged(
     return best[1] if moved is None else delay_spectra.with_change(best[1], moved), rows
 
 
-def _moved(system: DelaySystem, laid: delay_maps.Layout, on: Mesh, least: float) -> Complexes | None:
+def _moved(system: DelaySystem, laid: delay_maps.PeriodPieces, on: Mesh, least: float) -> Complexes | None:
     """Return the eigenvalues of the map with coefficients off by what they may be."""
     given = delay_maps.coefficients(system, laid.period, on.nodes)
     power = 2 if system.is_second_order else 1

@@ -54,13 +54,13 @@ def semi_discretisation(system: DelaySystem, *, above: float = 0.3) -> SystemSta
     '-0.46167-0.22150j'
     """
     above = validate.within("above", above, 0.01, 0.9)
-    laid = delay_maps.layout(system)
+    laid = delay_maps.period_pieces(system)
     grids = [_grid(system, laid, refinement) for refinement in (1, 2, 4)]
     rows = system.order * (grids[-1].reach + 2)
     cost = Cost(len(grids[-1].times) - 1, "steps")
     if rows > _MOST_ROWS or len(grids[-1].times) > 4 * _MOST_ROWS:
         return SystemStability.declined(system, "semi_discretisation", cost, f"needs a map of {rows:,} rows")
-    coarse, middle, fine = (_largest(_map(system, grid), laid.least(system, above)) for grid in grids)
+    coarse, middle, fine = (_largest(_map(system, grid), laid.smallest_modulus(system, above)) for grid in grids)
     one = _extrapolated(fine, _nearest(fine, middle))
     other = _extrapolated(_nearest(fine, middle), _nearest(_nearest(fine, middle), coarse))
     radii = _SAFETY * np.abs(one - other) + 1e-12 * np.abs(one)
@@ -78,7 +78,7 @@ class _StepEnds(NamedTuple):
     period: float
 
 
-def _grid(system: DelaySystem, laid: delay_maps.Layout, refinement: int) -> _StepEnds:
+def _grid(system: DelaySystem, laid: delay_maps.PeriodPieces, refinement: int) -> _StepEnds:
     """Return the steps of a period, none longer than the shortest delay, all breaks among their ends."""
     longest = _RADIANS / max(delay_maps.rate(system) * laid.period, 1e-12)
     shortest = min((float(delay) / laid.period for delay in system.delays), default=1.0)

@@ -25,7 +25,7 @@ from floquetrod.equations.pieces import TimedPiece
 from floquetrod.floquet.problems import undamped_pairs
 from floquetrod.floquet.systems import independent_solutions, precise_maps, precise_spectra
 from floquetrod.floquet.systems.classification import LogDiscs, ManyDigits, classify_multipliers, classify_pairs
-from floquetrod.floquet.systems.precise_maps import PeriodMap, Plan, Series
+from floquetrod.floquet.systems.precise_maps import PeriodMap, PieceSeries, Plan
 from floquetrod.floquet.systems.result import SystemStability
 from floquetrod.floquet.systems.symplectic import pair_matrix
 from floquetrod.floquet.verdict import Cost
@@ -46,7 +46,7 @@ class _PreciseSystem(NamedTuple):
     ``damping`` is the uniform damping removed; ``uncertainty`` the error of the coefficients.
     """
 
-    pieces: tuple[Series, ...]
+    pieces: tuple[PieceSeries, ...]
     kind: str
     damping: float
     uncertainty: float
@@ -179,7 +179,7 @@ def _problem(system: HillSystem | PeriodicSystem, context: Any) -> _PreciseSyste
             mean, slope = mean + slope * _number(piece.begin - piece.origin, context), slope * ratio * unit**2
         turned = np.array([w * ratio * unit for w in waves], dtype=object).reshape(len(waves), order, order)
         begin, length = (_number(time, context) * turn for time in (piece.begin, piece.length))
-        series.append(Series(mean * ratio * unit, turned, begin, length, slope))
+        series.append(PieceSeries(mean * ratio * unit, turned, begin, length, slope))
     uncertainty = float(period) * system.coefficient_error * spread * float(ratio.max())
     return _PreciseSystem(tuple(series), kind, damping, uncertainty)
 

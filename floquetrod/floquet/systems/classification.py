@@ -1,6 +1,6 @@
 """The one place where a spectrum with errors becomes a verdict on a system.
 
-Multipliers of a Hamiltonian or reversible system come in mu, 1 / mu, each pair of which is one number y: see
+Multipliers of a Hamiltonian or reversible system come in pairs mu, 1 / mu, and a pair is one number y: see
 `floquetrod.floquet.pairs`.  A real matrix has y real or in complex pairs, so that a y apart from all others is real,
 and of several close ones the Krein form (where definite) or the discriminant (of two) says whether they are.  Of any
 other system the logarithms of the multipliers decide.
@@ -38,15 +38,15 @@ _EDGE = "a multiplier is within {:.1g} of {}"
 
 
 class ManyDigits(NamedTuple):
-    """What a computation with more digits than those of a double adds to the numbers y."""
+    """The numbers y of the pairs beyond the digits of a double."""
 
     above: Complexes  # (n,), 1 + y, each correctly rounded
     net: Floats  # (n,), growth over a period less uniform damping, each correctly rounded
     discriminant: Callable[[NDArray[np.intp]], tuple[float, float]]  # ((y1 - y2) / 2)^2 of a cluster of two, and error
 
 
-class _Part(NamedTuple):
-    """What is known of a cluster: growth over a period less uniform damping, and its Krein sign."""
+class _ClusterVerdict(NamedTuple):
+    """A cluster's growth over a period less uniform damping, between bounds, and its Krein sign."""
 
     low: float
     high: float
@@ -97,24 +97,24 @@ def classify_pairs(
     signs = np.zeros(len(logs), dtype=int)
     sides = _Sides.of(discs, digits, outside, errors, limit)
     low, high, near, inside = (side.tolist() for side in sides)
-    parts, on_axis = [], np.zeros(len(logs), dtype=np.bool_)
+    verdicts, on_axis = [], np.zeros(len(logs), dtype=np.bool_)
     for cluster in discs.clusters:
         if len(cluster) == 1:
             i = int(cluster[0])
-            part = _single_part(discs, low[i], high[i], near[i], inside[i], limit, cluster, krein)
+            verdict = _single_verdict(discs, low[i], high[i], near[i], inside[i], limit, cluster, krein)
             on_axis[i] = near[i]
         else:
-            part, on_axis[cluster] = _pair_part(discs, digits, sides, limit, cluster, krein)
-        if part.krein:
-            signs[cluster] = part.krein
-        parts.append(part)
+            verdict, on_axis[cluster] = _joint_verdict(discs, digits, sides, limit, cluster, krein)
+        if verdict.krein:
+            signs[cluster] = verdict.krein
+        verdicts.append(verdict)
     net[on_axis] = np.where(outside[on_axis] > 0.0, net[on_axis], -limit)
     logs[on_axis] = net[on_axis] + limit + 1j * np.abs(logs[on_axis].imag)
     upper = logs.imag >= 0.0
     return _verdict(
         system,
         method,
-        parts,
+        verdicts,
         net=np.concatenate([net + 1j * logs.imag, -net - 2.0 * limit - 1j * logs.imag]),
         errors=np.concatenate([whole_errors, whole_errors]),
         signs=np.concatenate([np.where(upper, signs, -signs), np.where(upper, -signs, signs)]),
@@ -150,13 +150,13 @@ class _Sides(NamedTuple):
 
     @classmethod
     def of(cls, discs: Discs, digits: ManyDigits, outside: Floats, errors: Floats, limit: float) -> _Sides:
-        """Return them all at once."""
+        """Return the sides of all numbers y."""
         within = pairs.decided(pairs.excess(discs.values.real, digits.above.real), discs.radii) < 0
         low = np.maximum(-limit, digits.net - errors)
         return cls(low, digits.net + errors, outside <= discs.radii, within)
 
 
-def _single_part(
+def _single_verdict(
     discs: Discs,
     low: float,
     high: float,
@@ -165,35 +165,37 @@ def _single_part(
     limit: float,
     cluster: NDArray[np.intp],
     krein: Krein | None,
-) -> _Part:
-    """Return the classification of a y apart from all others, which is real where it is ``near``."""
+) -> _ClusterVerdict:
+    """Return the verdict on a y apart from all others, which is real where it is ``near``."""
     if not near:
-        return _Part(low, high, False)
+        return _ClusterVerdict(low, high, False)
     if inside:
-        return _Part(-limit, -limit, True, krein=krein(cluster) if krein else 0)
+        return _ClusterVerdict(-limit, -limit, True, krein=krein(cluster) if krein else 0)
     i = cluster[0]
     edge = "+1" if discs.values[i].real > -0.5 else "-1"
-    return _Part(-limit, high, False, _EDGE.format(math.sqrt(2.0 * discs.radii[i]), edge))
+    return _ClusterVerdict(-limit, high, False, _EDGE.format(math.sqrt(2.0 * discs.radii[i]), edge))
 
 
-def _pair_part(
+def _joint_verdict(
     discs: Discs, digits: ManyDigits, sides: _Sides, limit: float, cluster: NDArray[np.intp], krein: Krein | None
-) -> tuple[_Part, bool]:
-    """Return the classification of a cluster of several y, and whether its members must be on the real axis."""
+) -> tuple[_ClusterVerdict, bool]:
+    """Return the verdict on a cluster of several y, and whether its members must be on the real axis."""
     low, high = float(sides.low[cluster].min()), float(sides.high[cluster].max())
     if not sides.near[cluster].any():
-        return _Part(low, high, False), False
+        return _ClusterVerdict(low, high, False), False
     inside = bool(sides.inside[cluster].all())
     sign = krein(cluster) if krein and inside else 0
     if sign:
-        return _Part(-limit, -limit, True, krein=sign), True
+        return _ClusterVerdict(-limit, -limit, True, krein=sign), True
     if len(cluster) == 2:
         value, error = digits.discriminant(cluster)
         if value < -error:
-            return _Part(low, high, False), False
+            return _ClusterVerdict(low, high, False), False
         if value > error and inside:
-            return _Part(-limit, -limit, True), True
-    return _Part(-limit, high, False, _MIXED.format(2 * len(cluster), _named(discs.values[cluster].mean()))), False
+            return _ClusterVerdict(-limit, -limit, True), True
+    return _ClusterVerdict(
+        -limit, high, False, _MIXED.format(2 * len(cluster), _named(discs.values[cluster].mean()))
+    ), False
 
 
 def _named(y: complex) -> str:
@@ -225,7 +227,7 @@ class LogDiscs(NamedTuple):
 
     @property
     def errors(self) -> Floats:
-        """Errors of the logarithms, (N,), those of a cluster as if each multiplier were anywhere in its discs.
+        """Errors of the logarithms, (N,), in a cluster as if each multiplier were anywhere in its discs.
 
         Infinite in a cluster that cannot be distinguished from 0.
         """
@@ -237,12 +239,12 @@ class LogDiscs(NamedTuple):
 
     @property
     def lowest(self) -> Floats:
-        """Lower bound of each real part, that of its cluster, (N,)."""
+        """Lower bounds of the real parts, (N,), one for each cluster."""
         return self._of_clusters(self.low, np.min)
 
     @property
     def highest(self) -> Floats:
-        """Upper bound of each real part, that of its cluster, (N,)."""
+        """Upper bounds of the real parts, (N,), one for each cluster."""
         return self._of_clusters(self.high, np.max)
 
     def _of_clusters(self, bounds: Floats, join: Callable[[Floats], Any]) -> Floats:
@@ -279,29 +281,29 @@ def classify_multipliers(
     shift = damping * float(system.period)
     values = logs.values + shift
     signs = np.zeros(len(values), dtype=int)
-    parts = []
+    verdicts = []
     for cluster in logs.clusters:
         low, high = float(logs.low[cluster].min()) + shift, float(logs.high[cluster].max()) + shift
         if low > 0.0 or high < 0.0:
-            parts.append(_Part(low - shift, high - shift, False))
+            verdicts.append(_ClusterVerdict(low - shift, high - shift, False))
             continue
         if freed and _on_circle(values, logs.radii, cluster):
             sign = krein(cluster) if krein else 0
-            parts.append(_Part(-shift, -shift, True, krein=sign))
+            verdicts.append(_ClusterVerdict(-shift, -shift, True, krein=sign))
         elif freed and krein and len(cluster) > 1 and (sign := krein(cluster)):
-            parts.append(_Part(-shift, -shift, True, krein=sign))
+            verdicts.append(_ClusterVerdict(-shift, -shift, True, krein=sign))
         else:
             uncertainty = float(np.expm1(min(high, 1.0)))
             alone = len(cluster) == 1
             text = _EDGE.format(uncertainty, "the unit circle") if alone else _CLUSTER.format(len(cluster), uncertainty)
-            parts.append(_Part(low - shift, high - shift, False, text))
+            verdicts.append(_ClusterVerdict(low - shift, high - shift, False, text))
             continue
         values[cluster] = 1j * values[cluster].imag
-        signs[cluster] = parts[-1].krein
+        signs[cluster] = verdicts[-1].krein
     return _verdict(
         system,
         method,
-        parts,
+        verdicts,
         net=values - shift,
         errors=logs.errors,
         highest=logs.highest,
@@ -327,7 +329,7 @@ def _on_circle(values: Complexes, radii: Floats, cluster: NDArray[np.intp]) -> b
 def _verdict(
     system: AnySystem,
     method: str,
-    parts: Sequence[_Part],
+    verdicts: Sequence[_ClusterVerdict],
     *,
     net: Complexes,
     errors: Floats,
@@ -339,30 +341,37 @@ def _verdict(
     are_all: bool = True,
     highest: Floats | None = None,
 ) -> SystemStability:
-    """Return the result that follows from its clusters and the net logarithms of the multipliers, damping included.
+    """Return the verdict on a system from its clusters and the net logarithms of its multipliers, damping included.
 
     ``highest`` are upper bounds of their real parts.  Exponents of infinite error are not known: NaN.
     """
     period = float(system.period)
     damped = damping > 0.0
     # Solutions that keep their norm are bounded; a Hamiltonian matrix next to such a one need not keep it.
-    stays = system.structure == "unitary" or all(part.high < 0.0 or (part.bounded and not damped) for part in parts)
+    stays = system.structure == "unitary" or all(
+        verdict.high < 0.0 or (verdict.bounded and not damped) for verdict in verdicts
+    )
     if isinstance(system, PeriodicSystem) and system.keeps_norm and are_all:
-        parts, net = (
-            [part._replace(low=0.0, high=0.0, bounded=True, reason="") for part in parts],
+        verdicts, net = (
+            [verdict._replace(low=0.0, high=0.0, bounded=True, reason="") for verdict in verdicts],
             np.asarray(1j * net.imag),
         )
     status: Status
     strongly: bool | None
-    if any(part.low > 0.0 or (are_paired and not damped and not part.bounded and not part.reason) for part in parts):
+    if any(
+        verdict.low > 0.0 or (are_paired and not damped and not verdict.bounded and not verdict.reason)
+        for verdict in verdicts
+    ):
         status, strongly = "unstable", False
-    elif all(part.high < 0.0 or (part.bounded and not damped) for part in parts):
+    elif all(verdict.high < 0.0 or (verdict.bounded and not damped) for verdict in verdicts):
         status, strongly = "stable", True if stays else None
     else:
         status, strongly = "undecided", None
         if not isinstance(system, DelaySystem):
             status = _status_of_matrices(system) or "undecided"
-    reason = next((part.reason for part in parts if part.reason), "growth equals the damping within the error")
+    reason = next(
+        (verdict.reason for verdict in verdicts if verdict.reason), "growth equals the damping within the error"
+    )
     lost = np.logical_not(np.isfinite(errors) & np.isfinite(net))
     errors, net = np.where(lost, math.inf, errors), np.where(lost, 0.0, net)
     exponents = np.where(lost, complex(math.nan, math.nan), net / period)
@@ -383,7 +392,7 @@ def _verdict(
         krein_signs=tuple(signs[order].tolist()),
         strongly_stable=strongly,
         unknown_below=unknown_below,
-        growth_below=max((part.high for part in parts), default=math.inf) / period,
+        growth_below=max((verdict.high for verdict in verdicts), default=math.inf) / period,
         period=period,
         error=float(errors[~lost].max(initial=0.0)) if known.size else math.inf,
         cost=cost,
@@ -392,7 +401,7 @@ def _verdict(
 
 
 def _not_known(lost: Bools, below: float) -> str:
-    """Return which multipliers are not known, in words; "" where all are."""
+    """Return a sentence on the multipliers of infinite error; "" without any."""
     count = int(np.count_nonzero(lost))
     if not count:
         return ""
@@ -453,16 +462,16 @@ def _is_overdamped(system: HillSystem) -> bool:
     """Return whether damping makes every motion creep to rest, M = I or none, C and K symmetric.
 
     With s = q + C^-1 q' and w = C^-1 q' the energy s^T C s + w^T C w decreases at the rate 2 s^T K s + 2 w^T (C^2 - K)
-    w: where C, K and C^2 - K are positive definite at all times.  With C = 2 c I it grows at no larger rate than -2
-    k / (2 c), k the least eigenvalue of K, while that of C^2 - K is larger: where the mean of k over the period is
-    positive.
+    w: where C, K and C^2 - K are positive definite at all times.  With C = 2 c I it grows at no larger rate than
+    -2 k / (2 c), k the lowest eigenvalue of K, while the lowest one of C^2 - K exceeds k: where the mean of k over the
+    period is positive.
     """
     if system.mass is not None or system.gyroscopic is not None or system.damping is None or not system.is_symmetric:
         return False
     damping = system.damping
     if not np.array_equal(damping, damping.T):
         return False
-    least = spectra.symmetric_bounds(damping)[0]
+    weakest = spectra.symmetric_bounds(damping)[0]
     total, lowest, highest = 0.0, math.inf, -math.inf
     for piece in by_pieces.in_time(system):
         low, high = spectra.symmetric_bounds(piece.mean)
@@ -470,9 +479,9 @@ def _is_overdamped(system: HillSystem) -> bool:
         lowest, highest = min(lowest, low - swing), max(highest, high + swing)
         alone = system.is_smooth and system.order == 1  # whose harmonics have no mean
         total += float(piece.length) * (low - (system.coefficient_error if alone else swing))
-    if not (least > 0.0 and highest < 0.5 * least * least):
+    if not (weakest > 0.0 and highest < 0.5 * weakest * weakest):
         return False
-    return lowest > 0.0 or (system.uniform_damping is not None and -lowest < 0.5 * least * least and total > 0.0)
+    return lowest > 0.0 or (system.uniform_damping is not None and -lowest < 0.5 * weakest * weakest and total > 0.0)
 
 
 def _swing(piece: TimedPiece, error: float) -> float:
@@ -517,7 +526,7 @@ def _status_of_turning(gyroscopic: Floats | None) -> Status | None:
 
 
 def _static_status(system: HillSystem, freed: HillSystem, damping: float) -> Status | None:
-    """Return the verdict on M q'' + 2 c M q' + K q = 0: the least eigenvalue of K decides, and no stiffness drifts."""
+    """Return the verdict on M q'' + 2 c M q' + K q = 0: K's lowest eigenvalue decides, and no stiffness drifts."""
     if not system.stiffness.any(axis=0).all() and damping == 0.0:
         return "unstable"
     if not system.stiffness.any():

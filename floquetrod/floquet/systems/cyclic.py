@@ -32,8 +32,8 @@ def solutions(maps: Floats, errors: Floats, scales: Floats) -> Solutions | None:
     """
     count, order, _ = maps.shape
     cyclic = np.zeros((count, order, count, order))
-    for j, one in enumerate(maps):
-        cyclic[(j + 1) % count, :, j] = one
+    for j, segment in enumerate(maps):
+        cyclic[(j + 1) % count, :, j] = segment
     discs = spectra.diagonalised_discs(cyclic.reshape(count * order, count * order), float(errors.max()))
     if discs is None:
         return None

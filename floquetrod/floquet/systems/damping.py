@@ -1,4 +1,4 @@
-"""The uniform damping from which nothing grows any more, found by trying."""
+"""The lowest uniform damping rate above which no motion grows, by a search over rates."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ def least_damping(
     further: Floats | None = None,
     uncertainty: float = 0.0,
 ) -> float:
-    """Return the damping rate from which nothing grows, to ten digits, at all rates tried.
+    """Return the lowest damping rate above which no motion grows, to ten digits, at all rates tried.
 
     Parameters
     ----------
@@ -53,29 +53,29 @@ def least_damping(
     """
     from scipy.optimize import brentq
 
-    found = functools.cache(excess)
+    growth_at = functools.cache(excess)
     scale = max(growth, _LEAST * frequency)
     tried = np.unique(np.concatenate([scale * _TIMES, [] if further is None else further])).tolist()
-    values = [found(rate) for rate in tried]
+    values = [growth_at(rate) for rate in tried]
     if not all(abs(value) >= uncertainty for value in values):
         return math.nan
     growing = [i for i, value in enumerate(values) if value > 0.0]
     if not growing:
-        if not found(0.0) > 0.0:
+        if not growth_at(0.0) > 0.0:
             return 0.0
         low, high = 0.0, tried[0]
     else:
         low, *above = tried[growing[-1] :]
         high = above[0] if above else 2.0 * low
-    while found(high) > 0.0:
+    while growth_at(high) > 0.0:
         low, high = high, 2.0 * high
-    if math.isnan(found(high)):
+    if math.isnan(growth_at(high)):
         return math.nan
-    return float(brentq(found, low, high, xtol=_PRECISION * max(low, 1e-3 * high), rtol=_PRECISION))
+    return float(brentq(growth_at, low, high, xtol=_PRECISION * max(low, 1e-3 * high), rtol=_PRECISION))
 
 
 def damping_to_stabilise(system: HillSystem, growth: float) -> float:
-    """Return the least c for which nothing of M q'' + (C + 2 c M + G) q' + K(t) q = 0 grows, as far as tried.
+    """Return the lowest c for which no solution of M q'' + (C + 2 c M + G) q' + K(t) q = 0 grows, as far as tried.
 
     ``growth`` is the growth rate without c, 0 where the system is stable.  Infinite where M^-1 times the mean of K has
     an eigenvalue of negative real part, along which strong damping only slows the growth; NaN where the search would
@@ -85,25 +85,25 @@ def damping_to_stabilise(system: HillSystem, growth: float) -> float:
     mass = mass_matrix(system)
     stiffness = np.linalg.solve(mass, system.stiffness)
     sizes = [float(np.linalg.norm(np.linalg.solve(mass, m), 2)) for m in (*system.cosines, *system.sines)]
-    parts = by_pieces.in_time(system) if system.pieces else ()
-    sizes += [float(np.linalg.norm(np.linalg.solve(mass, part.size), 2)) for part in parts]
+    pieces = by_pieces.in_time(system) if system.pieces else ()
+    sizes += [float(np.linalg.norm(np.linalg.solve(mass, piece.size), 2)) for piece in pieces]
     size = float(np.linalg.norm(stiffness, 2))
     if float(np.linalg.eigvals(stiffness).real.min()) < -8.0 * n * EPS * size * float(np.linalg.cond(mass)):
         return math.inf
     rates = math.sqrt(size + sum(sizes)) * _PARTS
-    there = 0.0 if system.damping is None else system.damping
+    present = 0.0 if system.damping is None else system.damping
 
     def damped(rate: float) -> by_pieces.PieceArrays:
-        return by_pieces.of_batch(replace(system, damping=there + 2.0 * rate * mass).as_periodic_system())
+        return by_pieces.of_batch(replace(system, damping=present + 2.0 * rate * mass).as_periodic_system())
 
     def excess(rate: float) -> float:
         """Return the growth rate, negative where everything decays."""
         if rate == 0.0:
             return growth
-        pieces = damped(rate)
-        if float(whole.seconds_needed(pieces)[0]) * _MAPS > _MOST_SECONDS:
+        first_order = damped(rate)
+        if float(whole.seconds_needed(first_order)[0]) * _MAPS > _MOST_SECONDS:
             return math.nan
-        matrix = whole.period_maps(pieces, 0.0, _ACCURACY, paired=False).matrix[0]
+        matrix = whole.period_maps(first_order, 0.0, _ACCURACY, paired=False).matrix[0]
         if not np.isfinite(matrix).all():
             return math.nan
         largest = float(np.abs(np.linalg.eigvals(matrix)).max())
@@ -115,7 +115,7 @@ def damping_to_stabilise(system: HillSystem, growth: float) -> float:
 
 
 def damping_of_delayed(system: DelaySystem, growth: float) -> float:
-    """Return the least c for which nothing grows of a system with delays to which C + 2 c M, or A - c I, is added.
+    """Return the lowest c for which no solution of a system with delays grows with C + 2 c M, or with A - c I.
 
     As `damping_to_stabilise`, infinite where the mean of M^-1 (K + sum_j D_j) has an eigenvalue of negative real part.
     """

@@ -1,4 +1,4 @@
-"""How fast the leading solution of a system with delays grows: one number, for searches."""
+"""The growth rate of a system with delays, by collocation: one number, for searches."""
 
 from __future__ import annotations
 
@@ -12,8 +12,8 @@ from floquetrod.floquet.systems import delay_maps
 
 _COUNTS = (8, 12, 16, 20, 26, 32, 40, 50)  # nodes in a piece, tried in turn (a choice)
 _MOST_ROWS = 1000  # of collocation (a choice: a second)
-_AGREES = 1e-12  # relative change of the modulus at which it ends
-_USABLE = 1e-9  # largest change with which it is told (a choice)
+_AGREES = 1e-12  # relative change of the modulus at which refinement ends
+_USABLE = 1e-9  # largest change of a modulus that is returned (a choice)
 
 
 def moduli(maps: Floats) -> Floats:
@@ -23,16 +23,18 @@ def moduli(maps: Floats) -> Floats:
 
 def growth_rate(system: DelaySystem) -> float:
     """Return the real part of the leading exponent, per unit of time; NaN where it takes too much."""
-    laid = delay_maps.layout(system)
-    before, change = math.nan, math.inf
+    pieces = delay_maps.period_pieces(system)
+    coarse, change = math.nan, math.inf
     for count in _COUNTS:
-        on = laid.mesh(system, count)
-        if system.order * max(on.size, len(on.nodes)) > _MOST_ROWS:
+        mesh = pieces.mesh(system, count)
+        if system.order * max(mesh.size, len(mesh.nodes)) > _MOST_ROWS:
             break
-        found = float(moduli(delay_maps.period_maps(on, delay_maps.coefficients(system, laid.period, on.nodes)))[0])
-        change, before = abs(found - before) / found if found > 0.0 else 0.0, found
+        radius = float(
+            moduli(delay_maps.period_maps(mesh, delay_maps.coefficients(system, pieces.period, mesh.nodes)))[0]
+        )
+        change, coarse = abs(radius - coarse) / radius if radius > 0.0 else 0.0, radius
         if change <= _AGREES:
             break
     if not change <= _USABLE:
         return math.nan
-    return math.log(before) / laid.period if before > 0.0 else -math.inf
+    return math.log(coarse) / pieces.period if coarse > 0.0 else -math.inf

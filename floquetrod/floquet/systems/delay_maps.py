@@ -28,19 +28,19 @@ class Coefficients(NamedTuple):
     delayed: tuple[Floats, ...]  # (b, F, n, n) each
 
 
-class Layout(NamedTuple):
-    """What the mesh of a system follows from."""
+class PeriodPieces(NamedTuple):
+    """The pieces of a map's period, for the mesh of a system."""
 
     period: float  # of the map
     breaks: tuple[float, ...]  # ends of pieces as parts of it
-    active: tuple[tuple[bool, ...], ...]  # of each delay, on which pieces its term is not zero
+    active: tuple[tuple[bool, ...], ...]  # of each delay: on which pieces its term is not zero
 
     @property
     def longest(self) -> float:
         """The longest piece as part of the period."""
         return float(np.diff(self.breaks).max())
 
-    def least(self, system: DelaySystem, above: float) -> float:
+    def smallest_modulus(self, system: DelaySystem, above: float) -> float:
         """Return the modulus over the map's period that ``above`` is over the longest delay, where that is longer."""
         return float(above ** min(1.0, self.period / max(system.longest_delay, self.period)))
 
@@ -53,49 +53,49 @@ class Layout(NamedTuple):
         return mesh(self.breaks, count, 2 if system.is_second_order else 1, self.delays(system), self.active)
 
 
-def layout(system: DelaySystem) -> Layout:
-    """Return the pieces of a system: between jumps of its coefficients and what delays make of them.
+def period_pieces(system: DelaySystem) -> PeriodPieces:
+    """Return the pieces of a system: between the jumps of its coefficients and the images of these under delays.
 
     A jump at t bends the solution there, less so at t + tau, and less again with every further delay.  Where nothing
     varies the period is the longest delay.
     """
     fixed = system.is_constant and bool(system.delayed)
     exact = max(Fraction(delay) for delay in system.delays) if fixed else by_pieces.exact_period(system.present)
-    parts = () if fixed else (system.present, *(term.coefficient for term in system.delayed))
-    jumps = {piece.begin / exact for part in parts if part.pieces for piece in by_pieces.in_time(part)}
-    found = _with_images(jumps, [Fraction(delay) / exact for delay in system.delays])
-    edges = _apart(sorted(map(float, found | {Fraction(0)})))
+    matrices = () if fixed else (system.present, *(term.coefficient for term in system.delayed))
+    jumps = {piece.begin / exact for matrix in matrices if matrix.pieces for piece in by_pieces.in_time(matrix)}
+    breaks = _with_images(jumps, [Fraction(delay) / exact for delay in system.delays])
+    edges = _apart(sorted(map(float, breaks | {Fraction(0)})))
     turn = rate(system) * float(exact)
     fine = [0.0]
     for low, high in pairwise(edges):
         fine += np.linspace(low, high, max(1, math.ceil((high - low) * turn / _PHASE)) + 1)[1:].tolist()
     middles = np.asarray([0.5 * (low + high) for low, high in pairwise(fine)]) * float(exact)
     active = tuple(tuple(_present(term.coefficient, middles)) for term in system.delayed)
-    return Layout(float(exact), tuple(fine), active)
+    return PeriodPieces(float(exact), tuple(fine), active)
 
 
 def _with_images(jumps: set[Fraction], delays: list[Fraction]) -> set[Fraction]:
     """Return jumps, as parts of the period, and their images under delays while they are few."""
-    found = fresh = set(jumps)
+    images = fresh = set(jumps)
     while fresh:
-        fresh = {(jump + delay) % 1 for jump in fresh for delay in delays} - found
-        if len(found) + len(fresh) > len(jumps) + _MOST_BREAKS:
+        fresh = {(jump + delay) % 1 for jump in fresh for delay in delays} - images
+        if len(images) + len(fresh) > len(jumps) + _MOST_BREAKS:
             break
-        found = found | fresh
-    return found
+        images = images | fresh
+    return images
 
 
 def _apart(edges: list[float]) -> list[float]:
     """Return the edges, and 1, without those that rounding alone keeps apart."""
-    found = [0.0]
+    distinct = [0.0]
     for edge in edges:
-        if edge - found[-1] > _SMALLEST and 1.0 - edge > _SMALLEST:
-            found.append(edge)
-    return [*found, 1.0]
+        if edge - distinct[-1] > _SMALLEST and 1.0 - edge > _SMALLEST:
+            distinct.append(edge)
+    return [*distinct, 1.0]
 
 
 def _present(coefficient: Any, times: Floats) -> list[bool]:
-    """Return at which times a matrix is not zero all over the piece about them."""
+    """Return of each time whether a matrix is not zero all over the piece about it."""
     pieces = by_pieces.in_time(coefficient)
     ends = [float(piece.begin + piece.length) for piece in pieces]
     there = np.minimum(np.searchsorted(ends, times % float(coefficient.period)), len(pieces) - 1)
@@ -103,7 +103,7 @@ def _present(coefficient: Any, times: Floats) -> list[bool]:
 
 
 def rate(system: DelaySystem, decay: float = 0.0) -> float:
-    """Return about how fast solutions turn at most that decay no faster than at a rate, in radians per unit of time."""
+    """Return about the highest frequency, in radians per unit of time, of solutions that decay at most at ``decay``."""
     sizes = [_size(system.present)]
     sizes += [_size(coefficient) * math.exp(min(decay * float(delay), 300.0)) for delay, coefficient in system.delayed]
     if not isinstance(system.present, HillSystem):
@@ -113,8 +113,8 @@ def rate(system: DelaySystem, decay: float = 0.0) -> float:
     return math.sqrt(sum(float(np.linalg.norm(np.abs(inverse) @ size, 2)) for size in sizes)) + damping
 
 
-def _size(part: Any) -> Floats:
-    return np.asarray(np.maximum.reduce([piece.size for piece in by_pieces.in_time(part)]))
+def _size(coefficient: Any) -> Floats:
+    return np.asarray(np.maximum.reduce([piece.size for piece in by_pieces.in_time(coefficient)]))
 
 
 def inverse_mass(system: DelaySystem) -> Floats:
@@ -129,29 +129,29 @@ def coefficients(system: DelaySystem, period: float, nodes: Floats) -> Coefficie
     times = nodes * period
     present, delayed = system.present.coefficient(times), [t.coefficient.coefficient(times) for t in system.delayed]
     if not isinstance(system.present, HillSystem):
-        return Coefficients(period * present[None], None, tuple(period * each[None] for each in delayed))
+        return Coefficients(period * present[None], None, tuple(period * matrix[None] for matrix in delayed))
     inverse = -inverse_mass(system)
     damping = velocity_matrix(system.present)
     moving = np.broadcast_to(period * inverse @ damping, present.shape)[None] if damping.any() else None
     square = period * period * inverse
-    return Coefficients((square @ present)[None], moving, tuple((square @ each)[None] for each in delayed))
+    return Coefficients((square @ present)[None], moving, tuple((square @ matrix)[None] for matrix in delayed))
 
 
-def period_maps(on: Mesh, given: Coefficients) -> Floats:
-    """Return the maps over a period, (b, S, S), of systems whose coefficients are known at the nodes of a mesh.
+def period_maps(mesh: Mesh, coefficients: Coefficients) -> Floats:
+    """Return the maps over a period, (b, S, S), of systems with coefficients at the nodes of a mesh.
 
-    The state is, of each equation, that at the beginning (q and q', or x), then what is kept of the last periods.
+    A state holds, of each equation, q and q', or x, at the beginning, then the values kept of the last periods.
     """
-    batch, count, n, _ = given.value.shape
-    parts = on.value_state.shape[1]
-    kept = len(on.end) - parts
-    left = _times(given.value, on.value)
-    start = _times(given.value, on.value_state)
-    if given.rate is not None:
-        left += _times(given.rate, on.rate)
-        start += _times(given.rate, on.rate_state)
-    past = np.zeros((batch, count, n, on.periods * kept, n))
-    for coefficient, rows in zip(given.delayed, on.delays, strict=True):
+    batch, count, n, _ = coefficients.value.shape
+    derivatives = mesh.value_state.shape[1]
+    kept = len(mesh.end) - derivatives
+    left = _times(coefficients.value, mesh.value)
+    start = _times(coefficients.value, mesh.value_state)
+    if coefficients.rate is not None:
+        left += _times(coefficients.rate, mesh.rate)
+        start += _times(coefficients.rate, mesh.rate_state)
+    past = np.zeros((batch, count, n, mesh.periods * kept, n))
+    for coefficient, rows in zip(coefficients.delayed, mesh.delays, strict=True):
         if rows.now.any():
             left += _times(coefficient, rows.now)
             start += _times(coefficient, rows.now_state)
@@ -160,8 +160,8 @@ def period_maps(on: Mesh, given: Coefficients) -> Floats:
     left = np.eye(size) - left.reshape(batch, size, size)
     right = np.concatenate([start.reshape(batch, size, -1), past.reshape(batch, size, -1)], axis=2)
     unknowns = np.linalg.solve(left, right)
-    new = np.kron(on.end, np.eye(n)) @ unknowns
-    new[:, :, : parts * n] += np.kron(on.end_state, np.eye(n))
+    new = np.kron(mesh.end, np.eye(n)) @ unknowns
+    new[:, :, : derivatives * n] += np.kron(mesh.end_state, np.eye(n))
     return _companion(np.asarray(new), kept * n)
 
 
@@ -171,12 +171,12 @@ def _times(coefficient: Floats, rows: Floats) -> Floats:
 
 
 def _companion(new: Floats, kept: int) -> Floats:
-    """Return the square map: what is new, and the values kept that become a period older."""
+    """Return the square map (b, S, S): new values in its first rows, then the values kept, a period older."""
     batch, made, size = new.shape
     if made == size:
         return new
-    found = np.zeros((batch, size, size))
-    found[:, :made] = new
+    companion = np.zeros((batch, size, size))
+    companion[:, :made] = new
     older = np.arange(made, size)
-    found[:, older, older - kept] = 1.0
-    return found
+    companion[:, older, older - kept] = 1.0
+    return companion

@@ -1,8 +1,8 @@
 """Collocation of systems with delays over a period: nodes, integrals of polynomials, and where delayed values lie.
 
-The highest derivative of a solution is a polynomial on every piece of the period, told by its values at Gauss's nodes;
-its integrals are the solution.  What a later period needs of it are the solution's values at Chebyshev's points of
-those pieces that delays reach back to, and the state at the end.  Time is counted in periods.
+The highest derivative of a solution is a polynomial on every piece of the period, given by its values at Gauss's
+nodes; its integrals are the solution.  Of these, the next periods need the values at Chebyshev's points of the pieces
+that delays reach back to, and the state at the end.  Time is counted in periods.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from floquetrod._util.interpolation import chebyshev_points, chebyshev_weights
 
 
 class DelayRows(NamedTuple):
-    """Where the values delayed by one delay come from."""
+    """Rows that give the values delayed by one delay at the nodes."""
 
     now: Floats  # (F, F), rows over the unknowns of this period
     now_state: Floats  # (F, r), rows over the state at its beginning
@@ -55,14 +55,14 @@ def rule(count: int) -> tuple[Floats, Floats]:
 
 
 def integral(count: int, at: Floats, times: int) -> Floats:
-    """Return rows, over values at ``count`` nodes, of the interpolant integrated from -1 some times."""
+    """Return rows, over values at ``count`` nodes, of the interpolant integrated from -1 ``times`` times."""
     coefficients: NDArray[Any] = rule(count)[1]
     for _ in range(times):
         coefficients = legendre.legint(coefficients, lbnd=-1, axis=0)
     return np.asarray(legendre.legvander(at, len(coefficients) - 1) @ coefficients)
 
 
-class _Pieces(NamedTuple):
+class _Collocation(NamedTuple):
     """Pieces of the period with as many nodes each, and the states at their beginnings as rows (P + 1, 2, F)."""
 
     breaks: Floats
@@ -71,7 +71,7 @@ class _Pieces(NamedTuple):
     starts: Floats
 
     def place(self, t: Floats) -> NDArray[np.intp]:
-        """Return in which piece times lie."""
+        """Return the pieces that times lie in."""
         return np.clip(np.searchsorted(self.breaks, t, side="right") - 1, 0, len(self.breaks) - 2)
 
     def rows(self, t: Floats, piece: NDArray[np.intp], rate: bool = False) -> tuple[Floats, Floats]:
@@ -79,31 +79,31 @@ class _Pieces(NamedTuple):
         length = np.diff(self.breaks)[piece]
         into = t - self.breaks[piece]
         times = 1 if rate else self.derivatives
-        found = self.starts[piece, int(rate)].copy()
+        rows = self.starts[piece, int(rate)].copy()
         if times == 2:
-            found += into[:, None] * self.starts[piece, 1]
+            rows += into[:, None] * self.starts[piece, 1]
         own = integral(self.nodes, 2.0 * into / length - 1.0, times) * ((0.5 * length) ** times)[:, None]
-        found.reshape(len(t), -1, self.nodes)[np.arange(len(t)), piece] += own
+        rows.reshape(len(t), -1, self.nodes)[np.arange(len(t)), piece] += own
         state = np.ones((len(t), self.derivatives))
         if self.derivatives == 2:
             state[:, 0], state[:, 1] = (0.0, 1.0) if rate else (1.0, t)
-        return found, state
+        return rows, state
 
 
-def _pieces(breaks: Floats, count: int, derivatives: int) -> _Pieces:
+def _collocation(breaks: Floats, count: int, derivatives: int) -> _Collocation:
     total = len(breaks) - 1
     starts = np.zeros((total + 1, 2, total * count))
-    one, two = (integral(count, np.array([1.0]), times)[0] for times in (1, 2))
+    once, twice = (integral(count, np.array([1.0]), times)[0] for times in (1, 2))
     for p, length in enumerate(np.diff(breaks).tolist()):
         starts[p + 1] = starts[p]
         own = slice(p * count, (p + 1) * count)
         if derivatives == 2:
             starts[p + 1, 0] += length * starts[p, 1]
-            starts[p + 1, 0, own] += (0.5 * length) ** 2 * two
-            starts[p + 1, 1, own] += 0.5 * length * one
+            starts[p + 1, 0, own] += (0.5 * length) ** 2 * twice
+            starts[p + 1, 1, own] += 0.5 * length * once
         else:
-            starts[p + 1, 0, own] += 0.5 * length * one
-    return _Pieces(breaks, count, derivatives, starts)
+            starts[p + 1, 0, own] += 0.5 * length * once
+    return _Collocation(breaks, count, derivatives, starts)
 
 
 @functools.lru_cache(maxsize=16)
@@ -129,14 +129,14 @@ def mesh(
     active : tuple of tuple of bool
         Of each delay, on which pieces its term is not zero.
     """
-    pieces = _pieces(np.asarray(breaks), count, derivatives)
+    pieces = _collocation(np.asarray(breaks), count, derivatives)
     length = np.diff(pieces.breaks)
     nodes = (pieces.breaks[:-1, None] + length[:, None] * 0.5 * (rule(count)[0] + 1.0)).ravel()
     own = np.repeat(np.arange(len(length)), count)
     value, value_state = pieces.rows(nodes, own)
     rate, rate_state = pieces.rows(nodes, own, rate=True) if derivatives == 2 else (value, value_state)
     sources = [_source(pieces, nodes, delay, np.asarray(on)[own]) for delay, on in zip(delays, active, strict=True)]
-    touched = sorted({int(p) for _, turn, place, on in sources for p in place[on & (turn > 0)]})
+    touched = sorted({int(p) for _, turn, piece, on in sources for p in piece[on & (turn > 0)]})
     periods = max([1, *(int(turn[on].max(initial=1)) for _, turn, _, on in sources)])
     kept = count + derivatives
     rows = tuple(_delayed(pieces, source, touched, kept, periods) for source in sources)
@@ -147,32 +147,32 @@ def mesh(
 _Source = tuple[Floats, NDArray[np.intp], NDArray[np.intp], Bools]
 
 
-def _source(pieces: _Pieces, nodes: Floats, delay: float, on: Bools) -> _Source:
-    """Return when in which earlier period, and in which piece, the values of a delay lie, and where they are used."""
+def _source(pieces: _Collocation, nodes: Floats, delay: float, on: Bools) -> _Source:
+    """Return the instants t - delay within their periods, how many periods back, their pieces, and where in use."""
     earlier = nodes - delay
     turn = np.where(earlier < 0.0, np.ceil(-earlier), 0.0).astype(np.intp)
     there = earlier + turn
     return there, turn, pieces.place(there), on
 
 
-def _delayed(pieces: _Pieces, source: _Source, touched: list[int], kept: int, periods: int) -> DelayRows:
-    there, turn, place, on = source
+def _delayed(pieces: _Collocation, source: _Source, touched: list[int], kept: int, periods: int) -> DelayRows:
+    there, turn, piece, on = source
     now, before = on & (turn == 0), np.flatnonzero(on & (turn > 0))
-    value, state = pieces.rows(there, place)
+    value, state = pieces.rows(there, piece)
     past = np.zeros((len(there), periods, len(touched), kept))
-    column = np.searchsorted(touched, place[before])
-    length = np.diff(pieces.breaks)[place[before]]
-    weights = chebyshev_weights(kept, 2.0 * (there[before] - pieces.breaks[place[before]]) / length - 1.0)
+    column = np.searchsorted(touched, piece[before])
+    length = np.diff(pieces.breaks)[piece[before]]
+    weights = chebyshev_weights(kept, 2.0 * (there[before] - pieces.breaks[piece[before]]) / length - 1.0)
     past[before, turn[before] - 1, column] = weights
     return DelayRows(value * now[:, None], state * now[:, None], past.reshape(len(there), -1))
 
 
-def _end(pieces: _Pieces, touched: list[int], kept: int) -> tuple[Floats, Floats]:
+def _end(pieces: _Collocation, touched: list[int], kept: int) -> tuple[Floats, Floats]:
     """Return the rows of the state at the end and of the values kept."""
-    last, one = np.array([len(pieces.breaks) - 2]), np.array([1.0])
-    found = [pieces.rows(one, last, rate=bool(part)) for part in range(pieces.derivatives)]
+    last, end = np.array([len(pieces.breaks) - 2]), np.array([1.0])
+    ends = [pieces.rows(end, last, rate=bool(order)) for order in range(pieces.derivatives)]
     length = np.diff(pieces.breaks)
     for p in touched:
         t = pieces.breaks[p] + length[p] * 0.5 * (chebyshev_points(kept) + 1.0)
-        found.append(pieces.rows(t, np.full(kept, p)))
-    return np.concatenate([rows for rows, _ in found]), np.concatenate([state for _, state in found])
+        ends.append(pieces.rows(t, np.full(kept, p)))
+    return np.concatenate([rows for rows, _ in ends]), np.concatenate([state for _, state in ends])

@@ -65,52 +65,52 @@ def pair_matrices(
         if lost.any():
             # The inverse is the map back over the next half period, for -t and -u': it is even about that instant too.
             signs = (-1.0) ** np.arange(1, amplitudes.shape[1] + 1)[:, None, None]
-            other = half_period_map(stiffness, signs * amplitudes, period, rtol, workers)
-            back = _whole(other, stiffness, amplitudes, period, uncertainty)[1]
-            left[lost], left_error[lost] = other.b[lost], back[lost]
+            next_half = half_period_map(stiffness, signs * amplitudes, period, rtol, workers)
+            back = _whole(next_half, stiffness, amplitudes, period, uncertainty)[1]
+            left[lost], left_error[lost] = next_half.b[lost], back[lost]
         return _numbers(half, error, left, left_error)
 
 
 def of_pieces(
-    pieces: PieceArrays, other: PieceArrays, uncertainty: float, rtol: float, *, symmetric: bool
+    pieces: PieceArrays, next_half: PieceArrays, uncertainty: float, rtol: float, *, symmetric: bool
 ) -> PairMatrices:
     """Return the matrices of u'' + K(t) u = 0 in first order, from its pieces over half a period from an even instant.
 
-    ``other`` are those of the next half, which replaces the inverse of the map where K is not symmetric, and
+    ``next_half`` are the pieces of the next half, whose map replaces the inverse where K is not symmetric, and
     ``uncertainty`` the error of K's entries.
     """
     n = pieces.mean.shape[-1] // 2
-    found = whole.period_maps(pieces, uncertainty, rtol, paired=True)
-    matrix, basis = found.matrix, found.scaling[:, :n, None] * np.eye(n)
+    maps = whole.period_maps(pieces, uncertainty, rtol, paired=True)
+    matrix, basis = maps.matrix, maps.scaling[:, :n, None] * np.eye(n)
     a, b, c, d = matrix[:, :n, :n], matrix[:, :n, n:], matrix[:, n:, :n], matrix[:, n:, n:]
-    half = HalfPeriodMap(a, b, c, d, found.error, basis, symmetric)
+    half = HalfPeriodMap(a, b, c, d, maps.error, basis, symmetric)
     if symmetric:
         return _numbers(half, half.error, np.swapaxes(b, -1, -2), half.error)
-    back = whole.period_maps(other, uncertainty, rtol, paired=True)
+    back = whole.period_maps(next_half, uncertainty, rtol, paired=True)
     return _numbers(half, half.error, back.matrix[:, :n, n:], back.error)
 
 
 def _whole(
     half: HalfPeriodMap, stiffness: Any, amplitudes: Any, period: Any, uncertainty: Any
 ) -> tuple[Floats, Floats]:
-    """Return maps (b, 2 n, 2 n) over half a period, and their errors, those of the coefficients included."""
+    """Return maps (b, 2 n, 2 n) over half a period, and their errors, including errors of the coefficients."""
     whole = joined(half)
     size = _sizes(whole)
     stretch = np.square(size)  # of an error on the way to the end of the half period, the way there included
     slip = 0.5 * period * uncertainty * _sizes(half.basis) ** 2 * stretch
     fast = (size > _FAST) & np.isfinite(stretch)
     if fast.any():
-        some = stiffness[fast], amplitudes[fast], period[fast]
-        slip[fast] *= np.minimum(1.0, _most_growth(half.basis[fast], *some) / stretch[fast])
+        fast_systems = stiffness[fast], amplitudes[fast], period[fast]
+        slip[fast] *= np.minimum(1.0, _most_growth(half.basis[fast], *fast_systems) / stretch[fast])
         unsure = np.broadcast_to(uncertainty, size.shape)[fast]
-        slip[fast] = np.fmin(slip[fast], _carried(half.error[fast], size[fast], *some, unsure))
+        slip[fast] = np.fmin(slip[fast], _carried(half.error[fast], size[fast], *fast_systems, unsure))
     return whole, half.error + slip
 
 
 def _carried(
     error: Floats, size: Floats, stiffness: Any, amplitudes: Any, period: Floats, uncertainty: Floats
 ) -> Floats:
-    """Return by how much an uncertainty of the coefficients, in the 2-norm, changes maps of an error E (b,).
+    """Return the change (b,), in the 2-norm, of maps of an error E by an uncertainty of the coefficients.
 
     A map is a product of m segments, E = sum_j |after j| e_j |before j| exp(m sum_j e_j / |segment j|).  Each e_j
     contains the rounding of the coefficients, at least 2 u |S| h / r, u the rounding of a double, h the length of a
@@ -146,7 +146,7 @@ def joined(half: HalfPeriodMap) -> Floats:
 
 
 def _sizes(matrices: Floats) -> Floats:
-    """Bound the 2-norms of matrices (b, n, n); where n is large those of nearly diagonal ones are far below `norms`."""
+    """Bound the 2-norms of matrices (b, n, n): for large, nearly diagonal ones far below `norms`."""
     if matrices.shape[-1] < spectra.LARGE:
         return norms(matrices)
     return np.array([spectra.spectral_norm(matrix) for matrix in matrices])
@@ -172,6 +172,7 @@ def _numbers(half: HalfPeriodMap, error: Floats, left: Floats, left_error: Float
 
 
 def products(left: Floats, left_error: Floats, right: Floats, error: Floats) -> tuple[Floats, Floats]:
-    """Return products of matrices (b, n, n) with errors (b,), and their errors."""
-    one, other = _sizes(left), _sizes(right)
-    return left @ right, one * error + other * left_error + error * left_error + left.shape[-1] * EPS * one * other
+    """Return products of matrices (b, n, n) with errors (b,), and the errors of the products."""
+    left_size, right_size = _sizes(left), _sizes(right)
+    rounding = left.shape[-1] * EPS * left_size * right_size
+    return left @ right, left_size * error + right_size * left_error + error * left_error + rounding

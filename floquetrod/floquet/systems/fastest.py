@@ -1,4 +1,4 @@
-"""The fastest solutions of many equations u'' + K(t) u = 0, and that no other is as fast, without the whole map.
+"""The fastest solutions of many equations u'' + K(t) u = 0, and a bound of all others, without the whole map.
 
 Let S be the map over a period, V orthonormal columns, H = V^T S V and R = S V - V H.  A left eigenvector w^H of S with
 the multiplier mu has w^H V (mu - H) = w^H R, so that with q columns V E of V
@@ -8,16 +8,16 @@ the multiplier mu has w^H V (mu - H) = w^H R, so that with q columns V E of V
 Where V E spans a subspace of N dimensions drawn at random, |w^H V E|^2 of a real w is distributed as Beta(q / 2,
 (N - q) / 2), and less than x with a chance of at most (x N / 2)^(q / 2) / (q / 2)!.  Of a complex w the real or the
 imaginary part has half its square, and at most N / 2 of the multipliers, which come in mu, 1 / mu, lie outside a circle
-|z| = r >= 1: with a chance of 1 - 1e-10 the left-hand side is above `_least` for one left eigenvector of each of them,
-however near to one another these are, and there is no multiplier where G is below that.
+|z| = r >= 1: with a chance of 1 - 1e-10 the left-hand side is above `_shortest_projection` for one left eigenvector
+of each of them, however near to one another these are, and there is no multiplier where G is below that.
 
-Eigenvalues of H outside the circle are taken out of G as poles, each with a disc within which G may be larger; what is
-left has its maximum for |z| >= r on the circle.  X and Y, the eigenvectors of H and their inverse as computed, give G
+Eigenvalues of H outside the circle are taken out of G as poles, each with a disc within which G may be larger; the
+rest has its maximum for |z| >= r on the circle.  X and Y, the eigenvectors of H and their inverse as computed, give G
 except for |X Y - I| and H X - X Lambda, which are added to the bound: where H is nearly defective, G is too large to
 say anything.
 
-V is a Krylov space of the random columns, and holds what a few modes, those that the fastest solutions are made of,
-contribute on their own.
+V is a Krylov space of the random columns, and holds the growing solutions of a window of modes alone, the modes which
+the fastest solutions consist of.
 Saad, Numerical Methods for Large Eigenvalue Problems, SIAM 2011, chapter 6; for random starts Dixon, SIAM J. Numer.
 Anal. 20 (1983) 812.
 """
@@ -42,7 +42,7 @@ from floquetrod.floquet.verdict import Cost
 _FEWEST = 200  # equations: the map of fewer takes no longer (measured)
 _COLUMNS = 8  # drawn at random (measured)
 _SEED = 20151101
-_CHANCE = 1e-10  # that of any multiplier outside the circle w^H V E is shorter than `_least`
+_CHANCE = 1e-10  # that of any multiplier outside the circle w^H V E is shorter than `_shortest_projection`
 _ACCURACY = 1e-10  # of the map over a period
 _PROBED = 6  # periods after which it shows whether anything grows, and after as many more of which modes (measured)
 _FOLD = 20.0  # logarithm of the growth after which other solutions are shown to be slower (measured)
@@ -91,7 +91,7 @@ class _Space(NamedTuple):
     last: slice
 
     def with_columns(self, march: March, added: Floats, krylov: int) -> _Space:
-        """Return the space with more columns, the first ``krylov`` of which continue the Krylov space."""
+        """Return the space with more columns; the first ``krylov`` continue the Krylov space."""
         for _ in range(2):
             added = added - self.basis @ (self.basis.T @ added)
             added = np.linalg.qr(added)[0]
@@ -126,7 +126,7 @@ class _Spectrum(NamedTuple):
         rounding = float(np.linalg.norm(projected @ vectors - vectors * values, axis=0).max())
         defect = float(np.linalg.norm(vectors @ left - np.eye(len(values), _COLUMNS)))
         rounding += _SMALL * math.sqrt(len(values))
-        values, vectors, right, left = (part.astype(complex) for part in (values, vectors, right, left))
+        values, vectors, right, left = (array.astype(complex) for array in (values, vectors, right, left))
         return cls(values, vectors, right, left, rounding, defect)
 
     @property
@@ -134,7 +134,7 @@ class _Spectrum(NamedTuple):
         """Index of the largest eigenvalue."""
         return int(np.abs(self.values).argmax())
 
-    def radii(self, radius: float, least: float, error: float) -> Floats | None:
+    def radii(self, radius: float, shortest: float, error: float) -> Floats | None:
         """Return the radii of discs about eigenvalues that hold all multipliers beyond a circle.
 
         Each holds one if it is apart from all others; 0 for those well inside.  None where G is too large there.
@@ -144,17 +144,17 @@ class _Spectrum(NamedTuple):
         weights = np.linalg.norm(self.left, axis=1)
         far = sizes < radius * (1.0 - 4.0 * math.pi / _ANGLES)  # G hardly changes between two angles
         circle = radius * np.exp(1j * np.linspace(0.0, math.pi, _ANGLES))[:, None] - self.values[far]
-        turned, parts, _ = np.linalg.svd(self.right[:, far], full_matrices=False)
-        few = turned[:, parts > least * _FAINT].conj().T @ self.right[:, far]
-        along = [float(np.linalg.norm((few / at) @ self.left[far])) for at in circle]
-        faint = error + float(parts[parts <= least * _FAINT].max(initial=0.0))
+        turned, strengths, _ = np.linalg.svd(self.right[:, far], full_matrices=False)
+        few = turned[:, strengths > shortest * _FAINT].conj().T @ self.right[:, far]
+        along = [float(np.linalg.norm((few / distances) @ self.left[far])) for distances in circle]
+        faint = error + float(strengths[strengths <= shortest * _FAINT].max(initial=0.0))
         largest = (
             _BETWEEN * max([0.0, *along]) + faint * float(weights[far] @ (1.0 / (radius - sizes[far]))) + self.defect
         )
-        if not largest < least:
+        if not largest < shortest:
             return None
         count = max(2, int(np.count_nonzero(~far)))
-        return np.where(far, 0.0, 2.0 * count / (least - largest) * residuals * weights)
+        return np.where(far, 0.0, 2.0 * count / (shortest - largest) * residuals * weights)
 
 
 def fast_solutions(system: HillSystem, damping: float) -> FastSolutions | None:
@@ -168,8 +168,8 @@ def fast_solutions(system: HillSystem, damping: float) -> FastSolutions | None:
     if n < _FEWEST or more or system.structure != "hamiltonian":
         return None
     start = np.linalg.qr(np.random.default_rng(_SEED).standard_normal((2 * n, _COLUMNS)))[0]
-    parts = ModalEquations.of(system.stiffness, system.harmonics)
-    march = March.of(parts, period, _ACCURACY, start)
+    modes = ModalEquations.of(system.stiffness, system.harmonics)
+    march = March.of(modes, period, _ACCURACY, start)
     if march is None:
         return None
     limit, error = damping * period, march.error + n * _ROUNDING
@@ -180,17 +180,17 @@ def fast_solutions(system: HillSystem, damping: float) -> FastSolutions | None:
     spectrum, partner = _Spectrum.of(space), None
     window = None if float(np.abs(spectrum.values).max()) < math.exp(limit) else _window(spectrum, space, n)
     if window is not None:
-        added, partner = _alone(parts, march, period, window)
+        added, partner = _alone(modes, march, period, window)
         space = space.with_columns(march, added, 0)
     while (columns := space.basis.shape[1]) <= n // 2 + 60:
         spectrum = _Spectrum.of(space)
-        found = _outside(spectrum, error, 2 * n, limit)
-        if found is not None and partner is not None:
-            found = _sharpened(found[0], limit, *_condition(spectrum, space, partner, march.error)), found[1]
-        if found is not None and _is_sharp(found[0], limit):
+        outside = _outside(spectrum, error, 2 * n, limit)
+        if outside is not None and partner is not None:
+            outside = _sharpened(outside[0], limit, *_condition(spectrum, space, partner, march.error)), outside[1]
+        if outside is not None and _is_sharp(outside[0], limit):
             state = space.basis @ spectrum.vectors[:, spectrum.fastest]
-            other = None if partner is None else march.motion(partner)
-            return FastSolutions(*found, None if partner is None else march.motion(state), other, columns)
+            decaying = None if partner is None else march.motion(partner)
+            return FastSolutions(*outside, None if partner is None else march.motion(state), decaying, columns)
         residual = _residual(spectrum, space)
         for _ in range(max(_EVERY, columns // (8 * _COLUMNS))):
             space = _longer(march, space, residual)
@@ -206,7 +206,7 @@ def _probed(march: March, space: _Space) -> _Space:
 
 
 def _is_slow(spectrum: _Spectrum, limit: float, n: int) -> bool:
-    """Return whether nothing grows or decays fast enough to be told from the rest in a space of n columns."""
+    """Return whether no solution grows or decays fast enough to stand out in a space of n columns."""
     fastest = max(limit, math.log(float(np.abs(spectrum.values).max())))
     return not fastest * n > _FOLD * 10.0
 
@@ -219,14 +219,14 @@ def _is_sharp(logs: LogDiscs, limit: float) -> bool:
 
 
 def _longer(march: March, space: _Space, added: Floats | None = None) -> _Space:
-    """Return the space with another block of the Krylov space, and columns that are added to it."""
+    """Return the space with another block of the Krylov space, and with the columns ``added``."""
     block = space.images[:, space.last]
     krylov = block.shape[1]
     return space.with_columns(march, block if added is None else np.hstack([block, added]), krylov)
 
 
 def _residual(spectrum: _Spectrum, space: _Space) -> Floats:
-    """Return what the fastest solutions lack, real and imaginary parts."""
+    """Return the residuals S x - mu x of the fastest solutions, real and imaginary parts."""
     sizes = np.abs(spectrum.values)
     fast = np.flatnonzero((sizes > sizes.max() ** _LEVELS[0]) & (spectrum.values.imag >= 0.0))
     fast = fast[np.argsort(-sizes[fast])[:_CORRECTED]]
@@ -239,8 +239,8 @@ def _window(spectrum: _Spectrum, space: _Space, n: int) -> slice | None:
     """Return the modes that growing solutions are made of, or the fastest of them; None where they are most modes."""
     growth = np.log(np.maximum(np.abs(spectrum.values), 1.0))
     motion = np.square(np.abs(space.basis @ spectrum.vectors))
-    for least in _STANDING_OUT:
-        share = np.cumsum((motion[:n] + motion[n:]) @ np.where(growth > least * growth.max(), growth, 0.0))
+    for share_of_fastest in _STANDING_OUT:
+        share = np.cumsum((motion[:n] + motion[n:]) @ np.where(growth > share_of_fastest * growth.max(), growth, 0.0))
         low, high = np.searchsorted(share, np.array([_LEFT_OUT, 1.0 - _LEFT_OUT]) * share[-1]).tolist()
         wider = 2 * (high - low) // 3 + 1
         low, high = max(0, low - wider), min(n, high + wider + 1)
@@ -249,13 +249,13 @@ def _window(spectrum: _Spectrum, space: _Space, n: int) -> slice | None:
     return None
 
 
-def _alone(parts: ModalEquations, march: March, period: float, window: slice) -> tuple[Floats, Complexes]:
+def _alone(modes: ModalEquations, march: March, period: float, window: slice) -> tuple[Floats, Complexes]:
     """Return growing solutions of some modes alone, real columns, and the one that decays as the fastest grows."""
-    n, count = len(parts.rates), window.stop - window.start
-    harmonics = np.zeros((len(parts.norms), count, count), dtype=complex)
-    for matrix, order, turn in zip(parts.matrices, parts.orders, parts.turns, strict=True):
+    n, count = len(modes.rates), window.stop - window.start
+    harmonics = np.zeros((len(modes.norms), count, count), dtype=complex)
+    for matrix, order, turn in zip(modes.matrices, modes.orders, modes.turns, strict=True):
         harmonics[order - 1] += (1j if turn else 1.0) * matrix[window, window]
-    full, _, basis = period_map_large(np.diag(parts.rates[window]), harmonics, period, 0.0, _ACCURACY)
+    full, _, basis = period_map_large(np.diag(modes.rates[window]), harmonics, period, 0.0, _ACCURACY)
     values, vectors = np.linalg.eig(full)
     scales = march.scaling[window, None] * basis.diagonal()[:, None]
     states = np.zeros((2, n, 2 * count), dtype=complex)
@@ -267,24 +267,24 @@ def _alone(parts: ModalEquations, march: March, period: float, window: slice) ->
     return np.hstack([growing.real, growing.imag[:, growing.imag.any(axis=0)]]), partner
 
 
-def _least(rows: int) -> float:
-    """Return what |w^H V E| is below, of any of rows / 2 eigenvectors w, with a chance of `_CHANCE` (see above)."""
+def _shortest_projection(rows: int) -> float:
+    """Return the length that some |w^H V E| of rows / 2 eigenvectors w is below with a chance of `_CHANCE` (above)."""
     half = _COLUMNS // 2
     return math.sqrt((_CHANCE * math.factorial(half) / (0.5 * rows)) ** (1.0 / half) / rows)
 
 
 def _outside(spectrum: _Spectrum, error: float, rows: int, limit: float) -> tuple[LogDiscs, float] | None:
     """Return the multipliers outside a circle as in `FastSolutions`, and its logarithm; None where none serves."""
-    least = _least(rows)
+    shortest = _shortest_projection(rows)
     fastest = math.log(float(np.abs(spectrum.values).max()))
     levels = [limit] if fastest < limit else [share * fastest for share in _LEVELS if share * fastest > limit] + [limit]
-    found = None
+    outside = None
     for level in levels:
-        radii = spectrum.radii(math.exp(level), least, error)
+        radii = spectrum.radii(math.exp(level), shortest, error)
         if radii is None:
             break
-        found = _discs(spectrum.values, radii, level, limit) or found
-    return found
+        outside = _discs(spectrum.values, radii, level, limit) or outside
+    return outside
 
 
 def _condition(spectrum: _Spectrum, space: _Space, partner: Complexes, error: float) -> tuple[complex, float]:
@@ -303,9 +303,9 @@ def _condition(spectrum: _Spectrum, space: _Space, partner: Complexes, error: fl
 
 
 def _sharpened(logs: LogDiscs, limit: float, fastest: complex, radius: float) -> LogDiscs:
-    """Return discs of which that of the fastest solution, its conjugate and their inverses have a radius of their own.
+    """Return discs with another radius about the fastest solution, its conjugate and their inverses.
 
-    Where they touch no other.
+    Only where they touch no other disc.
     """
     radii = logs.radii.copy()
     for cluster in logs.clusters:
@@ -326,9 +326,9 @@ def _discs(values: Complexes, radii: Floats, level: float, limit: float) -> tupl
     rest = max(level, math.log(float((sizes + radii)[~outside & (radii > 0.0)].max(initial=1.0))))
     if rest > limit and not math.exp(rest) < float((sizes - radii).max()):
         return None
-    found, errors = np.log(values[outside]), 2.0 * (radii / sizes)[outside]
-    logs = np.concatenate([found, -found, np.zeros(2)])
+    outside_logs, errors = np.log(values[outside]), 2.0 * (radii / sizes)[outside]
+    logs = np.concatenate([outside_logs, -outside_logs, np.zeros(2)])
     errors = np.concatenate([errors, errors, np.full(2, rest)])
-    count = 2 * len(found)
+    count = 2 * len(outside_logs)
     clusters = *touching(log_distances(logs[:count], logs[:count]), errors[:count]), np.array([count, count + 1])
     return LogDiscs.about(np.asarray(logs - limit, dtype=np.complex128), errors, clusters), rest

@@ -1,4 +1,4 @@
-"""One of the exponents s + i k w of each solution: what eigenvalues of Hill's and of cyclic matrices leave to choose.
+"""One exponent s + i k w for each Floquet solution, chosen among the eigenvalues of Hill's or of a cyclic matrix.
 
 Each Floquet solution appears many times among such eigenvalues, once for each way of writing it, and the solutions'
 states at one instant tell which eigenvalues stand for independent ones.
@@ -18,7 +18,8 @@ from floquetrod.floquet.systems.spectra import log_distances, touching
 from floquetrod.floquet.systems.symplectic import symplectic_unit
 
 _SINES = (0.5, 0.1, 1e-2, 1e-4, 1e-6)
-"""Of the angle between a state and those before it, below which it is one of them: tried in turn (a choice)."""
+"""Sines of the angle between a state and the span of the chosen ones, below which it depends on them: tried in turn
+(a choice)."""
 _ROUNDING = 1e-12  # of a form on a subspace, computed in doubles
 
 
@@ -31,24 +32,24 @@ class Solutions(NamedTuple):
 
 
 def independent(states: Complexes, distance: Floats) -> NDArray[np.intp] | None:
-    """Return as many columns as rows that are independent, those of the smallest ``distance`` first; None where few."""
+    """Return as many independent columns as rows, in the order of ``distance``; None where there are too few."""
     states = states / np.maximum(np.linalg.norm(states, axis=0), 1e-300)
     nearest = np.argsort(distance, kind="stable")
-    # Clearly independent ones first: where exponents nearly coincide, states of one solution, found several times, mix
-    # with another's and differ a little.
-    found = (_independent(states, nearest, sine) for sine in _SINES)
-    return next((chosen for chosen in found if chosen is not None), None)
+    # Clearly independent ones first: where exponents nearly coincide, the several states of one solution mix with
+    # another's and differ a little.
+    choices = (_independent(states, nearest, sine) for sine in _SINES)
+    return next((chosen for chosen in choices if chosen is not None), None)
 
 
-def _independent(states: Complexes, nearest: NDArray[np.intp], least: float) -> NDArray[np.intp] | None:
-    """Return columns each of which has at least a sine with the span of those before; None where they are too few."""
+def _independent(states: Complexes, nearest: NDArray[np.intp], smallest_sine: float) -> NDArray[np.intp] | None:
+    """Return columns whose sine with the span of the columns before exceeds a smallest one; None where too few do."""
     order = len(states)
     basis = np.zeros((order, 0), dtype=np.complex128)
     chosen: list[int] = []
     for i in nearest.tolist():
         rest = states[:, i] - basis @ (basis.conj().T @ states[:, i])
         size = float(np.linalg.norm(rest))
-        if size > least:
+        if size > smallest_sine:
             rest = rest / size
             rest = rest - basis @ (basis.conj().T @ rest)
             basis = np.column_stack([basis, rest / np.linalg.norm(rest)])

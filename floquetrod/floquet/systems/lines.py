@@ -1,4 +1,4 @@
-"""Many systems u'' + (K_0(t) + x K_1(t)) u = 0 of one period, x from -1 to 1: their maps from those at a few places.
+"""Many systems u'' + (K_0(t) + x K_1(t)) u = 0 of one period, x from -1 to 1: their maps by interpolation in x.
 
 The map is an entire function of x.  Therefore the polynomial of degree d through the maps at d + 1 Chebyshev points is
 at most 4 M / ((rho - 1) rho^d) from it, in the 2-norm, where M bounds the map for complex x inside the ellipse about -1
@@ -29,11 +29,11 @@ from floquetrod.floquet.systems.classification import MOST_SECONDS
 from floquetrod.floquet.systems.many import ManyVerdicts
 from floquetrod.floquet.systems.whole import PeriodMaps
 
-_ACCURACY = 1e-12  # of maps at places, and of what the polynomial leaves out
-_WORTH = 0.5  # places computed over places asked for, up to which the polynomial saves time (measured)
+_ACCURACY = 1e-12  # of maps at nodes, and of the polynomial between them
+_WORTH = 0.5  # nodes over places, up to which the polynomial saves time (measured)
 _TOGETHER = 1e-12  # periods between instants that are one up to rounding
 _MOST_DEGREE = 64  # of a polynomial (a choice)
-_AT_ONCE = 1 << 18  # numbers of matrices of a kind that are held at a time (heuristic)
+_AT_ONCE = 1 << 18  # entries of all maps in memory at a time (heuristic)
 _SUMS = np.exp(np.linspace(0.05, 6.0, 240))  # of semi-axes among which the best one is sought
 
 
@@ -45,18 +45,18 @@ class Nodes(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False)
-class Line(ByContent):
+class SystemLine(ByContent):
     """Systems with uniform damping removed, without mass and gyroscopic matrices, K symmetric."""
 
     stiffness: Floats  # (2, n, n), the mean of K at x = -1 and at x = 1
     harmonics: NDArray[Any]  # (2, H, n, n), Z_k of K(t) = mean + Re sum_k Z_k exp(i k w t) there; real where K is even
     period: float
     damping: float  # the rate c that was removed
-    error: float  # bound of that of K in the 2-norm
+    error: float  # bound of the error of K in the 2-norm
     is_even: bool  # whether half a period is enough
 
     @classmethod
-    def between(cls, ends: HillSystem) -> Line | None:
+    def between(cls, ends: HillSystem) -> SystemLine | None:
         """Return the line between two systems, a batch of the shape (2,); None where there is none of this kind."""
         freed, damping = undamped_pairs(ends) or (None, 0.0)
         if not isinstance(freed, HillSystem) or freed.structure != "hamiltonian":
@@ -89,7 +89,7 @@ class Line(ByContent):
 
     @cached_property
     def _exponents(self) -> Floats:
-        """Logarithms of M over all ellipses, those of `_SUMS`."""
+        """Logarithms of M, of each ellipse of `_SUMS`."""
         basis, rates = self.basis
 
         def size(matrix: Floats) -> float:
@@ -102,17 +102,17 @@ class Line(ByContent):
         waves = [middle_and_half(ends) for ends in np.moveaxis(self._waves, 1, 0)]
         share = 2.0 / math.pi  # mean magnitude of a cosine
         fixed = float(np.linalg.norm(np.diag(rates) - basis.T @ middle @ basis, 2))
-        fixed += share * sum(size(one) for one, _ in waves)
-        moved = size(half) + share * sum(size(other) for _, other in waves)
+        fixed += share * sum(size(middle_wave) for middle_wave, _ in waves)
+        moved = size(half) + share * sum(size(half_wave) for _, half_wave in waves)
         return np.asarray(0.5 * self.duration * (fixed + 0.5 * (_SUMS + 1.0 / _SUMS) * moved))
 
     def left_out(self, degree: int) -> float:
-        """Return a bound of the 2-norm of what the polynomial of this degree leaves out, in the line's coordinates."""
+        """Return a bound of the error of the polynomial of a degree, in the 2-norm and the line's coordinates."""
         logs = self._exponents + math.log(4.0) - np.log(_SUMS - 1.0) - degree * np.log(_SUMS)
         return math.exp(min(float(logs.min()), 700.0))
 
     def degree(self) -> int:
-        """Return the least degree that leaves out less than the accuracy, `_MOST_DEGREE` where there is none."""
+        """Return the lowest degree whose error is below the accuracy, `_MOST_DEGREE` where there is none."""
         return next((d for d in range(1, _MOST_DEGREE) if self.left_out(d) <= _ACCURACY), _MOST_DEGREE)
 
     @property
@@ -126,30 +126,30 @@ class Line(ByContent):
         weights = np.stack([1.0 - share, share])
         stiffness = np.tensordot(weights, self.stiffness, (0, 0))
         harmonics = np.tensordot(weights, self.harmonics, (0, 0))
-        found = (_half_maps if self.is_even else _whole_maps)(stiffness, harmonics, np.full(degree + 1, self.period))
-        if found is None:
+        maps = (_half_maps if self.is_even else _whole_maps)(stiffness, harmonics, np.full(degree + 1, self.period))
+        if maps is None:
             return None
-        own, rates = self.basis
-        turn = np.asarray(rates[:, None] * own.T @ found.scaling)
+        columns, rates = self.basis
+        turn = np.asarray(rates[:, None] * columns.T @ maps.scaling)
         back = np.asarray(np.linalg.inv(turn), dtype=float)
-        stretch = np.maximum(*(np.linalg.norm(each, 2, axis=(1, 2)) for each in (turn, back))) ** 2
-        maps = _both(turn, back) @ found.matrix @ _both(back, turn)
-        rounding = 8.0 * len(rates) * EPS * norms(found.matrix)
-        return Nodes(maps, float(((found.error + rounding) * stretch).max()))
+        stretch = np.maximum(*(np.linalg.norm(matrix, 2, axis=(1, 2)) for matrix in (turn, back))) ** 2
+        turned = _both(turn, back) @ maps.matrix @ _both(back, turn)
+        rounding = 8.0 * len(rates) * EPS * norms(maps.matrix)
+        return Nodes(turned, float(((maps.error + rounding) * stretch).max()))
 
     @cached_property
     def uncertainty(self) -> float:
-        """Return the error of K in the coordinates of the line, times the duration; what is given and the rounding."""
+        """The error of K in the coordinates of the line, its rounding included, times the duration."""
         rounding = 4.0 * EPS * (norms(self.stiffness).sum() + norms(self._waves).sum())
         return self.duration * (self.error + float(rounding)) / float(self.basis[1].min())
 
 
 def verdicts_along(ends: HillSystem, places: Floats) -> ManyVerdicts | None:
-    """Return verdicts by the quick rules on systems between two, at places (p,) from -1 to 1, those of the ends.
+    """Return verdicts by the quick rules on systems between two ends, at places x (p,) from -1 to 1.
 
     None where there is no such line, or its polynomial would not save time.
     """
-    line = Line.between(ends)
+    line = SystemLine.between(ends)
     if line is None:
         return None
     degree = line.degree()
@@ -157,12 +157,12 @@ def verdicts_along(ends: HillSystem, places: Floats) -> ManyVerdicts | None:
     if nodes is None or not math.isfinite(nodes.error):
         return None
     step = max(1, _AT_ONCE // nodes.maps[0].size)
-    parts = [_judged(line, nodes, places[start : start + step]) for start in range(0, places.size, step)]
-    return ManyVerdicts(*(np.concatenate(each) for each in zip(*parts, strict=True)))
+    chunks = [_judged(line, nodes, places[start : start + step]) for start in range(0, places.size, step)]
+    return ManyVerdicts(*(np.concatenate(column) for column in zip(*chunks, strict=True)))
 
 
-@np.errstate(over="ignore", under="ignore", invalid="ignore")  # of what is then undecided
-def _judged(line: Line, nodes: Nodes, places: Floats) -> ManyVerdicts:
+@np.errstate(over="ignore", under="ignore", invalid="ignore")  # such a verdict is undecided
+def _judged(line: SystemLine, nodes: Nodes, places: Floats) -> ManyVerdicts:
     """Return verdicts at places."""
     maps, error = maps_along(line, nodes, places)
     n, period = maps.shape[-1] // 2, np.full(places.size, line.period)
@@ -172,8 +172,8 @@ def _judged(line: Line, nodes: Nodes, places: Floats) -> ManyVerdicts:
     return many.multiplier_verdicts(many.many_discs(maps, error), period, paired=True, damping=line.damping)
 
 
-def maps_along(line: Line, nodes: Nodes, places: Floats) -> tuple[Floats, Floats]:
-    """Return maps (p, 2 n, 2 n) at places by the polynomials through those at nodes, and their errors (p,)."""
+def maps_along(line: SystemLine, nodes: Nodes, places: Floats) -> tuple[Floats, Floats]:
+    """Return maps (p, 2 n, 2 n) at places, polynomials through the maps at nodes, and their errors (p,)."""
     count = len(nodes.maps)
     weights = chebyshev_weights(count, places)
     maps = (weights @ nodes.maps.reshape(count, -1)).reshape(-1, *nodes.maps.shape[1:])
@@ -183,7 +183,7 @@ def maps_along(line: Line, nodes: Nodes, places: Floats) -> tuple[Floats, Floats
 
 
 def _half_maps(stiffness: Floats, amplitudes: Floats, period: Floats) -> PeriodMaps | None:
-    """Return maps over half a period of even systems, their scaling that of positions, as matrices (N, n, n)."""
+    """Return maps over half a period of even systems; their scaling is of positions, as matrices (N, n, n)."""
     if even.seconds_needed(stiffness, amplitudes, period).sum() > MOST_SECONDS:
         return None
     half = half_period_map(stiffness, amplitudes, period, _ACCURACY)
@@ -191,19 +191,19 @@ def _half_maps(stiffness: Floats, amplitudes: Floats, period: Floats) -> PeriodM
 
 
 def _whole_maps(stiffness: Floats, harmonics: Floats, period: Floats) -> PeriodMaps | None:
-    """Return maps over a period, their scaling as that of `_half_maps`."""
-    cosines, sines = (list(np.moveaxis(part, 1, 0)) for part in (harmonics.real, -harmonics.imag))
+    """Return maps over a period, with scalings as in `_half_maps`."""
+    cosines, sines = (list(np.moveaxis(amplitudes, 1, 0)) for amplitudes in (harmonics.real, -harmonics.imag))
     pieces = by_pieces.of_batch(HillSystem(stiffness, cosines, sines, period=period).as_periodic_system())
     if whole.seconds_needed(pieces).sum() > MOST_SECONDS:
         return None
-    found = whole.period_maps(pieces, 0.0, _ACCURACY, paired=True)
+    maps = whole.period_maps(pieces, 0.0, _ACCURACY, paired=True)
     n = stiffness.shape[-1]
-    return found._replace(scaling=found.scaling[:, :n, None] * np.eye(n))
+    return maps._replace(scaling=maps.scaling[:, :n, None] * np.eye(n))
 
 
 def _both(positions: Floats, inverse: Floats) -> Floats:
-    """Return the matrices of (u, u') from those of u (N, n, n) and their inverses."""
+    """Return the matrices diag(T, T^-T) that transform (u, u'), from T (N, n, n) and its inverses."""
     n = positions.shape[-1]
-    found = np.zeros((len(positions), 2 * n, 2 * n))
-    found[:, :n, :n], found[:, n:, n:] = positions, inverse.swapaxes(1, 2)
-    return found
+    matrices = np.zeros((len(positions), 2 * n, 2 * n))
+    matrices[:, :n, :n], matrices[:, n:, n:] = positions, inverse.swapaxes(1, 2)
+    return matrices

@@ -1,6 +1,6 @@
 """Verdicts on many systems at once, by the rules of `classification` where every multiplier is apart from all others.
 
-What these rules leave open is marked undecided, for `floquetrod.stability` to judge one by one.
+Systems that these rules leave open are marked undecided, for `floquetrod.stability` to judge one by one.
 """
 
 from __future__ import annotations
@@ -33,9 +33,9 @@ class ManyVerdicts(NamedTuple):
     growth: Floats
 
 
-@np.errstate(over="ignore", invalid="ignore")  # what overflows has infinite radii, or NaN
+@np.errstate(over="ignore", invalid="ignore")  # an overflow has infinite radii, or NaN
 def many_discs(matrices: NDArray[Any], errors: Floats) -> ManyDiscs:
-    """Return discs as `spectra.eigenvalue_discs` does, all of them before they shrink; NaN of what was not computed."""
+    """Return discs as `spectra.eigenvalue_discs` does, all of them before they shrink; NaN where not computed."""
     n = matrices.shape[-1]
     finite = np.isfinite(matrices).all(axis=(1, 2)) & np.isfinite(errors)
     values, right = np.linalg.eig(np.where(finite[:, None, None], matrices, np.eye(n)))
@@ -51,7 +51,7 @@ def many_discs(matrices: NDArray[Any], errors: Floats) -> ManyDiscs:
 
 @np.errstate(invalid="ignore")
 def touch_zero(discs: ManyDiscs) -> Bools:
-    """Return which eigenvalues may be 0, (b, n): those whose discs, or discs connected to them, hold it."""
+    """Return which eigenvalues may be 0, (b, n): where their discs, or discs connected to them, hold it."""
     values, radii, _ = discs
     lost = np.logical_not(np.abs(values) > radii)
     while True:
@@ -73,8 +73,8 @@ def _apart(values: NDArray[Any], radii: Floats) -> Bools:
     """Return whether each disc touches no other."""
     apart = np.ones(values.shape, dtype=np.bool_)
     for shift in range(1, values.shape[1]):
-        other, reach = np.roll(values, shift, axis=1), np.roll(radii, shift, axis=1)
-        apart &= np.abs(values - other) > radii + reach
+        neighbour, reach = np.roll(values, shift, axis=1), np.roll(radii, shift, axis=1)
+        apart &= np.abs(values - neighbour) > radii + reach
     return apart
 
 

@@ -1,8 +1,8 @@
 """Maps of x' = A(t) x to any number of digits, with a bound of their error: Taylor series in fixed-point arithmetic.
 
 Matrices hold integers, multiples of 2^-bits, and every operation rounds down by less than one of them.  Norms are the
-largest sums of magnitudes along a row, except for that of the map's error at last.  Nothing but the matrices is used:
-no symmetry, and no code of the maps in doubles.
+largest sums of magnitudes along a row, except for the final bound of the map's error.  Only the matrices are used: no
+symmetry, and no code of the maps in doubles.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from floquetrod._util.arrays import Floats
 
 _GUARD_BITS = 40
 _STEP = 6.0  # growth exponent of a step: longer ones lose digits
-_FACTORS = (1.0, 1.5, 2.0, 3.0, 4.0, 6.0)  # of the fewest steps, of which the cheapest plan is taken
+_FACTORS = (1.0, 1.5, 2.0, 3.0, 4.0, 6.0)  # times the fewest steps: the cheapest plan is taken
 _PRODUCTS = 20.0  # cost of a term's matrix products, in those of a harmonic with one earlier term (heuristic)
 _MOST_STEPS = 1e9
 _AT_ONCE = 16  # steps whose terms are computed together, which spares calls of numpy (a choice)
@@ -26,7 +26,7 @@ _SLACK = 4.0  # digits by which a step's series ends below the error wanted, whi
 _UP = 1.0 + 1e-9  # covers the rounding of bounds, which are computed in doubles
 
 
-class Series(NamedTuple):
+class PieceSeries(NamedTuple):
     """A(phase) = mean + slope (phase - start) + sum_k cosines[k-1] cos(k phase) + sines[k-1] sin(k phase).
 
     Per unit of phase, over a ``length`` of phase from ``start`` on: a piece of the period, which is 2 pi long.
@@ -66,8 +66,8 @@ class Plan(NamedTuple):
     steps: int  # of equal lengths
     order: int  # power of the last term of the series over each
     bits: int  # after the point
-    log_error: float  # logarithm of a bound of what is left out of each series
-    rounding: float  # bound of what the arithmetic of a step rounds, in units of 2^-bits
+    log_error: float  # logarithm of a bound of the truncation of each series
+    rounding: float  # bound of the rounding of a step, in units of 2^-bits
 
     @property
     def terms(self) -> int:
@@ -76,7 +76,7 @@ class Plan(NamedTuple):
 
 
 def last_power(sizes: Floats, waves: Floats, h: float, log_wanted: float, steepness: float = 0.0) -> Any:
-    """Return the power after which series over steps h are cut, and the logarithm of a bound of what that leaves out.
+    """Return the last power of series over steps h, and the logarithm of a bound of their truncation.
 
     With a(r) = steepness r + sum_k sizes_k cosh(waves_k r), which bounds A for complex times up to r from a real one, a
     solution grows from there at most by exp(r a(r)), so that by Cauchy the series cut after the power p errs by at most
@@ -94,37 +94,37 @@ def last_power(sizes: Floats, waves: Floats, h: float, log_wanted: float, steepn
     return None
 
 
-def plan(pieces: Sequence[Series], digits: float) -> tuple[Plan, ...] | None:
+def plan(pieces: Sequence[PieceSeries], digits: float) -> tuple[Plan, ...] | None:
     """Return plans for series that end ``digits`` digits below 1; None where they converge too slowly."""
-    found = [_plan(series, digits) for series in pieces]
-    if any(one is None for one in found):
+    plans = [_plan(series, digits) for series in pieces]
+    if any(fit is None for fit in plans):
         return None
-    bits = max(one.bits for one in found if one is not None)
-    return tuple(one._replace(bits=bits) for one in found if one is not None)
+    bits = max(fit.bits for fit in plans if fit is not None)
+    return tuple(fit._replace(bits=bits) for fit in plans if fit is not None)
 
 
-def _plan(series: Series, digits: float) -> Plan | None:
+def _plan(series: PieceSeries, digits: float) -> Plan | None:
     sizes, length = series.sizes, float(series.length)
     waves = np.arange(float(len(sizes)))
     # Harmonics turn by less than a quarter of a turn in a step.
-    least = max(length * float(sizes.sum()) / _STEP, 4.0 * waves[-1] * length / (2.0 * math.pi), 1.0)
-    if not least < _MOST_STEPS:
+    fewest = max(length * float(sizes.sum()) / _STEP, 4.0 * waves[-1] * length / (2.0 * math.pi), 1.0)
+    if not fewest < _MOST_STEPS:
         return None
-    found = []
-    for steps in (math.ceil(least * factor) for factor in _FACTORS):
+    options = []
+    for steps in (math.ceil(fewest * factor) for factor in _FACTORS):
         power = last_power(sizes, waves, length / steps, -math.log(10.0) * (digits + _SLACK), series.steepness)
         if power is not None:
-            found.append((steps * power[0] * (power[0] + _PRODUCTS), steps, *power))
-    if not found:
+            options.append((steps * power[0] * (power[0] + _PRODUCTS), steps, *power))
+    if not options:
         return None
-    _, steps, order, log_error = min(found)
+    _, steps, order, log_error = min(options)
     rounding = _rounding(sizes, waves, series.steepness, length / steps, order, len(series.mean))
     bits = math.ceil(math.log2(10.0) * (digits + _SLACK) + math.log2(rounding)) + _GUARD_BITS
     return Plan(steps, order, bits, log_error, rounding)
 
 
 def _rounding(sizes: Floats, waves: Floats, steepness: float, h: float, last: int, order: int) -> float:
-    """Bound what the arithmetic of a step rounds, in units of 2^-bits.
+    """Return a bound of the rounding of a step, in units of 2^-bits.
 
     Rounded, the terms solve x' = A x + f, f a series whose coefficients are the roundings, and this with |A|, |f| in
     place of A, f bounds by how much they differ.  A term rounds in its products (1), in the division (last + 2), in the
@@ -133,20 +133,20 @@ def _rounding(sizes: Floats, waves: Floats, steepness: float, h: float, last: in
     growth = h * (float(sizes @ np.cosh(waves * h)) + steepness * h)
     spread = math.exp(growth)
     matrices = 2.0 * len(sizes) + (3.0 if steepness else 1.0)
-    each = last + 3.0 + matrices * 8.0 * (1.0 + growth) * (1.0 + spread) * math.cosh(waves[-1] * h)
-    return _UP * order * each * spread * (1.0 + math.log(last + 1.0)) + order
+    units = last + 3.0 + matrices * 8.0 * (1.0 + growth) * (1.0 + spread) * math.cosh(waves[-1] * h)
+    return _UP * order * units * spread * (1.0 + math.log(last + 1.0)) + order
 
 
-def period_map(pieces: Sequence[Series], context: Any, planned: Sequence[Plan]) -> PeriodMap:
-    """Return the map over all pieces in a context of mpmath, whose precision is set to what the plans need."""
+def period_map(pieces: Sequence[PieceSeries], context: Any, planned: Sequence[Plan]) -> PeriodMap:
+    """Return the map over all pieces in a context of mpmath, whose precision is set as the plans need."""
     bits, order = planned[0].bits, len(pieces[0].mean)
     context.prec = bits + _GUARD_BITS
     total, maps, local = None, [], []
-    for series, one in zip(pieces, planned, strict=True):
-        steps = _Steps(series, context, one)
-        error = context.exp(one.log_error) + context.ldexp(one.rounding, -bits)
-        for first in range(0, one.steps, _AT_ONCE):
-            for fine in steps.across(range(first, min(first + _AT_ONCE, one.steps))):
+    for series, plan in zip(pieces, planned, strict=True):
+        steps = _PieceSteps(series, context, plan)
+        error = context.exp(plan.log_error) + context.ldexp(plan.rounding, -bits)
+        for first in range(0, plan.steps, _AT_ONCE):
+            for fine in steps.across(range(first, min(first + _AT_ONCE, plan.steps))):
                 total = fine if total is None else np.dot(fine, total) >> bits
                 maps.append(_floats(fine, bits))
                 local.append(error)
@@ -156,13 +156,13 @@ def period_map(pieces: Sequence[Series], context: Any, planned: Sequence[Plan]) 
     rounded = order * sum(after)
     error = _UP * (math.sqrt(order) * magnified + context.ldexp(float(rounded), -bits))
     matrix = np.array([context.ldexp(context.mpf(v), -bits) for v in np.asarray(total).flat], dtype=object)
-    return PeriodMap(matrix.reshape(order, order), error, sum(one.terms for one in planned))
+    return PeriodMap(matrix.reshape(order, order), error, sum(plan.terms for plan in planned))
 
 
-class _Steps:
-    """What all steps of a piece share: matrices times the step, and Taylor coefficients of cos(k h s), sin(k h s)."""
+class _PieceSteps:
+    """The data of all steps of a piece: matrices times the step, Taylor coefficients of cos(k h s), sin(k h s)."""
 
-    def __init__(self, series: Series, context: Any, planned: Plan) -> None:
+    def __init__(self, series: PieceSeries, context: Any, planned: Plan) -> None:
         order, bits = len(series.mean), planned.bits
         self.context, self.bits, self.last, self.series = context, bits, planned.order, series
         self.length = series.length / planned.steps
@@ -170,22 +170,27 @@ class _Steps:
         self.mean = _fixed(series.mean * self.length, bits, context)
         self.slope = None if series.slope is None else _fixed(series.slope * self.length**2, bits, context)
         waves = _fixed(series.waves * self.length, bits, context)
-        found = (waves != 0).any(axis=0) if len(waves) else np.zeros((order, order), dtype=bool)
-        self.rows, self.columns = np.flatnonzero(found.any(axis=1)), np.flatnonzero(found.any(axis=0))
+        varies = (waves != 0).any(axis=0) if len(waves) else np.zeros((order, order), dtype=bool)
+        self.rows, self.columns = np.flatnonzero(varies.any(axis=1)), np.flatnonzero(varies.any(axis=0))
         self.waves = waves[:, self.rows[:, None], self.columns]
         weights = [self._weights(k + 1) for k in range(len(waves) // 2)]
         self.even, self.odd = (np.array([w[i::2] for w in weights], dtype=object) for i in (0, 1))
 
     def _weights(self, k: int) -> list[int]:
         """Return the Taylor coefficients of cos(k h s), even ones, and of sin(k h s), odd ones."""
-        found, term = [], self.context.mpf(1)
+        weights, term = [], self.context.mpf(1)
         for power in range(self.last + 1):
-            found.append(int(self.context.ldexp(-term if power % 4 > 1 else term, self.bits)))
+            weights.append(int(self.context.ldexp(-term if power % 4 > 1 else term, self.bits)))
             term = term * k * self.length / (power + 1)
-        return found
+        return weights
 
     def across(self, steps: range) -> NDArray[Any]:
-        """Return the maps over some steps, shape (steps, N, N)."""
+        """Return the maps over ``steps``, shape (steps, N, N).
+
+        Terms x_m of x' = h A(h s) x at s = 0: (m + 1) x_(m+1) = h mean x_m + h^2 slope x_(m-1)
+        + sum_k (C_k sum_j c_j x_(m-j) + S_k sum_j s_j x_(m-j)), c and s the Taylor coefficients of cos(k h s),
+        sin(k h s), C and S turned to the beginning of each step.
+        """
         order, width, harmonics = len(self.identity), len(self.columns), len(self.even)
         waves = np.stack([self._turned(self.series.start + step * self.length) for step in steps])
         mean = np.stack([self._mean(step) for step in steps])
@@ -200,8 +205,8 @@ class _Steps:
                 history[m] = newest[:, self.columns].ravel()
                 even = np.dot(self.even[:, : m // 2 + 1], history[m::-2])
                 odd = np.dot(self.odd[:, : (m + 1) // 2], history[m - 1 :: -2]) if m else np.zeros_like(even)
-                parts = np.stack([even, odd], axis=1).reshape(2 * harmonics, len(steps), width, order) >> self.bits
-                change[:, self.rows] += np.matmul(waves, parts.swapaxes(0, 1).reshape(len(steps), -1, order))
+                convolved = np.stack([even, odd], axis=1).reshape(2 * harmonics, len(steps), width, order) >> self.bits
+                change[:, self.rows] += np.matmul(waves, convolved.swapaxes(0, 1).reshape(len(steps), -1, order))
             older, newest = newest, (change >> self.bits) // (m + 1)
             total = total + newest
         return total
@@ -216,23 +221,23 @@ class _Steps:
 
     def _turned(self, begin: Any) -> NDArray[Any]:
         """Return the coefficients of cos(k h s) and sin(k h s), s from the beginning of a step, side by side."""
-        found = []
+        turned = []
         for k, (cosine, sine) in enumerate(zip(self.waves[::2], self.waves[1::2], strict=True), 1):
             c, s = (int(self.context.ldexp(v, self.bits)) for v in self.context.cos_sin(k * begin))
-            found += [(cosine * c + sine * s) >> self.bits, (sine * c - cosine * s) >> self.bits]
-        return np.concatenate(found, axis=1) if found else np.zeros((0, 0), dtype=object)
+            turned += [(cosine * c + sine * s) >> self.bits, (sine * c - cosine * s) >> self.bits]
+        return np.concatenate(turned, axis=1) if turned else np.zeros((0, 0), dtype=object)
 
 
 @np.errstate(over="ignore", under="ignore", invalid="ignore")  # a product that overflows has an infinite norm, or NaN
 def _products(maps: list[Floats]) -> tuple[list[float], list[float]]:
-    """Return bounds of the 2-norms of what is applied before and after each map."""
+    """Return bounds of the 2-norms of the products of all maps before, and of all maps after each map."""
     order = len(maps[0])
     before, after = [1.0], [1.0]
-    for found, sequence, left in ((before, maps, True), (after, maps[::-1], False)):
+    for bounds, sequence, left in ((before, maps, True), (after, maps[::-1], False)):
         product = np.eye(order)
         for matrix in sequence[:-1]:
             product = matrix @ product if left else product @ matrix
-            found.append(_norm(product))
+            bounds.append(_norm(product))
     return before, after[::-1]
 
 
@@ -254,6 +259,6 @@ def _fixed(matrix: NDArray[Any], bits: int, context: Any) -> NDArray[Any]:
 
 
 def _floats(matrix: Any, bits: int) -> Floats:
-    """Return integers that are multiples of 2^-bits as doubles."""
+    """Return integers, multiples of 2^-bits, as doubles."""
     scale = 1 << bits
     return np.array([v / scale for v in matrix.flat], dtype=float).reshape(matrix.shape)

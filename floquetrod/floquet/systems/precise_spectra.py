@@ -1,4 +1,4 @@
-"""Eigenvalues with errors, to many digits: what `spectra` does in doubles, for the method `reference`."""
+"""Eigenvalues with errors, to many digits, for the method `reference`: `spectra` has them in doubles."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ class PreciseDiscs(NamedTuple):
 def eigenvalue_discs(matrix: NDArray[Any], error: float, context: Any) -> PreciseDiscs | None:
     """Return discs for the eigenvalues of all matrices within ``error`` of ``matrix``, as `spectra` does.
 
-    None where the numbers are beyond those of doubles, or the eigenvalues do not converge.
+    None where numbers are beyond the range of doubles, or the eigenvalues do not converge.
     """
     n = len(matrix)
     size = math.hypot(*(float(abs(v)) for v in matrix.flat))
@@ -67,7 +67,7 @@ def _discs_of_vectors(matrix: NDArray[Any], total: float, size: float, context: 
     """Return Gershgorin's discs in the coordinates of the eigenvectors; None where these fail."""
     n = len(matrix)
     try:
-        found, vectors = context.eig(context.matrix(matrix.tolist()))
+        eigenvalues, vectors = context.eig(context.matrix(matrix.tolist()))
         right = _array(vectors)
         lengths = [context.sqrt(sum(abs(v) ** 2 for v in column)) for column in right.T]
         right = right / np.array(lengths, dtype=object)
@@ -75,7 +75,7 @@ def _discs_of_vectors(matrix: NDArray[Any], total: float, size: float, context: 
         conditions = np.array([_norm(row) for row in left])
     except (ZeroDivisionError, OverflowError, RuntimeError):  # eigenvectors in one direction; no convergence
         return None
-    values = np.array(list(found), dtype=object)
+    values = np.array(list(eigenvalues), dtype=object)
     uncertainty = math.ldexp(n * n * _norm(left.ravel()), -context.prec)
     if not uncertainty < 0.1:
         return None
@@ -92,7 +92,7 @@ def _discs_of_vectors(matrix: NDArray[Any], total: float, size: float, context: 
 
 
 def discriminant(discs: PreciseDiscs, cluster: NDArray[np.intp]) -> tuple[float, float]:
-    """Return ((z1 - z2) / 2)^2 of a real matrix's cluster of two, and its error, far smaller than that of z1 and z2."""
+    """Return ((z1 - z2) / 2)^2 of a real matrix's cluster of two, and its error, far smaller than z1's and z2's."""
     if not discs.right.size:
         return 0.0, math.inf
     half = (discs.values[cluster[0]] - discs.values[cluster[1]]) / 2
@@ -102,14 +102,14 @@ def discriminant(discs: PreciseDiscs, cluster: NDArray[np.intp]) -> tuple[float,
 
 
 def krein_sign(pairs: PairMatrix, discs: PreciseDiscs, cluster: NDArray[np.intp]) -> int:
-    """Return the Krein sign of those multipliers on the upper half of the circle that a cluster of y stands for."""
+    """Return the Krein sign of a cluster of y: of its multipliers on the upper half of the circle, 0 where mixed."""
     if not discs.right.size:
         return 0
-    half = discs.right[:, cluster]
-    every = np.dot(pairs.basis, half)
+    vectors = discs.right[:, cluster]
+    columns = np.dot(pairs.basis, vectors)
     if len(cluster) > 1:  # one vector of a single pair will do, whose sign is that of all
-        every = np.hstack([every, np.dot(pairs.image, half)])
-    basis, spread = _orthonormal(every)
+        columns = np.hstack([columns, np.dot(pairs.image, vectors)])
+    basis, spread = _orthonormal(columns)
     turned = np.dot(pairs.form, basis)
     values = np.linalg.eigvalsh(np.dot(basis.T.conj(), turned).astype(np.complex128))
     slack = 1e-12 + pairs.error + 2.0 * _norm(pairs.form.ravel()) * spread * _subspace_error(discs, cluster)
@@ -117,22 +117,22 @@ def krein_sign(pairs: PairMatrix, discs: PreciseDiscs, cluster: NDArray[np.intp]
 
 
 def _orthonormal(columns: NDArray[Any]) -> tuple[NDArray[Any], float]:
-    """Return an orthonormal basis of what columns span, and their largest length over the least that is left of one."""
-    found: list[NDArray[Any]] = []
+    """Return an orthonormal basis of the span of columns, and their norm over the shortest remainder of one."""
+    basis: list[NDArray[Any]] = []
     lengths = []
     for column in columns.T:
         for _ in range(2):
-            for other in found:
-                overlap = sum(v.conjugate() * x for v, x in zip(other, column, strict=True))
-                column = column - overlap * other
+            for direction in basis:
+                overlap = sum(v.conjugate() * x for v, x in zip(direction, column, strict=True))
+                column = column - overlap * direction
         lengths.append(sum(abs(v) ** 2 for v in column) ** 0.5)
-        found.append(column / (lengths[-1] or 1))
-    least = float(min(lengths))
-    return np.array(found, dtype=object).T, _norm(columns.ravel()) / least if least > 0.0 else math.inf
+        basis.append(column / (lengths[-1] or 1))
+    shortest = float(min(lengths))
+    return np.array(basis, dtype=object).T, _norm(columns.ravel()) / shortest if shortest > 0.0 else math.inf
 
 
 def _subspace_error(discs: PreciseDiscs, members: NDArray[np.intp]) -> float:
-    """Return about how far, as an angle, the true invariant subspace of some eigenvalues may be."""
+    """Return about the angle between the true and the computed invariant subspace of the eigenvalues ``members``."""
     others = np.setdiff1d(np.arange(len(discs.values)), members)
     if not len(others):
         return 0.0

@@ -16,11 +16,11 @@ from floquetrod.equations.pieces import fourier
 
 Ints = NDArray[np.intp]
 
-_HIGHEST_ORDER = 40  # of a resonance that is searched for
+_HIGHEST_ORDER = 40  # of resonances searched for
 _MOST_MODES = 200  # of a system whose resonances are named: their number grows with the square
-_PER_ORDER = 0.05  # what an order is thought to cost, in detuning relative to w: low orders grow faster
-_UNCOUPLED = 0.2  # what it costs that the harmonic of that order does not couple the modes, alike
-_NOTHING = 1e-9  # beside 1: what an angle, or a share of the largest frequency or coupling, counts for 0 below
+_PER_ORDER = 0.05  # penalty of an order, in detuning relative to w: low orders grow faster
+_UNCOUPLED = 0.2  # penalty, alike, where the harmonic of that order does not couple the modes
+_NOTHING = 1e-9  # an angle, or a share of the largest frequency or coupling, below it counts as 0
 
 _UNNAMED = {"hopf": "Hopf instability", "flip": "period doubling", "fold": "growth without oscillation"}
 """Of systems with delays, whose modes are not counted."""
@@ -70,12 +70,12 @@ class Resonance(NamedTuple):
 
 
 def name(system: HillSystem | PeriodicSystem | DelaySystem, exponents: Sequence[complex]) -> tuple[Resonance, ...]:
-    """Return the names of the growing solutions among those of some exponents, the fastest first, each name once."""
-    least = -_NOTHING / float(system.period)
-    growing = [exponent for exponent in exponents if exponent.real > 0.0 and exponent.imag >= least]
+    """Return the names of the growing solutions among ``exponents``, the fastest first, each name once."""
+    lowest = -_NOTHING / float(system.period)
+    growing = [exponent for exponent in exponents if exponent.real > 0.0 and exponent.imag >= lowest]
     if isinstance(system, DelaySystem):
         return _by_multipliers(system, growing)
-    if system.MEANING:  # its frequencies are sums and differences of those that would be named
+    if system.MEANING:  # its frequencies are sums and differences of the natural ones
         return ()
     equations = system.order if isinstance(system, HillSystem) else 0.5 * system.order
     modes = _mean_modes(system) if growing and equations <= _MOST_MODES else None
@@ -83,46 +83,46 @@ def name(system: HillSystem | PeriodicSystem | DelaySystem, exponents: Sequence[
         return ()
     differences = not isinstance(system, HillSystem) or system.gyroscopic is not None or not system.is_symmetric
     w = 2.0 * math.pi / float(system.period)
-    found: dict[tuple[str, tuple[int, ...], int], Resonance] = {}
+    names: dict[tuple[str, tuple[int, ...], int], Resonance] = {}
     pairs = _Pairs.of(modes, w, differences)
     for exponent in growing:
         candidates = [*_combinations(modes, pairs, exponent, w), *_of_the_mean(modes, exponent, w)]
         if candidates:
             best = min(candidates, key=lambda candidate: candidate[:3]).name
-            found.setdefault((best.kind, best.modes, best.order), best)
-    return tuple(found.values())
+            names.setdefault((best.kind, best.modes, best.order), best)
+    return tuple(names.values())
 
 
 def _by_multipliers(system: DelaySystem, growing: list[complex]) -> tuple[Resonance, ...]:
     """Return the names of the ways in which multipliers leave the unit circle: through 1, -1 or a pair elsewhere."""
-    found: dict[str, Resonance] = {}
+    names: dict[str, Resonance] = {}
     for exponent in growing:
         angle = exponent.imag * float(system.period)
         real = abs(angle) <= _NOTHING if system.is_constant else abs(math.sin(angle)) <= _NOTHING
         kind: Literal["fold", "flip", "hopf"] = "hopf" if not real else "fold" if math.cos(angle) > 0.0 else "flip"
-        found.setdefault(kind, Resonance(kind, (), 0, exponent.real))
-    return tuple(found.values())
+        names.setdefault(kind, Resonance(kind, (), 0, exponent.real))
+    return tuple(names.values())
 
 
-class _Modes(NamedTuple):
+class _MeanModes(NamedTuple):
     """Modes of the mean system, the lowest frequency first."""
 
     poles: Complexes  # (m,), an exponent of each, with positive imaginary part where it oscillates
     up: NDArray[np.intp]  # (m,), place of the exponent in ``coupling``
-    down: NDArray[np.intp]  # (m,), that of its conjugate
+    down: NDArray[np.intp]  # (m,), place of its conjugate
     coupling: Floats  # (H, N, N), of exponents by each harmonic, both ways, relative to its strongest
 
 
-def _mean_modes(system: HillSystem | PeriodicSystem) -> _Modes | None:
+def _mean_modes(system: HillSystem | PeriodicSystem) -> _MeanModes | None:
     """Return the modes of the mean system; None where they cannot be computed."""
     freed = system.undamped if isinstance(system, HillSystem) and system.is_symmetric else None
     is_plain = freed is not None and not freed[0].pieces and freed[0].mass is None and freed[0].gyroscopic is None
-    found = _symmetric(*freed) if freed is not None and is_plain else None
-    if found is None:
-        found = _of_first_order(in_first_order(system))
-    if found is None:
+    spectrum = _symmetric(*freed) if freed is not None and is_plain else None
+    if spectrum is None:
+        spectrum = _of_first_order(in_first_order(system))
+    if spectrum is None:
         return None
-    values, both = found
+    values, couplings = spectrum
     size = float(np.abs(values).max(initial=0.0))
     oscillating = np.flatnonzero(values.imag > _NOTHING * size)
     oscillating = oscillating[np.argsort(values[oscillating].imag, kind="stable")]
@@ -132,9 +132,9 @@ def _mean_modes(system: HillSystem | PeriodicSystem) -> _Modes | None:
     up = np.concatenate([still[: math.ceil(len(still) / 2)], oscillating])
     partners = np.abs(values[None, :] - values[up][:, None].conj()).argmin(axis=1)
     with np.errstate(all="ignore"):
-        strongest = both.max(axis=(-2, -1), keepdims=True, initial=0.0)
-        coupling = np.nan_to_num(both / strongest)
-    return _Modes(values[up], up, partners, coupling)
+        strongest = couplings.max(axis=(-2, -1), keepdims=True, initial=0.0)
+        coupling = np.nan_to_num(couplings / strongest)
+    return _MeanModes(values[up], up, partners, coupling)
 
 
 def _of_first_order(first: PeriodicSystem) -> tuple[Complexes, Floats] | None:
@@ -148,12 +148,12 @@ def _of_first_order(first: PeriodicSystem) -> tuple[Complexes, Floats] | None:
         waves = fourier(first, _HIGHEST_ORDER)
         forward = np.abs(inverse @ waves @ vectors)
         backward = np.abs(inverse @ waves.conj() @ vectors)
-        both = np.sqrt(forward * np.swapaxes(backward, -1, -2))
-    return values.astype(np.complex128), both
+        couplings = np.sqrt(forward * np.swapaxes(backward, -1, -2))
+    return values.astype(np.complex128), couplings
 
 
 def _symmetric(freed: HillSystem, damping: float) -> tuple[Complexes, Floats] | None:
-    """Return what `_of_first_order` does, of q'' + 2 c q' + K q = 0 from the modes of K at a tenth of the cost.
+    """Return exponents and couplings as `_of_first_order`, of q'' + 2 c q' + K q = 0 at a tenth of the cost.
 
     With exponents -c +- r and modes phi of length 1 a harmonic Z couples two by
     |phi_i . Z phi_j| / (2 sqrt(|r_i r_j|)).  None where an exponent is double.
@@ -168,7 +168,7 @@ def _symmetric(freed: HillSystem, damping: float) -> tuple[Complexes, Floats] | 
 
 
 class _Candidate(NamedTuple):
-    """A name, how badly it fits, and what decides between names that fit alike."""
+    """A name, its misfit, and the rank and first mode that decide between equal misfits."""
 
     misfit: float
     rank: int
@@ -177,45 +177,45 @@ class _Candidate(NamedTuple):
 
 
 class _Pairs(NamedTuple):
-    """Pairs of modes that may resonate, and what of their misfit does not depend on the exponent to be explained."""
+    """Pairs of modes that may resonate, and the terms of their misfit that do not depend on the exponent."""
 
-    one: Ints  # (p,), a mode
-    other: Ints  # (p,), the other one; a mode with itself is a direct resonance
+    first: Ints  # (p,), a mode
+    second: Ints  # (p,), its partner; a mode with itself is a direct resonance
     orders: (
         Floats  # (p, 3) or (p, 6), multiples of the forcing nearest to the sum of the frequencies, then the difference
     )
     detuning: Floats  # alike, from each, infinite where there is no such resonance
-    cost: Floats  # alike, of what does not couple them
+    cost: Floats  # alike, of harmonics that do not couple them
 
     @classmethod
-    def of(cls, modes: _Modes, w: float, differences: bool) -> _Pairs:
+    def of(cls, modes: _MeanModes, w: float, differences: bool) -> _Pairs:
         """Return the pairs; without ``differences``, because all modes have one Krein sign, sums alone."""
         f = modes.poles.imag
-        one, other = np.triu_indices(len(f))
-        possible = ~_buckles(modes)[one]
-        one, other = one[possible], other[possible]
-        sums = _near(modes, f[one] + f[other], w, modes.up[one], modes.down[other])
+        first, second = np.triu_indices(len(f))
+        possible = ~_buckles(modes)[first]
+        first, second = first[possible], second[possible]
+        sums = _near(modes, f[first] + f[second], w, modes.up[first], modes.down[second])
         if not differences:
-            return cls(one, other, *sums)
-        orders, detuning, cost = _near(modes, f[other] - f[one], w, modes.up[one], modes.up[other])
-        apart = orders, np.where((one == other)[:, None], math.inf, detuning), cost
-        return cls(one, other, *(np.hstack(parts) for parts in zip(sums, apart, strict=True)))
+            return cls(first, second, *sums)
+        orders, detuning, cost = _near(modes, f[second] - f[first], w, modes.up[first], modes.up[second])
+        apart = orders, np.where((first == second)[:, None], math.inf, detuning), cost
+        return cls(first, second, *(np.hstack(parts) for parts in zip(sums, apart, strict=True)))
 
 
-def _combinations(modes: _Modes, pairs: _Pairs, exponent: complex, w: float) -> list[_Candidate]:
+def _combinations(modes: _MeanModes, pairs: _Pairs, exponent: complex, w: float) -> list[_Candidate]:
     """Return the best combination of modes with the forcing, by detuning and mismatch of the angle and the order."""
     f = modes.poles.imag
-    one, other, orders = pairs.one, pairs.other, pairs.orders
-    if not one.size:
+    first, second, orders = pairs.first, pairs.second, pairs.orders
+    if not first.size:
         return []
     angle = np.minimum(_off(exponent, f, w), _off(exponent, -f, w))
-    mismatch = np.repeat((angle[one] + angle[other])[:, None], orders.shape[1], axis=1)
-    same = one == other
+    mismatch = np.repeat((angle[first] + angle[second])[:, None], orders.shape[1], axis=1)
+    same = first == second
     mismatch[same] = 2.0 * _off(exponent, 0.5 * orders[same] * w, w)
     misfits = pairs.detuning + mismatch + pairs.cost + _PER_ORDER * orders
     # The first of the least, in the order of modes, kinds and orders.
     pair, column = divmod(int(np.where(np.isnan(misfits), math.inf, misfits).argmin()), misfits.shape[1])
-    i, j, misfit = int(one[pair]), int(other[pair]), float(misfits[pair, column])
+    i, j, misfit = int(first[pair]), int(second[pair]), float(misfits[pair, column])
     if not misfit < math.inf:
         return []
     kind: Literal["direct", "sum", "difference"] = "direct" if i == j else "sum" if column < 3 else "difference"
@@ -223,10 +223,10 @@ def _combinations(modes: _Modes, pairs: _Pairs, exponent: complex, w: float) -> 
     return [_Candidate(misfit, 0, i, Resonance(kind, members, int(orders[pair, column]), exponent.real))]
 
 
-def _near(modes: _Modes, total: Floats, w: float, one: Ints, other: Ints) -> tuple[Floats, Floats, Floats]:
-    """Return the three orders k next to total = k w, their detuning, infinite beyond all orders, and what they cost.
+def _near(modes: _MeanModes, total: Floats, w: float, first: Ints, second: Ints) -> tuple[Floats, Floats, Floats]:
+    """Return the three orders k next to total = k w, their detuning, infinite beyond all orders, and their cost.
 
-    A harmonic that does not couple two exponents costs something: several harmonics together might.
+    A harmonic that does not couple two exponents has a cost: several harmonics together might.
     """
     orders = np.rint(np.minimum(total / w, 1e6))[:, None] + np.array([-1.0, 0.0, 1.0])
     looked_for = (orders >= 1.0) & (orders <= _HIGHEST_ORDER)
@@ -235,29 +235,29 @@ def _near(modes: _Modes, total: Floats, w: float, one: Ints, other: Ints) -> tup
     known = looked_for & (orders <= harmonics)
     cost = np.zeros(orders.shape)
     if harmonics:
-        place = np.clip(orders, 1.0, harmonics).astype(np.intp) - 1
-        coupling = modes.coupling[place, one[:, None], other[:, None]]
+        harmonic = np.clip(orders, 1.0, harmonics).astype(np.intp) - 1
+        coupling = modes.coupling[harmonic, first[:, None], second[:, None]]
         cost = np.where(known & (coupling < _NOTHING), _UNCOUPLED, 0.0)
     return orders, detuning, cost
 
 
-def _of_the_mean(modes: _Modes, exponent: complex, w: float) -> list[_Candidate]:
-    """Return what needs no forcing: buckling, and flutter, where two modes of the mean system have met."""
+def _of_the_mean(modes: _MeanModes, exponent: complex, w: float) -> list[_Candidate]:
+    """Return the candidates without forcing: buckling, and flutter, where two modes of the mean system have met."""
     poles, frequencies = modes.poles, modes.poles.imag
-    found = []
+    candidates = []
     for i in np.flatnonzero(_buckles(modes)).tolist():
         misfit = _off(exponent, 0.0, w) + abs(poles[i].real - exponent.real) / w
-        found.append(_Candidate(float(misfit), 0, i, Resonance("buckling", (i + 1,), 0, exponent.real)))
+        candidates.append(_Candidate(float(misfit), 0, i, Resonance("buckling", (i + 1,), 0, exponent.real)))
     for i, pole in enumerate(poles):
         if pole.real > _NOTHING * abs(pole) and pole.imag > 0.0 and len(poles) > 1:
             j = min((k for k in range(len(poles)) if k != i), key=lambda k: abs(frequencies[k] - pole.imag))
             members = (min(i, j) + 1, max(i, j) + 1)
             misfit = _off(exponent, pole.imag, w)
-            found.append(_Candidate(float(misfit), 1, i, Resonance("difference", members, 0, exponent.real)))
-    return found
+            candidates.append(_Candidate(float(misfit), 1, i, Resonance("difference", members, 0, exponent.real)))
+    return candidates
 
 
-def _buckles(modes: _Modes) -> Bools:
+def _buckles(modes: _MeanModes) -> Bools:
     """Return which modes of the mean system grow without oscillating."""
     return np.asarray((modes.poles.real > 0.0) & (modes.poles.imag == 0.0))
 

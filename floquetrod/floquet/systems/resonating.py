@@ -1,13 +1,13 @@
 """The modes of q'' + 2 c q' + K(t) q = 0 that may take part in a resonance, as a system of their own.
 
-Modes are those of the mean stiffness.  In these K = diag(s) + sum_k Re Z_k exp(i k w t) lies between diag(s - d) and
+In the modes of the mean stiffness K = diag(s) + sum_k Re Z_k exp(i k w t) lies between diag(s - d) and
 diag(s + d), where d are the sums of the rows of sum_k |Z_k|, so that mode j swings at no more than w_j =
 sqrt(s_j + d_j).  Two modes resonate where their frequencies add up to a multiple of w: a mode with w_j + w_i < w for
 every mode i resonates with none, as long as K stays positive, s > d.
 
-Such modes are left out.  Others drive them, but off resonance, and are driven back: what that changes is left out too.
-It falls with the distance between the modes, as the highest resonate and these are the lowest.  Of strings their
-growth came out the same to 1e-6 1/s (tested).
+Such modes are left out.  The others drive them, but off resonance, and are driven back; this is neglected too.  It
+falls with the distance between the modes, as the highest resonate and these are the lowest.  The growth of strings
+came out the same to 1e-6 1/s (tested).
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ from floquetrod.floquet.kernels.system_large import in_modes
 
 _APART = 0.9  # sum of two frequencies over that of a resonance, up to which they are far from it (measured)
 _FEWEST = 9  # modes kept: fewer take no less time (measured)
-_WORTH = 0.8  # share of the equations that may be left for this to be worthwhile (a choice)
+_WORTH = 0.8  # largest share of the equations that may remain (a choice)
 
 
 class Resonating(NamedTuple):
@@ -36,8 +36,8 @@ class Resonating(NamedTuple):
     below: int  # modes left out, which all swing more slowly
 
     @classmethod
-    def _of(cls, like: HillSystem, damping: float, modes: _Modes, below: int) -> Self:
-        """Return all but the first modes ``below``, with period and error of another system."""
+    def _of(cls, system: HillSystem, damping: float, modes: _StiffnessModes, below: int) -> Self:
+        """Return all but the first modes ``below``, with period and coefficient error of ``system``."""
         kept, sines = slice(below, None), modes.sines
         count = len(modes.rates) - below
         rounding = EPS * (4.0 + 2.0 * math.sqrt(len(modes.rates))) * float(modes.rates[-1] + modes.reach.max())
@@ -45,8 +45,8 @@ class Resonating(NamedTuple):
             np.diag(modes.rates[kept]),
             list(mirrored(modes.cosines[:, kept, kept])),
             list(mirrored(-sines[:, kept, kept])) if sines.any() else (),
-            period=float(like.period),
-            coefficient_error=like.coefficient_error + rounding / count,  # of the eigenvectors (measured)
+            period=float(system.period),
+            coefficient_error=system.coefficient_error + rounding / count,  # of the eigenvectors (measured)
         )
         return cls(free, damping, modes.vectors[:, kept], below)
 
@@ -56,20 +56,17 @@ class Resonating(NamedTuple):
         return damped(self.free, self.damping) if self.damping else self.free
 
     def without_last(self, count: int) -> Self | None:
-        """Return what is left of these modes where the last ``count`` of all coordinates are held at zero.
-
-        None where there are no more modes than that.
-        """
+        """Return the modes of the motion whose last ``count`` coordinates are zero; None where too few modes remain."""
         kept = self.basis.shape[1]
         if kept < count + _FEWEST:
             return None
         moving = np.linalg.qr(self.basis[-count:].T, mode="complete")[0][:, count:]
-        modes = _Modes.of(self.free, moving)
-        found = self._of(self.free, self.damping, modes, max(0, modes.below_resonance(self.free)))
-        return found._replace(basis=self.basis @ found.basis, below=self.below + found.below)
+        modes = _StiffnessModes.of(self.free, moving)
+        rest = self._of(self.free, self.damping, modes, max(0, modes.below_resonance(self.free)))
+        return rest._replace(basis=self.basis @ rest.basis, below=self.below + rest.below)
 
 
-class _Modes(NamedTuple):
+class _StiffnessModes(NamedTuple):
     """Modes of the mean stiffness."""
 
     rates: Floats  # (n,), their stiffness
@@ -80,7 +77,7 @@ class _Modes(NamedTuple):
 
     @classmethod
     def of(cls, free: HillSystem, moving: Floats | None = None) -> Self:
-        """Return those of a system without damping, or of the motion in a subspace, an orthonormal basis (m, n)."""
+        """Return the modes of a system without damping, all or in a subspace of an orthonormal basis (m, n)."""
         matrices = [free.stiffness, free.harmonics.real, free.harmonics.imag]
         if moving is not None:
             matrices = [moving.T @ matrix @ moving for matrix in matrices]
@@ -98,14 +95,14 @@ class _Modes(NamedTuple):
 
 
 def resonating(system: HillSystem) -> Resonating | None:
-    """Return the modes that may resonate; None where these are most modes, and of other systems."""
+    """Return the modes that may resonate; None where these are most modes, and for systems of another form."""
     freed = system.undamped
     if freed is None or freed[0].structure != "hamiltonian" or system.mass is not None or system.pieces:
         return None
     free, damping = freed
     if free.gyroscopic is not None or not np.isfinite(free.stiffness).all():
         return None
-    modes = _Modes.of(free)
+    modes = _StiffnessModes.of(free)
     below = modes.below_resonance(free)
     if below <= 0 or free.order - below > _WORTH * free.order:
         return None

@@ -1,4 +1,4 @@
-"""What every method for systems returns."""
+"""`SystemStability`, the verdict that every method for systems returns."""
 
 from __future__ import annotations
 
@@ -29,10 +29,11 @@ def _second_order(system: Any) -> bool:
 class SystemStability(FloquetVerdict):
     """Verdict on a system of equations, per unit of its time.
 
-    It has all that every `FloquetVerdict` has: as many exponents as equations of first order, with delays those of the
-    multipliers above a modulus that the note says, which of constant coefficients are characteristic roots; and as
-    ``error`` the relative error of the multipliers as they were computed, the largest finite one of ``exponent_errors``
-    times the period except for the rounding of the exponents to doubles.  An exponent of infinite error is NaN.
+    Beside all fields of a `FloquetVerdict` it has as many exponents as equations of first order; with delays, the
+    exponents of the multipliers above a modulus stated in the note, characteristic roots where coefficients are
+    constant.  ``error`` is the relative error of the multipliers as they were computed: the largest finite one of
+    ``exponent_errors`` times the period, except for the rounding of the exponents to doubles.  An exponent of infinite
+    error is NaN.
 
     Attributes
     ----------
@@ -40,8 +41,8 @@ class SystemStability(FloquetVerdict):
         +1 or -1 for each multiplier on the unit circle whose Krein sign is known, else 0; a natural oscillator of
         frequency f has +1 at exp(i f period).  All 0 where the system is not Hamiltonian.
     unknown_below : float
-        Upper bound of the real parts of exponents that are not known, which are NaN, as are their multipliers, and
-        come last; minus infinity where all are known.
+        Upper bound of the real parts of the unknown exponents, which are NaN, as are their multipliers, and come last;
+        minus infinity where all are known.
     growth_below : float
         Upper bound of the real parts of all exponents, infinite where there is none.
     strongly_stable : bool or None
@@ -62,7 +63,7 @@ class SystemStability(FloquetVerdict):
 
     @property
     def highest_rate(self) -> float:
-        """Largest real part of the exponents that are known, an upper bound where none is, NaN without exponents."""
+        """Largest real part of the known exponents, an upper bound where none is known, NaN without exponents."""
         rates = [exponent.real for exponent in self.exponents if exponent == exponent]
         return max(rates, default=self.unknown_below if self.exponents else math.nan)
 
@@ -179,8 +180,8 @@ class SystemStability(FloquetVerdict):
 
     def _table(self) -> Table | None:
         rows = []
-        found = list(zip(self.multipliers, self.multiplier_errors, self.krein_signs, strict=True))
-        for mu, error, sign in found[:_LISTED]:
+        multipliers = list(zip(self.multipliers, self.multiplier_errors, self.krein_signs, strict=True))
+        for mu, error, sign in multipliers[:_LISTED]:
             if mu != mu:
                 rows.append(("  not known", "", "", "", ""))
                 continue
@@ -189,12 +190,12 @@ class SystemStability(FloquetVerdict):
             krein = {1: "+", -1: "-"}.get(sign, "")
             rows.append((f"  {written}", f"{abs(mu):.9g}", angle, f"{error:.0e}", krein))
         columns = [("  multiplier", "<31"), ("magnitude", "<13"), ("angle/pi", ">9"), ("error", ">8")]
-        more = len(found) - _LISTED
+        more = len(multipliers) - _LISTED
         rest = f"  and {more} more, which decay faster (the JSON lists them)" if more > 0 else ""
         return Table([*columns, ("Krein sign", ">5")], rows, rest) if rows else None
 
     def as_dict(self, *, damping: bool = False) -> dict[str, Any]:
-        """Return the verdict as numbers for JSON; None for numbers that are infinite or not known.
+        """Return the verdict as numbers for JSON, with None for infinite and unknown numbers.
 
         With the ``damping`` that stabilises, a search.
         """

@@ -1,4 +1,4 @@
-"""Eigenvalues with errors: discs that hold those of every matrix within a distance of the one computed.
+"""Eigenvalues with errors: discs about computed ones that hold the eigenvalues of every matrix within a distance.
 
 For A = V diag(z) V^-1 with unit columns in V, V^-1 (A + E) V has Gershgorin discs of radius n k_i |E| about z_i, where
 k_i is the norm of row i of V^-1, the condition number of z_i; or sqrt(n) |V| k_i |E|, less where n is large.  A disc
@@ -77,7 +77,7 @@ def eigen(matrix: NDArray[Any]) -> Eigen | None:
 def eigenvalue_discs(matrix: NDArray[Any], error: float, known: Eigen | None = None) -> Discs | None:
     """Return discs for the eigenvalues of all matrices within ``error`` of ``matrix``.
 
-    Eigenvalues that are ``known`` are not computed again.  None where the matrix or the error is not finite, and where
+    ``known`` eigenvalues are not computed again.  None where the matrix or the error is not finite, and where
     eigenvectors fail of a matrix of more than 100 rows.
     """
     discs = _discs_of_vectors(matrix, error, known)
@@ -90,7 +90,7 @@ def eigenvalue_discs(matrix: NDArray[Any], error: float, known: Eigen | None = N
 
 
 def is_coarse(radii: Floats, clusters: Sequence[NDArray[np.intp]], size: float) -> bool:
-    """Return whether discs touch that are large beside the largest eigenvalue, so that another bound may be less."""
+    """Return whether touching discs are large beside the largest eigenvalue, so that another bound may be lower."""
     return len(clusters) < len(radii) and bool(radii.max() > _COARSE * size)
 
 
@@ -99,14 +99,14 @@ def diagonalised_discs(matrix: NDArray[Any], error: float) -> Discs | None:
     return _discs_of_vectors(matrix, error, None)
 
 
-@np.errstate(over="ignore", invalid="ignore")  # what overflows is then not finite
+@np.errstate(over="ignore", invalid="ignore")  # an overflow is then not finite
 def _discs_of_vectors(matrix: NDArray[Any], error: float, known: Eigen | None) -> Discs | None:
     """Return Gershgorin's discs in the coordinates of the eigenvectors."""
     n = len(matrix)
-    found = (known or eigen(matrix)) if np.isfinite(error) else None
-    if found is None:
+    decomposition = (known or eigen(matrix)) if np.isfinite(error) else None
+    if decomposition is None:
         return None
-    values, right, left = found
+    values, right, left = decomposition
     total = error + 4.0 * n * EPS * spectral_norm(matrix)
     conditions = np.linalg.norm(left, axis=1)
     uncertainty = n * EPS * float(np.linalg.norm(conditions))
@@ -151,13 +151,13 @@ def _discs_of_triangle(matrix: NDArray[Any], error: float) -> Discs | None:
 
 
 def triangular_radii(gaps: Floats, upper: Floats, error: float) -> Floats:
-    """Return radii (n,) of discs about the eigenvalues z_i of a triangular T that hold those of all T + E, |E| < error.
+    """Return radii (n,) of discs about the eigenvalues z_i of a triangular T, for all matrices T + E, |E| < error.
 
     Where abs(z - z_j) >= d_j for all j, abs((z - T)^-1) <= C^-1 entry by entry, C = diag(d) - abs(N) the comparison
     matrix of T = diag(z_j) + N, and z is no eigenvalue of T + E where the norm of C^-1 is below 1 / error.  About a
     cluster, on the boundary of discs of radius d, d_j = d for its members and the distance of z_j from the cluster less
     d for the others: where no z there is an eigenvalue of any T + t E, the discs keep as many as they have centres.
-    A cluster takes in whatever eigenvalue is too close for such a d.
+    A cluster takes in any eigenvalue too close for such a d.
     Higham, Accuracy and Stability of Numerical Algorithms, 2nd ed. (2002), Theorem 8.12; a Jordan block of order p has
     d of the order error^(1/p), as Henrici, Numer. Math. 4 (1962) 24, doi:10.1007/BF01386294, has it.
 
@@ -189,7 +189,7 @@ def triangular_radii(gaps: Floats, upper: Floats, error: float) -> Floats:
 
 
 def _least_radius(members: Bools, away: Floats, upper: Floats, error: float, room: float) -> float | None:
-    """Return about the least d of discs about a cluster, at most ``room``; None where that does not do."""
+    """Return about the smallest d of discs about a cluster, at most ``room``; None where no such d will do."""
     from scipy.linalg import solve_triangular
 
     ones = np.ones(len(away))
@@ -213,11 +213,11 @@ def _least_radius(members: Bools, away: Floats, upper: Floats, error: float, roo
 
 def reaches(distances: Floats, radii: Floats, clusters: tuple[NDArray[np.intp], ...]) -> Floats:
     """Return how far from each centre the eigenvalue it stands for may be: anywhere in the discs of its cluster."""
-    found = radii.copy()
+    farthest = radii.copy()
     for cluster in clusters:
         if len(cluster) > 1:
-            found[cluster] = (distances[np.ix_(cluster, cluster)] + radii[cluster][None, :]).max(axis=1)
-    return found
+            farthest[cluster] = (distances[np.ix_(cluster, cluster)] + radii[cluster][None, :]).max(axis=1)
+    return farthest
 
 
 def spectral_norm(matrix: NDArray[Any]) -> float:
@@ -251,11 +251,11 @@ def _inverse(values: NDArray[Any], vectors: NDArray[Any]) -> NDArray[Any]:
     upper = np.flatnonzero(values.imag > 0.0)
     if len(values) < LARGE or not np.array_equal(values[upper].conj(), values[np.minimum(upper + 1, len(values) - 1)]):
         return np.asarray(np.linalg.inv(vectors))
-    parts = vectors.real.copy()
-    parts[:, upper + 1] = vectors[:, upper].imag
-    rows = np.linalg.inv(parts).astype(np.complex128)
-    one, other = rows[upper], rows[upper + 1]
-    rows[upper], rows[upper + 1] = 0.5 * (one - 1j * other), 0.5 * (one + 1j * other)
+    halves = vectors.real.copy()
+    halves[:, upper + 1] = vectors[:, upper].imag
+    rows = np.linalg.inv(halves).astype(np.complex128)
+    real, imaginary = rows[upper], rows[upper + 1]
+    rows[upper], rows[upper + 1] = 0.5 * (real - 1j * imaginary), 0.5 * (real + 1j * imaginary)
     return rows
 
 
@@ -265,20 +265,20 @@ def touching(distances: Floats, radii: Floats) -> tuple[NDArray[np.intp], ...]:
     near = distances <= radii[:, None] + radii[None, :]
     if are_diagonal(near):
         return tuple(np.arange(n)[:, None])
-    left, found = set(range(n)), []
+    left, clusters = set(range(n)), []
     while left:
         members, fresh = set(), {min(left)}
         while fresh:
             members |= fresh
             fresh = {int(j) for i in fresh for j in np.flatnonzero(near[i])} - members
         left -= members
-        found.append(np.array(sorted(members), dtype=np.intp))
-    return tuple(found)
+        clusters.append(np.array(sorted(members), dtype=np.intp))
+    return tuple(clusters)
 
 
-def log_distances(one: Complexes, other: Complexes) -> Floats:
-    """Return distances (m, n) of logarithms from each other, multiples of 2 pi i aside."""
-    gap = one[:, None] - other[None, :]
+def log_distances(first: Complexes, second: Complexes) -> Floats:
+    """Return distances (m, n) between logarithms, multiples of 2 pi i aside."""
+    gap = first[:, None] - second[None, :]
     turned = np.remainder(gap.imag + math.pi, 2.0 * math.pi) - math.pi
     return np.asarray(np.hypot(gap.real, turned))
 
@@ -303,7 +303,7 @@ def subspace_error(discs: Discs, cluster: NDArray[np.intp]) -> float:
 class Signs:
     """The sign of a Hermitian form on clusters of eigenvalues: 1 or -1 where it is definite beyond errors, else 0.
 
-    That of single eigenvalues is found for all of them at once.
+    The signs of single eigenvalues are computed for all of them at once.
     """
 
     discs: Discs
@@ -322,8 +322,8 @@ class Signs:
         columns, angle = basis_of(self.discs, cluster), subspace_error(self.discs, cluster)
         vectors = self.vectors(columns)
         if self.around is not None:
-            every = self.around(columns)
-            vectors, left = np.linalg.qr(every)
+            spanning = self.around(columns)
+            vectors, left = np.linalg.qr(spanning)
             lengths = np.linalg.svd(left, compute_uv=False)
             angle *= 2.0 * float(lengths[0] / max(float(lengths[-1]), 5e-324))
         turned = self.form(vectors)
@@ -345,13 +345,13 @@ class Signs:
         return np.where(np.abs(values) > slack, np.sign(values), 0.0).astype(int)
 
     def _slack(self, turned: Any, angle: Any) -> Any:
-        """Return how much the form may differ on vectors an angle away, whose product with it has a length."""
+        """Return the change of the form on vectors an ``angle`` away, ``turned`` the length of their image."""
         return self.error + (2.0 * turned + self.size * angle) * angle
 
 
-@np.errstate(over="ignore", invalid="ignore")  # what overflows has an error that is not finite
+@np.errstate(over="ignore", invalid="ignore")  # an overflow has an error that is not finite
 def discriminant(discs: Discs, cluster: NDArray[np.intp]) -> tuple[float, float]:
-    """Return ((z1 - z2) / 2)^2 of a real matrix's cluster of two, and its error, far smaller than that of z1 and z2.
+    """Return ((z1 - z2) / 2)^2 of a real matrix's cluster of two, and its error, far smaller than z1's and z2's.
 
     The error is infinite without eigenvectors.
     """
@@ -359,7 +359,7 @@ def discriminant(discs: Discs, cluster: NDArray[np.intp]) -> tuple[float, float]
         return 0.0, math.inf
     basis = basis_of(discs, cluster)
     block = basis.conj().T @ discs.matrix @ basis
-    columns, rows = (np.linalg.qr(part)[1] for part in (discs.right[:, cluster], discs.left[cluster].conj().T))
+    columns, rows = (np.linalg.qr(vectors)[1] for vectors in (discs.right[:, cluster], discs.left[cluster].conj().T))
     projector = spectral_norm(columns @ rows.conj().T)
     error = 4.0 * projector * discs.error
     half = 0.5 * (block[0, 0] - block[1, 1])

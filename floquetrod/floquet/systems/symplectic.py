@@ -21,11 +21,11 @@ from floquetrod._util.arrays import EPS, Complexes, Floats
 from floquetrod.floquet.systems import spectra
 from floquetrod.floquet.systems.spectra import Discs, Eigen
 
-_BROKEN = 64.0  # roundings of a product with W, below which what is left of it is no new direction
+_BROKEN = 64.0  # roundings of a product with W, below which its remainder is no new direction
 
 
 class PairMatrix(NamedTuple):
-    """A matrix whose eigenvalues are the numbers y of a symplectic map S, its entries doubles or those of mpmath."""
+    """A matrix whose eigenvalues are the numbers y of a symplectic map S, its entries doubles or of mpmath."""
 
     matrix: NDArray[Any]  # (n, n), H
     error: float  # how far, in the 2-norm, H may be from one that belongs to the true map
@@ -44,7 +44,7 @@ def symplectic_unit(n: int) -> Floats:
 def pair_matrix(full: NDArray[Any], error: float, rounding: float = EPS) -> PairMatrix:
     """Return the matrix of the pairs of a symplectic map of order 2 n, known within ``error`` in the 2-norm.
 
-    ``rounding`` is that of the map's entries.
+    ``rounding`` is the relative one of the map's entries.
     """
     n = len(full) // 2
     back = np.block([[full[n:, n:].T, -full[:n, n:].T], [-full[n:, :n].T, full[:n, :n].T]])
@@ -87,25 +87,25 @@ def _isotropic(w: NDArray[Any], rounding: float) -> NDArray[Any]:
     for k in range(n):
         rows[2 * k] = column
         rows[2 * k + 1, :n], rows[2 * k + 1, n:] = column[n:], -column[:n]
-        found = rows[: 2 * k + 2]
+        spanned = rows[: 2 * k + 2]
         product = w @ column
-        column = _beside(found, product)
+        column = _beside(spanned, product)
         if not _length(column) > _BROKEN * rounding * _length(product):
-            left = 1.0 - np.square(found).sum(axis=0)
-            column = _beside(found, np.eye(1, 2 * n, int(left.argmax()), dtype=w.dtype)[0])
+            left = 1.0 - np.square(spanned).sum(axis=0)
+            column = _beside(spanned, np.eye(1, 2 * n, int(left.argmax()), dtype=w.dtype)[0])
         if k < n - 1:
-            column = _beside(found, column / _length(column))
+            column = _beside(spanned, column / _length(column))
             column = column / _length(column)
     return rows[::2].T
 
 
 def _beside(rows: NDArray[Any], column: NDArray[Any]) -> NDArray[Any]:
-    """Return what is left of a vector beside orthonormal rows."""
+    """Return the remainder of a vector orthogonal to orthonormal rows."""
     return np.asarray(column - (rows @ column) @ rows)
 
 
 def _slip(eigen: Eigen | None, coupling: Floats, error: float) -> float:
-    """Return by how much more than ``error`` the block H of [[H, X], [0, H^T]] changes for a change of the whole.
+    """Return the change, beyond ``error``, of the block H of [[H, X], [0, H^T]] for a change of the whole matrix.
 
     A change E of the lower left block is removed by a skew P, H^T P - P H = E, which changes H by X P: in coordinates
     of eigenvectors X_ij E_ij / (z_i - z_j), but no more than the root of X_ij E_ij where z_i and z_j are close.
@@ -132,7 +132,7 @@ def _length(column: NDArray[Any]) -> Any:
 
 
 def krein_signs(pairs: PairMatrix, discs: Discs) -> spectra.Signs:
-    """Return the Krein signs of those multipliers on the upper half of the circle that clusters of y stand for.
+    """Return the Krein signs of clusters of y: of their multipliers on the upper half of the circle.
 
     +1 for a natural oscillator that turns by less than half a turn in a period; 0 where signs are mixed or unknown.
     """

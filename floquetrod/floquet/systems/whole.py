@@ -48,11 +48,11 @@ def seconds_needed(pieces: PieceArrays) -> Floats:
 
 
 def _levels(sizes: Floats) -> Floats | None:
-    """Return scales (b, N) of x in which what drives others without being driven by them hardly does; None without any.
+    """Return scales (b, N) of x in which blocks hardly drive others that do not drive them; None without any.
 
     Where A, of magnitudes (b, N, N), is block triangular after a permutation, the diagonal blocks alone have the
     multipliers, and each level of blocks may be scaled by itself: couplings become a millionth of the largest rate, as
-    far as the range of doubles allows.  Tried where a row or a column of an A has nothing but its diagonal entry.
+    far as the range of doubles allows.  Tried where a row or a column of an A has its diagonal entry alone.
     """
     n = sizes.shape[-1]
     inner = sizes * (1.0 - np.eye(n))
@@ -102,7 +102,7 @@ def _balance(sizes: Floats, rounds: int) -> Floats:
     return scaling
 
 
-@np.errstate(all="ignore")  # of maps that overflow, whose errors are then not finite, and of those that decay to zero
+@np.errstate(all="ignore")  # maps that overflow, whose errors are then not finite, and maps that decay to zero
 def period_maps(
     pieces: PieceArrays, uncertainty: Any, rtol: float, *, paired: bool, workers: int | None = 1
 ) -> PeriodMaps:
@@ -111,36 +111,36 @@ def period_maps(
     Where ``paired``, positions and velocities are scaled by inverse factors: the map stays symplectic or reversible.
     """
     uncertainty = np.broadcast_to(np.asarray(uncertainty, dtype=float), pieces.mean.shape[:1])
-    found = _in_segments(pieces, uncertainty, rtol, 1, paired, workers)
-    growth = np.log(norms(found.matrix))
+    maps = _in_segments(pieces, uncertainty, rtol, 1, paired, workers)
+    growth = np.log(norms(maps.matrix))
     fast = (growth > _FAST) & np.isfinite(growth) & (uncertainty > 0.0)
     if fast.any():
         segments = math.ceil(0.5 * growth[fast].max())
         again = _in_segments(pieces.some(fast), uncertainty[fast], rtol, segments, paired, workers)
-        for every, some in zip(found, again, strict=True):
-            every[fast] = some
-    return found
+        for whole, refined in zip(maps, again, strict=True):
+            whole[fast] = refined
+    return maps
 
 
 def _in_segments(
     pieces: PieceArrays, uncertainty: Floats, rtol: float, segments: int, paired: bool, workers: int | None
 ) -> PeriodMaps:
-    """Return maps from those over so many segments of each piece; the more, the less the error is overestimated."""
+    """Return maps as products over segments of each piece; the more segments, the less overestimated the error."""
     if paired:
         scaling = _paired_scaling(pieces.sizes.max(axis=1))
-        found = _maps(pieces.scaled(scaling), rtol, segments, workers)
+        segmented = _maps(pieces.scaled(scaling), rtol, segments, workers)
     else:
-        found = balanced_maps(pieces, rtol, segments, workers, exact=not uncertainty.any())
-        scaling, found = found.scaling, found._replace(scaling=np.ones(found.scaling.shape))
-    matrix, error, inner = product(found)
+        segmented = balanced_maps(pieces, rtol, segments, workers, exact=not uncertainty.any())
+        scaling, segmented = segmented.scaling, segmented._replace(scaling=np.ones(segmented.scaling.shape))
+    matrix, error, inner = product(segmented)
     lengths = np.repeat(pieces.length / segments, segments, axis=1)
     change = uncertainty * pieces.mean.shape[-1] * error_stretch(pieces.mean, scaling)
-    moved = np.where(uncertainty > 0.0, change * _carried(found.maps, lengths), 0.0)
+    moved = np.where(uncertainty > 0.0, change * _carried(segmented.maps, lengths), 0.0)
     return PeriodMaps(matrix.copy(), error * _spread(inner) + moved, scaling)
 
 
 def _carried(maps: Floats, lengths: Floats) -> Floats:
-    """Return (b,) how much a change of A by one, in the 2-norm, may change the product of maps (b, S, N, N)."""
+    """Return the largest change (b,) of the product of maps (b, S, N, N) by a change of A by 1 in the 2-norm."""
     count = maps.shape[1]
     before, after = np.ones((2, *lengths.shape))
     prefix, suffix = maps[:, 0], maps[:, -1]
@@ -153,14 +153,14 @@ def _carried(maps: Floats, lengths: Floats) -> Floats:
 def balanced_maps(
     pieces: PieceArrays, rtol: float, segments: int = 1, workers: int | None = 1, *, exact: bool = False
 ) -> SegmentMaps:
-    """Return the maps over all pieces, each in so many equal segments, of x / scaling: rows and columns balanced.
+    """Return the maps of x / scaling, rows and columns balanced, over equal segments of all pieces.
 
-    Where the coefficients are ``exact``, blocks that are only driven are scaled by themselves.
+    Where the coefficients are ``exact``, blocks that drive no other are scaled by themselves.
     """
     levels = _levels(pieces.sizes.max(axis=1)) if exact else None
     if levels is not None:
-        found = balanced_maps(pieces.scaled(levels), rtol, segments, workers)
-        return found._replace(scaling=found.scaling * levels)
+        levelled = balanced_maps(pieces.scaled(levels), rtol, segments, workers)
+        return levelled._replace(scaling=levelled.scaling * levels)
     if pieces.mean.shape[1] > 1:
         scaling = np.exp2(np.round(np.log2(_balance(pieces.sizes.max(axis=1), _MANY_ROUNDS)))).astype(float)
         return _maps(pieces.scaled(scaling), rtol, segments, workers)._replace(scaling=scaling)
@@ -169,7 +169,7 @@ def balanced_maps(
 
 
 def _maps(pieces: PieceArrays, rtol: float, segments: int, workers: int | None) -> SegmentMaps:
-    """Return the maps over all pieces, each in so many equal segments; those of several without scaling."""
+    """Return the maps over equal segments of all pieces, without scaling where there are several pieces."""
     batch, count, n = pieces.mean.shape[:3]
     slope = pieces.slope
     if count == 1 and slope is None and np.array_equal(pieces.length[:, 0], pieces.period):
@@ -178,7 +178,7 @@ def _maps(pieces: PieceArrays, rtol: float, segments: int, workers: int | None) 
     def flat(array: NDArray[Any]) -> NDArray[Any]:
         return array.reshape(batch * count, *array.shape[2:])
 
-    found = segment_maps(
+    maps = segment_maps(
         flat(pieces.mean),
         flat(pieces.harmonics),
         np.repeat(pieces.period, count),
@@ -188,17 +188,17 @@ def _maps(pieces: PieceArrays, rtol: float, segments: int, workers: int | None) 
         None if slope is None else flat(slope),
         flat(pieces.length),
     )
-    errors = (found.errors * _spread(found.scaling)[:, None]).reshape(batch, count * segments)
-    return SegmentMaps(found.maps.reshape(batch, count * segments, n, n), errors, np.ones((batch, n)))
+    errors = (maps.errors * _spread(maps.scaling)[:, None]).reshape(batch, count * segments)
+    return SegmentMaps(maps.maps.reshape(batch, count * segments, n, n), errors, np.ones((batch, n)))
 
 
 def _spread(scaling: Floats) -> Floats:
-    """Return by how much an error may grow in coordinates x instead of x / scaling."""
+    """Return the largest growth of an error in coordinates x instead of x / scaling."""
     return np.asarray(scaling.max(axis=-1) / scaling.min(axis=-1))
 
 
 def error_stretch(means: Floats, scaling: Floats) -> Floats:
-    """Return how much larger errors of the coefficients may be in coordinates x / scaling.
+    """Return the largest growth of errors of the coefficients in coordinates x / scaling.
 
     Where positions change at the rate of velocities, [0, 1] in the upper half of the means (b, P, 2n, 2n), nothing is
     in error there, nor in a lower right block that is zero.

@@ -21,7 +21,7 @@ from floquetrod._util.report import number
 from floquetrod.floquet.references import NOISE, references
 from floquetrod.floquet.status import STATUS_CODES, UNDECIDED, UNSTABLE
 from floquetrod.floquet.systems.damping import least_damping
-from floquetrod.floquet.systems.moment_growth import Growth, MomentGrowth
+from floquetrod.floquet.systems.moment_growth import MomentGrowth, MomentRate
 from floquetrod.floquet.verdict import Cost, Status
 from floquetrod.rod.answers.critical_noise import CriticalFactor
 from floquetrod.rod.answers.verdict import RodStability
@@ -175,7 +175,7 @@ class NoisyTogetherModel(NoisyModel):
         most = decay * float(constants.bending) / float(constants.per_newton) ** 2 / largest
         is_white = not isinstance(load.noise, tuple)
 
-        def growth(factor: float) -> Growth:
+        def growth(factor: float) -> MomentRate:
             found = _with_left_out([trial.growth(factor * largest) for trial in trials])
             if math.isnan(found.rate):
                 raise wrong_value("load", "must be one whose second moments can be computed, got one where they cannot")
@@ -235,7 +235,7 @@ class Trial(NamedTuple):
             )
         return cls(modes.count, MomentGrowth.of(system, [modes.softening(load.mean)]))
 
-    def growth(self, density: float) -> Growth:
+    def growth(self, density: float) -> MomentRate:
         """Return the growth of second moments in 1/s under a one-sided density in N^2/Hz."""
         return self.moments(0.5 * density)
 
@@ -330,7 +330,7 @@ def _classified(
     )
 
 
-def _tried(model: NoisyTogetherModel, load: Load, *counts: int) -> tuple[list[Trial], list[Growth]]:
+def _tried(model: NoisyTogetherModel, load: Load, *counts: int) -> tuple[list[Trial], list[MomentRate]]:
     """Return trials of so many modes each, and how fast they grow."""
     trials = [model.trial(load, count) for count in counts]
     return trials, [trial.growth(model.density()) for trial in trials]
@@ -338,7 +338,7 @@ def _tried(model: NoisyTogetherModel, load: Load, *counts: int) -> tuple[list[Tr
 
 def _counted(
     model: NoisyTogetherModel, load: Load, growth_tolerance: float, progress: Progress | None = None
-) -> tuple[list[Trial], list[Growth]]:
+) -> tuple[list[Trial], list[MomentRate]]:
     """Return the trials made, the fewest modes first, and how fast they grow."""
     last = model.count_for(Loads.single(load), growth_tolerance)
     trials, found = _tried(model, load, last - max(2, last // 6), last)
@@ -353,15 +353,15 @@ def _counted(
     return trials, found
 
 
-def _with_left_out(found: list[Growth]) -> Growth:
+def _with_left_out(found: list[MomentRate]) -> MomentRate:
     """Return the growth with the most modes, its error enlarged for those left out, by what fewer change."""
     final = found[-1]
     change = max((abs(final.rate - other.rate) for other in found[-2:-1]), default=0.0)
-    return Growth(final.rate, final.error + _LEFT_OUT * change)
+    return MomentRate(final.rate, final.error + _LEFT_OUT * change)
 
 
 def _judged(
-    model: NoisyTogetherModel, load: Load, found: Growth, quiet: Growth, growth_tolerance: float
+    model: NoisyTogetherModel, load: Load, found: MomentRate, quiet: MomentRate, growth_tolerance: float
 ) -> tuple[Status, str]:
     """Return the verdict, and what to know of it, given the growth with noise and without."""
     beyond = model.growth_beyond(load)
