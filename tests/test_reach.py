@@ -18,7 +18,7 @@ from floquetrod.rod.answers.growth_along import growth_along
 from floquetrod.rod.answers.mean_force import drag_of
 from floquetrod.rod.answers.sliding import damping_across
 from floquetrod.rod.answers.stress_along import stress_along
-from floquetrod.wells.drag import Drag, Place
+from floquetrod.wells.drag import Drag, WellGeometry
 
 TUBING = fr.Rod.catalogue("2.00x0.156", bore="4.778in", length=1.0, fluid_inside=1e3, fluid_outside=1e3)
 WELL = fr.WellPath([0.0, 1000.0, 1450.0, 4000.0], ["0deg", "0deg", "90deg", "90deg"])
@@ -368,7 +368,7 @@ def test_with_another_frequency_it_says_what_a_tool_of_that_frequency_does(force
 def _growth(along: fr.MeanForce, frequency: float, sliding: float) -> float:
     """Return the largest growth along a string less what friction takes from it."""
     free = ~along.is_snaking
-    place = Place.at(WELL.arcs.at(along.depth[free]))
+    place = WellGeometry.at(WELL.arcs.at(along.depth[free]))
     found = growth_along(TUBING, place, along.force[free], along.vibration[free], frequency).rate
     pressed = 0.3 * along.contact[free] / TUBING.mass_per_length
     lost = damping_across(pressed, sliding, along.speed[free], np.full(found.size, sliding))
@@ -381,7 +381,7 @@ def test_growth_along_a_level_hole_is_that_of_a_long_rod() -> None:
     rod = fr.Rod.nitinol().replace(length=60.0, damping_rate=0.3)
     mean, amplitude = 0.2 * rod.critical_force, 0.2 * rod.critical_force
     verdict = rod.stability(fr.AxialLoad(mean, amplitude, 150.0))
-    level = Place(np.ones(1), np.zeros(1), np.zeros(1), np.zeros(1))
+    level = WellGeometry(np.ones(1), np.zeros(1), np.zeros(1), np.zeros(1))
     found = growth_along(rod, level, np.array([mean]), np.array([amplitude]), 150.0)
     assert found.rate[0] == pytest.approx(verdict.growth_rate, rel=5e-3)
 
@@ -407,7 +407,7 @@ def test_in_a_bend_the_force_enters_twice() -> None:
     """Waves as long as the bend holds down, k^2 = kappa / R, feel no vibration: there no tongue lies."""
     rod = fr.Rod.nitinol()
     force, size = np.array([0.2 * rod.critical_force]), np.array([0.1 * rod.critical_force])
-    bends = [Place(np.ones(1), np.zeros(1), np.array([k]), np.zeros(1)) for k in (0.0, 0.05)]
+    bends = [WellGeometry(np.ones(1), np.zeros(1), np.array([k]), np.zeros(1)) for k in (0.0, 0.05)]
     straight, bent = (growth_along(rod, each, force, size, 150.0) for each in bends)
     wave = (math.pi / straight.half_wave[0]) ** 2
     stiffer = force[0] * 0.05 / rod.radial_clearance

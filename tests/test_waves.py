@@ -12,7 +12,7 @@ import floquetrod as fr
 from floquetrod._util.compilation import compiled
 from floquetrod.rod.answers.mean_force import drag_of
 from floquetrod.wells import strings
-from floquetrod.wells.drag import CHECKED, FAST, TRIED, Effort
+from floquetrod.wells.drag import CHECKED, FAST, TRIED, Fineness
 from floquetrod.wells.kernels import shaken, wave
 from floquetrod.wells.kernels.contact import LOCKED
 from floquetrod.wells.shaken import ShakenString
@@ -25,7 +25,7 @@ WELL = fr.WellPath([0.0, 1000.0, 1450.0, 5000.0], ["0deg", "0deg", "90deg", "90d
 
 
 def shaken_string(
-    tool: fr.VibrationTool, friction: object, bottom: float, effort: Effort, speed: float = 0.05
+    tool: fr.VibrationTool, friction: object, bottom: float, effort: Fineness, speed: float = 0.05
 ) -> ShakenString:
     """Return a string in `WELL` that has not settled yet."""
     drag = drag_of(TUBING, WELL, friction, "pushed", "energy", tool, speed)
@@ -95,7 +95,7 @@ def test_friction_takes_what_the_tool_gives(above_end: float) -> None:
     pressed = 0.2 * WEIGHT * (1.0 + 0.5 * np.sin((2000.0 - ends[:-1]) / 100.0))
     shaken.means(ends, pressed, string.edges, string.balance.most)
     string.balance.most[:] *= 4.0 / math.pi * np.diff(string.edges)
-    assert wave.feel(string.cells, string.tool, string.soft, string.q, string.balance)
+    assert wave.find_wave(string.cells, string.tool, string.soft, string.q, string.balance)
     tool_speed = np.interp(above_end, string.nodes, string.q.real)
     found = string.wave_at(2000.0 - 0.5 * (ends[1:] + ends[:-1]))[0]
     taken = np.sum(pressed * 2.0 / math.pi * np.sqrt(np.maximum(found**2 - speed**2, 0.0))) * 0.5
@@ -108,7 +108,7 @@ def test_interpreted_and_compiled_strings_agree() -> None:
     strings = [shaken_string(tool, 0.3, 1700.0, TRIED) for _ in range(2)]
     for string, run in zip(strings, (shaken.settle, compiled(shaken.settle)), strict=True):
         string.marched.y[0] = 1.0
-        found = string.pushed, string.pieces, string.cells, string.tool, string.edges
+        found = string.sliding, string.pieces, string.cells, string.tool, string.edges
         assert run(*found, string.soft, 1e-7, 30, string.marched, string.q, string.balance)
         assert 0 < string.marched.helix.sum() < string.marched.helix.size
     np.testing.assert_allclose(strings[0].marched.y, strings[1].marched.y, atol=1e-12)

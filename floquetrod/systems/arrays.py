@@ -29,11 +29,11 @@ from floquetrod.floquet.systems.many import ManyVerdicts
 from floquetrod.floquet.systems.whole import PeriodMaps
 
 _ACCURACY = 1e-12
-_MOST_DIGITS = 60  # for a system that is open: the square of a double's last digit and as much again (a choice)
+_MOST_DIGITS = 60  # for an undecided system: the square of a double's last digit and as much again (a choice)
 _SMALL = 1e-8  # of the largest multiplier, below which errors are computed (a choice: half the digits of a double)
 _VAGUE = 0.5  # of max(1, abs(y)): error of y above which its multipliers are not known (a choice)
-_AT_ONCE = 1 << 14  # numbers of maps that a thread holds at a time (heuristic): some milliseconds of work
-_REPORTS = 50  # of progress while the quick rules are at work (a choice)
+_AT_ONCE = 1 << 14  # entries of maps in a thread at a time (heuristic): some milliseconds of work
+_REPORTS = 50  # calls of ``progress`` by the quick rules (a choice)
 
 
 def is_stable(systems: System, *, workers: int | None = None, progress: Progress | None = None) -> Any:
@@ -46,9 +46,9 @@ def is_stable(systems: System, *, workers: int | None = None, progress: Progress
     workers : int, optional
         Threads; by default one for each core when there is enough to do.
     progress : callable, optional
-        Called repeatedly with the numbers of systems done and to do: those on a boundary to rounding are decided one
-        by one, with up to 60 digits, which takes a tenth of a second of two equations, and seconds of many.  What it
-        raises ends the work.
+        Called repeatedly with the numbers of systems done and to do: systems on a boundary to rounding are decided one
+        by one, with up to 60 digits, which takes a tenth of a second of two equations, and seconds of many.  An
+        exception raised by it ends the work.
 
     Returns
     -------
@@ -69,9 +69,9 @@ def is_stable(systems: System, *, workers: int | None = None, progress: Progress
     >>> is_stable(HillSystem(np.diag([1.0, 4.0]), cosines=[forcing], period=2 * np.pi / omega))
     array([ True, False, False])
     """
-    found = shaped(verdicts(systems, workers=workers, progress=progress).status, systems.shape)
+    stable = shaped(verdicts(systems, workers=workers, progress=progress).status, systems.shape)
     what = "systems could not be decided and count as not stable"
-    return are("stable", found, what, "floquetrod.stability of one says why, and continues to more digits")
+    return are("stable", stable, what, "floquetrod.stability of one says why, and continues to more digits")
 
 
 def growth_rate(systems: System, *, workers: int | None = None, progress: Progress | None = None) -> Any:
@@ -92,34 +92,34 @@ def growth_rate(systems: System, *, workers: int | None = None, progress: Progre
 def multipliers(systems: System, *, workers: int | None = None, progress: Progress | None = None) -> Any:
     """Return the multipliers, complex (..., N), N the number of equations of first order; the largest first.
 
-    Arguments as in `is_stable`.  NaN, and last, are those that are lost in the rounding of the largest one, which
-    `floquetrod.stability` of one system tells; where their squares may be beyond doubles; and those of systems that
-    would take too long.
+    Arguments as in `is_stable`.  NaN, and last, are multipliers lost in the rounding of the largest one, which
+    `floquetrod.stability` of one system returns, and multipliers whose squares may be beyond doubles; all are NaN of
+    systems that would take too long.
     """
     workers = validate.workers(workers)
     validate.progress(progress)
     batch = _batch(systems)
-    found = np.empty((len(batch.period), batch.order), complex)
+    largest_first = np.empty((len(batch.period), batch.order), complex)
 
-    def fill(part: slice) -> None:
-        values = batch.multipliers(part)
+    def fill(chunk: slice) -> None:
+        values = batch.multipliers(chunk)
         if batch.damping > 0.0:
-            values *= np.exp(-batch.damping * batch.period[part])[:, None]
+            values *= np.exp(-batch.damping * batch.period[chunk])[:, None]
         order = np.argsort(-np.abs(values), axis=1, kind="stable")
-        found[part] = values[np.arange(len(values))[:, None], order]
+        largest_first[chunk] = values[np.arange(len(values))[:, None], order]
 
     _over(batch, fill, workers, progress)
-    return found.reshape(*systems.shape, batch.order)
+    return largest_first.reshape(*systems.shape, batch.order)
 
 
 @np.errstate(under="ignore")  # as in `floquet.dispatch.run`
 def verdicts(
     systems: System, *, workers: int | None = None, progress: Progress | None = None, quick: bool = False
 ) -> ManyVerdicts:
-    """Return status (1 stable, 0 unstable, -1 undecided) and growth rate of each system, flat in the order of C.
+    """Return status (1 stable, 0 unstable, -1 undecided) and growth rate of each system, flat in C order.
 
-    What the quick rules leave open is judged as by `floquetrod.stability`, but with 60 digits at most, unless only the
-    quick rules are asked for.
+    Systems that the quick rules leave undecided are judged as by `floquetrod.stability`, with 60 digits at most; not if
+    ``quick``.
     """
     workers = validate.workers(workers)
     validate.progress(progress)
@@ -127,8 +127,8 @@ def verdicts(
     size = len(batch.period)
     status, growth = np.empty(size, dtype=np.int8), np.empty(size)
 
-    def fill(part: slice) -> None:
-        status[part], growth[part] = batch.verdicts(part)
+    def fill(chunk: slice) -> None:
+        status[chunk], growth[chunk] = batch.verdicts(chunk)
 
     _over(batch, fill, workers, progress, lambda stop: stop if quick else int((status[:stop] != UNDECIDED).sum()))
     # One after another, and not in threads: their many digits are Python's, and Ctrl-C is heard at once.
@@ -151,16 +151,16 @@ class _Batch(ABC):
     order: int
 
     @abstractmethod
-    def multipliers(self, part: slice) -> Complexes:
-        """Return the multipliers of some systems, those of the undamped ones; NaN where that would take too long."""
+    def multipliers(self, chunk: slice) -> Complexes:
+        """Return the multipliers of a chunk of systems, without damping; NaN where that would take too long."""
 
     @abstractmethod
-    def verdicts(self, part: slice) -> ManyVerdicts:
-        """Return the verdicts on some systems by the quick rules."""
+    def verdicts(self, chunk: slice) -> ManyVerdicts:
+        """Return the verdicts on a chunk of systems by the quick rules."""
 
 
 class _EvenPart(NamedTuple):
-    """Some even systems: mean stiffness, amplitudes, periods, and the error of these coefficients."""
+    """Even systems: mean stiffness, amplitudes, periods, and the error of these coefficients."""
 
     stiffness: Floats
     amplitudes: Floats
@@ -169,7 +169,7 @@ class _EvenPart(NamedTuple):
 
     @property
     def are_simple(self) -> bool:
-        """Whether the kernel for two equations takes them."""
+        """Whether the kernel for two equations applies."""
         return self.stiffness.shape[-1] == 2 and not self.uncertainty.any()
 
 
@@ -182,17 +182,17 @@ class _EvenBatch(_Batch):
         self.uncertainty, self.period, self.damping = flat(form.error, shape, 0), flat(system.period, shape, 0), damping
         self.order = 2 * system.order
 
-    def _part(self, part: slice) -> _EvenPart:
-        """Return some systems, those that would take too long without forces and with infinite uncertainty."""
-        stiffness, amplitudes, period = self.stiffness[part], self.amplitudes[part], self.period[part]
+    def _part(self, chunk: slice) -> _EvenPart:
+        """Return a chunk of systems; with zero matrices and infinite uncertainty where they would take too long."""
+        stiffness, amplitudes, period = self.stiffness[chunk], self.amplitudes[chunk], self.period[chunk]
         long = even.seconds_needed(stiffness, amplitudes, period) > MOST_SECONDS
         if not long.any():
-            return _EvenPart(stiffness, amplitudes, period, self.uncertainty[part])
-        uncertainty = np.where(long, np.inf, self.uncertainty[part])
+            return _EvenPart(stiffness, amplitudes, period, self.uncertainty[chunk])
+        uncertainty = np.where(long, np.inf, self.uncertainty[chunk])
         return _EvenPart(_without(long, stiffness), _without(long, amplitudes), period, uncertainty)
 
-    def multipliers(self, part: slice) -> Complexes:
-        systems = self._part(part)
+    def multipliers(self, chunk: slice) -> Complexes:
+        systems = self._part(chunk)
         if systems.are_simple:
             x, errors, _ = pair_numbers(*systems[:3], _ACCURACY)
             y = np.asarray(0.25 * (x - 2.0))
@@ -209,37 +209,37 @@ class _EvenBatch(_Batch):
 
     def _pairs(self, systems: _EvenPart) -> Complexes:
         """Return the numbers y of the pairs; NaN where they are lost in the rounding of the largest."""
-        found = even.pair_matrices(*systems, _ACCURACY)
-        y = _eigenvalues(found.matrix)
-        doubtful = np.flatnonzero(np.abs(found.matrix).max(axis=(1, 2)) > 1.0 / _SMALL)
+        matrices = even.pair_matrices(*systems, _ACCURACY)
+        y = _eigenvalues(matrices.matrix)
+        doubtful = np.flatnonzero(np.abs(matrices.matrix).max(axis=(1, 2)) > 1.0 / _SMALL)
         if doubtful.size:
-            discs = many.many_discs(found.matrix[doubtful], found.error[doubtful])
+            discs = many.many_discs(matrices.matrix[doubtful], matrices.error[doubtful])
             lost = discs.radii > _VAGUE * np.maximum(1.0, np.abs(discs.values))
             y[doubtful] = np.where(lost, np.nan, discs.values)
         return y
 
-    def verdicts(self, part: slice) -> ManyVerdicts:
-        systems = self._part(part)
+    def verdicts(self, chunk: slice) -> ManyVerdicts:
+        systems = self._part(chunk)
         if systems.are_simple:
             x, errors, _ = pair_numbers(*systems[:3], _ACCURACY)
             discs = many.pair_discs(0.25 * (x - 2.0), 0.25 * errors)
         else:
-            found = even.pair_matrices(*systems, _ACCURACY)
-            discs = many.many_discs(found.matrix, found.error)
+            matrices = even.pair_matrices(*systems, _ACCURACY)
+            discs = many.many_discs(matrices.matrix, matrices.error)
         return many.pair_verdicts(discs, systems.period, self.damping)
 
 
 class _FirstOrderBatch(_Batch):
-    """Any other systems."""
+    """Systems in first order, for maps over a whole period."""
 
     def __init__(self, system: PeriodicSystem, damping: float, *, paired: bool) -> None:
         self.pieces, self.period = by_pieces.of_batch(system), flat(system.period, system.shape, 0)
         self.uncertainty, self.paired, self.damping = system.coefficient_error, paired, damping
         self.order, self.keeps_norm = system.order, system.keeps_norm
 
-    def _maps(self, part: slice) -> PeriodMaps:
+    def _maps(self, chunk: slice) -> PeriodMaps:
         """Return the maps over a period, with infinite error where they would take too long."""
-        pieces = self.pieces.some(part)
+        pieces = self.pieces.some(chunk)
         long = np.asarray(whole.seconds_needed(pieces) > MOST_SECONDS)
         uncertainty = np.where(long, np.inf, self.uncertainty)
         pieces = pieces._replace(
@@ -249,8 +249,8 @@ class _FirstOrderBatch(_Batch):
         )
         return whole.period_maps(pieces, uncertainty, _ACCURACY, paired=self.paired)
 
-    def multipliers(self, part: slice) -> Complexes:
-        maps = self._maps(part)
+    def multipliers(self, chunk: slice) -> Complexes:
+        maps = self._maps(chunk)
         values = _eigenvalues(maps.matrix)
         values[np.isinf(maps.error)] = np.nan
         if self.keeps_norm:
@@ -258,13 +258,13 @@ class _FirstOrderBatch(_Batch):
         _forget_lost(values, maps)
         return values
 
-    def verdicts(self, part: slice) -> ManyVerdicts:
+    def verdicts(self, chunk: slice) -> ManyVerdicts:
         if self.keeps_norm:
-            count = len(self.period[part])
+            count = len(self.period[chunk])
             return ManyVerdicts(np.full(count, STABLE, dtype=np.int8), np.zeros(count))
-        maps = self._maps(part)
+        maps = self._maps(chunk)
         discs = many.many_discs(maps.matrix, maps.error)
-        return many.multiplier_verdicts(discs, self.period[part], paired=self.paired, damping=self.damping)
+        return many.multiplier_verdicts(discs, self.period[chunk], paired=self.paired, damping=self.damping)
 
 
 def _forget_lost(values: Complexes, maps: PeriodMaps) -> None:
@@ -285,12 +285,12 @@ def _eigenvalues(matrices: Floats) -> Complexes:
 
 
 def _without(rows: Bools, array: NDArray[Any]) -> NDArray[Any]:
-    """Return an array with zeros in some rows."""
+    """Return an array with zeros in the rows marked in ``rows``."""
     return np.where(rows.reshape(-1, *(1,) * (array.ndim - 1)), 0.0, array) if rows.any() else array
 
 
 def _batch(systems: Any) -> _Batch:
-    """Return systems in the form that the fastest method for all of them takes."""
+    """Return systems in the form of the fastest method that serves all of them."""
     if not isinstance(systems, HillSystem | PeriodicSystem):
         raise TypeError(
             f"systems must be a HillSystem or PeriodicSystem, one or a batch of them, got {validate.short(systems)}; "
@@ -315,11 +315,11 @@ def _over(
     """Call ``fill`` with parts of a batch, in threads if it pays; ``done`` says how many of the first count as done."""
     size = len(batch.period)
     step = max(1, _AT_ONCE // batch.order**2)
-    parts = [(slice(start, min(size, start + step)),) for start in range(0, size, step)]
+    chunks = [(slice(start, min(size, start + step)),) for start in range(0, size, step)]
     threads = workers or cores()
-    together = len(parts) if progress is None else max(4 * threads, len(parts) // _REPORTS)
-    for first in range(0, len(parts), max(1, together)):
-        some = parts[first : first + together]
-        in_threads(fill, some, threads)
+    together = len(chunks) if progress is None else max(4 * threads, len(chunks) // _REPORTS)
+    for first in range(0, len(chunks), max(1, together)):
+        group = chunks[first : first + together]
+        in_threads(fill, group, threads)
         if progress is not None:
-            progress(done(some[-1][0].stop), size)
+            progress(done(group[-1][0].stop), size)

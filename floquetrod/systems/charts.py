@@ -51,8 +51,7 @@ def chart(
     over : mapping of str to (low, high, number) or increasing array
         The two parameters, by the names of the keywords: first the columns (x), then the rows (y).
     growth : bool
-        Whether to keep the growth rates: per unit of the time in which periods are given, and per unit tau for
-        equations.
+        Whether to keep the growth rates: per unit of time, the unit of the periods, and per unit tau for equations.
     growth_tolerance : float
         Growth, in the same unit, up to which a point counts as stable.
     workers : int, optional
@@ -65,7 +64,7 @@ def chart(
     TypeError
         Where the family returns something else, or equations at one point and systems at another.
     ValueError
-        For axes that are none, and where the family raises an exception; the message names the point.
+        For invalid axes, and where the family raises an exception; the message names the point.
 
     Examples
     --------
@@ -88,26 +87,26 @@ def chart(
 
 @dataclass(frozen=True)
 class Members(Family):
-    """Any family of a user: a function that returns the equation or system of a place."""
+    """A user's family: a function that returns the equation or system at a point of the plane."""
 
     function: Callable[..., Problem]
-    names: tuple[str, str]  # the keywords, that of x first
-    like: Problem  # one of the members: equations make charts per unit tau, systems of their own unit of time
+    names: tuple[str, str]  # the keywords, of x and of y
+    sample: Problem  # a member: charts of equations are per unit tau, of systems per their own unit of time
     growth_tolerance: float  # as in `chart`
     workers: int | None = None
-    fixed: tuple[tuple[str, float, str], ...] = ()  # (name, value, unit), what the function has been told besides
-    argument: str = "family"  # what the function is called in errors
-    kinds: set[str] = field(default_factory=set, compare=False)  # what the members judged so far are, in words
+    fixed: tuple[tuple[str, float, str], ...] = ()  # (name, value, unit) of the function's other arguments
+    argument: str = "family"  # name of the function in errors
+    kinds: set[str] = field(default_factory=set, compare=False)  # kinds of the members judged so far, in words
 
     @property
     def growth_unit(self) -> str:  # type: ignore[override]
-        """Growth per unit tau of equations, per unit of the time that a system's period is given in."""
-        return "per tau" if isinstance(self.like, Equation) else "per unit time"
+        """Growth per unit tau for equations, per unit of time, as of the period, for systems."""
+        return "per tau" if isinstance(self.sample, Equation) else "per unit time"
 
     @property
     def vertex(self) -> float:
         """Closer to a boundary than this verdicts on systems are slow (a choice)."""
-        return VERTEX if isinstance(self.like, Equation) else 1e-8
+        return VERTEX if isinstance(self.sample, Equation) else 1e-8
 
     @property
     def points_at_once(self) -> int:
@@ -115,27 +114,27 @@ class Members(Family):
         return 1
 
     def subject(self) -> dict[str, Any]:
-        """Say what the members are, and the name of the function, where it has one."""
+        """Return the kinds of members, fixed arguments, and the name of the function, where it has one."""
         name = self.function.__name__ if isinstance(self.function, FunctionType) else ""
         named = {"name": name} if name.isidentifier() else {}  # as "<lambda>" is not
-        return {"kind": ", ".join(sorted(self.kinds)), "fixed": [list(each) for each in self.fixed]} | named
+        return {"kind": ", ".join(sorted(self.kinds)), "fixed": [list(entry) for entry in self.fixed]} | named
 
     def members(self, x: Floats, y: Floats) -> list[Problem]:
         """Return the members at places x, y (n,)."""
-        points = (dict(zip(self.names, place, strict=True)) for place in zip(x.tolist(), y.tolist(), strict=True))
-        found = [member(self.function, point, self.like, self.argument) for point in points]
-        self.kinds.update(map(_kind, found))
-        return found
+        points = (dict(zip(self.names, point, strict=True)) for point in zip(x.tolist(), y.tolist(), strict=True))
+        problems = [member(self.function, point, self.sample, self.argument) for point in points]
+        self.kinds.update(map(_kind, problems))
+        return problems
 
     def verdicts(self, x: Floats, y: Floats, *, growth: bool = False, quick: bool = False) -> Verdicts:
-        """Return status and growth rate, which every verdict tells."""
+        """Return status and growth rate at places x, y; the rates are part of every verdict."""
         x, y = np.broadcast_arrays(x, y)
         members = self.members(x.ravel(), y.ravel())
-        systems = [each for each in members if not isinstance(each, Equation | DelaySystem)]
+        systems = [problem for problem in members if not isinstance(problem, Equation | DelaySystem)]
         if len(systems) == len(members):
             answers = in_batches(systems, lambda batch: arrays.verdicts(batch, workers=self.workers, quick=quick))
             status, rate = (np.array(column) for column in zip(*answers, strict=True))
-        elif all(isinstance(each, DelaySystem) for each in members):
+        elif all(isinstance(problem, DelaySystem) for problem in members):
             status, rate = _delayed(members, growth=growth or self.growth_tolerance > 0.0)
         else:
             status, rate = _one_by_one(members)
@@ -143,12 +142,12 @@ class Members(Family):
         return Verdicts(status.reshape(x.shape), rate.reshape(x.shape))
 
     def name(self, x: float, y: float) -> Names:
-        """Return the mode, its partner and the order of the fastest resonance at a place; None where none is named.
+        """Return the mode, its partner and the order of the fastest resonance at a point; None without a name.
 
-        Nor is buckling: a region of it may hold that of several modes.
+        Buckling is not named: a region of it may hold the buckling of several modes.
         """
-        (there,) = self.members(np.array([x]), np.array([y]))
-        verdict = None if isinstance(there, Equation) else stability(there)
+        (problem,) = self.members(np.array([x]), np.array([y]))
+        verdict = None if isinstance(problem, Equation) else stability(problem)
         if not isinstance(verdict, SystemStability) or not verdict.resonances:
             return None, None, None
         resonance = verdict.resonances[0]
@@ -162,20 +161,20 @@ class Members(Family):
 
 
 def _delayed(systems: Sequence[Any], *, growth: bool) -> tuple[NDArray[np.int8], Floats]:
-    """Return status and growth rate of systems with delays, the rate where it must be known or was needed."""
+    """Return status and growth rate of systems with delays; without ``growth`` the rate only where it was needed."""
     status, rate = delay_many.of_systems(systems, growth=growth)
     for i in np.flatnonzero(status == UNDECIDED).tolist():
-        found = stability(systems[i])
-        status[i], rate[i] = STATUS_CODES[found.status], found.growth_rate
+        verdict = stability(systems[i])
+        status[i], rate[i] = STATUS_CODES[verdict.status], verdict.growth_rate
     return status, np.maximum(rate, 0.0)
 
 
 def _one_by_one(equations: Sequence[Problem]) -> tuple[NDArray[np.int8], Floats]:
     """Return status and growth rate of equations; as one batch of systems they would take twice to seventy times."""
     importlib.import_module("numba")  # once it is loaded, scalar methods run as machine code
-    found = [stability(equation) for equation in equations]
-    status = np.array([STATUS_CODES[result.status] for result in found], dtype=np.int8)
-    return status, np.array([result.growth_rate for result in found])
+    verdicts = [stability(equation) for equation in equations]
+    status = np.array([STATUS_CODES[result.status] for result in verdicts], dtype=np.int8)
+    return status, np.array([result.growth_rate for result in verdicts])
 
 
 def _parameters(over: Any) -> list[tuple[str, Floats]]:
@@ -192,7 +191,7 @@ def _parameters(over: Any) -> list[tuple[str, Floats]]:
 
 
 def _kind(problem: Problem) -> str:
-    """Return what is charted, in words."""
+    """Return the kind of a problem, in words."""
     if isinstance(problem, Equation):
         return problem.title
     plural = "" if problem.order == 1 else "s"
@@ -205,8 +204,8 @@ def _kind(problem: Problem) -> str:
 
 def _symbol(name: str) -> str:
     r"""Return a parameter's symbol in mathematics: \omega_{1} of "omega_1"; "" for a name that is a word."""
-    found = re.fullmatch(r"([A-Za-z]+?)_?(\d*)", name)
-    if found is None or not (len(found[1]) == 1 or _GREEK.fullmatch(found[1])):
+    match = re.fullmatch(r"([A-Za-z]+?)_?(\d*)", name)
+    if match is None or not (len(match[1]) == 1 or _GREEK.fullmatch(match[1])):
         return ""
-    letter = found[1] if len(found[1]) == 1 else rf"\{found[1]}"
-    return letter + (f"_{{{found[2]}}}" if found[2] else "")
+    letter = match[1] if len(match[1]) == 1 else rf"\{match[1]}"
+    return letter + (f"_{{{match[2]}}}" if match[2] else "")

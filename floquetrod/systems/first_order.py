@@ -22,7 +22,7 @@ from floquetrod._util import validate
 from floquetrod._util.arrays import EPS, Complexes, Floats, shaped
 from floquetrod.equations import HillSystem, matrices
 
-_NOTHING = 1e-12  # part of a harmonic's largest entry: what couples two modes less is rounding
+_NOTHING = 1e-12  # part of a harmonic's largest entry: a weaker coupling of two modes is rounding
 
 
 @dataclass(frozen=True, repr=False)
@@ -123,7 +123,7 @@ def first_order_tongues(system: HillSystem) -> tuple[FirstOrderTongue, ...]:
     Returns
     -------
     tuple of FirstOrderTongue
-        Those that would grow without damping, damped ones included: ``half_width`` is 0 where damping suppresses one.
+        Tongues that would grow without damping, damped ones included: ``half_width`` is 0 where damping suppresses one.
 
     Raises
     ------
@@ -133,7 +133,7 @@ def first_order_tongues(system: HillSystem) -> tuple[FirstOrderTongue, ...]:
     Notes
     -----
     A difference resonance needs couplings of opposite sign, d_ij d_ji < 0, and a sum resonance of the same sign.  A
-    symmetric stiffness therefore has none of difference type.  A difference resonance broader than its frequency is
+    symmetric stiffness therefore has no difference resonance.  A difference resonance broader than its frequency is
     left out: averaging does not apply to it.  Unequal damping widens a tongue: it ends at D^2 = (c_i + c_j)^2 (g^2 /
     (c_i c_j) - 1) in D = k w - (w_i + w_j), beyond 2 g where c_i and c_j differ enough.
 
@@ -148,7 +148,7 @@ def first_order_tongues(system: HillSystem) -> tuple[FirstOrderTongue, ...]:
     """
     _require_modes(system)
     frequencies, rates, harmonics = _modal(system)
-    found = []
+    tongues = []
     for order, coupling in enumerate(harmonics, start=1):
         products = coupling * coupling.conj().T / (16.0 * np.outer(frequencies, frequencies))
         coupled = np.abs(coupling) > _NOTHING * np.abs(coupling).max(initial=0.0)
@@ -159,10 +159,10 @@ def first_order_tongues(system: HillSystem) -> tuple[FirstOrderTongue, ...]:
                     "system must have harmonics that are symmetric, or even about an instant, got one in which modes "
                     f"{i + 1} and {j + 1} act on each other with different phases; use stability(system)"
                 )
-            found += _tongue(i, j, order, frequencies, rates, product.real)
-    found.sort(key=lambda tongue: (-tongue.growth_rate, tongue.frequency))
-    meeting = _meeting(found)
-    return tuple(replace(tongue, overlaps=number in meeting) for number, tongue in enumerate(found))
+            tongues += _tongue(i, j, order, frequencies, rates, product.real)
+    tongues.sort(key=lambda tongue: (-tongue.growth_rate, tongue.frequency))
+    meeting = _meeting(tongues)
+    return tuple(replace(tongue, overlaps=number in meeting) for number, tongue in enumerate(tongues))
 
 
 def _require_modes(system: Any) -> None:
@@ -214,7 +214,7 @@ def _tongue(i: int, j: int, order: int, frequencies: Floats, rates: Floats, prod
 
 
 def _meeting(tongues: list[FirstOrderTongue]) -> set[int]:
-    """Return the numbers of those that meet another with which they share a mode, all without damping."""
+    """Return the numbers of the tongues that meet another with a common mode, all without damping."""
     of_mode: dict[int, list[tuple[float, float, int]]] = {}
     for number, tongue in enumerate(tongues):
         reach = 2.0 * tongue.coupling / tongue.order

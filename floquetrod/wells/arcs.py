@@ -20,19 +20,19 @@ _VERTICAL = 1e-12  # sine of an inclination below which an azimuth means nothing
 
 
 @dataclass(frozen=True, eq=False)
-class Arcs(ByContent):
+class WellArcs(ByContent):
     """Circular arcs one after the other, one to an interval between stations."""
 
     start: Floats  # (n,), measured depth of the upper ends in m
     length: Floats  # (n,), in m
     inclination: Floats  # (n,), direction at the upper ends in rad
-    azimuth: Floats  # (n,), of a vertical one that of the lower end
+    azimuth: Floats  # (n,), at a vertical upper end the azimuth of the lower end
     dogleg: Floats  # (n,), angles of the arcs in rad
     kappa_n: Floats  # (n,), curvature at the upper ends in 1/m, in the vertical plane
     kappa_b: Floats  # (n,), and sideways
 
     @classmethod
-    def between(cls, depth: Floats, inclination: Floats, azimuth: Floats) -> Arcs:
+    def between(cls, depth: Floats, inclination: Floats, azimuth: Floats) -> WellArcs:
         """Return the arcs between stations."""
         upper, lower = inclination[:-1], inclination[1:]
         psi = np.where(np.sin(upper) > _VERTICAL, azimuth[:-1], azimuth[1:])
@@ -48,16 +48,16 @@ class Arcs(ByContent):
         return np.asarray(self.dogleg / self.length)
 
     def at(self, depth: Floats) -> Points:
-        """Return points at measured depths, each of the interval that follows it."""
+        """Return points at measured depths, on a station of the interval below it."""
         i = np.clip(np.searchsorted(self.start, depth, side="right") - 1, 0, self.start.size - 1)
         return Points(self, i, depth - self.start[i])
 
 
 @dataclass(frozen=True, eq=False)
 class Points(ByContent):
-    """Points on arcs: which arc, and how far in m below its upper end."""
+    """Points on arcs: the index of the arc, and the distance in m below its upper end."""
 
-    arcs: Arcs
+    arcs: WellArcs
     arc: NDArray[np.intp]
     below: Floats
 
@@ -88,7 +88,7 @@ class Points(ByContent):
 
     @property
     def azimuth(self) -> Floats:
-        """Azimuth in rad, within half a turn of that at the upper end of the arc."""
+        """Azimuth in rad, within half a turn of the azimuth at the upper end of the arc."""
         ahead, side = self._level
         return np.asarray(self.arcs.azimuth[self.arc] + np.where(side == 0.0, 0.0, np.arctan2(side, ahead)))
 
@@ -107,7 +107,8 @@ class Points(ByContent):
         level, down, moving = turned(np.hypot, *phi, np.cos(angle), run, back, arcs.kappa_n[i], arcs.kappa_b[i])
         with np.errstate(invalid="ignore", divide="ignore"):
             ahead, aside = (
-                np.where(level[2] > 0.0, each / level[2], one) for each, one in zip(level, (1.0, 0.0), strict=False)
+                np.where(level[2] > 0.0, component / level[2], vertical)
+                for component, vertical in zip(level, (1.0, 0.0), strict=False)
             )
         return level[2], down, *curvatures(level[2], down, ahead, aside, moving)
 
@@ -127,7 +128,7 @@ class Points(ByContent):
 def turned(
     hypot: Any, sine: Any, cosine: Any, along: Any, run: Any, back: Any, build: Any, side: Any
 ) -> tuple[tuple[Any, Any, Any], Any, tuple[Any, Any, Any]]:
-    """Return the direction at a point of an arc, and its change, from those at the upper end.
+    """Return the direction at a point of an arc, and its change, from the direction at the upper end.
 
     Of floats or arrays: sine and cosine of the inclination at the upper end, cosine of the angle, run for a unit of
     curvature, sine of the angle times the curvature, and both curvatures at the upper end.  The direction is its level
@@ -146,7 +147,7 @@ def curvatures(level: Any, down: Any, ahead: Any, aside: Any, moving: tuple[Any,
 
 
 def doglegs(inclination: Floats, azimuth: Floats, apart: int = 1) -> Floats:
-    """Return the angles in rad between the directions at stations and at those ``apart`` further down."""
+    """Return the angles in rad between the directions at stations and at the stations ``apart`` further down."""
     return _bend(inclination[:-apart], inclination[apart:], azimuth[apart:] - azimuth[:-apart])[0]
 
 

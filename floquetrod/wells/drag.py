@@ -1,12 +1,12 @@
-"""The mean force along a string in a well: its weight, and friction against the wall that it is pressed to.
+"""The mean force along a string in a well, from its weight and its friction against the wall.
 
 With the compression F, the weight in fluid w, the inclination phi and the curvatures kappa_n and kappa_b,
 
     dF/ds = w cos(phi) - mu N,    N = hypot(w sin(phi) + F kappa_n, F kappa_b) + h F^2 R / (4 E I),
 
-downwards along a string that is pushed; pulled, friction changes its sign, and a string that stands has none.  h is 1
-where a pushed string has buckled into a helix, else 0.  The string lies on the wall with its weight until F^2 R / (4 E
-I) exceeds the first term of N: there it begins to snake, and at twice that, by energy, a helix is possible.
+downwards along a pushed string; pulled, friction changes its sign, and a standing string has none.  h is 1 where a
+pushed string has buckled into a helix, else 0.  The string lies on the wall with its weight until F^2 R / (4 E I)
+exceeds the first term of N: there it begins to snake, and at twice that, by energy, a helix is possible.
 
 F = S tan(y) with the critical force S of a level hole is integrated for y, from the lower end up.  Where a helix locks
 up F becomes infinite, and y passes through pi/2 as smoothly as anywhere.
@@ -23,20 +23,16 @@ import numpy as np
 from floquetrod._util.arrays import Bools, Floats, Ints
 from floquetrod._util.caching import cached_property
 from floquetrod.wells.arcs import Points
+from floquetrod.wells.helix_criteria import HELIX_RATIOS
 from floquetrod.wells.kernels import contact
 from floquetrod.wells.kernels.contact import LOCKED
 from floquetrod.wells.path import WellPath
 
-HELICAL = {"energy": 2.0, "loading": 1.83**2, "alone": 8.0, "always": 0.0}
-"""Criteria of a helix by name: F^2 R / (4 E I) over the contact force of the string that lies, from which on one forms.
-
-In a straight well sqrt(2) (Chen, Lin & Cheatham 1990), 1.83 (Wu & Juvkam-Wold 1993) and 2 sqrt(2) (Mitchell 1996) times
-the critical force; or wherever the string is compressed.  The first follows by energy in bent wells too
-(docs/theory/mean_force.md), the other two are taken to keep their ratio to it.
-"""
+HELICAL = HELIX_RATIOS | {"always": 0.0}
+"""Criteria of a helix by name: the smallest ratios, and a helix wherever the string is compressed."""
 
 
-class Effort(NamedTuple):
+class Fineness(NamedTuple):
     """How finely forces are integrated: relative tolerance, and least number of steps between stations.
 
     With a tool, how many cells its wave has, and the share of friction that is taken to be left before the wave is
@@ -52,10 +48,10 @@ class Effort(NamedTuple):
     soft: float = 1e-4
 
 
-CHECKED = Effort(1e-12, 2, 24), Effort(1e-10, 1, 12, 0.0, 3e-4)
-FAST, SOUGHT, TRIED = Effort(1e-8, 1, 12), Effort(1e-6, 1, 12), Effort(1e-6, 1, 6)
-"""Of one string, and what it is compared with, whose error is the difference; of many strings; of a depth sought; of a
-force sought at the lower end."""
+CHECKED = Fineness(1e-12, 2, 24), Fineness(1e-10, 1, 12, 0.0, 3e-4)
+FAST, SOUGHT, TRIED = Fineness(1e-8, 1, 12), Fineness(1e-6, 1, 12), Fineness(1e-6, 1, 6)
+"""Of one string, and of the coarser run whose difference is its error; of many strings; of searches for a depth; of
+searches for a force at the lower end."""
 
 _DIVIDED = 300.0  # m (a choice)
 _NEARLY = LOCKED - 1e-13  # to rounding
@@ -65,8 +61,8 @@ MOTIONS = {"pushed": 1.0, "standing": 0.0, "pulled": -1.0}
 
 
 @dataclass(frozen=True)
-class Pipe:
-    """What the mean force needs of a string."""
+class StringProperties:
+    """A string's rigidity, weight and clearance."""
 
     rigidity: float  # E I in N m^2
     weight: float  # weight in fluid in N/m
@@ -77,17 +73,17 @@ class Pipe:
         """S, the critical force in a level hole, in N."""
         return 2.0 * math.sqrt(self.rigidity * self.weight / self.clearance)
 
-    def lying(self, force: Floats, place: Place) -> Floats:
-        """Return the contact force in N/m of the string that lies on the wall under a compression in N."""
-        bent = self.weight * place.sine + force * place.kappa_n
-        return np.asarray(np.hypot(bent, force * place.kappa_b))
+    def lying(self, force: Floats, geometry: WellGeometry) -> Floats:
+        """Return the contact force in N/m of a lying string under a compression in N."""
+        bent = self.weight * geometry.sine + force * geometry.kappa_n
+        return np.asarray(np.hypot(bent, force * geometry.kappa_b))
 
     def helix(self, force: Floats) -> Floats:
-        """Return what a helix adds to the contact force, F^2 R / (4 E I), in N/m."""
+        """Return the contact force of a helix beyond the lying string's, F^2 R / (4 E I), in N/m."""
         return np.asarray(np.maximum(force, 0.0) ** 2 * self.clearance / (4.0 * self.rigidity))
 
 
-class Place(NamedTuple):
+class WellGeometry(NamedTuple):
     """A well at measured depths: sine and cosine of the inclination, and curvatures in 1/m."""
 
     sine: Any
@@ -96,8 +92,8 @@ class Place(NamedTuple):
     kappa_b: Any
 
     @classmethod
-    def at(cls, points: Points) -> Place:
-        """Return a well at points of its arcs."""
+    def at(cls, points: Points) -> WellGeometry:
+        """Return the geometry at points of a well's arcs."""
         return cls(*points.seen)
 
 
@@ -119,9 +115,9 @@ class Friction:
         return max(self.values)
 
     def at(self, depth: Floats) -> Floats:
-        """Return the coefficient at measured depths, that below on a boundary."""
-        place = np.searchsorted(self.depths, depth, side="right") - 1
-        return np.asarray(self.values)[np.maximum(place, 0)]
+        """Return the coefficient at measured depths, on a boundary the one below."""
+        index = np.searchsorted(self.depths, depth, side="right") - 1
+        return np.asarray(self.values)[np.maximum(index, 0)]
 
 
 FRICTIONLESS = Friction((0.0,), (0.0,))
@@ -129,7 +125,7 @@ FRICTIONLESS = Friction((0.0,), (0.0,))
 
 @dataclass(frozen=True)
 class Shaking:
-    """A tool that shakes a string along its axis, and what is left of friction."""
+    """A tool that shakes a string along its axis, and the friction that its wave leaves."""
 
     amplitude: float  # of its force in N
     frequency: Any  # in rad/s, the same for all strings, or (n,), of each its own
@@ -140,7 +136,7 @@ class Shaking:
     speed: float  # v, at which the string slides, in m/s
 
     def of(self, size: int, strings: Ints) -> Shaking:
-        """Return that of some of so many strings, of each its own frequency."""
+        """Return the tool of the ``strings`` of ``size``, each with its own frequency."""
         return replace(self, frequency=np.broadcast_to(self.frequency, size)[strings])
 
     @property
@@ -150,7 +146,7 @@ class Shaking:
 
     @property
     def divided(self) -> Floats:
-        """Length in m that is divided into cells, that of a wave or less, since friction changes along long ones."""
+        """Length in m divided into cells: a wave, or less of a long one, along which friction changes."""
         return np.minimum(self.length, _DIVIDED)
 
     def left(self, speed: Floats) -> Floats:
@@ -167,7 +163,7 @@ class Strings(NamedTuple):
 
 
 class States(NamedTuple):
-    """Y of strings at measured depths, (m, n), NaN where a string is not; and at their upper ends, (n,)."""
+    """Y of strings at measured depths, (m, n), NaN beyond their ends; and at their upper ends, (n,)."""
 
     depth: Floats
     y: Floats
@@ -179,7 +175,7 @@ class Drag:
     """Mean force along strings of one pipe in one well."""
 
     path: WellPath
-    pipe: Pipe
+    pipe: StringProperties
     friction: Friction
     motion: str = "pushed"
     helical: str = "energy"
@@ -191,48 +187,50 @@ class Drag:
         return np.where(y > below, math.inf, self.pipe.scale * np.tan(below))
 
     def y_of(self, force: Floats) -> Floats:
-        """Return what stands for a compression in N."""
+        """Return y of a compression in N."""
         return np.asarray(np.arctan(force / self.pipe.scale))
 
-    def is_helix(self, place: Place, y: Floats) -> Bools:
+    def is_helix(self, geometry: WellGeometry, y: Floats) -> Bools:
         """Return whether strings are wound into a helix."""
-        return np.asarray(self.wants_helix(place, y) >= 0.0)
+        return np.asarray(self.helix_excess(geometry, y) >= 0.0)
 
-    def is_snaking(self, place: Place, force: Floats) -> Bools:
+    def is_snaking(self, geometry: WellGeometry, force: Floats) -> Bools:
         """Return whether strings are buckled under a compression in N, into waves or a helix."""
-        held = np.where(np.isfinite(force), force, 0.0)
-        return np.asarray(np.isinf(force) | ((held > 0.0) & (self.pipe.helix(held) >= self.pipe.lying(held, place))))
+        finite = np.where(np.isfinite(force), force, 0.0)
+        return np.asarray(
+            np.isinf(force) | ((finite > 0.0) & (self.pipe.helix(finite) >= self.pipe.lying(finite, geometry)))
+        )
 
     @cached_property
-    def pushed(self) -> contact.Pushed:
-        """What the equation of a string needs besides the place."""
+    def sliding(self) -> contact.SlidingString:
+        """The string's constants in the equation for y, for kernels."""
         helical = HELICAL[self.helical] if self.motion == "pushed" else math.inf
-        return contact.Pushed(self.pipe.weight, self.pipe.scale, MOTIONS[self.motion], helical)
+        return contact.SlidingString(self.pipe.weight, self.pipe.scale, MOTIONS[self.motion], helical)
 
-    def wants_helix(self, place: Place, y: Floats) -> Floats:
-        """Return what is zero or more where a string is wound into a helix, which only one that is pushed is."""
+    def helix_excess(self, geometry: WellGeometry, y: Floats) -> Floats:
+        """Return sin y - sqrt(h lying / w), zero or more where a string is a helix; -1 unless it is pushed."""
         if self.motion != "pushed":
             return np.full(y.shape, -1.0)
         sine = np.sin(y)
-        return np.asarray(contact.wants_helix(self.pushed, self._lying(place, sine, np.cos(y)), sine))
+        return np.asarray(contact.helix_excess(self.sliding, self._lying(geometry, sine, np.cos(y)), sine))
 
-    def helix_margin(self, place: Place, y: Floats) -> Floats:
-        """Return what has the sign of `wants_helix` and is smooth between places."""
+    def helix_margin(self, geometry: WellGeometry, y: Floats) -> Floats:
+        """Return a function of y with the sign of `helix_excess` that is smooth along the well."""
         sine = np.sin(y)
-        return np.asarray(contact.helix_margin(self.pushed, self._lying(place, sine, np.cos(y)), sine))
+        return np.asarray(contact.helix_margin(self.sliding, self._lying(geometry, sine, np.cos(y)), sine))
 
-    def lying_across(self, place: Place, y: Floats) -> Floats:
-        """Return the contact force in N/m of strings that lie, times cos^2 y, as a vector: in the plane, and across."""
+    def lying_across(self, geometry: WellGeometry, y: Floats) -> Floats:
+        """Return the contact force in N/m of lying strings, times cos^2 y, as a vector: in the plane, and across."""
         sine, cosine = np.sin(y), np.cos(y)
         push = self.pipe.scale * sine
-        bent = self.pipe.weight * place.sine * cosine + push * place.kappa_n
-        return np.array([cosine * bent, cosine * push * place.kappa_b])
+        bent = self.pipe.weight * geometry.sine * cosine + push * geometry.kappa_n
+        return np.array([cosine * bent, cosine * push * geometry.kappa_b])
 
-    def _lying(self, place: Place, sine: Floats, cosine: Floats) -> Floats:
-        return np.asarray(contact.lying(self.pushed, place.sine, place.kappa_n, place.kappa_b, sine, cosine))
+    def _lying(self, geometry: WellGeometry, sine: Floats, cosine: Floats) -> Floats:
+        return np.asarray(contact.lying(self.sliding, geometry.sine, geometry.kappa_n, geometry.kappa_b, sine, cosine))
 
-    def slopes(self, place: Place, mu: Floats, y: Floats, helix: Any) -> Floats:
-        """Return d/ds of y of strings at a place of each, of which a part is wound into a helix."""
+    def slopes(self, geometry: WellGeometry, mu: Floats, y: Floats, helix: Any) -> Floats:
+        """Return dy/ds of strings, each at its place, ``helix`` the share of them wound into a helix."""
         sine, cosine = np.sin(y), np.cos(y)
-        pressed = contact.contact(self.pushed, self._lying(place, sine, cosine), sine, helix)
-        return np.asarray(contact.slope(self.pushed, place.cosine, mu, cosine, pressed))
+        pressed = contact.contact(self.sliding, self._lying(geometry, sine, cosine), sine, helix)
+        return np.asarray(contact.slope(self.sliding, geometry.cosine, mu, cosine, pressed))

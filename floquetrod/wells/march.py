@@ -1,9 +1,9 @@
 """Strings marched up a well side by side, each with steps of its own, by an explicit Runge-Kutta method of order 8.
 
-The method is that of Dormand and Prince with its dense output of order 7 (Hairer, Norsett and Wanner, Solving Ordinary
+By the method of Dormand and Prince with its dense output of order 7 (Hairer, Norsett and Wanner, Solving Ordinary
 Differential Equations I, II.5), with SciPy's coefficients.  A step ends at a station, where friction changes, at the
 upper end, and where the string becomes a helix or ceases to be one: there its equation has another right side.  A helix
-presses harder, so that a short one may grow until it locks the string up: within a step none is passed over.
+presses harder, so that a short one may grow until it locks the string up: no step passes over one.
 """
 
 from __future__ import annotations
@@ -19,33 +19,33 @@ from floquetrod._util.arrays import Bools, Floats
 from floquetrod._util.content import ByContent
 from floquetrod._util.roots import largest, roots
 from floquetrod.wells.arcs import Points
-from floquetrod.wells.drag import Drag, Effort, Place, States, Strings
+from floquetrod.wells.drag import Drag, Fineness, States, Strings, WellGeometry
 from floquetrod.wells.kernels.contact import LOCKED
 
 Ints = NDArray[np.intp]
 
 _SAFETY, _SHRINKS, _GROWS = 0.9, 0.2, 10.0  # of the next step (Hairer, Norsett and Wanner)
-_AT_ONCE = 1e-12  # of a step: a string that changes its shape before does so where it is
+_AT_ONCE = 1e-12  # share of a step: a change of shape before it is one at its beginning
 _MOST_STEPS = 100_000  # of a string: a few hundred are usual
-_SAMPLES = 16  # of a step that a helix may begin or end in (a choice)
+_SAMPLES = 16  # of a step in which a helix may begin or end (a choice)
 _SECTIONS = 16  # of the bracket of a largest value: to 5e-4 of it
 _TOUCHES = 1e-9  # of the terms of `helix_margin`: so little is rounding
 
 
-def up(drag: Drag, strings: Strings, depths: Floats, effort: Effort) -> States:
-    """Return the states of strings at measured depths in m and at their upper ends, from those at their lower ends."""
-    march = _March(drag, strings, np.unique(depths), effort)
+def up(drag: Drag, strings: Strings, depths: Floats, fineness: Fineness) -> States:
+    """Return the states of strings at measured depths in m and at their upper ends, from their lower ends up."""
+    march = _March(drag, strings, np.unique(depths), fineness)
     march.go()
     return States(march.wanted, march.noted, march.state)
 
 
 class _March:
-    """Strings on their way up: where each is, its y (n,) there, and what has been noted of it (m, n)."""
+    """Strings on their way up: their depths, their y (n,) there, and y noted at the wanted depths (m, n)."""
 
-    def __init__(self, drag: Drag, strings: Strings, wanted: Floats, effort: Effort) -> None:
+    def __init__(self, drag: Drag, strings: Strings, wanted: Floats, fineness: Fineness) -> None:
         size = strings.y.size
         self.drag, self.top, self.wanted = drag, strings.top, wanted
-        self.tolerance, self.steps = np.full(size, effort.tolerance), np.full(size, effort.steps)
+        self.tolerance, self.steps = np.full(size, fineness.tolerance), np.full(size, fineness.steps)
         self.depth = strings.bottom.copy()
         self.state = strings.y.copy()
         self.is_helix = np.zeros(size, bool)
@@ -70,13 +70,13 @@ class _March:
         raise RuntimeError(f"a string at {self.depth[moving[0]]:g} m takes too many steps")
 
     def _piece(self, strings: Ints) -> Ints:
-        """Return the pieces that strings are in, or are about to enter from below."""
+        """Return the pieces of strings, on an edge the piece above."""
         return np.maximum(np.searchsorted(self.ends, self.depth[strings]) - 1, 0)
 
     def _enter(self, strings: Ints) -> None:
-        """Let strings enter the pieces above them, where they may have another shape."""
-        place = self._slopes(strings).place(self.depth[strings])
-        self.is_helix[strings] = self.drag.is_helix(place, self.state[strings])
+        """Move strings into the pieces above them, where they may have another shape."""
+        geometry = self._slopes(strings).place(self.depth[strings])
+        self.is_helix[strings] = self.drag.is_helix(geometry, self.state[strings])
         self.longest[strings] = math.inf
 
     def _slopes(self, strings: Ints) -> _Slopes:
@@ -84,13 +84,13 @@ class _March:
         return _Slopes(self.drag, self.arc[piece], self.friction[piece], self.is_helix[strings])
 
     def _lock(self, strings: Ints) -> None:
-        """Note the states of strings that are locked up, which hold all the way up."""
+        """Note the states of locked strings, which are the same all the way up."""
         for k in strings.tolist():
             above = (self.wanted >= self.top[k]) & (self.wanted <= self.depth[k])
             self.noted[above, k] = self.state[k]
 
     def _advance(self, moving: Ints) -> None:
-        """Try a step of every string that moves, and take those that are accurate enough."""
+        """Try a step of every string in ``moving``, and take the accurate ones."""
         step = self._tried(moving)
         error = step.error(self.tolerance[moving])
         is_taken = error < 1.0
@@ -111,26 +111,26 @@ class _March:
         return _Step.of(self._slopes(moving), depth, end, is_last, self.state[moving])
 
     def _take(self, strings: Ints, step: _Step) -> None:
-        """Move strings to the ends of their steps, or to where their shape changes on the way; note what is wanted."""
+        """Move strings to the ends of their steps, or to their next change of shape; note y at wanted depths."""
         first, last = np.searchsorted(self.wanted, step.end), np.searchsorted(self.wanted, step.depth, side="right")
         end, state, is_changing = step.end.copy(), step.new, np.zeros(strings.size, bool)
         curved = np.flatnonzero(step.may_change | (last > first))
         if curved.size:
-            part = step.some(curved)
-            curve = part.curve()
-            share = part.changes(curve)
+            substep = step.some(curved)
+            curve = substep.curve()
+            share = substep.changes(curve)
             change = np.flatnonzero(np.isfinite(share))
             if change.size:
                 is_changing[curved[change]] = True
-                end[curved[change]] -= (share[change] - 1.0) * part.length[change]
+                end[curved[change]] -= (share[change] - 1.0) * substep.length[change]
                 state[curved[change]] = curve.at(share[change], change)
-            self._note(strings[curved], part, curve, (np.searchsorted(self.wanted, end[curved]), last[curved]))
+            self._note(strings[curved], substep, curve, (np.searchsorted(self.wanted, end[curved]), last[curved]))
         self.depth[strings], self.state[strings] = end, state
         self.is_helix[strings[is_changing]] ^= True
         self._enter(strings[step.is_last & ~is_changing])
 
     def _note(self, strings: Ints, step: _Step, curve: _Curve, rows: tuple[Ints, Ints]) -> None:
-        """Note the states in rows from the first to before the last, of each string its own."""
+        """Note the states of each string in its own range of rows."""
         number = np.maximum(rows[1] - rows[0], 0)
         which = np.repeat(np.arange(number.size), number)
         row = np.arange(which.size) + (rows[0] - np.cumsum(number) + number)[which]
@@ -148,17 +148,17 @@ class _Slopes(ByContent):
     is_helix: Bools
 
     def some(self, i: Ints) -> _Slopes:
-        """Return that of some strings."""
+        """Return the right side of the strings ``i``."""
         return replace(self, arc=self.arc[i], friction=self.friction[i], is_helix=self.is_helix[i])
 
-    def place(self, depth: Floats) -> Place:
+    def place(self, depth: Floats) -> WellGeometry:
         """Return the well at measured depths (..., n)."""
         arcs = self.drag.path.arcs
-        return Place.at(Points(arcs, self.arc, depth - arcs.start[self.arc]))
+        return WellGeometry.at(Points(arcs, self.arc, depth - arcs.start[self.arc]))
 
-    def at(self, place: Place, state: Floats) -> Floats:
-        """Return d/ds of y at a place of each string."""
-        return self.drag.slopes(place, self.friction, state, self.is_helix)
+    def at(self, geometry: WellGeometry, state: Floats) -> Floats:
+        """Return dy/ds of each string at its place."""
+        return self.drag.slopes(geometry, self.friction, state, self.is_helix)
 
 
 @dataclass(frozen=True, eq=False)
@@ -176,7 +176,7 @@ class _Step(ByContent):
     old: Floats
     new: Floats
     rises: Floats
-    places: Place
+    places: WellGeometry
 
     @classmethod
     def of(cls, slopes: _Slopes, depth: Floats, end: Floats, is_last: Bools, old: Floats) -> _Step:
@@ -187,20 +187,20 @@ class _Step(ByContent):
         state, length = old, depth - end
         places = slopes.place(depth - np.append(DOP853.C, [1.0, 0.5])[:, None] * length)
         for k, row in enumerate([*DOP853.A[1:], DOP853.B, None]):
-            rises[k] = -slopes.at(Place(*(each[k] for each in places)), state)
+            rises[k] = -slopes.at(WellGeometry(*(column[k] for column in places)), state)
             if row is not None:
                 state = old + length * _sum(row[: k + 1], rises)
-        ends = Place(*(each[[0, -1, -2]] for each in places))
+        ends = WellGeometry(*(column[[0, -1, -2]] for column in places))
         return cls(slopes, depth, end, is_last, old, state, rises, ends)
 
     @property
     def length(self) -> Floats:
-        """How far in m."""
+        """Length in m."""
         return self.depth - self.end
 
     def some(self, i: Ints) -> _Step:
-        """Return the step of some strings."""
-        columns = self.old[i], self.new[i], self.rises[:, i], Place(*(each[:, i] for each in self.places))
+        """Return the step of the strings ``i``."""
+        columns = self.old[i], self.new[i], self.rises[:, i], WellGeometry(*(column[:, i] for column in self.places))
         return _Step(self.slopes.some(i), self.depth[i], self.end[i], self.is_last[i], *columns)
 
     def error(self, tolerance: Floats) -> Floats:
@@ -208,7 +208,7 @@ class _Step(ByContent):
         from scipy.integrate import DOP853
 
         scale = tolerance * (1.0 + np.maximum(np.abs(self.old), np.abs(self.new)))
-        fifth, third = ((_sum(each, self.rises) / scale) ** 2 for each in (DOP853.E5, DOP853.E3))
+        fifth, third = ((_sum(weights, self.rises) / scale) ** 2 for weights in (DOP853.E5, DOP853.E3))
         under = np.sqrt(np.maximum(fifth + 0.01 * third, 1e-300))
         return np.asarray(self.length * fifth / under)
 
@@ -216,10 +216,10 @@ class _Step(ByContent):
     def may_change(self) -> Bools:
         """Whether bounds at both sides allow strings another shape within the step.
 
-        By three places, y in the middle that of a cubic.  Between them y and the contact force of the lying string, a
-        vector across it, leave their chords by no more than their second differences, eight times what a parabola
-        does.  A lying string becomes no helix where sin^2 y is less than h lying / w, and a helix does not end where it
-        is more.
+        By three places, with y in the middle of a cubic.  Between them y and the contact force of the lying string, a
+        vector across it, leave their chords by no more than their second differences, eight times as far as a parabola.
+        A lying string becomes no helix where sin^2 y is less than h lying / w, and a helix does not end where it is
+        more.
         """
         drag = self.slopes.drag
         if drag.motion != "pushed":
@@ -228,10 +228,10 @@ class _Step(ByContent):
         y = np.array([self.old, 0.5 * (self.old + self.new) + bulge, self.new])
         off = np.abs(y[0] - 2.0 * y[1] + y[2]) + np.abs(bulge)
         low, high = y.min(axis=0) - off, y.max(axis=0) + off
-        least, most = _lying_between(drag.lying_across(self.places, y))
-        helical = drag.pushed.helical / drag.pipe.weight
-        lies_on = np.where(high > 0.0, np.sin(np.minimum(high, LOCKED)) ** 2 < helical * least, True)
-        winds_on = (low > 0.0) & (np.sin(np.clip(low, 0.0, LOCKED)) ** 2 > helical * most)
+        lightest, heaviest = _lying_between(drag.lying_across(self.places, y))
+        helical = drag.sliding.helical / drag.pipe.weight
+        lies_on = np.where(high > 0.0, np.sin(np.minimum(high, LOCKED)) ** 2 < helical * lightest, True)
+        winds_on = (low > 0.0) & (np.sin(np.clip(low, 0.0, LOCKED)) ** 2 > helical * heaviest)
         return np.asarray(np.where(self.slopes.is_helix, ~winds_on, ~lies_on | (high >= LOCKED)))
 
     def curve(self) -> _Curve:
@@ -242,7 +242,7 @@ class _Step(ByContent):
         places = self.slopes.place(self.depth - DOP853.C_EXTRA[:, None] * self.length)
         for k, row in enumerate(DOP853.A_EXTRA):
             state = self.old + self.length * _sum(row[: 13 + k], rises)
-            rises[13 + k] = -self.slopes.at(Place(*(each[k] for each in places)), state)
+            rises[13 + k] = -self.slopes.at(WellGeometry(*(column[k] for column in places)), state)
         change, first, last = self.new - self.old, self.length * rises[0], self.length * rises[12]
         higher = [self.length * _sum(row, rises) for row in DOP853.D]
         return _Curve(self.old, np.array([change, first - change, 2.0 * change - first - last, *higher]))
@@ -250,62 +250,62 @@ class _Step(ByContent):
     def changes(self, curve: _Curve) -> Floats:
         """Return the shares of the step after which the shapes of strings first change, NaN where none does.
 
-        By samples of the solution, and by the largest value between samples of what says that the shape is another:
-        a helix may begin and end between two.
+        By samples of the solution, and by the largest value between samples of `helix_margin`, signed by the shape: a
+        helix may begin and end between two.
         """
-        size, every = self.old.size, np.arange(self.old.size)
+        size, strings = self.old.size, np.arange(self.old.size)
         if self.slopes.drag.motion != "pushed":
             return np.full(size, math.nan)
         share = np.arange(_SAMPLES + 1) / _SAMPLES
-        states = curve.at(np.repeat(share, size), np.tile(every, _SAMPLES + 1)).reshape(-1, size)
-        place, drag = self.slopes.place(self.depth - share[:, None] * self.length), self.slopes.drag
-        is_other = (drag.is_helix(place, states) != self.slopes.is_helix) & (states < LOCKED)
+        states = curve.at(np.repeat(share, size), np.tile(strings, _SAMPLES + 1)).reshape(-1, size)
+        geometry, drag = self.slopes.place(self.depth - share[:, None] * self.length), self.slopes.drag
+        is_other = (drag.is_helix(geometry, states) != self.slopes.is_helix) & (states < LOCKED)
         is_other[0] = False
         first = np.where(is_other.any(axis=0), is_other.argmax(axis=0), _SAMPLES + 1)
         upper = np.where(first <= _SAMPLES, share[np.minimum(first, _SAMPLES)], math.nan)
         lower = upper - 1.0 / _SAMPLES
         # Summits between samples before the first that has another shape, from the lower end up: the first counts.
-        margin = np.where(self.slopes.is_helix, -1.0, 1.0) * drag.helix_margin(place, states)
+        margin = np.where(self.slopes.is_helix, -1.0, 1.0) * drag.helix_margin(geometry, states)
         k, i = np.nonzero(_has_summit(margin) & (states < LOCKED) & (np.arange(_SAMPLES + 1)[:, None] < first))
         if k.size:
             begin, stop = share[np.maximum(k - 1, 0)], share[np.minimum(k + 1, _SAMPLES)]
-            summit, _ = largest(lambda each, j: self._margin(curve, each, i[j])[0], begin, stop, _SECTIONS)
+            summit, _ = largest(lambda shares, j: self._margin(curve, shares, i[j])[0], begin, stop, _SECTIONS)
             value, terms = self._margin(curve, summit, i)
             for j in np.flatnonzero(value > _TOUCHES * terms)[::-1].tolist():
                 lower[i[j]], upper[i[j]] = begin[j], summit[j]
-        found = np.full(size, math.nan)
-        at = np.flatnonzero(np.isfinite(upper))
-        if at.size:
-            found[at] = self._change(curve, lower[at], upper[at], at)
-        return found
+        changes = np.full(size, math.nan)
+        changing = np.flatnonzero(np.isfinite(upper))
+        if changing.size:
+            changes[changing] = self._change(curve, lower[changing], upper[changing], changing)
+        return changes
 
     def _margin(self, curve: _Curve, share: Floats, i: Ints) -> tuple[Floats, Floats]:
-        """Return `helix_margin` of strings i after shares of the step, more than 0 in another shape, and its terms."""
-        some, state = self.slopes.some(i), curve.at(share, i)
-        place = some.place(self.depth[i] - share * self.length[i])
-        margin, sine = some.drag.helix_margin(place, state), np.sin(state)
+        """Return the signed margin of strings i after shares of the step, above 0 in another shape, and its terms."""
+        slopes, state = self.slopes.some(i), curve.at(share, i)
+        geometry = slopes.place(self.depth[i] - share * self.length[i])
+        margin, sine = slopes.drag.helix_margin(geometry, state), np.sin(state)
         terms = 2.0 * sine**4 + np.abs(margin)
-        return np.where(state < LOCKED, np.where(some.is_helix, -margin, margin), -math.inf), terms
+        return np.where(state < LOCKED, np.where(slopes.is_helix, -margin, margin), -math.inf), terms
 
     def _change(self, curve: _Curve, lower: Floats, upper: Floats, i: Ints) -> Floats:
         """Return the shares of the step between two at which the shapes of strings i change."""
-        some = self.some(i)
+        step = self.some(i)
 
         def wants(end: Floats, j: Ints) -> Floats:
-            place = some.slopes.some(j).place(some.depth[j] - (end - 1.0) * some.length[j])
-            return some.slopes.drag.wants_helix(place, curve.at(end - 1.0, i[j]))
+            geometry = step.slopes.some(j).place(step.depth[j] - (end - 1.0) * step.length[j])
+            return step.slopes.drag.helix_excess(geometry, curve.at(end - 1.0, i[j]))
 
         # From 1 to 2, so that the beginning is found to rounding of a step and no closer.
-        every, begin, end = np.arange(i.size), 1.0 + lower, 1.0 + upper
-        at_begin, at_end = wants(begin, every), wants(end, every)
+        strings, begin, end = np.arange(i.size), 1.0 + lower, 1.0 + upper
+        at_begin, at_end = wants(begin, strings), wants(end, strings)
         # Where it has just changed rounding may put it on the other side: it is on the side of its shape.
         is_there = at_begin * at_end < -1e-9 * at_end**2
-        found = roots(wants, begin, end, np.where(is_there, at_begin, -at_end), at_end) - 1.0
-        return np.where(found < _AT_ONCE, 0.0, found)
+        share = roots(wants, begin, end, np.where(is_there, at_begin, -at_end), at_end) - 1.0
+        return np.where(share < _AT_ONCE, 0.0, share)
 
 
 class _Curve(NamedTuple):
-    """States (n,) at the beginning of a step, and the coefficients (7, n) of what is added to them on the way."""
+    """States (n,) at the beginning of a step, and the coefficients (7, n) of the polynomials added to them."""
 
     old: Floats
     parts: Floats
@@ -313,13 +313,13 @@ class _Curve(NamedTuple):
     def at(self, share: Floats, i: Ints) -> Floats:
         """Return the states of strings i after shares of the step."""
         added = np.zeros(i.size)
-        for k, part in enumerate(self.parts[::-1, i]):
-            added = (added + part) * (share if k % 2 == 0 else 1.0 - share)
+        for k, coefficient in enumerate(self.parts[::-1, i]):
+            added = (added + coefficient) * (share if k % 2 == 0 else 1.0 - share)
         return np.asarray(self.old[i] + added)
 
 
 def _lying_between(across: Floats) -> tuple[Floats, Floats]:
-    """Return bounds of the sizes of vectors (2, n) between three places, from those at the places (2, 3, n)."""
+    """Return bounds of the sizes (n,) of vectors between three places, from the vectors (2, 3, n) there."""
     off = np.hypot(*(across[:, 0] - 2.0 * across[:, 1] + across[:, 2]))
     begin, chord = across[:, :2], np.diff(across, axis=1)
     share = -(begin * chord).sum(axis=0) / np.maximum((chord * chord).sum(axis=0), 1e-300)
@@ -328,7 +328,7 @@ def _lying_between(across: Floats) -> tuple[Floats, Floats]:
 
 
 def _has_summit(values: Floats) -> Bools:
-    """Return beside which samples (m, n) a smooth function may have a largest value more than 0.
+    """Return the samples (m, n) beside which a smooth function may have a maximum above 0.
 
     It exceeds the sample by an eighth of the second difference, of a parabola: all of it is allowed for.  Beside the
     first and the last sample it has one only where it rises from there into the bracket.
@@ -344,5 +344,5 @@ def _has_summit(values: Floats) -> Bools:
 
 
 def _sum(weights: Floats, rises: Floats) -> Floats:
-    """Return the weighted sum (n,) of as many slopes as there are weights."""
+    """Return the weighted sum (n,) of the first slopes."""
     return np.asarray(weights @ rises[: len(weights)])

@@ -21,7 +21,7 @@ from floquetrod._util.content import ByContent
 from floquetrod._util.implausible import SILENCE, PlausibilityWarning
 from floquetrod._util.report import Report, Reported, Table
 from floquetrod.wells import survey, survey_file
-from floquetrod.wells.arcs import Arcs, Points
+from floquetrod.wells.arcs import Points, WellArcs
 
 _ROUNDING = 1e-9  # of a depth, by which it may miss the ends of the path
 _SHOWN = 40  # stations of a report
@@ -70,8 +70,8 @@ class WellPath(Reported, ByContent, TellsAttributes):
     Notes
     -----
     Between stations the path is the arc of a circle that has the directions measured at both ends (Taylor & Mason 1972;
-    Zaremba 1973, doi:10.2118/3664-PA).  On a station curvatures are those of the interval below it.  A vertical station
-    has no azimuth: the one given is not used.
+    Zaremba 1973, doi:10.2118/3664-PA).  On a station curvatures are of the interval below it.  A vertical station has
+    no azimuth: the given one is not used.
 
     Examples
     --------
@@ -107,23 +107,25 @@ class WellPath(Reported, ByContent, TellsAttributes):
     def _check(
         self, file: str = "", lines: Sequence[int] = (), *, has_headings: bool = True, in_degrees: bool = False
     ) -> None:
-        """Raise ValueError for stations that make no path, and warn of those that look like mistakes.
+        """Raise ValueError for stations that make no path, and warn of probable mistakes.
 
         Stations of a file have ``lines``; how it was read is for `survey.suspicions`.
         """
         columns = self.depth, self.inclination, self.azimuth
-        found = survey.fault(*columns)
-        if found is not None:
-            error = validate.wrong_value(found.argument, f"at station {found.station} {found.problem}")
-            raise located(f"{file}line {lines[found.station - 1]}", error) if lines else error
-        for odd in survey.suspicions(*columns, of_file=bool(lines), has_headings=has_headings, in_degrees=in_degrees):
-            where = f"{file}line {lines[odd.station - 1]}: " if lines else ""
-            text = Message(f"{where}station {odd.station} ", odd.problem, SILENCE)
+        fault = survey.fault(*columns)
+        if fault is not None:
+            error = validate.wrong_value(fault.argument, f"at station {fault.station} {fault.problem}")
+            raise located(f"{file}line {lines[fault.station - 1]}", error) if lines else error
+        for suspicion in survey.suspicions(
+            *columns, of_file=bool(lines), has_headings=has_headings, in_degrees=in_degrees
+        ):
+            where = f"{file}line {lines[suspicion.station - 1]}: " if lines else ""
+            text = Message(f"{where}station {suspicion.station} ", suspicion.problem, SILENCE)
             warnings.warn(text, PlausibilityWarning, stacklevel=level_of_caller())
 
     @classmethod
     def straight(cls, *, length: Any, inclination: Any, azimuth: Any = 0.0, depth: Any = 0.0) -> Self:
-        """Return a straight path, ``depth`` that of its upper end.
+        """Return a straight path, ``depth`` at its upper end.
 
         >>> WellPath.straight(length=300.0, inclination="60deg").position(300.0).round(6).tolist()
         [259.807621, 0.0, 150.0]
@@ -170,7 +172,7 @@ class WellPath(Reported, ByContent, TellsAttributes):
         angle_unit: str | None = None,
         delimiter: str | None = None,
     ) -> Self:
-        """Read a survey from a text file of columns; lines that begin with # are comments.
+        """Read a survey from a text file of columns; lines beginning with # are comments.
 
         The text is in UTF-8 or, where it cannot be, in Windows-1252.  Lines before the headings are passed over; units
         may stand in the headings or in a line of their own below.  Where commas separate columns, numbers in quotes may
@@ -198,31 +200,31 @@ class WellPath(Reported, ByContent, TellsAttributes):
         Raises
         ------
         TypeError, ValueError
-            For a file that cannot be read and stations that make no path; the message names line and station.
+            For a file that cannot be read, and for stations that make no path; the message names line and station.
 
         Warns
         -----
         PlausibilityWarning
-            As `WellPath`, with the line; of angles taken in degrees that are probably in radians unless ``angle_unit``
-            is given; and of an inclination at the surface below no headings, where columns may be in another order.
+            As `WellPath`, with the line; of angles taken in degrees but probably in radians, unless ``angle_unit`` is
+            given; and of an inclination at the surface below no headings, where columns may be in another order.
         """
-        place = validate.path("path", path)
+        file = validate.path("path", path)
         wanted = {"depth": depth, "inclination": inclination, "azimuth": azimuth}
-        chosen = {name: column_argument(name, each) for name, each in wanted.items()}
+        chosen = {name: column_argument(name, choice) for name, choice in wanted.items()}
         given = {"depth": depth_unit, "inclination": angle_unit, "azimuth": angle_unit}
         for unit, argument, kind in ((depth_unit, "depth_unit", "length"), (angle_unit, "angle_unit", "angle")):
             if unit is not None:
                 units.unit(unit, argument, kind)
         mark = delimiter_argument(delimiter)
         try:
-            found = survey_file.read(place, chosen, given, mark)
+            columns = survey_file.read(file, chosen, given, mark)
         except (OSError, ValueError) as error:
-            raise located(f"survey {place}", error) from None
-        if not found.lines:
-            raise ValueError(f"survey {place}: it holds no stations below its headings")
-        made = cls.__new__(cls)._keep(*found[:3])
-        made._check(f"survey {place}: ", found.lines, has_headings=found.has_headings, in_degrees=found.in_degrees)
-        return made
+            raise located(f"survey {file}", error) from None
+        if not columns.lines:
+            raise ValueError(f"survey {file}: it holds no stations below its headings")
+        well = cls.__new__(cls)._keep(*columns[:3])
+        well._check(f"survey {file}: ", columns.lines, has_headings=columns.has_headings, in_degrees=columns.in_degrees)
+        return well
 
     # --- where it lies ---
 
@@ -265,7 +267,7 @@ class WellPath(Reported, ByContent, TellsAttributes):
         """Return the curvatures kappa_n and kappa_b in 1/m at measured depths in m.
 
         With inclination phi and azimuth psi, kappa_n = d phi / ds in the vertical plane, positive where the well
-        builds, and kappa_b = sin(phi) d psi / ds sideways; on a station those of the interval below it.
+        builds, and kappa_b = sin(phi) d psi / ds sideways; on a station of the interval below it.
         """
         shape, points = self._points(depth)
         build, side = points.curvature
@@ -277,11 +279,11 @@ class WellPath(Reported, ByContent, TellsAttributes):
         return np.degrees(30.0 * self.arcs.curvature)
 
     def part(self, start: Any, end: Any) -> Self:
-        """Return the path between two measured depths in m, which it keeps."""
+        """Return the part of the path between two measured depths in m; depths stay the same."""
         ends = np.array(
             [
-                self._inside(np.array([survey.number(name, each, "length")]), name)[0]
-                for name, each in (("start", start), ("end", end))
+                self._inside(np.array([survey.number(name, value, "length")]), name)[0]
+                for name, value in (("start", start), ("end", end))
             ]
         )
         if not ends[0] < ends[1]:
@@ -312,7 +314,7 @@ class WellPath(Reported, ByContent, TellsAttributes):
         Raises
         ------
         TypeError, ValueError
-            For values that are not angles, and where the path then reverses its direction between two stations.
+            For values other than angles, and where the path then reverses its direction between two stations.
 
         Examples
         --------
@@ -325,9 +327,9 @@ class WellPath(Reported, ByContent, TellsAttributes):
             for name, given in (("inclination", inclination), ("azimuth", azimuth))
         ]
         columns = survey.within(self.inclination + errors[0], self.azimuth + errors[1])
-        found = survey.fault(self.depth, *columns)
-        if found is not None:
-            raise validate.wrong_value(found.argument, f"at station {found.station} {found.problem}")
+        fault = survey.fault(self.depth, *columns)
+        if fault is not None:
+            raise validate.wrong_value(fault.argument, f"at station {fault.station} {fault.problem}")
         return type(self).__new__(type(self))._keep(self.depth.copy(), *columns)
 
     # --- what it says ---
@@ -338,8 +340,8 @@ class WellPath(Reported, ByContent, TellsAttributes):
 
     def in_words(self, length: units.Unit) -> str:
         """Return stations, depths, inclinations and doglegs in words, lengths in a unit."""
-        least, most = np.degrees([self.inclination.min(), self.inclination.max()])
-        angles = f"{least:.4g}" if least == most else f"{least:.4g} to {most:.4g}"
+        lowest, highest = np.degrees([self.inclination.min(), self.inclination.max()])
+        angles = f"{lowest:.4g}" if lowest == highest else f"{lowest:.4g} to {highest:.4g}"
         worst, in_feet = self.dogleg_severity.max(), length.name in ("ft", "in")
         doglegs = f"{worst * 1.016:.3g} deg/100 ft" if in_feet else f"{worst:.3g} deg/30 m"
         return (
@@ -349,7 +351,7 @@ class WellPath(Reported, ByContent, TellsAttributes):
 
     def report(self) -> Report:
         """Return the path in words and its stations as a table."""
-        severity = ["", *(f"{each:.2f}" for each in self.dogleg_severity)]
+        severity = ["", *(f"{row:.2f}" for row in self.dogleg_severity)]
         columns = (("depth m", ">9"), ("inc deg", ">8"), ("azi deg", ">8"), ("TVD m", ">9"), ("north m", ">9"))
         numbers = zip(
             self.depth,
@@ -358,7 +360,7 @@ class WellPath(Reported, ByContent, TellsAttributes):
             *self._corners[:, [2, 0, 1]].T,
             strict=True,
         )
-        rows = [[*(f"{x:.2f}" for x in each), bend] for each, bend in zip(numbers, severity, strict=True)]
+        rows = [[*(f"{x:.2f}" for x in row), bend] for row, bend in zip(numbers, severity, strict=True)]
         rest = f"and {len(rows) - _SHOWN} more stations" if len(rows) > _SHOWN else ""
         table = Table((*columns, ("east m", ">9"), ("deg/30 m", ">8")), rows[:_SHOWN], rest)
         return Report(self.in_words(units.unit("m", "", "length")), table=table)
@@ -370,16 +372,16 @@ class WellPath(Reported, ByContent, TellsAttributes):
     # --- arcs ---
 
     @cached_property
-    def arcs(self) -> Arcs:
+    def arcs(self) -> WellArcs:
         """The arcs between stations."""
-        return Arcs.between(self.depth, self.inclination, self.azimuth)
+        return WellArcs.between(self.depth, self.inclination, self.azimuth)
 
     @cached_property
     def _corners(self) -> Floats:
         """Positions of the stations, (n, 3)."""
         arcs = self.arcs
-        every = Points(arcs, np.arange(arcs.length.size), arcs.length).moved
-        return np.concatenate([np.zeros((1, 3)), np.cumsum(every, axis=0)])
+        chords = Points(arcs, np.arange(arcs.length.size), arcs.length).moved
+        return np.concatenate([np.zeros((1, 3)), np.cumsum(chords, axis=0)])
 
     def _points(self, depth: Any) -> tuple[tuple[int, ...], Points]:
         """Return the shape of measured depths and the points there, flat."""
@@ -387,7 +389,7 @@ class WellPath(Reported, ByContent, TellsAttributes):
         return depths.shape, self.arcs.at(self._inside(depths.ravel()))
 
     def _inside(self, depths: Floats, name: str = "depth") -> Floats:
-        """Return depths that lie on the path; ValueError for the first that does not."""
+        """Return depths, checked to lie on the path, to rounding; ValueError names the first outside."""
         room = _ROUNDING * max(self.end, self.length)
         outside = (depths < self.start - room) | (depths > self.end + room)
         if outside.any():

@@ -9,7 +9,7 @@ import numpy as np
 from floquetrod._util.arrays import Bools, Complexes, Floats, Ints
 from floquetrod._util.compilation import compiled
 from floquetrod.wells.arcs import Points
-from floquetrod.wells.drag import Drag, Effort, Shaking
+from floquetrod.wells.drag import Drag, Fineness, Shaking
 from floquetrod.wells.kernels import shaken as kernels
 from floquetrod.wells.kernels import wave
 from floquetrod.wells.kernels.contact import LOCKED
@@ -24,12 +24,12 @@ class ShakenString:
     velocities, complex, in m/s; friction has a mean along each of ``pieces``.
     """
 
-    def __init__(self, drag: Drag, shaking: Shaking, top: float, bottom: float, y: float, effort: Effort) -> None:
-        """Lay pieces and nodes, so many to a wave, or to a part of a long one."""
-        self.shaking, self.soft, self.bottom = shaking, effort.soft, bottom
-        self.pushed, self.pieces = drag.pushed, _pieces(drag, shaking, top, bottom, effort.cells)
+    def __init__(self, drag: Drag, shaking: Shaking, top: float, bottom: float, y: float, fineness: Fineness) -> None:
+        """Set pieces and nodes, ``fineness.cells`` to a wave, or to 300 m of a long one."""
+        self.shaking, self.soft, self.bottom = shaking, fineness.soft, bottom
+        self.sliding, self.pieces = drag.sliding, _pieces(drag, shaking, top, bottom, fineness.cells)
         length, size = bottom - top, self.pieces.friction.size
-        longest = float(np.minimum(shaking.divided, length)) / effort.cells
+        longest = float(np.minimum(shaking.divided, length)) / fineness.cells
         below = math.ceil(shaking.above_end / longest)
         above = max(2, math.ceil((length - shaking.above_end) / longest))
         self.nodes = np.concatenate(
@@ -38,13 +38,13 @@ class ShakenString:
                 np.linspace(shaking.above_end, length, above + 1),
             ]
         )
-        self.tool = wave.Tool(shaking.amplitude, shaking.speed, shaking.impedance, below)
+        self.tool = wave.ShakingForce(shaking.amplitude, shaking.speed, shaking.impedance, below)
         self.cells = _cells(
             shaking, np.array([shaking.above_end / max(below, 1), (length - shaking.above_end) / above])
         )
         low, high, helix, pressed = np.zeros((4, size))
-        self.marched = kernels.Marched(np.full(size + 1, y), low, high, helix, pressed, np.full(size, effort.share))
-        self.q, self.balance = np.zeros(self.nodes.size, complex), wave.balance_of(self.nodes.size - 1)
+        self.marched = kernels.Marched(np.full(size + 1, y), low, high, helix, pressed, np.full(size, fineness.share))
+        self.q, self.balance = np.zeros(self.nodes.size, complex), wave.empty_balance(self.nodes.size - 1)
 
     @property
     def edges(self) -> Floats:
@@ -53,11 +53,11 @@ class ShakenString:
         return np.append(inner.ravel(), self.nodes[-1])
 
     def settle(self, stays: float, turns: int) -> bool:
-        """Find force and wave, and return whether both have settled, y to ``stays``, in so many turns at most."""
+        """Compute force and wave; return whether both have settled, y to ``stays``, in at most ``turns`` turns."""
         run = compiled(kernels.settle)
         tuning = self.soft, stays, turns
         state = self.marched, self.q, self.balance
-        return bool(run(self.pushed, self.pieces, self.cells, self.tool, self.edges, *tuning, *state))
+        return bool(run(self.sliding, self.pieces, self.cells, self.tool, self.edges, *tuning, *state))
 
     def y_at(self, depth: Floats) -> Floats:
         """Return y at measured depths, NaN where the string is not, by cubics within pieces."""
@@ -65,10 +65,10 @@ class ShakenString:
         up = self.bottom - depth
         i = np.clip(np.searchsorted(ends, up) - 1, 0, ends.size - 2)
         length = ends[i + 1] - ends[i]
-        part, rise = (up - ends[i]) / length, y[i + 1] - y[i]
-        bend = length * (low[i] * (1.0 - part) - high[i] * part) - rise * (1.0 - 2.0 * part)
-        found = np.minimum(y[i] + part * rise + part * (1.0 - part) * bend, LOCKED)
-        return np.where(self._has(up), found, np.nan)
+        share, rise = (up - ends[i]) / length, y[i + 1] - y[i]
+        bend = length * (low[i] * (1.0 - share) - high[i] * share) - rise * (1.0 - 2.0 * share)
+        y_there = np.minimum(y[i] + share * rise + share * (1.0 - share) * bend, LOCKED)
+        return np.where(self._has(up), y_there, np.nan)
 
     def wave_at(self, depth: Floats) -> Floats:
         """Return the amplitudes of the velocity in m/s and of the force in N at measured depths, (2, m), else NaN."""
@@ -80,18 +80,18 @@ class ShakenString:
         speed = low * np.sin(left) + high * np.sin(done)
         force = self.shaking.impedance * (high * np.cos(done) - low * np.cos(left))
         lower, upper = self._held
-        held = 1j * (upper[cell] * done - lower[cell] * left) / whole
-        both = np.abs([speed / np.sin(whole), force / np.sin(whole) + held])
-        return np.where(self._has(up), both, np.nan)
+        damped = 1j * (upper[cell] * done - lower[cell] * left) / whole
+        amplitudes = np.abs([speed / np.sin(whole), force / np.sin(whole) + damped])
+        return np.where(self._has(up), amplitudes, np.nan)
 
     @property
     def _held(self) -> Complexes:
-        """What damping in the cells adds to the forces in N at their lower and upper ends, complex, (2, n)."""
+        """Forces in N by damping in the cells at their lower and upper ends, complex, (2, n)."""
         kind = np.where(np.arange(self.nodes.size - 1) < self.tool.node, 0, 1)
         below, above = self.cells.below[kind], self.cells.above[kind]
         within = below * self.q[:-1, None] + above * self.q[1:, None]
         force = (self.balance.damping.reshape(within.shape) + self.cells.loss[kind][:, None]) * within
-        return np.array([np.sum(each * force, axis=1) for each in (below, above)])
+        return np.array([np.sum(basis * force, axis=1) for basis in (below, above)])
 
     def _has(self, up: Floats) -> Bools:
         """Return where the string is, of heights above its lower end."""
@@ -107,13 +107,13 @@ def _pieces(drag: Drag, shaking: Shaking, top: float, bottom: float, cells: int)
     up = np.append(np.repeat(ends[:-1], number) + np.repeat(gaps / number, number) * _counted(number), ends[-1])
     middle, arcs = bottom - 0.5 * (up[:-1] + up[1:]), drag.path.arcs
     arc = arcs.at(middle).arc
-    at = np.stack([bottom - up[:-1], middle, bottom - up[1:]], axis=-1)
-    places = np.stack(Points(arcs, arc[:, None], at - arcs.start[arc][:, None]).seen, axis=-1)
+    depths = np.stack([bottom - up[:-1], middle, bottom - up[1:]], axis=-1)
+    places = np.stack(Points(arcs, arc[:, None], depths - arcs.start[arc][:, None]).seen, axis=-1)
     return kernels.Pieces(up, drag.friction.at(middle), places)
 
 
 def _counted(number: Ints) -> Ints:
-    """Return the numbers from 0 to before each of some, one after the other."""
+    """Return range(n) of every n in ``number``, concatenated."""
     return np.asarray(np.arange(number.sum()) - np.repeat(np.cumsum(number) - number, number))
 
 

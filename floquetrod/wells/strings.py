@@ -1,8 +1,8 @@
-"""Strings that are pushed or pulled through a well, with a tool or without: their force from the lower end up.
+"""Strings pushed or pulled through a well, with a tool or without: their force from the lower end up.
 
-The wave of a tool depends on the contact force along the string, and the force on what the wave leaves of friction.
-The two are found in turns until the force stays along all of the string.  A string that does not settle is about to
-lock up or has: it counts as one that is stopped.
+The wave of a tool depends on the contact force along the string, and the force on the friction that the wave leaves.
+Both are computed in turns until the force stays along all of the string.  A string that does not settle is about to
+lock up or has: it counts as stopped.
 """
 
 from __future__ import annotations
@@ -17,19 +17,19 @@ from floquetrod._util import validate
 from floquetrod._util.arrays import Bools, Floats
 from floquetrod._util.compilation import cores, in_threads
 from floquetrod.wells import march
-from floquetrod.wells.drag import Drag, Effort, Shaking, Strings
+from floquetrod.wells.drag import Drag, Fineness, Shaking, Strings
 from floquetrod.wells.shaken import ShakenString
 
 _TURNS = 30  # at most: seven are usual
-_STAYS = 1e-7, 10.0  # by which y may move in the last turn: at least, and over the tolerance
+_STAYS = 1e-7, 10.0  # largest change of y in the last turn: at least, and over the tolerance
 _MOST_WAVES = 500  # along a string (a choice): those of tools are some twenty
 
 
 class Run(NamedTuple):
     """Y of strings at depths, (m, n), and at their upper ends, (n,).
 
-    And amplitudes of their tools' waves, of the velocity in m/s and of the force in N, (2, m, n), 0 without a tool; and
-    whether forces and waves have settled, (n,), without which nothing is known of a string.
+    Beside these the amplitudes of their tools' waves, of the velocity in m/s and of the force in N, (2, m, n), 0
+    without a tool; and whether forces and waves have settled, (n,), without which y is meaningless.
     """
 
     depth: Floats
@@ -39,60 +39,56 @@ class Run(NamedTuple):
     is_settled: Bools
 
 
-def run(drag: Drag, top: float, bottoms: Floats, far_force: Any, depths: Floats, effort: Effort) -> Run:
+def run(drag: Drag, top: float, bottoms: Floats, far_force: Any, depths: Floats, fineness: Fineness) -> Run:
     """Return the states at measured depths of strings whose lower ends are at ``bottoms`` in m.
 
-    The force in N at the lower end is one for all or of each its own.
+    ``far_force`` in N at the lower end is one for all, or (n,).
     """
     size, depths = bottoms.size, np.unique(depths)
     start = np.array(np.broadcast_to(drag.y_of(np.asarray(far_force)), size))
     strings = Strings(np.full(size, top), bottoms, start)
     y, wave = np.empty((depths.size, size)), np.zeros((2, depths.size, size))
-    found = Run(depths, y, np.empty(size), wave, np.ones(size, bool))
+    states = Run(depths, y, np.empty(size), wave, np.ones(size, bool))
     works = np.zeros(size, bool)
     if drag.shaking is not None:
         works = (bottoms - drag.shaking.above_end > top) & (drag.shaking.amplitude > 0.0)
     for i, is_working in ((np.flatnonzero(~works), False), (np.flatnonzero(works), True)):
         if i.size:
-            some = Strings(*(each[i] for each in strings))
+            group = Strings(*(column[i] for column in strings))
             if is_working and drag.shaking is not None:
-                states = _shaken(drag, drag.shaking.of(size, i), some, depths, effort)
+                run_of_group = _shaken(drag, drag.shaking.of(size, i), group, depths, fineness)
             else:
-                states = _still(drag, some, depths, effort)
-            found.y[:, i], found.top_y[i], found.wave[..., i] = states.y, states.top_y, states.wave
-            found.is_settled[i] = states.is_settled
-    return found
+                marched = march.up(drag, group, depths, fineness)
+                still, settled = np.zeros((2, *marched.y.shape)), np.ones(i.size, bool)
+                run_of_group = Run(depths, marched.y, marched.top_y, still, settled)
+            states.y[:, i], states.top_y[i] = run_of_group.y, run_of_group.top_y
+            states.wave[..., i], states.is_settled[i] = run_of_group.wave, run_of_group.is_settled
+    return states
 
 
-def _still(drag: Drag, strings: Strings, depths: Floats, effort: Effort) -> Run:
-    states = march.up(drag, strings, depths, effort)
-    wave, is_settled = np.zeros((2, *states.y.shape)), np.ones(strings.y.size, bool)
-    return Run(depths, states.y, states.top_y, wave, is_settled)
-
-
-def _shaken(drag: Drag, shaking: Shaking, strings: Strings, depths: Floats, effort: Effort) -> Run:
+def _shaken(drag: Drag, shaking: Shaking, strings: Strings, depths: Floats, fineness: Fineness) -> Run:
     """Return the states of strings with a tool, of each its own frequency."""
-    size, stays = strings.y.size, max(_STAYS[0], _STAYS[1] * effort.tolerance)
+    size, stays = strings.y.size, max(_STAYS[0], _STAYS[1] * fineness.tolerance)
     number = float(((strings.bottom - strings.top) / shaking.length).max())
     if number > _MOST_WAVES:
         raise validate.wrong_value(
             "tool", f"must make {_MOST_WAVES} waves along the string at most, got {number:.4g}: give a lower frequency"
         )
-    found = Run(
+    states = Run(
         depths, np.empty((depths.size, size)), np.empty(size), np.empty((2, depths.size, size)), np.empty(size, bool)
     )
     frequency = np.broadcast_to(shaking.frequency, size).tolist()
 
     def settle(k: int) -> None:
-        top, bottom, y = (float(each[k]) for each in strings)
-        string = ShakenString(drag, replace(shaking, frequency=frequency[k]), top, bottom, y, effort)
-        found.is_settled[k] = string.settle(stays, _TURNS)
-        found.top_y[k] = string.marched.y[-1]
+        top, bottom, y = (float(column[k]) for column in strings)
+        string = ShakenString(drag, replace(shaking, frequency=frequency[k]), top, bottom, y, fineness)
+        states.is_settled[k] = string.settle(stays, _TURNS)
+        states.top_y[k] = string.marched.y[-1]
         if depths.size:
-            found.y[:, k], found.wave[..., k] = string.y_at(depths), string.wave_at(depths)
+            states.y[:, k], states.wave[..., k] = string.y_at(depths), string.wave_at(depths)
 
     in_threads(settle, [(k,) for k in range(size)], cores())
-    return found
+    return states
 
 
 def highest_frequency(shaking: Shaking, length: float) -> float:

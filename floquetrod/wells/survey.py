@@ -1,4 +1,4 @@
-"""What a survey must be to be the path of a well, and what in it looks like a mistake."""
+"""Checks of a survey: faults, by which it is no path of a well, and probable mistakes."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ KINDS = {"depth": "length", "inclination": "angle", "azimuth": "angle"}
 """The columns of a survey, each with its kind of quantity."""
 
 LENGTHS = 1e-6, 1e6
-"""Least and largest length of a path in m: what adds to a depth, and what is no unit too large (a choice)."""
+"""Least and largest length of a path in m: the least adds to a depth, the largest shows a wrong unit (a choice)."""
 
 _DEEPEST = LENGTHS[1]  # m: seventy times the longest well, so that a depth in mm is seen (a choice)
 _TURNS = 4.0 * math.pi  # of an azimuth in rad: two turns, beyond which it is in degrees (a choice)
@@ -41,7 +41,7 @@ _IN_DEGREES = "strings such as '30deg' have a unit, and numpy.radians turns degr
 
 
 class Fault(NamedTuple):
-    """What is wrong with a survey: the argument, the number of the station from 1, and the rest of a sentence."""
+    """A fault of a survey: the argument, the number of the station from 1, and the rest of a sentence."""
 
     argument: str
     station: int
@@ -51,7 +51,7 @@ class Fault(NamedTuple):
 def column(name: str, values: Any, many: int | None = None) -> Floats:
     """Return depths in m or angles in rad, numbers or strings with units; one value stands for ``many``.
 
-    Raises TypeError or ValueError, naming argument and place, for what is no list of numbers.
+    Raises TypeError or ValueError, naming argument and index, for anything but a list of numbers.
     """
     raw = validate.untyped(name, units.si(values, name, KINDS[name]))
     if raw.ndim > 1 or (raw.ndim == 0 and many is None):
@@ -81,7 +81,7 @@ def number(name: str, value: Any, kind: str) -> float:
 
 
 def within(inclination: Floats, azimuth: Floats) -> tuple[Floats, Floats]:
-    """Return directions with inclinations from 0 to pi and azimuths within two turns, the same where they are."""
+    """Return the same directions with inclinations from 0 to pi and azimuths within two turns."""
     with np.errstate(invalid="ignore"):  # of what is not finite, which is refused with its station
         around = np.remainder(inclination, 2.0 * math.pi)
         beyond = around > math.pi
@@ -94,7 +94,7 @@ def within(inclination: Floats, azimuth: Floats) -> tuple[Floats, Floats]:
 
 
 def fault(depth: Floats, inclination: Floats, azimuth: Floats) -> Fault | None:
-    """Return the first thing that makes a survey impossible, None where it is a path."""
+    """Return the first fault by which a survey is no path, None where it is one."""
     if depth.size < 2:
         return Fault("depth", depth.size, f"must have two stations or more, got {depth.size}; a path lies between them")
     return next(_faults({"depth": depth, "inclination": inclination, "azimuth": azimuth}), None)
@@ -141,7 +141,7 @@ def suspicions(
     has_headings: bool = True,
     in_degrees: bool = False,
 ) -> Iterator[Fault]:
-    """Yield what is most likely a mistake in a survey that is possible, for each kind of mistake one station.
+    """Yield probable mistakes in a possible survey, one station for each kind of mistake.
 
     The columns of a file may be exchanged, have no headings, and hold angles taken ``in_degrees`` without a unit.
     Arrays are often sections of a well.
@@ -191,8 +191,8 @@ def suspicions(
 def _exchanged(depth: Floats, inclination: Floats, azimuth: Floats) -> bool:
     """Return whether a survey begins inclined at the surface, and would begin vertical if its angles were exchanged.
 
-    What is taken for azimuths builds as inclinations do, and by more than what is taken for inclinations changes: a
-    section of a well that begins inclined may turn from an azimuth of 0, too.
+    The column of azimuths builds as inclinations do, and by more than the column of inclinations changes: a section of
+    a well that begins inclined may turn from an azimuth of 0, too.
     """
     builds = azimuth.min() >= 0.0 and _BUILDS < azimuth.max() <= _UPWARDS and azimuth[0] < _NEARLY_VERTICAL
     builds &= np.ptp(azimuth) > np.ptp(inclination)
@@ -208,8 +208,8 @@ def _begins_inclined(depth: Floats, inclination: Floats) -> bool:
 def _in_radians(depth: Floats, inclination: Floats, azimuth: Floats) -> bool:
     """Return whether angles taken in degrees are probably in radians; columns are as they stand in the file.
 
-    No inclination exceeds a right angle in radians.  Those of a vertical well in degrees are as small, but they go up
-    and down beside azimuths of any size, while a well that is built goes up; and few in radians are quarters.
+    No inclination exceeds a right angle in radians.  In degrees inclinations of a vertical well are as small, but they
+    go up and down beside azimuths of any size, while they go up in a well that builds; and few in radians are quarters.
     """
     most = float(np.abs(inclination).max())
     if not _LEAST_BUILT < most <= _RIGHT or depth[-1] - depth[0] < _WELL:
@@ -246,7 +246,7 @@ def _bend(depth: Floats, inclination: Floats, azimuth: Floats) -> Fault | None:
 
 
 def _kinked(angles: Floats, inclination: Floats, azimuth: Floats) -> int | None:
-    """Return the place of the station without which the path would be straightest, None where none is off it."""
+    """Return the index of the station without which the path would be straightest, None where none is off it."""
     if inclination.size < 3:
         return None
     around, without = angles[:-1] + angles[1:], doglegs(inclination, azimuth, 2)

@@ -83,15 +83,15 @@ def read(
     rows = [(number, cells) for number, cells in rows[skipped:] if any(cells)]
     _require_as_wide(lines[first - 1] if first else None, rows, delimiter, len(columns))
     sizes = {c.name: _size(c, given[c.name]) for c in columns}
-    found = {c.name: sizes[c.name] * np.array(_numbers(c, rows)) for c in columns}
-    azimuth, stations = found.get("azimuth", np.zeros(len(rows))), [number for number, _ in rows]
+    columns_in_si = {c.name: sizes[c.name] * np.array(_numbers(c, rows)) for c in columns}
+    azimuth, stations = columns_in_si.get("azimuth", np.zeros(len(rows))), [number for number, _ in rows]
     in_degrees = given["inclination"] is None and sizes["inclination"] != 1.0
     is_named = first > 0 or None not in wanted.values()
-    return SurveyFile(found["depth"], found["inclination"], azimuth, stations, is_named, in_degrees)
+    return SurveyFile(columns_in_si["depth"], columns_in_si["inclination"], azimuth, stations, is_named, in_degrees)
 
 
 def _require_as_wide(headings: Line | None, rows: Sequence[tuple[int, list[str]]], delimiter: str, chosen: int) -> None:
-    """Raise ValueError where a line holds more than there are headings, as decimal commas between commas do.
+    """Raise ValueError where a line holds more cells than headings, as with decimal commas between commas.
 
     Between spaces a comment of several words may, but no azimuth that has no heading.
     """
@@ -107,7 +107,7 @@ def _require_as_wide(headings: Line | None, rows: Sequence[tuple[int, list[str]]
 
 
 def _require_one_mark(lines: Sequence[Line], columns: Sequence[_Column], delimiter: str) -> None:
-    """Raise ValueError where commas may stand before decimals or between thousands, which only the others tell."""
+    """Raise ValueError where commas may stand before decimals or between thousands."""
     if delimiter == ",":
         return
     with_comma: list[tuple[int, str]] = []
@@ -135,9 +135,9 @@ def _require_one_mark(lines: Sequence[Line], columns: Sequence[_Column], delimit
 def _headed(
     lines: Sequence[Line], wanted: dict[str, str | int | None], delimiter: str | None
 ) -> tuple[int, list[_Column], str]:
-    """Return where the lines below the headings begin, the columns and what separates them.
+    """Return the index of the first line below the headings, the columns and their separator.
 
-    Lines before the headings, such as the name of a well, count for nothing.
+    Lines before the headings, such as the name of a well, are passed over.
     """
     seen, most, choices = lines[0], 0, list(wanted.values())
     for i, line in enumerate(lines):
@@ -164,7 +164,7 @@ def _headed(
 
 
 def _is_row(cells: Sequence[str]) -> bool:
-    """Return whether cells are numbers and nothing else, two at least."""
+    """Return whether all filled cells are numbers, two at least."""
     full = [cell for cell in cells if cell]
     return len(full) > 1 and all(map(NUMBER.fullmatch, full))
 
@@ -185,8 +185,8 @@ def _columns(wanted: dict[str, str | int | None], headings: Sequence[str] | None
         if name == "azimuth" and choice is None and many == 2:
             continue  # a well in one plane
         if len(places) != 1 or places[0] >= many:
-            found = f"{len(places)} columns may be it" if len(places) > 1 else "no column is known to be it"
-            got = found if choice is None else f"got {validate.short(choice)}"
+            count_of_matches = f"{len(places)} columns may be it" if len(places) > 1 else "no column is known to be it"
+            got = count_of_matches if choice is None else f"got {validate.short(choice)}"
             listed = f"; the headings are {', '.join(map(repr, headings))}" if headings else ""
             raise validate.wrong_value(name, f"must be the heading of one column or its number, {got}{listed}")
         unit = None if headings is None else units.heading(headings[places[0]], KINDS[name])[1]
@@ -197,26 +197,26 @@ def _columns(wanted: dict[str, str | int | None], headings: Sequence[str] | None
 
 
 def _found(name: str, choice: str | int | None, headings: Sequence[str]) -> list[int]:
-    """Return the places of the columns that may be meant."""
+    """Return the indices of the columns that match."""
     if isinstance(choice, int):
         return [choice]
     if choice is not None:
-        asked = choice.strip().casefold()
-        return [i for i, heading in enumerate(headings) if heading.casefold() == asked]
+        heading_wanted = choice.strip().casefold()
+        return [i for i, heading in enumerate(headings) if heading.casefold() == heading_wanted]
     plain = [_PLAIN.sub(" ", units.heading(text, KINDS[name])[0]).strip().casefold() for text in headings]
-    usual = next((each for each in HEADINGS[name] if each in plain), None)
+    usual = next((usual_heading for usual_heading in HEADINGS[name] if usual_heading in plain), None)
     return [i for i, text in enumerate(plain) if text == usual]
 
 
 def _with_unit_rows(columns: list[_Column], rows: Sequence[tuple[int, list[str]]]) -> tuple[list[_Column], int]:
-    """Return the columns with the units in lines below their headings, and the number of those lines."""
+    """Return the columns with the units in lines below their headings, and the number of such lines."""
     for skipped, (_, cells) in enumerate(rows):
         below = [cells[c.place].strip(" ()[]") if c.place < len(cells) else "" for c in columns]
         is_unit = [_is_unit(c, cell) for c, cell in zip(columns, below, strict=True)]
         if not is_unit[0] and below[0].casefold() not in HEADINGS["depth"]:
             return columns, skipped
         named = zip(columns, below, is_unit, strict=True)
-        columns = [c._replace(unit=cell) if is_one else c for c, cell, is_one in named]
+        columns = [c._replace(unit=cell) if is_named else c for c, cell, is_named in named]
     return columns, len(rows)
 
 
@@ -241,7 +241,7 @@ def _numbers(column: _Column, rows: Sequence[tuple[int, list[str]]]) -> list[flo
 
 
 def _size(column: _Column, given: str | None) -> float:
-    """Return the size in SI of what a column is measured in: degrees where no unit of an angle is named."""
+    """Return the unit of a column in SI: degrees where no unit of an angle is named."""
     kind, argument = KINDS[column.name], "depth_unit" if column.name == "depth" else "angle_unit"
     unit = given or column.unit
     if unit is None and column.name != "depth":

@@ -9,7 +9,7 @@ import numpy as np
 
 from floquetrod._util.arrays import Floats, Ints
 from floquetrod.rod.model.data import RodData
-from floquetrod.wells.drag import Pipe, Place
+from floquetrod.wells.drag import StringProperties, WellGeometry
 
 _TONGUES = 2  # subharmonics whose waves are examined closely: those of a higher order hardly grow
 _CLOSE = np.linspace(-1.0, 1.0, 25)  # of a tongue's width about its middle
@@ -27,7 +27,7 @@ class Growth(NamedTuple):
     half_wave: Floats
 
 
-def growth_along(rod: RodData, place: Place, force: Floats, amplitude: Floats, frequency: Any) -> Growth:
+def growth_along(rod: RodData, place: WellGeometry, force: Floats, amplitude: Floats, frequency: Any) -> Growth:
     """Return the fastest growth at places under a mean compression and a vibration in N, without friction across.
 
     After the rod's damping rate; what friction takes is given by `sliding.damping_across`.
@@ -45,7 +45,7 @@ def growth_along(rod: RodData, place: Place, force: Floats, amplitude: Floats, f
 
 
 def fastest_along(
-    rod: RodData, place: Place, force: Floats, amplitude: Floats, frequency: Floats, lost: Floats, string: Ints
+    rod: RodData, place: WellGeometry, force: Floats, amplitude: Floats, frequency: Floats, lost: Floats, string: Ints
 ) -> Floats:
     """Return `growth_along` less what is ``lost`` in 1/s, where that is most along each string, else 0.
 
@@ -56,7 +56,7 @@ def fastest_along(
     seen = _rates(free, place, force, amplitude, frequency, lost, _FEW, _FEW_WIDE)[0].max(axis=1) - lost
     order = np.lexsort((-seen, string))
     some = order[np.arange(string.size) - np.searchsorted(string, string) < _LOOKED_AT]
-    there, found = Place(*(each[some] for each in place)), np.zeros(string.size)
+    there, found = WellGeometry(*(each[some] for each in place)), np.zeros(string.size)
     grows = growth_along(rod, there, force[some], amplitude[some], frequency[some])
     found[some] = np.maximum(grows.rate - lost[some], 0.0)
     return found
@@ -64,7 +64,7 @@ def fastest_along(
 
 def _rates(
     rod: RodData,
-    place: Place,
+    place: WellGeometry,
     force: Floats,
     amplitude: Floats,
     frequency: Any,
@@ -79,7 +79,7 @@ def _rates(
     """
     from floquetrod.mathieu import growth_rate
 
-    pipe = Pipe(rod.flexural_rigidity, rod.weight_per_length, rod.radial_clearance)
+    pipe = StringProperties(rod.flexural_rigidity, rod.weight_per_length, rod.radial_clearance)
     held = pipe.lying(force, place) / pipe.clearance
     slope = _slope(pipe, place, force) / pipe.clearance
     frequency = np.broadcast_to(frequency, force.shape)
@@ -100,7 +100,7 @@ def _rates(
     return rates, squares
 
 
-def _slope(pipe: Pipe, place: Place, force: Floats) -> Floats:
+def _slope(pipe: StringProperties, place: WellGeometry, force: Floats) -> Floats:
     """Return the change of the contact force with the compression, in 1/m."""
     bent, side = pipe.weight * place.sine + force * place.kappa_n, force * place.kappa_b
     contact = np.hypot(bent, side)

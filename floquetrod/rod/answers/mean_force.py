@@ -22,7 +22,18 @@ from floquetrod.rod.model.data import RodData
 from floquetrod.rod.model.parts import friction_coefficient
 from floquetrod.units import with_unit
 from floquetrod.wells import strings
-from floquetrod.wells.drag import CHECKED, HELICAL, MOTIONS, TRIED, Drag, Effort, Friction, Pipe, Place, Shaking
+from floquetrod.wells.drag import (
+    CHECKED,
+    HELICAL,
+    MOTIONS,
+    TRIED,
+    Drag,
+    Fineness,
+    Friction,
+    Shaking,
+    StringProperties,
+    WellGeometry,
+)
 from floquetrod.wells.path import WellPath
 from floquetrod.wells.survey import LENGTHS
 
@@ -31,7 +42,7 @@ _SPEEDS = 1e-9, 1e3  # m/s of sliding
 _SPACING = 10.0  # m between depths where none are asked for (a choice)
 _MOST = 2000  # depths where none are asked for
 _CLOSE = 1e-3  # of the largest speed and vibration: waves that differ by more are computed with finer cells
-_FINER = (1, 1e-6), (4, 1e-7), (16, 1e-8)  # times as many, and their `Effort.soft`, as long as the turns settle
+_FINER = (1, 1e-6), (4, 1e-7), (16, 1e-8)  # times as many, and their `Fineness.soft`, as long as the turns settle
 _SAFETY = 3.0  # of the difference of two waves: friction beside the corner makes it fall unevenly (measured)
 
 
@@ -142,7 +153,7 @@ def drag_of(
         shaking = Shaking(tool.amplitude, tool.frequency, tool.above_end, *along)
     return Drag(
         path,
-        Pipe(rod.flexural_rigidity, rod.weight_per_length, rod.radial_clearance),
+        StringProperties(rod.flexural_rigidity, rod.weight_per_length, rod.radial_clearance),
         friction_along(friction),
         validate.choice("motion", motion, MOTIONS),
         validate.choice("helical", helical, HELICAL),
@@ -191,7 +202,7 @@ def mean_force(drag: Drag, far_force: float, bottom: float, depth: Any) -> MeanF
 
 
 def _refined_wave(
-    run: Callable[[Effort], strings.Run], found: strings.Run, rough: strings.Run
+    run: Callable[[Fineness], strings.Run], found: strings.Run, rough: strings.Run
 ) -> tuple[Floats, tuple[float, float]]:
     """Return the wave of a tool, with finer cells next to an axial resonance, and the errors of speed and vibration.
 
@@ -233,7 +244,7 @@ def _along(drag: Drag, found: strings.Run, k: int, errors: tuple[float, float, f
     """Return the results along string k, with the errors of force, speed and vibration."""
     there = np.isfinite(found.y[:, k])
     depth, y, (speed, vibration) = found.depth[there], found.y[there, k], found.wave[:, there, k]
-    force, place = drag.force(y), Place.at(drag.path.arcs.at(depth))
+    force, place = drag.force(y), WellGeometry.at(drag.path.arcs.at(depth))
     held = np.where(np.isfinite(force), force, 0.0)
     lying = drag.pipe.lying(held, place)
     is_helix = drag.is_helix(place, y) | np.isinf(force)

@@ -27,7 +27,7 @@ from floquetrod.rod.answers.mean_force import MeanForce, mean_force
 from floquetrod.rod.answers.stress_along import StressAlong, stress_along, stress_of
 from floquetrod.rod.model.data import RodData
 from floquetrod.wells import strings
-from floquetrod.wells.drag import CHECKED, FAST, SOUGHT, Drag, Effort, Place
+from floquetrod.wells.drag import CHECKED, FAST, SOUGHT, Drag, Fineness, WellGeometry
 from floquetrod.wells.survey import LENGTHS
 
 LOCK_UP, YIELD, PUSH, END, ASKED = "lock-up", "yield", "push", "end of the well", "deepest asked for"
@@ -138,11 +138,11 @@ class Pushing:
 
     def _stress(self, depth: Floats, y: Floats, vibration: Any) -> Floats:
         """Return the stress in Pa of strings at depths, NaN where they are not."""
-        place, force = Place.at(self.drag.path.arcs.at(depth)), self.drag.force(y)
+        place, force = WellGeometry.at(self.drag.path.arcs.at(depth)), self.drag.force(y)
         is_wound = self.drag.is_snaking(place, force) | self.drag.is_helix(place, y)
         return stress_of(self.rod, self._curvature(depth), force, is_wound, vibration).largest
 
-    def run(self, bottoms: Floats, far_force: Any, effort: Effort, limits: Limits) -> Ends:
+    def run(self, bottoms: Floats, far_force: Any, effort: Fineness, limits: Limits) -> Ends:
         """Return the forces and stresses of strings to measured depths; stresses are 0 where none is limited."""
         drag = self.drag
         is_limited = math.isfinite(limits.stress)
@@ -158,7 +158,7 @@ class Pushing:
                 stress = np.fmax(stress, np.fmax.reduce(along, axis=0))
         return Ends(force, stress)
 
-    def pushed(self, bottoms: Floats, effort: Effort, limits: Limits) -> Ends:
+    def pushed(self, bottoms: Floats, effort: Fineness, limits: Limits) -> Ends:
         """Return what `run` does for strings with the force at their lower ends, of which the stress may not count."""
         ends = self.run(bottoms, self.far_force, effort, limits)
         return ends._replace(stress=np.where(bottoms > self.passed, ends.stress, 0.0))
@@ -183,7 +183,7 @@ class Pushing:
 
     def _rise(self, depth: Floats) -> Floats:
         """Return -dy/ds at the lower end of strings."""
-        drag, place = self.drag, Place.at(self.drag.path.arcs.at(depth))
+        drag, place = self.drag, WellGeometry.at(self.drag.path.arcs.at(depth))
         y = np.broadcast_to(drag.y_of(np.asarray(self.far_force)), depth.shape)
         return -drag.slopes(place, drag.friction.at(depth), y, drag.is_helix(place, y))
 

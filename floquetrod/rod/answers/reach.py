@@ -38,7 +38,7 @@ from floquetrod.rod.model.data import RodData
 from floquetrod.rod.model.stress import Stress
 from floquetrod.units import AnswerUnits, Unit
 from floquetrod.wells import strings
-from floquetrod.wells.drag import Drag, Place
+from floquetrod.wells.drag import Drag, WellGeometry
 from floquetrod.wells.kernels.contact import MOST_PRESSED
 from floquetrod.wells.path import WellPath
 
@@ -617,7 +617,7 @@ def _grown(rod: RodData, drag: Drag, along: MeanForce, tool: VibrationTool | Non
 class _Places(NamedTuple):
     """Places along a string, what shakes it there, and what friction takes from waves across in 1/s."""
 
-    place: Place
+    place: WellGeometry
     force: Floats
     speed: Floats
     vibration: Floats
@@ -632,14 +632,14 @@ class _Places(NamedTuple):
         pressed = drag.friction.at(depth) * contact / rod.mass_per_length
         sliding = 0.0 if drag.shaking is None else drag.shaking.speed
         lost = damping_across(pressed, sliding, speed, np.full(chosen.size, sliding))
-        place = Place.at(drag.path.arcs.at(depth))
+        place = WellGeometry.at(drag.path.arcs.at(depth))
         return cls(place, along.force[chosen], speed, along.vibration[chosen], pressed, lost)
 
     @classmethod
     def joined(cls, several: Sequence[_Places]) -> _Places:
         """Return several one after the other."""
         place, *others = zip(*several, strict=True)
-        return cls(Place(*map(np.concatenate, zip(*place, strict=True))), *map(np.concatenate, others))
+        return cls(WellGeometry(*map(np.concatenate, zip(*place, strict=True))), *map(np.concatenate, others))
 
 
 class _Others(NamedTuple):

@@ -6,6 +6,8 @@ import math
 from collections.abc import Callable, Mapping
 from typing import NamedTuple
 
+from floquetrod.wells.helix_criteria import HELIX_RATIOS
+
 
 class BucklingForce(NamedTuple):
     """A constant compression by one criterion of the literature.
@@ -32,15 +34,17 @@ def buckling_forces(sinusoidal: float, rigidity: float, weight: float) -> dict[s
             sinusoidal, "F_p = 2 sqrt(E I w_e sin(inclination) / R): the rod begins to snake", "Dawson & Paslay 1984"
         ),
         "helical, energy": BucklingForce(
-            math.sqrt(2.0) * sinusoidal,
+            math.sqrt(HELIX_RATIOS["energy"]) * sinusoidal,
             "sqrt(2) F_p: a helix is possible; snake or helix from here to 2 sqrt(2) F_p",
             "Chen, Lin & Cheatham 1990",
         ),
         "helical, loading": BucklingForce(
-            1.83 * sinusoidal, "1.83 F_p: a helix forms as the force grows", "Wu & Juvkam-Wold 1993"
+            math.sqrt(HELIX_RATIOS["loading"]) * sinusoidal,
+            "1.83 F_p: a helix forms as the force grows",
+            "Wu & Juvkam-Wold 1993",
         ),
         "helical, alone": BucklingForce(
-            2.0 * math.sqrt(2.0) * sinusoidal, "2 sqrt(2) F_p: beyond it only a helix", "Mitchell 1996"
+            math.sqrt(HELIX_RATIOS["alone"]) * sinusoidal, "2 sqrt(2) F_p: beyond it only a helix", "Mitchell 1996"
         ),
         "vertical": BucklingForce(
             1.94 * (rigidity * weight**2) ** (1.0 / 3.0),
@@ -49,10 +53,6 @@ def buckling_forces(sinusoidal: float, rigidity: float, weight: float) -> dict[s
             "Lubinski 1950",
         ),
     }
-
-
-_SQUARES = {"helical, energy": 2.0, "helical, loading": 1.83**2, "helical, alone": 8.0}
-"""Of the criteria for a helix in straight channels: the ratio of F^2 R / (4 E I) to the contact force."""
 
 
 def in_a_bend(straight: Mapping[str, BucklingForce], force_at: Callable[[float], float]) -> dict[str, BucklingForce]:
@@ -67,7 +67,8 @@ def in_a_bend(straight: Mapping[str, BucklingForce], force_at: Callable[[float],
             "He & Kyllingstad 1995",
         )
     }
-    for name, ratio in _SQUARES.items():
+    for criterion, ratio in HELIX_RATIOS.items():
+        name = f"helical, {criterion}"
         meaning = f"F^2 = {ratio:.4g} times that; in a straight channel {straight[name].meaning}"
         found[name] = BucklingForce(force_at(ratio), meaning, straight[name].source)
     return found

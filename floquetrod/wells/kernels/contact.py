@@ -18,8 +18,8 @@ LOCKED = 0.5 * math.pi
 MOST_PRESSED = 1e3  # times its weight: more does not damp the wave of a string that locks up (a choice)
 
 
-class Pushed(NamedTuple):
-    """A pipe that moves along a well."""
+class SlidingString(NamedTuple):
+    """A string that slides along a well."""
 
     weight: float  # in fluid in N/m
     scale: float  # S, the critical force in a level hole, in N
@@ -28,37 +28,37 @@ class Pushed(NamedTuple):
 
 
 @kernel
-def lying(pushed: Pushed, level: Any, kappa_n: Any, kappa_b: Any, sine: Any, cosine: Any) -> Any:
+def lying(sliding: SlidingString, level: Any, kappa_n: Any, kappa_b: Any, sine: Any, cosine: Any) -> Any:
     """Return the contact force of a string that lies; ``level`` is the sine of the inclination, the others of y."""
-    push = pushed.scale * sine
-    bent = pushed.weight * level * cosine + push * kappa_n
+    push = sliding.scale * sine
+    bent = sliding.weight * level * cosine + push * kappa_n
     return np.abs(cosine) * np.hypot(bent, push * kappa_b)
 
 
 @kernel
-def wants_helix(pushed: Pushed, lying: Any, sine: Any) -> Any:
-    """Return what is zero or more where a string is wound into a helix, crossing zero steeply in vertical wells too."""
-    return sine - np.sqrt(pushed.helical * lying / pushed.weight)
+def helix_excess(sliding: SlidingString, lying: Any, sine: Any) -> Any:
+    """Return sin y - sqrt(h lying / w), zero or more where a string is a helix, steep at 0 in vertical wells too."""
+    return sine - np.sqrt(sliding.helical * lying / sliding.weight)
 
 
 @kernel
-def helix_margin(pushed: Pushed, lying: Any, sine: Any) -> Any:
-    """Return W = sin|sin|^3 - (h lying / w)^2, which has the sign of `wants_helix`.
+def helix_margin(sliding: SlidingString, lying: Any, sine: Any) -> Any:
+    """Return W = sin|sin|^3 - (h lying / w)^2, which has the sign of `helix_excess`.
 
     It is smooth where the string passes from one side of the wall to the other, where `lying` has a corner at 0 and
-    `wants_helix` a cusp: its largest value between places is found by sections.
+    `helix_excess` a cusp: its largest value between places is found by sections.
     """
-    bound = pushed.helical * lying / pushed.weight
+    bound = sliding.helical * lying / sliding.weight
     return sine * np.abs(sine) ** 3 - bound * bound
 
 
 @kernel
-def contact(pushed: Pushed, lying: Any, sine: Any, helix: Any) -> Any:
-    """Return the contact force of a string of which a part is wound into a helix."""
-    return lying + pushed.weight * helix * sine * sine
+def contact(sliding: SlidingString, lying: Any, sine: Any, helix: Any) -> Any:
+    """Return the contact force of a string, ``helix`` the share of it that is wound into a helix."""
+    return lying + sliding.weight * helix * sine * sine
 
 
 @kernel
-def slope(pushed: Pushed, down: Any, mu: Any, cosine: Any, contact: Any) -> Any:
+def slope(sliding: SlidingString, down: Any, mu: Any, cosine: Any, contact: Any) -> Any:
     """Return d/ds of y downwards; ``down`` is the cosine of the inclination."""
-    return (pushed.weight * down * cosine * cosine - pushed.sign * mu * contact) / pushed.scale
+    return (sliding.weight * down * cosine * cosine - sliding.sign * mu * contact) / sliding.scale

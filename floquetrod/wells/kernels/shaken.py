@@ -1,9 +1,9 @@
 """A string that a tool shakes: its mean force by fixed steps, and its wave, in turns until the force stays.
 
-The wave depends on the contact force along the string, and the force on what the wave leaves of friction.  The force is
-marched up by the classical Runge-Kutta method of order 4, a step to each piece.  In a step within which the string
-becomes a helix or ceases to be one, or both, it is one for its part of the step, by a parabola: an error of order 2, as
-that of the wave, and a contact force that follows the force without jumps, without which the turns need not settle.
+The wave depends on the contact force along the string, and the force on the friction that the wave leaves.  The force
+is marched up by the classical Runge-Kutta method of order 4, a step to each piece.  In a step within which the string
+becomes a helix or ceases to be one, or both, it is one for a share of the step, by a parabola: an error of order 2, as
+of the wave, and a contact force that follows the force without jumps, without which the turns need not settle.
 """
 
 from __future__ import annotations
@@ -12,10 +12,10 @@ import math
 from typing import Any, NamedTuple
 
 from floquetrod._util.compilation import kernel
-from floquetrod.wells.kernels.contact import LOCKED, MOST_PRESSED, Pushed, contact, lying, slope, wants_helix
-from floquetrod.wells.kernels.wave import PARTS, Balance, Cells, Tool, feel
+from floquetrod.wells.kernels.contact import LOCKED, MOST_PRESSED, SlidingString, contact, helix_excess, lying, slope
+from floquetrod.wells.kernels.wave import PARTS, Balance, Cells, ShakingForce, find_wave
 
-_LOCKS = 4  # turns one after the other in which a string is locked up, after which it is: where, may swing without end
+_LOCKS = 4  # turns in a row with the string locked up, after which it counts as such: the depth may swing without end
 
 
 class Pieces(NamedTuple):
@@ -27,46 +27,46 @@ class Pieces(NamedTuple):
 
 
 class Marched(NamedTuple):
-    """Y along m pieces, and what makes it."""
+    """Y along m pieces, with slopes, helices and friction."""
 
     y: Any  # (m + 1,), at their ends
     low: Any  # (m,), -dy/ds at the lower end within each
     high: Any  # (m,), at the upper end
-    helix: Any  # (m,), the part of each that is a helix
+    helix: Any  # (m,), the share of each that is a helix
     pressed: Any  # (m,), mu N in N/m without vibration in the middle, bounded where the string is locked up
     left: Any  # (m,), the share of friction that is left
 
 
 @kernel
-def _touching(pushed: Pushed, places: Any, i: int, k: int, sine: float, cosine: float) -> Any:
+def _touching(sliding: SlidingString, places: Any, i: int, k: int, sine: float, cosine: float) -> Any:
     """Return the contact force of the string that lies at place k of piece i."""
-    return lying(pushed, places[i, k, 0], places[i, k, 2], places[i, k, 3], sine, cosine)
+    return lying(sliding, places[i, k, 0], places[i, k, 2], places[i, k, 3], sine, cosine)
 
 
 @kernel
-def _rise(pushed: Pushed, places: Any, i: int, k: int, mu: float, y: float, helix: float) -> Any:
+def _rise(sliding: SlidingString, places: Any, i: int, k: int, mu: float, y: float, helix: float) -> Any:
     """Return -dy/ds."""
     sine, cosine = math.sin(y), math.cos(y)
-    touching = contact(pushed, _touching(pushed, places, i, k, sine, cosine), sine, helix)
-    return -slope(pushed, places[i, k, 1], mu, cosine, touching)
+    touching = contact(sliding, _touching(sliding, places, i, k, sine, cosine), sine, helix)
+    return -slope(sliding, places[i, k, 1], mu, cosine, touching)
 
 
 @kernel
-def _wants(pushed: Pushed, places: Any, i: int, k: int, y: float) -> Any:
+def _wants(sliding: SlidingString, places: Any, i: int, k: int, y: float) -> Any:
     sine, cosine = math.sin(y), math.cos(y)
-    return wants_helix(pushed, _touching(pushed, places, i, k, sine, cosine), sine)
+    return helix_excess(sliding, _touching(sliding, places, i, k, sine, cosine), sine)
 
 
 @kernel
 def _step(
-    pushed: Pushed, places: Any, i: int, length: float, mu: float, y: float, helix: float
+    sliding: SlidingString, places: Any, i: int, length: float, mu: float, y: float, helix: float
 ) -> tuple[float, float, float]:
     """Return y above a piece, and -dy/ds below and above."""
     half = 0.5 * length
-    first = _rise(pushed, places, i, 0, mu, y, helix)
-    second = _rise(pushed, places, i, 1, mu, y + half * first, helix)
-    third = _rise(pushed, places, i, 1, mu, y + half * second, helix)
-    fourth = _rise(pushed, places, i, 2, mu, y + length * third, helix)
+    first = _rise(sliding, places, i, 0, mu, y, helix)
+    second = _rise(sliding, places, i, 1, mu, y + half * first, helix)
+    third = _rise(sliding, places, i, 1, mu, y + half * second, helix)
+    fourth = _rise(sliding, places, i, 2, mu, y + length * third, helix)
     return y + half / 3.0 * (first + 2.0 * (second + third) + fourth), first, fourth
 
 
@@ -79,9 +79,9 @@ def positive_share(first: float, middle: float, last: float) -> float:
         return 1.0 if middle >= 0.0 else 0.0
     # Zeros of first + rise x + bend x^2 without cancellation; a straight line has one of them at infinity.
     half = -0.5 * (rise + math.copysign(math.sqrt(square), rise))
-    one = half / bend if bend != 0.0 else math.inf
-    other = first / half
-    low, high = min(max(min(one, other), 0.0), 1.0), min(max(max(one, other), 0.0), 1.0)
+    outer = half / bend if bend != 0.0 else math.inf
+    inner = first / half
+    low, high = min(max(min(outer, inner), 0.0), 1.0), min(max(max(outer, inner), 0.0), 1.0)
     share = 0.0
     for begin, end in ((0.0, low), (low, high), (high, 1.0)):
         x = 0.5 * (begin + end)
@@ -91,25 +91,25 @@ def positive_share(first: float, middle: float, last: float) -> float:
 
 
 @kernel
-def march(pushed: Pushed, pieces: Pieces, marched: Marched) -> float:
-    """March a string up from its first y with the friction that is left; return how far a y has moved.
+def march(sliding: SlidingString, pieces: Pieces, marched: Marched) -> float:
+    """March a string up from its first y with the friction left by the wave; return the largest change of y.
 
     Where it is locked up it is so all the way.
     """
     moved, places = 0.0, pieces.places
     for i in range(len(pieces.friction)):
         y, new, low, high = marched.y[i], LOCKED, 0.0, 0.0
-        before = _wants(pushed, places, i, 0, y)
+        before = _wants(sliding, places, i, 0, y)
         helix = 1.0 if before >= 0.0 else 0.0
         if y < LOCKED:
             length, mu = pieces.up[i + 1] - pieces.up[i], pieces.friction[i] * marched.left[i]
-            new, low, high = _step(pushed, places, i, length, mu, y, helix)
+            new, low, high = _step(sliding, places, i, length, mu, y, helix)
             middle = 0.5 * (y + new) + 0.125 * length * (low - high)
-            values = before, _wants(pushed, places, i, 1, middle), _wants(pushed, places, i, 2, new)
+            values = before, _wants(sliding, places, i, 1, middle), _wants(sliding, places, i, 2, new)
             share = positive_share(*values)
             if share != helix:
                 helix = share
-                new, low, high = _step(pushed, places, i, length, mu, y, helix)
+                new, low, high = _step(sliding, places, i, length, mu, y, helix)
             new = min(new, LOCKED)
         moved = max(moved, abs(new - marched.y[i + 1]))
         marched.y[i + 1], marched.low[i], marched.high[i], marched.helix[i] = new, low, high, helix
@@ -117,14 +117,14 @@ def march(pushed: Pushed, pieces: Pieces, marched: Marched) -> float:
 
 
 @kernel
-def press(pushed: Pushed, pieces: Pieces, marched: Marched) -> None:
-    """Fill in how the string is pressed to its wall."""
+def press(sliding: SlidingString, pieces: Pieces, marched: Marched) -> None:
+    """Fill in friction mu N in N/m without vibration, in the middle of pieces."""
     for i in range(len(pieces.friction)):
         bulge = 0.125 * (pieces.up[i + 1] - pieces.up[i]) * (marched.low[i] - marched.high[i])
         y = min(0.5 * (marched.y[i] + marched.y[i + 1]) + bulge, LOCKED)
         sine, cosine = math.sin(y), math.cos(y)
-        touching = _touching(pushed, pieces.places, i, 1, sine, cosine)
-        touching = contact(pushed, touching, sine, marched.helix[i])
+        touching = _touching(sliding, pieces.places, i, 1, sine, cosine)
+        touching = contact(sliding, touching, sine, marched.helix[i])
         marched.pressed[i] = pieces.friction[i] * touching / max(cosine * cosine, 1.0 / MOST_PRESSED)
 
 
@@ -143,8 +143,8 @@ def means(edges: Any, values: Any, to: Any, out: Any) -> None:
 
 
 @kernel
-def leave(cells: Cells, tool: Tool, q: Any, left: Any) -> None:
-    """Fill in the mean friction that is left in each part of the cells, (2 / pi) asin(v / V)."""
+def friction_left(cells: Cells, tool: ShakingForce, q: Any, left: Any) -> None:
+    """Fill in the mean share of friction left in each part of the cells, (2 / pi) asin(v / V)."""
     for c in range(len(q) - 1):
         kind = 0 if c < tool.node else 1
         for p in range(PARTS):
@@ -155,10 +155,10 @@ def leave(cells: Cells, tool: Tool, q: Any, left: Any) -> None:
 
 @kernel
 def settle(
-    pushed: Pushed,
+    sliding: SlidingString,
     pieces: Pieces,
     cells: Cells,
-    tool: Tool,
+    tool: ShakingForce,
     edges: Any,
     soft: float,
     stays: float,
@@ -170,20 +170,26 @@ def settle(
     """Fill in the force from its first y, and the wave; return whether both have settled.
 
     ``edges`` are the heights of the parts of cells above the lower end in m; y has settled where it moves by less than
-    ``stays`` in a turn.  The friction that is left before the wave is known is that given.
+    ``stays`` in a turn.  ``marched.left`` is the share of friction left before the wave is known.
     """
+    # Fixed-point turns between the two halves of the problem, each exact for the other as it was:
+    #     y -> mu N in the middle of pieces (`press`) -> 4 mu N ds / pi of the parts of cells (`means`)
+    #       -> wave q by Newton's method (`find_wave`) -> share (2 / pi) asin(v / V) of friction (`friction_left`)
+    #       -> means over pieces -> y by Runge-Kutta steps (`march`).
+    # More wave leaves less friction, and less friction a lower force with less contact: the turns contract, except
+    # where the string locks up, which ends them after `_LOCKS` turns in a row.
     most, last = balance.most, len(pieces.friction)
-    march(pushed, pieces, marched)
+    march(sliding, pieces, marched)
     locks = 0
     for _ in range(turns):
-        press(pushed, pieces, marched)
+        press(sliding, pieces, marched)
         means(pieces.up, marched.pressed, edges, most)
         for k in range(len(most)):
             most[k] *= 4.0 / math.pi * (edges[k + 1] - edges[k])
-        is_known = feel(cells, tool, soft, q, balance)
-        leave(cells, tool, q, balance.left)
+        is_known = find_wave(cells, tool, soft, q, balance)
+        friction_left(cells, tool, q, balance.left)
         means(edges, balance.left, pieces.up, marched.left)
-        moved = march(pushed, pieces, marched)
+        moved = march(sliding, pieces, marched)
         if is_known and moved <= stays:
             return True
         locks = locks + 1 if marched.y[last] >= LOCKED else 0
