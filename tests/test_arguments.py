@@ -13,7 +13,7 @@ import pytest
 
 import floquetrod as fr
 from floquetrod import cli
-from floquetrod._util.arguments import Mention, Message, argument_of, located, written, wrong_type, wrong_value
+from floquetrod._util.arguments import Mention, Message, argument_of, error_in, text_with_names, wrong_type, wrong_value
 from floquetrod.cli.messages import in_options
 
 
@@ -27,12 +27,12 @@ def test_an_error_knows_its_argument() -> None:
 
 
 def test_an_error_in_a_file_keeps_its_argument() -> None:
-    error = located("study s", located("rod file r", wrong_value("length", "must be finite")))
+    error = error_in("study s", error_in("rod file r", wrong_value("length", "must be finite")))
     assert str(error) == "study s: rod file r: length must be finite"
     about = argument_of(error)
     assert about is not None
     assert about.named("--length") == "study s: rod file r: --length must be finite"
-    assert argument_of(located("file", ValueError("no"))) is None
+    assert argument_of(error_in("file", ValueError("no"))) is None
 
 
 def test_errors_of_the_library_carry_their_arguments(tmp_path: Path) -> None:
@@ -67,13 +67,16 @@ def test_a_message_keeps_what_it_mentions() -> None:
     error = wrong_value("frequency", "resonates; give ", Mention("axial_damping"), ", or ", Mention("mean_at", "m=0"))
     assert str(error) == "frequency resonates; give axial_damping, or m=0"
     for known in (error, pickle.loads(pickle.dumps(error))):
-        assert written(known, lambda each: each.name.upper()) == "frequency resonates; give AXIAL_DAMPING, or MEAN_AT"
+        assert (
+            text_with_names(known, lambda each: each.name.upper())
+            == "frequency resonates; give AXIAL_DAMPING, or MEAN_AT"
+        )
     inner = Message("a {brace} and ", Message("in it ", Mention("wave", "AxialWave")), "!")
-    assert (inner, inner.written(lambda _: "--wave")) == (
+    assert (inner, inner.with_names(lambda _: "--wave")) == (
         "a {brace} and in it AxialWave!",
         "a {brace} and in it --wave!",
     )
-    assert written(ValueError("give AxialWave"), lambda _: "--wave") == "give AxialWave"
+    assert text_with_names(ValueError("give AxialWave"), lambda _: "--wave") == "give AxialWave"
 
 
 @pytest.mark.parametrize(
@@ -91,7 +94,7 @@ def test_a_message_keeps_what_it_mentions() -> None:
         ),
         (wrong_value("channel_radius", "is 1"), {"bore": None}, "channel_radius is 1"),
         (wrong_value("modes[2]", "is 0; ", Mention("wave")), {"wave": None}, "modes[2] is 0; --wave"),
-        (located("file", wrong_value("length", "is 0")), {"length": "1m"}, "file: length is 0"),
+        (error_in("file", wrong_value("length", "is 0")), {"length": "1m"}, "file: length is 0"),
         (ValueError("use AxialWave, mean_at=None"), {"wave": None, "mean_at": None}, "use AxialWave, mean_at=None"),
     ],
 )

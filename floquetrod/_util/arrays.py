@@ -29,9 +29,9 @@ def broadcast(**arrays: NDArray[Any]) -> tuple[tuple[int, ...], tuple[NDArray[An
     try:
         shape = shapes.pop() if len(shapes) == 1 else np.broadcast_shapes(*shapes)
     except ValueError:
-        *some, last = arrays
+        *first, last = arrays
         listed = ", ".join(str(array.shape) for array in arrays.values())
-        raise ValueError(f"{', '.join(some)} and {last} must broadcast to one shape, got shapes {listed}") from None
+        raise ValueError(f"{', '.join(first)} and {last} must broadcast to one shape, got shapes {listed}") from None
     validate.elements(", ".join(arrays), math.prod(shape))
     return shape, tuple(
         (array if array.shape == shape else _everywhere(array, shape)).ravel() for array in arrays.values()
@@ -39,14 +39,14 @@ def broadcast(**arrays: NDArray[Any]) -> tuple[tuple[int, ...], tuple[NDArray[An
 
 
 def _everywhere(array: NDArray[Any], shape: tuple[int, ...]) -> NDArray[Any]:
-    """Return an array in a larger shape: a copy, made in a third of the time that `numpy.broadcast_to` takes first."""
-    found = np.empty(shape, array.dtype)
-    found[...] = array
-    return found
+    """Return a copy of an array in a larger shape, in a third of the time of `numpy.broadcast_to` and a copy."""
+    copy = np.empty(shape, array.dtype)
+    copy[...] = array
+    return copy
 
 
 def are_diagonal(matrices: NDArray[Any]) -> bool:
-    """Return whether matrices (..., n, n) have nothing beside their diagonals."""
+    """Return whether matrices (..., n, n) are zero beside their diagonals."""
     return bool(np.count_nonzero(matrices) == np.count_nonzero(np.diagonal(matrices, axis1=-2, axis2=-1)))
 
 
@@ -57,7 +57,7 @@ def norms(matrices: NDArray[Any]) -> NDArray[np.float64]:
 
 
 def inverses(matrices: NDArray[Any]) -> NDArray[Any]:
-    """Return the inverses of matrices (b, n, n), NaN for those that are singular or not finite."""
+    """Return the inverses of matrices (b, n, n), NaN for singular and infinite ones."""
     finite = np.isfinite(matrices).all(axis=(-2, -1))
     if not finite.all():
         result = np.full_like(matrices, np.nan)
@@ -73,7 +73,7 @@ def inverses(matrices: NDArray[Any]) -> NDArray[Any]:
 
 
 def shaped(values: Any, shape: tuple[int, ...]) -> Any:
-    """Return results in the shape of the arguments they belong to.
+    """Return results in the common shape of their arguments.
 
     Parameters
     ----------
@@ -85,8 +85,8 @@ def shaped(values: Any, shape: tuple[int, ...]) -> Any:
     Returns
     -------
     bool, int, float, complex or ndarray
-        A Python scalar for the shape (), from which results compare, print and serialise as numbers do; else an array
-        of the type of ``values``.
+        A Python scalar for the shape (), so that results compare, print and serialise as numbers do; else an array of
+        the type of ``values``.
 
     Examples
     --------

@@ -12,14 +12,14 @@ T = TypeVar("T")
 class cached_property(functools.cached_property[T]):
     """A `functools.cached_property` that holds no lock while it computes.
 
-    Up to Python 3.11 that of the library holds one lock for all instances of a class: instances wait for each other,
-    and in a process forked while another thread computes, the lock stays held for ever.  Without it, threads that ask
-    one instance at once may each compute the value; all of them get the one that was kept first.
+    Up to Python 3.11 the library's property holds one lock for all instances of a class: instances wait for each
+    other, and in a process forked while another thread computes, the lock stays held for ever.  Without it, several
+    threads may compute the value of one instance at once; all of them get the one that was kept first.
     """
 
     def __init__(self, func: Callable[[Any], T]) -> None:
         super().__init__(func)
-        self.__module__ = func.__module__  # as of Python 3.13: doctest leaves out what is of another module
+        self.__module__ = func.__module__  # as of Python 3.13: doctest leaves out objects of other modules
 
     @overload
     def __get__(self, instance: None, owner: type[Any] | None = None) -> Self: ...

@@ -1,4 +1,4 @@
-"""What a caller sees: TypeErrors and AttributeErrors of Python's own with the remedy, and where a warning points."""
+"""TypeErrors and AttributeErrors of wrong calls, with the remedy, and the stack level of warnings."""
 
 from __future__ import annotations
 
@@ -18,10 +18,10 @@ _UNKNOWN = re.compile(r"(.+ got an unexpected keyword argument '(\w+)')")
 
 
 def constructor_hints(**instead: str) -> Callable[[type[T]], type[T]]:
-    """Return a decorator of dataclasses whose TypeErrors about how they are constructed name the remedy.
+    """Return a decorator of dataclasses, so that TypeErrors about their construction name the remedy.
 
-    The remedy is the argument nearest to one that is not known, or all arguments.  ``instead`` has remedies of its own
-    for names that are often given.
+    The remedy is the argument nearest to an unknown one, or all arguments.  ``instead`` has remedies for common wrong
+    names.
     """
 
     def decorate(target: type[T]) -> type[T]:
@@ -46,9 +46,9 @@ def constructor_hints(**instead: str) -> Callable[[type[T]], type[T]]:
 
 
 def call_hints(positional: str = "", /, **instead: str) -> Callable[[F], F]:
-    """Return a decorator of functions whose TypeErrors about how they are called name the remedy, likewise.
+    """Return a decorator of functions, so that TypeErrors about their calls name the remedy, likewise.
 
-    ``positional`` is that for more positional arguments than the function takes.
+    ``positional`` is the remedy for more positional arguments than the function takes.
     """
 
     def decorate(function: F) -> F:
@@ -77,24 +77,24 @@ def level_of_caller() -> int:
 
 
 def _with_remedy(message: str, function: Callable[..., Any], instead: Mapping[str, str]) -> str:
-    """Return the message of a TypeError about how a function is called, with the remedy."""
+    """Return the message of a TypeError about a call of a function, with the remedy."""
     parameters = [p for p in inspect.signature(function).parameters.values() if p.name not in ("self", "cls")]
     written = ", ".join(p.name if p.default is p.empty else f"{p.name}={p.default!r}" for p in parameters)
-    found = _UNKNOWN.match(message)
-    if found is None:
+    match = _UNKNOWN.match(message)
+    if match is None:
         return f"{message}; its arguments are {written}"
-    text, name = found.groups()  # newer Pythons add a guess of their own, which is left out
+    text, name = match.groups()  # newer Pythons add a guess of their own, which is left out
     hint = f"; {instead[name]}" if name in instead else did_you_mean(name, [p.name for p in parameters])
     return text + (hint or f"; its arguments are {written}")
 
 
 class TellsAttributes:
-    """Base of classes whose AttributeErrors name the public attribute nearest to the one asked for, or all of them."""
+    """Base of classes whose AttributeErrors name the public attribute nearest to the unknown one, or all of them."""
 
     if not TYPE_CHECKING:  # a type checker would take every attribute to exist
 
         def __getattr__(self, name: str) -> Any:
-            """Raise AttributeError for what was not found in the usual way."""
+            """Raise AttributeError for an attribute that does not exist."""
             if hasattr(type(self), name):  # a property that raised AttributeError itself: again, for its message
                 return object.__getattribute__(self, name)
             message = f"{type(self).__name__!r} object has no attribute {name!r}"

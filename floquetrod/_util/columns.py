@@ -24,7 +24,7 @@ NUMBER = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?", re.ASCII)
 
 
 def is_missing(cell: str) -> bool:
-    """Return whether a cell says that it has no value, as loggers write what is out of their range.
+    """Return whether a cell marks a missing value, such as loggers write beyond their range.
 
     >>> [is_missing(cell) for cell in ("", "---", "NaN", "OVLD", "+OL", "Over Range", "0", "Load")]
     [True, True, True, True, True, True, False, False]
@@ -52,14 +52,14 @@ def text_of(path: Path) -> str:
         raise ValueError(f"line {line} is not text in UTF-8; save it as CSV in UTF-8") from None
 
 
-def written(numbered: Iterable[Line]) -> Iterator[Line]:
-    """Yield the lines that are neither empty nor a comment."""
+def content_lines(numbered: Iterable[Line]) -> Iterator[Line]:
+    """Yield the lines other than empty ones and comments."""
     stripped = ((number, line.strip(" \r\n")) for number, line in numbered)
     return ((number, line) for number, line in stripped if line.strip() and not line.startswith("#"))
 
 
 def delimiter_of(line: Line) -> str:
-    """Return what separates columns: the first of semicolon, tab, comma and space that a line holds."""
+    """Return the delimiter of columns: the first of semicolon, tab, comma and space that a line holds."""
     return next((mark for mark in ";\t," if mark in line[1]), " ")
 
 

@@ -26,8 +26,8 @@ from floquetrod._util import interrupt, validate
 
 F = TypeVar("F", bound=Callable[..., Any])
 
-_LOG = logging.getLogger("floquetrod.compile")  # says what is compiled, at the level INFO, and that it takes long
-_LONG = 3.0  # seconds of compiling one kernel after which somebody who waits is told (a choice)
+_LOG = logging.getLogger("floquetrod.compile")  # names compiled kernels, at the level INFO, and warns of long waits
+_LONG = 3.0  # seconds of compiling one kernel before the warning (a choice)
 
 INTERPRETED_UP_TO = 64  # elements; below this, loading numba costs more than it saves (heuristic)
 _OPTIONS = {"nogil": True, "error_model": "numpy"}
@@ -46,7 +46,7 @@ def kernel(function: F) -> F:
 
 @contextmanager
 def _compiling() -> Iterator[Callable[[], None]]:
-    """Serialise what numba does for one thread only, and defer Ctrl-C meanwhile; see `interrupt.held`.
+    """Serialise numba's work, which is not thread-safe, and defer Ctrl-C meanwhile; see `interrupt.held`.
 
     The lock is held across a fork, so that no child process starts while numba is at work.
     """
@@ -74,7 +74,7 @@ if hasattr(os, "register_at_fork"):
 def compiled(function: Callable[..., Any]) -> Callable[..., Any]:
     """Return the machine-code version of a kernel (GIL released, IEEE division, no fastmath, cached on disk).
 
-    It is compiled, or loaded, when first called with arguments of new types; `compiled_for` does that beforehand.
+    It is compiled, or loaded, by the first call with arguments of new types, or beforehand by `compiled_for`.
     """
     with _LOCK:
         return _compiled(function)
@@ -147,7 +147,7 @@ def _tell_once() -> None:
 
 
 def _name_records_by_content() -> None:
-    """Let symbols of machine code name a record type by what it is.
+    """Let symbols of machine code name a record type by its content.
 
     numba names it by the order in which a process met its types.  Code for two record types, compiled in two processes
     and kept on disk, would then have one name, and a third process that loads both would run one in place of the other.
@@ -223,9 +223,9 @@ def runner(
 ) -> Callable[..., Any]:
     """Return a kernel as it stands or compiled, by the number of elements of work: the one rule for that choice.
 
-    ``interpret_up_to`` elements are always interpreted: loading numba costs more than they do.  Larger work is, too,
-    until the process has called this kernel for ``compile_after`` times as many: compiling takes seconds, too long for
-    a single question.
+    Up to ``interpret_up_to`` elements are always interpreted, which takes less time than loading numba.  Larger work
+    is, too, until the process has called this kernel for ``compile_after`` times as many: compiling takes seconds, too
+    long for a single question.
     """
     if size <= interpret_up_to:
         return function
@@ -271,7 +271,7 @@ def over_chunks(
         with np.errstate(all="ignore"):  # as machine code does, whatever the caller asks of numpy
             run(*(array.tolist() for array in inputs), out, *constants)
         return
-    # One layout of arrays: a kernel is compiled for each there is, and read-only ones count as another.
+    # One layout of arrays: a kernel is compiled for every layout, and read-only arrays have another.
     inputs = [array if _is_plain(array) else np.array(array, order="C") for array in inputs]
     if size <= chunk:
         run(*inputs, out, *constants)
@@ -284,7 +284,7 @@ def over_chunks(
 
 
 def in_threads(run: Callable[..., Any], pieces: Sequence[tuple[Any, ...]], workers: int) -> None:
-    """Call ``run`` on every piece, in up to ``workers`` threads if what is left, by the time taken so far, is worth it.
+    """Call ``run`` on every piece, in up to ``workers`` threads if the rest, by the time taken so far, is worth it.
 
     The pieces do not depend on the threads, and so neither do results.  Ctrl-C, which an ending thread could swallow,
     is handled between pieces.  No thread outlives the call: a fork finds none.
@@ -300,9 +300,9 @@ def in_threads(run: Callable[..., Any], pieces: Sequence[tuple[Any, ...]], worke
 
 
 def _share(run: Callable[..., Any], left: Iterator[tuple[Any, ...]], threads: int) -> None:
-    """Call ``run`` on what an iterator has left, which this thread and others take from; raise what one of them did."""
+    """Call ``run`` on the rest of an iterator, in this thread and others; raise the first exception of any of them."""
     errors: list[BaseException] = []
-    overflow = np.geterr()  # numpy before 2.0 keeps by the thread what becomes of it
+    overflow = np.geterr()  # numpy before 2.0 keeps the treatment of floating-point errors by thread
 
     def work(after: Callable[[], None]) -> None:
         try:
@@ -315,16 +315,16 @@ def _share(run: Callable[..., Any], left: Iterator[tuple[Any, ...]], threads: in
             for _ in left:  # so that the others end
                 pass
 
-    others: list[threading.Thread] = []
+    threads_started: list[threading.Thread] = []
     with interrupt.held() as deliver:
         try:
             for _ in range(threads - 1):
-                other = threading.Thread(target=contextvars.copy_context().run, args=(work, interrupt.nothing))
-                other.start()
-                others.append(other)
+                thread = threading.Thread(target=contextvars.copy_context().run, args=(work, interrupt.nothing))
+                thread.start()
+                threads_started.append(thread)
             work(deliver)
         finally:
-            for other in others:
-                other.join()
+            for thread in threads_started:
+                thread.join()
     if errors:
         raise errors[0]

@@ -1,4 +1,4 @@
-"""Equality of results that hold arrays: by what is in them."""
+"""Equality, by content, of results that hold arrays."""
 
 from __future__ import annotations
 
@@ -34,20 +34,20 @@ def _compared(result: Any) -> list[str]:
     return [field.name for field in fields(result) if field.compare]
 
 
-def _same(one: Any, other: Any) -> bool:
+def _same(a: Any, b: Any) -> bool:
     """Return whether two values have the same content."""
-    if isinstance(one, np.ndarray) or isinstance(other, np.ndarray):
-        both = isinstance(one, np.ndarray) and isinstance(other, np.ndarray)
-        return both and np.array_equal(one, other, equal_nan=one.dtype.kind in "fc")  # text has no NaN
-    if isinstance(one, Mapping) and isinstance(other, Mapping):
-        return one.keys() == other.keys() and all(_same(one[name], other[name]) for name in one)
-    if isinstance(one, tuple | list) and type(one) is type(other):
-        return len(one) == len(other) and all(map(_same, one, other))
-    return bool(one == other or (one != one and other != other))
+    if isinstance(a, np.ndarray) or isinstance(b, np.ndarray):
+        both = isinstance(a, np.ndarray) and isinstance(b, np.ndarray)
+        return both and np.array_equal(a, b, equal_nan=a.dtype.kind in "fc")  # text has no NaN
+    if isinstance(a, Mapping) and isinstance(b, Mapping):
+        return a.keys() == b.keys() and all(_same(a[name], b[name]) for name in a)
+    if isinstance(a, tuple | list) and type(a) is type(b):
+        return len(a) == len(b) and all(map(_same, a, b))
+    return bool(a == b or (a != a and b != b))
 
 
 def _key(value: Any) -> Any:
-    """Return what a value adds to the hash."""
+    """Return a hashable key of a value, equal for values of the same content."""
     if isinstance(value, np.ndarray):
         return value.shape
     if isinstance(value, Mapping):
@@ -60,7 +60,7 @@ def _key(value: Any) -> Any:
 class NoTruthValue(TellsAttributes):
     """A result that has no truth value: as a plain object it would count as true whatever its verdict.
 
-    Raises TypeError that names ``ask``, what to look at instead.
+    Raises TypeError that names ``ask``, the attribute to look at instead.
     """
 
     ask: ClassVar[str]

@@ -1,4 +1,4 @@
-"""Libraries of extras, which an installation may lack."""
+"""Libraries of optional extras, imported where an installation has them."""
 
 from __future__ import annotations
 

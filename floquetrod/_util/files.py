@@ -30,7 +30,7 @@ from floquetrod._util import validate
 
 Result = TypeVar("Result")
 
-_LARGEST = 1 << 33  # bytes of a file, and of its arrays: what a person may still want to load
+_LARGEST = 1 << 33  # bytes of a file, and of its arrays, that are read (a choice)
 _LARGEST_DESCRIPTION = 1 << 28  # bytes, of the JSON beside the arrays (a choice)
 _MOST_UNFOLDED = 1032  # bytes that one byte of deflate can stand for: 258 in two bits
 _HEADERS = {(1, 0): np.lib.format.read_array_header_1_0, (2, 0): np.lib.format.read_array_header_2_0}
@@ -38,7 +38,7 @@ _PART = re.compile(r"\.floquetrod-[0-9a-f]{16}\.part")
 _SEAL = b"sha256:"
 _SEALED = len(_SEAL) + 2 * hashlib.sha256().digest_size
 _CLOSED_FIRST = sys.platform == "win32"  # which does not rename a file that is open
-_CLOSED = (errno.EACCES, errno.EPERM, errno.EROFS, errno.ENOENT, errno.ENOTDIR)  # what a folder may refuse a file with
+_CLOSED = (errno.EACCES, errno.EPERM, errno.EROFS, errno.ENOENT, errno.ENOTDIR)  # of a folder that takes no file
 _BINARY = getattr(os, "O_BINARY", 0)  # exists on Windows only
 
 
@@ -59,9 +59,9 @@ def writable(path: str | Path) -> Path:
 
 
 def require_regular(path: Path, largest: int | None = None) -> None:
-    """Raise ValueError for what is to be read and is a folder, a device or a pipe, or has too many bytes.
+    """Raise ValueError unless a path to be read is a regular file, of no more than ``largest`` bytes.
 
-    Whoever opens a pipe waits for what may never come.
+    Opening a pipe may wait for ever.
     """
     try:
         about = path.stat()
@@ -233,10 +233,9 @@ def _seal(file: IO[bytes]) -> bytes:
 def read_npz(
     path: str | Path, file_format: str, what: str, build: Callable[[dict[str, Any], Arrays], Result]
 ) -> Result:
-    """Return what ``build`` makes of description and arrays that `write_npz` wrote with this ``meta["format"]``.
+    """Return ``build(description, arrays)`` of a file that `write_npz` wrote with this ``meta["format"]``.
 
-    Raises ValueError, saying that the file is not ``what``, for one that is damaged, foreign, or not as ``build``
-    wants it.
+    Raises ValueError, saying that the file is not ``what``, for a damaged or foreign file, and for errors of ``build``.
     """
     path = validate.path("path", path)
     if not path.exists():
@@ -255,7 +254,7 @@ def read_npz(
 
 @contextmanager
 def _opened(path: Path) -> Iterator[tuple[dict[str, Any], Arrays]]:
-    """Open a sealed file: its description, and its arrays, of which nothing has been read but the headers."""
+    """Open a sealed file; yield its description, and its arrays, still unread except for their headers."""
     require_regular(path, _LARGEST)
     with path.open("rb") as file:
         _require_sealed(file)
@@ -268,9 +267,9 @@ def _opened(path: Path) -> Iterator[tuple[dict[str, Any], Arrays]]:
 def _require_sealed(file: IO[bytes]) -> None:
     """Raise ValueError where the checksum at the end of a file is missing or does not fit."""
     seal = _seal(file)
-    if not (found := file.read()).startswith(_SEAL):
+    if not (stored := file.read()).startswith(_SEAL):
         raise ValueError("it has no checksum: it is damaged, foreign, or of a version before checksums")
-    if found != seal:
+    if stored != seal:
         raise ValueError("its checksum does not fit: it is damaged")
 
 
@@ -285,7 +284,7 @@ def _description(arrays: Arrays) -> dict[str, Any]:
 
 
 class _Header(NamedTuple):
-    """What an npz file says of an array before it is read."""
+    """An array's header in an npz file."""
 
     member: zipfile.ZipInfo
     shape: tuple[int, ...]
@@ -300,9 +299,9 @@ class _Header(NamedTuple):
 
 
 class Arrays(Mapping[str, NDArray[Any]]):
-    """The arrays of an npz file by name, each read when it is asked for; `headers` has their shapes and types before.
+    """The arrays of an npz file by name, each read on access; `headers` has their shapes and types before.
 
-    A claim costs no memory: what headers and directory say must agree with each other and with the length of the file.
+    False claims cost no memory: headers and directory must agree with each other and with the length of the file.
     """
 
     def __init__(self, archive: zipfile.ZipFile, length: int) -> None:
@@ -320,9 +319,9 @@ class Arrays(Mapping[str, NDArray[Any]]):
 
     def under(self, prefix: str) -> Arrays:
         """Return the arrays whose names begin with a prefix, by the rest of their names."""
-        found = copy.copy(self)
-        found.headers = {n.removeprefix(prefix): header for n, header in self.headers.items() if n.startswith(prefix)}
-        return found
+        below = copy.copy(self)
+        below.headers = {n.removeprefix(prefix): header for n, header in self.headers.items() if n.startswith(prefix)}
+        return below
 
     @classmethod
     @contextmanager
@@ -364,7 +363,7 @@ class Arrays(Mapping[str, NDArray[Any]]):
 
 
 def _header(archive: zipfile.ZipFile, member: zipfile.ZipInfo) -> _Header:
-    """Return what a member of an archive says of itself; ValueError where it does not fit its length."""
+    """Return the header of a member of an archive; ValueError where it does not fit its length."""
     with archive.open(member) as stream:
         version = np.lib.format.read_magic(stream)
         if version not in _HEADERS:

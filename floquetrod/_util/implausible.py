@@ -1,4 +1,4 @@
-"""The warning of input that is allowed and looks like a mistake."""
+"""The warning of input that is allowed but probably a mistake."""
 
 from __future__ import annotations
 

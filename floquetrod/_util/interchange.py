@@ -15,10 +15,10 @@ from floquetrod._util import extras, validate
 from floquetrod._util.version import __version__
 
 SCHEMA = "floquetrod result"
-"""What a JSON text of a result calls itself."""
+"""Value of the key "schema" in the JSON of a result."""
 
 SCHEMA_VERSION = 1
-"""Raised when what is in such a text changes its place or its meaning."""
+"""Raised when an entry of such a text changes its place or its meaning."""
 
 _SEVERAL = ("state", "multiplier")
 """Dimensions along which an entry has columns of its own."""
@@ -28,13 +28,13 @@ _UNIT = re.compile(r"(_(N|Pa|J|m|s|rad))?(_per_(m|s))?$")
 
 
 def to_json(result: Any, *, indent: int | None = None) -> str:
-    """Return a result as JSON, by a schema that is the same for all results and has a version.
+    """Return a result as JSON, by one schema with a version for all results.
 
     An object of five names: ``schema``, "floquetrod result"; ``schema_version``, 1; ``floquetrod``, the version that
-    made it; ``kind``, the name of the result's class; and ``result``, its numbers by their names.  Those of
-    ``as_dict()`` where the result has it, with units in the names, else its attributes, in the units that its
-    documentation states.  Numbers that are infinite or not known are null, complex ones have ``re`` and ``im``, arrays
-    are lists, and results within a result are objects again.  Files that are read back are those of ``save``.
+    wrote it; ``kind``, the name of the result's class; and ``result``, its numbers by name: from ``as_dict()`` where
+    the result has it, with units in the names, else its attributes, in the units stated in its documentation.  Infinite
+    and unknown numbers are null, complex ones have ``re`` and ``im``, arrays are lists, and results within a result are
+    objects again.  JSON is not read back; for files to be loaded again use ``save``.
 
     Parameters
     ----------
@@ -57,14 +57,14 @@ def to_json(result: Any, *, indent: int | None = None) -> str:
     """
     _require(result)
     spaces = None if indent is None else validate.integer("indent", indent, 0, 16)
-    told = {
+    document = {
         "schema": SCHEMA,
         "schema_version": SCHEMA_VERSION,
         "floquetrod": __version__,
         "kind": type(result).__name__,
         "result": plain(result),
     }
-    return json.dumps(told, allow_nan=False, indent=spaces)
+    return json.dumps(document, allow_nan=False, indent=spaces)
 
 
 def to_pandas(result: Any) -> Any:
@@ -99,8 +99,8 @@ def to_pandas(result: Any) -> Any:
     pandas = extras.pandas()
     if hasattr(result, "to_xarray"):
         return _rows(result.to_xarray(), pandas)
-    told = plain(result)
-    lists = {name: value for name, value in told.items() if isinstance(value, list) and len(value) > 0}
+    numbers = plain(result)
+    lists = {name: value for name, value in numbers.items() if isinstance(value, list) and len(value) > 0}
     rows = next((value for value in lists.values() if all(isinstance(row, dict) for row in value)), None)
     if rows is not None:
         return pandas.DataFrame(rows)
@@ -125,7 +125,7 @@ def _rows(dataset: Any, pandas: Any) -> Any:
 
 
 def with_unit(name: str, unit: str) -> str:
-    """Return a name with its unit as keys and columns have it, "1" being none.
+    """Return a name with its unit, as in keys and columns; the unit "1" adds nothing.
 
     >>> with_unit("mean force", "N"), with_unit("kick", "m/s"), with_unit("growth_rate", "1/s"), with_unit("mode", "1")
     ('mean_force_N', 'kick_m_per_s', 'growth_rate_per_s', 'mode')
@@ -140,25 +140,25 @@ def _require(result: Any) -> None:
 
 
 def plain(value: Any) -> Any:
-    """Return a value as what JSON knows."""
+    """Return a value as JSON's types."""
     if value is None or isinstance(value, str | bool):
         return value
     if isinstance(value, Integral):
         return int(value)
-    if isinstance(value, Real) and not hasattr(value, "as_dict"):  # a result may be a number with what is known of it
+    if isinstance(value, Real) and not hasattr(value, "as_dict"):  # a result may be a number with attributes
         return float(value) if math.isfinite(value) else None
     if isinstance(value, complex):
         return {"re": plain(value.real), "im": plain(value.imag)}
     if isinstance(value, Mapping):
-        return {str(name): plain(each) for name, each in value.items()}
+        return {str(name): plain(entry) for name, entry in value.items()}
     return _of_parts(value)
 
 
 def by_keys(value: Any, keys: str) -> dict[str, Any]:
-    """Return attributes of a value as what JSON knows; None for each where there is no value.
+    """Return attributes of a value as JSON's types; None for each where the value is None.
 
-    ``keys``, between blanks, are names of attributes with their units, such as "force_N", or others followed by what
-    they are of, "mean_N=load.mean".
+    ``keys``, between blanks, are names of attributes with their units, such as "force_N", or keys with their attribute,
+    "mean_N=load.mean".
     """
     pairs = [key.partition("=") for key in keys.split()]
     names = {key: name or _UNIT.sub("", key) for key, _, name in pairs}
@@ -166,7 +166,7 @@ def by_keys(value: Any, keys: str) -> dict[str, Any]:
 
 
 def _of_parts(value: Any) -> Any:
-    """Return what has parts: an array, a result, a list."""
+    """Return an array, a result or a list as JSON's types."""
     if hasattr(value, "tolist"):
         return plain(value.tolist())
     if hasattr(value, "as_dict"):
@@ -174,7 +174,7 @@ def _of_parts(value: Any) -> Any:
     if hasattr(value, "_asdict"):
         return plain(value._asdict())
     if isinstance(value, list | tuple | set | frozenset):
-        return [plain(each) for each in value]
+        return [plain(entry) for entry in value]
     if dataclasses.is_dataclass(value) and not isinstance(value, type):
         return {field.name: plain(getattr(value, field.name)) for field in dataclasses.fields(value) if field.compare}
     return repr(value)

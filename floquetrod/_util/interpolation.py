@@ -1,4 +1,4 @@
-"""Polynomials through values at places: Chebyshev's points, and any others where they are few."""
+"""Weights of interpolating polynomials, through Chebyshev's points or through a few others."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ def chebyshev_points(count: int) -> Floats:
 
 
 def chebyshev_weights(count: int, at: Floats) -> Floats:
-    """Return the weights (p, count) that values at Chebyshev's points have in the polynomial, at places (p,).
+    """Return the weights (p, count) of the values at Chebyshev's points in the polynomial through them, at places (p,).
 
     J.-P. Berrut and L. N. Trefethen, SIAM Review 46 (2004) 501, doi:10.1137/S0036144502417715, equation (4.2).
     """
@@ -28,7 +28,7 @@ def chebyshev_weights(count: int, at: Floats) -> Floats:
 
 
 def lagrange_weights(places: Floats, at: float) -> Floats:
-    """Return the weights (n,) that values at a few places (n,) have, at another; NaN where two of them coincide."""
-    every = places.tolist()
-    ratios = ([(at - b) / (a - b or math.nan) for j, b in enumerate(every) if j != i] for i, a in enumerate(every))
-    return np.array([math.prod(each, start=1.0) for each in ratios])
+    """Return the weights (n,) of values at places (n,) in their polynomial at another place; NaN for equal places."""
+    points = places.tolist()
+    ratios = ([(at - b) / (a - b or math.nan) for j, b in enumerate(points) if j != i] for i, a in enumerate(points))
+    return np.array([math.prod(factors, start=1.0) for factors in ratios])

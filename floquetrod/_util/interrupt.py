@@ -13,8 +13,9 @@ from types import FrameType
 def held() -> Iterator[Callable[[], None]]:
     """Defer Ctrl-C until the end of the block, or until the function it yields is called.
 
-    Both then do what Ctrl-C would have done without the block: as a rule, raise KeyboardInterrupt.  Only the main
-    thread receives signals, and only a handler written in Python can be called later: elsewhere nothing changes.
+    Both then call the handler that Ctrl-C would have called without the block, which as a rule raises
+    KeyboardInterrupt.  Only the main thread receives signals, and only a handler written in Python can be called later:
+    elsewhere nothing changes.
     """
     handler = signal.getsignal(signal.SIGINT)
     if not callable(handler) or threading.current_thread() is not threading.main_thread():
@@ -40,4 +41,4 @@ def held() -> Iterator[Callable[[], None]]:
 
 
 def nothing() -> None:
-    """Do nothing, as what `held` yields does where no Ctrl-C arrives."""
+    """Do nothing, as the function that `held` yields where no Ctrl-C arrived."""

@@ -1,9 +1,8 @@
-"""Compiled kernels kept on disk, in a file of its own for each kernel and types of arguments.
+"""Compiled kernels kept on disk, one file for each kernel and types of arguments.
 
 numba's own cache of a function does not see that a function it calls, or a constant, has changed in another file; it
-raises where no folder can be written, and for files that are damaged.  This cache replaces it.  It stores what was
-compiled with a fingerprint of everything it was compiled from, and treats a file that does not match, for any reason,
-as missing.
+raises where no folder can be written, and for damaged files.  This cache replaces it.  It stores machine code with a
+fingerprint of all its sources, and treats a file that does not match, for any reason, as missing.
 """
 
 from __future__ import annotations
@@ -27,7 +26,7 @@ from floquetrod._util.locks import Lock, lock_beside
 
 _LAYOUT = 2  # of the files
 _DIGEST = hashlib.sha256().digest_size
-_LONGEST = 120.0  # s that a process waits for another that compiles (a choice: above what the slowest kernel takes)
+_LONGEST = 120.0  # s that a process waits for another that compiles (a choice: longer than the slowest kernel)
 _POLL = 0.1  # s between two attempts
 
 
@@ -52,7 +51,7 @@ class KernelCache:
             _warn_uncached()
 
     def load_overload(self, signature: Any, target: Any) -> Any:
-        """Return what was compiled, or None."""
+        """Return compiled code, or None."""
         target.refresh()  # numba requires this of a cache: a loaded function uses what the target has registered
         kept = self._load(signature, target)
         if kept is None:
@@ -73,7 +72,7 @@ class KernelCache:
             return None
 
     def save_overload(self, signature: Any, result: Any) -> None:
-        """Store what was compiled; where the folder cannot be written, or is full, warn once and continue."""
+        """Store compiled code; where the folder cannot be written, or is full, warn once and continue."""
         if self.cache_path is None or not self._numba.check_cachable(result):
             return
         from numba.core import serialize
@@ -88,7 +87,7 @@ class KernelCache:
             _warn_uncached(str(error))
 
     def is_kept(self) -> bool:
-        """Return whether what was compiled, for some types, is on disk and still holds."""
+        """Return whether valid compiled code, for any types, is on disk."""
         if self.cache_path is None:
             return False
         paths = Path(self.cache_path).glob(f"{self._name}-*.{sys.implementation.cache_tag}.nbc")
@@ -119,13 +118,13 @@ class KernelCache:
 
     @property
     def _key(self) -> bytes:
-        """What tells whether the content of a file still holds."""
+        """Digest of sources and versions, by which the content of a file is valid."""
         import numba
 
         return hashlib.sha256(self._sources + repr((_LAYOUT, sys.version, numba.__version__)).encode()).digest()
 
     def _place(self, signature: Any, codegen: Any) -> tuple[Path, bytes]:
-        """Return the file for these types on this processor, and the key that says whether its content still holds."""
+        """Return the file for these types on this processor, and the key of valid content."""
         import numba
 
         config: Any = numba.config
@@ -188,9 +187,9 @@ def _replace(path: Path, content: bytes) -> None:
 
 
 def fingerprint(function: Callable[..., Any], options: dict[str, Any]) -> bytes:
-    """Return a digest of a kernel and of how it is compiled.
+    """Return a digest of a kernel and of the options of its compilation.
 
-    That of a kernel is of its code, that of the kernels it calls, and the constants any of them reads.
+    It covers the kernel's code, the code of the kernels it calls, and the constants any of them reads.
     """
     seen: dict[str, str] = {}
     _describe_kernel(function, seen)
@@ -198,7 +197,7 @@ def fingerprint(function: Callable[..., Any], options: dict[str, Any]) -> bytes:
 
 
 def _describe_kernel(function: Callable[..., Any], seen: dict[str, str]) -> None:
-    """Add a kernel, and those it calls, to ``seen``."""
+    """Add a kernel, and the kernels it calls, to ``seen``."""
     name = f"{function.__module__}.{function.__qualname__}"
     if name in seen:
         return
@@ -223,7 +222,7 @@ def _describe_code(code: types.CodeType, where: str) -> Iterator[str]:
 
 
 def _describe(value: Any, where: str) -> str:
-    """Return a text that differs between values that compile differently."""
+    """Return a text that differs for values with different machine code."""
     if (
         value is None
         or value is ...
@@ -231,8 +230,8 @@ def _describe(value: Any, where: str) -> str:
     ):
         return repr(value)
     if isinstance(value, (tuple, frozenset)):
-        parts = [_describe(part, where) for part in value]
-        return f"{type(value).__name__}({parts if isinstance(value, tuple) else sorted(parts)})"
+        texts = [_describe(element, where) for element in value]
+        return f"{type(value).__name__}({texts if isinstance(value, tuple) else sorted(texts)})"
     if isinstance(value, np.ndarray):
         return f"{value.dtype.str}{value.shape}{value.tobytes()!r}"
     if isinstance(value, types.CodeType):

@@ -1,4 +1,4 @@
-"""Names of a package that are loaded when they are first used, so that its modules can be imported one by one."""
+"""Names of a package loaded on first use, so that its modules can be imported one by one."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from typing import Any
 def names_of(package: str, where: dict[str, tuple[str, ...]]) -> tuple[Callable[[str], Any], Callable[[], list[str]]]:
     """Return ``__getattr__`` and ``__dir__`` of a package whose names are in modules, ``where`` by module (PEP 562).
 
-    A name must not be that of a module of the package, which takes its place once it is imported.
+    No name may equal the name of a module of the package, which replaces it once it is imported.
     """
     module_of = {name: module for module, names in where.items() for name in names}
 

@@ -26,7 +26,7 @@ class Lock:
     """
 
     def __init__(self, path: Path, part: range, *, remove: bool) -> None:
-        """Take it."""
+        """Take the lock."""
         self._path, self._part, self._remove = path, part, remove
         self._handle: int | None = None
         while self._handle is None:
@@ -42,7 +42,7 @@ class Lock:
                     os.close(handle)
 
     def release(self) -> None:
-        """Let others take it."""
+        """Release the lock."""
         if self._handle is None:
             return
         handle, self._handle = self._handle, None
@@ -61,9 +61,9 @@ class Lock:
 
 
 def lock_beside(path: Path) -> Lock:
-    """Return a lock for whoever writes a file that every save replaces: one on a hidden file beside it, links followed.
+    """Return a lock for writers of a file that every save replaces: on a hidden file beside it, links followed.
 
-    Raises what `Lock` does.
+    Raises the errors of `Lock`.
     """
     target = Path(os.path.realpath(path))
     return Lock(target.with_name(f".{target.name}.lock"), range(1), remove=True)

@@ -1,4 +1,4 @@
-"""Quantities of pint and its like, which are not imported for this: values that say what unit they are in."""
+"""Quantities of pint and its like, values with a unit, without importing their libraries."""
 
 from __future__ import annotations
 
@@ -13,23 +13,23 @@ _PLAIN = frozenset({float, int})
 
 
 def is_measured(value: Any) -> bool:
-    """Return whether a value, or an array, says what unit it is in and converts itself to another one."""
+    """Return whether a value, or an array, has a unit and converts itself to another one."""
     try:
         says = hasattr(value, "units") or hasattr(value, "unit")
         return says and (hasattr(value, "magnitude") or hasattr(value, "value")) and callable(value.to)
-    except Exception:  # whatever an object raises that is asked what it has
+    except Exception:  # whatever an object's attributes raise
         return False
 
 
 def magnitude(value: Any, unit: str) -> Any:
-    """Return the float, or the array, that a measured value is in a unit, named as pint does."""
+    """Return a measured value in a unit, named as in pint, as a float or an array."""
     converted = value.to(unit)
     number = converted.magnitude if hasattr(converted, "magnitude") else converted.value
     return number if getattr(number, "ndim", 0) else float(number)
 
 
 def without_unit(name: str, value: Any) -> Any:
-    """Return the float, or the array, of a measured value that has no dimension; ValueError for any other."""
+    """Return a dimensionless measured value as a float or an array; ValueError for any other."""
     try:
         return magnitude(value, "dimensionless")
     except Exception as error:  # pint has its own for each way in which units differ
@@ -39,9 +39,9 @@ def without_unit(name: str, value: Any) -> Any:
 def mapped(
     name: str, values: Any, is_one: Callable[[Any], bool], convert: Callable[[str, Any], Any], depth: int = 0
 ) -> Any:
-    """Return values in which all that have a unit are converted: one alone, or those in lists and arrays of objects.
+    """Return values with every measured one converted: a single one, or elements of lists and arrays of objects.
 
-    Everything else stays as it is.  ``convert`` gets the name of each, such as "mean[3]", and itself.
+    Everything else stays the same.  ``convert(name, value)`` is called with names such as "mean[3]".
     """
     kind = getattr(getattr(values, "dtype", None), "kind", None)
     if type(values) in _PLAIN or (type(values).__module__ == "numpy" and kind is not None and kind not in "OU"):
@@ -52,20 +52,20 @@ def mapped(
         if depth > _DEEPEST or {*map(type, values)} <= _PLAIN:
             return values
         known: dict[int, Any] = {}  # nested lists may share their parts
-        for i, each in enumerate(values):
-            if id(each) not in known:
-                known[id(each)] = mapped(f"{name}[{i}]", each, is_one, convert, depth + 1)
-        found = [known[id(each)] for each in values]
-        return tuple(found) if isinstance(values, tuple) else found
-    if is_measured(held := getattr(values, "data", None)):  # an array of xarray about one of pint
-        return convert(name, held)
+        for i, value in enumerate(values):
+            if id(value) not in known:
+                known[id(value)] = mapped(f"{name}[{i}]", value, is_one, convert, depth + 1)
+        converted = [known[id(value)] for value in values]
+        return tuple(converted) if isinstance(values, tuple) else converted
+    if is_measured(data := getattr(values, "data", None)):  # an array of xarray about one of pint
+        return convert(name, data)
     if kind in ("O", "U"):
         import numpy as np
 
         array = np.asarray(values)
         entries = np.empty(array.shape, dtype=object)
-        for index, each in np.ndenumerate(array):
-            at = f"{name}[{', '.join(map(str, index))}]" if index else name
-            entries[index] = mapped(at, each, is_one, convert, depth + 1)
+        for index, value in np.ndenumerate(array):
+            label = f"{name}[{', '.join(map(str, index))}]" if index else name
+            entries[index] = mapped(label, value, is_one, convert, depth + 1)
         return entries
     return values

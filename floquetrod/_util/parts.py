@@ -1,4 +1,4 @@
-"""Parts of a line: where a mask is true, and what some parts leave of the rest."""
+"""Spans of a line: the runs of a mask, and the gaps between spans."""
 
 from __future__ import annotations
 
@@ -10,23 +10,23 @@ import numpy as np
 from floquetrod._util.arrays import Bools
 
 
-class Part(Protocol):
-    """What has two ends."""
+class Span(Protocol):
+    """An interval, by its two ends."""
 
     @property
     def low(self) -> float:
-        """Where it begins."""
+        """Lower end."""
 
     @property
     def high(self) -> float:
-        """Where it ends."""
+        """Upper end."""
 
 
-P = TypeVar("P", bound=Part)
+P = TypeVar("P", bound=Span)
 
 
 class Gap(NamedTuple, Generic[P]):
-    """What lies between two parts; None before the first and after the last."""
+    """The gap between two spans; None before the first and after the last."""
 
     low: float
     high: float
@@ -34,27 +34,27 @@ class Gap(NamedTuple, Generic[P]):
     after: P | None
 
 
-def complement(bounds: tuple[float, float], parts: Iterable[P]) -> list[Gap[P]]:
-    """Return what parts, in any order, leave of bounds; of bounds without a width themselves, where no part is there.
+def complement(bounds: tuple[float, float], spans: Iterable[P]) -> list[Gap[P]]:
+    """Return the gaps that spans, in any order, leave within bounds; bounds of no width are one gap unless covered.
 
-    A gap is closed by the part that reaches furthest, the first of equal ones.
+    A gap begins at the span that reaches furthest, the first of equal ones.
     """
-    at, high = bounds
+    edge, high = bounds
     before: P | None = None
     gaps = []
-    for part in sorted(parts, key=lambda each: (each.low, each.high)):
-        if part.low > high:
+    for span in sorted(spans, key=lambda span: (span.low, span.high)):
+        if span.low > high:
             break
-        if part.low > at:
-            gaps.append(Gap(at, part.low, before, part))
-        if part.high > at or part.low >= at:
-            at, before = part.high, part
-    if at < high or before is None:
-        gaps.append(Gap(at, high, before, None))
+        if span.low > edge:
+            gaps.append(Gap(edge, span.low, before, span))
+        if span.high > edge or span.low >= edge:
+            edge, before = span.high, span
+    if edge < high or before is None:
+        gaps.append(Gap(edge, high, before, None))
     return gaps
 
 
 def runs(mask: Bools) -> list[tuple[int, int]]:
-    """Return where a mask is true: the first place of each run, and the one after its last."""
+    """Return the runs of true entries of a mask, each as its first index and the index after its last."""
     edges = np.flatnonzero(np.diff(np.pad(mask.astype(np.int8), 1))).tolist()
     return list(zip(edges[::2], edges[1::2], strict=True))

@@ -1,4 +1,4 @@
-"""What a long search calls to tell how far it is."""
+"""The type of the function that long searches call with their progress."""
 
 from __future__ import annotations
 
@@ -6,9 +6,9 @@ from collections.abc import Callable
 from typing import TypeAlias
 
 Progress: TypeAlias = Callable[[int, int], None]
-"""Called with the numbers of things searched and to search."""
+"""(number done, number in all) -> None."""
 
 
 def shifted(progress: Progress | None, before: int, others: int) -> Progress | None:
-    """Return what reports a part of a search that has ``others`` besides, ``before`` of them searched already."""
+    """Return the progress of one part of a search that has ``others`` besides, ``before`` of them done."""
     return None if progress is None else lambda done, total: progress(before + done, others + total)

@@ -25,40 +25,40 @@ def clopper_pearson(hits: Any, samples: Any, confidence: float, unknown: Any = 0
     return low, high
 
 
-def mean_of_shares(least: Floats, most: Floats, confidence: float) -> tuple[float, float]:
+def mean_of_shares(low: Floats, high: Floats, confidence: float) -> tuple[float, float]:
     """Return the ends of the interval of Gaffke for the mean of independent numbers between 0 and 1, the shares x_i.
 
-    ``least`` and ``most`` (n,) bound each x_i.  The upper end is the quantile 1 - (1 - confidence) / 2 of the sum of
-    D_i x_i and D_0, the lower end is one minus that of 1 - x_i; D is uniform on the simplex of n + 1 weights.  For
-    shares that are all 0 or 1 it is the interval of Clopper and Pearson.
+    ``low`` and ``high`` (n,) bound each x_i.  The upper end is the quantile 1 - (1 - confidence) / 2 of the sum of
+    D_i x_i and D_0, the lower end is one minus the same quantile for 1 - x_i; D is uniform on the simplex of n + 1
+    weights.  For shares of 0 and 1 alone it is the interval of Clopper and Pearson.
 
     Sources: N. Gaffke, Math. Methods Statist. 14 (2005) 451-467; arXiv:1905.06208.  That it covers the mean at least as
     often as it states, whatever the distribution, is a conjecture without a known exception.
     """
     level = 0.5 * (1.0 - confidence)
-    return 1.0 - _upper_end(1.0 - least, level), _upper_end(most, level)
+    return 1.0 - _upper_end(1.0 - low, level), _upper_end(high, level)
 
 
 def _upper_end(shares: Floats, level: float) -> float:
-    """Return what the sum of D_i x_i and D_0 exceeds with the probability ``level``; x are the shares (n,)."""
+    """Return the quantile 1 - ``level`` of the sum of D_i x_i and D_0; x are the shares (n,)."""
     from scipy.optimize import brentq
 
     several = -(-shares.size // _MOST_GROUPS)
     if several > 1:  # averages of as many consecutive shares are shares too; a rest of less than a thousandth stays out
         shares = shares[: shares.size // several * several].reshape(-1, several).mean(axis=1)
     points = np.append(shares, 1.0)
-    least = float(points.min())
-    if least == 1.0:
+    lowest = float(points.min())
+    if lowest == 1.0:
         return 1.0
-    return float(brentq(lambda t: _exceeds(points - t) - level, least, 1.0, xtol=1e-13, rtol=1e-13))
+    return float(brentq(lambda t: _exceeds(points - t) - level, lowest, 1.0, xtol=1e-13, rtol=1e-13))
 
 
 def _exceeds(offsets: Floats) -> float:
     """Return the probability that the sum of D_i d_i is positive; d are the offsets, D uniform on the simplex.
 
-    D_i are exponential variables over their sum.  Those with d > 0 make one sum of exponential times of means a_i,
-    those with d < 0 another one of means b_j.  Of two such times that run at once, of means a and b, the second ends
-    first with the probability a / (a + b), and both sums forget what has passed: with i and j times left,
+    D_i are exponential variables over their sum.  Positive d add up to one sum of exponential times of means a_i,
+    negative d to another one of means b_j.  Of two such times that run at once, of means a and b, the second ends first
+    with the probability a / (a + b), and both sums have no memory: with i and j times left,
 
         R(i, j) = a_i / (a_i + b_j) R(i, j - 1) + b_j / (a_i + b_j) R(i - 1, j),    R(i, 0) = 1,    R(0, j) = 0
 

@@ -1,4 +1,4 @@
-"""What a result says: a headline, lines with labels and a table, for the terminal, a notebook or a file."""
+"""Reports of results: a headline, lines with labels and a table, for the terminal, a notebook or a file."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ class Table(NamedTuple):
 
     columns: Sequence[tuple[str, str]]
     rows: Sequence[Sequence[str]]
-    rest: str = ""  # what is not in it
+    rest: str = ""  # a line about the rows left out
 
     def __str__(self) -> str:
         """Return the lines, the titles first."""
@@ -38,7 +38,7 @@ class Table(NamedTuple):
 
 
 def heading(text: str) -> str:
-    """Return a heading of a table in HTML; without a text a plain cell, which nobody hears read out as one."""
+    """Return a heading of a table in HTML; without a text a plain cell, which is not read out as a heading."""
     from html import escape
 
     return f"<th>{escape(text)}</th>" if text.strip() else "<td></td>"
@@ -46,17 +46,17 @@ def heading(text: str) -> str:
 
 @dataclass(frozen=True)
 class Report:
-    """What a result says.
+    """The report of a result.
 
     Attributes
     ----------
     headline : str
         The answer.
     lines : sequence of (str, str)
-        Labels and texts; without a label a line goes on with what the one before it is about.
+        Labels and texts; a line without a label continues the one before it.
     table : Table or None
     rest : Report or None
-        What is to be read after it.
+        A report to be read after it.
     """
 
     headline: str
@@ -67,8 +67,8 @@ class Report:
     def with_lines(self, lines: Sequence[tuple[str, str]], before: str | None = None) -> Report:
         """Return the report with more lines, ``before`` the one with this label or after all of them."""
         labels = [label for label, _ in self.lines]
-        place = labels.index(before) if before in labels else len(labels)
-        return replace(self, lines=[*self.lines[:place], *lines, *self.lines[place:]])
+        index = labels.index(before) if before in labels else len(labels)
+        return replace(self, lines=[*self.lines[:index], *lines, *self.lines[index:]])
 
     def __str__(self) -> str:
         """Return the report as text."""
@@ -83,30 +83,30 @@ class Report:
         from html import escape
 
         rows = "".join(f"<tr>{heading(label)}<td>{escape(text)}</td></tr>" for label, text in self.lines)
-        parts = [
+        fragments = [
             f"<p><strong>{escape(self.headline)}</strong></p>" if self.headline else "",
             f"<table>{rows}</table>" if rows else "",
         ]
-        parts += [] if self.table is None else [self.table.html()]
-        return "".join(parts) + ("" if self.rest is None else self.rest._repr_html_())
+        fragments += [] if self.table is None else [self.table.html()]
+        return "".join(fragments) + ("" if self.rest is None else self.rest._repr_html_())
 
 
 class Reported:
-    """A result that says itself: `report` in lines and tables, which notebooks show, and ``as_dict()`` in numbers."""
+    """A result with a `report` in lines and tables, which notebooks show, and with ``as_dict()`` in numbers."""
 
     _keys: ClassVar[str]
-    """What `as_dict` has, as for `floquetrod._util.interchange.by_keys`, where it has no more than attributes."""
+    """Keys of `as_dict`, as for `floquetrod._util.interchange.by_keys`, where it has attributes alone."""
 
     @abstractmethod
     def report(self) -> Report:
         """Return the result in words."""
 
     def as_dict(self) -> dict[str, Any]:
-        """Return the result as numbers for JSON, units in the keys; None for what is infinite or not known."""
+        """Return the result as numbers for JSON, units in the keys; None for infinite and unknown numbers."""
         return by_keys(self, self._keys)
 
     def _at_hand(self) -> Report:
-        """Return what a notebook shows unasked, which must not take long."""
+        """Return the report that a notebook shows unasked, which must not take long."""
         return self.report()
 
     def _repr_html_(self) -> str:
@@ -115,7 +115,7 @@ class Reported:
 
 
 class Printed(Reported):
-    """A result of which print shows the report, and a shell its headline."""
+    """A result whose report is printed, with its headline as repr."""
 
     def __str__(self) -> str:
         return str(self.report())

@@ -1,4 +1,4 @@
-"""Many brackets at once: zeros and largest values of functions, and where a statement ceases to hold."""
+"""Many brackets at once: zeros and largest values of functions, and the ends of statements."""
 
 from __future__ import annotations
 
@@ -16,8 +16,8 @@ def roots(
 ) -> Floats:
     """Return a zero of a function in each of many brackets, to rounding: Chandrupatla's method.
 
-    ``function(x, i)`` returns the values at places x, one for each, in the brackets of number i; those at the ends have
-    opposite signs, or are zero.
+    ``function(x, i)`` returns the values at places x, one for each, in the brackets of number i.  The values ``at_low``
+    and ``at_high`` have opposite signs, or are zero.
 
     T. R. Chandrupatla, Adv. Eng. Software 28 (1997) 145.
     """
@@ -27,29 +27,29 @@ def roots(
     open_ = np.flatnonzero((fa != 0.0) & (fb != 0.0))
     while open_.size:
         i = open_
-        place = a[i] + t[i] * (b[i] - a[i])
-        value = function(place, i)
+        x = a[i] + t[i] * (b[i] - a[i])
+        value = function(x, i)
         same = (value > 0.0) == (fa[i] > 0.0)
         c[i], fc[i] = np.where(same, a[i], b[i]), np.where(same, fa[i], fb[i])
         b[i], fb[i] = np.where(same, b[i], a[i]), np.where(same, fb[i], fa[i])
-        a[i], fa[i] = place, value
+        a[i], fa[i] = x, value
         width = np.abs(b[i] - a[i])
         size = np.abs(np.where(np.abs(fa[i]) < np.abs(fb[i]), a[i], b[i]))
         with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-            least = 2.0 * EPS * size / width
+            closest = 2.0 * EPS * size / width
             xi, phi = (a[i] - b[i]) / (c[i] - b[i]), (fa[i] - fb[i]) / (fc[i] - fb[i])
             inverse = fa[i] / (fb[i] - fa[i]) * fc[i] / (fb[i] - fc[i])
             inverse += (c[i] - a[i]) / (b[i] - a[i]) * fa[i] / (fc[i] - fa[i]) * fb[i] / (fc[i] - fb[i])
             smooth = (phi * phi < xi) & ((1.0 - phi) ** 2 < 1.0 - xi) & np.isfinite(inverse)
-        t[i] = np.clip(np.where(smooth, inverse, 0.5), np.minimum(least, 0.5), np.maximum(1.0 - least, 0.5))
-        open_ = i[(fa[i] != 0.0) & ~(least > 0.5)]
+        t[i] = np.clip(np.where(smooth, inverse, 0.5), np.minimum(closest, 0.5), np.maximum(1.0 - closest, 0.5))
+        open_ = i[(fa[i] != 0.0) & ~(closest > 0.5)]
     return np.where((fb == 0.0) | (np.abs(fb) < np.abs(fa)), b, a)
 
 
 def bisected(
     holds: Callable[[Floats], Bools], low: Floats, high: Floats, halvings: int, *, relative: float = 0.0
 ) -> tuple[Floats, Floats]:
-    """Return brackets in which a statement ceases to hold, halved so often at most: their ends ``low`` and ``high``.
+    """Return brackets in which a statement ceases to hold, after at most ``halvings``: their ends ``low`` and ``high``.
 
     ``holds`` takes a place in every bracket; the statement holds at ``low``, and does not at ``high``, which may be
     lower or higher and is not examined.  No more are halved once every bracket is no wider than ``relative`` of its
@@ -71,15 +71,15 @@ def largest(
 
     They are as in `roots`, and are not evaluated at the ends; each section leaves 0.62 of a bracket.
     """
-    every = np.arange(low.size)
-    one, two = low + _GOLDEN * (high - low), high - _GOLDEN * (high - low)
-    at_one, at_two = function(one, every), function(two, every)
+    brackets = np.arange(low.size)
+    left, right = low + _GOLDEN * (high - low), high - _GOLDEN * (high - low)
+    at_left, at_right = function(left, brackets), function(right, brackets)
     for _ in range(sections):
-        left = at_one >= at_two  # the larger lies left
-        low, high = np.where(left, low, one), np.where(left, two, high)
-        place = np.where(left, low + _GOLDEN * (high - low), high - _GOLDEN * (high - low))
-        value = function(place, every)
-        one, two = np.where(left, place, two), np.where(left, one, place)
-        at_one, at_two = np.where(left, value, at_two), np.where(left, at_one, value)
-    left = at_one >= at_two
-    return np.where(left, one, two), np.where(left, at_one, at_two)
+        is_left = at_left >= at_right  # the larger lies left
+        low, high = np.where(is_left, low, left), np.where(is_left, right, high)
+        x = np.where(is_left, low + _GOLDEN * (high - low), high - _GOLDEN * (high - low))
+        value = function(x, brackets)
+        left, right = np.where(is_left, x, right), np.where(is_left, left, x)
+        at_left, at_right = np.where(is_left, value, at_right), np.where(is_left, at_left, value)
+    is_left = at_left >= at_right
+    return np.where(is_left, left, right), np.where(is_left, at_left, at_right)

@@ -1,4 +1,4 @@
-"""Parts of messages: values in a few words, and names near to one that is not known."""
+"""Parts of messages: values in a few words, and names near to an unknown one."""
 
 from __future__ import annotations
 
@@ -6,14 +6,14 @@ from collections.abc import Iterable, Sequence
 from reprlib import Repr
 from typing import Any
 
-_SHORT = Repr()  # goes through no more than what is shown: nested lists may hold one part many times
+_SHORT = Repr()  # goes through no more than it shows: nested lists may hold one list many times
 _SHORT.maxlevel = 4
 _SHORT.maxlist = _SHORT.maxtuple = _SHORT.maxdict = _SHORT.maxset = 20
-_SHORT.maxstring = _SHORT.maxother = _SHORT.maxlong = 200  # all of what is not cut below
+_SHORT.maxstring = _SHORT.maxother = _SHORT.maxlong = 200  # more than the cut below leaves
 
 
 def short(value: Any) -> str:
-    """Return ``value`` as it is written in a message, however long it is."""
+    """Return the text of a value for a message, at most 80 characters."""
     try:
         text = _SHORT.repr(value)
     except Exception:  # an integer of more digits than Python prints, or whatever an object's own text raises
@@ -22,7 +22,7 @@ def short(value: Any) -> str:
 
 
 def printable(text: str) -> str:
-    r"""Return a text for a terminal: what is no sign, as escape codes in the name of a file, written as in Python.
+    r"""Return a text for a terminal, unprintable characters, such as escape codes in the name of a file, escaped.
 
     >>> print(printable("a\x1b[31m.csv"))
     a\x1b[31m.csv
@@ -50,6 +50,6 @@ def did_you_mean(name: str, known: Iterable[str]) -> str:
     """
     from difflib import get_close_matches
 
-    names = {each.lower(): each for each in known}
+    names = {candidate.lower(): candidate for candidate in known}
     near = get_close_matches(name.lower(), names, n=1, cutoff=0.6)
     return f"; did you mean {names[near[0]]}?" if near else ""

@@ -30,7 +30,7 @@ def read_toml(path: Path, what: str) -> dict[str, Any]:
 
 
 def require_known(keys: Iterable[str], known: Collection[str]) -> None:
-    """Raise ValueError for the first of ``keys`` that is not known, with the known one like it, or all of them."""
+    """Raise ValueError for the first unknown of ``keys``, with the nearest known one, or all of them."""
     unknown = next((key for key in keys if key not in known), None)
     if unknown is not None:
         hint = did_you_mean(unknown, known)
@@ -48,7 +48,7 @@ def require_file(name: str, path: Path, wanted: str, others: Sequence[str] = ())
         raise ValueError(f"{name} must be {wanted}, got {str(path)!r}: {error.strerror}") from None
     beside: list[str] = []
     with suppress(OSError):
-        beside = [each.name for each in islice(path.parent.iterdir(), _LOOKED_AT)]
+        beside = [file.name for file in islice(path.parent.iterdir(), _LOOKED_AT)]
     hint = did_you_mean(path.name, [*others, *beside])
     folder = "" if path.parent.is_dir() else f"; there is no folder {str(path.parent)!r}"
     raise ValueError(f"{name} must be {wanted}, got {str(path)!r}: there is no such file{folder or hint}")

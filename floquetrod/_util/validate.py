@@ -1,6 +1,6 @@
 """Checks at the public border: each returns the cleaned value or raises, naming argument, value and remedy.
 
-One rule for all: what is of the wrong kind (text, a truth value, None, complex numbers, dates, masked arrays) raises
+One rule for all: a value of the wrong kind (text, a truth value, None, complex numbers, dates, masked arrays) raises
 TypeError, a number out of range ValueError; both begin with the argument's name.
 """
 
@@ -31,7 +31,7 @@ LARGEST_DAMPING = LARGEST**0.5
 """Largest damping c, whose square is added to a coefficient."""
 
 MOST_THREADS = 1024
-"""Largest number of threads that may be asked for (a choice)."""
+"""Largest number of threads (a choice)."""
 
 MOST_NUMBERS = 20_000
 """Most modes, orders or Fourier coefficients in one list (a choice)."""
@@ -43,7 +43,7 @@ _MOST_CHARACTERS = 4096  # of a path: what Linux opens
 _DEEPEST = 32  # levels of nested lists: more than NumPy 1 takes
 
 _LEAST_POSITIVE = math.ulp(0.0)
-_LARGEST_INTEGER = 2**62  # by default; what machine code can hold with room to add
+_LARGEST_INTEGER = 2**62  # by default; within an integer of machine code, with room to add
 
 T = TypeVar("T")
 
@@ -86,7 +86,7 @@ def nonnegative(name: str, value: Any, hint: str = "") -> float:
 def within(name: str, value: Any, least: float, largest: float, hint: str = "") -> float:
     """Return ``value`` as a float from ``least`` to ``largest``.
 
-    A ``least`` above zero asks for what is greater than zero, and one of zero for zero or more.
+    For zero and less the error asks for "greater than zero" where ``least`` is above zero, for "zero or more" at zero.
     """
     number = finite(name, value, hint)
     if not least <= number <= largest:
@@ -143,7 +143,7 @@ def integer(name: str, value: Any, least: int, most: int = _LARGEST_INTEGER, hin
 
 
 def interval(name: str, value: Any, element: Callable[[str, Any], float] = finite) -> tuple[float, float]:
-    """Return ``value`` as two increasing numbers, each of which passes ``element``."""
+    """Return ``value`` as two increasing numbers, both checked by ``element``."""
     try:
         if isinstance(value, str | bytes | Mapping | Set):
             raise TypeError
@@ -168,12 +168,12 @@ def sequence(name: str, values: Any, example: str = "(0.5, 0.1)") -> list[Any]:
 
 
 def is_masked(value: Any) -> bool:
-    """Return whether ``value`` is a masked array, of which there are none until their part of numpy is imported."""
+    """Return whether ``value`` is a masked array; none exists until numpy.ma is imported."""
     return "numpy.ma" in sys.modules and isinstance(value, np.ma.MaskedArray)
 
 
 def require_dense(name: str, value: Any) -> None:
-    """Raise TypeError for a sparse matrix, of which there are none until scipy.sparse is imported."""
+    """Raise TypeError for a sparse matrix; none exists until scipy.sparse is imported."""
     sparse = sys.modules.get("scipy.sparse")
     if sparse is not None and sparse.issparse(value):
         raise wrong_type(name, f"must be a dense array, got a sparse one of shape {value.shape}; give {name}.toarray()")
@@ -189,11 +189,11 @@ def iterable(values: Any) -> bool:
 
 
 def listed(name: str, values: Iterable[Any], most: int, what: str) -> list[Any]:
-    """Return what is iterated over, no more than ``most``, as a list."""
-    found = [] if _length(values) > most else list(islice(values, most + 1))
-    if _length(values) > most or len(found) > most:
+    """Return an iterable of at most ``most`` values as a list."""
+    values_listed = [] if _length(values) > most else list(islice(values, most + 1))
+    if _length(values) > most or len(values_listed) > most:
         raise wrong_value(name, f"must hold at most {most} {what}, got more")
-    return found
+    return values_listed
 
 
 def numbers(name: str, values: Any) -> tuple[float, ...]:
@@ -337,9 +337,9 @@ def elements(name: str, count: int) -> None:
 
 
 def _counted(name: str, values: Any, known: dict[int, int], depth: int = 0) -> int:
-    """Return how many elements an array of nested lists would have; what cannot become one is refused.
+    """Return the number of elements of an array of nested lists; raise for lists that cannot become one.
 
-    A list met again, of which ``known`` has the number, is not gone through again: nested lists may share their parts.
+    A list met again, whose number is in ``known``, is not gone through again: nested lists may share their elements.
     """
     require_dense(name, values)
     if is_masked(values):
@@ -355,13 +355,13 @@ def _counted(name: str, values: Any, known: dict[int, int], depth: int = 0) -> i
     if depth > _DEEPEST:
         raise wrong_value(name, f"must not be nested deeper than {_DEEPEST} levels; does a list in it contain itself?")
     if id(values) not in known:
-        parts = (value for value in values if not isinstance(value, float | int))
-        known[id(values)] = len(values) + sum(_counted(name, part, known, depth + 1) for part in parts)
+        nested = (value for value in values if not isinstance(value, float | int))
+        known[id(values)] = len(values) + sum(_counted(name, element, known, depth + 1) for element in nested)
     return known[id(values)]
 
 
 def _length(values: Any) -> int:
-    """Return what an object says its length is, 1 for one that says nothing."""
+    """Return the length of an object, 1 without one."""
     try:
         return len(values)
     except OverflowError:  # more than a list can hold

@@ -13,10 +13,10 @@ from typing import Self
 from floquetrod._util.suggest import printable
 
 FIRST = 0.5
-"""Seconds until something is shown, so that it is within the first second of a command."""
+"""Seconds until the line is shown, so that it is within the first second of a command."""
 
 EVERY = 0.25
-"""Seconds between changes of what is shown (a choice)."""
+"""Seconds between changes of the line (a choice)."""
 
 PLAIN = 10.0
 """Seconds until a line is written where stderr is no terminal, and the next after twice as long (a choice)."""
@@ -28,10 +28,10 @@ def can_redraw() -> bool:
 
 
 class Waiting:
-    """A line on stderr that says what is being done and for how long.
+    """A line on stderr that names the task and its time so far.
 
     A context: the line appears ``first`` seconds after it was entered and moves until it is left.  It may be called
-    with how much is done of how much of what is ``counted``.  The cursor stays at the beginning of the line, so that
+    with the numbers done and in all of the ``counted`` things.  The cursor stays at the beginning of the line, so that
     the next output replaces it.  Where stderr is a file or a pipe, lines are added to it after 10 s, 30 s, 70 s and so
     on, the pauses at most ``longest`` in s.
     """
@@ -62,20 +62,20 @@ class Waiting:
     def __call__(self, done: int, total: int) -> None:
         """Note that ``done`` of ``total`` is done.
 
-        The rate is counted from the first call: what was done before it may have been done in an earlier run, or taken
-        the time to compile.
+        The rate is counted from the first call: work before it may be of an earlier run, or have taken the time to
+        compile.
         """
         self._first = self._first or (time.monotonic(), done)
         self._last = done, total
 
     @property
     def is_complete(self) -> bool:
-        """Whether all of what is counted is done."""
+        """Whether all is done."""
         return self._last is not None and self._last[0] == self._last[1]
 
     @property
     def rate(self) -> float:
-        """How much is done in a second; zero while it is not known, in the first second after the first call."""
+        """Number done in a second; zero while it is not known, in the first second after the first call."""
         if self._first is None or self._last is None:
             return 0.0
         seconds = time.monotonic() - self._first[0]
@@ -126,7 +126,7 @@ def say(message: str) -> None:
 
 
 def roughly(seconds: float) -> str:
-    """Return a time in the largest unit of which it has at least two."""
+    """Return a time in words, in the largest unit with a count of at least two."""
     for unit, length in (("days", 86400.0), ("hours", 3600.0), ("minutes", 60.0)):
         if seconds >= 2.0 * length:
             return f"{seconds / length:.0f} {unit}"

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from functools import partial
 
-from floquetrod._util.arguments import Mention, argument_of, written
+from floquetrod._util.arguments import Mention, argument_of, text_with_names
 
 _OPTIONS = {
     "criterion": "--paper-criterion",
@@ -31,10 +31,10 @@ def in_options(message: Exception | str, options: argparse.Namespace) -> str:
     mentioned = partial(_mentioned, options)
     about = argument_of(message) if isinstance(message, Exception) else None
     if about is None or about.where:
-        return written(message, mentioned)
+        return text_with_names(message, mentioned)
     typed = _typed(about.name, options)
     if typed is None:
-        return written(message, mentioned)
+        return text_with_names(message, mentioned)
     said = about.named(option(about.name), mentioned)
     return said if typed is True or str(typed) in said else f"{said}; it was given as {str(typed)!r}"
 

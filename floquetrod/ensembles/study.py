@@ -16,7 +16,7 @@ import numpy as np
 
 from floquetrod import units
 from floquetrod._util import validate
-from floquetrod._util.arguments import Message, argument_of, located
+from floquetrod._util.arguments import Message, argument_of, error_in
 from floquetrod._util.calling import level_of_caller
 from floquetrod._util.implausible import SILENCE, PlausibilityWarning
 from floquetrod._util.tables import read_toml, require_known
@@ -197,7 +197,7 @@ class Study:
             what = " ".join(filter(None, [about.place, about.problem]))
             return ValueError(f"study file {self.path}: [over] {what}")
         if about is not None and about.name in _OPTIONS and about.name not in given:
-            return located(f"study file {self.path}: [ensemble]", error, " ")
+            return error_in(f"study file {self.path}: [ensemble]", error, " ")
         return error
 
 

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias, TypeVar
 
 from floquetrod import units
-from floquetrod._util.arguments import argument_of, located
+from floquetrod._util.arguments import argument_of, error_in
 from floquetrod._util.suggest import short
 from floquetrod._util.tables import require_file
 from floquetrod.bare_numbers import Quantity as Written
@@ -149,7 +149,7 @@ def named_rod(name: str, text: str, folder: Path | None = None) -> Rod:
     try:
         return Rod.from_toml(path if text else text)
     except (ValueError, OSError) as error:
-        raise located(name, error) from None
+        raise error_in(name, error) from None
 
 
 _OF_TOOLS = {"force": "kN", "length": "ft"}

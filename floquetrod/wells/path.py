@@ -12,7 +12,7 @@ import numpy as np
 
 from floquetrod import units
 from floquetrod._util import validate
-from floquetrod._util.arguments import Message, located
+from floquetrod._util.arguments import Message, error_in
 from floquetrod._util.arrays import Floats, shaped
 from floquetrod._util.caching import cached_property
 from floquetrod._util.calling import TellsAttributes, constructor_hints, level_of_caller
@@ -115,7 +115,7 @@ class WellPath(Reported, ByContent, TellsAttributes):
         fault = survey.fault(*columns)
         if fault is not None:
             error = validate.wrong_value(fault.argument, f"at station {fault.station} {fault.problem}")
-            raise located(f"{file}line {lines[fault.station - 1]}", error) if lines else error
+            raise error_in(f"{file}line {lines[fault.station - 1]}", error) if lines else error
         for suspicion in survey.suspicions(
             *columns, of_file=bool(lines), has_headings=has_headings, in_degrees=in_degrees
         ):
@@ -219,7 +219,7 @@ class WellPath(Reported, ByContent, TellsAttributes):
         try:
             columns = survey_file.read(file, chosen, given, mark)
         except (OSError, ValueError) as error:
-            raise located(f"survey {file}", error) from None
+            raise error_in(f"survey {file}", error) from None
         if not columns.lines:
             raise ValueError(f"survey {file}: it holds no stations below its headings")
         well = cls.__new__(cls)._keep(*columns[:3])

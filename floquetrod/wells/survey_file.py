@@ -15,7 +15,7 @@ from floquetrod import units
 from floquetrod._util import validate
 from floquetrod._util.arguments import Mention, Message
 from floquetrod._util.arrays import Floats
-from floquetrod._util.columns import NUMBER, Line, cells_of, delimiter_of, text_of, written
+from floquetrod._util.columns import NUMBER, Line, cells_of, content_lines, delimiter_of, text_of
 from floquetrod.wells.survey import KINDS
 
 HEADINGS = {
@@ -71,7 +71,7 @@ def read(
 
     ``wanted`` chooses columns and ``given`` their units, see `floquetrod.WellPath.from_csv`.
     """
-    lines = list(written(enumerate(io.StringIO(text_of(path), newline=None), 1)))
+    lines = list(content_lines(enumerate(io.StringIO(text_of(path), newline=None), 1)))
     if not lines:
         raise ValueError("it holds no stations")
     first, columns, delimiter = _headed(lines, wanted, delimiter)

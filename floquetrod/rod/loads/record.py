@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from floquetrod import units
 from floquetrod._util import validate
-from floquetrod._util.arguments import located
+from floquetrod._util.arguments import error_in
 from floquetrod._util.arrays import EPS, shaped
 from floquetrod._util.caching import cached_property
 from floquetrod._util.calling import constructor_hints
@@ -214,7 +214,7 @@ class ForceRecord(LoadSource, ByContent):
         try:
             found = read_columns(path, *wanted, time_unit, force_unit, delimiter)
         except (OSError, ValueError) as error:
-            raise located(f"force record {path}", error) from None
+            raise error_in(f"force record {path}", error) from None
         try:
             record = cls(found.time, found.force, harmonics, frequency)
         except ValueError as error:  # about the samples, not about which columns hold them

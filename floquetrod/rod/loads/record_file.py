@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from floquetrod._util import validate
-from floquetrod._util.columns import NUMBER, Line, cells_of, is_missing, text_of, written
+from floquetrod._util.columns import NUMBER, Line, cells_of, content_lines, is_missing, text_of
 from floquetrod.rod.loads.record_clock import DATES, Clock
 from floquetrod.rod.loads.record_head import HEAD, Column, Wanted, columns, head
 
@@ -77,7 +77,7 @@ class _Rows:
 
     def careful(self, lines: Iterable[Line]) -> NDArray[np.float64]:
         """Return the numbers of lines, (n, 2); ValueError for the first that cannot be read."""
-        rows = [self._row(number, cells_of((number, text), self.delimiter)) for number, text in written(lines)]
+        rows = [self._row(number, cells_of((number, text), self.delimiter)) for number, text in content_lines(lines)]
         return np.array(rows, dtype=np.float64).reshape(-1, 2)
 
     def _at_once(self, lines: list[Line]) -> NDArray[np.float64] | None:

@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 from floquetrod import units
 from floquetrod._util import validate
-from floquetrod._util.columns import NUMBER, Line, cells_of, delimiter_of, is_missing, written
+from floquetrod._util.columns import NUMBER, Line, cells_of, content_lines, delimiter_of, is_missing
 from floquetrod.rod.loads.record_clock import CLOCK
 
 _DATES = ("date", "datum")
@@ -51,7 +51,7 @@ class Wanted(NamedTuple):
 
 def head(lines: Sequence[Line], delimiter: str | None, wanted: Sequence[Wanted]) -> Head:
     """Return what the first lines of a file say; lines above the headings that are no table are passed over."""
-    texts = list(written(lines))
+    texts = list(content_lines(lines))
     if not texts:
         raise ValueError("it holds no samples")
     cells = cells_of(texts[0], delimiter or delimiter_of(texts[0]))

@@ -1,4 +1,4 @@
-"""Where coupled modes grow along one quantity of the load: sampled, and every change found located by bisection.
+"""Where coupled modes grow along one quantity of the load: sampled, and every change located by bisection.
 
 No count tells how many boundaries lie between two loads when modes are coupled, so that an unstable part narrower than
 the distance of two samples may be missed; results say how wide that is.  Samples are evenly spaced, and more are taken

@@ -10,7 +10,7 @@ from typing import Any, TypeVar
 
 from floquetrod import units
 from floquetrod._util import validate
-from floquetrod._util.arguments import Message, located
+from floquetrod._util.arguments import Message, error_in
 from floquetrod._util.calling import level_of_caller
 from floquetrod._util.implausible import SILENCE, PlausibilityWarning
 from floquetrod._util.tables import read_toml, require_known
@@ -35,7 +35,7 @@ def read_rod(path: str | Path, kind: type[T]) -> T:
     try:
         return rod_of(table, kind, path.parent)
     except (TypeError, ValueError) as error:
-        raise located(f"rod file {path}", error) from None
+        raise error_in(f"rod file {path}", error) from None
 
 
 def rod_of(table: Mapping[str, Any], kind: type[T], folder: Path) -> T:
