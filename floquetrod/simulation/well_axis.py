@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from floquetrod._util.arrays import Floats
 from floquetrod._util.caching import cached_property
-from floquetrod.wells.arcs import Arcs
+from floquetrod.wells.arcs import WellArcs
 from floquetrod.wells.path import WellPath
 
 _ROUNDS = 8  # of Newton's method from places some micrometres off: two are enough
@@ -109,7 +109,7 @@ class WellAxis:
         are the straight pieces beyond the stations.
         """
         path, turn = self.path, self._turn
-        arcs = Arcs.between(path.depth, path.inclination, path.azimuth)
+        arcs = WellArcs.between(path.depth, path.inclination, path.azimuth)
         start, curvature = arcs.start - self.middle, arcs.curvature
         along, sideways, up = _axes(arcs.inclination, arcs.azimuth)
         bend = arcs.kappa_n[:, None] * up - arcs.kappa_b[:, None] * sideways
