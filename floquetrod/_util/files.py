@@ -129,7 +129,7 @@ def _target(path: Path) -> Path:
 
 def _new_part(folder: Path, mode: int) -> tuple[int, Path]:
     """Return handle and path of a new file in ``folder``, locked, after clearing away abandoned ones."""
-    _clear(folder)
+    _remove_abandoned(folder)
     while True:
         part = folder / f".floquetrod-{secrets.token_hex(8)}.part"
         handle = os.open(part, os.O_RDWR | os.O_CREAT | os.O_EXCL | _BINARY, mode)
@@ -139,23 +139,19 @@ def _new_part(folder: Path, mode: int) -> tuple[int, Path]:
         os.close(handle)
 
 
-def _clear(folder: Path) -> None:
-    """Remove the parts that processes left behind when they were killed."""
+def _remove_abandoned(folder: Path) -> None:
+    """Remove the parts that killed processes left behind; others, and where locks say nothing, stay."""
     with suppress(OSError):
         for path in folder.iterdir():
-            if _PART.fullmatch(path.name):
-                _remove_abandoned(path)
-
-
-def _remove_abandoned(part: Path) -> None:
-    """Remove a part unless its writer lives, or nobody can tell."""
-    with suppress(OSError):  # it is another user's, or has gone meanwhile
-        handle = os.open(part, os.O_RDWR | _BINARY)
-        try:
-            if _locked(handle):
-                part.unlink()
-        finally:
-            os.close(handle)
+            if not _PART.fullmatch(path.name):
+                continue
+            with suppress(OSError):  # it is another user's, or has gone meanwhile
+                handle = os.open(path, os.O_RDWR | _BINARY)
+                try:
+                    if _locked(handle):
+                        path.unlink()
+                finally:
+                    os.close(handle)
 
 
 def _locked(handle: int) -> bool | None:
@@ -257,30 +253,21 @@ def _opened(path: Path) -> Iterator[tuple[dict[str, Any], Arrays]]:
     """Open a sealed file; yield its description, and its arrays, still unread except for their headers."""
     require_regular(path, _LARGEST)
     with path.open("rb") as file:
-        _require_sealed(file)
+        seal = _seal(file)
+        if not (stored := file.read()).startswith(_SEAL):
+            raise ValueError("it has no checksum: it is damaged, foreign, or of a version before checksums")
+        if stored != seal:
+            raise ValueError("its checksum does not fit: it is damaged")
         with Arrays.opened(file, path.stat().st_size) as arrays:
             if arrays.size > _LARGEST:
                 raise ValueError(f"it holds more than {_LARGEST:,} bytes")
-            yield _description(arrays), arrays
-
-
-def _require_sealed(file: IO[bytes]) -> None:
-    """Raise ValueError where the checksum at the end of a file is missing or does not fit."""
-    seal = _seal(file)
-    if not (stored := file.read()).startswith(_SEAL):
-        raise ValueError("it has no checksum: it is damaged, foreign, or of a version before checksums")
-    if stored != seal:
-        raise ValueError("its checksum does not fit: it is damaged")
-
-
-def _description(arrays: Arrays) -> dict[str, Any]:
-    """Return the description in a file."""
-    if arrays.headers["meta"].size > _LARGEST_DESCRIPTION:
-        raise ValueError(f"its description has more than {_LARGEST_DESCRIPTION:,} bytes")
-    meta = json.loads(str(field(arrays, "meta", arrays.headers["meta"].dtype, ())[()]))
-    if not isinstance(meta, dict):
-        raise ValueError("its description is none")
-    return meta
+            header = arrays.headers["meta"]
+            if header.size > _LARGEST_DESCRIPTION:
+                raise ValueError(f"its description has more than {_LARGEST_DESCRIPTION:,} bytes")
+            meta = json.loads(str(field(arrays, "meta", header.dtype, ())[()]))
+            if not isinstance(meta, dict):
+                raise ValueError("its description is none")
+            yield meta, arrays
 
 
 class _Header(NamedTuple):

@@ -151,22 +151,6 @@ def plain(value: Any) -> Any:
         return {"re": plain(value.real), "im": plain(value.imag)}
     if isinstance(value, Mapping):
         return {str(name): plain(entry) for name, entry in value.items()}
-    return _of_parts(value)
-
-
-def by_keys(value: Any, keys: str) -> dict[str, Any]:
-    """Return attributes of a value as JSON's types; None for each where the value is None.
-
-    ``keys``, between blanks, are names of attributes with their units, such as "force_N", or keys with their attribute,
-    "mean_N=load.mean".
-    """
-    pairs = [key.partition("=") for key in keys.split()]
-    names = {key: name or _UNIT.sub("", key) for key, _, name in pairs}
-    return {key: None if value is None else plain(attrgetter(name)(value)) for key, name in names.items()}
-
-
-def _of_parts(value: Any) -> Any:
-    """Return an array, a result or a list as JSON's types."""
     if hasattr(value, "tolist"):
         return plain(value.tolist())
     if hasattr(value, "as_dict"):
@@ -178,3 +162,14 @@ def _of_parts(value: Any) -> Any:
     if dataclasses.is_dataclass(value) and not isinstance(value, type):
         return {field.name: plain(getattr(value, field.name)) for field in dataclasses.fields(value) if field.compare}
     return repr(value)
+
+
+def by_keys(value: Any, keys: str) -> dict[str, Any]:
+    """Return attributes of a value as JSON's types; None for each where the value is None.
+
+    ``keys``, between blanks, are names of attributes with their units, such as "force_N", or keys with their attribute,
+    "mean_N=load.mean".
+    """
+    pairs = [key.partition("=") for key in keys.split()]
+    names = {key: name or _UNIT.sub("", key) for key, _, name in pairs}
+    return {key: None if value is None else plain(attrgetter(name)(value)) for key, name in names.items()}

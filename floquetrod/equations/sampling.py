@@ -149,20 +149,15 @@ def _in_pieces(function: Function, period: float, jumps: list[float], shape: tup
                 )
             waiting += [(begin + length / 2, length / 2), (begin, length / 2)]
             continue
-        fitted.append((length, fit.value))
-        error = max(error, fit.error)
+        fitted.append((length, fit[0]))
+        error = max(error, fit[1])
     return Sampled(tuple(fitted), error + gap)
 
 
-class _Fit(NamedTuple):
-    """A matrix fitted to a piece, and its error."""
-
-    value: Varying
-    error: float
-
-
-def _fit(function: Function, period: float, begin: Fraction, length: Fraction, shape: tuple[int, ...]) -> _Fit | None:
-    """Return a start, slope and harmonics fitted to a piece by least squares, None where a few do not describe it.
+def _fit(
+    function: Function, period: float, begin: Fraction, length: Fraction, shape: tuple[int, ...]
+) -> tuple[Varying, float] | None:
+    """Return start, slope and harmonics fitted to a piece by least squares, and their error; None without a fit.
 
     Harmonics of the whole period describe any smooth function over half of it or less: it may be extended smoothly.
     D. Huybrechs, SIAM J. Numer. Anal. 47 (2010) 4326, doi:10.1137/090752456.
@@ -173,7 +168,7 @@ def _fit(function: Function, period: float, begin: Fraction, length: Fraction, s
     times, tried = begins + lasts * inner, begins + lasts * between
     values, trials = _samples(function, times, shape), _samples(function, tried, shape)
     if (values == values[0]).all() and (trials == values[0]).all():
-        return _Fit(Varying(values[0]), 0.0)
+        return Varying(values[0]), 0.0
     size = max(float(np.abs(values).max()), float(np.abs(trials).max()))
     flat, before = values.reshape(len(values), -1), math.inf
     for count in _HARMONICS:
@@ -186,7 +181,7 @@ def _fit(function: Function, period: float, begin: Fraction, length: Fraction, s
             tidy = _tidy(values, trials)
             rows = tidy(np.asarray(solved, dtype=np.float64).reshape(-1, *shape))
             value = Varying(None, rows[1] / lasts, rows[2 : 2 + count], rows[2 + count :], start=rows[0])
-            return _Fit(value, 2.0 * missed + 4.0 * EPS * total)
+            return value, 2.0 * missed + 4.0 * EPS * total
         before = missed
     return None
 

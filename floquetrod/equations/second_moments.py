@@ -216,14 +216,13 @@ def sources_of(system: Any, noise: Any) -> list[NoiseSource]:
     listed = validate.listed("noise", noise, validate.MOST_NUMBERS, "sources")
     if not listed:
         raise ValueError(f"noise must be a sequence {_EXAMPLE} of one source at least, got none; leave it out")
-    return [_source(system, f"noise[{i}]", pair) for i, pair in enumerate(listed)]
-
-
-def _source(system: HillSystem | PeriodicSystem, name: str, pair: Any) -> NoiseSource:
-    """Return one source, checked."""
-    if not isinstance(pair, tuple | list) or len(pair) != 2:
-        raise TypeError(f"noise must be a sequence {_EXAMPLE}, got {validate.short(pair)} as {name}")
-    return source(system, pair[0], pair[1], (name, f"{name}[0]", f"{name}[1]"))
+    sources = []
+    for i, pair in enumerate(listed):
+        name = f"noise[{i}]"
+        if not isinstance(pair, tuple | list) or len(pair) != 2:
+            raise TypeError(f"noise must be a sequence {_EXAMPLE}, got {validate.short(pair)} as {name}")
+        sources.append(source(system, pair[0], pair[1], (name, f"{name}[0]", f"{name}[1]")))
+    return sources
 
 
 def source(

@@ -255,7 +255,12 @@ class _FirstOrderBatch(_Batch):
         values[np.isinf(maps.error)] = np.nan
         if self.keeps_norm:
             return values / np.abs(values)
-        _forget_lost(values, maps)
+        # Multipliers that cannot be distinguished from 0 beside the largest one are NaN.
+        largest = np.abs(maps.matrix).max(axis=(1, 2))
+        doubtful = np.flatnonzero(np.abs(values).min(axis=1) < _SMALL * largest)
+        if doubtful.size:
+            discs = many.many_discs(maps.matrix[doubtful], maps.error[doubtful])
+            values[doubtful] = np.where(many.touch_zero(discs), np.nan, discs.values)
         return values
 
     def verdicts(self, chunk: slice) -> ManyVerdicts:
@@ -265,15 +270,6 @@ class _FirstOrderBatch(_Batch):
         maps = self._maps(chunk)
         discs = many.many_discs(maps.matrix, maps.error)
         return many.multiplier_verdicts(discs, self.period[chunk], paired=self.paired, damping=self.damping)
-
-
-def _forget_lost(values: Complexes, maps: PeriodMaps) -> None:
-    """Make multipliers NaN that cannot be distinguished from 0 beside the largest one."""
-    largest = np.abs(maps.matrix).max(axis=(1, 2))
-    doubtful = np.flatnonzero(np.abs(values).min(axis=1) < _SMALL * largest)
-    if doubtful.size:
-        discs = many.many_discs(maps.matrix[doubtful], maps.error[doubtful])
-        values[doubtful] = np.where(many.touch_zero(discs), np.nan, discs.values)
 
 
 def _eigenvalues(matrices: Floats) -> Complexes:

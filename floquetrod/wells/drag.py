@@ -35,17 +35,15 @@ HELICAL = HELIX_RATIOS | {"always": 0.0}
 class Fineness(NamedTuple):
     """How finely forces are integrated: relative tolerance, and least number of steps between stations.
 
-    With a tool, how many cells its wave has, and the share of friction that is taken to be left before the wave is
-    known: forces are approached from above with 1, and from below with 0; and how far the corner of friction against a
-    wave that is as fast as the string slides is rounded: below it that much of friction is left, which damps a wave
-    next to an axial resonance, whose speed has an error of up to thousands of times as much.
+    Below the corner of friction, against a wave as fast as the string slides, rounding leaves the share ``soft`` of
+    friction, which damps a wave next to an axial resonance; its speed has an error of up to thousands of times as much.
     """
 
     tolerance: float
     steps: int
-    cells: int
-    share: float = 1.0
-    soft: float = 1e-4
+    cells: int  # of a tool's wave
+    share: float = 1.0  # of friction left before the wave is known: forces settle from above with 1, from below with 0
+    soft: float = 1e-4  # rounding of the corner of friction
 
 
 CHECKED = Fineness(1e-12, 2, 24), Fineness(1e-10, 1, 12, 0.0, 3e-4)

@@ -153,8 +153,8 @@ class WellPath(Reported, ByContent, TellsAttributes):
         >>> round(build.curvature(1100.0)[0], 9)
         0.003490659
         """
-        start = survey.number("depth", depth, "length")
-        extent = validate.within("length", survey.number("length", length, "length"), *survey.LENGTHS, "give it in m")
+        start = units.number("depth", depth, "length")
+        extent = validate.within("length", units.number("length", length, "length"), *survey.LENGTHS, "give it in m")
         angles = survey.column("inclination", inclination)
         if angles.size != 2:
             raise validate.wrong_value("inclination", f"must be two, at both ends, got {validate.short(inclination)}")
@@ -282,7 +282,7 @@ class WellPath(Reported, ByContent, TellsAttributes):
         """Return the part of the path between two measured depths in m; depths stay the same."""
         ends = np.array(
             [
-                self._inside(np.array([survey.number(name, value, "length")]), name)[0]
+                self._inside(np.array([units.number(name, value, "length")]), name)[0]
                 for name, value in (("start", start), ("end", end))
             ]
         )

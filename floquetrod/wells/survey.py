@@ -66,18 +66,15 @@ def column(name: str, values: Any, many: int | None = None) -> Floats:
     elif raw.dtype.kind in "UO" or not raw.size:
         given = raw.ravel().tolist()
         places = [name if raw.ndim == 0 else f"{name}[{i}]" for i in range(len(given))]
-        numbers = np.array([number(place, value, KINDS[name]) for place, value in zip(places, given, strict=True)])
+        numbers = np.array(
+            [units.number(place, value, KINDS[name]) for place, value in zip(places, given, strict=True)]
+        )
         numbers = numbers.reshape(raw.shape)
     else:
         raise validate.wrong_type(name, f"must hold real numbers, got {validate.short(values)}")
     if many is not None and numbers.ndim and numbers.size != many:
         raise validate.wrong_value(name, f"must have as many numbers as depth has, {many}, got {numbers.size}")
     return numbers if many is None else np.broadcast_to(numbers, many).copy()
-
-
-def number(name: str, value: Any, kind: str) -> float:
-    """Return a length in m or an angle in rad, given as a number or a string with a unit."""
-    return units.number(name, value, kind)
 
 
 def within(inclination: Floats, azimuth: Floats) -> tuple[Floats, Floats]:

@@ -162,21 +162,15 @@ def period_maps(mesh: Mesh, coefficients: Coefficients) -> Floats:
     unknowns = np.linalg.solve(left, right)
     new = np.kron(mesh.end, np.eye(n)) @ unknowns
     new[:, :, : derivatives * n] += np.kron(mesh.end_state, np.eye(n))
-    return _companion(np.asarray(new), kept * n)
+    # The square map: new values in its first rows; below them the values kept, which become a period older.
+    made, total = new.shape[1:]
+    companion = np.zeros((batch, total, total))
+    companion[:, :made] = new
+    older = np.arange(made, total)
+    companion[:, older, older - kept * n] = 1.0
+    return companion
 
 
 def _times(coefficient: Floats, rows: Floats) -> Floats:
     """Return the matrices (b, F, n, g, n) of rows (F, g) of every equation, multiplied by coefficients."""
     return np.asarray(coefficient[:, :, :, None, :] * rows[None, :, None, :, None])
-
-
-def _companion(new: Floats, kept: int) -> Floats:
-    """Return the square map (b, S, S): new values in its first rows, then the values kept, a period older."""
-    batch, made, size = new.shape
-    if made == size:
-        return new
-    companion = np.zeros((batch, size, size))
-    companion[:, :made] = new
-    older = np.arange(made, size)
-    companion[:, older, older - kept] = 1.0
-    return companion

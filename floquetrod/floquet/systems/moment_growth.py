@@ -112,8 +112,14 @@ class _OnSteps(NamedTuple):
     def of(cls, system: HillSystem, noise: Sequence[Floats], count: int, scale: float) -> Self:
         """Return the map by ``count`` steps of the unknowns (scale q, q')."""
         period = float(system.period)
-        kicks = [math.sqrt(period / count) / scale * np.asarray(matrix) for matrix in noise]
-        return cls(period, _magnus(system, count, scale), kicks)
+        step, n = period / count, system.order
+        places = np.arange(count)[:, None] + 0.5 + magnus.PLACES
+        rates = np.zeros((2 * count, 2 * n, 2 * n))  # at both points of every step
+        rates[:, :n, n:] = scale * np.eye(n)
+        rates[:, n:, :n] = -system.coefficient(places.ravel() * step) / scale
+        rates[:, n:, n:] = -velocity_matrix(system)
+        kicks = [math.sqrt(step) / scale * np.asarray(matrix) for matrix in noise]
+        return cls(period, magnus.flows(rates[::2], rates[1::2], step), kicks)
 
     @property
     def whole(self) -> Floats:
@@ -131,7 +137,7 @@ class _OnSteps(NamedTuple):
         space may have larger values that belong to no solution.
         """
         factor, floquet = math.nan, near.floquet
-        fresh = _every(len(floquet.vectors)) if len(floquet.vectors) <= 2 * _FEW else start[None]
+        fresh = _symmetric_basis(len(floquet.vectors)) if len(floquet.vectors) <= 2 * _FEW else start[None]
         basis = images = np.zeros((0, 2 * start.size))
         moments = np.zeros((0, start.size))
         for _ in range(_ROUNDS):
@@ -200,7 +206,7 @@ class _Floquet(NamedTuple):
         return np.asarray(rows.reshape(len(moments), -1).view(float))
 
 
-def _every(m: int) -> Floats:
+def _symmetric_basis(m: int) -> Floats:
     """Return the basis (m (m + 1) / 2, m^2) of all symmetric matrices (m, m)."""
     units = [np.zeros((m, m)) for _ in range(m * (m + 1) // 2)]
     for unit, i, j in zip(units, *np.triu_indices(m), strict=True):
@@ -248,17 +254,6 @@ class _Near(NamedTuple):
 def _away(gaps: Complexes) -> Complexes:
     """Return gaps kept away from zero."""
     return np.asarray(np.where(np.abs(gaps) > _LEAST_GAP, gaps, _LEAST_GAP))
-
-
-def _magnus(system: HillSystem, count: int, scale: float) -> Floats:
-    """Return the maps over equal steps of a period, (count, 2 n, 2 n), of (scale q, q')."""
-    n, step = system.order, float(system.period) / count
-    places = np.arange(count)[:, None] + 0.5 + magnus.PLACES
-    rates = np.zeros((2 * count, 2 * n, 2 * n))
-    rates[:, :n, n:] = scale * np.eye(n)
-    rates[:, n:, :n] = -system.coefficient(places.ravel() * step) / scale
-    rates[:, n:, n:] = -velocity_matrix(system)
-    return magnus.flows(rates[::2], rates[1::2], step)
 
 
 def _orthonormal(fresh: Floats, basis: Floats) -> Floats:

@@ -178,7 +178,7 @@ def triangular_radii(gaps: Floats, upper: Floats, error: float) -> Floats:
         while not done[i]:
             away = gaps[members].min(axis=0)
             room = 0.5 * float(away[~members].min(initial=math.inf))
-            radius = _least_radius(members, away, upper, error, room)
+            radius = _smallest_radius(members, away, upper, error, room)
             if radius is None and not members.all():
                 members |= away <= 2.0 * room
                 continue
@@ -188,7 +188,7 @@ def triangular_radii(gaps: Floats, upper: Floats, error: float) -> Floats:
     return radii
 
 
-def _least_radius(members: Bools, away: Floats, upper: Floats, error: float, room: float) -> float | None:
+def _smallest_radius(members: Bools, away: Floats, upper: Floats, error: float, room: float) -> float | None:
     """Return about the smallest d of discs about a cluster, at most ``room``; None where no such d will do."""
     from scipy.linalg import solve_triangular
 
