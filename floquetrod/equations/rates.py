@@ -49,7 +49,7 @@ class RateFunction:
 
     @property
     def derivatives_error(self) -> float:
-        """Relative error of the derivatives: rounding, or the error of differences where these are used."""
+        """Relative error of the derivatives, rounding, or the error of differences where these are used."""
         return 16.0 * EPS if self.jacobian is not None or self.complex_steps else _DIFFERENCES_ERROR
 
     def __reduce__(self) -> tuple[Any, ...]:

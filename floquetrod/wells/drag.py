@@ -144,7 +144,7 @@ class Shaking:
 
     @property
     def divided(self) -> Floats:
-        """Length in m divided into cells: a wave, or less of a long one, along which friction changes."""
+        """Length in m divided into cells, a wave, or less of a long one, along which friction changes."""
         return np.minimum(self.length, _DIVIDED)
 
     def left(self, speed: Floats) -> Floats:
