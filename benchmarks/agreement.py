@@ -21,8 +21,8 @@ from typing import Any
 
 import floquetrod as fr
 from benchmarks.measure import Row
+from floquetrod.floquet.multipliers.system_stability import SystemStability
 from floquetrod.floquet.registry import applicable, names_of
-from floquetrod.floquet.systems.result import SystemStability
 
 Result = fr.Stability | SystemStability
 

@@ -99,7 +99,7 @@ if TYPE_CHECKING:
     from floquetrod.simulation.resolution import ResolutionWarning as ResolutionWarning
     from floquetrod.simulation.simulate import simulate as simulate
     from floquetrod.simulation.start import Perturbation as Perturbation
-    from floquetrod.systems.charts import chart as chart
+    from floquetrod.systems.family_charts import chart as chart
     from floquetrod.wells.path import WellPath as WellPath
 
 _NAMES = {
@@ -163,7 +163,7 @@ _NAMES = {
     "simulation.resolution": ("ResolutionWarning",),
     "simulation.simulate": ("simulate",),
     "simulation.start": ("Perturbation",),
-    "systems.charts": ("chart",),
+    "systems.family_charts": ("chart",),
     "wells.path": ("WellPath",),
 }
 """Names by the module that each is taken from when it is first used."""

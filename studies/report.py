@@ -10,8 +10,8 @@ from operator import itemgetter
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from floquetrod._util.files import atomic_file
-from floquetrod._util.report import Report
+from floquetrod._util.result_report import Report
+from floquetrod._util.sealed_files import atomic_file
 from floquetrod._util.version import __version__
 from floquetrod.floquet.references import STUDY_DOI as DOI
 from floquetrod.floquet.references import STUDY_TITLE as SOURCE

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from floquetrod._util.files import atomic_file, writable
+from floquetrod._util.sealed_files import atomic_file, writable
 from studies import figures, friction_figures, simulation_claims, simulation_figures
 from studies.claims import Claim, frictionless_claims
 from studies.friction_claims import friction_claims

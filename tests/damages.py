@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from floquetrod._util import files
+from floquetrod._util import sealed_files
 
 
 def damaged(whole: bytes, others: Sequence[bytes], rng: np.random.Generator) -> bytes:
@@ -70,7 +70,7 @@ def shuffled(whole: bytes, others: Sequence[bytes], rng: np.random.Generator) ->
 
 def sealed(content: bytes) -> bytes:
     """Return the same bytes with the seal that belongs to them: no accident, somebody did that on purpose."""
-    return content[: -files._SEALED] + files._seal(io.BytesIO(content))
+    return content[: -sealed_files._SEALED] + sealed_files._seal(io.BytesIO(content))
 
 
 def unpacked(path: Path) -> tuple[dict[str, Any], dict[str, NDArray[Any]]]:

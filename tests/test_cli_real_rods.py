@@ -17,7 +17,7 @@ from matplotlib import pyplot
 import floquetrod as fr
 from conftest import DEEP
 from floquetrod import cli
-from floquetrod.floquet.systems import resonances
+from floquetrod.floquet.multipliers import resonance_names
 from floquetrod.rod.loads.load import AxialWave
 
 mpl.use("Agg")
@@ -266,7 +266,7 @@ def test_ranges_name_resonances_and_their_resolution(record: str, capsys: pytest
 def test_ranges_say_where_a_resonance_has_no_name(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.setattr(resonances, "_MOST_MODES", 2)  # in place of 200
+    monkeypatch.setattr(resonance_names, "_MOST_MODES", 2)  # in place of 200
     question = ["ranges", "--rod", WIRE, "--amplitude", "0.2Fcr", "--frequency", "20Hz", "--mean", "0:0.6Fcr"]
     found = answer(capsys, *question)
     assert (found["stable"][0]["low_end"], found["stable"][0]["high_end"]) == (None, "unnamed")

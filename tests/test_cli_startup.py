@@ -68,7 +68,14 @@ def test_a_command_imports_no_other(line: str, absent: set[str]) -> None:
 def test_a_check_of_a_rod_imports_what_it_uses() -> None:
     """Neither drawing nor records, systems or maps of many equations, nor numpy's masked arrays, which cost time."""
     loaded = loaded_after(*CHECK.removesuffix(" --no-margins").split())
-    unused = {"plotting", "rod.record", "cli.system", "cli.kick", "kernels.system_maps", "floquet.systems.damping"}
+    unused = {
+        "plotting",
+        "rod.record",
+        "cli.system",
+        "cli.kick",
+        "kernels.system_maps",
+        "floquet.multipliers.stabilising_damping",
+    }
     assert not {f"floquetrod.{each}" for each in unused} & loaded
     # Before 2.0, numpy itself loads them.
     assert "numpy.ma" not in loaded or np.lib.NumpyVersion(np.__version__) < "2.0.0"

@@ -13,9 +13,9 @@ import pytest
 
 import floquetrod as fr
 from conftest import depth
-from floquetrod.floquet.systems import resonances
-from floquetrod.floquet.systems.many import ManyVerdicts
-from floquetrod.floquet.systems.resonances import Resonance
+from floquetrod.floquet.multipliers import resonance_names
+from floquetrod.floquet.multipliers.many_verdicts import ManyVerdicts
+from floquetrod.floquet.multipliers.resonance_names import Resonance
 from floquetrod.rod.loads.load import Load, Loads
 from floquetrod.rod.mode_equations import sampled
 from floquetrod.rod.mode_equations.coupled_matrices import CoupledModes, modes_needed
@@ -218,7 +218,7 @@ def test_ranges_are_those_of_a_scan(kind: str, quantity: str) -> None:
 def test_ends_whose_cause_cannot_be_named_are_ends_of_unstable_parts(monkeypatch: pytest.MonkeyPatch) -> None:
     bounds = (0.0, 0.6 * UNIT)
     named = ROD.stable_amplitudes(MEAN, FREQUENCY, bounds, like=KINDS["sine"], growth_tolerance=0.01)
-    monkeypatch.setattr(resonances, "_MOST_MODES", 2)  # in place of 200
+    monkeypatch.setattr(resonance_names, "_MOST_MODES", 2)  # in place of 200
     found = ROD.stable_amplitudes(MEAN, FREQUENCY, bounds, like=KINDS["sine"], growth_tolerance=0.01)
     assert [part[:2] for part in found] == [part[:2] for part in named]
     assert isinstance(named.intervals[0].high_end, Resonance)

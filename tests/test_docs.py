@@ -427,7 +427,7 @@ def lost_names(text: str) -> list[str]:
         thing = getattr(fr, owner, None)
         known = {*dir(thing), *getattr(thing, "__dataclass_fields__", ()), *getattr(thing, "__annotations__", ())}
         lost += [f"{owner}.{member}"] if thing and member not in known else []
-    folders = (ROOT, ROOT / "floquetrod", ROOT / "floquetrod/floquet/systems", DOCS, ROOT / "tests")
+    folders = (ROOT, ROOT / "floquetrod", ROOT / "floquetrod/floquet/multipliers", DOCS, ROOT / "tests")
     for path in re.findall(r"`([\w.]+/[\w./]*\.(?:py|md|rst))\b", text):
         lost += [] if any((folder / path).is_file() for folder in folders) else [path]
     return lost

@@ -12,8 +12,8 @@ import floquetrod as fr
 from conftest import depth
 from coupled_cases import TUBING
 from floquetrod.floquet.methods.system_monodromy import solved_many
-from floquetrod.floquet.systems import fastest
-from floquetrod.floquet.systems.fastest import FastSolutions, fast_solutions
+from floquetrod.floquet.multipliers import fastest_solutions
+from floquetrod.floquet.multipliers.fastest_solutions import FastSolutions, fast_solutions
 from floquetrod.rod.modes import coupled_verdict
 
 
@@ -79,15 +79,15 @@ def test_a_random_subspace_meets_every_direction_as_often_as_stated(
     columns: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     rows, each = 400, 0.02  # the chance for one vector; stated for rows / 2 of them
-    monkeypatch.setattr(fastest, "_COLUMNS", columns)
-    monkeypatch.setattr(fastest, "_CHANCE", each * rows / 2.0)
+    monkeypatch.setattr(fastest_solutions, "_COLUMNS", columns)
+    monkeypatch.setattr(fastest_solutions, "_CHANCE", each * rows / 2.0)
     rng = np.random.default_rng(7)
     drawn = np.concatenate([np.linalg.qr(rng.standard_normal((rows, columns)))[0] for _ in range(25)])
-    real = float(np.mean(np.linalg.norm(drawn, axis=1) < math.sqrt(2.0) * fastest._shortest_projection(rows)))
+    real = float(np.mean(np.linalg.norm(drawn, axis=1) < math.sqrt(2.0) * fastest_solutions._shortest_projection(rows)))
     whirling = np.sqrt(0.5) * np.linalg.norm(drawn[::2] + 1j * drawn[1::2], axis=1)
     spread = math.sqrt(each / len(drawn))
     assert 0.8 * each - 3.0 * spread < real < each + 3.0 * spread
-    assert np.mean(whirling < fastest._shortest_projection(rows)) < 0.2 * each
+    assert np.mean(whirling < fastest_solutions._shortest_projection(rows)) < 0.2 * each
 
 
 def multiplied(gap: float, seed: int) -> tuple[np.ndarray, np.ndarray]:
@@ -110,17 +110,17 @@ def multiplied(gap: float, seed: int) -> tuple[np.ndarray, np.ndarray]:
 def held(matrix: np.ndarray, multipliers: np.ndarray, seed: int) -> list[bool]:
     """Return whether the discs of each Krylov space that has any hold all multipliers outside the circle."""
     rows, found = len(matrix), []
-    start = np.linalg.qr(np.random.default_rng(seed).standard_normal((rows, fastest._COLUMNS)))[0]
-    space = fastest._Space(start, matrix @ start, slice(0, fastest._COLUMNS))
+    start = np.linalg.qr(np.random.default_rng(seed).standard_normal((rows, fastest_solutions._COLUMNS)))[0]
+    space = fastest_solutions._Space(start, matrix @ start, slice(0, fastest_solutions._COLUMNS))
     for _ in range(9):
-        spectrum = fastest._Spectrum.of(space)
+        spectrum = fastest_solutions._Spectrum.of(space)
         for radius in (1.05, 1.2, 1.5, 1.8):
-            radii = spectrum.radii(radius, fastest._shortest_projection(rows), 1e-12)
+            radii = spectrum.radii(radius, fastest_solutions._shortest_projection(rows), 1e-12)
             if radii is not None:
                 outside = multipliers[multipliers > radius]
                 apart = np.abs(np.subtract.outer(outside, spectrum.values))
                 found.append(bool((apart <= np.where(radii > 0.0, radii, -1.0)).any(axis=1).all()))
-        space = fastest._longer(lambda states: matrix @ states, space)
+        space = fastest_solutions._longer(lambda states: matrix @ states, space)
     return found
 
 

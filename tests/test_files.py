@@ -21,8 +21,8 @@ import floquetrod as fr
 from conftest import DEEP, depth
 from damages import damaged, sealed, shuffled, unpacked
 from floquetrod import cli
-from floquetrod._util import files
-from floquetrod._util.files import atomic_file, writable
+from floquetrod._util import sealed_files
+from floquetrod._util.sealed_files import atomic_file, writable
 from floquetrod.ensembles.runs import Runs, Variable
 from floquetrod.equations.system_files import read_system
 
@@ -339,7 +339,7 @@ def forge(path: Path, **changes: Any) -> None:
     for name, value in changes.items():
         target: dict[str, Any] = meta if name in meta and not isinstance(value, np.ndarray) else arrays
         target[name] = value
-    files.write_npz(path, meta, arrays, compress=True)
+    sealed_files.write_npz(path, meta, arrays, compress=True)
 
 
 @pytest.mark.parametrize(
@@ -380,7 +380,7 @@ def test_every_field_of_a_simulation_is_checked(tmp_path: Path) -> None:
         "positions": np.full_like(arrays["positions"], np.nan)
     }
     for name, array in bad.items():
-        files.write_npz(path, meta, {**arrays, name: array}, compress=True)
+        sealed_files.write_npz(path, meta, {**arrays, name: array}, compress=True)
         with pytest.raises(ValueError, match="is not a simulation that can be read"):
             fr.Simulation.load(path)
     values = {
@@ -403,17 +403,17 @@ def test_every_field_of_a_simulation_is_checked(tmp_path: Path) -> None:
         *(meta | {"ended": value} for value in ("interrupted", "at rest", "by itself", 1)),
         *(meta | {"problem": meta["problem"] | {name: value}} for name, value in problem.items()),
     ]:
-        files.write_npz(path, changed, arrays, compress=True)
+        sealed_files.write_npz(path, changed, arrays, compress=True)
         with pytest.raises(ValueError, match="is not a simulation that can be read"):
             fr.Simulation.load(path)
-    files.write_npz(path, meta, arrays, compress=True)
+    sealed_files.write_npz(path, meta, arrays, compress=True)
     assert fr.Simulation.load(path) == short_run()
 
 
 def bomb(path: Path, header: str, content: bytes) -> None:
     """Write a sealed archive one member of which begins with this header."""
     with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as archive:
-        archive.comment = bytes(files._SEALED)
+        archive.comment = bytes(sealed_files._SEALED)
         text = header.encode() + b"\n"
         archive.writestr("stable.npy", b"\x93NUMPY\x01\x00" + len(text).to_bytes(2, "little") + text + content)
     path.write_bytes(sealed(path.read_bytes()))
@@ -445,16 +445,16 @@ def test_headers_that_claim_terabytes_take_no_memory(tmp_path: Path, header: str
 def test_files_that_unfold_beyond_measure_are_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     path = tmp_path / "chart.npz"
     with path.open("wb") as file:
-        file.truncate(files._LARGEST + 1)
+        file.truncate(sealed_files._LARGEST + 1)
     with pytest.raises(ValueError, match=r"it has 8,589,934,593 bytes, at most"):
         fr.Chart.load(path)
-    monkeypatch.setattr(files, "_LARGEST", 1 << 20)
+    monkeypatch.setattr(sealed_files, "_LARGEST", 1 << 20)
     bomb(path, "{'descr': '|b1', 'fortran_order': False, 'shape': (4000000,)}", bytes(4_000_000))
     assert path.stat().st_size < 10_000
     with pytest.raises(ValueError, match="it holds more than 1,048,576 bytes"):
         fr.Chart.load(path)
     with pytest.raises(ValueError, match="at most 1,048,576 are written and read"):
-        files.write_npz(path, {}, {"a": np.zeros(200_000)}, compress=True)
+        sealed_files.write_npz(path, {}, {"a": np.zeros(200_000)}, compress=True)
 
 
 @pytest.mark.parametrize("path", ["/dev/zero", "/dev", "/dev/absent"])
@@ -525,7 +525,7 @@ def bombs(path: Path) -> dict[str, Callable[[], object]]:
         meta, arrays = unpacked(saved)
         for name in names:
             place = path / f"{saved.stem} {name}.npz"
-            files.write_npz(place, meta, {**arrays, name: zeros}, compress=True)
+            sealed_files.write_npz(place, meta, {**arrays, name: zeros}, compress=True)
 
     forge(small_map().save(path / "chart.npz"), "stable", "x", "growth_rate")
     forge(short_run().save(path / "run.npz"), "time", "positions")

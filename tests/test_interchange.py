@@ -16,7 +16,7 @@ import pytest
 
 import floquetrod as fr
 from floquetrod._util.interchange import by_keys, plain
-from floquetrod._util.report import Reported
+from floquetrod._util.result_report import Reported
 from test_reports import RESULTS
 
 ROD = fr.Rod.nitinol()

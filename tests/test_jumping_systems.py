@@ -28,7 +28,7 @@ from floquetrod.equations.batches import pick
 from floquetrod.equations.pieces import exact_period, in_time
 from floquetrod.equations.system_files import read_system
 from floquetrod.floquet import dispatch, registry
-from floquetrod.systems import arrays
+from floquetrod.systems import batch_verdicts
 
 STIFF = [[1.5, 0.5], [0.5, 4.5]]
 SOFT = [[0.5, -0.5], [-0.5, 3.5]]
@@ -418,7 +418,7 @@ def test_a_batch_answers_as_each_of_its_systems() -> None:
     assert 2 < stable.sum() < 21
     assert np.allclose(fr.systems.growth_rate(batch), [result.growth_rate for result in one_by_one], atol=1e-12)
     assert fr.systems.multipliers(batch).shape == (23, 4)
-    assert (arrays.verdicts(batch, quick=True).status != -1).mean() > 0.8
+    assert (batch_verdicts.verdicts(batch, quick=True).status != -1).mean() > 0.8
     with pytest.raises(ValueError, match="must have as many pieces as the first, 2, got 3"):
         fr.systems.stack([SQUARE, MADE["heavy"]])
 

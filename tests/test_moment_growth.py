@@ -9,7 +9,7 @@ import pytest
 
 import floquetrod as fr
 from conftest import depth
-from floquetrod.floquet.systems.moment_growth import MomentGrowth
+from floquetrod.floquet.multipliers.moment_growth import MomentGrowth
 
 
 def check(count: int, seed: int, most: int) -> None:

@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from floquetrod._util.interval import RealInterval
-from floquetrod._util.parts import complement, runs
+from floquetrod._util.spans import complement, runs
 
 ENDS = st.integers(-2, 12).map(float)
 PARTS = st.lists(st.tuples(ENDS, ENDS).map(lambda pair: RealInterval(min(pair), max(pair))), max_size=6)

@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 import floquetrod as fr
-from floquetrod._util.report import Report, Table
+from floquetrod._util.result_report import Report, Table
 
 ROD = fr.Rod.nitinol()
 LOAD = fr.AxialLoad(0.34, 0.34, 150.0)

@@ -12,8 +12,8 @@ import floquetrod as fr
 from coupled_cases import TUBING
 from floquetrod.equations.hill_system import restricted
 from floquetrod.equations.matrices import mirrored
+from floquetrod.floquet.multipliers.resonating_modes import resonating
 from floquetrod.floquet.status import STATUS_CODES
-from floquetrod.floquet.systems.resonating import resonating
 from floquetrod.rod.loads.load import Load, Loads
 
 FREQUENCIES = np.concatenate([[1.0, 2.0, 3.0], np.linspace(7.0, 8.0, 9)])

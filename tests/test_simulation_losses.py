@@ -16,7 +16,7 @@ import pytest
 
 import floquetrod as fr
 from damages import unpacked
-from floquetrod._util import files
+from floquetrod._util import sealed_files
 from floquetrod.simulation import checkpoints, integration, problem, rod_record
 from test_simulation import ROD, Stop, run
 
@@ -248,7 +248,7 @@ def test_a_processor_that_rounds_otherwise_is_found_out(tmp_path: Path) -> None:
     meta, arrays = unpacked(path)
     before = arrays["before"].copy()
     before[8 * rod_record.FIRST] ^= 1  # of the place of the first node
-    files.write_npz(path, meta, {**arrays, "before": before}, compress=False)
+    sealed_files.write_npz(path, meta, {**arrays, "before": before}, compress=False)
     with pytest.raises(ValueError, match=r"its last \d+ steps come out otherwise; continue it on the machine .*remove"):
         run(checkpoint=path)
 
@@ -268,7 +268,9 @@ def test_every_field_of_a_checkpoint_is_checked(tmp_path: Path, name: str, chang
     run(checkpoint=path, progress=Stop(3))
     meta, arrays = unpacked(path)
     changed = {**arrays, name: change(arrays[name])}
-    files.write_npz(path, meta, {key: value for key, value in changed.items() if value is not None}, compress=False)
+    sealed_files.write_npz(
+        path, meta, {key: value for key, value in changed.items() if value is not None}, compress=False
+    )
     with pytest.raises(ValueError, match=f"is not a checkpoint of a simulation that can be read: {message}"):
         run(checkpoint=path)
 
@@ -282,7 +284,7 @@ def test_a_clock_that_cannot_be_is_refused(tmp_path: Path) -> None:
         (rod,) = np.frombuffer(bytearray(arrays["state"]), layout)
         rod["clock"][0] = value
         state = np.frombuffer(rod.tobytes(), np.uint8)
-        files.write_npz(path, meta, {**arrays, "state": state}, compress=False)
+        sealed_files.write_npz(path, meta, {**arrays, "state": state}, compress=False)
         with pytest.raises(ValueError, match="the clock of its state shows"):
             run(checkpoint=path)
 

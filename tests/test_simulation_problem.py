@@ -13,7 +13,7 @@ import pytest
 
 import floquetrod as fr
 from damages import unpacked
-from floquetrod._util import files
+from floquetrod._util import sealed_files
 from floquetrod.simulation.time_steps import TimeSteps
 
 ROD = fr.Rod.nitinol()
@@ -93,7 +93,7 @@ def test_a_file_tells_the_steps_that_were_taken(tmp_path: Path) -> None:
     """Another version may take other steps for the same problem; what it made stays readable, and says so."""
     path = PROBLEM.run().save(tmp_path / "run.npz")
     meta, arrays = unpacked(path)
-    files.write_npz(path, {**meta, "steps_per_frame": 1000}, arrays, compress=True)
+    sealed_files.write_npz(path, {**meta, "steps_per_frame": 1000}, arrays, compress=True)
     assert fr.Simulation.load(path).time_steps == TimeSteps.between_frames(0.01, 5, 1000, "stretch")
 
 
@@ -109,7 +109,7 @@ def test_a_checkpoint_of_an_older_format_is_refused_with_a_remedy(tmp_path: Path
     path = tmp_path / "run.ckpt"
     PROBLEM.run(checkpoint=path)
     meta, arrays = unpacked(path)
-    files.write_npz(path, {**meta, "format": "floquetrod checkpoint 2"}, arrays, compress=False)
+    sealed_files.write_npz(path, {**meta, "format": "floquetrod checkpoint 2"}, arrays, compress=False)
     with pytest.raises(ValueError, match=r"its format is 'floquetrod checkpoint 2'.*; give another path, or remove it"):
         PROBLEM.run(checkpoint=path)
 

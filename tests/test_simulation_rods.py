@@ -12,7 +12,7 @@ import pytest
 
 import floquetrod as fr
 from damages import unpacked
-from floquetrod._util import files
+from floquetrod._util import sealed_files
 from floquetrod.simulation import problem as problems
 from test_simulation import Stop
 
@@ -258,7 +258,7 @@ def test_a_simulation_of_an_older_format_is_refused(tmp_path: Path) -> None:
     path = fr.simulate(TUBING, wave("held"), duration=0.01, frames=3).save(tmp_path / "run.npz")
     meta, arrays = unpacked(path)
     assert meta["format"] == "floquetrod simulation 4"
-    files.write_npz(path, {**meta, "format": "floquetrod simulation 3"}, arrays, compress=True)
+    sealed_files.write_npz(path, {**meta, "format": "floquetrod simulation 3"}, arrays, compress=True)
     with pytest.raises(ValueError, match="its format is 'floquetrod simulation 3'"):
         fr.Simulation.load(path)
 

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from scipy.linalg import block_diag, expm
 
-from floquetrod.floquet.systems import precise_spectra, spectra, symplectic
+from floquetrod.floquet.multipliers import precise_spectra, spectra, symplectic
 
 
 def flow(energy: Any, time: float) -> Any:

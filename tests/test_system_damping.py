@@ -9,8 +9,8 @@ import pytest
 
 import floquetrod as fr
 from conftest import depth
-from floquetrod.floquet.systems import damping as search
-from floquetrod.floquet.systems.result import SystemStability
+from floquetrod.floquet.multipliers import stabilising_damping as search
+from floquetrod.floquet.multipliers.system_stability import SystemStability
 from floquetrod.mathieu.tongues import damping_to_stabilise as exactly
 
 FORCING = 0.2 * np.array([[0.5, 1.0], [1.0, 0.8]])

@@ -11,9 +11,9 @@ import pytest
 import floquetrod as fr
 from conftest import depth
 from decades import known_system, unmatched
+from floquetrod.floquet.multipliers import spectra
+from floquetrod.floquet.multipliers.precise_spectra import eigenvalue_discs as precise_discs
 from floquetrod.floquet.registry import applicable
-from floquetrod.floquet.systems import spectra
-from floquetrod.floquet.systems.precise_spectra import eigenvalue_discs as precise_discs
 
 NEAR = 1e-6  # to a multiplier on the circle, of a logarithm
 

@@ -15,10 +15,10 @@ from floquetrod._util.arrays import inverses, norms
 from floquetrod.equations.matrices import mirrored
 from floquetrod.floquet.kernels.system_even_pairs import pair_values
 from floquetrod.floquet.methods.system_reference import reference
+from floquetrod.floquet.multipliers import half_period_maps
+from floquetrod.floquet.multipliers.spectra import touching
 from floquetrod.floquet.pairs import slopes
-from floquetrod.floquet.systems import even
-from floquetrod.floquet.systems.spectra import touching
-from floquetrod.systems import arrays
+from floquetrod.systems import batch_verdicts
 
 System = fr.HillSystem | fr.PeriodicSystem
 STATUS = {"stable": 1, "unstable": 0, "undecided": -1}
@@ -27,7 +27,7 @@ STATUS = {"stable": 1, "unstable": 0, "undecided": -1}
 def ask_everything(system: System) -> Any:
     """Return the verdict, which that over arrays equals; multipliers, where squares are doubles, have its growth."""
     result = fr.stability(system)
-    found = arrays.verdicts(system)
+    found = batch_verdicts.verdicts(system)
     assert found.status.tolist() == [STATUS[result.status]]
     undecided = pytest.warns(fr.UndecidedWarning) if result.status == "undecided" else contextlib.nullcontext()
     with undecided:
@@ -162,7 +162,7 @@ def test_stiff_modes_do_not_spoil_the_growth_of_a_slow_one(seed: int) -> None:
     error = found.exponent_errors[0]
     assert error < 1e-4 * growth
     assert abs(found.growth_rate - growth) <= error + 1e-9 * growth
-    over = arrays.verdicts(system)
+    over = batch_verdicts.verdicts(system)
     assert over.status.tolist() == [0]
     assert over.growth[0] == pytest.approx(growth, rel=1e-6)
 
@@ -189,9 +189,9 @@ def test_the_map_of_the_other_half_is_the_inverse(monkeypatch: pytest.MonkeyPatc
         np.full(4, 2.0),
         np.zeros(4),
     )
-    inverted = even.pair_matrices(*arguments, 1e-13)
-    monkeypatch.setattr(even, "inverses", lambda matrices: np.full_like(matrices, np.nan))
-    integrated = even.pair_matrices(*arguments, 1e-13)
+    inverted = half_period_maps.pair_matrices(*arguments, 1e-13)
+    monkeypatch.setattr(half_period_maps, "inverses", lambda matrices: np.full_like(matrices, np.nan))
+    integrated = half_period_maps.pair_matrices(*arguments, 1e-13)
     assert integrated.matrix == pytest.approx(inverted.matrix, rel=1e-9)
     gaps = norms(integrated.matrix - inverted.matrix)
     assert (gaps <= integrated.error + inverted.error).all()

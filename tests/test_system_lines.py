@@ -11,11 +11,11 @@ import floquetrod as fr
 from conftest import depth
 from coupled_cases import known
 from floquetrod._util.arrays import norms
-from floquetrod.floquet.systems import lines
-from floquetrod.floquet.systems.lines import SystemLine, maps_along, verdicts_along
+from floquetrod.floquet.multipliers import verdicts_along_lines
+from floquetrod.floquet.multipliers.verdicts_along_lines import SystemLine, maps_along, verdicts_along
 from floquetrod.rod.loads.load import Loads, Quantity
 from floquetrod.rod.mode_equations.coupled_matrices import CoupledModes
-from floquetrod.systems.arrays import verdicts
+from floquetrod.systems.batch_verdicts import verdicts
 from system_cases import beam
 
 PERIOD = 3.0
@@ -162,11 +162,11 @@ def test_what_a_line_leaves_open_is_judged_load_by_load(monkeypatch: pytest.Monk
     loads = Loads.of(np.linspace(0.0, 0.6, 40) * UNIT, 0.2 * UNIT, 2.0 * SWING)
     expected = modes.answers(loads)
 
-    def rough(line: SystemLine, nodes: lines.Nodes, places: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def rough(line: SystemLine, nodes: verdicts_along_lines.Nodes, places: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         maps, error = maps_along(line, nodes, places)
         return maps, np.where(np.arange(places.size) % 2, error, 1e-2 * norms(maps))
 
-    monkeypatch.setattr(lines, "maps_along", rough)
+    monkeypatch.setattr(verdicts_along_lines, "maps_along", rough)
     undecided = modes._along(loads, "mean")
     assert undecided is not None
     assert (undecided.status[::2] == -1).any()

@@ -21,11 +21,11 @@ from floquetrod.floquet.dispatch import run
 from floquetrod.floquet.methods.system_reference import reference
 from floquetrod.floquet.methods.system_segmented import segmented
 from floquetrod.floquet.methods.system_spectral import spectral
+from floquetrod.floquet.multipliers import precise_maps
 from floquetrod.floquet.proof.balls import Doubles
 from floquetrod.floquet.proof.system_counts import Counts, angles_between, count
 from floquetrod.floquet.proof.system_numbers import system_problem
 from floquetrod.floquet.registry import applicable, methods_for, service
-from floquetrod.floquet.systems import precise_maps
 from fuzz import neutral
 from strategies import numbers, systems
 from system_cases import CASES, coupled, wide

@@ -10,7 +10,7 @@ import pytest
 
 import floquetrod as fr
 from conftest import depth
-from floquetrod.floquet.systems import whole
+from floquetrod.floquet.multipliers import whole_period_maps
 
 
 def every_door(system: Any) -> set[str]:
@@ -80,12 +80,12 @@ def test_what_drifts_stays_undecided() -> None:
 
 def test_levels_of_what_is_only_driven() -> None:
     sizes = np.array([[[1.0, 4.0, 0.0], [0.0, 2.0, 8.0], [0.0, 0.0, 3.0]]])
-    levels = whole._levels(sizes)
+    levels = whole_period_maps._levels(sizes)
     assert levels is not None
     scaled = sizes * levels[:, None, :] / levels[:, :, None]
     assert np.triu(scaled[0], 1).max() <= 4e-6
-    assert whole._levels(np.ones((1, 3, 3))) is None
-    assert whole._levels(np.eye(3)[None]) is None
+    assert whole_period_maps._levels(np.ones((1, 3, 3))) is None
+    assert whole_period_maps._levels(np.eye(3)[None]) is None
 
 
 # --- heavy damping ---------------------------------------------------------------------------------------------------

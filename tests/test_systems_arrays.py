@@ -15,7 +15,7 @@ import floquetrod as fr
 from conftest import depth
 from floquetrod.equations.batches import in_batches, pick
 from floquetrod.floquet.status import STABLE
-from floquetrod.systems import arrays
+from floquetrod.systems import batch_verdicts
 from strategies import systems
 
 OMEGA, EPSILON = np.linspace(0.6, 5.0, 23), np.linspace(0.0, 0.8, 9)
@@ -29,7 +29,7 @@ def coupled(damping: Any = None, mass: Any = None) -> fr.HillSystem:
 
 def check(batch: fr.HillSystem | fr.PeriodicSystem, every: int = 1) -> None:
     """Assert that status, growth and multipliers are those of the systems one by one."""
-    found = arrays.verdicts(batch)
+    found = batch_verdicts.verdicts(batch)
     multipliers = fr.systems.multipliers(batch).reshape(found.status.size, -1)
     for i in range(0, found.status.size, every):
         alone = fr.stability(pick(batch, i))
@@ -74,7 +74,7 @@ def test_the_truth_of_the_literature() -> None:
 @settings(max_examples=depth(20, 5), deadline=None)
 @given(st.lists(systems(), min_size=1, max_size=6))
 def test_systems_of_every_kind_in_batches(members: list[fr.HillSystem | fr.PeriodicSystem]) -> None:
-    answers = in_batches(members, arrays.verdicts)
+    answers = in_batches(members, batch_verdicts.verdicts)
     for member, (status, growth) in zip(members, answers, strict=True):
         alone = fr.stability(member)
         assert {"stable": 1, "unstable": 0, "undecided": -1}[alone.status] == status
@@ -89,7 +89,7 @@ def test_a_single_system_gives_python_numbers() -> None:
 
 
 def test_threads_change_nothing() -> None:
-    one, two = (arrays.verdicts(coupled(), workers=workers) for workers in (1, 2))
+    one, two = (batch_verdicts.verdicts(coupled(), workers=workers) for workers in (1, 2))
     assert np.array_equal(one.status, two.status)
     assert np.array_equal(one.growth, two.growth)
 
@@ -109,14 +109,14 @@ def test_larger_systems_of_every_path() -> None:
 
 def test_what_the_quick_rules_leave_open_is_judged_alone(monkeypatch: pytest.MonkeyPatch) -> None:
     same = fr.HillSystem(np.eye(2), [np.array([0.1, 0.2])[:, None, None] * np.eye(2)], period=2.0)
-    asked, judge = [], arrays.judge
+    asked, judge = [], batch_verdicts.judge
 
     def counted(system: Any, **options: Any) -> Any:
         asked.append(system)
         return judge(system, **options)
 
-    monkeypatch.setattr(arrays, "judge", counted)
-    found = arrays.verdicts(same)
+    monkeypatch.setattr(batch_verdicts, "judge", counted)
+    found = batch_verdicts.verdicts(same)
     assert found.status.tolist() == [STABLE, STABLE]  # two pairs of equal multipliers, of one Krein sign
     assert len(asked) == 2
 

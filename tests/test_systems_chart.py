@@ -14,7 +14,7 @@ from matplotlib import pyplot
 
 import floquetrod as fr
 from floquetrod.floquet.methods.system_half_period import half_period
-from floquetrod.systems import arrays
+from floquetrod.systems import batch_verdicts
 
 mpl.use("Agg")
 
@@ -147,7 +147,7 @@ def test_growth_up_to_the_tolerance_is_stable() -> None:
 
 def test_undecided_points_are_counted_and_not_called_stable(monkeypatch: pytest.MonkeyPatch) -> None:
     """At omega = 3 two multipliers of opposite Krein signs meet, and the forcing is too weak to tell what follows."""
-    monkeypatch.setattr(arrays, "judge", lambda system, **digits: half_period(system))
+    monkeypatch.setattr(batch_verdicts, "judge", lambda system, **digits: half_period(system))
     chart = fr.chart(coupled, over={"omega": [2.9, 3.0, 3.1], "epsilon": [1e-15, 0.01]}, growth=True)
     assert chart.undecided == 1
     assert not chart.stable[0, 1]

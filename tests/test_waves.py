@@ -13,9 +13,9 @@ from floquetrod._util.compilation import compiled
 from floquetrod.rod.answers.mean_force import drag_of
 from floquetrod.wells import strings
 from floquetrod.wells.drag import CHECKED, FAST, TRIED, Fineness
-from floquetrod.wells.kernels import shaken, wave
-from floquetrod.wells.kernels.contact import LOCKED
-from floquetrod.wells.shaken import ShakenString
+from floquetrod.wells.kernels import shaken_march, tool_wave
+from floquetrod.wells.kernels.wall_contact import LOCKED
+from floquetrod.wells.shaken_string import ShakenString
 
 TUBING = fr.Rod.catalogue("2.00x0.156", bore="4.778in", length=1.0, fluid_inside=1e3, fluid_outside=1e3)
 WEIGHT = TUBING.weight_per_length
@@ -93,9 +93,9 @@ def test_friction_takes_what_the_tool_gives(above_end: float) -> None:
     string = shaken_string(tool, 0.2, 2000.0, FAST._replace(cells=24), speed)
     ends = np.linspace(0.0, 2000.0, 4001)
     pressed = 0.2 * WEIGHT * (1.0 + 0.5 * np.sin((2000.0 - ends[:-1]) / 100.0))
-    shaken.means(ends, pressed, string.edges, string.balance.most)
+    shaken_march.means(ends, pressed, string.edges, string.balance.most)
     string.balance.most[:] *= 4.0 / math.pi * np.diff(string.edges)
-    assert wave.find_wave(string.cells, string.tool, string.soft, string.q, string.balance)
+    assert tool_wave.find_wave(string.cells, string.tool, string.soft, string.q, string.balance)
     tool_speed = np.interp(above_end, string.nodes, string.q.real)
     found = string.wave_at(2000.0 - 0.5 * (ends[1:] + ends[:-1]))[0]
     taken = np.sum(pressed * 2.0 / math.pi * np.sqrt(np.maximum(found**2 - speed**2, 0.0))) * 0.5
@@ -106,7 +106,7 @@ def test_friction_takes_what_the_tool_gives(above_end: float) -> None:
 def test_interpreted_and_compiled_strings_agree() -> None:
     tool = fr.VibrationTool("20kN", "18Hz", 30.0)
     strings = [shaken_string(tool, 0.3, 1700.0, TRIED) for _ in range(2)]
-    for string, run in zip(strings, (shaken.settle, compiled(shaken.settle)), strict=True):
+    for string, run in zip(strings, (shaken_march.settle, compiled(shaken_march.settle)), strict=True):
         string.marched.y[0] = 1.0
         found = string.sliding, string.pieces, string.cells, string.tool, string.edges
         assert run(*found, string.soft, 1e-7, 30, string.marched, string.q, string.balance)
@@ -119,7 +119,7 @@ def test_interpreted_and_compiled_strings_agree() -> None:
 def test_means_between_other_edges_keep_the_sum() -> None:
     edges, to = np.array([0.0, 1.0, 1.5, 4.0]), np.array([0.0, 0.25, 2.0, 2.1, 4.0])
     values, out = np.array([3.0, -2.0, 5.0]), np.empty(4)
-    shaken.means(edges, values, to, out)
+    shaken_march.means(edges, values, to, out)
     np.testing.assert_allclose(out, [3.0, (0.75 * 3.0 - 0.5 * 2.0 + 0.5 * 5.0) / 1.75, 5.0, 5.0], rtol=1e-14)
     assert out @ np.diff(to) == pytest.approx(values @ np.diff(edges), rel=1e-14)
 

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from floquetrod._util import validate
-from floquetrod._util.files import require_regular
+from floquetrod._util.sealed_files import require_regular
 
 _LARGEST = 1 << 29  # bytes of a file that are read, ten million samples or so
 

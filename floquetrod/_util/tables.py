@@ -8,7 +8,7 @@ from itertools import islice
 from pathlib import Path
 from typing import Any
 
-from floquetrod._util.files import require_regular
+from floquetrod._util.sealed_files import require_regular
 from floquetrod._util.suggest import did_you_mean
 
 _LARGEST = 1 << 20  # bytes that are read (a choice)

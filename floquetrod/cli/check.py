@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import floquetrod as fr
-from floquetrod._util.report import Report
+from floquetrod._util.result_report import Report
 from floquetrod._util.waiting import Waiting
 from floquetrod.cli.common import (
     ROD_AND_LOAD,

@@ -431,7 +431,7 @@ def require_writable(options: argparse.Namespace) -> None:
 
     One that is named twice would be written over, as would one that the command reads.
     """
-    from floquetrod._util.files import writable
+    from floquetrod._util.sealed_files import writable
 
     named = [(action, path) for action in options.parser.outputs for path in getattr(options, action.dest)]
     taken = [os.path.realpath(given) for given in vars(options).values() if named and isinstance(given, Path | str)]

@@ -7,7 +7,7 @@ import json
 from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
 
-from floquetrod._util.report import Report
+from floquetrod._util.result_report import Report
 from floquetrod._util.version import __version__
 
 

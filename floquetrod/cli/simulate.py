@@ -208,7 +208,7 @@ def _kinds() -> tuple[str, ...]:
 
 def _require_writers(paths: list[Path], checkpoint: Path | None) -> None:
     """Raise ValueError where an animation needs a program that is missing, or a checkpoint could not be written."""
-    from floquetrod._util.files import writable
+    from floquetrod._util.sealed_files import writable
     from floquetrod.plotting import rod
 
     for path in paths:

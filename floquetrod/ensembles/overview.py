@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from floquetrod._util.report import number
+from floquetrod._util.result_report import number
 from floquetrod.ensembles.doubts import counted, doubts
 from floquetrod.ensembles.runs import DONE, FAILED, PENDING, Runs, require_runs
 from floquetrod.ensembles.statistics import RANDOM, probability_of

@@ -10,9 +10,9 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from floquetrod._util import extras, files, validate
+from floquetrod._util import extras, sealed_files, validate
 from floquetrod._util.content import ByContent, NoTruthValue
-from floquetrod._util.report import Table
+from floquetrod._util.result_report import Table
 
 _FORMAT = "floquetrod runs 1"
 _PRINTED = 200  # values of one variable that are printed (a choice)
@@ -121,7 +121,7 @@ class Runs(NoTruthValue, ByContent):
             **{kind: {name: [v.dims, v.attrs] for name, v in of.items()} for kind, of in kinds.items()},
         }
         arrays = {f"{kind}.{name}": v.values for kind, of in kinds.items() for name, v in of.items()}
-        return files.write_npz(path, meta, arrays, compress=True)
+        return sealed_files.write_npz(path, meta, arrays, compress=True)
 
     @classmethod
     def load(cls, path: str | Path) -> Runs:
@@ -130,16 +130,16 @@ class Runs(NoTruthValue, ByContent):
             raise ValueError(
                 f"{path} is a folder; Runs.load reads .npz files, xarray.open_zarr the stores that end in .zarr"
             )
-        return files.read_npz(path, _FORMAT, "an ensemble", cls._read)
+        return sealed_files.read_npz(path, _FORMAT, "an ensemble", cls._read)
 
     @classmethod
-    def _read(cls, meta: dict[str, Any], arrays: files.Arrays) -> Runs:
+    def _read(cls, meta: dict[str, Any], arrays: sealed_files.Arrays) -> Runs:
         """Return what a file holds; ValueError where it is not as `save` writes it."""
         lengths: dict[str, int] = {}
-        kinds = {kind: files.entry(meta, kind, dict) for kind in ("coords", "variables")}
+        kinds = {kind: sealed_files.entry(meta, kind, dict) for kind in ("coords", "variables")}
         for kind, of in kinds.items():  # before anything is read: shapes cost no memory
             for name, (dims, attrs) in of.items():
-                shape = files.require_shape(arrays, f"{kind}.{name}", tuple(lengths.get(dim) for dim in dims))
+                shape = sealed_files.require_shape(arrays, f"{kind}.{name}", tuple(lengths.get(dim) for dim in dims))
                 lengths |= dict(zip(map(str, dims), shape, strict=True))
                 if not isinstance(attrs, dict):
                     raise ValueError(f"attributes of {name} are {attrs!r}")
@@ -150,7 +150,7 @@ class Runs(NoTruthValue, ByContent):
             }
             for kind, of in kinds.items()
         }
-        return cls(found["variables"], found["coords"], files.entry(meta, "attrs", dict))
+        return cls(found["variables"], found["coords"], sealed_files.entry(meta, "attrs", dict))
 
 
 def require_runs(name: str, value: Any) -> Runs:

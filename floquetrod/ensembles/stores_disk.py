@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from floquetrod._util import files
+from floquetrod._util import sealed_files
 from floquetrod._util.locks import Lock, lock_beside
 from floquetrod.ensembles.axes import Design
 from floquetrod.ensembles.runs import DONE, FAILED, PENDING, Runs
@@ -155,7 +155,7 @@ def open_store(
 
     Raises ValueError for a store of another study, and where none can be written.
     """
-    files.writable(place)
+    sealed_files.writable(place)
     known = _state(place)
     found = None if known is None else Runs.load(place)
     names = None if found is None else require_same(place, found.attrs, study, frames)

@@ -13,7 +13,7 @@ import numpy as np
 
 from floquetrod import units
 from floquetrod._util import validate
-from floquetrod._util.files import Arrays, require_regular
+from floquetrod._util.sealed_files import Arrays, require_regular
 from floquetrod._util.tables import require_known
 from floquetrod.equations import matrices
 from floquetrod.equations.delay_system import DelaySystem

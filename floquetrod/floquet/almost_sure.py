@@ -20,8 +20,8 @@ from floquetrod.equations import PeriodicSystem
 from floquetrod.equations.matrices import require_one
 from floquetrod.equations.pieces import TimedPiece, in_time
 from floquetrod.equations.second_moments import INTERPRETATIONS, NoiseSource, of_first_order, sources_of, with_drift
+from floquetrod.floquet.multipliers import magnus_flows
 from floquetrod.floquet.problems import Problem
-from floquetrod.floquet.systems import magnus
 
 _LEAST_STEPS = 32  # a period (a choice), an even number
 _MOST_STEPS = 1 << 16  # a period (a choice)
@@ -199,8 +199,8 @@ def _count(system: PeriodicSystem, piece: TimedPiece, length: float) -> int:
 def _flows(system: PeriodicSystem, piece: TimedPiece, edges: Floats) -> list[Floats]:
     """Return the flow without noise between neighbouring instants of a piece."""
     middle, length = 0.5 * (edges[1:] + edges[:-1]), np.diff(edges)
-    first, second = (piece.at(middle + place * length, float(system.period)) for place in magnus.PLACES)
-    return list(magnus.flows(first, second, length[:, None, None]))
+    first, second = (piece.at(middle + place * length, float(system.period)) for place in magnus_flows.PLACES)
+    return list(magnus_flows.flows(first, second, length[:, None, None]))
 
 
 def _logarithms(

@@ -9,13 +9,13 @@ from itertools import combinations
 from typing import Any
 
 from floquetrod._util.content import NoTruthValue
-from floquetrod._util.report import Report, Reported, Table
+from floquetrod._util.result_report import Report, Reported, Table
 from floquetrod.equations import Equation
 from floquetrod.floquet.dispatch import run
+from floquetrod.floquet.multipliers.system_stability import SystemStability
 from floquetrod.floquet.problems import Problem, require_problem
 from floquetrod.floquet.references import united
 from floquetrod.floquet.registry import METHODS, applicable, is_approximation
-from floquetrod.floquet.systems.result import SystemStability
 from floquetrod.floquet.verdict import Stability
 
 

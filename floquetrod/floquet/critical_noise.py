@@ -14,8 +14,8 @@ from floquetrod.equations import Equation, SecondMoments, second_moments
 from floquetrod.equations.matrices import require_one
 from floquetrod.equations.second_moments import balanced_moments
 from floquetrod.floquet.dispatch import judge, run, stability
+from floquetrod.floquet.multipliers.system_stability import SystemStability
 from floquetrod.floquet.problems import Problem
-from floquetrod.floquet.systems.result import SystemStability
 
 _FARTHEST = 1e8  # intensities tried, in terms of what the decay rate suggests (a choice)
 _NEAREST = 1e-12  # of verdicts on both sides, relative (a choice: what doubles decide)

@@ -18,9 +18,9 @@ from floquetrod._util.arrays import EPS, Floats, shaped
 from floquetrod._util.content import ByContent
 from floquetrod.equations import DelaySystem
 from floquetrod.equations import pieces as by_pieces
+from floquetrod.floquet.multipliers import delay_maps
+from floquetrod.floquet.multipliers.delay_mesh import integral, rule
 from floquetrod.floquet.references import DELAYED_SOLUTIONS, references
-from floquetrod.floquet.systems import delay_maps
-from floquetrod.floquet.systems.delay_mesh import integral, rule
 
 History = Callable[[float], Any]
 

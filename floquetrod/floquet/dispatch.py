@@ -19,7 +19,7 @@ from floquetrod.floquet.verdict import FloquetVerdict, Stability, Verdict
 if TYPE_CHECKING:
     from typing import TypedDict, Unpack
 
-    from floquetrod.floquet.systems.result import SystemStability
+    from floquetrod.floquet.multipliers.system_stability import SystemStability
 
     class Options(TypedDict, total=False):
         """Options of the methods."""

@@ -19,9 +19,9 @@ from floquetrod.equations import PeriodicSystem, matrices
 from floquetrod.equations import pieces as by_pieces
 from floquetrod.equations.second_moments import linear_moments, of_first_order, source
 from floquetrod.floquet.dispatch import run
+from floquetrod.floquet.multipliers.whole_period_maps import seconds_needed
 from floquetrod.floquet.problems import Problem
 from floquetrod.floquet.status import Status
-from floquetrod.floquet.systems.whole import seconds_needed
 
 _MOST_SECONDS = 20.0  # of one order, estimated (a choice)
 _MOST = 400  # moments of one truncation (a choice): a second or so

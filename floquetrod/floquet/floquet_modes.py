@@ -13,9 +13,9 @@ from floquetrod._util.arrays import EPS, Complexes, Floats, shaped
 from floquetrod._util.content import ByContent
 from floquetrod.equations import Equation, HillSystem
 from floquetrod.equations.hill_system import states
+from floquetrod.floquet.multipliers import spectra
 from floquetrod.floquet.problems import Problem, require_problem, require_without_delays
 from floquetrod.floquet.solve import Solution, solve
-from floquetrod.floquet.systems import spectra
 
 _LATEST = 1e6  # periods (a choice: beyond it rounding of the phase costs more than ten digits)
 _DECAYS = 1.0 - 1e-6  # magnitudes of multipliers below it are found from the map backwards (a choice)

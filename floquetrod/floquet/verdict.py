@@ -16,7 +16,7 @@ import numpy as np
 from floquetrod._util.arrays import EPS
 from floquetrod._util.caching import cached_property
 from floquetrod._util.content import ByContent, NoTruthValue
-from floquetrod._util.report import Report, Reported, number
+from floquetrod._util.result_report import Report, Reported, number
 from floquetrod.equations import DelaySystem, Equation, PeriodicSystem
 from floquetrod.floquet import pairs
 from floquetrod.floquet.references import references
@@ -210,7 +210,7 @@ class FloquetVerdict(ByContent, Reported, Verdict):
         """
         if isinstance(self.equation, PeriodicSystem) or math.isnan(self.growth_rate):
             return self.growth_rate
-        from floquetrod.floquet.systems.damping import damping_of_delayed, damping_to_stabilise
+        from floquetrod.floquet.multipliers.stabilising_damping import damping_of_delayed, damping_to_stabilise
 
         if isinstance(self.equation, DelaySystem):
             return damping_of_delayed(self.equation, self.growth_rate)

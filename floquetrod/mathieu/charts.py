@@ -19,7 +19,7 @@ from floquetrod.mathieu.tongue_bands import tongue_bands
 from floquetrod.mathieu.tongue_curves import Window
 from floquetrod.mathieu.tongue_regions import UndampedEquations
 from floquetrod.plane import Axis, Chart, Family, FoundBands, Verdicts, axis_values, charted
-from floquetrod.systems.charts import Members
+from floquetrod.systems.family_charts import Members
 
 _NEGLIGIBLE = 1e-9  # growth per unit tau, tenfold in 4e8 periods, up to which a tongue is left out
 

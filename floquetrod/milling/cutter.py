@@ -24,7 +24,7 @@ from floquetrod._util.content import ByContent
 from floquetrod._util.implausible import SILENCE, PlausibilityWarning, is_typed
 from floquetrod.equations import DelaySystem, PeriodicSystem, Varying
 from floquetrod.floquet.dispatch import stability
-from floquetrod.floquet.systems.result import SystemStability
+from floquetrod.floquet.multipliers.system_stability import SystemStability
 
 _SOFTEST = 1e5  # Pa: foam takes ten times as much to cut (a choice)
 _EDGE = 1e-12  # rad: a tooth so close to entering or leaving counts as beyond

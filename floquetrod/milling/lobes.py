@@ -16,12 +16,12 @@ from floquetrod._util.arrays import Complexes, Floats
 from floquetrod._util.caching import cached_property
 from floquetrod._util.content import ByContent, NoTruthValue
 from floquetrod._util.interpolation import chebyshev_points
-from floquetrod._util.report import Report, Reported, Table
+from floquetrod._util.result_report import Report, Reported, Table
+from floquetrod.floquet.multipliers import delay_growth, delay_many
+from floquetrod.floquet.multipliers.delay_maps import Coefficients, period_maps
+from floquetrod.floquet.multipliers.delay_mesh import Mesh, mesh
+from floquetrod.floquet.multipliers.many_verdicts import ManyVerdicts
 from floquetrod.floquet.status import STABLE, UNSTABLE
-from floquetrod.floquet.systems import delay_growth, delay_many
-from floquetrod.floquet.systems.delay_maps import Coefficients, period_maps
-from floquetrod.floquet.systems.delay_mesh import Mesh, mesh
-from floquetrod.floquet.systems.many import ManyVerdicts
 from floquetrod.milling.cutter import Cutter, read_depth, read_speed
 from floquetrod.plane import Axis, Chart, Family, Verdicts, axis_values, charted
 

@@ -13,7 +13,7 @@ from floquetrod._util import extras
 from floquetrod._util.arrays import Complexes, Floats
 from floquetrod._util.caching import cached_property
 from floquetrod._util.content import ByContent, NoTruthValue
-from floquetrod._util.report import Printed, Report, Table
+from floquetrod._util.result_report import Printed, Report, Table
 from floquetrod.equations import NonlinearSystem
 from floquetrod.floquet.status import STATUS_CODES
 from floquetrod.orbits.branch_files import load, save

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from floquetrod._util import files, validate
+from floquetrod._util import sealed_files, validate
 from floquetrod._util.arrays import Floats
 from floquetrod.equations import NonlinearSystem
 from floquetrod.orbits.arclength import Measure
@@ -43,7 +43,7 @@ def save(branch: Any, path: str | Path) -> Path:
         "orbits": len(branch.orbits),
         "equations": orbits[0].states.shape[1],
     }
-    return files.write_npz(path, meta, _arrays(branch.parameter, orbits) | _of_points(points), compress=True)
+    return sealed_files.write_npz(path, meta, _arrays(branch.parameter, orbits) | _of_points(points), compress=True)
 
 
 def _arrays(parameter: str, orbits: list[PeriodicOrbit]) -> dict[str, NDArray[Any]]:
@@ -91,20 +91,20 @@ def _of_points(points: tuple[SpecialPoint, ...]) -> dict[str, NDArray[Any]]:
 def load(path: str | Path, system: NonlinearSystem) -> dict[str, Any]:
     """Return the fields of a branch in a file, of a system that is not in it."""
     validate.instance("system", system, NonlinearSystem)
-    return files.read_npz(path, _FORMAT, "a branch", lambda meta, arrays: _branch(meta, arrays, system))
+    return sealed_files.read_npz(path, _FORMAT, "a branch", lambda meta, arrays: _branch(meta, arrays, system))
 
 
-def _branch(meta: dict[str, Any], arrays: files.Arrays, system: NonlinearSystem) -> dict[str, Any]:
+def _branch(meta: dict[str, Any], arrays: sealed_files.Arrays, system: NonlinearSystem) -> dict[str, Any]:
     """Return the fields that a file describes; ValueError or KeyError where it is not as `save` writes it."""
-    parameter, count = files.entry(meta, "parameter", str), files.entry(meta, "orbits", int)
-    given = files.entry(meta, "parameters", dict)
+    parameter, count = sealed_files.entry(meta, "parameter", str), sealed_files.entry(meta, "orbits", int)
+    given = sealed_files.entry(meta, "parameters", dict)
     if set(given) != set(system.parameters):
         raise ValueError(f"it is of a system with the parameters {', '.join(given)}")
     orbits = list(_orbits(meta, arrays, system.with_parameters(**given)))
     points = tuple(_points(meta, arrays, orbits[count:]))
-    low, high = files.entry(meta, "over", list)
-    begins, ends = files.entry(meta, "ends", list)
-    tolerance = files.entry(meta, "tolerance", float)
+    low, high = sealed_files.entry(meta, "over", list)
+    begins, ends = sealed_files.entry(meta, "ends", list)
+    tolerance = sealed_files.entry(meta, "tolerance", float)
     return {
         "parameter": parameter,
         "over": (low, high),
@@ -116,13 +116,17 @@ def _branch(meta: dict[str, Any], arrays: files.Arrays, system: NonlinearSystem)
     }
 
 
-def _orbits(meta: dict[str, Any], arrays: files.Arrays, system: NonlinearSystem) -> Iterator[PeriodicOrbit]:
+def _orbits(meta: dict[str, Any], arrays: sealed_files.Arrays, system: NonlinearSystem) -> Iterator[PeriodicOrbit]:
     """Return the orbits, one after the other."""
-    n, parameter, turns = files.entry(meta, "equations", int), files.entry(meta, "parameter", str), meta["turns"]
+    n, parameter, turns = (
+        sealed_files.entry(meta, "equations", int),
+        sealed_files.entry(meta, "parameter", str),
+        meta["turns"],
+    )
     names = ("values", "periods", "period_errors", "errors", "traces", "trace_errors", "intervals", "degrees", "steps")
-    many = (files.entry(meta, "orbits", int) + len(files.entry(meta, "kinds", list)),)
+    many = (sealed_files.entry(meta, "orbits", int) + len(sealed_files.entry(meta, "kinds", list)),)
     for name in names:
-        files.require_shape(arrays, name, many)
+        sealed_files.require_shape(arrays, name, many)
     column = {name: arrays[name].tolist() for name in names}
     columns = zip(*column.values(), strict=True)
     lengths = {"meshes": 0, "nodes": 0, "stages": 0, "maps": 0}
@@ -132,7 +136,7 @@ def _orbits(meta: dict[str, Any], arrays: files.Arrays, system: NonlinearSystem)
         lengths["stages"] += count * degree * n
         lengths["maps"] += count * n * n
     for name, length in (*lengths.items(), ("map_errors", lengths["maps"])):
-        files.require_shape(arrays, name, (length,))
+        sealed_files.require_shape(arrays, name, (length,))
     taken = {name: _Taken(arrays[name]) for name in (*lengths, "map_errors")}
     for value, period, period_error, error, trace, trace_error, count, degree, steps in columns:
         mesh, nodes = taken["meshes"].next(count + 1), taken["nodes"].next(count, n)
@@ -148,7 +152,7 @@ def _orbits(meta: dict[str, Any], arrays: files.Arrays, system: NonlinearSystem)
         yield as_orbit(found, steps)
 
 
-def _points(meta: dict[str, Any], arrays: files.Arrays, orbits: list[PeriodicOrbit]) -> Iterator[SpecialPoint]:
+def _points(meta: dict[str, Any], arrays: sealed_files.Arrays, orbits: list[PeriodicOrbit]) -> Iterator[SpecialPoint]:
     """Return the special points, whose orbits are known."""
     parameter, taken = meta["parameter"], {n: _Taken(arrays[n]) for n in ("directions", "scalars", "scales")}
     multipliers = arrays["point_multipliers"].reshape(-1, 2)

@@ -9,7 +9,7 @@ from dataclasses import replace
 import numpy as np
 
 from floquetrod._util.arrays import Floats, norms
-from floquetrod.floquet.systems import independent_solutions
+from floquetrod.floquet.multipliers import independent_solutions
 from floquetrod.orbits.collocation import Collocation, Point, gauss, weights_at
 
 FEWEST, MOST = 8, 1024

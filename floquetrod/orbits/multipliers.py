@@ -10,10 +10,10 @@ import numpy as np
 
 from floquetrod._util.arrays import EPS, Floats, norms
 from floquetrod.equations import PeriodicSystem
-from floquetrod.floquet.systems import cyclic, independent_solutions
-from floquetrod.floquet.systems.classification import LogDiscs, classify_multipliers
-from floquetrod.floquet.systems.independent_solutions import Solutions
-from floquetrod.floquet.systems.result import SystemStability
+from floquetrod.floquet.multipliers import cyclic_matrix, independent_solutions
+from floquetrod.floquet.multipliers.classification import LogDiscs, classify_multipliers
+from floquetrod.floquet.multipliers.independent_solutions import Solutions
+from floquetrod.floquet.multipliers.system_stability import SystemStability
 from floquetrod.floquet.verdict import Cost
 from floquetrod.orbits import splitting
 
@@ -53,7 +53,7 @@ def judged(linearised: PeriodicSystem, segments: Segments) -> OrbitVerdict:
     if maps.shape[1] == 1:
         logs = independent_solutions.log_discs(_alone(segments), 0.0)
     elif np.isfinite(maps).all():
-        solutions = cyclic.solutions(*_merged(maps, errors), scales)
+        solutions = cyclic_matrix.solutions(*_merged(maps, errors), scales)
         logs = None if solutions is None else independent_solutions.log_discs(solutions, 0.0)
         if segments.flow is None and solutions is not None and linearised.structure == "hamiltonian":
             krein = functools.partial(independent_solutions.krein_sign, solutions)
@@ -123,7 +123,7 @@ def _of_block(maps: Floats, errors: Floats) -> LogDiscs:
         turned = np.array([log + (1j * math.pi if np.count_nonzero(factors < 0.0) % 2 else 0.0)])
         return LogDiscs.about(turned, np.array([radius + EPS * abs(log)]), (np.array([0]),))
     merged = _merged(maps, errors)
-    solutions = cyclic.solutions(*merged, np.ones(n))
+    solutions = cyclic_matrix.solutions(*merged, np.ones(n))
     if solutions is not None and np.isfinite(solutions.radii).all():
         return independent_solutions.log_discs(solutions, 0.0)
     largest = np.full(n, float(np.log(norms(merged[0]) + merged[1]).sum()))

@@ -12,11 +12,11 @@ from floquetrod._util import validate
 from floquetrod._util.arrays import Complexes, Floats, shaped
 from floquetrod._util.caching import cached_property
 from floquetrod._util.content import ByContent, NoTruthValue
-from floquetrod._util.report import Printed, Report
+from floquetrod._util.result_report import Printed, Report
 from floquetrod.equations import NonlinearSystem, PeriodicSystem, sampling
+from floquetrod.floquet.multipliers.system_stability import SystemStability
 from floquetrod.floquet.references import ORBITS, references
 from floquetrod.floquet.status import Status
-from floquetrod.floquet.systems.result import SystemStability
 from floquetrod.orbits.collocation import Collocation, Point
 from floquetrod.orbits.extents import Extremes, extremes
 from floquetrod.orbits.mesh import evaluated

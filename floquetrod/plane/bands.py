@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from floquetrod import units
-from floquetrod._util import extras, files, validate
+from floquetrod._util import extras, sealed_files, validate
 from floquetrod._util.arrays import Floats
 from floquetrod._util.content import ByContent, NoTruthValue
 from floquetrod._util.deprecation import Renamed
@@ -166,7 +166,7 @@ class Bands(NoTruthValue, ByContent):
             names = ["" if name is None else name for name in (band.mode, band.partner, band.tongue)]
             for x, y in zip(band.x.tolist(), band.y.tolist(), strict=True):
                 table.writerow([number, *names, band.largest_growth, x, y])
-        with files.atomic_file(path) as file:
+        with sealed_files.atomic_file(path) as file:
             file.write(text.getvalue().encode())
         return path
 
@@ -214,17 +214,19 @@ class Bands(NoTruthValue, ByContent):
     @staticmethod
     def bands_of(arrays: Mapping[str, NDArray[Any]]) -> tuple[Band, ...]:
         """Return the bands that `as_arrays` describes; ValueError where the arrays do not fit each other."""
-        each = files.require_shape(arrays, "size", (None,))
+        each = sealed_files.require_shape(arrays, "size", (None,))
         for name in ("mode", "partner", "tongue", "growth"):
-            files.require_shape(arrays, name, each)
-        size = files.field(arrays, "size", np.int64, each)
-        mode, partner, tongue = (files.field(arrays, name, np.int64, each) for name in ("mode", "partner", "tongue"))
-        growth = files.field(arrays, "growth", np.float64, each)
-        place = files.field(arrays, "place", np.float64, (size.size, 2))
+            sealed_files.require_shape(arrays, name, each)
+        size = sealed_files.field(arrays, "size", np.int64, each)
+        mode, partner, tongue = (
+            sealed_files.field(arrays, name, np.int64, each) for name in ("mode", "partner", "tongue")
+        )
+        growth = sealed_files.field(arrays, "growth", np.float64, each)
+        place = sealed_files.field(arrays, "place", np.float64, (size.size, 2))
         if (size < 3).any():
             raise ValueError("a band has fewer than three vertices")
         total = (int(size.sum()),)
-        x, y = (files.field(arrays, name, np.float64, total, finite=True) for name in ("x", "y"))
+        x, y = (sealed_files.field(arrays, name, np.float64, total, finite=True) for name in ("x", "y"))
         at = np.concatenate([[0], np.cumsum(size)]).tolist()
         return tuple(
             Band(

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from floquetrod import units
-from floquetrod._util import extras, files, validate
+from floquetrod._util import extras, sealed_files, validate
 from floquetrod._util.arrays import Bools, Floats, Ints
 from floquetrod._util.caching import cached_property
 from floquetrod._util.content import ByContent, NoTruthValue
@@ -259,7 +259,7 @@ class Chart(NoTruthValue, ByContent):
         if "bands" in self.__dict__:
             arrays |= {f"{_BANDS}{name}": values for name, values in self.bands.as_arrays().items()}
             meta["bands"] = {name: getattr(self.bands, name) for name in ("tongues_left_out", "accuracy", "resolution")}
-        return files.write_npz(path, meta, arrays, compress=True)
+        return sealed_files.write_npz(path, meta, arrays, compress=True)
 
     @classmethod
     def load(cls, path: str | Path) -> Chart:
@@ -267,7 +267,7 @@ class Chart(NoTruthValue, ByContent):
 
         Raises ValueError for a file that is damaged, if only in one bit, or foreign.
         """
-        return files.read_npz(path, _FORMAT, "a chart", _chart)
+        return sealed_files.read_npz(path, _FORMAT, "a chart", _chart)
 
     def _over_points(self) -> dict[str, NDArray[Any]]:
         """Return the arrays of values at the points, by name."""
@@ -282,13 +282,13 @@ class Chart(NoTruthValue, ByContent):
         return xarray.Dataset(data, coords, attributes)
 
 
-def _chart(meta: dict[str, Any], arrays: files.Arrays) -> Chart:
+def _chart(meta: dict[str, Any], arrays: sealed_files.Arrays) -> Chart:
     """Return the chart that a file describes; ValueError or KeyError where it is not as `Chart.save` writes it."""
-    shape = files.require_shape(arrays, "y", (None,)) + files.require_shape(arrays, "x", (None,))
+    shape = sealed_files.require_shape(arrays, "y", (None,)) + sealed_files.require_shape(arrays, "x", (None,))
     for name in ("stable", *(name for name in _OPTIONAL if name in arrays)):
-        files.require_shape(arrays, name, shape)
+        sealed_files.require_shape(arrays, name, shape)
     x, y = (_axis(meta, arrays, name) for name in "xy")
-    entries: dict[str, Any] = {name: files.entry(meta, name, kind) for name, kind in _ENTRIES.items()}
+    entries: dict[str, Any] = {name: sealed_files.entry(meta, name, kind) for name, kind in _ENTRIES.items()}
     tolerance, undecided, subject = (entries[name] for name in ("growth_tolerance", "undecided", "subject"))
     if tolerance < 0.0 or not 0 <= undecided <= shape[0] * shape[1]:
         raise ValueError(f"growth_tolerance is {tolerance!r} and undecided {undecided!r}")
@@ -296,19 +296,20 @@ def _chart(meta: dict[str, Any], arrays: files.Arrays) -> Chart:
         if type(name) is not str or type(value) not in (int, float) or type(unit) is not str:
             raise ValueError(f"subject is {subject!r}")
     some: dict[str, Any] = {
-        name: files.field(arrays, name, kind, shape) if name in arrays else None for name, kind in _OPTIONAL.items()
+        name: sealed_files.field(arrays, name, kind, shape) if name in arrays else None
+        for name, kind in _OPTIONAL.items()
     }
     if some["cells"] is not None and not np.isin(some["cells"], list(CELLS.values())).all():
         raise ValueError(f"cells must be {', '.join(map(str, CELLS.values()))}")
-    chart = Chart(x, y, files.field(arrays, "stable", np.bool_, shape), **some, **entries)
+    chart = Chart(x, y, sealed_files.field(arrays, "stable", np.bool_, shape), **some, **entries)
     if "bands" in meta:
-        chart._keep(_bands(chart, files.entry(meta, "bands", dict), arrays))
+        chart._keep(_bands(chart, sealed_files.entry(meta, "bands", dict), arrays))
     return chart
 
 
-def _bands(chart: Chart, meta: dict[str, Any], arrays: files.Arrays) -> Bands:
+def _bands(chart: Chart, meta: dict[str, Any], arrays: sealed_files.Arrays) -> Bands:
     """Return the bands that a file of a chart describes."""
-    resolution = files.entry(meta, "resolution", list)
+    resolution = sealed_files.entry(meta, "resolution", list)
     if [type(size) for size in resolution] != [float, float]:
         raise ValueError(f"resolution of bands is {resolution!r}")
     return Bands(
@@ -317,8 +318,10 @@ def _bands(chart: Chart, meta: dict[str, Any], arrays: files.Arrays) -> Bands:
         Bands.bands_of(arrays.under(_BANDS)),
         chart.growth_unit,
         chart.growth_tolerance,
-        files.entry(meta, "tongues_left_out" if "tongues_left_out" in meta else "hairlines", int),  # its earlier name
-        files.entry(meta, "accuracy", float),
+        sealed_files.entry(
+            meta, "tongues_left_out" if "tongues_left_out" in meta else "hairlines", int
+        ),  # its earlier name
+        sealed_files.entry(meta, "accuracy", float),
         (resolution[0], resolution[1]),
     )
 
@@ -342,9 +345,9 @@ class _Scaled:
         return self.source(accuracy, progress).scaled(self.x, self.y, self.factors)
 
 
-def _axis(meta: dict[str, Any], arrays: files.Arrays, name: str) -> Axis:
-    words = files.entry(meta, name, list)
-    values = files.field(arrays, name, np.float64, (None,), finite=True)
+def _axis(meta: dict[str, Any], arrays: sealed_files.Arrays, name: str) -> Axis:
+    words = sealed_files.entry(meta, name, list)
+    values = sealed_files.field(arrays, name, np.float64, (None,), finite=True)
     if [type(word) for word in words] != [str] * 3 or not (np.diff(values) > 0.0).all():
         raise ValueError(f"axis {name} is {words!r} with values {values!r}")
     word, symbol, unit = words

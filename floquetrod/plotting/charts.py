@@ -11,7 +11,7 @@ import numpy as np
 
 from floquetrod import units
 from floquetrod._util import validate
-from floquetrod._util.files import atomic_file
+from floquetrod._util.sealed_files import atomic_file
 from floquetrod.plotting import palette
 
 _BELOW = 36.0  # points from the axes to the legend below: ticks, their labels and that of the axis

@@ -12,8 +12,8 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from floquetrod._util import validate
-from floquetrod._util.files import atomic_file
-from floquetrod._util.report import Report
+from floquetrod._util.result_report import Report
+from floquetrod._util.sealed_files import atomic_file
 from floquetrod.plotting import palette
 
 KINDS = (".html", ".pdf")

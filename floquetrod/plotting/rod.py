@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from floquetrod._util.files import atomic_file
+from floquetrod._util.sealed_files import atomic_file
 from floquetrod.plotting import palette
 from floquetrod.plotting.charts import axes_or_new, explain, figure_or_new, new_axes, typeset
 

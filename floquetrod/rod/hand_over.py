@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 from floquetrod._util import validate
 from floquetrod._util.implausible import PlausibilityWarning
 from floquetrod._util.progress import Progress
-from floquetrod._util.report import Report, Reported, Table
+from floquetrod._util.result_report import Report, Reported, Table
 from floquetrod._util.version import __version__
 from floquetrod.plotting import charts, document
 from floquetrod.plotting.document import Section

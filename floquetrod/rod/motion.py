@@ -12,8 +12,8 @@ from floquetrod._util import validate
 from floquetrod._util.arrays import Floats
 from floquetrod.equations import NonlinearSystem, PeriodicSystem, sampling
 from floquetrod.floquet.dispatch import stability
+from floquetrod.floquet.multipliers.system_stability import SystemStability
 from floquetrod.floquet.status import Status
-from floquetrod.floquet.systems.result import SystemStability
 from floquetrod.orbits import NoOrbitError, PeriodicOrbit, periodic_orbit
 from floquetrod.rod.answers.steady_motion import SteadyMotion
 from floquetrod.rod.answers.verdict import RodStability

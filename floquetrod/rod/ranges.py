@@ -14,10 +14,10 @@ from floquetrod._util.caching import cached_property
 from floquetrod._util.content import NoTruthValue
 from floquetrod._util.deprecation import Renamed
 from floquetrod._util.interchange import by_keys
-from floquetrod._util.parts import complement
 from floquetrod._util.progress import Progress
-from floquetrod._util.report import Report, Reported, Table
-from floquetrod.floquet.systems.resonances import Resonance
+from floquetrod._util.result_report import Report, Reported, Table
+from floquetrod._util.spans import complement
+from floquetrod.floquet.multipliers.resonance_names import Resonance
 from floquetrod.rod.answers.intervals import QUANTITIES, Cause, Search, StabilityInterval, UnstableBand
 from floquetrod.rod.answers.margins import CriticalLoad
 from floquetrod.rod.loads.axial import AxialGap

@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from floquetrod._util import files
+from floquetrod._util import sealed_files
 from floquetrod._util.calling import level_of_caller
 from floquetrod._util.locks import Lock, lock_beside
 from floquetrod._util.version import __version__
@@ -68,7 +68,7 @@ class Resumable(NamedTuple):
     def record(self, arrays: Mapping[str, NDArray[Any]], name: str) -> Any:
         """Return the record of the rod that a file holds under ``name``."""
         layout = self.layout
-        (rod,) = np.frombuffer(bytearray(files.field(arrays, name, np.uint8, (layout.itemsize,))), dtype=layout)
+        (rod,) = np.frombuffer(bytearray(sealed_files.field(arrays, name, np.uint8, (layout.itemsize,))), dtype=layout)
         clock = float(rod["clock"][0])
         if not (0.0 <= clock <= self.time_steps.count and clock == int(clock)):
             raise ValueError(f"the clock of its {name} shows {clock!r} steps")
@@ -78,7 +78,7 @@ class Resumable(NamedTuple):
         """Return the frames that a file holds, as many as the clock of its record says."""
         count = int(rod["clock"][0]) // self.time_steps.per_frame + 1
         return {
-            name: files.field(arrays, name, np.float64, (count, *shape), finite=True)
+            name: sealed_files.field(arrays, name, np.float64, (count, *shape), finite=True)
             for name, shape in frame_shapes(self.segments).items()
         }
 
@@ -106,7 +106,7 @@ class Checkpoint:
 
     def __init__(self, path: Path, identity: Mapping[str, Any]) -> None:
         """Make sure that the file can be written."""
-        self.path = files.writable(path)
+        self.path = sealed_files.writable(path)
         self._identity = dict(identity)
         self._due = 0.0
         self._lock: Lock | None = None
@@ -169,7 +169,7 @@ class Checkpoint:
         }
         records = {"state": state.rod, "before": state.before}
         arrays = {name: np.frombuffer(rod.tobytes(), np.uint8) for name, rod in records.items()}
-        files.write_npz(self.path, meta, arrays | state.frames, compress=False)
+        sealed_files.write_npz(self.path, meta, arrays | state.frames, compress=False)
 
     def load(self, expected: Resumable) -> RunState:
         """Return the state that the file holds.
@@ -179,7 +179,7 @@ class Checkpoint:
         """
         remedy = "or remove it to start again"
         try:
-            foreign, state = files.read_npz(
+            foreign, state = sealed_files.read_npz(
                 self.path, _FORMAT, "a checkpoint of a simulation", lambda *content: self._read(expected, *content)
             )
         except ValueError as error:
@@ -188,14 +188,16 @@ class Checkpoint:
             raise ValueError(f"checkpoint {self.path} {foreign}, {remedy}")
         return state
 
-    def _read(self, expected: Resumable, meta: dict[str, Any], arrays: files.Arrays) -> tuple[str, RunState | None]:
+    def _read(
+        self, expected: Resumable, meta: dict[str, Any], arrays: sealed_files.Arrays
+    ) -> tuple[str, RunState | None]:
         """Return why the content is not for this run, or the state it holds."""
-        unlike = f"of floquetrod {files.entry(meta, 'version', str)} cannot be continued bit for bit here"
-        theirs, ours = files.entry(meta, "arithmetic", dict), arithmetic()
+        unlike = f"of floquetrod {sealed_files.entry(meta, 'version', str)} cannot be continued bit for bit here"
+        theirs, ours = sealed_files.entry(meta, "arithmetic", dict), arithmetic()
         if theirs != ours:
             other = [f"{name} {value}" for name, value in theirs.items() if ours.get(name) != value]
             return f"{unlike}: it was computed with {', '.join(other)}; continue it where that is installed", None
-        mine, its = self._identity, files.entry(meta, "problem", dict)
+        mine, its = self._identity, sealed_files.entry(meta, "problem", dict)
         if wrong := [name for name in {**mine, **its} if its.get(name) != mine.get(name)]:
             return f"belongs to another run, with another {', '.join(wrong)}; give another path", None
         before, rod = (expected.record(arrays, name) for name in ("before", "state"))
@@ -211,7 +213,7 @@ class Checkpoint:
                 f"{unlike}: its last {steps} steps come out otherwise; continue it on the machine that wrote it",
                 None,
             )
-        return "", RunState(rod, before, frames, files.entry(meta, "seconds", float))
+        return "", RunState(rod, before, frames, sealed_files.entry(meta, "seconds", float))
 
 
 def warn(text: str) -> None:

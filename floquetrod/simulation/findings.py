@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
 from floquetrod._util.interchange import by_keys
-from floquetrod._util.report import Printed, Report
+from floquetrod._util.result_report import Printed, Report
 from floquetrod._util.suggest import listed
 from floquetrod.rod.answers.reports import answer_units, load_lines, shown_in
 from floquetrod.rod.answers.verdict import RodStability

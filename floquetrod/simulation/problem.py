@@ -15,12 +15,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from floquetrod import units
-from floquetrod._util import files, validate
+from floquetrod._util import sealed_files, validate
 from floquetrod._util.arguments import Mention
 from floquetrod._util.caching import cached_property
 from floquetrod._util.calling import level_of_caller
 from floquetrod._util.progress import Progress
-from floquetrod._util.report import Report, Reported
+from floquetrod._util.result_report import Report, Reported
 from floquetrod._util.version import __version__
 from floquetrod.rod.answers.mean_force import friction_along
 from floquetrod.rod.loads.load import LIMITS, Load, load_from_dict, load_number, noise_in_words, require_load
@@ -656,7 +656,7 @@ class Simulation(Reported, RecordedMotion):
         }
         arrays = {name: getattr(self, name) for name in ("time", "positions", "velocities", "end_forces")}
         energy = {f"energy_{name}": values for name, values in self.energy.items()}
-        return files.write_npz(path, meta, {**arrays, **energy}, compress=True)
+        return sealed_files.write_npz(path, meta, {**arrays, **energy}, compress=True)
 
     @classmethod
     def load(cls, path: str | Path) -> Simulation:
@@ -664,28 +664,29 @@ class Simulation(Reported, RecordedMotion):
 
         Raises ValueError for a file that is damaged, if only in one bit, or foreign.
         """
-        return files.read_npz(path, _FORMAT, "a simulation", _simulation)
+        return sealed_files.read_npz(path, _FORMAT, "a simulation", _simulation)
 
 
-def _simulation(meta: dict[str, Any], arrays: files.Arrays) -> Simulation:
+def _simulation(meta: dict[str, Any], arrays: sealed_files.Arrays) -> Simulation:
     """Return the simulation that a file describes; an error where it is not as `Simulation.save` writes it."""
-    problem = SimulationProblem.from_dict(files.entry(meta, "problem", dict))
+    problem = SimulationProblem.from_dict(sealed_files.entry(meta, "problem", dict))
     # As they were taken: another version may choose others for the same problem.
-    per_frame = validate.integer("steps_per_frame", files.entry(meta, "steps_per_frame", int), 1)
+    per_frame = validate.integer("steps_per_frame", sealed_files.entry(meta, "steps_per_frame", int), 1)
     limit = validate.choice("step_limit", meta["step_limit"], STEP_LIMITS)
-    ended, seconds = validate.choice("ended", meta["ended"], ENDINGS), files.entry(meta, "seconds", float)
-    (count,), nodes = files.require_shape(arrays, "time", (None,)), problem.segments + 1
+    ended, seconds = validate.choice("ended", meta["ended"], ENDINGS), sealed_files.entry(meta, "seconds", float)
+    (count,), nodes = sealed_files.require_shape(arrays, "time", (None,)), problem.segments + 1
     fits = (ended == "duration") == (count == problem.frames) and (problem.stop_early or ended in ENDINGS[::3])
     if not (1 <= count <= problem.frames and fits and seconds >= 0.0):
         raise validate.wrong_value(
             "it", f"has {count} of {problem.frames} frames, made in {seconds!r} s, and ended: {ended}"
         )
-    time = files.field(arrays, "time", np.float64, (count,), finite=True)
+    time = sealed_files.field(arrays, "time", np.float64, (count,), finite=True)
     positions, velocities = (
-        files.field(arrays, name, np.float64, (count, nodes, 3), finite=True) for name in ("positions", "velocities")
+        sealed_files.field(arrays, name, np.float64, (count, nodes, 3), finite=True)
+        for name in ("positions", "velocities")
     )
     energy = {
-        name: files.field(arrays, f"energy_{name}", np.float64, (count,), finite=True)
+        name: sealed_files.field(arrays, f"energy_{name}", np.float64, (count,), finite=True)
         for name in (*ENERGIES, "dissipated")
     }
     return Simulation(
@@ -694,9 +695,9 @@ def _simulation(meta: dict[str, Any], arrays: files.Arrays) -> Simulation:
         time=time,
         positions=positions,
         velocities=velocities,
-        end_forces=files.field(arrays, "end_forces", np.float64, (count, 2), finite=True),
+        end_forces=sealed_files.field(arrays, "end_forces", np.float64, (count, 2), finite=True),
         energy=energy,
         ended=ended,
         seconds=seconds,
-        version=files.entry(meta, "version", str),
+        version=sealed_files.entry(meta, "version", str),
     )

@@ -24,8 +24,8 @@ from floquetrod._util.arrays import Bools, Floats, Ints
 from floquetrod._util.caching import cached_property
 from floquetrod.wells.arcs import Points
 from floquetrod.wells.helix_criteria import HELIX_RATIOS
-from floquetrod.wells.kernels import contact
-from floquetrod.wells.kernels.contact import LOCKED
+from floquetrod.wells.kernels import wall_contact
+from floquetrod.wells.kernels.wall_contact import LOCKED
 from floquetrod.wells.path import WellPath
 
 HELICAL = HELIX_RATIOS | {"always": 0.0}
@@ -200,22 +200,22 @@ class Drag:
         )
 
     @cached_property
-    def sliding(self) -> contact.SlidingString:
+    def sliding(self) -> wall_contact.SlidingString:
         """The string's constants in the equation for y, for kernels."""
         helical = HELICAL[self.helical] if self.motion == "pushed" else math.inf
-        return contact.SlidingString(self.pipe.weight, self.pipe.scale, MOTIONS[self.motion], helical)
+        return wall_contact.SlidingString(self.pipe.weight, self.pipe.scale, MOTIONS[self.motion], helical)
 
     def helix_excess(self, geometry: WellGeometry, y: Floats) -> Floats:
         """Return sin y - sqrt(h lying / w), zero or more where a string is a helix; -1 unless it is pushed."""
         if self.motion != "pushed":
             return np.full(y.shape, -1.0)
         sine = np.sin(y)
-        return np.asarray(contact.helix_excess(self.sliding, self._lying(geometry, sine, np.cos(y)), sine))
+        return np.asarray(wall_contact.helix_excess(self.sliding, self._lying(geometry, sine, np.cos(y)), sine))
 
     def helix_margin(self, geometry: WellGeometry, y: Floats) -> Floats:
         """Return a function of y with the sign of `helix_excess` that is smooth along the well."""
         sine = np.sin(y)
-        return np.asarray(contact.helix_margin(self.sliding, self._lying(geometry, sine, np.cos(y)), sine))
+        return np.asarray(wall_contact.helix_margin(self.sliding, self._lying(geometry, sine, np.cos(y)), sine))
 
     def lying_across(self, geometry: WellGeometry, y: Floats) -> Floats:
         """Return the contact force in N/m of lying strings, times cos^2 y, as a vector: in the plane, and across."""
@@ -225,10 +225,12 @@ class Drag:
         return np.array([cosine * bent, cosine * push * geometry.kappa_b])
 
     def _lying(self, geometry: WellGeometry, sine: Floats, cosine: Floats) -> Floats:
-        return np.asarray(contact.lying(self.sliding, geometry.sine, geometry.kappa_n, geometry.kappa_b, sine, cosine))
+        return np.asarray(
+            wall_contact.lying(self.sliding, geometry.sine, geometry.kappa_n, geometry.kappa_b, sine, cosine)
+        )
 
     def slopes(self, geometry: WellGeometry, mu: Floats, y: Floats, helix: Any) -> Floats:
         """Return dy/ds of strings, each at its place, ``helix`` the share of them wound into a helix."""
         sine, cosine = np.sin(y), np.cos(y)
-        pressed = contact.contact(self.sliding, self._lying(geometry, sine, cosine), sine, helix)
-        return np.asarray(contact.slope(self.sliding, geometry.cosine, mu, cosine, pressed))
+        pressed = wall_contact.contact(self.sliding, self._lying(geometry, sine, cosine), sine, helix)
+        return np.asarray(wall_contact.slope(self.sliding, geometry.cosine, mu, cosine, pressed))

@@ -20,7 +20,7 @@ from floquetrod._util.content import ByContent
 from floquetrod._util.roots import largest, roots
 from floquetrod.wells.arcs import Points
 from floquetrod.wells.drag import Drag, Fineness, States, Strings, WellGeometry
-from floquetrod.wells.kernels.contact import LOCKED
+from floquetrod.wells.kernels.wall_contact import LOCKED
 
 Ints = NDArray[np.intp]
 

@@ -19,7 +19,7 @@ from floquetrod._util.calling import TellsAttributes, constructor_hints, level_o
 from floquetrod._util.columns import column_argument, delimiter_argument
 from floquetrod._util.content import ByContent
 from floquetrod._util.implausible import SILENCE, PlausibilityWarning
-from floquetrod._util.report import Report, Reported, Table
+from floquetrod._util.result_report import Report, Reported, Table
 from floquetrod.wells import survey, survey_file
 from floquetrod.wells.arcs import Points, WellArcs
 

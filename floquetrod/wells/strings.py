@@ -18,7 +18,7 @@ from floquetrod._util.arrays import Bools, Floats
 from floquetrod._util.compilation import cores, in_threads
 from floquetrod.wells import march
 from floquetrod.wells.drag import Drag, Fineness, Shaking, Strings
-from floquetrod.wells.shaken import ShakenString
+from floquetrod.wells.shaken_string import ShakenString
 
 _TURNS = 30  # at most: seven are usual
 _STAYS = 1e-7, 10.0  # largest change of y in the last turn: at least, and over the tolerance

@@ -10,11 +10,11 @@ import numpy as np
 from floquetrod._util import validate
 from floquetrod._util.arrays import Complexes
 from floquetrod.equations import DelaySystem
-from floquetrod.floquet.systems import delay_maps, delay_roots, delay_spectra
-from floquetrod.floquet.systems.classification import classify_multipliers
-from floquetrod.floquet.systems.delay_mesh import Mesh
-from floquetrod.floquet.systems.delay_spectra import LeadingMultipliers
-from floquetrod.floquet.systems.result import SystemStability
+from floquetrod.floquet.multipliers import delay_maps, delay_roots, delay_spectra
+from floquetrod.floquet.multipliers.classification import classify_multipliers
+from floquetrod.floquet.multipliers.delay_mesh import Mesh
+from floquetrod.floquet.multipliers.delay_spectra import LeadingMultipliers
+from floquetrod.floquet.multipliers.system_stability import SystemStability
 from floquetrod.floquet.verdict import Cost
 
 _FEWEST, _MOST = 8, 56  # nodes in a piece (a choice)

@@ -15,9 +15,9 @@ from floquetrod._util import validate
 from floquetrod._util.arrays import Complexes, Floats
 from floquetrod._util.interpolation import lagrange_weights
 from floquetrod.equations import DelaySystem
-from floquetrod.floquet.systems import delay_maps, delay_roots, delay_spectra
-from floquetrod.floquet.systems.classification import classify_multipliers
-from floquetrod.floquet.systems.result import SystemStability
+from floquetrod.floquet.multipliers import delay_maps, delay_roots, delay_spectra
+from floquetrod.floquet.multipliers.classification import classify_multipliers
+from floquetrod.floquet.multipliers.system_stability import SystemStability
 from floquetrod.floquet.verdict import Cost
 
 _MOST_ROWS = 2400  # of the map with the shortest steps (a choice: some seconds)

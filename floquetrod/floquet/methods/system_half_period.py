@@ -13,11 +13,11 @@ from floquetrod._util.arrays import Complexes
 from floquetrod.equations import HillSystem, PeriodicSystem
 from floquetrod.equations import pieces as by_pieces
 from floquetrod.floquet import registry
+from floquetrod.floquet.multipliers import half_period_maps, spectra, whole_period_maps
+from floquetrod.floquet.multipliers.classification import classify_pairs, too_long
+from floquetrod.floquet.multipliers.system_stability import SystemStability
 from floquetrod.floquet.pairs import logarithms
 from floquetrod.floquet.problems import undamped_pairs
-from floquetrod.floquet.systems import even, spectra, whole
-from floquetrod.floquet.systems.classification import classify_pairs, too_long
-from floquetrod.floquet.systems.result import SystemStability
 from floquetrod.floquet.verdict import Cost
 
 _COST = Cost(1, "half period")
@@ -58,7 +58,7 @@ class SolvedPairs(NamedTuple):
 
     verdict: SystemStability
     discs: spectra.Discs | None = None  # numbers y of the pairs
-    pairs: even.PairMatrices | None = None
+    pairs: half_period_maps.PairMatrices | None = None
 
     def fastest(self) -> tuple[complex, float, Complexes, Complexes] | None:
         """Return the largest multiplier, its error, and (u, u') at an instant of evenness of its solution and partner.
@@ -101,19 +101,19 @@ def solved_pairs(system: HillSystem | PeriodicSystem, rtol: float = 1e-12) -> So
     return SolvedPairs(classify_pairs(system, "half_period", discs, krein=krein, cost=_COST), discs, found)
 
 
-def _of_series(system: HillSystem, rtol: float) -> tuple[float, Callable[[], even.PairMatrices]]:
+def _of_series(system: HillSystem, rtol: float) -> tuple[float, Callable[[], half_period_maps.PairMatrices]]:
     """Return the seconds that one Fourier series takes, and what computes the matrix of its pairs."""
     form: Any = system.even_form
     arrays = form.stiffness[None], form.amplitudes[None], np.array([float(system.period)])
-    seconds = float(even.seconds_needed(*arrays)[0])
-    return seconds, lambda: even.pair_matrices(*arrays, form.error[None], rtol)
+    seconds = float(half_period_maps.seconds_needed(*arrays)[0])
+    return seconds, lambda: half_period_maps.pair_matrices(*arrays, form.error[None], rtol)
 
 
-def _in_pieces(system: HillSystem, rtol: float) -> tuple[float, Callable[[], even.PairMatrices]]:
+def _in_pieces(system: HillSystem, rtol: float) -> tuple[float, Callable[[], half_period_maps.PairMatrices]]:
     """Return the seconds that a stiffness in pieces takes, and what computes the matrix of its pairs."""
     first, start = system.as_periodic_system(), system.even_start or Fraction(0)
     half = by_pieces.exact_period(first) / 2
     pieces, error = by_pieces.from_instant(first, start, half)
     other, _ = by_pieces.from_instant(first, start + half, half)
-    seconds = float(whole.seconds_needed(pieces)[0])
-    return seconds, lambda: even.of_pieces(pieces, other, error, rtol, symmetric=system.is_symmetric)
+    seconds = float(whole_period_maps.seconds_needed(pieces)[0])
+    return seconds, lambda: half_period_maps.of_pieces(pieces, other, error, rtol, symmetric=system.is_symmetric)

@@ -13,10 +13,10 @@ from floquetrod.equations import HillSystem, PeriodicSystem
 from floquetrod.equations import pieces as by_pieces
 from floquetrod.equations.hill_system import in_first_order
 from floquetrod.floquet.kernels.system_maps_large import large_seconds, period_map_large
+from floquetrod.floquet.multipliers import spectra, symplectic, whole_period_maps
+from floquetrod.floquet.multipliers.classification import LogDiscs, classify_multipliers, classify_pairs, too_long
+from floquetrod.floquet.multipliers.system_stability import SystemStability
 from floquetrod.floquet.problems import undamped_pairs
-from floquetrod.floquet.systems import spectra, symplectic, whole
-from floquetrod.floquet.systems.classification import LogDiscs, classify_multipliers, classify_pairs, too_long
-from floquetrod.floquet.systems.result import SystemStability
 from floquetrod.floquet.verdict import Cost
 
 _COST = Cost(1, "period")
@@ -59,13 +59,13 @@ def monodromy(system: HillSystem | PeriodicSystem, *, rtol: float = 1e-12) -> Sy
     reversible = pairs is not None and subject.structure == "reversible"
     start = _even_start(subject) if reversible and isinstance(subject, HillSystem) else Fraction(0)
     pieces, uncertainty = by_pieces.from_instant(first, start, by_pieces.exact_period(first))
-    refused = too_long(system, "monodromy", float(whole.seconds_needed(pieces)[0]))
+    refused = too_long(system, "monodromy", float(whole_period_maps.seconds_needed(pieces)[0]))
     if refused is not None:
         return refused
     if pairs is not None and not reversible and _are_oscillators(first, _SEVERAL):
         full, error, _ = _map_of_many(first, rtol)
     else:
-        maps = whole.period_maps(pieces, uncertainty, rtol, paired=pairs is not None)
+        maps = whole_period_maps.period_maps(pieces, uncertainty, rtol, paired=pairs is not None)
         full, error = maps.matrix[0], float(maps.error[0])
     if pairs is None:
         discs = spectra.eigenvalue_discs(full, error)
@@ -87,7 +87,9 @@ def _even_start(system: HillSystem) -> Fraction:
 
 def _are_oscillators(first: PeriodicSystem, fewest: int) -> bool:
     """Return whether a system is q'' + K(t) q = 0, K symmetric and without jumps, of enough equations."""
-    return first.is_smooth and first.order >= 2 * fewest and whole.is_oscillators(first.mean, first.harmonics)
+    return (
+        first.is_smooth and first.order >= 2 * fewest and whole_period_maps.is_oscillators(first.mean, first.harmonics)
+    )
 
 
 def _coefficients(first: PeriodicSystem) -> tuple[Floats, Complexes]:

@@ -22,12 +22,12 @@ from floquetrod.equations import HillSystem, PeriodicSystem
 from floquetrod.equations import pieces as by_pieces
 from floquetrod.equations.hill_system import states
 from floquetrod.equations.pieces import TimedPiece
+from floquetrod.floquet.multipliers import independent_solutions, precise_maps, precise_spectra
+from floquetrod.floquet.multipliers.classification import LogDiscs, ManyDigits, classify_multipliers, classify_pairs
+from floquetrod.floquet.multipliers.precise_maps import PeriodMap, PieceSeries, Plan
+from floquetrod.floquet.multipliers.symplectic import pair_matrix
+from floquetrod.floquet.multipliers.system_stability import SystemStability
 from floquetrod.floquet.problems import undamped_pairs
-from floquetrod.floquet.systems import independent_solutions, precise_maps, precise_spectra
-from floquetrod.floquet.systems.classification import LogDiscs, ManyDigits, classify_multipliers, classify_pairs
-from floquetrod.floquet.systems.precise_maps import PeriodMap, PieceSeries, Plan
-from floquetrod.floquet.systems.result import SystemStability
-from floquetrod.floquet.systems.symplectic import pair_matrix
 from floquetrod.floquet.verdict import Cost
 
 _MOST_DIGITS = 120  # to which digits are raised while the verdict is open, unless asked otherwise

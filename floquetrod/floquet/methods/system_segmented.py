@@ -12,11 +12,11 @@ from floquetrod._util.arrays import Floats, norms
 from floquetrod.equations import HillSystem, PeriodicSystem
 from floquetrod.equations import pieces as by_pieces
 from floquetrod.equations.hill_system import in_first_order
+from floquetrod.floquet.multipliers import cyclic_matrix, independent_solutions
+from floquetrod.floquet.multipliers.classification import classify_multipliers
+from floquetrod.floquet.multipliers.system_stability import SystemStability
+from floquetrod.floquet.multipliers.whole_period_maps import balanced_maps, error_stretch
 from floquetrod.floquet.problems import undamped_pairs
-from floquetrod.floquet.systems import cyclic, independent_solutions
-from floquetrod.floquet.systems.classification import classify_multipliers
-from floquetrod.floquet.systems.result import SystemStability
-from floquetrod.floquet.systems.whole import balanced_maps, error_stretch
 from floquetrod.floquet.verdict import Cost
 
 _FEWEST, _MOST_ROWS = 8, 1000  # segments; rows of the cyclic matrix (a choice: about ten seconds)
@@ -69,7 +69,7 @@ def segmented(system: HillSystem | PeriodicSystem, *, rtol: float = 1e-12) -> Sy
             continue
         excess = math.log(condition) / math.log(_LARGEST_CONDITION)
         if excess <= 1.0:
-            solutions = cyclic.solutions(maps, errors, scales)
+            solutions = cyclic_matrix.solutions(maps, errors, scales)
             break
         count = parts * math.ceil(1.1 * excess * count / parts)
     else:

@@ -12,16 +12,16 @@ from floquetrod._util import validate
 from floquetrod._util.arrays import Complexes, Floats
 from floquetrod.equations import HillSystem, PeriodicSystem
 from floquetrod.equations.hill_system import in_first_order
+from floquetrod.floquet.multipliers import independent_solutions, spectra
+from floquetrod.floquet.multipliers.classification import classify_multipliers
+from floquetrod.floquet.multipliers.independent_solutions import Solutions
+from floquetrod.floquet.multipliers.system_stability import SystemStability
+from floquetrod.floquet.multipliers.whole_period_maps import error_stretch
 from floquetrod.floquet.problems import undamped_pairs
 from floquetrod.floquet.proof.balls import Doubles
 from floquetrod.floquet.proof.many_digits import TooMuchWork, Unresolved
 from floquetrod.floquet.proof.system_counts import Counts, angles_between, count
 from floquetrod.floquet.proof.system_numbers import system_problem
-from floquetrod.floquet.systems import independent_solutions, spectra
-from floquetrod.floquet.systems.classification import classify_multipliers
-from floquetrod.floquet.systems.independent_solutions import Solutions
-from floquetrod.floquet.systems.result import SystemStability
-from floquetrod.floquet.systems.whole import error_stretch
 from floquetrod.floquet.verdict import Cost
 
 _MOST_ROWS = 1000  # of Hill's matrix (a choice: about ten seconds)

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from fractions import Fraction
 from typing import Any, NamedTuple
 
-from floquetrod._util.report import Report, Reported
+from floquetrod._util.result_report import Report, Reported
 from floquetrod.equations import DelaySystem, Equation, HillSystem, PeriodicSystem
 from floquetrod.floquet.references import references
 from floquetrod.floquet.registry import proof_sources

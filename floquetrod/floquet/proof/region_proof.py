@@ -15,7 +15,7 @@ from floquetrod._util import validate
 from floquetrod._util.arrays import Floats
 from floquetrod._util.compilation import compiled_for, runner
 from floquetrod._util.content import NoTruthValue
-from floquetrod._util.report import Report, Reported, number
+from floquetrod._util.result_report import Report, Reported, number
 from floquetrod.floquet.problems import KINDS
 from floquetrod.floquet.proof.kernels import regions as kernels
 from floquetrod.floquet.proof.kernels.regions_boxes import tail_modes

@@ -10,10 +10,10 @@ from fractions import Fraction
 
 import numpy as np
 
+from floquetrod.floquet.multipliers.precise_maps import last_power
 from floquetrod.floquet.proof.balls import Array
 from floquetrod.floquet.proof.many_digits import TooMuchWork, Unresolved
 from floquetrod.floquet.proof.system_problem import Arithmetic, BallPiece, Flow, Matrix, row_sum
-from floquetrod.floquet.systems.precise_maps import last_power
 
 _MOST_STEPS = 2**14
 _MOST_NUMBERS = 2**25  # of the terms of all series, held at once: half a gigabyte in balls of doubles (a choice)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Literal, NamedTuple, TypeAlias
 
-from floquetrod.floquet.systems.resonances import Resonance
+from floquetrod.floquet.multipliers.resonance_names import Resonance
 from floquetrod.rod.loads.axial import AxialGap
 from floquetrod.rod.loads.load import LIMITS, Load, Quantity
 

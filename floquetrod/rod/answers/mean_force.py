@@ -15,8 +15,8 @@ from floquetrod import units
 from floquetrod._util import validate
 from floquetrod._util.arrays import Bools, Floats
 from floquetrod._util.content import ByContent
-from floquetrod._util.parts import runs
-from floquetrod._util.report import Printed, Report
+from floquetrod._util.result_report import Printed, Report
+from floquetrod._util.spans import runs
 from floquetrod.rod.loads.tool import VibrationTool
 from floquetrod.rod.model.data import RodData
 from floquetrod.rod.model.parts import friction_coefficient

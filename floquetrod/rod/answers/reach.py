@@ -17,7 +17,7 @@ from floquetrod._util.caching import cached_property
 from floquetrod._util.content import ByContent
 from floquetrod._util.deprecation import Renamed
 from floquetrod._util.interchange import by_keys
-from floquetrod._util.report import Printed, Report, Table
+from floquetrod._util.result_report import Printed, Report, Table
 from floquetrod.rod.answers.growth_along import fastest_along, growth_along
 from floquetrod.rod.answers.mean_force import ASSUMED, MeanForce, drag_of, force_in_newtons, mean_forces, spans
 from floquetrod.rod.answers.pushing import (
@@ -39,7 +39,7 @@ from floquetrod.rod.model.stress import Stress
 from floquetrod.units import AnswerUnits, Unit
 from floquetrod.wells import strings
 from floquetrod.wells.drag import Drag, WellGeometry
-from floquetrod.wells.kernels.contact import MOST_PRESSED
+from floquetrod.wells.kernels.wall_contact import MOST_PRESSED
 from floquetrod.wells.path import WellPath
 
 _DEPTHS = 100  # where none are asked for

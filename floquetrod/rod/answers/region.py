@@ -13,8 +13,8 @@ import numpy as np
 
 from floquetrod import mathieu, units
 from floquetrod._util import validate
-from floquetrod._util.parts import complement
 from floquetrod._util.progress import Progress
+from floquetrod._util.spans import complement
 from floquetrod.floquet.proof.proof import MAX_BOXES
 from floquetrod.floquet.proof.region_proof import (
     ModeBox,

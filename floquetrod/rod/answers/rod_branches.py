@@ -15,7 +15,7 @@ from floquetrod._util import extras
 from floquetrod._util.arrays import Floats, Ints
 from floquetrod._util.content import ByContent, NoTruthValue
 from floquetrod._util.interchange import by_keys
-from floquetrod._util.report import Printed, Report, Table
+from floquetrod._util.result_report import Printed, Report, Table
 from floquetrod._util.suggest import listed
 from floquetrod.floquet.status import STATUS_CODES
 from floquetrod.orbits import Branch

@@ -16,7 +16,7 @@ from floquetrod._util.caching import cached_property
 from floquetrod._util.content import NoTruthValue
 from floquetrod._util.interval import RealInterval
 from floquetrod._util.progress import Progress
-from floquetrod._util.report import Report, Reported, Table
+from floquetrod._util.result_report import Report, Reported, Table
 from floquetrod.floquet.proof.region_proof import RegionProof, Side
 from floquetrod.rod.answers.intervals import QUANTITIES as NAMES
 from floquetrod.rod.answers.region import is_proved_stable, prove, require_in_reach

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from floquetrod._util.report import Printed, Report
+from floquetrod._util.result_report import Printed, Report
 from floquetrod.rod.loads.load import Load
 from floquetrod.rod.mode_equations.one_mode import LARGEST
 from floquetrod.rod.model.data import RodData

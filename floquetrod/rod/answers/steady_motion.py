@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from floquetrod._util.content import ByContent, NoTruthValue
-from floquetrod._util.report import Printed, Report
+from floquetrod._util.result_report import Printed, Report
 from floquetrod._util.suggest import listed
 from floquetrod.floquet.status import Status
 from floquetrod.orbits import PeriodicOrbit

@@ -18,12 +18,12 @@ from floquetrod._util.arrays import Floats
 from floquetrod._util.caching import cached_property
 from floquetrod._util.interchange import by_keys, plain
 from floquetrod._util.progress import Progress
-from floquetrod._util.report import Report, Reported, Table
+from floquetrod._util.result_report import Report, Reported, Table
 from floquetrod._util.suggest import listed
 from floquetrod.equations import HillSystem, Mathieu
+from floquetrod.floquet.multipliers.resonance_names import Resonance
+from floquetrod.floquet.multipliers.system_stability import SystemStability
 from floquetrod.floquet.references import ROD, references, united
-from floquetrod.floquet.systems.resonances import Resonance
-from floquetrod.floquet.systems.result import SystemStability
 from floquetrod.floquet.verdict import Stability, Verdict
 from floquetrod.rod.answers.margins import FEW_MODES, MARGIN_SECONDS, WAYS, Edge, Margin, in_hundredths, outward
 from floquetrod.rod.answers.reports import margin_lines, margins_as_dict, shown_in, subject_lines

@@ -14,7 +14,7 @@ from floquetrod._util.arrays import shaped
 from floquetrod._util.caching import cached_property
 from floquetrod._util.interchange import by_keys, plain
 from floquetrod._util.progress import Progress
-from floquetrod._util.report import Report, Reported, Table
+from floquetrod._util.result_report import Report, Reported, Table
 from floquetrod._util.suggest import listed
 from floquetrod.equations import FrictionalMathieu, Mathieu
 from floquetrod.floquet.verdict import Status, Verdict

@@ -25,7 +25,7 @@ from floquetrod._util.arrays import Floats
 from floquetrod._util.caching import cached_property
 from floquetrod._util.progress import Progress
 from floquetrod.equations import HillSystem
-from floquetrod.floquet.systems.many import ManyVerdicts
+from floquetrod.floquet.multipliers.many_verdicts import ManyVerdicts
 from floquetrod.rod.loads import axial
 from floquetrod.rod.loads.axial import AxialResonanceError
 from floquetrod.rod.loads.load import AxialLoad, Load, Loads

@@ -15,9 +15,9 @@ from floquetrod._util.compilation import cores, in_threads
 from floquetrod._util.progress import Progress, shifted
 from floquetrod.equations.batches import pick
 from floquetrod.equations.hill_system import HillSystem, restricted
-from floquetrod.floquet.systems.many import ManyVerdicts
-from floquetrod.floquet.systems.resonances import Resonance
-from floquetrod.floquet.systems.resonating import resonating
+from floquetrod.floquet.multipliers.many_verdicts import ManyVerdicts
+from floquetrod.floquet.multipliers.resonance_names import Resonance
+from floquetrod.floquet.multipliers.resonating_modes import resonating
 from floquetrod.floquet.verdict import tolerated
 from floquetrod.rod.loads.load import Load, Loads, Quantity
 
@@ -126,7 +126,7 @@ class CoupledEquations(ABC):
 
         They are verdicts by the quick rules on those that may; -1 and NaN of other loads, and where these are open.
         """
-        from floquetrod.systems.arrays import verdicts
+        from floquetrod.systems.batch_verdicts import verdicts
 
         status, growth = np.full(loads.size, -1, dtype=np.int8), np.full(loads.size, np.nan)
         shaken = np.flatnonzero(loads.amplitude > 0.0) if self.count > SEVERAL and not self.are_apart else ()
@@ -168,7 +168,7 @@ class CoupledEquations(ABC):
 
     def _along(self, loads: Loads, varied: Quantity) -> ManyVerdicts | None:
         """Return quick verdicts on loads of which one force alone varies, None where that would save no time."""
-        from floquetrod.floquet.systems.lines import verdicts_along
+        from floquetrod.floquet.multipliers.verdicts_along_lines import verdicts_along
 
         values: Floats = getattr(loads, varied)
         ends = loads.some(np.array([values.argmin(), values.argmax()]))
@@ -212,7 +212,7 @@ class CoupledEquations(ABC):
         self, system: HillSystem, workers: int | None, quick: bool, progress: Progress | None = None
     ) -> ManyVerdicts:
         """Return statuses and growth rates of systems, where modes are apart each by its own equation."""
-        from floquetrod.systems.arrays import verdicts
+        from floquetrod.systems.batch_verdicts import verdicts
 
         if not self.are_apart:
             return verdicts(system, workers=workers, quick=quick, progress=progress)
@@ -263,7 +263,7 @@ class CoupledEquations(ABC):
 
 def _direct(system: HillSystem) -> tuple[Resonance, ...]:
     """Return what grows in a system of modes that are apart, each by its own equation, the fastest first."""
-    from floquetrod.systems.arrays import verdicts
+    from floquetrod.systems.batch_verdicts import verdicts
 
     status, growth = verdicts(_one_by_one(system))
     found = []

@@ -22,15 +22,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from floquetrod._util.arrays import Bools, Floats
-from floquetrod._util.parts import runs
 from floquetrod._util.progress import Progress
+from floquetrod._util.spans import runs
 from floquetrod.equations import HillSystem
 from floquetrod.equations.matrices import mirrored
 from floquetrod.floquet.margins import Edge
-from floquetrod.floquet.systems.resonances import Resonance
+from floquetrod.floquet.multipliers.resonance_names import Resonance
 from floquetrod.rod.loads.load import Load, Loads, Quantity
 from floquetrod.rod.mode_equations.coupled_systems import CoupledEquations
-from floquetrod.systems.arrays import verdicts
+from floquetrod.systems.batch_verdicts import verdicts
 
 SAMPLES = 257  # of a search between bounds, or of a piece of a search for a margin (a choice)
 _AT_ONCE = 128  # steps between samples of all modes, unless fewer modes tell of more, and between reports (a choice)

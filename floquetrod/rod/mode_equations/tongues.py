@@ -9,8 +9,8 @@ from typing import NamedTuple
 import numpy as np
 
 from floquetrod._util.arrays import Bools, Floats, Ints
-from floquetrod._util.parts import complement
 from floquetrod._util.progress import Progress
+from floquetrod._util.spans import complement
 from floquetrod.mathieu import tongues
 from floquetrod.mathieu.tongues import Tongues
 from floquetrod.rod.loads.load import Quantity

@@ -12,7 +12,7 @@ from floquetrod import units
 from floquetrod._util.arrays import shaped
 from floquetrod._util.caching import cached_property
 from floquetrod._util.interchange import by_keys, plain
-from floquetrod._util.report import Printed, Report
+from floquetrod._util.result_report import Printed, Report
 from floquetrod.units import AnswerUnits
 
 _LARGEST = 1e15  # of forces in N and distances in m (a choice)

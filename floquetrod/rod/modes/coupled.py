@@ -14,7 +14,7 @@ from floquetrod._util.arguments import Mention
 from floquetrod._util.arrays import Floats
 from floquetrod._util.progress import Progress, shifted
 from floquetrod.equations import HillSystem
-from floquetrod.floquet.systems.many import ManyVerdicts
+from floquetrod.floquet.multipliers.many_verdicts import ManyVerdicts
 from floquetrod.rod.answers.intervals import FoundIntervals, Search, UnstableBand
 from floquetrod.rod.answers.margins import Edge
 from floquetrod.rod.answers.verdict import RodStability

@@ -12,19 +12,19 @@ from numpy.typing import NDArray
 
 from floquetrod._util.caching import cached_property
 from floquetrod._util.progress import Progress
-from floquetrod._util.report import number
+from floquetrod._util.result_report import number
 from floquetrod.equations.hill_system import HillSystem, restricted
 from floquetrod.equations.pieces import of_batch
 from floquetrod.floquet.dispatch import judge, stability
 from floquetrod.floquet.methods.system_half_period import solved_pairs
 from floquetrod.floquet.methods.system_monodromy import solved_many
+from floquetrod.floquet.multipliers.fastest_solutions import fast_solutions
+from floquetrod.floquet.multipliers.resonance_names import Resonance
+from floquetrod.floquet.multipliers.resonating_modes import Resonating, resonating
+from floquetrod.floquet.multipliers.stabilising_damping import least_damping
+from floquetrod.floquet.multipliers.system_stability import SystemStability
+from floquetrod.floquet.multipliers.whole_period_maps import period_maps
 from floquetrod.floquet.problems import undamped_pairs
-from floquetrod.floquet.systems.damping import least_damping
-from floquetrod.floquet.systems.fastest import fast_solutions
-from floquetrod.floquet.systems.resonances import Resonance
-from floquetrod.floquet.systems.resonating import Resonating, resonating
-from floquetrod.floquet.systems.result import SystemStability
-from floquetrod.floquet.systems.whole import period_maps
 from floquetrod.floquet.verdict import Status
 from floquetrod.rod.answers.margins import Edge
 from floquetrod.rod.answers.verdict import Evidence, RodStability, Shape

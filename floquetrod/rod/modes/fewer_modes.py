@@ -23,7 +23,7 @@ from floquetrod.floquet.kernels.system_large import ModalEquations
 from floquetrod.floquet.kernels.system_march import March
 from floquetrod.floquet.methods.system_half_period import SolvedPairs
 from floquetrod.floquet.methods.system_monodromy import SolvedMany
-from floquetrod.floquet.systems.fastest import FastSolutions
+from floquetrod.floquet.multipliers.fastest_solutions import FastSolutions
 
 _ACCURACY = 1e-10  # of the solution after a period
 _WORTH = 50.0  # modes over the root of third order of the segments up to which a verdict takes longer (measured)

@@ -13,8 +13,8 @@ from floquetrod._util import validate
 from floquetrod._util.arrays import Bools, Floats, Ints
 from floquetrod._util.caching import cached_property
 from floquetrod._util.compilation import over_chunks
-from floquetrod._util.parts import complement
 from floquetrod._util.progress import Progress
+from floquetrod._util.spans import complement
 from floquetrod.rod.answers.margins import Edge
 from floquetrod.rod.answers.verdict import RodStability
 from floquetrod.rod.loads.load import Load, Loads, Quantity

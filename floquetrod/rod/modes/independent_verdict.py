@@ -10,14 +10,14 @@ import numpy as np
 
 from floquetrod._util.arguments import wrong_value
 from floquetrod._util.arrays import Floats
-from floquetrod._util.parts import complement
 from floquetrod._util.progress import Progress
-from floquetrod._util.report import Table, number
+from floquetrod._util.result_report import Table, number
+from floquetrod._util.spans import complement
 from floquetrod._util.suggest import listed
 from floquetrod.equations import Mathieu
 from floquetrod.floquet.dispatch import stability
+from floquetrod.floquet.multipliers.resonance_names import Resonance
 from floquetrod.floquet.references import united
-from floquetrod.floquet.systems.resonances import Resonance
 from floquetrod.floquet.verdict import Cost, Stability, Status, tolerated
 from floquetrod.rod.answers.margins import Edge
 from floquetrod.rod.answers.verdict import Evidence, RodStability, Shape

@@ -29,8 +29,8 @@ from floquetrod.rod.modes.mode_model import Answers, ModeModel
 from floquetrod.rod.modes.noisy_search import AT_ONCE, changes, first_change, least, stable_at
 
 if TYPE_CHECKING:
+    from floquetrod.floquet.multipliers.many_verdicts import ManyVerdicts
     from floquetrod.floquet.proof.region_proof import RegionProof
-    from floquetrod.floquet.systems.many import ManyVerdicts
     from floquetrod.rod.mode_equations.coupled_systems import CoupledEquations
 
 _AT_ONCE = 1 << 11  # loads that are judged at once (a choice)
@@ -258,8 +258,8 @@ def _rates(parts: Parts, chosen: Bools, workers: int | None) -> ManyVerdicts:
 
     Undecided to about 1e-11 of a multiplier: many digits would take a second each.
     """
-    from floquetrod.floquet.systems.many import ManyVerdicts
-    from floquetrod.systems.arrays import verdicts
+    from floquetrod.floquet.multipliers.many_verdicts import ManyVerdicts
+    from floquetrod.systems.batch_verdicts import verdicts
 
     if not chosen.any():
         return ManyVerdicts(np.zeros(0, dtype=np.int8), np.zeros(0))

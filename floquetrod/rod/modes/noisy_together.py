@@ -17,11 +17,11 @@ import numpy as np
 
 from floquetrod._util.arguments import wrong_value
 from floquetrod._util.progress import Progress, shifted
-from floquetrod._util.report import number
+from floquetrod._util.result_report import number
+from floquetrod.floquet.multipliers.moment_growth import MomentGrowth, MomentRate
+from floquetrod.floquet.multipliers.stabilising_damping import least_damping
 from floquetrod.floquet.references import NOISE, references
 from floquetrod.floquet.status import STATUS_CODES, UNDECIDED, UNSTABLE
-from floquetrod.floquet.systems.damping import least_damping
-from floquetrod.floquet.systems.moment_growth import MomentGrowth, MomentRate
 from floquetrod.floquet.verdict import Cost, Status
 from floquetrod.rod.answers.critical_noise import CriticalFactor
 from floquetrod.rod.answers.verdict import RodStability

@@ -12,11 +12,11 @@ import numpy as np
 from floquetrod._util.arguments import wrong_value
 from floquetrod._util.arrays import Floats
 from floquetrod._util.progress import Progress
-from floquetrod._util.report import Table, number
+from floquetrod._util.result_report import Table, number
 from floquetrod.equations.batches import pick
 from floquetrod.floquet.dispatch import stability
-from floquetrod.floquet.systems.resonances import Resonance
-from floquetrod.floquet.systems.result import SystemStability
+from floquetrod.floquet.multipliers.resonance_names import Resonance
+from floquetrod.floquet.multipliers.system_stability import SystemStability
 from floquetrod.floquet.verdict import Cost, Status, tolerated
 from floquetrod.rod.answers.intervals import Search
 from floquetrod.rod.answers.margins import Edge

@@ -10,8 +10,8 @@ from itertools import pairwise
 import numpy as np
 
 from floquetrod._util.calling import level_of_caller
-from floquetrod._util.parts import Gap, complement
 from floquetrod._util.progress import Progress, shifted
+from floquetrod._util.spans import Gap, complement
 from floquetrod.floquet.status import UndecidedWarning
 from floquetrod.rod.answers.intervals import QUANTITIES, BucklingWarning, FoundIntervals, Search, StabilityInterval
 from floquetrod.rod.answers.margins import Edge, ends_between

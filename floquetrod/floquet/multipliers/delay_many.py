@@ -14,9 +14,9 @@ from numpy.typing import NDArray
 
 from floquetrod._util.arrays import Floats
 from floquetrod.equations import DelaySystem
+from floquetrod.floquet.multipliers import delay_growth, delay_maps
+from floquetrod.floquet.multipliers.many_verdicts import ManyVerdicts
 from floquetrod.floquet.status import STABLE, UNDECIDED, UNSTABLE
-from floquetrod.floquet.systems import delay_growth, delay_maps
-from floquetrod.floquet.systems.many import ManyVerdicts
 
 Maps = Callable[[NDArray[np.intp], int], Floats]
 """(indices of systems, nodes in a piece) -> maps over a period (b, S, S)."""

@@ -8,7 +8,7 @@ import numpy as np
 
 from floquetrod._util.arrays import Floats
 from floquetrod.equations import DelaySystem
-from floquetrod.floquet.systems import delay_maps
+from floquetrod.floquet.multipliers import delay_maps
 
 _COUNTS = (8, 12, 16, 20, 26, 32, 40, 50)  # nodes in a piece, tried in turn (a choice)
 _MOST_ROWS = 1000  # of collocation (a choice: a second)

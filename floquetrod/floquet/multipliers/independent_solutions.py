@@ -13,9 +13,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from floquetrod._util.arrays import Complexes, Floats
-from floquetrod.floquet.systems.classification import LogDiscs
-from floquetrod.floquet.systems.spectra import log_distances, touching
-from floquetrod.floquet.systems.symplectic import symplectic_unit
+from floquetrod.floquet.multipliers.classification import LogDiscs
+from floquetrod.floquet.multipliers.spectra import log_distances, touching
+from floquetrod.floquet.multipliers.symplectic import symplectic_unit
 
 _SINES = (0.5, 0.1, 1e-2, 1e-4, 1e-6)
 """Sines of the angle between a state and the span of the chosen ones, below which it depends on them: tried in turn

@@ -9,7 +9,7 @@ import numpy as np
 from floquetrod._util.arrays import Complexes
 from floquetrod.equations import DelaySystem, HillSystem
 from floquetrod.equations.matrices import mass_matrix, velocity_matrix
-from floquetrod.floquet.systems.classification import LogDiscs
+from floquetrod.floquet.multipliers.classification import LogDiscs
 
 _MOST_TURNS = 4096  # multiples tried for each root (a choice)
 
@@ -30,7 +30,7 @@ def per_period(system: DelaySystem, logs: LogDiscs, period: float) -> LogDiscs:
 
 def _root(system: DelaySystem, log: complex, period: float) -> complex:
     """Return log + 2 pi i k / period for the k at which the characteristic determinant is smallest for its size."""
-    from floquetrod.floquet.systems.delay_maps import rate
+    from floquetrod.floquet.multipliers.delay_maps import rate
 
     turns = min(_MOST_TURNS, math.ceil(rate(system, max(0.0, -log.real)) * period / (2.0 * math.pi)) + 1)
     candidates = np.asarray(log + 2j * math.pi / period * np.arange(-turns, turns + 1), dtype=np.complex128)

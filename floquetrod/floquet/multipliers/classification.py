@@ -22,11 +22,11 @@ from floquetrod.equations.batches import System
 from floquetrod.equations.hill_system import in_first_order
 from floquetrod.equations.pieces import TimedPiece
 from floquetrod.floquet import pairs
+from floquetrod.floquet.multipliers import spectra
+from floquetrod.floquet.multipliers.spectra import Discs
+from floquetrod.floquet.multipliers.symplectic import krein_form
+from floquetrod.floquet.multipliers.system_stability import SystemStability
 from floquetrod.floquet.problems import undamped_pairs
-from floquetrod.floquet.systems import spectra
-from floquetrod.floquet.systems.result import SystemStability
-from floquetrod.floquet.systems.spectra import Discs
-from floquetrod.floquet.systems.symplectic import krein_form
 from floquetrod.floquet.verdict import Cost, Status, static_status
 
 Krein = Callable[[NDArray[np.intp]], int]

@@ -12,8 +12,16 @@ import math
 from typing import Any, NamedTuple
 
 from floquetrod._util.compilation import kernel
-from floquetrod.wells.kernels.contact import LOCKED, MOST_PRESSED, SlidingString, contact, helix_excess, lying, slope
-from floquetrod.wells.kernels.wave import PARTS, Balance, Cells, ShakingForce, find_wave
+from floquetrod.wells.kernels.tool_wave import PARTS, Balance, Cells, ShakingForce, find_wave
+from floquetrod.wells.kernels.wall_contact import (
+    LOCKED,
+    MOST_PRESSED,
+    SlidingString,
+    contact,
+    helix_excess,
+    lying,
+    slope,
+)
 
 _LOCKS = 4  # turns in a row with the string locked up, after which it counts as such: the depth may swing without end
 

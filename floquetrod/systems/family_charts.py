@@ -18,14 +18,14 @@ from floquetrod._util.progress import Progress
 from floquetrod.equations import DelaySystem, Equation, PeriodicSystem
 from floquetrod.equations.batches import in_batches
 from floquetrod.floquet.dispatch import stability
+from floquetrod.floquet.multipliers import delay_many
+from floquetrod.floquet.multipliers.system_stability import SystemStability
 from floquetrod.floquet.problems import Problem, member
 from floquetrod.floquet.status import STABLE, STATUS_CODES, UNDECIDED, UNSTABLE
-from floquetrod.floquet.systems import delay_many
-from floquetrod.floquet.systems.result import SystemStability
 from floquetrod.floquet.verdict import tolerated
 from floquetrod.plane import Axis, Chart, Family, Verdicts, axis_values, charted
 from floquetrod.plane.family import VERTEX, Names
-from floquetrod.systems import arrays
+from floquetrod.systems import batch_verdicts
 
 _GREEK = re.compile(
     "alpha|beta|gamma|delta|epsilon|zeta|eta|theta|iota|kappa|lambda|mu|nu|xi|pi|rho|sigma|tau|upsilon|phi|chi|psi|omega"
@@ -132,7 +132,9 @@ class Members(Family):
         members = self.members(x.ravel(), y.ravel())
         systems = [problem for problem in members if not isinstance(problem, Equation | DelaySystem)]
         if len(systems) == len(members):
-            answers = in_batches(systems, lambda batch: arrays.verdicts(batch, workers=self.workers, quick=quick))
+            answers = in_batches(
+                systems, lambda batch: batch_verdicts.verdicts(batch, workers=self.workers, quick=quick)
+            )
             status, rate = (np.array(column) for column in zip(*answers, strict=True))
         elif all(isinstance(problem, DelaySystem) for problem in members):
             status, rate = _delayed(members, growth=growth or self.growth_tolerance > 0.0)

@@ -13,7 +13,7 @@ from floquetrod._util.arrays import Floats
 from floquetrod.equations import DelaySystem, HillSystem
 from floquetrod.equations import pieces as by_pieces
 from floquetrod.equations.matrices import mass_matrix, velocity_matrix
-from floquetrod.floquet.systems.delay_mesh import Mesh, mesh
+from floquetrod.floquet.multipliers.delay_mesh import Mesh, mesh
 
 _MOST_BREAKS = 10  # pieces beyond the jumps of coefficients, for what delays make of these (a choice)
 _SMALLEST = 1e-12  # part of the period: breaks closer together than this are one

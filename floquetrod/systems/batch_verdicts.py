@@ -20,13 +20,13 @@ from floquetrod.equations.hill_system import EvenForm
 from floquetrod.equations.matrices import flat
 from floquetrod.floquet.dispatch import judge
 from floquetrod.floquet.kernels.system_even import pair_numbers
+from floquetrod.floquet.multipliers import half_period_maps, many_verdicts, whole_period_maps
+from floquetrod.floquet.multipliers.classification import MOST_SECONDS
+from floquetrod.floquet.multipliers.many_verdicts import ManyVerdicts
+from floquetrod.floquet.multipliers.whole_period_maps import PeriodMaps
 from floquetrod.floquet.pairs import logarithms
 from floquetrod.floquet.problems import undamped_pairs
 from floquetrod.floquet.status import STABLE, STATUS_CODES, UNDECIDED, are
-from floquetrod.floquet.systems import even, many, whole
-from floquetrod.floquet.systems.classification import MOST_SECONDS
-from floquetrod.floquet.systems.many import ManyVerdicts
-from floquetrod.floquet.systems.whole import PeriodMaps
 
 _ACCURACY = 1e-12
 _MOST_DIGITS = 60  # for an undecided system: the square of a double's last digit and as much again (a choice)
@@ -185,7 +185,7 @@ class _EvenBatch(_Batch):
     def _part(self, chunk: slice) -> _EvenPart:
         """Return a chunk of systems; with zero matrices and infinite uncertainty where they would take too long."""
         stiffness, amplitudes, period = self.stiffness[chunk], self.amplitudes[chunk], self.period[chunk]
-        long = even.seconds_needed(stiffness, amplitudes, period) > MOST_SECONDS
+        long = half_period_maps.seconds_needed(stiffness, amplitudes, period) > MOST_SECONDS
         if not long.any():
             return _EvenPart(stiffness, amplitudes, period, self.uncertainty[chunk])
         uncertainty = np.where(long, np.inf, self.uncertainty[chunk])
@@ -209,11 +209,11 @@ class _EvenBatch(_Batch):
 
     def _pairs(self, systems: _EvenPart) -> Complexes:
         """Return the numbers y of the pairs; NaN where they are lost in the rounding of the largest."""
-        matrices = even.pair_matrices(*systems, _ACCURACY)
+        matrices = half_period_maps.pair_matrices(*systems, _ACCURACY)
         y = _eigenvalues(matrices.matrix)
         doubtful = np.flatnonzero(np.abs(matrices.matrix).max(axis=(1, 2)) > 1.0 / _SMALL)
         if doubtful.size:
-            discs = many.many_discs(matrices.matrix[doubtful], matrices.error[doubtful])
+            discs = many_verdicts.many_discs(matrices.matrix[doubtful], matrices.error[doubtful])
             lost = discs.radii > _VAGUE * np.maximum(1.0, np.abs(discs.values))
             y[doubtful] = np.where(lost, np.nan, discs.values)
         return y
@@ -222,11 +222,11 @@ class _EvenBatch(_Batch):
         systems = self._part(chunk)
         if systems.are_simple:
             x, errors, _ = pair_numbers(*systems[:3], _ACCURACY)
-            discs = many.pair_discs(0.25 * (x - 2.0), 0.25 * errors)
+            discs = many_verdicts.pair_discs(0.25 * (x - 2.0), 0.25 * errors)
         else:
-            matrices = even.pair_matrices(*systems, _ACCURACY)
-            discs = many.many_discs(matrices.matrix, matrices.error)
-        return many.pair_verdicts(discs, systems.period, self.damping)
+            matrices = half_period_maps.pair_matrices(*systems, _ACCURACY)
+            discs = many_verdicts.many_discs(matrices.matrix, matrices.error)
+        return many_verdicts.pair_verdicts(discs, systems.period, self.damping)
 
 
 class _FirstOrderBatch(_Batch):
@@ -240,14 +240,14 @@ class _FirstOrderBatch(_Batch):
     def _maps(self, chunk: slice) -> PeriodMaps:
         """Return the maps over a period, with infinite error where they would take too long."""
         pieces = self.pieces.some(chunk)
-        long = np.asarray(whole.seconds_needed(pieces) > MOST_SECONDS)
+        long = np.asarray(whole_period_maps.seconds_needed(pieces) > MOST_SECONDS)
         uncertainty = np.where(long, np.inf, self.uncertainty)
         pieces = pieces._replace(
             mean=_without(long, pieces.mean),
             slope=None if pieces.slope is None else _without(long, pieces.slope),
             harmonics=_without(long, pieces.harmonics),
         )
-        return whole.period_maps(pieces, uncertainty, _ACCURACY, paired=self.paired)
+        return whole_period_maps.period_maps(pieces, uncertainty, _ACCURACY, paired=self.paired)
 
     def multipliers(self, chunk: slice) -> Complexes:
         maps = self._maps(chunk)
@@ -259,8 +259,8 @@ class _FirstOrderBatch(_Batch):
         largest = np.abs(maps.matrix).max(axis=(1, 2))
         doubtful = np.flatnonzero(np.abs(values).min(axis=1) < _SMALL * largest)
         if doubtful.size:
-            discs = many.many_discs(maps.matrix[doubtful], maps.error[doubtful])
-            values[doubtful] = np.where(many.touch_zero(discs), np.nan, discs.values)
+            discs = many_verdicts.many_discs(maps.matrix[doubtful], maps.error[doubtful])
+            values[doubtful] = np.where(many_verdicts.touch_zero(discs), np.nan, discs.values)
         return values
 
     def verdicts(self, chunk: slice) -> ManyVerdicts:
@@ -268,8 +268,8 @@ class _FirstOrderBatch(_Batch):
             count = len(self.period[chunk])
             return ManyVerdicts(np.full(count, STABLE, dtype=np.int8), np.zeros(count))
         maps = self._maps(chunk)
-        discs = many.many_discs(maps.matrix, maps.error)
-        return many.multiplier_verdicts(discs, self.period[chunk], paired=self.paired, damping=self.damping)
+        discs = many_verdicts.many_discs(maps.matrix, maps.error)
+        return many_verdicts.multiplier_verdicts(discs, self.period[chunk], paired=self.paired, damping=self.damping)
 
 
 def _eigenvalues(matrices: Floats) -> Complexes:

@@ -9,11 +9,11 @@ from typing import Any
 import numpy as np
 
 from floquetrod._util.caching import cached_property
-from floquetrod._util.report import Report, Table, number
+from floquetrod._util.result_report import Report, Table, number
 from floquetrod.equations import DelaySystem, PeriodicSystem
 from floquetrod.equations.matrices import Structure
-from floquetrod.floquet.systems import resonances
-from floquetrod.floquet.systems.resonances import Resonance
+from floquetrod.floquet.multipliers import resonance_names
+from floquetrod.floquet.multipliers.resonance_names import Resonance
 from floquetrod.floquet.verdict import FloquetVerdict
 
 _LISTED = 40
@@ -82,7 +82,7 @@ class SystemStability(FloquetVerdict):
             return ()
         exponents = np.array(self.exponents)
         certain = exponents[exponents.real > np.array(self.exponent_errors)]
-        return resonances.name(self.system, (certain if certain.size else exponents[:1]).tolist())
+        return resonance_names.name(self.system, (certain if certain.size else exponents[:1]).tolist())
 
     @property
     def structure(self) -> Structure:

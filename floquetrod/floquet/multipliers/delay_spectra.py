@@ -7,9 +7,9 @@ from typing import NamedTuple
 import numpy as np
 
 from floquetrod._util.arrays import EPS, Complexes, Floats
-from floquetrod.floquet.systems import spectra
-from floquetrod.floquet.systems.classification import LogDiscs
-from floquetrod.floquet.systems.independent_solutions import balance
+from floquetrod.floquet.multipliers import spectra
+from floquetrod.floquet.multipliers.classification import LogDiscs
+from floquetrod.floquet.multipliers.independent_solutions import balance
 
 _ROUNDING = 8.0 * EPS  # of the map, relative, beside what its eigenvalues add (heuristic)
 

@@ -11,7 +11,7 @@ from floquetrod._util.arrays import EPS, Floats, inverses, norms
 from floquetrod.equations.matrices import mirrored
 from floquetrod.equations.pieces import PieceArrays
 from floquetrod.floquet.kernels.system_even import HalfPeriodMap, half_period_map
-from floquetrod.floquet.systems import spectra, whole
+from floquetrod.floquet.multipliers import spectra, whole_period_maps
 
 _FARTHEST = 1500.0  # logarithm of growth over a period, more than twice that of the largest double
 _FAST = 1e4  # norm of a map above which it matters how errors grow (a choice)
@@ -80,13 +80,13 @@ def of_pieces(
     ``uncertainty`` the error of K's entries.
     """
     n = pieces.mean.shape[-1] // 2
-    maps = whole.period_maps(pieces, uncertainty, rtol, paired=True)
+    maps = whole_period_maps.period_maps(pieces, uncertainty, rtol, paired=True)
     matrix, basis = maps.matrix, maps.scaling[:, :n, None] * np.eye(n)
     a, b, c, d = matrix[:, :n, :n], matrix[:, :n, n:], matrix[:, n:, :n], matrix[:, n:, n:]
     half = HalfPeriodMap(a, b, c, d, maps.error, basis, symmetric)
     if symmetric:
         return _numbers(half, half.error, np.swapaxes(b, -1, -2), half.error)
-    back = whole.period_maps(next_half, uncertainty, rtol, paired=True)
+    back = whole_period_maps.period_maps(next_half, uncertainty, rtol, paired=True)
     return _numbers(half, half.error, back.matrix[:, :n, n:], back.error)
 
 

@@ -23,11 +23,11 @@ from floquetrod._util.interpolation import chebyshev_points, chebyshev_weights
 from floquetrod.equations import HillSystem
 from floquetrod.equations import pieces as by_pieces
 from floquetrod.floquet.kernels.system_even import half_period_map
+from floquetrod.floquet.multipliers import half_period_maps, many_verdicts, whole_period_maps
+from floquetrod.floquet.multipliers.classification import MOST_SECONDS
+from floquetrod.floquet.multipliers.many_verdicts import ManyVerdicts
+from floquetrod.floquet.multipliers.whole_period_maps import PeriodMaps
 from floquetrod.floquet.problems import undamped_pairs
-from floquetrod.floquet.systems import even, many, whole
-from floquetrod.floquet.systems.classification import MOST_SECONDS
-from floquetrod.floquet.systems.many import ManyVerdicts
-from floquetrod.floquet.systems.whole import PeriodMaps
 
 _ACCURACY = 1e-12  # of maps at nodes, and of the polynomial between them
 _WORTH = 0.5  # nodes over places, up to which the polynomial saves time (measured)
@@ -167,9 +167,11 @@ def _judged(line: SystemLine, nodes: Nodes, places: Floats) -> ManyVerdicts:
     maps, error = maps_along(line, nodes, places)
     n, period = maps.shape[-1] // 2, np.full(places.size, line.period)
     if line.is_even:
-        pairs = even.products(maps[:, :n, n:].swapaxes(1, 2), error, maps[:, n:, :n], error)
-        return many.pair_verdicts(many.many_discs(*pairs), period, line.damping)
-    return many.multiplier_verdicts(many.many_discs(maps, error), period, paired=True, damping=line.damping)
+        pairs = half_period_maps.products(maps[:, :n, n:].swapaxes(1, 2), error, maps[:, n:, :n], error)
+        return many_verdicts.pair_verdicts(many_verdicts.many_discs(*pairs), period, line.damping)
+    return many_verdicts.multiplier_verdicts(
+        many_verdicts.many_discs(maps, error), period, paired=True, damping=line.damping
+    )
 
 
 def maps_along(line: SystemLine, nodes: Nodes, places: Floats) -> tuple[Floats, Floats]:
@@ -184,19 +186,19 @@ def maps_along(line: SystemLine, nodes: Nodes, places: Floats) -> tuple[Floats, 
 
 def _half_maps(stiffness: Floats, amplitudes: Floats, period: Floats) -> PeriodMaps | None:
     """Return maps over half a period of even systems; their scaling is of positions, as matrices (N, n, n)."""
-    if even.seconds_needed(stiffness, amplitudes, period).sum() > MOST_SECONDS:
+    if half_period_maps.seconds_needed(stiffness, amplitudes, period).sum() > MOST_SECONDS:
         return None
     half = half_period_map(stiffness, amplitudes, period, _ACCURACY)
-    return PeriodMaps(even.joined(half), half.error, half.basis)
+    return PeriodMaps(half_period_maps.joined(half), half.error, half.basis)
 
 
 def _whole_maps(stiffness: Floats, harmonics: Floats, period: Floats) -> PeriodMaps | None:
     """Return maps over a period, with scalings as in `_half_maps`."""
     cosines, sines = (list(np.moveaxis(amplitudes, 1, 0)) for amplitudes in (harmonics.real, -harmonics.imag))
     pieces = by_pieces.of_batch(HillSystem(stiffness, cosines, sines, period=period).as_periodic_system())
-    if whole.seconds_needed(pieces).sum() > MOST_SECONDS:
+    if whole_period_maps.seconds_needed(pieces).sum() > MOST_SECONDS:
         return None
-    maps = whole.period_maps(pieces, 0.0, _ACCURACY, paired=True)
+    maps = whole_period_maps.period_maps(pieces, 0.0, _ACCURACY, paired=True)
     n = stiffness.shape[-1]
     return maps._replace(scaling=maps.scaling[:, :n, None] * np.eye(n))
 

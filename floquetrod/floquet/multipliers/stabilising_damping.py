@@ -13,7 +13,7 @@ from floquetrod._util.arrays import EPS, Floats
 from floquetrod.equations import DelaySystem, HillSystem
 from floquetrod.equations import pieces as by_pieces
 from floquetrod.equations.matrices import mass_matrix
-from floquetrod.floquet.systems import delay_growth, delay_maps, whole
+from floquetrod.floquet.multipliers import delay_growth, delay_maps, whole_period_maps
 
 _TIMES = 2.0 ** np.arange(-1, 4)  # the growth rate: damping rates tried (a choice)
 _PARTS = 2.0 ** np.arange(-12, 1)  # of the fastest frequency: damping rates tried as well (a choice)
@@ -101,9 +101,9 @@ def damping_to_stabilise(system: HillSystem, growth: float) -> float:
         if rate == 0.0:
             return growth
         first_order = damped(rate)
-        if float(whole.seconds_needed(first_order)[0]) * _MAPS > _MOST_SECONDS:
+        if float(whole_period_maps.seconds_needed(first_order)[0]) * _MAPS > _MOST_SECONDS:
             return math.nan
-        matrix = whole.period_maps(first_order, 0.0, _ACCURACY, paired=False).matrix[0]
+        matrix = whole_period_maps.period_maps(first_order, 0.0, _ACCURACY, paired=False).matrix[0]
         if not np.isfinite(matrix).all():
             return math.nan
         largest = float(np.abs(np.linalg.eigvals(matrix)).max())

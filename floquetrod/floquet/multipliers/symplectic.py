@@ -18,8 +18,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from floquetrod._util.arrays import EPS, Complexes, Floats
-from floquetrod.floquet.systems import spectra
-from floquetrod.floquet.systems.spectra import Discs, Eigen
+from floquetrod.floquet.multipliers import spectra
+from floquetrod.floquet.multipliers.spectra import Discs, Eigen
 
 _BROKEN = 64.0  # roundings of a product with W, below which its remainder is no new direction
 

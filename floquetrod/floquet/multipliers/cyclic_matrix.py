@@ -10,8 +10,8 @@ from __future__ import annotations
 import numpy as np
 
 from floquetrod._util.arrays import Floats
-from floquetrod.floquet.systems import independent_solutions, spectra
-from floquetrod.floquet.systems.independent_solutions import Solutions
+from floquetrod.floquet.multipliers import independent_solutions, spectra
+from floquetrod.floquet.multipliers.independent_solutions import Solutions
 
 
 def solutions(maps: Floats, errors: Floats, scales: Floats) -> Solutions | None:

@@ -34,9 +34,9 @@ from floquetrod.equations import HillSystem
 from floquetrod.floquet.kernels.system_large import ModalEquations
 from floquetrod.floquet.kernels.system_maps_large import period_map_large
 from floquetrod.floquet.kernels.system_march import March
-from floquetrod.floquet.systems.classification import LogDiscs, classify_multipliers
-from floquetrod.floquet.systems.result import SystemStability
-from floquetrod.floquet.systems.spectra import log_distances, touching
+from floquetrod.floquet.multipliers.classification import LogDiscs, classify_multipliers
+from floquetrod.floquet.multipliers.spectra import log_distances, touching
+from floquetrod.floquet.multipliers.system_stability import SystemStability
 from floquetrod.floquet.verdict import Cost
 
 _FEWEST = 200  # equations: the map of fewer takes no longer (measured)

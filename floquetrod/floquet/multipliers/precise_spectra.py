@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from floquetrod._util.arrays import Floats
-from floquetrod.floquet.systems.spectra import Discs, is_coarse, touching, triangular_radii
-from floquetrod.floquet.systems.symplectic import PairMatrix
+from floquetrod.floquet.multipliers.spectra import Discs, is_coarse, touching, triangular_radii
+from floquetrod.floquet.multipliers.symplectic import PairMatrix
 
 
 class PreciseDiscs(NamedTuple):

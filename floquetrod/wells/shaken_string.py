@@ -10,9 +10,9 @@ from floquetrod._util.arrays import Bools, Complexes, Floats, Ints
 from floquetrod._util.compilation import compiled
 from floquetrod.wells.arcs import Points
 from floquetrod.wells.drag import Drag, Fineness, Shaking
-from floquetrod.wells.kernels import shaken as kernels
-from floquetrod.wells.kernels import wave
-from floquetrod.wells.kernels.contact import LOCKED
+from floquetrod.wells.kernels import shaken_march as kernels
+from floquetrod.wells.kernels import tool_wave
+from floquetrod.wells.kernels.wall_contact import LOCKED
 
 _LEAST = 1e-6  # damping ratio: without friction and damping a resonance is infinite (a choice)
 
@@ -38,18 +38,18 @@ class ShakenString:
                 np.linspace(shaking.above_end, length, above + 1),
             ]
         )
-        self.tool = wave.ShakingForce(shaking.amplitude, shaking.speed, shaking.impedance, below)
+        self.tool = tool_wave.ShakingForce(shaking.amplitude, shaking.speed, shaking.impedance, below)
         self.cells = _cells(
             shaking, np.array([shaking.above_end / max(below, 1), (length - shaking.above_end) / above])
         )
         low, high, helix, pressed = np.zeros((4, size))
         self.marched = kernels.Marched(np.full(size + 1, y), low, high, helix, pressed, np.full(size, fineness.share))
-        self.q, self.balance = np.zeros(self.nodes.size, complex), wave.empty_balance(self.nodes.size - 1)
+        self.q, self.balance = np.zeros(self.nodes.size, complex), tool_wave.empty_balance(self.nodes.size - 1)
 
     @property
     def edges(self) -> Floats:
         """Heights of the parts of cells above the lower end in m."""
-        inner = self.nodes[:-1, None] + np.arange(wave.PARTS) / wave.PARTS * np.diff(self.nodes)[:, None]
+        inner = self.nodes[:-1, None] + np.arange(tool_wave.PARTS) / tool_wave.PARTS * np.diff(self.nodes)[:, None]
         return np.append(inner.ravel(), self.nodes[-1])
 
     def settle(self, stays: float, turns: int) -> bool:
@@ -117,11 +117,11 @@ def _counted(number: Ints) -> Ints:
     return np.asarray(np.arange(number.sum()) - np.repeat(np.cumsum(number) - number, number))
 
 
-def _cells(shaking: Shaking, length: Floats) -> wave.Cells:
+def _cells(shaking: Shaking, length: Floats) -> tool_wave.Cells:
     """Return cells of two lengths in m."""
     wavenumber, z = shaking.frequency / shaking.wave_speed, shaking.impedance
     damping = max(shaking.damping, _LEAST * shaking.frequency)
-    loss = 2.0 * damping * z / shaking.wave_speed * length / wave.PARTS
-    parts, phase = (np.arange(wave.PARTS) + 0.5) / wave.PARTS, np.maximum(wavenumber * length, 1e-9)[:, None]
+    loss = 2.0 * damping * z / shaking.wave_speed * length / tool_wave.PARTS
+    parts, phase = (np.arange(tool_wave.PARTS) + 0.5) / tool_wave.PARTS, np.maximum(wavenumber * length, 1e-9)[:, None]
     below, above = np.sin(phase * (1.0 - parts)) / np.sin(phase), np.sin(phase * parts) / np.sin(phase)
-    return wave.Cells(z / np.tan(phase[:, 0]), z / np.sin(phase[:, 0]), below, above, loss)
+    return tool_wave.Cells(z / np.tan(phase[:, 0]), z / np.sin(phase[:, 0]), below, above, loss)

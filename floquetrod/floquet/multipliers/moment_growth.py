@@ -26,7 +26,7 @@ from numpy.typing import NDArray
 from floquetrod._util.arrays import Complexes, Floats
 from floquetrod.equations import HillSystem
 from floquetrod.equations.matrices import velocity_matrix
-from floquetrod.floquet.systems import magnus
+from floquetrod.floquet.multipliers import magnus_flows
 
 _TURN = 0.6  # radians that the fastest mode turns by in a step
 _LEAST_STEPS = 64
@@ -113,13 +113,13 @@ class _OnSteps(NamedTuple):
         """Return the map by ``count`` steps of the unknowns (scale q, q')."""
         period = float(system.period)
         step, n = period / count, system.order
-        places = np.arange(count)[:, None] + 0.5 + magnus.PLACES
+        places = np.arange(count)[:, None] + 0.5 + magnus_flows.PLACES
         rates = np.zeros((2 * count, 2 * n, 2 * n))  # at both points of every step
         rates[:, :n, n:] = scale * np.eye(n)
         rates[:, n:, :n] = -system.coefficient(places.ravel() * step) / scale
         rates[:, n:, n:] = -velocity_matrix(system)
         kicks = [math.sqrt(step) / scale * np.asarray(matrix) for matrix in noise]
-        return cls(period, magnus.flows(rates[::2], rates[1::2], step), kicks)
+        return cls(period, magnus_flows.flows(rates[::2], rates[1::2], step), kicks)
 
     @property
     def whole(self) -> Floats:
