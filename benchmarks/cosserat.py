@@ -28,8 +28,8 @@ import numpy as np
 
 import floquetrod as fr
 from floquetrod._util.compilation import compiled, compiled_for, kernel
-from floquetrod.simulation.mesh import DiscreteRod
-from floquetrod.simulation.result import RecordedMotion
+from floquetrod.simulation.recorded_motion import RecordedMotion
+from floquetrod.simulation.rod_mesh import DiscreteRod
 from floquetrod.simulation.time_steps import SAFETY, TimeSteps
 
 NODE = ("x", "y", "z", "vx", "vy", "vz", "px", "pt", "spin_impulse", "slip_x", "slip_t")

@@ -14,7 +14,7 @@ import numpy as np
 
 import floquetrod as fr
 from benchmarks.measure import Row
-from floquetrod.milling import lobes
+from floquetrod.milling import stability_lobes
 
 MODE = fr.ToolMode("922Hz", 0.011, mass="39.93g")
 SLOT = fr.Milling(x=[MODE], teeth=2, tangential="600MPa", radial="200MPa")
@@ -50,7 +50,7 @@ def run() -> list[Row]:
 def largest_error(places: list[tuple[float, float]]) -> float:
     """Return by how much moduli are off with which the chart decides near its boundary."""
     speeds, depths = (np.array(column) for column in zip(*places, strict=True))
-    logs = lobes.judged(SLOT, speeds, depths, growth=True).logs
+    logs = stability_lobes.judged(SLOT, speeds, depths, growth=True).logs
     return float(np.abs(np.exp(logs) - 1.0).max())
 
 

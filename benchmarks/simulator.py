@@ -19,7 +19,7 @@ from benchmarks import cosserat
 from benchmarks.measure import Row, best_of
 from floquetrod._util.compilation import compiled
 from floquetrod.simulation import rod_motion
-from floquetrod.simulation.mesh import DiscreteRod
+from floquetrod.simulation.rod_mesh import DiscreteRod
 
 SEGMENTS, STEPS = 250, 1000
 FORMER = "former"

@@ -94,10 +94,10 @@ if TYPE_CHECKING:
     from floquetrod.rod.uncertainty import probability_of_instability as probability_of_instability
     from floquetrod.simulation.checkpoints import CheckpointWarning as CheckpointWarning
     from floquetrod.simulation.integration import SimulationDiverged as SimulationDiverged
-    from floquetrod.simulation.problem import Simulation as Simulation
-    from floquetrod.simulation.problem import SimulationProblem as SimulationProblem
     from floquetrod.simulation.resolution import ResolutionWarning as ResolutionWarning
     from floquetrod.simulation.simulate import simulate as simulate
+    from floquetrod.simulation.simulation_problem import Simulation as Simulation
+    from floquetrod.simulation.simulation_problem import SimulationProblem as SimulationProblem
     from floquetrod.simulation.start import Perturbation as Perturbation
     from floquetrod.systems.family_charts import chart as chart
     from floquetrod.wells.path import WellPath as WellPath

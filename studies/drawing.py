@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from floquetrod.plotting import palette
-from floquetrod.plotting.charts import typeset
+from floquetrod.plotting.chart_plot import typeset
 from floquetrod.plotting.shapes import fill
 
 

@@ -20,7 +20,7 @@ from floquetrod.ensembles.ensemble import ensemble
 from floquetrod.ensembles.runs import PENDING
 from floquetrod.rod.loads.load import AxialLoad
 from floquetrod.rod.rod import Rod
-from floquetrod.simulation.problem import Simulation, SimulationProblem
+from floquetrod.simulation.simulation_problem import Simulation, SimulationProblem
 from floquetrod.simulation.start import Perturbation
 
 ROD = Rod.nitinol()

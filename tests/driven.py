@@ -13,7 +13,7 @@ from floquetrod._util.compilation import compiled
 from floquetrod.rod.answers.mean_force import friction_along
 from floquetrod.simulation import rod_motion
 from floquetrod.simulation.driving import Driving
-from floquetrod.simulation.mesh import DiscreteRod
+from floquetrod.simulation.rod_mesh import DiscreteRod
 from floquetrod.simulation.rod_record import FIRST, Physics
 from floquetrod.simulation.time_steps import critical_time_step
 

@@ -199,7 +199,7 @@ def test_what_a_run_calls_is_seen() -> None:
     """Steps, contact with friction, what a rod is made of, an early end, results."""
     for name in ("rod_motion.py advance", "rod_motion.py rub", "anchors.py follow", "parts.py Section.area"):
         assert any(each.endswith(name) for each in digests())
-    assert {"simulation/result.py EarlyEnd.of", "simulation/growth.py fit_growth"} <= digests().keys()
+    assert {"simulation/recorded_motion.py EarlyEnd.of", "simulation/growth.py fit_growth"} <= digests().keys()
 
 
 def test_the_numbers_of_simulations_have_changed_only_with_their_version() -> None:

@@ -23,7 +23,7 @@ from conftest import depth
 from drawn import note
 from floquetrod.plane import Axis
 from floquetrod.plane.bands import Band, Bands
-from floquetrod.plotting import charts, labels, palette
+from floquetrod.plotting import chart_plot, labels, palette
 
 mpl.use("Agg")
 
@@ -260,7 +260,7 @@ def test_labels_avoid_markers_lines_texts_and_legends() -> None:
     def place(*what: str) -> tuple[float, float] | None:
         ax = bands_of(box(0.35, 0.65, 0.0, 1.0, 7, 1)).plot()
         if "mark" in what:
-            charts.mark(ax, 0.5, 0.5, "the load")
+            chart_plot.mark(ax, 0.5, 0.5, "the load")
         if "lines" in what:
             ax.plot([0.0, 1.0, np.nan, 0.0, 1.0], [0.5, 0.5, np.nan, 0.45, 0.45], color="black")
         if "legend" in what:
@@ -349,7 +349,7 @@ def test_titles_fit_in_a_line_and_notes_in_the_picture(growth: bool, bands: bool
 def test_notes_of_panels_side_by_side_stay_apart() -> None:
     figure, axes = pyplot.subplots(1, 2, figsize=(10.0, 4.4), layout="constrained", sharey=True)
     for ax in axes:
-        charts.explain(ax, charts.colours("unstable", "stable"), "a note of many words " * 8)
+        chart_plot.explain(ax, chart_plot.colours("unstable", "stable"), "a note of many words " * 8)
     figure.canvas.draw()
     left, right = (ax.get_legend().get_window_extent() for ax in axes)
     assert left.x1 < right.x0

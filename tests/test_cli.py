@@ -23,6 +23,7 @@ from floquetrod import cli
 from floquetrod._util import waiting
 from floquetrod.cli.main import _parser as parser
 from floquetrod.floquet.registry import applicable
+from floquetrod.plotting import chart_plot
 
 mpl.use("Agg")
 
@@ -454,10 +455,9 @@ def test_kicks_are_answered_in_the_unit_of_the_kick(capsys: pytest.CaptureFixtur
 def test_a_map_speaks_the_units_of_its_ranges(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    from floquetrod.plotting import charts
 
     drawn = []
-    monkeypatch.setattr(charts, "save_figure", lambda axes, path: drawn.append(axes))
+    monkeypatch.setattr(chart_plot, "save_figure", lambda axes, path: drawn.append(axes))
     load = ["--mean", "0:1.1Fcr", "--amplitude", "0.3N", "--frequency", "5:30Hz", "--mark", "0.5Fcr,10Hz"]
     out = ["--out", str(tmp_path / "map.png"), "--out", str(tmp_path / "map.npz")]
     for extra, right, top, unit in (([], 30.0, 1.1, "Hz"), (["--unit", "rpm,N"], 1800.0, 1.1 * 1.696030137, "rpm")):

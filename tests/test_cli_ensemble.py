@@ -20,9 +20,9 @@ import floquetrod as fr
 from floquetrod import cli, units
 from floquetrod._util import waiting
 from floquetrod.cli import ensemble
-from floquetrod.ensembles.axes import VARIED_KINDS, names_of
 from floquetrod.ensembles.runs import Runs
 from floquetrod.ensembles.study import _INTEGERS
+from floquetrod.ensembles.varied_axes import VARIED_KINDS, names_of
 
 ROOT = Path(__file__).parents[1]
 TABLES = {

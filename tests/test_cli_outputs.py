@@ -24,7 +24,7 @@ from floquetrod import cli
 from floquetrod.cli.parser import Parser
 from floquetrod.plane import Axis
 from floquetrod.plane.bands import Band, Bands
-from floquetrod.plotting import charts
+from floquetrod.plotting import chart_plot
 
 LOAD = ["--mean", "0.2Fcr", "--amplitude", "0.2Fcr", "--frequency", "150"]
 
@@ -73,7 +73,7 @@ def test_a_map_is_drawn_as_bands_or_as_pixels(
         return replace(chart, source=OneBand(chart.x.ends, chart.y.ends))
 
     monkeypatch.setattr(fr, "stability_map", map_with_a_band)
-    monkeypatch.setattr(charts, "save_figure", lambda axes, path: drawn.append(axes))
+    monkeypatch.setattr(chart_plot, "save_figure", lambda axes, path: drawn.append(axes))
     over = ["--mean", "0:1.1Fcr", "--amplitude", "0.2Fcr", "--frequency", "5:30Hz", "--points", "8x6"]
     names = {kind: str(tmp_path / f"map.{kind}") for kind in ("png", "csv", "npz")}
     out = [part for name in names.values() for part in ("--out", name)]
@@ -186,7 +186,7 @@ def test_files_named_twice_are_all_written_and_told(
 
     monkeypatch.chdir(tmp_path)
     if not DEEP:  # pictures take seconds
-        monkeypatch.setattr(charts, "save_figure", stub)
+        monkeypatch.setattr(chart_plot, "save_figure", stub)
         monkeypatch.setattr(fr, "save_report", stub)
     question, command = asked(tmp_path)[name], commands()[name]
     for json_too in (False, True) if DEEP else (name in ("map", "simulate"),):

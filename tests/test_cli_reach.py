@@ -12,7 +12,7 @@ import pytest
 import floquetrod as fr
 from conftest import depth
 from floquetrod import cli
-from floquetrod.plotting import reach
+from floquetrod.plotting import reach_plot
 
 EXAMPLES = Path(__file__).parents[1] / "examples"
 SURVEY = "MD (m),Inc (deg),Azi (deg)\n0,0,0\n1000,0,0\n1450,90,0\n2000,90,0\n"
@@ -157,7 +157,7 @@ def test_depths_and_units_that_were_asked_for(
 def test_the_curve_of_what_arrives_ends_at_the_reach(is_stopped: bool, depths: list[float]) -> None:
     found = SimpleNamespace(bit_depth=np.array([100.0, 200.0, 300.0]), far_force=500.0)
     forces = np.array([3e3, 2e3, np.nan])
-    depth, force = reach._to_the_reach(found, forces, 260.0 if is_stopped else 300.0, is_stopped)
+    depth, force = reach_plot._to_the_reach(found, forces, 260.0 if is_stopped else 300.0, is_stopped)
     assert depth.tolist() == depths
     assert force.tolist() == [3000.0, 2000.0, 500.0][: len(depths)]
 

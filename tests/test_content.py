@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 import floquetrod as fr
 from floquetrod._util.content import ByContent
 from floquetrod.simulation.checkpoints import CheckpointWarning
-from floquetrod.simulation.mesh import DiscreteRod
+from floquetrod.simulation.rod_mesh import DiscreteRod
 from studies.simulations import TrialOutcome, figure_4
 
 ROD = fr.Rod.nitinol()

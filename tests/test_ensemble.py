@@ -18,7 +18,7 @@ from scipy import stats
 import floquetrod as fr
 from ensemble_cases import LOAD, OVER, PROBLEM, assert_same, depth, fails_at_150, in_memory, undisturbed
 from floquetrod._util import waiting
-from floquetrod.ensembles import Runs, axes
+from floquetrod.ensembles import Runs, varied_axes
 from floquetrod.ensembles.runs import Variable
 from floquetrod.ensembles.stores import RESULTS, chunk_shape
 from floquetrod.simulation import outcome
@@ -75,10 +75,10 @@ def test_units_and_meaning_are_attributes() -> None:
 
 def test_all_that_can_be_varied_has_a_unit_that_study_files_know() -> None:
     problem = fr.SimulationProblem(fr.Rod.nitinol(), fr.AxialLoad(1.0, 1.0, 100.0), tool=fr.VibrationTool(1.0, "20Hz"))
-    names = {name for known in axes.names_of(problem).values() for name in known}
-    assert set(axes.TOOL.values()) == {part.name for part in fields(fr.VibrationTool)}
-    assert names - set(axes.VARIED_KINDS) == {"segments", "frames", "seed"}
-    found = {name: axes.VariedAxis(name, name, np.ones(1)).unit for name in names}
+    names = {name for known in varied_axes.names_of(problem).values() for name in known}
+    assert set(varied_axes.TOOL.values()) == {part.name for part in fields(fr.VibrationTool)}
+    assert names - set(varied_axes.VARIED_KINDS) == {"segments", "frames", "seed"}
+    found = {name: varied_axes.VariedAxis(name, name, np.ones(1)).unit for name in names}
     assert found["feed_speed"] == "m/s"
     assert found["far_force"] == found["tool_amplitude"] == "N"
     assert found["curvature"] == "1/m"
@@ -86,7 +86,7 @@ def test_all_that_can_be_varied_has_a_unit_that_study_files_know() -> None:
 
 
 def test_names_that_can_be_varied_are_of_one_thing_only() -> None:
-    names = axes.names_of(PROBLEM)
+    names = varied_axes.names_of(PROBLEM)
     every = [name for known in names.values() for name in known]
     assert len(every) == len(set(every))
     assert {"friction", "duration", "segments"} <= set(names["problem"])
@@ -94,7 +94,7 @@ def test_names_that_can_be_varied_are_of_one_thing_only() -> None:
     assert not set(every) & ({*RESULTS} | {"reason", "time", "angle", "positions", "run", "sample", "frame", "node"})
 
 
-@pytest.mark.parametrize("name", [name for names in axes.names_of(PROBLEM).values() for name in names])
+@pytest.mark.parametrize("name", [name for names in varied_axes.names_of(PROBLEM).values() for name in names])
 def test_every_name_reaches_the_problem(name: str) -> None:
     values = {
         "segments": 66,
@@ -112,14 +112,14 @@ def test_every_name_reaches_the_problem(name: str) -> None:
     held = "inner_radius" if name == "wall_thickness" else name.replace("diameter", "radius")
     refused = ""
     try:
-        made = axes.varied(PROBLEM, {name: value})
+        made = varied_axes.varied(PROBLEM, {name: value})
     except ValueError as error:  # of a rod that cannot be simulated
         refused = str(error)
     if refused:
         assert held in refused
         return
     assert made != PROBLEM
-    if name not in axes.START:
+    if name not in varied_axes.START:
         plain = {"diameter": 0.5, "channel_diameter": 0.5, "inner_diameter": 0.5}.get(name, 1.0) * value
         plain = PROBLEM.rod.radius - value if name == "wall_thickness" else plain
         assert next(getattr(part, held) for part in (made, made.load, made.rod) if hasattr(part, held)) == plain
@@ -127,7 +127,7 @@ def test_every_name_reaches_the_problem(name: str) -> None:
 
 def test_several_noises_stay_independent() -> None:
     problem = PROBLEM.replace(perturbation=fr.Perturbation(((3, 1e-3),), ((1e-3, 1), (2e-3, 2))))
-    made = axes.varied(problem, {"seed": 9, "kick": 0.02}).perturbation
+    made = varied_axes.varied(problem, {"seed": 9, "kick": 0.02}).perturbation
     assert made.noises[0][1] == 9
     assert made.noises[1][1] not in (2, 9)
     assert np.abs(made.velocities(60)).max() == pytest.approx(0.02)
@@ -219,8 +219,8 @@ def axes_layout(shape: tuple[int, ...], chunk: tuple[int, ...]) -> Any:
     from floquetrod.ensembles.stores import Layout
 
     names = ("mean", "amplitude", "frequency", "friction")
-    axis = tuple(axes.VariedAxis(n, n, np.arange(length)) for n, length in zip(names, shape, strict=False))
-    return Layout(axes.Design(PROBLEM, axis), (), False, chunk)
+    axis = tuple(varied_axes.VariedAxis(n, n, np.arange(length)) for n, length in zip(names, shape, strict=False))
+    return Layout(varied_axes.Design(PROBLEM, axis), (), False, chunk)
 
 
 @pytest.mark.parametrize("is_shown", [True, False])

@@ -15,7 +15,7 @@ import floquetrod as fr
 from ensemble_cases import PROBLEM, assert_same, in_memory
 from floquetrod import cli
 from floquetrod._util.proportions import clopper_pearson, mean_of_shares
-from floquetrod.ensembles import Runs, axes, probability
+from floquetrod.ensembles import Runs, probability, varied_axes
 from floquetrod.ensembles.runs import Variable
 
 FRICTION = stats.uniform(0.1, 0.1)
@@ -89,7 +89,7 @@ def test_the_interval_covers_what_is_true(kind: str, draws: int) -> None:
         hits, widths = 0, 0.0
         for draw in range(draws // 3):
             over = {"friction": FRICTION, "seed": range(seeds)}
-            study = axes.design_of(PROBLEM, over, "grid", samples, draw)
+            study = varied_axes.design_of(PROBLEM, over, "grid", samples, draw)
             uniform = np.vectorize(lambda seed: np.random.default_rng(seed).random())(study.own_seeds)
             true = uniform < KINDS[kind](rng, p, samples)[:, None]
             run_seed = ("sample", "seed"), study.own_seeds
@@ -168,12 +168,12 @@ def test_every_sample_has_seeds_of_its_own() -> None:
     assert np.unique(found.run_seed).size == 12
     one = found.isel(seed=2, sample=1, kick=1)
     values = {"friction": float(one.friction), "seed": int(one.run_seed), "kick": 0.1}
-    assert float(one.largest_angle) == axes.varied(PROBLEM, values).run().largest_angle.max()
+    assert float(one.largest_angle) == varied_axes.varied(PROBLEM, values).run().largest_angle.max()
     assert_same(found, fr.ensemble(PROBLEM, over, samples=4, seed=9))
     # More seeds leave those that there were; another seed of the ensemble changes all.
-    more = axes.design_of(PROBLEM, over | {"seed": [4, 5, 6]}, "grid", 4, 9).own_seeds
+    more = varied_axes.design_of(PROBLEM, over | {"seed": [4, 5, 6]}, "grid", 4, 9).own_seeds
     assert np.array_equal(more[:, :2], found.run_seed.values[:, 1:])
-    assert not np.isin(axes.design_of(PROBLEM, over, "grid", 4, 10).own_seeds, found.run_seed.values).any()
+    assert not np.isin(varied_axes.design_of(PROBLEM, over, "grid", 4, 10).own_seeds, found.run_seed.values).any()
     assert "run_seed" not in fr.ensemble(PROBLEM, {"seed": [1], "kick": [0.1]}).coords
     with pytest.raises(ValueError, match="names that are not taken, got 'run_seed'"):
         fr.ensemble(PROBLEM, over, samples=4, summary=lambda run: {"run_seed": 1.0})
@@ -181,7 +181,7 @@ def test_every_sample_has_seeds_of_its_own() -> None:
 
 def test_seeds_of_any_numbers_differ() -> None:
     pairs = [(i, k) for i in (0, 1, 7, 2**20) for k in (0, 1, 7, 2**31, 2**32, 2**32 + 1, 2**62 - 1)]
-    seeds = {axes._own_seed(drawn, *pair) for pair in pairs for drawn in (0, 1, 2**40)}
+    seeds = {varied_axes._own_seed(drawn, *pair) for pair in pairs for drawn in (0, 1, 2**40)}
     assert len(seeds) == 3 * len(pairs)
     assert all(0 <= seed < 2**62 for seed in seeds)
 

@@ -16,7 +16,7 @@ import xarray
 
 import floquetrod as fr
 from ensemble_cases import OVER, PROBLEM, ROOT, SEEDS, assert_same, killed_again_and_again
-from floquetrod.ensembles import axes, tasks, workers
+from floquetrod.ensembles import tasks, varied_axes, workers
 
 pytestmark = pytest.mark.slow
 
@@ -26,7 +26,7 @@ MANY = {"frequency": [120.0, 150.0], "kick": [0.01, 0.05, 0.1, 0.2], "seed": ran
 @pytest.fixture(scope="module")
 def serial() -> Any:
     """Return 2,000 runs made one after another."""
-    study = axes.design_of(PROBLEM, MANY, "grid", None, 0)
+    study = varied_axes.design_of(PROBLEM, MANY, "grid", None, 0)
     job = tasks.TaskSettings(PROBLEM, None, None, False)
     every = tasks.simulate_runs(job, [(run, study.values(run)) for run in range(study.size)])
     return {name: [outcome.results[name] for outcome in every] for name in every[0].results if name != "wall_time"}

@@ -31,7 +31,7 @@ from ensemble_cases import (
     undisturbed,
     waits_at_140_dies_at_150,
 )
-from floquetrod.ensembles import axes, workers
+from floquetrod.ensembles import varied_axes, workers
 from floquetrod.ensembles.stores import Outcome
 
 LONG = "PROBLEM.replace(duration=1000.0)"
@@ -39,7 +39,7 @@ LONG = "PROBLEM.replace(duration=1000.0)"
 
 @pytest.mark.parametrize("workers", [None, pytest.param(2, marks=pytest.mark.slow)])
 def test_bits_do_not_depend_on_who_makes_the_runs(workers: int | None) -> None:
-    serial = [axes.varied(PROBLEM, dict(zip(OVER, run, strict=True))).run() for run in product(*OVER.values())]
+    serial = [varied_axes.varied(PROBLEM, dict(zip(OVER, run, strict=True))).run() for run in product(*OVER.values())]
     found = fr.ensemble(PROBLEM, OVER, workers=workers)
     assert found.largest_angle.values.ravel().tolist() == [run.largest_angle.max() for run in serial]
     assert found.energy_error.values.ravel().tolist() == [np.abs(run.energy_error).max() for run in serial]

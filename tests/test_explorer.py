@@ -18,7 +18,7 @@ from matplotlib.backend_bases import ResizeEvent
 
 import floquetrod as fr
 from floquetrod import cli, units
-from floquetrod.explorer import commands, limits, maps, modes, portions
+from floquetrod.explorer import commands, limits, maps, mode_panels, portions
 from floquetrod.explorer.background import Background, Stale, ViewParts
 from floquetrod.explorer.view import View
 from floquetrod.explorer.words import margin_words
@@ -61,7 +61,7 @@ def coarse(monkeypatch: pytest.MonkeyPatch) -> None:
     """Look at fewer loads of coupled modes."""
     monkeypatch.setattr(maps, "_MAP", (8, 8))
     monkeypatch.setattr(maps, "_COARSENINGS", (4, 1))
-    monkeypatch.setattr(modes, "_LINE", (3, 5))
+    monkeypatch.setattr(mode_panels, "_LINE", (3, 5))
     monkeypatch.setattr("floquetrod.rod.answers.verdict.FEW_MODES", 0)
 
 

@@ -491,7 +491,7 @@ def test_names_of_files_are_printable_in_the_terminal(
 ) -> None:
     monkeypatch.chdir(tmp_path)
     if not DEEP:  # pictures take seconds
-        monkeypatch.setattr("floquetrod.plotting.charts.save_figure", lambda drawn, path: path)
+        monkeypatch.setattr("floquetrod.plotting.chart_plot.save_figure", lambda drawn, path: path)
     name, examples = f"a{code}b", Path(__file__).parents[1] / "examples"
     Path(f"{name}.csv").write_bytes((examples / "survey.csv").read_bytes())
     Path(f"{name}.toml").write_text("length = 3", encoding="utf-8")

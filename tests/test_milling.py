@@ -16,7 +16,7 @@ from matplotlib import pyplot
 import floquetrod as fr
 from conftest import DEEP, depth
 from floquetrod.milling import read_depth, read_speed
-from floquetrod.milling.lobes import critical_depths, judged
+from floquetrod.milling.stability_lobes import critical_depths, judged
 
 MODE = fr.ToolMode("922Hz", 0.011, mass="39.93g")
 

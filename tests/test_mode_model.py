@@ -14,7 +14,7 @@ import pytest
 from numpy.typing import NDArray
 
 import floquetrod as fr
-from floquetrod.explorer import maps, modes
+from floquetrod.explorer import maps, mode_panels
 from floquetrod.explorer.view import View
 from floquetrod.plotting.explorer_panels import UNKNOWN
 from floquetrod.rod.loads.load import AnyLoad, Load, Loads, kind
@@ -217,7 +217,7 @@ def test_the_explorer_shows_what_the_model_tells(prompt: bool, monkeypatch: pyte
     monkeypatch.setattr(SpringModel, "prompt", prompt)
     monkeypatch.setattr(maps, "_POINTS", (24, 24))
     monkeypatch.setattr(maps, "_MAP", (24, 24))
-    monkeypatch.setattr(modes, "_LINE", (3, 5))
+    monkeypatch.setattr(mode_panels, "_LINE", (3, 5))
     found = ROD.stability(LOAD)
     shown = View(ROD, LOAD, {"mean": (0.0, 1.0), "amplitude": (0.0, 1.0), "frequency": (0.5 * SLOW, 2.0 * FAST)})
     assert shown.panels == ("line", "shape")

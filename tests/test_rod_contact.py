@@ -10,7 +10,7 @@ import pytest
 
 import floquetrod as fr
 from driven import LOOSE, SHORT, bend, drive, energies, frequency, places
-from floquetrod.simulation.mesh import DiscreteRod
+from floquetrod.simulation.rod_mesh import DiscreteRod
 
 ROD_MASS = SHORT.mass_per_length
 TUBE = LOOSE.replace(inner_radius=0.7e-3, fluid_inside=900.0, fluid_outside=1000.0)

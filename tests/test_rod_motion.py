@@ -31,7 +31,7 @@ from driven import (
 )
 from floquetrod._util.compilation import compiled
 from floquetrod.simulation import rod_motion
-from floquetrod.simulation.mesh import DiscreteRod
+from floquetrod.simulation.rod_mesh import DiscreteRod
 from floquetrod.simulation.time_steps import SAFETY, critical_time_step
 
 BENDING = math.sqrt(SHORT.flexural_rigidity / SHORT.mass_per_length) / SHORT.length**2

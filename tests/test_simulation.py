@@ -13,7 +13,7 @@ import pytest
 import floquetrod as fr
 from floquetrod.simulation import checkpoints, integration, time_steps
 from floquetrod.simulation.growth import fit_growth
-from floquetrod.simulation.result import angles
+from floquetrod.simulation.recorded_motion import angles
 
 ROD = fr.Rod.nitinol()
 LOAD = fr.AxialLoad(0.2 * ROD.critical_force, 0.2 * ROD.critical_force, 150.0)

@@ -17,7 +17,7 @@ import pytest
 import floquetrod as fr
 from damages import unpacked
 from floquetrod._util import sealed_files
-from floquetrod.simulation import checkpoints, integration, problem, rod_record
+from floquetrod.simulation import checkpoints, integration, rod_record, simulation_problem
 from test_simulation import ROD, Stop, run
 
 HERE = Path(__file__).parent
@@ -314,7 +314,7 @@ def test_a_clock_that_cannot_be_is_refused(tmp_path: Path) -> None:
 def test_absurd_runs_are_refused_before_anything_is_allocated(
     changes: dict[str, Any], message: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(problem, "Integration", lambda *_: pytest.fail("it began"))
+    monkeypatch.setattr(simulation_problem, "Integration", lambda *_: pytest.fail("it began"))
     with pytest.raises(ValueError, match=message):
         run(**changes)
 

@@ -13,7 +13,7 @@ import pytest
 import floquetrod as fr
 from damages import unpacked
 from floquetrod._util import sealed_files
-from floquetrod.simulation import problem as problems
+from floquetrod.simulation import simulation_problem as problems
 from test_simulation import Stop
 
 TUBING = fr.Rod(

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 import floquetrod as fr
-from floquetrod.ensembles.axes import varied
 from floquetrod.ensembles.study import Study
+from floquetrod.ensembles.varied_axes import varied
 
 ROD = fr.Rod.nitinol()
 WELL = fr.WellPath([0.0, 1.2, 2.0, 3.5], np.radians([60.0, 75.0, 80.0, 84.0]), np.radians([10.0, 20.0, 18.0, 40.0]))

@@ -409,9 +409,9 @@ def read_points(text: str) -> tuple[int, int]:
 
 def figures() -> tuple[str, ...]:
     """Return the ends of names of figures."""
-    from floquetrod.plotting import charts
+    from floquetrod.plotting import chart_plot
 
-    return charts.FIGURES
+    return chart_plot.FIGURES
 
 
 def chart_files() -> tuple[str, ...]:
@@ -460,15 +460,15 @@ def write_figures(paths: Sequence[Path], draw: Callable[[], Any]) -> list[str]:
     """Write a drawing into files, where there are any, and return their names."""
     if not paths:
         return []
-    from floquetrod.plotting import charts
+    from floquetrod.plotting import chart_plot
 
     drawn = draw()
-    return write_each(paths, lambda path: charts.save_figure(drawn, path))
+    return write_each(paths, lambda path: chart_plot.save_figure(drawn, path))
 
 
 def write_charts(paths: Sequence[Path], chart: fr.Chart, drawn: fr.Chart, draw: Callable[[], Any]) -> list[str]:
     """Write a chart into files, and return their names: all its numbers, or bands or a picture of it ``drawn``."""
-    from floquetrod.plotting import charts
+    from floquetrod.plotting import chart_plot
 
     def write(path: Path) -> None:
         if path.suffix == ".npz":
@@ -476,7 +476,7 @@ def write_charts(paths: Sequence[Path], chart: fr.Chart, drawn: fr.Chart, draw: 
         elif path.suffix == ".csv":
             drawn.bands.to_csv(path)
         else:
-            charts.save_figure(draw(), path)
+            chart_plot.save_figure(draw(), path)
 
     return write_each(paths, write)
 

@@ -21,7 +21,7 @@ from floquetrod.cli.messages import option
 from floquetrod.cli.output import Output, output
 from floquetrod.cli.parser import Parser
 from floquetrod.explorer.limits import Scale
-from floquetrod.plotting import charts
+from floquetrod.plotting import chart_plot
 from floquetrod.plotting.web import Shown, require_tornado, serve
 from floquetrod.rod.answers.reports import describe_load, shown_in
 from floquetrod.rod.loads.load import KINDS, Load
@@ -86,7 +86,7 @@ def _explore(options: argparse.Namespace) -> Output:
     elif options.web:
         explorer = _serve(explorer, another, options)
     else:
-        charts.show()
+        chart_plot.show()
     load = explorer.load
     record = {
         "mean_N": load.mean,

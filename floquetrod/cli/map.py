@@ -78,7 +78,7 @@ def add(chart: Parser) -> None:
 
 
 def _map(options: argparse.Namespace) -> Output:
-    from floquetrod.plotting import charts
+    from floquetrod.plotting import chart_plot
 
     if options.pixels and (vertices := next((path for path in options.out if path.suffix == ".csv"), None)):
         raise ValueError(f"--out {vertices}: a .csv file holds the vertices of bands; leave out --pixels")
@@ -125,7 +125,7 @@ def _map(options: argparse.Namespace) -> Output:
         axes = drawn.plot(bands=bands)
         if point is not None:
             x, y = (shown_in(shown, rod.critical_force)[name].of(value) for name, value in point.items())
-            charts.mark(axes, x, y, "the load")
+            chart_plot.mark(axes, x, y, "the load")
         return axes
 
     written = write_charts(options.out, chart, drawn, draw)

@@ -28,7 +28,7 @@ from floquetrod.cli.output import Output, output
 from floquetrod.cli.parser import Parser, whole_number
 from floquetrod.rod.loads.load import Load
 from floquetrod.rod.reading import read_friction, read_tool
-from floquetrod.simulation.starts import read_perturbation
+from floquetrod.simulation.start_text import read_perturbation
 
 _HELP = """\
 Simulate the whole nonlinear rod in its channel, with or without friction, and compare it with the theory.
@@ -201,18 +201,18 @@ def _frames(load: Load, duration: float, has_friction: bool) -> int:
 
 def _kinds() -> tuple[str, ...]:
     """Return the ends of names of files that hold a run: a picture, an animation or all its numbers."""
-    from floquetrod.plotting import rod
+    from floquetrod.plotting import rod_plot
 
-    return (*figures(), *rod.ANIMATIONS, ".npz")
+    return (*figures(), *rod_plot.ANIMATIONS, ".npz")
 
 
 def _require_writers(paths: list[Path], checkpoint: Path | None) -> None:
     """Raise ValueError where an animation needs a program that is missing, or a checkpoint could not be written."""
     from floquetrod._util.sealed_files import writable
-    from floquetrod.plotting import rod
+    from floquetrod.plotting import rod_plot
 
     for path in paths:
-        rod.require_writer(path)
+        rod_plot.require_writer(path)
     if checkpoint is not None:
         try:
             writable(checkpoint)
@@ -239,10 +239,10 @@ def _write_all(run: fr.Simulation, paths: list[Path]) -> tuple[list[str], list[s
 
 
 def _write(run: fr.Simulation, path: Path, progress: Callable[[int, int], None]) -> Path:
-    from floquetrod.plotting import charts, rod
+    from floquetrod.plotting import chart_plot, rod_plot
 
     if path.suffix == ".npz":
         return run.save(path)
-    if path.suffix in rod.ANIMATIONS:
-        return rod.save_animation(run.animate(), path, lambda done, total: progress(done + 1, total))
-    return charts.save_figure(run.plot_run(), path)
+    if path.suffix in rod_plot.ANIMATIONS:
+        return rod_plot.save_animation(run.animate(), path, lambda done, total: progress(done + 1, total))
+    return chart_plot.save_figure(run.plot_run(), path)

@@ -7,11 +7,11 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from floquetrod.ensembles.axes import varied
 from floquetrod.ensembles.runs import DONE, Runs
+from floquetrod.ensembles.varied_axes import varied
 from floquetrod.simulation.findings import STABLE_LOAD
 from floquetrod.simulation.outcome import KINDS, Outcome
-from floquetrod.simulation.problem import SimulationProblem
+from floquetrod.simulation.simulation_problem import SimulationProblem
 
 _MOST_VERDICTS = 20  # on loads under which rods buckled, milliseconds each (a choice)
 _OF_A_PROBLEM = ("kick", "seed", "duration", "time_step", "frames", "segments", "friction")

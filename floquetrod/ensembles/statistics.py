@@ -13,9 +13,9 @@ from numpy.typing import NDArray
 from floquetrod._util import validate
 from floquetrod._util.calling import level_of_caller
 from floquetrod._util.proportions import clopper_pearson, mean_of_shares
-from floquetrod.ensembles.axes import RUN_SEED
 from floquetrod.ensembles.doubts import OutcomeWarning, doubts
 from floquetrod.ensembles.runs import DONE, FAILED, PENDING, Runs, Variable, require_runs
+from floquetrod.ensembles.varied_axes import RUN_SEED
 
 RANDOM = ("sample", "run", "seed")
 """Dimensions along which runs are drawn; the values along all others are chosen."""

@@ -21,8 +21,8 @@ from numpy.typing import NDArray
 
 from floquetrod._util.caching import cached_property
 from floquetrod._util.version import __version__
-from floquetrod.ensembles.axes import RUN_SEED, Design
 from floquetrod.ensembles.runs import DONE, FAILED, PENDING, Runs, Variable
+from floquetrod.ensembles.varied_axes import RUN_SEED, Design
 from floquetrod.simulation.arithmetic import arithmetic
 from floquetrod.simulation.outcome import DEFINITION, KINDS
 

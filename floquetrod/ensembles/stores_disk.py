@@ -10,9 +10,9 @@ import numpy as np
 
 from floquetrod._util import sealed_files
 from floquetrod._util.locks import Lock, lock_beside
-from floquetrod.ensembles.axes import Design
 from floquetrod.ensembles.runs import DONE, FAILED, PENDING, Runs
 from floquetrod.ensembles.stores import Layout, MemoryStore, require_same
+from floquetrod.ensembles.varied_axes import Design
 from floquetrod.simulation.checkpoints import warn
 
 

@@ -32,10 +32,10 @@ from numpy.typing import NDArray
 from floquetrod._util import interrupt
 from floquetrod._util.locks import Lock
 from floquetrod.ensembles import stores
-from floquetrod.ensembles.axes import Design
 from floquetrod.ensembles.runs import DONE, FAILED, PENDING
 from floquetrod.ensembles.stores import FRAME_ATTRS, REASON, Layout, MemoryStore, require_same
 from floquetrod.ensembles.stores_disk import DiskStore
+from floquetrod.ensembles.varied_axes import Design
 
 _ABANDONED = 3600.0  # s after which a creation that takes a second has been killed
 _SEAL = struct.pack("<II", 0x184D2A50, hashlib.sha256().digest_size)

@@ -20,9 +20,9 @@ from floquetrod._util.arguments import Message, argument_of, error_in
 from floquetrod._util.calling import level_of_caller
 from floquetrod._util.implausible import SILENCE, PlausibilityWarning
 from floquetrod._util.tables import read_toml, require_known
-from floquetrod.ensembles.axes import LAYOUTS, MOST_RUNS, RUN_KINDS, VARIED_KINDS, names_of
 from floquetrod.ensembles.ensemble import ensemble
 from floquetrod.ensembles.tasks import Summary
+from floquetrod.ensembles.varied_axes import LAYOUTS, MOST_RUNS, RUN_KINDS, VARIED_KINDS, names_of
 from floquetrod.rod.loads.load import FAR_ENDS, KINDS
 from floquetrod.rod.model.files import rod_of
 from floquetrod.rod.model.plausibility import suspicion_of_hertz, warn_of_load
@@ -37,8 +37,8 @@ from floquetrod.rod.reading import (
     read_tool,
 )
 from floquetrod.rod.rod import Rod
-from floquetrod.simulation.problem import SimulationProblem
-from floquetrod.simulation.starts import read_perturbation
+from floquetrod.simulation.simulation_problem import SimulationProblem
+from floquetrod.simulation.start_text import read_perturbation
 from floquetrod.units import Unit
 
 _TABLES = ("rod", "load", "run", "start", "over", "ensemble")

@@ -9,11 +9,11 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from floquetrod._util import validate
-from floquetrod.ensembles.axes import varied
 from floquetrod.ensembles.runs import DONE, FAILED
 from floquetrod.ensembles.stores import Outcome, reason_of
+from floquetrod.ensembles.varied_axes import varied
 from floquetrod.simulation.outcome import KINDS
-from floquetrod.simulation.problem import Simulation, SimulationProblem
+from floquetrod.simulation.simulation_problem import Simulation, SimulationProblem
 
 Summary = Callable[[Simulation], Mapping[str, float]]
 

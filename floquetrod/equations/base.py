@@ -165,7 +165,7 @@ class Equation(TellsAttributes, ABC):
         >>> Mathieu(alpha=0.5, beta=-0.25).plot().get_ylabel()
         'coefficient $p(\\tau)$'
         """
-        from floquetrod.plotting.coefficients import Stretch, draw_coefficients, instants
+        from floquetrod.plotting.coefficient_plot import Stretch, draw_coefficients, instants
 
         require(self)
         stretches, end = [], Fraction(0)

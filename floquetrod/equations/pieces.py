@@ -454,7 +454,7 @@ def _mirrored(piece: TimedPiece, mirror: TimedPiece) -> bool:
 
 def draw(system: Any, ax: Any) -> Any:
     """Draw the entries of the periodic matrix of one system over one period, and return the axes."""
-    from floquetrod.plotting.coefficients import Stretch, draw_coefficients, instants
+    from floquetrod.plotting.coefficient_plot import Stretch, draw_coefficients, instants
 
     pieces, mean = in_time(system), getattr(system, system.MEAN)
     curves = []

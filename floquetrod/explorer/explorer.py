@@ -12,7 +12,7 @@ from floquetrod.explorer.commands import command
 from floquetrod.explorer.limits import Scale, step
 from floquetrod.explorer.view import View
 from floquetrod.explorer.words import margin_words
-from floquetrod.plotting.explorer import ExplorerWindow
+from floquetrod.plotting.explorer_page import ExplorerWindow
 from floquetrod.rod.answers.margins import Margin
 from floquetrod.rod.answers.reports import shown_in
 from floquetrod.rod.loads.load import KINDS, AnyLoad, Load, require_load
@@ -40,7 +40,7 @@ class Explorer:
 
     Attributes
     ----------
-    window : floquetrod.plotting.explorer.ExplorerWindow
+    window : floquetrod.plotting.explorer_page.ExplorerWindow
         The figure and its sliders.
     load : AxialLoad or AxialWave
         The load shown.

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 from floquetrod.explorer.background import Stale, ViewParts
 from floquetrod.explorer.maps import ChartMap, GrowingMap
-from floquetrod.explorer.modes import LineAndShape, ModesAndRates
+from floquetrod.explorer.mode_panels import LineAndShape, ModesAndRates
 from floquetrod.explorer.source import Source
 from floquetrod.explorer.words import MARGINS, verdict_words
 from floquetrod.rod.loads.load import Load, Loads

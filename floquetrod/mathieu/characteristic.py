@@ -100,7 +100,7 @@ class TransitionCurves(ByContent):
 
     def plot(self, ax: Any = None) -> Any:
         """Draw the curves, each with its name, into matplotlib axes (new ones by default), which are returned."""
-        from floquetrod.plotting.charts import draw_curves
+        from floquetrod.plotting.chart_plot import draw_curves
 
         return draw_curves(self, ax)
 

@@ -71,7 +71,7 @@ class FloquetSolution(ByContent):
 
     def plot(self, ax: Any = None, periods: float = 2.0) -> Any:
         """Draw it over some periods of the equation into matplotlib axes (new ones by default), which are returned."""
-        from floquetrod.plotting.solutions import draw_solution
+        from floquetrod.plotting.solution_plot import draw_solution
 
         return draw_solution(self, ax, validate.positive("periods", periods))
 

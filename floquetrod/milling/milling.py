@@ -9,9 +9,9 @@ from typing import Any, Self
 import numpy as np
 
 from floquetrod._util import validate
-from floquetrod.milling import lobes
+from floquetrod.milling import stability_lobes
 from floquetrod.milling.cutter import Cutter, read_depth, read_speed
-from floquetrod.milling.lobes import Lobes
+from floquetrod.milling.stability_lobes import Lobes
 from floquetrod.milling.tool_file import read_tool
 
 
@@ -90,7 +90,7 @@ class Milling(Cutter):
             Depth up to which is searched; by default fifty times that smallest one, and 500 times at most.
         """
         limit = None if most is None else read_depth(most, "most")
-        return float(lobes.critical_depths(self, np.array([read_speed(speed)]), limit)[0])
+        return float(stability_lobes.critical_depths(self, np.array([read_speed(speed)]), limit)[0])
 
     def lobes(self, speed: Any, depth: Any, *, growth: bool = False) -> Lobes:
         """Return the stability lobes: the chart of spindle speed and depth of cut, and the kind of each lobe.
@@ -112,4 +112,4 @@ class Milling(Cutter):
         >>> print(found.chart.x.unit, found.chart.y.unit)
         rpm mm
         """
-        return lobes.lobes_of(self, speed, depth, growth=validate.flag("growth", growth))
+        return stability_lobes.lobes_of(self, speed, depth, growth=validate.flag("growth", growth))

@@ -115,7 +115,7 @@ class Branch(ByContent, Printed, NoTruthValue):
             The quantity drawn over the parameter.
         """
         from floquetrod._util import validate
-        from floquetrod.plotting.branches import draw_branch
+        from floquetrod.plotting.branch_plot import draw_branch
 
         validate.choice("quantity", quantity, ("amplitude", "largest", "least", "period"))
         state = validate.integer("state", state, 0, self.orbits[0].states.shape[1] - 1)

@@ -171,7 +171,7 @@ class PeriodicOrbit(ByContent, Printed, NoTruthValue):
         ax : matplotlib Axes, optional
             Axes to draw into; a new figure by default.
         """
-        from floquetrod.plotting.orbits import draw_orbit
+        from floquetrod.plotting.orbit_plot import draw_orbit
 
         return draw_orbit(self, ax)
 

@@ -244,7 +244,7 @@ class Chart(NoTruthValue, ByContent):
             from floquetrod.plotting.shapes import draw_banded_chart
 
             return draw_banded_chart(self, ax)
-        from floquetrod.plotting.charts import draw_chart
+        from floquetrod.plotting.chart_plot import draw_chart
 
         return draw_chart(self, ax)
 

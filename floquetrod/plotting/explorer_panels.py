@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from floquetrod._util.arrays import Floats
 from floquetrod.plotting import labels, palette, shapes
-from floquetrod.plotting.charts import NAMES
+from floquetrod.plotting.chart_plot import NAMES
 from floquetrod.units import Unit, label
 
 UNKNOWN = -2

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from floquetrod.plotting import labels, palette
-from floquetrod.plotting.charts import (
+from floquetrod.plotting.chart_plot import (
     areas,
     axes_or_new,
     colours,

@@ -16,7 +16,7 @@ from floquetrod._util.implausible import PlausibilityWarning
 from floquetrod._util.progress import Progress
 from floquetrod._util.result_report import Report, Reported, Table
 from floquetrod._util.version import __version__
-from floquetrod.plotting import charts, document
+from floquetrod.plotting import chart_plot, document
 from floquetrod.plotting.document import Section
 from floquetrod.rod.answers.reach import Reach
 from floquetrod.rod.answers.reports import answer_units, shown_in
@@ -197,7 +197,7 @@ def _map(verdict: RodStability, shown: Mapping[str, Unit]) -> list[Section]:
             like=load if load.features else None,
         ).in_units(mean=shown["mean"].name, frequency=shown["frequency"].name, amplitude=shown["amplitude"].name)
         axes = chart.plot(bands=verdict.evidence.has_exact_margins)
-        charts.mark(axes, shown["frequency"].of(load.frequency), shown["mean"].of(load.mean), "the load")
+        chart_plot.mark(axes, shown["frequency"].of(load.frequency), shown["mean"].of(load.mean), "the load")
         return axes
 
     return [Section("Other mean forces and frequencies", None, draw)]

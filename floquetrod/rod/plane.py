@@ -12,7 +12,7 @@ from floquetrod._util.progress import Progress
 from floquetrod.mathieu.criterion import FiniteTimeCriterion
 from floquetrod.plane import Axis, Family, FoundBands, Verdicts
 from floquetrod.plane.family import VERTEX
-from floquetrod.plotting.charts import NAMES
+from floquetrod.plotting.chart_plot import NAMES
 from floquetrod.rod.loads.load import LIMITS, Load, Loads, Quantity
 from floquetrod.rod.modes.mode_model import BandFinder, ModeModel
 from floquetrod.rod.rod import Rod

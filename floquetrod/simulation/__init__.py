@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from floquetrod.simulation.growth import GrowthFit
-from floquetrod.simulation.mesh import DiscreteRod
+from floquetrod.simulation.rod_mesh import DiscreteRod
 from floquetrod.simulation.time_steps import TimeSteps, critical_time_step
 
 __all__ = ["DiscreteRod", "GrowthFit", "TimeSteps", "critical_time_step"]

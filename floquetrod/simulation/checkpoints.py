@@ -17,8 +17,8 @@ from floquetrod._util.calling import level_of_caller
 from floquetrod._util.locks import Lock, lock_beside
 from floquetrod._util.version import __version__
 from floquetrod.simulation.arithmetic import arithmetic
-from floquetrod.simulation.mesh import ENERGIES
-from floquetrod.simulation.result import RecordedMotion
+from floquetrod.simulation.recorded_motion import RecordedMotion
+from floquetrod.simulation.rod_mesh import ENERGIES
 from floquetrod.simulation.time_steps import TimeSteps
 
 _FORMAT = "floquetrod checkpoint 4"

@@ -12,7 +12,7 @@ from floquetrod._util.arrays import Floats
 from floquetrod.rod.loads.load import Load
 from floquetrod.rod.rod import Rod
 from floquetrod.simulation.model_error import model_errors
-from floquetrod.simulation.result import RecordedMotion
+from floquetrod.simulation.recorded_motion import RecordedMotion
 from floquetrod.simulation.start import SEGMENTS_TO_SEE
 
 LEAST_PER_PERIOD = 8  # frames in a forcing period: interpolation between them costs the rate less than 1e-4

@@ -14,8 +14,8 @@ from floquetrod._util.progress import Progress
 from floquetrod.simulation import rod_motion
 from floquetrod.simulation.checkpoints import Checkpoint, Resumable, RunState, frame_shapes
 from floquetrod.simulation.driving import Driving
-from floquetrod.simulation.mesh import ENERGIES, DiscreteRod
-from floquetrod.simulation.result import EarlyEnd, RecordedMotion
+from floquetrod.simulation.recorded_motion import EarlyEnd, RecordedMotion
+from floquetrod.simulation.rod_mesh import ENERGIES, DiscreteRod
 from floquetrod.simulation.time_steps import TimeSteps
 from floquetrod.wells.drag import Friction
 

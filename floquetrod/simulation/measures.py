@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from floquetrod.simulation.driving import Driving
-from floquetrod.simulation.mesh import DiscreteRod
+from floquetrod.simulation.rod_mesh import DiscreteRod
 
 
 def contact_force(

@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from floquetrod.simulation.mesh import DiscreteRod
+from floquetrod.simulation.rod_mesh import DiscreteRod
 from floquetrod.wells.drag import Friction
 
 BUCKLED_ANGLE = math.radians(5.0)

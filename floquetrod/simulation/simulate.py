@@ -9,7 +9,7 @@ from floquetrod._util.progress import Progress
 from floquetrod.rod.loads.load import AnyLoad, require_load
 from floquetrod.rod.loads.tool import VibrationTool
 from floquetrod.rod.rod import Rod
-from floquetrod.simulation.problem import Simulation, SimulationProblem
+from floquetrod.simulation.simulation_problem import Simulation, SimulationProblem
 from floquetrod.simulation.start import Perturbation
 
 

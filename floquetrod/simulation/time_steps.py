@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from floquetrod import units
 from floquetrod._util import validate
 from floquetrod._util.arguments import wrong_value
-from floquetrod.simulation.mesh import DiscreteRod
+from floquetrod.simulation.rod_mesh import DiscreteRod
 
 SAFETY = 0.9  # of the largest time step of the linearised rod (heuristic: large motion never came near the rest)
 _MOST_WORK = 1e14  # steps times segments, of which a core does some 1e8 in a second: two weeks

@@ -10,7 +10,7 @@ import numpy as np
 from floquetrod._util.arrays import Floats
 from floquetrod._util.caching import cached_property
 from floquetrod.simulation.driving import Driving
-from floquetrod.simulation.mesh import DiscreteRod, Natural, tangents_between
+from floquetrod.simulation.rod_mesh import DiscreteRod, Natural, tangents_between
 from floquetrod.simulation.rod_motion import ghost_direction
 from floquetrod.simulation.rod_record import FIRST, Physics, Well, rod_type
 from floquetrod.simulation.well_axis import WellAxis, dot

@@ -461,7 +461,7 @@ class Reach(Printed, ByContent):
         Draws into a figure or subfigure of matplotlib, a new one by default, which is returned; in the units of
         `report`.
         """
-        from floquetrod.plotting.reach import draw_reach
+        from floquetrod.plotting.reach_plot import draw_reach
 
         shown = AnswerUnits.named(force, depth, pressure, frequency, what=_argument)
         return draw_reach(self, shown, self._in_words(shown), figure)

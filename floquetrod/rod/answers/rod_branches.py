@@ -179,7 +179,7 @@ class RodBranches(ByContent, Printed, NoTruthValue):
         unit : str
             Of the parameter: "Hz", "Fcr"; by default the SI unit.
         """
-        from floquetrod.plotting.branches import draw_rod_branches
+        from floquetrod.plotting.branch_plot import draw_rod_branches
 
         chosen = units.unit(unit, "unit", KINDS[self.parameter], self.rod.critical_force)
         return draw_rod_branches(self, ax, chosen)

@@ -118,7 +118,7 @@ class Evidence(ABC):
 
     def plot(self, verdict: RodStability, ax: Any = None) -> Any:
         """Draw the shape in which the rod grows; return the axes."""
-        from floquetrod.plotting.rod import draw_shape
+        from floquetrod.plotting.rod_plot import draw_shape
 
         return draw_shape(verdict, verdict.shape, str(next(iter(verdict.resonances), "")), ax)
 

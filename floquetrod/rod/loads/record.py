@@ -286,7 +286,7 @@ class ForceRecord(LoadSource, ByContent):
 
     def plot(self, ax: Any = None) -> Any:
         """Draw the record with the fit, and the spectrum with the noise, on two matplotlib axes; return these."""
-        from floquetrod.plotting.record import draw_record
+        from floquetrod.plotting.record_plot import draw_record
 
         return draw_record(self, ax)
 

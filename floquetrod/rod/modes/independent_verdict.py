@@ -124,7 +124,7 @@ class ModeVerdicts(EachMode):
         """Draw the sine in which the fastest mode grows; ValueError where none does."""
         if verdict.growth_rate <= 0.0:
             raise wrong_value("plot", "draws the shape in which the rod grows, and of these modes none does")
-        from floquetrod.plotting.rod import draw_shape
+        from floquetrod.plotting.rod_plot import draw_shape
 
         mode = self.modes[int(self.mode_growth_rates.argmax())]
         s = np.linspace(0.0, verdict.rod.length, 24 * mode + 1)

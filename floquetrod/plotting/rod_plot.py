@@ -12,7 +12,7 @@ import numpy as np
 
 from floquetrod._util.sealed_files import atomic_file
 from floquetrod.plotting import palette
-from floquetrod.plotting.charts import axes_or_new, explain, figure_or_new, new_axes, typeset
+from floquetrod.plotting.chart_plot import axes_or_new, explain, figure_or_new, new_axes, typeset
 
 ANIMATIONS = (".gif", ".mp4")
 """Kinds of file an animation is written to."""

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from floquetrod.plotting import palette
-from floquetrod.plotting.charts import new_axes
+from floquetrod.plotting.chart_plot import new_axes
 
 _MOST = 6  # entries of a matrix in one picture
 _STYLES = (

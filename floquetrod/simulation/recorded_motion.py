@@ -58,7 +58,7 @@ def angles(positions: NDArray[np.float64]) -> NDArray[np.float64]:
 class RecordedMotion(NoTruthValue, ByContent):
     """The frames of a simulated rod, and what follows from them alone; `Simulation` adds the problem.
 
-    Its attributes are described at `floquetrod.simulation.problem.Simulation`.
+    Its attributes are described at `floquetrod.simulation.simulation_problem.Simulation`.
     """
 
     ask = ".buckled"

@@ -107,7 +107,7 @@ class Lobes(Reported, NoTruthValue, ByContent):
 
     def plot(self, ax: Any = None) -> Any:
         """Draw the chart with its bands, lobes named where they are lowest; return the matplotlib axes."""
-        from floquetrod.plotting.lobes import draw_lobes
+        from floquetrod.plotting.lobes_plot import draw_lobes
 
         return draw_lobes(self, ax)
 

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from floquetrod.plotting import palette
-from floquetrod.plotting.charts import figure_or_new, patch
+from floquetrod.plotting.chart_plot import figure_or_new, patch
 from floquetrod.units import AnswerUnits, Unit
 
 _TITLE = 95  # characters in a line of the title

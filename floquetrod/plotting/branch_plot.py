@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 
 from floquetrod import units
 from floquetrod.plotting import palette
-from floquetrod.plotting.charts import NAMES, axes_or_new
-from floquetrod.plotting.orbits import STYLES
+from floquetrod.plotting.chart_plot import NAMES, axes_or_new
+from floquetrod.plotting.orbit_plot import STYLES
 
 Floats = NDArray[np.float64]
 

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from floquetrod.plotting.charts import axes_or_new
+from floquetrod.plotting.chart_plot import axes_or_new
 
 
 def draw_solution(solution: Any, ax: Any, periods: float) -> Any:

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from floquetrod._util import validate
-from floquetrod.plotting.charts import axes_or_new
+from floquetrod.plotting.chart_plot import axes_or_new
 
 _SHOWN = 8  # periods drawn of a record (a choice)
 

@@ -32,10 +32,10 @@ from floquetrod.simulation.findings import Findings
 from floquetrod.simulation.growth import GrowthFit, growth_of_motion
 from floquetrod.simulation.integration import Integration
 from floquetrod.simulation.measures import axial_force, contact_force
-from floquetrod.simulation.mesh import ENERGIES, DiscreteRod
 from floquetrod.simulation.outcome import BUCKLED_ANGLE, Kick, Outcome, outcome_of, turned
+from floquetrod.simulation.recorded_motion import ENDINGS, EarlyEnd, RecordedMotion
 from floquetrod.simulation.resolution import GrowingWaves, ResolutionWarning, growing_waves
-from floquetrod.simulation.result import ENDINGS, EarlyEnd, RecordedMotion
+from floquetrod.simulation.rod_mesh import ENERGIES, DiscreteRod
 from floquetrod.simulation.start import LEAST_SEGMENTS, MOST_SEGMENTS, Perturbation
 from floquetrod.simulation.time_steps import STEP_LIMITS, TimeSteps, time_steps
 from floquetrod.simulation.well_mesh import RodInWell
@@ -600,13 +600,13 @@ class Simulation(Reported, RecordedMotion):
 
     def plot(self, ax: Any = None) -> Any:
         """Draw the rod from above at five times of the last quarter, the last one black; return the axes."""
-        from floquetrod.plotting.rod import draw_top_view
+        from floquetrod.plotting.rod_plot import draw_top_view
 
         return draw_top_view(self, ax)
 
     def plot_energy(self, ax: Any = None) -> Any:
         """Draw the energies over time; return the axes."""
-        from floquetrod.plotting.rod import draw_energy
+        from floquetrod.plotting.rod_plot import draw_energy
 
         return draw_energy(self, ax)
 
@@ -615,7 +615,7 @@ class Simulation(Reported, RecordedMotion):
 
         With friction nothing is predicted: growth is not exponential.
         """
-        from floquetrod.plotting.rod import draw_growth
+        from floquetrod.plotting.rod_plot import draw_growth
 
         return draw_growth(self, self.leading_modes, self._predicted_rates, ax)
 
@@ -624,13 +624,13 @@ class Simulation(Reported, RecordedMotion):
 
         ``figure`` may be a figure or subfigure of matplotlib.
         """
-        from floquetrod.plotting.rod import draw_run
+        from floquetrod.plotting.rod_plot import draw_run
 
         return draw_run(self, self.leading_modes, self._predicted_rates, figure)
 
     def animate(self) -> Any:
         """Return a matplotlib animation of the rod from above, of at most 200 pictures."""
-        from floquetrod.plotting.rod import animate_top_view
+        from floquetrod.plotting.rod_plot import animate_top_view
 
         return animate_top_view(self)
 

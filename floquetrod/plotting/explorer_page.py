@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 from floquetrod.plotting import palette
-from floquetrod.plotting.charts import NAMES
+from floquetrod.plotting.chart_plot import NAMES
 from floquetrod.plotting.explorer_panels import GrowthLine, Map, Modes, Rates, ShapeOf
 from floquetrod.units import Unit, label
 

@@ -22,7 +22,7 @@ class Outline(NamedTuple):
 
 
 def draw_lobes(lobes: Any, ax: Any = None) -> Any:
-    """Draw `floquetrod.milling.lobes.Lobes`: the chart, with names inside the lobes that have room for theirs.
+    """Draw stability lobes: the chart, with names inside the lobes that have room for them.
 
     Where there are none the chart says why.
     """

@@ -16,7 +16,7 @@ from floquetrod._util.caching import cached_property
 from floquetrod.rod.distributions import quantile_function, quantiles
 from floquetrod.rod.loads.load import KINDS
 from floquetrod.rod.model import parts
-from floquetrod.simulation.problem import SimulationProblem
+from floquetrod.simulation.simulation_problem import SimulationProblem
 from floquetrod.simulation.start import Perturbation
 
 LAYOUTS = ("grid", "list")

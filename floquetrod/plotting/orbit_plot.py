@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from floquetrod.plotting import palette
-from floquetrod.plotting.charts import axes_or_new
+from floquetrod.plotting.chart_plot import axes_or_new
 
 STYLES = {"stable": "-", "unstable": "--", "undecided": ":"}
 """Lines of orbits, and of parts of branches, by their verdict."""
