@@ -16,7 +16,7 @@ from floquetrod._util.version import __version__
 from floquetrod.floquet.references import STUDY_DOI as DOI
 from floquetrod.floquet.references import STUDY_TITLE as SOURCE
 from floquetrod.plotting import document
-from floquetrod.plotting.document import Section
+from floquetrod.plotting.document import DocumentSection
 from studies.claims import Claim
 
 FILES = ("claims.md", "claims.json", "report.html")
@@ -72,15 +72,15 @@ def as_json(claims: Sequence[Claim]) -> str:
     return json.dumps(record, indent=2, allow_nan=False) + "\n"
 
 
-def sections(claims: Sequence[Claim], pictures: Mapping[str, Picture]) -> Iterator[Section]:
+def sections(claims: Sequence[Claim], pictures: Mapping[str, Picture]) -> Iterator[DocumentSection]:
     """Yield the sections of the page: the source, the claims, the figures."""
     lines = ("paper", SOURCE), ("DOI", f"https://doi.org/{DOI}"), ("made by", f"floquetrod {__version__}")
-    yield Section("Source", Report("", lines))
+    yield DocumentSection("Source", Report("", lines))
     for claim in claims:
         name, *texts = _cells(claim)
-        yield Section(name, Report("", [*filter(itemgetter(1), zip(_COLUMNS, texts, strict=True))]))
+        yield DocumentSection(name, Report("", [*filter(itemgetter(1), zip(_COLUMNS, texts, strict=True))]))
     for title, picture in pictures.items():
-        yield Section(title, draw=partial(getattr, picture, "figure"))
+        yield DocumentSection(title, draw=partial(getattr, picture, "figure"))
 
 
 def _cells(claim: Claim) -> tuple[str, ...]:

@@ -216,11 +216,11 @@ def test_chunks_are_ranges_of_runs(shape: tuple[int, ...], parts: int) -> None:
 
 
 def axes_layout(shape: tuple[int, ...], chunk: tuple[int, ...]) -> Any:
-    from floquetrod.ensembles.stores import Layout
+    from floquetrod.ensembles.stores import StoreLayout
 
     names = ("mean", "amplitude", "frequency", "friction")
     axis = tuple(varied_axes.VariedAxis(n, n, np.arange(length)) for n, length in zip(names, shape, strict=False))
-    return Layout(varied_axes.Design(PROBLEM, axis), (), False, chunk)
+    return StoreLayout(varied_axes.Design(PROBLEM, axis), (), False, chunk)
 
 
 @pytest.mark.parametrize("is_shown", [True, False])

@@ -32,7 +32,7 @@ from ensemble_cases import (
     waits_at_140_dies_at_150,
 )
 from floquetrod.ensembles import varied_axes, workers
-from floquetrod.ensembles.stores import Outcome
+from floquetrod.ensembles.stores import RunResult
 
 LONG = "PROBLEM.replace(duration=1000.0)"
 
@@ -200,7 +200,7 @@ def test_a_worker_that_was_interrupted_makes_its_runs_again() -> None:
         def submit(self, fn: Any, /, *args: Any, **kwargs: Any) -> Future[Any]:
             self.calls += 1
             if self.calls % 3 == 0:
-                task: Future[list[Outcome]] = Future()
+                task: Future[list[RunResult]] = Future()
                 task.set_result([])
                 return task
             return super().submit(fn, *args, **kwargs)

@@ -22,7 +22,7 @@ from floquetrod._util.waiting import Waiting
 from floquetrod.cli.common import describe_command, warnings_at_once
 from floquetrod.cli.output import Output, output
 from floquetrod.cli.parser import Parser, ratio, whole_number
-from floquetrod.ensembles.overview import Overview, Row
+from floquetrod.ensembles.overview import BucklingShare, Overview
 from floquetrod.simulation.outcome import DEFINITION
 
 _HELP = """\
@@ -210,7 +210,7 @@ def _named(options: argparse.Namespace) -> str:
     return "--json lists them" if options.store is None else f"see reason in {options.store}"
 
 
-def _table(rows: list[Row], study: fr.Study, options: argparse.Namespace) -> Iterator[str]:
+def _table(rows: list[BucklingShare], study: fr.Study, options: argparse.Namespace) -> Iterator[str]:
     """Yield the table of probabilities."""
     if not rows:
         return

@@ -12,7 +12,7 @@ from typing import Any, Literal
 from floquetrod._util import interrupt, validate, waiting
 from floquetrod.ensembles import stores_disk, stores_zarr, tasks
 from floquetrod.ensembles.runs import DONE
-from floquetrod.ensembles.stores import RESULTS, Layout, MemoryStore, Outcome, chunk_shape, reason_of
+from floquetrod.ensembles.stores import RESULTS, MemoryStore, RunResult, StoreLayout, chunk_shape, reason_of
 from floquetrod.ensembles.varied_axes import MOST_RUNS, RUN_SEED, Design, design_of, varied
 from floquetrod.ensembles.workers import OwnProcesses, TaskRunner, require_executor, work
 from floquetrod.simulation.simulation_problem import SimulationProblem
@@ -133,15 +133,15 @@ def ensemble(
     if names is not None:
         if (summary is None) == bool(names):
             raise ValueError(f"store {place} holds another study, with another summary; give another path")
-        opened = make(Layout(study, names, frames, chunk))
-    plan = Layout(study, names or (), frames, chunk)
+        opened = make(StoreLayout(study, names, frames, chunk))
+    plan = StoreLayout(study, names or (), frames, chunk)
     runs = plan.runs_of(plan.part(share))
     pending = list(runs) if opened is None else opened.pending(runs, retry_failed=retry_failed)
     runner = None if not pending else TaskRunner(executor) if count is None else OwnProcesses(count)
     try:
         if runner is not None:
             runner.require_picklable(job)
-        first: list[Outcome] = []
+        first: list[RunResult] = []
         if summary is not None and pending:
             # A run that is made again may end the process or have no memory: the names are learned from others.
             fresh = pending if opened is None else opened.pending(runs, retry_failed=False) or opened.one_done()
@@ -150,7 +150,7 @@ def ensemble(
                 raise ValueError(f"store {place} holds a summary of {', '.join(names or ())}, got {', '.join(found)}")
             job = job._replace(names=found if opened is None else names)
         if opened is None:
-            opened = make(Layout(study, job.names or (), frames, chunk))
+            opened = make(StoreLayout(study, job.names or (), frames, chunk))
         if runner is not None:
             with _shown(progress) as told:
                 _fill(opened, plan.part(share), job, runner, first, retry_failed, told)
@@ -183,7 +183,7 @@ def _fill(
     chunks: range,
     job: tasks.TaskSettings,
     runner: TaskRunner,
-    first: Sequence[Outcome],
+    first: Sequence[RunResult],
     retry_failed: bool,
     progress: Callable[[int, int], None] | None,
 ) -> None:
@@ -214,7 +214,7 @@ def _fill(
 
 def _first_runs(
     job: tasks.TaskSettings, study: Design, pending: Sequence[int]
-) -> tuple[tuple[str, ...], list[Outcome]]:
+) -> tuple[tuple[str, ...], list[RunResult]]:
     """Return the names of the summary, and the runs made to learn them: until one could be made."""
     made = []
     for run in pending:
@@ -252,7 +252,7 @@ def _first_runs(
 
 def _store(
     place: Path | None, study: Design, frames: bool, parts: int
-) -> tuple[tuple[str, ...] | None, tuple[int, ...], Callable[[Layout], MemoryStore]]:
+) -> tuple[tuple[str, ...] | None, tuple[int, ...], Callable[[StoreLayout], MemoryStore]]:
     """Return the names of the summary of a store, None where there is no store yet, its chunks, and what opens it.
 
     Raises ValueError for a store of another study, and where none can be written.

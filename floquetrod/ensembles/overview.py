@@ -15,7 +15,7 @@ from floquetrod.simulation.outcome import KINDS
 _NUMBERS = str.maketrans("", "", "0123456789.,+-")
 
 
-class Row(NamedTuple):
+class BucklingShare(NamedTuple):
     """The probability of buckling, with its interval, for one value of everything but the samples."""
 
     at: dict[str, float]
@@ -35,7 +35,7 @@ class Overview(NamedTuple):
     resting: tuple[float, float] | None  # rad, the least and the largest angle of a rod at rest beyond 5 degrees
     doubts: list[str]
     reasons: list[tuple[str, int]]
-    rows: list[Row]
+    rows: list[BucklingShare]
     units: dict[str, str]
 
     @classmethod
@@ -65,7 +65,7 @@ class Overview(NamedTuple):
         )
 
 
-def _table(found: Runs) -> list[Row]:
+def _table(found: Runs) -> list[BucklingShare]:
     """Return the probability of buckling for every value of the axes that are left, in SI units."""
     dims, shape = found.variables["probability"].dims, found["probability"].shape
     rows = []
@@ -74,7 +74,7 @@ def _table(found: Runs) -> list[Row]:
         values = {name: axis.values[at[axis.dims[0]]].item() for name, axis in found.coords.items()}
         counts = {name: int(found[name][place]) for name in ("done", "failed")}
         shares = {name: number(float(found[name][place])) for name in ("probability", "lower", "upper")}
-        rows.append(Row(values, counts, shares))
+        rows.append(BucklingShare(values, counts, shares))
     return rows
 
 

@@ -35,7 +35,7 @@ DIED = "its worker process died"  # begins the reason of a run that had no error
 _PASSING = (MemoryError, OSError)
 
 
-class Kind(NamedTuple):
+class ResultField(NamedTuple):
     """The type, unit and meaning of a result."""
 
     dtype: Any
@@ -49,17 +49,19 @@ class Kind(NamedTuple):
 
 
 RESULTS = {
-    "status": Kind(np.int8, "1", "pending, done or failed"),
-    "buckled": Kind(np.bool_, "1", f"whether the rod has buckled: {DEFINITION}"),
-    "outcome": Kind(np.int8, "1", "what has become of the rod"),
-    "angle_in_the_end": Kind(np.float64, "rad", "largest angle of any node from where it began, over the last quarter"),
-    "time_to_buckle": Kind(np.float64, "s", "first recorded time beyond 5 degrees of a run that buckled"),
-    "dominant_mode": Kind(np.int16, "1", "mode of largest amplitude over the last quarter"),
-    "growth_rate": Kind(np.float64, "1/s", "growth rate of the dominant mode while motion is small"),
-    "growth_error": Kind(np.float64, "1/s", "error of the growth rate"),
-    "largest_angle": Kind(np.float64, "rad", "largest angle of any node at any time"),
-    "energy_error": Kind(np.float64, "J", "largest error of the energy balance"),
-    "wall_time": Kind(np.float64, "s", "time that the run took"),
+    "status": ResultField(np.int8, "1", "pending, done or failed"),
+    "buckled": ResultField(np.bool_, "1", f"whether the rod has buckled: {DEFINITION}"),
+    "outcome": ResultField(np.int8, "1", "what has become of the rod"),
+    "angle_in_the_end": ResultField(
+        np.float64, "rad", "largest angle of any node from where it began, over the last quarter"
+    ),
+    "time_to_buckle": ResultField(np.float64, "s", "first recorded time beyond 5 degrees of a run that buckled"),
+    "dominant_mode": ResultField(np.int16, "1", "mode of largest amplitude over the last quarter"),
+    "growth_rate": ResultField(np.float64, "1/s", "growth rate of the dominant mode while motion is small"),
+    "growth_error": ResultField(np.float64, "1/s", "error of the growth rate"),
+    "largest_angle": ResultField(np.float64, "rad", "largest angle of any node at any time"),
+    "energy_error": ResultField(np.float64, "J", "largest error of the energy balance"),
+    "wall_time": ResultField(np.float64, "s", "time that the run took"),
 }
 """Results of every run, beside ``reason``, a text."""
 
@@ -73,7 +75,7 @@ _FLAGS = {
 """Meanings of the numbers of a result, as netCDF's conventions give them."""
 
 
-class Outcome(NamedTuple):
+class RunResult(NamedTuple):
     """The outcome of a run: its number, status, reason, results by name, those of the summary, and frames if wanted."""
 
     run: int
@@ -99,7 +101,7 @@ def may_pass(reason: str) -> bool:
 
 
 @dataclass(frozen=True)
-class Layout:
+class StoreLayout:
     """What a store holds: a study, the names of its summary, whether frames, and the shape of chunks of runs."""
 
     study: Design
@@ -108,9 +110,9 @@ class Layout:
     chunk: tuple[int, ...]
 
     @property
-    def kinds(self) -> dict[str, Kind]:
+    def kinds(self) -> dict[str, ResultField]:
         """All results by name, those of the summary too."""
-        return RESULTS | {name: Kind(np.float64, "1", f"{name} of the summary") for name in self.summary}
+        return RESULTS | {name: ResultField(np.float64, "1", f"{name} of the summary") for name in self.summary}
 
     @property
     def frame_shapes(self) -> dict[str, tuple[tuple[str, int], ...]]:
@@ -221,7 +223,7 @@ def chunk_shape(shape: tuple[int, ...], parts: int) -> tuple[int, ...]:
 class MemoryStore:
     """Results in memory."""
 
-    def __init__(self, layout: Layout) -> None:
+    def __init__(self, layout: StoreLayout) -> None:
         """Begin with every run pending."""
         self.layout = layout
         size = layout.study.size
@@ -250,7 +252,7 @@ class MemoryStore:
         """Return one run that is done, or none."""
         return [int(run) for run in np.flatnonzero(self.values["status"] == DONE)[:1]]
 
-    def record(self, outcome: Outcome) -> None:
+    def record(self, outcome: RunResult) -> None:
         """Take over what came of a run."""
         run = outcome.run
         for name, value in (*outcome.results.items(), *outcome.summary.items()):

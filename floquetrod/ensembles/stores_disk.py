@@ -11,7 +11,7 @@ import numpy as np
 from floquetrod._util import sealed_files
 from floquetrod._util.locks import Lock, lock_beside
 from floquetrod.ensembles.runs import DONE, FAILED, PENDING, Runs
-from floquetrod.ensembles.stores import Layout, MemoryStore, require_same
+from floquetrod.ensembles.stores import MemoryStore, StoreLayout, require_same
 from floquetrod.ensembles.varied_axes import Design
 from floquetrod.simulation.checkpoints import warn
 
@@ -22,7 +22,7 @@ class DiskStore(MemoryStore, ABC):
     While it is open for a part, a lock keeps every other from filling the same runs; it ends with the process.
     """
 
-    def __init__(self, layout: Layout, path: Path) -> None:
+    def __init__(self, layout: StoreLayout, path: Path) -> None:
         """Begin with every run pending."""
         super().__init__(layout)
         self.path = path
@@ -94,7 +94,7 @@ class NpzStore(DiskStore):
     not overwritten.
     """
 
-    def __init__(self, layout: Layout, path: Path, found: Runs | None, known: tuple[int, ...] | None) -> None:
+    def __init__(self, layout: StoreLayout, path: Path, found: Runs | None, known: tuple[int, ...] | None) -> None:
         """Begin, or continue with what was found in a file, which was known to be in this state before it was read."""
         super().__init__(layout, path)
         self._known = known
@@ -150,7 +150,7 @@ def _state(path: Path) -> tuple[int, ...] | None:
 
 def open_store(
     place: Path, study: Design, frames: bool
-) -> tuple[tuple[str, ...] | None, Callable[[Layout], MemoryStore]]:
+) -> tuple[tuple[str, ...] | None, Callable[[StoreLayout], MemoryStore]]:
     """Return the names of the summary of a store, None where there is no store yet, and what opens it.
 
     Raises ValueError for a store of another study, and where none can be written.

@@ -33,7 +33,7 @@ from floquetrod._util import interrupt
 from floquetrod._util.locks import Lock
 from floquetrod.ensembles import stores
 from floquetrod.ensembles.runs import DONE, FAILED, PENDING
-from floquetrod.ensembles.stores import FRAME_ATTRS, REASON, Layout, MemoryStore, require_same
+from floquetrod.ensembles.stores import FRAME_ATTRS, REASON, MemoryStore, StoreLayout, require_same
 from floquetrod.ensembles.stores_disk import DiskStore
 from floquetrod.ensembles.varied_axes import Design
 
@@ -47,7 +47,7 @@ _LOCK = "status/.lock"  # where zarr does not look for arrays
 class ZarrStore(DiskStore):
     """Results in memory that are written to a zarr store chunk by chunk; frames are written as they come."""
 
-    def __init__(self, layout: Layout, path: Path) -> None:
+    def __init__(self, layout: StoreLayout, path: Path) -> None:
         """Create the store unless it exists, and take over what it holds."""
         super().__init__(layout, path)
         self._codec = _codec()
@@ -341,7 +341,7 @@ def replace(path: Path, content: bytes) -> None:
 
 def open_store(
     place: Path, study: Design, frames: bool, chunk: tuple[int, ...]
-) -> tuple[tuple[str, ...] | None, tuple[int, ...], Callable[[Layout], MemoryStore]]:
+) -> tuple[tuple[str, ...] | None, tuple[int, ...], Callable[[StoreLayout], MemoryStore]]:
     """Return the names of the summary of a store, None where there is no store yet, its chunks, and what opens it.
 
     Raises ValueError for a store of another study, ImportError without the extra.
@@ -355,7 +355,7 @@ def open_store(
             "in .npz"
         ) from None
 
-    def make(layout: Layout) -> MemoryStore:
+    def make(layout: StoreLayout) -> MemoryStore:
         return ZarrStore(layout, place)
 
     if not place.exists():

@@ -10,7 +10,7 @@ import numpy as np
 
 from floquetrod._util import validate
 from floquetrod.ensembles.runs import DONE, FAILED
-from floquetrod.ensembles.stores import Outcome, reason_of
+from floquetrod.ensembles.stores import RunResult, reason_of
 from floquetrod.ensembles.varied_axes import varied
 from floquetrod.simulation.outcome import KINDS
 from floquetrod.simulation.simulation_problem import Simulation, SimulationProblem
@@ -34,7 +34,9 @@ Batch = Sequence[tuple[int, Mapping[str, float]]]
 """Runs of a task: their numbers, with the values that they vary."""
 
 
-def simulate_runs(job: TaskSettings, batch: Batch, progress: Callable[[int, int], None] | None = None) -> list[Outcome]:
+def simulate_runs(
+    job: TaskSettings, batch: Batch, progress: Callable[[int, int], None] | None = None
+) -> list[RunResult]:
     """Make the runs of a task; what a run raises is recorded, and those that were interrupted are left out."""
     found = []
     for run, values in batch:
@@ -48,14 +50,14 @@ def simulate_runs(job: TaskSettings, batch: Batch, progress: Callable[[int, int]
     return found
 
 
-def outcome(job: TaskSettings, run: int, made: Simulation) -> Outcome:
+def outcome(job: TaskSettings, run: int, made: Simulation) -> RunResult:
     """Return what came of a run that was made."""
-    return Outcome(run, DONE, "", results(made), summarised(job, made), frames_of(job, made))
+    return RunResult(run, DONE, "", results(made), summarised(job, made), frames_of(job, made))
 
 
-def failure(run: int, error: BaseException) -> Outcome:
+def failure(run: int, error: BaseException) -> RunResult:
     """Return what is recorded of a run that raised."""
-    return Outcome(run, FAILED, reason_of(error))
+    return RunResult(run, FAILED, reason_of(error))
 
 
 def results(made: Simulation) -> dict[str, float]:

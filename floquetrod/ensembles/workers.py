@@ -28,7 +28,7 @@ from typing import Any, NamedTuple
 from floquetrod._util import interrupt, validate
 from floquetrod._util.compilation import cores
 from floquetrod.ensembles.runs import FAILED
-from floquetrod.ensembles.stores import DIED, Outcome
+from floquetrod.ensembles.stores import DIED, RunResult
 from floquetrod.ensembles.tasks import Batch, TaskSettings, simulate_runs
 
 _TASK = 0.25  # s of runs in a task, beside which the milliseconds of handing it over do not count
@@ -59,7 +59,7 @@ class TaskRunner:
             self._room, self._counted = _UNKNOWN_SIZE if count is None else 2 * count + 2, time.monotonic()
         return self._room
 
-    def submit(self, job: TaskSettings, batch: Batch) -> Future[list[Outcome]]:
+    def submit(self, job: TaskSettings, batch: Batch) -> Future[list[RunResult]]:
         """Hand over a task."""
         progress = (self._end_when_stopped,) if self._same_process else ()
         task = self.executor.submit(simulate_runs, job, batch, *progress)
@@ -143,7 +143,7 @@ class OwnProcesses(TaskRunner):
         """Return how many tasks to hand over, one for every process, so that its death is that of one task."""
         return self._workers
 
-    def submit(self, job: TaskSettings, batch: Batch) -> Future[list[Outcome]]:
+    def submit(self, job: TaskSettings, batch: Batch) -> Future[list[RunResult]]:
         """Hand a task to a process that has none, or to a new one, also in the place of one that has died."""
         place = next((place for place, task in enumerate(self._tasks) if task.done()), len(self._pools))
         if place == len(self._pools):
@@ -256,12 +256,12 @@ def work(
     pending: Sequence[int],
     values: Callable[[int], Mapping[str, float]],
     idle: Callable[[], None],
-) -> Generator[Outcome, None, None]:
+) -> Generator[RunResult, None, None]:
     """Yield outcomes as they come, in any order; ends early, after abandoning the rest, on Ctrl-C.
 
     ``idle`` is called about ten times a second at least.  Raises RuntimeError when the executor breaks.
     """
-    tasks: dict[Future[list[Outcome]], list[int]] = {}
+    tasks: dict[Future[list[RunResult]], list[int]] = {}
     queue, alone, deaths = deque(pending), deque[int](), Counter[int]()
     sizes = _TaskSizes()
     broken: RuntimeError | None = None
@@ -284,7 +284,7 @@ def work(
                         fatal = [run for run in runs if deaths[run] >= _DEATHS]
                         alone.extend(run for run in runs if run not in fatal)
                         for run in fatal:
-                            yield Outcome(run, FAILED, f"{DIED} {_DEATHS} times: killed, or out of memory")
+                            yield RunResult(run, FAILED, f"{DIED} {_DEATHS} times: killed, or out of memory")
                     elif error is not None:
                         broken = _broken(error)
                     else:
@@ -336,7 +336,7 @@ class _TaskSizes:
             count = max(1, min(int(_TASK / mean), _MOST_IN_A_TASK, math.ceil(len(queue) / max(2 * room, 1))))
         return [queue.popleft() for _ in range(min(count, len(queue)))]
 
-    def note(self, found: Sequence[Outcome]) -> None:
+    def note(self, found: Sequence[RunResult]) -> None:
         """Learn from the wall time of runs."""
         self._seconds += sum(outcome.results.get("wall_time", 0.0) for outcome in found)
         self._runs += len(found)

@@ -165,7 +165,7 @@ class Equation(TellsAttributes, ABC):
         >>> Mathieu(alpha=0.5, beta=-0.25).plot().get_ylabel()
         'coefficient $p(\\tau)$'
         """
-        from floquetrod.plotting.coefficient_plot import Stretch, draw_coefficients, instants
+        from floquetrod.plotting.coefficient_plot import CoefficientPiece, draw_coefficients, instants
 
         require(self)
         stretches, end = [], Fraction(0)
@@ -173,7 +173,7 @@ class Equation(TellsAttributes, ABC):
             begin, end = end, end + piece.share
             low, high = float(begin) * self.period, float(end) * self.period
             tau = low + (high - low) * instants(len(piece.harmonics))
-            stretches.append(Stretch(tau, value_on(piece, tau, low, self.period)[:, None]))
+            stretches.append(CoefficientPiece(tau, value_on(piece, tau, low, self.period)[:, None]))
         return draw_coefficients(
             stretches,
             [r"$p(\tau)$"],

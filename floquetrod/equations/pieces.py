@@ -454,7 +454,7 @@ def _mirrored(piece: TimedPiece, mirror: TimedPiece) -> bool:
 
 def draw(system: Any, ax: Any) -> Any:
     """Draw the entries of the periodic matrix of one system over one period, and return the axes."""
-    from floquetrod.plotting.coefficient_plot import Stretch, draw_coefficients, instants
+    from floquetrod.plotting.coefficient_plot import CoefficientPiece, draw_coefficients, instants
 
     pieces, mean = in_time(system), getattr(system, system.MEAN)
     curves = []
@@ -470,7 +470,7 @@ def draw(system: Any, ax: Any) -> Any:
     symbol = {"stiffness": "K", "mean": "A"}[system.MEAN]
     form = r"$M\ddot{q} + (C + G)\dot{q} + K(t) q = 0$" if symbol == "K" else r"$\dot{x} = A(t) x$"
     return draw_coefficients(
-        [Stretch(time, values[:, rows, columns]) for time, values in curves],
+        [CoefficientPiece(time, values[:, rows, columns]) for time, values in curves],
         [f"${symbol}_{{{i + 1}{',' if system.order > 9 else ''}{j + 1}}}$" for i, j in zip(rows, columns, strict=True)],
         time="$t$",
         axis=f"${symbol}(t)$",

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from floquetrod._util.progress import Progress
 from floquetrod.explorer.background import Stale, ViewParts
 from floquetrod.explorer.portions import in_portions, statuses_and_rates
-from floquetrod.explorer.source import Source, most_modes
+from floquetrod.explorer.source import PanelSource, most_modes
 from floquetrod.plane import Bands, Chart
 from floquetrod.plotting.explorer_panels import UNKNOWN, MapView
 from floquetrod.rod.answers.verdict import RodStability
@@ -33,7 +33,7 @@ class _Replaced(Exception):  # no error: it ends a search that nobody waits for
     """The search has been replaced by another one."""
 
 
-class ChartMap(Source):
+class ChartMap(PanelSource):
     """A chart of points at once; in time its bands between exact curves, or more points where it has none."""
 
     def __init__(self, rod: Rod, model: ModeModel, limits: dict[str, tuple[float, float]]) -> None:
@@ -94,7 +94,7 @@ def _ending(stale: Stale) -> Progress:
     return watch
 
 
-class GrowingMap(Source):
+class GrowingMap(PanelSource):
     """Cells judged in time, the large ones first; keeps what is known at an amplitude."""
 
     def __init__(self, model: ModeModel, limits: dict[str, tuple[float, float]]) -> None:

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from floquetrod import mathieu
 from floquetrod.explorer.background import Stale, ViewParts
 from floquetrod.explorer.portions import in_portions, statuses_and_rates
-from floquetrod.explorer.source import Source, most_modes
+from floquetrod.explorer.source import PanelSource, most_modes
 from floquetrod.plotting.explorer_panels import LineView, ModesView, RatesView, ShapeView, straightened
 from floquetrod.rod.answers.verdict import RodStability
 from floquetrod.rod.loads.load import Load, Loads
@@ -26,7 +26,7 @@ _FARTHEST = 1e4  # natural frequency over that of the load up to which the chart
 _LINE = (17, 33, 65)  # frequencies of the line through the load, each finding those before it again
 
 
-class ModesAndRates(Source):
+class ModesAndRates(PanelSource):
     """Where each mode lies among the tongues of Mathieu's equation, and how fast it grows: all of it at once."""
 
     panels: ClassVar[tuple[str, str]] = ("modes", "rates")
@@ -65,7 +65,7 @@ class ModesAndRates(Source):
         return ModesView(self.numbers, x, alpha, growth, frame, tongues)
 
 
-class LineAndShape(Source):
+class LineAndShape(PanelSource):
     """Growth over the frequency and the shape that grows, found in time; keeps what is known of the line."""
 
     panels: ClassVar[tuple[str, str]] = ("line", "shape")

@@ -11,7 +11,7 @@ from floquetrod.rod.loads.load import Load
 from floquetrod.rod.modes.mode_model import ModeModel
 
 
-class Source(ABC):
+class PanelSource(ABC):
     """What fills some of the panels; it keeps what the last move left as it was."""
 
     @abstractmethod

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from floquetrod.explorer.background import Stale, ViewParts
 from floquetrod.explorer.maps import ChartMap, GrowingMap
 from floquetrod.explorer.mode_panels import LineAndShape, ModesAndRates
-from floquetrod.explorer.source import Source
+from floquetrod.explorer.source import PanelSource
 from floquetrod.explorer.words import MARGINS, verdict_words
 from floquetrod.rod.loads.load import Load, Loads
 from floquetrod.rod.rod import Rod
@@ -22,10 +22,10 @@ class View:
     def __init__(self, rod: Rod, load: Load, limits: dict[str, tuple[float, float]]) -> None:
         """Choose the panels."""
         self.model = model = rod.modes_under(load)
-        self.map: Source = ChartMap(rod, model, limits) if model.prompt else GrowingMap(model, limits)
+        self.map: PanelSource = ChartMap(rod, model, limits) if model.prompt else GrowingMap(model, limits)
         located = model.among_tongues(load, (1,)) is not None
         modes = ModesAndRates(model, limits) if located else LineAndShape(model, limits)
-        self.modes: Source = modes
+        self.modes: PanelSource = modes
         self.panels: tuple[str, str] = modes.panels  # names of those beside the map
 
     def at_once(self, load: Load) -> ViewParts:

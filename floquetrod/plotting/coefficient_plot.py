@@ -29,7 +29,7 @@ def instants(harmonics: int) -> NDArray[np.float64]:
     return np.linspace(0.0, 1.0, min(max(_LEAST, _IN_A_WAVE * harmonics + 1), _MOST_SAMPLES))
 
 
-class Stretch(NamedTuple):
+class CoefficientPiece(NamedTuple):
     """A coefficient, or several, on one piece of the period, at its ends their limits from within."""
 
     time: NDArray[np.float64]  # (k,)
@@ -37,7 +37,14 @@ class Stretch(NamedTuple):
 
 
 def draw_coefficients(
-    stretches: list[Stretch], names: list[str], *, time: str, axis: str, title: str, mean: float | None, ax: Any
+    stretches: list[CoefficientPiece],
+    names: list[str],
+    *,
+    time: str,
+    axis: str,
+    title: str,
+    mean: float | None,
+    ax: Any,
 ) -> Any:
     """Draw coefficients over one period: a line on each piece, dots across a jump, a chain at the mean."""
     ax = new_axes() if ax is None else ax

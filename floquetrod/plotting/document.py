@@ -54,7 +54,7 @@ img { width: 100%; height: auto; max-height: 25cm; object-fit: contain; border-r
 )
 
 
-class Section(NamedTuple):
+class DocumentSection(NamedTuple):
     """A part of a document: a title, what is said, and what is drawn, axes or a figure, when it is written."""
 
     title: str
@@ -62,7 +62,7 @@ class Section(NamedTuple):
     draw: Callable[[], Any] | None = None
 
 
-def save(path: str | Path, title: str, sections: Sequence[Section]) -> Path:
+def save(path: str | Path, title: str, sections: Sequence[DocumentSection]) -> Path:
     """Write a document to a file that ends in .html or .pdf, whole or not at all; ValueError for other endings."""
     path = validate.path("path", path)
     if path.suffix.lower() not in KINDS:
@@ -73,7 +73,7 @@ def save(path: str | Path, title: str, sections: Sequence[Section]) -> Path:
     return path
 
 
-def _html(title: str, sections: Sequence[Section]) -> bytes:
+def _html(title: str, sections: Sequence[DocumentSection]) -> bytes:
     parts = [
         "<!doctype html>",
         '<html lang="en"><head><meta charset="utf-8">',
@@ -92,7 +92,7 @@ def _html(title: str, sections: Sequence[Section]) -> bytes:
     return "\n".join([*parts, "</body></html>", ""]).encode()
 
 
-def _pdf(title: str, sections: Sequence[Section]) -> bytes:
+def _pdf(title: str, sections: Sequence[DocumentSection]) -> bytes:
     from matplotlib.backends.backend_pdf import PdfPages
     from matplotlib.image import imread
 

@@ -8,7 +8,7 @@ from typing import Any
 
 from floquetrod.plotting import palette
 from floquetrod.plotting.chart_plot import NAMES
-from floquetrod.plotting.explorer_panels import GrowthLine, Map, Modes, Rates, ShapeOf
+from floquetrod.plotting.explorer_panels import GrowthBars, GrowthLine, Map, Modes, ShapeOf
 from floquetrod.units import Unit, label
 
 QUANTITIES = ("mean", "amplitude", "frequency")
@@ -65,7 +65,7 @@ class ExplorerWindow:
         self._map = Map(areas[0], limits, units)
         kinds: dict[str, Callable[[Any], Any]] = {
             "modes": Modes,
-            "rates": Rates,
+            "rates": GrowthBars,
             "line": lambda ax: GrowthLine(ax, limits["frequency"], units["frequency"]),
             "shape": lambda ax: ShapeOf(ax, length),
         }

@@ -194,7 +194,7 @@ class Modes:
             text.set_visible(place < len(taken))
 
 
-class Rates:
+class GrowthBars:
     """How fast each mode grows."""
 
     def __init__(self, ax: Any) -> None:

@@ -14,7 +14,7 @@ _WIDE = 60
 """Characters of a line within axes."""
 
 
-class Outline(NamedTuple):
+class LobeOutline(NamedTuple):
     """A polygon, in the units of the axes."""
 
     x: Floats
@@ -37,7 +37,7 @@ def draw_lobes(lobes: Any, ax: Any = None) -> Any:
     return ax
 
 
-def outline(lobes: Any, lobe: Any) -> Outline:
+def outline(lobes: Any, lobe: Any) -> LobeOutline:
     """Return the polygon of a lobe on its chart: at its speeds from the critical depth up to where nothing grows."""
     chart = lobes.chart
     first, last = np.searchsorted(lobes.speeds, lobe.speeds)
@@ -47,4 +47,4 @@ def outline(lobes: Any, lobe: Any) -> Outline:
     stable_again = np.where(ends.any(axis=0), ends.argmax(axis=0), depths.size)
     top = np.maximum(depths[np.maximum(stable_again - 1, 0)], low)
     x = chart.x.values[columns]
-    return Outline(np.concatenate([x, x[::-1]]), np.concatenate([low, top[::-1]]))
+    return LobeOutline(np.concatenate([x, x[::-1]]), np.concatenate([low, top[::-1]]))

@@ -17,7 +17,7 @@ from floquetrod._util.progress import Progress
 from floquetrod._util.result_report import Report, Reported, Table
 from floquetrod._util.version import __version__
 from floquetrod.plotting import chart_plot, document
-from floquetrod.plotting.document import Section
+from floquetrod.plotting.document import DocumentSection
 from floquetrod.rod.answers.reach import Reach
 from floquetrod.rod.answers.reports import answer_units, shown_in
 from floquetrod.rod.answers.steady_motion import SteadyMotion
@@ -110,25 +110,25 @@ class _Asked(NamedTuple):
 
 
 @functools.singledispatch
-def _contents(result: Any, asked: _Asked) -> tuple[str, list[Section]]:
+def _contents(result: Any, asked: _Asked) -> tuple[str, list[DocumentSection]]:
     """Return the title and the sections of a document about a result."""
     takes_units = "units" in inspect.signature(result.report).parameters
     if asked.units is not None and not takes_units:
         raise validate.wrong_value("units", f"must be left out, since a {type(result).__name__} has a report without")
     said = result.report(asked.units) if takes_units else result.report()
-    drawn = Section(type(result).__name__, said, getattr(result, "plot", None))
+    drawn = DocumentSection(type(result).__name__, said, getattr(result, "plot", None))
     return repr(result)[1:-1], [drawn, _made(getattr(result, "references", ()), asked.command)]
 
 
 @_contents.register
-def _(result: Reach, asked: _Asked) -> tuple[str, list[Section]]:
+def _(result: Reach, asked: _Asked) -> tuple[str, list[DocumentSection]]:
     section = _reach(result, asked.units, answer_units(shown_in(asked.units, math.nan)))[0]
     title = repr(result)[1:-1] if section.report is None else section.report.headline
     return title, [section, _made((), asked.command)]
 
 
 @_contents.register
-def _(result: RodStability, asked: _Asked) -> tuple[str, list[Section]]:
+def _(result: RodStability, asked: _Asked) -> tuple[str, list[DocumentSection]]:
     shown = shown_in(asked.units, result.rod.critical_force)
     return f"Stability of a rod: {result.status}", [
         _verdict(result, asked),
@@ -147,20 +147,20 @@ def _require(name: str, value: Any, kind: type, what: str) -> None:
         raise validate.wrong_type(name, f"must be {what}, got {validate.short(value)}")
 
 
-def _verdict(verdict: RodStability, asked: _Asked) -> Section:
+def _verdict(verdict: RodStability, asked: _Asked) -> DocumentSection:
     searched = verdict.has_quick_margins if asked.margins is None else asked.margins
     said = verdict.report(asked.units, verdict.margins(progress=asked.progress) if searched else None)
     large = grown(verdict.rod, verdict.load, verdict)
     if large is not None:
         said = said.with_lines([("grows to", large.in_words)], before="margins" if searched else "checked")
     shape = None if verdict.evidence.has_exact_margins or not verdict.resonances else verdict.plot
-    return Section("Verdict", said, shape)
+    return DocumentSection("Verdict", said, shape)
 
 
-def _data(rod: RodData, units: AnswerUnits) -> Section:
+def _data(rod: RodData, units: AnswerUnits) -> DocumentSection:
     """Return what the rod is, parameter by parameter."""
     rows = [_row(name, value, units) for name, value in rod.as_dict().items()]
-    return Section("The rod", Report("", (), Table((("parameter", "<24"), ("value", "<1")), rows)))
+    return DocumentSection("The rod", Report("", (), Table((("parameter", "<24"), ("value", "<1")), rows)))
 
 
 def _row(name: str, value: Any, units: AnswerUnits) -> tuple[str, str]:
@@ -172,7 +172,7 @@ def _row(name: str, value: Any, units: AnswerUnits) -> tuple[str, str]:
     return words, shown
 
 
-def _map(verdict: RodStability, shown: Mapping[str, Unit]) -> list[Section]:
+def _map(verdict: RodStability, shown: Mapping[str, Unit]) -> list[DocumentSection]:
     """Return the map about the load; none without vibration, whose stability no frequency changes."""
     rod: Any = verdict.rod
     load = verdict.load
@@ -200,14 +200,14 @@ def _map(verdict: RodStability, shown: Mapping[str, Unit]) -> list[Section]:
         chart_plot.mark(axes, shown["frequency"].of(load.frequency), shown["mean"].of(load.mean), "the load")
         return axes
 
-    return [Section("Other mean forces and frequencies", None, draw)]
+    return [DocumentSection("Other mean forces and frequencies", None, draw)]
 
 
-def _motion(motion: SteadyMotion | None, units: Mapping[str, str] | None) -> list[Section]:
-    return [] if motion is None else [Section("Motion after the onset", motion.report(units))]
+def _motion(motion: SteadyMotion | None, units: Mapping[str, str] | None) -> list[DocumentSection]:
+    return [] if motion is None else [DocumentSection("Motion after the onset", motion.report(units))]
 
 
-def _statics(verdict: RodStability, units: AnswerUnits) -> Section:
+def _statics(verdict: RodStability, units: AnswerUnits) -> DocumentSection:
     """Return forces that buckle the rod without vibration, and the stress."""
     rod, load = verdict.rod, verdict.load
     rows = [
@@ -219,10 +219,10 @@ def _statics(verdict: RodStability, units: AnswerUnits) -> Section:
     if rod.yield_strength is None:
         lines.append(("", "the yield strength is not known: give Rod(yield_strength=) or a grade"))
     lines.append(("", "before the rod moves; pressures inside and outside taken as equal"))
-    return Section("Constant forces and stress", Report("", lines, table))
+    return DocumentSection("Constant forces and stress", Report("", lines, table))
 
 
-def _reach(reach: Reach | None, asked: Mapping[str, str] | None, units: AnswerUnits) -> list[Section]:
+def _reach(reach: Reach | None, asked: Mapping[str, str] | None, units: AnswerUnits) -> list[DocumentSection]:
     """Return how far the string can be pushed, in kN and Hz where nothing else was asked for."""
     if reach is None:
         return []
@@ -232,21 +232,21 @@ def _reach(reach: Reach | None, asked: Mapping[str, str] | None, units: AnswerUn
         named["force"] = "kN"
     if "frequency" not in (asked or {}):
         named["frequency"] = "Hz"
-    return [Section("Reach", reach.report(**named), functools.partial(reach.plot, **named))]
+    return [DocumentSection("Reach", reach.report(**named), functools.partial(reach.plot, **named))]
 
 
-def _assumed(verdict: RodStability, reach: Reach | None, units: AnswerUnits) -> Section:
+def _assumed(verdict: RodStability, reach: Reach | None, units: AnswerUnits) -> DocumentSection:
     """Return what is assumed and how far it holds."""
     listed = []
     for text in verdict.assumptions:
         listed += [("", f"- {text}"), *([("", f"    {text.limit}")] if isinstance(text, Assumption) else [])]
     if reach is not None:
         listed += [("", f"- reach: {text}") for text in reach.assumptions_in(units.speed)]
-    return Section("Assumptions, and their limits", Report("", listed))
+    return DocumentSection("Assumptions, and their limits", Report("", listed))
 
 
-def _made(references: Iterable[str], again: str) -> Section:
+def _made(references: Iterable[str], again: str) -> DocumentSection:
     lines = [("made by", f"floquetrod {__version__}, Python {platform.python_version()}")]
     lines += [("again", again)] if again else []
     lines += [("cite" if i == 0 else "", text) for i, text in enumerate(references)]
-    return Section("How this was made", Report("", lines))
+    return DocumentSection("How this was made", Report("", lines))

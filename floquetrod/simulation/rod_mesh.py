@@ -14,7 +14,18 @@ from floquetrod.rod.loads.tool import VibrationTool
 from floquetrod.rod.model.data import RodData
 from floquetrod.simulation.driving import Driving
 from floquetrod.simulation.rod_motion import energy_of_fixed_end
-from floquetrod.simulation.rod_record import CLAMPED, FIRST, FREE, GUIDED, LOST, NODE, PARTS, Physics, Tool, rod_type
+from floquetrod.simulation.rod_record import (
+    CLAMPED,
+    FIRST,
+    FREE,
+    GUIDED,
+    LOST,
+    NODE,
+    PARTS,
+    Physics,
+    ToolForce,
+    rod_type,
+)
 from floquetrod.simulation.start import LEAST_SEGMENTS, MOST_SEGMENTS
 from floquetrod.wells.drag import FRICTIONLESS, Friction
 
@@ -218,13 +229,13 @@ class DiscreteRod:
             tool=self._tool(driving.tool),
         )
 
-    def _tool(self, tool: VibrationTool | None) -> Tool | None:
+    def _tool(self, tool: VibrationTool | None) -> ToolForce | None:
         """Return a tool between the nodes."""
         if tool is None:
             return None
         place = (self.rod.length - tool.above_end) / self.segment_length
         node = min(int(place), self.segments - 1)
-        return Tool(tool.amplitude, tool.frequency, node, place - node)
+        return ToolForce(tool.amplitude, tool.frequency, node, place - node)
 
     @property
     def record_type(self) -> np.dtype[np.void]:

@@ -71,7 +71,7 @@ class End(NamedTuple):
         return self.across in (HINGED, CLAMPED)
 
 
-class Tool(NamedTuple):
+class ToolForce(NamedTuple):
     """A tool in the rod that pushes it down and pulls it up with a sine."""
 
     amplitude: float
@@ -114,5 +114,5 @@ class Physics(NamedTuple):
     harmonics: int  # of the vibration
     upper: End
     lower: End
-    tool: Any = None  # a `Tool`, or None without
+    tool: Any = None  # a `ToolForce`, or None without
     well: Any = None  # a `Well`, or None in a straight channel
