@@ -159,7 +159,7 @@ _NAMES = {
     "rod.uncertainty": ("InstabilityProbability", "probability_of_instability"),
     "simulation.checkpoints": ("CheckpointWarning",),
     "simulation.integration": ("SimulationDiverged",),
-    "simulation.problem": ("Simulation", "SimulationProblem"),
+    "simulation.simulation_problem": ("Simulation", "SimulationProblem"),
     "simulation.resolution": ("ResolutionWarning",),
     "simulation.simulate": ("simulate",),
     "simulation.start": ("Perturbation",),
