@@ -27,7 +27,10 @@ def paper_map() -> Row:
     unit = rod.critical_force
     mean, frequency = np.linspace(0.0, unit, 100)[:, None], np.linspace(20.0, 200.0, 100)
     ours = best_of(
-        lambda: rod.is_stable(mean, 0.7 * unit, frequency, friction=FRICTION, kick=KICK, workers=1), repeats=2
+        lambda: rod.is_stable(
+            mean=mean, amplitude=0.7 * unit, frequency=frequency, friction=FRICTION, kick=KICK, workers=1
+        ),
+        repeats=2,
     )
     alphas, betas, gammas, kicks, orbits = [], [], [], [], 0
     for share in np.linspace(0.05, 0.95, 5):

@@ -64,7 +64,7 @@ def tubing() -> list[Row]:
     load = fr.AxialWave.hertz(0.5 * unit, 0.3 * unit, 4.0)
     means = np.linspace(0.3, 0.6, BATCH) * unit
     single = best_of(lambda: TUBING.stability(load), repeats=5)
-    many = best_of(lambda: TUBING.verdicts(means, load.amplitude, load.frequency, like=load, workers=1), repeats=5)
+    many = best_of(lambda: TUBING.verdicts(load, mean=means, workers=1), repeats=5)
     system = TUBING.modal_system(load)
     assert isinstance(system, fr.HillSystem)  # noqa: S101
     peer = integrated(system)

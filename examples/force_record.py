@@ -47,8 +47,8 @@ print("fundamental alone:", rod.stability(alone))
 # %%
 # The growth over the frequency at which the same force is repeated.
 frequency = np.linspace(142.0, 162.0, 61)
-full = rod.growth_rate(load.mean, load.amplitude, frequency, like=load)
-pure = rod.growth_rate(alone.mean, alone.amplitude, frequency)
+full = rod.growth_rate(load, frequency=frequency)
+pure = rod.growth_rate(mean=alone.mean, amplitude=alone.amplitude, frequency=frequency)
 _, (*upper, below) = plt.subplots(3, 1, figsize=(7.5, 8.0), layout="constrained")
 record.plot(upper)
 below.fill_between(frequency, 0.0, full, color=palette.UNSTABLE, linewidth=0.0)

@@ -18,7 +18,7 @@ bounds, tolerance = (60.0, 260.0), 0.02
 
 # %%
 # Growth of up to 0.02 per second is accepted here: tenfold in two minutes, less than the slightest damping removes.
-windows = rod.stable_frequencies(mean, amplitude, bounds=bounds, growth_tolerance=tolerance)
+windows = rod.ranges("frequency", mean=mean, amplitude=amplitude, bounds=bounds, growth_tolerance=tolerance)
 print(windows)
 
 # %%
@@ -33,7 +33,7 @@ print(f"choose {choice:.1f} rad/s: it may drift by {room:.1f} rad/s, {100.0 * ro
 # %%
 # The growth rate over the frequency agrees with the windows; each peak is one mode in one of its tongues.
 frequency = np.linspace(*bounds, 4000)
-growth, mode = rod.fastest(mean, amplitude, frequency)
+growth, mode = rod.growth_rate(mean=mean, amplitude=amplitude, frequency=frequency, return_mode=True)
 _, axes = plt.subplots(figsize=(8.0, 4.0), layout="constrained")
 axes.plot(frequency, growth, color="black", linewidth=0.8)
 axes.set_facecolor(palette.UNSTABLE)

@@ -34,8 +34,12 @@ print(f"proved: none up to {1e3 * none_up_to:.2f} mm/s does")
 share = np.linspace(0.0, 1.0, 101)
 _, panels = plt.subplots(2, 1, figsize=(8.0, 5.6), sharex=True, layout="constrained")
 for axes, part in zip(panels, (0.7, 0.3), strict=True):
-    kick, mode, _ = rod.critical_kicks(
-        share * rod.critical_force, part * rod.critical_force, omega, friction=mu, growth_tolerance=0.01
+    kick, mode, _ = rod.critical_kick(
+        mean=share * rod.critical_force,
+        amplitude=part * rod.critical_force,
+        frequency=omega,
+        friction=mu,
+        growth_tolerance=0.01,
     )
     often, never = 100.0 * (kick < 0.05).mean(), 100.0 * np.isinf(kick).mean()
     print(

@@ -30,7 +30,9 @@ print(f"critical force {rod.critical_force:.3g} N, critical mode {rod.critical_m
 # %%
 # The answer is complete: no window is missed, and nothing inside one grows by more than the tolerance.
 hertz = 2.0 * math.pi
-windows = rod.stable_frequencies(mean, amplitude, bounds=(5.0 * hertz, 30.0 * hertz), growth_tolerance=0.01)
+windows = rod.ranges(
+    "frequency", mean=mean, amplitude=amplitude, bounds=(5.0 * hertz, 30.0 * hertz), growth_tolerance=0.01
+)
 for window in windows:
     print(f"safe from {window.low / hertz:7.3f} to {window.high / hertz:7.3f} Hz")
 

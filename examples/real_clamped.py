@@ -20,7 +20,7 @@ print(f"critical force {unit:.2f} N, half wave {wire.critical_half_wave:.3f} m")
 # The constant force that buckles it, by its ends: for so short a wire, of three half waves, the ends matter.
 kinds = ("hinged", "clamped-hinged", "clamped", "clamped-guided", "clamped-free")
 for ends in kinds:
-    least = wire.replace(ends=ends).critical_mean_force(0.0, 1.0)
+    least = wire.replace(ends=ends).critical("mean", amplitude=0.0, frequency=1.0)
     print(f"{ends:15} buckles at {least / unit:.4f} F_cr")
 
 # %%
@@ -30,7 +30,7 @@ hertz = np.linspace(14.0, 40.0, 105)
 figure, panels = plt.subplots(len(kinds), 1, figsize=(8.0, 8.0), sharex=True, sharey=True, layout="constrained")
 for axes, ends in zip(panels, kinds, strict=True):
     held = wire.replace(ends=ends)
-    growth = held.growth_rate(mean, amplitude, 2.0 * np.pi * hertz)
+    growth = held.growth_rate(mean=mean, amplitude=amplitude, frequency=2.0 * np.pi * hertz)
     axes.fill_between(hertz, 0.0, growth, color=palette.UNSTABLE, linewidth=0.0)
     axes.plot(hertz, growth, color="black", linewidth=0.9)
     peaks = np.flatnonzero((growth[1:-1] > growth[:-2]) & (growth[1:-1] >= growth[2:])) + 1

@@ -39,7 +39,7 @@ figure, panels = plt.subplots(2, 1, figsize=(8.0, 5.0), sharex=True, layout="con
 for axes, ends in zip(panels, ("clamped-guided", "clamped-free"), strict=True):
     for rate, line in rates.items():
         damped = wire.replace(ends=ends, damping_rate=rate)
-        growth = damped.growth_rate(mean, amplitude, 2.0 * np.pi * hertz)
+        growth = damped.growth_rate(mean=mean, amplitude=amplitude, frequency=2.0 * np.pi * hertz)
         axes.plot(hertz, growth, color="black", linestyle=line, label=f"damping {rate:g} 1/s")
         if rate == min(rates):
             axes.fill_between(hertz, 0.0, growth, color=palette.UNSTABLE, linewidth=0.0)

@@ -25,7 +25,9 @@ growth = {}
 for place, mean_at in places.items():
     like = fr.AxialLoad(0.0, 0.0, 1.0, mean_at=mean_at)
     tilted = [rod.replace(inclination=np.radians(angle)) for angle in degrees]
-    growth[place] = [one.growth_rate(load.mean, load.amplitude, load.frequency, like=like) for one in tilted]
+    growth[place] = [
+        one.growth_rate(like, mean=load.mean, amplitude=load.amplitude, frequency=load.frequency) for one in tilted
+    ]
 
 # %%
 # Given at the middle, the weight along the rod changes little; given at an end, the load is another one.

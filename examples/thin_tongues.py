@@ -20,8 +20,8 @@ test = fr.FiniteTimeCriterion()
 # Sweep the mean force: the verdict of the test, and the exact one.
 share = np.linspace(0.25, 0.47, 4401)
 mean = share * rod.critical_force
-passes = rod.is_stable(mean, amplitude, omega, criterion=test)
-growth, mode = rod.fastest(mean, amplitude, omega)
+passes = rod.is_stable(mean=mean, amplitude=amplitude, frequency=omega, criterion=test)
+growth, mode = rod.growth_rate(mean=mean, amplitude=amplitude, frequency=omega, return_mode=True)
 missed = passes & (growth > 0.0)
 modes = ", ".join(map(str, np.unique(mode[missed])))
 print(f"{100.0 * missed.mean():.1f} % of these loads pass the test and are unstable, in modes {modes}")
@@ -29,7 +29,7 @@ print(f"{np.count_nonzero(~passes & (growth == 0.0))} fail it and are stable: it
 
 # %%
 # A grid finds only tongues wider than its steps.  Without one, none is missed, however thin:
-ranges = rod.stable_mean_forces(amplitude, omega, bounds=(0.0, 0.47 * rod.critical_force))
+ranges = rod.ranges("mean", amplitude=amplitude, frequency=omega, bounds=(0.0, 0.47 * rod.critical_force))
 gaps = [(right.low - left.high, left.high_end) for left, right in zip(ranges, list(ranges)[1:], strict=False)]
 for width, (number, tongue) in sorted(gaps, reverse=True)[:8]:
     print(f"mode {number:2d} in tongue {tongue:2d}: {width / rod.critical_force:.1e} F_cr wide")

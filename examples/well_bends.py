@@ -41,7 +41,9 @@ def onset(curvature: float) -> float:
         high = min(high, 0.9999 * weight / -curvature)  # beyond, it is off the floor
     while high - low > 4.0:
         middle = 0.5 * (low + high)
-        low, high = (low, middle) if section.growth_rate(middle, 0.0, 1.0) > 0.0 else (middle, high)
+        low, high = (
+            (low, middle) if section.growth_rate(mean=middle, amplitude=0.0, frequency=1.0) > 0.0 else (middle, high)
+        )
     return high
 
 

@@ -119,7 +119,9 @@ def f2_d() -> Claim:
 def first_failure(amplitude: float, frequency: float, criterion: FiniteTimeCriterion, upto: float) -> float:
     """Return the first mean force in F_cr, of a fine grid to ``upto``, at which the test fails; inf if none."""
     mean = np.linspace(0.0, upto, round(upto / 5e-4) + 1)
-    failing = np.flatnonzero(~ROD.is_stable(mean * UNIT, amplitude * UNIT, frequency, criterion=criterion))
+    failing = np.flatnonzero(
+        ~ROD.is_stable(mean=mean * UNIT, amplitude=amplitude * UNIT, frequency=frequency, criterion=criterion)
+    )
     return float(mean[failing[0]]) if failing.size else float("inf")
 
 
@@ -133,7 +135,7 @@ def f3_a() -> Claim:
     main = min(band for band in bands if band.low <= by_test * UNIT < band.high)  # in which the test fails further on
     below = sum(band.high < main.low for band in bands)
     thin = np.linspace(0.0, 0.99 * main.low, 4501)
-    growth, mode = ROD.fastest(thin, 0.2 * UNIT, 85.0)
+    growth, mode = ROD.growth_rate(mean=thin, amplitude=0.2 * UNIT, frequency=85.0, return_mode=True)
     at = int(growth.argmax())
     place, rate, fastest = float(thin[at]) / UNIT, growth[at] / 85.0, int(mode[at])
     return Claim(
@@ -151,8 +153,8 @@ def f3_a() -> Claim:
 def f3_b() -> Claim:
     """At 150 rad/s stable and unstable forces alternate."""
     forces = np.array([0.05, 0.34, 0.63, 0.20, 0.52])
-    exact = ROD.is_stable(forces * UNIT, 0.2 * UNIT, 150.0)
-    test = ROD.is_stable(forces * UNIT, 0.2 * UNIT, 150.0, criterion=LEAPFROG)
+    exact = ROD.is_stable(mean=forces * UNIT, amplitude=0.2 * UNIT, frequency=150.0)
+    test = ROD.is_stable(mean=forces * UNIT, amplitude=0.2 * UNIT, frequency=150.0, criterion=LEAPFROG)
     expected = np.array([True, True, True, False, False])
     agrees = bool((exact == expected).all() and (test == expected).all())
     words = ", ".join(f"{f:.2f} {'stable' if s else 'unstable'}" for f, s in zip(forces, exact, strict=True))
@@ -169,12 +171,12 @@ def f3_b() -> Claim:
 def f3_c() -> Claim:
     """Near 120 rad/s the rod is unstable at once, near 20 rad/s only from 0.8 F_cr on."""
     omega = np.linspace(110.0, 140.0, 301)
-    growth, _ = ROD.fastest(0.0, 0.2 * UNIT, omega)
+    growth, _ = ROD.growth_rate(mean=0.0, amplitude=0.2 * UNIT, frequency=omega, return_mode=True)
     visible = omega[growth > EXACT.threshold * omega]
-    failing = omega[~ROD.is_stable(0.0, 0.2 * UNIT, omega, criterion=LEAPFROG)]
+    failing = omega[~ROD.is_stable(mean=0.0, amplitude=0.2 * UNIT, frequency=omega, criterion=LEAPFROG)]
     slow = first_failure(0.2, 20.0, LEAPFROG, 1.0)
     firsts = {
-        rate: ROD.critical_mean_force(0.2 * UNIT, 20.0, growth_tolerance=rate * 20.0) / UNIT
+        rate: ROD.critical("mean", amplitude=0.2 * UNIT, frequency=20.0, growth_tolerance=rate * 20.0) / UNIT
         for rate in (0.022, 1e-3, 2e-4)
     }
     thin = ", ".join(f"{force:.3f} F_cr by more than {rate:g}" for rate, force in firsts.items())
@@ -202,9 +204,11 @@ def f3_d(points: int) -> Claim:
     mean, omega = np.linspace(0.0, 1.1, points)[:, None] * UNIT, np.linspace(20.0, 200.0, points)
     shares, modes = [], []
     for amplitude in (0.1, 0.2, 0.3, 0.4, 0.5):
-        passing = ROD.is_stable(mean, amplitude * UNIT, omega, criterion=EXACT)
+        passing = ROD.is_stable(mean=mean, amplitude=amplitude * UNIT, frequency=omega, criterion=EXACT)
         shares.append(float(passing.mean()))
-        modes.append(ROD.fastest(mean, amplitude * UNIT, omega)[1][~passing])
+        modes.append(
+            ROD.growth_rate(mean=mean, amplitude=amplitude * UNIT, frequency=omega, return_mode=True)[1][~passing]
+        )
     found = np.concatenate(modes)
     near = float((np.abs(found - ROD.critical_mode) < 2.5).mean())
     common = int(np.bincount(found).argmax())
@@ -224,9 +228,11 @@ def f3_d(points: int) -> Claim:
 def f3_map(points: int) -> Claim:
     """Classify ``points`` squared loads by leapfrog and exactly."""
     mean, omega = np.linspace(0.0, 1.1, points)[:, None] * UNIT, np.linspace(20.0, 200.0, points)
-    growth = ROD.growth_rate(mean, 0.2 * UNIT, omega) / omega
-    leapfrog, exact = (ROD.is_stable(mean, 0.2 * UNIT, omega, criterion=by) for by in (LEAPFROG, EXACT))
-    stable = ROD.is_stable(mean, 0.2 * UNIT, omega)
+    growth = ROD.growth_rate(mean=mean, amplitude=0.2 * UNIT, frequency=omega) / omega
+    leapfrog, exact = (
+        ROD.is_stable(mean=mean, amplitude=0.2 * UNIT, frequency=omega, criterion=by) for by in (LEAPFROG, EXACT)
+    )
+    stable = ROD.is_stable(mean=mean, amplitude=0.2 * UNIT, frequency=omega)
     sides = leapfrog != (growth <= EXACT.threshold)
     away = float(np.abs(growth[sides] - EXACT.threshold).max(initial=0.0))
     missed = leapfrog & ~stable

@@ -73,7 +73,9 @@ def figure_3(points: tuple[int, int]) -> Any:
     figure, axes = drawing.panels(3, 2, (8.0, 10.4))
     omega, force = np.linspace(*FREQUENCIES, points[0]), np.linspace(*FORCES, points[1])
     for ax, amplitude in zip(axes, (0.1, 0.2, 0.3, 0.5), strict=False):
-        failing = ~ROD.is_stable(force[:, None] * UNIT, amplitude * UNIT, omega, criterion=EXACT)
+        failing = ~ROD.is_stable(
+            mean=force[:, None] * UNIT, amplitude=amplitude * UNIT, frequency=omega, criterion=EXACT
+        )
         drawing.draw_map(ax, omega, force, failing, tongues(amplitude), palette.UNSEEN)
         ax.set_title(rf"$\Delta F = {amplitude}\,F_\mathrm{{cr}}$", fontsize="medium")
     for ax, frequency in zip(axes[4:], (85.0, 150.0), strict=True):

@@ -45,13 +45,13 @@ def figure_6(points: int) -> Any:
     """Draw maps over frequency and mean force with more and less friction, and the kick each mode needs."""
     figure, axes = drawing.panels(3, 2, (8.0, 10.4))
     omega, force = np.linspace(*FREQUENCIES, points), np.linspace(*FORCES, points)
-    loads = force[:, None] * UNIT, AMPLITUDE * UNIT, omega
+    loads: dict[str, Any] = {"mean": force[:, None] * UNIT, "amplitude": AMPLITUDE * UNIT, "frequency": omega}
     for ax, (mu, kick) in zip(axes, ((FRICTION, KICK), (None, None), (0.1, 0.035), (0.05, 0.05)), strict=False):
         if kick is None:
             drawing.draw_map(ax, omega, force, None, bands(AMPLITUDE, SLOWEST).bands, palette.UNSTABLE)
             ax.set_title("no friction", fontsize="medium")
             continue
-        escapes = ~ROD.is_stable(*loads, growth_tolerance=SLOWEST, friction=mu, kick=kick)
+        escapes = ~ROD.is_stable(**loads, growth_tolerance=SLOWEST, friction=mu, kick=kick)
         drawing.draw_map(ax, omega, force, escapes, [], palette.UNSTABLE)
         ax.set_title(rf"$\mu = {mu:g}$, {1e3 * kick:g} mm/s", fontsize="medium")
     for ax, frequency in zip(axes[4:], (85.0, 150.0), strict=True):
@@ -71,7 +71,7 @@ def figure_6(points: int) -> Any:
 def mode_kicks(shares: NDArray[np.float64], frequency: float) -> dict[int, NDArray[np.float64]]:
     """Return the critical kick in mm/s of every mode over the mean force (F_cr), infinite where none in reach does."""
     top = AxialLoad(float(shares[-1]) * UNIT, AMPLITUDE * UNIT, frequency)
-    systems = ROD.modal_systems(shares * UNIT, top.amplitude, frequency)
+    systems = ROD.modal_system(mean=shares * UNIT, amplitude=top.amplitude, frequency=frequency)
     kicks = {}
     for mode in range(1, ROD.modes_needed(top)[0] + 1):
         alpha, beta = systems.coefficients(mode)
@@ -84,8 +84,12 @@ def figure_kick(points: int) -> Any:
     """Draw the map of the smallest kick that buckles the rod."""
     figure, axes = drawing.panels(1, 1, (7.0, 5.4))
     omega, force = np.linspace(*FREQUENCIES, points), np.linspace(*FORCES, points)
-    kick = ROD.critical_kicks(
-        force[:, None] * UNIT, AMPLITUDE * UNIT, omega, friction=FRICTION, growth_tolerance=SLOWEST
+    kick = ROD.critical_kick(
+        mean=force[:, None] * UNIT,
+        amplitude=AMPLITUDE * UNIT,
+        frequency=omega,
+        friction=FRICTION,
+        growth_tolerance=SLOWEST,
     ).kick
     drawing.draw_kick_map(axes[0], omega, force, 1e3 * kick)
     drawing.caption(

@@ -93,6 +93,11 @@ def known() -> dict[str, Known]:
     return found
 
 
+def by_name(mean: Any, amplitude: Any, frequency: Any) -> dict[str, Any]:
+    """Return the quantities of loads as arguments by name."""
+    return {"mean": mean, "amplitude": amplitude, "frequency": frequency}
+
+
 def numbers(load: Any) -> tuple[float, float, float]:
     """Return mean, amplitude and frequency of a load."""
     return load.mean, load.amplitude, load.frequency

@@ -249,11 +249,13 @@ def study() -> Iterator[Row]:
     blind = math.log(1e6) / (200.0 * math.pi)
 
     def first_end(frequency: float) -> float:
-        found = rod.stable_mean_forces(0.2 * unit, frequency, bounds=(0.0, unit), growth_tolerance=blind * frequency)
+        found = rod.ranges(
+            "mean", amplitude=0.2 * unit, frequency=frequency, bounds=(0.0, unit), growth_tolerance=blind * frequency
+        )
         return next(iter(found)).high / unit
 
     def thinnest() -> float:
-        gaps = [*rod.stable_mean_forces(0.2 * unit, 85.0, bounds=(0.0, unit), growth_tolerance=0.0)]
+        gaps = [*rod.ranges("mean", amplitude=0.2 * unit, frequency=85.0, bounds=(0.0, unit), growth_tolerance=0.0)]
         parts = [(one.high / unit, other.low / unit) for one, other in itertools.pairwise(gaps)]
         return next(low for low, high in parts if high - low > 0.01)
 

@@ -231,7 +231,9 @@ def test_ranges_go_round_a_resonance(few: list[np.ndarray]) -> None:
     bounds = (0.8 * HELD, 1.2 * HELD)
     reports: list[tuple[int, int]] = []
     like = fr.AxialWave(0.0, 0.0, 1.0)
-    found = TUBING.stable_frequencies(0.0, 10.0, bounds, like=like, progress=lambda *done: reports.append(done))
+    found = TUBING.ranges(
+        "frequency", like, mean=0.0, amplitude=10.0, bounds=bounds, progress=lambda *done: reports.append(done)
+    )
     (gap,) = found.not_computed
     assert gap.resonance.frequency == pytest.approx(HELD)
     for end in gap[:2]:
@@ -253,11 +255,11 @@ def test_ranges_go_round_a_resonance(few: list[np.ndarray]) -> None:
 @pytest.mark.slow
 def test_pieces_of_a_search_join(few: list[np.ndarray], monkeypatch: pytest.MonkeyPatch) -> None:
     # Without resonance within: the same intervals, in one piece and in four.
-    like = fr.AxialWave(0.0, 0.0, 1.0)
-    ask = (0.3 * TUBING.critical_force, 0.2 * TUBING.critical_force, (0.3 * HELD, 0.34 * HELD))
-    found = TUBING.stable_frequencies(*ask, like=like)
+    like = fr.AxialWave(0.3 * TUBING.critical_force, 0.2 * TUBING.critical_force, 1.0)
+    bounds = (0.3 * HELD, 0.34 * HELD)
+    found = TUBING.ranges("frequency", like, bounds)
     monkeypatch.setattr(sampled_ranges, "_GROUPS", 1)
-    whole = TUBING.stable_frequencies(*ask, like=like)
+    whole = TUBING.ranges("frequency", like, bounds)
     assert [(p.low_end, p.high_end) for p in found].count((None, None)) == [
         (p.low_end, p.high_end) for p in whole
     ].count((None, None))
@@ -271,22 +273,31 @@ def test_ranges_go_round_a_damped_resonance_that_needs_too_many_modes(
 ) -> None:
     like = fr.AxialWave(0.0, 0.0, 1.0, axial_damping=0.01)
     monkeypatch.setattr(coupled, "MOST_COUPLED", 40)
-    found = TUBING.stable_frequencies(0.0, 10.0, (0.97 * HELD, 1.03 * HELD), growth_tolerance=5.0, like=like)
+    found = TUBING.ranges(
+        "frequency", like, mean=0.0, amplitude=10.0, bounds=(0.97 * HELD, 1.03 * HELD), growth_tolerance=5.0
+    )
     (gap,) = found.not_computed
     assert 0.97 * HELD < gap.low < HELD < gap.high < 1.03 * HELD
     assert gap.resonance.frequency == pytest.approx(HELD)
     assert 100.0 < gap.resonance.factor < math.inf
     with pytest.raises(ValueError, match="axial resonance"):
-        TUBING.stable_frequencies(
-            0.0, 10.0, ((1.0 - 1e-7) * HELD, (1.0 + 1e-7) * HELD), growth_tolerance=5.0, like=like
+        TUBING.ranges(
+            "frequency",
+            like,
+            mean=0.0,
+            amplitude=10.0,
+            bounds=((1.0 - 1e-7) * HELD, (1.0 + 1e-7) * HELD),
+            growth_tolerance=5.0,
         )
 
 
 def test_nothing_but_resonance_is_refused_by_its_name() -> None:
     with pytest.raises(ValueError, match="is at the axial resonance"):
-        TUBING.stable_frequencies(0.0, 10.0, (0.999 * HELD, 1.001 * HELD), like=fr.AxialWave(0.0, 0.0, 1.0))
+        TUBING.ranges(
+            "frequency", fr.AxialWave(0.0, 0.0, 1.0), mean=0.0, amplitude=10.0, bounds=(0.999 * HELD, 1.001 * HELD)
+        )
     with pytest.raises(ValueError, match="is at the axial resonance"):
-        TUBING.stable_mean_forces(10.0, HELD, like=fr.AxialWave(0.0, 0.0, 1.0))
+        TUBING.ranges("mean", fr.AxialWave(0.0, 0.0, 1.0), amplitude=10.0, frequency=HELD)
     with pytest.raises(ValueError, match=r"bounds hold \d+ axial resonances"):
         axial.gaps(wave(1.0), TUBING.wave_speed, TUBING.length, (1.0, 1e9))
 
@@ -320,17 +331,20 @@ def test_margins_end_at_a_resonance() -> None:
 def test_arrays_and_maps_leave_a_resonance_undecided() -> None:
     like = fr.AxialWave(0.0, 0.0, 1.0)
     frequency = np.array([0.5, 1.0, 1.1]) * HELD
-    assert TUBING.verdicts(0.0, 10.0, frequency, like=like).tolist()[1] == -1
-    growth = TUBING.growth_rate(0.0, 10.0, frequency, like=like)
+    assert TUBING.verdicts(like, mean=0.0, amplitude=10.0, frequency=frequency).tolist()[1] == -1
+    growth = TUBING.growth_rate(like, mean=0.0, amplitude=10.0, frequency=frequency)
     assert np.isnan(growth).tolist() == [False, True, False]
-    assert growth[0] == TUBING.growth_rate(0.0, 10.0, float(frequency[0]), like=like)
-    chart = fr.stability_map(TUBING, mean=(0.0, 10.0, 2), amplitude=10.0, frequency=frequency, like=like, growth=True)
-    assert chart.undecided == 2 + np.isin(TUBING.verdicts([0.0, 10.0], 10.0, frequency[0], like=like), -1).sum()
+    assert growth[0] == TUBING.growth_rate(like, mean=0.0, amplitude=10.0, frequency=float(frequency[0]))
+    chart = fr.stability_map(TUBING, like, mean=(0.0, 10.0, 2), amplitude=10.0, frequency=frequency, growth=True)
+    assert (
+        chart.undecided
+        == 2 + np.isin(TUBING.verdicts(like, mean=[0.0, 10.0], amplitude=10.0, frequency=frequency[0]), -1).sum()
+    )
     assert np.isnan(chart.growth_rate[:, 1]).all()
     with pytest.raises(ValueError, match="is at the axial resonance"):
-        fr.stability_map(TUBING, mean=(0.0, 10.0, 2), amplitude=(1.0, 10.0, 2), frequency=HELD, like=like)
+        fr.stability_map(TUBING, like, mean=(0.0, 10.0, 2), amplitude=(1.0, 10.0, 2), frequency=HELD)
     with pytest.raises(ValueError, match="is at the axial resonance"):
-        TUBING.is_stable(0.0, 10.0, HELD, like=like)
+        TUBING.is_stable(like, mean=0.0, amplitude=10.0, frequency=HELD)
 
 
 # --- the terminal ---

@@ -84,7 +84,7 @@ def check_static_limit(rod: fr.Rod) -> None:
 def test_growth_is_that_of_the_equation_of_each_mode(curvature: float) -> None:
     rod = ROD.replace(curvature=curvature)
     mean = np.linspace(0.1, 2.0, 40)
-    found = rod.growth_rate(mean, 0.3 * UNIT, 133.0)
+    found = rod.growth_rate(mean=mean, amplitude=0.3 * UNIT, frequency=133.0)
     np.testing.assert_allclose(found, mode_growth(rod, mean, 0.3 * UNIT, 133.0), rtol=1e-9, atol=1e-9)
     assert (found > 0.0).any()
     verdict = rod.stability(fr.AxialLoad(mean[-1], 0.3 * UNIT, 133.0))
@@ -105,15 +105,19 @@ def test_modes_longer_than_m0_are_driven_in_opposite_phase_and_at_m0_not_at_all(
 @pytest.mark.parametrize("quantity", ["mean", "amplitude", "frequency"])
 def test_ranges_agree_with_scans(rod: fr.Rod, quantity: str) -> None:
     if quantity == "mean":
-        found = rod.stable_mean_forces(0.2 * UNIT, 150.0, growth_tolerance=1e-3)
+        found = rod.ranges("mean", amplitude=0.2 * UNIT, frequency=150.0, growth_tolerance=1e-3)
         x = np.linspace(*found.bounds, 400)
         growth = mode_growth(rod, x, 0.2 * UNIT, 150.0)
     elif quantity == "amplitude":
-        found = rod.stable_amplitudes(0.3 * UNIT, 150.0, (0.0, 0.5 * UNIT), growth_tolerance=1e-3)
+        found = rod.ranges(
+            "amplitude", mean=0.3 * UNIT, frequency=150.0, bounds=(0.0, 0.5 * UNIT), growth_tolerance=1e-3
+        )
         x = np.linspace(*found.bounds, 400)
         growth = mode_growth(rod, 0.3 * UNIT, x, 150.0)
     else:
-        found = rod.stable_frequencies(0.3 * UNIT, 0.2 * UNIT, (80.0, 200.0), growth_tolerance=1e-3)
+        found = rod.ranges(
+            "frequency", mean=0.3 * UNIT, amplitude=0.2 * UNIT, bounds=(80.0, 200.0), growth_tolerance=1e-3
+        )
         x = np.linspace(*found.bounds, 400)
         growth = mode_growth(rod, 0.3 * UNIT, 0.2 * UNIT, x)
     sure = np.abs(growth - 1e-3) > 1e-7
@@ -136,21 +140,26 @@ def test_modes_left_out_stay_below_their_bound() -> None:
 
 def test_a_box_is_proved_as_its_loads_are() -> None:
     rod = BUILDS.replace(damping_rate=0.5)
-    stable = next(iter(rod.stable_frequencies(0.3 * UNIT, 0.2 * UNIT, (80.0, 200.0))))
+    stable = next(iter(rod.ranges("frequency", mean=0.3 * UNIT, amplitude=0.2 * UNIT, bounds=(80.0, 200.0))))
     middle, width = 0.5 * (stable.low + stable.high), stable.high - stable.low
-    proof = rod.certify((0.3 * UNIT, 0.301 * UNIT), 0.2 * UNIT, (middle - 0.2 * width, middle + 0.2 * width))
+    proof = rod.certify(
+        mean=(0.3 * UNIT, 0.301 * UNIT), amplitude=0.2 * UNIT, frequency=(middle - 0.2 * width, middle + 0.2 * width)
+    )
     assert proof.status == "stable"
-    varied = rod.certify(0.3 * UNIT, 0.2 * UNIT, middle, rod={"curvature": (0.1995, 0.2005)})
+    varied = rod.certify(mean=0.3 * UNIT, amplitude=0.2 * UNIT, frequency=middle, rod={"curvature": (0.1995, 0.2005)})
     assert varied.status == "stable"
-    worst = max(rod.stable_frequencies(0.3 * UNIT, 0.2 * UNIT, (80.0, 200.0)).unstable, key=lambda b: b.worst_growth)
-    assert rod.certify((0.3 * UNIT, 0.301 * UNIT), 0.2 * UNIT, worst.at).status == "unstable"
+    worst = max(
+        rod.ranges("frequency", mean=0.3 * UNIT, amplitude=0.2 * UNIT, bounds=(80.0, 200.0)).unstable,
+        key=lambda b: b.worst_growth,
+    )
+    assert rod.certify(mean=(0.3 * UNIT, 0.301 * UNIT), amplitude=0.2 * UNIT, frequency=worst.at).status == "unstable"
 
 
 def test_nothing_is_proved_where_the_wall_is_left() -> None:
     rod = DROPS.replace(damping_rate=0.5)
-    assert rod.certify(0.2, 0.01, 150.0, max_boxes=50).status == "stable"
-    assert rod.certify((0.2, 0.7), 0.01, 150.0, max_boxes=50).status != "stable"
-    assert rod.certify(0.7, 0.01, 150.0, max_boxes=50).status == "undecided"
+    assert rod.certify(mean=0.2, amplitude=0.01, frequency=150.0, max_boxes=50).status == "stable"
+    assert rod.certify(mean=(0.2, 0.7), amplitude=0.01, frequency=150.0, max_boxes=50).status != "stable"
+    assert rod.certify(mean=0.7, amplitude=0.01, frequency=150.0, max_boxes=50).status == "undecided"
 
 
 def test_probability_of_curvature_is_that_of_samples() -> None:
@@ -172,7 +181,7 @@ def test_what_a_path_tells_cannot_vary() -> None:
         with pytest.raises(ValueError, match="parameters must not name inclination of a rod on a path"):
             fr.probability_of_instability(rod, load, {"inclination": (1.4, 1.5)}, samples=8)
         with pytest.raises(ValueError, match=r"rod must not name curvature of a rod on a path|a path that bends"):
-            rod.certify(0.3, 0.1, 150.0, rod={"curvature": (0.0, 0.1)}, like=load)
+            rod.certify(load, mean=0.3, amplitude=0.1, frequency=150.0, rod={"curvature": (0.0, 0.1)})
 
 
 # --- both sides of the channel ---
@@ -191,13 +200,13 @@ def test_where_the_wall_is_left_there_is_no_verdict() -> None:
     with pytest.raises(fr.LeavesWallError, match=message):
         DROPS.stability(fr.AxialLoad(0.6, 0.1, 150.0))
     means = [0.2, 0.6, 1.5]
-    assert DROPS.verdicts(means, 0.1, 150.0).tolist() == [1, -1, 1]
-    assert np.isnan(DROPS.growth_rate(means, 0.1, 150.0)).tolist() == [False, True, False]
+    assert DROPS.verdicts(mean=means, amplitude=0.1, frequency=150.0).tolist() == [1, -1, 1]
+    assert np.isnan(DROPS.growth_rate(mean=means, amplitude=0.1, frequency=150.0)).tolist() == [False, True, False]
     with pytest.warns(fr.UndecidedWarning):
-        assert DROPS.is_stable(means, 0.1, 150.0).tolist() == [True, False, True]
-    assert DROPS.stable_mean_forces(0.05, 150.0).bounds[1] == pytest.approx(limit - 0.05, rel=1e-9)
+        assert DROPS.is_stable(mean=means, amplitude=0.1, frequency=150.0).tolist() == [True, False, True]
+    assert DROPS.ranges("mean", amplitude=0.05, frequency=150.0).bounds[1] == pytest.approx(limit - 0.05, rel=1e-9)
     with pytest.raises(fr.LeavesWallError):
-        DROPS.stable_mean_forces(0.05, 150.0, (0.0, 1.0))
+        DROPS.ranges("mean", amplitude=0.05, frequency=150.0, bounds=(0.0, 1.0))
 
 
 def test_where_a_path_is_left_is_said_with_its_measured_depth() -> None:
@@ -228,7 +237,9 @@ def test_growth_on_arcs(
     found = rod.stability(load)
     assert found.growth_rate == pytest.approx(growth, abs=6e-8)
     assert abs(found.growth_rate - growth) < found.error + 5e-8
-    assert rod.growth_rate(load.mean, load.amplitude, frequency) == pytest.approx(growth, abs=6e-8)
+    assert rod.growth_rate(mean=load.mean, amplitude=load.amplitude, frequency=frequency) == pytest.approx(
+        growth, abs=6e-8
+    )
 
 
 def hermite(xi: Floats, h: float) -> tuple[Floats, Floats, Floats]:
@@ -331,7 +342,7 @@ def test_the_forced_angle_of_a_turn_is_told_and_warned_of() -> None:
     level = fr.WellPath([0.0, 3.1], [0.5 * math.pi] * 2, [0.0, 0.02])
     rod = ROD.replace(path=level, ends="guided")
     load = fr.AxialLoad(0.2 * UNIT, 0.02 * UNIT, 0.5)
-    found = rod.modes_under(load).in_modes(12).forced_angle(load)
+    found = rod._modes_under(load).in_modes(12).forced_angle(load)
     per_newton = 0.02 / 3.1 / ROD.weight_per_length
     exact = math.atan(per_newton * 0.22 * UNIT) - math.atan(per_newton * 0.2 * UNIT)
     assert found == pytest.approx(exact, rel=1e-2)
@@ -339,7 +350,7 @@ def test_the_forced_angle_of_a_turn_is_told_and_warned_of() -> None:
         verdict = s_shaped(3.0).stability(fr.AxialLoad(0.5 * UNIT, 0.3 * UNIT, 133.0))
     assert any("from which the vibration moves the rod by up to" in line for line in verdict.assumptions)
     assert any("curvature times clearance is" in line for line in verdict.assumptions)
-    assert arc(80.0, 90.0).modes_under(load).in_modes(12).forced_angle(load) is None
+    assert arc(80.0, 90.0)._modes_under(load).in_modes(12).forced_angle(load) is None
 
 
 def test_bends_too_sharp_for_the_theory_are_told() -> None:
@@ -372,16 +383,16 @@ def test_bending_little_changes_little() -> None:
 
 def test_the_matrices_of_a_uniform_bend_are_those_of_its_modes() -> None:
     load = fr.AxialLoad(0.6 * UNIT, 0.3 * UNIT, 133.0)
-    system = BUILDS.modes_under(load).in_modes(20).system(Loads.single(load))
+    system = BUILDS._modes_under(load).in_modes(20).system(Loads.single(load))
     assert fr.stability(system).growth_rate == pytest.approx(BUILDS.stability(load).growth_rate, rel=1e-9)
-    assert BUILDS.modes_under(load).coupling == ()
-    assert arc(80.0, 90.0).modes_under(load).coupling == ("a path that bends",)
+    assert BUILDS._modes_under(load).coupling == ()
+    assert arc(80.0, 90.0)._modes_under(load).coupling == ("a path that bends",)
 
 
 def test_the_static_limit_of_coupled_modes_in_a_uniform_bend() -> None:
     """With hinged ends the least of the modes; found through matrices, without vibration."""
     rod = ROD.replace(curvature=0.05)
-    modes = rod.modes_under().in_modes(20)
+    modes = rod._modes_under().in_modes(20)
     m2 = np.arange(1.0, 21.0) ** 2
     c = mode_constants(rod)
     rising = m2 > c.held
@@ -444,7 +455,7 @@ def test_what_bends_is_not_kicked_and_without_a_path_not_simulated() -> None:
     with pytest.raises(ValueError, match="rod must have a path to be simulated where its channel bends"):
         fr.simulate(BUILDS, load, duration=0.1)
     with pytest.raises(ValueError, match="friction"):
-        BUILDS.verdicts(0.2, 0.1, 150.0, friction=0.1, kick=0.05)
+        BUILDS.verdicts(mean=0.2, amplitude=0.1, frequency=150.0, friction=0.1, kick=0.05)
 
 
 @pytest.mark.slow
@@ -467,7 +478,7 @@ def test_mean_forces_on_a_line_that_moves_the_rod_to_the_other_side_are_judged_o
 ) -> None:
     """A pull lifts what builds, a push what drops: the stiffness then has a kink in the mean force."""
     rod = ROD.replace(curvature=curvature, ends="clamped", inclination=1.2)
-    modes = rod.modes_under(None).in_modes(6)
+    modes = rod._modes_under(None).in_modes(6)
     loads = Loads.of(-math.copysign(1.0, curvature) * np.linspace(*reach, 30), 0.1, 150.0)
     together = modes.answers(loads)
     each = [modes.answers(loads.some(slice(i, i + 1))) for i in range(loads.size)]

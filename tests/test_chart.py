@@ -33,8 +33,8 @@ def test_a_rod_map_is_its_array_of_verdicts() -> None:
     chart = small_map()
     mean, omega = np.meshgrid(chart.y.values, chart.x.values, indexing="ij")
     assert chart.stable.shape == (12, 17)
-    assert np.array_equal(chart.stable, ROD.is_stable(mean, 0.2 * FCR, omega))
-    assert np.array_equal(chart.growth_rate, ROD.growth_rate(mean, 0.2 * FCR, omega))
+    assert np.array_equal(chart.stable, ROD.is_stable(mean=mean, amplitude=0.2 * FCR, frequency=omega))
+    assert np.array_equal(chart.growth_rate, ROD.growth_rate(mean=mean, amplitude=0.2 * FCR, frequency=omega))
     assert chart.first_mode is not None
     assert np.array_equal(chart.first_mode > 0, ~chart.stable)
     assert "amplitude 0.339206 N, critical force 1.69603 N" in chart.caption

@@ -70,7 +70,7 @@ def record(tmp_path: Path) -> str:
 @pytest.fixture
 def asked_once(monkeypatch: pytest.MonkeyPatch) -> None:
     """Compute the answer to one question once, however often the terminal and a test ask for it."""
-    asks = {fr.Rod: ["stability", "stable_mean_forces", "stable_amplitudes"], fr.RodStability: ["margin"]}
+    asks = {fr.Rod: ["stability", "ranges"], fr.RodStability: ["margin"]}
     for kind, names in asks.items():
         for name in names:
             monkeypatch.setattr(kind, name, remembering(getattr(kind, name)))
@@ -250,7 +250,7 @@ def test_ranges_name_resonances_and_their_resolution(record: str, capsys: pytest
     found = answer(capsys, *question)
     rod = fr.Rod.from_toml(WIRE)
     unit = rod.critical_force
-    expected = rod.stable_mean_forces(0.2 * unit, 20.0 * HERTZ, (0.0, 0.6 * unit))
+    expected = rod.ranges("mean", amplitude=0.2 * unit, frequency=20.0 * HERTZ, bounds=(0.0, 0.6 * unit))
     assert [(part["low_N"], part["high_N"]) for part in found["stable"]] == [(p.low, p.high) for p in expected]
     assert found["stable"][0]["low_end"] is None
     assert found["stable"][0]["high_end"]["name"] == "direct resonance of mode 1, order 1"
@@ -258,7 +258,9 @@ def test_ranges_name_resonances_and_their_resolution(record: str, capsys: pytest
     sampled = answer(capsys, "ranges", "--rod", "nitinol", "--force", record, "--mean", "0:0.3N")
     measured = fr.ForceRecord.from_csv(record)
     like = fr.AxialLoad(0.0, 1.0, 1.0, waveform=measured.waveform)
-    wanted = fr.Rod.nitinol().stable_mean_forces(measured.amplitude, measured.frequency, (0.0, 0.3), like=like)
+    wanted = fr.Rod.nitinol().ranges(
+        "mean", like, amplitude=measured.amplitude, frequency=measured.frequency, bounds=(0.0, 0.3)
+    )
     assert [part["low_N"] for part in sampled["stable"]] == [part.low for part in wanted]
 
 
@@ -280,7 +282,7 @@ def test_ranges_take_waves(capsys: pytest.CaptureFixture[str]) -> None:
     rod = fr.Rod.from_toml(WELL)
     unit = rod.critical_force
     like = AxialWave(0.0, 0.0, 1.0, far_end="free", axial_damping=0.5)
-    expected = rod.stable_amplitudes(0.5 * unit, 4.0 * HERTZ, (0.0, 0.1 * unit), like=like)
+    expected = rod.ranges("amplitude", like, mean=0.5 * unit, frequency=4.0 * HERTZ, bounds=(0.0, 0.1 * unit))
     found = answer(capsys, *question, "--wave", "free", "--axial-damping", "0.5")
     assert [part["high_N"] for part in found["stable"]] == [part.high for part in expected]
 
@@ -296,8 +298,10 @@ def test_maps_say_what_kind_of_load_they_are_of(tmp_path: Path, capsys: pytest.C
     rod = fr.Rod.from_toml(WELL)
     like = AxialWave(0.0, 0.0, 1.0, far_end="driven")
     means, amplitudes = chart.x.values, chart.y.values[:, None]
-    assert np.array_equal(chart.stable, rod.is_stable(means, amplitudes, 4.0 * HERTZ, like=like))
-    assert np.array_equal(chart.growth_rate, rod.growth_rate(means, amplitudes, 4.0 * HERTZ, like=like))
+    assert np.array_equal(chart.stable, rod.is_stable(like, mean=means, amplitude=amplitudes, frequency=4.0 * HERTZ))
+    assert np.array_equal(
+        chart.growth_rate, rod.growth_rate(like, mean=means, amplitude=amplitudes, frequency=4.0 * HERTZ)
+    )
     reports: list[tuple[int, int]] = []
     axes = {"mean": (0.0, rod.critical_force, 250), "amplitude": (0.0, 1.0, 9)}
     fr.stability_map(rod, **axes, frequency=25.0, progress=lambda *done: reports.append(done))
@@ -313,7 +317,7 @@ def test_maps_say_what_kind_of_load_they_are_of(tmp_path: Path, capsys: pytest.C
 def test_the_noise_of_a_record_counts_in_the_terminal_too(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     rod = fr.Rod.nitinol().replace(damping_rate=0.3)
     shape = fr.AxialLoad(0.3 * rod.critical_force, 1.0, 150.0, waveform=(-1j, 0.5))
-    edge = rod.critical_amplitude(shape.mean, shape.frequency, like=shape)
+    edge = rod.critical("amplitude", shape)
     t = np.arange(0.0, 0.5, 4e-4)
     force = shape.mean + edge * (np.sin(150.0 * t) + 0.5 * np.cos(300.0 * t))
     noise = 0.1 * edge * np.random.default_rng(0).standard_normal(t.size)

@@ -39,7 +39,9 @@ def test_a_curvature_keeps_the_modes_independent(capsys: pytest.CaptureFixture[s
     curved = ["--rod", "nitinol", "--curvature", "3deg/30m"]
     assert main(["ranges", *curved, "--mean", "0.3N", "--amplitude", "0.2N", "--frequency", "20Hz:24Hz", "--json"]) == 0
     rod = ROD.replace(curvature="3deg/30m")
-    found = rod.stable_frequencies(0.3, 0.2, bounds=(40.0 * math.pi, 48.0 * math.pi), growth_tolerance=1e-6)
+    found = rod.ranges(
+        "frequency", mean=0.3, amplitude=0.2, bounds=(40.0 * math.pi, 48.0 * math.pi), growth_tolerance=1e-6
+    )
     assert json.loads(capsys.readouterr().out)["stable"] == json.loads(json.dumps(found.as_dict()["stable"]))
     assert main(["certify", *curved, *LOAD, "--json"]) == 0
     verdict = rod.stability(fr.AxialLoad(0.3, 0.2, 48.0 * math.pi)).status

@@ -663,13 +663,13 @@ def test_first_loads_of_a_rod_are_interpreted_unless_they_take_long(monkeypatch:
     monkeypatch.setattr(compilation, "compiled", lambda kernel: asked.append(kernel.__name__) or kernel)
     monkeypatch.setattr(modal_systems, "is_at_hand", lambda kernel: False)
     monkeypatch.setattr(modal_systems, "_LOADING", 100.0)
-    rod.is_stable(mean, amplitude, 150.0)
+    rod.is_stable(mean=mean, amplitude=amplitude, frequency=150.0)
     assert not asked
     for _ in range(4):
-        rod.is_stable(mean, amplitude, 150.0)
+        rod.is_stable(mean=mean, amplitude=amplitude, frequency=150.0)
     assert "modes_stable_fill" in asked
     asked.clear()
-    rod.replace(length=100.0 * rod.length).is_stable(mean[:65], amplitude[:65], 150.0)
+    rod.replace(length=100.0 * rod.length).is_stable(mean=mean[:65], amplitude=amplitude[:65], frequency=150.0)
     assert asked == ["modes_stable_fill"]
 
 
@@ -682,7 +682,7 @@ def test_first_loads_of_a_rod_have_the_bits_of_machine_code(monkeypatch: pytest.
     answers = []
     for at_hand in (False, True):
         monkeypatch.setattr(modal_systems, "is_at_hand", lambda kernel, answer=at_hand: answer)
-        answers.append(rod.fastest(mean, amplitude, frequency))
+        answers.append(rod.growth_rate(mean=mean, amplitude=amplitude, frequency=frequency, return_mode=True))
         assert np.count_nonzero(answers[-1][0])
     assert all(map(np.array_equal, *answers))
 
@@ -737,9 +737,9 @@ for x in (a, locked, a[::2], np.arange(1, 101), 1.5):
     fr.mathieu.is_stable(x, -0.3 * a[0])
     fr.mathieu.is_stable(np.ones(100), x if np.size(x) == 100 else -0.5, 0.1)
     fr.mathieu.growth_rate(np.ones(100), -0.5, x if np.size(x) == 100 else 0)
-    rod.is_stable(x, 0.3, np.linspace(50.0, 99.0, np.size(x)), growth_tolerance=0)
-    rod.is_stable(0.3, x, 99, growth_tolerance=0.5)
-    rod.fastest(0.3, x, 99)
+    rod.is_stable(mean=x, amplitude=0.3, frequency=np.linspace(50.0, 99.0, np.size(x)), growth_tolerance=0)
+    rod.is_stable(mean=0.3, amplitude=x, frequency=99, growth_tolerance=0.5)
+    rod.growth_rate(mean=0.3, amplitude=x, frequency=99, return_mode=True)
 load = fr.AxialLoad(mean=0.3, amplitude=0.3, frequency=150.0)
 fr.simulate(rod, load, duration=1e-4, segments=60, frames=2)
 fr.simulate(rod, load, duration=1e-4, segments=60, frames=2, friction=0.1, time_step=1e-6)

@@ -85,13 +85,13 @@ def test_the_clipped_search_would_be_found(monkeypatch: pytest.MonkeyPatch) -> N
     rod = fr.Rod.nitinol().replace(damping_rate=12.0)
     unit = rod.critical_force
     question = rods.Question(rod, 0.6 * unit, 0.4 * unit, 96.0, 0.0)
-    right = fr.Rod.stable_frequencies
+    right = fr.Rod.ranges
 
     def clipped(self: fr.Rod, *arguments: object, **options: object) -> fr.StabilityIntervals:
         found = right(self, *arguments, **options)  # type: ignore[arg-type]  # passed on as they come
         return dataclasses.replace(found, intervals=(StabilityInterval(*found.bounds, None, None),))
 
-    monkeypatch.setattr(fr.Rod, "stable_frequencies", clipped)
+    monkeypatch.setattr(fr.Rod, "ranges", clipped)
     found = consistency.disagreements(question, np.random.default_rng(1), ("ranges",))
     assert any("ranges says stable" in line for line in found)
 

@@ -64,7 +64,7 @@ MADE: dict[str, Callable[[], Any]] = {
     "ForceRecord": lambda: fr.ForceRecord(TIME, 3.0 + np.sin(40.0 * TIME)),
     "RodStability": lambda: ROD.stability(LOAD),
     "FrictionalRodStability": lambda: ROD.stability(LOAD, friction=0.1, kick=0.05),
-    "StabilityIntervals": lambda: ROD.stable_mean_forces(LOAD.amplitude, 150.0),
+    "StabilityIntervals": lambda: ROD.ranges("mean", amplitude=LOAD.amplitude, frequency=150.0),
     "InstabilityProbability": lambda: fr.probability_of_instability(
         ROD, LOAD, {"mean": (0.0, 1.0)}, samples=100, seed=1
     ),

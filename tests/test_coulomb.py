@@ -66,7 +66,9 @@ def test_maps_agree_with_single_loads() -> None:
     shares, frequencies = np.array([0.118, 0.424, 0.825]), np.array([60.0, 85.0, 110.0, 150.0][:: depth(1, 2)])
     unit = ROD.critical_force
     chart = fr.stability_map(ROD, mean=shares * unit, amplitude=0.7 * unit, frequency=frequencies, **KICK)
-    speeds, modes, proved = ROD.critical_kicks(shares[:, None] * unit, 0.7 * unit, frequencies, friction=0.1)
+    speeds, modes, proved = ROD.critical_kick(
+        mean=shares[:, None] * unit, amplitude=0.7 * unit, frequency=frequencies, friction=0.1
+    )
     for i, share in enumerate(shares):
         for j, frequency in enumerate(frequencies):
             assert chart.stable[i, j] == ROD.stability(load(share, frequency), **KICK).stable
@@ -79,8 +81,8 @@ def test_maps_agree_with_single_loads() -> None:
 
 ASKED = {
     "stability": lambda **given: ROD.stability(load(0.4, 85.0), **given),
-    "is_stable": lambda **given: ROD.is_stable(0.1, 0.3, 85.0, **given),
-    "verdicts": lambda **given: ROD.verdicts([0.1], 0.3, 85.0, **given),
+    "is_stable": lambda **given: ROD.is_stable(mean=0.1, amplitude=0.3, frequency=85.0, **given),
+    "verdicts": lambda **given: ROD.verdicts(mean=[0.1], amplitude=0.3, frequency=85.0, **given),
     "stability_map": lambda **given: fr.stability_map(
         ROD, mean=(0.1, 0.5, 3), amplitude=0.3, frequency=(50.0, 100.0, 3), **given
     ),
@@ -114,14 +116,16 @@ def test_friction_of_zero_is_none() -> None:
 def test_how_large_a_kick_must_be_needs_friction_alone() -> None:
     assert ROD.critical_kick(load(0.825, 150.0), friction=0.1).kick > 0.0
     with pytest.raises(ValueError, match="friction must be zero or more"):
-        ROD.critical_kicks(0.3, 0.3, 150.0, friction=-0.1)
+        ROD.critical_kick(mean=0.3, amplitude=0.3, frequency=150.0, friction=-0.1)
 
 
 def test_a_single_load_comes_back_as_python_numbers() -> None:
-    found = ROD.critical_kicks(0.825 * ROD.critical_force, 0.7 * ROD.critical_force, 150.0, friction=0.1)
+    found = ROD.critical_kick(
+        mean=0.825 * ROD.critical_force, amplitude=0.7 * ROD.critical_force, frequency=150.0, friction=0.1
+    )
     assert [type(part) for part in found] == [float, int, float]
     assert found == ROD.critical_kick(load(0.825, 150.0), friction=0.1)
-    assert type(ROD.verdicts(0.1, 0.3, 85.0, **KICK)) is int
+    assert type(ROD.verdicts(mean=0.1, amplitude=0.3, frequency=85.0, **KICK)) is int
 
 
 def test_a_map_of_growth_is_one_without_friction() -> None:

@@ -13,6 +13,7 @@ import pytest
 
 import floquetrod as fr
 from conftest import depth
+from coupled_cases import by_name
 from floquetrod.floquet.multipliers import resonance_names
 from floquetrod.floquet.multipliers.many_verdicts import ManyVerdicts
 from floquetrod.floquet.multipliers.resonance_names import Resonance
@@ -52,7 +53,7 @@ def verdict(kind: str = "sine") -> fr.RodStability:
 def scan(varied: str, values: np.ndarray, kind: str = "sine", rod: fr.Rod = ROD, tolerance: float = 1e-6) -> np.ndarray:
     """Return where a rod is stable along one quantity of the load."""
     numbers = {"mean": MEAN, "amplitude": AMPLITUDE, "frequency": FREQUENCY} | {varied: values}
-    return np.asarray(rod.growth_rate(**numbers, like=KINDS[kind]) <= tolerance)
+    return np.asarray(rod.growth_rate(KINDS[kind], **numbers) <= tolerance)
 
 
 # --- one load and many ---
@@ -67,13 +68,13 @@ def test_arrays_say_what_single_verdicts_do(kind: str, rng: np.random.Generator)
         rng.uniform(1.0, 4.0, size) * SWING,
     )
     like = KINDS[kind]
-    verdicts = ROD.verdicts(*numbers, like=like)
-    growth = ROD.growth_rate(*numbers, like=like)
+    verdicts = ROD.verdicts(like, **by_name(*numbers))
+    growth = ROD.growth_rate(like, **by_name(*numbers))
     assert verdicts.dtype == np.int8
-    assert ROD.verdicts(*numbers, like=like, workers=1).tolist() == verdicts.tolist()
-    assert ROD.verdicts(*numbers, like=like, workers=2).tolist() == verdicts.tolist()
-    assert ROD.growth_rate(*numbers, like=like, workers=2).tolist() == growth.tolist()
-    rate, mode = ROD.fastest(*numbers, like=like)
+    assert ROD.verdicts(like, **by_name(*numbers), workers=1).tolist() == verdicts.tolist()
+    assert ROD.verdicts(like, **by_name(*numbers), workers=2).tolist() == verdicts.tolist()
+    assert ROD.growth_rate(like, **by_name(*numbers), workers=2).tolist() == growth.tolist()
+    rate, mode = ROD.growth_rate(like, **by_name(*numbers), return_mode=True)
     assert rate.tolist() == growth.tolist()
     assert mode.tolist() == np.where(growth > 0.0, -1, 0).tolist()
     for i, (mean, amplitude, frequency) in enumerate(zip(*numbers, strict=True)):
@@ -82,35 +83,38 @@ def test_arrays_say_what_single_verdicts_do(kind: str, rng: np.random.Generator)
             assert (verdicts[i] == 1) == single.stable, (mean, amplitude, frequency)
         assert growth[i] == pytest.approx(single.growth_rate, rel=1e-4, abs=1e-4)
         if verdicts[i] != -1:
-            assert ROD.is_stable(mean, amplitude, frequency, like=like) == (verdicts[i] == 1)
+            assert ROD.is_stable(like, mean=mean, amplitude=amplitude, frequency=frequency) == (verdicts[i] == 1)
 
 
 def test_shapes_broadcast_and_scalars_stay_scalars() -> None:
     means = np.array([[0.1], [0.3]]) * UNIT
     frequencies = np.array([1.5, 2.0, 3.1]) * SWING
-    growth = ROD.growth_rate(means, AMPLITUDE, frequencies)
-    assert growth.shape == ROD.is_stable(means, AMPLITUDE, frequencies).shape == (2, 3)
+    growth = ROD.growth_rate(mean=means, amplitude=AMPLITUDE, frequency=frequencies)
+    assert growth.shape == ROD.is_stable(mean=means, amplitude=AMPLITUDE, frequency=frequencies).shape == (2, 3)
     # As many modes as a group of frequencies needs, so that fewer loads may differ by what those left out change.
-    assert growth[1, 1] == pytest.approx(ROD.growth_rate(means[1, 0], AMPLITUDE, frequencies[1]), rel=1e-6)
-    assert np.ndim(ROD.growth_rate(MEAN, AMPLITUDE, FREQUENCY)) == 0
-    assert bool(ROD.is_stable(MEAN, AMPLITUDE, FREQUENCY)) is False
-    assert int(ROD.verdicts(0.0, 0.0, FREQUENCY)) == 1
-    assert ROD.growth_rate([], AMPLITUDE, FREQUENCY).shape == (0,)
+    assert growth[1, 1] == pytest.approx(
+        ROD.growth_rate(mean=means[1, 0], amplitude=AMPLITUDE, frequency=frequencies[1]), rel=1e-6
+    )
+    assert np.ndim(ROD.growth_rate(mean=MEAN, amplitude=AMPLITUDE, frequency=FREQUENCY)) == 0
+    assert bool(ROD.is_stable(mean=MEAN, amplitude=AMPLITUDE, frequency=FREQUENCY)) is False
+    assert int(ROD.verdicts(mean=0.0, amplitude=0.0, frequency=FREQUENCY)) == 1
+    assert ROD.growth_rate(mean=[], amplitude=AMPLITUDE, frequency=FREQUENCY).shape == (0,)
     with pytest.raises(ValueError, match="broadcast"):
-        ROD.growth_rate([1.0, 2.0], [1.0, 2.0, 3.0], FREQUENCY)
+        ROD.growth_rate(mean=[1.0, 2.0], amplitude=[1.0, 2.0, 3.0], frequency=FREQUENCY)
 
 
 @pytest.mark.parametrize("kind", ["sine", pytest.param("wave", marks=pytest.mark.slow)])
 def test_maps_say_what_arrays_do(kind: str) -> None:
     like = KINDS[kind]
     means, frequencies = np.linspace(0.0, 0.8, 4) * UNIT, np.linspace(1.2, 3.5, 5) * SWING
-    chart = fr.stability_map(ROD, mean=means, amplitude=AMPLITUDE, frequency=frequencies, like=like, growth=True)
-    expected = ROD.growth_rate(means[:, None], AMPLITUDE, frequencies, like=like)
+    chart = fr.stability_map(ROD, like, mean=means, amplitude=AMPLITUDE, frequency=frequencies, growth=True)
+    expected = ROD.growth_rate(like, mean=means[:, None], amplitude=AMPLITUDE, frequency=frequencies)
     assert chart.growth_rate == pytest.approx(expected, rel=1e-6, abs=1e-6)
-    assert chart.stable.tolist() == (ROD.verdicts(means[:, None], AMPLITUDE, frequencies, like=like) == 1).tolist()
-    tolerant = fr.stability_map(
-        ROD, mean=means, amplitude=AMPLITUDE, frequency=frequencies, like=like, growth_tolerance=0.5
+    assert (
+        chart.stable.tolist()
+        == (ROD.verdicts(like, mean=means[:, None], amplitude=AMPLITUDE, frequency=frequencies) == 1).tolist()
     )
+    tolerant = fr.stability_map(ROD, like, mean=means, amplitude=AMPLITUDE, frequency=frequencies, growth_tolerance=0.5)
     apart = np.abs(expected - 0.5) > 1e-4
     assert tolerant.stable[apart].tolist() == (expected <= 0.5)[apart].tolist()
 
@@ -129,7 +133,7 @@ def test_a_tolerance_divides_loads_by_their_growth(kind: str) -> None:
         assert found.growth_tolerance == tolerance
         assert found.growth_rate == pytest.approx(rate, rel=1e-5)
         assert bool(found.unstable_modes) == (expected == "unstable")
-        assert ROD.verdicts(*numbers, like=KINDS[kind], growth_tolerance=tolerance) == (expected == "stable")
+        assert ROD.verdicts(KINDS[kind], **by_name(*numbers), growth_tolerance=tolerance) == (expected == "stable")
     found = ROD.stability(load(kind), growth_tolerance=rate)
     assert found.status == "undecided" or found.error < 1e-6 * rate
 
@@ -177,14 +181,12 @@ BOUNDS = {"mean": (0.0, 1.2 * UNIT), "amplitude": (0.0, 0.8 * UNIT), "frequency"
 )
 def test_ranges_are_those_of_a_scan(kind: str, quantity: str) -> None:
     bounds = BOUNDS[quantity]
-    given = {"mean": MEAN, "amplitude": AMPLITUDE, "frequency": FREQUENCY}
-    fixed = {name: value for name, value in given.items() if name != quantity}
-    search = {"mean": "stable_mean_forces", "amplitude": "stable_amplitudes", "frequency": "stable_frequencies"}
+    load = KINDS[kind].with_numbers(MEAN, AMPLITUDE, FREQUENCY)
     called: list[tuple[int, int]] = []
-    found = getattr(ROD, search[quantity])(
-        **fixed,
-        bounds=bounds,
-        like=KINDS[kind],
+    found = ROD.ranges(
+        quantity,  # type: ignore[arg-type]  # a parameter of the test
+        load,
+        bounds,
         growth_tolerance=0.01,
         progress=lambda done, of: called.append((done, of)),
     )
@@ -217,9 +219,9 @@ def test_ranges_are_those_of_a_scan(kind: str, quantity: str) -> None:
 @pytest.mark.slow
 def test_ends_whose_cause_cannot_be_named_are_ends_of_unstable_parts(monkeypatch: pytest.MonkeyPatch) -> None:
     bounds = (0.0, 0.6 * UNIT)
-    named = ROD.stable_amplitudes(MEAN, FREQUENCY, bounds, like=KINDS["sine"], growth_tolerance=0.01)
+    named = ROD.ranges("amplitude", KINDS["sine"], bounds, mean=MEAN, frequency=FREQUENCY, growth_tolerance=0.01)
     monkeypatch.setattr(resonance_names, "_MOST_MODES", 2)  # in place of 200
-    found = ROD.stable_amplitudes(MEAN, FREQUENCY, bounds, like=KINDS["sine"], growth_tolerance=0.01)
+    found = ROD.ranges("amplitude", KINDS["sine"], bounds, mean=MEAN, frequency=FREQUENCY, growth_tolerance=0.01)
     assert [part[:2] for part in found] == [part[:2] for part in named]
     assert isinstance(named.intervals[0].high_end, Resonance)
     first = found.intervals[0]
@@ -244,7 +246,8 @@ def test_a_margin_ends_where_the_stable_range_does(case: str) -> None:
     numbers = mean * WIRE.critical_force, amplitude * WIRE.critical_force
     margin = rod.stability(fr.AxialLoad(*numbers, frequency)).frequency_margin
     assert frequency + margin.above == pytest.approx(end, rel=1e-7)
-    ranges = rod.stable_frequencies(*numbers, (0.8 * end, 1.05 * end), growth_tolerance=1e-6)
+    load = fr.AxialLoad(*numbers, frequency)
+    ranges = rod.ranges("frequency", load, (0.8 * end, 1.05 * end), growth_tolerance=1e-6)
     assert frequency + margin.above == pytest.approx(ranges.intervals[0].high, rel=1e-8)
     assert 0.0 < margin.resolution < 1.0
     assert margin.searched[1] == margin.above
@@ -410,11 +413,11 @@ def test_a_search_for_a_critical_load_that_is_stopped_says_how_far_it_came() -> 
 
     rod = ROD.replace(damping_rate=30.0)  # stable throughout
     with pytest.raises(InterruptedError) as caught:
-        rod.critical_amplitude(0.0, 3.3 * SWING, progress=stop)
+        rod.critical("amplitude", mean=0.0, frequency=3.3 * SWING, progress=stop)
     (done, total), note = told[0], caught.value.__notes__[0]
     assert note == f"up to amplitude {done / total * rod.critical_force:.6g} N nothing grows"
     with pytest.raises(InterruptedError) as caught:
-        fr.Rod.nitinol().critical_mean_force(0.0, 150.0, progress=stop)
+        fr.Rod.nitinol().critical("mean", amplitude=0.0, frequency=150.0, progress=stop)
     assert "up to mean force" in caught.value.__notes__[0]
 
 
@@ -431,44 +434,48 @@ def test_a_margin_keeps_what_is_known_of_its_search() -> None:
 def test_critical_loads_are_where_growth_begins() -> None:
     for kind in ("sine", "wave"):
         like = KINDS[kind]
-        mean = ROD.critical_mean_force(0.1 * UNIT, FREQUENCY, like=like)
-        amplitude = ROD.critical_amplitude(MEAN, FREQUENCY, like=like)
+        mean = ROD.critical("mean", like, amplitude=0.1 * UNIT, frequency=FREQUENCY)
+        amplitude = ROD.critical("amplitude", like, mean=MEAN, frequency=FREQUENCY)
         assert 0.0 < mean < 1.5 * UNIT
         assert 0.0 < amplitude < UNIT
         for share, expected in ((0.999, True), (1.001, False)):
-            assert (ROD.growth_rate(share * mean, 0.1 * UNIT, FREQUENCY, like=like) <= 1e-6) == expected
-            assert (ROD.growth_rate(MEAN, share * amplitude, FREQUENCY, like=like) <= 1e-6) == expected
+            assert (
+                ROD.growth_rate(like, mean=share * mean, amplitude=0.1 * UNIT, frequency=FREQUENCY) <= 1e-6
+            ) == expected
+            assert (
+                ROD.growth_rate(like, mean=MEAN, amplitude=share * amplitude, frequency=FREQUENCY) <= 1e-6
+            ) == expected
         assert not (scan("amplitude", np.linspace(0.0, 0.99, 40) * amplitude, kind) == 0).any()
-    assert math.isinf(ROD.replace(damping_rate=30.0).critical_amplitude(0.0, 3.3 * SWING))
+    assert math.isinf(ROD.replace(damping_rate=30.0).critical("amplitude", mean=0.0, frequency=3.3 * SWING))
 
 
 def test_critical_loads_of_zero_have_a_reason() -> None:
     long = PLAIN.replace(inclination=0.2, length=180.0)
-    loads = 0.3 * long.critical_force, 0.1 * long.pendulum_frequency
+    load = fr.AxialLoad(0.3 * long.critical_force, 0.3 * long.critical_force, 0.1 * long.pendulum_frequency)
     alone = r"weight along the rod alone buckles it, with 2134 N, 2\.41 critical forces, .* at the lower end"
     with pytest.warns(fr.rod.BucklingWarning, match=rf"amplitude 0 is the limit: the {alone}"):
-        assert long.critical_amplitude(*loads) == 0.0
+        assert long.critical("amplitude", load) == 0.0
     with pytest.warns(fr.rod.BucklingWarning, match=rf"mean force 0 is the limit: the {alone}"):
-        assert long.critical_mean_force(*loads) == 0.0
+        assert long.critical("mean", load) == 0.0
     short = PLAIN.replace(inclination=1.0)
     with pytest.warns(fr.rod.BucklingWarning, match="the mean force with the weight along the rod buckles it"):
-        assert short.critical_amplitude(3.0 * short.critical_force, SWING) == 0.0
+        assert short.critical("amplitude", mean=3.0 * short.critical_force, frequency=SWING) == 0.0
     held = PLAIN.replace(ends="clamped")  # no weight along it: the mean force given is the reason
-    assert held.critical_amplitude(3.0 * held.critical_force, SWING) == 0.0
+    assert held.critical("amplitude", mean=3.0 * held.critical_force, frequency=SWING) == 0.0
 
 
 def test_an_undecided_start_is_not_called_unstable(monkeypatch: pytest.MonkeyPatch) -> None:
     undecided = np.array([-1], dtype=np.int8), np.array([np.nan])
     monkeypatch.setattr(CoupledModes, "_judged", lambda *_: ManyVerdicts(*undecided))
     with pytest.warns(fr.UndecidedWarning, match="without mean force could not be decided"):
-        assert ROD.critical_mean_force(AMPLITUDE, FREQUENCY) == 0.0
+        assert ROD.critical("mean", amplitude=AMPLITUDE, frequency=FREQUENCY) == 0.0
 
 
 def test_without_vibration_the_stiffness_decides(rng: np.random.Generator) -> None:
     rod = ROD.replace(damping_rate=float(rng.uniform(0.0, 0.5)))
     mean = rng.uniform(-0.5, 3.0, 7) * UNIT
     numbers = mean, np.where(np.arange(7) % 3, 0.0, AMPLITUDE), FREQUENCY  # some vibrate, some do not
-    status, growth = rod.verdicts(*numbers), rod.growth_rate(*numbers)
+    status, growth = rod.verdicts(**by_name(*numbers)), rod.growth_rate(**by_name(*numbers))
     for i in np.flatnonzero(numbers[1] == 0.0):
         found = rod.stability(fr.AxialLoad(float(mean[i]), 0.0, FREQUENCY))
         assert {1: "stable", 0: "unstable"}[int(status[i])] == found.status
@@ -569,19 +576,19 @@ def numbers_of(given: Load) -> tuple[float, float, float]:
     return given.mean, given.amplitude, given.frequency
 
 
-def test_what_like_may_be() -> None:
-    # Of ``like`` only what is not given otherwise is taken.
+def test_what_the_template_may_be() -> None:
+    # Of the template only what is not given otherwise is taken.
     other = KINDS["wave"].with_numbers(1.0, 2.0, 3.0)
     numbers = MEAN, AMPLITUDE, FREQUENCY
-    assert ROD.growth_rate(*numbers, like=other) == ROD.growth_rate(*numbers, like=KINDS["wave"])
+    assert ROD.growth_rate(other, **by_name(*numbers)) == ROD.growth_rate(KINDS["wave"], **by_name(*numbers))
     for bad in (MEAN, "wave", ROD, [KINDS["wave"]]):
-        for ask in (ROD.growth_rate, ROD.verdicts, ROD.is_stable, ROD.fastest):
-            with pytest.raises(TypeError, match=r"^like must be an AxialLoad, AxialWave or ForceRecord"):
-                ask(*numbers, like=bad)  # type: ignore[arg-type]
-        with pytest.raises(TypeError, match=r"^like must be"):
-            ROD.stable_mean_forces(AMPLITUDE, FREQUENCY, like=bad)  # type: ignore[arg-type]
-        with pytest.raises(TypeError, match=r"^like must be"):
-            ROD.critical_amplitude(MEAN, FREQUENCY, like=bad)  # type: ignore[arg-type]
+        for ask in (ROD.growth_rate, ROD.verdicts, ROD.is_stable, ROD.modal_system):
+            with pytest.raises(TypeError, match=r"^load must be an AxialLoad, AxialWave or ForceRecord"):
+                ask(bad, **by_name(*numbers))  # type: ignore[arg-type]
+        with pytest.raises(TypeError, match=r"^load must be"):
+            ROD.ranges("mean", bad, amplitude=AMPLITUDE, frequency=FREQUENCY)  # type: ignore[arg-type]
+        with pytest.raises(TypeError, match=r"^load must be"):
+            ROD.critical("amplitude", bad, mean=MEAN, frequency=FREQUENCY)  # type: ignore[arg-type]
 
 
 # --- what a verdict carries ---
@@ -674,9 +681,9 @@ def test_what_the_theory_does_not_cover_is_refused() -> None:
     message = r"needs independent modes, .*got clamped-hinged ends"
     for ask in (
         lambda: ROD.stability(load(), friction=0.1, kick=0.05),
-        lambda: ROD.is_stable(*numbers, friction=0.1, kick=0.05),
+        lambda: ROD.is_stable(**by_name(*numbers), friction=0.1, kick=0.05),
         lambda: ROD.critical_kick(load(), friction=0.1),
-        lambda: ROD.critical_kicks(*numbers, friction=0.1),
+        lambda: ROD.critical_kick(**by_name(*numbers), friction=0.1),
         lambda: fr.stability_map(
             ROD, mean=(0.0, 1.0, 2), amplitude=1.0, frequency=(10.0, 20.0, 2), friction=0.1, kick=1.0
         ),
@@ -684,9 +691,9 @@ def test_what_the_theory_does_not_cover_is_refused() -> None:
         with pytest.raises(ValueError, match="^friction " + message):
             ask()
     with pytest.raises(ValueError, match=r"^criterion " + message):
-        ROD.verdicts(*numbers, criterion=fr.FiniteTimeCriterion())
+        ROD.verdicts(**by_name(*numbers), criterion=fr.FiniteTimeCriterion())
     with pytest.raises(ValueError, match=r"^modal_systems is for rods whose modes are independent"):
-        ROD.modal_systems(*numbers)
+        ROD.modal_system(**by_name(*numbers))
     with pytest.raises(TypeError, match=r"^load must be an AxialLoad, AxialWave or ForceRecord"):
         ROD.stability(MEAN)  # type: ignore[call-overload]
 
@@ -735,7 +742,7 @@ def test_overwhelming_loads_are_refused_with_a_remedy(change: dict[str, float], 
     with pytest.raises(ValueError, match=message):
         ROD.modal_system(far) if far.frequency > 1e6 else ROD.stability(far)
     with pytest.raises(ValueError, match=message):
-        ROD.verdicts(*numbers_of(far), like=far)
+        ROD.verdicts(far)
 
 
 def test_a_load_too_slow_to_follow_is_undecided_with_a_reason() -> None:
@@ -775,6 +782,6 @@ def test_what_progress_raises_ends_the_work(rod: fr.Rod) -> None:
         raise KeyboardInterrupt(f"{done} of {total}")
 
     with pytest.raises(KeyboardInterrupt, match="of 3000"):
-        rod.verdicts(np.linspace(0.0, 0.5 * UNIT, 3000), AMPLITUDE, FREQUENCY, progress=stop)
+        rod.verdicts(mean=np.linspace(0.0, 0.5 * UNIT, 3000), amplitude=AMPLITUDE, frequency=FREQUENCY, progress=stop)
     with pytest.raises(TypeError, match="progress"):
-        rod.verdicts(0.0, AMPLITUDE, FREQUENCY, progress="often")
+        rod.verdicts(mean=0.0, amplitude=AMPLITUDE, frequency=FREQUENCY, progress="often")

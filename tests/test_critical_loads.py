@@ -34,19 +34,19 @@ class Question(NamedTuple):
     def growth(self, values: Any) -> np.ndarray:
         """Return the growth in 1/s where the quantity has these values."""
         numbers = {name: getattr(self.load, name) for name in ("mean", "amplitude", "frequency")}
-        return np.asarray(self.rod.growth_rate(**(numbers | {self.varied: np.asarray(values)}), like=self.like))
+        return np.asarray(self.rod.growth_rate(self.like, **numbers | {self.varied: np.asarray(values)}))
 
     def critical(self) -> fr.rod.CriticalLoad:
         """Return the critical load."""
         if self.varied == "mean":
-            return self.rod.critical_mean_force(self.load.amplitude, self.load.frequency, like=self.like)
-        return self.rod.critical_amplitude(self.load.mean, self.load.frequency, like=self.like)
+            return self.rod.critical("mean", self.like, amplitude=self.load.amplitude, frequency=self.load.frequency)
+        return self.rod.critical("amplitude", self.like, mean=self.load.mean, frequency=self.load.frequency)
 
     def ranges(self) -> fr.StabilityIntervals:
         """Return the stable intervals of the quantity."""
         if self.varied == "mean":
-            return self.rod.stable_mean_forces(self.load.amplitude, self.load.frequency, like=self.like)
-        return self.rod.stable_amplitudes(self.load.mean, self.load.frequency, like=self.like)
+            return self.rod.ranges("mean", self.like, amplitude=self.load.amplitude, frequency=self.load.frequency)
+        return self.rod.ranges("amplitude", self.like, mean=self.load.mean, frequency=self.load.frequency)
 
 
 def drawn(rng: np.random.Generator) -> Question:
@@ -141,14 +141,14 @@ def test_no_unstable_band_wider_than_the_resolution_is_stepped_over(
     changes: dict[str, Any], amplitude: float, frequency: float, share: float
 ) -> None:
     rod = fr.Rod.nitinol().replace(**changes)
-    critical = rod.critical_mean_force(amplitude, frequency)
+    critical = rod.critical("mean", amplitude=amplitude, frequency=frequency)
     load = fr.AxialLoad(0.0, amplitude, frequency)
     assert critical / rod.critical_force == pytest.approx(share, abs=1e-5)
     assert critical == pytest.approx(rod.stability(load).margin("mean").above, rel=1e-9)
     assert 0.0 < critical.resolution < 0.002 * rod.critical_force
     assert critical.searched == critical
     end = 0.125 if share < 0.125 else 0.5  # of a piece that is searched
-    ranges = rod.stable_mean_forces(amplitude, frequency, bounds=(0.0, end * rod.critical_force))
+    ranges = rod.ranges("mean", amplitude=amplitude, frequency=frequency, bounds=(0.0, end * rod.critical_force))
     assert ranges.intervals[0][:2] == (0.0, float(critical))
     assert all("unnamed" not in part[2:] for part in ranges)
     assert ranges.resolution < 0.002 * rod.critical_force
@@ -189,11 +189,11 @@ def test_five_hundred_critical_loads_agree_with_margins_and_dense_verdicts(seeds
 
 def test_independent_modes_are_searched_without_gaps() -> None:
     rod = fr.Rod.nitinol()
-    critical = rod.critical_mean_force(0.2 * rod.critical_force, 150.0)
+    critical = rod.critical("mean", amplitude=0.2 * rod.critical_force, frequency=150.0)
     assert critical.resolution == 0.0
     assert repr(critical) == f"<critical mean force {float(critical):.9g} N>"
     stiff = rod.replace(damping_rate=200.0, length=0.3)
-    none = stiff.critical_amplitude(0.0, 150.0)
+    none = stiff.critical("amplitude", mean=0.0, frequency=150.0)
     assert math.isinf(none)
     assert none.searched == pytest.approx(rod.critical_force, rel=1e-9)
     assert repr(none).startswith(f"<no critical amplitude up to {none.searched:.6g} N")

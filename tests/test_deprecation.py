@@ -18,7 +18,7 @@ RENAMED: list[tuple[Callable[[], Any], str, str]] = [
         "hairlines",
         "tongues_left_out",
     ),
-    (lambda: ROD.stable_mean_forces(0.34, 150.0, (0.0, 0.5)), "hairlines", "tongues_left_out"),
+    (lambda: ROD.ranges("mean", amplitude=0.34, frequency=150.0, bounds=(0.0, 0.5)), "hairlines", "tongues_left_out"),
     (lambda: fr.ForceRecord(TIME, 1.0 + 0.5 * np.sin(20.0 * TIME)), "kept", "harmonic_numbers"),
     (lambda: LOAD, "departures", "features"),
     (lambda: ROD.reach(fr.WellPath([0.0, 10.0], ["90deg", "90deg"]), 0.3), "kick", "speed_to_grow"),

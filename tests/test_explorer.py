@@ -92,7 +92,9 @@ def test_what_is_shown_at_once_and_in_time_is_the_verdict(explorer: fr.Explorer)
         for row, column in ((3, 5), (90, 100), (170, 230)):
             force = np.linspace(*ends["mean"], cells.shape[0])[row]
             at = np.linspace(*ends["frequency"], cells.shape[1])[column]
-            assert (cells[row, column] == STATUS_CODES["stable"]) == ROD.is_stable(force, explorer.load.amplitude, at)
+            assert (cells[row, column] == STATUS_CODES["stable"]) == ROD.is_stable(
+                mean=force, amplitude=explorer.load.amplitude, frequency=at
+            )
 
 
 def test_the_window_follows_its_sliders(explorer: fr.Explorer) -> None:
@@ -215,7 +217,7 @@ def test_coupled_modes_show_growth_over_frequency_and_the_shape(coarse: None) ->
     assert shown.window.words["verdict"].startswith(f"{verdict.status}: {verdict.resonances[0]}")
     chart, line, shape = shown.window.figure.axes[:3]
     frequency, growth = line.lines[0].get_data()
-    expected = CLAMPED.growth_rate(load.mean, load.amplitude, 2.0 * math.pi * frequency, like=load)
+    expected = CLAMPED.growth_rate(load, frequency=2.0 * math.pi * frequency)
     assert growth == pytest.approx(expected, rel=1e-9, abs=1e-12)
     assert shape.lines[0].get_ydata() == pytest.approx(verdict.shape.deflection)
     cells = np.asarray(chart.images[0].get_array())
@@ -223,7 +225,7 @@ def test_coupled_modes_show_growth_over_frequency_and_the_shape(coarse: None) ->
     (left, right), (low, high) = chart.get_xlim(), chart.get_ylim()
     for row, column in ((1, 1), (5, 3), (7, 7)):
         at = left + (column + 0.5) * (right - left) / 8, low + (row + 0.5) * (high - low) / 8
-        stable = CLAMPED.is_stable(at[1], load.amplitude, 2.0 * math.pi * at[0], like=load)
+        stable = CLAMPED.is_stable(load, mean=at[1], frequency=2.0 * math.pi * at[0])
         assert (cells[row, column] == STATUS_CODES["stable"]) == stable
     # Another amplitude: nothing of the old map stays.
     shown.window.sliders["amplitude"].set_val(0.3)

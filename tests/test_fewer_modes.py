@@ -33,7 +33,7 @@ def _few_are_many(monkeypatch: pytest.MonkeyPatch) -> None:
 
 @pytest.fixture(scope="module")
 def many() -> fr.HillSystem:
-    return STRING.modes_under(LOAD).in_modes(COUNT).system(Loads.single(LOAD))
+    return STRING._modes_under(LOAD).in_modes(COUNT).system(Loads.single(LOAD))
 
 
 def test_the_growth_of_fewer_modes_is_that_of_their_own_verdict(many: fr.HillSystem) -> None:
@@ -43,7 +43,7 @@ def test_the_growth_of_fewer_modes_is_that_of_their_own_verdict(many: fr.HillSys
     fastest = Fastest.of(solved, freed)
     assert fastest is not None
     assert fastest.rate_with(COUNT) == pytest.approx(solved.verdict.growth_rate, abs=1e-10)
-    fewer = STRING.modes_under(LOAD).in_modes(FEWER).system(Loads.single(LOAD))
+    fewer = STRING._modes_under(LOAD).in_modes(FEWER).system(Loads.single(LOAD))
     assert np.abs(fewer.stiffness - many.stiffness[:FEWER, :FEWER]).max() < 1e-9 * np.abs(fewer.stiffness).max()
     expected = monodromy(fewer)
     found = fastest.rate_with(FEWER)
@@ -86,7 +86,7 @@ def test_long_rods_are_judged_once_and_followed_once(monkeypatch: pytest.MonkeyP
 
 def test_the_growth_of_fewer_modes_of_an_even_system_is_that_of_their_own_verdict() -> None:
     load = fr.AxialWave.hertz(0.4 * UNIT, 0.3 * UNIT, 4.0)
-    many = STRING.modes_under(load).in_modes(COUNT).system(Loads.single(load))
+    many = STRING._modes_under(load).in_modes(COUNT).system(Loads.single(load))
     freed = many.undamped
     assert freed is not None
     assert freed[0].is_even
@@ -94,7 +94,7 @@ def test_the_growth_of_fewer_modes_of_an_even_system_is_that_of_their_own_verdic
     fastest = Fastest.of(solved, freed)
     assert fastest is not None
     assert fastest.rate_with(COUNT) == pytest.approx(solved.verdict.growth_rate, abs=1e-9)
-    fewer = STRING.modes_under(load).in_modes(FEWER).system(Loads.single(load))
+    fewer = STRING._modes_under(load).in_modes(FEWER).system(Loads.single(load))
     assert fastest.rate_with(FEWER) == pytest.approx(half_period(fewer).growth_rate, abs=1e-7)
     assert fastest.rate_with(8) is None  # its modes are not among them
 
@@ -114,7 +114,7 @@ def test_the_fastest_solution_is_one_of_the_map(start: float, epsilon: float, co
     )
     form = system.even_form
     assert form is not None
-    found = solved_pairs(system).fastest()
+    found = solved_pairs(system).growth_rate(return_mode=True)
     assert found is not None
     mu, error, state, partner = found
     assert abs(mu) > 1.05

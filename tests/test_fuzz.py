@@ -114,7 +114,7 @@ def test_the_oracle_knows_constant_coefficients() -> None:
 
 
 def stated(low: float, high: float, *parts: tuple[float, float]) -> fr.StabilityIntervals:
-    found = ROD.stable_frequencies(0.3, 0.3, (100.0, 110.0), growth_tolerance=0.1)
+    found = ROD.ranges("frequency", mean=0.3, amplitude=0.3, bounds=(100.0, 110.0), growth_tolerance=0.1)
     intervals = tuple(StabilityInterval(*part, None, None) for part in parts)
     return dataclasses.replace(found, bounds=(low, high), intervals=intervals)
 

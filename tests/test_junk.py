@@ -283,59 +283,59 @@ CALLS: list[tuple[Callable[..., Any], dict[str, Any]]] = [
     ),
     (CLAMPED.modal_system, {"load": WAVE, "modes": (1, 2, 3)}),
     (CLAMPED.modes_needed, {"load": WAVE, "growth_tolerance": 0.1}),
-    (CLAMPED.is_stable, {**PUSH, **UNCOUPLED, "growth_tolerance": 0.1, "like": WAVE, "workers": 1, "progress": None}),
-    (CLAMPED.verdicts, {**PUSH, **UNCOUPLED, "growth_tolerance": 0.1, "like": WAVE, "workers": 1, "progress": None}),
-    (CLAMPED.growth_rate, {**PUSH, "like": WAVE, "workers": 1, "progress": None}),
-    (CLAMPED.fastest, {**PUSH, "like": WAVE, "workers": 1, "progress": None}),
+    (CLAMPED.is_stable, {"load": WAVE, **PUSH, **UNCOUPLED, "growth_tolerance": 0.1, "workers": 1, "progress": None}),
+    (CLAMPED.verdicts, {"load": WAVE, **PUSH, **UNCOUPLED, "growth_tolerance": 0.1, "workers": 1, "progress": None}),
+    (CLAMPED.growth_rate, {"load": WAVE, **PUSH, "return_mode": True, "workers": 1, "progress": None}),
     (ROD.critical_kick, {"load": LOAD, "friction": 0.1, "growth_tolerance": 0.0}),
-    (ROD.critical_kicks, {**LOADS, "friction": 0.1, "growth_tolerance": 0.0, "like": LOAD, "workers": 1}),
+    (ROD.critical_kick, {"load": LOAD, **LOADS, "friction": 0.1, "growth_tolerance": 0.0, "workers": 1}),
     (
         ROD.is_stable,
         {
+            "load": LOAD,
             **LOADS,
             "growth_tolerance": 0.0,
             "criterion": None,
             "friction": None,
             "kick": None,
-            "like": LOAD,
             "workers": 1,
             "progress": None,
         },
     ),
     (ROD.verdicts, {**LOADS, "growth_tolerance": 0.0, "criterion": None, "friction": 0.1, "kick": 0.05, "workers": 1}),
-    (ROD.verdicts, {**LOADS, "like": LOAD, "progress": None}),
-    (ROD.growth_rate, {**LOADS, "like": LOAD, "workers": 1, "progress": None}),
-    (ROD.fastest, {**LOADS, "like": LOAD, "workers": 1, "progress": None}),
+    (ROD.verdicts, {"load": LOAD, **LOADS, "progress": None}),
+    (ROD.growth_rate, {"load": LOAD, **LOADS, "return_mode": False, "workers": 1, "progress": None}),
     (
-        ROD.stable_mean_forces,
-        {"amplitude": 0.3, "frequency": 150.0, "bounds": (0.1, 0.5), "growth_tolerance": 0.1, "progress": None}
-        | {"like": LOAD},
+        ROD.ranges,
+        {"quantity": "mean", "load": LOAD, "amplitude": 0.3, "frequency": 150.0, "bounds": (0.1, 0.5)}
+        | {"growth_tolerance": 0.1, "progress": None},
     ),
     (
-        ROD.stable_amplitudes,
-        {"mean": 0.3, "frequency": 150.0, "bounds": (0.1, 0.5), "growth_tolerance": 0.1, "progress": None}
-        | {"like": LOAD},
+        ROD.ranges,
+        {"quantity": "amplitude", "load": LOAD, "mean": 0.3, "frequency": 150.0, "bounds": (0.1, 0.5)}
+        | {"growth_tolerance": 0.1, "progress": None},
     ),
     (
-        ROD.stable_frequencies,
-        {"mean": 0.3, "amplitude": 0.3, "bounds": (99.0, 150.0), "growth_tolerance": 0.1, "progress": None}
-        | {"like": LOAD},
+        ROD.ranges,
+        {"quantity": "frequency", "load": LOAD, "mean": 0.3, "amplitude": 0.3, "bounds": (99.0, 150.0)}
+        | {"growth_tolerance": 0.1, "progress": None},
     ),
     (
-        ROD.critical_mean_force,
-        {"amplitude": 0.3, "frequency": 150.0, "growth_tolerance": 0.1, "like": LOAD, "progress": None},
+        ROD.critical,
+        {"quantity": "mean", "load": LOAD, "amplitude": 0.3, "frequency": 150.0, "growth_tolerance": 0.1}
+        | {"progress": None},
     ),
     (
-        ROD.critical_amplitude,
-        {"mean": 0.3, "frequency": 150.0, "growth_tolerance": 0.1, "like": LOAD, "progress": None},
+        ROD.critical,
+        {"quantity": "amplitude", "load": LOAD, "mean": 0.3, "frequency": 150.0, "growth_tolerance": 0.1}
+        | {"progress": None},
     ),
     (
         ROD.certify,
         {
+            "load": LOAD,
             **LOADS,
             "growth_tolerance": 0.1,
             "rod": {"length": (3.09, 3.1)},
-            "like": LOAD,
             "max_boxes": 100,
             "progress": None,
         },
@@ -343,7 +343,7 @@ CALLS: list[tuple[Callable[..., Any], dict[str, Any]]] = [
     (
         ROD.replace(damping_rate=9.0).largest_safe_box,
         {
-            "around": LOAD,
+            "load": LOAD,
             "vary": ("frequency",),
             "growth_tolerance": 0.1,
             "rod": {"length": 3.1},
@@ -354,7 +354,7 @@ CALLS: list[tuple[Callable[..., Any], dict[str, Any]]] = [
     (ROD.natural_frequency, {"mode": 7}),
     (ROD.wavenumber, {"mode": 7}),
     (ROD.modal_system, {"load": LOAD, "modes": (6, 7)}),
-    (ROD.modal_systems, {**LOADS, "like": LOAD}),
+    (ROD.modal_system, {"load": LOAD, **LOADS}),
     (ROD.wave_ratio, {"load": LOAD}),
     (ROD.modes_needed, {"load": LOAD, "growth_tolerance": 0.0}),
     (ROD.stability(LOAD).time_to_grow, {"factor": 10.0}),
@@ -362,6 +362,7 @@ CALLS: list[tuple[Callable[..., Any], dict[str, Any]]] = [
         fr.stability_map,
         {
             "rod": ROD,
+            "load": LOAD,
             "mean": (0.1, 0.5, 2),
             "amplitude": 0.3,
             "frequency": (100.0, 150.0, 2),
@@ -371,7 +372,6 @@ CALLS: list[tuple[Callable[..., Any], dict[str, Any]]] = [
             "criterion": None,
             "friction": None,
             "kick": None,
-            "like": LOAD,
             "certified": False,
             "large_motion": False,
             "workers": 1,
@@ -463,7 +463,6 @@ NAN_MEANS = {
     fr.mathieu.transition_curves: "order 0 has no second curve",
     fr.friction.critical_kick: "could not be decided",
     CLAMPED.growth_rate: "it cannot be computed",
-    CLAMPED.fastest: "it cannot be computed",
 }
 """Callables whose documentation says what NaN means."""
 
@@ -719,7 +718,6 @@ def test_the_table_has_every_public_function_and_every_argument() -> None:
         "ReachProbability",
         "RegionProof",
         "SafeBox",
-        "CoupledRodStability",
         "FrictionalRodStability",
         "InstabilityProbability",
         "RodStability",

@@ -142,7 +142,7 @@ def test_resonance_is_refused_without_damping_only(far_end: str, phase: float) -
         with pytest.raises(ValueError, match=message):
             ask(load)
     with pytest.raises(ValueError, match=message):
-        TUBING.is_stable(1.0, 1.0, frequency, like=load)
+        TUBING.is_stable(load, mean=1.0, amplitude=1.0, frequency=frequency)
     s = np.linspace(0.0, 60.0, 11)
     damped = wave(far_end, 1.0).profile(TUBING.wave_speed, 60.0, s, frequency)
     assert np.isfinite(damped).all()

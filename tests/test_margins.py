@@ -43,9 +43,7 @@ def compare(quantity: Any, rng: np.random.Generator, count: int) -> None:
         here = getattr(load, quantity)
         margin = verdict.margin(quantity, seconds=1.0)
         low, high = max(here, here + above - 20.0 * margin.resolution), here + above + 2.0 * margin.resolution
-        fixed = {name: getattr(load, name) for name in ("mean", "amplitude", "frequency") if name != quantity}
-        ask = {"mean": rod.stable_mean_forces, "amplitude": rod.stable_amplitudes, "frequency": rod.stable_frequencies}
-        ranges = ask[quantity](**fixed, bounds=(low, high), like=load, growth_tolerance=verdict.margin_tolerance)
+        ranges = rod.ranges(quantity, load, (low, high), growth_tolerance=verdict.margin_tolerance)
         first = ranges.intervals[0]
         assert first.low == low
         if first.high < (here + above) * (1.0 - 1e-8):  # a part that the margin, which has fewer samples, passed over

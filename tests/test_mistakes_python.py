@@ -66,7 +66,12 @@ MISTAKES: list[tuple[Call, str, str, str]] = [
     (lambda: ROD.stability(LOAD, growth_tol=1), "Rod.stability()", "'growth_tol'", "unexpected keyword"),
     (lambda: ROD.stability(LOAD, friction=0.1), "kick", "friction", "kick"),
     (lambda: ROD.stability(LOAD, [0]), "modes[0]", "0", "1 or more"),
-    (lambda: ROD.stable_mean_forces(0.3, 150.0, bounds=(1.0, 0.5)), "bounds", "(1, 0.5)", "lower end first"),
+    (
+        lambda: ROD.ranges("mean", amplitude=0.3, frequency=150.0, bounds=(1.0, 0.5)),
+        "bounds",
+        "(1, 0.5)",
+        "lower end first",
+    ),
     (lambda: fr.stability(0.5, -0.25), "equation", "0.5", "HillSystem"),  # type: ignore[call-overload]
     (lambda: fr.stability(LOAD), "equation", "AxialLoad", "Mathieu"),  # type: ignore[call-overload]
     (lambda: fr.stability(EQUATION, "monodrmy"), "method", "'monodrmy'", "did you mean monodromy?"),

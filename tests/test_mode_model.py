@@ -96,9 +96,9 @@ class SpringModel(CoupledModel):
 class SprungRod(fr.Rod):
     """A rod of two modes with a spring between them."""
 
-    def modes_under(self, like: AnyLoad | None = None) -> SpringModel:
+    def _modes_under(self, template: AnyLoad | None = None) -> SpringModel:
         """Return the model above."""
-        return SpringModel(self, kind(like))
+        return SpringModel(self, kind(template))
 
 
 def free(rod: fr.Rod) -> Floats:
@@ -154,8 +154,10 @@ def test_a_verdict_names_the_resonance_that_the_spring_makes() -> None:
 def test_arrays_of_loads_have_the_verdicts_of_single_ones() -> None:
     frequency = np.array([0.98, 1.0, 1.02]) * (SLOW + FAST)
     single = [ROD.stability(LOAD.varied("frequency", at)) for at in frequency.tolist()]
-    assert ROD.verdicts(0.0, AMPLITUDE, frequency).tolist() == [int(each.status == "stable") for each in single]
-    growth, mode = ROD.fastest(0.0, AMPLITUDE, frequency)
+    assert ROD.verdicts(mean=0.0, amplitude=AMPLITUDE, frequency=frequency).tolist() == [
+        int(each.status == "stable") for each in single
+    ]
+    growth, mode = ROD.growth_rate(mean=0.0, amplitude=AMPLITUDE, frequency=frequency, return_mode=True)
     assert growth == pytest.approx([each.growth_rate for each in single], rel=1e-9)
     assert mode.tolist() == [0, -1, 0]
 
@@ -172,7 +174,7 @@ def test_a_map() -> None:
 def test_ranges_and_margins_end_where_the_tongue_does() -> None:
     """To first order, of half the width 2 sigma with sigma the growth in its middle."""
     around = 0.98 * (SLOW + FAST), 1.02 * (SLOW + FAST)
-    found = ROD.stable_frequencies(0.0, AMPLITUDE, around)
+    found = ROD.ranges("frequency", mean=0.0, amplitude=AMPLITUDE, bounds=around)
     below, above = found
     assert (above.low - below.high) == pytest.approx(4.0 * sum_growth(AMPLITUDE), rel=0.02)
     assert str(below.high_end) == "sum resonance of modes 1 and 2, order 1"
@@ -184,12 +186,12 @@ def test_ranges_and_margins_end_where_the_tongue_does() -> None:
 
 
 def test_the_mean_force_that_buckles_is_that_of_the_closed_form() -> None:
-    assert ROD.critical_mean_force(0.0, 1.0) == pytest.approx(buckling(), rel=1e-8)
+    assert ROD.critical("mean", amplitude=0.0, frequency=1.0) == pytest.approx(buckling(), rel=1e-8)
 
 
 def test_the_probability_of_instability_is_the_share_of_the_range() -> None:
     around = 0.99 * (SLOW + FAST), 1.01 * (SLOW + FAST)
-    below, above = ROD.stable_frequencies(0.0, AMPLITUDE, around)
+    below, above = ROD.ranges("frequency", mean=0.0, amplitude=AMPLITUDE, bounds=around)
     share = (above.low - below.high) / (around[1] - around[0])
     found = fr.probability_of_instability(ROD, LOAD, {"frequency": around}, samples=2000, seed=1)
     assert found.interval[0] <= share <= found.interval[1]
@@ -230,7 +232,7 @@ def test_the_explorer_shows_what_the_model_tells(prompt: bool, monkeypatch: pyte
     assert parts["shape"].deflection == pytest.approx(found.shape.deflection)
     monkeypatch.delattr(TwoModes, "shapes")  # a model need not say how its coordinates bend the rod
     assert list(shown.modes.first(LOAD, ROD.stability(LOAD), lambda: False))[-1] == {"shape": None}
-    assert parts["line"].growth[-1] == ROD.growth_rate(LOAD.mean, LOAD.amplitude, 2.0 * FAST)
+    assert parts["line"].growth[-1] == ROD.growth_rate(mean=LOAD.mean, amplitude=LOAD.amplitude, frequency=2.0 * FAST)
     assert (parts["map"].cells != UNKNOWN).all()
     assert parts["margin"] == ("amplitude", found.amplitude_margin)
 
@@ -239,9 +241,9 @@ def test_what_the_model_cannot_do_it_refuses() -> None:
     for question in (
         lambda: ROD.stability(LOAD, friction=0.1, kick=0.05),
         lambda: ROD.critical_kick(LOAD, friction=0.1),
-        lambda: ROD.certify(0.0, AMPLITUDE, SLOW),
+        lambda: ROD.certify(mean=0.0, amplitude=AMPLITUDE, frequency=SLOW),
         lambda: ROD.largest_safe_box(LOAD),
-        lambda: ROD.modal_systems(0.0, AMPLITUDE, SLOW),
+        lambda: ROD.modal_system(mean=0.0, amplitude=AMPLITUDE, frequency=SLOW),
     ):
         with pytest.raises(ValueError, match="a spring between the modes"):
             question()

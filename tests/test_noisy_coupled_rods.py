@@ -42,14 +42,14 @@ def test_independent_modes_seen_as_coupled_bear_alike() -> None:
         assert model.verdict(force).status in (alone.status, "undecided")
         judged += model.verdict(force).status == alone.status
         if ROD.stability(load(ROD, 0.0, force.mean / ROD.critical_force, 0.0)).status == alone.status == "stable":
-            assert model.critical_noise(force, 0.0) == pytest.approx(ROD.critical_noise(force), rel=1e-5)
+            assert model.critical_noise(force, 0.0) == pytest.approx(ROD.critical("noise", force), rel=1e-5)
     assert judged > 5
 
 
 def test_few_clamped_modes_grow_as_all_their_moments_do() -> None:
     force = load(CLAMPED, 0.4 * HIGH_MODES, 0.05)
     found = CLAMPED.stability(force, modes=range(1, 3))
-    model = CLAMPED.modes_under(force)
+    model = CLAMPED._modes_under(force)
     assert isinstance(model, NoisyTogetherModel)
     modes = model.in_modes(2)
     system = CLAMPED.modal_system(replace(force, noise=0.0), range(1, 3))
@@ -72,7 +72,7 @@ def test_clamped_ends_under_noise() -> None:
 @pytest.mark.slow
 def test_the_noise_that_clamped_ends_bear_separates_verdicts() -> None:
     unit = load(CLAMPED, 1.0)
-    most = CLAMPED.critical_noise(unit)
+    most = CLAMPED.critical("noise", unit)
     assert most < HIGH_MODES
     assert 0.0 < most.error < 1e-4 * most
     for factor, status in ((1.0 - 1e-4, "stable"), (1.0 + 1e-4, "unstable")):
@@ -82,7 +82,7 @@ def test_the_noise_that_clamped_ends_bear_separates_verdicts() -> None:
     for factor, status in ((1.0 - 1e-3, "unstable"), (1.0 + 1e-3, "stable")):
         assert CLAMPED.replace(damping_rate=factor * rate).stability(found.load).status == status
     pulled = fr.AxialLoad(-1.0, 0.0, 150.0, noise=1.0)
-    assert CLAMPED.critical_noise(pulled) == pytest.approx(HIGH_MODES, rel=1e-9)
+    assert CLAMPED.critical("noise", pulled) == pytest.approx(HIGH_MODES, rel=1e-9)
 
 
 def test_margins_pass_over_growth_within_their_tolerance(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -124,9 +124,7 @@ def test_progress_counts_all_loads() -> None:
     rod = CLAMPED.replace(length=0.3)
     force, told = load(rod, 0.1 * HIGH_MODES), []
     mean = np.array([100.0, 0.3, 110.0, 0.2, 120.0]) * rod.critical_force
-    found = rod.verdicts(
-        mean, force.amplitude, 800.0, like=force, progress=lambda done, total: told.append((done, total))
-    )
+    found = rod.verdicts(force, mean=mean, frequency=800.0, progress=lambda done, total: told.append((done, total)))
     assert found.tolist() == [0, 1, 0, 1, 0]
     assert told == sorted(told)
     assert (told[0], told[-1]) == ((2, 5), (5, 5))
@@ -137,10 +135,10 @@ def test_progress_counts_all_loads() -> None:
 def test_maps_and_arrays_say_what_single_loads_do() -> None:
     like = load(CLAMPED, 0.2 * HIGH_MODES)
     mean = np.array([0.1, 0.3, 0.5]) * CLAMPED.critical_force
-    status = CLAMPED.verdicts(mean, like.amplitude, like.frequency, like=like)
+    status = CLAMPED.verdicts(like, mean=mean)
     alone = [CLAMPED.stability(like.varied("mean", each)) for each in mean.tolist()]
     assert status.tolist() == [{"stable": 1, "unstable": 0}[each.status] for each in alone]
-    growth = CLAMPED.growth_rate(mean, like.amplitude, like.frequency, like=like)
+    growth = CLAMPED.growth_rate(like, mean=mean)
     assert growth == pytest.approx([each.growth_rate for each in alone], abs=1e-9)
 
 
@@ -150,13 +148,11 @@ def test_noise_adds_to_the_growth_that_is_there_without_it() -> None:
     like = fr.AxialLoad(0.33 * rod.critical_force, 0.2 * rod.critical_force, 244.4, noise=0.02)
     alone = rod.stability(like)
     assert rod.stability(replace(like, noise=0.0)).status == alone.status == "unstable"
-    growth, mode = rod.fastest(like.mean, like.amplitude, like.frequency, like=like)
+    growth, mode = rod.growth_rate(like, return_mode=True)
     assert growth == pytest.approx(alone.growth_rate, abs=1e-9)
     assert mode == -1
-    chart = fr.stability_map(
-        CLAMPED, mean=(0.1 * CLAMPED.critical_force, 0.5 * CLAMPED.critical_force, 3), amplitude=like.amplitude,
-        frequency=(100.0, 200.0, 3), like=like,
-    )  # fmt: skip
+    means = (0.1 * CLAMPED.critical_force, 0.5 * CLAMPED.critical_force, 3)
+    chart = fr.stability_map(CLAMPED, like, mean=means, frequency=(100.0, 200.0, 3))
     assert chart.stable[:, 1].tolist() == [each.stable for each in alone]
 
 
@@ -168,14 +164,14 @@ def test_a_density_that_varies_is_judged_by_its_largest() -> None:
     louder = tuple((at, 4.0 * density) for at, density in share)
     found = CLAMPED.stability(load(CLAMPED, louder))
     assert (found.status, found.note[:11]) == ("undecided", "white noise")
-    assert CLAMPED.critical_noise(load(CLAMPED, share)) == pytest.approx(
-        CLAMPED.critical_noise(load(CLAMPED, 0.2 * HIGH_MODES)), rel=1e-9
+    assert CLAMPED.critical("noise", load(CLAMPED, share)) == pytest.approx(
+        CLAMPED.critical("noise", load(CLAMPED, 0.2 * HIGH_MODES)), rel=1e-9
     )
 
 
 def test_what_takes_too_long_or_is_not_known_is_told() -> None:
     force = load(CLAMPED, 0.1 * HIGH_MODES)
     with pytest.raises(ValueError, match="certify is not answered under noise"):
-        CLAMPED.certify(force.mean, force.amplitude, force.frequency, like=force)
+        CLAMPED.certify(force)
     with pytest.raises(ValueError, match="too many for their second moments"):
         CLAMPED.stability(replace(force, frequency=0.01))

@@ -14,6 +14,7 @@ import pytest
 
 import floquetrod as fr
 from conftest import depth
+from coupled_cases import by_name
 from floquetrod.cli import main
 from floquetrod.equations.batches import pick
 from floquetrod.rod.loads.load import Loads, load_from_dict, scaled_noise
@@ -22,7 +23,7 @@ from floquetrod.rod.modes.noisy import NoisyModel
 
 ROD = fr.Rod.nitinol().replace(damping_rate=1.0)
 FCR = ROD.critical_force
-CONSTANTS = ROD.modes_under().constants  # type: ignore[attr-defined]
+CONSTANTS = ROD._modes_under().constants  # type: ignore[attr-defined]
 HIGH_MODES = 8.0 * ROD.damping_rate * ROD.flexural_rigidity * ROD.mass_per_length
 """Density in N^2/Hz that high modes bear: S k^2 / 2 = 4 c w^2."""
 
@@ -35,7 +36,7 @@ def test_without_vibration_each_mode_bears_what_its_equation_says() -> None:
     m = np.arange(1.0, 200.0)
     squared = CONSTANTS.bending * m**4 - CONSTANTS.per_newton * m**2 * 0.3 * FCR + CONSTANTS.pendulum_squared
     most = float((8.0 * ROD.damping_rate * squared / (CONSTANTS.per_newton * m**2) ** 2).min())
-    found = ROD.critical_noise(load(1.0, amplitude=0.0))
+    found = ROD.critical("noise", load(1.0, amplitude=0.0))
     assert found == pytest.approx(most, rel=1e-9)
     for factor, status in ((1.0 - 1e-6, "stable"), (1.0 + 1e-6, "unstable")):
         assert ROD.stability(load(factor * most, amplitude=0.0)).status == status
@@ -43,7 +44,7 @@ def test_without_vibration_each_mode_bears_what_its_equation_says() -> None:
 
 def test_all_high_modes_grow_beyond_the_density_that_they_bear() -> None:
     pulled = fr.AxialLoad(-1.0, 0.0, 150.0, noise=1.0)
-    assert ROD.critical_noise(pulled) == pytest.approx(HIGH_MODES, rel=1e-8)
+    assert ROD.critical("noise", pulled) == pytest.approx(HIGH_MODES, rel=1e-8)
     verdict = ROD.stability(fr.AxialLoad(-1.0, 0.0, 150.0, noise=1.5 * HIGH_MODES))
     assert verdict.status == "unstable"
     assert "all high modes grow at 1 1/s" in verdict.note
@@ -71,7 +72,7 @@ def test_growth_lies_between_its_bounds() -> None:
             noise=rng.uniform(0.0, 0.02),
             waveform=(1.0, 0.2j) if rng.uniform() < 0.3 else "sine",
         )
-        modes = NoisyModes(rod.modes_under().constants, force)  # type: ignore[attr-defined]
+        modes = NoisyModes(rod._modes_under().constants, force)  # type: ignore[attr-defined]
         last = int(rng.integers(8, 30))
         left_out = float(modes.growth_bounds(Loads.single(force)).left_out(np.array([last]))[0])
         parts = modes.parts(Loads((1,), *Loads.single(force).flat), [last, last + 1, last + 9])
@@ -94,7 +95,7 @@ def test_growth_is_that_of_the_fastest_mode_among_the_first_and_the_highest() ->
     assert verdict.time_to_grow() == pytest.approx(math.log(10.0) / verdict.growth_rate)
     assert set(verdict.unstable_modes) == set(every.unstable_modes) & set(verdict.modes)
     assert "and all high modes" in str(verdict)
-    growth, mode = rod.fastest(force.mean, force.amplitude, force.frequency, like=force)
+    growth, mode = rod.growth_rate(force, return_mode=True)
     assert (growth, mode) == (pytest.approx(verdict.growth_rate, abs=1e-9), 10)
 
 
@@ -128,7 +129,7 @@ def test_growth_is_that_of_the_fastest_of_all_modes_named(seed: int) -> None:
     for _ in range(draws):
         rod, force, tolerance = drawn(rng)
         verdict = rod.stability(force, growth_tolerance=tolerance)
-        model: Any = rod.modes_under(force)
+        model: Any = rod._modes_under(force)
         rates = np.array(model.growth_of_modes(force, range(1, max(60, len(verdict.modes) + 20) + 1)))
         limit, close = model.growth_beyond(force), 1e-8 * (1.0 + rod.damping_rate)
         fastest = max(float(rates.max()), limit)
@@ -143,9 +144,9 @@ def test_growth_is_that_of_the_fastest_of_all_modes_named(seed: int) -> None:
             assert growing & set(verdict.modes) <= set(verdict.unstable_modes)
             assert limit > tolerance or growing <= set(verdict.modes)
         numbers = force.mean, force.amplitude, force.frequency
-        status = int(rod.verdicts(*numbers, like=force, growth_tolerance=tolerance))
+        status = int(rod.verdicts(force, **by_name(*numbers), growth_tolerance=tolerance))
         assert status == {"stable": 1, "unstable": 0, "undecided": -1}[verdict.status]
-        growth, mode = rod.fastest(*numbers, like=force)
+        growth, mode = rod.growth_rate(force, **by_name(*numbers), return_mode=True)
         assert abs(growth - verdict.growth_rate) <= verdict.error + close
         if verdict.growth_rate > close:
             assert mode == (verdict.fastest_mode or -1)
@@ -155,7 +156,7 @@ def test_growth_is_that_of_the_fastest_of_all_modes_named(seed: int) -> None:
 
 def both_ways(rod: fr.Rod, force: fr.AxialLoad, tolerance: float) -> tuple[str, int]:
     """Return the verdict on one load, and that of arrays."""
-    status = rod.verdicts(force.mean, force.amplitude, force.frequency, like=force, growth_tolerance=tolerance)
+    status = rod.verdicts(force, growth_tolerance=tolerance)
     return rod.stability(force, growth_tolerance=tolerance).status, int(status)
 
 
@@ -185,7 +186,7 @@ def test_both_verdicts_change_within_the_error_of_the_critical_noise(
     rod: fr.Rod, numbers: tuple[float, float, float], mode: int | None
 ) -> None:
     told: list[tuple[int, int]] = []
-    found = rod.critical_noise(fr.AxialLoad(*numbers, noise=1.0), progress=lambda *parts: told.append(parts))
+    found = rod.critical("noise", fr.AxialLoad(*numbers, noise=1.0), progress=lambda *parts: told.append(parts))
     assert (found.mode, found.searched) == (mode, float(found))
     assert 0.0 < found.error <= 1e-8 * found
     for way, says in ((-2.0, ("stable", 1)), (2.0, ("unstable", 0))):
@@ -205,7 +206,7 @@ def test_critical_noise_separates_verdicts_of_drawn_rods(seed: int) -> None:
     while separated < depth(12, 2):
         rod, force, tolerance = drawn(rng, unit=True)
         try:
-            found = rod.critical_noise(force, growth_tolerance=tolerance)
+            found = rod.critical("noise", force, growth_tolerance=tolerance)
         except ValueError as error:
             assert "stable without noise" in str(error)  # noqa: PT017
             continue
@@ -222,17 +223,17 @@ def test_critical_noise_separates_verdicts_of_drawn_rods(seed: int) -> None:
 def test_arrays_of_loads_say_what_single_ones_do() -> None:
     mean = np.linspace(0.1, 1.0, 10) * FCR
     like = load(0.1 * HIGH_MODES)
-    together = ROD.verdicts(mean, 0.1 * FCR, 150.0, like=like)
+    together = ROD.verdicts(like, mean=mean, amplitude=0.1 * FCR, frequency=150.0)
     alone = [ROD.stability(like.varied("mean", float(each))) for each in mean]
     assert together.tolist() == [{"stable": 1, "unstable": 0}[each.status] for each in alone]
-    growth = ROD.growth_rate(mean, 0.1 * FCR, 150.0, like=like)
+    growth = ROD.growth_rate(like, mean=mean, amplitude=0.1 * FCR, frequency=150.0)
     assert growth == pytest.approx([each.growth_rate for each in alone], abs=1e-7)
-    assert np.count_nonzero(ROD.verdicts(mean, 0.1 * FCR, 150.0)) > np.count_nonzero(together)
+    assert np.count_nonzero(ROD.verdicts(mean=mean, amplitude=0.1 * FCR, frequency=150.0)) > np.count_nonzero(together)
 
 
 def test_only_the_highest_modes_may_grow() -> None:
     like = load(1.5 * HIGH_MODES)
-    growth, mode = ROD.fastest(-5.0, 0.0, 150.0, like=like)
+    growth, mode = ROD.growth_rate(like, mean=-5.0, amplitude=0.0, frequency=150.0, return_mode=True)
     assert growth == pytest.approx(ROD.stability(fr.AxialLoad(-5.0, 0.0, 150.0, noise=1.5 * HIGH_MODES)).growth_rate)
     assert (growth > 0.9, mode) == (True, -1)
 
@@ -248,7 +249,9 @@ def test_each_side_of_a_bend_has_its_own_modes_and_bound(monkeypatch: pytest.Mon
     monkeypatch.setattr(NoisyModes, "growth_bounds", noted)
     like, told = load(0.1 * HIGH_MODES), []
     mean = np.array([-3.0, 2.0, -1.0, -0.15, 3.0]) * FCR
-    status = bent.verdicts(mean, 0.02 * FCR, 150.0, like=like, progress=lambda done, total: told.append((done, total)))
+    status = bent.verdicts(
+        like, mean=mean, amplitude=0.02 * FCR, frequency=150.0, progress=lambda done, total: told.append((done, total))
+    )
     assert asked == pytest.approx([CONSTANTS.pendulum_squared, -CONSTANTS.pendulum_squared])
     assert told == [(3, 5), (5, 5)]
     alone = [
@@ -257,7 +260,7 @@ def test_each_side_of_a_bend_has_its_own_modes_and_bound(monkeypatch: pytest.Mon
     assert status.tolist() == [*({"stable": 1, "unstable": 0}[each] for each in alone[:3]), -1, 1]
     assert alone[3] == "stable"
     with pytest.raises(fr.LeavesWallError):
-        bent.verdicts(mean[3], 0.02 * FCR, 150.0, like=like)
+        bent.verdicts(like, mean=mean[3], amplitude=0.02 * FCR, frequency=150.0)
 
 
 def test_noise_below_the_frequencies_of_modes_is_not_felt() -> None:
@@ -267,14 +270,14 @@ def test_noise_below_the_frequencies_of_modes_is_not_felt() -> None:
     assert noisy.mode_growth_rates.max() == pytest.approx(-2.0 * quiet.decay_rate, abs=1e-6)
     band = ((0.0, 10.0 * HIGH_MODES), (40.0, 10.0 * HIGH_MODES), (41.0, 0.0))
     assert ROD.stability(load(band)).status == "unstable"
-    assert ROD.critical_noise(load(band)) < 1.0
+    assert ROD.critical("noise", load(band)) < 1.0
 
 
 @pytest.mark.slow
 def test_ranges_margins_and_maps_know_noise() -> None:
     like = load(0.1 * HIGH_MODES)
-    quiet = ROD.stable_mean_forces(0.1 * FCR, 150.0, bounds=(0.0, FCR))
-    noisy = ROD.stable_mean_forces(0.1 * FCR, 150.0, bounds=(0.0, FCR), like=like)
+    quiet = ROD.ranges("mean", amplitude=0.1 * FCR, frequency=150.0, bounds=(0.0, FCR))
+    noisy = ROD.ranges("mean", like, amplitude=0.1 * FCR, frequency=150.0, bounds=(0.0, FCR))
     assert noisy.resolution > 0.0
     for part in noisy:
         assert any(one.low <= part.low and part.high <= one.high for one in quiet)
@@ -285,37 +288,39 @@ def test_ranges_margins_and_maps_know_noise() -> None:
     assert all(band.worst_growth > 0.0 for band in noisy.unstable)
     margins = ROD.stability(like).margins()
     assert margins["mean"].below < ROD.stability(load(0.0)).margins()["mean"].below
-    chart = fr.stability_map(ROD, mean=(0.0, FCR, 20), amplitude=0.1 * FCR, frequency=(100.0, 200.0, 10), like=like)
-    flat = ROD.verdicts(chart.y.values[:, None], 0.1 * FCR, chart.x.values, like=like)
+    chart = fr.stability_map(ROD, like, mean=(0.0, FCR, 20), amplitude=0.1 * FCR, frequency=(100.0, 200.0, 10))
+    flat = ROD.verdicts(like, mean=chart.y.values[:, None], amplitude=0.1 * FCR, frequency=chart.x.values)
     assert np.array_equal(chart.stable, flat == 1)
     assert "noise of" in repr(chart)
 
 
 def test_a_noisy_rod_is_proved_stable_and_unstable() -> None:
     like = load(0.1 * HIGH_MODES)
-    stable = ROD.certify(0.3 * FCR, 0.1 * FCR, 150.0, like=like)
+    stable = ROD.certify(like, mean=0.3 * FCR, amplitude=0.1 * FCR, frequency=150.0)
     assert stable.status == "stable"
     assert "in mean square" in stable.statement
-    assert ROD.certify(0.17 * FCR, 0.1 * FCR, 150.0, like=like).status == "unstable"
-    assert ROD.certify(0.17 * FCR, 0.0, 150.0, like=load(1.1 * HIGH_MODES)).status != "stable"
+    assert ROD.certify(like, mean=0.17 * FCR, amplitude=0.1 * FCR, frequency=150.0).status == "unstable"
+    assert ROD.certify(load(1.1 * HIGH_MODES), mean=0.17 * FCR, amplitude=0.0, frequency=150.0).status != "stable"
 
 
 def test_a_box_in_which_some_loads_grow_is_mixed() -> None:
     like = load(0.1 * HIGH_MODES)
-    found = ROD.certify((0.17 * FCR, 0.31 * FCR), 0.1 * FCR, 150.0, like=like)
+    found = ROD.certify(like, mean=(0.17 * FCR, 0.31 * FCR), amplitude=0.1 * FCR, frequency=150.0)
     assert (found.status, found.stable) == ("mixed", None)
     assert [each.status for each in found.examples] == ["stable", "unstable"]
     for each in found.examples:
         assert found.box[0].low <= each.load.mean <= found.box[0].high
         assert ROD.stability(each.load).status == each.status
-        assert ROD.certify(each.load.mean, each.load.amplitude, 150.0, like=like).status == each.status
+        assert (
+            ROD.certify(like, mean=each.load.mean, amplitude=each.load.amplitude, frequency=150.0).status == each.status
+        )
     assert str(found.report()).count("in mean square") >= 2
     assert [each["status"] for each in found.as_dict()["examples"]] == ["stable", "unstable"]
 
 
 @pytest.mark.slow
 def test_a_box_of_forces_is_proved_under_noise() -> None:
-    found = ROD.certify((0.29 * FCR, 0.31 * FCR), 0.1 * FCR, 150.0, like=load(0.1 * HIGH_MODES))
+    found = ROD.certify(load(0.1 * HIGH_MODES), mean=(0.29 * FCR, 0.31 * FCR), amplitude=0.1 * FCR, frequency=150.0)
     assert found.status == "stable"
 
 
@@ -384,10 +389,13 @@ def test_the_terminal_takes_noise(capsys: pytest.CaptureFixture[str], tmp_path: 
         (lambda: ROD.modal_system(load(0.1)), "modal_system is not answered under noise"),
         (lambda: ROD.largest_safe_box(load(0.1)), "largest_safe_box is not answered under noise"),
         (lambda: fr.simulate(ROD, load(0.1), duration=0.01), "load must have no noise to be simulated"),
-        (lambda: ROD.certify(0.1, 0.1, (100.0, 150.0), like=load(0.1)), "frequency must be one number under noise"),
-        (lambda: ROD.critical_noise(load(0.0)), "load must have noise"),
-        (lambda: ROD.critical_noise(load(1.0, mean=0.17)), "load must be stable without noise"),
-        (lambda: ROD.replace(damping_rate=0.0).critical_noise(load(1.0)), "load must be stable without noise"),
+        (
+            lambda: ROD.certify(load(0.1), mean=0.1, amplitude=0.1, frequency=(100.0, 150.0)),
+            "frequency must be one number under noise",
+        ),
+        (lambda: ROD.critical("noise", load(0.0)), "load must have noise"),
+        (lambda: ROD.critical("noise", load(1.0, mean=0.17)), "load must be stable without noise"),
+        (lambda: ROD.replace(damping_rate=0.0).critical("noise", load(1.0)), "load must be stable without noise"),
     ],
 )
 def test_what_noise_cannot_be_is_told(call: Any, says: str) -> None:
@@ -396,5 +404,5 @@ def test_what_noise_cannot_be_is_told(call: Any, says: str) -> None:
 
 
 def test_one_place_chooses_the_model() -> None:
-    assert isinstance(ROD.modes_under(load(0.1)), NoisyModel)
-    assert not isinstance(ROD.modes_under(load(0.0)), NoisyModel)
+    assert isinstance(ROD._modes_under(load(0.1)), NoisyModel)
+    assert not isinstance(ROD._modes_under(load(0.0)), NoisyModel)

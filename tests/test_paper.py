@@ -154,7 +154,7 @@ def test_intervals_and_tongues_are_the_exact_verdict(rng: np.random.Generator) -
         growth = [fr.stability(equation).growth_rate for equation in equations]
         assert min(growth) > (claims.EXACT.threshold if band.seen else 0.0)
     omega, force = rng.uniform(20.0, 200.0, 2000), rng.uniform(0.0, 1.1, 2000)
-    growth = ROD.growth_rate(force * UNIT, 0.2 * UNIT, omega)
+    growth = ROD.growth_rate(mean=force * UNIT, amplitude=0.2 * UNIT, frequency=omega)
     inside = np.zeros(omega.size, dtype=bool)
     for tongue in figures.tongues(0.2):
         inside |= Path2D(np.column_stack([tongue.x, tongue.y])).contains_points(np.column_stack([omega, force]))

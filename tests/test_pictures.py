@@ -141,7 +141,7 @@ def test_notes_and_titles_have_one_notation() -> None:
 
 def test_a_long_title_is_cut_to_what_was_asked_and_the_note_has_the_whole() -> None:
     wave = fr.AxialWave(0.0, 0.0, 1.0, far_end="held", axial_damping=2.125, mean_at=0.25)
-    chart = fr.stability_map(ROD, mean=(0.0, FORCE, 3), amplitude=0.2 * FORCE, frequency=(20.0, 40.0, 3), like=wave)
+    chart = fr.stability_map(ROD, wave, mean=(0.0, FORCE, 3), amplitude=0.2 * FORCE, frequency=(20.0, 40.0, 3))
     ax = chart.plot(bands=False)
     ax.figure.draw_without_rendering()
     assert ax.get_title() == "rod, amplitude 0.339 N"

@@ -87,7 +87,9 @@ def test_what_grows_lies_in_a_band_and_nothing_else_does(plane: tuple[str, str],
     x, y = (rng.uniform(*axis.ends.values, 4000) for axis in (found.x, found.y))
     (third,) = {"frequency", "mean", "amplitude"} - set(plane)
     loads = {across: x, up: y, third: np.full(x.size, fixed)}
-    rate, _ = rod.fastest(loads["mean"], loads["amplitude"], loads["frequency"])
+    rate, _ = rod.growth_rate(
+        mean=loads["mean"], amplitude=loads["amplitude"], frequency=loads["frequency"], return_mode=True
+    )
     bands = found.bands
     assert bands.accuracy == ACCURACY
     assert bands.resolution == (0.0, 0.0)
@@ -291,7 +293,7 @@ def test_bands_where_the_channel_bends_hold_all_that_grows(curvature: float, fix
         bands = fr.stability_map(rod, **axes, growth_tolerance=tolerance).find_bands(ACCURACY)
         assert bands.resolution == (0.0, 0.0)
         x, y = (points[name] for name in ("frequency", "mean", "amplitude") if name != fixed)
-        rate = rod.growth_rate(points["mean"], points["amplitude"], points["frequency"])
+        rate = rod.growth_rate(mean=points["mean"], amplitude=points["amplitude"], frequency=points["frequency"])
         assert disagreements(bands, x, y, rate, tolerance) == []
 
 
@@ -314,7 +316,7 @@ def test_bands_of_random_rods_that_build_or_drop(plane: tuple[str, str], seed: i
     axes: dict[str, Any] = {name: (*ends, 2) for name, ends in windows.items()} | {third: float(points[third][0])}
     bands = fr.stability_map(rod, **axes).find_bands(ACCURACY)
     assert bands.resolution == (0.0, 0.0)
-    rate = rod.growth_rate(points["mean"], points["amplitude"], points["frequency"])
+    rate = rod.growth_rate(mean=points["mean"], amplitude=points["amplitude"], frequency=points["frequency"])
     assert disagreements(bands, points[plane[0]], points[plane[1]], rate, 0.0) == []
 
 

@@ -80,18 +80,18 @@ def test_surveys_take_them_one_by_one_and_as_arrays() -> None:
 
 def test_arrays_do_not_drop_units() -> None:
     rod = fr.Rod(**NITINOL)
-    expected = rod.growth_rate(4.0, 2.0, 32.0 * math.pi)
+    expected = rod.growth_rate(mean=4.0, amplitude=2.0, frequency=32.0 * math.pi)
     assert expected > 1.0
     for one in (Measured(0.004, "kN"), "0.004kN", Measured(np.array(0.004), "kN"), [Measured(4.0, "N")], ["4N"]):
-        found = rod.growth_rate(one, Measured(0.002, "kN"), Measured(16.0, "hertz"))
+        found = rod.growth_rate(mean=one, amplitude=Measured(0.002, "kN"), frequency=Measured(16.0, "hertz"))
         assert np.ravel(found)[0] == pytest.approx(expected, rel=1e-12)
     for wrong in (Measured(4.0, "m"), [Measured(4.0, "m")], Measured(np.array([4.0]), "m"), "4m"):
         with pytest.raises(ValueError, match=r"mean.* must be a number with a force unit"):
-            rod.is_stable(wrong, 2.0, 100.0)
+            rod.is_stable(mean=wrong, amplitude=2.0, frequency=100.0)
     with pytest.raises(ValueError, match=r"mean\[1\] must be a number with a force unit"):
-        rod.is_stable(["4N", Measured(4.0, "m")], 2.0, 100.0)
+        rod.is_stable(mean=["4N", Measured(4.0, "m")], amplitude=2.0, frequency=100.0)
     with pytest.raises(ValueError, match=r"mean\[0\] must have a unit of force .* times rod\.critical_force"):
-        rod.is_stable(["0.2Fcr"], 2.0, 100.0)
+        rod.is_stable(mean=["0.2Fcr"], amplitude=2.0, frequency=100.0)
 
 
 def test_numbers_without_unit_refuse_what_has_one() -> None:
@@ -120,8 +120,8 @@ def test_ranges_take_texts_and_quantities() -> None:
         np.testing.assert_allclose(found.y.values, plain.y.values, rtol=1e-15)
     with pytest.raises(ValueError, match=r"mean\[1\] must be a number with a force unit"):
         fr.stability_map(rod, mean=("0N", "1m", 5), amplitude=0.3, frequency=(60.0, 90.0, 4))
-    ranges = rod.stable_mean_forces("0.3N", "24Hz", bounds=("0.1N", Measured(1.7e-3, "kN")))
-    numbers = rod.stable_mean_forces(0.3, 48.0 * math.pi, bounds=(0.1, 1.7))
+    ranges = rod.ranges("mean", amplitude="0.3N", frequency="24Hz", bounds=("0.1N", Measured(1.7e-3, "kN")))
+    numbers = rod.ranges("mean", amplitude=0.3, frequency=48.0 * math.pi, bounds=(0.1, 1.7))
     assert [part.low for part in ranges.intervals] == pytest.approx([part.low for part in numbers.intervals])
     for value in (0.2, 0.5, 0.9):
         assert (f"{value!r}N" in ranges) == (Measured(value, "N") in ranges) == (value in ranges)

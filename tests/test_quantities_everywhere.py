@@ -57,9 +57,9 @@ PHYSICAL = {
 
 SPECIAL = {
     ("stability_map", "damping"): "rate",
-    ("Rod.stable_mean_forces", "bounds"): "force",
-    ("Rod.stable_amplitudes", "bounds"): "force",
-    ("Rod.stable_frequencies", "bounds"): "frequency",
+    ("Rod.ranges", "bounds"): "force",
+    ("Rod.ranges (amplitude)", "bounds"): "force",
+    ("Rod.ranges (frequency)", "bounds"): "frequency",
     **{(f"Milling.{name}", "speed"): "frequency" for name in ("system", "stability", "lobes", "critical_depth")},
 }
 """Those of some callables alone."""
@@ -87,14 +87,21 @@ ABOUT = (
 WORDS = {"AxialLoad.hertz", "AxialWave.hertz"}  # whose numbers are in Hz, of which tests/test_quantities.py knows more
 COLUMNS = {"ForceRecord.from_csv", "WellPath.from_csv"}  # whose arguments name columns
 
-ARRAYS = {"Rod.is_stable", "Rod.verdicts", "Rod.growth_rate", "Rod.fastest", "Rod.critical_kicks", "WellPath.position"}
-ARRAYS |= {"WellPath.curvature", "WellPath.inclination_at", "WellPath.azimuth_at", "ForceRecord.force"}
+ARRAYS = {"Rod.is_stable", "Rod.verdicts", "Rod.growth_rate", "Rod.critical_kick", "Rod.modal_system"}
+ARRAYS |= {
+    "WellPath.position",
+    "WellPath.curvature",
+    "WellPath.inclination_at",
+    "WellPath.azimuth_at",
+    "ForceRecord.force",
+}
 ARRAYS |= {"Milling.cutting"}
 """Callables whose physical arguments may be arrays."""
 
 SLOW = {"Rod.follow", "Rod.certify", "Rod.largest_safe_box", "probability_of_reach", "simulate"}
 SLOW |= {"RodStability.margin", "RodStability.margins", "SimulationProblem.replace"}
-SLOW |= {f"Rod.{name} (coupled)" for name in ("critical_mean_force", "critical_amplitude", "stability", "modes_needed")}
+SLOW |= {f"Rod.{name} (coupled)" for name in ("critical", "stability", "modes_needed")}
+SLOW |= {"Rod.critical (coupled, amplitude)"}
 
 
 def kind_of(name: str, argument: str) -> str | None:

@@ -33,12 +33,21 @@ def searches(
     """Return the three kinds of ranges about a load, with what is fixed."""
     return [
         (
-            rod.stable_mean_forces(amplitude, omega, growth_tolerance=tolerance),
+            rod.ranges("mean", amplitude=amplitude, frequency=omega, growth_tolerance=tolerance),
             {"amplitude": amplitude, "frequency": omega},
         ),
-        (rod.stable_amplitudes(mean, omega, growth_tolerance=tolerance), {"mean": mean, "frequency": omega}),
         (
-            rod.stable_frequencies(mean, amplitude, (0.5 * omega, 2.0 * omega), growth_tolerance=tolerance),
+            rod.ranges("amplitude", mean=mean, frequency=omega, growth_tolerance=tolerance),
+            {"mean": mean, "frequency": omega},
+        ),
+        (
+            rod.ranges(
+                "frequency",
+                mean=mean,
+                amplitude=amplitude,
+                bounds=(0.5 * omega, 2.0 * omega),
+                growth_tolerance=tolerance,
+            ),
             {"mean": mean, "amplitude": amplitude},
         ),
     ]
@@ -71,13 +80,17 @@ def test_dense_scans_of_the_reference_rod(mean: float, omega: float, tolerance: 
 
 @pytest.mark.parametrize(("low", "high"), [(0.2, 0.7), (-0.5, 0.4), (-0.9, -0.1)])
 def test_bounds_need_not_begin_at_zero(low: float, high: float) -> None:
-    whole = ROD.stable_mean_forces(0.2 * FCR, 150.0, (-1.0 * FCR, FCR), growth_tolerance=1e-3)
-    part = ROD.stable_mean_forces(0.2 * FCR, 150.0, (low * FCR, high * FCR), growth_tolerance=1e-3)
+    whole = ROD.ranges("mean", amplitude=0.2 * FCR, frequency=150.0, bounds=(-1.0 * FCR, FCR), growth_tolerance=1e-3)
+    part = ROD.ranges(
+        "mean", amplitude=0.2 * FCR, frequency=150.0, bounds=(low * FCR, high * FCR), growth_tolerance=1e-3
+    )
     scan(ROD, part, {"amplitude": 0.2 * FCR, "frequency": 150.0}, 5000)
     ends = [end for interval in part for end in interval[:2] if low * FCR < end < high * FCR]
     known = [end for interval in whole for end in interval[:2] if low * FCR < end < high * FCR]
     assert ends == pytest.approx(known, rel=1e-9)
-    amplitudes = ROD.stable_amplitudes(0.34 * FCR, 150.0, (abs(low) * FCR, FCR), growth_tolerance=1e-3)
+    amplitudes = ROD.ranges(
+        "amplitude", mean=0.34 * FCR, frequency=150.0, bounds=(abs(low) * FCR, FCR), growth_tolerance=1e-3
+    )
     scan(ROD, amplitudes, {"mean": 0.34 * FCR, "frequency": 150.0}, 5000)
 
 
@@ -190,7 +203,7 @@ def test_two_thousand_damped_and_tolerant_ranges_against_dense_scans() -> None:
 def test_a_band_that_starts_below_its_damping() -> None:
     # Mode 7 grows at 0.267 1/s at 102 rad/s; where its tongue begins, damping exceeds its growth.
     rod = ROD.replace(damping_rate=12.0)
-    ranges = rod.stable_frequencies(0.6 * FCR, 0.4 * FCR, bounds=(50.0, 150.0), growth_tolerance=0.0)
+    ranges = rod.ranges("frequency", mean=0.6 * FCR, amplitude=0.4 * FCR, bounds=(50.0, 150.0), growth_tolerance=0.0)
     assert 102.0 not in ranges
     assert next((part.low, part.high) for part in ranges) == (50.0, pytest.approx(97.61, abs=0.01))
     assert ranges.intervals[1].low == pytest.approx(107.86, abs=0.01)
@@ -210,7 +223,8 @@ def test_a_dip_of_growth_along_the_amplitude() -> None:
 
 def test_tongues_are_left_out_and_counted() -> None:
     default, strict = (
-        ROD.stable_frequencies(0.3, 0.3, (60.0, 200.0), **option) for option in ({}, {"growth_tolerance": 0})
+        ROD.ranges("frequency", mean=0.3, amplitude=0.3, bounds=(60.0, 200.0), **option)
+        for option in ({}, {"growth_tolerance": 0})
     )
     assert default.growth_tolerance == SLOW_GROWTH
     # What the default leaves out are tongues, each of which parts a stable interval.
@@ -219,13 +233,13 @@ def test_tongues_are_left_out_and_counted() -> None:
 
 
 def test_without_vibration_only_buckling_is_left_along_the_frequency() -> None:
-    safe = ROD.stable_frequencies(0.9 * FCR, 0.0, (50.0, 150.0))
+    safe = ROD.ranges("frequency", mean=0.9 * FCR, amplitude=0.0, bounds=(50.0, 150.0))
     assert [(part.low, part.high) for part in safe] == [(50.0, 150.0)]
-    assert len(ROD.stable_frequencies(1.1 * FCR, 0.0, (50.0, 150.0))) == 0
+    assert len(ROD.ranges("frequency", mean=1.1 * FCR, amplitude=0.0, bounds=(50.0, 150.0))) == 0
 
 
 def test_no_range_at_all_is_said() -> None:
-    assert "  none\n" in repr(ROD.stable_frequencies(0.9 * FCR, 0.7 * FCR, (100.0, 101.0)))
+    assert "  none\n" in repr(ROD.ranges("frequency", mean=0.9 * FCR, amplitude=0.7 * FCR, bounds=(100.0, 101.0)))
 
 
 def test_the_cost_follows_the_question(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -233,14 +247,14 @@ def test_the_cost_follows_the_question(monkeypatch: pytest.MonkeyPatch) -> None:
     asked = []
     real = tongues._growth
     monkeypatch.setattr(tongues, "_growth", lambda *inputs: asked.append(inputs[0].size) or real(*inputs))
-    ranges = ROD.stable_frequencies(0.3, 0.3, (2.0, 60.0))
+    ranges = ROD.ranges("frequency", mean=0.3, amplitude=0.3, bounds=(2.0, 60.0))
     assert ranges.tongues_left_out > 1000
     assert sum(asked) < 10 * ranges.tongues_left_out
 
 
 def test_progress_is_told_by_modes() -> None:
     told: list[tuple[int, int]] = []
-    ROD.stable_mean_forces(0.2 * FCR, 150.0, progress=lambda *done: told.append(done))
+    ROD.ranges("mean", amplitude=0.2 * FCR, frequency=150.0, progress=lambda *done: told.append(done))
     assert told == sorted(told)
     assert told[-1][0] == told[-1][1] > 10
 
@@ -267,8 +281,8 @@ def test_every_end_judged_by_the_reference() -> None:
 
 
 def test_tolerance_leaves_thin_tongues_out_and_says_so() -> None:
-    strict = ROD.stable_mean_forces(0.2 * FCR, 85.0, growth_tolerance=0.0)
-    lenient = ROD.stable_mean_forces(0.2 * FCR, 85.0, growth_tolerance=0.022 * 85.0)
+    strict = ROD.ranges("mean", amplitude=0.2 * FCR, frequency=85.0, growth_tolerance=0.0)
+    lenient = ROD.ranges("mean", amplitude=0.2 * FCR, frequency=85.0, growth_tolerance=0.022 * 85.0)
     assert len(strict) > len(lenient)
     assert "growth at or below 1.87 1/s does not count" in repr(lenient)
     # F3-a: with the 100-period threshold stable up to 0.45 F_cr, exactly there is a band about 0.285.
@@ -278,15 +292,20 @@ def test_tolerance_leaves_thin_tongues_out_and_says_so() -> None:
 
 
 def test_critical_values() -> None:
-    force = ROD.critical_mean_force(0.2 * FCR, 150.0, growth_tolerance=0.01)
-    assert force == ROD.stable_mean_forces(0.2 * FCR, 150.0, growth_tolerance=0.01).intervals[0].high
-    amplitude = ROD.critical_amplitude(0.34 * FCR, 150.0, growth_tolerance=0.05)
-    sides = ROD.is_stable(0.34 * FCR, amplitude * np.array([1.0 - 1e-9, 1.0 + 1e-6]), 150.0, growth_tolerance=0.05)
+    force = ROD.critical("mean", amplitude=0.2 * FCR, frequency=150.0, growth_tolerance=0.01)
+    assert force == ROD.ranges("mean", amplitude=0.2 * FCR, frequency=150.0, growth_tolerance=0.01).intervals[0].high
+    amplitude = ROD.critical("amplitude", mean=0.34 * FCR, frequency=150.0, growth_tolerance=0.05)
+    sides = ROD.is_stable(
+        mean=0.34 * FCR,
+        amplitude=amplitude * np.array([1.0 - 1e-9, 1.0 + 1e-6]),
+        frequency=150.0,
+        growth_tolerance=0.05,
+    )
     assert sides.tolist() == [True, False]
     # Already buckled, and never buckled within reach.
     long = ROD.replace(length=31.0)
-    assert long.critical_amplitude(1.2 * FCR, 10.0) == 0.0
-    assert ROD.critical_mean_force(1e-6 * FCR, 1e4, growth_tolerance=1.0) == pytest.approx(
+    assert long.critical("amplitude", mean=1.2 * FCR, frequency=10.0) == 0.0
+    assert ROD.critical("mean", amplitude=1e-6 * FCR, frequency=1e4, growth_tolerance=1.0) == pytest.approx(
         min(_static(m) for m in range(1, 30)), rel=0.1
     )
 
@@ -317,14 +336,26 @@ def test_margins_in_every_direction(mean: float, amplitude: float, omega: float)
 @pytest.mark.parametrize(
     ("call", "message"),
     [
-        (lambda: ROD.stable_mean_forces(0.1, 150.0, (0.1, -1.0)), "bounds must increase"),
-        (lambda: ROD.stable_amplitudes(0.1, 150.0, (-0.1, 1.0)), r"bounds\[0\] must be zero or more"),
-        (lambda: ROD.stable_mean_forces(0.1, 150.0, (0.0, 1e13)), r"bounds\[1\] must lie between"),
-        (lambda: ROD.stable_mean_forces(-0.1, 150.0), "amplitude must be zero or more"),
-        (lambda: ROD.stable_amplitudes(0.1, 0.0), "frequency must be greater than zero"),
-        (lambda: ROD.stable_frequencies(0.1, 0.1, (5.0, 1.0)), "bounds must increase"),
-        (lambda: ROD.stable_frequencies(0.1, 0.1, (0.0, 1.0)), r"bounds\[0\] must be greater than zero"),
-        (lambda: ROD.critical_amplitude(0.1, 1.0, growth_tolerance=math.nan), "growth_tolerance must be finite"),
+        (lambda: ROD.ranges("mean", amplitude=0.1, frequency=150.0, bounds=(0.1, -1.0)), "bounds must increase"),
+        (
+            lambda: ROD.ranges("amplitude", mean=0.1, frequency=150.0, bounds=(-0.1, 1.0)),
+            r"bounds\[0\] must be zero or more",
+        ),
+        (
+            lambda: ROD.ranges("mean", amplitude=0.1, frequency=150.0, bounds=(0.0, 1e13)),
+            r"bounds\[1\] must lie between",
+        ),
+        (lambda: ROD.ranges("mean", amplitude=-0.1, frequency=150.0), "amplitude must be zero or more"),
+        (lambda: ROD.ranges("amplitude", mean=0.1, frequency=0.0), "frequency must be greater than zero"),
+        (lambda: ROD.ranges("frequency", mean=0.1, amplitude=0.1, bounds=(5.0, 1.0)), "bounds must increase"),
+        (
+            lambda: ROD.ranges("frequency", mean=0.1, amplitude=0.1, bounds=(0.0, 1.0)),
+            r"bounds\[0\] must be greater than zero",
+        ),
+        (
+            lambda: ROD.critical("amplitude", mean=0.1, frequency=1.0, growth_tolerance=math.nan),
+            "growth_tolerance must be finite",
+        ),
     ],
 )
 def test_bad_questions(call: object, message: str) -> None:
@@ -335,4 +366,4 @@ def test_bad_questions(call: object, message: str) -> None:
 def test_tongues_thinner_than_rounding_end_a_search() -> None:
     """Far below the modes' frequencies ends of tongues are neighbouring doubles, between which no place is left."""
     rod = fr.Rod.nitinol()
-    assert rod.critical_amplitude(0.3, 0.1) == pytest.approx(1.389778981186, rel=1e-11)
+    assert rod.critical("amplitude", mean=0.3, frequency=0.1) == pytest.approx(1.389778981186, rel=1e-11)

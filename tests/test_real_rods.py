@@ -101,7 +101,9 @@ def test_an_inclined_rod_grows_as_known() -> None:
     assert ROD.stability(load).growth_rate == pytest.approx(4.2356815, abs=5e-8)
     inclined, even = ROD.replace(inclination=math.radians(60.0)), replace(load, mean_at=None)
     assert inclined.stability(even).growth_rate == pytest.approx(2.827163, abs=5e-7)
-    assert inclined.growth_rate(load.mean, load.amplitude, 150.0, like=even) == pytest.approx(2.827163, abs=5e-7)
+    assert inclined.growth_rate(even, mean=load.mean, amplitude=load.amplitude, frequency=150.0) == pytest.approx(
+        2.827163, abs=5e-7
+    )
     assert inclined.critical_force == pytest.approx(ROD.critical_force * math.sqrt(math.sin(math.radians(60.0))))
 
 
@@ -187,8 +189,8 @@ def test_a_tube_is_the_solid_rod_of_the_same_stiffness_inertia_and_weight(tube: 
     assert one.alpha == pytest.approx(other.alpha, rel=1e-11)
     assert np.abs(one.beta - other.beta).max() <= 1e-11 * np.abs(other.beta).max()
     assert tube.modes_needed(load)[0] == solid.modes_needed(load)[0]
-    assert tube.growth_rate(load.mean, load.amplitude, load.frequency, like=load) == pytest.approx(
-        solid.growth_rate(load.mean, load.amplitude, load.frequency), rel=1e-6, abs=1e-9
+    assert tube.growth_rate(load) == pytest.approx(
+        solid.growth_rate(mean=load.mean, amplitude=load.amplitude, frequency=load.frequency), rel=1e-6, abs=1e-9
     )
     # Friction acts through the contact force per length, w_e sin(inclination), over the inertia.
     kicked = mode_friction(tube, 0.2, 0.05, 0.0, load.frequency)
@@ -209,12 +211,12 @@ def test_a_tube_is_its_data_sheet(tube: fr.Rod) -> None:
 def test_maps_ranges_and_kicks_take_tubes() -> None:
     rod = COILED.replace(inclination=math.radians(70.0), damping_rate=0.05)
     load = pushes(rod, 0.3, 0.3, 2.5)
-    unstable = rod.growth_rate(load.mean, load.amplitude, load.frequency, like=load) > 0.0
-    assert rod.is_stable(load.mean, load.amplitude, load.frequency, like=load) != unstable
-    found = rod.stable_mean_forces(load.amplitude, load.frequency, growth_tolerance=0.01, like=load)
+    unstable = rod.growth_rate(load) > 0.0
+    assert rod.is_stable(load) != unstable
+    found = rod.ranges("mean", load, growth_tolerance=0.01)
     assert (load.mean in found) == rod.stability(load, growth_tolerance=0.01).stable
     span = (0.0, rod.critical_force, 4)
-    chart = fr.stability_map(rod, mean=span, amplitude=load.amplitude, frequency=(5.0, 20.0, 3), like=load)
+    chart = fr.stability_map(rod, load, mean=span, frequency=(5.0, 20.0, 3))
     assert chart.subject["rod"] == rod.as_dict()
     assert "inclination" in chart.subject["rod"]
     # The critical kick's verdict is that of the mode equation, whose friction is mu w_e sin(inclination) per length.
@@ -304,7 +306,7 @@ def test_parts_refuse_what_rods_do() -> None:
 
 
 def test_critical_forces_name_every_criterion_and_its_source() -> None:
-    found = COILED.critical_forces()
+    found = COILED.critical_forces
     ratios = {name: found[name].force / COILED.critical_force for name in list(found)[:-1]}
     expected = {"sinusoidal": 1.0, "helical, energy": 2**0.5, "helical, loading": 1.83, "helical, alone": 8**0.5}
     assert ratios == pytest.approx(expected, rel=1e-15)
@@ -317,7 +319,7 @@ def test_critical_forces_name_every_criterion_and_its_source() -> None:
 def test_the_vertical_criterion_does_not_depend_on_the_inclination(tube: fr.Rod, inclination: float) -> None:
     assume(inclination != tube.inclination)
     other = tube.replace(inclination=inclination)
-    assert other.critical_forces()["vertical"] == tube.critical_forces()["vertical"]
+    assert other.critical_forces["vertical"] == tube.critical_forces["vertical"]
     assert other.critical_force != tube.critical_force
 
 

@@ -11,6 +11,7 @@ import pytest
 
 import floquetrod as fr
 from conftest import depth
+from coupled_cases import by_name
 from floquetrod.rod.modes.coupled import CoupledModel
 from floquetrod.rod.modes.mode_model import Answers
 
@@ -53,7 +54,7 @@ def test_verdicts_are_those_of_the_clean_force() -> None:
         # Away from boundaries: alike with one per cent more or less of everything.
         near = [(1.0, 1.0, 1.0), (1.01, 1.01, 1.0), (0.99, 0.99, 1.0), (1.0, 1.0, 1.002), (1.0, 1.0, 0.998)]
         loads = [(a * load.mean, b * load.amplitude, c * load.frequency) for a, b, c in near]
-        verdicts = {ROD.is_stable(*numbers, like=load) for numbers in loads}
+        verdicts = {ROD.is_stable(load, **by_name(*numbers)) for numbers in loads}
         if len(verdicts) != 1:
             continue
         looked_at += 1
@@ -77,7 +78,7 @@ def test_near_a_boundary_the_noise_leaves_the_verdict_open() -> None:
     """On it some one in six is decided all the same: errors are drawn as if independent."""
     rng = np.random.default_rng(8)
     load = fr.AxialLoad(0.3 * FCR, 0.1 * FCR, 150.0, waveform=(-1j, 0.5))
-    edge = ROD.critical_amplitude(load.mean, load.frequency, like=load)
+    edge = ROD.critical("amplitude", load)
     found = {}
     near, far = depth(30, 3), depth(6, 1)
     for share, count in ((0.8, far), (1.0, near), (1.2, far)):
@@ -137,12 +138,14 @@ def test_a_record_stands_for_its_load() -> None:
     verdict, fitted = ROD.stability(record), ROD.stability(load)
     assert verdict.error >= fitted.error
     assert replace(verdict, error=fitted.error, note=fitted.note) == fitted
-    assert ROD.is_stable(*numbers, like=record) == ROD.is_stable(*numbers, like=load) == ROD.stability(load).stable
-    found = ROD.stable_amplitudes(record.mean, record.frequency, like=record)
-    assert found.intervals == ROD.stable_amplitudes(record.mean, record.frequency, like=load).intervals
-    chart = fr.stability_map(
-        ROD, mean=(0.0, FCR, 3), amplitude=record.amplitude, frequency=(100.0, 200.0, 3), like=record
+    assert (
+        ROD.is_stable(record, **by_name(*numbers))
+        == ROD.is_stable(load, **by_name(*numbers))
+        == ROD.stability(load).stable
     )
+    found = ROD.ranges("amplitude", record, mean=record.mean, frequency=record.frequency)
+    assert found.intervals == ROD.ranges("amplitude", load, mean=record.mean, frequency=record.frequency).intervals
+    chart = fr.stability_map(ROD, record, mean=(0.0, FCR, 3), amplitude=record.amplitude, frequency=(100.0, 200.0, 3))
     assert chart.stable.shape == (3, 3)
     wave = fr.AxialWave(*numbers, waveform=record.waveform, far_end="driven")
     assert ROD.stability(wave).growth_rate == pytest.approx(ROD.stability(load).growth_rate, rel=0.05)

@@ -18,6 +18,7 @@ from hypothesis import strategies as st
 
 import floquetrod as fr
 from conftest import depth
+from coupled_cases import by_name
 from floquetrod import methods
 from floquetrod._util.interval import PI, RealInterval
 from floquetrod.floquet.proof.region_proof import RegionProof
@@ -129,12 +130,14 @@ def test_random_boxes_agree_with_the_verdicts_on_loads_and_rods_in_them(rng: np.
         proof = rod.certify(**box, growth_tolerance=tolerance, max_boxes=3000)
         statuses.append(proof.status)
         for each, loads in sampled(rng, rod, box, 200):
-            stable = each.is_stable(*loads, growth_tolerance=tolerance)
+            stable = each.is_stable(**by_name(*loads), growth_tolerance=tolerance)
             assert proof.status != "stable" or stable.all(), (rod, box, tolerance)
             assert proof.status != "unstable" or not stable.any(), (rod, box, tolerance)
         for example in proof.examples:
             load = example.load
-            found = example.rod.is_stable(load.mean, load.amplitude, load.frequency, growth_tolerance=tolerance)
+            found = example.rod.is_stable(
+                mean=load.mean, amplitude=load.amplitude, frequency=load.frequency, growth_tolerance=tolerance
+            )
             assert found == (example.status == "stable")
             assert all(box[n][0] <= getattr(load, n) <= box[n][1] for n in ("mean", "amplitude", "frequency"))
             assert all(a <= getattr(example.rod, n) <= b for n, (a, b) in box.get("rod", {}).items())
@@ -145,10 +148,14 @@ def test_random_boxes_agree_with_the_verdicts_on_loads_and_rods_in_them(rng: np.
 def test_loads_next_to_a_boundary_agree_with_many_digits() -> None:
     """The last box proved stable along the mean force, and the first proved unstable, a little apart."""
     tolerance = 0.05
-    edge = next(iter(ROD.stable_mean_forces(0.2 * FORCE, 150.0, growth_tolerance=tolerance))).high
+    edge = next(iter(ROD.ranges("mean", amplitude=0.2 * FORCE, frequency=150.0, growth_tolerance=tolerance))).high
     below, above = edge * (1.0 - 1e-7), edge * (1.0 + 1e-7)
-    inner = ROD.certify((edge * (1.0 - 1e-3), below), 0.2 * FORCE, 150.0, growth_tolerance=tolerance)
-    outer = ROD.certify((above, edge * (1.0 + 1e-3)), 0.2 * FORCE, 150.0, growth_tolerance=tolerance)
+    inner = ROD.certify(
+        mean=(edge * (1.0 - 1e-3), below), amplitude=0.2 * FORCE, frequency=150.0, growth_tolerance=tolerance
+    )
+    outer = ROD.certify(
+        mean=(above, edge * (1.0 + 1e-3)), amplitude=0.2 * FORCE, frequency=150.0, growth_tolerance=tolerance
+    )
     assert (inner.status, outer.status) == ("stable", "unstable")
     for mean, grows in ((below, False), (above, True)):
         system = ROD.modal_system(fr.AxialLoad(mean, 0.2 * FORCE, 150.0))
@@ -165,7 +172,7 @@ def test_most_boxes_with_a_margin_are_proved(rng: np.random.Generator) -> None:
         box.pop("rod", None)
         wide = {n: (a - 0.01 * abs(a), b + 0.01 * abs(b)) for n, (a, b) in box.items()}
         loads = next(iter(sampled(rng, rod, wide, 2000)))[1]
-        if rod.is_stable(*loads, growth_tolerance=tolerance).all():
+        if rod.is_stable(**by_name(*loads), growth_tolerance=tolerance).all():
             total += 1
             proved += rod.certify(**box, growth_tolerance=tolerance).status == "stable"
     assert total > depth(20, 8)
@@ -173,11 +180,11 @@ def test_most_boxes_with_a_margin_are_proved(rng: np.random.Generator) -> None:
 
 
 def test_one_load_is_judged_as_by_stability() -> None:
-    stable = ROD.certify(0.34 * FORCE, 0.2 * FORCE, 150.0, growth_tolerance=0.05)
+    stable = ROD.certify(mean=0.34 * FORCE, amplitude=0.2 * FORCE, frequency=150.0, growth_tolerance=0.05)
     assert stable.stable is True
     assert stable.boxes == 1
     assert 0.0 < stable.left_out_bound <= 0.05
-    unstable = ROD.certify(0.2 * FORCE, 0.2 * FORCE, 150.0)
+    unstable = ROD.certify(mean=0.2 * FORCE, amplitude=0.2 * FORCE, frequency=150.0)
     assert unstable.stable is False
     with pytest.raises(TypeError, match="stable"):
         bool(unstable)
@@ -199,17 +206,17 @@ def test_an_unstable_example_is_found_in_a_thin_tongue() -> None:
     part = next(gap for gap in _unstable(ROD, 1e-6) if 1e-7 < gap[1] - gap[0] < 1e-2 * FORCE and gap[1] < 0.9 * FORCE)
     width = part[1] - part[0]
     box = (part[0] - 20.0 * width, part[1] + 20.0 * width)
-    proof = ROD.certify(box, 0.2 * FORCE, 150.0)
+    proof = ROD.certify(mean=box, amplitude=0.2 * FORCE, frequency=150.0)
     assert proof.status == "mixed"
     unstable = proof.examples[1]
     assert part[0] <= unstable.load.mean <= part[1] or not ROD.is_stable(
-        unstable.load.mean, 0.2 * FORCE, 150.0, growth_tolerance=1e-6
+        mean=unstable.load.mean, amplitude=0.2 * FORCE, frequency=150.0, growth_tolerance=1e-6
     )
     assert "grows faster than 1e-06 1/s" in unstable.statement
 
 
 def _unstable(rod: fr.Rod, tolerance: float) -> list[tuple[float, float]]:
-    found = list(rod.stable_mean_forces(0.2 * FORCE, 150.0, growth_tolerance=tolerance))
+    found = list(rod.ranges("mean", amplitude=0.2 * FORCE, frequency=150.0, growth_tolerance=tolerance))
     return [(one.high, other.low) for one, other in pairwise(found)]
 
 
@@ -217,7 +224,9 @@ def test_without_damping_and_tolerance_nothing_wide_is_stable() -> None:
     proof = ROD.certify(**SAFE, growth_tolerance=0.0)
     assert proof.status == "undecided"
     assert "growth_tolerance=0" in proof.note
-    wide = ROD.certify((0.19 * FORCE, 0.21 * FORCE), 0.2 * FORCE, (149.0, 151.0), growth_tolerance=0.0)
+    wide = ROD.certify(
+        mean=(0.19 * FORCE, 0.21 * FORCE), amplitude=0.2 * FORCE, frequency=(149.0, 151.0), growth_tolerance=0.0
+    )
     assert wide.status == "unstable"
 
 
@@ -228,9 +237,9 @@ def test_work_is_bounded_and_told() -> None:
     )
     assert proof.boxes < 40  # those of examples besides
     full = DAMPED.certify(
-        (0.3 * FORCE, 0.36 * FORCE),
-        (0.15 * FORCE, 0.21 * FORCE),
-        (148.0, 152.0),
+        mean=(0.3 * FORCE, 0.36 * FORCE),
+        amplitude=(0.15 * FORCE, 0.21 * FORCE),
+        frequency=(148.0, 152.0),
         rod={"length": (3.08, 3.12), "density": (6450.0, 6550.0)},
         max_boxes=300,
         progress=lambda done, total: calls.append((done, total)),
@@ -247,9 +256,9 @@ def test_interruption_ends_the_work() -> None:
     rate = ROD.stability(fr.AxialLoad(0.2 * FORCE, 0.2 * FORCE, 150.0)).damping_to_stabilise
     with pytest.raises(KeyboardInterrupt):
         ROD.certify(
-            0.2 * FORCE,
-            0.2 * FORCE,
-            150.0,
+            mean=0.2 * FORCE,
+            amplitude=0.2 * FORCE,
+            frequency=150.0,
             growth_tolerance=0.0,
             rod={"damping_rate": (rate, 2.0 * rate)},
             progress=stop,
@@ -269,9 +278,11 @@ def test_an_inclined_rod_needs_its_weight_neglected() -> None:
     like = fr.AxialLoad(0.0, 0.0, 1.0, mean_at=None)
     with pytest.raises(ValueError, match=r"certify needs independent modes.*mean_at=None"):
         inclined.certify(**SAFE)
-    proof = inclined.certify(**SAFE, like=like, rod={"inclination": (1.19, 1.21)})
+    proof = inclined.certify(like, **SAFE, rod={"inclination": (1.19, 1.21)})
     for angle in np.linspace(1.19, 1.21, 5):
-        found = inclined.replace(inclination=angle).is_stable(0.34 * FORCE, 0.2 * FORCE, 150.0, like=like)
+        found = inclined.replace(inclination=angle).is_stable(
+            like, mean=0.34 * FORCE, amplitude=0.2 * FORCE, frequency=150.0
+        )
         assert proof.status == "mixed" or found == proof.stable
     assert "the weight along the rod is neglected" in proof.assumptions
 
@@ -311,7 +322,7 @@ def test_the_sine_of_an_inclination_is_enclosed(angle: float) -> None:
         ({"rod": {"inclination": (1.0, 1.2)}}, ValueError, "independent modes"),
         ({"rod": [("length", 3.0)]}, TypeError, "mapping"),
         ({"mean": (0.0, 1e12)}, ValueError, "20000 modes"),
-        ({"like": fr.AxialWave(0.0, 0.0, 1.0)}, ValueError, "axial waves"),
+        ({"load": fr.AxialWave(0.0, 0.0, 1.0)}, ValueError, "axial waves"),
     ],
 )
 def test_refusals(changes: dict[str, Any], error: type[Exception], words: str) -> None:
@@ -348,7 +359,7 @@ def test_the_largest_safe_box_is_safe_and_cannot_be_widened(
             box = sides | {quantity: wider}
             assert DAMPED.certify(**box, rod=tolerances, max_boxes=2000).status != "stable"
     for rod, loads in sampled(rng, DAMPED, {**sides, **({"rod": tolerances} if tolerances else {})}, 500):
-        assert rod.is_stable(*loads, growth_tolerance=1e-6).all()
+        assert rod.is_stable(**by_name(*loads), growth_tolerance=1e-6).all()
     text = found.table(mean="Fcr", frequency="Hz")
     assert [line.split()[-1] for line in text.splitlines()[1:4]] == ["Fcr", "N", "Hz"]
     assert "no mode grows faster than 1e-06 1/s" in text
@@ -361,7 +372,9 @@ def test_what_does_not_vary_stays() -> None:
     mean, amplitude, frequency = found.ranges
     assert amplitude.low == amplitude.high == load.amplitude
     assert frequency.low == frequency.high == load.frequency
-    exact = next(part for part in DAMPED.stable_mean_forces(load.amplitude, 150.0) if load.mean in _range(part))
+    exact = next(
+        part for part in DAMPED.ranges("mean", amplitude=load.amplitude, frequency=150.0) if load.mean in _range(part)
+    )
     assert exact.low <= mean.low <= exact.low + 0.02 * (exact.high - exact.low)
     assert exact.high - 0.02 * (exact.high - exact.low) <= mean.high <= exact.high
     assert "fixed" in found.table()
@@ -491,7 +504,7 @@ def test_every_cell_of_a_certified_map_agrees_with_loads_in_it(chart: fr.Chart, 
     shares = rng.random((2, 100, j.size))
     frequency = across[i] + shares[0] * (across[i + 1] - across[i])
     mean = up[j] + shares[1] * (up[j + 1] - up[j])
-    stable = ROD.is_stable(mean, 0.2 * FORCE, frequency, growth_tolerance=0.05)
+    stable = ROD.is_stable(mean=mean, amplitude=0.2 * FORCE, frequency=frequency, growth_tolerance=0.05)
     cells = chart.cells.ravel()
     assert stable[:, cells == 1].all()
     assert not stable[:, cells == 0].any()
@@ -529,7 +542,7 @@ def test_damaged_cells_are_refused(chart: fr.Chart, tmp_path: Path) -> None:
         ({"growth_tolerance": 0.0}, "certified needs a growth_tolerance above 0"),
         ({"friction": 0.1, "kick": 0.05}, "leave out either it or friction"),
         ({"criterion": fr.FiniteTimeCriterion(), "growth_tolerance": 0.0}, "leave out either it or criterion"),
-        ({"like": fr.AxialWave(0.0, 0.0, 1.0)}, "certified needs independent modes"),
+        ({"load": fr.AxialWave(0.0, 0.0, 1.0)}, "certified needs independent modes"),
     ],
 )
 def test_maps_that_cannot_be_proved_are_refused(changes: dict[str, Any], words: str) -> None:

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 import floquetrod as fr
 from conftest import JIT, depth, needs_jit
+from coupled_cases import by_name
 from floquetrod._util.compilation import compiled
 from floquetrod.floquet.kernels import mathieu_discriminant
 from floquetrod.floquet.kernels.mathieu_discriminant import undamped_growth
@@ -394,13 +395,13 @@ def test_boxes_of_loads() -> None:
         status, search = answer(rod, low, high, tolerance)
         found[status] += 1
         loads = random_loads(rng, 200, low, high)
-        stable = rod.is_stable(*loads.T, growth_tolerance=tolerance)
+        stable = rod.is_stable(**by_name(*loads.T), growth_tolerance=tolerance)
         if status in ("stable", "unstable"):
             assert (stable == (status == "stable")).all()
         if status == "mixed":
             one, other = (example.mean(axis=1) for example in search.examples)
-            assert rod.is_stable(*one[:3], growth_tolerance=tolerance)
-            assert not rod.is_stable(*other[:3], growth_tolerance=tolerance)
+            assert rod.is_stable(**by_name(*one[:3]), growth_tolerance=tolerance)
+            assert not rod.is_stable(**by_name(*other[:3]), growth_tolerance=tolerance)
             assert 0 < search.counts[regions.GROWING_MODE] <= search.last
     assert found["undecided"] == 0
     assert min(found["stable"], found["unstable"], found["mixed"]) >= 5
@@ -479,7 +480,7 @@ def test_cells_are_proved() -> None:
         at = rng.random((2, 300 if JIT else 30))
         mean = corners[0][cell] + at[0] * (corners[2][cell] - corners[0][cell])
         amplitude = corners[1][cell] + at[1] * (corners[3][cell] - corners[1][cell])
-        stable = rod.is_stable(mean, amplitude, 120.0, growth_tolerance=0.01)
+        stable = rod.is_stable(mean=mean, amplitude=amplitude, frequency=120.0, growth_tolerance=0.01)
         if out[cell] < 2:
             assert (stable == bool(out[cell])).all()
 

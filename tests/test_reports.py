@@ -36,7 +36,7 @@ RESULTS = {
     "safe box": lambda: ROD.replace(damping_rate=0.5).largest_safe_box(
         fr.AxialLoad(0.57, 0.33, 150.0), vary=["mean"], growth_tolerance=0.05, accuracy=0.5
     ),
-    "ranges": lambda: ROD.stable_mean_forces(0.34, 150.0, (0.0, 2.0), growth_tolerance=0.1),
+    "ranges": lambda: ROD.ranges("mean", amplitude=0.34, frequency=150.0, bounds=(0.0, 2.0), growth_tolerance=0.1),
     "lock-up": lambda: ROD.lock_up(0.2),
     "simulation": _run,
     "findings": lambda: _run().findings(theory=False),

@@ -128,7 +128,7 @@ def test_arrays_of_loads_say_what_all_modes_do(seeds: range) -> None:
         means = np.append(load.mean, 0.5 * load.mean)[:, None]
         loads = Loads((8,), *(np.broadcast_to(x, (2, 4)).ravel() for x in (means, amplitudes, load.frequency)))
         try:
-            modes = rod.modes_under(load)
+            modes = rod._modes_under(load)
             equations = modes.in_modes(modes.count_for(loads, 0.0))
             status, growth = equations.answers(loads)
         except ValueError:
@@ -171,7 +171,7 @@ def test_the_verdict_on_a_string_is_that_of_all_its_modes(seeds: range) -> None:
         if not below:
             continue
         left_out += 1
-        system = rod.modes_under(load).in_modes(found.modes_checked).system(Loads.single(load))
+        system = rod._modes_under(load).in_modes(found.modes_checked).system(Loads.single(load))
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
             whole = fr.stability(system)

@@ -16,6 +16,7 @@ from hypothesis import strategies as st
 
 import floquetrod as fr
 from conftest import JIT, depth, needs_jit
+from coupled_cases import by_name
 from floquetrod.mathieu.tongues import along_mean, damping_to_stabilise
 from floquetrod.rod.kernels import modes as kernels
 from floquetrod.rod.model.parts import Channel, Ends, Material, Section
@@ -72,12 +73,12 @@ def test_claim_f3b(mean: float, stable: bool) -> None:
 def test_claim_f3a() -> None:
     # Exactly, mode 8 is weakly unstable in a band around 0.28-0.29; 100 periods see growth above 0.022 per tau only.
     means = np.arange(0.005, 0.45, 0.005) * FCR
-    growth = ROD.growth_rate(means, 0.2 * FCR, 85.0) / 85.0
+    growth = ROD.growth_rate(mean=means, amplitude=0.2 * FCR, frequency=85.0) / 85.0
     assert growth.max() < 0.022
     band = (means > 0.279 * FCR) & (means < 0.291 * FCR)
     assert growth[band].max() == pytest.approx(0.007, abs=5e-4)
-    assert set(ROD.fastest(means, 0.2 * FCR, 85.0)[1][band]) <= {0, 8}
-    assert ROD.growth_rate(0.47 * FCR, 0.2 * FCR, 85.0) / 85.0 > 0.022
+    assert set(ROD.growth_rate(mean=means, amplitude=0.2 * FCR, frequency=85.0, return_mode=True)[1][band]) <= {0, 8}
+    assert ROD.growth_rate(mean=0.47 * FCR, amplitude=0.2 * FCR, frequency=85.0) / 85.0 > 0.022
 
 
 def test_claim_f3c() -> None:
@@ -140,8 +141,8 @@ def test_growth_tolerance() -> None:
     forgiving = ROD.stability(weak, growth_tolerance=1.0)
     assert forgiving.stable
     assert forgiving.growth_rate > 0.5
-    assert ROD.is_stable(weak.mean, weak.amplitude, 85.0, growth_tolerance=1.0)
-    assert not ROD.is_stable(weak.mean, weak.amplitude, 85.0)
+    assert ROD.is_stable(mean=weak.mean, amplitude=weak.amplitude, frequency=85.0, growth_tolerance=1.0)
+    assert not ROD.is_stable(mean=weak.mean, amplitude=weak.amplitude, frequency=85.0)
 
 
 def test_static_and_tensile_loads() -> None:
@@ -152,7 +153,7 @@ def test_static_and_tensile_loads() -> None:
     assert static.fastest_mode == round(long.critical_mode)
     assert static.damping_to_stabilise == math.inf
     # The static limit does not depend on the frequency.
-    rates = [long.growth_rate(1.01 * FCR, 0.0, omega) for omega in (1.0, 50.0, 1000.0)]
+    rates = [long.growth_rate(mean=1.01 * FCR, amplitude=0.0, frequency=omega) for omega in (1.0, 50.0, 1000.0)]
     assert rates == pytest.approx([rates[0]] * 3, rel=1e-9)
     assert ROD.stability(load(0.0, 0.05, 150.0)).stable
     assert ROD.stability(load(-0.5, 0.0, 150.0)).stable
@@ -216,9 +217,9 @@ def test_arrays_and_single_loads_agree(
     forces = mean * rod.critical_force, amplitude * rod.critical_force
     result = rod.stability(fr.AxialLoad(*forces, omega))
     assume(result.status != "undecided")
-    assert rod.is_stable(*forces, omega) is result.stable
-    assert rod.growth_rate(*forces, omega) == pytest.approx(result.growth_rate, rel=1e-9, abs=1e-12)
-    compiled = rod.is_stable(np.full(100, forces[0]), forces[1], omega)
+    assert rod.is_stable(**by_name(*forces, omega)) is result.stable
+    assert rod.growth_rate(**by_name(*forces, omega)) == pytest.approx(result.growth_rate, rel=1e-9, abs=1e-12)
+    compiled = rod.is_stable(mean=np.full(100, forces[0]), amplitude=forces[1], frequency=omega)
     assert compiled.all() == result.stable
     assert compiled.all() == compiled.any()
 
@@ -230,7 +231,9 @@ def test_scaling() -> None:
     mean, amplitude = np.meshgrid(np.linspace(0.0, 1.1, 30), np.linspace(0.05, 0.5, 20))
     speed = 150.0 / ROD.pendulum_frequency
     maps = [
-        r.growth_rate(mean * r.critical_force, amplitude * r.critical_force, speed * r.pendulum_frequency)
+        r.growth_rate(
+            mean=mean * r.critical_force, amplitude=amplitude * r.critical_force, frequency=speed * r.pendulum_frequency
+        )
         / r.pendulum_frequency
         for r in (ROD, other)
     ]
@@ -257,11 +260,16 @@ def test_the_verdict_changes_at_the_margin(mean: float, omega: float, tolerance:
             continue
         inside = push.mean + sign * margin * (1.0 - 1e-7)
         outside = push.mean + sign * (margin + 1e-7 * FCR)
-        found = rod.is_stable([inside, outside], push.amplitude, omega, growth_tolerance=tolerance)
+        found = rod.is_stable(
+            mean=[inside, outside], amplitude=push.amplitude, frequency=omega, growth_tolerance=tolerance
+        )
         assert found.tolist() == [result.stable, not result.stable]
         # And nowhere in between.
         between = np.linspace(push.mean, inside, 4001 if JIT else 401)
-        assert (rod.is_stable(between, push.amplitude, omega, growth_tolerance=tolerance) == result.stable).all()
+        assert (
+            rod.is_stable(mean=between, amplitude=push.amplitude, frequency=omega, growth_tolerance=tolerance)
+            == result.stable
+        ).all()
 
 
 @pytest.mark.filterwarnings("ignore::floquetrod.PlausibilityWarning")  # at 20 rad/s
@@ -273,9 +281,9 @@ def test_damping_to_stabilise(mean: float, amplitude: float, omega: float) -> No
     assert math.isfinite(rate)
     forces = result.load.mean, result.load.amplitude, omega
     for larger in (rate * (1.0 + 1e-6) + 1e-9, *(rate + np.geomspace(1e-3, 300.0, 12))):
-        assert ROD.replace(damping_rate=float(larger)).is_stable(*forces)
+        assert ROD.replace(damping_rate=float(larger)).is_stable(**by_name(*forces))
     if rate > 1e-6:
-        assert not ROD.replace(damping_rate=rate * (1.0 - 1e-6)).is_stable(*forces)
+        assert not ROD.replace(damping_rate=rate * (1.0 - 1e-6)).is_stable(**by_name(*forces))
 
 
 @given(st.floats(1.05, 3.0), st.floats(0.0, 0.02))
@@ -312,7 +320,7 @@ def test_the_end_of_the_search_is_no_margin() -> None:
     push = fr.AxialLoad(0.6045857342263995, 0.7684148719102359, 215.26110484616336)
     above = rod.stability(push).amplitude_margin.above
     outside = push.amplitude + above * (1.0 + 1e-6)
-    assert math.isinf(above) or rod.is_stable(push.mean, outside, push.frequency)
+    assert math.isinf(above) or rod.is_stable(mean=push.mean, amplitude=outside, frequency=push.frequency)
 
 
 @settings(max_examples=depth(200, 50))
@@ -350,9 +358,9 @@ def test_a_fast_load_gets_a_warning() -> None:
 @pytest.mark.parametrize(
     "ask",
     [
-        lambda omega: ROD.stable_frequencies(0.3, 0.1, (0.9 * omega, omega)),
-        lambda omega: ROD.stable_mean_forces(0.1, omega, (0.0, 0.5)),
-        lambda omega: ROD.critical_amplitude(0.3, omega, growth_tolerance=0.1),
+        lambda omega: ROD.ranges("frequency", mean=0.3, amplitude=0.1, bounds=(0.9 * omega, omega)),
+        lambda omega: ROD.ranges("mean", amplitude=0.1, frequency=omega, bounds=(0.0, 0.5)),
+        lambda omega: ROD.critical("amplitude", mean=0.3, frequency=omega, growth_tolerance=0.1),
         lambda omega: ROD.certify(mean=0.3, amplitude=1e-3, frequency=(0.9 * omega, omega)),
         lambda omega: ROD.largest_safe_box(fr.AxialLoad(0.3, 1e-3, omega), vary=("mean",), accuracy=0.3),
         lambda omega: fr.stability_map(ROD, mean=(0.0, 0.5, 4), amplitude=0.1, frequency=(0.9 * omega, omega, 4)),
@@ -433,7 +441,7 @@ def test_the_modal_system_is_what_a_verdict_looks_at(amplitude: float) -> None:
 
 def test_modal_systems_of_arrays_are_those_of_single_loads() -> None:
     means = np.array([0.1, 0.5, 0.9]) * FCR
-    alpha, beta = ROD.modal_systems(means, 0.3 * FCR, 150.0).coefficients(7)
+    alpha, beta = ROD.modal_system(mean=means, amplitude=0.3 * FCR, frequency=150.0).coefficients(7)
     for mean, *pair in zip(means, alpha, beta, strict=True):
         (equation,) = ROD.modal_system(fr.AxialLoad(mean, 0.3 * FCR, 150.0), [7]).equations
         assert [equation.alpha, equation.beta] == pair
@@ -445,7 +453,7 @@ def test_bad_modal_systems() -> None:
     with pytest.raises(ValueError, match=r"modes must have coefficients up to 1e.09, got .* for mode 20000"):
         _ = ROD.modal_system(load(0.1, 0.1, 1.0), [20_000]).equations
     with pytest.raises(ValueError, match="frequency must be at least"):
-        ROD.modal_systems(0.1, 0.1, [150.0, 1e-8])
+        ROD.modal_system(mean=0.1, amplitude=0.1, frequency=[150.0, 1e-8])
 
 
 @pytest.mark.parametrize(
@@ -461,7 +469,7 @@ def test_bad_loads(arguments: tuple[float, float, float], message: str) -> None:
     with pytest.raises(ValueError, match=message):
         fr.AxialLoad(*arguments)
     with pytest.raises(ValueError, match=message.split(" must")[0]):
-        ROD.is_stable(*arguments)
+        ROD.is_stable(**by_name(*arguments))
 
 
 def test_bad_questions() -> None:
@@ -477,6 +485,6 @@ def test_bad_questions() -> None:
     with pytest.raises(ValueError, match="factor must be greater than 1"):
         ROD.stability(push).time_to_grow(1.0)
     with pytest.raises(ValueError, match="must broadcast"):
-        ROD.is_stable([1.0, 2.0], [1.0, 2.0, 3.0], 150.0)
+        ROD.is_stable(mean=[1.0, 2.0], amplitude=[1.0, 2.0, 3.0], frequency=150.0)
     with pytest.raises(ValueError, match="more than 20000 modes"):
         ROD.stability(fr.AxialLoad(1e9, 1.0, 150.0))

@@ -127,7 +127,9 @@ def test_branches_go_on_where_they_were_left(few: fr.RodBranches) -> None:
     assert set(few.values) <= set(whole.values)
     (part,) = whole.parts
     assert part.ends[0].startswith("motion shrinks to rest at frequency = ")
-    (below,) = SHORT.stable_frequencies(LOAD.mean, LOAD.amplitude, (105.0, 115.0), growth_tolerance=0.0)
+    (below,) = SHORT.ranges(
+        "frequency", mean=LOAD.mean, amplitude=LOAD.amplitude, bounds=(105.0, 115.0), growth_tolerance=0.0
+    )
     assert part.rests[0] == pytest.approx(below.high, rel=1e-5)
 
 
@@ -140,7 +142,9 @@ def test_backbones_begin_at_the_edges_of_a_tongue_and_pass_through_steady_motion
     assert (stable.branch.status == 1).all()
     assert (unstable.branch.status == 0).all()
     assert all(part.branch.ends[1].startswith(OFF_WALL) for part in found.parts)
-    _, above = ROD.stable_frequencies(load.mean, load.amplitude, found.over, growth_tolerance=0.0)
+    _, above = ROD.ranges(
+        "frequency", mean=load.mean, amplitude=load.amplitude, bounds=found.over, growth_tolerance=0.0
+    )
     edges = [part.rests[0] for part in found.parts]
     assert edges == pytest.approx([138.026368, above.low], rel=1e-5)
     ((angle, _),) = found.at(140.0)

@@ -28,34 +28,38 @@ RODS = {name: ROD.replace(path=path) for name, path in (("arc", ARC), ("s", S_SH
 WAVE = fr.AxialLoad(0.42 * UNIT, 0.36 * UNIT, 150.0)
 NOISY = fr.AxialLoad(0.2 * UNIT, 0.05 * UNIT, 130.0, noise=1e-6)
 LONG = fr.WellPath([0.0, 100.0, 200.0], ["10deg", "60deg", "90deg"])
-NUMBERS = WAVE.mean, WAVE.amplitude, WAVE.frequency
+NUMBERS = {"mean": WAVE.mean, "amplitude": WAVE.amplitude, "frequency": WAVE.frequency}
 
 DIFFERS: dict[str, Callable[[fr.Rod], Any]] = {
     "stability": lambda rod: rod.stability(WAVE).growth_rate,
-    "growth_rate": lambda rod: rod.growth_rate(*NUMBERS),
-    "fastest": lambda rod: rod.fastest(*NUMBERS)[0],
+    "growth_rate": lambda rod: rod.growth_rate(**NUMBERS),
+    "growth_rate with its mode": lambda rod: rod.growth_rate(**NUMBERS, return_mode=True)[0],
     "modal_system": lambda rod: rod.modal_system(WAVE, range(1, 6)).stiffness,
-    "critical_mean_force": lambda rod: rod.critical_mean_force(0.0, 130.0),
-    "critical_amplitude": lambda rod: rod.critical_amplitude(0.2 * UNIT, 130.0),
-    "stable_amplitudes": lambda rod: [part[:2] for part in rod.stable_amplitudes(0.42 * UNIT, 150.0, (0.0, 0.6))],
-    "stable_mean_forces": lambda rod: [part[:2] for part in rod.stable_mean_forces(0.2 * UNIT, 130.0, (0.0, 1.0))],
-    "stable_frequencies": lambda rod: [
-        part[:2] for part in rod.stable_frequencies(0.3 * UNIT, 0.25 * UNIT, (110.0, 150.0))
+    "critical mean": lambda rod: rod.critical("mean", amplitude=0.0, frequency=130.0),
+    "critical amplitude": lambda rod: rod.critical("amplitude", mean=0.2 * UNIT, frequency=130.0),
+    "ranges of the amplitude": lambda rod: [
+        part[:2] for part in rod.ranges("amplitude", mean=0.42 * UNIT, frequency=150.0, bounds=(0.0, 0.6))
+    ],
+    "ranges of the mean force": lambda rod: [
+        part[:2] for part in rod.ranges("mean", amplitude=0.2 * UNIT, frequency=130.0, bounds=(0.0, 1.0))
+    ],
+    "ranges of the frequency": lambda rod: [
+        part[:2] for part in rod.ranges("frequency", mean=0.3 * UNIT, amplitude=0.25 * UNIT, bounds=(110.0, 150.0))
     ],
     "stress": lambda rod: rod.stress(WAVE).largest,
     "weight_gained": lambda rod: rod.weight_gained(1.0, 0.0),
-    "critical_forces": lambda rod: [each.force for each in rod.critical_forces().values()],
+    "critical_forces": lambda rod: [each.force for each in rod.critical_forces.values()],
     "natural_frequency": lambda rod: rod.natural_frequency(3),
-    "critical_noise": lambda rod: rod.critical_noise(NOISY),
+    "critical noise": lambda rod: rod.critical("noise", NOISY),
     "stability with noise": lambda rod: rod.stability(NOISY).exponents[0].real,
 }
 """What is not that of a straight hole of the same mean inclination."""
 
 SAME: dict[str, Callable[[fr.Rod], Any]] = {
     "modes_needed": lambda rod: rod.modes_needed(WAVE)[0] > 4,
-    "is_stable": lambda rod: rod.is_stable(*NUMBERS) == (rod.stability(WAVE, growth_tolerance=0.0).status == "stable"),
-    "verdicts": lambda rod: rod.verdicts(*NUMBERS) == (rod.stability(WAVE).growth_rate == 0.0),
-    "modes_under": lambda rod: "a path that bends" in rod.modes_under(WAVE).coupling,
+    "is_stable": lambda rod: rod.is_stable(**NUMBERS) == (rod.stability(WAVE, growth_tolerance=0.0).status == "stable"),
+    "verdicts": lambda rod: rod.verdicts(**NUMBERS) == (rod.stability(WAVE).growth_rate == 0.0),
+    "the model of the modes": lambda rod: "a path that bends" in rod._modes_under(WAVE).coupling,
     "mean_force": lambda rod: rod.mean_force(LONG, 0.2).at_top == ROD.mean_force(LONG, 0.2).at_top,
     "reach": lambda rod: rod.reach(LONG, 0.2, depth=[100.0]).reach == ROD.reach(LONG, 0.2, depth=[100.0]).reach,
     "axial_response": lambda rod: rod.axial_response(WAVE).largest == ROD.axial_response(WAVE).largest,
@@ -67,17 +71,20 @@ SAME: dict[str, Callable[[fr.Rod], Any]] = {
 """What is as true in a well as elsewhere: a sentence about its own answer, or one that asks for no bend."""
 
 REFUSED: dict[str, tuple[Callable[[fr.Rod], Any], str]] = {
-    "modal_systems": (lambda rod: rod.modal_systems(*NUMBERS), "a path that bends"),
+    "modal_system of arrays": (lambda rod: rod.modal_system(**NUMBERS), "a path that bends"),
     "critical_kick": (lambda rod: rod.critical_kick(WAVE, friction=0.1), "a path that bends"),
-    "critical_kicks": (lambda rod: rod.critical_kicks(*NUMBERS, friction=0.1), "a path that bends"),
-    "certify": (lambda rod: rod.certify(*NUMBERS), "a path that bends"),
+    "critical_kick of arrays": (lambda rod: rod.critical_kick(**NUMBERS, friction=0.1), "a path that bends"),
+    "certify": (lambda rod: rod.certify(**NUMBERS), "a path that bends"),
     "largest_safe_box": (lambda rod: rod.largest_safe_box(WAVE), "a path that bends"),
     "lock_up": (lambda rod: rod.lock_up(0.2), "this one bends"),
     "steady_motion": (lambda rod: rod.steady_motion(WAVE), "bend"),
     "follow": (lambda rod: rod.follow(WAVE, {"frequency": (1.0, 2.0)}), "bend"),
     "safe_kick": (lambda rod: rod.safe_kick(WAVE), "bend"),
     "stability with friction": (lambda rod: rod.stability(WAVE, friction=0.1, kick=0.01), "a path that bends"),
-    "verdicts with friction": (lambda rod: rod.verdicts(*NUMBERS, friction=0.1, kick=0.01), "a path that bends"),
+    "verdicts with friction": (
+        lambda rod: rod.verdicts(**NUMBERS, friction=0.1, kick=0.01),
+        "a path that bends",
+    ),
 }
 """What is not known in a bend, and a word of the reason."""
 

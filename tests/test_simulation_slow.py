@@ -45,7 +45,7 @@ def simulated(
     """
     force = rod.critical_force
     load = fr.AxialLoad(mean * force, amplitude * force, frequency)
-    rate, mode = rod.fastest(load.mean, load.amplitude, load.frequency)
+    rate, mode = rod.growth_rate(mean=load.mean, amplitude=load.amplitude, frequency=load.frequency, return_mode=True)
     period = 2 * math.pi / frequency
     periods = math.ceil(max(6.0, min(2.0, 6.0 / rate) / period))
     kick = fr.Perturbation.modes({mode: 1e-5})
@@ -77,7 +77,7 @@ def test_fourth_order_in_segments() -> None:
 
 
 def test_constant_force_below_and_above_the_critical_one() -> None:
-    first = NITINOL.critical_mean_force(0.0, 100.0)
+    first = NITINOL.critical("mean", amplitude=0.0, frequency=100.0)
     kick = fr.Perturbation.random(1e-3, seed=1)
     for part, buckles in ((0.98, False), (1.02, True)):
         run = fr.simulate(NITINOL, fr.AxialLoad(part * first, 0.0, 100.0), duration=2.0, perturbation=kick)

@@ -53,13 +53,15 @@ def test_a_rod_is_stable_where_all_its_equations_are(means: list[float], amplitu
     loads = [fr.AxialLoad(mean, amplitude, frequency) for mean in means]
     equations = [ROD.modal_system(load).equations for load in loads]
     expected = [all(fr.mathieu.is_stable(e.alpha, e.beta, e.damping) for e in each) for each in equations]
-    assert ROD.is_stable(means, amplitude, frequency).tolist() == expected
-    assert (ROD.verdicts(means, amplitude, frequency) == STATUS_CODES["stable"]).tolist() == expected
+    assert ROD.is_stable(mean=means, amplitude=amplitude, frequency=frequency).tolist() == expected
+    assert (
+        ROD.verdicts(mean=means, amplitude=amplitude, frequency=frequency) == STATUS_CODES["stable"]
+    ).tolist() == expected
 
 
 DOORS: dict[str, tuple[Callable[[Any], Any], tuple[Any, Any]]] = {
     "Rod.is_stable": (
-        lambda frequency: ROD.is_stable(0.0, 1e-3, frequency, like=fr.AxialWave(0.0, 0.0, 1.0)),
+        lambda frequency: ROD.is_stable(fr.AxialWave(0.0, 0.0, 1.0), mean=0.0, amplitude=1e-3, frequency=frequency),
         (0.5 * RESONANCE, RESONANCE),
     ),
     "systems.is_stable": (

@@ -145,7 +145,7 @@ def test_loads_on_a_line_get_the_answers_of_each_alone(
     varied: Quantity, ends: str, damping: float, tolerance: float, like: fr.AxialWave | None, rng: np.random.Generator
 ) -> None:
     rod = PLAIN.replace(ends=ends, damping_rate=damping)
-    model = rod.modes_under(like)
+    model = rod._modes_under(like)
     modes = CoupledModes.of(rod, model.like, 5)
     numbers = {"mean": 0.3 * UNIT, "amplitude": 0.2 * UNIT, "frequency": rng.uniform(0.8, 2.5) * SWING}
     loads = Loads.of(**numbers | {varied: np.sort(rng.uniform(0.02, 0.6, 40)) * UNIT})
@@ -158,7 +158,7 @@ def test_loads_on_a_line_get_the_answers_of_each_alone(
 
 def test_what_a_line_leaves_open_is_judged_load_by_load(monkeypatch: pytest.MonkeyPatch) -> None:
     rod = PLAIN.replace(ends="clamped")
-    modes = CoupledModes.of(rod, rod.modes_under(None).like, 5)
+    modes = CoupledModes.of(rod, rod._modes_under(None).like, 5)
     loads = Loads.of(np.linspace(0.0, 0.6, 40) * UNIT, 0.2 * UNIT, 2.0 * SWING)
     expected = modes.answers(loads)
 
@@ -181,7 +181,7 @@ def test_a_map_is_that_of_its_loads_one_by_one() -> None:
         rod, mean=(0.0, 0.6 * UNIT, 40), amplitude=0.2 * UNIT, frequency=np.array([1.7, 2.1]) * SWING
     )
     x, y = found.x.values, found.y.values
-    each = [[fr.Rod.verdicts(rod, mean, 0.2 * UNIT, w) == 1 for w in x] for mean in y[::6]]
+    each = [[fr.Rod.verdicts(rod, mean=mean, amplitude=0.2 * UNIT, frequency=w) == 1 for w in x] for mean in y[::6]]
     assert (found.stable[::6] == np.array(each)).all()
 
 
@@ -191,7 +191,7 @@ def test_growth_along_a_line_is_that_of_an_independent_integrator(name: str, var
     case = known()[name]
     value = getattr(case.load, varied)
     loads = Loads.along(case.load, varied, np.append(np.linspace(0.6, 1.3, 32) * value, value))
-    model = case.rod.modes_under(case.load)
+    model = case.rod._modes_under(case.load)
     found = model.in_modes(model.count_for(loads, 0.0))._along(loads, varied)
     assert found is not None
     assert found.growth[-1] == pytest.approx(case.rate, abs=case.slack + 1e-7)

@@ -122,7 +122,7 @@ QUESTIONS: dict[str, Callable[[], Any]] = {
     "mathieu": lambda: fr.mathieu.growth_rate([FAINT, 0.1, 3.0, 500.0], np.array([-1.0, -0.25, -2.0, -1e3])).tolist(),
     "a rod": lambda: ROD.stability(LOAD).growth_rate,
     "a rod against friction": lambda: ROD.stability(LOAD, friction=0.1, kick=0.05).status,
-    "ranges": lambda: str(ROD.stable_mean_forces(0.34, 150.0)),
+    "ranges": lambda: str(ROD.ranges("mean", amplitude=0.34, frequency=150.0)),
     "a map": lambda: fr.stability_map(
         ROD, mean=(0.0, 1.7, 4), amplitude=0.3, frequency=(20.0, 200.0, 5), growth=True
     ).growth_rate.tolist(),

@@ -311,7 +311,7 @@ def test_rods_judged_by_a_criterion() -> None:
     criterion = fr.FiniteTimeCriterion()
     chart = fr.stability_map(rod, **plane, criterion=criterion)
     assert chart.bands.bands
-    agree(chart.bands, lambda x, y: rod.verdicts(y, 0.34, x, criterion=criterion))
+    agree(chart.bands, lambda x, y: rod.verdicts(mean=y, amplitude=0.34, frequency=x, criterion=criterion))
 
 
 @pytest.mark.slow
@@ -321,4 +321,7 @@ def test_rods_with_coupled_modes() -> None:
     bands = chart.find_bands(0.1)
     assert bands.bands
     for band in bands:
-        assert band.largest_growth == pytest.approx(short.fastest(band.place[1], 1000.0, band.place[0])[0], rel=1e-9)
+        assert band.largest_growth == pytest.approx(
+            short.growth_rate(mean=band.place[1], amplitude=1000.0, frequency=band.place[0], return_mode=True)[0],
+            rel=1e-9,
+        )

@@ -62,7 +62,7 @@ def test_samples_agree_with_rods_made_one_by_one(tolerance: float) -> None:
     levels = np.random.default_rng(5).uniform(0.001, 0.999, (len(ALL), depth(700, 250)))
     found = Sampling(TUBE, LOAD, ALL, tolerance, None).verdicts(levels)
     expected = [
-        rod.is_stable(load.mean, load.amplitude, load.frequency, growth_tolerance=tolerance)
+        rod.is_stable(mean=load.mean, amplitude=load.amplitude, frequency=load.frequency, growth_tolerance=tolerance)
         for rod, load in rods_and_loads(TUBE, ALL, levels)
     ]
     assert np.array_equal(found == 1, expected)
@@ -71,7 +71,7 @@ def test_samples_agree_with_rods_made_one_by_one(tolerance: float) -> None:
 
 def test_one_uncertain_load_is_the_share_of_its_unstable_forces() -> None:
     low, high = 0.2 * UNIT, 0.5 * UNIT
-    ranges = ROD.stable_mean_forces(LOAD.amplitude, LOAD.frequency, (low, high))
+    ranges = ROD.ranges("mean", amplitude=LOAD.amplitude, frequency=LOAD.frequency, bounds=(low, high))
     share = 1.0 - sum(part.high - part.low for part in ranges) / (high - low)
     found = fr.probability_of_instability(ROD, LOAD, {"mean": (low, high)}, samples=50_000, seed=3, confidence=0.999)
     assert found.interval[0] < share < found.interval[1]
@@ -275,7 +275,9 @@ def test_samples_are_refused_where_rods_and_loads_are() -> None:
     for column in levels.T:
         try:
             ((rod, load),) = rods_and_loads(ROD, given, column[:, None])
-            expected = rod.verdicts(load.mean, load.amplitude, load.frequency, growth_tolerance=1e-6)
+            expected = rod.verdicts(
+                mean=load.mean, amplitude=load.amplitude, frequency=load.frequency, growth_tolerance=1e-6
+            )
         except ValueError:
             refused += 1
             with pytest.raises(ValueError, match=r"1 of 1 samples do not") as error:
@@ -299,7 +301,7 @@ def test_coupled_modes_take_distributed_rods() -> None:
         levels = np.random.default_rng(2).uniform(size=(2, 12))
         found = Sampling(rod, LOAD, given, 1e-6, 1).verdicts(levels)
         expected = [
-            each.is_stable(load.mean, load.amplitude, load.frequency, growth_tolerance=1e-6)
+            each.is_stable(mean=load.mean, amplitude=load.amplitude, frequency=load.frequency, growth_tolerance=1e-6)
             for each, load in rods_and_loads(rod, given, levels)
         ]
         assert np.array_equal(found == 1, expected)
@@ -348,7 +350,7 @@ def test_the_probability_with_a_bad_survey_is_that_of_a_monte_carlo_of_its_own()
     found = fr.probability_of_instability(TURNS, LOAD, OFF, samples=1500, seed=4, confidence=0.999)
     levels = np.random.default_rng(99).uniform(size=(11, 1500))
     own = sum(
-        rod.verdicts(LOAD.mean, LOAD.amplitude, LOAD.frequency, growth_tolerance=1e-6) == 0
+        rod.verdicts(mean=LOAD.mean, amplitude=LOAD.amplitude, frequency=LOAD.frequency, growth_tolerance=1e-6) == 0
         for rod in wells_and_rods(levels)
     )
     low, high = stats.binomtest(int(own), 1500).proportion_ci(0.999, "exact")

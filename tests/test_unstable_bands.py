@@ -24,20 +24,19 @@ CLAMPED = fr.Rod(207e9, 7850.0, 0.01, 9.0, 0.05, inclination=1.0, ends="clamped-
 
 pytestmark = pytest.mark.filterwarnings("ignore::floquetrod.UniformForceWarning")
 
-SEARCHES = {"mean": "stable_mean_forces", "amplitude": "stable_amplitudes", "frequency": "stable_frequencies"}
+QUANTITIES = ("mean", "amplitude", "frequency")
 
 
 def searched(
     rod: fr.Rod, varied: str, load: fr.AxialLoad, tolerance: float, bounds: tuple[float, float]
 ) -> fr.StabilityIntervals:
     """Return the stability intervals of one quantity of a load."""
-    fixed = {name: getattr(load, name) for name in SEARCHES if name != varied}
-    return getattr(rod, SEARCHES[varied])(**fixed, bounds=bounds, growth_tolerance=tolerance)
+    return rod.ranges(varied, load, bounds, growth_tolerance=tolerance)
 
 
 def growth(rod: fr.Rod, varied: str, load: fr.AxialLoad, values: np.ndarray) -> np.ndarray:
     """Return growth rates along one quantity of a load."""
-    return np.asarray(rod.growth_rate(**{name: getattr(load, name) for name in SEARCHES} | {varied: values}))
+    return np.asarray(rod.growth_rate(load, **{varied: values}))
 
 
 def assert_order(found: fr.StabilityIntervals) -> None:
@@ -131,14 +130,14 @@ def test_dampings_below_the_least_may_be_left_out(rng: np.random.Generator) -> N
 
 
 def test_growth_and_damping_are_computed_when_asked_for() -> None:
-    found = ROD.stable_mean_forces(0.2 * FCR, 150.0)
+    found = ROD.ranges("mean", amplitude=0.2 * FCR, frequency=150.0)
     assert "unstable" not in vars(found)
     assert found.unstable is found.unstable
     assert pickle.loads(pickle.dumps(found)).unstable == copy.deepcopy(found).unstable == found.unstable
 
 
 def test_the_table_has_stable_and_unstable_rows_in_order() -> None:
-    found = ROD.stable_mean_forces(0.2 * FCR, 150.0, (0.0, 1.5 * FCR), growth_tolerance=0.01)
+    found = ROD.ranges("mean", amplitude=0.2 * FCR, frequency=150.0, bounds=(0.0, 1.5 * FCR), growth_tolerance=0.01)
     lines = found.table("Fcr", FCR).splitlines()
     assert lines[0] == "stable mean force in Fcr, between 0 and 1.5"
     rows = [line for line in lines if " to " in line and not line.startswith("  (")]
@@ -158,13 +157,13 @@ def test_the_table_has_stable_and_unstable_rows_in_order() -> None:
 
 
 def test_nothing_unstable_and_nothing_stable() -> None:
-    quiet = ROD.stable_frequencies(0.9 * FCR, 0.0, (50.0, 150.0))
+    quiet = ROD.ranges("frequency", mean=0.9 * FCR, amplitude=0.0, bounds=(50.0, 150.0))
     assert quiet.unstable == ()
     assert quiet.required_damping == 0.0
     assert "unstable" not in quiet.table("N", 1.0)
-    (band,) = ROD.stable_frequencies(0.9 * FCR, 0.7 * FCR, (100.0, 101.0)).unstable
+    (band,) = ROD.ranges("frequency", mean=0.9 * FCR, amplitude=0.7 * FCR, bounds=(100.0, 101.0)).unstable
     assert band[:2] == (100.0, 101.0)
-    buckled = ROD.stable_frequencies(1.1 * FCR, 0.0, (50.0, 150.0)).unstable
+    buckled = ROD.ranges("frequency", mean=1.1 * FCR, amplitude=0.0, bounds=(50.0, 150.0)).unstable
     assert [(b[:2], b.cause[1], b.required_damping) for b in buckled] == [((50.0, 150.0), 0, math.inf)]
 
 
@@ -191,9 +190,11 @@ def test_bands_of_coupled_modes() -> None:
 def test_the_required_damping_is_refined_to_the_worst_load() -> None:
     # Two samples next to the worst load tie, and three refinements left 5e-7 of the damping out.
     rod = fr.Rod(182.645e9, 3499.19, 0.552784e-3, 1.20374, 0.944477e-3, damping_rate=0.80377)
-    found = rod.stable_frequencies(1.82801, 0.130656, (184.801, 369.603), growth_tolerance=1.58257)
+    found = rod.ranges(
+        "frequency", mean=1.82801, amplitude=0.130656, bounds=(184.801, 369.603), growth_tolerance=1.58257
+    )
     band = found.unstable[0]
-    system = rod.modal_systems(1.82801, 0.130656, np.linspace(band.low, band.high, 20_001))
+    system = rod.modal_system(mean=1.82801, amplitude=0.130656, frequency=np.linspace(band.low, band.high, 20_001))
     worst = 0.0
     for mode in range(1, 12):
         alpha, beta = system.coefficients(mode)

@@ -94,10 +94,10 @@ def _certify(options: argparse.Namespace) -> Output:
     box: dict[str, Any] = {name: tuple(ends) if len(ends) > 1 else ends[0] for name, ends in values.items()}
     with Waiting("proving", "boxes") as progress:
         proof = rod.certify(
+            like,
             **box,
             growth_tolerance=tolerance,
             rod=tolerances,
-            like=like if like.features else None,
             max_boxes=options.max_boxes,
             progress=progress,
         )

@@ -104,13 +104,13 @@ def _map(options: argparse.Namespace) -> Output:
     with Waiting("deciding stability", "points") as progress:
         chart = fr.stability_map(
             rod,
+            like,
             **load,
             growth=options.growth,
             growth_tolerance=tolerance,
             criterion=criterion,
             friction=None if mu_and_kick is None else mu_and_kick[0],
             kick=None if mu_and_kick is None else mu_and_kick[1],
-            like=like if like.features else None,
             large_motion=options.large_motion,
             progress=progress,
         )

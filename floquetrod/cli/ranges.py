@@ -3,10 +3,8 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Callable
 from typing import Any
 
-import floquetrod as fr
 from floquetrod._util.waiting import Waiting
 from floquetrod.cli.common import ROD_AND_LOAD, describe_command
 from floquetrod.cli.loads import add_question, read_ranges
@@ -53,15 +51,10 @@ def _ranges(options: argparse.Namespace) -> Output:
             + asked.varied_in_words
         )
     asked.warn_of_hertz(options)
-    bounds = tuple(values.pop(varied[0]))
+    low, high = values.pop(varied[0])
     fixed: dict[str, Any] = {name: value for name, (value,) in values.items()}
-    searches: dict[str, Callable[..., fr.StabilityIntervals]] = {
-        "mean": rod.stable_mean_forces,
-        "amplitude": rod.stable_amplitudes,
-        "frequency": rod.stable_frequencies,
-    }
     with Waiting(f"searching along the {varied[0]}", "parts") as progress:
-        found = searches[varied[0]](**fixed, bounds=bounds, growth_tolerance=tolerance, like=like, progress=progress)
+        found = rod.ranges(varied[0], like, (low, high), **fixed, growth_tolerance=tolerance, progress=progress)
     with Waiting("finding the fastest growth and the damping required", "unstable parts") as progress:
         found.find_unstable(progress)
     return output(options, lambda: found.report(shown[varied[0]]), found.as_dict)

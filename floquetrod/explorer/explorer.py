@@ -66,7 +66,7 @@ class Explorer:
         self.load: Load = scale.first_load(self._units) if load is None else require_load("load", load)
         scale.require(self.load)
         if self.load.noise:
-            raise rod.modes_under(self.load).refusal("load")
+            raise rod._modes_under(self.load).refusal("load")
         self._options = options
         limits = _rounded(scale.limits(self.load), self._units)
         self._view = View(rod, self.load, limits)

@@ -72,11 +72,7 @@ class ChartMap(PanelSource):
     def _points(self, load: Load, points: Sequence[int]) -> Chart:
         """Return the map at an amplitude, of so many columns and rows."""
         return stability_map(
-            self.rod,
-            mean=(*self.limits["mean"], points[1]),
-            amplitude=load.amplitude,
-            frequency=(*self.limits["frequency"], points[0]),
-            like=load,
+            self.rod, load, mean=(*self.limits["mean"], points[1]), frequency=(*self.limits["frequency"], points[0])
         )
 
 

@@ -21,7 +21,7 @@ class View:
 
     def __init__(self, rod: Rod, load: Load, limits: dict[str, tuple[float, float]]) -> None:
         """Choose the panels."""
-        self.model = model = rod.modes_under(load)
+        self.model = model = rod._modes_under(load)
         self.map: PanelSource = ChartMap(rod, model, limits) if model.prompt else GrowingMap(model, limits)
         located = model.among_tongues(load, (1,)) is not None
         modes = ModesAndRates(model, limits) if located else LineAndShape(model, limits)

@@ -44,7 +44,7 @@ class Sampling:
     def model(self) -> ModeModel:
         """The modes of one of the rods, which has weight along it if any of them has."""
         rod = self.rod.replace(inclination=0.5) if "inclination" in self.parameters else self.rod
-        return rod.modes_under(self.load)
+        return rod._modes_under(self.load)
 
     @property
     def at_once(self) -> int:
@@ -78,7 +78,7 @@ class Sampling:
         """Return 1, 0 or -1 of one sample; where it leaves its wall it is undecided."""
         try:
             load = self._load_of(sample)
-            model = sampled_rod(self.rod, sample).modes_under(load)
+            model = sampled_rod(self.rod, sample)._modes_under(load)
             loads = Loads((1,), *Loads.single(load).flat)
             return np.int8(model.status(loads, self.growth_tolerance, self.workers)[0])
         except ValueError as error:

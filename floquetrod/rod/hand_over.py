@@ -190,11 +190,11 @@ def _map(verdict: RodStability, shown: Mapping[str, Unit]) -> list[DocumentSecti
     def drawn() -> Any:
         chart = stability_map(
             rod,
+            load,
             mean=(min(0.0, _ROOM * load.mean), largest, rows),
             frequency=(0.4 * load.frequency, 1.8 * load.frequency, columns),
             amplitude=load.amplitude,
             growth_tolerance=verdict.growth_tolerance,
-            like=load if load.features else None,
         ).in_units(mean=shown["mean"].name, frequency=shown["frequency"].name, amplitude=shown["amplitude"].name)
         axes = chart.plot(bands=verdict.evidence.has_exact_margins)
         chart_plot.mark(axes, shown["frequency"].of(load.frequency), shown["mean"].of(load.mean), "the load")
@@ -212,7 +212,7 @@ def _statics(verdict: RodStability, units: AnswerUnits) -> DocumentSection:
     rod, load = verdict.rod, verdict.load
     rows = [
         (name, units.force.show(found.force, 5), f"{load.mean / found.force:.3g}", f"{found.meaning} ({found.source})")
-        for name, found in rod.critical_forces().items()
+        for name, found in rod.critical_forces.items()
     ]
     table = Table((("buckling", "<16"), ("force", ">12"), ("mean / force", ">12"), ("meaning", "<1")), rows)
     lines = [("stress", rod.stress(load).in_words(units.pressure))]

@@ -16,7 +16,8 @@ from floquetrod.rod import motion_map
 from floquetrod.rod.friction.mode_friction import friction_and_kick
 from floquetrod.rod.large_orbits import require_possible
 from floquetrod.rod.loads.axial import require_off_resonance
-from floquetrod.rod.loads.load import KINDS, LIMITS, QUANTITIES, AnyLoad, Loads, Quantity, kind, require_load
+from floquetrod.rod.loads.load import KINDS, LIMITS, QUANTITIES, AnyLoad, Loads
+from floquetrod.rod.loads.template import replaced
 from floquetrod.rod.model.assumptions import warn_unless_uniform
 from floquetrod.rod.modes.mode_model import ModeModel
 from floquetrod.rod.plane import AXES, LoadPlane
@@ -25,17 +26,17 @@ from floquetrod.rod.rod import Rod
 
 def stability_map(
     rod: Rod,
+    load: AnyLoad | None = None,
     *,
-    mean: Any,
-    amplitude: Any,
-    frequency: Any,
+    mean: Any = None,
+    amplitude: Any = None,
+    frequency: Any = None,
     growth: bool = False,
     growth_tolerance: float = 0.0,
     damping: float | None = None,
     criterion: FiniteTimeCriterion | None = None,
     friction: float | None = None,
     kick: float | None = None,
-    like: AnyLoad | None = None,
     certified: bool = False,
     large_motion: bool = False,
     workers: int | None = None,
@@ -46,12 +47,15 @@ def stability_map(
     Parameters
     ----------
     rod : Rod
-    mean : float, tuple (low, high, number) or increasing array
-        F_ave in N.  Exactly one of the three quantities is a single number.
-    amplitude : float, tuple (low, high, number) or increasing array
-        dF in N, 0 or more.
-    frequency : float, tuple (low, high, number) or increasing array
-        omega in rad/s, greater than 0.  All modes that can matter are examined, everywhere.
+    load : AxialLoad, AxialWave or ForceRecord, optional
+        Gives the quantity that is not named below, and all other properties of the loads; by default a sine, uniform
+        except for the weight along the rod, and all three are named.
+    mean : float, tuple (low, high, number) or increasing array, optional
+        F_ave in N or with units.  Exactly one of the three quantities is a single number.
+    amplitude : float, tuple (low, high, number) or increasing array, optional
+        dF in N or with units, 0 or more.
+    frequency : float, tuple (low, high, number) or increasing array, optional
+        omega in rad/s or with units, greater than 0.  All modes that can matter are examined, everywhere.
     growth : bool
         Whether to compute the growth rate (1/s) and the fastest mode too.
     growth_tolerance : float
@@ -65,8 +69,6 @@ def stability_map(
         friction.
     kick : float, optional
         Transverse velocity in m/s that every mode is given, 0 or more; it needs ``friction``.
-    like : AxialLoad, AxialWave or ForceRecord, optional
-        Gives all other properties of the loads; by default a sine, uniform except for the weight along the rod.
     certified : bool
         Whether to prove, too, the status of the cell about every point, see `Chart.cells`: nothing between the points
         is then missed.  For independent modes and stability for all time, with damping or a growth tolerance: without
@@ -83,22 +85,21 @@ def stability_map(
 
     Examples
     --------
-    >>> rod = Rod.nitinol()
-    >>> stability_map(rod, mean=(0.0, 1.7, 4), amplitude=0.34, frequency=(20.0, 200.0, 5)).stable.shape
+    >>> import floquetrod as fr
+    >>> rod, load = Rod.nitinol(), fr.AxialLoad(mean="0.3N", amplitude="0.34N", frequency="24Hz")
+    >>> stability_map(rod, load, mean=(0.0, "1.7N", 4), frequency=("4Hz", "32Hz", 5)).stable.shape
     (4, 5)
     """
     validate.instance("rod", rod, Rod)
     growth = validate.flag("growth", growth)
     if criterion is not None:
         validate.instance("criterion", criterion, FiniteTimeCriterion)
-    if like is not None:
-        like = require_load("like", like)
+    template, given = replaced(load, mean, amplitude, frequency)
     mu_and_kick = friction_and_kick(friction, kick)
     workers = validate.workers(workers)
     validate.progress(progress)
     if mu_and_kick is not None and growth:
         raise validate.wrong_value("growth", "is that of the rod without friction; leave out either growth or friction")
-    given: dict[Quantity, Any] = {"mean": mean, "amplitude": amplitude, "frequency": frequency}
     given = {name: units.si(values, name, KINDS[name]) for name, values in given.items()}
     largest = max(limits.largest for limits in LIMITS.values())  # the number of points, too, is among the values
     fixed = [
@@ -116,14 +117,14 @@ def stability_map(
     x, y = (Axis(*AXES[name], axis_values(name, given[name])) for name in (across, up))
     value = validate.finite(fixed[0], given[fixed[0]])
     most = {fixed[0]: value, across: float(x.values[-1]), up: float(y.values[-1])}
-    warn_unless_uniform(rod, kind(like).with_numbers(**most))
-    model = rod.modes_under(like)
+    warn_unless_uniform(rod, template.with_numbers(**most))
+    model = rod._modes_under(template)
     if validate.flag("certified", certified):
         _require_provable(model, tolerance, criterion=criterion, friction=mu_and_kick)
     if fixed[0] == "frequency":
         require_off_resonance(model.like, rod.wave_speed, rod.length, value)
     friction, kick = mu_and_kick or (None, None)
-    plane = LoadPlane(rod, across, up, fixed[0], value, tolerance, criterion, friction, kick, like, workers)
+    plane = LoadPlane(rod, across, up, fixed[0], value, tolerance, criterion, friction, kick, template, workers)
     if validate.flag("large_motion", large_motion):
         _require_plain("large_motion", criterion=criterion, friction=mu_and_kick)
         require_possible(rod, model.like)

@@ -35,14 +35,14 @@ class LoadPlane(Family):
     test: FiniteTimeCriterion | None  # its criterion
     friction: float | None
     kick: float | None
-    like: Load | None
+    template: Load
     workers: int | None
     growth_unit: str = "1/s"
 
     @property
     def model(self) -> ModeModel:
         """What the modes are."""
-        return self.rod.modes_under(self.like)
+        return self.rod._modes_under(self.template)
 
     @property
     def is_plain(self) -> bool:
@@ -90,24 +90,24 @@ class LoadPlane(Family):
         if self.friction is not None:
             fixed += [["friction", self.friction, ""], ["kick", self.kick, "m/s"]]
         subject: dict[str, Any] = {"kind": "rod", "fixed": fixed, "rod": self.rod.as_dict()}
-        if self.like is not None:
-            subject["load"] = self.like.kind_as_dict()
-            subject["kind"] = ", ".join(filter(None, ["rod", self.like.features]))
+        if self.template.features:
+            subject["load"] = self.template.kind_as_dict()
+            subject["kind"] = f"rod, {self.template.features}"
         return subject
 
     def verdicts(self, x: Floats, y: Floats, *, growth: bool = False, quick: bool = False) -> Verdicts:
         """Return verdicts, with growth rates in 1/s and the numbers of the fastest modes where they must be known."""
         if growth and self.is_plain:
-            loads = Loads.of(*self._load(x, y))
+            loads = Loads.of(**self._load(x, y))
             found = self.model.answers(loads, self.growth_tolerance, self.workers)
             return Verdicts(*(shaped(each, loads.shape) for each in found))
         status = self.rod.verdicts(
-            *self._load(x, y),
+            self.template,
+            **self._load(x, y),
             growth_tolerance=self.growth_tolerance,
             criterion=self.test,
             friction=self.friction,
             kick=self.kick,
-            like=self.like,
             workers=self.workers,
         )
         return Verdicts(np.asarray(status), *(self._fastest(x, y) if growth else ()))
@@ -125,8 +125,8 @@ class LoadPlane(Family):
 
     def _fastest(self, x: Floats, y: Floats) -> tuple[Any, Any]:
         """Return the growth rate in 1/s and the number of the fastest mode."""
-        return self.rod.fastest(*self._load(x, y), like=self.like, workers=self.workers)
+        growth, mode = self.rod.growth_rate(self.template, **self._load(x, y), return_mode=True, workers=self.workers)
+        return growth, mode
 
-    def _load(self, x: Floats, y: Floats) -> tuple[Any, Any, Any]:
-        along: dict[Quantity, Any] = {self.across: x, self.up: y, self.fixed: self.value}
-        return along["mean"], along["amplitude"], along["frequency"]
+    def _load(self, x: Floats, y: Floats) -> dict[Quantity, Any]:
+        return {self.across: x, self.up: y, self.fixed: self.value}

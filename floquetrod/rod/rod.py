@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from functools import partial
-from typing import TYPE_CHECKING, Any, overload
+from typing import TYPE_CHECKING, Any, Literal, overload
 
 from floquetrod import units
 from floquetrod._util import validate
@@ -18,8 +18,9 @@ from floquetrod.floquet.status import are
 from floquetrod.mathieu.criterion import FiniteTimeCriterion
 from floquetrod.rod import verdicts
 from floquetrod.rod.loads.load import QUANTITIES, AnyLoad, Load, Loads, Quantity, kind, require_load, require_noise
+from floquetrod.rod.loads.template import replaced, require_no_record
 from floquetrod.rod.mode_equations.coupling import WAVEFORM, coupling
-from floquetrod.rod.mode_equations.modal_systems import ModalSystem, ModalSystems
+from floquetrod.rod.mode_equations.modal_systems import ModalSystem
 from floquetrod.rod.model.constants import SLOW_GROWTH
 from floquetrod.rod.model.data import RodData
 from floquetrod.rod.model.parts import friction_coefficient
@@ -62,8 +63,9 @@ def _model(rod: RodData, like: Load) -> ModeModel:
     return NoisyTogetherModel(rod, like)
 
 
-_NO_LOAD = "its load is one value, such as fr.AxialLoad(mean, amplitude, frequency)"
-_load_hints = call_hints(_NO_LOAD, mean=_NO_LOAD, amplitude=_NO_LOAD, frequency=_NO_LOAD)
+_ONE_LOAD = "its load is one value, such as fr.AxialLoad(mean, amplitude, frequency)"
+_one_load_hints = call_hints(_ONE_LOAD, mean=_ONE_LOAD, amplitude=_ONE_LOAD, frequency=_ONE_LOAD)
+_loads_hints = call_hints("give numbers and arrays by name: mean=, amplitude=, frequency=, after a load or without one")
 
 
 @dataclass(frozen=True, init=False, repr=False)
@@ -156,26 +158,50 @@ class Rod(RodData):
 
     # --- modes ---
 
-    def modes_under(self, like: AnyLoad | None = None) -> ModeModel:
-        """Return the model of the modes under any load of the kind of ``like``, by default a sine.
+    def _modes_under(self, template: AnyLoad | None = None) -> ModeModel:
+        """Return the model of the modes under any load of the kind of the template, by default a sine.
 
         This is the one place where a model of the modes is chosen.
 
-        >>> import floquetrod as fr
         >>> rod = Rod.nitinol().replace(ends="clamped")
-        >>> type(rod.modes_under()).__name__, rod.modes_under().coupling
+        >>> type(rod._modes_under()).__name__, rod._modes_under().coupling
         ('CoupledModel', ('clamped ends',))
         """
-        return _model(self, kind(like))
+        return _model(self, kind(template))
 
-    def modal_system(self, load: AnyLoad, modes: Iterable[int] | None = None) -> ModalSystem | HillSystem:
-        """Return the equations of the rod's modes under a load.
+    @overload
+    def modal_system(self, load: AnyLoad, modes: Iterable[int] | None = None) -> ModalSystem | HillSystem: ...
+
+    @overload
+    def modal_system(
+        self,
+        load: AnyLoad | None = None,
+        modes: Iterable[int] | None = None,
+        *,
+        mean: Any = None,
+        amplitude: Any = None,
+        frequency: Any = None,
+    ) -> Any: ...
+
+    @_loads_hints
+    def modal_system(
+        self,
+        load: AnyLoad | None = None,
+        modes: Iterable[int] | None = None,
+        *,
+        mean: Any = None,
+        amplitude: Any = None,
+        frequency: Any = None,
+    ) -> Any:
+        """Return the equations of the rod's modes under a load, or under arrays of loads.
 
         Parameters
         ----------
-        load : AxialLoad, AxialWave or ForceRecord
+        load, mean, amplitude, frequency
+            As in `is_stable`.
         modes : iterable of int, optional
             Mode numbers, 1 to 20,000; by default all that can matter, see `modes_needed`.  Of coupled modes 1 to n.
+            Under one load only.
 
         Returns
         -------
@@ -183,11 +209,14 @@ class Rod(RodData):
             Independent equations where the ends are hinged and the force is a sine, uniform along the rod.  Otherwise
             one system in seconds, its coordinates those of beam functions and a few others, see
             `floquetrod.rod.model.beam`.
+        ModalSystems
+            Of arrays of loads, under which modes are independent.
 
         Raises
         ------
         ValueError
-            For numbers that are no modes, and for loads that need more than 20,000 modes or too large coefficients.
+            For numbers that are no modes, for loads that need more than 20,000 modes or too large coefficients, and for
+            arrays of loads that couple the modes.
 
         Examples
         --------
@@ -200,16 +229,14 @@ class Rod(RodData):
         >>> rod.replace(ends="clamped").modal_system(load).structure
         'hamiltonian'
         """
-        load = require_load("load", load)
-        return self.modes_under(load).equations(load, modes)
-
-    def modal_systems(self, mean: Any, amplitude: Any, frequency: Any, *, like: AnyLoad | None = None) -> ModalSystems:
-        """Return the modal systems over arrays of loads (N, N, rad/s) that broadcast; all else as in ``like``.
-
-        Raises ValueError where modes are coupled, and for loads that need more than 20,000 modes, or too large
-        coefficients.
-        """
-        return self.modes_under(like).systems(Loads.of(mean, amplitude, frequency))
+        template, numbers = replaced(load, mean, amplitude, frequency)
+        loads = Loads.of(**numbers)
+        model = self._modes_under(template)
+        if loads.shape == ():
+            return model.equations(loads.as_single(template), modes)
+        if modes is not None:
+            raise validate.wrong_value("modes", "is for one load, got arrays of them; leave modes out")
+        return model.systems(loads)
 
     def modes_needed(self, load: AnyLoad, growth_tolerance: float = 0.0) -> tuple[int, float]:
         """Return how many modes decide a verdict, and a bound in 1/s on the growth of every mode beyond them.
@@ -224,7 +251,7 @@ class Rod(RodData):
         larger, before a rate that in 1/s does not depend on it.
         """
         load, tolerance = require_load("load", load), units.tolerance("growth_tolerance", growth_tolerance)
-        return self.modes_under(load).modes_needed(load, tolerance)
+        return self._modes_under(load).modes_needed(load, tolerance)
 
     # --- along a well ---
 
@@ -366,7 +393,7 @@ class Rod(RodData):
         progress: Progress | None = None,
     ) -> FrictionalRodStability: ...
 
-    @_load_hints
+    @_one_load_hints
     def stability(
         self,
         load: AnyLoad,
@@ -422,15 +449,26 @@ class Rod(RodData):
         >>> rod.stability(load).unstable_modes
         (7,)
         """
-        model = self.modes_under(require_load("load", load))
+        model = self._modes_under(require_load("load", load))
         return verdicts.stability(model, load, modes, growth_tolerance, friction, kick, progress)
 
-    @_load_hints
-    def critical_kick(self, load: AnyLoad, *, friction: float, growth_tolerance: float = 0.0) -> CriticalKick:
+    @_loads_hints
+    def critical_kick(
+        self,
+        load: AnyLoad | None = None,
+        *,
+        friction: float,
+        mean: Any = None,
+        amplitude: Any = None,
+        frequency: Any = None,
+        growth_tolerance: float = 0.0,
+        workers: int | None = None,
+    ) -> CriticalKick:
         """Return the smallest kick, a transverse velocity in m/s, found to buckle the rod against friction.
 
         Every mode is assumed to have the same kick; infinite where nothing grows even without friction.  The result
-        also has the mode that the kick destabilises, and the proved kick up to which none buckles the rod.
+        also has the mode that the kick destabilises, and the proved kick up to which none buckles the rod; of arrays of
+        loads, given as in `is_stable`, it has arrays, and mode 0 for none.
 
         Examples
         --------
@@ -440,233 +478,260 @@ class Rod(RodData):
         >>> kick, mode, none_up_to = rod.critical_kick(load, friction=0.1)
         >>> round(1e3 * kick, 1), mode, round(1e3 * none_up_to, 1)
         (32.1, 9, 27.8)
+        >>> rod.critical_kick(load, friction=0.1, mean=[0.0, load.mean]).mode
+        array([7, 9])
         """
         from floquetrod.rod.friction import kicks
 
-        load, mu = require_load("load", load), friction_coefficient(friction)
-        self.modes_under(load).require("friction")
-        return kicks.critical_kick(self.stability(load, growth_tolerance=growth_tolerance), mu)
-
-    def critical_kicks(
-        self,
-        mean: Any,
-        amplitude: Any,
-        frequency: Any,
-        *,
-        friction: float,
-        growth_tolerance: float = 0.0,
-        like: AnyLoad | None = None,
-        workers: int | None = None,
-    ) -> CriticalKick:
-        """Return the results of `critical_kick` over arrays of loads (N, N, rad/s) that broadcast; mode 0 for none."""
-        from floquetrod.rod.friction import kicks
-
         mu, tolerance = friction_coefficient(friction), units.tolerance("growth_tolerance", growth_tolerance)
-        model, loads = self.modes_under(like), Loads.of(mean, amplitude, frequency)
+        template, numbers = replaced(load, mean, amplitude, frequency)
+        model, loads = self._modes_under(template), Loads.of(**numbers)
         model.require("friction")
-        return kicks.critical_kicks(self, model.systems(loads), mu, tolerance, workers)
+        if loads.shape:
+            return kicks.critical_kicks(self, model.systems(loads), mu, tolerance, workers)
+        is_own = mean is None and amplitude is None and frequency is None
+        single = load if load is not None and is_own else loads.as_single(template)
+        return kicks.critical_kick(self.stability(single, growth_tolerance=tolerance), mu)
 
-    def stable_mean_forces(
+    @_loads_hints
+    def ranges(
         self,
-        amplitude: float,
-        frequency: float,
-        bounds: tuple[float, float] | None = None,
+        quantity: Quantity,
+        load: AnyLoad | None = None,
+        bounds: tuple[Any, Any] | None = None,
         *,
+        mean: Any = None,
+        amplitude: Any = None,
+        frequency: Any = None,
         growth_tolerance: float = SLOW_GROWTH,
-        like: AnyLoad | None = None,
         progress: Progress | None = None,
     ) -> StabilityIntervals:
-        """Return all stability intervals of the mean force.
+        """Return all stability intervals of one quantity of the load.
 
-        Complete where modes are independent, with damping and tolerance too: tongues are found by counting, and inside
-        one the growth is concave in the mean force (docs/theory/ranges.md).
+        Where modes are independent tongues are found by counting.  Of the mean force and the frequency all intervals
+        are found, with damping and tolerance too: inside a tongue growth is concave in the mean force, and growth per
+        period in 1 / omega^2.  Of the amplitude all are found of modes that the mean force alone would buckle.
+        Elsewhere, and where modes are coupled, loads are sampled, and unstable parts narrower than the ``resolution``
+        of the result may be missed (docs/theory/ranges.md).
 
         Parameters
         ----------
-        amplitude : float
-            dF in N, 0 or more.
-        frequency : float
-            omega in rad/s, greater than 0.
-        bounds : tuple of float, optional
-            Mean forces between which to search, (low, high) in N; by default from 0 to 1.5 critical forces.
+        quantity : "mean", "amplitude" or "frequency"
+        load : AxialLoad, AxialWave or ForceRecord, optional
+            Gives everything but the quantity; by default a sine, uniform except for the weight along the rod.
+        bounds : pair of float or str, optional
+            Values between which to search, (low, high) in N, in rad/s or with units; by default forces from 0 to 1.5
+            critical forces, and amplitudes from 0 to one.  Frequencies have no default; the first is greater than 0.
+        mean, amplitude, frequency : float or str, optional
+            In N, N and rad/s or with units, in place of the load's own; without a load both other quantities.
         growth_tolerance : float
             Growth rate in 1/s up to which a mode counts as stable.  The default leaves out, and counts, the tongues
             in which nothing grows tenfold within a month; with 0 every tongue is resolved, which takes long where
             there are thousands, at low frequencies.
-        like : AxialLoad, AxialWave or ForceRecord, optional
-            Gives all other properties of the load; by default a sine, uniform except for the weight along the rod.
-            Where modes are coupled loads are sampled, and the ``resolution`` of the result says how wide a band may be
-            missed.
         progress : callable, optional
             Called with the numbers of modes searched and to search.
 
         Examples
         --------
+        >>> import floquetrod as fr
         >>> rod = Rod.nitinol()
-        >>> found = rod.stable_mean_forces(0.2 * rod.critical_force, 150.0, growth_tolerance=0.01)
-        >>> len(found), 0.34 * rod.critical_force in found, 0.2 * rod.critical_force in found
+        >>> load = fr.AxialLoad(mean=0.3, amplitude=0.2 * rod.critical_force, frequency=150.0)
+        >>> means = rod.ranges("mean", load, growth_tolerance=0.01)
+        >>> len(means), 0.34 * rod.critical_force in means, 0.2 * rod.critical_force in means
         (5, True, False)
+        >>> len(rod.ranges("frequency", load, ("10Hz", "40Hz")))
+        28
         """
         from floquetrod.rod.ranges import stable_values
 
-        others: dict[Quantity, float] = {"amplitude": amplitude, "frequency": frequency}
-        return stable_values(self.modes_under(like), "mean", others, bounds, growth_tolerance, progress)
+        validate.choice("quantity", quantity, QUANTITIES)
+        template, others = replaced(load, mean, amplitude, frequency, quantity)
+        return stable_values(self._modes_under(template), quantity, others, bounds, growth_tolerance, progress)
 
-    def stable_amplitudes(
+    @overload
+    def critical(
         self,
-        mean: float,
-        frequency: float,
-        bounds: tuple[float, float] | None = None,
+        quantity: Literal["mean", "amplitude"],
+        load: AnyLoad | None = None,
         *,
-        growth_tolerance: float = SLOW_GROWTH,
-        like: AnyLoad | None = None,
+        mean: Any = None,
+        amplitude: Any = None,
+        frequency: Any = None,
+        growth_tolerance: float | None = None,
         progress: Progress | None = None,
-    ) -> StabilityIntervals:
-        """Return all stability intervals of the amplitude.
+    ) -> CriticalLoad: ...
 
-        Complete for independent modes that the mean force alone would buckle.  For others growth need not be concave in
-        the amplitude: with damping or tolerance unstable parts narrower than the ``resolution`` of the result may be
-        missed (docs/theory/ranges.md).  Other arguments as in `stable_mean_forces`.
+    @overload
+    def critical(
+        self,
+        quantity: Literal["noise"],
+        load: AnyLoad,
+        *,
+        mean: Any = None,
+        amplitude: Any = None,
+        frequency: Any = None,
+        growth_tolerance: float | None = None,
+        progress: Progress | None = None,
+    ) -> CriticalFactor: ...
+
+    @_loads_hints
+    def critical(
+        self,
+        quantity: Literal["mean", "amplitude", "noise"],
+        load: AnyLoad | None = None,
+        *,
+        mean: Any = None,
+        amplitude: Any = None,
+        frequency: Any = None,
+        growth_tolerance: float | None = None,
+        progress: Progress | None = None,
+    ) -> CriticalLoad | CriticalFactor:
+        """Return the smallest mean force or amplitude from 0 up at which a mode grows, or the largest stable noise.
+
+        Forces are in N; noise is a factor of that of the load, which for noise 1 is a density in N^2/Hz.
+
+        The search for a force goes outward from zero, up to 1.5 critical forces of the mean and one of the amplitude,
+        in the pieces of `RodStability.margin`, each with as many modes as it needs.  Infinite where nothing grows.
+        Where modes are coupled, or there is noise, or the amplitude is searched with damping or tolerance, loads are
+        sampled: an unstable band narrower than ``CriticalLoad.resolution`` may have been passed over, and
+        ``CriticalLoad.searched`` says how far was searched.
+
+        The factor of the noise has an ``error``, within which the verdict, and that of arrays, changes from stable to
+        unstable, mostly 1e-10 of it, and the ``mode`` that grows beyond; infinite where no change is found.  Where
+        modes are coupled the error is that of the modes a verdict takes, mostly a millionth; of a density that depends
+        on the frequency it is a lower bound.
 
         Parameters
         ----------
-        bounds : tuple of float, optional
-            Amplitudes between which to search, (low, high) in N; by default from 0 to one critical force.
+        quantity : "mean", "amplitude" or "noise"
+        load, mean, amplitude, frequency
+            As in `ranges`; for the noise a load that has some.
+        growth_tolerance : float, optional
+            Growth rate in 1/s up to which a mode counts as stable: by default that of `ranges`, and 0 for noise, under
+            which growth is that of second moments.
+        progress : callable, optional
+            Called with the numbers of parts of the search done and of all.  An exception that it raises ends the
+            search, with a note up to which force nothing grows.
+
+        Raises
+        ------
+        ValueError
+            For noise where the load has none, and where the rod is not stable without it.
+
+        Warns
+        -----
+        BucklingWarning
+            Where the result is 0.0 since the weight along the rod, with the mean force if an amplitude is searched,
+            buckles it without vibration.
+        UndecidedWarning
+            Where the result is 0.0 since it could not be decided whether the rod is stable at zero.
+
+        Examples
+        --------
+        Of a rod that is pulled high modes decide: 8 c E I m, c the damping rate, m the mass per length in motion.
+
+        >>> import floquetrod as fr
+        >>> rod = Rod.nitinol().replace(damping_rate=1.0)
+        >>> bound = 8.0 * rod.damping_rate * rod.flexural_rigidity * rod.mass_per_length
+        >>> round(rod.critical("noise", fr.AxialLoad(-1.0, 0.0, 150.0, noise=1.0)) / bound, 6)
+        1.0
+        >>> round(Rod.nitinol().critical("mean", fr.AxialLoad(0.0, 0.3, 150.0)), 6)
+        0.104749
         """
-        from floquetrod.rod.ranges import stable_values
-
-        others: dict[Quantity, float] = {"mean": mean, "frequency": frequency}
-        return stable_values(self.modes_under(like), "amplitude", others, bounds, growth_tolerance, progress)
-
-    def stable_frequencies(
-        self,
-        mean: float,
-        amplitude: float,
-        bounds: tuple[float, float],
-        *,
-        growth_tolerance: float = SLOW_GROWTH,
-        like: AnyLoad | None = None,
-        progress: Progress | None = None,
-    ) -> StabilityIntervals:
-        """Return all stability intervals of the frequency.
-
-        Complete where modes are independent, with damping and tolerance too: as 1 / omega^2 grows eigenvalues pass zero
-        in one direction only, so that counting finds every tongue, and inside one the growth per period is concave in
-        1 / omega^2 (docs/theory/ranges.md).  Other arguments as in `stable_mean_forces`.
-
-        Parameters
-        ----------
-        bounds : tuple of float
-            Frequencies between which to search, (low, high) in rad/s, the first greater than 0.
-        """
-        from floquetrod.rod.ranges import stable_values
-
-        others: dict[Quantity, float] = {"mean": mean, "amplitude": amplitude}
-        return stable_values(self.modes_under(like), "frequency", others, bounds, growth_tolerance, progress)
-
-    def critical_mean_force(
-        self,
-        amplitude: float,
-        frequency: float,
-        *,
-        growth_tolerance: float = SLOW_GROWTH,
-        like: AnyLoad | None = None,
-        progress: Progress | None = None,
-    ) -> CriticalLoad:
-        """Return the smallest mean force from 0 up, in N, at which a mode grows faster than ``growth_tolerance``.
-
-        Infinite where there is none up to 1.5 critical forces.  ``like`` as in `stable_mean_forces`.  0.0 with a
-        BucklingWarning where the weight along the rod alone buckles it, and with an UndecidedWarning where it could not
-        be decided whether it is stable at zero.
-
-        The search goes outward from zero in the pieces of `RodStability.margin`, each with as many modes as it needs.
-        Where modes are coupled, or there is noise, loads are sampled: an unstable band narrower than
-        ``CriticalLoad.resolution`` may have been passed over, and ``CriticalLoad.searched`` says how far was searched.
-
-        ``progress`` is called with the numbers of parts of the search done and of all.  An exception that it raises
-        ends the search, with a note up to which force nothing grows.
-        """
+        validate.choice("quantity", quantity, ("mean", "amplitude", "noise"))
+        if quantity == "noise":
+            template, numbers = replaced(require_noise("load", load), mean, amplitude, frequency)
+            noisy = template.with_numbers(**numbers)
+            tolerance = units.tolerance("growth_tolerance", 0.0 if growth_tolerance is None else growth_tolerance)
+            validate.progress(progress)
+            return self._modes_under(noisy).critical_noise(noisy, tolerance, progress)
         from floquetrod.rod.ranges import first_unstable
 
-        others: dict[Quantity, float] = {"amplitude": amplitude, "frequency": frequency}
-        return first_unstable(self.modes_under(like), "mean", others, growth_tolerance, progress)
+        template, others = replaced(load, mean, amplitude, frequency, quantity)
+        slow = SLOW_GROWTH if growth_tolerance is None else growth_tolerance
+        return first_unstable(self._modes_under(template), quantity, others, slow, progress)
 
-    def critical_amplitude(
-        self,
-        mean: float,
-        frequency: float,
-        *,
-        growth_tolerance: float = SLOW_GROWTH,
-        like: AnyLoad | None = None,
-        progress: Progress | None = None,
-    ) -> CriticalLoad:
-        """Return the smallest amplitude in N at which a mode grows faster than ``growth_tolerance``.
-
-        Infinite where there is none up to one critical force.  ``like`` as in `stable_mean_forces`.  0.0 with a
-        BucklingWarning where the weight along the rod, alone or with the mean force, buckles it without vibration.
-
-        Searched as `critical_mean_force` is; ``CriticalLoad.resolution`` is not zero for independent modes either where
-        damping or tolerance make `stable_amplitudes` state one.
-
-        ``progress`` as in `critical_mean_force`.
-        """
-        from floquetrod.rod.ranges import first_unstable
-
-        others: dict[Quantity, float] = {"mean": mean, "frequency": frequency}
-        return first_unstable(self.modes_under(like), "amplitude", others, growth_tolerance, progress)
-
+    @_loads_hints
     def is_stable(
         self,
-        mean: Any,
-        amplitude: Any,
-        frequency: Any,
+        load: AnyLoad | None = None,
         *,
+        mean: Any = None,
+        amplitude: Any = None,
+        frequency: Any = None,
         growth_tolerance: float = 0.0,
         criterion: FiniteTimeCriterion | None = None,
         friction: float | None = None,
         kick: float | None = None,
-        like: AnyLoad | None = None,
         workers: int | None = None,
         progress: Progress | None = None,
     ) -> Any:
-        """Return whether the rod is stable, over arrays of loads (N, N, rad/s) that broadcast, all relevant modes.
+        """Return whether the rod is stable under a load, or under arrays of loads, in all modes that matter.
 
-        A mode counts as stable up to ``growth_tolerance`` (1/s), or when it passes the ``criterion``.  With
-        ``friction`` and a ``kick`` (m/s): whether the kick destabilises no mode.  Loads that cannot be decided are
-        False, with an UndecidedWarning that counts them; `verdicts` shows which.  ``like`` (AxialLoad or AxialWave)
-        gives all other properties of the loads; by default a sine, uniform except for the weight along the rod.
-        ``progress`` is called repeatedly with the numbers of loads done and of all; an exception that it raises
-        ends the work.
+        Loads that cannot be decided are False, with an UndecidedWarning that counts them; `verdicts` shows which.
 
-        >>> Rod.nitinol().is_stable([0.34, 0.9], 0.34, 150.0)
-        array([False, False])
+        Parameters
+        ----------
+        load : AxialLoad, AxialWave or ForceRecord, optional
+            The template of all loads; by default a sine, uniform except for the weight along the rod.  Of a record
+            the load fitted to it, without its noise, which only `stability` counts; it needs a quantity below.
+        mean, amplitude, frequency : array_like, optional
+            In N, N and rad/s, or with units, in place of the load's own; without a load all three.  They broadcast.
+        growth_tolerance : float
+            Growth rate in 1/s up to which a mode counts as stable.
+        criterion : FiniteTimeCriterion, optional
+            The paper's test in place of stability for all time.
+        friction, kick : float, optional
+            As in `stability`: whether the kick destabilises no mode.
+        workers : int, optional
+            Threads; by default one for each core when there is enough to do.
+        progress : callable, optional
+            Called repeatedly with the numbers of loads done and of all; an exception that it raises ends the work.
+
+        Returns
+        -------
+        bool or ndarray
+            In the shape that the quantities broadcast to.
+
+        Examples
+        --------
+        >>> import floquetrod as fr
+        >>> rod, load = Rod.nitinol(), fr.AxialLoad(mean="0.34N", amplitude="0.34N", frequency="24Hz")
+        >>> rod.is_stable(load)
+        False
+        >>> rod.is_stable(load, amplitude=["0.01N", "0.34N"], frequency=[["24Hz"], ["40Hz"]], growth_tolerance=0.01)
+        array([[ True, False],
+               [ True,  True]])
+        >>> rod.is_stable(mean=0.34, amplitude=0.01, frequency="24Hz", growth_tolerance=0.01)
+        True
         """
-        found = self.verdicts(
-            mean,
-            amplitude,
-            frequency,
+        codes = self.verdicts(
+            load,
+            mean=mean,
+            amplitude=amplitude,
+            frequency=frequency,
             growth_tolerance=growth_tolerance,
             criterion=criterion,
             friction=friction,
             kick=kick,
-            like=like,
             workers=workers,
             progress=progress,
         )
         what = "loads could not be decided and count as not stable"
-        return are("stable", found, what, "Rod.verdicts shows which, Rod.stability of one says why")
+        return are("stable", codes, what, "Rod.verdicts shows which, Rod.stability of one says why")
 
+    @_loads_hints
     def verdicts(
         self,
-        mean: Any,
-        amplitude: Any,
-        frequency: Any,
+        load: AnyLoad | None = None,
         *,
+        mean: Any = None,
+        amplitude: Any = None,
+        frequency: Any = None,
         growth_tolerance: float = 0.0,
         criterion: FiniteTimeCriterion | None = None,
         friction: float | None = None,
         kick: float | None = None,
-        like: AnyLoad | None = None,
         workers: int | None = None,
         progress: Progress | None = None,
     ) -> Any:
@@ -674,48 +739,53 @@ class Rod(RodData):
 
         Arguments as in `is_stable`.  Undecided are some kicks against friction, and coupled modes on a boundary.
 
-        >>> Rod.nitinol().verdicts([0.2, 0.72], 1.187, 150.0, friction=0.1, kick=0.05)
+        >>> Rod.nitinol().verdicts(mean=[0.2, 0.72], amplitude=1.187, frequency=150.0, friction=0.1, kick="50mm/s")
         array([1, 0], dtype=int8)
         """
-        numbers = mean, amplitude, frequency
+        require_no_record(load, (mean, amplitude, frequency))
+        template, numbers = replaced(load, mean, amplitude, frequency)
         return verdicts.statuses(
-            self.modes_under(like), numbers, growth_tolerance, criterion, friction, kick, workers, progress
+            self._modes_under(template),
+            tuple(numbers[name] for name in QUANTITIES),
+            growth_tolerance,
+            criterion,
+            friction,
+            kick,
+            workers,
+            progress,
         )
 
+    @_loads_hints
     def growth_rate(
         self,
-        mean: Any,
-        amplitude: Any,
-        frequency: Any,
+        load: AnyLoad | None = None,
         *,
-        like: AnyLoad | None = None,
+        mean: Any = None,
+        amplitude: Any = None,
+        frequency: Any = None,
+        return_mode: bool = False,
         workers: int | None = None,
         progress: Progress | None = None,
     ) -> Any:
-        """Return the growth rate in 1/s of the fastest mode over arrays of loads; 0 where stable.
+        """Return the growth rate in 1/s of the fastest mode under a load, or under arrays of loads; 0 where stable.
 
-        NaN where it cannot be computed: of coupled modes under loads far too slow or too strong for doubles.
-        ``progress`` as in `is_stable`.
-        """
-        return self.fastest(mean, amplitude, frequency, like=like, workers=workers, progress=progress)[0]
+        NaN where it cannot be computed: of coupled modes under loads far too slow or too strong for doubles.  With
+        ``return_mode`` also the number of that mode: 0 where nothing grows, and -1 where modes are coupled and it has
+        none, whose names `stability` knows.  Other arguments as in `is_stable`.
 
-    def fastest(
-        self,
-        mean: Any,
-        amplitude: Any,
-        frequency: Any,
-        *,
-        like: AnyLoad | None = None,
-        workers: int | None = None,
-        progress: Progress | None = None,
-    ) -> tuple[Any, Any]:
-        """Return the growth rate in 1/s and the number of the fastest mode over arrays of loads; 0, 0 where stable.
-
-        Where modes are coupled their number is -1: `stability` names them.  ``progress`` as in `is_stable`.
+        >>> rod = Rod.nitinol()
+        >>> growth, mode = rod.growth_rate(mean=[0.34, 0.6], amplitude=0.34, frequency=150.0, return_mode=True)
+        >>> growth.round(3), mode
+        (array([4.241, 0.268]), array([ 7, 11]))
         """
         validate.progress(progress)
-        loads = Loads.of(mean, amplitude, frequency)
-        growth, mode = self.modes_under(like).fastest(loads, workers, progress)
+        return_mode = validate.flag("return_mode", return_mode)
+        require_no_record(load, (mean, amplitude, frequency))
+        template, numbers = replaced(load, mean, amplitude, frequency)
+        loads = Loads.of(**numbers)
+        growth, mode = self._modes_under(template).fastest(loads, workers, progress)
+        if not return_mode:
+            return shaped(growth, loads.shape)
         return shaped(growth, loads.shape), shaped(mode, loads.shape)
 
     # --- after the onset ---
@@ -761,7 +831,7 @@ class Rod(RodData):
         """
         from floquetrod.rod import motion
 
-        return motion.steady_motion(self.modes_under(require_load("load", load)), load, mode, indentation)
+        return motion.steady_motion(self._modes_under(require_load("load", load)), load, mode, indentation)
 
     def follow(
         self,
@@ -832,7 +902,7 @@ class Rod(RodData):
 
         if isinstance(load, RodBranches):
             return branches.resumed(self, load, over, (mode, all_modes), indentation, steps, longest, progress)
-        model = self.modes_under(require_load("load", load))
+        model = self._modes_under(require_load("load", load))
         return branches.branches(model, load, over, (mode, all_modes), indentation, steps, longest, progress)
 
     def safe_kick(self, load: AnyLoad, *, indentation: float = 1e-4) -> SafeKick:
@@ -868,57 +938,19 @@ class Rod(RodData):
         """
         from floquetrod.rod import kicked_motion
 
-        return kicked_motion.safe_kick(self.modes_under(require_load("load", load)), load, indentation)
-
-    def critical_noise(
-        self, load: AnyLoad, *, growth_tolerance: float = 0.0, progress: Progress | None = None
-    ) -> CriticalFactor:
-        """Return the factor by which the noise of a load may be multiplied with the rod still stable in mean square.
-
-        Of noise 1 that is the largest density in N^2/Hz.  It is a number that knows its ``error``, within which the
-        verdict, and that of arrays, changes from stable to unstable, mostly 1e-10 of it, and the ``mode`` that grows
-        beyond; infinite where no change is found.  Where modes are coupled the error is that of the modes a verdict
-        takes, mostly a millionth; of a density that depends on the frequency a lower bound.
-
-        Parameters
-        ----------
-        load : AxialLoad
-            With noise.
-        growth_tolerance : float
-            Growth of second moments in 1/s up to which a mode counts as stable.
-        progress : callable, optional
-            Called with the numbers of parts of the search done and of all that are known of.
-
-        Raises
-        ------
-        ValueError
-            For a load without noise, and where the rod is not stable without it.
-
-        Examples
-        --------
-        Of a rod that is pulled high modes decide: 8 c E I m, c the damping rate, m the mass per length in motion.
-
-        >>> import floquetrod as fr
-        >>> rod = Rod.nitinol().replace(damping_rate=1.0)
-        >>> bound = 8.0 * rod.damping_rate * rod.flexural_rigidity * rod.mass_per_length
-        >>> round(rod.critical_noise(fr.AxialLoad(-1.0, 0.0, 150.0, noise=1.0)) / bound, 6)
-        1.0
-        """
-        found, tolerance = require_noise("load", load), units.tolerance("growth_tolerance", growth_tolerance)
-        validate.progress(progress)
-        return self.modes_under(found).critical_noise(found, tolerance, progress)
+        return kicked_motion.safe_kick(self._modes_under(require_load("load", load)), load, indentation)
 
     # --- proofs ---
 
     def certify(
         self,
-        mean: Any,
-        amplitude: Any,
-        frequency: Any,
+        load: AnyLoad | None = None,
         *,
+        mean: Any = None,
+        amplitude: Any = None,
+        frequency: Any = None,
         growth_tolerance: float = SLOW_GROWTH,
         rod: Mapping[str, Any] | None = None,
-        like: AnyLoad | None = None,
         max_boxes: int = MAX_BOXES,
         progress: Progress | None = None,
     ) -> RegionProof:
@@ -929,21 +961,21 @@ class Rod(RodData):
 
         Parameters
         ----------
-        mean : float or (low, high)
-            F_ave in N: a number, or both ends of its range.
-        amplitude : float or (low, high)
-            dF in N, 0 or more: a number, or both ends of its range.
-        frequency : float or (low, high)
-            omega in rad/s, greater than 0: a number, or both ends of its range.
+        load : AxialLoad, optional
+            Gives the quantities that are not named below, and all other properties: ``AxialLoad(0.3, 0.3, 150.0,
+            mean_at=None)`` neglects the weight along an inclined rod.  By default a sine, and all three are named.
+        mean : float or (low, high), optional
+            F_ave in N or with a unit: a number, or both ends of its range.
+        amplitude : float or (low, high), optional
+            dF in N or with a unit, 0 or more: a number, or both ends of its range.
+        frequency : float or (low, high), optional
+            omega in rad/s or with a unit, greater than 0: a number, or both ends of its range.
         growth_tolerance : float
             Growth rate in 1/s up to which a mode counts as stable.  Without damping no box of positive size can be
             proved stable with 0: thin tongues are everywhere.
         rod : mapping, optional
             Parameters of the rod that vary, by name, each a number or (low, high) in SI units:
             ``{"length": (3.05, 3.15)}``; diameters may be given in place of radii.
-        like : AxialLoad, optional
-            Gives all other properties of the load: ``AxialLoad(0, 0, 1, mean_at=None)`` neglects the weight
-            along an inclined rod.
         max_boxes : int
             Parts of the box to examine before it is given up.
         progress : callable, optional
@@ -966,16 +998,21 @@ class Rod(RodData):
 
         Examples
         --------
+        >>> import floquetrod as fr
         >>> rod = Rod.nitinol().replace(damping_rate=0.5)
+        >>> load = fr.AxialLoad(mean=0.577, amplitude=0.339, frequency=150.0)
+        >>> rod.certify(load, mean=(0.56, 0.59), amplitude=("0.32N", "0.35N")).status
+        'stable'
         >>> rod.certify(mean=(0.56, 0.59), amplitude=(0.32, 0.35), frequency=(149.0, 151.0)).status
         'stable'
         """
-        sides = mean, amplitude, frequency
-        return self.modes_under(like).certify(sides, growth_tolerance, rod, max_boxes, progress)
+        template, numbers = replaced(load, mean, amplitude, frequency)
+        sides = numbers["mean"], numbers["amplitude"], numbers["frequency"]
+        return self._modes_under(template).certify(sides, growth_tolerance, rod, max_boxes, progress)
 
     def largest_safe_box(
         self,
-        around: AnyLoad,
+        load: AnyLoad,
         *,
         vary: Iterable[Quantity] = QUANTITIES,
         growth_tolerance: float = SLOW_GROWTH,
@@ -991,7 +1028,7 @@ class Rod(RodData):
 
         Parameters
         ----------
-        around : AxialLoad
+        load : AxialLoad
             The working point.
         vary : iterable of "mean", "amplitude", "frequency"
             Quantities that may vary.
@@ -1019,7 +1056,7 @@ class Rod(RodData):
         """
         from floquetrod.rod.answers.safe_box import largest_safe_box
 
-        load = require_load("around", around)
-        judge = partial(self.modes_under(load).verdict, load, None)
-        self.modes_under(load).require("largest_safe_box")
+        load = require_load("load", load)
+        judge = partial(self._modes_under(load).verdict, load, None)
+        self._modes_under(load).require("largest_safe_box")
         return largest_safe_box(self, load, judge, vary, growth_tolerance, rod, accuracy, progress)

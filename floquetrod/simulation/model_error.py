@@ -55,7 +55,7 @@ def model_errors(
     if isinstance(load, AxialLoad) and rod.wave_ratio(load) > UNIFORM_UP_TO:
         # What an AxialLoad does to a rod of this length.
         load = with_waves(load)
-    modes = rod.modes_under(load).showing(load, mode, 0.25 * rate)
+    modes = rod._modes_under(load).showing(load, mode, 0.25 * rate)
 
     def growth(*, bending: float = 1.0, force: float = 1.0, weight: float = 1.0) -> float:
         pushed = load.with_numbers(force * load.mean, force * load.amplitude, load.frequency)

@@ -641,7 +641,7 @@ class Simulation(Reported, RecordedMotion):
         driven = (problem.feed_speed, problem.far_force, problem.tool)
         if problem.wall_friction.largest > 0.0 or any(each is not None for each in driven):
             return (0.0,) * len(modes)
-        return self.rod.modes_under(load).growth_of_modes(load, modes)
+        return self.rod._modes_under(load).growth_of_modes(load, modes)
 
     def save(self, path: str | Path) -> Path:
         """Write everything to an npz file; an older file of that name is kept until the new one is complete."""

@@ -146,7 +146,9 @@ KINDS: dict[str, Kind] = {
         q.of_rod("stability", ".margin('frequency')"), answers.margin, 30, 1e-8, 1e-3, EDGE
     ),
     "rod: over loads": Kind(q.over_loads("verdicts", "is_stable"), answers.statuses, 30, cheap=True),
-    "rod: growth over loads": Kind(q.over_loads("growth_rate", "fastest"), answers.plain, 30, 1e-7, 1e-6, STATED),
+    "rod: growth over loads": Kind(
+        q.over_loads("growth_rate", "growth_rate return_mode"), answers.plain, 30, 1e-7, 1e-6, STATED
+    ),
     "coupled rod": Kind(q.of_coupled("stability"), answers.rod, 240),
     "coupled rod: required damping": Kind(
         q.of_coupled("stability", ".damping_to_stabilise"), answers.plain, 20, 1e-8, 1e-6, "found to ten digits"
@@ -154,8 +156,8 @@ KINDS: dict[str, Kind] = {
     "coupled rod: margin": Kind(
         q.of_coupled("stability", ".margin('mean', seconds=0.2)", 2), answers.margin, 10, 1e-8, 1e-3, EDGE
     ),
-    "coupled rod: over loads": Kind(q.over_loads("verdicts", like=True), answers.statuses, 8),
-    "coupled rod: growth over loads": Kind(q.over_loads("growth_rate", like=True), answers.plain, 8, 1e-7, 1e-3, DEEP),
+    "coupled rod: over loads": Kind(q.over_loads("verdicts", waves=True), answers.statuses, 8),
+    "coupled rod: growth over loads": Kind(q.over_loads("growth_rate", waves=True), answers.plain, 8, 1e-7, 1e-3, DEEP),
     "ranges": Kind(q.along, answers.ranges, 60, 1e-8, 0.0, EDGE),
     "ranges of coupled modes": Kind(lambda rng, i: q.along(rng, i, True), answers.ranges, 3, 1e-7, 0.0, EDGE),
     "critical load": Kind(q.critical, answers.plain, 40, 1e-8, 0.0, EDGE),

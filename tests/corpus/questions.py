@@ -222,16 +222,17 @@ def of_coupled(method: str, after: str = "", step: int = 1, **named: Any) -> Cal
     return draw
 
 
-def over_loads(*methods: str, like: bool = False) -> Callable[[Rng, int], Code]:
-    """Return a drawing of methods of a rod over arrays of loads, of coupled modes where loads are like a wave."""
+def over_loads(*methods: str, waves: bool = False) -> Callable[[Rng, int], Code]:
+    """Return a drawing of methods of a rod, with flags after a space, over loads, or waves, which couple the modes."""
 
     def draw(rng: Rng, i: int) -> Code:
-        method = methods[i % len(methods)]
-        if not like:
+        method, *flags = methods[i % len(methods)].split()
+        more = dict.fromkeys(flags, True)
+        if not waves:
             found = rod(rng)
-            return call(f"{as_code(found)}.{method}", **numbers(rng, found, 15))
+            return call(f"{as_code(found)}.{method}", **numbers(rng, found, 15), **more)
         found, wave = coupled(rng, 5 * (i // len(methods)) + 2)
-        return call(f"{as_code(found)}.{method}", **numbers(rng, found, 8), like=wave)
+        return call(f"{as_code(found)}.{method}", wave, **numbers(rng, found, 8), **more)
 
     return draw
 
@@ -241,21 +242,20 @@ def along(rng: Rng, i: int, coupled_modes: bool = False) -> str:
     found = coupled(rng, 5 * i)[0] if coupled_modes else rod(rng, (1.5, 8.0))
     load = numbers(rng, found)
     vary = ("mean", "amplitude", "frequency")[i % 3]
-    method = {"mean": "stable_mean_forces", "amplitude": "stable_amplitudes", "frequency": "stable_frequencies"}[vary]
     bounds = {"mean": (0.0, found.critical_force), "amplitude": (0.0, 0.5 * found.critical_force)}
     centre = load.pop(vary)
     span = bounds.get(vary, (0.7 * centre, 1.4 * centre))
     named = {"growth_tolerance": 0.01 * found.pendulum_frequency}
-    return call(f"{as_code(found)}.{method}", **load, bounds=tuple(map(float, span)), **named)
+    return call(f"{as_code(found)}.ranges", vary, **load, bounds=tuple(map(float, span)), **named)
 
 
 def critical(rng: Rng, i: int) -> str:
     """Return a question for the least mean force or amplitude at which a rod grows."""
     found = rod(rng, (1.5, 8.0))
     load = numbers(rng, found)
-    del load[("mean", "amplitude")[i % 2]]
-    method = ("critical_mean_force", "critical_amplitude")[i % 2]
-    return call(f"{as_code(found)}.{method}", **load, growth_tolerance=0.01 * found.pendulum_frequency)
+    quantity = ("mean", "amplitude")[i % 2]
+    del load[quantity]
+    return call(f"{as_code(found)}.critical", quantity, **load, growth_tolerance=0.01 * found.pendulum_frequency)
 
 
 def kick(rng: Rng, i: int) -> str:
@@ -270,7 +270,7 @@ def kick(rng: Rng, i: int) -> str:
 def critical_kick(rng: Rng, i: int) -> str:
     """Return a question for the smallest kicks that buckle a rod under some loads."""
     found = rod(rng, (1.5, 6.0))
-    return call(f"{as_code(found)}.critical_kicks", **numbers(rng, found, 3), friction=float(rng.uniform(0.02, 0.3)))
+    return call(f"{as_code(found)}.critical_kick", **numbers(rng, found, 3), friction=float(rng.uniform(0.02, 0.3)))
 
 
 def with_friction(rng: Rng) -> tuple[float, float, float, float]:
@@ -373,7 +373,7 @@ def of_section(rng: Rng, i: int) -> str:
     found, wave = coupled(rng, 5 * i + 2)
     mu, rod_code = short(float(rng.uniform(0.1, 0.5))), as_code(found)
     asked = (
-        f"{{name: b.force for name, b in {rod_code}.critical_forces().items()}}",
+        f"{{name: b.force for name, b in {rod_code}.critical_forces.items()}}",
         f"{rod_code}.lock_up({mu}).length",
         f"{rod_code}.lock_up({mu}, 1.0).force(10.0)",
         f"{rod_code}.natural_frequency([1, 2, 3])",

@@ -87,7 +87,12 @@ def interface() -> dict[str, str]:
             table |= _of(f"floquetrod.{path}.{name}", getattr(module, name))
     rod = fr.Rod.nitinol()
     load = fr.AxialLoad(0.34, 0.34, 150.0)
-    known = {"fr": fr, "ROD": rod, "LOAD": load, "RANGES": rod.stable_frequencies(0.34, 0.34, (100.0, 160.0))}
+    known = {
+        "fr": fr,
+        "ROD": rod,
+        "LOAD": load,
+        "RANGES": rod.ranges("frequency", mean=0.34, amplitude=0.34, bounds=(100.0, 160.0)),
+    }
     for name, question in RESULTS.items():
         table |= _of(f"result {name}", type(eval(question, known)))
     return dict(sorted(table.items()))

@@ -143,8 +143,6 @@ LEFT_OUT = {
     **{f"{kind}.varied": "for searches, whose arguments are checked there" for kind in ("AxialLoad", "AxialWave")},
     **{f"{kind}.kind_as_dict": "takes no argument" for kind in ("AxialLoad", "AxialWave")},
     **{f"{kind}.with_numbers": "for searches" for kind in ("AxialLoad", "AxialWave")},
-    "CoupledRodStability": "another name of RodStability",
-    "Rod.critical_forces": "takes no argument",
     "Rod.nitinol": "takes no argument",
     "Chart.to_xarray": "takes no argument",
     "Simulation.animate": "takes no argument",
@@ -277,7 +275,7 @@ def table() -> dict[str, Call]:
         | _of_milling()
     )
     criterion = fr.FiniteTimeCriterion()
-    ranges, verdict = ROD.stable_mean_forces(0.34, 150.0, growth_tolerance=0.1), ROD.stability(LOAD)
+    ranges, verdict = ROD.ranges("mean", amplitude=0.34, frequency=150.0, growth_tolerance=0.1), ROD.stability(LOAD)
     handed = {
         "reach": None,
         "motion": None,
@@ -322,10 +320,11 @@ def table() -> dict[str, Call]:
             CLAMPED.stability(TRAVELLING, range(1, 9)).time_to_grow, {"factor": 10.0}
         ),
         "Rod.certify": Call(
-            QUIET.certify, {**SAFE, "growth_tolerance": 0.1, "rod": {"length": (3.09, 3.1)}, "max_boxes": 500}
+            QUIET.certify,
+            {"load": SAFE_LOAD, **SAFE, "growth_tolerance": 0.1, "rod": {"length": (3.09, 3.1)}, "max_boxes": 500},
         ),
         "Rod.largest_safe_box": Call(
-            QUIET.largest_safe_box, {"around": SAFE_LOAD, "vary": ("mean",), "growth_tolerance": 0.1, "accuracy": 0.1}
+            QUIET.largest_safe_box, {"load": SAFE_LOAD, "vary": ("mean",), "growth_tolerance": 0.1, "accuracy": 0.1}
         ),
         "SafeBox.table": Call(safe.table, {"mean": "Fcr"}),
         "SafeBox.in_units": Call(safe.in_units, {"mean": "Fcr"}),
@@ -529,10 +528,9 @@ def _of_rods(place: Path) -> dict[str, Call]:
         "Rod.replace": Call(ROD.replace, {"length": 3.0, "damping_rate": 1.0}),
         "Rod.wavenumber": Call(ROD.wavenumber, {"mode": 3}),
         "Rod.natural_frequency": Call(ROD.natural_frequency, {"mode": 3}),
-        "Rod.modes_under": Call(ROD.modes_under, {"like": LOAD}),
         "Rod.modal_system": Call(ROD.modal_system, {"load": LOAD, "modes": [1, 2]}),
         "Rod.wave_ratio": Call(ROD.wave_ratio, {"load": LOAD}),
-        "Rod.modal_systems": Call(ROD.modal_systems, {**load, "like": LOAD}),
+        "Rod.modal_system (arrays)": Call(ROD.modal_system, {"load": LOAD, **load}),
         "Rod.stress": Call(ROD.stress, {"load": TRAVELLING}),
         "Rod.axial_response": Call(ROD.axial_response, {"load": TRAVELLING}),
         "Rod.modes_needed": Call(ROD.modes_needed, {"load": LOAD, **tolerance}),
@@ -544,28 +542,57 @@ def _of_rods(place: Path) -> dict[str, Call]:
         "Rod.follow": Call(ROD.replace(damping_rate=3.0, length=1.2).follow, _FOLLOWED),
         "Rod.steady_motion": Call(ROD.steady_motion, {"load": LOAD, "mode": 2, "indentation": 1e-4}),
         "Rod.critical_kick": Call(ROD.critical_kick, {"load": LOAD, **mu, **tolerance}),
-        "Rod.critical_kicks": Call(ROD.critical_kicks, {**load, **mu, **tolerance, "like": LOAD, "workers": 1}),
-        "Rod.stable_mean_forces": Call(
-            ROD.stable_mean_forces,
-            {"amplitude": 0.34, "frequency": 150.0, "bounds": (0.1, 1.7), "progress": None, **tolerance},
+        "Rod.critical_kick (arrays)": Call(ROD.critical_kick, {"load": LOAD, **load, **mu, **tolerance, "workers": 1}),
+        "Rod.ranges": Call(
+            ROD.ranges,
+            {
+                "quantity": "mean",
+                "load": LOAD,
+                "amplitude": 0.34,
+                "frequency": 150.0,
+                "bounds": (0.1, 1.7),
+                "progress": None,
+                **tolerance,
+            },
         ),
-        "Rod.stable_amplitudes": Call(
-            ROD.stable_amplitudes,
-            {"mean": 0.34, "frequency": 150.0, "bounds": (0.1, 1.7), "progress": None, **tolerance},
+        "Rod.ranges (amplitude)": Call(
+            ROD.ranges,
+            {
+                "quantity": "amplitude",
+                "mean": 0.34,
+                "frequency": 150.0,
+                "bounds": (0.1, 1.7),
+                "progress": None,
+                **tolerance,
+            },
         ),
-        "Rod.stable_frequencies": Call(
-            ROD.stable_frequencies,
-            {"mean": 0.34, "amplitude": 0.34, "bounds": (100.0, 150.0), "progress": None, **tolerance},
+        "Rod.ranges (frequency)": Call(
+            ROD.ranges,
+            {
+                "quantity": "frequency",
+                "mean": 0.34,
+                "amplitude": 0.34,
+                "bounds": (100.0, 150.0),
+                "progress": None,
+                **tolerance,
+            },
         ),
-        "Rod.critical_noise": Call(
-            QUIET.critical_noise, {"load": fr.AxialLoad(-1.0, 0.0, 150.0, noise=1.0), "progress": None, **tolerance}
+        "Rod.critical (noise)": Call(
+            QUIET.critical,
+            {"quantity": "noise", "load": fr.AxialLoad(-1.0, 0.0, 150.0, noise=1.0), "progress": None, **tolerance},
         ),
-        "Rod.critical_mean_force": Call(ROD.critical_mean_force, {"amplitude": 0.34, "frequency": 150.0, **tolerance}),
-        "Rod.critical_amplitude": Call(ROD.critical_amplitude, {"mean": 0.34, "frequency": 150.0, **tolerance}),
-        "Rod.is_stable": Call(ROD.is_stable, {**load, **tolerance, **judged, "like": LOAD}),
-        "Rod.verdicts": Call(ROD.verdicts, {**load, **tolerance, **judged, "like": LOAD}),
-        "Rod.growth_rate": Call(ROD.growth_rate, {**load, "like": LOAD, "workers": 1, "progress": None}),
-        "Rod.fastest": Call(ROD.fastest, {**load, "like": LOAD, "workers": 1, "progress": None}),
+        "Rod.critical": Call(
+            ROD.critical,
+            {"quantity": "mean", "load": LOAD, "amplitude": 0.34, "frequency": 150.0, "progress": None, **tolerance},
+        ),
+        "Rod.critical (amplitude)": Call(
+            ROD.critical, {"quantity": "amplitude", "mean": 0.34, "frequency": 150.0, **tolerance}
+        ),
+        "Rod.is_stable": Call(ROD.is_stable, {**load, **tolerance, **judged, "load": LOAD}),
+        "Rod.verdicts": Call(ROD.verdicts, {**load, **tolerance, **judged, "load": LOAD}),
+        "Rod.growth_rate": Call(
+            ROD.growth_rate, {**load, "return_mode": True, "load": LOAD, "workers": 1, "progress": None}
+        ),
         "Explorer": Call(fr.Explorer, {"rod": ROD, "load": LOAD}),
         "simulate": Call(fr.simulate, {"rod": ROD, "load": LOAD, **run, "checkpoint": None}),
         "ensemble": Call(
@@ -580,6 +607,7 @@ def _of_rods(place: Path) -> dict[str, Call]:
             fr.stability_map,
             {
                 "rod": ROD,
+                "load": LOAD,
                 "mean": (0.1, 0.5, 3),
                 "amplitude": 0.3,
                 "frequency": (100.0, 150.0, 4),
@@ -595,19 +623,19 @@ def _of_rods(place: Path) -> dict[str, Call]:
 
 def _of_coupled_rods() -> dict[str, Call]:
     """Return calls about a rod whose modes are coupled, by the method's name and what is special."""
-    tolerance = {"growth_tolerance": 0.1, "like": TRAVELLING}
+    tolerance = {"growth_tolerance": 0.1, "load": TRAVELLING}
     found = {
         "stability": {"load": TRAVELLING, "modes": range(1, 9), "growth_tolerance": 0.1},
         "modal_system": {"load": TRAVELLING, "modes": [1, 2]},
         "modes_needed": {"load": TRAVELLING, "growth_tolerance": 0.1},
         "is_stable": {**PUSH, **tolerance, "workers": 1},
         "verdicts": {**PUSH, **tolerance, "workers": 1},
-        "growth_rate": {**PUSH, "like": TRAVELLING, "workers": 1},
-        "fastest": {**PUSH, "like": TRAVELLING, "workers": 1},
-        "critical_mean_force": {"amplitude": 700.0, "frequency": 29.0, **tolerance},
-        "critical_amplitude": {"mean": 500.0, "frequency": 29.0, **tolerance},
+        "growth_rate": {**PUSH, "load": TRAVELLING, "return_mode": True, "workers": 1},
+        "critical": {"quantity": "mean", "amplitude": 700.0, "frequency": 29.0, **tolerance},
     }
-    return {f"Rod.{name} (coupled)": Call(getattr(CLAMPED, name), arguments) for name, arguments in found.items()}
+    calls = {f"Rod.{name} (coupled)": Call(getattr(CLAMPED, name), arguments) for name, arguments in found.items()}
+    amplitude = {"quantity": "amplitude", "mean": 500.0, "frequency": 29.0, **tolerance}
+    return calls | {"Rod.critical (coupled, amplitude)": Call(CLAMPED.critical, amplitude)}
 
 
 def _of_mathieu() -> dict[str, Call]:

@@ -137,14 +137,16 @@ LONG: dict[str, Callable[[], Any]] = {
     ),
     "friction.fates": lambda: fr.friction.fates(1.0, 0.3, 1.0, np.linspace(0.5, 3.0, 2_000_000)),
     "mathieu.chart": lambda: fr.mathieu.chart((0.0, 5.0, 4000), (-4.0, 1.0, 4000), growth=True),
-    "critical_kicks": lambda: ROD.critical_kicks(
-        np.linspace(0.1, 1.6, 300), np.linspace(0.1, 1.2, 300)[:, None], 150.0, friction=0.1
+    "critical_kick": lambda: ROD.critical_kick(
+        mean=np.linspace(0.1, 1.6, 300), amplitude=np.linspace(0.1, 1.2, 300)[:, None], frequency=150.0, friction=0.1
     ),
     "chart": lambda: fr.chart(oscillators, {"omega": (0.5, 5.0, 2000), "epsilon": (0.0, 0.5, 2000)}),
     "systems.is_stable": lambda: fr.systems.is_stable(
         fr.HillSystem(np.eye(8), [0.1 * np.ones((8, 8))], period=np.linspace(1.0, 9.0, 200_000))
     ),
-    "coupled loads": lambda: CLAMPED.is_stable(np.linspace(0.1, 0.2, 3_000_000) * CLAMPED.critical_force, 100.0, 20.0),
+    "coupled loads": lambda: CLAMPED.is_stable(
+        mean=np.linspace(0.1, 0.2, 3_000_000) * CLAMPED.critical_force, amplitude=100.0, frequency=20.0
+    ),
     "compare": lambda: [fr.compare(fr.Mathieu(0.5, -0.25 - 1e-6 * k)) for k in range(10_000)],
     "stability": lambda: [ROD.stability(LOAD) for _ in range(10_000)],
     "simulate": lambda: _whole(fr.simulate(ROD, LOAD, duration=1000.0, segments=100)),
@@ -221,7 +223,7 @@ def values() -> dict[str, Any]:
         "Comparison": fr.compare(fr.Mathieu(0.5, -0.25)),
         "RodStability": ROD.stability(LOAD),
         "FrictionalRodStability": ROD.stability(LOAD, friction=0.1, kick=0.05),
-        "StabilityIntervals": ROD.stable_mean_forces(0.34, 150.0, growth_tolerance=0.1),
+        "StabilityIntervals": ROD.ranges("mean", amplitude=0.34, frequency=150.0, growth_tolerance=0.1),
         "InstabilityProbability": fr.probability_of_instability(ROD, LOAD, {"mean": (0.3, 0.4)}, samples=100, seed=1),
         "Margin": ROD.stability(LOAD, growth_tolerance=0.1).mean_force_margin,
         "Chart": fr.mathieu.chart((0.0, 1.0, 5), (-1.0, 0.0, 4), growth=True),

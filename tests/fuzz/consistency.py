@@ -65,9 +65,11 @@ def _ranges(q: rods.Question, rng: np.random.Generator) -> Iterator[str]:
     tail = {"growth_tolerance": q.tolerance}
     with limit():
         found = {
-            "mean": rod.stable_mean_forces(q.amplitude, q.frequency, (0.0, 1.2 * unit), **tail),
-            "amplitude": rod.stable_amplitudes(q.mean, q.frequency, (0.0, unit), **tail),
-            "frequency": rod.stable_frequencies(q.mean, q.amplitude, (0.6 * q.frequency, 1.6 * q.frequency), **tail),
+            "mean": rod.ranges("mean", amplitude=q.amplitude, frequency=q.frequency, bounds=(0.0, 1.2 * unit), **tail),
+            "amplitude": rod.ranges("amplitude", mean=q.mean, frequency=q.frequency, bounds=(0.0, unit), **tail),
+            "frequency": rod.ranges(
+                "frequency", mean=q.mean, amplitude=q.amplitude, bounds=(0.6 * q.frequency, 1.6 * q.frequency), **tail
+            ),
         }
     for varied, ranges in found.items():
         values, inside = _beside(ranges, rng)
@@ -75,8 +77,14 @@ def _ranges(q: rods.Question, rng: np.random.Generator) -> Iterator[str]:
             yield from _verdicts(q, varied, values, inside)
     with limit():
         critical = {
-            "mean": (rod.critical_mean_force(q.amplitude, q.frequency, growth_tolerance=q.tolerance), 1.5 * unit),
-            "amplitude": (rod.critical_amplitude(q.mean, q.frequency, growth_tolerance=q.tolerance), unit),
+            "mean": (
+                rod.critical("mean", amplitude=q.amplitude, frequency=q.frequency, growth_tolerance=q.tolerance),
+                1.5 * unit,
+            ),
+            "amplitude": (
+                rod.critical("amplitude", mean=q.mean, frequency=q.frequency, growth_tolerance=q.tolerance),
+                unit,
+            ),
         }
     for varied, (value, upto) in critical.items():
         firsts = _first_ends(found[varied], functools.partial(_negligible, q, varied))
@@ -127,7 +135,7 @@ def _verdicts(q: rods.Question, varied: str, values: NDArray[np.float64], inside
     load = _load(q, **{varied: values})
     with limit():
         arrays = q.rod.is_stable(**load, growth_tolerance=q.tolerance)
-        rate, mode = q.rod.fastest(**load)
+        rate, mode = q.rod.growth_rate(**load, return_mode=True)
         other = "frequency" if varied != "frequency" else "mean"
         pair = np.array([load[other], load[other] * 1.5 + q.rod.critical_force * (load[other] <= 0.0)])
         order = np.sort(pair)
@@ -224,10 +232,12 @@ def _terminal(q: rods.Question) -> Iterator[str]:
     asked = f"--frequency={bounds[0]!r}:{bounds[1]!r}"
     with limit():
         record = _json(["ranges", *rod, load["mean"], load["amplitude"], asked])
-        ranges = q.rod.stable_frequencies(q.mean, q.amplitude, bounds, growth_tolerance=q.tolerance)
+        ranges = q.rod.ranges(
+            "frequency", mean=q.mean, amplitude=q.amplitude, bounds=bounds, growth_tolerance=q.tolerance
+        )
     ends = [(part["low_rad_per_s"], part["high_rad_per_s"]) for part in record["stable"]]
     if not np.allclose(ends, [part[:2] for part in ranges], rtol=1e-12, atol=0.0):
-        yield f"ranges prints {ends}, stable_frequencies has {list(ranges)}"
+        yield f"ranges prints {ends}, Rod.ranges has {list(ranges)}"
     out = folder() / "consistent.npz"
     mean = f"--mean=0:{q.rod.critical_force!r}"
     with limit():
@@ -235,7 +245,9 @@ def _terminal(q: rods.Question) -> Iterator[str]:
         chart = fr.Chart.load(out)
         grid = {"mean": chart.y.values[:, None], "frequency": chart.x.values}
         scale = q.rod.critical_force / chart.y.values[-1]
-        stable = q.rod.is_stable(grid["mean"] * scale, q.amplitude, grid["frequency"], growth_tolerance=q.tolerance)
+        stable = q.rod.is_stable(
+            mean=grid["mean"] * scale, amplitude=q.amplitude, frequency=grid["frequency"], growth_tolerance=q.tolerance
+        )
     if (chart.stable != stable).any():
         yield "map draws another verdict than is_stable gives"
 

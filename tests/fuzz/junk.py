@@ -233,7 +233,7 @@ def _judge(answer: Any, call: Call, values: dict[str, Any]) -> list[str]:
         return [] if _names_an_argument(str(answer), call) else [f"names no argument: {told(answer)}"]
     wrong = []
     # NaN where nothing could be computed
-    of_systems = call.function in (fr.systems.growth_rate, fr.systems.multipliers, CLAMPED.growth_rate, CLAMPED.fastest)
+    of_systems = call.function in (fr.systems.growth_rate, fr.systems.multipliers, CLAMPED.growth_rate)
     if (
         _has_nan(answer)
         and not of_systems

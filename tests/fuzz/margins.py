@@ -69,7 +69,7 @@ def draw(rng: np.random.Generator) -> tuple[Question, Any]:
             verdict = real_rods.ask(question)
         except ValueError:  # at an axial resonance
             continue
-        coupled = bool(rod.modes_under(question.load).coupling) and verdict.modes_checked <= _MOST_MODES
+        coupled = bool(rod._modes_under(question.load).coupling) and verdict.modes_checked <= _MOST_MODES
         if coupled and verdict.stable is not None and question.load.amplitude > 0.0:
             return question, verdict
 
@@ -128,7 +128,7 @@ def at_its_end(question: Question, verdict: Any, varied: str, here: float, reach
     beyond = here + reach * _BEYOND
     beyond = beyond[(beyond > 0.0) | (varied == "mean")]
     load = dict(zip(("mean", "amplitude", "frequency"), coupled_cases.numbers(question.load), strict=True))
-    growth = question.rod.growth_rate(**load | {varied: beyond}, like=question.load)
+    growth = question.rod.growth_rate(question.load, **load | {varied: beyond})
     if beyond.size and not (growth > tolerance if verdict.stable else growth <= tolerance).any():
         lines.append(f"the verdict stays beyond {here + reach!r}")
     return lines

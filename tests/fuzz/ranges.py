@@ -64,12 +64,18 @@ def ask(question: rods.Question, varied: str) -> tuple[tuple[float, float], str]
     name = rods.named(rod)
     if varied == "mean":
         bounds = (0.0, 1.5 * rod.critical_force)
-        return bounds, f"{name}.stable_mean_forces({q.amplitude!r}, {q.frequency!r}, {bounds!r}, {tail}"
+        return (
+            bounds,
+            f"{name}.ranges('mean', None, {bounds!r}, amplitude={q.amplitude!r}, frequency={q.frequency!r}, {tail}",
+        )
     if varied == "amplitude":
         bounds = (0.0, rod.critical_force)
-        return bounds, f"{name}.stable_amplitudes({q.mean!r}, {q.frequency!r}, {bounds!r}, {tail}"
+        return (
+            bounds,
+            f"{name}.ranges('amplitude', None, {bounds!r}, mean={q.mean!r}, frequency={q.frequency!r}, {tail}",
+        )
     bounds = (0.5 * q.frequency, 2.0 * q.frequency)
-    return bounds, f"{name}.stable_frequencies({q.mean!r}, {q.amplitude!r}, {bounds!r}, {tail}"
+    return bounds, f"{name}.ranges('frequency', None, {bounds!r}, mean={q.mean!r}, amplitude={q.amplitude!r}, {tail}"
 
 
 def _answer(call: str) -> Any:
@@ -83,10 +89,9 @@ def margin_against_ranges(question: rods.Question, varied: str) -> list[str]:
     if asked is None:
         return []
     question, stable, margin, here, bounds = asked
-    kind = {"mean": "stable_mean_forces", "amplitude": "stable_amplitudes", "frequency": "stable_frequencies"}[varied]
-    fixed = [value for name, value in _load(question).items() if name != varied]
+    fixed = {name: value for name, value in _load(question).items() if name != varied}
     with limit():
-        ranges = getattr(question.rod, kind)(*fixed, bounds, growth_tolerance=question.tolerance)
+        ranges = question.rod.ranges(varied, None, bounds, **fixed, growth_tolerance=question.tolerance)
     lines = []
     for sign, size, bound in zip((-1.0, 1.0), margin, bounds, strict=True):
         stated = here + sign * size if sign * (bound - here - sign * size) > 0.0 else bound

@@ -70,7 +70,7 @@ def warm() -> None:
     for _ in range(12):
         question = draw(rng)
         ask(question)
-        question.rod.growth_rate(*coupled_cases.numbers(question.load), like=question.load)
+        question.rod.growth_rate(question.load)
 
 
 def ask(question: Question) -> Any:
@@ -161,11 +161,11 @@ def by_other_ways(question: Question, verdict: Any, rng: np.random.Generator) ->
     rod, load, tolerance = question
     numbers, rate = coupled_cases.numbers(load), verdict.growth_rate
     lines = []
-    found = float(rod.growth_rate(*numbers, like=load))
+    found = float(rod.growth_rate(load, **coupled_cases.by_name(*numbers)))
     slack = stated(verdict) + _SAME * (1.0 + abs(rate)) + blur(question, rate)
     if abs(found - rate) > slack + _OVER_ARRAYS * abs(rate):
         lines.append(f"growth {rate!r}, over arrays {found!r}")
-    decided = int(rod.verdicts(*numbers, like=load, growth_tolerance=tolerance))
+    decided = int(rod.verdicts(load, **coupled_cases.by_name(*numbers), growth_tolerance=tolerance))
     if (decided, verdict.status) in ((1, "unstable"), (0, "stable")) and abs(
         rate - tolerance
     ) > slack + _OVER_ARRAYS * rate:
@@ -222,7 +222,7 @@ def _otherwise(
 ) -> Any:
     """Return at which values of one quantity of the load the verdict surely is another, or may be."""
     loads = dict(zip(("mean", "amplitude", "frequency"), coupled_cases.numbers(question.load), strict=True))
-    growth = question.rod.growth_rate(**loads | {varied: values}, like=question.load)
+    growth = question.rod.growth_rate(question.load, **loads | {varied: values})
     slack = (_UNTOLD + _OVER_ARRAYS * tolerance) * (1.0 if surely == bool(verdict.stable) else -1.0)
     return np.flatnonzero(growth > tolerance + slack if verdict.stable else growth <= tolerance + slack)
 

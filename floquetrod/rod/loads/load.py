@@ -99,6 +99,10 @@ class Loads(NamedTuple):
         """Return one load as arrays of one element."""
         return cls((), *(np.array([value]) for value in (load.mean, load.amplitude, load.frequency)))
 
+    def as_single(self, template: Load) -> Load:
+        """Return the load that these are, of the shape (), with everything else as in a template."""
+        return template.with_numbers(*(float(values[0]) for values in self.flat))
+
     @classmethod
     def along(cls, load: Load, quantity: Quantity, values: NDArray[np.float64]) -> Loads:
         """Return loads of which one quantity takes flat ``values`` and the others are those of ``load``."""
@@ -348,9 +352,9 @@ def require_noise(name: str, load: Any) -> Load:
     return found
 
 
-def kind(like: AnyLoad | None) -> Load:
-    """Return the argument ``like``, by default a sine."""
-    return AxialLoad(0.0, 0.0, 1.0) if like is None else require_load("like", like)
+def kind(load: AnyLoad | None) -> Load:
+    """Return the argument ``load``, by default a sine."""
+    return AxialLoad(0.0, 0.0, 1.0) if load is None else require_load("load", load)
 
 
 FAR_ENDS = ("held", "free", "driven")

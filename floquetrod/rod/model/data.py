@@ -424,14 +424,15 @@ class RodData(TellsAttributes):
         """L / m_cr in m, in a straight channel pi [E I R / (w_e sin(inclination))]^(1/4)."""
         return self.length / self.critical_mode
 
+    @property
     def critical_forces(self) -> dict[str, BucklingForce]:
-        """Return constant forces at which the rod buckles, by every criterion known here, each with its source.
+        """Constant forces at which the rod buckles, by every criterion known here, each with its source.
 
         From the literature, for long rods without vibration; the first is `critical_force`.
 
         Examples
         --------
-        >>> for name, (force, _, source) in RodData.nitinol().critical_forces().items():
+        >>> for name, (force, _, source) in RodData.nitinol().critical_forces.items():
         ...     print(f"{name:16} {force:.3f} N  {source}")
         sinusoidal       1.696 N  Dawson & Paslay 1984
         helical, energy  2.399 N  Chen, Lin & Cheatham 1990

@@ -239,7 +239,7 @@ def warn_of_load(rod: Any, load: Any) -> None:
 
 def _verdict(rod: Any, load: Any, frequency: float, growth_tolerance: float) -> int:
     """Return the verdict on a load of independent modes at another frequency."""
-    found = rod.verdicts(load.mean, load.amplitude, frequency, growth_tolerance=growth_tolerance, like=load)
+    found = rod.verdicts(load, frequency=frequency, growth_tolerance=growth_tolerance)
     return int(found)
 
 
@@ -272,7 +272,7 @@ def suspicion_of_hertz(
     loads = list(loads)
     for load in loads:
         reading = ""
-        if rod.modes_under(load).prompt:
+        if rod._modes_under(load).prompt:
             reading = _in_hertz(rod, load, tolerance, known)
         elif len(loads) == 1 and may_be_hertz(rod, load):
             reading = "below all but the narrowest resonances of this rod, which as many Hz are not"
