@@ -41,7 +41,7 @@ class RealInterval:
     __array_ufunc__ = None  # numpy leaves the arithmetic to this class
 
     def __post_init__(self) -> None:
-        """Refuse what is no interval."""
+        """Refuse ends in the wrong order, and NaN."""
         if not self.low <= self.high:
             raise ValueError(f"an interval needs low <= high, got {self.low!r} and {self.high!r}")
 
@@ -64,8 +64,8 @@ class RealInterval:
     @classmethod
     def hull(cls, values: Iterable[Operand | Fraction]) -> RealInterval:
         """Return the smallest interval that holds all of some numbers and intervals."""
-        found = [cls.of(value) for value in values]
-        return cls(min(each.low for each in found), max(each.high for each in found))
+        intervals = [cls.of(value) for value in values]
+        return cls(min(interval.low for interval in intervals), max(interval.high for interval in intervals))
 
     @property
     def width(self) -> float:

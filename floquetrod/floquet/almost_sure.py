@@ -158,8 +158,8 @@ def _require_single(sources: list[NoiseSource]) -> None:
 class _NoiseSteps(NamedTuple):
     """Steps of a period, an even number, and flows between the instants at which noise acts, their middles.
 
-    ``fine[k]`` leads from the middle of step k - 1 to that of step k, the last step of the period before for k = 0;
-    ``coarse`` does so for steps that are pairs of these.
+    ``fine[k]`` leads from the middle of step k - 1 to the middle of step k, the last step of the period before for k =
+    0; ``coarse`` does so for pairs of these steps.
     """
 
     lengths: list[float]
@@ -206,7 +206,7 @@ def _flows(system: PeriodicSystem, piece: TimedPiece, edges: Floats) -> list[Flo
 def _logarithms(
     grid: _NoiseSteps, sources: list[NoiseSource], paths: int, periods: int, seed: int, progress: Progress | None
 ) -> Floats:
-    """Return the logarithms of the growth of paths after those of the beginning, (2, paths): fine and coarse."""
+    """Return the log growth of each path, fine and coarse (2, paths), after a run that forgets the start."""
     rng = np.random.default_rng(seed)
     fine = rng.standard_normal((paths, grid.fine.shape[-1]))
     coarse = fine.copy()

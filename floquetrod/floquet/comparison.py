@@ -46,13 +46,13 @@ class Comparison(Reported, NoTruthValue):
         Two methods contradict each other when both decide and decide differently, and when the growth of the fastest
         solution differs by more than their stated errors.  Approximations never do: see ``approximations``.
         """
-        found = []
+        contradictions = []
         judged = [result for result in self.results if not is_approximation(self.equation, result.method)]
         for one, other in combinations(judged, 2):
             if _contradict(one, other):
                 notes = "; ".join(f"{r.method}: {r.note}" for r in (one, other) if r.note)
-                found.append((one.method, other.method, notes or "no reason known: one of them is wrong"))
-        return tuple(found)
+                contradictions.append((one.method, other.method, notes or "no reason known: one of them is wrong"))
+        return tuple(contradictions)
 
     @property
     def agree(self) -> bool:
@@ -61,7 +61,7 @@ class Comparison(Reported, NoTruthValue):
 
     @property
     def approximations(self) -> tuple[str, ...]:
-        """Methods that solve an equation near this one, as their notes say, and whose verdict is that of its own."""
+        """Methods that solve an equation near this one, as their notes say, and judge that one."""
         return tuple(result.method for result in self.results if is_approximation(self.equation, result.method))
 
     @property

@@ -71,8 +71,8 @@ class DelaySolution(ByContent):
         """Return the solution at times within the interval (array_like), or its derivative; n in the last axis."""
         times = validate.array("time", time, least=float(self.time[0]), largest=float(self.time[-1]))
         derivative = validate.integer("derivative", derivative, 0, 1)
-        found = _values(_DelayedSteps(self.time, self.series, self.states), times.ravel(), derivative)
-        return shaped(found, (*times.shape, self.equation.order))
+        values = _values(_DelayedSteps(self.time, self.series, self.states), times.ravel(), derivative)
+        return shaped(values, (*times.shape, self.equation.order))
 
     def __repr__(self) -> str:
         """Return what was solved."""
@@ -132,13 +132,13 @@ def _ends(system: DelaySystem, start: float, stop: float) -> Floats:
     if len(turns) * len(jumps) > _MOST_STEPS:
         raise ValueError(f"span takes more than {_MOST_STEPS:,} steps; take a shorter one")
     fresh = {begin} | {time for turn in turns for jump in jumps if begin < (time := turn * period + jump) < end}
-    found = set(fresh)
+    images = set(fresh)
     for _ in range(_GENERATIONS):
-        fresh = {t + Fraction(d) for t in fresh for d in system.delays if t + Fraction(d) < end} - found
-        if len(found) + len(fresh) > _MOST_IMAGES:
+        fresh = {t + Fraction(d) for t in fresh for d in system.delays if t + Fraction(d) < end} - images
+        if len(images) + len(fresh) > _MOST_IMAGES:
             break
-        found |= fresh
-    edges = [*sorted(map(float, found)), stop]
+        images |= fresh
+    edges = [*sorted(map(float, images)), stop]
     longest = min([_RADIANS / max(delay_maps.rate(system), 1e-300), stop - start, *map(float, system.delays)])
     least = 1e-13 * max(abs(start), abs(stop))
     edges = [t for t, later in pairwise(edges) if later - t > least] + [stop]
@@ -176,18 +176,18 @@ def _marched(system: DelaySystem, history: History, rate: Floats | None, ends: F
         for delay, matrix in zip(system.delays, given.delayed, strict=True):
             right = right + np.einsum("fij,fj->fi", matrix[0], _earlier(known, history, times - float(delay)))
         size = nodes * n
-        found = np.linalg.solve(np.eye(size) - left.reshape(size, size), right.ravel()).reshape(nodes, n)
-        series[i] = _as_series(found, half, states[i].reshape(derivatives, n))
-        ended = [half * whole[0] @ found + (v if derivatives == 2 else q)]
+        rates = np.linalg.solve(np.eye(size) - left.reshape(size, size), right.ravel()).reshape(nodes, n)
+        series[i] = _as_series(rates, half, states[i].reshape(derivatives, n))
+        ended = [half * whole[0] @ rates + (v if derivatives == 2 else q)]
         if derivatives == 2:
-            ended.insert(0, q + 2.0 * half * v + half**2 * whole[1] @ found)
+            ended.insert(0, q + 2.0 * half * v + half**2 * whole[1] @ rates)
         states[i + 1] = np.concatenate(ended)
     return _DelayedSteps(ends, series, states)
 
 
-def _as_series(found: Floats, half: float, state: Floats) -> Floats:
+def _as_series(rates: Floats, half: float, state: Floats) -> Floats:
     """Return Legendre coefficients of the solution on a step from the values of its highest derivative."""
-    series: NDArray[Any] = rule(len(found))[1] @ found
+    series: NDArray[Any] = rule(len(rates))[1] @ rates
     for value in state[::-1]:
         series = half * legendre.legint(series, lbnd=-1, axis=0)
         series[0] += value
@@ -197,23 +197,23 @@ def _as_series(found: Floats, half: float, state: Floats) -> Floats:
 def _earlier(known: _DelayedSteps, history: History, times: Floats) -> Floats:
     """Return values at times before the step, of the history too."""
     before = times <= known.ends[0]
-    found = np.empty((len(times), known.series.shape[2]))
+    values = np.empty((len(times), known.series.shape[2]))
     if before.any():
-        found[before] = [history(t) for t in times[before].tolist()]
+        values[before] = [history(t) for t in times[before].tolist()]
     if not before.all():
-        found[~before] = _values(known, times[~before], 0)
-    return found
+        values[~before] = _values(known, times[~before], 0)
+    return values
 
 
 def _values(steps: _DelayedSteps, times: Floats, derivative: int) -> Floats:
     """Return the solution at times of the steps, or its derivative, (times, n)."""
     place = np.clip(np.searchsorted(steps.ends, times, side="right") - 1, 0, len(steps.series) - 1)
-    found = np.empty((times.size, steps.series.shape[2]))
+    values = np.empty((times.size, steps.series.shape[2]))
     for step in np.unique(place):
         here = place == step
         low, high = steps.ends[step], steps.ends[step + 1]
         series = steps.series[step]
         if derivative:
             series = legendre.legder(series) * (2.0 / (high - low))
-        found[here] = legendre.legval(2.0 * (times[here] - low) / (high - low) - 1.0, series).T
-    return found
+        values[here] = legendre.legval(2.0 * (times[here] - low) / (high - low) - 1.0, series).T
+    return values

@@ -34,7 +34,7 @@ if TYPE_CHECKING:
         above: float | None
 
 
-_FEW = 24  # equations of first order, of which multipliers are told by another method: below a second (a choice)
+_FEW = 24  # first-order equations up to which unresolved multipliers are asked of another method: a second (a choice)
 _OPTIONS = ("terms", "rtol", "step", "periods", "limit", "digits", "most_digits", "above")
 
 
@@ -76,7 +76,7 @@ def stability(
         undecided.
     noise : sequence of (matrix, intensity), or float, optional
         White noise in the coefficients, as `floquetrod.second_moments` takes it, whose system is then classified: the
-        verdict is in mean square, growth and exponents are those of the second moments.
+        verdict is in mean square; growth and exponents belong to the second moments.
     interpretation : {"ito", "stratonovich"}
         Of the noise.
     terms : int, optional
@@ -117,13 +117,13 @@ def stability(
     given = terms, rtol, step, periods, limit, digits, most_digits, above
     options = {name: value for name, value in zip(_OPTIONS, given, strict=True) if value is not None}
     if method != "auto":
-        found: Stability | SystemStability = run(method, equation, **options)
-        return found
+        named: Stability | SystemStability = run(method, equation, **options)
+        return named
     if options:
         raise TypeError(f"method='auto' accepts no options, got {', '.join(options)}; name a method to pass them to")
     judged = judge(equation)
-    told: Stability | SystemStability = judged
-    return told if isinstance(equation, Equation | DelaySystem) else _resolved(equation, judged)
+    automatic: Stability | SystemStability = judged
+    return automatic if isinstance(equation, Equation | DelaySystem) else _resolved(equation, judged)
 
 
 if stability.__doc__:
@@ -141,23 +141,24 @@ def under_noise(problem: Problem, noise: Any, interpretation: str) -> Problem:
 
 
 def _resolved(system: HillSystem | PeriodicSystem, judged: SystemStability) -> SystemStability:
-    """Return a verdict with multipliers that it leaves open, from the first method that tells them, if it is no effort.
+    """Return the verdict with all its multipliers, from the first method that resolves them in less than a second.
 
-    Beside the largest ones a map over the period loses the small ones, which maps over parts of it and Hill's matrix
-    keep.  The verdict that was found stays where the other method has none.
+    A map over the period loses small multipliers beside the largest; maps over segments and Hill's matrix keep them.
+    The verdict stays where no other method resolves all multipliers.
     """
     if judged.status == "undecided" or judged.are_resolved or states(system) > _FEW:
         return judged
     for name in ("segmented", "spectral"):
         if name != judged.method and refusal(system, name) is None:
-            found: SystemStability = run(name, system)
-            if found.status == judged.status and found.are_resolved:
-                return found
+            resolved: SystemStability = run(name, system)
+            if resolved.status == judged.status and resolved.are_resolved:
+                return resolved
     return judged
 
 
 def judge(problem: Problem, known: FloquetVerdict | None = None, **last: Any) -> Any:
-    """Return what "auto" finds, one method after another; the last one, with many digits, is given ``last``.
+    """Return the verdict of "auto", one method after another; the last one, with many digits, takes the options
+    ``last``.
 
     A verdict that is ``known`` is not computed again.
     """
@@ -169,17 +170,17 @@ def judge(problem: Problem, known: FloquetVerdict | None = None, **last: Any) ->
             if result.status != "undecided":
                 break
         if known is not None and known.method == name:
-            found: Any = known
+            verdict: Any = known
         else:
-            found = run(name, problem, **(last if name == finest else {}))
-        result = found if result is None else _better(result, found)
+            verdict = run(name, problem, **(last if name == finest else {}))
+        result = verdict if result is None else _better(result, verdict)
         if result.status != "undecided":
             break
     return result
 
 
 def _is_beyond_maps(problem: Problem, result: Verdict | None) -> bool:
-    """Return whether maps tell no multiplier of a system, as where solutions grow or decay beyond doubles."""
+    """Return whether maps resolve no multiplier of a system, as where solutions grow or decay beyond doubles."""
     if result is None or not isinstance(problem, HillSystem | PeriodicSystem) or refusal(problem, "spectral"):
         return False
     return all(exponent != exponent for exponent in result.exponents)

@@ -82,7 +82,7 @@ def filtered_growth(
     Raises
     ------
     TypeError, ValueError
-        For matrices that do not fit, filters that are not stable or whose states are not all reached by the noise, and
+        For matrices that do not fit, unstable filters, filters with states that the noise does not reach, and
         systems too large for an order of 6.
 
     Examples
@@ -139,7 +139,7 @@ def _filter(given: Any) -> tuple[Floats, Floats, Floats]:
 
 
 def _normal(f: Floats, b: Floats, d: Floats) -> tuple[Floats, Floats]:
-    """Return F and d for states of the filter that are independent and of variance one."""
+    """Return F and d for independent states of the filter of variance one."""
     from scipy.linalg import solve_continuous_lyapunov
 
     covariance = solve_continuous_lyapunov(f, -np.outer(b, b))

@@ -109,7 +109,7 @@ def _series(
 ) -> tuple[int, int, int, int, int]:
     """Sum A and B = A' at both ends of a piece from ``start`` = (A, B) in its middle.
 
-    Returns the even and odd parts of A, those of B, and the number of terms; all in fixed point with ``bits`` bits.
+    Returns the even and odd parts of A and of B, and the number of terms; all in fixed point with ``bits`` bits.
     """
     a_now, b_now = start
     a_old = b_old = 0

@@ -52,10 +52,10 @@ def _marched(problem: Problem, state: Floats, span: tuple[float, float]) -> Solu
     """Return the solution from a state at the beginning of a span."""
     start = state.reshape(2, -1) if isinstance(problem, HillSystem) else state
     try:
-        found: Solution = solve(problem, start, span)
+        solution: Solution = solve(problem, start, span)
     except ValueError as error:
         raise ValueError(f"equation must be one that can be solved over its period, and {error}") from None
-    return found
+    return solution
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -69,7 +69,7 @@ class FloquetMode(ByContent):
         Its real part is the growth rate; the imaginary one lies between -pi / period and pi / period.
     period : float
     error : float
-        Estimate of the largest error of a state, as a fraction of the largest state within a period: that of both
+        Estimate of the largest error of a state, as a fraction of the largest state within a period, of both
         parts, by how much the state at the end of the period differs from exp(exponent period) times that at its start,
         and the angle by which the error of the map may turn the start.
     """
@@ -116,8 +116,8 @@ def floquet_solutions(equation: Problem) -> tuple[FloquetMode, ...]:
     """Return the Floquet solutions exp(exponent t) p(t) of any equation or system, the faster growing first.
 
     As many as the equation has multipliers, 2 of a scalar equation, independent of each other.  Each begins with a
-    state of norm 1: an eigenvector of the map over a period, from which it is marched by `floquetrod.solve`, backwards
-    where it decays.  `floquetrod.mathieu.floquet_solutions` has those of Mathieu's equation as Fourier series.
+    state of norm 1: an eigenvector of the map over a period, marched by `floquetrod.solve`, backwards
+    where it decays.  For Mathieu's equation `floquetrod.mathieu.floquet_solutions` has Fourier series.
 
     Parameters
     ----------
@@ -144,8 +144,8 @@ def floquet_solutions(equation: Problem) -> tuple[FloquetMode, ...]:
     ('0.270847649+0.500000000j', True)
     """
     require_problem(equation)
-    found = [_mode(equation, pair) for pair in _eigenpairs(equation)]
-    return tuple(sorted(found, key=lambda mode: (-mode.exponent.real, -mode.exponent.imag)))
+    modes = [_mode(equation, pair) for pair in _eigenpairs(equation)]
+    return tuple(sorted(modes, key=lambda mode: (-mode.exponent.real, -mode.exponent.imag)))
 
 
 class _Eigenpair(NamedTuple):
@@ -160,8 +160,8 @@ class _Eigenpair(NamedTuple):
 def _eigenpairs(equation: Problem) -> list[_Eigenpair]:
     """Return the multipliers; those that decay from the map backwards, in which they are the largest."""
     order = _states(equation)
-    found = _independent(equation, order, backward=False)
-    return found + (_independent(equation, order - len(found), backward=True) if len(found) < order else [])
+    growing = _independent(equation, order, backward=False)
+    return growing + (_independent(equation, order - len(growing), backward=True) if len(growing) < order else [])
 
 
 def _independent(equation: Problem, most: int, *, backward: bool) -> list[_Eigenpair]:
@@ -173,7 +173,7 @@ def _independent(equation: Problem, most: int, *, backward: bool) -> list[_Eigen
     discs = spectra.diagonalised_discs(matrix, error * len(matrix))
     if discs is None:
         raise _indistinct(equation, "some")
-    found = []
+    eigenpairs = []
     for cluster in discs.clusters:
         if float(np.abs(discs.values[cluster]).max()) < _DECAYS and not backward:
             continue
@@ -182,12 +182,14 @@ def _independent(equation: Problem, most: int, *, backward: bool) -> list[_Eigen
             vectors = spectra.basis_of(discs, cluster)
             block = vectors.conj().T @ matrix @ vectors - np.mean(discs.values[cluster]) * np.eye(len(cluster))
             angle = angle if float(np.abs(block).max()) <= 8.0 * discs.error else math.inf
-        found += [_Eigenpair(complex(discs.values[i]), vectors[:, k], angle, backward) for k, i in enumerate(cluster)]
-    found = sorted(found, key=lambda pair: -abs(pair.multiplier))[:most]
-    unsure = [pair.multiplier for pair in found if not pair.angle < _SURE]
+        eigenpairs += [
+            _Eigenpair(complex(discs.values[i]), vectors[:, k], angle, backward) for k, i in enumerate(cluster)
+        ]
+    eigenpairs = sorted(eigenpairs, key=lambda pair: -abs(pair.multiplier))[:most]
+    unsure = [pair.multiplier for pair in eigenpairs if not pair.angle < _SURE]
     if unsure:
         raise _indistinct(equation, f"{1.0 / unsure[0] if backward else unsure[0]:.6g}")
-    return found
+    return eigenpairs
 
 
 def _indistinct(equation: Problem, where: str) -> ValueError:

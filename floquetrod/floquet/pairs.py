@@ -74,11 +74,11 @@ def logarithms(y: Any) -> Any:
 def upper_logarithms(y: Complexes, above: Complexes) -> Complexes:
     """Return s, its angle from 0 to pi, or its negative below the real axis, from y and 1 + y."""
     far = np.abs(above) >= np.abs(y)
-    found = np.asarray(logarithms(np.where(far, y, -above)))
+    logs = np.asarray(logarithms(np.where(far, y, -above)))
     # Next to -1 s = i pi + v with sinh(v / 2)^2 = -(1 + y).
-    turned = np.copysign(math.pi - np.abs(found.imag), np.where(y.imag < 0.0, -1.0, 1.0))
-    found.imag = np.where(far, found.imag, turned)
-    return found
+    turned = np.copysign(math.pi - np.abs(logs.imag), np.where(y.imag < 0.0, -1.0, 1.0))
+    logs.imag = np.where(far, logs.imag, turned)
+    return logs
 
 
 def outside(y: Complexes, above: Complexes) -> Floats:

@@ -1,4 +1,4 @@
-"""What verdicts are on: a scalar equation or a system, one and not a batch."""
+"""The problems that get a verdict: a scalar equation or a system, one and not a batch."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ def kind_of(problem: Any) -> ProblemKind:
 
 
 def require_problem(problem: Any) -> None:
-    """Raise TypeError for what is neither an equation nor a system, ValueError for a batch."""
+    """Raise TypeError for anything but an equation or a system, ValueError for a batch."""
     if isinstance(problem, HillSystem | PeriodicSystem | DelaySystem):
         matrices.require_one(problem, "equation")
     else:
@@ -47,7 +47,7 @@ def require_problem(problem: Any) -> None:
 
 
 def require_without_delays(problem: Any, what: str) -> None:
-    """Raise TypeError for a system with delays, of which there is no such thing."""
+    """Raise TypeError for a system with delays, where ``what`` is not implemented for them."""
     if isinstance(problem, DelaySystem):
         raise TypeError(f"equation must be without delays for {what}, got {validate.short(problem)}")
 
@@ -66,18 +66,18 @@ def member(
     """Return the member of a family at a point, checked, and of the kind of ``like``; messages name the point."""
     at = f"{argument}({', '.join(f'{name}={_written(value)}' for name, value in point.items())})"
     try:
-        found: Any = family(**point)
+        problem: Any = family(**point)
     except Exception as error:
         raise ValueError(f"{at} raised {type(error).__name__}: {error}") from error
-    if not isinstance(found, Problem):
+    if not isinstance(problem, Problem):
         wanted = "a HillSystem, a PeriodicSystem, a DelaySystem or an Equation"
-        raise TypeError(f"{at} must return {wanted}, got {validate.short(found)}")
-    if not isinstance(found, Equation) and found.shape:
-        raise ValueError(f"{at} must return one system, got a batch of shape {found.shape}")
-    if like is not None and isinstance(found, Equation) != isinstance(like, Equation):
+        raise TypeError(f"{at} must return {wanted}, got {validate.short(problem)}")
+    if not isinstance(problem, Equation) and problem.shape:
+        raise ValueError(f"{at} must return one system, got a batch of shape {problem.shape}")
+    if like is not None and isinstance(problem, Equation) != isinstance(like, Equation):
         what = "an Equation, as at other points" if isinstance(like, Equation) else "a system, as at other points"
-        raise TypeError(f"{at} must return {what}, got {validate.short(found)}")
-    return found
+        raise TypeError(f"{at} must return {what}, got {validate.short(problem)}")
+    return problem
 
 
 def _written(value: Any) -> str:

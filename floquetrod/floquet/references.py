@@ -1,4 +1,4 @@
-"""Publications to cite for a result, floquetrod first; those of each method are in `floquetrod.floquet.registry`."""
+"""Publications to cite for a result, floquetrod first; `floquetrod.floquet.registry` has the sources of each method."""
 
 from __future__ import annotations
 

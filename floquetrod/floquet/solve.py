@@ -43,16 +43,16 @@ class _Piece(NamedTuple):
 
     def series(self, time: float, into: float, omega: float, order: int) -> Floats:
         """Return the Taylor coefficients (order, N, N) of the matrix about a time of the period and of the piece."""
-        found = np.zeros((order, *self.mean.shape))
-        found[0] = self.mean + self.slope * into
+        taylor = np.zeros((order, *self.mean.shape))
+        taylor[0] = self.mean + self.slope * into
         if order > 1:
-            found[1] = self.slope
+            taylor[1] = self.slope
         if len(self.harmonics):
             rates = 1j * omega * np.arange(1, len(self.harmonics) + 1)
             powers = np.exp(rates * time) * np.ones((order, 1))
             powers[1:] *= np.cumprod(rates / np.arange(1, order)[:, None], axis=0)
-            found += np.einsum("jk,kab->jab", powers, self.harmonics).real
-        return found
+            taylor += np.einsum("jk,kab->jab", powers, self.harmonics).real
+        return taylor
 
 
 class _Course(NamedTuple):
@@ -79,18 +79,18 @@ class _Course(NamedTuple):
         piece, phase = self.pieces[place], time - turn
         omega = 2.0 * math.pi / float(self.period)
         matrices = piece.series(float(phase), float(phase - piece.begin), omega, order - 1)
-        found = np.zeros((order, state.size))
-        found[0] = state
+        terms = np.zeros((order, state.size))
+        terms[0] = state
         constant = not np.any(matrices[1:])
         for n in range(order - 1):
             if constant:
-                found[n + 1] = matrices[0] @ found[n] / (n + 1)
+                terms[n + 1] = matrices[0] @ terms[n] / (n + 1)
             else:
-                found[n + 1] = np.einsum("jab,jb->a", matrices[: n + 1], found[n::-1]) / (n + 1)
-        return found
+                terms[n + 1] = np.einsum("jab,jb->a", matrices[: n + 1], terms[n::-1]) / (n + 1)
+        return terms
 
     def moved(self) -> _Course:
-        """Return the same with means that are off by what they may be."""
+        """Return the equation with every mean off by its error."""
         return self._replace(pieces=tuple(piece._replace(mean=piece.mean + piece.doubt) for piece in self.pieces))
 
 
@@ -130,25 +130,25 @@ class Solution(ByContent):
         low, high = sorted((self.time[0], self.time[-1]))
         times = validate.array("time", time, least=low, largest=high)
         derivative = validate.integer("derivative", derivative, 0, 1)
-        found = self._state(times.ravel(), 0 if self._second_order else derivative)
+        states = self._state(times.ravel(), 0 if self._second_order else derivative)
         if self._second_order:
             half = self.states.shape[1] // 2
-            found = found[:, half * derivative : half * (derivative + 1)]
+            states = states[:, half * derivative : half * (derivative + 1)]
         if isinstance(self.equation, Equation):
-            return shaped(found[:, 0], times.shape)
-        return shaped(found, (*times.shape, found.shape[1]))
+            return shaped(states[:, 0], times.shape)
+        return shaped(states, (*times.shape, states.shape[1]))
 
     def _state(self, times: Floats, derivative: int = 0) -> Floats:
         """Return the states at times within the interval, or their derivative, (times, N)."""
         sign = 1.0 if self.time[-1] >= self.time[0] else -1.0
         steps = np.searchsorted(sign * self.time, sign * times, side="right") - 1
         steps = np.clip(steps, 0, len(self.time) - 2)
-        found = np.empty((times.size, self.states.shape[1]))
+        states = np.empty((times.size, self.states.shape[1]))
         for step in np.unique(steps):
             here = steps == step
             late = float(self._exact[step] - Fraction(float(self.time[step])))
-            found[here] = _evaluate(self._series(step, sign), times[here] - self.time[step] - late, derivative)
-        return found
+            states[here] = _evaluate(self._series(step, sign), times[here] - self.time[step] - late, derivative)
+        return states
 
     def _state_at(self, time: Fraction) -> Floats:
         """Return the state at an exact time within the interval, (N,)."""
@@ -189,7 +189,7 @@ def solve(equation: Any, initial: Any, span: Any) -> Any:
         Of a `DelaySystem` the history: a function of the time before the start, or the one vector that it is; where it
         is of second order, (history, q').
     span : float or (float, float)
-        Time in the unit of the equation: to which, from 0, or from which to which; backwards, too, without delays.
+        End time, from 0 on, or start and end, in the unit of the equation; without delays backwards, too.
 
     Returns
     -------
@@ -270,13 +270,13 @@ def _course(equation: Any) -> _Course:
         return _of_equation(equation)
     turned = _second_order(equation) if isinstance(equation, HillSystem) else _as_it_is
     doubt = equation.coefficient_error * equation.order * turned(np.eye(equation.order))
-    found = []
+    pieces = []
     for piece in in_time(equation):
         slope = np.zeros_like(piece.mean) if piece.slope is None else piece.slope
         mean = turned(piece.mean, mean=True)
         off = doubt + _inverse_error(equation) * np.abs(mean)
-        found.append(_Piece(piece.begin, mean, turned(slope), turned(piece.harmonics), off))
-    return _Course(tuple(found), exact_period(equation))
+        pieces.append(_Piece(piece.begin, mean, turned(slope), turned(piece.harmonics), off))
+    return _Course(tuple(pieces), exact_period(equation))
 
 
 def _as_it_is(matrix: NDArray[Any], *, mean: bool = False) -> NDArray[Any]:
@@ -293,7 +293,7 @@ def _inverse_error(system: Any) -> float:
 def _of_equation(equation: Equation) -> _Course:
     multiple = equation.period_over_pi
     period = Fraction(equation.period) if multiple is None else multiple * _PI
-    found, begin = [], Fraction(0)
+    pieces, begin = [], Fraction(0)
     for piece in equation.pieces():
         mean = np.array([[0.0, 1.0], [float(piece.start), -2.0 * equation.damping]])
         slope = np.array([[0.0, 0.0], [float(piece.slope), 0.0]])
@@ -302,22 +302,22 @@ def _of_equation(equation: Equation) -> _Course:
         risen = (Fraction(piece.slope) - Fraction(float(piece.slope))) * piece.share * period
         off = abs(Fraction(piece.start) - Fraction(float(piece.start))) + abs(risen)
         doubt = np.array([[0.0, 0.0], [float(off), 0.0]])
-        found.append(_Piece(begin * period, mean, slope, harmonics, doubt))
+        pieces.append(_Piece(begin * period, mean, slope, harmonics, doubt))
         begin += piece.share
-    return _Course(tuple(found), period)
+    return _Course(tuple(pieces), period)
 
 
 def _second_order(system: HillSystem) -> Callable[..., Any]:
-    """Return what makes of matrices of M q'' + (D + G) q' + K(t) q = 0 those of first order, for (q, q')."""
+    """Return the function from a matrix of K(t) in M q'' + (D + G) q' + K(t) q = 0 to its matrix for (q, q')."""
     n, inverse = system.order, np.linalg.inv(mass_matrix(system))
     rates = velocity_matrix(system)
 
     def state(matrix: NDArray[Any], *, mean: bool = False) -> NDArray[Any]:
-        found = np.zeros((*matrix.shape[:-2], 2 * n, 2 * n), dtype=matrix.dtype)
-        found[..., n:, :n] = -inverse @ matrix
+        first_order = np.zeros((*matrix.shape[:-2], 2 * n, 2 * n), dtype=matrix.dtype)
+        first_order[..., n:, :n] = -inverse @ matrix
         if mean:
-            found[..., :n, n:], found[..., n:, n:] = np.eye(n), -inverse @ rates
-        return found
+            first_order[..., :n, n:], first_order[..., n:, n:] = np.eye(n), -inverse @ rates
+        return first_order
 
     return state
 
@@ -367,10 +367,10 @@ def _evaluate(series: Floats, offsets: Floats, derivative: int) -> Floats:
     """Return a Taylor series at offsets from its centre, or its derivative, (offsets, N)."""
     if derivative:
         series = series[1:] * np.arange(1, len(series))[:, None]
-    found = np.zeros((offsets.size, series.shape[1]))
+    values = np.zeros((offsets.size, series.shape[1]))
     for term in series[::-1]:
-        found = found * offsets[:, None] + term
-    return found
+        values = values * offsets[:, None] + term
+    return values
 
 
 def _disagreement(solution: Solution, other: list[tuple[Fraction, Floats]]) -> float:

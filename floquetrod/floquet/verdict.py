@@ -91,7 +91,7 @@ class Verdict(Answer):
     period : float
         Period of the coefficients, in the same unit of time.
     error : float
-        Bound or estimate of the error; the class of the verdict says of which quantity.
+        Bound or estimate of the error; the class of the verdict names the quantity.
     cost : Cost
         Work done.
     note : str
@@ -117,7 +117,7 @@ class Verdict(Answer):
 
     @property
     def _slowest(self) -> float:
-        """Largest real part of the exponents that are known; minus infinity where none is."""
+        """Largest real part of the known exponents; minus infinity where none is."""
         return max((exponent.real for exponent in self.exponents if exponent == exponent), default=-math.inf)
 
     @property
@@ -192,12 +192,12 @@ class FloquetVerdict(ByContent, Reported, Verdict):
     def damping_to_stabilise(self) -> float:
         """Uniform damping rate, per unit of time, at which motion no longer grows; 0 where none is needed.
 
-        The rate c is added to the existing damping: to that of a scalar equation, as C + 2 c M in a `HillSystem`, as
+        The rate c is added to the existing damping: c of a scalar equation, C + 2 c M in a `HillSystem`, as
         A - c I in a `PeriodicSystem`, where it is the growth rate itself.  Else it is searched, to ten digits: nothing
         grows at larger rates among those tried, which are two, four and eight times the growth rate, and those from the
         fastest frequency down in 12 steps by halves.  Damping can destabilise: of a stable system it need not be 0.
 
-        Infinite where the mean stiffness alone is unstable, with that of delayed terms added, which damping only slows
+        Infinite where the mean stiffness alone is unstable, the delayed terms' added, which damping only slows
         down.  NaN where the search would take more than about a minute, where growth is not known, or cannot be
         distinguished from none at some rate.
 
@@ -280,7 +280,7 @@ class Stability(FloquetVerdict):
 
     @property
     def exponent_errors(self) -> tuple[float, ...]:
-        """Error of each exponent, which follows from that of the discriminant; near a boundary from its root."""
+        """Error of each exponent, from the error of the discriminant; near a boundary from its root."""
         if not self.exponents:
             return ()
         s = (self.exponents[0] + self.equation.damping) * self.period
@@ -369,7 +369,7 @@ def classify(
     growth : (low, middle, high), optional
         Growth rate less damping and its bounds when known better than from X, where the undamped equation is unstable.
     tested : (status, growth rate), optional
-        What a method's own test says, where its verdict is not meant to be that of X.
+        The outcome of a method's own test, which then decides in place of X.
     """
     period, damping = equation.period, equation.damping
     if excess > 0.0:

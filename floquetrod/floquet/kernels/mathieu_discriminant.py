@@ -47,8 +47,8 @@ def _unforced_excess(a: float) -> tuple[int, float, int, float, int]:
 def discriminant_excess(alpha: float, beta: float, damping: float) -> tuple[int, float, int, float, int]:
     """Return (sign, X, exponent, error, rows): the excess X 2^exponent of the equation freed of its damping.
 
-    X = (abs(D) - 2) / 4 for the discriminant D of (alpha, beta + damping^2) and ``sign`` that of D; ``error`` is the
-    estimated error relative to abs(X) (absolute where X is zero); ``rows`` counts the rows of the determinants.
+    X = (abs(D) - 2) / 4 for the discriminant D of (alpha, beta + damping^2) and ``sign`` the sign of D; ``error`` is
+    the estimated error relative to abs(X) (absolute where X is zero); ``rows`` counts the rows of the determinants.
     """
     q = 2.0 * abs(alpha)
     ch, cl = two_product(damping, damping)
@@ -148,7 +148,7 @@ def discriminant_fill(alpha: Any, beta: Any, damping: Any, out: Any) -> None:
 
 @kernel
 def multipliers_fill(alpha: Any, beta: Any, damping: Any, out: Any) -> None:
-    """Fill ``out`` (n, 2) complex with multipliers, the larger (or that of positive rotation) first."""
+    """Fill ``out`` (n, 2) complex with multipliers, the larger (or the one of positive rotation) first."""
     for i in range(len(alpha)):
         sign, x, e, _, _ = discriminant_excess(alpha[i], beta[i], damping[i])
         decay = 2.0 * math.pi * damping[i]

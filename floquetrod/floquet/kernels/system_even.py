@@ -130,17 +130,17 @@ def pair_numbers(
         symmetric = _symmetric_each(stiffness) & _symmetric_each(amplitudes).all(axis=1)
         for part in (left & symmetric, left & ~symmetric):
             if part.any():
-                found = half_period_map(stiffness[part], amplitudes[part], period[part], accuracy, workers)
-                out[part] = _outcomes(found, workers)
+                half_maps = half_period_map(stiffness[part], amplitudes[part], period[part], accuracy, workers)
+                out[part] = _outcomes(half_maps, workers)
     return out[:, :4].view(complex), out[:, 4:6], out[:, 6:]
 
 
 @np.errstate(over="ignore", under="ignore", invalid="ignore")  # of maps that overflow, whose errors are then not finite
-def _outcomes(found: HalfPeriodMap, workers: int | None) -> Floats:
+def _outcomes(half_maps: HalfPeriodMap, workers: int | None) -> Floats:
     """Return the rows of `pair_fill` from maps over half a period."""
-    maps, errors = np.block([[found.a, found.b], [found.c, found.d]]), found.error
+    maps, errors = np.block([[half_maps.a, half_maps.b], [half_maps.c, half_maps.d]]), half_maps.error
     back, wrong = maps, errors
-    if not found.symmetric:
+    if not half_maps.symmetric:
         back = inverses(maps)
         size, spread = norms(maps), norms(back)
         safe = spread * errors < 0.5
@@ -149,7 +149,7 @@ def _outcomes(found: HalfPeriodMap, workers: int | None) -> Floats:
     out = np.empty((len(maps), 8))
     finite = np.isfinite(maps).all(axis=(1, 2)) & np.isfinite(back).all(axis=(1, 2)) & np.isfinite(wrong)
     out[~finite] = [math.nan, math.nan, math.nan, math.nan, math.inf, math.inf, 0.0, 0.0]
-    inputs = (maps, back, errors, wrong, np.full(len(maps), found.symmetric))
+    inputs = (maps, back, errors, wrong, np.full(len(maps), half_maps.symmetric))
     rows = np.empty((int(finite.sum()), 8))
     over_chunks(outcome_fill, [array[finite] for array in inputs], rows, workers=workers, compile_after=64)
     out[finite] = rows

@@ -87,8 +87,8 @@ def lane_load(stiffness: Any, amplitudes: Any, period: Any, start: int, used: in
 def lane_plan(accuracy: float, reach: float, work: Any) -> tuple[int, int, float, float, float, float]:
     """Return (terms, powers of the angles, ratio, rounding, cut, bound) of one plan for the systems loaded.
 
-    ``rounding`` and ``cut`` are errors, ``bound`` is that of the coefficients.  There are no terms where a segment is
-    not enough.
+    ``rounding`` and ``cut`` are errors, ``bound`` is the bound of the coefficients.  There are no terms where a segment
+    is not enough.
     """
     _, _, _, s, f, g, _, _, _, norms = work
     size, slow = 0.0, math.inf
@@ -109,7 +109,7 @@ def lane_plan(accuracy: float, reach: float, work: Any) -> tuple[int, int, float
 
 @kernel
 def lane_series(h: float, terms: int, most: int, shrink: float, work: Any) -> None:
-    """Fill the terms of the series about both ends, and the squares of which `tail` is the root."""
+    """Fill the terms of the series about both ends, and the squared norms under the root of `tail`."""
     x, c, y, s, f, _, _, _, _, norms = work
     count, n = len(norms), len(s)
     length = x.shape[1]

@@ -88,7 +88,7 @@ def half_period_large(
 
 
 def _even_sums(series: TaylorTerms, h: float, terms: int, ratio: float, stop: Stop) -> tuple[Floats, float]:
-    """Return values and slopes at h of the even solutions and, over h, of the odd ones, and what is left out.
+    """Return values and slopes at h of the even solutions and, over h, of the odd ones, and the truncation error.
 
     As (ends, 2, n, 2 n), where the terms of the series are (ends, n, 2 n), or (n, 2 n) of a single one.
     """
@@ -101,7 +101,7 @@ def _even_sums(series: TaylorTerms, h: float, terms: int, ratio: float, stop: St
     sums, added = np.zeros((2, x[0].size)), 0  # of the first terms
 
     def with_terms(end: int) -> Floats:
-        """Return the sums with the terms after those that were added, all of which are in rows of ``x``."""
+        """Return the sums with the terms not yet added, all of them in rows of ``x``."""
         places = np.arange(added, end)
         weights = np.zeros((2, min(end, rows)))
         weights[:, places % rows] = np.ones_like(places), 2.0 * places

@@ -38,7 +38,7 @@ class ModalEquations(NamedTuple):
 
     @classmethod
     def of(cls, stiffness: Floats, harmonics: Complexes) -> Self:
-        """Return the parts of u'' + (S + Re sum_m Z_m exp(i m w t)) u = 0."""
+        """Return u'' + (S + Re sum_m Z_m exp(i m w t)) u = 0 in the eigenvectors of S."""
         n = len(stiffness)
         waves: tuple[Floats, ...] = (harmonics.real, harmonics.imag)
         if are_diagonal(stiffness):
@@ -47,7 +47,7 @@ class ModalEquations(NamedTuple):
 
     @classmethod
     def as_they_are(cls, stiffness: Floats, harmonics: Complexes) -> Self:
-        """Return those of `of` without eigenvectors, which take longer than to carry a few states."""
+        """Return the equations in their own coordinates: where few states are carried, eigenvectors would cost more."""
         rates = stiffness.diagonal().copy()
         rest = stiffness - np.diag(rates)
         parts = cls._of(rates, np.eye(len(rates)), (harmonics.real, harmonics.imag), 2.0 * ROUNDING)
@@ -62,15 +62,15 @@ class ModalEquations(NamedTuple):
 
     @classmethod
     def _of(cls, rates: Floats, q: Floats, waves: tuple[Floats, ...], slack: float) -> Self:
-        """Return the parts of a diagonal stiffness, and of the real and imaginary parts of the harmonics."""
+        """Return the equations with a diagonal stiffness, and with the real and imaginary parts of the harmonics."""
         # Re Z exp(i m w t) = Re Z cos(m w t) + Im Z cos(m w t + pi / 2)
-        each = enumerate(zip(*waves, strict=True), 1)
-        found = [(m, turn, f) for m, parts in each for turn, f in zip((0.0, 0.5), parts, strict=True) if f.any()]
-        norms = np.zeros(max((m for m, _, _ in found), default=0))
-        for m, _, f in found:
+        harmonics = enumerate(zip(*waves, strict=True), 1)
+        terms = [(m, turn, f) for m, parts in harmonics for turn, f in zip((0.0, 0.5), parts, strict=True) if f.any()]
+        norms = np.zeros(max((m for m, _, _ in terms), default=0))
+        for m, _, f in terms:
             norms[m - 1] = math.hypot(norms[m - 1], norm_bound(f))
-        matrices = [np.ascontiguousarray(f) for _, _, f in found]
-        orders, turns = np.array([m for m, _, _ in found], dtype=int), np.array([turn for _, turn, _ in found])
+        matrices = [np.ascontiguousarray(f) for _, _, f in terms]
+        orders, turns = np.array([m for m, _, _ in terms], dtype=int), np.array([turn for _, turn, _ in terms])
         return cls(rates, q, matrices, orders, turns, norms, slack)
 
 
@@ -180,7 +180,7 @@ def tail(sizes: Floats, shrink: float) -> float:
 
 
 class Stop(NamedTuple):
-    """When a series u(t + h x) = sum_j u_j x^j may end: what is left out of maps in balanced coordinates is small."""
+    """When a series u(t + h x) = sum_j u_j x^j may end: its truncation error in balanced maps is small."""
 
     rates: Floats  # bounds of the Taylor coefficients of h^2 K, in units of h
     doubled: float  # bound of 4 h^2 K at twice the reach
@@ -189,7 +189,7 @@ class Stop(NamedTuple):
     tolerance: float  # error of the maps at which the series ends
 
     def factor(self, power: int) -> float:
-        """Return the factor from the error of a power to that of the maps."""
+        """Return the error of the maps for a unit error of the term of this power."""
         return self.level + self.slope * power
 
     def _next(self, bounds: Floats, j: int) -> float:
@@ -241,10 +241,10 @@ def crossing(
     s: Floats, matrices: Sequence[Matrix], c: Floats, most: int, h: float, order: int, ratio: float, stop: Stop,
     *, constant: bool,
 ) -> tuple[Floats, Floats, float]:  # fmt: skip
-    """Return the maps of (u, h u') from a centre to h after and before it (2 n, 2 n), and what is left out of them.
+    """Return the maps of (u, h u') from a centre to h after and before it (2 n, 2 n), and their truncation error.
 
-    ``c`` are the Taylor coefficients in units of h of the factors of the matrices, of which ``most`` + 1 are used.  The
-    series has powers up to ``order``, if it is not stopped.
+    ``c`` are the Taylor coefficients in units of h of the factors of the matrices; the first ``most`` + 1 are
+    used.  The series has powers up to ``order``, if it is not stopped.
     """
     n = len(s)
     parts = [slice(start, min(start + _COLUMNS, 2 * n)) for start in range(0, 2 * n, _COLUMNS)]
@@ -261,7 +261,7 @@ def crossing(
 
 
 def _summed(series: TaylorTerms, h: float, order: int, ratio: float, stop: Stop) -> tuple[Floats, Floats, float]:
-    """Return the even and the odd part of (u, h u') at h, and what is left out, from the first two terms."""
+    """Return the even and the odd part of (u, h u') at h, and the truncation error, from the first two terms."""
     x = series.terms
     sizes = np.zeros(order + 1)
     sizes[:2] = np.linalg.norm(x[0]), np.linalg.norm(x[1])

@@ -20,7 +20,7 @@ _PLAIN_UP_TO = 64
 
 @kernel
 def is_companion(a: Any) -> bool:
-    """Say whether the upper half of all matrices is that of q' = E p, E diagonal and constant."""
+    """Return whether the upper half of all matrices says q' = E p, E diagonal and constant."""
     count, n = a.shape[0], a.shape[1]
     half = n // 2
     if n % 2 == 1:

@@ -117,7 +117,7 @@ class March(ByContent):
         return self._left(state)
 
     def _sizes(self, x: Floats, first: int = 0) -> Floats:
-        """Return the norms in the coordinates of states of what each term adds, the first of which has a power."""
+        """Return the norm of each term's share of the state (u, u'); the first term has the power ``first``."""
         values = np.linalg.norm(x * self.scaling[:, None], axis=(1, 2))
         slopes = np.linalg.norm(x / self.scaling[:, None], axis=(1, 2)) * (first + np.arange(len(x))) / self.reach
         return np.asarray(np.hypot(values, slopes))

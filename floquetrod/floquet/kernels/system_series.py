@@ -195,7 +195,7 @@ def weighted_sum(x: Any, last: int, weights: Any, k: int, most: int, length: int
 
 @kernel
 def tail(x: Any, last: int, shrink: float, length: int, y: Any) -> float:
-    """Bound the first of the terms of a series that are left out, in the Frobenius norm.
+    """Bound the first omitted term of a series, in the Frobenius norm.
 
     The terms x_i h^i are bounded by M (h / rho)^i as far as they were computed.  Where rho^2 |K|(rho) <= i (i - 1), the
     recursion carries this bound to the next one: it holds for all.  ``shrink`` is the ratio of two neighbours' squares.
@@ -290,7 +290,7 @@ def chain_error(maps: Any, errors: Any, product: Any) -> float:
     """Multiply ``maps`` (m, N, N), the first acting first, into ``product``; bound its error in the Frobenius norm.
 
     The error of each map, and the rounding of each multiplication, is carried by the product of the maps after it
-    and that of the maps before it: first order in the errors, then a term that bounds the higher ones.
+    and the product of the maps before it: first order in the errors, then a bound on the higher orders.
     """
     count, size = len(maps), maps.shape[1]
     before = np.empty(count)

@@ -23,7 +23,7 @@ D_j - a >= 2 q for all later j, no later pivot is negative.  They differ in thei
     Doubles, and minors in place of pivots: the value of a determinant, its count and its errors.  For the method
     ``determinant``, which may cut off where the published study does.
 
-`mathieu_determinants` and `mathieu_tail` compute the four determinants of the infinite chains in doubles, from which
-`floquetrod.floquet.kernels.mathieu_discriminant` has the discriminant.  The rounding is part of each proof and the
+`mathieu_determinants` and `mathieu_tail` compute the four determinants of the infinite chains in doubles, for the
+discriminant in `floquetrod.floquet.kernels.mathieu_discriminant`.  The rounding is part of each proof and the
 order of operations part of each speed, so that one loop for all kinds of numbers would be neither.
 """

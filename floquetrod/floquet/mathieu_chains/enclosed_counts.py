@@ -50,10 +50,10 @@ def count_eigenvalues(context: Any, mean: Fraction, amplitude: Fraction, damping
     )
     pivots = [_count_chain(a, q, chain) for chain in chains]
     enclosures = (
-        enclose(f"pivot closest to zero, {chain.name}", found.closest)
-        for chain, found in zip(chains, pivots, strict=True)
+        enclose(f"pivot closest to zero, {chain.name}", chain_pivots.closest)
+        for chain, chain_pivots in zip(chains, pivots, strict=True)
     )
-    return Count(sum(found.negative for found in pivots), tuple(enclosures))
+    return Count(sum(chain_pivots.negative for chain_pivots in pivots), tuple(enclosures))
 
 
 def _count_chain(a: Any, q: Any, chain: ChainRows) -> Pivots:

@@ -1,6 +1,6 @@
 """Kernels for the determinants of the four chains of Mathieu's equation, in double and in double-double precision.
 
-The chains are those of `mathieu_counts`.  A determinant, scaled by its diagonal at a = q = 0, is the
+The head of `mathieu_counts` lists the chains.  A determinant, scaled by its diagonal at a = q = 0, is the
 product of its pivots up to an index K times what the infinite rest contributes: a linear combination of A(K), A(K + 1)
 of `mathieu_tail`.
 """
@@ -19,7 +19,7 @@ def determinant_pair(a: float, q: float, odd_period: bool) -> tuple[float, float
     """Return the determinants of two chains: (even, odd) of period pi, or (1 + q, 1 - q) of period 2 pi.
 
     Values: both mantissas, both binary exponents, both relative errors (first-order estimates), and the last index.
-    The error of a determinant close to zero is that of ``a`` times its logarithmic derivative, carried along.
+    The error of a determinant close to zero is the error of ``a`` times its logarithmic derivative, carried along.
     """
     q2 = q * q
     nudge = 1e-20 * (1.0 + abs(a) + q)  # stands in for a pivot of exactly zero: far below the rounding of a

@@ -1,4 +1,4 @@
-"""One of Hill's four determinants cut off after any number of rows, as in the published study, and what is left out."""
+"""One of Hill's four determinants cut off after any number of rows, as in the published study, and its error."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ class ChainDeterminant:
     def __init__(self, a: float, q: float, first: int, rows: int, shift: float = 0.0) -> None:
         """Expand the tridiagonal determinant of ``rows`` rows with diagonal first^2 - a + shift, (first + 2)^2 - a, ...
 
-        Minors obey M_k = (D_k - a) M_(k-1) - q^2 M_(k-2); each is scaled by D_k (1 for D = 0) as it is made.
+        Minors obey M_k = (D_k - a) M_(k-1) - q^2 M_(k-2); each is scaled by D_k (1 for D = 0) at once.
         """
         before, here = 1.0, first * first - a + shift
         slope_before, slope = 0.0, -1.0

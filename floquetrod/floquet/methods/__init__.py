@@ -1,1 +1,1 @@
-"""Methods, one per file, none of which calls another: from an equation to a verdict, in files `system_` of a system."""
+"""Methods, one to a file: from an equation to a verdict, in files ``system_`` from a system; none calls another."""

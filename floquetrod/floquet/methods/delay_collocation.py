@@ -60,12 +60,12 @@ def collocation(system: DelaySystem, *, rtol: float = 1e-12, above: float = 0.1)
     above = validate.within("above", above, 1e-4, 0.9)
     laid = delay_maps.period_pieces(system)
     least = laid.smallest_modulus(system, above)
-    found, rows = _converged(system, laid, least, rtol)
+    multipliers, rows = _converged(system, laid, least, rtol)
     cost = Cost(rows, "rows")
-    if found is None:
+    if multipliers is None:
         note = f"needs collocation of more than {_MOST_ROWS} rows, or its multipliers cannot be distinguished"
         return SystemStability.declined(system, "collocation", cost, note)
-    logs = delay_spectra.log_discs(found.values, found.radii)
+    logs = delay_spectra.log_discs(multipliers.values, multipliers.radii)
     if system.is_constant:
         logs = delay_roots.per_period(system, logs, laid.period)
     note = _LEFT_OUT.format(least ** (float(system.period) / laid.period))
@@ -87,9 +87,9 @@ def _converged(
         rows = system.order * max(on.size, len(on.nodes))
         given = delay_maps.coefficients(system, laid.period, on.nodes)
         matrix = delay_maps.period_maps(on, given)[0]
-        found = delay_spectra.leading(matrix, least)
-        if found is not None and before is not None:
-            changed = delay_spectra.with_change(found, before)
+        multipliers = delay_spectra.leading(matrix, least)
+        if multipliers is not None and before is not None:
+            changed = delay_spectra.with_change(multipliers, before)
             change = float((changed.radii / np.abs(changed.values)).max())
             if best is None or change < best[0]:
                 best, rising = (change, changed), 0
@@ -97,7 +97,7 @@ def _converged(
                 rising += 1
             if change <= rtol * max(1.0, (rows / _PLENTY) ** 3) or rising == (3 if change > 1e-6 else 1):
                 break
-        before = None if found is None else found.all_values
+        before = None if multipliers is None else multipliers.all_values
         count += max(4, count // 4)
     if best is None:
         return None, rows
@@ -111,5 +111,5 @@ def _moved(system: DelaySystem, laid: delay_maps.PeriodPieces, on: Mesh, least: 
     power = 2 if system.is_second_order else 1
     off = laid.period**power * system.coefficient_error * np.abs(delay_maps.inverse_mass(system)).sum(axis=1)[:, None]
     moved = given._replace(value=given.value + off, delayed=tuple(each - off for each in given.delayed))
-    found = delay_spectra.leading(delay_maps.period_maps(on, moved)[0], least)
-    return None if found is None else found.all_values
+    multipliers = delay_spectra.leading(delay_maps.period_maps(on, moved)[0], least)
+    return None if multipliers is None else multipliers.all_values

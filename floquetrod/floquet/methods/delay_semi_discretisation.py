@@ -27,11 +27,11 @@ _NEIGHBOURS = 4  # points of the history that a delayed value is interpolated fr
 
 
 def semi_discretisation(system: DelaySystem, *, above: float = 0.3) -> SystemStability:
-    """Classify by steps over which coefficients are those of the middle, and the delayed term varies linearly.
+    """Classify by steps over which coefficients have their values in the middle, and the delayed term varies linearly.
 
-    A step is the exponential of the state's own matrix and of that of a linear force.  Delayed values are interpolated
-    by cubics between the ends of steps, which lie on all jumps.  The multipliers of three maps, each with steps half as
-    long, are extrapolated twice.
+    A step is the exponential of the state's own matrix, and of the matrix of a force that grows linearly.  Delayed
+    values are interpolated by cubics between the ends of steps, which lie on all jumps.  The multipliers of three maps,
+    each with steps half as long, are extrapolated twice.
 
     Parameters
     ----------
@@ -61,10 +61,10 @@ def semi_discretisation(system: DelaySystem, *, above: float = 0.3) -> SystemSta
     if rows > _MOST_ROWS or len(grids[-1].times) > 4 * _MOST_ROWS:
         return SystemStability.declined(system, "semi_discretisation", cost, f"needs a map of {rows:,} rows")
     coarse, middle, fine = (_largest(_map(system, grid), laid.smallest_modulus(system, above)) for grid in grids)
-    one = _extrapolated(fine, _nearest(fine, middle))
-    other = _extrapolated(_nearest(fine, middle), _nearest(_nearest(fine, middle), coarse))
-    radii = _SAFETY * np.abs(one - other) + 1e-12 * np.abs(one)
-    logs = delay_spectra.log_discs(one, radii)
+    finest = _extrapolated(fine, _nearest(fine, middle))
+    coarser = _extrapolated(_nearest(fine, middle), _nearest(_nearest(fine, middle), coarse))
+    radii = _SAFETY * np.abs(finest - coarser) + 1e-12 * np.abs(finest)
+    logs = delay_spectra.log_discs(finest, radii)
     if system.is_constant:
         logs = delay_roots.per_period(system, logs, laid.period)
     return classify_multipliers(system, "semi_discretisation", logs, cost=cost)
@@ -126,7 +126,7 @@ def _map(system: DelaySystem, grid: _StepEnds) -> Floats:
 
 
 class _Exponentials(NamedTuple):
-    """Of each step: the map of the state, and of each delay those of its values at the beginning and at the end."""
+    """Maps of each step: from the state, and for each delay from its values at the beginning and at the end."""
 
     own: Floats
     forced: list[tuple[Floats, Floats]]
@@ -149,14 +149,18 @@ def _exponentials(system: DelaySystem, grid: _StepEnds, lengths: Floats) -> _Exp
     bordered[:, :size, :size] = matrix * lengths[:, None, None]
     bordered[:, size - n : size, size : size + n] = lengths[:, None, None] * np.eye(n)
     bordered[:, size : size + n, size + n :] = np.eye(n)
-    found = expm(bordered)
-    own, constant, linear = found[:, :size, :size], found[:, :size, size : size + n], found[:, :size, size + n :]
-    forced = [((constant - linear) @ each[0], linear @ each[0]) for each in given.delayed]
+    exponential = expm(bordered)
+    own, constant, linear = (
+        exponential[:, :size, :size],
+        exponential[:, :size, size : size + n],
+        exponential[:, :size, size + n :],
+    )
+    forced = [((constant - linear) @ matrices[0], linear @ matrices[0]) for matrices in given.delayed]
     return _Exponentials(own, forced)
 
 
 def _interpolated(values: Floats, ends: Floats, t: float, now: int) -> Floats:
-    """Return the value at a time as rows over the state, by a cubic between four ends that are known."""
+    """Return the value at a time as rows over the state, by a cubic between four known ends of steps."""
     first = int(np.searchsorted(ends[: now + 1], t)) - _NEIGHBOURS // 2
     first = min(max(first, 0), now + 1 - _NEIGHBOURS)
     weights = lagrange_weights(ends[first : first + _NEIGHBOURS], t)

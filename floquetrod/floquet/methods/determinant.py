@@ -81,7 +81,7 @@ def determinant(equation: Mathieu, *, terms: int | None = None) -> Stability:
 
 
 def _enough(equation: Mathieu) -> int:
-    """Return the number of terms from which what `_coupling` leaves out is below about 1e-13."""
+    """Return the number of rows beyond which the coupling of the rows left out is known to about 1e-13."""
     h2 = abs(equation.beta + equation.damping**2)
     big_q = 0.25 * equation.alpha**2
     needed = (big_q * (1.6 * (1.0 + h2) ** 2 + big_q) * 1e13) ** (1.0 / 7.0)

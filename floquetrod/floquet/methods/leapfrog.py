@@ -43,9 +43,9 @@ def leapfrog(equation: Equation, *, step: float = 5e-4, periods: int = 100, limi
     Returns
     -------
     Stability
-        ``status`` is that of the test itself; ``growth_rate`` the mean rate over the run; ``discriminant`` that of the
-        scheme's own map over a period, ``error`` its estimate from steps twice and four times as long.
-        "undecided" when the run would take too many steps.
+        ``status`` is the outcome of the test; ``growth_rate`` the mean rate over the run; ``discriminant`` belongs to
+        the scheme's own map over a period, ``error`` its estimate from steps twice and four times as long. "undecided"
+        when the run would take too many steps.
 
     Notes
     -----

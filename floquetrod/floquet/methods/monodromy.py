@@ -130,7 +130,7 @@ def monodromy_matrix(equation: Equation, *, rtol: float = 1e-12, start: float = 
 
 
 def _stretches(pieces: tuple[Piece, ...], start: float, equation: Equation) -> list[_UndampedPiece]:
-    """Return pieces that follow one another from ``start`` as what is integrated, with the damping removed."""
+    """Return the pieces over a period from ``start`` on, with the damping removed."""
     square = Fraction(equation.damping) ** 2
     stretches, share = [], Fraction(0)
     for piece in pieces:

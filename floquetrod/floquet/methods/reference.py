@@ -77,33 +77,33 @@ def reference(equation: Equation, *, digits: int = 50) -> Stability:
     from mpmath.ctx_mp import MPContext
 
     try:
-        found = discriminant_excess(equation, digits)
+        computed = discriminant_excess(equation, digits)
     except TooMuchWork as reason:
         return Stability.declined(equation, "reference", Cost(0, "terms"), str(reason))
     context = MPContext()
     context.dps = 2 * digits + 20
-    excess, error = (context.mpf(number) for number in (found.excess, found.error))
+    excess, error = (context.mpf(number) for number in (computed.excess, computed.error))
     status: Status = "undecided" if abs(excess) <= error else "unstable" if excess > 0 else "stable"
     mantissa, exponent = _split(excess)
     compared = equation.damping > 0.0 and status == "unstable"
     return classify(
         equation,
         "reference",
-        sign=found.sign,
+        sign=computed.sign,
         excess=mantissa,
         exponent=exponent,
         excess_error=float(error / max(1, abs(excess))),
         undamped_status=status,
         growth=_net_growth(equation, context, excess, error) if compared else None,
-        cost=Cost(found.terms, "terms"),
+        cost=Cost(computed.terms, "terms"),
     )
 
 
 def discriminant_excess(equation: Equation, digits: int = 50) -> DiscriminantExcess:
     """Return the undamped excess X of an equation with its sign and error, as numbers of mpmath.
 
-    Raises `TooMuchWork` when even a first attempt would take more than a few seconds, ValueError and TypeError for an
-    equation that is none and for ``digits`` that are no integer from 10 to 20,000.
+    Raises `TooMuchWork` when even a first attempt would take more than a few seconds, TypeError for anything
+    but an equation, and ValueError or TypeError unless ``digits`` is an integer from 10 to 20,000.
 
     >>> from floquetrod.equations import Mathieu
     >>> found = discriminant_excess(Mathieu(alpha=0.0, beta=1.0), 30)  # X = sinh(pi)^2
@@ -115,20 +115,20 @@ def discriminant_excess(equation: Equation, digits: int = 50) -> DiscriminantExc
     require(equation)
     digits = validate.integer("digits", digits, 10, _MOST_DIGITS)
     wanted, terms = digits, 0
-    found: DiscriminantExcess | None = None
+    result: DiscriminantExcess | None = None
     while True:
         try:
             sign, excess, error, used = _attempt(equation, wanted)
         except TooMuchWork:
-            if found is None:
+            if result is None:
                 raise
-            return found
+            return result
         terms += used
-        found = DiscriminantExcess(sign, mpmath.mp.make_mpf(excess._mpf_), mpmath.mp.make_mpf(error._mpf_), terms)
+        result = DiscriminantExcess(sign, mpmath.mp.make_mpf(excess._mpf_), mpmath.mp.make_mpf(error._mpf_), terms)
         settled = equation.level is not None or abs(excess) > error * _SETTLED
         missing = math.ceil(excess.context.log(error / max(1, abs(excess)), 10)) + digits
         if (settled and missing <= 0) or wanted >= _LARGEST_RAISE * digits:
-            return found
+            return result
         wanted = min(2 * wanted if missing <= 0 else wanted + missing, _LARGEST_RAISE * digits)
 
 
@@ -202,14 +202,14 @@ def _twice(equation: Equation, context: Any, digits: int) -> tuple[Any, Any, int
 def _stretches(equation: Equation, context: Any) -> tuple[list[PrecisePiece], Any]:
     """Return the pieces and the damping of an equation with time in units of period / 2 pi."""
     unit = _period(equation, context) / (2 * context.pi)
-    found, share = [], Fraction(0)
+    pieces, share = [], Fraction(0)
     for piece in equation.pieces():
         begin, length = (2 * context.pi * _exactly(part, context) for part in (share, piece.share))
         harmonics = tuple((unit**2 * context.mpf(z.real), unit**2 * context.mpf(z.imag)) for z in piece.harmonics)
         mean, slope = unit**2 * _exactly(piece.start, context), unit**3 * _exactly(piece.slope, context)
-        found.append(PrecisePiece(begin, length, mean, slope, harmonics))
+        pieces.append(PrecisePiece(begin, length, mean, slope, harmonics))
         share += piece.share
-    return found, unit * context.mpf(equation.damping)
+    return pieces, unit * context.mpf(equation.damping)
 
 
 def _exactly(number: Fraction | float, context: Any) -> Any:

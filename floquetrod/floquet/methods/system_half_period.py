@@ -88,17 +88,17 @@ def solved_pairs(system: HillSystem | PeriodicSystem, rtol: float = 1e-12) -> So
     refused = too_long(system, "half_period", seconds)
     if refused is not None:
         return SolvedPairs(refused)
-    found = pair_matrices()
-    discs = spectra.eigenvalue_discs(found.matrix[0], float(found.error[0]))
-    if discs is None or not found.symmetric:
+    matrices = pair_matrices()
+    discs = spectra.eigenvalue_discs(matrices.matrix[0], float(matrices.error[0]))
+    if discs is None or not matrices.symmetric:
         return SolvedPairs(classify_pairs(system, "half_period", discs, cost=_COST))
-    form = -found.form[0]
+    form = -matrices.form[0]
 
     def times(vectors: Complexes) -> Complexes:
         return np.asarray(form @ vectors.real + 1j * (form @ vectors.imag))  # no complex copy of the form
 
-    krein = spectra.Signs(discs, times, spectra.spectral_norm(form), float(found.form_error[0]))
-    return SolvedPairs(classify_pairs(system, "half_period", discs, krein=krein, cost=_COST), discs, found)
+    krein = spectra.Signs(discs, times, spectra.spectral_norm(form), float(matrices.form_error[0]))
+    return SolvedPairs(classify_pairs(system, "half_period", discs, krein=krein, cost=_COST), discs, matrices)
 
 
 def _of_series(system: HillSystem, rtol: float) -> tuple[float, Callable[[], half_period_maps.PairMatrices]]:

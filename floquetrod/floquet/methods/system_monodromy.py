@@ -33,8 +33,8 @@ def monodromy(system: HillSystem | PeriodicSystem, *, rtol: float = 1e-12) -> Sy
 
     Where multipliers come in mu, 1 / mu, the numbers mu + 1/mu are computed, each once, which keeps digits where
     multipliers meet at 1 or -1: of a symplectic map S by reducing S + S^-1 to block triangular form, of a reversible
-    one as those of a block.  Of 48 equations q'' + K(t) q = 0 or more, K symmetric, the multipliers themselves are:
-    some of so many pairs may be so close that the reduction would lose most digits.
+    one as the eigenvalues of a block.  Of 48 equations q'' + K(t) q = 0 or more, K symmetric, the multipliers
+    themselves are: some of so many pairs may be so close that the reduction would lose most digits.
 
     Parameters
     ----------
@@ -73,9 +73,9 @@ def monodromy(system: HillSystem | PeriodicSystem, *, rtol: float = 1e-12) -> Sy
     if reversible:
         block = spectra.eigenvalue_discs(symplectic.reversible_pair_matrix(full), error)
         return classify_pairs(system, "monodromy", block, cost=_COST)
-    found = symplectic.pair_matrix(full, error)
-    discs = spectra.eigenvalue_discs(found.matrix, found.error, found.eigen)
-    krein = None if discs is None else symplectic.krein_signs(found, discs)
+    reduced = symplectic.pair_matrix(full, error)
+    discs = spectra.eigenvalue_discs(reduced.matrix, reduced.error, reduced.eigen)
+    krein = None if discs is None else symplectic.krein_signs(reduced, discs)
     return classify_pairs(system, "monodromy", discs, krein=krein, cost=_COST)
 
 

@@ -73,10 +73,10 @@ def reference(
     Returns
     -------
     SystemStability
-        The error of the map is a bound on truncation and rounding; that of the multipliers a bound for all maps within
-        that error.  "undecided" where a multiplier cannot be distinguished from the unit circle, or several from each
-        other, with all these digits, whose number is in ``note``, and where the work would take more than about ten
-        seconds.
+        The error of the map is a bound on truncation and rounding; the error of the multipliers a bound for all maps
+        within that error.  "undecided" where a multiplier cannot be distinguished from the unit circle, or several from
+        each other, with all these digits, whose number is in ``note``, and where the work would take more than about
+        ten seconds.
 
     Examples
     --------
@@ -91,17 +91,17 @@ def reference(
     terms = 0
     while True:
         context = MPContext()
-        found, used, numerical = _attempt(system, context, digits, terms)
+        verdict, used, numerical = _attempt(system, context, digits, terms)
         terms += used
-        if found is None:
+        if verdict is None:
             note = f"{digits} digits would take too long"
             return (
                 SystemStability.declined(system, "reference", Cost(terms, "terms"), note) if result is None else result
             )
-        if found.status == "undecided":
-            found = replace(found, note=f"{found.note}, computed to {digits} digits")
-        if result is None or found.status != "undecided" or _known(found) >= _known(result):
-            result = found
+        if verdict.status == "undecided":
+            verdict = replace(verdict, note=f"{verdict.note}, computed to {digits} digits")
+        if result is None or verdict.status != "undecided" or _known(verdict) >= _known(result):
+            result = verdict
         settled = result.status != "undecided" and result.error < _SETTLED
         if settled or not numerical or 2 * digits > most_digits:
             return result
@@ -127,18 +127,18 @@ def _attempt(
         planned = precise_maps.plan(problem.pieces, digits + more)
         if planned is None or _work(problem, planned) > _LARGEST_WORK:
             return None, total, True
-        found = precise_maps.period_map(problem.pieces, context, planned)
-        total += found.terms
-        size = max(float(abs(v)) for v in found.matrix.flat)
-        missing = float(context.log10(found.error / max(size, 1.0))) + digits
+        period_map = precise_maps.period_map(problem.pieces, context, planned)
+        total += period_map.terms
+        size = max(float(abs(v)) for v in period_map.matrix.flat)
+        missing = float(context.log10(period_map.error / max(size, 1.0))) + digits
         if not 0.0 < missing < math.inf:
             break
         more += missing + 1.0
-    order = len(found.matrix)
+    order = len(period_map.matrix)
     uncertainty = problem.uncertainty * order * size
-    error = max(float(found.error), _LEAST_ERROR)
+    error = max(float(period_map.error), _LEAST_ERROR)
     cost = Cost(before + total, "terms")
-    result = _classified(system, problem, found, error + uncertainty, context, cost)
+    result = _classified(system, problem, period_map, error + uncertainty, context, cost)
     return result, total, uncertainty < error
 
 
@@ -169,7 +169,9 @@ def _problem(system: HillSystem | PeriodicSystem, context: Any) -> _PreciseSyste
         spread = 1.0
     every = [(of_mean(p.mean), None if p.slope is None else of_other(p.slope), _waves(p, of_other)) for p in pieces]
     unit = _number(period, context) / (2 * context.pi)
-    size = np.maximum.reduce([_size(*found, float(p.length)) for found, p in zip(every, pieces, strict=True)])
+    size = np.maximum.reduce(
+        [_size(*piece_sizes, float(p.length)) for piece_sizes, p in zip(every, pieces, strict=True)]
+    )
     scales = _scales(size, kind != "general", 1.0 / float(unit))
     ratio = scales[None, :] / scales[:, None]
     turn, order = 2 * context.pi / _number(period, context), len(ratio)
@@ -205,7 +207,7 @@ def _size(mean: NDArray[Any], slope: NDArray[Any] | None, waves: list[NDArray[An
 def _first_order(
     system: HillSystem, kind: str, damping: float, context: Any
 ) -> tuple[Callable[..., NDArray[Any]], Callable[..., NDArray[Any]], float]:
-    """Return what makes of a mean of K, and of its other matrices, those of the first-order system without damping.
+    """Return functions from a mean of K, and from its other matrices, to matrices of first order without damping.
 
     In (q, p), p = M q' + G q / 2, where it is Hamiltonian, else in (q, q').  Also by how much an error of K's entries
     may grow on the way.
@@ -252,24 +254,24 @@ def _scales(size: Floats, paired: bool, w: float) -> Floats:
 def _classified(
     system: HillSystem | PeriodicSystem,
     problem: _PreciseSystem,
-    found: PeriodMap,
+    period_map: PeriodMap,
     error: float,
     context: Any,
     cost: Cost,
 ) -> SystemStability:
     """Return the verdict that the map over a period allows."""
     if problem.kind == "general":
-        discs = precise_spectra.eigenvalue_discs(found.matrix, error, context)
+        discs = precise_spectra.eigenvalue_discs(period_map.matrix, error, context)
         return classify_multipliers(system, "reference", _logarithms(discs, context) if discs else None, cost=cost)
-    n = len(found.matrix) // 2
-    size = max(float(abs(v)) for v in found.matrix.flat)
+    n = len(period_map.matrix) // 2
+    size = max(float(abs(v)) for v in period_map.matrix.flat)
     slip = error + math.ldexp(n * n * (1.0 + size), 8 - context.prec)  # with the rounding
     reduced = None
     if problem.kind == "hamiltonian":
-        reduced = pair_matrix(found.matrix, slip, math.ldexp(1.0, -context.prec))
+        reduced = pair_matrix(period_map.matrix, slip, math.ldexp(1.0, -context.prec))
         matrix, slip = reduced.matrix, reduced.error
     else:
-        matrix = (found.matrix[:n, :n] - _exact(np.eye(n), context)) / 2
+        matrix = (period_map.matrix[:n, :n] - _exact(np.eye(n), context)) / 2
     pairs = precise_spectra.eigenvalue_discs(matrix, slip, context)
     if pairs is None:
         return classify_pairs(system, "reference", None, cost=cost)

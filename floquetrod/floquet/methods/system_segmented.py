@@ -100,9 +100,13 @@ def _phase(system: PeriodicSystem) -> float:
 def _segments(system: PeriodicSystem, count: int, rtol: float) -> tuple[Floats, Floats, Floats]:
     """Return the maps over ``count`` segments of each piece, balanced, their errors in the 2-norm, and the scales."""
     arrays = by_pieces.of_batch(system)
-    found = balanced_maps(arrays, rtol, count, exact=system.coefficient_error == 0.0)
-    maps, scales = found.maps[0], found.scaling[0]
+    balanced = balanced_maps(arrays, rtol, count, exact=system.coefficient_error == 0.0)
+    maps, scales = balanced.maps[0], balanced.scaling[0]
     stretch = float(error_stretch(arrays.mean, scales[None])[0])
     length = np.repeat(arrays.length[0] / count, count)
     with np.errstate(over="ignore", invalid="ignore"):  # of maps that overflow
-        return maps, found.errors[0] + system.coefficient_error * system.order * stretch * length * norms(maps), scales
+        return (
+            maps,
+            balanced.errors[0] + system.coefficient_error * system.order * stretch * length * norms(maps),
+            scales,
+        )

@@ -41,7 +41,7 @@ class _Harmonics(NamedTuple):
 
 
 def spectral(system: HillSystem | PeriodicSystem, *, rtol: float = 1e-12) -> SystemStability:
-    """Classify by the eigenvalues of Hill's matrix, and count those of its Hermitian form.
+    """Classify by the eigenvalues of Hill's matrix, and by counts of its Hermitian form.
 
     A solution exp(s t) sum_k p_k exp(i k w t) of x' = A(t) x makes s an eigenvalue of the infinite matrix of blocks
     A_(j-k) - i k w delta_jk.  It is truncated where the harmonics of the solutions have decayed.  Each solution appears
@@ -92,7 +92,7 @@ def spectral(system: HillSystem | PeriodicSystem, *, rtol: float = 1e-12) -> Sys
 
 
 def _counted(system: HillSystem, turns: Floats) -> Counts | None:
-    """Return counts at angles between those of multipliers, damping removed; None where the matrices are too large."""
+    """Return counts at angles between the multipliers, damping removed; None where the matrices are too large."""
     problem: Any = system_problem(system)
     try:
         with np.errstate(all="ignore"):  # what is not finite is not counted
@@ -122,10 +122,10 @@ def _solutions(system: _Harmonics, rtol: float, coefficient_error: float) -> tup
     rows = 0
     while order * (2 * cut + 1) <= _MOST_ROWS:
         rows = order * (2 * cut + 1)
-        found = _truncated(system, cut, norms, coefficient_error)
-        if found is None:
+        truncated = _truncated(system, cut, norms, coefficient_error)
+        if truncated is None:
             return None, rows
-        solutions, neglected = found
+        solutions, neglected = truncated
         if neglected <= max(rtol, 1e-15) * rate:
             return _compared(system, solutions, cut), rows
         cut += 4 + cut // 4

@@ -1,11 +1,18 @@
-"""Verdicts that are proofs: the signs that decide are found in interval arithmetic, for parameters taken exactly.
+"""Proved verdicts: the signs that decide are found in interval arithmetic, for parameters taken exactly.
 
-`problem` states an equation in exact numbers, `certification` chooses what is computed and draws the conclusion;
-`chains`, `band`, `trace` and `closed_form` enclose the quantities that decide.
+`exact_equation` states an equation in exact numbers, `scalar` chooses the proof and draws the conclusion from the signs
+of quantities that `floquetrod.floquet.mathieu_chains.enclosed_counts`, `band`, `trace` and `closed_form` enclose.
 
 Of systems of equations, `system_numbers` takes one, or all between several, `system_problem` states them in balls and
 `systems` concludes; `system_flow` encloses the map over a period, `system_discs` its eigenvalues, `system_counts`
-counts by `inertia`; `balls` and `integers` are the arithmetic.
+counts by `inertia`.
+
+*Arithmetic.*  Three kinds of numbers are rounded outwards.  Pairs of doubles: `kernels.double_intervals` in compiled
+code; `floquetrod._util.interval` for formulas of rods and for `mathieu_chains.certain_count`, interpreted and to the
+next double.  Arrays of balls, a midpoint and a radius: `balls` in doubles, and with the same operations `integers` in
+any number of digits; `digits` doubles the digits until a proof succeeds.  Intervals of many digits for single numbers:
+`many_digits`, of mpmath's intervals their four operations.  What is "undecided" is so since `Unresolved` was raised: a
+sign that the arithmetic does not show.
 """
 
 from __future__ import annotations

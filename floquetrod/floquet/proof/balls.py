@@ -35,7 +35,7 @@ def down(value: Array) -> Array:
 
 
 class Balls:
-    """An array of balls: all arrays whose entries are within ``rad`` of those of ``mid``."""
+    """An array of balls: all arrays whose entries are within ``rad`` of the entries of ``mid``."""
 
     __array_ufunc__ = None  # numpy leaves products with arrays to this class
     __slots__ = ("mid", "rad")

@@ -1,8 +1,8 @@
-"""The one door to proofs: what is stated exactly is proved by what applies to it.
+"""`fr.certify`: chooses the proof for an equation, a system or a box of parameters.
 
 A scalar equation of one Fourier series, or of two values over halves of its period, is proved in `scalar`, which is
 fast; any other equation as the system that it is, in `systems`; boxes of the parameters of a family in `family`, of
-those of Mathieu's equation in `region_equation`, in doubles.
+boxes of Mathieu's parameters in `region_equation`, in doubles.
 """
 
 from __future__ import annotations
@@ -77,12 +77,12 @@ def certify(
     interpretation : {"ito", "stratonovich"}
         Of the noise.
     **parameters
-        Of the class, by name: numbers that are taken exactly, int, float, Fraction, Decimal or text such as "1/3" or
+        Of the class, by name: numbers, taken exactly, int, float, Fraction, Decimal or text such as "1/3" or
         "-0.1".  The period of a `Hill` is the double nearest to 2 pi where it is left out.  Of `Mathieu` each may be
         (low, high), a tuple or a list, all values between which are meant; and in place of alpha and beta, a and q of
         y'' + 2 k y' + (a - 2 q cos 2 z) y = 0, with ``damping`` k, per unit z; the answer names what was given.  Of a
-        family its arguments, at least one of them (low, high), two floats, and at most six; two numbers that are no
-        side are given as an array.
+        family its arguments, at least one of them (low, high), two floats, and at most six; two numbers as one
+        argument are given as an array.
 
     Returns
     -------
@@ -93,10 +93,10 @@ def certify(
     Raises
     ------
     TypeError
-        For anything but these equations, for parameters that are not numbers or not of the class, and for parameters
+        For anything but these equations, for parameters of another class or kind, and for parameters
         beside a value.
     ValueError
-        For a batch of systems, numbers that are not finite or cannot be taken exactly, and those the class refuses.
+        For a batch of systems, numbers that are infinite, cannot be taken exactly, or are refused by the class.
 
     Examples
     --------
@@ -215,9 +215,9 @@ def _from_aq(parameters: Parameters) -> dict[str, Any]:
         raise TypeError(f"{wrong[0]} must be given, a number or (low, high), beside {'q' if wrong[0] == 'a' else 'a'}")
     if wrong := sorted(parameters.keys() - {"a", "q", "damping"}):
         raise TypeError(f"{', '.join(wrong)} must be left out beside a and q, with which damping may be given")
-    found = {}
-    for name, of, factor in (("alpha", "q", 2), ("beta", "a", -4), ("damping", "damping", 2)):
-        value = parameters.get(of, 0)
-        ends = sorted(end / factor for end in side_ends(of, value, exact_number))
-        found[name] = tuple(ends) if is_side(value) else ends[0]
-    return found
+    sides = {}
+    for name, source, factor in (("alpha", "q", 2), ("beta", "a", -4), ("damping", "damping", 2)):
+        value = parameters.get(source, 0)
+        ends = sorted(end / factor for end in side_ends(source, value, exact_number))
+        sides[name] = tuple(ends) if is_side(value) else ends[0]
+    return sides

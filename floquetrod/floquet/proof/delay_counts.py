@@ -144,10 +144,10 @@ def _coefficients(arithmetic: Arithmetic, system: DelaySystem, period: Fraction)
     pieces = [[piece._replace(begin=piece.begin * each.period.low / period) for piece in each.pieces] for each in every]
     whole, unit = replace(every[0], pieces=tuple(itertools.chain.from_iterable(pieces))), ExactRange(period, period)
     if isinstance(whole, FirstOrder):
-        found = whole.stretches(arithmetic, unit)
+        first_order = whole.stretches(arithmetic, unit)
     else:
-        found = whole.oscillators(arithmetic, unit, freed=False).stretches(arithmetic, own=len(pieces[0]))
-    rest = iter(balanced(found, arithmetic.exact(np.eye(1))).pieces)
+        first_order = whole.oscillators(arithmetic, unit, freed=False).stretches(arithmetic, own=len(pieces[0]))
+    rest = iter(balanced(first_order, arithmetic.exact(np.eye(1))).pieces)
     return [list(itertools.islice(rest, len(each))) for each in pieces]
 
 
@@ -183,16 +183,16 @@ def _turned(arithmetic: Arithmetic, turns: Fraction) -> Matrix:
     return cosine + sine.times_i()
 
 
-def _added(arithmetic: Arithmetic, whole: BallPiece, own: BallPiece, place: Any) -> BallPiece:
+def _added(arithmetic: Arithmetic, whole: BallPiece, own: BallPiece, block_index: Any) -> BallPiece:
     """Return a stretch with another's matrices added in a place."""
     shape = whole.mean.shape
 
     def plus(matrix: Matrix | None, block: Matrix | None, *, real: bool) -> Matrix | None:
         if block is None:
             return matrix
-        found = arithmetic.zeros(shape, real=real) if matrix is None else matrix
-        found[place] = found[place] + block
-        return found
+        total = arithmetic.zeros(shape, real=real) if matrix is None else matrix
+        total[block_index] = total[block_index] + block
+        return total
 
     waves = [plus(one, other, real=False) for one, other in itertools.zip_longest(whole.waves, own.waves)]
     mean, slope = plus(whole.mean, own.mean, real=True), plus(whole.slope, own.slope, real=True)
@@ -276,15 +276,15 @@ def _real_stretch(arithmetic: Arithmetic, interval: _StepPiece, turns: Fraction)
 def _determinant(arithmetic: Arithmetic, matrix: Matrix) -> Matrix:
     """Enclose a determinant without divisions: R. S. Bird, Inf. Process. Lett. 111 (2011) 1072."""
     n = matrix.shape[0]
-    found = matrix
+    product = matrix
     for _ in range(n - 1):
-        upper = found.each(lambda a: np.triu(a, 1))
+        upper = product.each(lambda a: np.triu(a, 1))
         below = arithmetic.zeros((), real=False)
         for i in reversed(range(n)):
             upper[i, i] = -below
-            below = below + found[i, i]
-        found = upper @ matrix
-    return found[0, 0] if n % 2 else -found[0, 0]
+            below = below + product[i, i]
+        product = upper @ matrix
+    return product[0, 0] if n % 2 else -product[0, 0]
 
 
 def _polynomial(arithmetic: Arithmetic, values: Matrix, count: int) -> Matrix:
@@ -313,13 +313,13 @@ def _turns(arithmetic: Arithmetic, polynomial: Matrix, left_out: float) -> int:
     while arcs.size:
         arithmetic.check_work(float(arcs.size * terms.shape[0] * _TERMS))
         cosine, sine = _cosines(arithmetic, np.outer(2 * arcs + 1, k), 2 * number)
-        found = (cosine + sine.times_i()) @ terms
-        centres, half = found.centre()[:, 0], math.pi / number * (1.0 + 1e-15)
+        taylor = (cosine + sine.times_i()) @ terms
+        centres, half = taylor.centre()[:, 0], math.pi / number * (1.0 + 1e-15)
         # Taylor's series about the centre, its last term for any place; binomials were rounded.
         steps = half ** np.arange(1, _TERMS + 1)
-        bounds = np.concatenate([found.upper()[:, 1:], np.zeros((len(arcs), 1))], 1) + 2.0**-52 * sizes[1:]
+        bounds = np.concatenate([taylor.upper()[:, 1:], np.zeros((len(arcs), 1))], 1) + 2.0**-52 * sizes[1:]
         bounds[:, -1] = sizes[-1]
-        radius = up(found.offset()[:, 0] + left_out + up(bounds @ steps))
+        radius = up(taylor.offset()[:, 0] + left_out + up(bounds @ steps))
         clear = radius < _CLEAR * np.abs(centres)
         places.append((2.0 * arcs[clear] + 1.0) / number)
         values.append(centres[clear])

@@ -97,15 +97,15 @@ def _terms(system: DelaySystem) -> _Terms:
 
 def _size(coefficient: Any, mean: Floats) -> float:
     """Return a bound, to rounding, of the norm of a coefficient less a constant matrix at any time."""
-    found = 0.0
+    largest = 0.0
     for piece in in_time(coefficient):
         rest = piece._replace(mean=piece.mean - mean).size + 2.0**-50 * (np.abs(piece.mean) + np.abs(mean))
-        found = max(found, float(np.linalg.norm(rest)))
-    return found
+        largest = max(largest, float(np.linalg.norm(rest)))
+    return largest
 
 
 def _functional(terms: _Terms, margin: float) -> Exact | None:
-    """Return P from doubles, None where there is none; of a system without other terms that of Lyapunov's equation."""
+    """Return P from doubles, None where there is none: Riccati's equation, without delayed terms Lyapunov's."""
     from scipy.linalg import solve_continuous_are
 
     state, acts, sees = (np.array([[float(x) for x in row] for row in each]) for each in terms[:3])
@@ -113,10 +113,10 @@ def _functional(terms: _Terms, margin: float) -> Exact | None:
     least = margin * max(w, 1e-6 * float(np.abs(state).max()))
     left = sees.T @ sees * w + least * np.eye(len(state))
     try:
-        found = solve_continuous_are(state, acts * math.sqrt(max(w, 1e-300)), left, -np.eye(acts.shape[1]))
+        solution = solve_continuous_are(state, acts * math.sqrt(max(w, 1e-300)), left, -np.eye(acts.shape[1]))
     except (np.linalg.LinAlgError, ValueError):
         return None
-    return exact(0.5 * (found + found.T)) if np.isfinite(found).all() else None
+    return exact(0.5 * (solution + solution.T)) if np.isfinite(solution).all() else None
 
 
 def _decreases(terms: _Terms, functional: Exact) -> bool:

@@ -91,8 +91,8 @@ def problem_of(equation: Equation) -> ExactProblem | None:
         return None
     pieces = tuple(ExactPiece(p.share, Fraction(p.start) * scale**2, _waves(p.harmonics, scale**2)) for p in given)
     period = Fraction(equation.period) if multiple is None else None
-    found = ExactProblem(equation, pieces, Fraction(equation.damping) * scale, period, ())
-    return found if len(pieces) == 1 or found.halves is not None else None
+    problem = ExactProblem(equation, pieces, Fraction(equation.damping) * scale, period, ())
+    return problem if len(pieces) == 1 or problem.halves is not None else None
 
 
 def _waves(harmonics: tuple[complex, ...], factor: Fraction) -> tuple[ExactWave, ...]:

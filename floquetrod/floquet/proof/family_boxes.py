@@ -40,22 +40,22 @@ _ASSUMED = (
 
 
 class _Family(NamedTuple):
-    """What makes an equation of parameters: those of the box vary, the others are given."""
+    """A function that returns an equation, and its fixed arguments; the sides of the box are the others."""
 
     make: Callable[..., Any]
     given: Mapping[str, Any]
 
     def at(self, point: Mapping[str, float]) -> Problem:
         """Return the equation of a point of the box."""
-        found = member(self.make, {**self.given, **point}, argument="equation")
-        require_problem(found)
-        require_without_delays(found, "a proof over a box")
-        return found
+        problem = member(self.make, {**self.given, **point}, argument="equation")
+        require_problem(problem)
+        require_without_delays(problem, "a proof over a box")
+        return problem
 
     def system(self, point: Mapping[str, float]) -> HillSystem | PeriodicSystem:
         """Return the same as a system."""
-        found: Any = self.at(point)
-        return found.as_system() if isinstance(found, Equation) else found
+        problem: Any = self.at(point)
+        return problem.as_system() if isinstance(problem, Equation) else problem
 
     def corners(self, box: Box) -> list[HillSystem | PeriodicSystem]:
         """Return the systems at the corners of a box."""
@@ -76,7 +76,7 @@ def certify_family(
     seconds: float,
     prove: Callable[[Problem], Proof],
 ) -> RegionProof | Proof:
-    """Return what is proved of all equations of a family in a box of some ``sides``; of one where there is none.
+    """Return the proof for all equations of a family in a box; for one equation where there are no ``sides``.
 
     ``given`` are the parameters that do not vary; ``prove`` proves one equation.
     """
@@ -108,7 +108,7 @@ def _require_affine(family: _Family, box: Box) -> None:
 
 
 def _weight(corner: tuple[float, ...], point: Mapping[str, float], box: Box) -> float:
-    """Return the weight of a corner in what is affine in each parameter."""
+    """Return the weight of a corner in the multilinear interpolation at a point."""
     weight = 1.0
     for end, (name, (low, high)) in zip(corner, box.items(), strict=True):
         share = (point[name] - low) / (high - low) if high > low else 0.0

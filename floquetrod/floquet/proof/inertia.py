@@ -1,7 +1,7 @@
 """How many eigenvalues of an enclosed Hermitian matrix are negative.
 
 Congruence keeps their number (Sylvester).  With V close to the eigenvectors, V^H H V is close to a diagonal matrix;
-where in each row the diagonal entry exceeds the sum of the others, the signs of the diagonal are those of the
+where in each row the diagonal entry exceeds the sum of the others, the diagonal has the signs of the
 eigenvalues (Gershgorin, the others going to zero on a straight line), and V cannot be singular.
 """
 

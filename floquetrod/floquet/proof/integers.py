@@ -1,7 +1,7 @@
 """Arrays of balls with any number of digits: midpoints are Python integers times a power of two, radii are doubles.
 
 numpy holds the integers in arrays of objects, real and imaginary parts apart.  Sums and products of integers are exact;
-a bound on what is cut off below the last bit is added to the radii.
+a bound on the bits cut off is added to the radii.
 """
 
 from __future__ import annotations
@@ -154,7 +154,7 @@ class Wide:
         return self._like(self.real // divisor, imaginary, up(self.rad / divisor + 2.0 ** (1 - self.bits)))
 
     def inverse(self) -> Wide:
-        """Return the reciprocals of real numbers that are not zero."""
+        """Return the reciprocals of real balls without zero."""
         least = self.lower()
         if not (least > 0.0).all() or self.imaginary is not None:
             raise Unresolved("a number cannot be distinguished from zero")

@@ -39,13 +39,13 @@ class KreinSums(NamedTuple):
 
 
 def krein_sums(arithmetic: Arithmetic, matrix: Matrix, form: Matrix, angles: Sequence[float]) -> KreinSums:
-    """Sum the Krein signs between angles from 0 to 1/2; raises `Unresolved` where one may be that of a multiplier."""
+    """Sum the Krein signs between angles from 0 to 1/2; raises `Unresolved` where a multiplier may be at one."""
     product, sums, margin = form @ matrix, [], 1.0
     for low, high in pairwise(angles):
         cosines, sines = arithmetic.turns(np.array([0.5 * (low + high), 0.5 * (high - low)]))
         turned = product * (cosines[0] - sines[0].times_i())
         hermitian = (form * cosines[1]).shifted(2.0) - turned - turned.adjoint()
-        found = inertia(arithmetic, hermitian, hermitian.upper().max(axis=1))
-        sums.append(found.negative - form.shape[0] // 2)
-        margin = min(margin, found.margin)
+        signs = inertia(arithmetic, hermitian, hermitian.upper().max(axis=1))
+        sums.append(signs.negative - form.shape[0] // 2)
+        margin = min(margin, signs.margin)
     return KreinSums(tuple(angles), tuple(sums), margin)

@@ -59,7 +59,7 @@ def _swing(piece: TimedPiece) -> float:
 
 
 def turning(system: HillSystem | PeriodicSystem) -> str | None:
-    """Return that nothing but an invertible G acts: M q'' + G q' = 0, of which M q' + G q is constant; or None."""
+    """Return that nothing but an invertible G acts: M q'' + G q' = 0, so that M q' + G q is constant; or None."""
     if isinstance(system, PeriodicSystem) or not system.is_constant or system.damping is not None:
         return None
     if system.coefficient_error or system.gyroscopic is None or system.order > _MOST_ROWS:

@@ -54,7 +54,7 @@ class Proof(Reported, Answer):
     enclosures : tuple of Enclosure
         The quantities whose signs decided.
     exact : tuple of (str, Fraction)
-        Parameters that are not binary numbers: the proof holds for these, ``equation`` has the nearest doubles.
+        Parameters other than binary numbers: the proof holds for these, ``equation`` has the nearest doubles.
     """
 
     equation: Equation | HillSystem | PeriodicSystem | DelaySystem

@@ -29,7 +29,7 @@ class ExactSides(NamedTuple):
 def certify_box(
     parameters: dict[str, Any], tolerance: float, max_boxes: int, prove: Callable[[Parameters], Proof]
 ) -> RegionProof:
-    """Return what `certify` does of Mathieu's equation with parameters some of which are (low, high).
+    """Return the proof for Mathieu's equation over a box of its parameters.
 
     ``prove`` proves one equation, by its exact parameters.
     """
@@ -39,15 +39,15 @@ def certify_box(
     unit, none = RealInterval.of(1.0), RealInterval.of(0.0)
     numbers = (beta, abs(alpha), unit, none, unit, none, none, damping)
     box = ModeBox(*((side.low, side.high) for side in numbers))
-    found = subdivide(box, 1, tolerance, max_boxes)
-    parts = (("stable", found.stable_box), ("unstable", found.unstable_box))
+    searched = subdivide(box, 1, tolerance, max_boxes)
+    parts = (("stable", searched.stable_box), ("unstable", searched.unstable_box))
     return concluded(
         Mathieu,
         tuple(Side(name, float(low), float(high), "") for name, (low, high) in zip(_NAMES, sides, strict=True)),
-        found.shares,
-        found.boxes,
+        searched.shares,
+        searched.boxes,
         (_example(sides, wanted, part, tolerance, prove) for wanted, part in parts if part is not None),
-        finished=found.finished,
+        finished=searched.finished,
         tolerance=tolerance,
         unit="per tau",
         assumptions=(),
@@ -80,7 +80,7 @@ def concluded(
     tolerance : float
         Growth, in ``unit``, that counts as none.
     assumptions : tuple of str
-        Beside those of the arithmetic.
+        Beside the assumption of the arithmetic.
     sources : tuple of str
         Publications behind the proof.
     """

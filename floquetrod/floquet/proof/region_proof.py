@@ -132,7 +132,7 @@ class RegionProof(Reported, NoTruthValue):
         Parameters
         ----------
         units : mapping, optional
-            In which to show sides of the box: ``{"mean": "Fcr", "frequency": "Hz"}``, those of rods by what they are:
+            In which to show sides of the box: ``{"mean": "Fcr", "frequency": "Hz"}``, for rods by kind:
             ``{"length": "ft", "pressure": "ksi"}``, radii beside feet in inches.
 
         Returns
@@ -167,14 +167,14 @@ class RegionProof(Reported, NoTruthValue):
     def units_of_sides(self, names: Mapping[str, str]) -> dict[str, known.Unit]:
         """Return the unit to show each side in, see `report`."""
         critical = getattr(self.subject, "critical_force", None)
-        found = {}
+        units = {}
         for side in self.box:
             kind = known.kind_of(side.unit) or "ratio"
             named = names.get(side.name, names.get(kind) if side in self.box[3:] else None)
             if named == "ft" and side.name.endswith("radius"):
                 named = "in"
-            found[side.name] = known.Unit(side.unit, 1.0) if named is None else known.unit(named, kind, kind, critical)
-        return found
+            units[side.name] = known.Unit(side.unit, 1.0) if named is None else known.unit(named, kind, kind, critical)
+        return units
 
     @property
     def _headline(self) -> str:
@@ -218,7 +218,7 @@ class RegionProof(Reported, NoTruthValue):
 
 
 def is_side(value: Any) -> bool:
-    """Return whether a value is a side of a box, (low, high): a tuple or a list of two that are no sequences."""
+    """Return whether a value is a side of a box, (low, high): a tuple or a list of two numbers, not of sequences."""
     is_pair = isinstance(value, tuple | list) and len(value) == 2
     return is_pair and all(isinstance(end, str) or not validate.iterable(end) for end in value)
 

@@ -7,7 +7,7 @@ multipliers: if N varies by n over some angles from 0 to 1/2, all multipliers li
 the opposite sign.  If n - abs(N(1/2) - N(0)) is odd, so is the number of pairs of real multipliers off the circle.
 R. Bott, Comm. Pure Appl. Math. 9 (1956) 171, doi:10.1002/cpa.3160090204.
 
-In a Fourier basis L is an infinite matrix of blocks, of which those with abs(k) <= m are kept.  Let the others by
+In a Fourier basis L is an infinite matrix of blocks; blocks with abs(k) <= m are kept.  Let the others by
 themselves be at least tau I, tau > 0, and let r bound what couples them to the kept ones on either side.  Then L has as
 many negative eigenvalues as the kept matrix less some matrix between zero and r^2 / tau I in its last blocks on either
 side.
@@ -77,7 +77,7 @@ class Counts(NamedTuple):
 
 
 def angles_between(multipliers: Array) -> list[float]:
-    """Return angles in turns, 0, 1/2 and between those of multipliers known approximately."""
+    """Return angles in turns, 0, 1/2 and between approximate multipliers."""
     turns = np.sort(np.abs(np.angle(multipliers)) / (2.0 * math.pi))
     middles = 0.5 * (turns[1:] + turns[:-1])[np.diff(turns) > _CLOSE]
     return sorted({0.0, 0.5, *(round(float(angle) * _GRID) / _GRID for angle in middles)})

@@ -47,10 +47,10 @@ def _piece_map(arithmetic: Arithmetic, piece: BallPiece) -> Matrix:
     turning = max(2.0 * len(sizes) * length, 1.0)
     steps = 2 ** max(0, math.ceil(math.log2(max(total, 1e-300) / step)), math.ceil(math.log2(turning)))
     rates = np.array([2.0 * math.pi * k * length * (1.0 + 1e-15) for k in range(len(sizes))])
-    found = last_power(sizes, rates, 1.0 / steps, -math.log(10.0) * (arithmetic.digits + 2.0), steepness)
-    if found is None:
+    truncation = last_power(sizes, rates, 1.0 / steps, -math.log(10.0) * (arithmetic.digits + 2.0), steepness)
+    if truncation is None:
         raise Unresolved("the Taylor series converge too slowly")
-    order, remainder = found[0], max(math.exp(found[1]), 1e-290)
+    order, remainder = truncation[0], max(math.exp(truncation[1]), 1e-290)
     entries = steps * piece.mean.shape[0] ** 2
     if entries * order > _MOST_NUMBERS:
         raise TooMuchWork("so large Taylor series")

@@ -20,7 +20,7 @@ _ROUNDING = 8.0 * 2.0**-52  # of the coefficients that a family computes, relati
 
 
 class NotAffine(ValueError):
-    """Coefficients that are not affine in each parameter."""
+    """The coefficients are not affine in each parameter."""
 
 
 class _Numbers(NamedTuple):
@@ -87,16 +87,16 @@ def _alike(systems: Sequence[System]) -> list[_Numbers]:
 
 def require_affine(system: Any, weighted: Sequence[tuple[float, Any]]) -> None:
     """Raise `NotAffine` where a system is not the weighted sum of others, except for rounding and its stated error."""
-    found, *others = _alike([system, *(other for _, other in weighted)])
-    stated = system.coefficient_error + max(other.coefficient_error for _, other in weighted)
+    numbers, *corners = _alike([system, *(corner for _, corner in weighted)])
+    stated = system.coefficient_error + max(corner.coefficient_error for _, corner in weighted)
     gaps, rounding = {}, {}
-    for name, array in found.arrays.items():
-        expected = sum(weight * other.arrays[name] for (weight, _), other in zip(weighted, others, strict=True))
+    for name, array in numbers.arrays.items():
+        expected = sum(weight * corner.arrays[name] for (weight, _), corner in zip(weighted, corners, strict=True))
         gaps[name] = array - expected
-        largest = np.maximum.reduce([np.abs(array), *(np.abs(other.arrays[name]) for other in others)])
+        largest = np.maximum.reduce([np.abs(array), *(np.abs(corner.arrays[name]) for corner in corners)])
         rounding[name] = 4.0 * _ROUNDING * largest
     if stated:
-        times = found.durations, float(found.arrays["period"][0])
+        times = numbers.durations, float(numbers.arrays["period"][0])
         gaps = _values(gaps, *times)
         rounding = {name: 2.0 * stated + size for name, size in _values(rounding, *times, bound=True).items()}
     for name, gap in gaps.items():
@@ -108,24 +108,24 @@ def require_affine(system: Any, weighted: Sequence[tuple[float, Any]]) -> None:
 def _values(
     arrays: dict[str, Array], shares: Sequence[Fraction], period: float, *, bound: bool = False
 ) -> dict[str, Array]:
-    """Return arrays with those of a piece summed to values at times of it, of bounds to one bound.
+    """Return the values of the coefficients at 33 times of each piece, or bounds of them, beside the other arrays.
 
-    The terms of a function that was sampled are determined less well than their sum, of which an error is stated.
+    Fourier coefficients of a sampled function are known less well than their sum, whose error is stated.
     """
-    found = {name: array for name, array in arrays.items() if not name[-1].isdigit()}
+    values = {name: array for name, array in arrays.items() if not name[-1].isdigit()}
     inner, begin = np.linspace(0.0, 1.0, 33)[:, None], 0.0
     for i, share in enumerate(map(float, shares)):
         mean, slope, cosines, sines = (arrays[f"{name} {i}"] for name in ("mean", "slope", "cosines", "sines"))
         angles = 2.0 * np.pi * (begin + share * inner) * np.arange(1, len(cosines) + 1)
         c, s = (np.ones_like(angles),) * 2 if bound else (np.cos(angles), np.sin(angles))
         steady = mean + share * inner[..., None] * (slope * period)
-        found[f"coefficient {i}"] = steady + np.tensordot(c, cosines, axes=1) + np.tensordot(s, sines, axes=1)
+        values[f"coefficient {i}"] = steady + np.tensordot(c, cosines, axes=1) + np.tensordot(s, sines, axes=1)
         begin += share
-    return found
+    return values
 
 
 def bounds_of(systems: Sequence[System]) -> Bounds:
-    """Return what numbers that are affine in each parameter lie between, from the systems at the corners of a box."""
+    """Return the bounds of all numbers over a box, affine in each parameter, from the systems at its corners."""
     every = _alike(systems)
     names, arrays = every[0].arrays, [one.arrays for one in every]
     return Bounds(type(systems[0]), every[0].durations, {n: _known([each[n] for each in arrays]) for n in names})
@@ -163,7 +163,7 @@ def system_problem(*systems: Any) -> SystemProblem:
 
 
 def _is_reversible(systems: Sequence[System], bounds: Bounds) -> bool:
-    """Return whether all systems are even about one instant: one, or series that are about 0."""
+    """Return whether all systems are even about one instant: one system, or series about 0."""
     if len(systems) == 1:
         return systems[0].structure == "reversible"
     numbers, order = bounds.numbers, systems[0].order
@@ -178,13 +178,13 @@ def _is_reversible(systems: Sequence[System], bounds: Bounds) -> bool:
 
 def _stretches(bounds: Bounds, *, is_constant: bool) -> tuple[BallPiece, ...]:
     """Return the pieces of the period, of a constant coefficient one."""
-    found, begin = [], Fraction(0)
+    pieces, begin = [], Fraction(0)
     for i, length in enumerate(bounds.durations[: 1 if is_constant else None]):
         mean, slope, cosines, sines = (bounds.numbers[f"{name} {i}"] for name in ("mean", "slope", "cosines", "sines"))
         waves = [] if is_constant else [_wave(cosines.at(k), sines.at(k)) for k in range(len(cosines.middle))]
-        found.append(BallPiece(begin, length, mean, None if slope.is_zero else slope, waves))
+        pieces.append(BallPiece(begin, length, mean, None if slope.is_zero else slope, waves))
         begin += length
-    return (found[0]._replace(length=Fraction(1)),) if is_constant else tuple(found)
+    return (pieces[0]._replace(length=Fraction(1)),) if is_constant else tuple(pieces)
 
 
 def _wave(cosine: Known, sine: Known) -> Known:
@@ -197,9 +197,9 @@ def _wave(cosine: Known, sine: Known) -> Known:
 
 def _rates(systems: Sequence[Any], *, mass_varies: bool) -> ExactRange | None:
     """Return what the c of a damping 2 c M lies between, None where a system has another or it cannot be determined."""
-    found = [_rate(system) for system in systems]
-    rates = [rate for rate in found if rate is not None]
-    if len(rates) < len(found) or (mass_varies and min(rates) < max(rates)):
+    every = [_rate(system) for system in systems]
+    rates = [rate for rate in every if rate is not None]
+    if len(rates) < len(every) or (mass_varies and min(rates) < max(rates)):
         return None
     rounding = Fraction(_ROUNDING) if min(rates) < max(rates) else 0
     return ExactRange(min(rates) * (1 - rounding), max(rates) * (1 + rounding))

@@ -1,6 +1,6 @@
 """Systems of equations whose numbers are exact or lie within bounds, and the same in balls.
 
-The coefficients come in pieces of the period, of which a Fourier series has one.
+The coefficients come in pieces of the period; a Fourier series is one piece.
 """
 
 from __future__ import annotations
@@ -76,9 +76,9 @@ class BallPiece(NamedTuple):
         return self._replace(mean=of_mean(self.mean), slope=slope, waves=[of_other(wave) for wave in self.waves])
 
     def ball(self, arithmetic: Arithmetic, unit: ExactRange) -> BallPiece:
-        """Return matrices that are `Known` in balls, the slope with the period as the unit of time."""
-        found = self.each(lambda m: m.ball(arithmetic), lambda m: m.ball(arithmetic))
-        return found if found.slope is None else found._replace(slope=found.slope * unit.ball(arithmetic))
+        """Return the `Known` matrices in balls, the slope with the period as the unit of time."""
+        piece = self.each(lambda m: m.ball(arithmetic), lambda m: m.ball(arithmetic))
+        return piece if piece.slope is None else piece._replace(slope=piece.slope * unit.ball(arithmetic))
 
     @property
     def size(self) -> Array:
@@ -308,7 +308,7 @@ def _congruence(mass: Array) -> Array:
 
 
 def _inverse_mass(arithmetic: Arithmetic, system: Oscillators) -> Matrix:
-    """Enclose the inverse of I + E by I - E + E^2 - ...: what is left out has row sums below d^k / (1 - d)."""
+    """Enclose the inverse of I + E by I - E + E^2 - ...: the terms left out have row sums below d^k / (1 - d)."""
     n = system.order
     inverse = arithmetic.exact(np.eye(n))
     if system.excess is None:

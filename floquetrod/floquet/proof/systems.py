@@ -1,4 +1,4 @@
-"""Proofs for systems of equations: what is computed, with how many digits, and what follows from it.
+"""Proofs for systems of equations, by the multipliers or by counts, with as many digits as it takes.
 
 Two ways, each in balls.  The multipliers lie in discs: one of modulus above 1 proves instability, all of modulus below
 1 prove decay, and where with every mu there is 1 / conj(mu), a disc that holds one multiplier and whose mirror image

@@ -1,4 +1,4 @@
-"""The trace of the map of u'' = p u over a period, enclosed: that of the system of one equation, in the same balls."""
+"""The trace of the map of u'' = p u over a period, enclosed in the balls of systems, as a system of one."""
 
 from __future__ import annotations
 
@@ -48,9 +48,9 @@ def _stretch(arithmetic: Arithmetic, problem: ExactProblem, shift: int) -> BallP
     square = unit * unit
 
     def block(value: Matrix, *, real: bool) -> Matrix:
-        found = arithmetic.zeros((2, 2), real=real)
-        found[1, 0] = value * square
-        return found
+        matrix = arithmetic.zeros((2, 2), real=real)
+        matrix[1, 0] = value * square
+        return matrix
 
     mean = block(arithmetic.rational(piece.mean + problem.damping**2), real=True)
     mean[0, 1] = arithmetic.exact(np.array(1.0))

@@ -1,8 +1,8 @@
 """Intervals of doubles rounded outwards, pairs (low, high): what a kernel proves rests on these few operations.
 
 An operation on doubles is rounded to the nearest one (IEEE 754), so the exact result lies within a unit of the last
-place of what is computed; `down` and `up` step over it.  A number that is not finite stays so or becomes NaN, and every
-comparison with NaN is false: kernels conclude only from comparisons that hold.
+place of the computed double; `down` and `up` step over it.  A number that is not finite stays so or becomes NaN, and
+every comparison with NaN is false: kernels conclude only from comparisons that hold.
 """
 
 from __future__ import annotations

@@ -324,7 +324,7 @@ def certify_cells(
     most: int,
     max_boxes: int,
 ) -> None:
-    """Fill ``out`` (int8) with what is proved of many boxes of loads, subdividing each into at most ``max_boxes``.
+    """Fill ``out`` (int8) with the proved status of many boxes of loads, subdividing each into at most ``max_boxes``.
 
     1: no mode grows faster than the tolerance; 0: one does everywhere; 2: both are proved of parts; -1: undecided.
     ``rod``, shape (5, 2), are the last rows of a box; ``smallest`` and ``most`` as in `tail_modes`.

@@ -1,4 +1,4 @@
-"""Kernels for boxes of loads and rods: what they are to each mode, and to all modes that are not looked at.
+"""Kernels for boxes of loads and rods: their numbers for each mode, and a bound for all modes beyond.
 
 A box is an array (8, 2) of doubles: the lowest and highest values of
 
@@ -134,7 +134,7 @@ def tail_bound(box: Any, last: int) -> float:
 
 @kernel
 def tail_modes(box: Any, tolerance: float, smallest: float, most: int) -> tuple[int, float]:
-    """Return the number of modes that must be looked at, and what is proved of all others.
+    """Return the number of modes to examine, and the bound proved for all others.
 
     Parameters
     ----------

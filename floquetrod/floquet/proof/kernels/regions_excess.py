@@ -59,8 +59,8 @@ def _power_sum(n: float, j: int) -> Pair:
 def _tail(a: Pair, q: float, ql: float, n: float) -> Pair:
     """Enclose the product of all e_k / (k^2 h) for k = n, n + 2, ...; q in [ql, q].
 
-    e_k / (k^2 h) = 1 - (a + y_k) / k^2 with y_k = q^2 / ((k + 2)^2 - a - ...), so that its logarithm is that of
-    1 - a / k^2 plus that of 1 - y_k / (k^2 - a).
+    e_k / (k^2 h) = 1 - (a + y_k) / k^2 with y_k = q^2 / ((k + 2)^2 - a - ...), its logarithm is log of
+    1 - a / k^2 plus log of 1 - y_k / (k^2 - a).
     """
     size = max(abs(a[0]), abs(a[1]))
     n2 = n * n
@@ -133,7 +133,7 @@ def _diagonal(k: float, h: Pair) -> Pair:
 
 @kernel
 def _middle(c: Pair, s: Pair, t: Pair, e: Pair, g2: Pair) -> Pair:
-    """Enclose S_c S_s: as a product, and as the square of their mean less that of half their difference t."""
+    """Enclose S_c S_s: as a product, and as the squared mean less the square of half their difference t."""
     beyond = divide(g2, e)
     c = subtract(c, beyond)
     s = subtract(s, beyond)
@@ -147,11 +147,11 @@ def _middle(c: Pair, s: Pair, t: Pair, e: Pair, g2: Pair) -> Pair:
 
 
 @kernel
-def _met(found: Pair, middle: Pair, rest: Pair, steps: int) -> Pair:
-    """Return the intersection of an enclosure with the product of two others, of which many scalings are undone."""
+def _met(enclosure: Pair, middle: Pair, rest: Pair, steps: int) -> Pair:
+    """Return the intersection of an enclosure with the product of two others, whose scalings are undone."""
     low, high = multiply(middle, rest)
     if not low <= high:
-        return found
+        return enclosure
     while steps > 0:  # exact, and what overflows is still a bound
         low = min(low * _STEP, 1e300)
         high = max(high * _STEP, -1e300)
@@ -160,7 +160,7 @@ def _met(found: Pair, middle: Pair, rest: Pair, steps: int) -> Pair:
         low = down(low / _STEP)
         high = up(high / _STEP)
         steps += 1
-    return max(found[0], low), min(found[1], high)
+    return max(enclosure[0], low), min(enclosure[1], high)
 
 
 @kernel
@@ -169,7 +169,7 @@ def excess(kappa: Pair, p: Pair, omega: Pair, parity: int) -> Pair:
 
     Every row where forward and backward pivots can meet gives an enclosure; the result is their intersection.
     """
-    found = -math.inf, math.inf
+    enclosure = -math.inf, math.inf
     h = square(omega)
     h = 0.25 * h[0], 0.25 * h[1]
     g = 0.5 * p[1]
@@ -179,7 +179,7 @@ def excess(kappa: Pair, p: Pair, omega: Pair, parity: int) -> Pair:
     top = max(a[1] + 2.0 * q, 0.0)
     reach = max(top, 2.0 * q - a[0])
     if not (h[0] > 0.0 and reach < 0.05 * _LONGEST * _LONGEST):
-        return found
+        return enclosure
     first = float(parity)
     n = first + 2.0 * math.floor(1.3 * math.sqrt(reach) + 4.0)
     # Rows where pivots may meet: from the last with k^2 <= a - 2 q to the first with k^2 >= a + 2 q.
@@ -190,7 +190,7 @@ def excess(kappa: Pair, p: Pair, omega: Pair, parity: int) -> Pair:
     k = n + 2.0 * (_SETTLING + 1.0)
     x = _diagonal(k, h)
     if not (down(x[0] - kappa[1]) >= 2.0 * g and w[0] > 0.0 and w[1] < math.inf):
-        return found
+        return enclosure
     e = down(down(x[0] - kappa[1]) - g), up(x[1] - kappa[0])
     while k > n + 2.0:
         k -= 2.0
@@ -218,7 +218,7 @@ def excess(kappa: Pair, p: Pair, omega: Pair, parity: int) -> Pair:
             break
         w, steps = _scaled(multiply(w, square(_share(v, x))), steps)
     if least == count:
-        return found
+        return enclosure
     # Forward pivots c and s of the two chains, their difference t, and the product of all rows before.
     steps = 0
     if parity == 1:
@@ -234,9 +234,9 @@ def excess(kappa: Pair, p: Pair, omega: Pair, parity: int) -> Pair:
         if inner == 0.0 and least == 0:
             v = _taken((backward[0, 0], backward[0, 1]), kappa, twice)
             c = multiply(divide((-v[1], -v[0]), h), w)
-            found = _met(found, c, (backward[0, 2], backward[0, 3]), scales[0])
+            enclosure = _met(enclosure, c, (backward[0, 2], backward[0, 3]), scales[0])
         if not (kappa[0] > 0.0 or kappa[1] < 0.0):
-            return found
+            return enclosure
         w = multiply(w, (-a[1], -a[0]))
         k = 2.0
         x = _diagonal(k, h)
@@ -251,7 +251,7 @@ def excess(kappa: Pair, p: Pair, omega: Pair, parity: int) -> Pair:
         if k >= inner and i >= least:
             middle = _middle(c, s, t, (backward[i, 0], backward[i, 1]), g2)
             middle = multiply(divide(middle, square(x)), w)
-            found = _met(found, middle, (backward[i, 2], backward[i, 3]), steps + scales[i])
+            enclosure = _met(enclosure, middle, (backward[i, 2], backward[i, 3]), steps + scales[i])
         if not ((c[0] > 0.0 or c[1] < 0.0) and (s[0] > 0.0 or s[1] < 0.0)):
             break
         w = multiply(multiply(w, _share(vc, x)), _share(vs, x))
@@ -261,4 +261,4 @@ def excess(kappa: Pair, p: Pair, omega: Pair, parity: int) -> Pair:
         x = _diagonal(k, h)
         vc = _taken(c, kappa, g2)
         vs = _taken(s, kappa, g2)
-    return found
+    return enclosure

@@ -108,7 +108,7 @@ def mode_status(kappa: Pair, p: Pair, omega: Pair, level: Pair) -> int:
 
 @kernel
 def _by_excess(kappa: Pair, p: Pair, omega: Pair, level: Pair) -> int:
-    """Return `mode_status` from enclosures of the excess: that of the parity of the nearest tongue, then the other."""
+    """Return `mode_status` from enclosures of the excess: for the parity of the nearest tongue, then for the other."""
     few = 0.0
     if level[0] > 0.0:
         few = sinh_squared(min(down(PI_LOW * down(level[0] / omega[1])), 300.0))[0]
