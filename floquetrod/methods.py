@@ -16,7 +16,9 @@ if TYPE_CHECKING:
     def __getattr__(name: str) -> Callable[..., Stability]: ...
 
 
-_NAMES = {f"floquet.methods.{method.name}": (method.name,) for method in methods_for("equations")}
+_NAMES: dict[str, tuple[str, ...]] = {
+    f"floquet.methods.{method.name}": (method.name,) for method in methods_for("equations")
+}
 _NAMES["floquet.methods.monodromy"] += ("monodromy_matrix",)
 _NAMES["floquet.methods.reference"] += ("discriminant_excess",)
 

@@ -35,6 +35,10 @@ def square_wave_excess(high: float, low: float, slack: float) -> tuple[int, floa
     ``error`` bounds the error of X relative to max(1, |X|), to first order in rounding; ``slack`` is the absolute
     error of ``high`` and ``low`` themselves.
     """
+    # With C and S of both halves, y1' = r1^2 S1 C2 + r2^2 C1 S2 and y2 = S1 C2 + C1 S2 give (trace - 2) / 4 = y1' y2,
+    # and y1 y2' gives (trace + 2) / 4 (docs/theory/square_wave.md): two factors each, so that X keeps its digits at a
+    # boundary. c, s, r, e hold C, S, abs(r) and the binary exponent of a half; a name with d before it holds an error
+    # bound. The first pair of factors serves unless trace < 0, when the second one does: X = (abs(trace) - 2) / 4.
     c1, s1, r1, e1 = _quarter(high)
     c2, s2, r2, e2 = _quarter(low)
     h = 0.5 * math.pi

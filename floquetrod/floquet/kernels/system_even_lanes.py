@@ -51,6 +51,11 @@ def rotation(p: float, q: float, off: float) -> tuple[float, float, float]:
 @kernel
 def lane_load(stiffness: Any, amplitudes: Any, period: Any, start: int, used: int, work: Any) -> bool:
     """Load ``used`` systems in principal axes, the last of them repeated; False if not symmetric or not finite."""
+    # K(t) = S + sum_k A_k cos(k t) in time scaled to w = 1, which multiplies K by (T / 2 pi)^2, then in the
+    # eigenvectors of S by a Jacobi rotation: s[row, lane] are its eigenvalues, f[k, entry, lane] the four entries of
+    # the turned A_k, g[row, lane] the roots of the rates by which coordinates are balanced, sqrt(|K_ii|) bounded with
+    # 1/16 added. scalars[0, lane] is the relative error that the rotation leaves.  Lanes are the last axis: they become
+    # vectors.
     _, _, _, s, f, g, _, _, scalars, norms = work
     count = len(norms)
     for lane in range(LANES):
@@ -110,6 +115,11 @@ def lane_plan(accuracy: float, reach: float, work: Any) -> tuple[int, int, float
 @kernel
 def lane_series(h: float, terms: int, most: int, shrink: float, work: Any) -> None:
     """Fill the terms of the series about both ends, and the squared norms under the root of `tail`."""
+    # u'' + K u = 0 with K even about both ends: even solutions have the powers t^2i, odd ones t^(2i+1), so that term i
+    # + 1 is -h^2 / ((2i+1)(2i+2)) or -h^2 / ((2i+2)(2i+3)) times (K u)_i, where (A_k cos(k t) u)_i = A_k sum_l c[k, l]
+    # x_(i-l). x[i] holds the terms: two ends, two rows, four columns (even and odd solutions), LANES each; about the
+    # end T/2 the cosines of odd k change their sign.  y[1] gathers the weighted squares for `tail` while a term is in
+    # the cache.
     x, c, y, s, f, _, _, _, _, norms = work
     count, n = len(norms), len(s)
     length = x.shape[1]

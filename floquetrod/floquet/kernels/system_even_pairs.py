@@ -98,6 +98,11 @@ def pair_values(y: Any, slip: float, r: Any, form_slip: float, out: Any) -> None
 
     ``slip`` and ``form_slip`` are their errors in the Frobenius norm.
     """
+    # Eigenvalues of a 2 x 2 matrix: mean +- sqrt(square), square = ((Y_11 - Y_22) / 2)^2 + Y_12 Y_21, and x = 2 + 4 y.
+    # Errors go the same way: ``slope`` bounds how fast ``square`` changes with Y, ``square_slip`` its error, and the
+    # error of the root is that over twice the root, or the root of the error where the sign of ``square`` is not known.
+    # Y is self-adjoint in R, so that u^T R u of a real eigenvector u has the pair's Krein sign; it is given where it
+    # exceeds its error, which ``turn`` carries, the angle by which u may be off.
     largest = max(max(abs(y[0, 0]), abs(y[0, 1])), max(abs(y[1, 0]), abs(y[1, 1])))
     unit = 1.0
     if 1e100 < largest < math.inf:  # its square would overflow

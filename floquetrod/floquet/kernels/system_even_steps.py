@@ -104,6 +104,11 @@ def end_maps(
 
     The amplitudes are those about t = 0, and those about T/2 of the transposed equation.
     """
+    # About both ends K is even: x_(i+1) = -h^2 / ((2i+1)(2i+2)) (K x)_i for even solutions, (2i+2)(2i+3) for odd ones,
+    # h the reach of a segment, and c[k, l] the Taylor coefficients of cos((k + first) w h t) in t^2. x[i] holds n rows
+    # of two ends times 2 n columns, first the even, then the odd solutions; the rest beyond the last term is bounded by
+    # `tail`.  y[0] sums values at h, y[1] slopes, smallest terms first; ``ends`` are these in the coordinates balanced
+    # by g.  The map of the end T/2 is that of the transposed equation, transposed: it leads from T/2 - h to T/2.
     x, c, y, f, ends, _ = work
     width = 4 * n
     count = f.shape[1]
@@ -158,6 +163,12 @@ def inner_map(
 
     The centre is ``segment`` / ``segments`` of half a period.  Return `tail`.
     """
+    # About an inner centre K is not even: x_(i+2) = -h^2 / ((i+1)(i+2)) (K x)_i with all powers i, where the
+    # coefficients c[k, l] are those of cos((k + first) w t) about the centre.  x[i] holds n rows of 2 n columns:
+    # displacements from unit displacement, then from unit velocity.  One series serves both sides, with the signs of
+    # odd powers changed behind the centre; the map from t - h is the inverse of that to t - h, of a symmetric K its
+    # symplectic inverse, without divisions. y[0] sums values, y[1] slopes; c[count] and c[count + 1] hold the weights
+    # of these sums.
     x, c, y, f, _, _ = work
     width = 2 * n
     order = 2 * terms
@@ -260,6 +271,12 @@ def half_period_fill(
     K(t) = diag(s) + sum_k F_k cos((k + first) w t), s rows of ``rates``, F (H, n, n) and w likewise.  ``slack`` is the
     error of K relative to its size.
     """
+    # Half a period in ``segments`` pieces of length 2 h: the first and the last reach h from the ends, where K is even,
+    # the others h to either side of their centres.  Each map has an error: rounding + truncation (`tail` times the
+    # factor from terms to balanced maps) + that of K itself (slack) and of the harmonics cut off; products carry them
+    # (`chain_error`). s, f, g are one system's rates, amplitudes and balance, copied since records of a batch are slow
+    # to index; ``both`` has the amplitudes about t = 0, and transposed with alternating signs about T/2. Maps of single
+    # segments come first and products last, for the error of each to be carried by norms of its neighbours.
     n, count = len(rates[0]), len(amplitudes[0])
     total = np.empty((2 * n, 2 * n))
     g, s, f = np.empty(n), np.empty(n), np.empty((count, n, n))

@@ -145,6 +145,11 @@ def segment_fill(
     reach: float,
 ) -> None:  # fmt: skip
     """Fill rows of ``out`` with the maps of all segments, their errors and the scaling."""
+    # x' = (mean + sum_k Re, Im of the waves + slope t) x, one system of the batch after another: a[0] is its mean, a[1
+    # ...] the cosine, then the sine amplitudes, a[-1] the slope where there is one, all in balanced coordinates
+    # (``scaling``). A segment is ``steps`` Taylor steps from h before to h after a centre (`step_map`); their product,
+    # with the bound of its error, is a row of ``out``: the maps (segments, n, n), an error for each, and the scaling.
+    # Segments are not multiplied here: the cyclic method keeps decades that the product would lose.
     for b in range(len(out)):
         n, count, sloped = len(mean[b]), len(real[b]), len(slope[b])
         a = np.empty((1 + 2 * count + sloped, n, n))
@@ -228,6 +233,11 @@ def segment_plan(
     A slope S is bounded like a harmonic: S (length + r) <= S length + S / v cosh(v r) at a distance r from the real
     times, for any v; here a multiple of w, four or more over the length.
     """
+    # Steps are as long as two limits allow: the phase, beyond which the sum of a series loses digits to cancellation,
+    # and Cauchy's estimate of the remainder, whose order and radius `plan_segments` chooses (A. Jorba and M. Zou,
+    # Experimental Mathematics 14 (2005) 99).  ``norms`` bound the harmonics, the last of them dropped where their
+    # integral over the period is below a share of the accuracy; a slope enters as a part of the mean and a harmonic of
+    # ``ramp`` times w.
     n = a.shape[1]
     omega = 2.0 * math.pi / period
     norms = np.empty(count)

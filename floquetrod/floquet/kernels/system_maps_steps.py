@@ -40,6 +40,10 @@ def part_matrices(a: Any, used: int, top: int, left: int, right: int) -> tuple[A
     Rows ``top`` and below of the result are kept.  The mean comes first, whether zero or not; a slope, which is there
     where ``a`` has an even number of matrices, has the number 1 + 2 ``used``.
     """
+    # Most entries of A are zero: of the columns left..right and rows from ``top`` on only matrices that are not are
+    # kept. kept[group] is the number of a matrix: 0 the mean, 1 to ``used`` cosines, the next ``used`` sines, 1 + 2
+    # used the slope; ``place`` is its number in ``a``, which holds the harmonics dropped, too. matrices[group, j rows +
+    # r] is its entry (top + r, left + j): transposed, so that sums over lags are one product.
     count, n = (a.shape[0] - 1) // 2, a.shape[1]
     rows, width = n - top, right - left
     last = 2 * used + a.shape[0] - 2 * count
@@ -194,6 +198,12 @@ def step_map(
 
     The solution that is the identity at the centre is summed to both sides.
     """
+    # x_(i+1) = h / (i + 1) sum_l (A_l x_(i-l)), A_l the Taylor coefficients of A about the centre in units of h.  Terms
+    # are stored backwards, term i in row order - i, so that the sum over lags reads memory forwards.  x holds the first
+    # half of the unknowns, z the second: rows of q' = E p are a multiplication by ``rates``; ``one`` and ``two`` are
+    # the forces of both halves.  The sum with all signs plus is the map to h after, with alternating signs to h before
+    # the centre; the second one is inverted.  ``rest`` is `tail`, ``size`` the sum of norms, from which the rounding is
+    # bounded.
     upper, lower, rates, force, signs, sides = work
     x, kept_x, matrices_x, c_x, table_x, mixed_x, lags_x, left_x, direct_x = upper
     z, kept_z, matrices_z, c_z, table_z, mixed_z, lags_z, left_z, direct_z = lower

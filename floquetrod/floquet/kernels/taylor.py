@@ -34,6 +34,10 @@ def advance(
     With p = sum p_j t^j and u = sum u_j t^j about the start of a step, (j + 1)(j + 2) u_(j+2) = sum_i p_i u_(j-i).
     The kernel keeps p_j h^(j+2) and u_j h^j, h the step: neither a tiny nor a huge period leaves the range of a double.
     """
+    # p holds p_j h^(j+2): mean and slope, then each harmonic by the Taylor series of its cosine and sine about the
+    # start. u holds u_j h^j of one solution, both after one another: (j+1)(j+2) u_(j+2) = sum_i p_i u_(j-i). Sums run
+    # from the highest power down, the smallest first.  y keeps both solutions as mantissas: after a step that passes
+    # 1e100 a power of two is taken out, which ``exponent`` counts.
     h = length / steps
     p = np.empty(order + 1)
     u = np.empty(order + 2)

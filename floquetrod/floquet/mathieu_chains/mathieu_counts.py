@@ -39,6 +39,12 @@ _LANES = 32  # points counted side by side: a few vector registers' worth (measu
 @kernel
 def count_below(a: float, q: float) -> int:
     """Return how many characteristic values (q != 0) lie below ``a``, or `UNDECIDED`."""
+    # Pivots d_k = D_k - a - q^2 / d_(k-1) of the four chains (see the head of the file): c and s are those of period 2
+    # pi with 1 + q and 1 - q, e and o the even and the odd chain of period pi.  x is the bare diagonal k^2 - a; one
+    # turn of the loop takes one row of each chain.  The squares are written q (q / d), which leaves no range that d
+    # itself does not. It ends when every pivot exceeds q and x >= 2 q, after which no pivot can be negative (DLMF 28.2,
+    # 28.4; the head). ``spare`` counts rows beyond the crest k^2 = a + 2 q: pivots that still do not settle there mean
+    # that a is an eigenvalue to rounding.
     q = abs(q)
     if a > 0.5 and q < _TINY_Q:
         q = _TINY_Q

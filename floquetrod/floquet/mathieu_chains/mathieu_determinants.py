@@ -129,6 +129,11 @@ def determinant(ah: float, al: float, q: float, chain: int) -> tuple[float, int]
 
     Chains: 0 even, 1 odd of period pi; 2 with 1 + q, 3 with 1 - q of period 2 pi.
     """
+    # Leading minors M_k = (D_k - a) M_(k-1) - q^2 M_(k-2), the last two as double-doubles: (oh, ol) of k - 2, (ph, pl)
+    # of k. ``norm`` times 2^e is what they are scaled by: the product of the diagonal at a = q = 0, and powers of two
+    # that keep the minors in range.  They run until the ratio of neighbours exceeds q, where the chain no longer
+    # resonates; the rest beyond kappa = k / 2 enters by the determinants A(kappa), A(kappa + 1) of `tail`, h^2 = a / 4
+    # and Q = q^2 / 16. Double-double, since near a curve the minors lose all digits that a double has.
     gh, gl = two_product(q, q)
     oh, ol = 1.0, 0.0
     norm = 1.0

@@ -121,6 +121,9 @@ def _log_tail(kappa: float, h2: float, coupling: float) -> float:
 @kernel
 def tail(kappa: float, h2: float, coupling: float) -> tuple[float, float, int]:
     """Return A(kappa), A(kappa + 1), both to be multiplied by 2 to the third value."""
+    # A(k) = (1 - h^2 / (k+1)^2) A(k+1) - Q / ((k+1)^2 (k+2)^2) A(k+2), the recurrence at the head of the file, run
+    # inwards from ``top``, where the asymptotic series of `_log_tail` begins it: outwards it would be unstable.
+    # ``here`` and ``above`` are A(k) and A(k + 1), scaled by 2^-exponent.
     pairs = max(0, int(0.5 * (_far_out(h2, coupling) - kappa)) + 1)
     top = kappa + 2.0 * pairs
     # Ratio A(top) / A(top + 1) by the backward continued fraction; a step divides the error by about top^4 / Q.

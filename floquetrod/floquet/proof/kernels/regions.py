@@ -91,6 +91,10 @@ def start_search(boxes: Any, pending: Any, shares: Any, counts: Any, examples: A
 @kernel
 def _side_to_bisect(box: Any, mode: int) -> int:
     """Return the row of the box whose width keeps the mode undecided most, -1 where all are too narrow."""
+    # The width of each row of the box times the derivative of what decides, kappa = c1 m^4 - c2 m^2 F + Omega^2 or p =
+    # c2 m^2 dF, by that row at the middle of the box: bisecting the largest shrinks the enclosure most. Frequency
+    # scales both, so it counts with their sizes over omega.  Ends too close to bisect are passed over. Nothing is
+    # proved here: any choice is right, and a bad one costs boxes only.
     m2 = float(mode) * float(mode)
     slow = box[FREQUENCY, 0]
     fast = box[FREQUENCY, 1]
@@ -160,6 +164,10 @@ def aim(box: Any, mode: int, point: Any) -> None:
 
     Between two tongues of the other parity the excess has one maximum along a: a golden section finds it.
     """
+    # A point is a place on the diagonal of the box, 0 to 1, along which sqrt(a) = 2 sqrt(kappa) / omega rises or falls;
+    # a tongue of order n lies about sqrt(a) = n.  The bisection of the first loop finds the places where sqrt(a) is n +
+    # 0.6 and n - 0.6, between which the excess of that parity has one maximum; the golden section below closes in on
+    # it. It only looks for an example of growth, which is then proved by itself: no rounding matters here.
     kappa, _ = mode_box(box, mode)
     low = 2.0 * math.sqrt(max(kappa[0], 0.0)) / box[FREQUENCY, 1]
     high = 2.0 * math.sqrt(max(kappa[1], 0.0)) / box[FREQUENCY, 0]
@@ -233,6 +241,11 @@ def certify_box(
     ``shares``, ``counts`` and ``examples`` then tell the answer: all is stable where no part was proved unstable, given
     up or is waiting, and so on.  "Stable" is said of modes 1 to ``last``; `tail_modes` covers the others.
     """
+    # Branch and bound: boxes wait in a ring (``boxes``, from counts[FIRST], counts[WAITING] of them), widest first
+    # since halves join at its end.  A box is proved by its modes one by one: one that grows everywhere decides it, all
+    # stable decide it, else it is halved along `_side_to_bisect`.  Halves examine only the modes that were open, listed
+    # in ``pending``: [number, modes], or [-1, first] where they are too many. ``shares`` add up volumes; now and then a
+    # corner or an aimed point is tried as an example, so that "mixed" ends soon.
     room = len(boxes)
     point = np.empty((8, 2))
     for _ in range(steps):
@@ -329,6 +342,9 @@ def certify_cells(
     1: no mode grows faster than the tolerance; 0: one does everywhere; 2: both are proved of parts; -1: undecided.
     ``rod``, shape (5, 2), are the last rows of a box; ``smallest`` and ``most`` as in `tail_modes`.
     """
+    # Each cell of a map is a box with the rod's rows in common, proved by the same subdivision as a single one. Arrays
+    # are made once for all cells.  "Stable" also needs the modes beyond ``last``, which `tail_modes` bounds. "Unstable"
+    # does not: one growing mode is enough.
     room = max_boxes + 2
     boxes = np.empty((room, 8, 2))
     pending = np.empty((room, 1 + _LISTED), dtype=np.int64)

@@ -69,6 +69,11 @@ def tail_bound(box: Any, last: int) -> float:
     Where the channel bends the same holds in y = m^2 - h >= (last + 1)^2 - h: kappa is c1 y^2 - (c2 F - 2 c1 h) y +
     Omega^2 + c1 h^2 - lambda^2.
     """
+    # `flux_bound` for all modes from m0 on at once: factor by factor the largest over these modes and the box. m2 and
+    # m4 are m0^2 and m0^4 (of y where the channel bends); kappa a lower bound of the detuning, p an upper bound of the
+    # coupling at m0; swing and most what is added to c1 m^4, lowest and highest. room bounds pivot / m^4 from below:
+    # the first factor falls like that, all others by themselves. Every operation is rounded to the side that makes the
+    # bound larger.
     level = box[DAMPING, 0]
     m0 = last + 1.0
     m2 = m0 * m0
@@ -154,6 +159,10 @@ def tail_modes(box: Any, tolerance: float, smallest: float, most: int) -> tuple[
     bound : float
         On the growth of every mode after ``last``, damping taken off, in 1/s; infinite where none is proved.
     """
+    # `tail_bound` falls with ``last`` from where it is finite: doubling finds a number of modes that suffices,
+    # bisection the least.  The target is the damping rate plus the tolerance, since the bound is on growth freed of
+    # damping. Where doubling meets ``most`` the bound of ``most`` is returned, which the caller compares with the
+    # tolerance.
     target = down(box[DAMPING, 0] + max(tolerance, smallest))
     low, high = 0, 1
     while high < most and not tail_bound(box, high) <= target:

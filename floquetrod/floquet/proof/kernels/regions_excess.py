@@ -62,6 +62,10 @@ def _tail(a: Pair, q: float, ql: float, n: float) -> Pair:
     e_k / (k^2 h) = 1 - (a + y_k) / k^2 with y_k = q^2 / ((k + 2)^2 - a - ...), its logarithm is log of
     1 - a / k^2 plus log of 1 - y_k / (k^2 - a).
     """
+    # -log of the product = sum_j (a^j / j) sum_k k^-2j + terms in q: the first sum runs over j = 1 to 8 in ``total``,
+    # and ``rest`` bounds what follows, a geometric series of ratio |a| / n^2 <= 1/4. The coupling adds between
+    # ``least`` and ``most``: y_k / (k^2 - a) is at least q^2 over (k^2 + |a|)^2, at most q^2 over (room k^2)^2, summed
+    # by an integral; ``room`` is the least 1 - (a + q) / k^2.
     size = max(abs(a[0]), abs(a[1]))
     n2 = n * n
     ratio = up(size / n2)

@@ -23,6 +23,11 @@ def flux_bound(kappa: float, p: float, slow: float, fast: float, enough: float) 
     That of docs/theory/regions.md, the lowest of a few K for each parity, or the first that is at most ``enough``;
     infinite where there is none.
     """
+    # docs/theory/regions.md: cut the waves exp(+-i k omega t / 2) at an index K beyond which nothing resonates.  What
+    # flows across is p / (2 (K + 2) omega) times the product of p / d_j from -K to K, d_j = 2 kappa - j^2 omega^2 / 2 -
+    # p^2 / d_(j-1) the pivots between, all at least p.  Waves of even and odd index do not mix: the worse parity
+    # counts. k begins at the last index with a pivot of at least p and goes down a few, for the lowest product; all
+    # roundings make the bound larger.
     if p == 0.0 and kappa > 0.0:
         return 0.0
     half = up(up(fast * fast) * 0.5)
@@ -73,6 +78,11 @@ def mode_status(kappa: Pair, p: Pair, omega: Pair, level: Pair) -> int:
         is bounded.  `UNSTABLE`: each has a solution that grows faster than the upper.  `UNDECIDED`: not proved, or an
         argument is not finite.
     """
+    # In the order of their price: without forcing the sign of kappa against the level; the flux bound, which proves
+    # decay by damping far from tongues; counts of the chains at the two corners where the number is least and largest,
+    # since it grows with kappa and falls with omega, p moved by ``shift`` to its middle (its perturbation is at most
+    # that in norm); and the enclosure of the excess, which also decides growth against a level. Equal odd counts prove
+    # boundedness of every equation between, equal even ones growth.
     kappa_low, kappa_high = kappa
     p_low, p_high = p
     slow, fast = omega
