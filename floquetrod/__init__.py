@@ -69,20 +69,18 @@ if TYPE_CHECKING:
     from floquetrod.plane import Bands as Bands
     from floquetrod.plane import Chart as Chart
     from floquetrod.rod.answers.mean_force import MeanForce as MeanForce
-    from floquetrod.rod.answers.reach import Reach as Reach
     from floquetrod.rod.answers.rod_branches import RodBranches as RodBranches
+    from floquetrod.rod.answers.rod_stability import RodStability as RodStability
     from floquetrod.rod.answers.safe_box import SafeBox as SafeBox
     from floquetrod.rod.answers.safe_kick import SafeKick as SafeKick
     from floquetrod.rod.answers.steady_motion import SteadyMotion as SteadyMotion
-    from floquetrod.rod.answers.verdict import CoupledRodStability as CoupledRodStability
-    from floquetrod.rod.answers.verdict import RodStability as RodStability
+    from floquetrod.rod.answers.string_reach import Reach as Reach
     from floquetrod.rod.friction.kicks import FrictionalRodStability as FrictionalRodStability
     from floquetrod.rod.hand_over import save_report as save_report
     from floquetrod.rod.loads.load import AxialLoad as AxialLoad
     from floquetrod.rod.loads.load import AxialWave as AxialWave
     from floquetrod.rod.loads.record import ForceRecord as ForceRecord
     from floquetrod.rod.loads.tool import VibrationTool as VibrationTool
-    from floquetrod.rod.map import stability_map as stability_map
     from floquetrod.rod.model.assumptions import ForcedAngleWarning as ForcedAngleWarning
     from floquetrod.rod.model.assumptions import UniformForceWarning as UniformForceWarning
     from floquetrod.rod.model.contact import LeavesWallError as LeavesWallError
@@ -90,6 +88,7 @@ if TYPE_CHECKING:
     from floquetrod.rod.reach_probability import ReachProbability as ReachProbability
     from floquetrod.rod.reach_probability import probability_of_reach as probability_of_reach
     from floquetrod.rod.rod import Rod as Rod
+    from floquetrod.rod.stability_map import stability_map as stability_map
     from floquetrod.rod.uncertainty import InstabilityProbability as InstabilityProbability
     from floquetrod.rod.uncertainty import probability_of_instability as probability_of_instability
     from floquetrod.simulation.checkpoints import CheckpointWarning as CheckpointWarning
@@ -139,18 +138,18 @@ _NAMES = {
     "orbits": ("Branch", "NoOrbitError", "PeriodicOrbit", "SpecialPoint", "follow", "periodic_orbit"),
     "plane": ("Bands", "Chart"),
     "rod.answers.mean_force": ("MeanForce",),
-    "rod.answers.reach": ("Reach",),
+    "rod.answers.string_reach": ("Reach",),
     "rod.answers.rod_branches": ("RodBranches",),
     "rod.answers.safe_box": ("SafeBox",),
     "rod.answers.safe_kick": ("SafeKick",),
     "rod.answers.steady_motion": ("SteadyMotion",),
-    "rod.answers.verdict": ("CoupledRodStability", "RodStability"),
+    "rod.answers.rod_stability": ("RodStability",),
     "rod.friction.kicks": ("FrictionalRodStability",),
     "rod.hand_over": ("save_report",),
     "rod.loads.load": ("AxialLoad", "AxialWave"),
     "rod.loads.record": ("ForceRecord",),
     "rod.loads.tool": ("VibrationTool",),
-    "rod.map": ("stability_map",),
+    "rod.stability_map": ("stability_map",),
     "rod.model.assumptions": ("ForcedAngleWarning", "UniformForceWarning"),
     "rod.model.contact": ("LeavesWallError",),
     "rod.ranges": ("StabilityIntervals",),

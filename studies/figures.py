@@ -18,10 +18,10 @@ from floquetrod.plane import Axis, Band, Bands, charted
 from floquetrod.plane.family import Judged
 from floquetrod.plotting import palette
 from floquetrod.rod.loads.load import AxialLoad
-from floquetrod.rod.map import stability_map
 from floquetrod.rod.mode_equations.modal_systems import ModalSystem
 from floquetrod.rod.mode_equations.tongues import unstable_loads
 from floquetrod.rod.model.constants import mode_constants
+from floquetrod.rod.stability_map import stability_map
 from studies import drawing
 from studies.claims import EXACT, LEAPFROG, ROD, UNIT, WINDOW, window
 from studies.drawing import UnstableForces

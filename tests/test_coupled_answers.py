@@ -20,7 +20,7 @@ from floquetrod.floquet.multipliers.resonance_names import Resonance
 from floquetrod.rod.loads.load import Load, Loads
 from floquetrod.rod.mode_equations import sampled
 from floquetrod.rod.mode_equations.coupled_matrices import CoupledModes, modes_needed
-from floquetrod.rod.modes.coupled_verdict import ModesTogether
+from floquetrod.rod.modes.coupled import CoupledModel
 
 PLAIN = fr.Rod(207e9, 7850.0, 0.01, 9.0, 0.05)
 """A rod of few modes, m_cr = 2.4."""
@@ -304,8 +304,7 @@ def test_a_margin_is_searched_with_the_modes_of_each_piece() -> None:
     piece = (FREQUENCY, 9.0 * FREQUENCY)
     needed = modes_needed(found.rod, load(), Loads.single(load(frequency=piece[1])), 1e-6)
     chosen, asked = (
-        cast(ModesTogether, verdict.evidence)._modes_for("frequency", piece, verdict.margin_tolerance)
-        for verdict in (found, few)
+        cast(CoupledModel, verdict.model).modes_of_piece(verdict, "frequency", piece) for verdict in (found, few)
     )
     assert chosen.count == max(needed, found.modes_checked)
     assert asked.count == 8

@@ -445,9 +445,9 @@ def test_where_more_modes_are_needed_fewer_than_the_first_are_not_asked(monkeypa
     def trial(modes: Any, load: Any, larger: Any) -> Any:
         asked.append(modes.count)
         whole = SimpleNamespace(status="stable", growth_rate=0.0, exponents=(-1.0 + 0.0j,), note="")
-        return coupled_stability._WithModes(modes, None, whole, -1.0, -1.0)  # type: ignore[arg-type]
+        return coupled_stability._Trial(modes, None, whole, -1.0, -1.0)  # type: ignore[arg-type]
 
-    monkeypatch.setattr(coupled_stability._WithModes, "of", trial)
+    monkeypatch.setattr(coupled_stability._Trial, "of", trial)
     rod = TUBING.replace(length=3000.0, damping_rate=0.01)
     unit = rod.critical_force
     load = fr.AxialWave(0.5 * unit, 0.3 * unit, 25.0, axial_damping=0.5)
@@ -517,7 +517,7 @@ def test_growth_beside_which_others_are_lost_is_a_lower_bound(tolerance: float, 
     """Where rounding hides slower solutions what grows for certain decides, and the error is not said to be known."""
     whole: Any = SimpleNamespace(status="unstable", exponents=(2.0 + 0.0j, -2.4 + 0.0j), note="")
     fewer, trial = (
-        coupled_stability._WithModes(SimpleNamespace(count=count), None, whole, least, math.inf)  # type: ignore[arg-type]
+        coupled_stability._Trial(SimpleNamespace(count=count), None, whole, least, math.inf)  # type: ignore[arg-type]
         for count, least in ((18, 1.9), (22, 1.95))
     )
     found, error, note = trial.concluded([fewer], tolerance)

@@ -62,7 +62,7 @@ def coarse(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(maps, "_MAP", (8, 8))
     monkeypatch.setattr(maps, "_COARSENINGS", (4, 1))
     monkeypatch.setattr(mode_panels, "_LINE", (3, 5))
-    monkeypatch.setattr("floquetrod.rod.answers.verdict.FEW_MODES", 0)
+    monkeypatch.setattr("floquetrod.rod.answers.rod_stability.FEW_MODES", 0)
 
 
 def pixels(explorer: fr.Explorer) -> np.ndarray:

@@ -63,20 +63,20 @@ def test_nothing_is_followed_where_nothing_is_certain_to_grow(many: fr.HillSyste
 
 def test_long_rods_are_judged_once_and_followed_once(monkeypatch: pytest.MonkeyPatch) -> None:
     asked: list[int] = []
-    of = coupled_verdict._WithModes.of
+    of = coupled_verdict._Trial.of
 
-    def counted(modes: CoupledEquations, load: Load, larger: fr.HillSystem | None) -> coupled_verdict._WithModes:
+    def counted(modes: CoupledEquations, load: Load, larger: fr.HillSystem | None) -> coupled_verdict._Trial:
         asked.append(modes.count)
         return of(modes, load, larger)
 
-    monkeypatch.setattr(coupled_verdict._WithModes, "of", counted)
+    monkeypatch.setattr(coupled_verdict._Trial, "of", counted)
     found = STRING.stability(LOAD)
     (fewer, first), (count, last) = found.convergence
     assert asked == [count]
     assert fewer < count
     assert first == pytest.approx(last, abs=found.error)
     assert found.status == "unstable"
-    monkeypatch.setattr(coupled_verdict._WithModes, "with_fewer", lambda self, modes: None)
+    monkeypatch.setattr(coupled_verdict._Trial, "with_fewer", lambda self, modes: None)
     asked.clear()
     whole = STRING.stability(LOAD)
     assert asked == [count, fewer]

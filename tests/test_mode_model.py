@@ -33,7 +33,7 @@ class TwoModes(CoupledEquations):
     """Modes 1 and 2 of a rod with hinged ends, and a spring between their amplitudes."""
 
     rod: fr.Rod
-    like: Load
+    template: Load
     rate: float
     count: int = 2
 
@@ -79,7 +79,7 @@ class SpringModel(CoupledModel):
 
     def in_modes(self, count: int) -> TwoModes:
         """Return both modes."""
-        return TwoModes(self.rod, self.like, self.rod.damping_rate)  # type: ignore[arg-type]
+        return TwoModes(self.rod, self.template, self.rod.damping_rate)  # type: ignore[arg-type]
 
     def count_for(self, loads: Loads, growth_tolerance: float) -> int:
         """Return 2: there are no more."""
@@ -249,15 +249,15 @@ def test_what_the_model_cannot_do_it_refuses() -> None:
             question()
 
 
-ASKED = ("has_mathieu_modes", "are_modes_apart", "CoupledRodStability", "IndependentModel", "CoupledModel")
+ASKED = ("has_mathieu_modes", "are_modes_apart", "IndependentModel", "CoupledModel")
 """What nobody asks but the models themselves, and the one place that chooses."""
 
 MODELS = {
     "rod/modes/independent.py",
     "rod/modes/coupled.py",
-    "rod/modes/noisy_together.py",
+    "rod/modes/noisy_coupled.py",
     "rod/rod.py",
-    "rod/answers/verdict.py",
+    "rod/answers/rod_stability.py",
     "__init__.py",
 }
 

@@ -12,7 +12,7 @@ import floquetrod as fr
 from conftest import depth
 from floquetrod.rod.loads.load import Loads
 from floquetrod.rod.modes.mode_model import Answers, ModeModel
-from floquetrod.rod.modes.noisy_together import NoisyTogetherModel
+from floquetrod.rod.modes.noisy_coupled import NoisyCoupledModel
 
 ROD = fr.Rod.nitinol().replace(damping_rate=1.0)
 CLAMPED = ROD.replace(ends="clamped")
@@ -27,7 +27,7 @@ def load(rod: fr.Rod, noise: object, mean: float = 0.3, amplitude: float = 0.1) 
 def test_independent_modes_seen_as_coupled_grow_alike() -> None:
     """The modes of hinged ends, all at once and one by one, within the error that is stated."""
     force = load(ROD, 0.9 * HIGH_MODES, -0.3, 0.2)
-    together, alone = NoisyTogetherModel(ROD, force).verdict(force), ROD.stability(force)
+    together, alone = NoisyCoupledModel(ROD, force).verdict(force), ROD.stability(force)
     assert together.status == alone.status == "stable"
     assert abs(together.exponents[0].real - float(alone.mode_growth_rates.max())) <= together.error < 1e-4
 
@@ -38,7 +38,7 @@ def test_independent_modes_seen_as_coupled_bear_alike() -> None:
     for _ in range(depth(20, 8)):
         force = load(ROD, float(rng.uniform(0.0, 1.2)) * HIGH_MODES, rng.uniform(-0.5, 0.6), rng.uniform(0.0, 0.3))
         alone = ROD.stability(force)
-        model = NoisyTogetherModel(ROD, force)
+        model = NoisyCoupledModel(ROD, force)
         assert model.verdict(force).status in (alone.status, "undecided")
         judged += model.verdict(force).status == alone.status
         if ROD.stability(load(ROD, 0.0, force.mean / ROD.critical_force, 0.0)).status == alone.status == "stable":
@@ -50,7 +50,7 @@ def test_few_clamped_modes_grow_as_all_their_moments_do() -> None:
     force = load(CLAMPED, 0.4 * HIGH_MODES, 0.05)
     found = CLAMPED.stability(force, modes=range(1, 3))
     model = CLAMPED._modes_under(force)
-    assert isinstance(model, NoisyTogetherModel)
+    assert isinstance(model, NoisyCoupledModel)
     modes = model.in_modes(2)
     system = CLAMPED.modal_system(replace(force, noise=0.0), range(1, 3))
     s = float(np.sqrt(0.2 * HIGH_MODES))
@@ -91,13 +91,13 @@ def test_margins_pass_over_growth_within_their_tolerance(monkeypatch: pytest.Mon
     verdict = CLAMPED.stability(force, modes=range(1, 3))
     assert (verdict.status, verdict.margin_tolerance) == ("stable", 1e-6)
 
-    def answers(model: NoisyTogetherModel, loads: Loads, growth_tolerance: float = 0.0, *given: Any) -> Answers:
+    def answers(model: NoisyCoupledModel, loads: Loads, growth_tolerance: float = 0.0, *given: Any) -> Answers:
         growth = np.where(loads.amplitude > 3.0 * force.amplitude, 1.0, 0.0)
         growth[(loads.amplitude > 1.1 * force.amplitude) & (growth == 0.0)] = 5e-7
         return Answers((growth <= growth_tolerance).astype(np.int8), growth, np.zeros(loads.size, dtype=np.int64))
 
-    monkeypatch.setattr(NoisyTogetherModel, "answers", answers)
-    monkeypatch.setattr(NoisyTogetherModel, "status", ModeModel.status)
+    monkeypatch.setattr(NoisyCoupledModel, "answers", answers)
+    monkeypatch.setattr(NoisyCoupledModel, "status", ModeModel.status)
     margin = verdict.margin("amplitude", seconds=10.0)
     assert force.amplitude + margin.above == pytest.approx(3.0 * force.amplitude, rel=1e-5)
 
@@ -105,13 +105,13 @@ def test_margins_pass_over_growth_within_their_tolerance(monkeypatch: pytest.Mon
 def test_a_search_for_a_margin_keeps_to_its_time(monkeypatch: pytest.MonkeyPatch) -> None:
     """By an estimate of what a verdict takes; a part that is begun takes seven of them at least."""
     verdict, asked = CLAMPED.stability(load(CLAMPED, 0.4 * HIGH_MODES, 0.05)), []
-    status = NoisyTogetherModel.status
+    status = NoisyCoupledModel.status
 
-    def counted(self: NoisyTogetherModel, loads: Loads, *rest: Any) -> Any:
+    def counted(self: NoisyCoupledModel, loads: Loads, *rest: Any) -> Any:
         asked.append(loads.size)
         return status(self, loads, *rest)
 
-    monkeypatch.setattr(NoisyTogetherModel, "status", counted)
+    monkeypatch.setattr(NoisyCoupledModel, "status", counted)
     each = verdict.evidence.seconds
     assert verdict.margin("mean", seconds=2.0 * each).searched == (0.0, 0.0)
     assert not asked

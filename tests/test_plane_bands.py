@@ -17,7 +17,7 @@ from conftest import depth
 from floquetrod._util import compilation
 from floquetrod.mathieu import chart
 from floquetrod.plane import Band, Bands, Chart
-from floquetrod.rod.kernels import modes as rod_modes
+from floquetrod.rod.kernels import independent_modes as rod_modes
 from floquetrod.rod.model.constants import SLOW_GROWTH, mode_constants
 
 Floats = NDArray[np.float64]

@@ -13,7 +13,7 @@ from matplotlib import pyplot
 
 import floquetrod as fr
 from conftest import depth as depth_of_draws
-from floquetrod.rod.answers import pushing, reach
+from floquetrod.rod.answers import pushing, string_reach
 from floquetrod.rod.answers.growth_along import growth_along
 from floquetrod.rod.answers.mean_force import drag_of
 from floquetrod.rod.answers.sliding import damping_across
@@ -354,7 +354,7 @@ def test_with_another_frequency_it_says_what_a_tool_of_that_frequency_does(force
     found = TUBING.reach(WELL, 0.3, tool=tool, depth=DEPTHS)
     bottoms = found.frequency_depth
     assert found.reach < bottoms[0] < bottoms[-1] < found.reach_shaken
-    places = np.linspace(0.0, bottoms[-1], 1 + math.ceil(bottoms[-1] / reach._SPACING))
+    places = np.linspace(0.0, bottoms[-1], 1 + math.ceil(bottoms[-1] / string_reach._SPACING))
     for k in range(1, found.frequencies.size, 5):
         other = fr.VibrationTool(tool.amplitude, float(found.frequencies[k]), tool.above_end)
         ask = [(bottom, np.append(places[places < bottom], bottom)) for bottom in bottoms]

@@ -18,7 +18,7 @@ import floquetrod as fr
 from conftest import JIT, depth, needs_jit
 from coupled_cases import by_name
 from floquetrod.mathieu.tongues import along_mean, damping_to_stabilise
-from floquetrod.rod.kernels import modes as kernels
+from floquetrod.rod.kernels import independent_modes as kernels
 from floquetrod.rod.model.parts import Channel, Ends, Material, Section
 
 pytestmark = pytest.mark.kernels

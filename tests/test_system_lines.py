@@ -146,7 +146,7 @@ def test_loads_on_a_line_get_the_answers_of_each_alone(
 ) -> None:
     rod = PLAIN.replace(ends=ends, damping_rate=damping)
     model = rod._modes_under(like)
-    modes = CoupledModes.of(rod, model.like, 5)
+    modes = CoupledModes.of(rod, model.template, 5)
     numbers = {"mean": 0.3 * UNIT, "amplitude": 0.2 * UNIT, "frequency": rng.uniform(0.8, 2.5) * SWING}
     loads = Loads.of(**numbers | {varied: np.sort(rng.uniform(0.02, 0.6, 40)) * UNIT})
     assert modes._along(loads, varied) is not None
@@ -158,7 +158,7 @@ def test_loads_on_a_line_get_the_answers_of_each_alone(
 
 def test_what_a_line_leaves_open_is_judged_load_by_load(monkeypatch: pytest.MonkeyPatch) -> None:
     rod = PLAIN.replace(ends="clamped")
-    modes = CoupledModes.of(rod, rod._modes_under(None).like, 5)
+    modes = CoupledModes.of(rod, rod._modes_under(None).template, 5)
     loads = Loads.of(np.linspace(0.0, 0.6, 40) * UNIT, 0.2 * UNIT, 2.0 * SWING)
     expected = modes.answers(loads)
 

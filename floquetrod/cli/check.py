@@ -29,7 +29,7 @@ from floquetrod.floquet.registry import METHODS
 from floquetrod.floquet.status import STATUS_CODES, Status
 from floquetrod.rod.answers.margins import FEW_MODES, Margin
 from floquetrod.rod.answers.reports import shown_in
-from floquetrod.rod.answers.verdict import RodStability
+from floquetrod.rod.answers.rod_stability import RodStability
 from floquetrod.rod.loads.load import KINDS, Load, Quantity
 from floquetrod.rod.reading import LOAD_OPTIONS, RECORD_OPTIONS
 

@@ -66,7 +66,7 @@ def _buckled_under_stable_loads(runs: Runs) -> int:
 def _has_theory(problem: SimulationProblem) -> bool:
     """Return whether the modes of a problem are independent, and nothing but its load drives the rod."""
     driven = (problem.feed_speed, problem.far_force, problem.tool)
-    apart = problem.rod._modes_under(problem.load).told_apart(range(1, 2))
+    apart = problem.rod._modes_under(problem.load).modes_apart(range(1, 2))
     return bool(apart) and all(each is None for each in driven)
 
 

@@ -14,11 +14,11 @@ from floquetrod.explorer.portions import in_portions, statuses_and_rates
 from floquetrod.explorer.source import PanelSource, most_modes
 from floquetrod.plane import Bands, Chart
 from floquetrod.plotting.explorer_panels import UNKNOWN, MapView
-from floquetrod.rod.answers.verdict import RodStability
+from floquetrod.rod.answers.rod_stability import RodStability
 from floquetrod.rod.loads.load import Load, Loads
-from floquetrod.rod.map import stability_map
 from floquetrod.rod.modes.mode_model import ModeModel
 from floquetrod.rod.rod import Rod
+from floquetrod.rod.stability_map import stability_map
 
 _ACCURACY = 1.0 / 1000.0  # of bands: a third of a pixel
 _POINTS = 240, 180  # columns and rows of the chart at most

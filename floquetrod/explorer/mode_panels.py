@@ -14,7 +14,7 @@ from floquetrod.explorer.background import Stale, ViewParts
 from floquetrod.explorer.portions import in_portions, statuses_and_rates
 from floquetrod.explorer.source import PanelSource, most_modes
 from floquetrod.plotting.explorer_panels import LineView, ModesView, RatesView, ShapeView, straightened
-from floquetrod.rod.answers.verdict import RodStability
+from floquetrod.rod.answers.rod_stability import RodStability
 from floquetrod.rod.loads.load import Load, Loads
 from floquetrod.rod.modes.mode_model import ModeModel
 

@@ -6,7 +6,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Iterator, Mapping
 
 from floquetrod.explorer.background import Stale, ViewParts
-from floquetrod.rod.answers.verdict import RodStability
+from floquetrod.rod.answers.rod_stability import RodStability
 from floquetrod.rod.loads.load import Load
 from floquetrod.rod.modes.mode_model import ModeModel
 
@@ -30,4 +30,4 @@ class PanelSource(ABC):
 def most_modes(model: ModeModel, limits: Mapping[str, tuple[float, float]], tolerance: float) -> int:
     """Return how many modes are needed under the strongest loads between limits, at either end of the frequencies."""
     (_, mean), (_, amplitude), frequencies = limits.values()
-    return max(model.modes_needed(model.like.with_numbers(mean, amplitude, at), tolerance)[0] for at in frequencies)
+    return max(model.modes_needed(model.template.with_numbers(mean, amplitude, at), tolerance)[0] for at in frequencies)

@@ -41,8 +41,7 @@ class View:
             yield {"verdict": f"no verdict: {str(error).partition(';')[0]}", "shape": None}
             yield from self._rest(load, stale)
             return
-        words = verdict.evidence.fastest_in_words(verdict)
-        yield {"verdict": verdict_words(verdict.status, verdict.growth_rate, words)}
+        yield {"verdict": verdict_words(verdict.status, verdict.growth_rate, verdict.growing_in_words)}
         for source in (self.modes, self.map):
             yield from source.first(load, verdict, stale)
         yield from self._rest(load, stale)

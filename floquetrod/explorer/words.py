@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable, Mapping
 
 from floquetrod.rod.answers.margins import Margin
-from floquetrod.rod.answers.verdict import RodStability
+from floquetrod.rod.answers.rod_stability import RodStability
 from floquetrod.rod.loads.load import Load
 from floquetrod.units import Unit
 

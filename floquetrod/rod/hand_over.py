@@ -18,14 +18,14 @@ from floquetrod._util.result_report import Report, Reported, Table
 from floquetrod._util.version import __version__
 from floquetrod.plotting import chart_plot, document
 from floquetrod.plotting.document import DocumentSection
-from floquetrod.rod.answers.reach import Reach
 from floquetrod.rod.answers.reports import answer_units, shown_in
+from floquetrod.rod.answers.rod_stability import RodStability
 from floquetrod.rod.answers.steady_motion import SteadyMotion
-from floquetrod.rod.answers.verdict import RodStability
+from floquetrod.rod.answers.string_reach import Reach
 from floquetrod.rod.large_orbits import grown
-from floquetrod.rod.map import stability_map
 from floquetrod.rod.model.assumptions import Assumption, UniformForceWarning
 from floquetrod.rod.model.data import RodData
+from floquetrod.rod.stability_map import stability_map
 from floquetrod.units import AnswerUnits, Unit, unit
 
 _POINTS = {True: (160, 120), False: (64, 48)}  # of the map, where bands are exact and where loads take milliseconds

@@ -33,7 +33,7 @@ class _Scan(NamedTuple):
 
 
 def safe_kick(model: ModeModel, given: AnyLoad, indentation: float) -> SafeKick:
-    """Return which kicks a stable rod was found to come to rest from; see `floquetrod.Rod.safe_kick`."""
+    """Return the kicks after which a stable rod comes to rest, by a scan; see `floquetrod.Rod.safe_kick`."""
     indentation = indentation_of(indentation)
     load, rod = require_load("load", given), model.rod
     require_possible(rod, load)
@@ -62,7 +62,7 @@ def safe_kick(model: ModeModel, given: AnyLoad, indentation: float) -> SafeKick:
 
 
 def _require_returning(model: ModeModel, load: Load) -> None:
-    """Raise ValueError for a rod that no kick comes to rest on."""
+    """Raise ValueError for a rod that comes to rest after no kick."""
     rod: RodData = model.rod
     if rod.damping_rate == 0.0:
         raise validate.wrong_value("damping_rate", "must be greater than 0: without it no kick comes to rest")
@@ -74,7 +74,7 @@ def _require_returning(model: ModeModel, load: Load) -> None:
 
 
 def _scanned(equation: OneMode, large: Orbit) -> _Scan:
-    """Return what a scan of speeds and phases finds, finer between the last that is safe and the next."""
+    """Return a scan over speeds and phases, finer between the last safe speed and the next."""
     low, high = 0.0, LARGEST / equation.peak * equation.fastest
     safe, escapes, phase = low, math.inf, 0.0
     for _ in range(_ROUNDS):

@@ -1,4 +1,4 @@
-"""Large orbits of a rod's modes, each alone: which rods and modes are examined, and what is found."""
+"""Large orbits of a rod's modes, each alone, and which rods and modes are examined."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from floquetrod._util import validate
-from floquetrod.rod.answers.verdict import RodStability
+from floquetrod.rod.answers.rod_stability import RodStability
 from floquetrod.rod.loads.load import Load
 from floquetrod.rod.mode_equations.large_motion import LargeMotion, Shapes
 from floquetrod.rod.mode_equations.one_mode import LIMIT, OneMode, Orbit
@@ -21,7 +21,7 @@ INDENTATION = 1e-4
 MOST_HALF_WAVES = 60  # of a mode whose motion is computed (a choice: seconds)
 
 
-class Found(NamedTuple):
+class ModeOrbit(NamedTuple):
     """An orbit of one mode."""
 
     mode: int
@@ -30,7 +30,7 @@ class Found(NamedTuple):
 
     @property
     def in_words(self) -> str:
-        """How large it is, and what is to be known of it."""
+        """How large it is, in which mode, and why the rod may move otherwise."""
         if self.is_beyond:
             return f"more than {math.degrees(LIMIT):.0f} degrees in mode {self.mode} alone, where it leaves its wall"
         beats = "" if self.alone.motion.rod.damping_rate > 0.0 else ", about which it beats without damping"
@@ -39,7 +39,7 @@ class Found(NamedTuple):
 
     @property
     def is_beyond(self) -> bool:
-        """Whether it is larger than the angles that are answered."""
+        """Whether it is larger than `LIMIT`."""
         return self.orbit.amplitude > LIMIT
 
     @property
@@ -82,7 +82,7 @@ def beam_functions(rod: RodData, mode: int | None) -> int:
 
 
 def candidates(rest: RodStability, shapes: Shapes, mode: int | None) -> list[int]:
-    """Return modes to look at: the one asked for, those that grow, the fastest first, or all, where nothing grows."""
+    """Return the modes to examine: the one given, the growing ones, fastest first, or all where nothing grows."""
     if mode is not None:
         return [mode]
     growing = [m for resonance in rest.resonances for m in resonance.modes] if rest.status != "stable" else []
@@ -91,31 +91,31 @@ def candidates(rest: RodStability, shapes: Shapes, mode: int | None) -> list[int
 
 def alone(rod: RodData, load: Load, shapes: Shapes, mode: int, indentation: float) -> OneMode:
     """Return the equation of one mode."""
-    place = shapes.numbers.tolist().index(mode)
-    return OneMode(LargeMotion(rod, load, shapes.some([place]), indentation))
+    index = shapes.numbers.tolist().index(mode)
+    return OneMode(LargeMotion(rod, load, shapes.some([index]), indentation))
 
 
-def orbits_of(rod: RodData, load: Load, shapes: Shapes, modes: list[int], indentation: float) -> Iterator[Found]:
+def orbits_of(rod: RodData, load: Load, shapes: Shapes, modes: list[int], indentation: float) -> Iterator[ModeOrbit]:
     """Yield the stable orbits of modes alone, the smallest of each first."""
     for mode in modes:
         equation = alone(rod, load, shapes, mode, indentation)
         for orbit in orbits_alone(equation):
             if orbit.is_stable:
-                yield Found(mode, orbit, equation)
+                yield ModeOrbit(mode, orbit, equation)
 
 
 def orbits_alone(equation: OneMode) -> list[Orbit]:
-    """Return the orbits found of one mode alone, of one period of the load or two, the smallest first."""
+    """Return the orbits of one mode alone, of one period of the load or two, the smallest first."""
     if equation.motion.load.amplitude == 0.0:
         return equation.equilibria()
     every = [orbit for turns in (2, 1) if equation.may_resonate(turns) for orbit in equation.orbits(turns)]
-    return sorted(every, key=lambda each: each.amplitude)
+    return sorted(every, key=lambda orbit: orbit.amplitude)
 
 
-def grown(rod: RodData, load: Load, rest: RodStability) -> Found | None:
-    """Return about what the mode that grows fastest grows to, it alone and on the wall; None where that is not known.
+def grown(rod: RodData, load: Load, rest: RodStability) -> ModeOrbit | None:
+    """Return the large orbit of the mode that grows fastest, alone and on the wall; None where it is not known.
 
-    In a tenth of a second: angles are within some percent of those of `Rod.steady_motion`.
+    In a tenth of a second: angles are within some percent of the angles of `Rod.steady_motion`.
     """
     try:
         require_possible(rod, load)

@@ -15,11 +15,11 @@ from floquetrod.floquet.dispatch import stability
 from floquetrod.floquet.multipliers.system_stability import SystemStability
 from floquetrod.floquet.status import Status
 from floquetrod.orbits import NoOrbitError, PeriodicOrbit, periodic_orbit
+from floquetrod.rod.answers.rod_stability import RodStability
 from floquetrod.rod.answers.steady_motion import SteadyMotion
-from floquetrod.rod.answers.verdict import RodStability
 from floquetrod.rod.large_orbits import (
     MOST_HALF_WAVES,
-    Found,
+    ModeOrbit,
     beam_functions,
     candidates,
     indentation_of,
@@ -51,8 +51,8 @@ class _Function:
         """Return rates (n, ...) or their derivatives (n, n, ...) of states (n, ...)."""
         states, motion = np.atleast_2d(np.asarray(x).T), self.motions.at(**changed)
         times = np.broadcast_to(t, len(states))
-        found = motion.jacobians(times, states) if self.derive else motion.rates(times, states)
-        return found[0] if np.ndim(x) == 1 else np.moveaxis(found, 0, -1)
+        values = motion.jacobians(times, states) if self.derive else motion.rates(times, states)
+        return values[0] if np.ndim(x) == 1 else np.moveaxis(values, 0, -1)
 
 
 @dataclass(frozen=True)
@@ -92,8 +92,8 @@ def steady_motion(model: ModeModel, given: AnyLoad, mode: int | None, indentatio
     shapes = Shapes.of(rod, load, beam_functions(rod, mode))
     rest = model.verdict(load, None, 0.0, None)
     beyond: SteadyMotion | None = None
-    for found in orbits_of(rod, load, shapes, candidates(rest, shapes, mode), indentation):
-        motion = _motion(rod, load, rest, shapes, found, indentation)
+    for orbit_alone in orbits_of(rod, load, shapes, candidates(rest, shapes, mode), indentation):
+        motion = _motion(rod, load, rest, shapes, orbit_alone, indentation)
         if motion.amplitude <= LIMIT:
             return motion
         beyond = beyond or motion
@@ -123,14 +123,14 @@ def _resting(
 
 
 def _motion(
-    rod: RodData, load: Load, rest: RodStability, shapes: Shapes, found: Found, indentation: float
+    rod: RodData, load: Load, rest: RodStability, shapes: Shapes, orbit_alone: ModeOrbit, indentation: float
 ) -> SteadyMotion:
     """Return the motion near an orbit of one mode, with all modes that matter."""
-    sets = [chosen(shapes, found.mode, *near) for near in NEAR]
+    sets = [chosen(shapes, orbit_alone.mode, *near) for near in NEAR]
     every: list[PeriodicOrbit] = []
     for i, taken in enumerate(sets):
         fewer = (every[-1], sets[i - 1], taken) if every else None
-        every.append(_orbit(LargeMotion(rod, load, shapes.some(taken), indentation), found, fewer))
+        every.append(_orbit(LargeMotion(rod, load, shapes.some(taken), indentation), orbit_alone, fewer))
     first, orbit = every[-2:]
     many, motion = sets[-1], LargeMotion(rod, load, shapes.some(sets[-1]), indentation)
     times = orbit.period * np.arange(_INSTANTS) / _INSTANTS
@@ -139,23 +139,23 @@ def _motion(
     before = largest(LargeMotion(rod, load, shapes.some(sets[-2])), first(times))
     contact = motion.contact_force(times, states)
     shorter = motion.shortening(states)
-    place = float(motion.shapes.nodes[int(contact.min(axis=0).argmin())]) * rod.length
-    least = float(contact.min())
+    lift_off = float(motion.shapes.nodes[int(contact.min(axis=0).argmin())]) * rod.length
+    least_contact = float(contact.min())
     status, note = _judged(rod, load, shapes, many, orbit, indentation)
     if rod.damping_rate == 0.0:
         note = f"{note}; without damping motion never settles: it beats about this orbit".lstrip("; ")
     return SteadyMotion(
         rod,
         load,
-        found.mode,
+        orbit_alone.mode,
         amplitude,
         abs(amplitude - before) + orbit.error * amplitude + _SHORT * amplitude,
         orbit,
         tuple(motion.shapes.numbers.tolist()),
         status,
         rest.status == "stable",
-        (least, float(contact.max())),
-        place if least < 0.0 else None,
+        (least_contact, float(contact.max())),
+        lift_off if least_contact < 0.0 else None,
         (float(shorter.min()), float(shorter.max())),
         note,
     )
@@ -172,26 +172,26 @@ def largest(motion: LargeMotion, states: Floats) -> float:
 def chosen(shapes: Shapes, mode: int, near: int, shorter: int) -> Any:
     """Return which modes to take: neighbours, and those three times as short, of one symmetry where there is one."""
     numbers = shapes.numbers
-    place = numbers.tolist().index(mode)
-    alike = shapes.even == shapes.even[place]
+    index = numbers.tolist().index(mode)
+    alike = shapes.even == shapes.even[index]
     wanted = (np.abs(numbers - mode) <= near) | (np.abs(numbers - 3 * mode) <= shorter)
     return np.flatnonzero(alike & wanted)
 
 
-def orbit_near(motion: LargeMotion, load: Load, found: Found) -> tuple[Floats, Floats, float]:
-    """Return times, states and the period of an orbit of one mode, among those of a motion."""
-    period, record = found.orbit.turns * 2.0 * math.pi / load.frequency, found.orbit.states
-    place = motion.shapes.numbers.tolist().index(found.mode)
+def orbit_near(motion: LargeMotion, load: Load, orbit_alone: ModeOrbit) -> tuple[Floats, Floats, float]:
+    """Return times, states of a motion and the period of an orbit of one of its modes."""
+    period, record = orbit_alone.orbit.turns * 2.0 * math.pi / load.frequency, orbit_alone.orbit.states
+    index = motion.shapes.numbers.tolist().index(orbit_alone.mode)
     states = np.zeros((len(record) + 1, 2 * motion.size))
-    states[:-1, [place, motion.size + place]] = record
+    states[:-1, [index, motion.size + index]] = record
     states[-1] = states[0]
     return np.linspace(0.0, period, len(states)), states, period
 
 
-def _orbit(motion: LargeMotion, found: Found, before: Any) -> PeriodicOrbit:
-    """Return the orbit in some modes, from that of one mode, or of ``before``: fewer ones."""
+def _orbit(motion: LargeMotion, orbit_alone: ModeOrbit, before: Any) -> PeriodicOrbit:
+    """Return the orbit of a motion, by Newton's method from an orbit of one mode, or of fewer modes, ``before``."""
     n = motion.size
-    times, states, period = orbit_near(motion, motion.load, found)
+    times, states, period = orbit_near(motion, motion.load, orbit_alone)
     if before is not None:
         orbit, few, many = before
         places = np.searchsorted(many, few)
@@ -201,7 +201,7 @@ def _orbit(motion: LargeMotion, found: Found, before: Any) -> PeriodicOrbit:
         return periodic_orbit(Motions(motion).system(), (times, states), period, tolerance=TOLERANCE)
     except NoOrbitError as error:
         raise validate.wrong_value(
-            "load", f"leads to no periodic motion near that of mode {found.mode}: {error}; simulate it"
+            "load", f"leads to no periodic motion near that of mode {orbit_alone.mode}: {error}; simulate it"
         ) from None
 
 
@@ -234,8 +234,8 @@ def _beside(
         states[:, moving] = wider * orbit(times)
         return np.asarray((motion.jacobians(times, states) * units / units[:, None])[:, rows[:, None], rows])
 
-    some = orbit.period / 16.0 * np.arange(16.0)
-    change = np.abs(derivatives(some, 1.001) - derivatives(some)).max() * 1e3
-    found = sampling.smooth(derivatives, orbit.period, math.inf)
-    error = found.error + 2.0 * float(change) * orbit.error
-    return stability(PeriodicSystem.from_pieces(found.pieces, coefficient_error=error))
+    instants = orbit.period / 16.0 * np.arange(16.0)
+    change = np.abs(derivatives(instants, 1.001) - derivatives(instants)).max() * 1e3
+    coefficients = sampling.smooth(derivatives, orbit.period, math.inf)
+    error = coefficients.error + 2.0 * float(change) * orbit.error
+    return stability(PeriodicSystem.from_pieces(coefficients.pieces, coefficient_error=error))

@@ -8,7 +8,7 @@ import numpy as np
 
 from floquetrod._util.arrays import Bools, Floats
 from floquetrod._util.progress import Progress
-from floquetrod.rod.large_orbits import Found, alone, beam_functions, require_possible
+from floquetrod.rod.large_orbits import ModeOrbit, alone, beam_functions, require_possible
 from floquetrod.rod.loads.load import Load, Loads
 from floquetrod.rod.mode_equations.large_motion import Shapes
 from floquetrod.rod.mode_equations.many_orbits import ModeLoads, smallest_stable
@@ -25,15 +25,15 @@ def large_motion(rod: RodData, kind: Load, loads: Loads, stable: Bools, progress
     ends, in its shape under the middle of the mean forces; orbits of one period of the load or two.
     """
     middle = 0.5 * float(loads.mean.min() + loads.mean.max())
-    like = kind.with_numbers(middle, 1.0, float(loads.frequency[0]))
-    require_possible(rod, like)
-    shapes = Shapes.of(rod, like, beam_functions(rod, None))
-    equations = [alone(rod, like, shapes, mode, 0.0) for mode in sorted(set(shapes.numbers.tolist()))]
+    middle_load = kind.with_numbers(middle, 1.0, float(loads.frequency[0]))
+    require_possible(rod, middle_load)
+    shapes = Shapes.of(rod, middle_load, beam_functions(rod, None))
+    equations = [alone(rod, middle_load, shapes, mode, 0.0) for mode in sorted(set(shapes.numbers.tolist()))]
     wanted = np.flatnonzero(stable.ravel() & (loads.amplitude > 0.0))
     angles = np.where(stable.ravel(), 0.0, np.nan)
     for first in range(0, len(wanted), _AT_ONCE):
-        part = wanted[first : first + _AT_ONCE]
-        angles[part] = _smallest(equations, loads.some(part))
+        block = wanted[first : first + _AT_ONCE]
+        angles[block] = _smallest(equations, loads.some(block))
         if progress is not None:
             progress(min(first + _AT_ONCE, len(wanted)), len(wanted))
     return angles.reshape(loads.shape)
@@ -47,20 +47,20 @@ def _smallest(equations: list[OneMode], loads: Loads) -> Floats:
         mode = int(equation.motion.shapes.numbers[0])
         for i, orbit in enumerate(smallest_stable(equation, ModeLoads(loads.mean, loads.frequency, vibration))):
             if orbit is not None and orbit.amplitude < angles[i]:
-                load = equation.motion.load.with_numbers(*(float(each[i]) for each in loads.flat))
-                if Found(mode, orbit, OneMode(equation.motion.under(load))).stays_on_wall:
+                load = equation.motion.load.with_numbers(*(float(values[i]) for values in loads.flat))
+                if ModeOrbit(mode, orbit, OneMode(equation.motion.under(load))).stays_on_wall:
                     angles[i] = orbit.amplitude
     return np.where(np.isfinite(angles), angles, 0.0)
 
 
 def _vibrations(equations: list[OneMode], loads: Loads) -> list[Any]:
     """Return what the vibration takes from the stiffness of each mode, (modes, k, 2 H)."""
-    every, place = np.unique(loads.frequency, return_inverse=True)
-    found = []
+    every, index = np.unique(loads.frequency, return_inverse=True)
+    vibrations = []
     for equation in equations:
         motion = equation.motion
         per_newton = np.array(
             [motion.under(motion.load.varied("frequency", w)).vibrating[:, 0, 0] for w in every.tolist()]
         )
-        found.append(loads.amplitude[:, None] * per_newton[place])
-    return found
+        vibrations.append(loads.amplitude[:, None] * per_newton[index])
+    return vibrations

@@ -76,7 +76,7 @@ class LoadPlane(Family):
 
     @property
     def vertex(self) -> float:
-        """Nearer to a boundary than this, verdicts but those of a criterion take much longer."""
+        """Nearer to a boundary than this, verdicts take much longer, except by a criterion."""
         return VERTEX if self._is_fast else 1e-6
 
     @property
@@ -99,8 +99,8 @@ class LoadPlane(Family):
         """Return verdicts, with growth rates in 1/s and the numbers of the fastest modes where they must be known."""
         if growth and self.is_plain:
             loads = Loads.of(**self._load(x, y))
-            found = self.model.answers(loads, self.growth_tolerance, self.workers)
-            return Verdicts(*(shaped(each, loads.shape) for each in found))
+            answers = self.model.answers(loads, self.growth_tolerance, self.workers)
+            return Verdicts(*(shaped(column, loads.shape) for column in answers))
         status = self.rod.verdicts(
             self.template,
             **self._load(x, y),

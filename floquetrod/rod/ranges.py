@@ -182,7 +182,7 @@ class StabilityIntervals(Reported, NoTruthValue):
             rows.append((ends, f" not computed: axial resonance at {at:.6g}"))
         lines = []
         if unstable:
-            what = self.searched.model.damping_of
+            what = self.searched.model.damping_subject
             lines += [
                 f"  (unstable: fastest growth, where it occurs, and damping rate above which {what} is stable)",
                 f"  (largest damping rate required: {_rounded_up(self.required_damping)})",
@@ -216,7 +216,7 @@ class StabilityIntervals(Reported, NoTruthValue):
             "not_computed": [by_keys(gap, resonates) for gap in self.not_computed],
             "ends_are": "[mode, tongue], a resonance of coupled modes, 'axial resonance' next to what is not computed, "
             "'unnamed', or null at an end of the search",
-            "required_damping_is": self.searched.model.damping_found,
+            "required_damping_is": self.searched.model.damping_source,
         }
 
 
@@ -281,7 +281,7 @@ def _largest(model: ModeModel, varied: Quantity, others: Mapping[Quantity, float
 
 def _load(model: ModeModel, numbers: Mapping[Quantity, float]) -> Load:
     """Return a load of the kind of the model."""
-    return model.like.with_numbers(numbers["mean"], numbers["amplitude"], numbers["frequency"])
+    return model.template.with_numbers(numbers["mean"], numbers["amplitude"], numbers["frequency"])
 
 
 def _saying_how_far(progress: Progress | None, varied: Quantity, largest: Load) -> Progress | None:

@@ -17,7 +17,7 @@ from floquetrod._util.proportions import clopper_pearson
 from floquetrod._util.result_report import Printed, Report, Table
 from floquetrod.rod.answers.mean_force import ASSUMED, drag_of, force_in_newtons
 from floquetrod.rod.answers.pushing import Limits, Pushing, stress_limit
-from floquetrod.rod.answers.reach import depths_of
+from floquetrod.rod.answers.string_reach import depths_of
 from floquetrod.rod.distributions import (
     SURVEY,
     distribution,
@@ -53,7 +53,7 @@ class ReachProbability(Printed, ByContent):
     depth : ndarray (n,)
         Measured depths of the lower end in m.
     probability : ndarray (n,)
-        The share of samples that are pushed there and to all depths before it, within ``push`` and ``yield_share``.
+        The share of samples pushed there and to all depths before it, within ``push`` and ``yield_share``.
     low : ndarray (n,)
         Lower end of its confidence interval by Clopper and Pearson, whose coverage is at least ``confidence``.
     high : ndarray (n,)
@@ -86,7 +86,7 @@ class ReachProbability(Printed, ByContent):
         """Return the probability by depth, and the assumptions."""
         table = zip(self.depth, self.probability, self.low, self.high, strict=True)
         columns = [("depth m", ">9"), ("probability", ">11"), ("from", ">6"), ("to", ">6")]
-        rows = [[f"{depth:.6g}", *(f"{each:.3f}" for each in others)] for depth, *others in table]
+        rows = [[f"{depth:.6g}", *(f"{share:.3f}" for share in others)] for depth, *others in table]
         return Report(self._in_words, [("assumed", "; ".join(self.assumptions))], Table(columns, rows))
 
     _keys = "depth_m probability low high confidence samples seed assumptions"
@@ -188,7 +188,7 @@ def probability_of_reach(
     Raises
     ------
     ValueError
-        Where nothing is distributed, and for samples that are no string or no well.
+        Where nothing is distributed, and for samples without a possible string or well.
     TypeError
         For anything that is neither number nor distribution.
 
@@ -235,20 +235,22 @@ def probability_of_reach(
 
 
 def _friction(given: Any) -> tuple[dict[str, Any], Callable[[Mapping[str, Any]], Any]]:
-    """Return the coefficients that are distributed, by name, and what makes the argument of a sample of them."""
+    """Return the distributed coefficients of friction by name, and a function of samples to ``friction``."""
     is_by_depth = isinstance(given, list | tuple) and bool(given) and isinstance(given[0], list | tuple)
     pairs = list(given) if is_by_depth else [(0.0, given)]
     names = [f"friction[{i}]" if is_by_depth else "friction" for i in range(len(pairs))]
-    found = {}
+    distributions = {}
     for name, pair in zip(names, pairs, strict=True):
         if isinstance(pair, list | tuple) and len(pair) == 2 and not _is_number(pair[1]):
-            found[name] = distribution(name, pair[1], lambda _, value: friction_coefficient(value))
+            distributions[name] = distribution(name, pair[1], lambda _, value: friction_coefficient(value))
 
     def of_sample(sample: Mapping[str, Any]) -> Any:
-        known = [(pair[0], sample[name]) if name in found else pair for name, pair in zip(names, pairs, strict=True)]
+        known = [
+            (pair[0], sample[name]) if name in distributions else pair for name, pair in zip(names, pairs, strict=True)
+        ]
         return known if is_by_depth else known[0][1]
 
-    return found, of_sample
+    return distributions, of_sample
 
 
 def _is_number(value: Any) -> bool:

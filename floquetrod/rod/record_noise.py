@@ -1,4 +1,4 @@
-"""What the noise of a measured force leaves open of a verdict."""
+"""The verdict on a measured force, and the error that its noise makes."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import numpy as np
 
 from floquetrod._util.progress import Progress, shifted
 from floquetrod.floquet.status import STATUS_CODES
-from floquetrod.rod.answers.verdict import RodStability
+from floquetrod.rod.answers.rod_stability import RodStability
 from floquetrod.rod.loads.load import LIMITS, AxialLoad, Loads
 from floquetrod.rod.loads.record import ForceRecord
 from floquetrod.rod.modes.mode_model import ModeModel
@@ -21,32 +21,42 @@ NOISE_DRAWS = 20
 _ERRORS = 2.0  # standard errors by which they depart from the fit, and which enter the error of growth: 95 %
 
 
-def with_noise(
+def record_verdict(
     model: ModeModel,
-    verdict: RodStability,
     record: ForceRecord,
-    modes: Sequence[int] | None = None,
-    progress: Progress | None = None,
+    modes: Iterable[int] | None,
+    growth_tolerance: float,
+    progress: Progress | None,
 ) -> RodStability:
-    """Return a verdict on the fit of a record, of some modes or all, with the error that its noise makes.
+    """Return the verdict on the fit of a record, with the error that the noise of the record makes.
 
     Twenty forces are drawn, the same ones in every call, whose mean, frequency and harmonics, their sizes and phases,
-    depart from those of the fit by two standard errors.  The root mean square of the change in growth adds to the
-    error; where one of them has another verdict, it is undecided.  ``progress`` is called with the numbers of forces
-    decided and to decide.
+    depart from the fit's by two standard errors.  The root mean square of the change in growth adds to the
+    error; where one of them has another verdict, it is undecided.  ``progress`` is called with the numbers of verdicts
+    and of forces decided and to decide.
     """
+    trials = 0
+
+    def fit_progress(done: int, total: int) -> None:
+        nonlocal trials
+        trials = done
+        if progress is not None:
+            progress(done, total + NOISE_DRAWS)
+
+    verdict = model.verdict(record.load, modes, growth_tolerance, fit_progress)
     if verdict.status == "undecided":
         return verdict
-    _, fitted = _answer(model, record.load, modes, verdict.growth_tolerance)
-    if math.isnan(fitted):
-        fitted = verdict.growth_rate
+    chosen, draw_progress = None if modes is None else verdict.modes, shifted(progress, trials, trials)
+    _, fit_growth = _status_and_growth(model, record.load, chosen, growth_tolerance)
+    if math.isnan(fit_growth):
+        fit_growth = verdict.growth_rate
     changes, others = [], 0
     for done, load in enumerate(_drawn(record), start=1):
-        status, growth = _answer(model, load, modes, verdict.growth_tolerance)
+        status, growth = _status_and_growth(model, load, chosen, growth_tolerance)
         others += status != STATUS_CODES[verdict.status]
-        changes.append(growth - fitted)
-        if progress is not None:
-            progress(done, NOISE_DRAWS)
+        changes.append(growth - fit_growth)
+        if draw_progress is not None:
+            draw_progress(done, NOISE_DRAWS)
     noise = math.sqrt(float(np.mean(np.square(changes))))
     note = f"noise in the record makes the growth rate uncertain by {noise:.2g} 1/s"
     if noise == verdict.growth_rate == 0.0:
@@ -61,39 +71,19 @@ def with_noise(
     )
 
 
-def classify_record(
-    model: ModeModel,
-    record: ForceRecord,
-    modes: Iterable[int] | None,
-    growth_tolerance: float,
-    progress: Progress | None,
-) -> RodStability:
-    """Return the verdict on a record: that on its fit, with what its noise leaves open."""
-    trials = 0
-
-    def of_the_fit(done: int, total: int) -> None:
-        nonlocal trials
-        trials = done
-        if progress is not None:
-            progress(done, total + NOISE_DRAWS)
-
-    fitted = model.verdict(record.load, modes, growth_tolerance, of_the_fit)
-    chosen = None if modes is None else fitted.modes
-    return with_noise(model, fitted, record, chosen, shifted(progress, trials, trials))
-
-
-def _answer(model: ModeModel, load: AxialLoad, modes: Sequence[int] | None, tolerance: float) -> tuple[int, float]:
+def _status_and_growth(
+    model: ModeModel, load: AxialLoad, modes: Sequence[int] | None, tolerance: float
+) -> tuple[int, float]:
     """Return the code of the status under a load and the growth in 1/s, NaN where unknown."""
-    of_load = model.under(load)
     if modes is not None:
-        verdict = of_load.verdict(load, modes, tolerance)
+        verdict = model.under(load).verdict(load, modes, tolerance)
         return STATUS_CODES[verdict.status], verdict.growth_rate
-    status, growth, _ = (column.item() for column in of_load.answers(Loads.single(load), tolerance))
+    status, growth, _ = (column.item() for column in model.under(load).answers(Loads.single(load), tolerance))
     return int(status), float(growth)
 
 
 def _drawn(record: ForceRecord) -> Iterator[AxialLoad]:
-    """Yield loads whose numbers are drawn about those of the fit, with twice their standard errors."""
+    """Yield loads whose numbers are drawn about the numbers of the fit, with twice their standard errors."""
     random, fit, kept = np.random.default_rng(0), record.load, np.array(record.harmonic_numbers) - 1
     slowest = LIMITS["frequency"].least
     for _ in range(NOISE_DRAWS):

@@ -33,12 +33,12 @@ if TYPE_CHECKING:
     from floquetrod.rod.answers.critical_noise import CriticalFactor
     from floquetrod.rod.answers.margins import CriticalLoad
     from floquetrod.rod.answers.mean_force import MeanForce
-    from floquetrod.rod.answers.reach import Reach
     from floquetrod.rod.answers.rod_branches import RodBranches
+    from floquetrod.rod.answers.rod_stability import RodStability
     from floquetrod.rod.answers.safe_box import SafeBox
     from floquetrod.rod.answers.safe_kick import SafeKick
     from floquetrod.rod.answers.steady_motion import SteadyMotion
-    from floquetrod.rod.answers.verdict import RodStability
+    from floquetrod.rod.answers.string_reach import Reach
     from floquetrod.rod.friction.kicks import CriticalKick, FrictionalRodStability
     from floquetrod.rod.loads.tool import VibrationTool
     from floquetrod.rod.ranges import StabilityIntervals
@@ -58,9 +58,9 @@ def _model(rod: RodData, like: Load) -> ModeModel:
         from floquetrod.rod.modes.noisy import NoisyModel
 
         return NoisyModel(rod, like)
-    from floquetrod.rod.modes.noisy_together import NoisyTogetherModel
+    from floquetrod.rod.modes.noisy_coupled import NoisyCoupledModel
 
-    return NoisyTogetherModel(rod, like)
+    return NoisyCoupledModel(rod, like)
 
 
 _ONE_LOAD = "its load is one value, such as fr.AxialLoad(mean, amplitude, frequency)"
@@ -363,9 +363,9 @@ class Rod(RodData):
         >>> tubing.reach(well, 0.3, depth=[2000.0, 3000.0, 4000.0])
         <can be pushed to 2990.4 m, where it locks up>
         """
-        from floquetrod.rod.answers import reach
+        from floquetrod.rod.answers import string_reach
 
-        return reach.reach(self, path, friction, helical, tool, speed, (far_force, push), depth, yield_share)
+        return string_reach.reach(self, path, friction, helical, tool, speed, (far_force, push), depth, yield_share)
 
     # --- verdicts ---
 
@@ -897,13 +897,13 @@ class Rod(RodData):
         >>> rod.follow(load, over={"frequency": (108.0, 111.0)}, steps=2)
         <1 branch of motion in mode 2, up to 6.5... degrees>
         """
-        from floquetrod.rod import branches
+        from floquetrod.rod import motion_branches
         from floquetrod.rod.answers.rod_branches import RodBranches
 
         if isinstance(load, RodBranches):
-            return branches.resumed(self, load, over, (mode, all_modes), indentation, steps, longest, progress)
+            return motion_branches.resumed(self, load, over, (mode, all_modes), indentation, steps, longest, progress)
         model = self._modes_under(require_load("load", load))
-        return branches.branches(model, load, over, (mode, all_modes), indentation, steps, longest, progress)
+        return motion_branches.branches(model, load, over, (mode, all_modes), indentation, steps, longest, progress)
 
     def safe_kick(self, load: AnyLoad, *, indentation: float = 1e-4) -> SafeKick:
         """Return the kicks after which a stable rod was found to come to rest, and those that lead to a large motion.

@@ -12,7 +12,7 @@ from floquetrod._util import validate
 from floquetrod._util.arrays import shaped
 from floquetrod._util.progress import Progress
 from floquetrod.mathieu.criterion import FiniteTimeCriterion
-from floquetrod.rod.answers.verdict import RodStability
+from floquetrod.rod.answers.rod_stability import RodStability
 from floquetrod.rod.friction.mode_friction import friction_and_kick
 from floquetrod.rod.loads.load import AnyLoad, Loads, LoadSource, require_load
 from floquetrod.rod.model.assumptions import warn_unless_uniform
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
 def stability(
     model: ModeModel,
-    given: AnyLoad,
+    source: AnyLoad,
     modes: Iterable[int] | None,
     growth_tolerance: float,
     friction: float | None,
@@ -35,27 +35,27 @@ def stability(
     progress: Progress | None,
 ) -> RodStability | FrictionalRodStability:
     """Return the verdict under a load or a record; see `floquetrod.Rod.stability`."""
-    load, rod = require_load("load", given), model.rod
-    frictional = friction_and_kick(friction, kick)
+    load, rod = require_load("load", source), model.rod
+    friction_kick = friction_and_kick(friction, kick)
     tolerance = units.tolerance("growth_tolerance", growth_tolerance)
     validate.progress(progress)
-    record = cast("ForceRecord", given) if isinstance(given, LoadSource) else None
+    record = cast("ForceRecord", source) if isinstance(source, LoadSource) else None
     warn_unless_uniform(rod, load)
     warn_of_load(rod, load if record is None or record.force_unit_named else record)
     if friction is not None:
         model.require("friction")
     if record is not None:
-        from floquetrod.rod.record_noise import classify_record
+        from floquetrod.rod.record_noise import record_verdict
 
-        return classify_record(model, record, modes, tolerance, progress)
+        return record_verdict(model, record, modes, tolerance, progress)
     linear = model.verdict(load, modes, tolerance, progress)
     if linear.stable and modes is None and model.prompt:
         warn_of_hertz(rod, load, tolerance)
-    if frictional is None:
+    if friction_kick is None:
         return linear
     from floquetrod.rod.friction.kicks import classify_kick
 
-    return classify_kick(linear, *frictional)
+    return classify_kick(linear, *friction_kick)
 
 
 def statuses(
@@ -70,22 +70,22 @@ def statuses(
 ) -> Any:
     """Return the status under each load; see `floquetrod.Rod.verdicts`."""
     tolerance = units.tolerance("growth_tolerance", growth_tolerance)
-    frictional = friction_and_kick(friction, kick)
+    friction_kick = friction_and_kick(friction, kick)
     validate.progress(progress)
     if criterion is not None:
         validate.instance("criterion", criterion, FiniteTimeCriterion)
-        criterion.require_alone(growth_tolerance=tolerance, friction=0.0 if frictional is None else frictional[0])
+        criterion.require_alone(growth_tolerance=tolerance, friction=0.0 if friction_kick is None else friction_kick[0])
     loads = Loads.of(*numbers)
-    if frictional is not None:
+    if friction_kick is not None:
         from floquetrod.rod.friction.kicks import kicked_loads
 
         model.require("friction")
-        parts = loads.in_parts(progress)
-        found = np.concatenate(
-            [kicked_loads(model.rod, model.systems(part), *frictional, tolerance, workers) for part in parts]
+        blocks = loads.in_parts(progress)
+        status = np.concatenate(
+            [kicked_loads(model.rod, model.systems(block), *friction_kick, tolerance, workers) for block in blocks]
         )
     elif criterion is not None:
-        found = model.passing(loads, criterion, workers, progress)
+        status = model.passing(loads, criterion, workers, progress)
     else:
-        found = model.status(loads, tolerance, workers, progress)
-    return shaped(found, loads.shape)
+        status = model.status(loads, tolerance, workers, progress)
+    return shaped(status, loads.shape)

@@ -11,7 +11,7 @@ from floquetrod._util.interchange import by_keys
 from floquetrod._util.result_report import Printed, Report
 from floquetrod._util.suggest import listed
 from floquetrod.rod.answers.reports import answer_units, load_lines, shown_in
-from floquetrod.rod.answers.verdict import RodStability
+from floquetrod.rod.answers.rod_stability import RodStability
 from floquetrod.rod.friction.kicks import CriticalKick
 from floquetrod.rod.loads.load import AxialLoad, with_waves
 from floquetrod.rod.model.data import special_parameters

@@ -82,7 +82,7 @@ def growth_of_motion(
     sizes = motion.largest_angle
     longest = _frames_up_to(_LINEAR_UP_TO[-1], sizes)
     nodes = motion.positions.shape[1]
-    apart = rod._modes_under(load).told_apart(range(1, (nodes - 1) // SEGMENTS_TO_SEE + 1)) if mode is None else ()
+    apart = rod._modes_under(load).modes_apart(range(1, (nodes - 1) // SEGMENTS_TO_SEE + 1)) if mode is None else ()
     if apart:
         last_quarter = slice(longest - math.ceil(longest / 4), longest)
         amplitudes = motion.mode_amplitudes(apart)[last_quarter]

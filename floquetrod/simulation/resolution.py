@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from floquetrod._util.compilation import over_chunks
 from floquetrod.floquet.kernels import mathieu_discriminant
-from floquetrod.rod.kernels import modes as rod_modes
+from floquetrod.rod.kernels import independent_modes as rod_modes
 from floquetrod.rod.loads.load import Loads
 from floquetrod.rod.model.constants import ModeConstants, mode_constants
 from floquetrod.simulation.driving import Driving

@@ -32,7 +32,7 @@ def certified_cells(
     workers: int | None = None,
     progress: Progress | None = None,
 ) -> NDArray[np.int8]:
-    """Return what is proved of every cell of a map, int8 (rows, columns), see `floquetrod.plane.chart.CELLS`.
+    """Return the proof of every cell of a map, int8 (rows, columns), see `floquetrod.plane.chart.CELLS`.
 
     ``axes`` has the quantity to the right, then the one upwards, whose `Axis.cell_edges` bound the cells; ``fixed`` is
     the third one with its value.
@@ -44,7 +44,7 @@ def certified_cells(
     cells = np.full(shape, CELLS["undecided"], dtype=np.int8)
     size = _FIRST
     left = np.stack(
-        [part.ravel() for part in np.meshgrid(*(np.arange(0, n, size) for n in cells.shape), indexing="ij")]
+        [index.ravel() for index in np.meshgrid(*(np.arange(0, n, size) for n in cells.shape), indexing="ij")]
     )
     while left.shape[1]:
         parts = _PARTS if size == 1 else 1
@@ -57,11 +57,11 @@ def certified_cells(
                 fixed[0]: (np.full(row.size, fixed[1]), np.full(row.size, fixed[1])),
             }
             inputs = [end for name in QUANTITIES for end in ends[name]]
-            found = np.empty(row.size, dtype=np.int8)
+            cell_status = np.empty(row.size, dtype=np.int8)
             over_chunks(
                 kernels.certify_cells,
                 inputs,
-                found,
+                cell_status,
                 constants,
                 tolerance,
                 tolerance,
@@ -72,8 +72,8 @@ def certified_cells(
                 chunk=_CHUNK,
                 interpret_up_to=0,
             )
-            decided = (found == CELLS["proved stable"]) | (found == CELLS["proved unstable"]) | (size == 1)
-            for i, j, status in zip(*(block[:, decided].tolist()), found[decided].tolist(), strict=True):
+            decided = (cell_status == CELLS["proved stable"]) | (cell_status == CELLS["proved unstable"]) | (size == 1)
+            for i, j, status in zip(*(block[:, decided].tolist()), cell_status[decided].tolist(), strict=True):
                 cells[i : i + size, j : j + size] = status
             open_blocks.append(block[:, ~decided])
             if progress is not None:

@@ -53,11 +53,11 @@ class MeanForce(Printed, ByContent):
     Attributes
     ----------
     depth : ndarray (n,)
-        Measured depths in m, those of both ends among them.
+        Measured depths in m, both ends among them.
     force : ndarray (n,)
         Effective compression in N, negative for a pull; infinite where the string is locked up.
     contact : ndarray (n,)
-        Contact force in N/m, that of a helix included.
+        Contact force in N/m, of a helix too.
     friction : ndarray (n,)
         Mean coefficient of friction, smaller where a tool vibrates the string.
     speed : ndarray (n,)
@@ -71,7 +71,7 @@ class MeanForce(Printed, ByContent):
     motion : str
         "pushed", "standing" or "pulled".
     error : float
-        Estimated error of ``force`` in N where it is finite, that of the integration alone.  With a tool its wave and
+        Estimated error of ``force`` in N where it is finite, of the integration alone.  With a tool its wave and
         the force are computed alternately, and from above and below; infinite where these have not converged.
     speed_error : float
         Estimated error of ``speed`` in m/s, of the same solutions: largest next to an axial resonance.
@@ -191,25 +191,25 @@ def mean_force(drag: Drag, far_force: float, bottom: float, depth: Any) -> MeanF
     path = drag.path
     depths = _asked(path.start, bottom, depth)
     run = functools.partial(strings.run, drag, path.start, np.array([bottom]), far_force, depths)
-    found, rough = map(run, CHECKED)
-    force, other = drag.force(found.y[:, 0]), drag.force(rough.y[:, 0])
-    is_free = np.isfinite(force) & np.isfinite(other)
-    if not (found.is_settled[0] and rough.is_settled[0]):
-        return _along(drag, found, 0, (math.inf, math.inf, math.inf))
-    error = float(np.abs(force[is_free] - other[is_free]).max(initial=0.0))
-    wave, errors = (found.wave, (0.0, 0.0)) if drag.shaking is None else _refined_wave(run, found, rough)
-    return _along(drag, found._replace(wave=wave), 0, (error, *errors))
+    fine, rough = map(run, CHECKED)
+    force, rough_force = drag.force(fine.y[:, 0]), drag.force(rough.y[:, 0])
+    is_free = np.isfinite(force) & np.isfinite(rough_force)
+    if not (fine.is_settled[0] and rough.is_settled[0]):
+        return _along(drag, fine, 0, (math.inf, math.inf, math.inf))
+    error = float(np.abs(force[is_free] - rough_force[is_free]).max(initial=0.0))
+    wave, errors = (fine.wave, (0.0, 0.0)) if drag.shaking is None else _refined_wave(run, fine, rough)
+    return _along(drag, fine._replace(wave=wave), 0, (error, *errors))
 
 
 def _refined_wave(
-    run: Callable[[Fineness], strings.Run], found: strings.Run, rough: strings.Run
+    run: Callable[[Fineness], strings.Run], fine: strings.Run, rough: strings.Run
 ) -> tuple[Floats, tuple[float, float]]:
     """Return the wave of a tool, with finer cells next to an axial resonance, and the errors of speed and vibration.
 
     There elastic forces cancel, and what friction takes where the wave is hardly faster than the string slides, in few
     cells, decides how large it becomes: its corner is sharper, too.
     """
-    wave, off = found.wave, _largest(found.wave - rough.wave)
+    wave, off = fine.wave, _largest(fine.wave - rough.wave)
     for k, (cells, soft) in enumerate(_FINER):
         finer = run(CHECKED[0]._replace(cells=cells * CHECKED[0].cells, soft=soft))
         if not finer.is_settled[0]:
@@ -234,21 +234,21 @@ def mean_forces(drag: Drag, far_force: float, bottoms: Floats, spacing: float) -
     """
     start, deepest = drag.path.start, float(bottoms.max())
     depths = np.append(np.linspace(start, deepest, 1 + math.ceil((deepest - start) / spacing)), bottoms)
-    found = strings.run(drag, start, bottoms, far_force, depths, TRIED)
-    goes = found.is_settled & np.isfinite(drag.force(found.top_y))
+    strings_run = strings.run(drag, start, bottoms, far_force, depths, TRIED)
+    goes = strings_run.is_settled & np.isfinite(drag.force(strings_run.top_y))
     unknown = math.nan, math.nan, math.nan
-    return [_along(drag, found, k, unknown) if goes[k] else None for k in range(bottoms.size)]
+    return [_along(drag, strings_run, k, unknown) if goes[k] else None for k in range(bottoms.size)]
 
 
-def _along(drag: Drag, found: strings.Run, k: int, errors: tuple[float, float, float]) -> MeanForce:
+def _along(drag: Drag, strings_run: strings.Run, k: int, errors: tuple[float, float, float]) -> MeanForce:
     """Return the results along string k, with the errors of force, speed and vibration."""
-    there = np.isfinite(found.y[:, k])
-    depth, y, (speed, vibration) = found.depth[there], found.y[there, k], found.wave[:, there, k]
-    force, place = drag.force(y), WellGeometry.at(drag.path.arcs.at(depth))
-    held = np.where(np.isfinite(force), force, 0.0)
-    lying = drag.pipe.lying(held, place)
-    is_helix = drag.is_helix(place, y) | np.isinf(force)
-    contact = lying + np.where(is_helix, drag.pipe.helix(held), 0.0)
+    there = np.isfinite(strings_run.y[:, k])
+    depth, y, (speed, vibration) = strings_run.depth[there], strings_run.y[there, k], strings_run.wave[:, there, k]
+    force, positions = drag.force(y), WellGeometry.at(drag.path.arcs.at(depth))
+    finite_force = np.where(np.isfinite(force), force, 0.0)
+    lying = drag.pipe.lying(finite_force, positions)
+    is_helix = drag.is_helix(positions, y) | np.isinf(force)
+    contact = lying + np.where(is_helix, drag.pipe.helix(finite_force), 0.0)
     left = np.ones(depth.size) if drag.shaking is None else drag.shaking.left(speed)
     return MeanForce(
         depth=depth,
@@ -257,7 +257,7 @@ def _along(drag: Drag, found: strings.Run, k: int, errors: tuple[float, float, f
         friction=left * drag.friction.at(depth),
         speed=speed,
         vibration=vibration,
-        is_snaking=drag.is_snaking(place, force),
+        is_snaking=drag.is_snaking(positions, force),
         is_helix=is_helix,
         motion=drag.motion,
         error=errors[0],
@@ -281,7 +281,7 @@ def _asked(top: float, bottom: float, depth: Any) -> Floats:
 
 
 def lower_end(path: Any, bottom: Any) -> float:
-    """Return the measured depth of the lower end of a string, by default that of the path."""
+    """Return the measured depth of the lower end of a string, by default of the end of the path."""
     if bottom is None:
         return float(path.end)
     depth = units.number("bottom", bottom, "length")

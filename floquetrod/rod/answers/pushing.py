@@ -7,7 +7,7 @@ Without a tool, the state y at the upper end depends on the depth b of the lower
 with the bracket at the lower end, under the force there: of two strings the one with the larger force anywhere has the
 larger force everywhere above.  Between zeros of the bracket the force at every place of the string rises with b, or
 falls.  A string that passes the depths at which it changes sign therefore passes all depths between them.  The largest
-stress at a place, that of a push or of a pull, is then largest at one end, too; what the lower end has at once, where
+stress at a place, under a push or a pull, is then largest at one end, too; stress that the lower end has at once, where
 it enters a bend, is examined along the well.
 """
 
@@ -60,7 +60,7 @@ STATICS = Limits()
 """Lock-up alone."""
 
 
-class Ends(NamedTuple):
+class UpperEnds(NamedTuple):
     """Forces in N at the upper ends of strings, infinite where one is stopped, and the largest stress in Pa along."""
 
     force: Floats
@@ -130,7 +130,7 @@ class Pushing:
         return np.union1d(np.linspace(path.start, path.end, number + 1), path.stations)
 
     def _curvature(self, depth: Floats) -> Floats:
-        """Return the curvature of the well in 1/m, at a station the larger of those of both arcs."""
+        """Return the curvature of the well in 1/m, at a station the larger one of both arcs."""
         arcs = self.drag.path.arcs
         below = arcs.at(depth).arc
         above = np.maximum(np.searchsorted(arcs.start, depth, side="left") - 1, 0)
@@ -138,11 +138,11 @@ class Pushing:
 
     def _stress(self, depth: Floats, y: Floats, vibration: Any) -> Floats:
         """Return the stress in Pa of strings at depths, NaN where they are not."""
-        place, force = WellGeometry.at(self.drag.path.arcs.at(depth)), self.drag.force(y)
-        is_wound = self.drag.is_snaking(place, force) | self.drag.is_helix(place, y)
+        positions, force = WellGeometry.at(self.drag.path.arcs.at(depth)), self.drag.force(y)
+        is_wound = self.drag.is_snaking(positions, force) | self.drag.is_helix(positions, y)
         return stress_of(self.rod, self._curvature(depth), force, is_wound, vibration).largest
 
-    def run(self, bottoms: Floats, far_force: Any, effort: Fineness, limits: Limits) -> Ends:
+    def run(self, bottoms: Floats, far_force: Any, effort: Fineness, limits: Limits) -> UpperEnds:
         """Return the forces and stresses of strings to measured depths; stresses are 0 where none is limited."""
         drag = self.drag
         is_limited = math.isfinite(limits.stress)
@@ -156,10 +156,10 @@ class Pushing:
             if places.size:
                 along = self._stress(places[:, None], runs.y, runs.wave[1])
                 stress = np.fmax(stress, np.fmax.reduce(along, axis=0))
-        return Ends(force, stress)
+        return UpperEnds(force, stress)
 
-    def pushed(self, bottoms: Floats, effort: Fineness, limits: Limits) -> Ends:
-        """Return what `run` does for strings with the force at their lower ends, of which the stress may not count."""
+    def pushed(self, bottoms: Floats, effort: Fineness, limits: Limits) -> UpperEnds:
+        """Return the ends, as `run`, of strings with the force at their lower ends, whose stress may not count."""
         ends = self.run(bottoms, self.far_force, effort, limits)
         return ends._replace(stress=np.where(bottoms > self.passed, ends.stress, 0.0))
 
@@ -174,18 +174,18 @@ class Pushing:
         i = np.flatnonzero((rises[1:] > 0.0) != (rises[:-1] > 0.0))
         low, high = depth[i], depth[i + 1]
         is_across = i % _PER_PIECE == _PER_PIECE - 1  # from one piece to the next
-        found = ends[1 + i // _PER_PIECE]
+        turning = ends[1 + i // _PER_PIECE]
         within = np.flatnonzero(~is_across)
         if within.size:
             at = i[within]
-            found[within] = roots(lambda x, _: self._rise(x), low[within], high[within], rises[at], rises[at + 1])
-        return np.asarray(found[(found > drag.path.start) & (found < deepest)])
+            turning[within] = roots(lambda x, _: self._rise(x), low[within], high[within], rises[at], rises[at + 1])
+        return np.asarray(turning[(turning > drag.path.start) & (turning < deepest)])
 
     def _rise(self, depth: Floats) -> Floats:
         """Return -dy/ds at the lower end of strings."""
-        drag, place = self.drag, WellGeometry.at(self.drag.path.arcs.at(depth))
+        drag, positions = self.drag, WellGeometry.at(self.drag.path.arcs.at(depth))
         y = np.broadcast_to(drag.y_of(np.asarray(self.far_force)), depth.shape)
-        return -drag.slopes(place, drag.friction.at(depth), y, drag.is_helix(place, y))
+        return -drag.slopes(positions, drag.friction.at(depth), y, drag.is_helix(positions, y))
 
     def examined(self, depths: Floats, limits: Limits) -> Floats:
         """Return the depths that a string must pass to reach the last of increasing ones, all of these among them.
@@ -197,8 +197,8 @@ class Pushing:
         if self.drag.shaking is not None:
             before = np.append(path.start, depths[:-1])
             parts = np.ceil((depths - before) * (_TRIED_DEPTHS / (path.end - path.start)) - 1e-9)
-            each = zip(before, depths, np.maximum(parts, 1.0).astype(int), strict=True)
-            return np.concatenate([np.linspace(a, b, n + 1)[1:] for a, b, n in each])
+            pieces = zip(before, depths, np.maximum(parts, 1.0).astype(int), strict=True)
+            return np.concatenate([np.linspace(a, b, n + 1)[1:] for a, b, n in pieces])
         enters = np.empty(0)
         if math.isfinite(limits.stress):
             places = self.places[(self.places > path.start) & (self.places < deepest)]
@@ -207,7 +207,7 @@ class Pushing:
         return np.unique(np.concatenate([self.turning(deepest), enters, depths]))
 
     def passes(self, depths: Floats, limits: Limits) -> Bools:
-        """Return which increasing depths strings are pushed to through all that are `examined`."""
+        """Return to which increasing depths strings are pushed through all depths `examined`."""
         every = self.examined(depths, limits)
         goes = np.logical_and.accumulate(self.pushed(every, SOUGHT, limits).within(limits))
         return np.asarray(goes[np.searchsorted(every, depths)])
@@ -225,11 +225,11 @@ class Pushing:
         rows = np.searchsorted(every, depths)
         arrives = few[passed[0][rows[few]]]
         # Columns: the depths at which the force at the lower end is sought, then the reach of each kind that stops.
-        stops = [(kind, int(np.argmin(each))) for kind, each in zip(kinds, passed, strict=True) if not each.all()]
+        stops = [(kind, int(np.argmin(goes))) for kind, goes in zip(kinds, passed, strict=True) if not goes.all()]
         y = float(self.drag.y_of(np.asarray(self.far_force)))
         low, high = np.full((2, 2, arrives.size + len(stops)), y)
         before = np.append(start, every)
-        low[0], high[0] = (np.append(depths[arrives], [each[k] for _, k in stops]) for each in (before, every))
+        low[0], high[0] = (np.append(depths[arrives], [bounds[k] for _, k in stops]) for bounds in (before, every))
         high[1, : arrives.size] = max(y, math.atan(MOST_FORCE))
         if low.size:
             of = [limits] * arrives.size + [kind for kind, _ in stops]
@@ -260,16 +260,16 @@ class Pushing:
 
         To depths that are ``relieved`` stress does not count; of columns that are static nothing but lock-up does.
         """
-        for k, parts in enumerate(_PARTS[self.drag.shaking is not None]):
-            steps = np.linspace(low, high, parts + 1, axis=1)
+        for k, count in enumerate(_PARTS[self.drag.shaking is not None]):
+            steps = np.linspace(low, high, count + 1, axis=1)
             bottoms, y = steps[:, 1:] if k == 0 else steps[:, 1:-1]
             ends = self.run(bottoms.ravel(), self.drag.pipe.scale * np.tan(y.ravel()), SOUGHT, limits)
             stress = np.where(bottoms.ravel() > np.tile(relieved, len(y)), ends.stress, 0.0)
             within = ends._replace(stress=stress).within(limits)
             goes = np.where(np.tile(is_static, len(y)), ends.within(STATICS), within)
             last = np.cumprod(goes.reshape(y.shape), axis=0).sum(axis=0)
-            each = np.arange(last.size)
-            low, high = steps[:, last, each], steps[:, np.minimum(last + 1, parts), each]
+            columns = np.arange(last.size)
+            low, high = steps[:, last, columns], steps[:, np.minimum(last + 1, count), columns]
         return low, high
 
     def confirmed(self, low: float, high: float, deepest: float, limits: Limits) -> Reached:
@@ -277,9 +277,9 @@ class Pushing:
 
         The string goes there as `mean_force` computes it, and is stopped no farther below than ``accuracy``.
         """
-        least = self.drag.path.start + LENGTHS[0]
+        shallowest = self.drag.path.start + LENGTHS[0]
         sections, widens = _SECTIONS[self.drag.shaking is not None], max(high - low, 2.0 * self.accuracy)
-        low, high = min(max(low - widens, least), deepest), min(max(high + widens, least), deepest)
+        low, high = min(max(low - widens, shallowest), deepest), min(max(high + widens, shallowest), deepest)
         while True:
             depth = np.unique(np.linspace(low, high, sections + 1))
             ends = self._checked(depth, limits)
@@ -289,9 +289,9 @@ class Pushing:
                     return self._ended(deepest)
                 low, high, widens = high, min(high + widens, deepest), _WIDENS * widens
             elif not goes[0]:
-                if low <= least:
+                if low <= shallowest:
                     return Reached(self.drag.path.start, ends.reason(0, limits))
-                low, high, widens = max(low - widens, least), low, _WIDENS * widens
+                low, high, widens = max(low - widens, shallowest), low, _WIDENS * widens
             else:
                 k = int(np.argmin(goes))
                 low, high = float(depth[k - 1]), float(depth[k])
@@ -300,13 +300,13 @@ class Pushing:
                     reason = ends.reason(k, limits)
                     return Reached(self.passed if reason == YIELD and low < self.passed < high else low, reason)
 
-    def _checked(self, depth: Floats, limits: Limits) -> Ends:
+    def _checked(self, depth: Floats, limits: Limits) -> UpperEnds:
         """Return forces and stresses by the integrations of `mean_force`, infinite where one of them is."""
         ends = self.pushed(depth, CHECKED[0], limits)
         if self.drag.shaking is None:
             return ends
-        other = self.pushed(depth, CHECKED[1], STATICS)
-        return ends._replace(force=np.where(np.isfinite(other.force), ends.force, math.inf))
+        finer = self.pushed(depth, CHECKED[1], STATICS)
+        return ends._replace(force=np.where(np.isfinite(finer.force), ends.force, math.inf))
 
     def along(self, reached: Reached, limits: Limits) -> tuple[Reached, MeanForce, StressAlong]:
         """Return the reach with the string along its length there, by `mean_force`, whose stress is within limits.

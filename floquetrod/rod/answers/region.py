@@ -54,7 +54,7 @@ def certify_rods(
     max_boxes = validate.integer("max_boxes", max_boxes, 1)
     validate.progress(progress)
     box = RodBox.of(rod, like, *sides, parameters)
-    warn_unless_uniform(rod, box.like.with_numbers(*(box.loads[name].high for name in QUANTITIES)))
+    warn_unless_uniform(rod, box.template.with_numbers(*(box.loads[name].high for name in QUANTITIES)))
     require_in_reach(box)
     return prove(box, tolerance, max_boxes, progress)
 
@@ -155,7 +155,7 @@ class _Proving:
         if self.searches and self.tried < _CANDIDATES and self.examples.keys() | self.candidates.keys() >= _BOTH:
             self.tried += 1
             for status, (part, example) in list(self.candidates.items()):
-                load = part.like.with_numbers(*(0.5 * (low + high) for low, high in example[:3]))
+                load = part.template.with_numbers(*(0.5 * (low + high) for low, high in example[:3]))
                 if status not in self.examples:
                     any(self._keep(load, rod, status) for rod in part.corner_rods())
             self.candidates.clear()
@@ -283,7 +283,7 @@ def _lines(part: RodBox, *, middle_only: bool) -> Iterator[tuple[Quantity, Load]
         ):
             numbers: dict[str, float] = dict(zip(others, places, strict=True))
             numbers[quantity] = part.loads[quantity].high
-            yield quantity, part.like.with_numbers(**numbers)
+            yield quantity, part.template.with_numbers(**numbers)
 
 
 def _rate(rod: RodData, load: Load, mode: int) -> str:

@@ -57,14 +57,14 @@ def shown_in(names: Mapping[str, str] | None, critical_force: float) -> dict[str
         for name in ("mean", "amplitude", "frequency", "kick")
     }
     forces = (of_load[name].name for name in ("mean", "amplitude") if names.get(name))
-    usual = {"force": next((each for each in forces if each != "Fcr"), "N")}
+    usual = {"force": next((name for name in forces if name != "Fcr"), "N")}
     given = {**usual, **{name: names[name] for name in ("force", "length", "pressure") if name in names}}
     more = AnswerUnits.named(**given, what="units[{!r}]".format)
     return {**of_load, "force": more.force, "length": more.length, "pressure": more.pressure}
 
 
 def answer_units(shown: Mapping[str, Unit]) -> AnswerUnits:
-    """Return the units of what is not the load."""
+    """Return the units of forces, lengths, pressures and frequencies, as opposed to the load's."""
     return AnswerUnits(shown["force"], shown["length"], shown["pressure"], shown["frequency"])
 
 
@@ -86,13 +86,13 @@ def describe_kind(load: Load, shown: Mapping[str, Unit], rod: RodData) -> list[s
         upper, lower = (shown["mean"].show(float(load.mean + added_mean(rod, load, x))) for x in (0.0, 1.0))
         lines.append(f"mean force {upper} at the upper end, {lower} at the lower")
     if not load.is_uniform:
-        found = rod.axial_response(load)
-        if math.isfinite(found.factor):
-            largest = _both(found.largest, "amplitude", shown, rod)
-            times = f"{found.factor:.3g} times the amplitude"
-            lines.append(f"vibration largest at {shown['length'].show(found.position, 4)}: {largest}, {times}")
-        named = " and ".join(_resonance(r, shown, rod) for r in found.resonances)
-        lines.append(f"axial resonance{'s' * (len(found.resonances) > 1)} nearby: {named}")
+        response = rod.axial_response(load)
+        if math.isfinite(response.factor):
+            largest = _both(response.largest, "amplitude", shown, rod)
+            times = f"{response.factor:.3g} times the amplitude"
+            lines.append(f"vibration largest at {shown['length'].show(response.position, 4)}: {largest}, {times}")
+        named = " and ".join(_resonance(r, shown, rod) for r in response.resonances)
+        lines.append(f"axial resonance{'s' * (len(response.resonances) > 1)} nearby: {named}")
     return lines
 
 
@@ -101,21 +101,21 @@ def load_lines(load: Load, shown: Mapping[str, Unit], rod: RodData) -> list[Repo
     return [("load", describe_load(load, shown, rod)), *(("", text) for text in describe_kind(load, shown, rod))]
 
 
-def _resonance(found: AxialResonance, shown: Mapping[str, Unit], rod: RodData) -> str:
-    of = f" of harmonic {found.harmonic}" if found.harmonic > 1 else ""
-    return f"{_both(found.frequency, 'frequency', shown, rod)}{of}"
+def _resonance(resonance: AxialResonance, shown: Mapping[str, Unit], rod: RodData) -> str:
+    of = f" of harmonic {resonance.harmonic}" if resonance.harmonic > 1 else ""
+    return f"{_both(resonance.frequency, 'frequency', shown, rod)}{of}"
 
 
 def _both(value: float, name: str, shown: Mapping[str, Unit], rod: RodData) -> str:
     """Return a quantity of the load in the unit asked for and in a second one."""
     first, kind = shown[name], _SHOWN[name]
     others = {"Fcr": shown["force"].name, "rad/s": "Hz", "1/s": "Hz"}
-    other = others.get(first.name, "Fcr" if kind == "force" else "rad/s")
-    return f"{first.show(value)} ({known.unit(other, other, kind, rod.critical_force).show(value, 4)})"
+    second = others.get(first.name, "Fcr" if kind == "force" else "rad/s")
+    return f"{first.show(value)} ({known.unit(second, second, kind, rod.critical_force).show(value, 4)})"
 
 
 def subject_lines(rod: RodData, load: Load, shown: Mapping[str, Unit], assumptions: Sequence[str]) -> list[ReportLine]:
-    """Return lines about rod and load, and what is assumed where that is more than the study does."""
+    """Return lines about rod and load, and the assumptions where these are more than the study's."""
     units = answer_units(shown)
     critical = units.force.show(rod.critical_force, 4)
     lines = [("rod", f"critical force {critical}, critical mode {rod.critical_mode:.3g}")]
@@ -141,8 +141,8 @@ def margin_lines(margins: Mapping[Quantity, Margin], status: Status, shown: Mapp
     lines: list[ReportLine] = []
     for name, margin in margins.items():
         sides = [(margin.below, "lower"), (margin.above, "higher")]
-        found = [f"{shown[name].show(value, 4)} {way}" for value, way in sides if math.isfinite(value)]
-        words = f"{change} {' or '.join(found)}" if found else _unchanged(margin, name, shown[name])
+        changes = [f"{shown[name].show(value, 4)} {way}" for value, way in sides if math.isfinite(value)]
+        words = f"{change} {' or '.join(changes)}" if changes else _unchanged(margin, name, shown[name])
         lines.append(("" if lines else "margins", f"{LIMITS[name].words:<11} {words}"))
     return lines
 
@@ -150,13 +150,13 @@ def margin_lines(margins: Mapping[Quantity, Margin], status: Status, shown: Mapp
 def margins_as_dict(margins: Mapping[Quantity, Margin]) -> dict[str, Any]:
     """Return margins as numbers for JSON."""
     require_margins(margins)
-    found: dict[str, Any] = {}
+    numbers: dict[str, Any] = {}
     for quantity, margin in margins.items():
         limits = LIMITS[quantity]
         kinds = ("below", "above", "resolution", "searched")
         keys = {kind: with_unit(f"{limits.words} margin {kind}", limits.unit) for kind in kinds}
-        found |= by_keys(margin, " ".join(f"{key}={kind}" for kind, key in keys.items()))
-    return found
+        numbers |= by_keys(margin, " ".join(f"{key}={kind}" for kind, key in keys.items()))
+    return numbers
 
 
 def require_margins(margins: Any) -> None:
@@ -168,7 +168,7 @@ def require_margins(margins: Any) -> None:
 
 
 def _unchanged(margin: Margin, name: Quantity, unit: Unit) -> str:
-    """Return that no change was found, and up to where was searched."""
+    """Return how far a search went that met no change."""
     if not any(margin.searched):
         return "not searched: so many modes take minutes; in Python, verdict.margin continues, with progress"
     if not margin.resolution:

@@ -1,4 +1,4 @@
-"""A box of loads and of rods: what is asked of `Rod.certify`, checked, and as intervals of what the modes depend on."""
+"""A box of loads and of rods, checked as `Rod.certify` takes it, and as intervals of the constants of modes."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ _SINE_TERMS = 14  # of the series of the sine up to pi/2: what is left out is fa
 
 
 class RodExample(NamedTuple):
-    """One load on one rod of a box, with what is proved of it.
+    """One load on one rod of a box, with its proof in words.
 
     Attributes
     ----------
@@ -40,7 +40,7 @@ class RodExample(NamedTuple):
     statement: str
 
     def where(self, shown: Mapping[str, Unit], sides: Sequence[Side]) -> str:
-        """Return the load in units, and of the rod the parameters that are ``sides`` of the box."""
+        """Return the load in units, and the parameters of the rod among the ``sides`` of the box."""
         numbers = [f"{name} {shown[name].show(getattr(self.load, name))}" for name in QUANTITIES]
         sizes = [f"{s.name.replace('_', ' ')} {shown[s.name].show(getattr(self.rod, s.name))}" for s in sides]
         return ", ".join(numbers + sizes)
@@ -56,20 +56,26 @@ class RodBox:
     """Every load of a box on every rod of another."""
 
     rod: RodData  # gives the parameters that do not vary
-    like: Load  # gives everything of the loads but their numbers
+    template: Load  # gives everything of the loads but their numbers
     loads: Mapping[Quantity, RealInterval]  # mean force and amplitude in N, frequency in rad/s
     parameters: Mapping[str, RealInterval]  # parameters of the rod that were given, in SI units
 
     @classmethod
     def of(
-        cls, rod: RodData, like: Load, mean: Any, amplitude: Any, frequency: Any, parameters: Mapping[str, Any] | None
+        cls,
+        rod: RodData,
+        template: Load,
+        mean: Any,
+        amplitude: Any,
+        frequency: Any,
+        parameters: Mapping[str, Any] | None,
     ) -> RodBox:
         """Return the box that the arguments of `Rod.certify` describe; ValueError and TypeError where they do not."""
         given: dict[Quantity, Any] = {"mean": mean, "amplitude": amplitude, "frequency": frequency}
         loads = {name: _load_side(name, value) for name, value in given.items()}
-        box = cls(rod, like.with_numbers(0.0, 0.0, 1.0), loads, _rod_sides(rod, parameters))
-        for each in box._extreme_rods():
-            coupled_by = coupling(each, box.like)
+        box = cls(rod, template.with_numbers(0.0, 0.0, 1.0), loads, _rod_sides(rod, parameters))
+        for extreme_rod in box._extreme_rods():
+            coupled_by = coupling(extreme_rod, box.template)
             if coupled_by:
                 raise refusal("certify", coupled_by)
         return box
@@ -106,8 +112,8 @@ class RodBox:
     def _effect(self, name: str) -> float:
         """Return how far the numbers of the modes vary, relatively, with one parameter."""
         others = {n: RealInterval.of(side.middle) for n, side in self.parameters.items() if n != name}
-        found = replace(self, parameters={**self.parameters, **others}).constants()
-        sizes = ((side.width, max(abs(side.low), abs(side.high))) for side in found)
+        constants = replace(self, parameters={**self.parameters, **others}).constants()
+        sizes = ((side.width, max(abs(side.low), abs(side.high))) for side in constants)
         return float(sum(width / size for width, size in sizes if size > 0.0))
 
     def point(self, load: Load, rod: RodData) -> RodBox:

@@ -65,8 +65,8 @@ class RodBranch(ByContent):
     def ends(self) -> tuple[str, str]:
         """Why the branch ends where it does, before its first orbit and after its last."""
         name, (begins, ends) = self.branch.parameter, self.branch.ends
-        told = [None if at is None else f"motion shrinks to rest at {name} = {at:.6g}" for at in self.rests]
-        return told[0] or begins, told[1] or ends
+        ends_at_rest = [None if at is None else f"motion shrinks to rest at {name} = {at:.6g}" for at in self.rests]
+        return ends_at_rest[0] or begins, ends_at_rest[1] or ends
 
     @property
     def leaves(self) -> list[int]:
@@ -156,16 +156,16 @@ class RodBranches(ByContent, Printed, NoTruthValue):
         """
         value = load_number(self.parameter, value, "value")
         names = {code: name for name, code in STATUS_CODES.items()}
-        found: list[tuple[float, str]] = []
+        orbits_there: list[tuple[float, str]] = []
         near = 1e-9 * (self.over[1] - self.over[0])
         for part in self.parts:
             orbits = zip(part.branch.values.tolist(), part.amplitude.tolist(), part.branch.status.tolist(), strict=True)
             for (x0, y0, s0), (x1, y1, s1) in pairwise(orbits):
                 if min(x0, x1) - near <= value <= max(x0, x1) + near:
                     y = y0 + (value - x0) / (x1 - x0) * (y1 - y0) if x0 != x1 else y0
-                    if not found or abs(found[-1][0] - y) > 1e-6 * y:  # not the end of the piece before
-                        found.append((y, names[s0] if s0 == s1 else "undecided"))
-        return sorted(found)
+                    if not orbits_there or abs(orbits_there[-1][0] - y) > 1e-6 * y:  # not the end of the piece before
+                        orbits_there.append((y, names[s0] if s0 == s1 else "undecided"))
+        return sorted(orbits_there)
 
     def plot(self, ax: Any = None, *, unit: str = "") -> Any:
         """Draw the largest angle over the parameter: solid where stable, dashed where unstable, dotted undecided.

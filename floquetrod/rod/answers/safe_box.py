@@ -22,7 +22,7 @@ from floquetrod.rod.answers.intervals import QUANTITIES as NAMES
 from floquetrod.rod.answers.region import is_proved_stable, prove, require_in_reach
 from floquetrod.rod.answers.reports import shown_in
 from floquetrod.rod.answers.rod_box import RodBox
-from floquetrod.rod.answers.verdict import RodStability
+from floquetrod.rod.answers.rod_stability import RodStability
 from floquetrod.rod.loads.load import KINDS, LIMITS, QUANTITIES, Load, Loads, Quantity
 from floquetrod.rod.mode_equations.modal_systems import ModalSystems
 from floquetrod.rod.model.assumptions import warn_unless_uniform

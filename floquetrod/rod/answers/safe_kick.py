@@ -16,7 +16,7 @@ class SafeKick(Printed):
     """The kick up to which a rod that is stable at rest was found to return to it: a search, one mode at a time.
 
     A kick is a transverse velocity of a mode at rest, at any phase of the load, at the point of the rod where it is
-    largest.  Tried are the modes for each of which, alone, a search finds a large stable orbit.  Nothing is proved:
+    largest.  Tried are the modes for which, each alone, a search finds a large stable orbit.  Nothing is proved:
     kicks between those tried, in several modes at once, and in other modes may behave differently.
 
     Attributes
@@ -27,7 +27,7 @@ class SafeKick(Printed):
         Kick in m/s up to which the rod came to rest after every kick tried; infinite where no large motion was found,
         and no kick tried.
     safe_mode : int
-        The mode of which it is the limit, which may be another than ``mode``; 0 for none.
+        The mode that sets this limit, which may be another than ``mode``; 0 for none.
     escapes_at : float
         Least kick in m/s found that leads to a large motion; infinite where none was found.
     mode : int

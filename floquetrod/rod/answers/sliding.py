@@ -47,7 +47,7 @@ def damping_across(pressed: Floats, sliding: float, shaking: Floats, across: Flo
 
 
 def least_speed(rate: Floats, pressed: Floats, sliding: float, shaking: Floats) -> Floats:
-    """Return the speed across in m/s from which on waves that grow at ``rate`` in 1/s without friction grow with it.
+    """Return the speed across in m/s above which waves that grow at ``rate`` in 1/s without friction grow with it.
 
     0 where any does, infinite where none.  Friction damps a faster wave less.
     """

@@ -30,7 +30,7 @@ class SteadyMotion(ByContent, Printed, NoTruthValue):
         Largest angle in rad that any point of the rod reaches; 0 at rest.
     error : float
         Estimate of the error of the amplitude in rad as a solution of the equations on the wall: how much it changes
-        with more modes, and that of the orbit.
+        with more modes, and the error of the orbit.
     orbit : PeriodicOrbit or None
         The orbit in the amplitudes of ``modes`` and their speeds; None at rest.
     modes : tuple of int
@@ -89,14 +89,14 @@ class SteadyMotion(ByContent, Printed, NoTruthValue):
             return Report(self._in_words, [("note", self.note)] if self.note else [])
         shown = answer_units(shown_in(units, self.rod.critical_force))
         pressed = shown.per_length
-        least, most = (pressed.of(each) for each in self.contact)
-        short = [shown.across.of(each) for each in self.shortening]
+        smallest, largest = (pressed.of(value) for value in self.contact)
+        short = [shown.across.of(value) for value in self.shortening]
         weight = self.rod.mass_per_length * self.rod.effective_gravity
         turns = round(self.orbit.period * self.load.frequency / (2.0 * math.pi))
         repeats = "every period of the load" if turns == 1 else f"every {turns} periods of the load"
         lines = [
             ("angle", f"{self.amplitude:.6g} rad, +- {self.error:.1g} of the equations on the wall; {repeats}"),
-            ("contact", f"{least:.4g} to {most:.4g} {pressed.name}, the weight is {pressed.of(weight):.4g}"),
+            ("contact", f"{smallest:.4g} to {largest:.4g} {pressed.name}, the weight is {pressed.of(weight):.4g}"),
             ("shorter", f"by {short[0]:.3g} to {short[1]:.3g} {shown.across.name}"),
             ("status", f"{self.status}, in modes {listed(self.modes)} and all others that matter"),
         ]

@@ -1,4 +1,4 @@
-"""Stress along a string in a well: its force, the bends of the well, and those of a helix or waves."""
+"""Stress along a string in a well: of its force, of the bends of the well, and of the bends of a helix or waves."""
 
 from __future__ import annotations
 

@@ -23,7 +23,7 @@ from floquetrod.friction.fate_of_kicks import BOUNDED, ESCAPES, UNDECIDED, Fate,
 from floquetrod.friction.inputs import Equations
 from floquetrod.rod.answers.margins import MARGIN_SECONDS, Margin
 from floquetrod.rod.answers.reports import shown_in
-from floquetrod.rod.answers.verdict import RodStability
+from floquetrod.rod.answers.rod_stability import RodStability
 from floquetrod.rod.friction.mode_friction import ModeFriction, kicks_of, mode_friction
 from floquetrod.rod.loads.load import Quantity
 from floquetrod.rod.mode_equations.modal_systems import GrowingModes, ModalSystems
@@ -70,10 +70,10 @@ class CriticalKick(NamedTuple):
 
 @dataclass(frozen=True, kw_only=True, repr=False)
 class FrictionalRodStability(Reported, Verdict):
-    """Verdict on a rod with friction, every mode of which is kicked alike, in 1/s and s.
+    """Verdict on a rod with friction whose modes are all kicked alike, in 1/s and s.
 
     It has all that every `Verdict` has.  Stable when no mode escapes; the growth rate is that at which the fastest mode
-    that escapes grows in the end; exponents, error and cost are those of ``linear``.
+    that escapes grows in the end; exponents, error and cost are taken from ``linear``.
 
     Attributes
     ----------
@@ -140,14 +140,14 @@ class FrictionalRodStability(Reported, Verdict):
     def report(
         self, units: Mapping[str, str] | None = None, margins: Mapping[Quantity, Margin] | None = None
     ) -> Report:
-        """Return the verdict in lines and a table of the modes that grow without friction, and then that of `linear`.
+        """Return the verdict in lines, a table of the modes that grow without friction, and the report of `linear`.
 
         Parameters
         ----------
         units : mapping, optional
             In which to show mean, amplitude, frequency and kick: ``{"mean": "Fcr", "kick": "mm/s"}``.
         margins : mapping, optional
-            Those of ``linear``, which its ``margins`` returns.
+            The margins of ``linear``, which its ``margins`` returns.
 
         Returns
         -------
@@ -182,7 +182,7 @@ class FrictionalRodStability(Reported, Verdict):
     def as_dict(self, margins: Mapping[Quantity, Margin] | None = None) -> dict[str, Any]:
         """Return the verdicts with and without friction as numbers for JSON, units in the keys.
 
-        None stands for numbers that are infinite or not known; ``margins`` are those of ``linear``.
+        None stands for infinite or unknown numbers; ``margins`` are the margins of ``linear``.
         """
         modes = [
             {"mode": mode, "critical_kick_m_per_s": plain(self.critical_kicks[mode]), "fate": fate.status}
@@ -239,44 +239,44 @@ def classify_kick(linear: RodStability, friction: float, kick: float) -> Frictio
 
 
 def critical_kick(linear: RodStability, friction: float) -> CriticalKick:
-    """Return the smallest kick found to destabilise a mode, and that up to which none does."""
-    least = _Least.of(1)
-    _least_kicks(_as_arrays(_growing(linear)), None, least)
+    """Return the smallest kick found to destabilise a mode, and the proved kick up to which none does."""
+    record = _Least.of(1)
+    _least_kicks(_as_arrays(_growing(linear)), None, record)
     load = linear.load
-    ratios = np.concatenate([least.found, least.proved])
+    ratios = np.concatenate([record.smallest, record.proved])
     kick, none_up_to = kicks_of(linear.rod, friction, load.amplitude, load.frequency, ratios)
-    return CriticalKick(float(kick), int(least.mode[0]) or None, float(none_up_to))
+    return CriticalKick(float(kick), int(record.mode[0]) or None, float(none_up_to))
 
 
 def kicked_loads(
     rod: RodData, systems: ModalSystems, friction: float, kick: float, tolerance: float, workers: int | None
 ) -> NDArray[np.int8]:
     """Return whether the kick destabilises no mode (1), one (0), or cannot be determined (-1), for each load."""
-    found = np.full(systems.loads.size, BOUNDED, dtype=np.int8)
-    for part in _parts(systems.loads.size):
-        loads = systems.loads.some(part)
+    status = np.full(systems.loads.size, BOUNDED, dtype=np.int8)
+    for block in _parts(systems.loads.size):
+        loads = systems.loads.some(block)
         load, _, *growing = ModalSystems(systems.constants, loads).growing(tolerance, workers)
         inside = mode_friction(rod, friction, kick, loads.amplitude, loads.frequency)
         gamma, epsilon = inside.gamma[load], inside.epsilon[load]
         fates = known_fates(Equations(*growing), gamma, epsilon, workers=workers)
-        found[part][load[fates == UNDECIDED]] = UNDECIDED
-        found[part][load[fates == ESCAPES]] = ESCAPES
-    return found
+        status[block][load[fates == UNDECIDED]] = UNDECIDED
+        status[block][load[fates == ESCAPES]] = ESCAPES
+    return status
 
 
 def critical_kicks(
     rod: RodData, systems: ModalSystems, friction: float, tolerance: float, workers: int | None
 ) -> CriticalKick:
-    """Return what `critical_kick` does for each of many loads, in their shape."""
+    """Return the `critical_kick` of each of many loads, in their shape."""
     loads = systems.loads
-    least = _Least.of(loads.size)
-    for part in _parts(loads.size):
-        growing = ModalSystems(systems.constants, loads.some(part)).growing(tolerance, workers)
-        _least_kicks(growing, workers, least.part(part))
+    record = _Least.of(loads.size)
+    for block in _parts(loads.size):
+        growing = ModalSystems(systems.constants, loads.some(block)).growing(tolerance, workers)
+        _least_kicks(growing, workers, record.part(block))
     kick, none_up_to = (
-        kicks_of(rod, friction, loads.amplitude, loads.frequency, ratio) for ratio in (least.found, least.proved)
+        kicks_of(rod, friction, loads.amplitude, loads.frequency, ratio) for ratio in (record.smallest, record.proved)
     )
-    return CriticalKick(*(shaped(part, loads.shape) for part in (kick, least.mode, none_up_to)))
+    return CriticalKick(*(shaped(column, loads.shape) for column in (kick, record.mode, none_up_to)))
 
 
 def _growing(linear: RodStability) -> dict[int, Mathieu]:
@@ -287,7 +287,7 @@ def _growing(linear: RodStability) -> dict[int, Mathieu]:
 
 
 def _as_arrays(growing: dict[int, Mathieu]) -> GrowingModes:
-    """Return what `_growing` does as arrays, with the growth of each."""
+    """Return the equations of growing modes as arrays, with their growth rates."""
     values = np.array([(e.alpha, e.beta, e.damping) for e in growing.values()]).reshape(-1, 3)
     alpha, beta, damping = (np.ascontiguousarray(column) for column in values.T)
     mode = np.array(list(growing), dtype=np.int64)
@@ -295,40 +295,40 @@ def _as_arrays(growing: dict[int, Mathieu]) -> GrowingModes:
 
 
 class _Least(NamedTuple):
-    """Of each load: the smallest kick over friction found to destabilise one, that mode, and the proved bound below."""
+    """For each load the smallest kick over friction found to destabilise a mode, the mode, and the proved bound."""
 
-    found: NDArray[np.float64]
+    smallest: NDArray[np.float64]
     mode: NDArray[np.int64]
     proved: NDArray[np.float64]
 
     @classmethod
     def of(cls, size: int) -> _Least:
-        """Return what is known of loads before any mode is examined."""
+        """Return the record of loads before any mode is examined: no kick."""
         return cls(np.full(size, math.inf), np.zeros(size, dtype=np.int64), np.full(size, math.inf))
 
-    def part(self, part: slice) -> _Least:
+    def part(self, loads: slice) -> _Least:
         """Return a view of some loads."""
-        return _Least(self.found[part], self.mode[part], self.proved[part])
+        return _Least(self.smallest[loads], self.mode[loads], self.proved[loads])
 
 
-def _least_kicks(growing: GrowingModes, workers: int | None, least: _Least) -> None:
-    """Lower ``least`` to what the growing modes of each load need; NaN where none was found and one is unknown."""
+def _least_kicks(growing: GrowingModes, workers: int | None, record: _Least) -> None:
+    """Lower ``record`` to the kicks of the growing modes of each load; NaN where none is known and one is undecided."""
     load = growing.load
     # The fastest mode of every load first: what it needs is as far as the others are followed.
     order = np.lexsort((-growing.rate, load))
-    place = np.arange(load.size) - np.searchsorted(load, load)  # of each mode among those of its load
-    unknown = np.zeros(least.found.size, dtype=np.bool_)
-    for turn in range(int(place.max(initial=-1)) + 1):
-        now = order[place == turn]
-        at = load[now]
+    rank = np.arange(load.size) - np.searchsorted(load, load)  # of each mode among those of its load
+    unknown = np.zeros(record.smallest.size, dtype=np.bool_)
+    for number in range(int(rank.max(initial=-1)) + 1):
+        now = order[rank == number]
+        loads = load[now]
         equations = Equations(*growing[2:]).some(now)
-        proved, found = known_bounds(equations, np.ones(now.size), least.found[at], workers)
-        least.proved[at] = np.minimum(least.proved[at], proved)
-        unknown[at] |= np.isnan(found)
-        better = found < least.found[at]
-        least.found[at[better]] = found[better]
-        least.mode[at[better]] = growing.mode[now][better]
-    least.found[unknown & np.isinf(least.found)] = math.nan
+        proved, smallest = known_bounds(equations, np.ones(now.size), record.smallest[loads], workers)
+        record.proved[loads] = np.minimum(record.proved[loads], proved)
+        unknown[loads] |= np.isnan(smallest)
+        better = smallest < record.smallest[loads]
+        record.smallest[loads[better]] = smallest[better]
+        record.mode[loads[better]] = growing.mode[now][better]
+    record.smallest[unknown & np.isinf(record.smallest)] = math.nan
 
 
 def _parts(size: int) -> list[slice]:

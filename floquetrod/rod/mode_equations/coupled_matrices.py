@@ -41,17 +41,17 @@ LEAST_COUPLED = 10  # modes at least, beside one and a half times the critical m
 _HANGING = 4.0  # k (E I / w_along)^(1/3) of the last: the onset of a string that hangs comes out 2e-4 late (measured)
 
 
-def modes_needed(rod: RodData, like: Load, loads: Loads, growth_tolerance: float) -> int:
+def modes_needed(rod: RodData, template: Load, loads: Loads, growth_tolerance: float) -> int:
     """Return how many modes to take for loads of a kind: as many as the largest force along the rod would need.
 
     An estimate: that force is taken as uniform, and modes beyond are expected to grow at less than 1e-6 per second, or
     the tolerance, if larger.  At least ten more than one and a half times the critical mode, for accuracy, and as many
     as follow the shape of a steep string, which the weight along it confines to the end that is pushed.
     """
-    uniform = require_few(rod, like, loads, growth_tolerance)
+    uniform = require_few(rod, template, loads, growth_tolerance)
     needed, _ = constants_under(rod, uniform.mean).modes_needed(uniform, max(growth_tolerance, SLOW_GROWTH))
     if needed > MOST_COUPLED:
-        raise _too_many(needed, rod, uniform, loads, like, growth_tolerance)
+        raise _too_many(needed, rod, uniform, loads, template, growth_tolerance)
     return max(math.ceil(1.5 * rod.critical_mode) + LEAST_COUPLED, needed + 2, _confined(rod))
 
 
@@ -64,7 +64,7 @@ def _confined(rod: RodData) -> int:
 
 
 def _too_many(
-    needed: int, rod: RodData, uniform: AxialLoad, loads: Loads, like: Load, growth_tolerance: float
+    needed: int, rod: RodData, uniform: AxialLoad, loads: Loads, template: Load, growth_tolerance: float
 ) -> ValueError:
     """Return the error that says why so many modes are needed, and the remedies that are left."""
     given = float(loads.amplitude.max())
@@ -72,7 +72,7 @@ def _too_many(
         uniform.varied("amplitude", given), max(growth_tolerance, SLOW_GROWTH)
     )
     if without_waves <= MOST_COUPLED:
-        frequency = max(np.unique(loads.frequency).tolist(), key=lambda at: _largest_along(rod, like, at))
+        frequency = max(np.unique(loads.frequency).tolist(), key=lambda at: _largest_along(rod, template, at))
         forces = (uniform.mean + uniform.amplitude) / rod.critical_force
         return wrong_value(
             "frequency",
@@ -94,25 +94,25 @@ def _too_many(
     )
 
 
-def require_few(rod: RodData, like: Load, loads: Loads, growth_tolerance: float) -> AxialLoad:
+def require_few(rod: RodData, template: Load, loads: Loads, growth_tolerance: float) -> AxialLoad:
     """Return `_largest_uniform`; ValueError, at once, where the modes alone that it outweighs are too many."""
-    uniform = _largest_uniform(rod, like, loads)
+    uniform = _largest_uniform(rod, template, loads)
     constants, push = constants_under(rod, uniform.mean), max(0.0, uniform.mean + uniform.amplitude)
     needed = math.ceil(math.sqrt(push * constants.per_newton / constants.bending))
     if needed > MOST_COUPLED:
-        raise _too_many(needed, rod, uniform, loads, like, growth_tolerance)
+        raise _too_many(needed, rod, uniform, loads, template, growth_tolerance)
     return uniform
 
 
-def _largest_uniform(rod: RodData, like: Load, loads: Loads) -> AxialLoad:
+def _largest_uniform(rod: RodData, template: Load, loads: Loads) -> AxialLoad:
     """Return a sine, uniform along the rod, as strong and as fast as any part of any of the loads."""
     frequencies = np.unique(loads.frequency)
     largest = max(
-        _largest_along(rod, like, frequency)
-        for frequency in (frequencies[:1] if like.is_uniform else frequencies).tolist()
+        _largest_along(rod, template, frequency)
+        for frequency in (frequencies[:1] if template.is_uniform else frequencies).tolist()
     )
-    mean = float(loads.mean.max()) + _most_added(rod, like.mean_at)
-    fastest = float(loads.frequency.max()) * len(like.harmonics)
+    mean = float(loads.mean.max()) + _most_added(rod, template.mean_at)
+    fastest = float(loads.frequency.max()) * len(template.harmonics)
     return AxialLoad(mean, float(loads.amplitude.max()) * largest, fastest)
 
 
@@ -123,15 +123,15 @@ def _most_added(rod: RodData, mean_at: float | None) -> float:
 
 
 @functools.lru_cache(maxsize=64)  # asked several times in a verdict
-def _largest_along(rod: RodData, like: Load, frequency: float) -> float:
+def _largest_along(rod: RodData, template: Load, frequency: float) -> float:
     """Return the largest force along the rod for an amplitude of one newton, if harmonics met in phase."""
-    axial.require_off_resonance(like, rod.wave_speed, rod.length, frequency)
-    return axial.bound(like, rod.wave_speed, rod.length, frequency)
+    axial.require_off_resonance(template, rod.wave_speed, rod.length, frequency)
+    return axial.bound(template, rod.wave_speed, rod.length, frequency)
 
 
-def up_to_resonance(rod: RodData, like: Load, piece: tuple[float, float]) -> tuple[float, float]:
+def up_to_resonance(rod: RodData, template: Load, piece: tuple[float, float]) -> tuple[float, float]:
     """Return a piece of frequencies, in either direction, cut where waves first resonate, without axial damping."""
-    found = axial.gaps(like, rod.wave_speed, rod.length, (min(piece), max(piece)))
+    found = axial.gaps(template, rod.wave_speed, rod.length, (min(piece), max(piece)))
     if not found:
         return piece
     return piece[0], found[0].low if piece[0] < piece[1] else found[-1].high
@@ -145,7 +145,7 @@ class CoupledModes(CoupledEquations):
     ----------
     rod : RodData
         Gives ends, length and wave speed.
-    like : Load
+    template : Load
         What the loads have in common: everything but mean, amplitude and frequency.
     count : int
         Beam functions; a few others may be added to them.
@@ -156,15 +156,15 @@ class CoupledModes(CoupledEquations):
     """
 
     rod: RodData
-    like: Load
+    template: Load
     count: int
     constants: ModeConstants
     along: float = 1.0
 
     @classmethod
-    def of(cls, rod: RodData, like: Load, count: int) -> Self:
+    def of(cls, rod: RodData, template: Load, count: int) -> Self:
         """Return the first modes of a rod."""
-        return cls(rod, like, count, mode_constants(rod))
+        return cls(rod, template, count, mode_constants(rod))
 
     @cached_property
     def basis(self) -> Basis:
@@ -187,7 +187,7 @@ class CoupledModes(CoupledEquations):
     @cached_property
     def _added(self) -> Floats:
         """What the weight along the rod adds to the mean force at the nodes, in N."""
-        return np.asarray(self.along * added_mean(self.rod, self.like, self.basis.nodes))
+        return np.asarray(self.along * added_mean(self.rod, self.template, self.basis.nodes))
 
     @cached_property
     def _wall(self) -> Wall:
@@ -230,15 +230,15 @@ class CoupledModes(CoupledEquations):
     def _vibration(self, frequency: float) -> NDArray[np.float64]:
         """Return cosine and sine matrices of every harmonic for an amplitude of one newton, (2, H, n, n)."""
         along = self.rod.wave_speed, self.rod.length
-        axial.require_off_resonance(self.like, *along, frequency)
-        every = axial.along(self.like, *along, self.basis.nodes * self.rod.length, frequency)
+        axial.require_off_resonance(self.template, *along, frequency)
+        every = axial.along(self.template, *along, self.basis.nodes * self.rod.length, frequency)
         found = [(-self._coupling(force.real), self._coupling(force.imag)) for force in every]
         return np.array(found).swapaxes(0, 1)
 
     def _pressing(self, mean: float, frequency: float) -> NDArray[np.float64]:
         """Return what the vibration of the contact force adds to the matrices of `_vibration`, under a mean force."""
         along = self.rod.wave_speed, self.rod.length
-        every = axial.along(self.like, *along, self.basis.nodes * self.rod.length, frequency)
+        every = axial.along(self.template, *along, self.basis.nodes * self.rod.length, frequency)
         bend = self._wall.per_newton * self._lying(mean).bend
         found = [(self.basis.pressing(bend * f.real), -self.basis.pressing(bend * f.imag)) for f in every]
         return np.array(found).swapaxes(0, 1)
@@ -249,7 +249,7 @@ class CoupledModes(CoupledEquations):
         if not self._wall.place.turns:  # it depends on the side alone
             sides = {value: self._lying(value).side for value in np.unique(mean).tolist()}
             mean = np.array([next(v for v in sides if sides[v] == sides[value]) for value in mean.tolist()])
-        if self.like.is_uniform:
+        if self.template.is_uniform:
             frequency = np.full_like(frequency, frequency[0])
         pairs, inverse = np.unique(np.stack([mean, frequency]), axis=1, return_inverse=True)
         return np.array([self._pressing(*pair) for pair in pairs.T.tolist()])[inverse.ravel()]
@@ -257,7 +257,7 @@ class CoupledModes(CoupledEquations):
     def system(self, loads: Loads) -> HillSystem:
         """Return the systems of flat loads as one batch, or a single one where there is one load of the shape ()."""
         frequencies, inverse = np.unique(loads.frequency, return_inverse=True)
-        if self.like.is_uniform:  # the same at all frequencies
+        if self.template.is_uniform:  # the same at all frequencies
             vibration = self._vibration(float(frequencies[0]))[None]
             inverse = np.zeros_like(inverse)
         else:
@@ -343,7 +343,7 @@ class CoupledModes(CoupledEquations):
         progress: Progress | None = None,
     ) -> ManyVerdicts:
         """Return what `CoupledEquations.answers` does; -1 and NaN under loads with which the rod leaves its wall."""
-        lies = np.flatnonzero(on_wall(self.rod, self.like, loads))
+        lies = np.flatnonzero(on_wall(self.rod, self.template, loads))
         if lies.size == loads.size:
             return super().answers(loads, growth_tolerance, workers, quick=quick, progress=progress)
         status, growth = np.full(loads.size, -1, dtype=np.int8), np.full(loads.size, np.nan)
@@ -355,7 +355,7 @@ class CoupledModes(CoupledEquations):
     @property
     def are_apart(self) -> bool:
         """Whether the functions are the modes themselves, each with an equation of its own."""
-        return set(coupling(self.rod, self.like)) <= {WAVEFORM}
+        return set(coupling(self.rod, self.template)) <= {WAVEFORM}
 
     @property
     def are_nested(self) -> bool:

@@ -31,13 +31,13 @@ class CoupledEquations(ABC):
 
     Attributes
     ----------
-    like : Load
+    template : Load
         What the loads have in common: everything but mean, amplitude and frequency.
     count : int
         Number of modes: that of equations, or less where something is added to them.
     """
 
-    like: Load
+    template: Load
     count: int
 
     @property
@@ -256,7 +256,7 @@ class CoupledEquations(ABC):
 
     def _parts(self, left: NDArray[np.intp]) -> list[NDArray[np.intp]]:
         """Return indices of loads in parts whose matrices are held at once."""
-        each = self.size**2 * (1 + 2 * len(self.like.harmonics))
+        each = self.size**2 * (1 + 2 * len(self.template.harmonics))
         step = max(1, _AT_ONCE // each)
         return [left[i : i + step] for i in range(0, left.size, step)]
 

@@ -24,7 +24,7 @@ from floquetrod.equations import Mathieu
 from floquetrod.mathieu.arrays import flat_stable
 from floquetrod.mathieu.criterion import FiniteTimeCriterion
 from floquetrod.mathieu.tongues import damping_to_stabilise
-from floquetrod.rod.kernels import modes as kernels
+from floquetrod.rod.kernels import independent_modes as kernels
 from floquetrod.rod.loads.load import AxialLoad, Load, Loads
 from floquetrod.rod.model.constants import NEGLIGIBLE_GROWTH, ModeConstants
 

@@ -38,6 +38,15 @@ _NEGLIGIBLE = 1e-10  # growth beside that of others, in terms of damping and of 
 _NEWTON = 12  # steps
 _ROUNDING = 64.0 * EPS  # relative, of growth from coefficients
 
+IN_MEAN_SQUARE = "growth is that of second moments, twice that of amplitudes: the verdict is in mean square"
+
+ASSUMED = (
+    IN_MEAN_SQUARE,
+    "the random force acts on each mode as white noise of its density at twice the mode's frequency (Ito's sense and "
+    "Stratonovich's are the same)",
+)
+"""What is assumed of noise."""
+
 
 def _blocks() -> Ints:
     """Return the first mode of each block of high modes, the last of which has no end."""
@@ -132,12 +141,12 @@ class NoisyModes:
     ----------
     constants : ModeConstants
         Of the rod, on the side of the channel where it lies.
-    like : Load
+    template : Load
         Gives waveform and noise.
     """
 
     constants: ModeConstants
-    like: Load
+    template: Load
 
     def parts(self, loads: Loads, modes: Any) -> Parts:
         """Return the equations of some modes under flat loads."""
@@ -146,14 +155,14 @@ class NoisyModes:
         per_newton = constants.per_newton * (m2 - constants.held)
         squared = constants.bending * m2 * m2 - per_newton * mean + constants.pendulum_squared
         at = np.sqrt(np.maximum(squared, 0.0)) / math.pi  # twice the mode's frequency, in Hz
-        intensity = np.abs(per_newton) * np.sqrt(0.5 * density_at(self.like.noise, at))
-        waves = tuple(-per_newton * amplitude * h for h in self.like.harmonics.tolist())
+        intensity = np.abs(per_newton) * np.sqrt(0.5 * density_at(self.template.noise, at))
+        waves = tuple(-per_newton * amplitude * h for h in self.template.harmonics.tolist())
         return Parts(squared, waves, frequency, intensity, float(constants.damping_rate))
 
     def limit(self) -> float:
         """Return the growth in 1/s that high modes approach, -2 c where the density ends."""
         bending, per_newton, _, _, c = (float(part) for part in self.constants)
-        density = 0.0 if isinstance(self.like.noise, tuple) else float(self.like.noise)
+        density = 0.0 if isinstance(self.template.noise, tuple) else float(self.template.noise)
         return 0.25 * density * per_newton**2 / bending - 2.0 * c
 
     def growth_bounds(self, loads: Loads) -> GrowthBounds:
@@ -161,8 +170,8 @@ class NoisyModes:
         parts = self.parts(loads, np.arange(1, _SINGLE + 1))
         low, single = parts.growth_bounds
         together = self._together(loads)
-        if isinstance(self.like.noise, tuple):  # beyond its band modes grow as without noise
-            strongest = self.like.with_numbers(*(float(values.max()) for values in loads.flat))
+        if isinstance(self.template.noise, tuple):  # beyond its band modes grow as without noise
+            strongest = self.template.with_numbers(*(float(values.max()) for values in loads.flat))
             quiet, plain = self.constants.modes_needed(strongest, 0.0)
             single, together = (
                 np.where((first > quiet) & (density == 0.0), np.minimum(high, 2.0 * plain), high)
@@ -211,7 +220,7 @@ class NoisyModes:
             )
         plain = np.minimum(np.maximum(share, 0.0), damped)
         k = per_newton * (x + abs(held))
-        sizes, turns = np.abs(self.like.harmonics), np.arange(1, self.like.harmonics.size + 1)
+        sizes, turns = np.abs(self.template.harmonics), np.arange(1, self.template.harmonics.size + 1)
         waves = [k * amplitude * frequency**n * float((sizes * turns**n).sum()) for n in range(4)]
         mean_square = 0.5 * np.square(k * amplitude) * float(np.square(sizes).sum())
         center = bending * x * x - k * np.maximum(0.0, mean) - max(0.0, -pendulum_squared) - c * c
@@ -226,7 +235,7 @@ class NoisyModes:
         bending, per_newton, pendulum_squared, held, _ = (float(part) for part in self.constants)
         push = per_newton * np.maximum(0.0, loads.flat[0])[:, None]
         squared = bending * x * x - push * (x + abs(held)) + min(0.0, pendulum_squared)
-        return largest_density(self.like.noise, np.sqrt(np.maximum(0.0, squared)) / math.pi)
+        return largest_density(self.template.noise, np.sqrt(np.maximum(0.0, squared)) / math.pi)
 
     def modes_needed(self, load: Load, growth_tolerance: float) -> tuple[int, float]:
         """Return how many modes decide a verdict, and a bound in 1/s on the growth in mean square of all others."""

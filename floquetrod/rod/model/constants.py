@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from floquetrod._util import validate
 from floquetrod._util.arguments import Mention, Message
-from floquetrod.rod.kernels import modes as kernels
+from floquetrod.rod.kernels import independent_modes as kernels
 from floquetrod.rod.loads.load import Load, Loads
 from floquetrod.rod.model import formulas
 from floquetrod.rod.model.data import MOST_MODES as MOST_MODES

@@ -1,10 +1,11 @@
-"""Coupled modes: beam functions under a force that varies along the rod, or between ends that are not hinged."""
+"""Coupled modes: beam functions under a force that varies along the rod, or between other ends than hinged ones."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import ClassVar, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,15 +16,18 @@ from floquetrod._util.arrays import Floats
 from floquetrod._util.progress import Progress, shifted
 from floquetrod.equations import HillSystem
 from floquetrod.floquet.multipliers.many_verdicts import ManyVerdicts
+from floquetrod.floquet.multipliers.stabilising_damping import least_damping
+from floquetrod.rod.answers.evidence import CoupledEvidence
 from floquetrod.rod.answers.intervals import FoundIntervals, Search, UnstableBand
 from floquetrod.rod.answers.margins import Edge
-from floquetrod.rod.answers.verdict import RodStability
+from floquetrod.rod.answers.rod_stability import RodStability
 from floquetrod.rod.loads.axial import AxialResonanceError
-from floquetrod.rod.loads.load import Load, Loads
-from floquetrod.rod.mode_equations.coupled_matrices import MOST_COUPLED, CoupledModes, modes_needed
+from floquetrod.rod.loads.load import Load, Loads, Quantity
+from floquetrod.rod.mode_equations.coupled_matrices import MOST_COUPLED, CoupledModes, modes_needed, up_to_resonance
 from floquetrod.rod.mode_equations.coupled_systems import CoupledEquations
+from floquetrod.rod.mode_equations.sampled import first_change
 from floquetrod.rod.model.constants import SLOW_GROWTH
-from floquetrod.rod.model.contact import require_on_wall
+from floquetrod.rod.model.contact import require_on_wall, up_to_wall
 from floquetrod.rod.modes.coupled_verdict import classify_coupled
 from floquetrod.rod.modes.mode_model import Answers, ModeModel
 from floquetrod.rod.modes.sampled_ranges import sampled_first_growth, sampled_ranges, zero_unless_stable
@@ -51,11 +55,11 @@ class CoupledModel(ModeModel):
 
     def in_modes(self, count: int) -> CoupledEquations:
         """Return the first modes as systems of equations under any load of the kind."""
-        return CoupledModes.of(self.rod, self.like, count)
+        return CoupledModes.of(self.rod, self.template, count)
 
     def count_for(self, loads: Loads, growth_tolerance: float) -> int:
         """Return how many modes serve all of some loads; ValueError where that would be too many."""
-        return modes_needed(self.rod, self.like, loads, growth_tolerance)
+        return modes_needed(self.rod, self.template, loads, growth_tolerance)
 
     # --- verdicts ---
 
@@ -98,10 +102,12 @@ class CoupledModel(ModeModel):
         status, growth = np.full(loads.size, -1, dtype=np.int8), np.full(loads.size, np.nan)
         self.require_one_on_wall(loads)
         done = 0
-        for chosen, modes, part in self._groups(loads, growth_tolerance):
-            told = shifted(progress, done, loads.size - part.size)
-            status[chosen], growth[chosen] = modes.answers(part, growth_tolerance, workers, quick=quick, progress=told)
-            done += part.size
+        for chosen, modes, block in self._groups(loads, growth_tolerance):
+            block_progress = shifted(progress, done, loads.size - block.size)
+            status[chosen], growth[chosen] = modes.answers(
+                block, growth_tolerance, workers, quick=quick, progress=block_progress
+            )
+            done += block.size
         return ManyVerdicts(status, growth)
 
     def _groups(
@@ -135,6 +141,64 @@ class CoupledModel(ModeModel):
         else:
             yield chosen, self.in_modes(count), loads
 
+    # --- margins ---
+
+    def damping_to_stabilise(self, verdict: RodStability) -> float:
+        """Return the damping rate in 1/s at which this load no longer makes the rod grow faster than the tolerance.
+
+        Searched to ten digits, and tried at two, four and eight times as much.
+        """
+        evidence = _evidence(verdict)
+        if float(np.linalg.eigvalsh(evidence.system.stiffness)[0]) <= 0.0:
+            return math.inf
+        loads = Loads.single(self.template)
+
+        def excess(rate: float) -> float:
+            """Return the growth beyond the tolerance at a damping rate; below zero where everything decays."""
+            growth = float(evidence.coupled.damped(rate).growth_without_decay(loads)[0])
+            return -1.0 if math.isnan(growth) else growth - rate - verdict.growth_tolerance
+
+        return least_damping(excess, verdict.growth_rate, self.template.frequency)
+
+    def margin_edge(
+        self,
+        verdict: RodStability,
+        quantity: Quantity,
+        piece: tuple[float, float],
+        seconds: float,
+        progress: Progress | None,
+    ) -> Edge:
+        """Return where the verdict first changes from ``piece[0]`` to ``piece[1]``, with as many modes as it needs."""
+        load, tolerance = self.template, verdict.margin_tolerance
+        piece = up_to_wall(self.rod, load, quantity, piece)
+        if quantity == "frequency":
+            piece = up_to_resonance(self.rod, load, piece)
+        if piece[0] == piece[1]:
+            return Edge(None, piece[0], 0.0)
+        begins_stable = None if piece[0] == getattr(load, quantity) else verdict.stable
+        try:
+            modes = self.modes_of_piece(verdict, quantity, piece)
+        except ValueError:  # too many modes, or loads too large or too slow: nothing is known of them
+            return Edge(None, piece[0], 0.0)
+        return first_change(
+            quantity,
+            modes,
+            load,
+            piece,
+            tolerance,
+            begins_stable=begins_stable,
+            most_seconds=seconds,
+            progress=progress,
+        )
+
+    def modes_of_piece(self, verdict: RodStability, quantity: Quantity, piece: tuple[float, float]) -> CoupledEquations:
+        """Return as many modes as all loads of a piece need, no fewer than the verdict; those the caller chose."""
+        evidence = _evidence(verdict)
+        if len(evidence.convergence) == 1:
+            return evidence.coupled
+        loads = Loads.along(self.template, quantity, np.linspace(*piece, 33))
+        return self.in_modes(max(self.count_for(loads, verdict.margin_tolerance), evidence.coupled.count))
+
     # --- samples ---
 
     def require_varied(self, names: Iterable[str]) -> None:
@@ -164,6 +228,10 @@ class CoupledModel(ModeModel):
     ) -> tuple[UnstableBand, ...]:
         """Return what grows in each band, sampled, and the damping that the load of fastest growth requires."""
         return sampled_bands(self, search, bands, progress)
+
+
+def _evidence(verdict: RodStability) -> CoupledEvidence:
+    return cast(CoupledEvidence, verdict.evidence)
 
 
 def chosen_count(modes: Iterable[int]) -> int:

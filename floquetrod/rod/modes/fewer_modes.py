@@ -32,7 +32,7 @@ _CERTAIN = 100.0  # errors by which it is certain to grow
 
 
 class Fastest(NamedTuple):
-    """The fastest solution of u'' + K(t) u = 0, from where (u, u') begins and that of the one that decays as fast."""
+    """The fastest solution of u'' + K(t) u = 0: its initial (u, u'), and that of the solution that decays as fast."""
 
     system: HillSystem  # without damping
     even: float | None  # instant of evenness from which it begins; None: from 0, and K need not be even
@@ -43,10 +43,10 @@ class Fastest(NamedTuple):
     @classmethod
     def of(cls, solved: SolvedMany | SolvedPairs, freed: tuple[HillSystem, float]) -> Fastest | None:
         """Return the fastest solution; None where it is not certain that one grows without damping."""
-        (system, damping), found = freed, solved.fastest()
-        if found is None or system.mass is not None or system.pieces:
+        (system, damping), solution = freed, solved.fastest()
+        if solution is None or system.mass is not None or system.pieces:
             return None
-        mu, error, *states = found
+        mu, error, *states = solution
         if not abs(mu) - 1.0 > _CERTAIN * error:
             return None
         form = system.even_form if isinstance(solved, SolvedPairs) else None
@@ -61,11 +61,11 @@ class Fastest(NamedTuple):
         return cls(system, None, damping, fast.start, fast.partner)
 
     def among(self, system: HillSystem, basis: Floats) -> Fastest:
-        """Return the solution as one of all equations, damping included, of which these are some in a basis (n, m)."""
+        """Return the solution as a solution of all equations, damped ones, in whose basis (n, m) these are written."""
         free, damping = system.undamped or (system, 0.0)
 
         def lifted(state: Complexes) -> Complexes:
-            return np.concatenate([basis @ part for part in np.split(state, 2)])
+            return np.concatenate([basis @ half for half in np.split(state, 2)])
 
         return Fastest(free, self.even, damping, lifted(self.start), lifted(self.partner))
 
@@ -109,7 +109,7 @@ def _carried(march: March, states: Complexes) -> Complexes:
     return np.asarray(moved[:, : states.shape[1]] + 1j * moved[:, states.shape[1] :])
 
 
-def _symplectic(one: Complexes, other: Complexes) -> complex:
+def _symplectic(x: Complexes, y: Complexes) -> complex:
     """Return J^T one times the other."""
-    n = len(one) // 2
-    return complex(one[:n] @ other[n:] - one[n:] @ other[:n])
+    n = len(x) // 2
+    return complex(x[:n] @ y[n:] - x[n:] @ y[:n])

@@ -1,10 +1,11 @@
-"""Independent modes: each an equation of Mathieu's, whose tongues are found by counting."""
+"""Independent modes: each obeys an equation of Mathieu's, whose tongues are located by counts."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, ClassVar
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any, ClassVar, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,11 +16,15 @@ from floquetrod._util.caching import cached_property
 from floquetrod._util.compilation import over_chunks
 from floquetrod._util.progress import Progress
 from floquetrod._util.spans import complement
+from floquetrod.floquet.dispatch import stability
+from floquetrod.floquet.verdict import Cost, tolerated
+from floquetrod.rod.answers.evidence import IndependentEvidence
 from floquetrod.rod.answers.margins import Edge
-from floquetrod.rod.answers.verdict import RodStability
+from floquetrod.rod.answers.rod_stability import RodStability
 from floquetrod.rod.loads.load import Load, Loads, Quantity
 from floquetrod.rod.mode_equations.modal_systems import ModalSystem, ModalSystems
 from floquetrod.rod.mode_equations.tongues import UnstableInterval, unstable_loads
+from floquetrod.rod.model.assumptions import assumptions
 from floquetrod.rod.model.constants import (
     NEGLIGIBLE_GROWTH,
     ModeConstants,
@@ -28,8 +33,8 @@ from floquetrod.rod.model.constants import (
     extent,
     mode_constants,
 )
-from floquetrod.rod.model.contact import LeavesWallError, constants_under, require_on_wall
-from floquetrod.rod.modes.independent_verdict import classify_modes
+from floquetrod.rod.model.contact import LeavesWallError, constants_under, require_on_wall, up_to_wall
+from floquetrod.rod.model.data import RodData
 from floquetrod.rod.modes.mode_model import Answers, BandFinder, ModeModel, Statuses
 
 # Loaded by the methods that need them: a first verdict takes a quarter of the package.
@@ -45,10 +50,9 @@ class IndependentModel(ModeModel):
     """Modes of hinged ends under a sine that is uniform along the rod."""
 
     prompt: ClassVar[bool] = True
-    counted: ClassVar[str] = "modes"
     samples_at_once: ClassVar[int] = 1 << 17  # some 10 MB
-    damping_of: ClassVar[str] = "every sampled load of the band"
-    damping_found: ClassVar[str] = "sampled over the band; null where no damping suffices"
+    damping_subject: ClassVar[str] = "every sampled load of the band"
+    damping_source: ClassVar[str] = "sampled over the band; null where no damping suffices"
 
     def require(self, name: str) -> None:
         """Raise ValueError for friction where the channel bends; else do nothing: each mode is Mathieu's equation."""
@@ -88,15 +92,15 @@ class IndependentModel(ModeModel):
     def _filled(
         self, loads: Loads, progress: Progress | None, unknown: Any, ask: Callable[[ModalSystems], Any]
     ) -> NDArray[Any]:
-        """Return what the systems of flat loads answer, ``unknown`` where the rod leaves its wall."""
+        """Return an answer of the systems of flat loads, ``unknown`` where the rod leaves its wall."""
         self.constants.require_in_reach(loads)
-        found = []
-        for part in loads.in_parts(progress):
-            answers = np.full((part.size, *np.shape(unknown)), unknown)
-            for at, constants, some in self.on_sides(part):
-                answers[at] = ask(ModalSystems(constants, some))
-            found.append(answers)
-        return np.concatenate(found)
+        blocks = []
+        for block in loads.in_parts(progress):
+            answers = np.full((block.size, *np.shape(unknown)), unknown)
+            for at, constants, on_side in self.on_sides(block):
+                answers[at] = ask(ModalSystems(constants, on_side))
+            blocks.append(answers)
+        return np.concatenate(blocks)
 
     def modes_needed(self, load: Load, growth_tolerance: float) -> tuple[int, float]:
         """Return how many modes decide a verdict, and a bound in 1/s on the growth of every mode beyond them."""
@@ -106,7 +110,7 @@ class IndependentModel(ModeModel):
         """Return the first modes as systems of equations, one by one."""
         from floquetrod.rod.mode_equations.coupled_matrices import CoupledModes
 
-        return CoupledModes.of(self.rod, self.like, count)
+        return CoupledModes.of(self.rod, self.template, count)
 
     def systems(self, loads: Loads) -> ModalSystems:
         """Return the equations of all modes under many loads."""
@@ -130,15 +134,38 @@ class IndependentModel(ModeModel):
         growth_tolerance: float = 0.0,
         progress: Progress | None = None,
     ) -> RodStability:
-        """Return the verdict under one load."""
-        # The growth rate is that of all modes, tolerated or not.
-        return classify_modes(self.rod, self.equations(load, modes), growth_tolerance)
+        """Return the verdict under one load, put together from the verdict on each mode."""
+        # All modes that may grow are examined, tolerated or not: the growth rate is the fastest of all.
+        system = self.equations(load, modes)
+        verdicts = tuple(stability(equation) for equation in system.equations)
+        rates = np.array([verdict.growth_rate for verdict in verdicts]) * system.frequency
+        rows = list(zip(verdicts, rates, strict=True))
+        grows = [v.status == "unstable" and not tolerated(rate, growth_tolerance) for v, rate in rows]
+        unsure = [v.status == "undecided" and not rate < growth_tolerance for v, rate in rows]
+        exponents = [exponent * system.frequency for verdict in verdicts for exponent in verdict.exponents]
+        units = {verdict.cost.unit for verdict in verdicts}
+        notes = dict.fromkeys(v.note for v, unknown in zip(verdicts, unsure, strict=True) if unknown)
+        return RodStability(
+            model=self.under(load),
+            evidence=IndependentEvidence(system, verdicts, rates),
+            growth_tolerance=growth_tolerance,
+            status="unstable" if any(grows) else "undecided" if any(unsure) else "stable",
+            growth_rate=float(rates.max()),
+            exponents=tuple(sorted(exponents, key=lambda exponent: -exponent.real)),
+            period=2.0 * math.pi / system.frequency,
+            error=max(verdict.error for verdict in verdicts),
+            cost=Cost(
+                sum(verdict.cost.amount for verdict in verdicts), units.pop() if len(units) == 1 else "operations"
+            ),
+            note="; ".join(notes),
+            assumptions=assumptions(self.rod, load),
+        )
 
     def status(
         self, loads: Loads, growth_tolerance: float = 0.0, workers: int | None = None, progress: Progress | None = None
     ) -> Statuses:
         """Return 1 where no mode grows faster than the tolerance, else 0."""
-        return self._filled(loads, progress, np.int8(-1), lambda some: some.are_stable(growth_tolerance, workers))
+        return self._filled(loads, progress, np.int8(-1), lambda systems: systems.are_stable(growth_tolerance, workers))
 
     def fastest(
         self, loads: Loads, workers: int | None = None, progress: Progress | None = None
@@ -147,8 +174,10 @@ class IndependentModel(ModeModel):
 
         NaN and 0 where the rod leaves its wall.
         """
-        found = self._filled(loads, progress, (np.nan, 0.0), lambda some: np.column_stack(some.fastest(workers)))
-        return found[:, 0], found[:, 1].astype(np.int64)
+        columns = self._filled(
+            loads, progress, (np.nan, 0.0), lambda systems: np.column_stack(systems.fastest(workers))
+        )
+        return columns[:, 0], columns[:, 1].astype(np.int64)
 
     def answers(
         self, loads: Loads, growth_tolerance: float = 0.0, workers: int | None = None, progress: Progress | None = None
@@ -160,6 +189,49 @@ class IndependentModel(ModeModel):
         """Return the growth in 1/s of modes."""
         return tuple(self.verdict(load, modes).mode_growth_rates.tolist())
 
+    # --- margins ---
+
+    def damping_to_stabilise(self, verdict: RodStability) -> float:
+        """Return the smallest damping rate in 1/s from which every larger one keeps all modes from growing.
+
+        All modes that matter without damping are examined, or those the caller chose.
+        """
+        undamped = self.rod.replace(damping_rate=0.0)
+        modes = _modes_for(verdict, undamped, self.template, 0.0)
+        return replace(_system(verdict), modes=modes).damping_to_stabilise
+
+    def margin_edge(
+        self,
+        verdict: RodStability,
+        quantity: Quantity,
+        piece: tuple[float, float],
+        seconds: float,
+        progress: Progress | None,
+    ) -> Edge:
+        """Return where the verdict first changes from ``piece[0]`` to ``piece[1]``, which takes milliseconds."""
+        load, tolerance = self.template, verdict.margin_tolerance
+        piece = up_to_wall(self.rod, load, quantity, piece)
+        low, high = sorted(piece)
+        if low == high:
+            return Edge(None, piece[0], 0.0)
+        modes = _modes_for(verdict, self.rod, load.varied(quantity, high), tolerance)
+        start = piece[0] if verdict.stable else None  # nothing beyond the first unstable interval matters
+        unstable = unstable_loads(
+            quantity, replace(_system(verdict), modes=modes), tolerance, (low, high), union=True, nearest=start
+        )
+        stable = [gap[:2] for gap in complement((low, high), unstable.intervals)]
+        if not stable:
+            change = piece[0] if verdict.stable else None
+        else:
+            near, far = stable[0] if piece[0] == low else stable[-1][::-1]
+            if not verdict.stable:
+                change = near
+            elif near != piece[0]:
+                change = piece[0]
+            else:
+                change = far if far != piece[1] else None
+        return Edge(change, piece[1] if change is None else change, unstable.resolution)
+
     # --- along a quantity, and over two ---
 
     def ranges(self, search: Search, progress: Progress | None) -> FoundIntervals:
@@ -169,19 +241,19 @@ class IndependentModel(ModeModel):
         varied, load, bounds, tolerance = search
         self.require_on_wall(search)
         system = self._equations(load, tolerance)
-        found = unstable_loads(varied, system, tolerance, bounds, union=True, progress=progress)
-        gaps = complement(bounds, found.intervals)
+        unstable = unstable_loads(varied, system, tolerance, bounds, union=True, progress=progress)
+        gaps = complement(bounds, unstable.intervals)
         stable = tuple(StabilityInterval(*gap[:2], _cause(gap.before), _cause(gap.after)) for gap in gaps)
-        return FoundIntervals(stable, system.modes[-1], found.tongues_left_out, found.resolution)
+        return FoundIntervals(stable, system.modes[-1], unstable.tongues_left_out, unstable.resolution)
 
     def first_growth(self, search: Search, progress: Progress | None) -> Edge:
         """Return where a mode first grows within bounds, from the low one up, by its tongues."""
         varied, load, piece, tolerance = search
         modes = self._equations(load.varied(varied, piece[1]), tolerance).modes
         system = ModalSystem(self.constants, load, modes)
-        found = unstable_loads(varied, system, tolerance, piece, union=True, nearest=piece[0])
-        at = min((part.low for part in found.intervals), default=None)
-        return Edge(at, piece[1] if at is None else at, found.resolution)
+        unstable = unstable_loads(varied, system, tolerance, piece, union=True, nearest=piece[0])
+        low = min((interval.low for interval in unstable.intervals), default=None)
+        return Edge(low, piece[1] if low is None else low, unstable.resolution)
 
     def unstable_bands(
         self, search: Search, modes: int, bands: Sequence[tuple[float, float]], progress: Progress | None
@@ -203,7 +275,7 @@ class IndependentModel(ModeModel):
         self, loads: Loads, criterion: FiniteTimeCriterion, workers: int | None, progress: Progress | None
     ) -> Statuses:
         """Return 1 where every mode passes the test, else 0; -1 where the rod leaves its wall."""
-        return self._filled(loads, progress, np.int8(-1), lambda some: some.pass_test(criterion, workers))
+        return self._filled(loads, progress, np.int8(-1), lambda systems: systems.pass_test(criterion, workers))
 
     def require_varied(self, names: Iterable[str]) -> None:
         """Do nothing: every number of rod and load may be different in every sample."""
@@ -216,11 +288,11 @@ class IndependentModel(ModeModel):
         workers: int | None,
         require: Callable[[Bools], None],
     ) -> Statuses:
-        """Return the status of rods, by what is not given as a number an array, under loads, one by one.
+        """Return the status of rods, whose parameters are numbers or arrays, under loads, one by one.
 
         Those that leave their wall are not decided.
         """
-        from floquetrod.rod.kernels.modes import modes_stable_fill
+        from floquetrod.rod.kernels.independent_modes import modes_stable_fill
 
         mean, amplitude, frequency = loads.flat
         constants = ModeConstants.of(rods, sin=np.sin)
@@ -234,7 +306,10 @@ class IndependentModel(ModeModel):
         out = np.empty(loads.size, dtype=np.bool_)
         over_chunks(
             modes_stable_fill,
-            [*loads.flat, *(np.broadcast_to(np.asarray(part, dtype=np.float64), out.shape) for part in constants)],
+            [
+                *loads.flat,
+                *(np.broadcast_to(np.asarray(constant, dtype=np.float64), out.shape) for constant in constants),
+            ],
             out,
             tolerance,
             NEGLIGIBLE_GROWTH,
@@ -243,13 +318,33 @@ class IndependentModel(ModeModel):
         )
         return np.where(side == 0, np.int8(-1), out.view(np.int8))
 
-    def certify(self, *asked: Any) -> RegionProof:
+    def certify(
+        self,
+        sides: tuple[Any, Any, Any],
+        growth_tolerance: float,
+        rod: Mapping[str, Any] | None,
+        max_boxes: int,
+        progress: Progress | None,
+    ) -> RegionProof:
         """Prove every load of a box stable or unstable."""
         from floquetrod.rod.answers.region import certify_rods
 
-        return certify_rods(self.rod, self.like, *asked)
+        return certify_rods(self.rod, self.template, sides, growth_tolerance, rod, max_boxes, progress)
 
 
-def _cause(part: UnstableInterval | None) -> tuple[int, int] | None:
-    """Return what grows next to a stability interval; None at an end of the search."""
-    return None if part is None else (part.mode, part.tongue)
+def _system(verdict: RodStability) -> ModalSystem:
+    return cast(IndependentEvidence, verdict.evidence).system
+
+
+def _modes_for(verdict: RodStability, rod: RodData, load: Load, growth_tolerance: float) -> tuple[int, ...]:
+    """Return the modes that matter for another rod or load; modes that the caller chose stay as they are."""
+    modes = verdict.modes
+    if math.isinf(_system(verdict).left_out_bound):
+        return modes
+    last, _ = constants_under(rod, load.mean).modes_needed(load, growth_tolerance)
+    return tuple(range(1, max(last, modes[-1]) + 1))
+
+
+def _cause(interval: UnstableInterval | None) -> tuple[int, int] | None:
+    """Return mode and tongue next to a stability interval; None at an end of the search."""
+    return None if interval is None else (interval.mode, interval.tongue)

@@ -13,7 +13,7 @@ from floquetrod.mathieu.tongue_bands import tongue_bands
 from floquetrod.mathieu.tongue_curves import Window
 from floquetrod.mathieu.tongue_regions import UndampedEquations
 from floquetrod.plane import Axis, Band, FoundBands
-from floquetrod.rod.kernels.modes import mode_coefficients, mode_family
+from floquetrod.rod.kernels.independent_modes import mode_coefficients, mode_family
 from floquetrod.rod.loads.load import LIMITS, AxialLoad, Quantity
 from floquetrod.rod.model.constants import SLOW_GROWTH, ModeConstants
 
@@ -59,15 +59,15 @@ class ExactBands:
         window = Window(along, over, self.fixed, *ranges[along], ranges[over])
         damping = self.constants.damping_rate
 
-        def found(chosen: Bools, window: Window) -> FoundBands:
+        def bands_of(chosen: Bools, window: Window) -> FoundBands:
             squared = -stiffness[chosen] - damping**2
             oscillators = UndampedEquations(squared, np.abs(gain[chosen]), damping, self.growth_tolerance, SLOW_GROWTH)
             return tongue_bands(oscillators, window, self.across, accuracy, progress, modes=modes[chosen])
 
-        driven = found(gain > 0.0, window)
+        driven = bands_of(gain > 0.0, window)
         if gain[0] > 0.0:
             return driven
-        held = found(gain < 0.0, _mirrored(window))
+        held = bands_of(gain < 0.0, _mirrored(window))
         bands = held.bands if along == "frequency" else tuple(map(self._mirrored_back, held.bands))
         left_out = driven.tongues_left_out + held.tongues_left_out
         return driven._replace(bands=(*bands, *driven.bands), tongues_left_out=left_out)

@@ -1,4 +1,4 @@
-"""What the modes of a rod are under a kind of load, and all that is asked of them.
+"""The interface to the modes of a rod under a kind of load: equations, verdicts, ranges, bands, proofs.
 
 `floquetrod.Rod.modes_under` chooses the model; nothing else asks which one it has.
 """
@@ -19,7 +19,7 @@ from floquetrod._util.arrays import Bools, Floats, Ints
 from floquetrod._util.progress import Progress
 from floquetrod.equations import HillSystem
 from floquetrod.rod.answers.margins import Edge, ends_between, outward
-from floquetrod.rod.answers.verdict import RodStability
+from floquetrod.rod.answers.rod_stability import RodStability
 from floquetrod.rod.loads.load import LIMITS, Load, Loads, Quantity
 from floquetrod.rod.mode_equations.coupling import coupling, refusal
 from floquetrod.rod.mode_equations.modal_systems import ModalSystem, ModalSystems
@@ -40,7 +40,7 @@ Statuses = NDArray[np.int8]
 
 
 class BandFinder(Protocol):
-    """Finds the unstable bands of a map over two axes, of which the ends count, see `floquetrod.plane.Family`."""
+    """Finds the unstable bands of a map between the ends of two axes, see `floquetrod.plane.Family`."""
 
     def __call__(self, x: Axis, y: Axis, accuracy: float, progress: Progress | None) -> FoundBands | None:
         """Return them, None where verdicts must be traced."""
@@ -58,38 +58,36 @@ class Answers(NamedTuple):
 class ModeModel(ABC):
     """The modes of a rod under any load of one kind.
 
-    What is not abstract here a model may leave as it is: it then refuses, or does without.
+    A model need not override methods that are not abstract: it then refuses, or does without.
 
     Attributes
     ----------
     rod : RodData
-    like : Load
+    template : Load
         The kind of load: everything but mean, amplitude and frequency.
     """
 
     rod: RodData
-    like: Load
+    template: Load
 
     prompt: ClassVar[bool] = False
     """Whether a verdict takes milliseconds, so that one may be had for a hint, or while a slider moves."""
-    counted: ClassVar[str] = "loads"
-    """What searches report their progress in."""
     loads_at_once: ClassVar[int | None] = None
     """Loads of a map between two reports of progress; None for as many as charts choose."""
     samples_at_once: ClassVar[int] = 1 << 8
-    damping_of: ClassVar[str] = "that load"
+    damping_subject: ClassVar[str] = "that load"
     """What the damping required by an unstable band stabilises."""
-    damping_found: ClassVar[str] = "that of the load whose growth is worst"
-    """How that damping is found."""
+    damping_source: ClassVar[str] = "that of the load whose growth is worst"
+    """How that damping is computed, in words."""
 
-    def under(self, like: Load) -> Self:
+    def under(self, template: Load) -> Self:
         """Return the model under another kind of load that couples the modes no more than this one."""
-        return replace(self, like=like)
+        return replace(self, template=template)
 
     @property
     def coupling(self) -> tuple[str, ...]:
         """What couples the modes, in words; empty where nothing does."""
-        return coupling(self.rod, self.like)
+        return coupling(self.rod, self.template)
 
     def refusal(self, name: str) -> ValueError:
         """Return the error, with the remedy, for an argument or method that asks for what this model cannot do."""
@@ -115,7 +113,7 @@ class ModeModel(ABC):
     def require_one_on_wall(self, loads: Loads) -> None:
         """Raise LeavesWallError for a single load, of the shape (), under which a rod leaves its wall."""
         if loads.shape == () and not self.rod.course.is_straight:
-            require_on_wall(self.rod, self.like.with_numbers(*(float(part[0]) for part in loads.flat)))
+            require_on_wall(self.rod, self.template.with_numbers(*(float(values[0]) for values in loads.flat)))
 
     def require_on_wall(self, search: Search) -> None:
         """Raise LeavesWallError unless a rod lies on the low side of its channel all along a search."""
@@ -142,16 +140,16 @@ class ModeModel(ABC):
 
         ValueError where that would be too many.
         """
-        largest = self.like.with_numbers(*(float(values.max()) for values in loads.flat))
+        largest = self.template.with_numbers(*(float(values.max()) for values in loads.flat))
         return self.modes_needed(largest, growth_tolerance)[0]
 
-    def told_apart(self, modes: Iterable[int]) -> tuple[int, ...]:
-        """Return those of some modes whose growth can be determined from their own motion, whatever the others do."""
+    def modes_apart(self, modes: Iterable[int]) -> tuple[int, ...]:
+        """Return the modes whose growth follows from their own motion alone, among some modes."""
         return tuple(modes) if self.in_modes(1).are_apart else ()
 
     def showing(self, load: Load, mode: int | None, rate: float) -> CoupledEquations:
         """Return the modes up to one with an equation of its own, else as many as may grow at a rate in 1/s."""
-        if mode is not None and self.told_apart([mode]):
+        if mode is not None and self.modes_apart([mode]):
             return self.in_modes(mode)
         return self.in_modes(self.count_for(Loads.single(load), rate))
 
@@ -194,16 +192,33 @@ class ModeModel(ABC):
         self, loads: Loads, workers: int | None = None, progress: Progress | None = None
     ) -> tuple[Floats, Ints]:
         """Return the growth in 1/s and the number of the fastest mode: 0, 0 where stable, -1 where it has no number."""
-        found = self.answers(loads, 0.0, workers, progress)
-        return found.growth, found.mode
+        answers = self.answers(loads, 0.0, workers, progress)
+        return answers.growth, answers.mode
 
     def growth_estimate(self, loads: Loads, growth_tolerance: float = 0.0) -> Floats:
-        """Return the growth in 1/s, NaN where unknown, none of which takes long; needed down to a tolerance."""
+        """Return the growth in 1/s in short time, estimated where it need be; NaN where unknown."""
         return self.fastest(loads)[0]
 
     def growth_of_modes(self, load: Load, modes: Iterable[int]) -> tuple[float, ...]:
         """Return the growth in 1/s of modes, which coupled ones share."""
         return (self.verdict(load).growth_rate,) * len(tuple(modes))
+
+    # --- margins ---
+
+    @abstractmethod
+    def damping_to_stabilise(self, verdict: RodStability) -> float:
+        """Return the smallest damping rate in 1/s from which every larger one keeps all modes from growing."""
+
+    @abstractmethod
+    def margin_edge(
+        self,
+        verdict: RodStability,
+        quantity: Quantity,
+        piece: tuple[float, float],
+        seconds: float,
+        progress: Progress | None,
+    ) -> Edge:
+        """Return where the verdict first changes from ``piece[0]`` to ``piece[1]``, in about so many seconds."""
 
     # --- along a quantity, and over two ---
 
@@ -219,12 +234,12 @@ class ModeModel(ABC):
         self.require_on_wall(search)
         varied, _, (_, largest), _ = search
         way = ends_between(varied, (0.0, largest), self.rod.critical_force)
-        told = [_as_shares(progress, piece, largest) for piece in pairwise(way)]
+        reports = [_as_shares(progress, piece, largest) for piece in pairwise(way)]
 
         def edge(piece: tuple[float, float], seconds: float, progress: Progress | None) -> Edge:
             return self.first_growth(search._replace(bounds=piece), progress)
 
-        return outward(way, edge, told)
+        return outward(way, edge, reports)
 
     @abstractmethod
     def first_growth(self, search: Search, progress: Progress | None) -> Edge:
@@ -241,7 +256,7 @@ class ModeModel(ABC):
         """Return what grows between the ends of bands, in increasing order, in which nothing is stable."""
 
     def bands(self, across: Quantity, up: Quantity, fixed: float, growth_tolerance: float) -> BandFinder | None:
-        """Return what finds the unstable bands of a map between exact curves; None where verdicts must be traced."""
+        """Return a finder of the unstable bands of a map between exact curves; None where verdicts must be traced."""
         return None
 
     # --- a test of finite time, samples and proofs ---
@@ -285,7 +300,7 @@ _SHARES = 10_000  # of the largest value, in which searches from zero report how
 
 
 def _as_shares(progress: Progress | None, piece: tuple[float, float], largest: float) -> Progress | None:
-    """Return what reports how far a search is within a piece, as shares of the largest value, rounded down."""
+    """Return a progress within a piece of a search, in shares of the largest value, rounded down."""
     if progress is None:
         return None
     low, high = piece

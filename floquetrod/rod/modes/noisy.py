@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, ClassVar, NoReturn
 
@@ -14,19 +14,22 @@ from floquetrod._util.arguments import Mention, wrong_value
 from floquetrod._util.arrays import Bools
 from floquetrod._util.progress import Progress
 from floquetrod.equations.batches import pick
-from floquetrod.floquet.dispatch import run
+from floquetrod.floquet.dispatch import run, stability
+from floquetrod.floquet.multipliers.system_stability import SystemStability
 from floquetrod.floquet.status import STABLE, STATUS_CODES, UNDECIDED, UNSTABLE
-from floquetrod.floquet.verdict import tolerated
+from floquetrod.floquet.verdict import Cost, Status, tolerated
 from floquetrod.rod.answers.critical_noise import CriticalFactor
+from floquetrod.rod.answers.evidence import NoisyEvidence
 from floquetrod.rod.answers.intervals import FoundIntervals, Search, StabilityInterval, UnstableBand
 from floquetrod.rod.answers.margins import Edge
-from floquetrod.rod.answers.verdict import RodStability
-from floquetrod.rod.loads.load import Load, Loads, largest_density, noise_in_words, scaled_noise
-from floquetrod.rod.mode_equations.noisy_modes import NoisyModes, Parts
+from floquetrod.rod.answers.rod_stability import RodStability
+from floquetrod.rod.loads.load import Load, Loads, Quantity, largest_density, noise_in_words, scaled_noise
+from floquetrod.rod.mode_equations.noisy_modes import ASSUMED, NoisyModes, Parts
+from floquetrod.rod.model.assumptions import assumptions
 from floquetrod.rod.model.constants import mode_constants
-from floquetrod.rod.model.contact import constants_under, require_on_wall
+from floquetrod.rod.model.contact import constants_under, require_on_wall, up_to_wall
 from floquetrod.rod.modes.mode_model import Answers, ModeModel
-from floquetrod.rod.modes.noisy_search import AT_ONCE, changes, first_change, least, stable_at
+from floquetrod.rod.modes.noisy_search import AT_ONCE, HALVINGS, Effort, changes, first_change, least, stable_at
 
 if TYPE_CHECKING:
     from floquetrod.floquet.multipliers.many_verdicts import ManyVerdicts
@@ -41,14 +44,21 @@ _LARGEST = 1e9  # density that is tried, in terms of the limit of high modes (a 
 NEAREST = 1e-10  # of verdicts on both sides of a critical factor, relative (a choice)
 _MOST_AGAIN = 64  # modes that a batch leaves undecided, judged one by one in some milliseconds each (a choice)
 _MOST_DECISIVE = 256  # modes that a verdict next to a critical factor may need: a closer one would take long (a choice)
+_MARGIN_SAMPLES = 65  # of each piece of a search for a margin (a choice)
 _PARTS = 2  # of a search for a critical factor that are to come, at least
+
+
+HIGH_MODES_GROW = (
+    "all high modes grow at {:.3g} 1/s in mean square: the noise has this density at every frequency; give pairs of "
+    "frequency and density where it has not"
+)
 
 
 @dataclass(frozen=True)
 class NoisyModel(ModeModel):
     """Independent modes of hinged ends under a force that is uniform along the rod and has noise.
 
-    Growth is that of second moments, twice that of amplitudes.
+    Growth is the growth of second moments, twice that of amplitudes.
     """
 
     loads_at_once: ClassVar[int | None] = 2000
@@ -56,23 +66,23 @@ class NoisyModel(ModeModel):
     """Places between the bounds of a search."""
     at_once: ClassVar[int] = AT_ONCE
     """Places that are examined before a change is searched for."""
-    damping_found: ClassVar[str] = "that of the load whose growth in mean square is worst"
+    damping_source: ClassVar[str] = "that of the load whose growth in mean square is worst"
 
     @property
     def coupling(self) -> tuple[str, ...]:
-        """What keeps the modes from obeying Mathieu's equation each, the noise and what couples them."""
-        return (*super().coupling, noise_in_words(self.like.noise))
+        """What keeps the modes from obeying Mathieu's equation: the noise, and what couples them."""
+        return (*super().coupling, noise_in_words(self.template.noise))
 
     def refusal(self, name: str) -> ValueError:
-        """Return the error for what is not asked of random motion: friction, tests of finite time and the like."""
-        there = noise_in_words(self.like.noise)
+        """Return the error for questions that random motion has no answer to: friction, tests of finite time."""
+        there = noise_in_words(self.template.noise)
         return wrong_value(name, f"is not answered under {there}; give the load ", Mention("noise", "noise=0", "0"))
 
     # --- equations ---
 
     def _modes(self, mean: float) -> NoisyModes:
         """Return the modes on the side where the rod lies under a mean force."""
-        return NoisyModes(constants_under(self.rod, mean), self.like)
+        return NoisyModes(constants_under(self.rod, mean), self.template)
 
     def equations(self, load: Load, modes: Iterable[int] | None = None) -> NoReturn:
         """Raise ValueError: what obeys a linear system are second moments."""
@@ -90,8 +100,8 @@ class NoisyModel(ModeModel):
         """Raise ValueError: second moments are not systems of second order."""
         raise self.refusal("modal_system")
 
-    def told_apart(self, modes: Iterable[int]) -> tuple[int, ...]:
-        """Return the modes, each of which has an equation of its own."""
+    def modes_apart(self, modes: Iterable[int]) -> tuple[int, ...]:
+        """Return the modes: each has an equation of its own."""
         return tuple(modes)
 
     # --- verdicts ---
@@ -104,8 +114,6 @@ class NoisyModel(ModeModel):
         progress: Progress | None = None,
     ) -> RodStability:
         """Return the verdict in mean square under one load."""
-        from floquetrod.rod.modes.noisy_verdict import classify_noisy
-
         require_on_wall(self.rod, load)
         chosen = None if modes is None else validate.modes(modes)
         return classify_noisy(self.under(load), load, chosen, growth_tolerance, progress)
@@ -120,21 +128,62 @@ class NoisyModel(ModeModel):
         sides = list(self.on_sides(loads))
         done = loads.size - sum(at.size for at, *_ in sides)
         for at, constants, there in sides:
-            modes = NoisyModes(constants, self.like)
+            modes = NoisyModes(constants, self.template)
             for start in range(0, at.size, _AT_ONCE):
-                part = at[start : start + _AT_ONCE]
-                some = there.some(slice(start, start + _AT_ONCE))
-                status[part], growth[part], fastest[part] = _examined(modes, some, growth_tolerance, workers)
-                done += part.size
+                block = at[start : start + _AT_ONCE]
+                block_loads = there.some(slice(start, start + _AT_ONCE))
+                status[block], growth[block], fastest[block] = _examined(modes, block_loads, growth_tolerance, workers)
+                done += block.size
                 if progress is not None:
                     progress(done, loads.size)
         return Answers(status, growth, fastest)
 
     def growth_of_modes(self, load: Load, modes: Iterable[int]) -> tuple[float, ...]:
         """Return the growth of the second moments of modes in 1/s."""
-        there = NoisyModes(constants_under(self.rod, load.mean), load)
-        parts = there.parts(Loads.single(load), list(modes))
+        modes_there = NoisyModes(constants_under(self.rod, load.mean), load)
+        parts = modes_there.parts(Loads.single(load), list(modes))
         return tuple(_rates(parts, np.ones(parts.squared.shape, dtype=np.bool_), None).growth.tolist())
+
+    # --- margins ---
+
+    def damping_to_stabilise(self, verdict: RodStability) -> float:
+        """Return a damping rate in 1/s above which this load is stable in mean square, to nine digits."""
+        return self.damping_required(self.template, verdict.growth_tolerance)
+
+    def margin_edge(
+        self,
+        verdict: RodStability,
+        quantity: Quantity,
+        piece: tuple[float, float],
+        seconds: float,
+        progress: Progress | None,
+    ) -> Edge:
+        """Return where the verdict first changes from ``piece[0]`` to ``piece[1]``, by samples."""
+        load = self.template
+        piece = up_to_wall(self.rod, load, quantity, piece)
+        longest = max(1.0, load.frequency / min(piece)) if quantity == "frequency" else 1.0
+        effort = self.margin_effort(verdict, seconds, longest)
+        if piece[0] == piece[1] or not effort.samples:
+            return Edge(None, piece[0], 0.0)
+        edge = first_change(
+            self,
+            Search(quantity, load, piece, verdict.margin_tolerance),
+            np.linspace(*piece, effort.samples),
+            verdict.status == "stable",
+            known=piece[0] == getattr(load, quantity),
+            at_once=self.at_once,
+            halvings=effort.halvings,
+            refused=ValueError,  # too many modes, or loads too large or too slow: nothing is known of them
+            progress=progress,
+        )
+        return edge._replace(seconds=effort.seconds)
+
+    def margin_effort(self, verdict: RodStability, seconds: float, longest: float) -> Effort:
+        """Return how many verdicts a piece of a search for a margin takes.
+
+        ``longest`` is the longest period of its loads over the period of the load of the verdict.
+        """
+        return Effort(_MARGIN_SAMPLES, HALVINGS)
 
     # --- along a quantity ---
 
@@ -146,12 +195,12 @@ class NoisyModel(ModeModel):
         stable = stable_at(self, search, places, progress)
         inside = changes(self, search, places, stable).tolist()
         ends = [*([low] if stable[0] else []), *inside, *([high] if stable[-1] else [])]
-        found = tuple(
+        intervals = tuple(
             StabilityInterval(a, b, None if a == low else "unnamed", None if b == high else "unnamed")
             for a, b in zip(ends[::2], ends[1::2], strict=True)
         )
         modes = self.count_for(Loads.along(search.load, search.varied, places), search.growth_tolerance)
-        return FoundIntervals(found, modes, 0, float(places[1] - places[0]))
+        return FoundIntervals(intervals, modes, 0, float(places[1] - places[0]))
 
     def first_growth(self, search: Search, progress: Progress | None) -> Edge:
         """Return where something first grows in mean square within bounds, from the low one up, by samples."""
@@ -162,17 +211,17 @@ class NoisyModel(ModeModel):
         self, search: Search, modes: int, bands: Sequence[tuple[float, float]], progress: Progress | None
     ) -> tuple[UnstableBand, ...]:
         """Return what grows in each band in mean square, sampled, and the damping that the fastest growth requires."""
-        found, model = [], self.under(search.load)
+        unstable, model = [], self.under(search.load)
         for done, (low, high) in enumerate(bands, start=1):
             places = np.linspace(low, high, _CLOSER)
             growth = model.answers(Loads.along(search.load, search.varied, places)).growth
             worst = int(np.nan_to_num(growth).argmax())
             at = float(places[worst])
             damping = model.damping_required(search.load.varied(search.varied, at), search.growth_tolerance)
-            found.append(UnstableBand(low, high, float(np.nan_to_num(growth)[worst]), at, "unnamed", damping))
+            unstable.append(UnstableBand(low, high, float(np.nan_to_num(growth)[worst]), at, "unnamed", damping))
             if progress is not None:
                 progress(done, len(bands))
-        return tuple(found)
+        return tuple(unstable)
 
     def damping_required(self, load: Load, growth_tolerance: float) -> float:
         """Return the least damping rate in 1/s, to nine digits, above which a load is stable, as far as tried.
@@ -194,8 +243,8 @@ class NoisyModel(ModeModel):
     def critical_noise(self, load: Load, growth_tolerance: float, progress: Progress | None = None) -> CriticalFactor:
         """Return the largest factor of the noise of a load at which it is stable in mean square, and its error.
 
-        Each mode grows the faster the more noise there is: from a factor at which one grows that of the fastest is
-        lowered to where it no longer does, until no other grows there.
+        Each mode grows the faster the more noise there is.  From a factor at which a mode grows, it is lowered to where
+        the fastest mode no longer grows, until no other grows there.
         """
         require_on_wall(self.rod, load)
         search = _FactorSearch(self, load, growth_tolerance, progress)
@@ -210,15 +259,22 @@ class NoisyModel(ModeModel):
             return False
         return bool(there.status(Loads((1,), *Loads.single(load).flat), growth_tolerance)[0] == STABLE)
 
-    def certify(self, *asked: Any) -> RegionProof:
+    def certify(
+        self,
+        sides: tuple[Any, Any, Any],
+        growth_tolerance: float,
+        rod: Mapping[str, Any] | None,
+        max_boxes: int,
+        progress: Progress | None,
+    ) -> RegionProof:
         """Prove every load of a box of forces at one frequency stable or unstable in mean square."""
         from floquetrod.rod.modes.noisy_proof import certify_noisy
 
-        return certify_noisy(self, *asked)
+        return certify_noisy(self, sides, growth_tolerance, rod, max_boxes, progress)
 
 
 def _examined(modes: NoisyModes, loads: Loads, growth_tolerance: float, workers: int | None) -> Answers:
-    """Return what the modes of each load answer, as far as bounds do not exclude them."""
+    """Return status, growth and fastest mode of each load, from the modes that bounds do not exclude."""
     bounds = modes.growth_bounds(loads)
     best, fastest = np.full(loads.size, bounds.limit), np.full(loads.size, -1)
     grows, unsure, lost = np.full(loads.size, bounds.limit > growth_tolerance), *np.zeros((2, loads.size), np.bool_)
@@ -232,11 +288,11 @@ def _examined(modes: NoisyModes, loads: Loads, growth_tolerance: float, workers:
             (high > growth_tolerance) & (known <= growth_tolerance)
         )
         chosen = (numbers <= last[going, None]) & matters
-        found = _rates(parts, chosen, workers)
+        answers = _rates(parts, chosen, workers)
         status, rates = np.where(low > growth_tolerance, UNSTABLE, STABLE), low.copy()
-        status[chosen & (low <= growth_tolerance)] = found.status[(low <= growth_tolerance)[chosen]]
+        status[chosen & (low <= growth_tolerance)] = answers.status[(low <= growth_tolerance)[chosen]]
         status[high <= growth_tolerance] = STABLE
-        rates[chosen] = np.clip(found.growth, low[chosen], high[chosen])
+        rates[chosen] = np.clip(answers.growth, low[chosen], high[chosen])
         lost[going] |= np.isnan(rates).any(axis=1)
         rates = np.where(np.isnan(rates), low, rates)
         grows[going] |= ((status == UNSTABLE) & ~tolerated(rates, growth_tolerance)).any(axis=1)
@@ -271,6 +327,129 @@ def _rates(parts: Parts, chosen: Bools, workers: int | None) -> ManyVerdicts:
         if alone.status != "undecided":
             status[i], growth[i] = STATUS_CODES[alone.status], alone.growth_rate
     return ManyVerdicts(status, growth * np.broadcast_to(parts.rate, chosen.shape)[chosen])
+
+
+def classify_noisy(
+    model: ModeModel, load: Load, chosen: tuple[int, ...] | None, growth_tolerance: float, progress: Progress | None
+) -> RodStability:
+    """Classify the second moments of every mode that matters and put the verdicts together."""
+    equations = NoisyModes(constants_under(model.rod, load.mean), load)
+    examined = _Examined(equations, load)
+    limit, left_out = -math.inf, math.inf
+    if chosen:
+        examined.add(chosen, len(chosen), progress)
+    else:
+        bounds = equations.growth_bounds(Loads.single(load))
+        limit, best = bounds.limit, bounds.least
+        while len(examined.modes) < (last := int(bounds.modes_needed(best, growth_tolerance)[0])):
+            first = len(examined.modes) + 1
+            examined.add(range(first, min(last, first + _STEP - 1) + 1), last, progress)
+            best = np.maximum(best, examined.rates.max(initial=-math.inf))
+        left_out = float(bounds.left_out(np.array([len(examined.modes)]))[0])
+    rates = examined.rates
+    status, note = _concluded(examined, (limit, left_out), growth_tolerance)
+    exponents = [*examined.exponents, *([complex(limit)] if limit > rates.max() else [])]
+    costs = (verdict.cost.amount for verdict in examined.verdicts)
+    return RodStability(
+        model=model.under(load),
+        evidence=NoisyEvidence(
+            tuple(examined.modes),
+            tuple(examined.verdicts),
+            rates,
+            np.array(examined.intensities),
+            max(0.0, left_out),
+            limit,
+        ),
+        growth_tolerance=growth_tolerance,
+        status=status,
+        growth_rate=max(0.0, float(rates.max()), limit),
+        exponents=tuple(sorted(exponents, key=lambda exponent: -exponent.real)),
+        period=2.0 * math.pi / load.frequency,
+        error=examined.error((limit, -math.inf if chosen else left_out)),
+        cost=Cost(sum(costs), "operations"),
+        note=note,
+        assumptions=(*assumptions(model.rod, load), *ASSUMED),
+    )
+
+
+class _Examined:
+    """Modes under a load: the verdict on the second moments of each, and their growth in 1/s between bounds."""
+
+    def __init__(self, equations: NoisyModes, load: Load) -> None:
+        """Take the equations; nothing is examined yet."""
+        self.equations, self.load = equations, load
+        self.modes: list[int] = []
+        self.verdicts: list[SystemStability] = []
+        self.intensities: list[float] = []
+        self.exponents: list[complex] = []
+        self.rates, self.low, self.high = np.zeros((3, 0))
+
+    def add(self, modes: Sequence[int], total: int, progress: Progress | None) -> None:
+        """Examine more modes; the bounds that hold for high ones are often closer than the errors of verdicts."""
+        parts = self.equations.parts(Loads.single(self.load), modes)
+        moments = parts.moments(np.ones((1, len(modes)), dtype=np.bool_))
+        units = np.broadcast_to(parts.rate, (1, len(modes)))[0].tolist()
+        growths = []
+        for i, unit in enumerate(units):
+            verdict = stability(pick(moments, i))
+            self.verdicts.append(verdict)
+            self.exponents.extend(unit * exponent for exponent in verdict.exponents)
+            known = bool(verdict.exponents)
+            rate, error = (verdict.exponents[0].real, verdict.exponent_errors[0]) if known else (-math.inf, math.inf)
+            growths.append((unit * rate, unit * error))
+            if progress is not None:
+                progress(len(self.verdicts), total)
+        low, high = (bound[0] for bound in parts.growth_bounds)
+        rates, errors = np.array(growths).T
+        self.rates = np.append(self.rates, np.clip(rates, low, high))
+        status = np.array([verdict.status for verdict in self.verdicts[len(self.modes) :]])
+        low, high = np.fmax(low, rates - errors), np.fmin(high, rates + errors)
+        self.low = np.append(self.low, np.where(status == "unstable", np.maximum(low, 0.0), low))
+        self.high = np.append(self.high, np.where(status == "stable", np.minimum(high, 0.0), high))
+        self.modes.extend(modes)
+        self.intensities.extend(parts.intensity[0].tolist())
+
+    def error(self, others: tuple[float, float]) -> float:
+        """Return the error in 1/s of the growth rate, no less than of the fastest mode's.
+
+        Of the other modes the limit of high ones and a bound.
+        """
+        limit, left_out = others
+        fastest = int(self.rates.argmax())
+        rate, low, high = (
+            max(0.0, *values)
+            for values in (
+                (float(self.rates.max()), limit),
+                (float(self.low.max()), limit),
+                (float(self.high.max()), left_out),
+            )
+        )
+        own = max(self.high[fastest] - self.rates[fastest], self.rates[fastest] - self.low[fastest])
+        return float(max(rate - low, high - rate, own if self.rates[fastest] >= limit else 0.0))
+
+
+def _concluded(examined: _Examined, others: tuple[float, float], growth_tolerance: float) -> tuple[Status, str]:
+    """Return the verdict on all modes, and what to know of it; ``others`` grow at least, and at most, so fast."""
+    limit, left_out = others
+    verdicts, rates = examined.verdicts, examined.rates.tolist()
+    if limit > growth_tolerance:
+        return "unstable", HIGH_MODES_GROW.format(limit)
+    grows = (
+        v.status == "unstable" and not tolerated(rate, growth_tolerance)
+        for v, rate in zip(verdicts, rates, strict=True)
+    )
+    if any(grows) or examined.low.max() > growth_tolerance:
+        return "unstable", ""
+    unsure = [
+        v
+        for v, high in zip(verdicts, examined.high, strict=True)
+        if v.status == "undecided" and not high < growth_tolerance
+    ]
+    if unsure:
+        return "undecided", "; ".join(dict.fromkeys(v.note for v in unsure))
+    if growth_tolerance < left_out < math.inf:
+        return "undecided", f"higher modes may grow at up to {left_out:.2g} 1/s in mean square"
+    return "stable", ""
 
 
 class _FactorSearch:
@@ -323,8 +502,8 @@ class _FactorSearch:
 
     def fastest(self, factor: float) -> int | None:
         """Return the mode that grows fastest beyond the tolerance, None where none does."""
-        found = _examined(self.modes(factor), Loads((1,), *Loads.single(self.load).flat), self.tolerance, None)
-        return int(found.mode[0]) if found.growth[0] > self.tolerance and found.mode[0] > 0 else None
+        answers = _examined(self.modes(factor), Loads((1,), *Loads.single(self.load).flat), self.tolerance, None)
+        return int(answers.mode[0]) if answers.growth[0] > self.tolerance and answers.mode[0] > 0 else None
 
     def root(self, mode: int, high: float) -> float:
         """Return the factor at which the growth of a mode is that tolerated, below one at which it is larger."""
@@ -347,7 +526,7 @@ class _FactorSearch:
         return float(brentq(excess, low, high, xtol=1e-14 * high, rtol=1e-14)) if excess(high) > 0.0 else high
 
     def error(self, factor: float) -> float:
-        """Return within how much of a factor both the verdict and that of arrays change from stable to unstable."""
+        """Return how near to a factor verdicts, single ones and arrays, change from stable to unstable."""
         apart = NEAREST
         while apart < 0.5:
             below, above = (self.scaled(factor * (1.0 + sign * apart)) for sign in (-1.0, 1.0))
@@ -368,5 +547,5 @@ class _FactorSearch:
 
 
 def unstable_without_noise() -> ValueError:
-    """Return the error for a load of which no noise is critical."""
+    """Return the error for a load without a critical noise."""
     return wrong_value("load", "must be stable without noise to have a critical one, got one that is not")

@@ -21,11 +21,10 @@ from floquetrod.floquet.proof.region_proof import RegionProof, RegionStatus, Sha
 from floquetrod.floquet.status import STABLE, UNSTABLE
 from floquetrod.rod.answers.rod_box import RodExample
 from floquetrod.rod.loads.load import LIMITS, QUANTITIES, Loads, Quantity, load_number
-from floquetrod.rod.mode_equations.noisy_modes import NoisyModes
+from floquetrod.rod.mode_equations.noisy_modes import ASSUMED, NoisyModes
 from floquetrod.rod.model.assumptions import assumptions
 from floquetrod.rod.model.constants import mode_constants
 from floquetrod.rod.modes.mode_model import ModeModel
-from floquetrod.rod.modes.noisy_verdict import ASSUMED
 
 _SECONDS = 30.0  # to spend on one mode at most (a choice)
 _PLACES = 9  # along each side of a box at which verdicts tell where to prove examples (a choice)
@@ -45,36 +44,36 @@ def certify_noisy(
     max_boxes: int,
     progress: Progress | None,
 ) -> RegionProof:
-    """Return what is proved in mean square of every load of a box of mean forces and amplitudes at one frequency."""
+    """Return the proof in mean square for every load of a box of mean forces and amplitudes at one frequency."""
     tolerance = units.tolerance("growth_tolerance", growth_tolerance)
     max_boxes = validate.integer("max_boxes", max_boxes, 1)
     validate.progress(progress)
     box = _box(model, sides, rod)
-    (low, high), (least, most), (frequency, _) = box
-    strongest = model.like.with_numbers(high, most, frequency)
+    (low, high), (smallest, largest), (frequency, _) = box
+    strongest = model.template.with_numbers(high, largest, frequency)
     constants = mode_constants(model.rod)
     last, left_out = model.modes_needed(strongest, tolerance)
-    modes = [_Moments(NoisyModes(constants, model.like), m, frequency, tolerance) for m in range(1, last + 1)]
-    is_point = low == high and least == most
+    modes = [_Moments(NoisyModes(constants, model.template), m, frequency, tolerance) for m in range(1, last + 1)]
+    is_point = low == high and smallest == largest
     examples = () if is_point else _examples(model, box, modes, (tolerance, left_out))
-    found: list[RegionProof | Proof] = []
+    proofs: list[RegionProof | Proof] = []
     if len(examples) == 2:
-        return _together(model, box, found, examples, tolerance, (last, left_out))
-    middle = model.like.with_numbers(0.5 * (low + high), 0.5 * (least + most), frequency)
+        return _together(model, box, proofs, examples, tolerance, (last, left_out))
+    middle = model.template.with_numbers(0.5 * (low + high), 0.5 * (smallest + largest), frequency)
     growth = np.array(model.growth_of_modes(middle, range(1, last + 1)))
     for i in np.argsort(-growth, kind="stable").tolist():  # what is unstable first
         moments = modes[i]
         if is_point:
-            found.append(certify(moments(low, least)))
+            proofs.append(certify(moments(low, smallest)))
         else:
-            sides_of = {"mean": (low, high), "amplitude": (least, most)}
+            sides_of = {"mean": (low, high), "amplitude": (smallest, largest)}
             given: dict[str, Any] = {name: ends if ends[0] < ends[1] else ends[0] for name, ends in sides_of.items()}
-            found.append(certify(moments, max_boxes=max_boxes, seconds=_SECONDS, **given))
+            proofs.append(certify(moments, max_boxes=max_boxes, seconds=_SECONDS, **given))
         if progress is not None:
-            progress(len(found), last)
-        if found[-1].status != "stable":
+            progress(len(proofs), last)
+        if proofs[-1].status != "stable":
             break
-    return _together(model, box, found, examples, tolerance, (last, left_out))
+    return _together(model, box, proofs, examples, tolerance, (last, left_out))
 
 
 def _box(model: ModeModel, sides: tuple[Any, Any, Any], rod: Mapping[str, Any] | None) -> list[tuple[float, float]]:
@@ -84,7 +83,7 @@ def _box(model: ModeModel, sides: tuple[Any, Any, Any], rod: Mapping[str, Any] |
     ends = [_ends(name, side) for name, side in zip(QUANTITIES, sides, strict=True)]
     if ends[2][0] != ends[2][1]:
         raise wrong_value("frequency", "must be one number under noise: the moments are not affine in it, got a range")
-    if isinstance(model.like.noise, tuple) and ends[0][0] != ends[0][1]:
+    if isinstance(model.template.noise, tuple) and ends[0][0] != ends[0][1]:
         raise wrong_value("mean", "must be one number where the noise depends on the frequency of modes, got a range")
     if not model.rod.course.is_straight:
         raise wrong_value("rod", "must lie in a straight channel for a proof under noise, got one that bends")
@@ -102,7 +101,7 @@ class _Moments:
     """The second moments of one mode, as a family of mean forces and amplitudes."""
 
     def __init__(self, modes: NoisyModes, mode: int, frequency: float, tolerance: float) -> None:
-        """Take what does not vary; the unit of time is that of the mode under no force."""
+        """Take the fixed arguments; the unit of time is that of the mode under no force."""
         self.modes, self.mode, self.frequency, self.tolerance = modes, mode, frequency, tolerance
         self.unit = 2.0 ** round(math.log2(float(self._parts(0.0, 0.0).rate[0, 0])))
 
@@ -111,19 +110,19 @@ class _Moments:
         return self.modes.parts(loads, [self.mode])
 
     def __call__(self, mean: float, amplitude: float) -> SecondMoments:
-        """Return the moments under one load, less the tolerated growth; what is rounded is in their error."""
+        """Return the moments under one load, less the tolerated growth; their error holds the rounding."""
         parts = self._parts(mean, amplitude)._replace(unit=self.unit)
-        found = parts.moments(np.ones((1, 1), dtype=np.bool_))
-        matrices = [m[0] for m in found.every_matrix]
+        moments = parts.moments(np.ones((1, 1), dtype=np.bool_))
+        matrices = [m[0] for m in moments.every_matrix]
         mean_matrix = matrices[0] - self.tolerance / self.unit * np.eye(3)
         size = max(float(np.abs(m).max()) for m in (*matrices, mean_matrix))
-        count = len(found.cosines)
+        count = len(moments.cosines)
         return SecondMoments(
             mean_matrix,
             matrices[1 : 1 + count],
             matrices[1 + count :],
-            period=float(found.period[0]),
-            coefficient_error=found.coefficient_error + _ROUNDING * size,
+            period=float(moments.period[0]),
+            coefficient_error=moments.coefficient_error + _ROUNDING * size,
         )
 
 
@@ -133,7 +132,7 @@ def _examples(
     """Return a load of the box that is proved stable and one proved unstable, where samples show both."""
     tolerance, left_out = limits
     sides = (np.linspace(low, high, _PLACES if low < high else 1) for low, high in box[:2])
-    mean, amplitude = (each.ravel() for each in np.meshgrid(*sides))
+    mean, amplitude = (grid.ravel() for grid in np.meshgrid(*sides))
     status, growth, fastest = model.answers(Loads.of(mean, amplitude, box[2][0]), tolerance)
     worst = int(np.nan_to_num(growth).argmax())
     quiet = np.flatnonzero(status == STABLE)
@@ -141,7 +140,7 @@ def _examples(
         return ()
     farthest = int(quiet[np.abs(quiet - worst).argmax()])
     rest = f"every higher mode grows at less than {left_out:.2g} 1/s" if left_out > 0.0 else "no higher mode grows"
-    limit, found = f"{tolerance:g} 1/s in mean square", []
+    limit, examples = f"{tolerance:g} 1/s in mean square", []
     for i, kind, chosen, statement in (
         (farthest, "stable", modes, f"modes 1 to {len(modes)} grow at no more than {limit}, {rest}"),
         (worst, "unstable", [modes[fastest[worst] - 1]], f"mode {fastest[worst]} grows faster than {limit}"),
@@ -149,32 +148,32 @@ def _examples(
         at = float(mean[i]), float(amplitude[i])
         is_known = kind == "unstable" or left_out <= tolerance
         if is_known and all(certify(moments(*at)).status == kind for moments in chosen):
-            found.append(RodExample(kind, model.like.with_numbers(*at, box[2][0]), model.rod, statement))
-    return tuple(found)
+            examples.append(RodExample(kind, model.template.with_numbers(*at, box[2][0]), model.rod, statement))
+    return tuple(examples)
 
 
 def _together(
     model: ModeModel,
     box: list[tuple[float, float]],
-    found: list[RegionProof | Proof],
+    proofs: list[RegionProof | Proof],
     examples: tuple[RodExample, ...],
     tolerance: float,
     modes: tuple[int, float],
 ) -> RegionProof:
-    """Return what follows from the proofs of modes."""
+    """Return the proof for all modes that follows from the proofs of modes."""
     last, left_out = modes
     ends = (high for _, high in box)
     status: RegionStatus = "undecided"
     if len(examples) == 2:
         status = "mixed"
-    elif any(proof.status == "unstable" for proof in found):
+    elif any(proof.status == "unstable" for proof in proofs):
         status = "unstable"
-    elif all(proof.status == "stable" for proof in found) and left_out <= tolerance:
+    elif all(proof.status == "stable" for proof in proofs) and left_out <= tolerance:
         status = "stable"
     sides = tuple(Side(name, low, high, LIMITS[name].unit) for name, (low, high) in zip(QUANTITIES, box, strict=True))
-    growing = max((proof.shares.unstable for proof in found if isinstance(proof, RegionProof)), default=0.0)
+    growing = max((proof.shares.unstable for proof in proofs if isinstance(proof, RegionProof)), default=0.0)
     shares = Shares(0.0, growing).with_status(status)
-    boxes = len(examples) + sum(getattr(proof, "boxes", 1) for proof in found)
+    boxes = len(examples) + sum(getattr(proof, "boxes", 1) for proof in proofs)
     note = note_on(status, shares, boxes)
     if status == "undecided" and left_out > tolerance:
         note = f"higher modes may grow at up to {left_out:.2g} 1/s in mean square"
@@ -191,12 +190,12 @@ def _together(
         shares=shares,
         statement=_stated(status, sides, tolerance),
         note=note,
-        assumptions=(*assumptions(model.rod, model.like.with_numbers(*ends)), *ASSUMED, *_PROOF_ASSUMED),
+        assumptions=(*assumptions(model.rod, model.template.with_numbers(*ends)), *ASSUMED, *_PROOF_ASSUMED),
     )
 
 
 def _stated(status: RegionStatus, sides: tuple[Side, ...], tolerance: float) -> str:
-    """Return what was proved, in a sentence."""
+    """Return the statement that was proved, in a sentence."""
     where = ", ".join(map(str, sides))
     grows = f"grows faster than {tolerance:g} 1/s in mean square" if tolerance else "grows in mean square"
     return {

@@ -49,44 +49,46 @@ class BandSearch:
         """Return what grows between the ends of bands, in increasing order, in which nothing is stable."""
         varied, load, _, tolerance = self.search
         system = ModalSystem(mode_constants(self.rod), load, tuple(range(1, self.modes + 1)))
-        parts = tongues_within(varied, system, tolerance, bands).intervals
-        low, high = (np.array([part[side] for part in parts]) for side in (0, 1))
-        mode = np.array([part.mode for part in parts], dtype=np.int64)
-        found = _peaks(lambda x, i: self._growth(mode[i], x), low, high, _SAMPLES, _STEPS)
+        tongues = tongues_within(varied, system, tolerance, bands).intervals
+        low, high = (np.array([part[side] for part in tongues]) for side in (0, 1))
+        mode = np.array([part.mode for part in tongues], dtype=np.int64)
+        peaks = _peaks(lambda x, i: self._growth(mode[i], x), low, high, _SAMPLES, _STEPS)
         band = np.searchsorted(np.array([ends[0] for ends in bands]), low, side="right") - 1
         damping = self._dampings(bands, band, mode, low, high)
         rows = []
         for k, ends in enumerate(bands):
             inside = np.flatnonzero(band == k)
-            rate, at = 0.0, 0.5 * sum(ends)  # where a band is too narrow for doubles in between
+            rate, worst_load = 0.0, 0.5 * sum(ends)  # where a band is too narrow for doubles in between
             cause: WhatGrows = "unnamed"
             if inside.size:
-                worst = int(inside[found.value[inside].argmax()])
-                rate, at = float(found.value[worst]), float(found.at[worst])
-                cause = parts[worst].mode, parts[worst].tongue
-            rows.append(UnstableBand(*ends, rate, at, cause, float(damping[k])))
+                worst = int(inside[peaks.value[inside].argmax()])
+                rate, worst_load = float(peaks.value[worst]), float(peaks.at[worst])
+                cause = tongues[worst].mode, tongues[worst].tongue
+            rows.append(UnstableBand(*ends, rate, worst_load, cause, float(damping[k])))
         return tuple(rows)
 
     def _dampings(
         self, bands: Sequence[tuple[float, float]], band: Ints, mode: Ints, low: Floats, high: Floats
     ) -> Floats:
         """Return the damping rate that each band requires, sampled in every mode, and in every tongue by itself."""
-        found = _peaks(lambda x, i: self._damping(mode[i], x), low, high, _SAMPLES, 0)
+        peaks = _peaks(lambda x, i: self._damping(mode[i], x), low, high, _SAMPLES, 0)
         known = np.zeros(len(bands))
-        np.maximum.at(known, band, found.value)
+        np.maximum.at(known, band, peaks.value)
         last, _ = mode_constants(self.rod.replace(damping_rate=0.0)).modes_needed(self.search.load, 0.0)
-        other, index = np.divmod(np.arange(len(bands) * last), last)
-        first, after = (np.array([ends[side] for ends in bands])[other] for side in (0, 1))
+        other_band, index = np.divmod(np.arange(len(bands) * last), last)
+        first, after = (np.array([ends[side] for ends in bands])[other_band] for side in (0, 1))
         # What asks for less damping than is known by now need not be known.
-        more = _peaks(lambda x, i: self._damping(index[i] + 1, x, known[other[i]]), first, after, _OF_OTHERS, 0)
-        band, mode = np.append(band, other), np.append(mode, index + 1)
-        found = _Peaks(*(np.append(one, two) for one, two in zip(found, more, strict=True)))
-        order = np.lexsort((found.value, band))
+        other_peaks = _peaks(
+            lambda x, i: self._damping(index[i] + 1, x, known[other_band[i]]), first, after, _OF_OTHERS, 0
+        )
+        band, mode = np.append(band, other_band), np.append(mode, index + 1)
+        peaks = _Peaks(*map(np.append, peaks, other_peaks))
+        order = np.lexsort((peaks.value, band))
         best = order[np.append(np.diff(band[order]) > 0, True)]  # the last one of each band is its largest
         closer = _peaks(
-            lambda x, i: self._damping(mode[best[i]], x), found.low[best], found.high[best], _CLOSER, _STEPS
+            lambda x, i: self._damping(mode[best[i]], x), peaks.low[best], peaks.high[best], _CLOSER, _STEPS
         )
-        return np.asarray(np.maximum(found.value[best], closer.value))
+        return np.asarray(np.maximum(peaks.value[best], closer.value))
 
     def _coefficients(self, mode: Ints, values: Floats) -> tuple[Floats, Floats, Floats]:
         """Return alpha, beta and the frequency of modes, each at its own load."""
@@ -107,29 +109,29 @@ class BandSearch:
 def sampled_bands(
     model: ModeModel, search: Search, bands: Sequence[tuple[float, float]], progress: Progress | None
 ) -> tuple[UnstableBand, ...]:
-    """Return what grows in bands where it is not known which modes do: sampled, each cause that of the worst load."""
-    varied, like, _, tolerance = search
+    """Return unstable bands of coupled modes by samples, each with the cause of growth at its worst load."""
+    varied, template, _, tolerance = search
 
     def growth(values: Floats, _: Ints) -> Floats:
-        rate = model.growth_estimate(Loads.along(like, varied, values), tolerance)
+        rate = model.growth_estimate(Loads.along(template, varied, values), tolerance)
         return np.asarray(np.where(np.isnan(rate), 0.0, rate))
 
     low, high = (np.array([ends[side] for ends in bands]) for side in (0, 1))
-    found = _peaks(growth, low, high, _SAMPLES, _FEWER_STEPS)
+    peaks = _peaks(growth, low, high, _SAMPLES, _FEWER_STEPS)
     rows = []
-    for ends, at, rate in zip(bands, found.at.tolist(), found.value.tolist(), strict=True):
-        load = like.varied(varied, at)
+    for ends, worst_load, rate in zip(bands, peaks.at.tolist(), peaks.value.tolist(), strict=True):
+        load = template.varied(varied, worst_load)
         count = model.count_for(Loads.single(load), tolerance)
         worst = model.verdict(load, range(1, count + 1), tolerance)
         cause: WhatGrows = worst.resonances[0] if worst.resonances else "unnamed"
-        rows.append(UnstableBand(*ends, rate, at, cause, worst.damping_to_stabilise))
+        rows.append(UnstableBand(*ends, rate, worst_load, cause, worst.damping_to_stabilise))
         if progress is not None:
             progress(len(rows), len(bands))
     return tuple(rows)
 
 
 class _Peaks(NamedTuple):
-    """The largest value found on each interval, where, and the places next to it."""
+    """The largest value on each interval, where, and the sampled places next to it."""
 
     at: Floats
     value: Floats
@@ -139,13 +141,13 @@ class _Peaks(NamedTuple):
 
 def _peaks(values: Values, low: Floats, high: Floats, points: int, steps: int) -> _Peaks:
     """Return the largest of some values on each interval, evaluated ever closer to the largest before."""
-    found = _largest(values, low, high, points)
+    peaks = _largest(values, low, high, points)
     for _ in range(steps):
-        closer = _largest(values, found.low, found.high, _CLOSER)
-        better = closer.value >= found.value
-        at, value = np.where(better, closer.at, found.at), np.where(better, closer.value, found.value)
-        found = _Peaks(at, value, closer.low, closer.high)
-    return found
+        closer = _largest(values, peaks.low, peaks.high, _CLOSER)
+        better = closer.value >= peaks.value
+        at, value = np.where(better, closer.at, peaks.at), np.where(better, closer.value, peaks.value)
+        peaks = _Peaks(at, value, closer.low, closer.high)
+    return peaks
 
 
 def _largest(values: Values, low: Floats, high: Floats, points: int) -> _Peaks:

@@ -22,8 +22,8 @@ def mode_family(
 ) -> tuple[Any, Any, Any, Any, Any]:
     """Return A, B, C, D and h of a rod's modes, Eq. (4) of DOI 10.1115/1.4031710 where h = 0.
 
-    The first four are those of `floquetrod.rod.model.constants.ModeConstants`; mean and amplitude in N, the frequency
-    in rad/s.
+    The first four arguments are fields of `floquetrod.rod.model.constants.ModeConstants`; mean and amplitude in N, the
+    frequency in rad/s.
     """
     squared = frequency * frequency
     unit = per_newton / squared
@@ -44,7 +44,7 @@ def mode_coefficients(
 def modes_left_out(forcing: float, compression: float, bending: float, gravity: float, held: float, last: int) -> float:
     """Return a bound on the growth per unit tau of every mode after ``last``, infinite where none is known.
 
-    In y = m^2 - h the family is that of h = 0, alpha = A y and beta = (B - 2 C h) y - C y^2 - (D - B h + C h^2); so
+    In y = m^2 - h the family has h = 0, alpha = A y and beta = (B - 2 C h) y - C y^2 - (D - B h + C h^2); so
     what follows holds with y in place of m^2.
 
     From m = last + 1 on, and m^4 >= D / C, the ratio a / q grows with m and so does k1, so that the products of

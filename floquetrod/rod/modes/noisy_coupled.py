@@ -10,32 +10,30 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
-from dataclasses import dataclass, field, replace
-from typing import Any, ClassVar, NamedTuple, NoReturn
+from dataclasses import dataclass, replace
+from typing import Any, ClassVar, NamedTuple, cast
 
 import numpy as np
 
 from floquetrod._util.arguments import wrong_value
 from floquetrod._util.progress import Progress, shifted
-from floquetrod._util.result_report import number
 from floquetrod.floquet.multipliers.moment_growth import MomentGrowth, MomentRate
 from floquetrod.floquet.multipliers.stabilising_damping import least_damping
-from floquetrod.floquet.references import NOISE, references
 from floquetrod.floquet.status import STATUS_CODES, UNDECIDED, UNSTABLE
 from floquetrod.floquet.verdict import Cost, Status
 from floquetrod.rod.answers.critical_noise import CriticalFactor
-from floquetrod.rod.answers.verdict import RodStability
+from floquetrod.rod.answers.evidence import NoisyCoupledEvidence
+from floquetrod.rod.answers.rod_stability import RodStability
 from floquetrod.rod.loads.load import Load, Loads, largest_density
 from floquetrod.rod.mode_equations.coupled_matrices import CoupledModes
+from floquetrod.rod.mode_equations.noisy_modes import IN_MEAN_SQUARE
 from floquetrod.rod.model.assumptions import assumptions
 from floquetrod.rod.model.constants import mode_constants
 from floquetrod.rod.model.contact import constants_under, require_on_wall
 from floquetrod.rod.modes.coupled import CoupledModel, chosen_count
-from floquetrod.rod.modes.coupled_verdict import SharedGrowth
 from floquetrod.rod.modes.mode_model import Answers, ModeModel, Statuses
-from floquetrod.rod.modes.noisy import NEAREST, NoisyModel, unstable_without_noise
+from floquetrod.rod.modes.noisy import HIGH_MODES_GROW, NEAREST, NoisyModel, unstable_without_noise
 from floquetrod.rod.modes.noisy_search import Effort
-from floquetrod.rod.modes.noisy_verdict import HIGH_MODES_GROW, IN_MEAN_SQUARE, UnderNoise
 
 _LEFT_OUT = 5.0  # error over the change from 5/6 of the modes, as of modes without noise
 _ENLARGEMENTS = 3  # times that more modes are taken while two numbers of them disagree (a choice)
@@ -50,7 +48,7 @@ _ASSUMED = (
 
 
 @dataclass(frozen=True)
-class NoisyTogetherModel(NoisyModel):
+class NoisyCoupledModel(NoisyModel):
     """Coupled modes under a force that has noise."""
 
     loads_at_once: ClassVar[int | None] = 50  # some seconds
@@ -60,7 +58,7 @@ class NoisyTogetherModel(NoisyModel):
     @property
     def quiet(self) -> CoupledModel:
         """The modes without noise."""
-        return CoupledModel(self.rod, replace(self.like, noise=0.0))
+        return CoupledModel(self.rod, replace(self.template, noise=0.0))
 
     def modes_needed(self, load: Load, growth_tolerance: float) -> tuple[int, float]:
         """Return how many modes to take, and the growth in 1/s that all others are expected not to exceed."""
@@ -74,16 +72,16 @@ class NoisyTogetherModel(NoisyModel):
         """Return the first modes as systems of equations without noise."""
         return self.quiet.in_modes(count)
 
-    def told_apart(self, modes: Iterable[int]) -> tuple[int, ...]:
+    def modes_apart(self, modes: Iterable[int]) -> tuple[int, ...]:
         """Return none: all share one growth."""
         return ()
 
     def density(self) -> float:
         """Return the density in N^2/Hz of white noise that makes everything grow as fast at least."""
-        return float(largest_density(self.like.noise, 0.0))
+        return float(largest_density(self.template.noise, 0.0))
 
     def trial(self, load: Load, count: int) -> Trial:
-        """Return what is known of the first modes under a load."""
+        """Return the trial of the first modes under a load."""
         return Trial.of(self.in_modes(count), replace(load, noise=0.0))
 
     # --- verdicts ---
@@ -106,10 +104,10 @@ class NoisyTogetherModel(NoisyModel):
         """Return status, growth of second moments in 1/s, and -1 where something grows, as verdicts, one by one."""
         status, growth = np.full(loads.size, UNDECIDED, dtype=np.int8), np.full(loads.size, np.nan)
         for i in range(loads.size):
-            load = self.like.with_numbers(*(float(values[i]) for values in loads.flat))
+            load = self.template.with_numbers(*(float(values[i]) for values in loads.flat))
             under = self.under(load)
-            trials, found = _counted(under, load, growth_tolerance)
-            final = _with_left_out(found)
+            trials, growths = _counted(under, load, growth_tolerance)
+            final = _with_left_out(growths)
             judged, _ = _judged(under, load, final, trials[-1].growth(0.0), growth_tolerance)
             status[i] = STATUS_CODES[judged]
             growth[i] = np.maximum(final.rate, under.growth_beyond(load))  # NaN where it is not known
@@ -131,13 +129,23 @@ class NoisyTogetherModel(NoisyModel):
         known = 2 * loads.size - left.size
         told(known, 2 * loads.size)
         if left.size:
-            there = shifted(told, known, known)
-            status[left] = self.answers(loads.some(left), growth_tolerance, workers, there).status
+            answer_progress = shifted(told, known, known)
+            status[left] = self.answers(loads.some(left), growth_tolerance, workers, answer_progress).status
         return status
 
     growth_of_modes = ModeModel.growth_of_modes
 
     # --- searches ---
+
+    def margin_effort(self, verdict: RodStability, seconds: float, longest: float) -> Effort:
+        """Return as many verdicts as time allows: none where that is less than the least number of samples."""
+        of_verdict = cast(NoisyCoupledEvidence, verdict.evidence).seconds * longest
+        verdicts = min(seconds / of_verdict, 1000.0)
+        if verdicts < _LEAST.samples:
+            return Effort(0, 0)
+        samples = max(_LEAST.samples, min(_MOST.samples, int(0.5 * verdicts)))
+        halvings = max(_LEAST.halvings, min(_MOST.halvings, int(verdicts) - samples))
+        return Effort(samples, halvings, of_verdict)
 
     def damping_required(self, load: Load, growth_tolerance: float) -> float:
         """Return the damping rate in 1/s at which second moments no longer grow faster than a tolerance."""
@@ -153,8 +161,8 @@ class NoisyTogetherModel(NoisyModel):
             )
 
         def excess(rate: float) -> float:
-            found = Trial.of(modes.damped(rate), quiet).growth(float(largest_density(load.noise, 0.0))).rate
-            return -1.0 if math.isnan(found) else found - growth_tolerance
+            rate_of_moments = Trial.of(modes.damped(rate), quiet).growth(float(largest_density(load.noise, 0.0))).rate
+            return -1.0 if math.isnan(rate_of_moments) else rate_of_moments - growth_tolerance
 
         start = max(beyond, 0.5 * self.rod.damping_rate, 1e-6 * load.frequency)
         return max(beyond, least_damping(excess, start, load.frequency))
@@ -163,7 +171,7 @@ class NoisyTogetherModel(NoisyModel):
         """Return the largest factor of the noise of a load at which it is stable in mean square, and its error.
 
         With as many modes as verdicts on both sides take, which they tell apart within the error, and the limit of high
-        modes.  Of a density that depends on the frequency it is a lower bound, and the error that of the bound.
+        modes.  Of a density that depends on the frequency it is a lower bound, with the error of the bound.
         """
         from scipy.optimize import brentq
 
@@ -176,10 +184,10 @@ class NoisyTogetherModel(NoisyModel):
         is_white = not isinstance(load.noise, tuple)
 
         def growth(factor: float) -> MomentRate:
-            found = _with_left_out([trial.growth(factor * largest) for trial in trials])
-            if math.isnan(found.rate):
+            final = _with_left_out([trial.growth(factor * largest) for trial in trials])
+            if math.isnan(final.rate):
                 raise wrong_value("load", "must be one whose second moments can be computed, got one where they cannot")
-            return found
+            return final
 
         def excess(factor: float) -> float:
             return growth(factor).rate - growth_tolerance
@@ -200,13 +208,11 @@ class NoisyTogetherModel(NoisyModel):
             apart *= 4.0
         return CriticalFactor(float(factor), float(apart * factor))
 
-    def certify(self, *given: Any) -> NoReturn:
-        """Raise ValueError: proofs under noise are of independent modes."""
-        raise self.refusal("certify")
+    certify = ModeModel.certify
 
 
 class Trial(NamedTuple):
-    """So many modes under one load.
+    """The second moments of the first modes under one load.
 
     Attributes
     ----------
@@ -220,7 +226,7 @@ class Trial(NamedTuple):
 
     @classmethod
     def of(cls, modes: CoupledModes, load: Load) -> Trial:
-        """Return them; ValueError where a period takes too many steps."""
+        """Return the second moments of modes; ValueError where a period takes too many steps."""
         at = Loads.single(load)
         system = modes.system(at)
         fastest = math.sqrt(float(np.abs(np.linalg.eigvalsh(system.stiffness)).max()))
@@ -240,84 +246,19 @@ class Trial(NamedTuple):
         return self.moments(0.5 * density)
 
 
-@dataclass(frozen=True)
-class NoisyTogether(UnderNoise, SharedGrowth):
-    """Coupled modes under noise, whose growth is that of second moments, negative where they decay."""
-
-    kind: ClassVar[str] = "coupled modes under noise"
-    growth_in_words: ClassVar[str] = "growth in mean square"
-
-    model: NoisyTogetherModel = field(compare=False)
-    seconds: float = field(compare=False, repr=False)
-
-    @property
-    def references(self) -> tuple[str, ...]:
-        """What to cite for the methods used."""
-        return references(NOISE)
-
-    def plot(self, verdict: RodStability, ax: Any = None) -> Any:
-        """Raise ValueError: second moments have no one shape."""
-        raise wrong_value("plot", "draws the shape in which coupled modes grow, and random motion has none")
-
-    def headline(self, verdict: RodStability) -> str:
-        """Return that it is a verdict in mean square."""
-        return "in mean square"
-
-    def fastest_in_words(self, verdict: RodStability) -> str:
-        """Return what grows."""
-        return "coupled modes grow in mean square"
-
-    def grows_in(self, verdict: RodStability) -> str:
-        """Return in what sense."""
-        return " in mean square"
-
-    def method(self, verdict: RodStability) -> str:
-        """Return the method, and how good the growth rate is."""
-        good = f"; growth good to {verdict.error:.0e} 1/s" if math.isfinite(verdict.error) else ""
-        return f"second moments of coupled modes{good}"
-
-    def numbers(self, verdict: RodStability) -> dict[str, Any]:
-        """Return the error, the numbers of modes tried and the kind of load."""
-        return {
-            "in_mean_square": True,
-            "growth_rate_error_per_s": number(verdict.error),
-            "convergence": [
-                {"modes": modes, "growth_of_second_moments_per_s": number(rate)} for modes, rate in self.convergence
-            ],
-            "load": self.load.kind_as_dict(),
-            "note": verdict.note,
-        }
-
-    def effort(self, seconds: float, longest: float) -> Effort:
-        """Return as many verdicts as time allows: none where that is less than the least number of samples."""
-        each = self.seconds * longest
-        verdicts = min(seconds / each, 1000.0)
-        if verdicts < _LEAST.samples:
-            return Effort(0, 0)
-        samples = max(_LEAST.samples, min(_MOST.samples, int(0.5 * verdicts)))
-        halvings = max(_LEAST.halvings, min(_MOST.halvings, int(verdicts) - samples))
-        return Effort(samples, halvings, each)
-
-    def sentence(self, verdict: RodStability) -> str:
-        """Return status and growth."""
-        if verdict.status != "unstable":
-            return f"{verdict.status} in mean square"
-        return f"unstable in mean square: {verdict.growth_rate:.6g} 1/s, tenfold in {verdict.time_to_grow():.3g} s"
-
-
 def _classified(
-    model: NoisyTogetherModel, load: Load, count: int | None, growth_tolerance: float, progress: Progress | None
+    model: NoisyCoupledModel, load: Load, count: int | None, growth_tolerance: float, progress: Progress | None
 ) -> RodStability:
     """Classify the second moments with as many modes as two numbers of them agree upon, or with ``count``."""
-    trials, found = _counted(model, load, growth_tolerance, progress) if count is None else _tried(model, load, count)
-    final = _with_left_out(found)
+    trials, growths = _counted(model, load, growth_tolerance, progress) if count is None else _tried(model, load, count)
+    final = _with_left_out(growths)
     status, note = _judged(model, load, final, trials[-1].growth(0.0), growth_tolerance)
     rate = max(0.0, float(np.nan_to_num(final.rate)), 0.0 if count else model.growth_beyond(load))
     steps = sum(len(trial.moments.fine.steps) for trial in trials)
-    convergence = tuple((trial.mode_count, growth.rate) for trial, growth in zip(trials, found, strict=True))
+    convergence = tuple((trial.mode_count, growth.rate) for trial, growth in zip(trials, growths, strict=True))
     return RodStability(
-        rod=model.rod,
-        evidence=NoisyTogether(model, convergence, sum(trial.moments.seconds for trial in trials)),
+        model=model,
+        evidence=NoisyCoupledEvidence(convergence, sum(trial.moments.seconds for trial in trials)),
         growth_tolerance=growth_tolerance,
         status=status,
         growth_rate=rate,
@@ -330,51 +271,51 @@ def _classified(
     )
 
 
-def _tried(model: NoisyTogetherModel, load: Load, *counts: int) -> tuple[list[Trial], list[MomentRate]]:
+def _tried(model: NoisyCoupledModel, load: Load, *counts: int) -> tuple[list[Trial], list[MomentRate]]:
     """Return trials of so many modes each, and how fast they grow."""
     trials = [model.trial(load, count) for count in counts]
     return trials, [trial.growth(model.density()) for trial in trials]
 
 
 def _counted(
-    model: NoisyTogetherModel, load: Load, growth_tolerance: float, progress: Progress | None = None
+    model: NoisyCoupledModel, load: Load, growth_tolerance: float, progress: Progress | None = None
 ) -> tuple[list[Trial], list[MomentRate]]:
     """Return the trials made, the fewest modes first, and how fast they grow."""
     last = model.count_for(Loads.single(load), growth_tolerance)
-    trials, found = _tried(model, load, last - max(2, last // 6), last)
+    trials, growths = _tried(model, load, last - max(2, last // 6), last)
     for _ in range(_ENLARGEMENTS):
         if progress is not None:
             progress(len(trials), len(trials) + 1)
-        final = _with_left_out(found)
+        final = _with_left_out(growths)
         if not final.error < math.inf or abs(final.rate - growth_tolerance) > final.error:
             break
         more, faster = _tried(model, load, math.ceil(1.25 * trials[-1].mode_count))
-        trials, found = trials + more, found + faster
-    return trials, found
+        trials, growths = trials + more, growths + faster
+    return trials, growths
 
 
-def _with_left_out(found: list[MomentRate]) -> MomentRate:
+def _with_left_out(growths: list[MomentRate]) -> MomentRate:
     """Return the growth with the most modes, its error enlarged for those left out, by what fewer change."""
-    final = found[-1]
-    change = max((abs(final.rate - other.rate) for other in found[-2:-1]), default=0.0)
+    final = growths[-1]
+    change = max((abs(final.rate - fewer.rate) for fewer in growths[-2:-1]), default=0.0)
     return MomentRate(final.rate, final.error + _LEFT_OUT * change)
 
 
 def _judged(
-    model: NoisyTogetherModel, load: Load, found: MomentRate, quiet: MomentRate, growth_tolerance: float
+    model: NoisyCoupledModel, load: Load, noisy: MomentRate, quiet: MomentRate, growth_tolerance: float
 ) -> tuple[Status, str]:
     """Return the verdict, and what to know of it, given the growth with noise and without."""
     beyond = model.growth_beyond(load)
     if beyond > growth_tolerance:
         return "unstable", HIGH_MODES_GROW.format(beyond)
-    if not found.error < math.inf:
+    if not noisy.error < math.inf:
         return "undecided", "the growth of second moments could not be computed"
-    if found.rate + found.error < growth_tolerance:
+    if noisy.rate + noisy.error < growth_tolerance:
         return "stable", ""
     if isinstance(load.noise, tuple):
         if quiet.rate - quiet.error > growth_tolerance:
             return "unstable", "without noise already"
         return "undecided", "white noise of the largest density would make it grow, that given may not"
-    if found.rate - found.error > growth_tolerance:
+    if noisy.rate - noisy.error > growth_tolerance:
         return "unstable", ""
-    return "undecided", f"growth {found.rate:.3g} 1/s in mean square is within its error {found.error:.1g}"
+    return "undecided", f"growth {noisy.rate:.3g} 1/s in mean square is within its error {noisy.error:.1g}"

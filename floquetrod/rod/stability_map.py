@@ -122,25 +122,25 @@ def stability_map(
     if validate.flag("certified", certified):
         _require_provable(model, tolerance, criterion=criterion, friction=mu_and_kick)
     if fixed[0] == "frequency":
-        require_off_resonance(model.like, rod.wave_speed, rod.length, value)
+        require_off_resonance(model.template, rod.wave_speed, rod.length, value)
     friction, kick = mu_and_kick or (None, None)
     plane = LoadPlane(rod, across, up, fixed[0], value, tolerance, criterion, friction, kick, template, workers)
     if validate.flag("large_motion", large_motion):
         _require_plain("large_motion", criterion=criterion, friction=mu_and_kick)
-        require_possible(rod, model.like)
-    found = charted(plane, x, y, growth=growth, progress=progress)
+        require_possible(rod, model.template)
+    chart = charted(plane, x, y, growth=growth, progress=progress)
     if certified:
         from floquetrod.rod.answers.certified_map import certified_cells
 
         edges = {across: x, up: y}
-        cells = certified_cells(rod, model.like, edges, (fixed[0], value), tolerance, workers, progress)
-        found = replace(found, cells=cells)
+        cells = certified_cells(rod, model.template, edges, (fixed[0], value), tolerance, workers, progress)
+        chart = replace(chart, cells=cells)
     if not large_motion:
-        return found
+        return chart
     given = {across: x.values, up: y.values[:, None], fixed[0]: np.array(value)}
     loads = Loads.of(*(given[name] for name in QUANTITIES))
-    angles = motion_map.large_motion(rod, model.like, loads, found.stable, progress)
-    return replace(found, large_motion=angles)
+    angles = motion_map.large_motion(rod, model.template, loads, chart.stable, progress)
+    return replace(chart, large_motion=angles)
 
 
 def _require_plain(argument: str, **others: Any) -> None:

@@ -18,7 +18,7 @@ from floquetrod.rod.answers.rod_branches import OFF_WALL, RodBranch, RodBranches
 from floquetrod.rod.large_orbits import (
     INDENTATION,
     MOST_HALF_WAVES,
-    Found,
+    ModeOrbit,
     alone,
     beam_functions,
     candidates,
@@ -75,15 +75,15 @@ def branches(
         rod, load, shapes.some(chosen(shapes, mode, *(NEAR[-1] if all_modes else NEAR[0]))), indentation
     )
     task = _Task(Motions(motion), quantity, (low, high), steps, longest)
-    parts = _searched(task, mode, loads, shapes, progress)
-    if not parts:
+    pieces = _searched(task, mode, loads, shapes, progress)
+    if not pieces:
         raise validate.wrong_value(
             "over",
             f"must hold loads that carry a large motion in mode {mode}; a search up to {math.degrees(LIMIT):.0f} "
             f"degrees at {len(loads)} loads found none",
         )
     modes = tuple(motion.shapes.numbers.tolist())
-    return RodBranches(rod, load, quantity, (low, high), mode, modes, tuple(parts))
+    return RodBranches(rod, load, quantity, (low, high), mode, modes, tuple(pieces))
 
 
 def resumed(
@@ -104,12 +104,12 @@ def resumed(
     if name := next((name for name, is_given in given.items() if is_given), None):
         raise validate.wrong_value(name, "must be left out where branches are continued, which keep theirs")
     quantity, low, high = (result.parameter, *result.over) if over is None else _range(over)
-    parts = []
-    for i, part in enumerate(result.parts):
-        motions = cast(Any, part.branch.system.function).motions
+    pieces = []
+    for i, piece in enumerate(result.parts):
+        motions = cast(Any, piece.branch.system.function).motions
         task = _Task(motions, quantity, (low, high), steps, longest)
-        parts.append(_followed(task, part.branch, shifted(progress, 2 * i * steps, 2 * i * steps)))
-    return replace(result, over=(low, high), parts=tuple(parts))
+        pieces.append(_followed(task, piece.branch, shifted(progress, 2 * i * steps, 2 * i * steps)))
+    return replace(result, over=(low, high), parts=tuple(pieces))
 
 
 def _checked(
@@ -147,9 +147,9 @@ def _moving(model: ModeModel, loads: list[Load], shapes: Shapes, indentation: fl
     """Return the mode that moves under the first of some loads under which one does."""
     for load in loads:
         rest = model.verdict(load, None, 0.0, None)
-        found = next(orbits_of(model.rod, load, shapes, candidates(rest, shapes, None), indentation), None)
-        if found is not None:
-            return found.mode
+        orbit_alone = next(orbits_of(model.rod, load, shapes, candidates(rest, shapes, None), indentation), None)
+        if orbit_alone is not None:
+            return orbit_alone.mode
     raise validate.wrong_value(
         "over",
         f"must hold loads that carry a large motion; a search up to {math.degrees(LIMIT):.0f} degrees at "
@@ -158,20 +158,20 @@ def _moving(model: ModeModel, loads: list[Load], shapes: Shapes, indentation: fl
 
 
 def _searched(task: _Task, mode: int, loads: list[Load], shapes: Shapes, progress: Progress | None) -> list[RodBranch]:
-    """Return the branches on which orbits lie that are found at some loads, up to the first that is not whole."""
-    parts: list[RodBranch] = []
+    """Return the branches through the orbits of one mode at some loads, up to the first that is not whole."""
+    pieces: list[RodBranch] = []
     try:
         for orbit in _starts(task, mode, loads, shapes):
             value = orbit.system.parameters[task.quantity]
-            if not _is_on_one(parts, value, orbit, task):
-                told = shifted(progress, 2 * len(parts) * task.steps, 2 * len(parts) * task.steps)
-                parts.append(_followed(task, orbit, told))
-                if any("continues" in end for end in parts[-1].branch.ends):
+            if not _is_on_one(pieces, value, orbit, task):
+                report = shifted(progress, 2 * len(pieces) * task.steps, 2 * len(pieces) * task.steps)
+                pieces.append(_followed(task, orbit, report))
+                if any("continues" in end for end in pieces[-1].branch.ends):
                     break
     except KeyboardInterrupt:
-        if not parts:
+        if not pieces:
             raise
-    return parts
+    return pieces
 
 
 def _starts(task: _Task, mode: int, loads: list[Load], shapes: Shapes) -> Iterator[PeriodicOrbit]:
@@ -184,23 +184,23 @@ def _starts(task: _Task, mode: int, loads: list[Load], shapes: Shapes) -> Iterat
         equation = alone(motion.rod, load, shapes, mode, motion.indentation)
         for orbit in orbits_alone(equation):
             try:
-                times, states, period = orbit_near(motion, load, Found(mode, orbit, equation))
-                found = periodic_orbit(system, (times, states), period, tolerance=TOLERANCE)
+                times, states, period = orbit_near(motion, load, ModeOrbit(mode, orbit, equation))
+                in_modes = periodic_orbit(system, (times, states), period, tolerance=TOLERANCE)
             except ValueError:
                 continue  # of one mode alone, not of two
-            if _angle(motion, found) > 0.1 * orbit.amplitude and not _beyond(motion, found):  # not at rest
-                yield found
+            if _angle(motion, in_modes) > 0.1 * orbit.amplitude and not _beyond(motion, in_modes):  # not at rest
+                yield in_modes
 
 
-def _is_on_one(parts: list[RodBranch], value: float, orbit: PeriodicOrbit, task: _Task) -> bool:
-    """Return whether an orbit lies on one of the branches that are known."""
+def _is_on_one(pieces: list[RodBranch], value: float, orbit: PeriodicOrbit, task: _Task) -> bool:
+    """Return whether an orbit lies on a branch followed before."""
     angle = _angle(task.motions.first, orbit)
-    for part in parts:
-        if part.turns != (orbit.collocation.turns or 1):
+    for piece in pieces:
+        if piece.turns != (orbit.collocation.turns or 1):
             continue
-        x, y = part.branch.values, part.amplitude
-        x, y = np.concatenate([[_or(part.rests[0], x[0])], x, [_or(part.rests[1], x[-1])]]), np.pad(y, 1)
-        y[0], y[-1] = (0.0 if rest is not None else y[i] for rest, i in zip(part.rests, (1, -2), strict=True))
+        x, y = piece.branch.values, piece.amplitude
+        x, y = np.concatenate([[_or(piece.rests[0], x[0])], x, [_or(piece.rests[1], x[-1])]]), np.pad(y, 1)
+        y[0], y[-1] = (0.0 if rest is not None else y[i] for rest, i in zip(piece.rests, (1, -2), strict=True))
         across = (x[:-1] - value) * (x[1:] - value) <= 0.0
         share = (value - x[:-1][across]) / np.where(x[1:] == x[:-1], 1.0, x[1:] - x[:-1])[across]
         there = y[:-1][across] + share * np.diff(y)[across]
@@ -260,11 +260,15 @@ def _leaves(motion: LargeMotion, before: PeriodicOrbit, orbit: PeriodicOrbit) ->
 
 def _beyond(motion: LargeMotion, orbit: PeriodicOrbit) -> str:
     """Return why the equations on the wall do not hold for an orbit, "" where they do."""
-    angle, least, _ = _seen(motion, orbit)
+    angle, least_contact, _ = _seen(motion, orbit)
     if angle > LIMIT:
         return f"angles are larger than {math.degrees(LIMIT):.0f} degrees"
     weight = motion.rod.mass_per_length * motion.rod.effective_gravity
-    return f"{OFF_WALL}: it presses on it with less than a third of its weight" if least < _PRESSED * weight else ""
+    return (
+        f"{OFF_WALL}: it presses on it with less than a third of its weight"
+        if least_contact < _PRESSED * weight
+        else ""
+    )
 
 
 def _seen(motion: LargeMotion, orbit: PeriodicOrbit) -> tuple[float, float, float]:
@@ -274,5 +278,5 @@ def _seen(motion: LargeMotion, orbit: PeriodicOrbit) -> tuple[float, float, floa
     times = orbit.period * np.arange(_INSTANTS) / _INSTANTS
     states = orbit(times)
     steep = np.abs(states[:, : motion.size] @ motion.shapes.slopes).max() * motion.rod.radial_clearance
-    least = float(motion.contact_force(times, states).min())
-    return largest(motion, states), least, float(steep) / motion.rod.length
+    least_contact = float(motion.contact_force(times, states).min())
+    return largest(motion, states), least_contact, float(steep) / motion.rod.length

@@ -133,7 +133,7 @@ class Reach(Printed, ByContent):
     frequency_depth : ndarray
         Measured depths in m of the lower end then, on the way from ``reach`` to ``reach_shaken``, 95 % of it the last.
     frequency_growth : ndarray
-        Fastest ``growth`` with each of them at any of these depths, mean force and wave those of that frequency;
+        Fastest ``growth`` with each frequency at any of these depths, under its own mean force and wave;
         infinite where the string is stopped before.
     frequency_speed : ndarray
         Largest axial velocity of the vibration in m/s with each of them; 0 where the string is stopped before.
@@ -200,15 +200,15 @@ class Reach(Printed, ByContent):
         depth = np.full(self.speeds.size, self.reach_shaken)
         for k in np.flatnonzero(self.speeds != self.sliding):
             if shaking is not None:
-                other = replace(self._pushing.drag, shaking=replace(shaking, speed=float(self.speeds[k])))
-                string = replace(self._pushing, drag=other)
+                drag_at_speed = replace(self._pushing.drag, shaking=replace(shaking, speed=float(self.speeds[k])))
+                string = replace(self._pushing, drag=drag_at_speed)
                 depth[k] = string.reached(float(self.depth[-1]), self._limits).depth
         return depth
 
     @property
     def gain_at_speeds(self) -> Floats:
         """Increase of the reach by the tool in m, while the string slides at each of ``speeds``."""
-        return np.array([_gained(self.reach, float(each)) for each in self.reach_at_speeds])
+        return np.array([_gained(self.reach, float(reach)) for reach in self.reach_at_speeds])
 
     @property
     def gain(self) -> float:
@@ -319,7 +319,9 @@ class Reach(Printed, ByContent):
             stress = f"{self._percent} of the yield strength {shown.pressure.show(self.yield_strength, 3)}"
         push = f"{shown.force.show(self.push, 4)}" if math.isfinite(self.push) else "any force"
         depths = [(self.lock_up, ""), *([(self.lock_up_shaken, " with the tool")] if self.tool else [])]
-        locks = [f"at {shown.length.show(each, 5)}{name}" for each, name in depths if math.isfinite(each)]
+        locks = [
+            f"at {shown.length.show(lock_depth, 5)}{name}" for lock_depth, name in depths if math.isfinite(lock_depth)
+        ]
         lock_up = f"by statics alone it locks up {' and '.join(locks)}" if locks else "it does not lock up"
         return f"{stress}, and {push} at the injector; {lock_up}"
 
@@ -338,7 +340,7 @@ class Reach(Printed, ByContent):
         return self.assumptions_in(units.unit("m/s", "", "speed"))
 
     def assumptions_in(self, speed: Unit) -> tuple[str, ...]:
-        """Return what is assumed, speeds in a unit."""
+        """Return the assumptions, with speeds in a unit."""
         local = (
             "growth is that of a long string under the force at each depth, with the rod's damping and with friction, "
             f"which damps a lateral wave less if it moves faster: here {speed.show(self.sliding, 3)}"
@@ -356,9 +358,9 @@ class Reach(Printed, ByContent):
         return [*lines, ("yields", _listed(depth, self.yields, unit))] if self.yields.any() else lines
 
     def _vibration_in_words(self, shown: AnswerUnits) -> str:
-        least, most = self.along.friction.min(), shown.force.show(self.amplitude.max(), 3)
+        smallest, most = self.along.friction.min(), shown.force.show(self.amplitude.max(), 3)
         tool = "" if self.tool is None else f"{self.tool.in_words(shown)}: "
-        return f"{tool}vibration of at most {most}, which reduces friction to {least:.3g}"
+        return f"{tool}vibration of at most {most}, which reduces friction to {smallest:.3g}"
 
     def _growth_in_words(self, shown: AnswerUnits) -> str:
         grows, unit = self.growth > _GROWS, shown.length
@@ -391,11 +393,11 @@ class Reach(Printed, ByContent):
         if ranges:
             return f"no lateral wave grows with {ranges}, {looked}"
         k = int(np.argmin(self.frequency_growth))
-        least = f", most slowly with {shown.show(every[k], 3)}, at {self.frequency_growth[k]:.3g} 1/s"
+        slowest = f", most slowly with {shown.show(every[k], 3)}, at {self.frequency_growth[k]:.3g} 1/s"
         reached = np.count_nonzero(np.isfinite(self.frequency_growth))
         if not reached:
             return f"the string reaches them with none, {looked}"
-        return f"lateral waves grow with all {reached} with which the string reaches them{least}, {looked}"
+        return f"lateral waves grow with all {reached} with which the string reaches them{slowest}, {looked}"
 
     def _table(self, shown: AnswerUnits) -> Table:
         depth, force = shown.length, shown.force
@@ -404,15 +406,17 @@ class Reach(Printed, ByContent):
         forces = (self.injector[rows], self.bit), (self.injector_shaken[rows], self.bit_shaken)
         kept = range(2 if self.tool else 1)
         columns = [(f"depth {depth.name}", ">9"), *((names[k][i], ">12") for i in range(2) for k in kept)]
-        deep = [self.bit_depth > each for each in (self.reach, self.reach_shaken)]
+        deep = [self.bit_depth > reach for reach in (self.reach, self.reach_shaken)]
         beyond = [deep[k] & np.isfinite(forces[k][0]) for k in kept]
         texts = [
             [_force(f, force) + "*" * b for f, b in zip(forces[k][0], beyond[k].tolist(), strict=True)] for k in kept
         ]
         texts += [[">" * bool(self.is_limited(f)) + _force(f, force) for f in forces[k][1].tolist()] for k in kept]
-        where = [f"{each:.0f}" for each in depth.of(self.bit_depth)]
+        where = [f"{value:.0f}" for value in depth.of(self.bit_depth)]
         limited = any(self.is_limited(forces[k][1]).any() for k in kept)
-        rest = ["* deeper than the string can be pushed within its limits"] * any(each.any() for each in beyond)
+        rest = ["* deeper than the string can be pushed within its limits"] * any(
+            is_beyond.any() for is_beyond in beyond
+        )
         most = f"no more than {MOST_FORCE:g} critical forces of a level hole was tried"
         rest += [f"> at the lower end: more may arrive, {most}"] * limited
         return Table(columns, list(zip(where, *texts, strict=True)), "\n".join(rest))
@@ -473,8 +477,8 @@ def _argument(name: str) -> str:
 
 
 def _listed(depth: Floats, is_so: Bools, unit: Unit) -> str:
-    found = [(f"{unit.of(a):.4g}", unit.show(b, 4)) for a, b in spans(depth, is_so)]
-    return ", ".join(f"{a} to {b}" if a != b.split()[0] else f"at {b}" for a, b in found) or "nowhere"
+    lengths = [(f"{unit.of(a):.4g}", unit.show(b, 4)) for a, b in spans(depth, is_so)]
+    return ", ".join(f"{a} to {b}" if a != b.split()[0] else f"at {b}" for a, b in lengths) or "nowhere"
 
 
 def _range(low: float, high: float) -> str:
@@ -567,7 +571,7 @@ def _locks_up(reached: Reached) -> float:
 
 
 def depths_of(path: WellPath, depth: Any) -> Floats:
-    """Return the measured depths of the lower end that are asked for, increasing."""
+    """Return the measured depths of the lower end, increasing, checked."""
     if depth is None:
         return np.linspace(path.start, path.end, _DEPTHS + 1)[1:]
     asked = np.unique(units.array("depth", depth, "length", 0.0, 1e6))
@@ -601,17 +605,17 @@ def _grown(rod: RodData, drag: Drag, along: MeanForce, tool: VibrationTool | Non
     """Return what grows along a string with a tool."""
     size = along.depth.size
     none = np.zeros((3, size))
-    found = _Grown(none[0], none[1], none[2], np.full(size, math.inf))
+    growth = _Grown(none[0], none[1], none[2], np.full(size, math.inf))
     chosen = np.flatnonzero(~along.is_snaking & np.isfinite(along.force) & (along.vibration > 0.0))
     if tool is None or drag.shaking is None or not chosen.size:
-        return found
-    some = _Places.of(rod, drag, along, chosen)
-    found.free[chosen], found.half_wave[chosen] = growth_along(
-        rod, some.place, some.force, some.vibration, tool.frequency
+        return growth
+    places = _Places.of(rod, drag, along, chosen)
+    growth.free[chosen], growth.half_wave[chosen] = growth_along(
+        rod, places.place, places.force, places.vibration, tool.frequency
     )
-    found.net[chosen] = np.maximum(found.free[chosen] - some.lost, 0.0)
-    found.least_speed[chosen] = least_speed(found.free[chosen], some.pressed, drag.shaking.speed, some.speed)
-    return found
+    growth.net[chosen] = np.maximum(growth.free[chosen] - places.lost, 0.0)
+    growth.least_speed[chosen] = least_speed(growth.free[chosen], places.pressed, drag.shaking.speed, places.speed)
+    return growth
 
 
 class _Places(NamedTuple):
@@ -657,18 +661,18 @@ def _with_others(rod: RodData, drag: Drag, far_force: float, depth: Floats) -> _
         return _Others(np.empty(0), np.empty(0), np.empty(0), np.empty(0))
     frequency = drag.shaking.frequency * _FREQUENCIES
     frequency = frequency[frequency <= strings.highest_frequency(drag.shaking, depth[-1] - drag.path.start)]
-    one, bottom = (each.ravel() for each in np.meshgrid(frequency, depth, indexing="ij"))
-    together = replace(drag, shaking=replace(drag.shaking, frequency=one))
-    growth, speed = np.full(one.size, math.inf), np.zeros(one.size)
-    some, string = [], []
+    frequencies, bottom = (values.ravel() for values in np.meshgrid(frequency, depth, indexing="ij"))
+    together = replace(drag, shaking=replace(drag.shaking, frequency=frequencies))
+    growth, speed = np.full(frequencies.size, math.inf), np.zeros(frequencies.size)
+    places, string = [], []
     for k, along in enumerate(mean_forces(together, far_force, bottom, _SPACING)):
         if along is not None:
             growth[k], speed[k] = 0.0, along.speed.max()
-            some.append(_Places.of(rod, together, along, np.flatnonzero(~along.is_snaking & (along.vibration > 0.0))))
-            string.append(np.full(some[-1].force.size, k))
-    if some:
-        all_, of = _Places.joined(some), np.concatenate(string)
-        grows = fastest_along(rod, all_.place, all_.force, all_.vibration, one[of], all_.lost, of)
+            places.append(_Places.of(rod, together, along, np.flatnonzero(~along.is_snaking & (along.vibration > 0.0))))
+            string.append(np.full(places[-1].force.size, k))
+    if places:
+        all_, of = _Places.joined(places), np.concatenate(string)
+        grows = fastest_along(rod, all_.place, all_.force, all_.vibration, frequencies[of], all_.lost, of)
         np.maximum.at(growth, of, grows)
-    growth, speed = (each.reshape(frequency.size, depth.size) for each in (growth, speed))
+    growth, speed = (values.reshape(frequency.size, depth.size) for values in (growth, speed))
     return _Others(frequency, depth, growth.max(axis=1), speed.min(axis=1))

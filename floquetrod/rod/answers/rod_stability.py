@@ -1,0 +1,690 @@
+"""The verdict on a rod, whatever couples its modes: status, growth, margins, and its words, tables and numbers."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import partial
+from itertools import islice
+from typing import TYPE_CHECKING, Any, Protocol
+
+import numpy as np
+
+from floquetrod import units
+from floquetrod._util import validate
+from floquetrod._util.arrays import Floats
+from floquetrod._util.caching import cached_property
+from floquetrod._util.interchange import by_keys, plain
+from floquetrod._util.progress import Progress
+from floquetrod._util.result_report import Report, Reported, Table, number
+from floquetrod._util.suggest import listed
+from floquetrod.equations import HillSystem, Mathieu
+from floquetrod.floquet.multipliers.resonance_names import Resonance
+from floquetrod.floquet.multipliers.system_stability import SystemStability
+from floquetrod.floquet.references import ROD, references, united
+from floquetrod.floquet.verdict import Stability, Verdict
+from floquetrod.rod.answers.evidence import (
+    CoupledEvidence,
+    Evidence,
+    IndependentEvidence,
+    NoisyCoupledEvidence,
+    NoisyEvidence,
+    Shape,
+)
+from floquetrod.rod.answers.margins import FEW_MODES, MARGIN_SECONDS, WAYS, Edge, Margin, in_hundredths, outward
+from floquetrod.rod.answers.reports import ReportLine, margin_lines, margins_as_dict, shown_in, subject_lines
+from floquetrod.rod.loads.axial import AxialResponse
+from floquetrod.rod.loads.load import Load, Quantity
+from floquetrod.rod.mode_equations.modal_systems import ModalSystem
+from floquetrod.rod.model.constants import SLOW_GROWTH
+from floquetrod.rod.model.data import RodData
+
+if TYPE_CHECKING:
+    from floquetrod.rod.mode_equations.coupled_systems import CoupledEquations
+
+_OF_ONE_KIND = ("mode_verdicts", "mode_growth_rates", "mode_equations", "whole", "convergence", "shape", "system")
+"""Names that are defined for one kind of modes only."""
+
+_LISTED_RESONANCES = 10  # in a report, the fastest
+_LISTED_MODES = 5  # in a report besides the modes that grow: those next to growth
+
+
+class VerdictModel(Protocol):
+    """The modes of a rod under one load, asked by a verdict for its margins: a `ModeModel`."""
+
+    @property
+    def rod(self) -> RodData:
+        """The rod."""
+
+    @property
+    def template(self) -> Load:
+        """The load."""
+
+    def damping_to_stabilise(self, verdict: RodStability) -> float:
+        """Return the smallest damping rate in 1/s from which every larger one keeps all modes from growing."""
+
+    def growth_of_modes(self, load: Load, modes: tuple[int, ...]) -> tuple[float, ...]:
+        """Return the growth in 1/s of modes."""
+
+    def margin_edge(
+        self,
+        verdict: RodStability,
+        quantity: Quantity,
+        piece: tuple[float, float],
+        seconds: float,
+        progress: Progress | None,
+    ) -> Edge:
+        """Return where the verdict first changes from ``piece[0]`` to ``piece[1]``, in about so many seconds."""
+
+
+@dataclass(frozen=True, kw_only=True, repr=False)
+class RodStability(Reported, Verdict):
+    """Verdict on a rod under a load, in 1/s and s.
+
+    It has all that every `Verdict` has.  Stable when nothing grows faster than the tolerance; the growth rate is that
+    of the fastest solution, within the tolerance or not; the exponents belong to all modes, or, of more than 60 coupled
+    ones, to the modes that may resonate.  Where modes are independent ``error`` is the largest error of a discriminant;
+    where they are coupled the error of the growth rate in 1/s, from the multipliers and, estimated, from the modes left
+    out.  Of independent modes under noise it is the error of the growth rate in 1/s, with a bound on all other modes.
+
+    Attributes
+    ----------
+    model : ModeModel
+        The modes of the rod under the load.
+    growth_tolerance : float
+        Growth in 1/s up to which a mode counts as stable.
+    evidence : IndependentEvidence, CoupledEvidence, NoisyEvidence or NoisyCoupledEvidence
+        Basis of the verdict: the equations of the modes, and the verdict on each or on all together.
+
+    Modes are numbered as the modes of the rod without axial force, between the same ends.  Attributes of one kind of
+    modes only, such as `mode_verdicts` or `shape`, raise an AttributeError that says so for the other.
+    """
+
+    model: VerdictModel
+    growth_tolerance: float
+    evidence: Evidence
+
+    @property
+    def rod(self) -> RodData:
+        """The rod."""
+        return self.model.rod
+
+    @property
+    def load(self) -> Load:
+        """The load."""
+        return self.model.template
+
+    @property
+    def linear(self) -> RodStability:
+        """The verdict without friction, as a `FrictionalRodStability` has it, which is this one."""
+        return self
+
+    @property
+    def references(self) -> tuple[str, ...]:
+        """Publications to cite, in plain text with DOI, floquetrod first, then the sources of the methods used."""
+        return united(references(ROD), self.evidence.references)
+
+    @property
+    def modes(self) -> tuple[int, ...]:
+        """Modes examined."""
+        return self.evidence.modes
+
+    @property
+    def modes_checked(self) -> int:
+        """Number of modes examined; `cutoff` says why that many."""
+        return len(self.modes)
+
+    @property
+    def cutoff(self) -> str:
+        """Why these modes and no others."""
+        return self.evidence.cutoff
+
+    @property
+    def resonances(self) -> tuple[Resonance, ...]:
+        """The resonances that grow, the fastest first, such as "direct resonance of mode 7, order 1".
+
+        A combination resonance has two modes.  Coupled modes are named by a heuristic, see `SystemStability`.
+        """
+        return self.evidence.resonances
+
+    @property
+    def unstable_modes(self) -> tuple[int, ...]:
+        """Modes that grow, alone or in a combination, faster than the tolerance."""
+        return self.evidence.unstable_modes(self.status, self.growth_tolerance)
+
+    @property
+    def fastest_mode(self) -> int | None:
+        """Mode that grows fastest, the lower one of a combination; None when none grows or none could be named."""
+        return self.evidence.fastest_mode(self.growth_rate)
+
+    @cached_property
+    def damping_to_stabilise(self) -> float:
+        """Smallest damping rate in 1/s from which every larger one keeps all modes from growing.
+
+        The rate meant is the rod's whole ``damping_rate``, whatever it is now.  Infinite when the mean force alone
+        buckles the rod: damping only slows that down.  Where modes are coupled it is the rate at which this load no
+        longer makes the rod grow faster than the tolerance, searched to ten digits and tried at two, four and eight
+        times as much.
+        """
+        return self.model.damping_to_stabilise(self)
+
+    # --- defined for one kind of modes only ---
+
+    @property
+    def system(self) -> ModalSystem | HillSystem:
+        """The equations, of independent modes a `ModalSystem`, of coupled ones a `HillSystem` in seconds."""
+        system: ModalSystem | HillSystem = self._of_one_kind("system")
+        return system
+
+    @property
+    def mode_equations(self) -> tuple[Mathieu, ...]:
+        """Equation of each independent mode, in the time tau = omega t."""
+        return tuple(self._of_one_kind("mode_equations"))
+
+    @property
+    def mode_verdicts(self) -> tuple[Stability, ...]:
+        """Verdict on each independent mode."""
+        return tuple(self._of_one_kind("mode_verdicts"))
+
+    @property
+    def mode_growth_rates(self) -> Floats:
+        """Growth rate of each independent mode in 1/s."""
+        return np.asarray(self._of_one_kind("mode_growth_rates"))
+
+    @property
+    def left_out_bound(self) -> float:
+        """Bound in 1/s on the growth of every mode but these, infinite where the modes were chosen by the caller."""
+        return float(self._of_one_kind("left_out_bound"))
+
+    @property
+    def coupled(self) -> CoupledEquations:
+        """The coordinates in which the motion of coupled modes is written, and their kind of load."""
+        coupled: CoupledEquations = self._of_one_kind("coupled")
+        return coupled
+
+    @property
+    def whole(self) -> SystemStability:
+        """Verdict on the system of coupled modes."""
+        whole: SystemStability = self._of_one_kind("whole")
+        return whole
+
+    @property
+    def convergence(self) -> tuple[tuple[int, float], ...]:
+        """Numbers of coupled modes and the growth rate in 1/s with each; the last one is the answer."""
+        return tuple(self._of_one_kind("convergence"))
+
+    @property
+    def shape(self) -> Shape:
+        """Where along the rod the fastest solution of coupled modes moves most, growing or not."""
+        shape: Shape = self._of_one_kind("shape")
+        return shape
+
+    def _of_one_kind(self, name: str) -> Any:
+        """Return an attribute of the evidence; AttributeError where its kind of modes has none."""
+        defined = dir(self.evidence)
+        if name in defined:
+            return getattr(self.evidence, name)
+        others = ", ".join(other for other in _OF_ONE_KIND if other in defined)
+        raise AttributeError(
+            f"{name} is not defined for {self.evidence.kind}, the subject of this verdict; use {others}"
+        )
+
+    @property
+    def axial(self) -> AxialResponse:
+        """How large the vibration becomes along the rod, where, and the nearest axial resonances."""
+        return self.rod.axial_response(self.load)
+
+    def growth_of(self, mode: int) -> float:
+        """Return the growth rate of a mode in 1/s, of the rod where modes are coupled."""
+        mode = validate.integer("mode", mode, 1, validate.MOST_NUMBERS)
+        return self.growth_rate if self.evidence.shares_growth else self.model.growth_of_modes(self.load, (mode,))[0]
+
+    def is_fastest(self, mode: int | None) -> bool:
+        """Return whether a mode has the growth rate of the rod, as all coupled modes have."""
+        return self.evidence.shares_growth or mode == self.fastest_mode
+
+    def plot(self, ax: Any = None) -> Any:
+        """Draw the `shape` in which the rod grows; return the axes.  ValueError where independent modes do not."""
+        shape, name = _drawn_shape(self)
+        from floquetrod.plotting.rod_plot import draw_shape
+
+        return draw_shape(self, shape, name, ax)
+
+    def time_to_grow(self, factor: float = 10.0) -> float:
+        """Return the time in s in which the fastest mode grows by ``factor``, infinite when none grows."""
+        if not validate.finite("factor", factor) > 1.0:
+            raise validate.wrong_value("factor", f"must be greater than 1, got {factor!r}")
+        return math.log(factor) / self.growth_rate if self.growth_rate > 0.0 else math.inf
+
+    @cached_property
+    def mean_force_margin(self) -> Margin:
+        """Distance in N to the nearest mean forces at which the verdict changes, searched to 8 F_cr either way.
+
+        Tongues that nowhere grow faster than `margin_tolerance` do not count, in this margin and the other two.  Where
+        modes are coupled the search is sampled, and ends early where it would take more than about ten seconds: see
+        `Margin.resolution` and `Margin.searched`; `margin` continues the search.
+        """
+        return self.margin("mean", seconds=MARGIN_SECONDS)
+
+    @cached_property
+    def amplitude_margin(self) -> Margin:
+        """Distance in N to the nearest amplitudes at which the verdict changes, searched to 2 F_cr above.
+
+        `Margin.resolution` says which changes may be passed over, as in `Rod.stable_amplitudes`.
+        """
+        return self.margin("amplitude", seconds=MARGIN_SECONDS)
+
+    @cached_property
+    def frequency_margin(self) -> Margin:
+        """Distance in rad/s to the nearest frequencies at which the verdict changes, searched to 9 times either way."""
+        return self.margin("frequency", seconds=MARGIN_SECONDS)
+
+    def margin(self, quantity: Quantity, *, seconds: float = math.inf, progress: Progress | None = None) -> Margin:
+        """Return the margin of one quantity of the load, searched for as long as wanted.
+
+        Parameters
+        ----------
+        quantity : "mean", "amplitude" or "frequency"
+        seconds : float
+            About how long the search for coupled modes may take: it takes fewer samples, and ends early, where it would
+            take longer by an estimate that does not depend on the machine.
+        progress : callable, optional
+            Called with the numbers of hundredths of the parts of the search done and of all; a margin may be found
+            before the last.  An exception that it raises ends the search.
+
+        Returns
+        -------
+        Margin
+            In N or rad/s.
+
+        Raises
+        ------
+        ValueError
+            For another quantity, and for ``seconds`` of zero or less.
+        """
+        validate.choice("quantity", quantity, WAYS)
+        if not (isinstance(seconds, float) and seconds == math.inf):
+            seconds = units.number("seconds", seconds, "time", math.ulp(0.0), hint="leave it out to search everything")
+        validate.progress(progress)
+        here: float = getattr(self.load, quantity)
+        ways = [[here, *way] for way in WAYS[quantity](here, self.rod.critical_force)]
+        pieces = sum(len(way) - 1 for way in ways)
+        reports = (in_hundredths(progress, number, pieces) for number in range(pieces))
+        edge = partial(self.model.margin_edge, self, quantity)
+        below, above = (outward(way, edge, list(islice(reports, len(way) - 1)), 0.5 * seconds) for way in ways)
+        if progress is not None:
+            progress(100 * pieces, 100 * pieces)
+        lower, higher = (math.inf if end.at is None else abs(end.at - here) for end in (below, above))
+        searched = abs(below.searched - here), abs(above.searched - here)
+        return Margin(lower, higher, max(below.resolution, above.resolution), searched)
+
+    def margins(self, seconds: float = MARGIN_SECONDS, progress: Progress | None = None) -> dict[Quantity, Margin]:
+        """Return the `margin` of every quantity, and find the damping that stabilises.
+
+        Parameters
+        ----------
+        seconds : float
+            About how long each may take, as for `margin`.
+        progress : callable, optional
+            Called with the numbers of hundredths done and of all, 100.
+
+        Raises
+        ------
+        ValueError
+            For ``seconds`` of zero or less.
+        """
+        validate.progress(progress)
+        margins: dict[Quantity, Margin] = {}
+        for i, quantity in enumerate(WAYS):
+
+            def quarter(done: int, parts: int, before: int = 25 * i) -> None:
+                if progress is not None:
+                    progress(before + 25 * done // parts, 100)
+
+            margins[quantity] = self.margin(quantity, seconds=seconds, progress=quarter)
+        _ = self.damping_to_stabilise  # kept with the verdict
+        if progress is not None:
+            progress(100, 100)
+        return margins
+
+    @property
+    def has_quick_margins(self) -> bool:
+        """Whether margins take some seconds at most, as they do except for many coupled modes."""
+        return self.evidence.has_exact_margins or self.modes_checked <= FEW_MODES
+
+    @property
+    def margin_tolerance(self) -> float:
+        """Growth in 1/s up to which loads count as stable in the margins.
+
+        The growth tolerance, and at least 1e-6: a margin to a tongue in which nothing grows within a month would be of
+        no use.  Where the load itself lies in such a tongue the margins end at the tongue's edges.
+        """
+        tolerance = max(self.growth_tolerance, SLOW_GROWTH)
+        return tolerance if self.stable or self.growth_rate > tolerance else self.growth_tolerance
+
+    def report(
+        self, units: Mapping[str, str] | None = None, margins: Mapping[Quantity, Margin] | None = None
+    ) -> Report:
+        """Return the verdict in lines and a table: resonances, rod and load, growth, margins, method, modes.
+
+        Parameters
+        ----------
+        units : mapping, optional
+            In which to show mean, amplitude, frequency, other forces, lengths and pressures: ``{"mean": "Fcr",
+            "frequency": "Hz", "force": "lbf", "length": "ft", "pressure": "ksi"}``; N, rad/s, m and MPa without, ft and
+            ksi beside pounds.
+        margins : mapping, optional
+            The result of `margins`, reported with the damping that stabilises.
+
+        Returns
+        -------
+        Report
+            Its text is ``str(report)``; a notebook shows it as a table.
+        """
+        evidence, shown = self.evidence, shown_in(units, self.rod.critical_force)
+        lines = subject_lines(self.rod, self.load, shown, self.assumptions)
+        if self.growth_rate > 0.0:
+            rate = f"{self.growth_rate:.6g} 1/s{_growing_mode(self)}"
+            lines.append(("growth", f"{rate}, tenfold in {self.time_to_grow(10.0):.4g} s"))
+        lines += _resonance_lines(evidence)
+        if margins is not None:
+            lines += margin_lines(margins, self.status, shown)
+            if not evidence.has_exact_margins:
+                lines.append(("", "found by sampling: two changes close together may be missed"))
+            if math.isinf(damping := self.damping_to_stabilise):
+                lines.append(("damping", "no damping suffices: the mean force alone buckles a mode"))
+            elif damping > 0.0:
+                rates = "any rate" if evidence.has_exact_margins else "every rate tried"
+                lines.append(("damping", f"stable at {rates} above {damping:.6g} 1/s"))
+        lines += [("checked", self.cutoff), ("method", _method(self))]
+        lines += [("note", self.note)] if self.note else []
+        return Report(": ".join(filter(None, [self.status.upper(), _headline(self)])), lines, _mode_table(evidence))
+
+    def as_dict(self, margins: Mapping[Quantity, Margin] | None = None) -> dict[str, Any]:
+        """Return the verdict as numbers for JSON, units in the keys; None for infinite or unknown numbers.
+
+        With ``margins``, which `margins` returns, these and the damping that stabilises.
+        """
+        rod, load, near = self.rod, self.load, {}
+        if margins is not None:
+            near = margins_as_dict(margins) | by_keys(self, "damping_to_stabilise_per_s")
+        return {
+            **by_keys(self, "status unstable_modes growth_rate_per_s decay_rate_per_s fastest_mode"),
+            "time_to_grow_tenfold_s": plain(self.time_to_grow(10.0)),
+            **near,
+            **by_keys(
+                self,
+                "modes_checked growth_tolerance_per_s critical_force_N=rod.critical_force rod "
+                "mass_per_length_kg_per_m=rod.mass_per_length weight_per_length_N_per_m=rod.weight_per_length "
+                "flexural_rigidity_N_m2=rod.flexural_rigidity assumptions mean_N=load.mean amplitude_N=load.amplitude "
+                "frequency_rad_per_s=load.frequency",
+            ),
+            **({} if load.is_uniform else {"axial_response": rod.axial_response(load).as_dict()}),
+            **({} if rod.yield_strength is None else {"stress": rod.stress(load).as_dict()}),
+            **_evidence_as_dict(self),
+        }
+
+    @property
+    def growing_in_words(self) -> str:
+        """What grows fastest, to stand before "at so many 1/s"."""
+        match self.evidence:
+            case IndependentEvidence():
+                return f"mode {self.fastest_mode} grows"
+            case CoupledEvidence():
+                return f"{self.resonances[0]}," if self.resonances else "growth"
+            case NoisyEvidence():
+                mode = self.fastest_mode
+                return f"{'all high modes grow' if mode is None else f'mode {mode} grows'} in mean square"
+            case NoisyCoupledEvidence():
+                return "coupled modes grow in mean square"
+
+    def __repr__(self) -> str:
+        """Return the verdict as a sentence."""
+        return f"<{_sentence(self)}; {self.cutoff}>"
+
+
+# --- what a verdict says, for each kind of evidence ---
+
+
+def _headline(verdict: RodStability) -> str:
+    """Return what grows, or why that is not known; "" where there is nothing to say."""
+    evidence, status = verdict.evidence, verdict.status
+    match evidence:
+        case IndependentEvidence():
+            return _modes_grow(verdict.unstable_modes) if status == "unstable" else ""
+        case CoupledEvidence() if status == "unstable":
+            growing = [r for r in evidence.resonances if r.growth_rate > verdict.growth_tolerance]
+            name = str(growing[0]) if growing else f"grows at {verdict.growth_rate:.6g} 1/s"
+            return name + (f", and {len(growing) - 1} more" if len(growing) > 1 else "")
+        case CoupledEvidence():
+            unknown = "the error of the growth rate is too large to decide whether the rod is stable"
+            return unknown if status == "undecided" else ""
+        case NoisyEvidence() if status == "unstable":
+            return f"in mean square, {_noisy_modes_grow(verdict, evidence)}"
+        case _:
+            return "in mean square"
+
+
+def _sentence(verdict: RodStability) -> str:
+    """Return status, growth and the modes that grow, and of waves how large the vibration becomes."""
+    evidence, status = verdict.evidence, verdict.status
+    rate = f"{verdict.growth_rate:.6g} 1/s"
+    growth = f"{rate}, tenfold in {verdict.time_to_grow():.3g} s"
+    match evidence:
+        case IndependentEvidence() if status == "stable":
+            slow = f", growth {verdict.growth_rate:.3g} 1/s within the tolerance" if verdict.growth_rate > 0.0 else ""
+            return f"stable{slow}"
+        case IndependentEvidence() if status == "undecided":
+            return "undecided"
+        case IndependentEvidence():
+            return f"unstable: {_modes_grow(verdict.unstable_modes)}; mode {verdict.fastest_mode} at {growth}"
+        case CoupledEvidence():
+            wave = f"; {verdict.axial.in_words}" if not verdict.load.is_uniform and verdict.load.amplitude else ""
+            if status == "unstable" and evidence.resonances:
+                return f"unstable: {evidence.resonances[0]}; {growth}{wave}"
+            return f"{status}: growth {rate}{wave}" if verdict.growth_rate > 0.0 else f"{status}{wave}"
+    if status != "unstable":
+        return f"{status} in mean square"
+    if isinstance(evidence, NoisyCoupledEvidence):
+        return f"unstable in mean square: {growth}"
+    mode = "" if verdict.fastest_mode is None else f"mode {verdict.fastest_mode} at "
+    return f"unstable in mean square: {_noisy_modes_grow(verdict, evidence)}; {mode}{growth}"
+
+
+def _modes_grow(modes: tuple[int, ...]) -> str:
+    return f"modes {listed(modes)} grow" if len(modes) > 1 else f"mode {listed(modes)} grows"
+
+
+def _noisy_modes_grow(verdict: RodStability, evidence: NoisyEvidence) -> str:
+    """Return the modes that grow in mean square, with all high ones where these do."""
+    modes = verdict.unstable_modes
+    beyond = math.isfinite(evidence.left_out_bound) and max(0.0, evidence.limit) > verdict.growth_tolerance
+    if not modes:
+        return "all high modes grow" if beyond else f"mode {verdict.fastest_mode} grows"
+    others = ", and all high modes" if beyond else ""
+    if len(modes) > 3:
+        return f"{len(modes)} modes grow, {modes[0]} to {modes[-1]}{others}"
+    return (f"modes {', '.join(map(str, modes))} grow" if len(modes) > 1 else f"mode {modes[0]} grows") + others
+
+
+def _growing_mode(verdict: RodStability) -> str:
+    """Return, to stand behind the growth rate, in which mode; "" where that is said elsewhere."""
+    match verdict.evidence:
+        case IndependentEvidence():
+            return f" in mode {verdict.fastest_mode}"
+        case CoupledEvidence():
+            return ""
+        case NoisyEvidence() if verdict.fastest_mode is not None:
+            return f" in mean square in mode {verdict.fastest_mode}"
+        case _:
+            return " in mean square"
+
+
+def _method(verdict: RodStability) -> str:
+    """Return the methods and the error; no error of coupled modes where only a lower bound of growth is known."""
+    evidence, error = verdict.evidence, f"{verdict.error:.0e}"
+    match evidence:
+        case IndependentEvidence():
+            methods = ", ".join(sorted({mode_verdict.method for mode_verdict in evidence.mode_verdicts}))
+            return f"{methods}; discriminants good to {error} relative"
+        case NoisyEvidence():
+            methods = ", ".join(sorted({mode_verdict.method for mode_verdict in evidence.mode_verdicts}))
+            return f"second moments, {methods}; growth good to {error} 1/s"
+        case CoupledEvidence():
+            method = f"{evidence.whole.method}, {verdict.cost}"
+        case NoisyCoupledEvidence():
+            method = "second moments of coupled modes"
+    return method + (f"; growth good to {error} 1/s" if math.isfinite(verdict.error) else "")
+
+
+def _resonance_lines(evidence: Evidence) -> list[ReportLine]:
+    """Return the fastest resonances of coupled modes; independent modes are in the table."""
+    if not isinstance(evidence, CoupledEvidence):
+        return []
+    lines = [
+        ("" if i else "grows", f"{resonance}, {resonance.growth_rate:.6g} 1/s")
+        for i, resonance in enumerate(evidence.resonances[:_LISTED_RESONANCES])
+    ]
+    more = len(evidence.resonances) - _LISTED_RESONANCES
+    return lines + ([("", f"and {more} more, which grow more slowly (the JSON lists them)")] if more > 0 else [])
+
+
+def _mode_table(evidence: Evidence) -> Table | None:
+    """Return the modes that grow and the five nearest to growth, in order; None of coupled modes.
+
+    Without noise the nearest are those whose discriminants come nearest to the boundary.
+    """
+    if isinstance(evidence, IndependentEvidence | NoisyEvidence):
+        troubled = sum(verdict.status != "stable" for verdict in evidence.mode_verdicts)
+    match evidence:
+        case IndependentEvidence():
+            room = [-math.inf if v.status != "stable" else 2.0 - abs(v.discriminant) for v in evidence.mode_verdicts]
+            nearest = sorted(range(len(room)), key=room.__getitem__)[: max(_LISTED_MODES, troubled)]
+            modes, equations, rates = evidence.modes, evidence.mode_equations, evidence.mode_growth_rates
+            return Table(
+                [("mode", ">4"), ("alpha", ">10"), ("beta", ">11"), ("where", "<21"), ("growth 1/s", ">10")],
+                [
+                    (
+                        str(modes[i]),
+                        f"{equations[i].alpha:.5g}",
+                        f"{equations[i].beta:.6g}",
+                        str(evidence.mode_verdicts[i].interval or evidence.mode_verdicts[i].status),
+                        f"{rates[i]:.4g}",
+                    )
+                    for i in sorted(nearest)
+                ],
+            )
+        case NoisyEvidence():
+            count = max(_LISTED_MODES, min(troubled, 4 * _LISTED_MODES))
+            fastest = np.argsort(-evidence.mode_growth_rates, kind="stable")[:count]
+            return Table(
+                [("mode", ">4"), ("noise 1/s^1.5", ">14"), ("where", "<10"), ("growth of q^2 1/s", ">18")],
+                [
+                    (
+                        str(evidence.modes[i]),
+                        f"{evidence.mode_intensities[i]:.5g}",
+                        evidence.mode_verdicts[i].status,
+                        f"{evidence.mode_growth_rates[i]:.5g}",
+                    )
+                    for i in sorted(fastest.tolist())
+                ],
+            )
+        case _:
+            return None
+
+
+def _evidence_as_dict(verdict: RodStability) -> dict[str, Any]:
+    """Return the evidence as numbers for JSON: every mode, or numbers of modes tried and resonances."""
+    evidence = verdict.evidence
+    growth_error = {"growth_rate_error_per_s": number(verdict.error)}
+    match evidence:
+        case IndependentEvidence():
+            return {
+                "left_out_growth_bound_per_s": number(evidence.left_out_bound),
+                "modes": [
+                    {
+                        "mode": mode,
+                        "alpha": equation.alpha,
+                        "beta": equation.beta,
+                        "status": stability.status,
+                        "interval": str(stability.interval) if stability.interval else None,
+                        "growth_rate_per_s": float(rate),
+                        "discriminant": number(stability.discriminant),
+                        "discriminant_relative_error": number(stability.error),
+                        "method": stability.method,
+                    }
+                    for mode, equation, stability, rate in zip(
+                        evidence.modes,
+                        evidence.mode_equations,
+                        evidence.mode_verdicts,
+                        evidence.mode_growth_rates,
+                        strict=True,
+                    )
+                ],
+            }
+        case CoupledEvidence():
+            return {
+                **growth_error,
+                "convergence": [{"modes": n, "growth_rate_per_s": number(rate)} for n, rate in evidence.convergence],
+                "resonances": [resonance.as_dict("growth_rate_per_s") for resonance in evidence.resonances],
+                "load": verdict.load.kind_as_dict(),
+                "structure": evidence.whole.structure,
+                "method": evidence.whole.method,
+                "cost": str(verdict.cost),
+                "note": verdict.note,
+            }
+        case NoisyEvidence():
+            return {
+                "in_mean_square": True,
+                **growth_error,
+                "left_out_growth_bound_per_s": number(evidence.left_out_bound),
+                "load": verdict.load.kind_as_dict(),
+                "modes": [
+                    {
+                        "mode": mode,
+                        "status": moments.status,
+                        "growth_of_second_moments_per_s": number(float(rate)),
+                        "noise_per_s_1.5": float(intensity),
+                        "method": moments.method,
+                    }
+                    for mode, moments, rate, intensity in zip(
+                        evidence.modes,
+                        evidence.mode_verdicts,
+                        evidence.mode_growth_rates,
+                        evidence.mode_intensities,
+                        strict=True,
+                    )
+                ],
+                "note": verdict.note,
+            }
+        case NoisyCoupledEvidence():
+            return {
+                "in_mean_square": True,
+                **growth_error,
+                "convergence": [
+                    {"modes": n, "growth_of_second_moments_per_s": number(rate)} for n, rate in evidence.convergence
+                ],
+                "load": verdict.load.kind_as_dict(),
+                "note": verdict.note,
+            }
+
+
+def _drawn_shape(verdict: RodStability) -> tuple[Shape, str]:
+    """Return the shape in which the rod grows, and the name of what grows; ValueError where there is none to draw."""
+    evidence = verdict.evidence
+    match evidence:
+        case CoupledEvidence():
+            return evidence.shape, str(next(iter(evidence.resonances), ""))
+        case IndependentEvidence() if verdict.growth_rate > 0.0:
+            mode = evidence.modes[int(evidence.mode_growth_rates.argmax())]
+            s = np.linspace(0.0, verdict.rod.length, 24 * mode + 1)
+            sine = np.sin(math.pi * mode * s / s[-1])
+            return Shape(s, sine, np.abs(sine)), f"mode {mode}"
+        case IndependentEvidence():
+            missing = "draws the shape in which the rod grows, and of these modes none does"
+        case NoisyEvidence():
+            missing = "draws the shape in which coupled modes grow, and these modes are independent"
+        case NoisyCoupledEvidence():
+            missing = "draws the shape in which coupled modes grow, and random motion has none"
+    raise validate.wrong_value("plot", missing)
