@@ -1,6 +1,6 @@
 """The interface to the modes of a rod under a kind of load: equations, verdicts, ranges, bands, proofs.
 
-`floquetrod.Rod.modes_under` chooses the model; nothing else asks which one it has.
+`floquetrod.rod.rod.Rod._modes_under` chooses the model; nothing else asks which one it has.
 """
 
 from __future__ import annotations
