@@ -640,7 +640,7 @@ def test_the_clock_of_a_simulation_starts_when_all_is_compiled(monkeypatch: pyte
 
 def test_small_work_and_little_work_are_interpreted(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(compilation, "compiled", lambda function: "machine code")
-    monkeypatch.setattr(compilation, "_ASKED", {})
+    monkeypatch.setattr(compilation, "_INTERPRETED", {})
 
     def chosen(size: int, **options: int) -> str:
         return "machine code" if compilation.runner(len, size, **options) == "machine code" else "interpreted"
@@ -659,7 +659,7 @@ def test_small_work_and_little_work_are_interpreted(monkeypatch: pytest.MonkeyPa
 def test_first_loads_of_a_rod_are_interpreted_unless_they_take_long(monkeypatch: pytest.MonkeyPatch) -> None:
     rod, rng, asked = fr.Rod.nitinol(), np.random.default_rng(1), []
     mean, amplitude = rod.critical_force * rng.uniform(0.0, 1.0, (2, 100))
-    monkeypatch.setattr(compilation, "_ASKED", {})
+    monkeypatch.setattr(compilation, "_INTERPRETED", {})
     monkeypatch.setattr(compilation, "compiled", lambda kernel: asked.append(kernel.__name__) or kernel)
     monkeypatch.setattr(modal_systems, "is_at_hand", lambda kernel: False)
     monkeypatch.setattr(modal_systems, "_LOADING", 100.0)
@@ -678,7 +678,7 @@ def test_first_loads_of_a_rod_are_interpreted_unless_they_take_long(monkeypatch:
 def test_first_loads_of_a_rod_have_the_bits_of_machine_code(monkeypatch: pytest.MonkeyPatch) -> None:
     rod, rng = fr.Rod.nitinol(), np.random.default_rng(1)
     mean, amplitude, frequency = np.array([[1.0], [0.6], [150.0]]) * rng.uniform(0.2, 1.0, (3, 1000))
-    monkeypatch.setattr(compilation, "_ASKED", {})
+    monkeypatch.setattr(compilation, "_INTERPRETED", {})
     answers = []
     for at_hand in (False, True):
         monkeypatch.setattr(modal_systems, "is_at_hand", lambda kernel, answer=at_hand: answer)

@@ -318,7 +318,7 @@ def test_small_work_is_done_without_the_compiler_to_the_same_bits(
         for module in (system_even, system_maps):
             monkeypatch.setattr(module, "_COMPILE_AFTER", compile_after)
         monkeypatch.setattr(system_series, "OFTEN_ASKED", set())
-        monkeypatch.setattr(compilation, "_ASKED", {})
+        monkeypatch.setattr(compilation, "_INTERPRETED", {})
         whole = product(segment_maps(*as_first_order(*system[:2]), system[2], least_segments=2))
         pairs = pair_numbers(*system) if n == 2 else ()
         return [*half_period_map(*system)[:6], *pairs, *whole]
@@ -337,7 +337,7 @@ def test_machine_code_that_loads_sooner_than_python_answers_is_taken(
 
     def chosen(milliseconds: float) -> bool:
         monkeypatch.setattr(system_series, "OFTEN_ASKED", set())
-        monkeypatch.setattr(compilation, "_ASKED", {})
+        monkeypatch.setattr(compilation, "_INTERPRETED", {})
         return system_series.run_of(maps, 1000.0, lambda: milliseconds) is not maps
 
     assert [chosen(work) for work in (10.0, 40.0, 60.0, 900.0, 1100.0)] == [False, False, True, True, True]

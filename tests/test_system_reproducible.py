@@ -47,7 +47,7 @@ def bits(result: Any) -> list[bytes]:
 
 def as_new(monkeypatch: pytest.MonkeyPatch) -> None:
     """Let the process forget what it was asked, so that it interprets kernels before it takes compiled ones."""
-    monkeypatch.setattr(compilation, "_ASKED", {})
+    monkeypatch.setattr(compilation, "_INTERPRETED", {})
     monkeypatch.setattr(system_series, "is_at_hand", lambda function: False)
     system_series.OFTEN_ASKED.clear()
 

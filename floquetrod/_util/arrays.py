@@ -33,16 +33,15 @@ def broadcast(**arrays: NDArray[Any]) -> tuple[tuple[int, ...], tuple[NDArray[An
         listed = ", ".join(str(array.shape) for array in arrays.values())
         raise ValueError(f"{', '.join(first)} and {last} must broadcast to one shape, got shapes {listed}") from None
     validate.elements(", ".join(arrays), math.prod(shape))
-    return shape, tuple(
-        (array if array.shape == shape else _everywhere(array, shape)).ravel() for array in arrays.values()
-    )
-
-
-def _everywhere(array: NDArray[Any], shape: tuple[int, ...]) -> NDArray[Any]:
-    """Return a copy of an array in a larger shape, in a third of the time of `numpy.broadcast_to` and a copy."""
-    copy = np.empty(shape, array.dtype)
-    copy[...] = array
-    return copy
+    flat = []
+    for array in arrays.values():
+        if array.shape == shape:
+            flat.append(array.ravel())
+        else:  # a third of the time of a copy of `numpy.broadcast_to`
+            wide = np.empty(shape, array.dtype)
+            wide[...] = array
+            flat.append(wide.ravel())
+    return shape, tuple(flat)
 
 
 def are_diagonal(matrices: NDArray[Any]) -> bool:

@@ -34,8 +34,8 @@ _OPTIONS = {"nogil": True, "error_model": "numpy"}
 _CHUNK = 8192  # elements a thread takes at a time (heuristic: well above the cost of a call, well below a map)
 _WORTH_A_THREAD = 1e-3  # seconds of work for each thread below which it does not pay (measured: one costs 0.1 ms)
 
-_ASKED: dict[Callable[..., Any], float] = {}
-"""Work each kernel was given while interpreted, in multiples of what is always interpreted."""
+_INTERPRETED: dict[Callable[..., Any], float] = {}
+"""Work of each kernel while interpreted, in multiples of ``interpret_up_to``, see `runner`."""
 
 
 def kernel(function: F) -> F:
@@ -229,9 +229,9 @@ def runner(
     """
     if size <= interpret_up_to:
         return function
-    asked = _ASKED.get(function, 0.0) + size / max(interpret_up_to, 1)
-    if interpret_up_to and asked <= compile_after:
-        _ASKED[function] = asked
+    work = _INTERPRETED.get(function, 0.0) + size / max(interpret_up_to, 1)
+    if interpret_up_to and work <= compile_after:
+        _INTERPRETED[function] = work
         return function
     return compiled(function)
 
@@ -268,7 +268,7 @@ def over_chunks(
     size = len(out)
     run: Any = runner(function, size, interpret_up_to=interpret_up_to, compile_after=compile_after)
     if not hasattr(run, "py_func"):  # interpreted: plain floats are faster than numpy's, and overflow quietly
-        with np.errstate(all="ignore"):  # as machine code does, whatever the caller asks of numpy
+        with np.errstate(all="ignore"):  # as in machine code
             run(*(array.tolist() for array in inputs), out, *constants)
         return
     # One layout of arrays: a kernel is compiled for every layout, and read-only arrays have another.

@@ -21,7 +21,7 @@ SCHEMA_VERSION = 1
 """Raised when an entry of such a text changes its place or its meaning."""
 
 _SEVERAL = ("state", "multiplier")
-"""Dimensions along which an entry has columns of its own."""
+"""Dimensions that become columns, one for each entry."""
 
 _UNIT = re.compile(r"(_(N|Pa|J|m|s|rad))?(_per_(m|s))?$")
 """The unit at the end of a key."""

@@ -39,7 +39,7 @@ MOST_NUMBERS = 20_000
 MOST_ELEMENTS = 100_000_000
 """Most elements of an array, 0.8 GB of doubles, beyond which memory may run out before Ctrl-C is heard (a choice)."""
 
-_MOST_CHARACTERS = 4096  # of a path: what Linux opens
+_MOST_CHARACTERS = 4096  # of a path that Linux opens
 _DEEPEST = 32  # levels of nested lists: more than NumPy 1 takes
 
 _LEAST_POSITIVE = math.ulp(0.0)
@@ -180,7 +180,7 @@ def require_dense(name: str, value: Any) -> None:
 
 
 def iterable(values: Any) -> bool:
-    """Return whether ``values`` can be iterated over, as far as it can be asked."""
+    """Return whether ``values`` can be iterated over, without iterating."""
     try:
         iter(values)
     except Exception:  # is not, or raises when asked
@@ -208,7 +208,7 @@ def integers(name: str, values: Any, least: int, most: int = MOST_NUMBERS, hint:
 
 
 def modes(values: Any, name: str = "modes") -> tuple[int, ...]:
-    """Return the mode numbers asked for, one at least, as a tuple."""
+    """Return mode numbers, one at least, as a tuple."""
     chosen = integers(name, values, 1)
     if not chosen:
         raise wrong_value(name, "must name at least one mode, got none; leave it out to use all that matter")
@@ -314,12 +314,12 @@ def progress(value: Any) -> None:
 
 
 def workers(value: Any) -> int | None:
-    """Return the number of threads asked for, None for the default."""
+    """Return a number of threads, None for the default."""
     return None if value is None else integer("workers", value, 1, MOST_THREADS, "leave it out for one per core")
 
 
 def untyped(name: str, values: Any) -> NDArray[Any]:
-    """Return ``values`` as an array of any type; ragged and masked ones are refused, those too large or with units."""
+    """Return ``values`` as an array of any type; raise for ragged, masked, too large ones, and ones with units."""
     elements(name, values.size if type(values) is np.ndarray else _counted(name, values, {}))
     values = mapped(name, values, is_measured, without_unit)
     try:

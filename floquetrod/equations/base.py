@@ -157,7 +157,7 @@ class Equation(TellsAttributes, ABC):
         return shaped(total / weight, phase.shape)
 
     def plot(self, ax: Any = None) -> Any:
-        r"""Draw p(tau) over one period, its jumps and its mean, on new axes or those given; return the axes.
+        r"""Draw p(tau) over one period, its jumps and its mean, on ``ax`` or on new axes; return the axes.
 
         Examples
         --------

@@ -184,7 +184,7 @@ def _piece(share: Fraction, value: Any) -> Piece:
 
 
 def _even_amplitudes(harmonics: tuple[complex, ...]) -> tuple[complex, ...] | None:
-    """Return the real amplitudes about an instant of even symmetry, None where there is none (to rounding)."""
+    """Return the real amplitudes about an instant of even symmetry, to rounding; None without one."""
     first = next((k for k, z in enumerate(harmonics, start=1) if z != 0.0), None)
     if first is None:
         return ()

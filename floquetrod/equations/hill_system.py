@@ -302,7 +302,7 @@ class HillSystem(matrices.PeriodicMatrixSystem):
 
     @cached_property
     def even_start(self) -> Fraction | None:
-        """Instant about which a stiffness in pieces is exactly even; None where there is none, and with C or G."""
+        """Instant about which a stiffness in pieces is exactly even; None without one, and with C or G."""
         return None if self.damping is not None or self.gyroscopic is not None else self._even_instant
 
     @property
@@ -351,9 +351,9 @@ class HillSystem(matrices.PeriodicMatrixSystem):
         return PeriodicSystem(mean, cosines, sines, period=self.period, coefficient_error=error)
 
     def plot(self, ax: Any = None) -> Any:
-        """Draw the entries of the matrix that vary, of one system, over one period, on new axes or those given.
+        """Draw the varying entries of the matrix of one system over one period, on ``ax`` or on new axes.
 
-        Of a symmetric matrix those on and above the diagonal; where nothing varies, all.  Return the axes.
+        Of a symmetric matrix only entries on and above the diagonal; of a constant one all.  Return the axes.
 
         Examples
         --------
@@ -525,7 +525,7 @@ def _even_amplitudes(
 
 
 def _congruence(left: Matrix, matrix: Matrix, name: str = "mass") -> Matrix:
-    """Return L K L^T; ValueError where it is beyond what a system may hold."""
+    """Return L K L^T; ValueError where its entries are beyond the largest of a system."""
     with np.errstate(over="ignore", under="ignore", invalid="ignore"):
         result = np.asarray(left @ matrix @ np.swapaxes(left, -1, -2))
     if not (np.abs(result) <= matrices.LARGEST_ENTRY).all():

@@ -97,7 +97,7 @@ class FrictionalMathieu:
     """Mathieu's equation with dry friction, A'' + 2 c A' = (beta + alpha sin tau) A - gamma sign(A').
 
     sign(0) is any number between -1 and 1, as Coulomb's law has it (Filippov): a motion that comes to rest sticks while
-    abs((beta + alpha sin tau) A) <= gamma.  Its verdicts are those of `floquetrod.friction`.
+    abs((beta + alpha sin tau) A) <= gamma.  Verdicts on it are in `floquetrod.friction`.
 
     Parameters
     ----------

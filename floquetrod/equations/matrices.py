@@ -18,7 +18,7 @@ Matrix = NDArray[np.float64]
 Structure = Literal["hamiltonian", "reversible", "unitary", "damped", "general"]
 
 LARGEST_ENTRY = 1e30
-"""Largest magnitude of a matrix entry, in whatever units."""
+"""Largest magnitude of a matrix entry, in any units."""
 
 MOST_EQUATIONS = 2000
 """Most equations of a system (a choice): the map of more takes minutes."""

@@ -106,8 +106,8 @@ class PeriodicSystem(matrices.PeriodicMatrixSystem):
         Without jumps A is sampled over the period at twice as many instants until its harmonics have decayed to
         rounding, or to the noise of its values, and the series agrees with it at instants in between.  Between jumps,
         and there never at the jumps themselves, a few harmonics are fitted, over pieces halved until they agree with A
-        in between.  ``coefficient_error`` is an estimate of the neglected harmonics, and of those that sampling
-        confuses with the others.  A change far shorter than a hundredth of the period, or of a piece, may be missed.
+        in between.  ``coefficient_error`` is an estimate of the neglected harmonics, and of their aliases by sampling.
+        A change far shorter than a hundredth of the period, or of a piece, may be missed.
 
         Parameters
         ----------
@@ -158,7 +158,7 @@ class PeriodicSystem(matrices.PeriodicMatrixSystem):
 
     @property
     def _paired_structure(self) -> Structure | None:
-        """Structure by which multipliers come in mu, 1 / mu; None where there is none."""
+        """Structure by which multipliers come in mu, 1 / mu; None without one."""
         if self.order % 2:
             return None
         half = self.order // 2
@@ -174,9 +174,9 @@ class PeriodicSystem(matrices.PeriodicMatrixSystem):
         return "reversible" if outer and inner else None
 
     def plot(self, ax: Any = None) -> Any:
-        """Draw the entries of the matrix that vary, of one system, over one period, on new axes or those given.
+        """Draw the varying entries of the matrix of one system over one period, on ``ax`` or on new axes.
 
-        Of a symmetric matrix those on and above the diagonal; where nothing varies, all.  Return the axes.
+        Of a symmetric matrix only entries on and above the diagonal; of a constant one all.  Return the axes.
 
         Examples
         --------

@@ -111,7 +111,7 @@ class Varying(ByContent):
 
     @property
     def slope_or_zero(self) -> Matrix:
-        """The slope, zeros where there is none."""
+        """The slope, zeros without one."""
         return np.zeros(self.start.shape) if self.slope is None else self.slope
 
     @property
@@ -179,7 +179,7 @@ class PieceArrays(NamedTuple):
     """
 
     mean: Floats  # (b, P, N, N), real
-    slope: Floats | None  # (b, P, N, N), real; None where there is none
+    slope: Floats | None  # (b, P, N, N), real; None for zero
     harmonics: Complexes  # (b, P, H, N, N), complex
     length: Floats  # (b, P), durations
     period: Floats  # (b,), periods of the harmonics
@@ -246,7 +246,7 @@ def one_series(pieces: Pieces) -> Varying | None:
 
 
 def made(kind: Callable[..., System], pieces: Any, **others: Any) -> System:
-    """Return a system of a kind from the pieces of its matrix, a Fourier series where they are one."""
+    """Return a system of a kind from the pieces of its matrix, as a Fourier series where it is one."""
     checked_pieces = read(pieces)
     period, single = total([duration for duration, _ in checked_pieces]), one_series(checked_pieces)
     if single is not None:

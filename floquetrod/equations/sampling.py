@@ -70,7 +70,7 @@ def smooth(sampled: Callable[[NDArray[Any]], Matrix], period: float, required: f
     size, before_rest = max(size, float(np.abs(trials).max())), 0.0
     while True:
         series = np.fft.rfft(values, axis=0) / count
-        top = 3 * count // 8  # harmonics from here on are the last quarter of those that so many samples resolve
+        top = 3 * count // 8  # harmonics from here on are the last quarter of the resolved ones
         sizes = np.abs(series).max(axis=(1, 2))
         rest = float(sizes[top:].max())
         floor = max(_NEGLIGIBLE * size, 2.0 * rest)

@@ -33,7 +33,7 @@ _OF_A_PIECE = ("duration", "stiffness", "stiffness_start", "mean", "matrix_start
 _KEYS = tuple(dict.fromkeys((*_SECOND_ORDER, *_FIRST_ORDER)))
 _MATRICES = (*_OF_A_PIECE[1:], "mass", "damping", "gyroscopic", "delayed", "delayed_cosines", "delayed_sines")
 _SMALL = 1 << 20  # entries of an array that is read unchecked (a choice)
-_LARGEST = {".toml": 1 << 26, ".npz": 1 << 32}  # bytes that are read, those of unpacked arrays (a choice)
+_LARGEST = {".toml": 1 << 26, ".npz": 1 << 32}  # bytes that are read, in npz files unpacked (a choice)
 
 
 def read_system(path: str | Path) -> HillSystem | PeriodicSystem | DelaySystem:

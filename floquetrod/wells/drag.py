@@ -126,7 +126,7 @@ class Shaking:
     """A tool that shakes a string along its axis, and the friction that its wave leaves."""
 
     amplitude: float  # of its force in N
-    frequency: Any  # in rad/s, the same for all strings, or (n,), of each its own
+    frequency: Any  # in rad/s, one for all strings, or (n,)
     above_end: float  # distance of the tool from the lower end of the string in m
     impedance: float  # Z of the string in N s/m
     wave_speed: float  # of axial waves in m/s
@@ -158,14 +158,6 @@ class Strings(NamedTuple):
     top: Floats
     bottom: Floats
     y: Floats
-
-
-class States(NamedTuple):
-    """Y of strings at measured depths, (m, n), NaN beyond their ends; and at their upper ends, (n,)."""
-
-    depth: Floats
-    y: Floats
-    top_y: Floats
 
 
 @dataclass(frozen=True)

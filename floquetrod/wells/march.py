@@ -1,4 +1,4 @@
-"""Strings marched up a well side by side, each with steps of its own, by an explicit Runge-Kutta method of order 8.
+"""Strings marched up a well side by side, each with its own steps, by an explicit Runge-Kutta method of order 8.
 
 By the method of Dormand and Prince with its dense output of order 7 (Hairer, Norsett and Wanner, Solving Ordinary
 Differential Equations I, II.5), with SciPy's coefficients.  A step ends at a station, where friction changes, at the
@@ -19,7 +19,7 @@ from floquetrod._util.arrays import Bools, Floats
 from floquetrod._util.content import ByContent
 from floquetrod._util.roots import largest, roots
 from floquetrod.wells.arcs import Points
-from floquetrod.wells.drag import Drag, Fineness, States, Strings, WellGeometry
+from floquetrod.wells.drag import Drag, Fineness, Strings, WellGeometry
 from floquetrod.wells.kernels.wall_contact import LOCKED
 
 Ints = NDArray[np.intp]
@@ -32,11 +32,11 @@ _SECTIONS = 16  # of the bracket of a largest value: to 5e-4 of it
 _TOUCHES = 1e-9  # of the terms of `helix_margin`: so little is rounding
 
 
-def up(drag: Drag, strings: Strings, depths: Floats, fineness: Fineness) -> States:
-    """Return the states of strings at measured depths in m and at their upper ends, from their lower ends up."""
-    march = _March(drag, strings, np.unique(depths), fineness)
+def up(drag: Drag, strings: Strings, depths: Floats, fineness: Fineness) -> tuple[Floats, Floats]:
+    """Return y of strings at increasing measured depths in m, (m, n), NaN beyond their ends, and at upper ends, (n,)."""
+    march = _March(drag, strings, depths, fineness)
     march.go()
-    return States(march.wanted, march.noted, march.state)
+    return march.noted, march.state
 
 
 class _March:

@@ -143,7 +143,7 @@ class WellPath(Reported, ByContent, TellsAttributes):
         inclination : two floats or str
             At the upper and at the lower end, in rad.
         azimuth : float, str or two of them
-            In rad; one for a plane path, or those at both ends.
+            In rad; one for a plane path, or two, at both ends.
         depth : float or str
             Measured depth of the upper end in m.
 
@@ -332,7 +332,7 @@ class WellPath(Reported, ByContent, TellsAttributes):
             raise validate.wrong_value(fault.argument, f"at station {fault.station} {fault.problem}")
         return type(self).__new__(type(self))._keep(self.depth.copy(), *columns)
 
-    # --- what it says ---
+    # --- in words and numbers ---
 
     def __repr__(self) -> str:
         """Return stations, depths, inclinations and doglegs as a sentence."""

@@ -22,7 +22,7 @@ from floquetrod.wells.shaken_string import ShakenString
 
 _TURNS = 30  # at most: seven are usual
 _STAYS = 1e-7, 10.0  # largest change of y in the last turn: at least, and over the tolerance
-_MOST_WAVES = 500  # along a string (a choice): those of tools are some twenty
+_MOST_WAVES = 500  # along a string (a choice): tools make some twenty
 
 
 class Run(NamedTuple):
@@ -58,16 +58,15 @@ def run(drag: Drag, top: float, bottoms: Floats, far_force: Any, depths: Floats,
             if is_working and drag.shaking is not None:
                 run_of_group = _shaken(drag, drag.shaking.of(size, i), group, depths, fineness)
             else:
-                marched = march.up(drag, group, depths, fineness)
-                still, settled = np.zeros((2, *marched.y.shape)), np.ones(i.size, bool)
-                run_of_group = Run(depths, marched.y, marched.top_y, still, settled)
+                group_y, top_y = march.up(drag, group, depths, fineness)
+                run_of_group = Run(depths, group_y, top_y, np.zeros((2, *group_y.shape)), np.ones(i.size, bool))
             states.y[:, i], states.top_y[i] = run_of_group.y, run_of_group.top_y
             states.wave[..., i], states.is_settled[i] = run_of_group.wave, run_of_group.is_settled
     return states
 
 
 def _shaken(drag: Drag, shaking: Shaking, strings: Strings, depths: Floats, fineness: Fineness) -> Run:
-    """Return the states of strings with a tool, of each its own frequency."""
+    """Return the states of strings with a tool, each of its own frequency."""
     size, stays = strings.y.size, max(_STAYS[0], _STAYS[1] * fineness.tolerance)
     number = float(((strings.bottom - strings.top) / shaking.length).max())
     if number > _MOST_WAVES:

@@ -23,12 +23,12 @@ LENGTHS = 1e-6, 1e6
 _DEEPEST = LENGTHS[1]  # m: seventy times the longest well, so that a depth in mm is seen (a choice)
 _TURNS = 4.0 * math.pi  # of an azimuth in rad: two turns, beyond which it is in degrees (a choice)
 _SHARPEST = math.radians(175.0)  # beyond it the plane of an arc is not known (a choice)
-_SEVERE = math.radians(30.0) / 30.0  # rad/m: twice what drilling with short radius builds over such lengths (a choice)
-_NOT_SHORT = 5.0  # m: intervals between stations of shorter ones are those of models in a laboratory (a choice)
+_SEVERE = math.radians(30.0) / 30.0  # rad/m: twice the curvature of drilling with short radius (a choice)
+_NOT_SHORT = 5.0  # m: shorter intervals between stations occur in models in a laboratory (a choice)
 _KINK = math.radians(5.0)  # of both intervals at a station that alone is off the path (a choice)
 _STRAIGHTER = 0.25  # the bend that is left without that station (a choice)
 
-_WELL = 30.0  # m: shorter paths are those of models in a laboratory, which may go up (a choice)
+_WELL = 30.0  # m: shorter paths are models in a laboratory, which may go up (a choice)
 _UPWARDS = math.radians(100.0)  # of the first station: beyond it a well would go up from the surface (a choice)
 _SURFACE = 0.01  # of the last depth, within which the first station is at the surface (a choice)
 _BUILDS = math.radians(20.0)  # least inclination that a well builds to (a choice)
@@ -79,7 +79,7 @@ def column(name: str, values: Any, many: int | None = None) -> Floats:
 
 def within(inclination: Floats, azimuth: Floats) -> tuple[Floats, Floats]:
     """Return the same directions with inclinations from 0 to pi and azimuths within two turns."""
-    with np.errstate(invalid="ignore"):  # of what is not finite, which is refused with its station
+    with np.errstate(invalid="ignore"):  # infinite values are refused with their station
         around = np.remainder(inclination, 2.0 * math.pi)
         beyond = around > math.pi
         turned = np.remainder(azimuth + math.pi * beyond, 2.0 * math.pi)

@@ -145,7 +145,7 @@ def _headed(
         cells = cells_of(line, mark)
         if _is_row(cells):
             if any(isinstance(choice, str) for choice in choices) or (i and None in choices):
-                break  # what is above it should have been headings
+                break  # the lines above it should have been headings
             return i, _columns(wanted, None, _width(lines[i:], mark)), mark
         known = {name for name, choice in wanted.items() if _found(name, choice, cells)}
         if known >= wanted.keys() - {"azimuth"}:

@@ -1,1 +1,1 @@
-"""Verdicts on systems of equations: spectra with errors, what follows from them, and the names of resonances."""
+"""Multipliers of systems of equations: maps over a period, spectra with errors, verdicts, and names of resonances."""

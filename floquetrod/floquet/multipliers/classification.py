@@ -64,16 +64,16 @@ def classify_pairs(
     digits: ManyDigits | None = None,
     cost: Cost,
 ) -> SystemStability:
-    """Return the verdict that follows from the numbers y of the pairs, of the system with uniform damping removed.
+    """Return the verdict on a system from the numbers y of its pairs, with uniform damping removed.
 
     Parameters
     ----------
     discs : Discs or None
         The numbers y with errors; None where they could not be computed.
     krein : callable (cluster) -> int, optional
-        Krein sign of those multipliers of a cluster of y that lie on the upper half of the circle, 0 where mixed.
+        Krein sign of a cluster of y, of its multipliers on the upper half of the circle; 0 where mixed.
     digits : ManyDigits, optional
-        What y says beyond its digits as a double; then only the values, radii and clusters of ``discs`` are used.
+        The numbers y beyond the digits of a double; then only values, radii and clusters of ``discs`` are used.
     """
     freed = undamped_pairs(system)
     if freed is None:
@@ -235,7 +235,7 @@ class LogDiscs(NamedTuple):
             return self.radii
         far = spectra.reaches(spectra.log_distances(self.values, self.values), self.radii, self.clusters)
         sides = np.maximum(self.highest - self.values.real, self.values.real - self.lowest)
-        return np.fmin(far, np.hypot(sides, math.pi))  # whatever its angle
+        return np.fmin(far, np.hypot(sides, math.pi))  # of any angle
 
     @property
     def lowest(self) -> Floats:
@@ -269,10 +269,10 @@ def classify_multipliers(
     note: str = "",
     are_all: bool = True,
 ) -> SystemStability:
-    """Return the verdict that follows from the multipliers themselves.
+    """Return the verdict on a system from its multipliers.
 
-    Where they come in mu, 1 / mu, a disc on the circle apart from all others holds one on it exactly, if ``are_all`` of
-    them are there; ``krein`` gives the Krein sign of a cluster on the circle, 0 where mixed.
+    Where they come in mu, 1 / mu, a disc on the circle apart from all others holds a multiplier exactly on it, if
+    ``are_all`` of them are in ``logs``; ``krein`` gives the Krein sign of a cluster on the circle, 0 where mixed.
     """
     if logs is None:
         return SystemStability.declined(system, method, cost, "the eigenvectors cannot be computed accurately enough")
@@ -425,7 +425,7 @@ def too_long(system: System, method: str, seconds: float) -> SystemStability | N
 
 
 def _status_of_matrices(system: System) -> Status | None:
-    """Return the verdict that follows from the matrices themselves, whatever the multipliers are; None without one."""
+    """Return the verdict from the matrices alone, without the multipliers; None where they decide nothing."""
     if _contracts(in_first_order(system)) or (isinstance(system, HillSystem) and _is_overdamped(system)):
         return "stable"
     if _expands(system):

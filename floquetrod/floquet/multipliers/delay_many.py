@@ -1,4 +1,4 @@
-"""Verdicts on many systems with delays at once: most by powers of their maps, those near the boundary by eigenvalues.
+"""Verdicts on many systems with delays at once: by powers of their maps, near the boundary by eigenvalues.
 
 The 512th power of a map M, found by nine squarings, bounds its spectral radius r from above by its norm, and from below
 by its trace: |trace M^k| <= S r^k for S rows.  That takes a tenth of the time of eigenvalues.

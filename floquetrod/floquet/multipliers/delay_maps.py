@@ -15,7 +15,7 @@ from floquetrod.equations import pieces as by_pieces
 from floquetrod.equations.matrices import mass_matrix, velocity_matrix
 from floquetrod.floquet.multipliers.delay_mesh import Mesh, mesh
 
-_MOST_BREAKS = 10  # pieces beyond the jumps of coefficients, for what delays make of these (a choice)
+_MOST_BREAKS = 10  # breaks beyond the jumps of coefficients, their images under delays (a choice)
 _SMALLEST = 1e-12  # part of the period: breaks closer together than this are one
 _PHASE = 12.0  # radians that solutions turn by in a piece, about (a choice)
 
@@ -49,7 +49,7 @@ class PeriodPieces(NamedTuple):
         return tuple(float(Fraction(delay) / Fraction(self.period)) for delay in system.delays)
 
     def mesh(self, system: DelaySystem, count: int) -> Mesh:
-        """Return the mesh with so many nodes in each piece."""
+        """Return the mesh with ``count`` nodes in each piece."""
         return mesh(self.breaks, count, 2 if system.is_second_order else 1, self.delays(system), self.active)
 
 
@@ -86,7 +86,7 @@ def _with_images(jumps: set[Fraction], delays: list[Fraction]) -> set[Fraction]:
 
 
 def _apart(edges: list[float]) -> list[float]:
-    """Return the edges, and 1, without those that rounding alone keeps apart."""
+    """Return the edges, and 1; of edges apart by rounding alone the first."""
     distinct = [0.0]
     for edge in edges:
         if edge - distinct[-1] > _SMALLEST and 1.0 - edge > _SMALLEST:

@@ -11,7 +11,7 @@ from floquetrod.floquet.multipliers import spectra
 from floquetrod.floquet.multipliers.classification import LogDiscs
 from floquetrod.floquet.multipliers.independent_solutions import balance
 
-_ROUNDING = 8.0 * EPS  # of the map, relative, beside what its eigenvalues add (heuristic)
+_ROUNDING = 8.0 * EPS  # of the map, relative, beside the rounding of its eigenvalues (heuristic)
 
 
 class LeadingMultipliers(NamedTuple):

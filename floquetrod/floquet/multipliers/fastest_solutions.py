@@ -55,9 +55,9 @@ _GROWING = 0.5  # growth in a window over its largest from which solutions are t
 _FAINT = 1e-4  # part of R, over the bound of G, that is bounded without regard to phases (a choice)
 _SMALL = 1e-13  # length of a column of R that is rounding
 _ROUNDING = 2.2e-16
-_STANDING_OUT = 0.8, 0.95  # growth over that of the fastest of those of which modes are taken, in turn (a choice)
+_STANDING_OUT = 0.8, 0.95  # growth over the fastest, from which solutions determine the window, in turn (a choice)
 _WIDEST = 0.6  # share of all modes in a window: the map of more takes long (a choice)
-_CORRECTED = 5  # of the fastest solutions, what they lack is added to the space (a choice)
+_CORRECTED = 5  # fastest solutions whose residuals are added to the space (a choice)
 _ENOUGH = 1e-6  # error of the fastest growth, relative (a choice)
 _EVERY = 5  # blocks of columns between two looks
 
@@ -101,7 +101,7 @@ class _Space(NamedTuple):
 
 
 class _Spectrum(NamedTuple):
-    """Eigenvalues of H and what they contribute to G(z) = |sum_i right_i left_i / (z - value_i)|.
+    """Eigenvalues of H and their terms in G(z) = |sum_i right_i left_i / (z - value_i)|.
 
     ``right`` is R x_i in coordinates of fewer rows, ``left`` is y_i E.  ``rounding`` is the size of H x_i - value_i x_i
     and of what R x_i is wrong by, ``defect`` the distance of sum_i x_i y_i E from E.
@@ -120,7 +120,7 @@ class _Spectrum(NamedTuple):
         projected = space.basis.T @ space.images
         values, vectors = np.linalg.eig(projected)
         rest = space.images - space.basis @ projected
-        large = np.linalg.norm(rest, axis=0) > _SMALL  # all but those of the last columns and of the window
+        large = np.linalg.norm(rest, axis=0) > _SMALL  # of the last columns and of the window
         right = np.linalg.qr(rest[:, large], mode="r") @ vectors[large]
         left = np.linalg.inv(vectors)[:, :_COLUMNS]
         rounding = float(np.linalg.norm(projected @ vectors - vectors * values, axis=0).max())
@@ -137,7 +137,7 @@ class _Spectrum(NamedTuple):
     def radii(self, radius: float, shortest: float, error: float) -> Floats | None:
         """Return the radii of discs about eigenvalues that hold all multipliers beyond a circle.
 
-        Each holds one if it is apart from all others; 0 for those well inside.  None where G is too large there.
+        A disc apart from all others holds one; radii are 0 well inside.  None where G is too large on the circle.
         """
         sizes, error = np.abs(self.values), error + self.rounding
         residuals = np.linalg.norm(self.right, axis=0) + error
@@ -160,8 +160,8 @@ class _Spectrum(NamedTuple):
 def fast_solutions(system: HillSystem, damping: float) -> FastSolutions | None:
     """Return the solutions of q'' + K(t) q = 0, K symmetric, that grow fastest, or that none grows faster than damping.
 
-    None of other systems, and where they are not found for less than the whole map would take: where growth hardly
-    exceeds the damping, or many solutions grow about as fast as the fastest.
+    None for other systems, and where the search takes as long as the whole map: where growth hardly exceeds the
+    damping, or many solutions grow about as fast as the fastest.
     """
     n, period = system.order, float(system.period)
     more = system.gyroscopic is not None or system.mass is not None or bool(system.pieces)
@@ -236,7 +236,7 @@ def _residual(spectrum: _Spectrum, space: _Space) -> Floats:
 
 
 def _window(spectrum: _Spectrum, space: _Space, n: int) -> slice | None:
-    """Return the modes that growing solutions are made of, or the fastest of them; None where they are most modes."""
+    """Return the modes of growing solutions, or of the fastest; None where they are most modes."""
     growth = np.log(np.maximum(np.abs(spectrum.values), 1.0))
     motion = np.square(np.abs(space.basis @ spectrum.vectors))
     for share_of_fastest in _STANDING_OUT:

@@ -65,7 +65,7 @@ def principal(logs: Complexes) -> Complexes:
 
 
 def log_discs(solutions: Solutions, shift: float) -> LogDiscs:
-    """Return discs about logarithms less ``shift``, those that touch in clusters.
+    """Return discs about logarithms less ``shift``, touching ones in clusters.
 
     A multiplier of a real system whose disc meets the real axis and no other disc is real.
     """

@@ -101,7 +101,7 @@ def pair_verdicts(discs: ManyDiscs, period: Floats, damping: float) -> ManyVerdi
 
 @np.errstate(over="ignore", invalid="ignore")
 def multiplier_verdicts(discs: ManyDiscs, period: Floats, *, paired: bool, damping: float) -> ManyVerdicts:
-    """Return verdicts from the multipliers themselves, of systems without uniform damping where they are paired."""
+    """Return verdicts from the multipliers; paired ones of systems with uniform ``damping`` removed."""
     values, radii, apart = discs
     sizes = np.abs(values)
     with np.errstate(divide="ignore"):

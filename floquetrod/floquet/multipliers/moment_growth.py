@@ -30,7 +30,7 @@ from floquetrod.floquet.multipliers import magnus_flows
 
 _TURN = 0.6  # radians that the fastest mode turns by in a step
 _LEAST_STEPS = 64
-_FINER = 1.5  # steps of the finer of two meshes over those of the other
+_FINER = 1.5  # steps of the fine mesh over steps of the coarse one
 _MOST_PAIRS = 120  # whose eigenvalue problem is solved as a whole, beside the pairs i = j (a choice)
 _NEAR = 8.0  # times the coupling by noise: pairs are taken whose products turn apart by less (a choice)
 _LEAST_GAP = 1e-6  # of multipliers, in the preconditioner
@@ -40,11 +40,11 @@ _EACH, _PER_CUBE = 2e-4, 8e-8  # s, that a step of all rounds takes: of any numb
 _SETTLED = 3e-11  # residual of the moments over their factor, at which rounds end
 _SAME = 1e-8  # change of the factor, relative: a larger one means that other moments were followed
 _ALMOST = 0.9  # positivity of moments that may become the fastest growing ones (a choice)
-_SEMIDEFINITE = 1e-6  # share of negative eigenvalues in what counts as semidefinite
+_SEMIDEFINITE = 1e-6  # share of negative eigenvalues up to which moments count as semidefinite
 
 
 class MomentRate(NamedTuple):
-    """Growth rate of second moments per unit of time, and its error: twice what a coarser mesh changes, an estimate.
+    """Growth rate of second moments per unit of time, and its estimated error: twice the change to a coarser mesh.
 
     NaN and infinite where the search failed.
     """

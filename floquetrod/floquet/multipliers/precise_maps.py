@@ -19,7 +19,7 @@ from floquetrod._util.arrays import Floats
 _GUARD_BITS = 40
 _STEP = 6.0  # growth exponent of a step: longer ones lose digits
 _FACTORS = (1.0, 1.5, 2.0, 3.0, 4.0, 6.0)  # times the fewest steps: the cheapest plan is taken
-_PRODUCTS = 20.0  # cost of a term's matrix products, in those of a harmonic with one earlier term (heuristic)
+_PRODUCTS = 20.0  # cost of a term's matrix products over the product of a harmonic and an earlier term (heuristic)
 _MOST_STEPS = 1e9
 _AT_ONCE = 16  # steps whose terms are computed together, which spares calls of numpy (a choice)
 _SLACK = 4.0  # digits by which a step's series ends below the error wanted, which the product of maps loses (a choice)
@@ -148,7 +148,7 @@ def period_map(pieces: Sequence[PieceSeries], context: Any, planned: Sequence[Pl
         for first in range(0, plan.steps, _AT_ONCE):
             for fine in steps.across(range(first, min(first + _AT_ONCE, plan.steps))):
                 total = fine if total is None else np.dot(fine, total) >> bits
-                maps.append(_floats(fine, bits))
+                maps.append(np.array([v / (1 << bits) for v in fine.flat], dtype=float).reshape(order, order))
                 local.append(error)
     before, after = _products(maps)
     # A 2-norm is at most sqrt(N) times a norm of row sums.  Products of errors are far below _UP.
@@ -256,9 +256,3 @@ def _fixed(matrix: NDArray[Any], bits: int, context: Any) -> NDArray[Any]:
     """Return numbers of mpmath as integers, multiples of 2^-bits."""
     flat = np.array([int(context.ldexp(v, bits)) for v in matrix.flat], dtype=object)
     return flat.reshape(matrix.shape)
-
-
-def _floats(matrix: Any, bits: int) -> Floats:
-    """Return integers, multiples of 2^-bits, as doubles."""
-    scale = 1 << bits
-    return np.array([v / scale for v in matrix.flat], dtype=float).reshape(matrix.shape)

@@ -71,7 +71,7 @@ class _StiffnessModes(NamedTuple):
 
     rates: Floats  # (n,), their stiffness
     vectors: Floats  # (m, n), orthonormal
-    cosines: Floats  # (H, n, n), what varies, in these modes
+    cosines: Floats  # (H, n, n), of the stiffness, in these modes
     sines: Floats
     reach: Floats  # (n,), how far each may be from its mean stiffness
 

@@ -310,8 +310,8 @@ class Signs:
     form: Form  # its matrix times vectors, the columns of a matrix
     size: float  # its norm
     error: float
-    vectors: Form = np.asarray  # from coordinates of ``discs`` to those of the form
-    around: Form | None = None  # spans all vectors that belong to a cluster, where those of ``discs`` are half of them
+    vectors: Form = np.asarray  # from coordinates of ``discs`` to the form's
+    around: Form | None = None  # spans all vectors of a cluster, where ``discs`` has half of them
 
     def __call__(self, cluster: NDArray[np.intp]) -> int:
         """Return the sign on a cluster; 0 without eigenvectors."""

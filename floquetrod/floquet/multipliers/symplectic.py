@@ -74,7 +74,7 @@ def _doubles(matrix: NDArray[Any]) -> Floats:
 
 
 def _scale(matrix: NDArray[Any]) -> float:
-    """Return a power of two next to the largest entry, 1 where there is none such."""
+    """Return a power of two next to the largest entry, 1 for zero and infinite matrices."""
     largest = float(np.abs(_doubles(matrix)).max())
     return math.ldexp(1.0, math.frexp(largest)[1]) if 0.0 < largest < 2.0**1000 else 1.0
 

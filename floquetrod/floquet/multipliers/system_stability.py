@@ -44,7 +44,7 @@ class SystemStability(FloquetVerdict):
         Upper bound of the real parts of the unknown exponents, which are NaN, as are their multipliers, and come last;
         minus infinity where all are known.
     growth_below : float
-        Upper bound of the real parts of all exponents, infinite where there is none.
+        Upper bound of the real parts of all exponents; infinite without a bound.
     strongly_stable : bool or None
         Whether all small changes of the coefficients that keep the structure leave the system stable; with damping:
         whether every solution decays.  None when undecided.
@@ -137,7 +137,7 @@ class SystemStability(FloquetVerdict):
         return Report(self._headline, lines, self._table())
 
     def _damping_lines(self) -> list[tuple[str, str]]:
-        """Return what uniform damping it takes, where it takes any."""
+        """Return a line on the uniform damping that stabilises the system; none where it needs none."""
         rate = self.damping_to_stabilise
         if not rate > 0.0:
             return []

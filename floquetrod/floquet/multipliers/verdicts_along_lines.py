@@ -57,7 +57,7 @@ class SystemLine(ByContent):
 
     @classmethod
     def between(cls, ends: HillSystem) -> SystemLine | None:
-        """Return the line between two systems, a batch of the shape (2,); None where there is none of this kind."""
+        """Return the line between two systems, a batch of the shape (2,); None for systems of another form."""
         freed, damping = undamped_pairs(ends) or (None, 0.0)
         if not isinstance(freed, HillSystem) or freed.structure != "hamiltonian":
             return None
@@ -112,7 +112,7 @@ class SystemLine(ByContent):
         return math.exp(min(float(logs.min()), 700.0))
 
     def degree(self) -> int:
-        """Return the lowest degree whose error is below the accuracy, `_MOST_DEGREE` where there is none."""
+        """Return the lowest degree whose error is below the accuracy, at most `_MOST_DEGREE`."""
         return next((d for d in range(1, _MOST_DEGREE) if self.left_out(d) <= _ACCURACY), _MOST_DEGREE)
 
     @property
