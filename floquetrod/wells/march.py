@@ -33,7 +33,7 @@ _TOUCHES = 1e-9  # of the terms of `helix_margin`: so little is rounding
 
 
 def up(drag: Drag, strings: Strings, depths: Floats, fineness: Fineness) -> tuple[Floats, Floats]:
-    """Return y of strings at increasing measured depths in m, (m, n), NaN beyond their ends, and at upper ends, (n,)."""
+    """Return y of strings at increasing measured depths in m, (m, n), NaN beyond their ends, and at upper ends (n,)."""
     march = _March(drag, strings, depths, fineness)
     march.go()
     return march.noted, march.state
