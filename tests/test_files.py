@@ -154,7 +154,8 @@ def test_parts_of_the_dead_are_removed_and_those_of_the_living_are_not(tmp_path:
         assert not dead.exists()
         (living,) = set(left_over(tmp_path)) - {foreign}
         write(tmp_path / "two", b"2")  # in this process: as from another thread
-        script = f"from floquetrod._util import files\nfiles.writable(files.Path({str(tmp_path / 'x')!r}))"
+        target = str(tmp_path / "x")
+        script = f"from floquetrod._util import sealed_files\nsealed_files.writable(sealed_files.Path({target!r}))"
         subprocess.run([sys.executable, "-c", script], check=True, cwd=Path(__file__).parents[1])
         assert living.exists()
     assert (tmp_path / "one").read_bytes() == b"1"
