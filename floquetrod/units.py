@@ -90,30 +90,6 @@ _ALSO = {
 }
 """Further names of units, in small letters, and the unit that each stands for."""
 
-ROD_KINDS = {
-    "youngs_modulus": "pressure",
-    "density": "density",
-    "radius": "length",
-    "length": "length",
-    "channel_radius": "length",
-    "gravity": "acceleration",
-    "damping_rate": "rate",
-    "inner_radius": "length",
-    "fluid_inside": "density",
-    "fluid_outside": "density",
-    "added_mass_coefficient": "ratio",
-    "inclination": "angle",
-    "curvature": "curvature",
-    "depth": "length",
-    "yield_strength": "pressure",
-    "diameter": "length",
-    "inner_diameter": "length",
-    "channel_diameter": "length",
-    "wall_thickness": "length",
-    "bore": "length",
-}
-"""Kind of each parameter of a rod that is a quantity, and of what may be given in place of one."""
-
 _CYCLES = ("Hz", "rpm")
 """Units of frequency that count periods rather than radians."""
 
@@ -217,22 +193,22 @@ class AnswerUnits(NamedTuple):
     def _has_feet(self) -> bool:
         return self.length.name in ("ft", "in")
 
-    def of_rod(self, name: str, value: Any) -> tuple[str, str]:
-        """Return name and value of a parameter of a rod in words, diameters for radii as on drawings."""
-        words, kind = name.replace("_", " "), ROD_KINDS.get(name)
-        if kind is None or not isinstance(value, float):
-            return words, str(value)
-        if name in ("radius", "inner_radius", "channel_radius"):
-            return words.replace("radius", "diameter"), self.across.show(2.0 * value)
-        if kind == "pressure" and value >= 1e9:
-            large = {"ksi": "Mpsi", "psi": "Mpsi"}.get(self.pressure.name, "GPa")
-            return words, unit(large, name, kind).show(value)
-        if kind in ("length", "pressure"):
-            return words, (self.length if kind == "length" else self.pressure).show(value)
-        in_feet = {"density": "ppg" if "fluid" in name else "lb/ft3", "acceleration": "ft/s2", "curvature": "deg/100ft"}
-        usual = "deg" if kind == "angle" else in_feet.get(kind, "") if self._has_feet else ""
-        return words, unit(usual, name, kind).show(value)
+    def unit_for(self, kind: str, value: float, in_feet: str = "") -> Unit:
+        """Return the unit in which to show a value of some kind, beside feet ``in_feet`` or the usual one.
 
+        >>> AnswerUnits.named(force="lbf").unit_for("density", 1e3, "ppg").name
+        'ppg'
+        """
+        if kind == "pressure" and value >= 1e9:
+            return unit({"ksi": "Mpsi", "psi": "Mpsi"}.get(self.pressure.name, "GPa"), "", kind)
+        if kind in ("length", "pressure"):
+            return self.length if kind == "length" else self.pressure
+        usual = in_feet or _IN_FEET.get(kind, "") if self._has_feet else ""
+        return unit("deg" if kind == "angle" else usual, "", kind)
+
+
+_IN_FEET = {"density": "lb/ft3", "acceleration": "ft/s2", "curvature": "deg/100ft"}
+"""Units in which answers beside feet are shown."""
 
 _NUMBER = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(\S*(?:\s*/\s*\d+\s*[a-zA-Z]+)?)\s*", re.ASCII)
 _FRACTION = re.compile(r"\s*([-+]?)(?:(\d{1,9})(?:\s*-\s*|\s+))?(\d{1,9})/([1-9]\d{0,8})\s*([^\s\d/]*)\s*", re.ASCII)

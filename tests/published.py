@@ -23,7 +23,7 @@ from scipy.optimize import brentq
 import floquetrod as fr
 from benchmarks import drag
 from floquetrod.rod.model import beam
-from floquetrod.rod.model.parts import Ends
+from floquetrod.rod.model.beam import EndConditions
 from system_cases import blade, coupled
 
 
@@ -478,7 +478,7 @@ def beams() -> Iterator[Row]:
     ):  # fmt: skip
 
         def frequency(ends: str = ends) -> float:
-            waves = beam.wavenumbers(Ends.of(ends), 3)
+            waves = beam.wavenumbers(EndConditions.of(ends), 3)
             return float(waves[waves > 0.0][0] ** 2)
 
         yield Row(f"first frequency of a beam, {ends}", printed, blevins, frequency)

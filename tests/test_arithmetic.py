@@ -197,7 +197,12 @@ def test_the_code_of_simulations_has_changed_only_with_its_version() -> None:
 
 def test_what_a_run_calls_is_seen() -> None:
     """Steps, contact with friction, what a rod is made of, an early end, results."""
-    for name in ("rod_motion.py advance", "rod_motion.py rub", "anchors.py follow", "parts.py Section.area"):
+    for name in (
+        "rod_motion.py advance",
+        "rod_motion.py rub",
+        "anchors.py follow",
+        "cross_section.py CrossSection.area",
+    ):
         assert any(each.endswith(name) for each in digests())
     assert {"simulation/recorded_motion.py EarlyEnd.of", "simulation/growth.py fit_growth"} <= digests().keys()
 

@@ -18,9 +18,9 @@ from scipy.integrate import quad
 from scipy.linalg import eigh
 
 from floquetrod.rod.model import beam
-from floquetrod.rod.model.parts import CONDITIONS, Ends
+from floquetrod.rod.model.beam import CONDITIONS, EndConditions
 
-PAIRS = [Ends(*pair) for pair in itertools.product(CONDITIONS, repeat=2)]
+PAIRS = [EndConditions(*pair) for pair in itertools.product(CONDITIONS, repeat=2)]
 RIGID = {"free-free": 2, "free-hinged": 1, "free-guided": 1, "guided-guided": 1}
 VANISHING = {"hinged": (0, 2), "clamped": (0, 1), "guided": (1, 3), "free": (2, 3)}
 BUCKLING = {
@@ -50,7 +50,7 @@ CHARACTERISTIC: dict[str, Callable[[mp.mpf], mp.mpf]] = {
 """Zero at the wavenumbers of a beam, divided by what grows exponentially."""
 
 
-def known_by(ends: Ends) -> str:
+def known_by(ends: EndConditions) -> str:
     """Return the two words in alphabetical order."""
     return "-".join(sorted((ends.upper, ends.lower)))
 
@@ -66,7 +66,7 @@ def exact_wavenumbers(pair: str) -> tuple[mp.mpf, ...]:
         return tuple(mp.findroot(equation, bracket, solver="anderson", tol=1e-70) for bracket in brackets)
 
 
-def exact_functions(ends: Ends, k: mp.mpf) -> list[mp.mpf]:
+def exact_functions(ends: EndConditions, k: mp.mpf) -> list[mp.mpf]:
     """Return the coefficients of sin kx, cos kx, e^-kx, e^-k(1-x) of an eigenfunction, to 30 digits."""
     with mp.workdps(40):
         rows = mp.matrix(4, 4)
@@ -89,7 +89,7 @@ def derivative(k: mp.mpf, x: mp.mpf, d: int) -> list[mp.mpf]:
     ]
 
 
-def evaluated(ends: Ends, mode: int, x: np.ndarray, d: int = 0) -> np.ndarray:
+def evaluated(ends: EndConditions, mode: int, x: np.ndarray, d: int = 0) -> np.ndarray:
     """Return the d-th derivative of the eigenfunction of an elastic mode, counted from 0, of any size."""
     k = exact_wavenumbers(known_by(ends))[mode]
     coefficients = exact_functions(ends, k)
@@ -102,7 +102,7 @@ def evaluated(ends: Ends, mode: int, x: np.ndarray, d: int = 0) -> np.ndarray:
 
 
 @pytest.mark.parametrize("ends", PAIRS, ids=str)
-def test_wavenumbers_are_the_roots_of_the_characteristic_equation(ends: Ends) -> None:
+def test_wavenumbers_are_the_roots_of_the_characteristic_equation(ends: EndConditions) -> None:
     exact = np.array(exact_wavenumbers(known_by(ends)), dtype=np.float64)
     rigid = RIGID.get(known_by(ends), 0)
     found = beam.wavenumbers(ends, len(exact) + rigid)
@@ -121,12 +121,12 @@ def test_first_frequencies_are_those_of_the_textbook() -> None:
         "clamped-free": 3.5160,
         "clamped-guided": 5.5933,
     }.items():
-        waves = beam.wavenumbers(Ends.of(word), 3)
+        waves = beam.wavenumbers(EndConditions.of(word), 3)
         assert waves[waves > 0.0][0] ** 2 == pytest.approx(value, abs=5e-5)
 
 
 @pytest.mark.parametrize("ends", PAIRS, ids=str)
-def test_functions_are_the_eigenfunctions(ends: Ends) -> None:
+def test_functions_are_the_eigenfunctions(ends: EndConditions) -> None:
     x = np.linspace(0.0, 1.0, 41)
     rigid = RIGID.get(known_by(ends), 0)
     found = beam.basis(ends, 16 + rigid).shapes(x)
@@ -139,7 +139,7 @@ def test_functions_are_the_eigenfunctions(ends: Ends) -> None:
 
 
 @pytest.mark.parametrize("ends", PAIRS, ids=str)
-def test_every_function_keeps_the_essential_conditions(ends: Ends) -> None:
+def test_every_function_keeps_the_essential_conditions(ends: EndConditions) -> None:
     found = beam.basis(ends, 9)
     x = chebyshev_points(50)
     fitted = [Chebyshev.fit(x, row, 50, domain=[0.0, 1.0]) for row in found.shapes(x)]
@@ -160,7 +160,7 @@ def chebyshev_points(degree: int) -> np.ndarray:
 
 @pytest.mark.parametrize("count", [1, 2, 3, 12, 64, pytest.param(70, marks=pytest.mark.slow)])
 @pytest.mark.parametrize("ends", PAIRS, ids=str)
-def test_a_basis_is_orthonormal(ends: Ends, count: int) -> None:
+def test_a_basis_is_orthonormal(ends: EndConditions, count: int) -> None:
     found = beam.basis(ends, count)
     gram = (found.values * found.weights) @ found.values.T
     assert gram == pytest.approx(np.eye(found.size), abs=1e-12)
@@ -173,7 +173,7 @@ def test_a_basis_is_orthonormal(ends: Ends, count: int) -> None:
 
 
 @pytest.mark.parametrize("ends", PAIRS, ids=str)
-def test_matrices_are_the_integrals_of_derivatives(ends: Ends) -> None:
+def test_matrices_are_the_integrals_of_derivatives(ends: EndConditions) -> None:
     found = beam.basis(ends, 7)
     x = chebyshev_points(90)
     fitted = [Chebyshev.fit(x, row, 90, domain=[0.0, 1.0]) for row in found.shapes(x)]
@@ -191,7 +191,7 @@ def test_matrices_are_the_integrals_of_derivatives(ends: Ends) -> None:
 
 @pytest.mark.parametrize("word", ["hinged", "clamped", "guided-free", "clamped-hinged", "free"])
 def test_coupling_is_that_of_quadrature(word: str) -> None:
-    ends = Ends.of(word)
+    ends = EndConditions.of(word)
     rigid = RIGID.get(known_by(ends), 0)
     found = beam.basis(ends, 6 + rigid)
     coupling = found.coupling(np.exp(found.nodes) * np.cos(9.0 * found.nodes))
@@ -235,19 +235,19 @@ def buckling_load(found: beam.Basis) -> float:
 @pytest.mark.parametrize("pair", BUCKLING)
 def test_buckling_loads_are_those_of_the_textbook(pair: str) -> None:
     for word in (pair, "-".join(reversed(pair.split("-")))):
-        assert buckling_load(beam.basis(Ends.of(word), 10)) == pytest.approx(BUCKLING[pair], rel=1e-8)
+        assert buckling_load(beam.basis(EndConditions.of(word), 10)) == pytest.approx(BUCKLING[pair], rel=1e-8)
 
 
 @pytest.mark.parametrize("word", ["free", "hinged-free"])
 def test_a_rod_that_may_turn_buckles_under_any_push(word: str) -> None:
-    assert abs(buckling_load(beam.basis(Ends.of(word), 10))) < 1e-7
+    assert abs(buckling_load(beam.basis(EndConditions.of(word), 10))) < 1e-7
 
 
 @pytest.mark.parametrize("word", ["clamped", "clamped-free", "clamped-hinged", "free-guided", "clamped-guided"])
 def test_beam_functions_alone_converge_like_the_cube_of_their_number(
     word: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    ends = Ends.of(word)
+    ends = EndConditions.of(word)
     exact = BUCKLING[known_by(ends)]
     monkeypatch.setattr(beam, "are_enriched", lambda _: False)
     counts = np.array([12, 24, 48])
@@ -265,7 +265,7 @@ def test_many_functions_converge_under_a_force_that_varies(word: str) -> None:
     """Beside so many, polynomials add nothing: functions next to the ends do."""
 
     def loads(count: int) -> NDArray[np.float64]:
-        found = beam.basis(Ends.of(word), count)
+        found = beam.basis(EndConditions.of(word), count)
         push = found.coupling(1.0 - 0.7 * found.nodes + 0.3 * np.sin(3.0 * found.nodes))
         return 1.0 / eigh(push, found.bending, eigvals_only=True)[:-5:-1]
 
@@ -277,13 +277,13 @@ def test_many_functions_converge_under_a_force_that_varies(word: str) -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("word", ["clamped", pytest.param("guided-free", marks=pytest.mark.slow)])
 def test_a_thousand_functions_are_orthonormal(word: str) -> None:
-    found = beam.basis(Ends.of(word), 1000)
+    found = beam.basis(EndConditions.of(word), 1000)
     gram = (found.values * found.weights) @ found.values.T
     assert np.abs(gram - np.eye(found.size)).max() < 1e-11
     assert 1000 < found.size <= 1004
     push = found.coupling(np.ones_like(found.nodes))
     # Far from the ends functions are sines, so that the integral of phi'^2 is k^2, but for what the ends add.
-    waves = beam.wavenumbers(Ends.of(word), 1000)
+    waves = beam.wavenumbers(EndConditions.of(word), 1000)
     assert np.abs(push.diagonal()[990:1000] / waves[990:] ** 2 - 1.0).max() < 2e-3
     assert np.diff(waves[-500:]) == pytest.approx(math.pi, rel=1e-10)
 
@@ -291,13 +291,13 @@ def test_a_thousand_functions_are_orthonormal(word: str) -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("word", ["hinged", "guided"])
 def test_a_uniform_force_couples_hardly_any_of_many_waves(word: str) -> None:
-    found = beam.basis(Ends.of(word), 240)
+    found = beam.basis(EndConditions.of(word), 240)
     push = found.coupling(np.full_like(found.nodes, 0.3))
     assert np.count_nonzero(push) < 0.05 * push.size
 
 
 def test_of_large_bases_only_the_last_is_kept() -> None:
-    ends = Ends.of("clamped")
+    ends = EndConditions.of("clamped")
     small = beam.basis(ends, 20)
     first = weakref.ref(beam.basis(ends, 201))
     assert beam.basis(ends, 201) is first()

@@ -15,16 +15,17 @@ import pytest
 
 import floquetrod as fr
 from floquetrod import units
-from floquetrod.rod.loads.load import KINDS
-from floquetrod.units import ROD_KINDS, units_of
+from floquetrod.rod.loads.load import LOAD, QUANTITIES
+from floquetrod.rod.model.parameters import GIVEN
+from floquetrod.units import units_of
 from fuzz.calls import Call, table
 from test_quantities import Measured
 
 HAS_PINT = importlib.util.find_spec("pint") is not None
 
 PHYSICAL = {
-    **ROD_KINDS,
-    **KINDS,
+    **{name: parameter.kind for name, parameter in GIVEN.items() if parameter.kind},
+    **{name: LOAD[name].kind for name in QUANTITIES},
     "growth_tolerance": "rate",
     "axial_damping": "rate",
     "far_force": "force",

@@ -23,8 +23,10 @@ from conftest import depth
 from coupled_cases import solid_like
 from floquetrod import cli
 from floquetrod.rod.friction.mode_friction import mode_friction
+from floquetrod.rod.model.course import Channel
+from floquetrod.rod.model.cross_section import CrossSection, Fluids
 from floquetrod.rod.model.data import special_parameters
-from floquetrod.rod.model.parts import ON_A_FLOOR, Channel, Fluids, Section
+from floquetrod.rod.model.parameters import ON_A_FLOOR
 from floquetrod.units import AnswerUnits
 
 ROOT = Path(__file__).parents[1]
@@ -202,7 +204,7 @@ def test_a_tube_is_the_solid_rod_of_the_same_stiffness_inertia_and_weight(tube: 
 def test_a_tube_is_its_data_sheet(tube: fr.Rod) -> None:
     assert eval("fr." + repr(tube)) == tube == pickle.loads(pickle.dumps(tube)) == copy.deepcopy(tube)
     assert fr.Rod(**json.loads(json.dumps(tube.as_dict()))) == tube
-    assert tube.section == Section(tube.radius, tube.inner_radius)
+    assert tube.section == CrossSection(tube.radius, tube.inner_radius)
     assert tube.fluids == Fluids(tube.fluid_inside, tube.fluid_outside, tube.added_mass_coefficient)
     assert tube.channel == Channel(tube.channel_radius, tube.gravity, tube.inclination)
     assert hash(tube) == hash(tube.replace(damping_rate=0.0))
@@ -296,7 +298,7 @@ def test_bad_rods(change: dict[str, Any], error: type[Exception], message: str) 
 
 def test_parts_refuse_what_rods_do() -> None:
     with pytest.raises(ValueError, match=r"inner_radius.* must be less"):
-        Section(0.01, 0.01)
+        CrossSection(0.01, 0.01)
     with pytest.raises(ValueError, match="fluid_inside must be zero or more"):
         Fluids(-1.0)
     assert Fluids().added_mass_coefficient == ON_A_FLOOR == pytest.approx(2.29, abs=2e-4)

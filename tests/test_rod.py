@@ -19,7 +19,9 @@ from conftest import JIT, depth, needs_jit
 from coupled_cases import by_name
 from floquetrod.mathieu.tongues import along_mean, damping_to_stabilise
 from floquetrod.rod.kernels import independent_modes as kernels
-from floquetrod.rod.model.parts import Channel, Ends, Material, Section
+from floquetrod.rod.model.beam import EndConditions
+from floquetrod.rod.model.course import Channel
+from floquetrod.rod.model.cross_section import CrossSection, Material
 
 pytestmark = pytest.mark.kernels
 
@@ -403,11 +405,11 @@ def test_bad_rods(change: dict[str, object], error: type[Exception], message: st
 def test_a_rod_is_its_parts() -> None:
     rod = ROD.replace(damping_rate=0.3)
     assert rod.material == Material(rod.youngs_modulus, rod.density)
-    assert rod.section == Section(rod.radius)
+    assert rod.section == CrossSection(rod.radius)
     assert rod.channel == Channel(rod.channel_radius, rod.gravity)
-    assert rod.end_conditions == Ends()
+    assert rod.end_conditions == EndConditions()
     assert rod.flexural_rigidity == rod.material.youngs_modulus * rod.section.second_moment
-    assert rod.wavenumber(3) == 3.0 * rod.end_conditions.first_wavenumber(rod.length)
+    assert rod.wavenumber(3) == 3.0 * (math.pi / rod.length)
     assert rod.replace(radius=1e-3).section.area == math.pi * 1e-6
 
 

@@ -20,7 +20,7 @@ from floquetrod.floquet.proof.proof import MAX_BOXES
 from floquetrod.floquet.proof.region_proof import RegionProof
 from floquetrod.rod.answers.safe_box import SafeBox
 from floquetrod.rod.model.constants import SLOW_GROWTH
-from floquetrod.rod.model.parts import DIAMETERS
+from floquetrod.rod.model.parameters import DIAMETERS, GIVEN
 
 _HELP = """\
 Prove that a rod is stable, or unstable, under every load of a box and for every rod within the tolerances;
@@ -156,8 +156,7 @@ def _about_a_value(own: float, value: str, tolerance: str, name: str, text: str)
     typed = _of_a_rod(value if units.unit_of(value) else f"{value}{of_value}", name, text)
     low, high = _about(own, tolerance if unit else f"{tolerance}{of_value}", name, text)
     if abs(typed - own) > _ALIKE * abs(own):
-        kind, size = units.ROD_KINDS[name], 0.5 * (high - low)
-        shown = units.unit(of_value, "--vary", kind)
+        size, shown = 0.5 * (high - low), units.unit(of_value, "--vary", GIVEN[name].kind)
         ends = f"{shown.of(typed - size):.6g}:{shown.of(typed + size):.6g}{shown.name}"
         raise ValueError(
             f"--vary must be a tolerance about the rod's own {name}, {shown.show(own)}, got {text!r}; write "
@@ -187,5 +186,4 @@ def _about(own: float, tolerance: str, name: str, text: str) -> tuple[float, flo
 
 
 def _of_a_rod(value: str, name: str, text: str, own: float | None = None) -> float:
-    kind = units.ROD_KINDS[name]
-    return units.quantity(value, "--vary", kind, nominal=own, largest=LARGEST * LARGEST, given=repr(text))
+    return GIVEN[name].quantity(value, "--vary", nominal=own, largest=LARGEST * LARGEST, given=repr(text))

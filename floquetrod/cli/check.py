@@ -30,7 +30,7 @@ from floquetrod.floquet.status import STATUS_CODES, Status
 from floquetrod.rod.answers.margins import FEW_MODES, Margin
 from floquetrod.rod.answers.reports import shown_in
 from floquetrod.rod.answers.rod_stability import RodStability
-from floquetrod.rod.loads.load import KINDS, Load, Quantity
+from floquetrod.rod.loads.load import QUANTITIES, Load, Quantity
 from floquetrod.rod.reading import LOAD_OPTIONS, RECORD_OPTIONS
 
 _HELP = """\
@@ -122,7 +122,7 @@ def _check(options: argparse.Namespace) -> Output:
     question = _Question(
         rod,
         record,
-        all(getattr(options, name) is None for name in {*KINDS, *LOAD_OPTIONS} - {"force", *RECORD_OPTIONS}),
+        all(getattr(options, name) is None for name in {*QUANTITIES, *LOAD_OPTIONS} - {"force", *RECORD_OPTIONS}),
         load,
         _modes(options.modes),
         read_tolerance(options),

@@ -21,6 +21,7 @@ from floquetrod._util.suggest import did_you_mean
 from floquetrod._util.waiting import Waiting, say
 from floquetrod.cli.messages import option
 from floquetrod.cli.parser import Parser, ratio
+from floquetrod.rod.model.parameters import GIVEN
 
 if TYPE_CHECKING:
     from floquetrod.rod.loads import load
@@ -48,14 +49,10 @@ def describe_command(command: Parser, text: str, run: Any, common: Sequence[str]
 ROD_AND_LOAD = ("rod", "mean", "amplitude", "frequency")
 """Options that every question about a rod under a load needs."""
 
-_LEAST = {
-    **dict.fromkeys(("length", "bore", "inclination"), _TINY),
-    **dict.fromkeys(("fluid_inside", "fluid_outside", "damping_rate"), 0.0),
-    "curvature": -LARGEST,
-}
-"""Quantities that replace those of the rod, and the least they may be."""
+OPTIONS = {name: parameter.option for name, parameter in GIVEN.items() if parameter.option is not None}
+"""Options for parameters of the rod."""
 
-ROD_OPTIONS = ("rod", *_LEAST, "path", "depth", "depth_unit", "angle_unit")
+ROD_OPTIONS = ("rod", *OPTIONS, "depth_unit", "angle_unit")
 """Options of `add_rod` that describe the rod."""
 
 
@@ -73,39 +70,12 @@ def add_rod(
         help="nitinol (the reference rod), a steel pipe by its size in inches such as '2.00x0.156 CT90' (with --bore "
         "and --length), or a TOML file",
     )
-    command.add_argument("--length", help="length such as 200ft (replaces that of the rod)")
-    command.add_argument(
-        "--bore", metavar="LENGTH", help="diameter of the channel such as 4.778in (replaces that of the rod)"
-    )
-    for side in ("inside", "outside"):
-        command.add_argument(
-            f"--fluid-{side}",
-            metavar="DENSITY",
-            help=f"density of the fluid {side} such as 8.5ppg or 1.02g/cm3 (replaces that of the rod)",
-        )
-    command.add_argument(
-        "--inclination",
-        metavar="ANGLE",
-        help="angle of the channel from the vertical such as 70deg, 90deg being horizontal (replaces that of the rod)",
-    )
+    for name, described in OPTIONS.items():
+        if described.in_a_well or not in_a_well:
+            kind = Path if name == "path" else str
+            command.add_argument(option(name), metavar=described.metavar, type=kind, help=described.help)
     if not in_a_well:
-        command.add_argument(
-            "--curvature",
-            metavar="CURVATURE",
-            help="curvature of the channel in its vertical plane such as 3deg/30m, positive where it builds (replaces "
-            "that of the rod)",
-        )
-        command.add_argument(
-            "--path",
-            metavar="FILE",
-            type=Path,
-            help="survey of the well that the rod lies in, a text file of columns such as MD (m), Inc (deg), Azi (deg)",
-        )
-        command.add_argument("--depth", help="measured depth of the rod's upper end such as 1200m (needs --path)")
         add_survey_units(command)
-    command.add_argument(
-        "--damping-rate", metavar="RATE", help="decay rate of free motion in 1/s (replaces that of the rod)"
-    )
     if classified:
         command.add_argument(
             "--growth-tolerance",
@@ -303,11 +273,11 @@ def read_units(options: argparse.Namespace, rod: fr.Rod) -> dict[str, str]:
     frequency that a record tells is in Hz, as its spectrum is.  Other forces, lengths and pressures are among them
     where something tells their unit.
     """
-    from floquetrod.rod.loads.load import KINDS
+    from floquetrod.rod.loads.load import LOAD, QUANTITIES
 
     chosen = units_asked(options.unit)
     found: dict[str, str] = {}
-    for name, kind in [*KINDS.items(), ("kick", "speed")]:
+    for name, kind in [*((name, LOAD[name].kind) for name in QUANTITIES), ("kick", "speed")]:
         text = getattr(options, name, None)
         typed = _typed_unit(text) if isinstance(text, str) else None
         unasked = "Hz" if name == "frequency" and getattr(options, "force", None) else _UNASKED.get(kind, "")
@@ -334,7 +304,7 @@ def bare_numbers_typed(options: argparse.Namespace) -> list[str]:
     """Return warnings of numbers typed without a unit that may be meant in another one, where others have theirs."""
     from floquetrod.bare_numbers import Quantity, bare_numbers
 
-    kinds = {**{name: kind for name, kind in units.ROD_KINDS.items() if name in ROD_OPTIONS}, **_KINDS}
+    kinds = {**{name: GIVEN[name].kind for name in OPTIONS if name != "path"}, **_KINDS}
     typed = {name: text for name, text in vars(options).items() if text != options.parser.get_default(name)}
     quantities = [Quantity(option(name), typed[name], kind) for name, kind in kinds.items() if name in typed]
     shown = [name.strip() for name in (getattr(options, "unit", None) or "").split(",")]
@@ -346,9 +316,9 @@ def read_rod(options: argparse.Namespace) -> fr.Rod:
     from floquetrod.rod.reading import is_pipe, named_rod
 
     changes: dict[str, Any] = {
-        key: units.quantity(text, option(key), units.ROD_KINDS[key], least=least, largest=LARGEST)
-        for key, least in _LEAST.items()
-        if (text := getattr(options, key, None)) is not None
+        name: GIVEN[name].quantity(text, option(name))
+        for name in OPTIONS
+        if name not in ("path", "depth") and (text := getattr(options, name, None)) is not None
     }
     changes |= _on_path(options)
     if is_pipe(options.rod):
@@ -391,7 +361,7 @@ def _on_path(options: argparse.Namespace) -> dict[str, Any]:
     for name in ("inclination", "curvature"):
         if getattr(options, name) is not None:
             raise ValueError(f"--{name} must not be given with --path, whose survey determines it; leave one out")
-    start = 0.0 if depth is None else units.quantity(depth, "--depth", "length", least=0.0, largest=LARGEST)
+    start = 0.0 if depth is None else GIVEN["depth"].quantity(depth, "--depth")
     return {"path": read_survey(options, path), "depth": start}
 
 

@@ -24,7 +24,7 @@ from floquetrod.explorer.limits import Scale
 from floquetrod.plotting import chart_plot
 from floquetrod.plotting.web import Shown, require_tornado, serve
 from floquetrod.rod.answers.reports import describe_load, shown_in
-from floquetrod.rod.loads.load import KINDS, Load
+from floquetrod.rod.loads.load import QUANTITIES, Load
 from floquetrod.rod.reading import RECORD_OPTIONS
 
 _HELP = """\
@@ -73,7 +73,7 @@ def _explore(options: argparse.Namespace) -> Output:
         import matplotlib as mpl
 
         mpl.use("agg")  # the window is a page
-    units: dict[str, str] = {name: names[name] for name in KINDS}
+    units: dict[str, str] = {name: names[name] for name in QUANTITIES}
 
     def another() -> fr.Explorer:
         return fr.Explorer(rod, load, units, options=_named(options))
@@ -100,8 +100,8 @@ def _explore(options: argparse.Namespace) -> Output:
 
 def _given(options: argparse.Namespace) -> tuple[fr.Rod, Load, bool]:
     """Return the rod and the load that the options describe, and whether they give its numbers."""
-    given = [name for name in KINDS if getattr(options, name) is not None]
-    if given and len(given) < len(KINDS) and options.force is None:
+    given = [name for name in QUANTITIES if getattr(options, name) is not None]
+    if given and len(given) < len(QUANTITIES) and options.force is None:
         raise ValueError(f"--mean, --amplitude and --frequency go together; got only --{', --'.join(given)}")
     rod, record, load = read_question(options, required=False)
     return rod, load, bool(given) or record is not None

@@ -23,15 +23,8 @@ from floquetrod.cli.common import (
 )
 from floquetrod.cli.messages import option
 from floquetrod.rod import reading
-from floquetrod.rod.loads.load import KINDS, Load, Quantity
+from floquetrod.rod.loads.load import LOAD, QUANTITIES, Load, Quantity
 from floquetrod.rod.model.plausibility import suspicion_of_hertz, warn_of_load
-
-_LOAD_HELP: dict[Quantity, tuple[str, str]] = {
-    "mean": ("mean force such as 0.2Fcr, 20%%, 12N or 3lbf{}; negative pulls", "0:1.2Fcr"),
-    "amplitude": ("amplitude of the force such as 0.2Fcr, 20%%, 3N or 1lbf{}; 0 is the static limit", "0:0.5Fcr"),
-    "frequency": ("frequency such as 24Hz, 1440rpm or 150 (rad/s){}", "10Hz:60Hz"),
-}
-"""Help of the quantities of a load, and an example of a range."""
 
 
 def add_question(
@@ -53,9 +46,11 @@ def add_question(
 
 def _add_load(command: argparse.ArgumentParser, ranges: bool) -> None:
     """Add the options for mean, amplitude and frequency, which may be ``ranges``."""
-    for name, (text, example) in _LOAD_HELP.items():
-        given = text.format(f", or a range such as {example}" if ranges else "")
-        command.add_argument(f"--{name}", metavar=KINDS[name].upper(), help=given)
+    for name in QUANTITIES:
+        described = LOAD[name].option
+        if described is not None:
+            text = f", or a range such as {described.range}" if ranges else ""
+            command.add_argument(option(name), metavar=described.metavar, help=described.help.format(range=text))
     command.epilog = f"{command.epilog}\n{_units()}"
 
 
@@ -75,26 +70,10 @@ def _units() -> str:
 
 def _add_kind(command: argparse.ArgumentParser) -> None:
     """Add the options that say what kind of load it is."""
-    command.add_argument(
-        "--mean-at",
-        metavar="FRACTION",
-        help="position along an inclined rod where the mean force is given, from 0, the upper end, to 1 (default 0.5); "
-        "none neglects the weight along the rod",
-    )
-    command.add_argument(
-        "--wave",
-        choices=("held", "free", "driven"),
-        help="the upper end sends axial waves; the lower end is held, free, or driven like the upper one",
-    )
-    command.add_argument(
-        "--axial-damping", metavar="RATE", help="decay rate of axial waves in 1/s (needs --wave; default 0)"
-    )
-    command.add_argument(
-        "--noise",
-        metavar="DENSITY",
-        help="one-sided spectral density of the random part of the force, such as 0.02N^2/Hz, or spectrum, that of the "
-        "residual of --force; verdicts are then in mean square",
-    )
+    for name, parameter in LOAD.items():
+        if parameter.option is not None and name not in QUANTITIES:
+            help_, metavar, *_, named, choices = parameter.option
+            command.add_argument(option(named or name), metavar=metavar, choices=choices, help=help_)
     command.add_argument(
         "--force",
         metavar="FILE",
@@ -133,7 +112,7 @@ def _require_quantities(options: argparse.Namespace) -> None:
     """Raise ValueError where a quantity of the load is missing, and no record gives it."""
     if options.force is not None:
         return
-    missing = [f"--{name}" for name in KINDS if getattr(options, name) is None]
+    missing = [f"--{name}" for name in QUANTITIES if getattr(options, name) is None]
     if missing:
         raise ValueError(
             f"the following arguments are required: {', '.join(missing)} (see floquetrod {options.command} --help)"
@@ -146,7 +125,7 @@ def read_question(options: argparse.Namespace, *, required: bool = True) -> tupl
         _require_quantities(options)
     rod = read_rod(options)
     record, like = _read_kind(options, rod)
-    texts = {name: text for name in KINDS if (text := getattr(options, name)) is not None}
+    texts = {name: text for name in QUANTITIES if (text := getattr(options, name)) is not None}
     numbers: dict[str, Any] = {name: read_quantity(text, name, rod) for name, text in texts.items()}
     return rod, record, replace(like, **numbers)
 
@@ -182,7 +161,7 @@ def read_ranges(options: argparse.Namespace) -> Ranges:
     _require_quantities(options)
     rod = read_rod(options)
     _, like = _read_kind(options, rod)
-    texts = {name: getattr(options, name) for name in KINDS}
+    texts = {name: getattr(options, name) for name in QUANTITIES}
     values = {n: [getattr(like, n)] if text is None else read_range(text, n, rod) for n, text in texts.items()}
     return Ranges(rod, like, values, read_tolerance(options), read_units(options, rod))
 

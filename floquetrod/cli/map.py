@@ -20,7 +20,7 @@ from floquetrod.cli.loads import add_question, read_ranges, warn_of_hertz
 from floquetrod.cli.output import Output, output
 from floquetrod.cli.parser import Parser
 from floquetrod.rod.answers.reports import shown_in
-from floquetrod.rod.loads.load import KINDS, Quantity
+from floquetrod.rod.loads.load import QUANTITIES, Quantity
 
 _HELP = """\
 Draw a rod's stability over two of mean force, amplitude and frequency; the third is fixed.
@@ -119,7 +119,7 @@ def _map(options: argparse.Namespace) -> Output:
     if bands:
         with Waiting("finding bands", "steps along boundaries") as progress:
             chart.find_bands(progress=progress)
-    drawn = chart.in_units(**{name: shown[name] for name in ("kick", *KINDS)[mu_and_kick is None :]})
+    drawn = chart.in_units(**{name: shown[name] for name in ("kick", *QUANTITIES)[mu_and_kick is None :]})
 
     def draw() -> Any:
         axes = drawn.plot(bands=bands)

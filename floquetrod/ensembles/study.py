@@ -23,9 +23,9 @@ from floquetrod._util.tables import read_toml, require_known
 from floquetrod.ensembles.ensemble import ensemble
 from floquetrod.ensembles.tasks import Summary
 from floquetrod.ensembles.varied_axes import LAYOUTS, MOST_RUNS, RUN_KINDS, VARIED_KINDS, names_of
-from floquetrod.rod.loads.load import FAR_ENDS, KINDS
-from floquetrod.rod.model.files import rod_of
+from floquetrod.rod.loads.load import FAR_ENDS, QUANTITIES
 from floquetrod.rod.model.plausibility import suspicion_of_hertz, warn_of_load
+from floquetrod.rod.model.rod_file import rod_of
 from floquetrod.rod.reading import (
     LOAD_OPTIONS,
     is_pipe,
@@ -42,7 +42,7 @@ from floquetrod.simulation.start_text import read_perturbation
 from floquetrod.units import Unit
 
 _TABLES = ("rod", "load", "run", "start", "over", "ensemble")
-_LOAD = (*KINDS, *LOAD_OPTIONS)
+_LOAD = (*QUANTITIES, *LOAD_OPTIONS)
 _COUNTS = ("segments", "frames")
 _START = ("kick", "random", "seed", "case")
 _RUN = (*RUN_KINDS, *_COUNTS, "stop_early", "natural_curvature", "tool")
@@ -238,11 +238,11 @@ def _load(path: Path, table: Mapping[str, Any], rod: Rod) -> Any:
     """Return the load; a measured force is searched for beside the study file."""
     require_known(table, _LOAD)
     given = {key: _scalar(key, table.get(key)) for key in _LOAD}
-    if given["force"] is None and (missing := [key for key in KINDS if given[key] is None]):
+    if given["force"] is None and (missing := [key for key in QUANTITIES if given[key] is None]):
         raise ValueError(f"missing key{'s' if missing[1:] else ''} {', '.join(missing)}; or give a measured force")
     if given["wave"] is not None:
         validate.choice("wave", given["wave"], FAR_ENDS)
-    texts = {key: None if given[key] is None else str(given[key]) for key in _LOAD if key not in (*KINDS, "force")}
+    texts = {key: None if given[key] is None else str(given[key]) for key in _LOAD if key not in (*QUANTITIES, "force")}
     force = None if given["force"] is None else str(path.parent / str(given["force"]))
     words: dict[str, Any] = given | texts | {"force": force}
     record = read_record(words)

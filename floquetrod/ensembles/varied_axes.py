@@ -14,8 +14,9 @@ from floquetrod import units
 from floquetrod._util import validate
 from floquetrod._util.caching import cached_property
 from floquetrod.rod.distributions import quantile_function, quantiles
-from floquetrod.rod.loads.load import KINDS
-from floquetrod.rod.model import parts
+from floquetrod.rod.loads.load import LOAD
+from floquetrod.rod.loads.tool import TOOL
+from floquetrod.rod.model.parameters import GIVEN, INSTEAD, NUMBERS
 from floquetrod.simulation.simulation_problem import SimulationProblem
 from floquetrod.simulation.start import Perturbation
 
@@ -36,19 +37,17 @@ RUN_KINDS = {
 }
 """Kinds of the quantities of a problem, of which `floquetrod.units` knows the units."""
 
-TOOL_KINDS = {"tool_amplitude": "force", "tool_frequency": "frequency", "tool_above_end": "length"}
+TOOL_KINDS = {f"tool_{name}": parameter.kind for name, parameter in TOOL.items()}
 VARIED_KINDS = {
-    **units.ROD_KINDS,
-    **KINDS,
+    **{name: parameter.kind for name, parameter in GIVEN.items() if parameter.kind},
+    **{name: parameter.kind for name, parameter in LOAD.items() if parameter.kind},
     **RUN_KINDS,
     **TOOL_KINDS,
-    "mean_at": "ratio",
-    "axial_damping": "rate",
     "kick": "speed",
 }
 """Kinds of the quantities that may be varied; integers have none."""
 
-TOOL = {name: name.removeprefix("tool_") for name in TOOL_KINDS}
+OF_TOOL = {f"tool_{name}": name for name in TOOL}
 START = ("kick", "seed")
 RUN_SEED = "run_seed"
 """Name of the seeds of runs where every sample has seeds of its own."""
@@ -72,8 +71,8 @@ def names_of(problem: SimulationProblem) -> dict[str, tuple[str, ...]]:
     return {
         "problem": tuple(part.name for part in fields(problem) if part.type in _NUMBERS),
         "load": tuple(part.name for part in fields(problem.load) if part.type in _NUMBERS),
-        "rod": (*parts.LIMITS, *parts.INSTEAD),
-        "tool": () if problem.tool is None else tuple(TOOL),
+        "rod": (*NUMBERS, *INSTEAD),
+        "tool": () if problem.tool is None else tuple(OF_TOOL),
         "start": START,
     }
 
@@ -157,7 +156,7 @@ def varied(problem: SimulationProblem, values: Mapping[str, float | int]) -> Sim
     if rod:
         own["rod"] = problem.rod.replace(**rod)
     if tool and problem.tool is not None:
-        own["tool"] = replace(problem.tool, **{TOOL[name]: value for name, value in tool.items()})
+        own["tool"] = replace(problem.tool, **{OF_TOOL[name]: value for name, value in tool.items()})
     kick = problem.perturbation
     if "seed" in values:
         own["perturbation"] = kick = _seeded(kick, int(values["seed"]))

@@ -15,7 +15,7 @@ from floquetrod.explorer.words import margin_words
 from floquetrod.plotting.explorer_page import ExplorerWindow
 from floquetrod.rod.answers.margins import Margin
 from floquetrod.rod.answers.reports import shown_in
-from floquetrod.rod.loads.load import KINDS, AnyLoad, Load, require_load
+from floquetrod.rod.loads.load import QUANTITIES, AnyLoad, Load, require_load
 from floquetrod.rod.rod import Rod
 
 
@@ -159,7 +159,7 @@ def _rounded(limits: dict[str, tuple[float, float]], units: dict[str, known.Unit
 
 
 def _units(rod: Rod, names: Mapping[str, str]) -> dict[str, known.Unit]:
-    if isinstance(names, Mapping) and not names.keys() <= KINDS.keys():
+    if isinstance(names, Mapping) and not names.keys() <= {*QUANTITIES}:
         raise validate.wrong_value("units", f"must be of mean, amplitude and frequency, got {dict(names)!r}")
     shown = shown_in(names, rod.critical_force)
-    return {name: shown[name] for name in KINDS}
+    return {name: shown[name] for name in QUANTITIES}

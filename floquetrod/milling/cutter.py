@@ -25,12 +25,38 @@ from floquetrod._util.implausible import SILENCE, PlausibilityWarning, is_typed
 from floquetrod.equations import DelaySystem, PeriodicSystem, Varying
 from floquetrod.floquet.dispatch import stability
 from floquetrod.floquet.multipliers.system_stability import SystemStability
+from floquetrod.parameter import Parameter, by_name
 
 _SOFTEST = 1e5  # Pa: foam takes ten times as much to cut (a choice)
 _EDGE = 1e-12  # rad: a tooth so close to entering or leaving counts as beyond
 
 MOST_TEETH = 64
 """Most teeth of a cutter (a choice)."""
+
+TOOL_MODE = by_name(
+    Parameter(name="frequency", symbol="omega", kind="frequency", least=1e-6, largest=1e9),
+    Parameter(name="damping_ratio", symbol="zeta", kind="ratio", least=1e-9, largest=0.999),
+    Parameter(
+        name="mass",
+        symbol="m",
+        kind="mass",
+        least=1e-12,
+        largest=1e9,
+        instead=(Parameter(name="stiffness", symbol="k", kind="stiffness", least=1e-9, largest=1e15),),
+    ),
+)
+"""Parameters of a mode of a tool by their names; its stiffness may be given in place of the mass."""
+
+CUTTER = by_name(
+    Parameter(name="x", symbol="", kind="", default=()),
+    Parameter(name="y", symbol="", kind="", default=()),
+    Parameter(name="teeth", symbol="N", kind=""),
+    Parameter(name="tangential", symbol="K_t", kind="pressure", least=1.0, largest=1e15),
+    Parameter(name="radial", symbol="K_r", kind="pressure", least=-1e15, largest=1e15),
+    Parameter(name="immersion", symbol="a / D", kind="ratio", least=1e-6, largest=1.0, default=1.0),
+    Parameter(name="direction", symbol="", kind="", default="up"),
+)
+"""Parameters of a cutter by their names."""
 
 
 @constructor_hints()
@@ -62,14 +88,14 @@ class ToolMode:
 
     def __init__(self, frequency: Any, damping_ratio: Any, mass: Any = None, stiffness: Any = None) -> None:
         """Check the parameters and bring them into SI units."""
-        omega = units.quantity(frequency, "frequency", "frequency", least=1e-6, largest=1e9)
-        ratio = units.quantity(damping_ratio, "damping_ratio", "ratio", least=1e-9, largest=0.999)
+        omega = TOOL_MODE["frequency"].within_limits(frequency)
+        ratio = TOOL_MODE["damping_ratio"].within_limits(damping_ratio)
         if (mass is None) == (stiffness is None):
             raise TypeError("mass or stiffness must be given, one of them")
         if mass is None:
-            kilograms = units.quantity(stiffness, "stiffness", "stiffness", least=1e-9, largest=1e15) / omega**2
+            kilograms = TOOL_MODE["mass"].instead[0].within_limits(stiffness) / omega**2
         else:
-            kilograms = units.quantity(mass, "mass", "mass", least=1e-12, largest=1e9)
+            kilograms = TOOL_MODE["mass"].within_limits(mass)
         for name, value in (("frequency", omega), ("damping_ratio", ratio), ("mass", kilograms)):
             object.__setattr__(self, name, value)
 
@@ -110,9 +136,9 @@ class Cutter(ByContent):
         vars(self).update(
             **modes,
             teeth=validate.integer("teeth", teeth, 1, MOST_TEETH),
-            tangential=units.quantity(tangential, "tangential", "pressure", least=1.0, largest=1e15),
-            radial=units.quantity(radial, "radial", "pressure", least=-1e15, largest=1e15),
-            immersion=units.quantity(immersion, "immersion", "ratio", least=1e-6, largest=1.0),
+            tangential=CUTTER["tangential"].within_limits(tangential),
+            radial=CUTTER["radial"].within_limits(radial),
+            immersion=CUTTER["immersion"].within_limits(immersion),
             direction=validate.choice("direction", direction, ("up", "down")),
         )
         _warn_of_soft(self.tangential)

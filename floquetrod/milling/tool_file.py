@@ -9,12 +9,13 @@ from floquetrod import units
 from floquetrod._util import validate
 from floquetrod._util.tables import read_toml, require_known
 from floquetrod.bare_numbers import Quantity, bare_numbers
-from floquetrod.milling.cutter import ToolMode
+from floquetrod.milling.cutter import CUTTER, TOOL_MODE, ToolMode
+from floquetrod.parameter import REQUIRED
 
-_KEYS = ("x", "y", "teeth", "tangential", "radial", "immersion", "direction")
-_RANGES = ("speed", "depth")
-_OF_A_MODE = ("frequency", "damping_ratio", "mass", "stiffness")
-_REQUIRED = ("teeth", "tangential", "radial")
+_RANGES = {"speed": "", "depth": "length"}
+"""Ranges that a file may give, and their kinds; spindle speeds are in rpm without a unit."""
+
+_OF_A_MODE = [each for parameter in TOOL_MODE.values() for each in (parameter, *parameter.instead)]
 
 
 class ToolFile(NamedTuple):
@@ -32,32 +33,31 @@ def read_tool(path: str | Path) -> ToolFile:
         if set(table) != {"tool"} or not isinstance(table["tool"], dict):
             raise ValueError("it must hold one table [tool], with [[tool.x]] and [[tool.y]] for the modes")
         given = table["tool"]
-        require_known(given, (*_KEYS, *_RANGES))
-        if missing := [key for key in _REQUIRED if key not in given]:
+        require_known(given, (*CUTTER, *_RANGES))
+        if missing := [key for key, parameter in CUTTER.items() if parameter.default is REQUIRED and key not in given]:
             raise ValueError(f"key {missing[0]!r} is missing")
         _require_units(given)
-        arguments = {key: value for key, value in given.items() if key in _KEYS}
+        arguments = {key: value for key, value in given.items() if key in CUTTER}
         modes = {axis: [_mode(axis, i, mode) for i, mode in enumerate(given.get(axis, []))] for axis in ("x", "y")}
         return ToolFile(arguments | modes, {key: str(given[key]) for key in _RANGES if key in given})
     except (TypeError, ValueError) as error:
         raise ValueError(f"tool file {path}: {error}") from None
 
 
-_KINDS = {"tangential": "pressure", "radial": "pressure", "depth": "length"}
-_OF_MODES = {"frequency": "frequency", "mass": "mass", "stiffness": "stiffness"}
 _USUAL = {"pressure": "N/mm2", "length": "mm", "mass": "g", "stiffness": "N/um"}
 """Units in which numbers of a cutter may be meant where nothing beside them tells."""
 
 
 def _require_units(given: dict[str, Any]) -> None:
     """Raise ValueError for a number without a unit where others have theirs; spindle speeds are in rpm without one."""
-    quantities = [Quantity(key, given[key], kind) for key, kind in _KINDS.items() if key in given]
+    kinds = _RANGES | {key: parameter.kind for key, parameter in CUTTER.items()}
+    quantities = [Quantity(key, given[key], kind) for key, kind in kinds.items() if kind and key in given]
     quantities += [
-        Quantity(f"{axis}[{i}]: {key}", mode[key], kind)
+        Quantity(f"{axis}[{i}]: {parameter.name}", mode[parameter.name], parameter.kind)
         for axis in ("x", "y")
         for i, mode in enumerate(given.get(axis, []))
-        for key, kind in _OF_MODES.items()
-        if isinstance(mode, dict) and key in mode
+        for parameter in _OF_A_MODE
+        if isinstance(mode, dict) and parameter.name in mode
     ]
     for number in bare_numbers(quantities, _USUAL):
         raise ValueError(f"{number.quantity.name} {number.problem}")
@@ -81,7 +81,7 @@ def _mode(axis: str, number: int, table: Any) -> ToolMode:
     try:
         if not isinstance(table, dict):
             raise ValueError(f"modes are tables [[tool.{axis}]], got {validate.short(table)}")
-        require_known(table, _OF_A_MODE)
+        require_known(table, [parameter.name for parameter in _OF_A_MODE])
         return ToolMode(**table)
     except (TypeError, ValueError) as error:
         raise ValueError(f"{axis}[{number}]: {error}") from None

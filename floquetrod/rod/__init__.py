@@ -14,8 +14,10 @@ if TYPE_CHECKING:
     from floquetrod.rod.friction.mode_friction import ModeFriction
     from floquetrod.rod.loads.axial import AxialGap, AxialResonance, AxialResponse
     from floquetrod.rod.mode_equations.modal_systems import ModalSystem, ModalSystems
+    from floquetrod.rod.model.beam import EndConditions
     from floquetrod.rod.model.buckling import BucklingForce
-    from floquetrod.rod.model.parts import Channel, Ends, Fluids, Material, Section
+    from floquetrod.rod.model.course import Channel
+    from floquetrod.rod.model.cross_section import CrossSection, Fluids, Material
     from floquetrod.rod.model.stress import Stress
 
 __all__ = [
@@ -28,14 +30,14 @@ __all__ = [
     "CriticalFactor",
     "CriticalKick",
     "CriticalLoad",
-    "Ends",
+    "CrossSection",
+    "EndConditions",
     "Fluids",
     "Margin",
     "Material",
     "ModalSystem",
     "ModalSystems",
     "ModeFriction",
-    "Section",
     "StabilityInterval",
     "Stress",
     "UnstableBand",
@@ -49,7 +51,9 @@ __getattr__, __dir__ = names_of(
         "rod.friction.kicks": ("CriticalKick",),
         "rod.friction.mode_friction": ("ModeFriction",),
         "rod.mode_equations.modal_systems": ("ModalSystem", "ModalSystems"),
-        "rod.model.parts": ("Channel", "Ends", "Fluids", "Material", "Section"),
+        "rod.model.beam": ("EndConditions",),
+        "rod.model.course": ("Channel",),
+        "rod.model.cross_section": ("CrossSection", "Fluids", "Material"),
         "rod.model.stress": ("Stress",),
         "rod.answers.critical_noise": ("CriticalFactor",),
         "rod.answers.intervals": ("BucklingWarning", "StabilityInterval", "UnstableBand"),

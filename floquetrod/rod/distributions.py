@@ -14,9 +14,10 @@ from floquetrod import units
 from floquetrod._util import validate
 from floquetrod._util.arrays import Bools, Floats
 from floquetrod._util.caching import cached_property
-from floquetrod.rod.loads.load import KINDS, LIMITS, Load, Loads
-from floquetrod.rod.model import formulas, parts
+from floquetrod.rod.loads.load import LOAD, QUANTITIES, Load, Loads
+from floquetrod.rod.model import formulas
 from floquetrod.rod.model.constants import mode_constants
+from floquetrod.rod.model.parameters import GIVEN, ROD
 from floquetrod.rod.modes.mode_model import ModeModel
 from floquetrod.rod.rod import Rod
 from floquetrod.wells.path import WellPath
@@ -54,7 +55,7 @@ class Sampling:
     @cached_property
     def is_one_by_one(self) -> bool:
         """Whether each sample is a rod with modes of its own, which takes milliseconds."""
-        of_rods = [name for name in self.parameters if name not in LIMITS]
+        of_rods = [name for name in self.parameters if name not in QUANTITIES]
         return any(name in SURVEY for name in of_rods) or bool(of_rods and self.model.coupling)
 
     @cached_property
@@ -67,7 +68,7 @@ class Sampling:
         values = drawn(self.parameters, self.rows, levels)
         if self.is_one_by_one:
             return np.array([self._verdict(sample) for sample in samples_of(values)], dtype=np.int8)
-        loads = [np.broadcast_to(values.get(name, getattr(self.load, name)), levels.shape[1:]) for name in LIMITS]
+        loads = [np.broadcast_to(values.get(name, getattr(self.load, name)), levels.shape[1:]) for name in QUANTITIES]
         rods: dict[str, Any] = {name: values.get(name, known) for name, known in self.rod.parameters.items()}
         self._require(self._exist(rods, loads), values)
         return self.model.sample_status(
@@ -86,16 +87,15 @@ class Sampling:
 
     def _load_of(self, sample: Mapping[str, Any]) -> Load:
         """Return the load of one sample."""
-        return replace(self.load, **{name: sample[name] for name in LIMITS if name in sample})
+        return replace(self.load, **{name: sample[name] for name in QUANTITIES if name in sample})
 
     def _exist(self, rods: Mapping[str, Any], loads: list[Floats]) -> Bools:
         """Return which samples are a rod under a load."""
         good = np.ones(loads[0].shape, dtype=np.bool_)
-        for values, limits in zip(loads, LIMITS.values(), strict=True):
-            good &= (limits.least <= values) & (values <= limits.largest)
-        for name, values in rods.items():
-            least, largest = parts.LIMITS[name]
-            good &= (least <= values) & (values <= largest)
+        for quantity, values in zip(QUANTITIES, loads, strict=True):
+            good &= (LOAD[quantity].least <= values) & (values <= LOAD[quantity].largest)
+        for parameter, values in rods.items():
+            good &= (ROD[parameter].least <= values) & (values <= ROD[parameter].largest)
         if good.all():
             radii = rods["radius"], rods["inner_radius"]
             area, bore, outer = formulas.ring(*radii), formulas.disc(radii[1]), formulas.disc(radii[0])
@@ -119,7 +119,7 @@ class Sampling:
 
     def _refuse(self, sample: Mapping[str, float]) -> NoReturn:
         """Raise ValueError for a sample that is not a possible rod and load."""
-        rod = self.rod.replace(**{name: value for name, value in sample.items() if name not in LIMITS})
+        rod = self.rod.replace(**{name: value for name, value in sample.items() if name not in QUANTITIES})
         load = self._load_of(sample)
         mode_constants(rod).require_in_reach(Loads.single(load))
         raise ValueError("it is out of range")
@@ -152,7 +152,7 @@ def samples_of(values: Mapping[str, Floats]) -> Iterable[dict[str, Any]]:
 
 def sampled_rod(rod: Rod, sample: Mapping[str, Any]) -> Rod:
     """Return the rod of a sample, on the path of its survey."""
-    changes = {name: value for name, value in sample.items() if name not in LIMITS and name not in SURVEY}
+    changes = {name: value for name, value in sample.items() if name not in QUANTITIES and name not in SURVEY}
     if rod.path is not None and any(name in SURVEY for name in sample):
         changes["path"] = sampled_path(rod.path, sample)
     return rod.replace(**changes) if changes else rod
@@ -231,5 +231,5 @@ def distribution(argument: str, given: Any, element: Callable[[str, Any], float]
 
 def _number(name: str, argument: str, value: Any) -> float:
     """Return a number in SI that is given as one or with its unit."""
-    kind = KINDS[name] if name in KINDS else "angle" if name in SURVEY else units.ROD_KINDS[name]
+    kind = LOAD[name].kind if name in QUANTITIES else "angle" if name in SURVEY else GIVEN[name].kind
     return units.number(argument, value, kind)

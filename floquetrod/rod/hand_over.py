@@ -25,6 +25,7 @@ from floquetrod.rod.answers.string_reach import Reach
 from floquetrod.rod.large_orbits import grown
 from floquetrod.rod.model.assumptions import Assumption, UniformForceWarning
 from floquetrod.rod.model.data import RodData
+from floquetrod.rod.model.parameters import ROD
 from floquetrod.rod.stability_map import stability_map
 from floquetrod.units import AnswerUnits, Unit, unit
 
@@ -165,8 +166,8 @@ def _data(rod: RodData, units: AnswerUnits) -> DocumentSection:
 
 def _row(name: str, value: Any, units: AnswerUnits) -> tuple[str, str]:
     """Return the name and the value of a parameter, diameters in mm and in, as in catalogues."""
-    words, shown = units.of_rod(name, value)
-    if name in ("radius", "inner_radius", "channel_radius"):
+    words, shown = ROD[name].in_words(value, units)
+    if ROD[name].is_shown_as_diameter:
         other = unit("mm" if units.across.name == "in" else "in", name, "length")
         return words, f"{shown} ({other.show(2.0 * value)})"
     return words, shown

@@ -9,11 +9,13 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from floquetrod._util import validate
+from floquetrod.parameter import require_known
 from floquetrod.rod.answers.rod_stability import RodStability
 from floquetrod.rod.loads.load import Load
 from floquetrod.rod.mode_equations.large_motion import LargeMotion, Shapes
 from floquetrod.rod.mode_equations.one_mode import LIMIT, OneMode, Orbit
 from floquetrod.rod.model.data import RodData
+from floquetrod.rod.model.parameters import ROD
 
 INDENTATION = 1e-4
 """Depth to which the weight of the rod indents its channel, over the radial clearance, where it is left out."""
@@ -52,6 +54,7 @@ class ModeOrbit(NamedTuple):
 
 def require_possible(rod: RodData, load: Load) -> None:
     """Raise ValueError for rods whose large motion is not known here, with the remedy."""
+    require_known(rod, ROD, "large motion")
     ends = rod.end_conditions
     if load.noise:
         raise validate.wrong_value("load", "must be without noise, which leads to no periodic motion; leave it out")

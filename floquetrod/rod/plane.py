@@ -13,12 +13,12 @@ from floquetrod.mathieu.criterion import FiniteTimeCriterion
 from floquetrod.plane import Axis, Family, FoundBands, Verdicts
 from floquetrod.plane.family import VERTEX
 from floquetrod.plotting.chart_plot import NAMES
-from floquetrod.rod.loads.load import LIMITS, Load, Loads, Quantity
+from floquetrod.rod.loads.load import LOAD, Load, Loads, Quantity
 from floquetrod.rod.modes.mode_model import BandFinder, ModeModel
 from floquetrod.rod.rod import Rod
 
 _ACROSS: tuple[Quantity, ...] = ("frequency", "mean", "amplitude")
-AXES: dict[Quantity, tuple[str, str, str]] = {name: (*NAMES[name], LIMITS[name].unit) for name in _ACROSS}
+AXES: dict[Quantity, tuple[str, str, str]] = {name: (*NAMES[name], LOAD[name].unit) for name in _ACROSS}
 """Names, symbols and units of the quantities of a load, the one drawn to the right first."""
 
 

@@ -18,10 +18,10 @@ from floquetrod._util.progress import Progress
 from floquetrod._util.result_report import Report, Reported, Table
 from floquetrod._util.spans import complement
 from floquetrod.floquet.multipliers.resonance_names import Resonance
-from floquetrod.rod.answers.intervals import QUANTITIES, Cause, Search, StabilityInterval, UnstableBand
+from floquetrod.rod.answers.intervals import Cause, Search, StabilityInterval, UnstableBand
 from floquetrod.rod.answers.margins import CriticalLoad
 from floquetrod.rod.loads.axial import AxialGap
-from floquetrod.rod.loads.load import KINDS, Load, Loads, Quantity, load_bounds
+from floquetrod.rod.loads.load import LOAD, Load, Loads, Quantity, load_bounds
 from floquetrod.rod.model.assumptions import warn_unless_uniform
 from floquetrod.rod.model.contact import constants_under, up_to_wall
 from floquetrod.rod.modes.mode_model import ModeModel
@@ -162,7 +162,7 @@ class StabilityIntervals(Reported, NoTruthValue):
             raise validate.wrong_type("unit", f"must be a word such as 'Hz', got {validate.short(unit)}")
         if size is None:
             model, search = self.searched
-            wanted, size = units.unit(wanted, "unit", KINDS[search.varied], model.rod.critical_force)
+            wanted, size = units.unit(wanted, "unit", LOAD[search.varied].kind, model.rod.critical_force)
         size = validate.positive("size", size, "give it in the unit of the intervals")
         return self._report(wanted, size, self.unstable)
 
@@ -244,7 +244,8 @@ def stable_values(
     warn_unless_uniform(model.rod, largest)
     found = model.ranges(search, progress)
     return StabilityIntervals(
-        *QUANTITIES[varied],
+        LOAD[varied].words,
+        LOAD[varied].unit,
         search.bounds,
         found.intervals,
         search.growth_tolerance,
@@ -293,8 +294,8 @@ def _saying_how_far(progress: Progress | None, varied: Quantity, largest: Load) 
         try:
             progress(done, total)
         except BaseException as error:
-            at, unit = done / total * getattr(largest, varied), QUANTITIES[varied][1]
-            error.add_note(f"up to {QUANTITIES[varied][0]} {at:.6g} {unit} nothing grows")
+            at, unit = done / total * getattr(largest, varied), LOAD[varied].unit
+            error.add_note(f"up to {LOAD[varied].words} {at:.6g} {unit} nothing grows")
             raise
 
     return told

@@ -30,7 +30,7 @@ from floquetrod.rod.distributions import (
     samples_of,
 )
 from floquetrod.rod.loads.tool import VibrationTool, tool_inside
-from floquetrod.rod.model.parts import friction_coefficient
+from floquetrod.rod.model.parameters import friction_coefficient
 from floquetrod.rod.rod import Rod
 from floquetrod.rod.uncertainty import entropy, independence, random_levels
 from floquetrod.wells.path import WellPath

@@ -14,7 +14,7 @@ from floquetrod._util.suggest import short
 from floquetrod._util.tables import require_file
 from floquetrod.bare_numbers import Quantity as Written
 from floquetrod.bare_numbers import bare_numbers
-from floquetrod.rod.loads.load import KINDS, LIMITS, AxialWave, Load, Quantity, kind, noise_density
+from floquetrod.rod.loads.load import LOAD, QUANTITIES, AxialWave, Load, Quantity, kind, noise_density
 from floquetrod.rod.loads.tool import VibrationTool
 from floquetrod.rod.rod import Rod
 
@@ -117,17 +117,21 @@ def _fraction(text: str, name: str) -> float | None:
 
 def read_load(given: Mapping[str, Any], rod: Rod, like: _L, named: ArgumentName = str) -> _L:
     """Return a load of the kind of ``like``, which gives the numbers left out."""
-    texts = {name: given[name] for name in KINDS if given[name] is not None}
+    texts = {name: given[name] for name in QUANTITIES if given[name] is not None}
     numbers: dict[str, Any] = {name: read_quantity(text, name, rod, named) for name, text in texts.items()}
     return replace(like, **numbers)
 
 
 def read_quantity(value: Any, name: Quantity, rod: Rod, named: ArgumentName = str, quoted: str | None = None) -> float:
     """Return a quantity of the load in SI units; messages quote ``quoted`` in place of the value."""
-    least, largest = LIMITS[name][:2]
-    force = rod.critical_force
-    return units.quantity(
-        value, named(name), KINDS[name], critical_force=force, least=least, largest=largest, given=quoted
+    record = LOAD[name]
+    return record.quantity(
+        value,
+        named(name),
+        critical_force=rod.critical_force,
+        least=record.least,
+        largest=record.largest,
+        given=quoted,
     )
 
 

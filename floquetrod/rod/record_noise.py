@@ -11,7 +11,7 @@ import numpy as np
 from floquetrod._util.progress import Progress, shifted
 from floquetrod.floquet.status import STATUS_CODES
 from floquetrod.rod.answers.rod_stability import RodStability
-from floquetrod.rod.loads.load import LIMITS, AxialLoad, Loads
+from floquetrod.rod.loads.load import LOAD, AxialLoad, Loads
 from floquetrod.rod.loads.record import ForceRecord
 from floquetrod.rod.modes.mode_model import ModeModel
 
@@ -85,7 +85,7 @@ def _status_and_growth(
 def _drawn(record: ForceRecord) -> Iterator[AxialLoad]:
     """Yield loads whose numbers are drawn about the numbers of the fit, with twice their standard errors."""
     random, fit, kept = np.random.default_rng(0), record.load, np.array(record.harmonic_numbers) - 1
-    slowest = LIMITS["frequency"].least
+    slowest = LOAD["frequency"].least
     for _ in range(NOISE_DRAWS):
         shift = random.standard_normal((kept.size, 2)) @ np.array([1.0, 1j])
         harmonics = record.harmonics.copy()

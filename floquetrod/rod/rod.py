@@ -16,6 +16,7 @@ from floquetrod.equations import HillSystem
 from floquetrod.floquet.proof.proof import MAX_BOXES
 from floquetrod.floquet.status import are
 from floquetrod.mathieu.criterion import FiniteTimeCriterion
+from floquetrod.parameter import require_known
 from floquetrod.rod import verdicts
 from floquetrod.rod.loads.load import QUANTITIES, AnyLoad, Load, Loads, Quantity, kind, require_load, require_noise
 from floquetrod.rod.loads.template import replaced, require_no_record
@@ -23,7 +24,7 @@ from floquetrod.rod.mode_equations.coupling import WAVEFORM, coupling
 from floquetrod.rod.mode_equations.modal_systems import ModalSystem
 from floquetrod.rod.model.constants import SLOW_GROWTH
 from floquetrod.rod.model.data import RodData
-from floquetrod.rod.model.parts import friction_coefficient
+from floquetrod.rod.model.parameters import ROD, friction_coefficient
 from floquetrod.rod.modes.independent import IndependentModel
 from floquetrod.rod.modes.mode_model import ModeModel
 
@@ -47,6 +48,7 @@ if TYPE_CHECKING:
 
 def _model(rod: RodData, like: Load) -> ModeModel:
     """Return what the modes are; of a rod with hinged ends under a sine nothing else is loaded."""
+    require_known(rod, ROD, "modes" if rod.course.is_straight else "bends")
     coupled = coupling(rod, like)
     if not coupled and not like.noise:
         return IndependentModel(rod, like)
@@ -105,7 +107,7 @@ class Rod(RodData):
         is horizontal and the default.  Of a channel that bends that in the middle of the rod.
     ends : str
         "hinged", the default, "clamped", "guided" or "free", or two of them, the upper end first: "clamped-hinged".
-        See `floquetrod.rod.Ends`.
+        See `floquetrod.rod.EndConditions`.
     curvature : float or str
         Curvature of the channel in its vertical plane in 1/m, or with a unit such as "3deg/30m"; positive where it
         builds, 0 by default.  It and the weight across are taken as uniform, so that modes stay independent.

@@ -16,7 +16,7 @@ from floquetrod.rod import motion_map
 from floquetrod.rod.friction.mode_friction import friction_and_kick
 from floquetrod.rod.large_orbits import require_possible
 from floquetrod.rod.loads.axial import require_off_resonance
-from floquetrod.rod.loads.load import KINDS, LIMITS, QUANTITIES, AnyLoad, Loads
+from floquetrod.rod.loads.load import LOAD, QUANTITIES, AnyLoad, Loads
 from floquetrod.rod.loads.template import replaced
 from floquetrod.rod.model.assumptions import warn_unless_uniform
 from floquetrod.rod.modes.mode_model import ModeModel
@@ -100,8 +100,8 @@ def stability_map(
     validate.progress(progress)
     if mu_and_kick is not None and growth:
         raise validate.wrong_value("growth", "is that of the rod without friction; leave out either growth or friction")
-    given = {name: units.si(values, name, KINDS[name]) for name, values in given.items()}
-    largest = max(limits.largest for limits in LIMITS.values())  # the number of points, too, is among the values
+    given = {name: units.si(values, name, LOAD[name].kind) for name, values in given.items()}
+    largest = max(LOAD[name].largest for name in QUANTITIES)  # the number of points, too, is among the values
     fixed = [
         name for name, value in given.items() if validate.array(name, value, least=-largest, largest=largest).ndim == 0
     ]

@@ -16,11 +16,11 @@ from floquetrod._util.content import NoTruthValue
 from floquetrod._util.progress import Progress
 from floquetrod._util.proportions import clopper_pearson
 from floquetrod.rod.distributions import SURVEY, Sampling, distributions
-from floquetrod.rod.loads.load import LIMITS, AnyLoad, require_load
-from floquetrod.rod.model import parts
+from floquetrod.rod.loads.load import QUANTITIES, AnyLoad, require_load
 from floquetrod.rod.model.assumptions import assumptions
 from floquetrod.rod.model.constants import SLOW_GROWTH
 from floquetrod.rod.model.data import require_not_of_path
+from floquetrod.rod.model.parameters import NUMBERS
 from floquetrod.rod.rod import Rod
 
 _MOST_SAMPLES = 10**8  # a minute or two
@@ -229,7 +229,7 @@ def probability_of_instability(
     seed = entropy() if seed is None else validate.integer("seed", seed, 0, 2**128 - 1)
     workers = validate.workers(workers)
     validate.progress(progress)
-    checked = distributions(parameters, (*LIMITS, *parts.LIMITS, *SURVEY), rod.path)
+    checked = distributions(parameters, (*QUANTITIES, *NUMBERS, *SURVEY), rod.path)
     if not checked:
         raise validate.wrong_value("parameters", "must name at least one number of the rod or the load, got none")
     sampling = Sampling(rod, load, checked, tolerance, workers)

@@ -22,9 +22,11 @@ from floquetrod._util.calling import level_of_caller
 from floquetrod._util.progress import Progress
 from floquetrod._util.result_report import Report, Reported
 from floquetrod._util.version import __version__
+from floquetrod.parameter import require_known
 from floquetrod.rod.answers.mean_force import friction_along
-from floquetrod.rod.loads.load import LIMITS, Load, load_from_dict, load_number, noise_in_words, require_load
+from floquetrod.rod.loads.load import QUANTITIES, Load, load_from_dict, load_number, noise_in_words, require_load
 from floquetrod.rod.loads.tool import VibrationTool, tool_inside
+from floquetrod.rod.model.parameters import ROD
 from floquetrod.rod.rod import Rod
 from floquetrod.simulation.checkpoints import Checkpoint
 from floquetrod.simulation.driving import LARGEST_STRAIN, MOST_HARMONICS, Driving, half_waves
@@ -144,7 +146,7 @@ class SimulationProblem:
 
     def __post_init__(self) -> None:
         """Check and clean the parameters; the derived numbers raise for what they cannot be computed from."""
-        validate.instance("rod", self.rod, Rod)
+        require_known(validate.instance("rod", self.rod, Rod), ROD, "simulation")
         load = require_load("load", self.load)
         if load.noise:
             raise validate.wrong_value(
@@ -329,7 +331,7 @@ class SimulationProblem:
 
     def _load_as_dict(self) -> dict[str, Any]:
         """Return the load as plain data."""
-        return self.load.kind_as_dict() | {name: getattr(self.load, name) for name in LIMITS}
+        return self.load.kind_as_dict() | {name: getattr(self.load, name) for name in QUANTITIES}
 
     def _fair_segments(self) -> int:
         """Return the number of segments that resolves the modes the load or the perturbation excites."""

@@ -6,10 +6,7 @@ from typing import Literal, NamedTuple, TypeAlias
 
 from floquetrod.floquet.multipliers.resonance_names import Resonance
 from floquetrod.rod.loads.axial import AxialGap
-from floquetrod.rod.loads.load import LIMITS, Load, Quantity
-
-QUANTITIES: dict[Quantity, tuple[str, str]] = {name: (each.words, each.unit) for name, each in LIMITS.items()}
-"""Name and unit of what may vary."""
+from floquetrod.rod.loads.load import Load, Quantity
 
 WhatGrows: TypeAlias = tuple[int, int] | Resonance | Literal["unnamed"]
 """What grows: (mode, tongue), a resonance of coupled modes, or "unnamed" where that could not be determined."""

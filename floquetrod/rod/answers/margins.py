@@ -14,7 +14,7 @@ from floquetrod._util.interchange import plain, with_unit
 from floquetrod._util.progress import Progress
 from floquetrod.floquet.margins import Edge as Edge
 from floquetrod.floquet.margins import Margin as Margin
-from floquetrod.rod.loads.load import LIMITS, Quantity
+from floquetrod.rod.loads.load import LOAD, Quantity
 
 _SPANS = (1 / 32, 1 / 8, 0.5, 2.0, 8.0)
 """How far a margin is searched, in pieces: in critical forces, or as the factor less one of a frequency."""
@@ -67,7 +67,7 @@ class CriticalLoad(float):
 
     def __repr__(self) -> str:
         """Return the number, or up to where nothing grows, and how wide a band may have been passed over."""
-        name = LIMITS[self.quantity].words
+        name = LOAD[self.quantity].words
         if math.isfinite(self):
             size = f"critical {name} {float(self):.9g} N"
         else:
@@ -77,7 +77,7 @@ class CriticalLoad(float):
 
     def as_dict(self) -> dict[str, Any]:
         """Return number, resolution and end of the search for JSON, units in the keys; None for infinite."""
-        limits = LIMITS[self.quantity]
+        limits = LOAD[self.quantity]
         return {
             with_unit(f"critical {limits.words}", limits.unit): plain(float(self)),
             with_unit("resolution", limits.unit): self.resolution,

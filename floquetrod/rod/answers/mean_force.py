@@ -17,9 +17,10 @@ from floquetrod._util.arrays import Bools, Floats
 from floquetrod._util.content import ByContent
 from floquetrod._util.result_report import Printed, Report
 from floquetrod._util.spans import runs
+from floquetrod.parameter import require_known
 from floquetrod.rod.loads.tool import VibrationTool
 from floquetrod.rod.model.data import RodData
-from floquetrod.rod.model.parts import friction_coefficient
+from floquetrod.rod.model.parameters import ROD, friction_coefficient
 from floquetrod.units import with_unit
 from floquetrod.wells import strings
 from floquetrod.wells.drag import (
@@ -143,6 +144,7 @@ def drag_of(
     rod: RodData, path: Any, friction: Any, motion: Any, helical: Any, tool: VibrationTool | None, speed: Any
 ) -> Drag:
     """Return a string of a rod's section in a well, from what people give."""
+    require_known(rod, ROD, "strings")
     path = validate.instance("path", path, WellPath, "fr.WellPath.from_csv reads one from a survey")
     shaking = None
     if tool is not None:

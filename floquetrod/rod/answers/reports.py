@@ -12,7 +12,7 @@ from floquetrod._util.interchange import by_keys, with_unit
 from floquetrod.floquet.verdict import Status
 from floquetrod.rod.answers.margins import Margin
 from floquetrod.rod.loads.axial import AxialResonance
-from floquetrod.rod.loads.load import LIMITS, Load, Quantity
+from floquetrod.rod.loads.load import LOAD, QUANTITIES, Load, Quantity
 from floquetrod.rod.model.contact import added_mean
 from floquetrod.rod.model.data import RodData, special_parameters
 from floquetrod.units import AnswerUnits, Unit
@@ -143,7 +143,7 @@ def margin_lines(margins: Mapping[Quantity, Margin], status: Status, shown: Mapp
         sides = [(margin.below, "lower"), (margin.above, "higher")]
         changes = [f"{shown[name].show(value, 4)} {way}" for value, way in sides if math.isfinite(value)]
         words = f"{change} {' or '.join(changes)}" if changes else _unchanged(margin, name, shown[name])
-        lines.append(("" if lines else "margins", f"{LIMITS[name].words:<11} {words}"))
+        lines.append(("" if lines else "margins", f"{LOAD[name].words:<11} {words}"))
     return lines
 
 
@@ -152,7 +152,7 @@ def margins_as_dict(margins: Mapping[Quantity, Margin]) -> dict[str, Any]:
     require_margins(margins)
     numbers: dict[str, Any] = {}
     for quantity, margin in margins.items():
-        limits = LIMITS[quantity]
+        limits = LOAD[quantity]
         kinds = ("below", "above", "resolution", "searched")
         keys = {kind: with_unit(f"{limits.words} margin {kind}", limits.unit) for kind in kinds}
         numbers |= by_keys(margin, " ".join(f"{key}={kind}" for kind, key in keys.items()))
@@ -162,7 +162,7 @@ def margins_as_dict(margins: Mapping[Quantity, Margin]) -> dict[str, Any]:
 def require_margins(margins: Any) -> None:
     """Raise TypeError unless ``margins`` maps quantities of a load to their margins."""
     if not isinstance(margins, Mapping) or not all(
-        name in LIMITS and isinstance(margin, Margin) for name, margin in margins.items()
+        name in QUANTITIES and isinstance(margin, Margin) for name, margin in margins.items()
     ):
         raise validate.wrong_type("margins", f"must be what verdict.margins() returns, got {validate.short(margins)}")
 

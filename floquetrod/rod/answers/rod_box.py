@@ -8,16 +8,16 @@ from dataclasses import dataclass, replace
 from itertools import product
 from typing import Any, NamedTuple
 
-from floquetrod import units
 from floquetrod._util import validate
 from floquetrod._util.interchange import by_keys
 from floquetrod._util.interval import PI, RealInterval
 from floquetrod.floquet.proof.region_proof import ModeBox, Side, side_ends
-from floquetrod.rod.loads.load import LIMITS, QUANTITIES, Load, Quantity, load_number
+from floquetrod.parameter import require_known
+from floquetrod.rod.loads.load import LOAD, QUANTITIES, Load, Quantity, load_number
 from floquetrod.rod.mode_equations.coupling import coupling, refusal
 from floquetrod.rod.model.constants import ModeConstants
 from floquetrod.rod.model.data import RodData, require_not_of_path
-from floquetrod.rod.model.parts import DIAMETERS
+from floquetrod.rod.model.parameters import DIAMETERS, ROD
 from floquetrod.units import Unit
 
 _SINE_TERMS = 14  # of the series of the sine up to pi/2: what is left out is far below a unit of the last place
@@ -71,6 +71,7 @@ class RodBox:
         parameters: Mapping[str, Any] | None,
     ) -> RodBox:
         """Return the box that the arguments of `Rod.certify` describe; ValueError and TypeError where they do not."""
+        require_known(rod, ROD, "proofs")
         given: dict[Quantity, Any] = {"mean": mean, "amplitude": amplitude, "frequency": frequency}
         loads = {name: _load_side(name, value) for name, value in given.items()}
         box = cls(rod, template.with_numbers(0.0, 0.0, 1.0), loads, _rod_sides(rod, parameters))
@@ -83,7 +84,7 @@ class RodBox:
     @property
     def sides(self) -> tuple[Side, ...]:
         """The sides, loads first, in SI units."""
-        of_loads = [Side(name, *_ends(self.loads[name]), LIMITS[name].unit) for name in QUANTITIES]
+        of_loads = [Side(name, *_ends(self.loads[name]), LOAD[name].unit) for name in QUANTITIES]
         of_rods = [Side(name, *_ends(side), _unit(name)) for name, side in self.parameters.items()]
         return (*of_loads, *of_rods)
 
@@ -194,4 +195,4 @@ def _ends(interval: RealInterval) -> tuple[float, float]:
 
 def _unit(name: str) -> str:
     """Return the SI unit of a parameter of a rod."""
-    return next(iter(units.units_of(units.ROD_KINDS[name])))
+    return ROD[name].unit

@@ -19,7 +19,7 @@ from floquetrod._util.result_report import Printed, Report, Table
 from floquetrod._util.suggest import listed
 from floquetrod.floquet.status import STATUS_CODES
 from floquetrod.orbits import Branch
-from floquetrod.rod.loads.load import KINDS, Load, Quantity, load_number
+from floquetrod.rod.loads.load import LOAD, Load, Quantity, load_number
 from floquetrod.rod.model.data import RodData
 
 OFF_WALL = "the rod is about to leave its wall"
@@ -181,7 +181,7 @@ class RodBranches(ByContent, Printed, NoTruthValue):
         """
         from floquetrod.plotting.branch_plot import draw_rod_branches
 
-        chosen = units.unit(unit, "unit", KINDS[self.parameter], self.rod.critical_force)
+        chosen = units.unit(unit, "unit", LOAD[self.parameter].kind, self.rod.critical_force)
         return draw_rod_branches(self, ax, chosen)
 
     @property

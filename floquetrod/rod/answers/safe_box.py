@@ -18,12 +18,11 @@ from floquetrod._util.interval import RealInterval
 from floquetrod._util.progress import Progress
 from floquetrod._util.result_report import Report, Reported, Table
 from floquetrod.floquet.proof.region_proof import RegionProof, Side
-from floquetrod.rod.answers.intervals import QUANTITIES as NAMES
 from floquetrod.rod.answers.region import is_proved_stable, prove, require_in_reach
 from floquetrod.rod.answers.reports import shown_in
 from floquetrod.rod.answers.rod_box import RodBox
 from floquetrod.rod.answers.rod_stability import RodStability
-from floquetrod.rod.loads.load import KINDS, LIMITS, QUANTITIES, Load, Loads, Quantity
+from floquetrod.rod.loads.load import LOAD, QUANTITIES, Load, Loads, Quantity
 from floquetrod.rod.mode_equations.modal_systems import ModalSystems
 from floquetrod.rod.model.assumptions import warn_unless_uniform
 from floquetrod.rod.model.constants import mode_constants
@@ -85,7 +84,7 @@ class SafeBox(Reported, NoTruthValue):
         found = []
         for each in self.ranges:
             name = wanted.pop(each.quantity, each.unit)
-            unit = units.unit(name, each.quantity, KINDS[each.quantity], self.proof.subject.critical_force)
+            unit = units.unit(name, each.quantity, LOAD[each.quantity].kind, self.proof.subject.critical_force)
             found.append(
                 SafeRange(each.quantity, unit.of(each.low), unit.of(each.value), unit.of(each.high), unit.name)
             )
@@ -110,7 +109,7 @@ class SafeBox(Reported, NoTruthValue):
         rows = []
         for quantity, low, now, high, unit in self.in_units(**names):
             ends = ("fixed", _shown(now), "") if low == high else (_inward(low, up=True), _shown(now), _inward(high))
-            rows.append((NAMES[quantity][0], *ends, unit))
+            rows.append((LOAD[quantity].words, *ends, unit))
         titles = ("", "from", "now", "to", "unit")
         widths = [max(map(len, column)) for column in zip(titles, *rows, strict=True)]
         layout = [f"<{widths[0]}", *(f">{width}" for width in widths[1:4]), ""]
@@ -161,7 +160,7 @@ def largest_safe_box(
     )
     found = search.widest()
     ranges = tuple(
-        SafeRange(name, found.loads[name].low, getattr(load, name), found.loads[name].high, LIMITS[name].unit)
+        SafeRange(name, found.loads[name].low, getattr(load, name), found.loads[name].high, LOAD[name].unit)
         for name in QUANTITIES
     )
     return SafeBox(load, ranges, accuracy, prove(found, tolerance))

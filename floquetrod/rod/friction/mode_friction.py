@@ -12,7 +12,7 @@ from floquetrod import units
 from floquetrod._util import validate
 from floquetrod._util.arrays import shaped
 from floquetrod.rod.model.data import RodData
-from floquetrod.rod.model.parts import friction_coefficient
+from floquetrod.rod.model.parameters import friction_coefficient
 
 _LARGEST = 1e6  # kick in m/s: beyond any
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import MISSING, dataclass, field, fields, replace
 from itertools import pairwise
 from typing import Any, Literal, NamedTuple, Self, TypeAlias
@@ -19,51 +19,118 @@ from floquetrod._util.arrays import broadcast
 from floquetrod._util.calling import TellsAttributes, constructor_hints
 from floquetrod._util.deprecation import Renamed
 from floquetrod._util.progress import Progress
+from floquetrod.parameter import EVERYWHERE, Option, Parameter, by_name
 
 Quantity: TypeAlias = Literal["mean", "amplitude", "frequency"]
 """A quantity of `AxialLoad`."""
 
 _STRONGEST = 1e12  # N
+_LOUDEST = 1e24  # N^2/Hz
 _SLOWEST, _FASTEST = 1e-9, 1e12  # rad/s: beyond any rod, and within what doubles can follow
 
-KINDS: dict[Quantity, str] = {"mean": "force", "amplitude": "force", "frequency": "frequency"}
-"""Kind of each, of which `floquetrod.units` knows the units."""
+QUANTITIES: tuple[Quantity, ...] = ("mean", "amplitude", "frequency")
 
-QUANTITIES: tuple[Quantity, ...] = tuple(KINDS)
+FAR_ENDS = ("held", "free", "driven")
+"""What the lower end may be under an axial wave."""
 
+_POSITION = "a fraction of the length: 0 is the upper end, 1 the lower, None neglects the weight along the rod"
 
-class _Limits(NamedTuple):
-    """What a quantity of a load may be: from ``least`` to ``largest``, both in ``unit``; ``check`` sees it first."""
-
-    least: float
-    largest: float
-    unit: str
-    check: Callable[[str, Any, str], float]
-    hint: str
-    words: str  # its name
-
-
-LIMITS: dict[Quantity, _Limits] = {
-    "mean": _Limits(-_STRONGEST, _STRONGEST, "N", validate.finite, "give it in N", "mean force"),
-    "amplitude": _Limits(
-        *(0.0, _STRONGEST, "N", validate.nonnegative),
+LOAD = by_name(
+    Parameter(
+        name="mean",
+        symbol="F_ave",
+        kind="force",
+        least=-_STRONGEST,
+        largest=_STRONGEST,
+        called="mean force",
+        known_to=EVERYWHERE,
+        option=Option("mean force such as 0.2Fcr, 20%%, 12N or 3lbf{range}; negative pulls", "FORCE", "0:1.2Fcr"),
+    ),
+    Parameter(
+        name="amplitude",
+        symbol="dF",
+        kind="force",
+        least=0.0,
+        largest=_STRONGEST,
         hint="a negative amplitude only shifts time: give its size",
-        words="amplitude",
+        known_to=EVERYWHERE,
+        option=Option(
+            "amplitude of the force such as 0.2Fcr, 20%%, 3N or 1lbf{range}; 0 is the static limit",
+            "FORCE",
+            "0:0.5Fcr",
+        ),
     ),
-    "frequency": _Limits(
-        *(_SLOWEST, _FASTEST, "rad/s", validate.positive),
+    Parameter(
+        name="frequency",
+        symbol="omega",
+        kind="frequency",
+        least=_SLOWEST,
+        largest=_FASTEST,
         hint="for a constant force set amplitude=0 and any frequency",
-        words="frequency",
+        known_to=EVERYWHERE,
+        option=Option("frequency such as 24Hz, 1440rpm or 150 (rad/s){range}", "FREQUENCY", "10Hz:60Hz"),
     ),
-}
-"""Limits, units and names of the quantities of a load, for every check of one."""
+    Parameter(
+        name="mean_at",
+        symbol="s / L",
+        kind="ratio",
+        least=0.0,
+        largest=1.0,
+        default=0.5,
+        hint=_POSITION,
+        known_to=EVERYWHERE,
+        option=Option(
+            "position along an inclined rod where the mean force is given, from 0, the upper end, to 1 (default 0.5); "
+            "none neglects the weight along the rod",
+            "FRACTION",
+        ),
+    ),
+    Parameter(name="waveform", symbol="h_1, h_2, ...", kind="", default="sine", known_to=EVERYWHERE),
+    Parameter(
+        name="noise",
+        symbol="S",
+        kind="force density",
+        least=0.0,
+        largest=_LOUDEST,
+        default=0.0,
+        hint="a density in N^2/Hz, zero or more",
+        known_to=EVERYWHERE - {"simulation"},
+        option=Option(
+            "one-sided spectral density of the random part of the force, such as 0.02N^2/Hz, or spectrum, that of the "
+            "residual of --force; verdicts are then in mean square",
+            "DENSITY",
+        ),
+    ),
+    Parameter(
+        name="far_end",
+        symbol="",
+        kind="",
+        default="held",
+        known_to=EVERYWHERE,
+        option=Option(
+            "the upper end sends axial waves; the lower end is held, free, or driven like the upper one",
+            name="wave",
+            choices=FAR_ENDS,
+        ),
+    ),
+    Parameter(
+        name="axial_damping",
+        symbol="c_a",
+        kind="rate",
+        least=0.0,
+        largest=_FASTEST,
+        default=0.0,
+        hint="give the decay rate in 1/s",
+        known_to=EVERYWHERE,
+        option=Option("decay rate of axial waves in 1/s (needs --wave; default 0)", "RATE"),
+    ),
+)
+"""Parameters of a load by their names; far end and axial damping are those of an `AxialWave`."""
 
 
 def load_number(quantity: Quantity, value: Any, name: str | None = None) -> float:
     """Return a quantity of a load as a float within its limits; ``name`` is the argument's, where it is another."""
-    name, limits = name or quantity, LIMITS[quantity]
-    number = limits.check(name, units.single(value, name, KINDS[quantity]), limits.hint)
-    return validate.within(name, number, limits.least, limits.largest, f"give it in {limits.unit}")
+    return LOAD[quantity].number(value, name)
 
 
 def load_bounds(quantity: Quantity, bounds: Any) -> tuple[float, float]:
@@ -88,7 +155,7 @@ class Loads(NamedTuple):
         """Return arrays that broadcast as loads; ValueError and TypeError name the quantity that cannot be."""
         given: dict[Quantity, Any] = {"mean": mean, "amplitude": amplitude, "frequency": frequency}
         arrays: dict[str, NDArray[np.float64]] = {
-            name: units.array(name, values, KINDS[name], LIMITS[name].least, LIMITS[name].largest)
+            name: units.array(name, values, LOAD[name].kind, LOAD[name].least, LOAD[name].largest)
             for name, values in given.items()
         }
         shape, flat = broadcast(**arrays)
@@ -106,7 +173,7 @@ class Loads(NamedTuple):
     @classmethod
     def along(cls, load: Load, quantity: Quantity, values: NDArray[np.float64]) -> Loads:
         """Return loads of which one quantity takes flat ``values`` and the others are those of ``load``."""
-        numbers = {name: np.full(values.shape, getattr(load, name)) for name in LIMITS}
+        numbers = {name: np.full(values.shape, getattr(load, name)) for name in QUANTITIES}
         return cls(values.shape, **(numbers | {quantity: values}))
 
     @property
@@ -156,7 +223,6 @@ Waveform: TypeAlias = str | tuple[complex, ...]
 Noise: TypeAlias = float | str | tuple[tuple[float, float], ...]
 """A density in N^2/Hz, with a unit before it is checked, or pairs of a frequency in Hz and the density there."""
 
-_LOUDEST = 1e24  # N^2/Hz
 _MOST_HARMONICS = 1000  # of a waveform (a choice)
 _RESONANT = 1e-6  # denominator of an axial wave below which rounding leaves it too few digits (a choice)
 
@@ -191,11 +257,10 @@ class Load(TellsAttributes, ABC):
 
     def __post_init__(self) -> None:
         """Check and clean the parameters."""
-        for name in LIMITS:
+        for name in QUANTITIES:
             object.__setattr__(self, name, load_number(name, getattr(self, name)))
         if self.mean_at is not None:
-            hint = "a fraction of the length: 0 is the upper end, 1 the lower, None neglects the weight along the rod"
-            object.__setattr__(self, "mean_at", validate.within("mean_at", self.mean_at, 0.0, 1.0, hint))
+            object.__setattr__(self, "mean_at", validate.within("mean_at", self.mean_at, 0.0, 1.0, _POSITION))
         object.__setattr__(self, "waveform", _waveform(self.waveform))
         object.__setattr__(self, "noise", noise_density("noise", self.noise))
 
@@ -245,7 +310,7 @@ class Load(TellsAttributes, ABC):
 
     def kind_as_dict(self) -> dict[str, Any]:
         """Return everything but mean, amplitude and frequency, as words and numbers for a file."""
-        values = {f.name: getattr(self, f.name) for f in fields(self) if f.name not in LIMITS}
+        values = {f.name: getattr(self, f.name) for f in fields(self) if f.name not in QUANTITIES}
         if not self.noise:
             del values["noise"]
         if self.waveform != "sine":
@@ -357,10 +422,6 @@ def kind(load: AnyLoad | None) -> Load:
     return AxialLoad(0.0, 0.0, 1.0) if load is None else require_load("load", load)
 
 
-FAR_ENDS = ("held", "free", "driven")
-"""What the lower end may be under an axial wave."""
-
-
 @constructor_hints()
 @dataclass(frozen=True, repr=False)
 class AxialWave(Load):
@@ -410,8 +471,7 @@ class AxialWave(Load):
                 Mention("wave", "AxialLoad", "no --wave"),
             )
         validate.choice("far_end", self.far_end, FAR_ENDS)
-        rate = units.number("axial_damping", self.axial_damping, "rate", 0.0, _FASTEST, "give the decay rate in 1/s")
-        object.__setattr__(self, "axial_damping", rate)
+        object.__setattr__(self, "axial_damping", LOAD["axial_damping"].number(self.axial_damping))
 
     def profile(self, wave_speed: float, length: float, s: NDArray[np.float64], frequency: float) -> NDArray[Any]:
         """Return the vibration of unit amplitude along the rod; real without axial damping."""
@@ -467,7 +527,7 @@ class AxialWave(Load):
 
 def with_waves(load: Load, axial_damping: float = 0.0, name: str = "axial_damping") -> AxialWave:
     """Return an `AxialLoad` with the waves it sends from both ends, damped at a rate in 1/s that errors give a name."""
-    rate = units.number(name, axial_damping, "rate", 0.0, _FASTEST, "give the decay rate in 1/s")
+    rate = LOAD["axial_damping"].number(axial_damping, name)
     return AxialWave(**load.as_dict(), far_end="driven", axial_damping=rate)
 
 

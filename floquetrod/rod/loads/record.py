@@ -20,7 +20,7 @@ from floquetrod._util.columns import column_argument, delimiter_argument
 from floquetrod._util.content import ByContent
 from floquetrod._util.deprecation import Renamed
 from floquetrod._util.interchange import by_keys
-from floquetrod.rod.loads.load import LIMITS, AxialLoad, LoadSource, load_number
+from floquetrod.rod.loads.load import LOAD, AxialLoad, LoadSource, load_number
 from floquetrod.rod.loads.record_file import read_columns
 from floquetrod.rod.loads.record_fit import Samples, series
 from floquetrod.rod.loads.record_period import PeriodicFit, find, power_spectrum
@@ -350,7 +350,7 @@ class ForceRecord(LoadSource, ByContent):
 def _checked(time: Any, force: Any) -> tuple[NDArray[np.float64], NDArray[np.float64], int]:
     """Return the samples that are there, after checking them, and how many are without a number."""
     times = _column("time", time, -_LATEST, _LATEST)
-    forces = _column("force", force, LIMITS["mean"].least, LIMITS["mean"].largest)
+    forces = _column("force", force, LOAD["mean"].least, LOAD["mean"].largest)
     if times.size != forces.size:
         raise ValueError(f"time and force must have one length, got {times.size} and {forces.size}")
     there = ~(np.isnan(times) | np.isnan(forces))

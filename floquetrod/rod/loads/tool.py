@@ -3,15 +3,29 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 from floquetrod import units
 from floquetrod._util import validate
 from floquetrod._util.calling import constructor_hints
-from floquetrod.rod.loads.load import load_number
+from floquetrod.parameter import Parameter, by_name
+from floquetrod.rod.loads.load import LOAD
 
-_LARGEST = 1e6  # m
+TOOL = by_name(
+    replace(LOAD["amplitude"], known_to=frozenset({"strings", "simulation"}), option=None),
+    replace(LOAD["frequency"], known_to=frozenset({"strings", "simulation"}), option=None),
+    Parameter(
+        name="above_end",
+        symbol="",
+        kind="length",
+        least=0.0,
+        largest=1e6,
+        default=0.0,
+        known_to=frozenset({"strings", "simulation"}),
+    ),
+)
+"""Parameters of a tool by their names."""
 
 
 @constructor_hints(at="the distance from the lower end is above_end", tool_at="the distance is above_end")
@@ -46,10 +60,8 @@ class VibrationTool:
 
     def __post_init__(self) -> None:
         """Check and clean the parameters."""
-        object.__setattr__(self, "amplitude", load_number("amplitude", self.amplitude))
-        object.__setattr__(self, "frequency", load_number("frequency", self.frequency))
-        distance = units.number("above_end", self.above_end, "length", 0.0, _LARGEST, "give it in m")
-        object.__setattr__(self, "above_end", distance)
+        for name, parameter in TOOL.items():
+            object.__setattr__(self, name, parameter.number(getattr(self, name)))
 
     @property
     def share(self) -> float:
@@ -68,7 +80,7 @@ class VibrationTool:
 
     def as_dict(self) -> dict[str, float]:
         """Return the parameters in SI units."""
-        return {"amplitude": self.amplitude, "frequency": self.frequency, "above_end": self.above_end}
+        return {name: getattr(self, name) for name in TOOL}
 
 
 def tool_inside(given: Any, length: float, what: str) -> VibrationTool:

@@ -16,12 +16,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from floquetrod._util import validate
 from floquetrod._util.arrays import Complexes, Floats
 from floquetrod._util.caching import cached_property
 from floquetrod._util.content import ByContent
 from floquetrod._util.roots import roots
+from floquetrod._util.suggest import did_you_mean
 from floquetrod.equations.matrices import mirrored
-from floquetrod.rod.model.parts import Ends
 
 _ASYMPTOTIC = 40.0  # wavenumber from which the ends no longer feel each other: e^-40 is below rounding
 _POLYNOMIALS_UP_TO = 64  # functions; what polynomials add to more of them is lost in rounding (measured)
@@ -47,11 +48,55 @@ _MISSING = {"hinged": (4,), "clamped": (4, 5), "guided": (5,), "free": (3, 4)}
 """Powers of the distance from an end that motion under a force begins with, and sums of beam functions lack."""
 
 
+CONDITIONS = ("hinged", "clamped", "guided", "free")
+"""What an end of a rod may be."""
+
+
+@dataclass(frozen=True)
+class EndConditions:
+    """How the two ends are held across the channel; the axial force acts through both, along the channel.
+
+    Parameters
+    ----------
+    upper : {"hinged", "clamped", "guided", "free"}
+        At s = 0, the upper end of an inclined rod.  Hinged: no displacement, no moment.  Clamped: no displacement, no
+        rotation.  Guided: no rotation, no force across.  Free: no moment, no force across.
+    lower : {"hinged", "clamped", "guided", "free"}
+        At s = L.
+    """
+
+    upper: str = "hinged"
+    lower: str = "hinged"
+
+    @classmethod
+    def of(cls, word: Any) -> EndConditions:
+        """Return the ends that a word names: "clamped" for both, or "clamped-hinged", the upper end first."""
+        conditions = word.lower().replace(" ", "").split("-") if isinstance(word, str) else []
+        unknown = [condition for condition in conditions if condition not in CONDITIONS]
+        if unknown or not 1 <= len(conditions) <= 2:
+            meant = did_you_mean(unknown[0], CONDITIONS) if unknown else ""
+            raise validate.wrong_value(
+                "ends",
+                f"must be one of {', '.join(CONDITIONS)}, or two of them joined by a hyphen, the upper end first, "
+                f'such as "clamped-hinged"; got {validate.short(word)}{meant}',
+            )
+        return cls(conditions[0], conditions[-1])
+
+    @property
+    def are_hinged(self) -> bool:
+        """Whether both are hinged, so that the modes of a rod under a uniform force are independent sines."""
+        return self.upper == self.lower == "hinged"
+
+    def __str__(self) -> str:
+        """Return the word for them."""
+        return self.upper if self.upper == self.lower else f"{self.upper}-{self.lower}"
+
+
 @dataclass(frozen=True, eq=False)
 class Basis(ByContent):
     """Orthonormal functions on 0 <= x <= 1 with their derivatives at the nodes of a quadrature."""
 
-    ends: Ends
+    ends: EndConditions
     count: int  # beam functions, which come first, rigid motions before all; any others are added, see above
     bending: Floats  # (n, n), integrals of phi_i'' phi_j''
     nodes: Floats  # (q,), of the quadrature, as the weights
@@ -156,7 +201,7 @@ class Basis(ByContent):
         return np.asarray(self.transform @ _all_functions(self.ends, self.count, x)[0])
 
 
-def basis(ends: Ends, count: int, breaks: tuple[float, ...] = ()) -> Basis:
+def basis(ends: EndConditions, count: int, breaks: tuple[float, ...] = ()) -> Basis:
     """Return the first ``count`` beam functions, rigid motions included, and others where they help.
 
     Panels of the quadrature end at ``breaks`` between 0 and 1, where what is integrated may jump.  The last ones are
@@ -184,7 +229,7 @@ def _quadrature(panels: int, breaks: tuple[float, ...]) -> tuple[Floats, Floats]
     return nodes, (0.5 * weights / share[:, None]).ravel()
 
 
-def _basis(ends: Ends, count: int, breaks: tuple[float, ...] = ()) -> Basis:
+def _basis(ends: EndConditions, count: int, breaks: tuple[float, ...] = ()) -> Basis:
     """Return what `basis` does, computed."""
     waves = wavenumbers(ends, count)
     panels = math.ceil(float(waves[-1]) / _PER_PANEL) + 1
@@ -239,7 +284,7 @@ def _orthogonal(rows: Floats, count: int) -> Floats:
     return found[:kept]
 
 
-def wavenumbers(ends: Ends, count: int) -> Floats:
+def wavenumbers(ends: EndConditions, count: int) -> Floats:
     """Return k of the first ``count`` beam functions, for a length of 1; 0 for rigid motions."""
     near = np.arange(count + 3) * math.pi + (_PHASES[ends.upper] + _PHASES[ends.lower])
     near = near[near > 0.3]
@@ -248,7 +293,7 @@ def wavenumbers(ends: Ends, count: int) -> Floats:
     return np.concatenate([np.zeros(_rigid(ends)), near])[:count]
 
 
-def _roots(ends: Ends, near: NDArray[Any]) -> Floats:
+def _roots(ends: EndConditions, near: NDArray[Any]) -> Floats:
     """Return the wavenumbers within 0.6 of asymptotic values, of which the lowest may have none."""
 
     def determinant(k: Floats, _: Any = None) -> Floats:
@@ -260,12 +305,12 @@ def _roots(ends: Ends, near: NDArray[Any]) -> Floats:
     return roots(determinant, low[found], high[found], at_low[found], at_high[found])
 
 
-def _are_trigonometric(ends: Ends) -> bool:
+def _are_trigonometric(ends: EndConditions) -> bool:
     """Return whether the beam functions are sines and cosines alone."""
     return {ends.upper, ends.lower} <= {"hinged", "guided"}
 
 
-def _rigid(ends: Ends) -> int:
+def _rigid(ends: EndConditions) -> int:
     """Return how many rigid motions the ends allow: a shift, a rotation about a hinge, or both."""
     pair = {ends.upper, ends.lower}
     if pair == {"free"}:
@@ -273,7 +318,7 @@ def _rigid(ends: Ends) -> int:
     return int(pair in ({"free", "hinged"}, {"free", "guided"}, {"guided"}))
 
 
-def _conditions(ends: Ends, k: Floats) -> Floats:
+def _conditions(ends: EndConditions, k: Floats) -> Floats:
     """Return the four end conditions on (sin kx, cos kx, e^-kx, e^-k(1-x)), (len(k), 4, 4), scaled by powers of k."""
     rows = []
     for at, end in ((0.0, ends.upper), (1.0, ends.lower)):
@@ -294,7 +339,7 @@ def _functions(k: Floats, x: float | Floats) -> list[Floats]:
     ]
 
 
-def _all_functions(ends: Ends, count: int, x: Floats) -> tuple[Floats, Floats, Floats]:
+def _all_functions(ends: EndConditions, count: int, x: Floats) -> tuple[Floats, Floats, Floats]:
     """Return values, slopes and second derivatives of beam functions and those added, (n, len(x)) each."""
     waves = wavenumbers(ends, count)
     rigid = min(_rigid(ends), count)
@@ -306,12 +351,12 @@ def _all_functions(ends: Ends, count: int, x: Floats) -> tuple[Floats, Floats, F
     return tuple(np.concatenate([row, more]) for row, more in zip(rows, added, strict=True))  # type: ignore[return-value]
 
 
-def are_enriched(ends: Ends) -> bool:
+def are_enriched(ends: EndConditions) -> bool:
     """Return whether functions are added to those of a beam."""
     return not _are_trigonometric(ends)
 
 
-def _rigid_motions(ends: Ends, x: Floats) -> tuple[Floats, Floats, Floats]:
+def _rigid_motions(ends: EndConditions, x: Floats) -> tuple[Floats, Floats, Floats]:
     """Return the rigid motions that the ends allow."""
     one, nothing = np.ones_like(x), np.zeros_like(x)
     if "hinged" in (ends.upper, ends.lower):
@@ -320,7 +365,7 @@ def _rigid_motions(ends: Ends, x: Floats) -> tuple[Floats, Floats, Floats]:
     return np.array([one, x - 0.5]), np.array([nothing, one]), np.array([nothing, nothing])
 
 
-def _beam_functions(ends: Ends, waves: Floats, x: Floats) -> tuple[Floats, Floats, Floats]:
+def _beam_functions(ends: EndConditions, waves: Floats, x: Floats) -> tuple[Floats, Floats, Floats]:
     """Return elastic beam functions and two derivatives, each with a sine of amplitude about 1."""
     if not waves.size:
         empty = np.empty((0, len(x)))
@@ -339,7 +384,7 @@ def _beam_functions(ends: Ends, waves: Floats, x: Floats) -> tuple[Floats, Float
     return waving + first + last, k * (turned - first + last), k * k * (first + last - waving)
 
 
-def _trigonometric(ends: Ends, waves: Floats, x: Floats, derivative: int) -> Floats:
+def _trigonometric(ends: EndConditions, waves: Floats, x: Floats, derivative: int) -> Floats:
     """Return sines, or cosines if the upper end is guided, or their first or second derivatives."""
     k = waves[:, None]
     sign = -1.0 if derivative == 2 or (derivative == 1 and ends.upper == "guided") else 1.0
@@ -360,7 +405,7 @@ def _turned(x: Floats, most: int) -> Complexes:
     return found
 
 
-def _polynomials(ends: Ends, x: Floats) -> tuple[Floats, Floats, Floats]:
+def _polynomials(ends: EndConditions, x: Floats) -> tuple[Floats, Floats, Floats]:
     """Return polynomials of lowest degree that fulfil the essential conditions, with two derivatives."""
     from numpy.polynomial import Legendre
 
@@ -375,7 +420,7 @@ def _polynomials(ends: Ends, x: Floats) -> tuple[Floats, Floats, Floats]:
     return tuple(space @ np.array([p.deriv(d)(x) if d else p(x) for p in whole]) for d in range(3))
 
 
-def _next_to_ends(ends: Ends, wavenumber: float, x: Floats) -> tuple[Floats, Floats, Floats]:
+def _next_to_ends(ends: EndConditions, wavenumber: float, x: Floats) -> tuple[Floats, Floats, Floats]:
     """Return z^p exp(-z), z = a (distance from an end), with two derivatives; ``wavenumber`` is the largest of all."""
     rate = max(_NARROW, wavenumber / _NARROWEST)
     found = []

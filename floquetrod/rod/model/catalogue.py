@@ -15,7 +15,7 @@ from typing import Any, NamedTuple
 from floquetrod import units
 from floquetrod._util import validate
 from floquetrod._util.arguments import Mention
-from floquetrod.rod.model.parts import parameter
+from floquetrod.rod.model.parameters import BORE
 
 YOUNGS_MODULUS = 207e9
 """E of steel in Pa."""
@@ -59,7 +59,7 @@ _NAME = re.compile(
 )
 
 
-class Pipe(NamedTuple):
+class CataloguePipe(NamedTuple):
     """A pipe of the catalogue; of drill pipe the body between the tool joints.
 
     Attributes
@@ -93,7 +93,7 @@ class Pipe(NamedTuple):
 
 
 @functools.cache
-def pipes() -> tuple[Pipe, ...]:
+def pipes() -> tuple[CataloguePipe, ...]:
     """Return every pipe of the catalogue, without a grade.
 
     >>> [pipe.name for pipe in pipes() if pipe.product == "coiled tubing"]
@@ -103,12 +103,12 @@ def pipes() -> tuple[Pipe, ...]:
     for od, wall, initials in _DRILL_SIZES:
         rows.append((od, wall, "drill pipe", "API Spec 5DP", tuple(g for g in _DRILL if g[0] in initials)))
     return tuple(
-        Pipe(f"{_inches(od)}x{wall:.3f}", product, od * _INCH, wall * _INCH, source, grades)
+        CataloguePipe(f"{_inches(od)}x{wall:.3f}", product, od * _INCH, wall * _INCH, source, grades)
         for od, wall, product, source, grades in rows
     )
 
 
-def pipe(name: str) -> Pipe:
+def pipe(name: str) -> CataloguePipe:
     """Return a pipe of the catalogue by its size in inches and, if wanted, its grade.
 
     Parameters
@@ -141,7 +141,7 @@ def pipe(name: str) -> Pipe:
     od = float(read["od"] or Fraction(read["parts"]) + int(read["whole"] or 0))
     wall = float(read["wall"])
 
-    def distance(row: Pipe) -> tuple[float, float]:
+    def distance(row: CataloguePipe) -> tuple[float, float]:
         return abs(row.diameter / _INCH - od), abs(row.wall_thickness / _INCH - wall)
 
     nearest = sorted(pipes(), key=distance)
@@ -169,7 +169,7 @@ def pipe_in_a_hole(name: str, bore: float | str, length: float | str, changes: d
     """Return the arguments of the rod that is a pipe of the catalogue; strings are quantities with their unit."""
     found = pipe(name)
     given = changes | {"length": length}
-    hole = parameter("bore", bore)
+    hole = BORE.number(bore)
     for other in ("channel_radius", "channel_diameter"):
         if other in given:
             raise validate.wrong_value(
@@ -195,5 +195,5 @@ def _inches(value: float) -> str:
     return f"{value:.3f}".removesuffix("0")
 
 
-def _names(found: tuple[Pipe, ...] | list[Pipe]) -> str:
+def _names(found: tuple[CataloguePipe, ...] | list[CataloguePipe]) -> str:
     return ", ".join(row.name for row in found)

@@ -22,7 +22,7 @@ from floquetrod._util.content import ByContent
 from floquetrod.rod.loads import axial
 from floquetrod.rod.loads.load import Load, Loads, Quantity
 from floquetrod.rod.model.constants import ModeConstants, mode_constants
-from floquetrod.rod.model.course import Place
+from floquetrod.rod.model.course import ChannelShape
 from floquetrod.rod.model.data import RodData
 
 _INSTANTS = 8  # for each harmonic, at which a force is examined for its least (a choice)
@@ -53,7 +53,7 @@ class Lying(ByContent):
 class Wall:
     """The wall at some places: the weight per length of what lies there, and the press of a newton and a curvature."""
 
-    place: Place
+    place: ChannelShape
     weight: float
     per_newton: float = 1.0
 

@@ -1,4 +1,4 @@
-"""The channel along a rod: its inclination and curvature, told once for the whole rod or by a well's path."""
+"""The channel along a rod: its inclination and curvature, uniform or that of a well's path."""
 
 from __future__ import annotations
 
@@ -9,9 +9,13 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from floquetrod._util import validate
 from floquetrod._util.arrays import Bools, Floats
 from floquetrod._util.caching import cached_property
 from floquetrod._util.roots import bisected
+from floquetrod.rod.model import formulas
+from floquetrod.rod.model.cross_section import CrossSection
+from floquetrod.rod.model.parameters import ROD
 
 if TYPE_CHECKING:
     from floquetrod.wells.path import WellPath
@@ -21,7 +25,53 @@ _ALONG_WAVES = np.linspace(0.0, 1.0, 257)  # places at which a wave is examined 
 _INSIDE = 1e-12  # of an arc, by which its ends are kept off the stations, where curvature jumps
 
 
-class Place(NamedTuple):
+@dataclass(frozen=True)
+class Channel:
+    """Straight circular channel, horizontal or inclined, the rod on its floor.
+
+    Parameters
+    ----------
+    radius : float
+        Inner radius in m; the argument ``channel_radius`` of a rod.
+    gravity : float
+        g in m/s^2.
+    inclination : float
+        Angle from the vertical in radians, above 0 and at most pi/2, which is horizontal.
+    """
+
+    radius: float
+    gravity: float
+    inclination: float = 0.5 * math.pi
+
+    def __post_init__(self) -> None:
+        """Check and clean the parameters."""
+        object.__setattr__(self, "radius", ROD["channel_radius"].number(self.radius))
+        object.__setattr__(self, "gravity", ROD["gravity"].number(self.gravity))
+        object.__setattr__(self, "inclination", ROD["inclination"].number(self.inclination))
+
+    @property
+    def gravity_across(self) -> float:
+        """Component of gravity across the channel, g sin(inclination), in m/s^2."""
+        return float(formulas.gravity_across(self.gravity, self.inclination))
+
+    @property
+    def gravity_along(self) -> float:
+        """Component of gravity along the channel, g cos(inclination), in m/s^2; exactly 0 in a horizontal one."""
+        return self.gravity * math.cos(self.inclination) if self.inclination < 0.5 * math.pi else 0.0
+
+    def clearance(self, section: CrossSection) -> float:
+        """Return R = channel radius - rod radius in m; ValueError where the section does not fit."""
+        if not formulas.fits(section.radius, self.radius):
+            raise validate.wrong_value(
+                "channel_radius",
+                f"must exceed the rod's radius, got channel_radius = {self.radius:g} m and "
+                f"radius = {section.radius:g} m, half the diameters {2.0 * self.radius:g} m and "
+                f"{2.0 * section.radius:g} m",
+            )
+        return float(formulas.clearance(section.radius, self.radius))
+
+
+class ChannelShape(NamedTuple):
     """The channel at some places: sine of its inclination, and curvatures in 1/m, in its vertical plane and aside."""
 
     sine: Floats
@@ -44,7 +94,7 @@ class Course(ABC):
     """Places in between at which curvature jumps."""
 
     @abstractmethod
-    def place(self, x: Floats) -> Place:
+    def place(self, x: Floats) -> ChannelShape:
         """Return the channel at places."""
 
     @property
@@ -59,19 +109,19 @@ class Course(ABC):
         """Places among which the least of what changes along the channel is."""
 
     @cached_property
-    def sampled(self) -> Place:
+    def sampled(self) -> ChannelShape:
         """The channel at its samples."""
         return self.place(self.samples)
 
     @cached_property
-    def sampled_for_waves(self) -> tuple[Floats, Place]:
+    def sampled_for_waves(self) -> tuple[Floats, ChannelShape]:
         """Places, close enough for waves too, and the channel there."""
         x = np.union1d(self.samples, _ALONG_WAVES)
         return x, self.place(x)
 
 
 @dataclass(frozen=True)
-class Told(Course):
+class UniformCourse(Course):
     """A channel whose inclination in rad and curvature in 1/m are given as uniform."""
 
     inclination: float
@@ -83,10 +133,10 @@ class Told(Course):
         """Whether it does not bend."""
         return self.curvature == 0.0
 
-    def place(self, x: Floats) -> Place:
+    def place(self, x: Floats) -> ChannelShape:
         """Return the channel at places."""
         ones = np.ones_like(x)
-        return Place(math.sin(self.inclination) * ones, self.curvature * ones, 0.0 * ones)
+        return ChannelShape(math.sin(self.inclination) * ones, self.curvature * ones, 0.0 * ones)
 
     @property
     def samples(self) -> Floats:
@@ -95,7 +145,7 @@ class Told(Course):
 
 
 @dataclass(frozen=True)
-class Along(Course):
+class PathCourse(Course):
     """A channel along a path that bends, from a measured depth in m over a length in m."""
 
     path: WellPath
@@ -114,10 +164,10 @@ class Along(Course):
         """Return measured depths in m."""
         return self.depth + self.length * x
 
-    def place(self, x: Floats) -> Place:
+    def place(self, x: Floats) -> ChannelShape:
         """Return the channel at places."""
         sine, _, build, aside = self.path.arcs.at(self._on_path(x)).seen
-        return Place(sine, build, aside)
+        return ChannelShape(sine, build, aside)
 
     def fallen(self, x: Floats, at: float) -> Floats:
         """Return how far places are below one of them, in m."""
@@ -145,16 +195,16 @@ class Along(Course):
 def course_of(inclination: float, curvature: float, path: WellPath | None, depth: float, length: float) -> Course:
     """Return the channel along a rod; a path that is straight there is given by its inclination."""
     if path is None:
-        return Told(inclination, curvature)
+        return UniformCourse(inclination, curvature)
     upper = max(0, int(np.searchsorted(path.stations, depth, side="right")) - 1)
     around = slice(upper, 1 + int(np.searchsorted(path.stations, depth + length)))
     phi, psi = path.inclination[around], path.azimuth[around]
     if (phi == phi[0]).all() and ((psi == psi[0]).all() or phi[0] == 0.0):
-        return Told(float(phi[0]), 0.0)
-    return Along(path, depth, length)
+        return UniformCourse(float(phi[0]), 0.0)
+    return PathCourse(path, depth, length)
 
 
-def critical_forces(place: Place, rigidity: float, weight: float, clearance: float) -> Floats:
+def critical_forces(place: ChannelShape, rigidity: float, weight: float, clearance: float) -> Floats:
     """Return the least constant push in N that buckles a long rod at each place.
 
     F^2 = 4 E I N(F) / R with the contact force N = hypot(w sin(phi) + F kappa_n, F kappa_b), the criterion of He and

@@ -16,45 +16,35 @@ from floquetrod._util import validate
 from floquetrod._util.arrays import shaped
 from floquetrod._util.caching import cached_property
 from floquetrod._util.calling import TellsAttributes, constructor_hints
+from floquetrod.parameter import require_known
 from floquetrod.rod.loads.axial import AxialResponse, axial_response
 from floquetrod.rod.loads.load import AnyLoad, Load, require_load
 from floquetrod.rod.model import formulas
-from floquetrod.rod.model.beam import wavenumbers
+from floquetrod.rod.model.beam import EndConditions, wavenumbers
 from floquetrod.rod.model.buckling import BucklingForce, buckling_forces, in_a_bend
 from floquetrod.rod.model.catalogue import pipe_in_a_hole
-from floquetrod.rod.model.course import Along, Course, Told, course_of, critical_forces, push
-from floquetrod.rod.model.files import read_rod
+from floquetrod.rod.model.course import Channel, Course, PathCourse, UniformCourse, course_of, critical_forces, push
+from floquetrod.rod.model.cross_section import CrossSection, Fluids, Material
 from floquetrod.rod.model.lock_up import LockUp
-from floquetrod.rod.model.parts import (
+from floquetrod.rod.model.parameters import (
     INSTEAD,
-    LIMITS,
     MEANT,
+    NUMBERS,
+    OF_A_LINE,
     ON_A_FLOOR,
-    Channel,
-    Ends,
-    Fluids,
-    Material,
-    Section,
+    ROD,
     friction_coefficient,
     in_si,
-    inside_wall,
-    on_path,
-    parameter,
-    radius_of,
+    path_of,
 )
 from floquetrod.rod.model.plausibility import warn_of_rod
+from floquetrod.rod.model.rod_file import read_rod
 from floquetrod.rod.model.stress import Stress, stress
 
 if TYPE_CHECKING:
     from floquetrod.wells.path import WellPath
 
 MOST_MODES = 20_000  # beyond it the unit of a length or a force is wrong (a choice)
-
-_SPECIAL = ("inner_radius", "fluid_inside", "fluid_outside", "inclination", "curvature", "ends")
-"""Parameters with other values than those of a solid rod in a horizontal straight channel without fluids are said."""
-
-_NO_NUMBERS = ("ends", "path", "depth", "yield_strength")  # yield_strength may be unknown, and moves nothing
-_OF_A_LINE = ("inclination", "curvature")  # what a path takes the place of
 
 
 @constructor_hints(**MEANT)
@@ -78,7 +68,7 @@ class RodData(TellsAttributes):
     >>> round(rod.critical_force, 3), round(rod.critical_mode, 2)
     (1.696, 6.14)
     >>> rod.section
-    Section(radius=0.0008, inner_radius=0.0)
+    CrossSection(radius=0.0008, inner_radius=0.0)
     """
 
     youngs_modulus: float
@@ -125,48 +115,14 @@ class RodData(TellsAttributes):
         wall_thickness: float | str | None = None,
     ) -> None:
         """Check and clean the parameters."""
-        outer = radius_of(radius, diameter, ("radius", "diameter"))
-        hole = radius_of(channel_radius, channel_diameter, ("channel_radius", "channel_diameter"))
-        for name, given in (("radius", outer), ("length", length), ("channel_radius", hole)):
-            if given is None:
-                other = next((f", or {other}" for other, instead in INSTEAD.items() if instead == name), "")
-                raise validate.wrong_type(name, f"must be given, in m{other}")
-        if wall_thickness is not None:
-            others = {"inner_radius": inner_radius, "inner_diameter": inner_diameter}
-            inner = inside_wall(outer, wall_thickness, others)
-        else:
-            inner = radius_of(inner_radius, inner_diameter, ("inner_radius", "inner_diameter"))
-        material = Material(in_si("youngs_modulus", youngs_modulus), in_si("density", density))
-        section = Section(outer, 0.0 if inner is None else inner)
-        length = parameter("length", length)
-        well, start = on_path(path, depth, length, {"inclination": inclination, "curvature": curvature})
-        inclination = 0.5 * math.pi if inclination is None else inclination
-        channel = Channel(hole, in_si("gravity", gravity), in_si("inclination", inclination))
-        inside, outside = in_si("fluid_inside", fluid_inside), in_si("fluid_outside", fluid_outside)
-        fluids = Fluids(inside, outside, in_si("added_mass_coefficient", added_mass_coefficient))
-        cleaned: dict[str, float | str] = {
-            "youngs_modulus": material.youngs_modulus,
-            "density": material.density,
-            "radius": section.radius,
-            "length": length,
-            "channel_radius": channel.radius,
-            "gravity": channel.gravity,
-            "damping_rate": parameter("damping_rate", damping_rate),
-            "inner_radius": section.inner_radius,
-            "fluid_inside": fluids.inside,
-            "fluid_outside": fluids.outside,
-            "added_mass_coefficient": fluids.added_mass_coefficient,
-            "inclination": channel.inclination,
-            "ends": str(Ends.of(ends)),
-            "curvature": parameter("curvature", 0.0 if curvature is None else curvature),
-            "depth": start,
-        }
-        room = channel.clearance(section)  # raises where the rod does not fit
-        for name, number in cleaned.items():
+        given = dict(locals())  # every argument by its name, as in the records of `ROD`
+        numbers = in_si(given)
+        for name, number in numbers.items():
             object.__setattr__(self, name, number)
-        object.__setattr__(self, "path", well)
-        yields = None if yield_strength is None else parameter("yield_strength", yield_strength)
-        object.__setattr__(self, "yield_strength", yields)
+        object.__setattr__(self, "ends", str(EndConditions.of(ends)))
+        object.__setattr__(self, "path", path_of(given, self.depth, self.length))
+        channel = Channel(self.channel_radius, self.gravity, self.inclination)  # a path may yet change the inclination
+        room = channel.clearance(self.section)  # raises where the rod does not fit
         if not formulas.sinks(self._own_mass, self._weighing):
             raise validate.wrong_value(
                 "fluid_outside",
@@ -174,7 +130,7 @@ class RodData(TellsAttributes):
                 f"for density = {self.density:g} and fluid_inside = {self.fluid_inside:g}, a weight of "
                 f"{self.weight_per_length:.4g} N/m: this rod floats",
             )
-        if well is not None:
+        if self.path is not None:
             self._keep_weakest_place(room)
         warn_of_rod(self)
 
@@ -191,8 +147,8 @@ class RodData(TellsAttributes):
                 f"depth {self.depth + x[weakest] * self.length:.6g} m, it is straight and vertical; choose depth and "
                 "length off it",
             )
-        sine = max(LIMITS["inclination"][0], float(place.sine[weakest]))
-        inclination = float(course.inclination) if isinstance(course, Told) else math.asin(min(sine, 1.0))
+        sine = max(ROD["inclination"].least, float(place.sine[weakest]))
+        inclination = float(course.inclination) if isinstance(course, UniformCourse) else math.asin(min(sine, 1.0))
         object.__setattr__(self, "inclination", inclination)
         object.__setattr__(self, "curvature", float(place.kappa_n[weakest]))
         object.__setattr__(self, "_least_force", float(forces[weakest]))
@@ -251,9 +207,9 @@ class RodData(TellsAttributes):
         """Return a copy with some parameters changed, also by ``diameter``, ``wall_thickness`` and so on."""
         replaced = {INSTEAD[name] for name in changes if name in INSTEAD}
         if changes.get("path") is not None:
-            replaced |= set(_OF_A_LINE)
+            replaced |= set(OF_A_LINE)
         elif self.path is not None:
-            replaced |= {*_OF_A_LINE, *(("path", "depth") if set(_OF_A_LINE) & changes.keys() else ())}
+            replaced |= {*OF_A_LINE, *(("path", "depth") if set(OF_A_LINE) & changes.keys() else ())}
         kept = {f.name: getattr(self, f.name) for f in fields(self) if f.name not in replaced}
         return type(self)(**(kept | changes))
 
@@ -268,14 +224,14 @@ class RodData(TellsAttributes):
         sheet: dict[str, Any] = {f.name: getattr(self, f.name) for f in fields(self)}
         usual = {f.name: f.default for f in fields(self) if f.name not in ("gravity", "damping_rate")}
         if self.path is not None:
-            usual |= {"depth": None} | {name: sheet[name] for name in _OF_A_LINE}
+            usual |= {"depth": None} | {name: sheet[name] for name in OF_A_LINE}
             sheet["path"] = self.path.as_dict()
         return {name: value for name, value in sheet.items() if value != usual.get(name, MISSING)}
 
     @property
     def parameters(self) -> dict[str, float]:
         """All parameters that are numbers, in SI units by name; ends and path are none."""
-        return {f.name: getattr(self, f.name) for f in fields(self) if f.name not in _NO_NUMBERS}
+        return {name: getattr(self, name) for name in NUMBERS}
 
     # --- parts ---
 
@@ -285,9 +241,9 @@ class RodData(TellsAttributes):
         return Material(self.youngs_modulus, self.density)
 
     @cached_property
-    def section(self) -> Section:
+    def section(self) -> CrossSection:
         """Radii, areas and second moment."""
-        return Section(self.radius, self.inner_radius)
+        return CrossSection(self.radius, self.inner_radius)
 
     @cached_property
     def fluids(self) -> Fluids:
@@ -305,9 +261,9 @@ class RodData(TellsAttributes):
         return course_of(self.inclination, self.curvature, self.path, self.depth, self.length)
 
     @cached_property
-    def end_conditions(self) -> Ends:
+    def end_conditions(self) -> EndConditions:
         """How the ends are held."""
-        return Ends.of(self.ends)
+        return EndConditions.of(self.ends)
 
     # --- what follows from them ---
 
@@ -354,14 +310,14 @@ class RodData(TellsAttributes):
 
         On a path that bends its mean along the rod.
         """
-        if isinstance(self.course, Along):
+        if isinstance(self.course, PathCourse):
             return self.weight_per_length * self.course.fall / self.length
         return self.channel.gravity_along * self._weighing
 
     def weight_gained(self, x: Any, at: float) -> Any:
         """Return the weight in N that is hung along the channel between places x = s / L of the rod and one of them."""
         course = self.course
-        if isinstance(course, Along):
+        if isinstance(course, PathCourse):
             return self.weight_per_length * course.fallen(np.asarray(x), at)
         return self.weight_along * self.length * (x - at)
 
@@ -440,6 +396,7 @@ class RodData(TellsAttributes):
         helical, alone   4.797 N  Mitchell 1996
         vertical         0.138 N  Lubinski 1950
         """
+        require_known(self, ROD, "buckling")
         straight = buckling_forces(self.critical_force, self.flexural_rigidity, self.weight_per_length)
         if not self.curvature and self.path is None:
             return straight
@@ -460,6 +417,7 @@ class RodData(TellsAttributes):
         >>> RodData.nitinol().lock_up(friction=0.2)
         <locks up 103.9 m from the far end with friction 0.2>
         """
+        require_known(self, ROD, "buckling")
         friction = friction_coefficient(friction)
         if not self.course.is_straight:
             raise validate.wrong_value(
@@ -518,6 +476,7 @@ class RodData(TellsAttributes):
             Its ``largest`` in Pa at ``position`` in m, and ``share_of_yield``.  Before the rod moves: growth or
             buckling bends it further.  Pressures inside and outside are taken as equal.
         """
+        require_known(self, ROD, "stress")
         return stress(self, require_load("load", load))
 
     def wavenumber(self, mode: Any) -> Any:
@@ -528,7 +487,7 @@ class RodData(TellsAttributes):
         """
         modes = _modes(mode)
         if self.end_conditions.are_hinged:
-            return shaped(modes * self.end_conditions.first_wavenumber(self.length), modes.shape)
+            return shaped(modes * formulas.first_wavenumber(self.length), modes.shape)
         wrong = (modes < 1.0) | (modes != np.floor(modes))
         if wrong.any():
             raise validate.wrong_value(
@@ -552,7 +511,7 @@ def _modes(mode: Any) -> NDArray[np.float64]:
 
 def require_not_of_path(rod: RodData, names: Iterable[str], argument: str) -> None:
     """Raise ValueError where parameters that are to vary are given by the path of a rod."""
-    told = next((name for name in names if name in _OF_A_LINE), None)
+    told = next((name for name in names if name in OF_A_LINE), None)
     if rod.path is not None and told is not None:
         raise validate.wrong_value(
             argument,
@@ -561,13 +520,14 @@ def require_not_of_path(rod: RodData, names: Iterable[str], argument: str) -> No
 
 
 def special_parameters(rod: RodData, shown: units.AnswerUnits) -> str:
-    """Return what a rod has that a solid one with hinged ends, horizontal and without fluids, has not; "" for none."""
-    left_out = () if rod.path is None else _OF_A_LINE
-    found = (
-        shown.of_rod(name, getattr(rod, name))
-        for name in _SPECIAL
-        if getattr(rod, name) != getattr(RodData, name) and name not in left_out
-    )
-    words = [f"{name} {value}" for name, value in found]
-    on = [] if rod.path is None else [f"{rod.path.in_words(shown.length)} from {shown.length.show(rod.depth)} on"]
-    return ", ".join([*words, *on])
+    """Return in words what differs from a solid rod with hinged ends, horizontal and without fluids; "" if nothing."""
+    special = [
+        " ".join(parameter.in_words(getattr(rod, name), shown))
+        for name, parameter in ROD.items()
+        if parameter.is_echoed
+        and getattr(rod, name) != parameter.default
+        and not (rod.path is not None and name in OF_A_LINE)
+    ]
+    if rod.path is not None:
+        special.append(f"{rod.path.in_words(shown.length)} from {shown.length.show(rod.depth)} on")
+    return ", ".join(special)

@@ -22,7 +22,7 @@ from floquetrod.units import unit_of, units_of
 
 _MAKERS = (
     "rod.model.data",
-    "rod.model.files",
+    "rod.model.rod_file",
     "rod.model.catalogue",
     "rod.reading",
     "ensembles.study",

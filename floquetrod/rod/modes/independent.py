@@ -18,6 +18,7 @@ from floquetrod._util.progress import Progress
 from floquetrod._util.spans import complement
 from floquetrod.floquet.dispatch import stability
 from floquetrod.floquet.verdict import Cost, tolerated
+from floquetrod.parameter import require_known
 from floquetrod.rod.answers.evidence import IndependentEvidence
 from floquetrod.rod.answers.margins import Edge
 from floquetrod.rod.answers.rod_stability import RodStability
@@ -35,6 +36,7 @@ from floquetrod.rod.model.constants import (
 )
 from floquetrod.rod.model.contact import LeavesWallError, constants_under, require_on_wall, up_to_wall
 from floquetrod.rod.model.data import RodData
+from floquetrod.rod.model.parameters import ROD
 from floquetrod.rod.modes.mode_model import Answers, BandFinder, ModeModel, Statuses
 
 # Loaded by the methods that need them: a first verdict takes a quarter of the package.
@@ -56,6 +58,8 @@ class IndependentModel(ModeModel):
 
     def require(self, name: str) -> None:
         """Raise ValueError for friction where the channel bends; else do nothing: each mode is Mathieu's equation."""
+        if name == "friction":
+            require_known(self.rod, ROD, "kicks")
         if name == "friction" and not self.rod.course.is_straight:
             raise validate.wrong_value(
                 name,

@@ -14,7 +14,7 @@ from floquetrod.mathieu.tongue_curves import Window
 from floquetrod.mathieu.tongue_regions import UndampedEquations
 from floquetrod.plane import Axis, Band, FoundBands
 from floquetrod.rod.kernels.independent_modes import mode_coefficients, mode_family
-from floquetrod.rod.loads.load import LIMITS, AxialLoad, Quantity
+from floquetrod.rod.loads.load import QUANTITIES, AxialLoad, Quantity
 from floquetrod.rod.model.constants import SLOW_GROWTH, ModeConstants
 
 
@@ -48,7 +48,7 @@ class ExactBands:
         constants = self._lying(ranges)
         if constants is None:
             return None
-        last, _ = constants.modes_needed(AxialLoad(*(ranges[name][1] for name in LIMITS)), self.growth_tolerance)
+        last, _ = constants.modes_needed(AxialLoad(*(ranges[name][1] for name in QUANTITIES)), self.growth_tolerance)
         modes = np.arange(1, last + 1)
         gain, stiffness = mode_coefficients(*mode_family(*constants[:4], 0.0, 1.0, 1.0), modes)
         if not gain.all():
@@ -76,7 +76,7 @@ class ExactBands:
         """Return the least and the largest of each quantity in the window."""
         axes = {self.across: x, self.up: y}
         ends = {name: (float(axis.values[0]), float(axis.values[-1])) for name, axis in axes.items()}
-        return {name: ends.get(name, (self.fixed, self.fixed)) for name in LIMITS}
+        return {name: ends.get(name, (self.fixed, self.fixed)) for name in QUANTITIES}
 
     def _lying(self, ranges: dict[Quantity, tuple[float, float]]) -> ModeConstants | None:
         """Return the constants on the side where the rod lies in all of the window, None where there is none."""

@@ -20,7 +20,7 @@ from floquetrod._util.progress import Progress
 from floquetrod.equations import HillSystem
 from floquetrod.rod.answers.margins import Edge, ends_between, outward
 from floquetrod.rod.answers.rod_stability import RodStability
-from floquetrod.rod.loads.load import LIMITS, Load, Loads, Quantity
+from floquetrod.rod.loads.load import QUANTITIES, Load, Loads, Quantity
 from floquetrod.rod.mode_equations.coupling import coupling, refusal
 from floquetrod.rod.mode_equations.modal_systems import ModalSystem, ModalSystems
 from floquetrod.rod.model.constants import ModeConstants, mode_constants
@@ -270,7 +270,7 @@ class ModeModel(ABC):
     def require_varied(self, names: Iterable[str]) -> None:
         """Raise ValueError unless numbers of rod and load with these names may be different in every sample."""
         for name in names:
-            if name not in LIMITS:
+            if name not in QUANTITIES:
                 raise self.refusal(f"{name} in parameters")
 
     def sample_status(

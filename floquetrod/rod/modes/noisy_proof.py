@@ -20,7 +20,7 @@ from floquetrod.floquet.proof.region_equation import note_on
 from floquetrod.floquet.proof.region_proof import RegionProof, RegionStatus, Shares, Side, side_ends
 from floquetrod.floquet.status import STABLE, UNSTABLE
 from floquetrod.rod.answers.rod_box import RodExample
-from floquetrod.rod.loads.load import LIMITS, QUANTITIES, Loads, Quantity, load_number
+from floquetrod.rod.loads.load import LOAD, QUANTITIES, Loads, Quantity, load_number
 from floquetrod.rod.mode_equations.noisy_modes import ASSUMED, NoisyModes
 from floquetrod.rod.model.assumptions import assumptions
 from floquetrod.rod.model.constants import mode_constants
@@ -170,7 +170,7 @@ def _together(
         status = "unstable"
     elif all(proof.status == "stable" for proof in proofs) and left_out <= tolerance:
         status = "stable"
-    sides = tuple(Side(name, low, high, LIMITS[name].unit) for name, (low, high) in zip(QUANTITIES, box, strict=True))
+    sides = tuple(Side(name, low, high, LOAD[name].unit) for name, (low, high) in zip(QUANTITIES, box, strict=True))
     growing = max((proof.shares.unstable for proof in proofs if isinstance(proof, RegionProof)), default=0.0)
     shares = Shares(0.0, growing).with_status(status)
     boxes = len(examples) + sum(getattr(proof, "boxes", 1) for proof in proofs)

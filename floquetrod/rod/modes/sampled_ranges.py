@@ -13,10 +13,10 @@ from floquetrod._util.calling import level_of_caller
 from floquetrod._util.progress import Progress, shifted
 from floquetrod._util.spans import Gap, complement
 from floquetrod.floquet.status import UndecidedWarning
-from floquetrod.rod.answers.intervals import QUANTITIES, BucklingWarning, FoundIntervals, Search, StabilityInterval
+from floquetrod.rod.answers.intervals import BucklingWarning, FoundIntervals, Search, StabilityInterval
 from floquetrod.rod.answers.margins import Edge, ends_between
 from floquetrod.rod.loads.axial import AxialGap, AxialResonanceError, axial_response, gaps, joined
-from floquetrod.rod.loads.load import Load, Loads, Quantity
+from floquetrod.rod.loads.load import LOAD, Load, Loads, Quantity
 from floquetrod.rod.mode_equations.coupled_systems import CoupledEquations
 from floquetrod.rod.mode_equations.sampled import SAMPLES, UnstablePart, first_change, unstable_parts
 from floquetrod.rod.model.contact import added_mean
@@ -51,7 +51,7 @@ def _say_why_at_zero(model: ModeModel, varied: Quantity, modes: CoupledEquations
 
     BucklingWarning, UndecidedWarning.
     """
-    name = QUANTITIES[varied][0]
+    name = LOAD[varied].words
     if status == -1:
         warnings.warn(
             f"whether the rod is stable without {name} could not be decided, and counts as unstable",

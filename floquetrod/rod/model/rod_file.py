@@ -4,18 +4,17 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Mapping
-from dataclasses import MISSING, fields
 from pathlib import Path
 from typing import Any, TypeVar
 
-from floquetrod import units
 from floquetrod._util import validate
 from floquetrod._util.arguments import Message, error_in
 from floquetrod._util.calling import level_of_caller
 from floquetrod._util.implausible import SILENCE, PlausibilityWarning
 from floquetrod._util.tables import read_toml, require_known
 from floquetrod.bare_numbers import Quantity, bare_numbers
-from floquetrod.rod.model.parts import INSTEAD, MEANT
+from floquetrod.parameter import REQUIRED
+from floquetrod.rod.model.parameters import GIVEN, INSTEAD, MEANT, ROD
 
 T = TypeVar("T")
 
@@ -25,7 +24,7 @@ _HOLE = ("channel_radius", "channel_diameter")
 
 
 def read_rod(path: str | Path, kind: type[T]) -> T:
-    """Return the rod of a kind, a dataclass, that a TOML file describes: its fields are the keys, or `INSTEAD` of them.
+    """Return the rod of a kind, a dataclass, that a TOML file describes: keys are its parameters, or `INSTEAD` of them.
 
     Raises ValueError, naming file and key, for files that cannot be read, for unknown and missing keys, for quantities
     that are none and for what the rod refuses.
@@ -43,8 +42,7 @@ def rod_of(table: Mapping[str, Any], kind: type[T], folder: Path) -> T:
 
     TypeError or ValueError, naming the key, as `read_rod`.
     """
-    needed = {f.name: f.default is MISSING for f in fields(kind)}  # type: ignore[arg-type]  # a dataclass
-    _require_keys(table, needed)
+    _require_keys(table)
     rod = _made({key: _value(key, value, folder) for key, value in table.items()}, kind)
     _warn_of_bare_numbers(table, kind, folder)
     return rod
@@ -63,7 +61,8 @@ def _warn_of_bare_numbers(table: Mapping[str, Any], kind: type[T], folder: Path)
 
     Not of one that is implausible as it is, of which the rod warns.
     """
-    quantities = (Quantity(key, value, units.ROD_KINDS[key]) for key, value in table.items() if key in units.ROD_KINDS)
+    kinds = {name: parameter.kind for name, parameter in GIVEN.items() if parameter.kind}
+    quantities = (Quantity(key, value, kinds[key]) for key, value in table.items() if key in kinds)
     for number in bare_numbers(quantities):
         name, value, _ = number.quantity
         if all(_is_plausible({**table, name: each}, kind, folder) for each in (value, f"{value}{number.other}")):
@@ -82,22 +81,23 @@ def _is_plausible(table: Mapping[str, Any], kind: type[T], folder: Path) -> bool
     return True
 
 
-def _require_keys(table: Mapping[str, Any], needed: Mapping[str, bool]) -> None:
+def _require_keys(table: Mapping[str, Any]) -> None:
     """Raise ValueError for keys that are unknown, or missing."""
+    required = [name for name, parameter in ROD.items() if parameter.default is REQUIRED]
     if "catalogue" in table:
-        known = [key for key in (*_OF_A_PIPE, *needed, *INSTEAD) if key not in _HOLE]
-        least = ["bore", *(key for key, need in needed.items() if need and key not in (*_HOLE, *_FROM_THE_PIPE))]
+        known = [key for key in (*_OF_A_PIPE, *ROD, *INSTEAD) if key not in _HOLE]
+        needed = ["bore", *(key for key in required if key not in (*_HOLE, *_FROM_THE_PIPE))]
         if any(key in table for key in _HOLE):
             raise ValueError("bore is the key for the hole of a pipe of the catalogue, in place of a channel")
     else:
-        known = [*needed, *INSTEAD, "catalogue"]
-        least = [key for key, need in needed.items() if need]
+        known = [*ROD, *INSTEAD, "catalogue"]
+        needed = required
     written = next((key for key in table if key in MEANT), None)
     if written is not None:
         raise ValueError(f"unknown key {written!r}; {MEANT[written]}")
     require_known(table, known)
     given = {*table, *(INSTEAD[key] for key in table if key in INSTEAD)}
-    missing = [f"missing key {key!r}" for key in least if key not in given]
+    missing = [f"missing key {key!r}" for key in needed if key not in given]
     if missing:
         raise ValueError(f"{', '.join(missing)}; the keys are {', '.join(known)}")
 
@@ -108,4 +108,4 @@ def _value(key: str, value: Any, folder: Path) -> Any:
         from floquetrod.wells.path import WellPath
 
         return WellPath.from_csv(folder / value)
-    return units.quantity(value, key, units.ROD_KINDS[key]) if key in units.ROD_KINDS else value
+    return GIVEN[key].quantity(value, key) if key in GIVEN and GIVEN[key].kind else value

@@ -1,0 +1,195 @@
+"""Records of parameters: every field has one, what Python needs agrees with it, and nothing is ignored in silence."""
+
+from __future__ import annotations
+
+import dataclasses
+import inspect
+import math
+import re
+from collections.abc import Callable, Mapping
+from typing import Any
+
+import numpy as np
+import pytest
+
+import floquetrod as fr
+from conftest import needs_jit
+from floquetrod._util.suggest import short
+from floquetrod.cli.main import main
+from floquetrod.milling.cutter import CUTTER, TOOL_MODE
+from floquetrod.parameter import NAMES, REQUIRED, Parameter, Subsystem, require_known
+from floquetrod.rod.loads.load import LOAD
+from floquetrod.rod.loads.tool import TOOL
+from floquetrod.rod.model import parameters
+from floquetrod.rod.model.parameters import GIVEN, INSTEAD, NUMBERS, ROD
+from floquetrod.units import units_of
+
+TABLES: dict[type, Mapping[str, Parameter]] = {
+    fr.Rod: ROD,
+    fr.AxialLoad: {name: LOAD[name] for name in LOAD if name not in ("far_end", "axial_damping")},
+    fr.AxialWave: LOAD,
+    fr.VibrationTool: TOOL,
+    fr.Milling: CUTTER,
+    fr.ToolMode: TOOL_MODE,
+}
+EVERY = [(kind, name) for kind, table in TABLES.items() for name in table]
+
+
+@pytest.mark.parametrize("kind", TABLES)
+def test_every_field_has_a_record_and_every_record_a_field(kind: type) -> None:
+    assert sorted(TABLES[kind]) == sorted(field.name for field in dataclasses.fields(kind))
+
+
+@pytest.mark.parametrize(("kind", "name"), EVERY)
+def test_a_record_agrees_with_field_and_argument(kind: type, name: str) -> None:
+    record = TABLES[kind][name]
+    arguments = inspect.signature(kind).parameters
+    field = next(field for field in dataclasses.fields(kind) if field.name == name)
+    assert {name, *(alias.name for alias in record.instead)} - {"bore"} <= arguments.keys()
+    default = arguments[name].default
+    given_otherwise = {"inner_radius", "inclination", "curvature"}  # None where they are not given
+    if record.default is REQUIRED:
+        assert default in (inspect.Parameter.empty, None)
+        assert field.default is dataclasses.MISSING
+    else:
+        assert default == (None if kind is fr.Rod and name in given_otherwise else record.default)
+        assert kind in (fr.Milling,) or field.default == record.default
+    assert not record.kind or units_of(record.kind)
+    assert record.least <= record.largest
+
+
+@pytest.mark.parametrize(("kind", "name"), EVERY)
+def test_every_parameter_is_in_the_docstring(kind: type, name: str) -> None:
+    listed = re.findall(r"^ {4}(\w+(?:, \w+)*) : ", str(inspect.getdoc(kind) and kind.__doc__), re.MULTILINE)
+    assert name in {word for words in listed for word in words.split(", ")}
+
+
+def test_every_argument_of_a_rod_has_a_record() -> None:
+    assert {*inspect.signature(fr.Rod).parameters} == {*ROD, *INSTEAD}
+
+
+def test_options_of_the_terminal_follow(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["check", "--help-all"]) == 0
+    text = " ".join(capsys.readouterr().out.split())
+    for name, record in {**GIVEN, **LOAD}.items():
+        if record.option is not None:
+            assert f"--{(record.option.name or name).replace('_', '-')}" in text
+            assert record.option.help.format(range="").replace("%%", "%") in text
+
+
+# --- which subsystems know a parameter ---
+
+WELL = fr.WellPath([0.0, 1000.0, 1450.0, 3000.0], ["0deg", "0deg", "90deg", "90deg"])
+PIPE = fr.Rod(
+    207e9,
+    7850.0,
+    diameter=0.0508,
+    length=12.0,
+    channel_diameter=0.124,
+    inner_diameter=0.04,
+    damping_rate=0.1,
+)
+PUSH = fr.AxialLoad(mean=4e3, amplitude=2e3, frequency=20.0)
+ALTERED: dict[str, Any] = {
+    "inclination": 1.0,
+    "ends": "clamped",
+    "curvature": 1e-3,
+    "path": {"path": WELL, "depth": 1100.0},
+    "depth": {"path": WELL, "depth": 1200.0},
+    "yield_strength": 600e6,
+}
+
+
+def altered(rod: fr.Rod, name: str) -> fr.Rod:
+    """Return a rod with one parameter changed: as listed, else by some percent or from zero."""
+    if name in ("path", "depth"):
+        return rod.replace(**ALTERED[name])
+    value = getattr(rod, name)
+    return rod.replace(**{name: ALTERED[name] if name in ALTERED else 1.03 * value if value else 500.0})
+
+
+def simulated(rod: fr.Rod) -> Any:
+    problem = fr.SimulationProblem(rod, PUSH, duration=1e-3, segments=60, frames=2)
+    return problem.mesh.physics if hasattr(problem.mesh, "physics") else problem.time_steps
+
+
+ANSWERS: dict[Subsystem, Callable[[fr.Rod], Any]] = {
+    "modes": lambda rod: rod.stability(PUSH).growth_rate,
+    "bends": lambda rod: rod.replace(curvature=1e-3).stability(PUSH).growth_rate,
+    "proofs": lambda rod: rod.certify((3e3, 3.1e3), 1e3, 20.0).report(),
+    "large motion": lambda rod: rod.steady_motion(PUSH).amplitude,
+    "kicks": lambda rod: rod.critical_kick(PUSH, friction=0.1),
+    "stress": lambda rod: (rod.stress(PUSH).largest, rod.stress(PUSH).share_of_yield),
+    "buckling": lambda rod: rod.critical_forces(),
+    "strings": lambda rod: rod.mean_force(WELL, 0.2, bottom=2000.0).at_top,
+    "simulation": simulated,
+}
+
+
+@pytest.mark.parametrize("subsystem", NAMES)
+def test_what_a_subsystem_does_not_know_it_refuses(subsystem: Subsystem, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A strength, which is not the default, as a parameter that only another subsystem knew."""
+    rod = PIPE.replace(yield_strength=600e6)
+    other = frozenset(NAMES) - {subsystem}
+    record = dataclasses.replace(ROD["yield_strength"], known_to=other, without_effect_on=frozenset())
+    monkeypatch.setitem(ROD, "yield_strength", record)  # type: ignore[arg-type]
+    with pytest.raises(ValueError, match=r"yield_strength is not part of .*got 6e\+08 Pa; .*yield_strength=None"):
+        ANSWERS[subsystem](rod)
+    with pytest.raises(ValueError, match=re.escape(NAMES[subsystem])):
+        require_known(rod, ROD, subsystem)
+
+
+def same(one: Any, other: Any) -> bool:
+    """Return whether two answers are alike, rounding aside."""
+    if isinstance(one, float) and isinstance(other, float):
+        return one == other or math.isclose(one, other, rel_tol=1e-9)
+    if isinstance(one, tuple):
+        return len(one) == len(other) and all(map(same, one, other))
+    if isinstance(one, dict):
+        return one.keys() == other.keys() and all(same(one[key], other[key]) for key in one)
+    return bool(np.all(one == other)) if isinstance(one, np.ndarray) else str(one) == str(other)
+
+
+@needs_jit
+@pytest.mark.parametrize("subsystem", NAMES)
+@pytest.mark.parametrize("name", ROD)
+@pytest.mark.filterwarnings("ignore")
+def test_each_parameter_in_each_subsystem(subsystem: Subsystem, name: str) -> None:
+    """It changes the answer, or is refused, or by its record has no effect."""
+    record, rod = ROD[name], altered(PIPE, name)
+    try:
+        is_same = same(ANSWERS[subsystem](rod), ANSWERS[subsystem](PIPE))
+    except ValueError:
+        assert subsystem in record.known_to  # and does not go with what the rod is besides
+        return
+    if subsystem in record.without_effect_on:
+        assert is_same
+    elif subsystem in record.known_to and (subsystem, name) not in ONLY_WITH_MORE:
+        assert not is_same, short(rod)
+
+
+ONLY_WITH_MORE: set[tuple[str, str]] = {
+    ("strings", "damping_rate"),  # of a tool's wave
+    ("strings", "yield_strength"),  # of a reach
+    ("stress", "gravity"),  # of an inclined rod
+    ("stress", "density"),
+    ("stress", "fluid_inside"),
+    ("stress", "fluid_outside"),
+    ("stress", "length"),
+    ("stress", "inclination"),
+    ("modes", "added_mass_coefficient"),  # with fluid outside
+    ("bends", "added_mass_coefficient"),
+    ("proofs", "added_mass_coefficient"),
+    ("large motion", "added_mass_coefficient"),
+    ("kicks", "added_mass_coefficient"),
+    ("simulation", "added_mass_coefficient"),
+    ("bends", "curvature"),  # which the question gives
+}
+"""Parameters that change the answer to other questions than the one asked here."""
+
+
+def test_parameters_that_vary_are_numbers() -> None:
+    rod = fr.Rod.nitinol()
+    assert rod.parameters == {name: getattr(rod, name) for name in NUMBERS}
+    assert all(isinstance(value, float) for value in rod.parameters.values())
+    assert parameters.DIAMETERS.keys() < INSTEAD.keys()
