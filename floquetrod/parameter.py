@@ -167,8 +167,9 @@ def require_known(
             continue
         value = getattr(problem, name, parameter.default)
         if value != parameter.default:
+            words = parameter.in_words(value, units.AnswerUnits.named() if shown is None else shown)
             raise wrong_value(
                 name,
-                f"is not part of {NAMES[subsystem]}, which would ignore it: got {parameter.in_words(value, shown)[1]}; "
+                f"is not part of {NAMES[subsystem]}, which would ignore it: got {' '.join(words)}; "
                 f"leave it out, or ask with {name}={parameter.default!r}",
             )
