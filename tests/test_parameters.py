@@ -119,7 +119,7 @@ ANSWERS: dict[Subsystem, Callable[[fr.Rod], Any]] = {
     "large motion": lambda rod: rod.steady_motion(PUSH).amplitude,
     "kicks": lambda rod: rod.critical_kick(PUSH, friction=0.1),
     "stress": lambda rod: (bent(rod).stress(PUSH).largest, rod.stress(PUSH).share_of_yield),
-    "buckling": lambda rod: rod.critical_forces(),
+    "buckling": lambda rod: rod.critical_forces,
     "strings": lambda rod: rod.mean_force(WELL, 0.1, bottom=600.0, far_force=3.0).at_top,
     "simulation": simulated,
 }
