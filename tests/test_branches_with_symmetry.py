@@ -10,6 +10,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import pytest
+import sympy
 
 import floquetrod as fr
 from conftest import depth
@@ -147,9 +148,7 @@ def check(known: Known, longest: float) -> fr.Branch:
     found = [(point.kind, point.count) for point in branch.special_points]
     assert found == [(kind, count) for kind, _, count in known.points], branch
     for point, (_, value, _) in zip(branch.special_points, known.points, strict=True):
-        assert abs(point.value - value) <= point.error < 1e-4, (
-            branch
-        )  # of four that coincide, what bounds them all is 2e-5
+        assert abs(point.value - value) <= point.error < 1e-6, branch
     assert branch.notes == ()
     assert (branch.values >= known.over[0]).all()
     assert (branch.values <= known.over[1]).all()
@@ -195,6 +194,39 @@ def test_identical_oscillators_lose_all_but_one_multiplier_together() -> None:
     assert str(point).endswith("2 multipliers together")
     assert "2 together" in str(branch)
     assert point.as_dict()["count"] == 2
+
+
+def coupled_by_sympy(count: int, w: float, c: float, b: float, coupling: float) -> fr.NonlinearSystem:
+    """Return the identical oscillators as expressions, whose derivatives are exact."""
+    strength, states = sympy.Symbol("K"), sympy.symbols(f"x:{2 * count}")
+    u, v = states[0::2], states[1::2]
+    equations = []
+    for x, y in zip(u, v, strict=True):
+        across, up, square = sum(u) / count - x, sum(v) / count - y, x**2 + y**2
+        equations.append(x - w * y - square * (x - c * y) + strength * (across - b * up))
+        equations.append(y + w * x - square * (y + c * x) + strength * (up + b * across))
+    return fr.NonlinearSystem.from_sympy(equations, states, parameters={strength: coupling})
+
+
+@pytest.mark.parametrize("longest", [0.2, 0.04])
+def test_the_error_of_a_branch_point_holds(longest: float) -> None:
+    """The multiplier that crosses is refined: near K = 2 the verdicts' is off by 8e-10, within its own error."""
+    orbit = fr.periodic_orbit(coupled_by_sympy(2, 1.0, 3.0, -1.0, 1.5), [1.0, 0.0] * 2, 3.0)
+    (point,) = fr.follow(orbit, {"K": (1.2, 3.0)}, longest=longest).special_points
+    assert abs(point.value - 2.0) <= point.error < 1e-9
+
+
+@pytest.mark.parametrize("seed", range(depth(40, 2)))
+def test_the_error_of_drawn_branch_points_holds(seed: int) -> None:
+    rng = np.random.default_rng([seed, 481])
+    count, longest = int(rng.integers(2, 5)), float(rng.choice([0.03, 0.1, 0.2]))
+    w, b, c = rng.uniform(0.3, 2.0), -rng.uniform(0.6, 1.5), rng.uniform(2.5, 4.0)
+    known = -2.0 * (1.0 + b * c) / (1.0 + b**2)
+    low, high = known - rng.uniform(0.1, 0.3), known + rng.uniform(0.1, 0.3)
+    orbit = fr.periodic_orbit(coupled_by_sympy(count, w, c, b, low), [1.0, 0.0] * count, 2.0 * math.pi / abs(w - c))
+    (point,) = fr.follow(orbit, {"K": (low, high)}, longest=longest).special_points
+    assert point.count == count - 1
+    assert abs(point.value - known) <= point.error < 1e-6
 
 
 def test_the_branch_that_crosses_in_an_invariant_plane() -> None:

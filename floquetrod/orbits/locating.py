@@ -18,7 +18,7 @@ from floquetrod.orbits.continuation import Sample, sampled
 from floquetrod.orbits.crossings import Multipliers, Ranks, Test, doubt, nearest
 from floquetrod.orbits.extents import returns_after
 from floquetrod.orbits.newton import NoOrbitError
-from floquetrod.orbits.sensitivity import error_of
+from floquetrod.orbits.sensitivity import refined
 from floquetrod.orbits.special_points import Kind, SpecialPoint
 
 _ROOT = 1e-12  # length along the branch to which a test function's zero is found
@@ -337,22 +337,37 @@ def _at(stretch: _Stretch, length: float) -> tuple[Sample, float, float]:
     sample = stretch.sample(length)
     if stretch.test == "turning":
         return sample, sample.value_error, 0.0
-    blur = _blur(sample, stretch)
+    test, blur = _refined_test(sample, stretch)
     rate = abs(sample.place.direction.scalars[-1] / stretch.slope(length))
-    return sample, float(rate * (blur + abs(stretch.value(length))) + sample.value_error), float(rate)
+    return sample, float(rate * (blur + 2.0 * abs(test)) + sample.value_error), float(rate)  # the slope is a secant's
 
 
-def _blur(sample: Sample, stretch: _Stretch) -> float:
-    """Return the error of the test function from that of the multiplier that crosses, or of all that cross together."""
-    values = sample.multipliers.values
-    if stretch.together > 1:
-        return doubt(sample.multipliers, stretch.test)
-    which = nearest(sample.multipliers, stretch.kind)
-    errors = np.zeros(len(values))
-    errors[which] = error_of(complex(values[which]), sample.orbit.segments)
+def _refined_test(sample: Sample, stretch: _Stretch) -> tuple[float, float]:
+    """Return the test function and its error, the multipliers that cross refined where they coincide.
+
+    Beside one that crosses alone the others may have any error: the product is zero whatever they are.
+    """
+    multipliers, test = sample.multipliers, stretch.test
+    if test == "turning":
+        return sample.tests.turning, 0.0
+    if not isinstance(test, str):
+        values = crossings.of_ranks(multipliers, test).values
+        if stretch.kind == "Neimark-Sacker":
+            values = values[values.imag > 0.0]
+        known = crossings.value(multipliers, test), doubt(multipliers, test)
+        if not len(values) or np.abs(values - values.mean()).max() > _CLOSE:
+            return known
+        values, error = refined(values, sample.orbit.segments)
+        return min(known, (float(np.log(np.abs(values)).mean()), error), key=lambda each: each[1])
+    values, errors = multipliers.values.copy(), np.zeros(len(multipliers.values))
+    which = nearest(multipliers, stretch.kind)
+    pair = int(np.abs(values - values[which].conj()).argmin())
+    (values[which],), error = refined(values[[which]], sample.orbit.segments)
+    errors[which] = error * abs(values[which])
     if stretch.kind == "Neimark-Sacker":
-        errors[int(np.abs(values - values[which].conj()).argmin())] = errors[which]
-    return doubt(Multipliers(values, errors), stretch.test)
+        values[pair], errors[pair] = values[which].conj(), errors[which]
+    multipliers = Multipliers(values, errors)
+    return crossings.value(multipliers, test), doubt(multipliers, test)
 
 
 def _interpolated(stretch: _Stretch, length: float) -> tuple[Sample, float, float]:
@@ -364,7 +379,7 @@ def _interpolated(stretch: _Stretch, length: float) -> tuple[Sample, float, floa
     step = _NEAR * abs(stretch.whole)
     places = length + step * _SIDES
     samples = [stretch.sample(float(each)) for each in places]
-    tests = np.array([stretch._test(each) for each in samples])
+    tests, blurs = np.array([_refined_test(each, stretch) for each in samples]).T
     roots, values = [], []
     for used in (slice(0, 8), slice(1, 7)):
         inverse = np.polynomial.Polynomial.fit(places[used], tests[used], len(places[used]) - 1)
@@ -376,7 +391,7 @@ def _interpolated(stretch: _Stretch, length: float) -> tuple[Sample, float, floa
         values.append(float(factors @ [each.value for each in samples[used]]))
     factors = lagrange_weights(places, roots[0])
     sample = _combined(samples, factors)
-    blur = _blur(samples[len(samples) // 2], stretch) if stretch.test != "turning" else 0.0
+    blur = float(np.abs(factors) @ blurs)
     slope = abs((tests[4] - tests[3]) / (places[4] - places[3]))
     rate = abs(sample.place.direction.scalars[-1]) / max(slope, 1e-300)
     gaps = max(each.value_error for each in samples)

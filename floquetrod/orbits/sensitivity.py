@@ -1,4 +1,4 @@
-"""The error of one multiplier, to first order, from the errors of the maps over the intervals of a mesh."""
+"""Multipliers that coincide, or a simple one, by their eigenvectors, with the error from those of the maps."""
 
 from __future__ import annotations
 
@@ -11,13 +11,15 @@ from floquetrod._util.arrays import Complexes
 from floquetrod.orbits.multipliers import Segments, maps_across
 
 
-def error_of(multiplier: complex, segments: Segments) -> float:
-    """Return about the error of a simple multiplier: errors of the maps between its eigenvectors at each instant.
+def refined(cluster: Complexes, segments: Segments) -> tuple[Complexes, float]:
+    """Return multipliers (k,) that coincide, or one, refined, and about the error of the mean of their logarithms.
 
-    The maps F_i have mu^(1/N) = r as an eigenvalue of the cyclic matrix that holds them, with right and left
-    eigenvectors (x_i) and (y_i): it changes by sum y_(i+1)* E_i x_i / sum y_i* x_i where F_i change by E_i (G. W.
-    Stewart and J. Sun, Matrix Perturbation Theory, 1990, IV.2).  That is far less than what bounds the errors of all
-    multipliers at once where some of them decay fast.
+    The maps F_i have mu^(1/N) = r as an eigenvalue of the cyclic matrix C that holds them.  With its right eigenvectors
+    X = (X_i) and left ones Y, scaled so that Y* X = 1, the multipliers are mu (1 + m / r)^N for the eigenvalues m of
+    Y* (C - r) X, and the sum of m changes by the trace of sum Y_(i+1)* E_i X_i where F_i change by E_i (G. W. Stewart
+    and J. Sun, Matrix Perturbation Theory, 1990, IV.2 and V.2).  That is far less than what bounds the errors of all
+    multipliers at once where some of them decay fast; by as much as that bound, a multiplier of the verdict may differ
+    from the eigenvalue of the maps.
     """
     from scipy.sparse import bsr_array, csc_array, identity
     from scipy.sparse.linalg import splu
@@ -25,24 +27,26 @@ def error_of(multiplier: complex, segments: Segments) -> float:
     maps, errors = maps_across(segments)
     count, n, _ = maps.shape
     sizes = np.exp(np.mean(np.log(np.abs(maps).max(axis=(1, 2)))))
-    root = cmath.exp(cmath.log(multiplier) / count)
+    centre = complex(cluster.mean())
+    root = cmath.exp(cmath.log(centre) / count)
     places = np.arange(count)
     cyclic = bsr_array(
         (np.roll(maps, 1, axis=0), np.roll(places, 1), np.arange(count + 1)), shape=(count * n, count * n)
     )
-    shifted = csc_array(cyclic - (root + 1e-13 * sizes) * identity(count * n, dtype=complex))
-    factors = splu(shifted)
-    right = _iterated(factors.solve, count, n)
-    left = _iterated(lambda vector: factors.solve(vector, trans="H"), count, n)
-    norms = np.linalg.norm(np.roll(left, -1, axis=0), axis=1) * np.linalg.norm(right, axis=1)
-    change = float((norms * errors).sum() / abs((left.conj() * right).sum()))
-    return float(count * abs(multiplier) * change / abs(root))
+    factors = splu(csc_array(cyclic - (root + 1e-13 * sizes) * identity(count * n, dtype=complex)))
+    right = _iterated(factors.solve, count * n, len(cluster))
+    left = _iterated(lambda vectors: factors.solve(vectors, trans="H"), count * n, len(cluster))
+    left = np.asarray(np.linalg.solve(left.conj().T @ right, left.conj().T).conj().T, dtype=np.complex128)
+    x, y = (vectors.reshape(count, n, -1) for vectors in (right, left))
+    missed = np.roll(maps @ x, 1, axis=0) - root * x
+    offsets = np.linalg.eigvals(left.conj().T @ missed.reshape(right.shape)) / root
+    norms = np.linalg.norm(np.roll(y, -1, axis=0), 2, axis=(1, 2)) * np.linalg.norm(x, 2, axis=(1, 2))
+    return centre * (1.0 + offsets) ** count, float(count * (norms * errors).sum() / abs(root))
 
 
-def _iterated(solve: Callable[[Complexes], Complexes], count: int, n: int) -> Complexes:
-    """Return the eigenvector (N, n) that inverse iteration finds."""
-    vector = np.cos(2.399 * np.arange(count * n)) + 0.1j
+def _iterated(solve: Callable[[Complexes], Complexes], rows: int, count: int) -> Complexes:
+    """Return an orthonormal basis (rows, count) of the eigenvectors that inverse iteration finds."""
+    vectors = np.cos(np.outer(np.arange(rows), 2.399 + 0.731 * np.arange(count))) + 0.1j
     for _ in range(3):
-        vector = solve(vector)
-        vector = vector / np.abs(vector).max()
-    return np.asarray(vector.reshape(count, n))
+        vectors = np.linalg.qr(solve(vectors))[0]
+    return np.asarray(vectors)
