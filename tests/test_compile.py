@@ -708,7 +708,7 @@ COUNTED = """
 import json
 import numpy as np
 import floquetrod as fr
-import floquetrod.mathieu.arrays
+import floquetrod.mathieu.array_functions
 from floquetrod._util import compilation
 made = {}
 plain = compilation._compiled
@@ -726,7 +726,7 @@ class Compiled(event.Listener):
     def on_end(self, e):
         pass
 event.register("numba:compile", Compiled())
-floquetrod.mathieu.arrays._COMPILE_AFTER = 0  # short questions are compiled here too
+floquetrod.mathieu.array_functions._COMPILE_AFTER = 0  # short questions are compiled here too
 from floquetrod.rod.mode_equations import modal_systems
 modal_systems.is_at_hand = lambda kernel: True
 a = np.linspace(0.1, 1.0, 200)

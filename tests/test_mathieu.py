@@ -16,7 +16,7 @@ from conftest import depth, needs_jit
 from floquetrod.floquet.mathieu_chains import mathieu_counts
 from floquetrod.floquet.mathieu_chains.mathieu_counts import count_below
 from floquetrod.floquet.methods.reference import reference
-from floquetrod.mathieu import arrays
+from floquetrod.mathieu import array_functions
 from strategies import mathieu_points, near_boundary_points
 
 pytestmark = pytest.mark.kernels
@@ -221,7 +221,9 @@ def test_calls_from_threads() -> None:
 def test_extreme_parameters_neither_crash_nor_loop(alpha: float, beta: float, monkeypatch: pytest.MonkeyPatch) -> None:
     if os.environ.get("NUMBA_DISABLE_JIT") == "1" and max(alpha, abs(beta)) > 1e5:
         pytest.skip("a minute each when interpreted; run compiled")
-    monkeypatch.setattr(arrays, "_COMPILE_AFTER", 0)  # interpreted, a hundred of the hardest points take ten seconds
+    monkeypatch.setattr(
+        array_functions, "_COMPILE_AFTER", 0
+    )  # interpreted, a hundred of the hardest points take ten seconds
     many = np.full(depth(100, 65), alpha)
     stable = fr.mathieu.is_stable(many, beta)
     assert stable.all() or not stable.any()

@@ -13,8 +13,8 @@ from hypothesis import strategies as st
 import floquetrod as fr
 from conftest import depth
 from floquetrod.floquet.methods.reference import reference
-from floquetrod.mathieu import tongues
-from floquetrod.mathieu.tongues import along_amplitude
+from floquetrod.mathieu import tongue_intervals
+from floquetrod.mathieu.tongue_intervals import along_amplitude
 from floquetrod.rod.model.constants import SLOW_GROWTH
 from fuzz import ranges as ranges_attack
 from fuzz import rods
@@ -245,8 +245,8 @@ def test_no_range_at_all_is_said() -> None:
 def test_the_cost_follows_the_question(monkeypatch: pytest.MonkeyPatch) -> None:
     # More than a thousand tongues lie below, and are not resolved, since nothing grows in them.
     asked = []
-    real = tongues._growth
-    monkeypatch.setattr(tongues, "_growth", lambda *inputs: asked.append(inputs[0].size) or real(*inputs))
+    real = tongue_intervals._growth
+    monkeypatch.setattr(tongue_intervals, "_growth", lambda *inputs: asked.append(inputs[0].size) or real(*inputs))
     ranges = ROD.ranges("frequency", mean=0.3, amplitude=0.3, bounds=(2.0, 60.0))
     assert ranges.tongues_left_out > 1000
     assert sum(asked) < 10 * ranges.tongues_left_out

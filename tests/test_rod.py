@@ -17,7 +17,7 @@ from hypothesis import strategies as st
 import floquetrod as fr
 from conftest import JIT, depth, needs_jit
 from coupled_cases import by_name
-from floquetrod.mathieu.tongues import along_mean, damping_to_stabilise
+from floquetrod.mathieu.tongue_intervals import along_mean, damping_to_stabilise
 from floquetrod.rod.kernels import independent_modes as kernels
 from floquetrod.rod.model.beam import EndConditions
 from floquetrod.rod.model.course import Channel

@@ -11,7 +11,7 @@ import floquetrod as fr
 from conftest import depth
 from floquetrod.floquet.multipliers import stabilising_damping as search
 from floquetrod.floquet.multipliers.system_stability import SystemStability
-from floquetrod.mathieu.tongues import damping_to_stabilise as exactly
+from floquetrod.mathieu.tongue_intervals import damping_to_stabilise as exactly
 
 FORCING = 0.2 * np.array([[0.5, 1.0], [1.0, 0.8]])
 

@@ -14,7 +14,7 @@ from scipy import ndimage
 
 import floquetrod as fr
 from conftest import depth
-from floquetrod.mathieu.charts import MathieuPlane
+from floquetrod.mathieu.mathieu_charts import MathieuPlane
 from floquetrod.plane import Axis, Band, Bands, charted
 from floquetrod.plane.contours import crossings
 from floquetrod.plane.family import Judged

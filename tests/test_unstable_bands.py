@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 import floquetrod as fr
 from conftest import depth
 from floquetrod.floquet.multipliers.resonance_names import Resonance
-from floquetrod.mathieu.tongues import damping_to_stabilise
+from floquetrod.mathieu.tongue_intervals import damping_to_stabilise
 from floquetrod.rod.answers.intervals import UnstableBand
 
 ROD = fr.Rod.nitinol()

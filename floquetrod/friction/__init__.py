@@ -15,9 +15,9 @@ if TYPE_CHECKING:
     from floquetrod.floquet.status import UndecidedWarning
     from floquetrod.friction.critical_kicks import CriticalKickBounds, critical_kick
     from floquetrod.friction.fate_of_kicks import BOUNDED, ESCAPES, UNDECIDED, Fate, escapes, fate, fates
-    from floquetrod.friction.leapfrog import leapfrog_escapes
+    from floquetrod.friction.kick_ranges import EscapeRanges, KickRange, escape_ranges
+    from floquetrod.friction.leapfrog_criterion import leapfrog_escapes
     from floquetrod.friction.proved_kicks import CertainKicks, certain_kicks
-    from floquetrod.friction.ranges import EscapeRanges, KickRange, escape_ranges
     from floquetrod.friction.trajectories import Trajectory, trajectory
 
 __all__ = [
@@ -47,9 +47,9 @@ __getattr__, __dir__ = names_of(
         "floquet.status": ("UndecidedWarning",),
         "friction.critical_kicks": ("CriticalKickBounds", "critical_kick"),
         "friction.fate_of_kicks": ("BOUNDED", "ESCAPES", "UNDECIDED", "Fate", "escapes", "fate", "fates"),
-        "friction.leapfrog": ("leapfrog_escapes",),
+        "friction.leapfrog_criterion": ("leapfrog_escapes",),
         "friction.proved_kicks": ("CertainKicks", "certain_kicks"),
-        "friction.ranges": ("EscapeRanges", "KickRange", "escape_ranges"),
+        "friction.kick_ranges": ("EscapeRanges", "KickRange", "escape_ranges"),
         "friction.trajectories": ("Trajectory", "trajectory"),
     },
 )

@@ -10,7 +10,7 @@ import numpy as np
 from floquetrod._util import validate
 from floquetrod._util.arrays import Floats, Ints, shaped
 from floquetrod.friction.inputs import Equations, Prepared, arguments, elapsed, over_friction
-from floquetrod.friction.kernels import orbit as kernels
+from floquetrod.friction.kernels import stick_slip_motion as kernels
 from floquetrod.friction.proved_kicks import proved
 
 _LARGEST = 1e12  # kick over the floor: up to here kicks are tried where none is proved to escape

@@ -27,7 +27,7 @@ from floquetrod.friction.inputs import (
     prepare_one,
     size_of,
 )
-from floquetrod.friction.kernels import orbit as kernels
+from floquetrod.friction.kernels import stick_slip_motion as kernels
 from floquetrod.friction.kernels.records import ORBIT, SAMPLE, workspace
 
 UNDECIDED, BOUNDED, ESCAPES = STATUS_CODES["undecided"], STATUS_CODES["stable"], STATUS_CODES["unstable"]

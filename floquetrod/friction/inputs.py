@@ -12,11 +12,11 @@ from floquetrod._util import validate
 from floquetrod._util.arrays import Floats, Ints, broadcast
 from floquetrod._util.compilation import over_chunks
 from floquetrod.equations import FrictionalMathieu
-from floquetrod.friction.kernels import orbit as kernels
+from floquetrod.friction.kernels import stick_slip_motion as kernels
 from floquetrod.friction.kernels.fates import follow_fill
 from floquetrod.friction.kernels.records import COEFFICIENTS, FINDINGS, ORBIT, PERIOD
 from floquetrod.friction.propagators import Propagators, Records, cell_counts, propagators
-from floquetrod.mathieu.arrays import flat_stable
+from floquetrod.mathieu.array_functions import flat_stable
 
 MAX_STEPS = 500_000
 """Cells an orbit may take, 32 or more to a period: a few thousandths of a second."""

@@ -13,7 +13,7 @@ from floquetrod._util.compilation import runner
 from floquetrod._util.content import ByContent
 from floquetrod.equations import FrictionalMathieu, require
 from floquetrod.friction.inputs import SHORT, prepare_one
-from floquetrod.friction.kernels import orbit as kernels
+from floquetrod.friction.kernels import stick_slip_motion as kernels
 from floquetrod.friction.kernels.records import ORBIT, SAMPLE, workspace
 
 _MOST = 5_000_000  # rows of a record: 160 MB, a second or two

@@ -7,20 +7,20 @@ from typing import TYPE_CHECKING
 from floquetrod._util.lazy import names_of
 
 if TYPE_CHECKING:
-    from floquetrod.mathieu.arrays import discriminant, exponents, growth_rate, is_stable, multipliers
-    from floquetrod.mathieu.characteristic import (
+    from floquetrod.mathieu.array_functions import discriminant, exponents, growth_rate, is_stable, multipliers
+    from floquetrod.mathieu.characteristic_curves import (
         TransitionCurves,
         characteristic_values,
         tongue_widths,
         transition_curves,
     )
-    from floquetrod.mathieu.charts import chart
-    from floquetrod.mathieu.solutions import (
+    from floquetrod.mathieu.floquet_functions import (
         FloquetSolution,
         characteristic_function,
         floquet_solutions,
         real_order_values,
     )
+    from floquetrod.mathieu.mathieu_charts import chart
 
 __all__ = [
     "FloquetSolution",
@@ -42,9 +42,19 @@ __all__ = [
 __getattr__, __dir__ = names_of(
     __name__,
     {
-        "mathieu.arrays": ("discriminant", "exponents", "growth_rate", "is_stable", "multipliers"),
-        "mathieu.characteristic": ("TransitionCurves", "characteristic_values", "tongue_widths", "transition_curves"),
-        "mathieu.charts": ("chart",),
-        "mathieu.solutions": ("FloquetSolution", "characteristic_function", "floquet_solutions", "real_order_values"),
+        "mathieu.array_functions": ("discriminant", "exponents", "growth_rate", "is_stable", "multipliers"),
+        "mathieu.characteristic_curves": (
+            "TransitionCurves",
+            "characteristic_values",
+            "tongue_widths",
+            "transition_curves",
+        ),
+        "mathieu.mathieu_charts": ("chart",),
+        "mathieu.floquet_functions": (
+            "FloquetSolution",
+            "characteristic_function",
+            "floquet_solutions",
+            "real_order_values",
+        ),
     },
 )

@@ -44,7 +44,7 @@ class Level(NamedTuple):
             return np.where(self.root[which] == 0.0, 0.0, 0.5 * self.root[which] / distance)
 
 
-class Parts(NamedTuple):
+class Exceedances(NamedTuple):
     """Parts of the intervals ``which`` from ``first`` to ``last``, where the level is exceeded."""
 
     which: Ints
@@ -52,15 +52,15 @@ class Parts(NamedTuple):
     last: Floats
 
 
-class _Pieces(NamedTuple):
+class _Brackets(NamedTuple):
     """Pieces [x1, x2] with the values there and at their neighbours x0 < x1 and x3 > x2 (NaN where there is none)."""
 
     which: Ints
     x: Floats  # (n, 4)
     g: Floats  # (n, 4)
 
-    def some(self, chosen: Bools) -> _Pieces:
-        return _Pieces(self.which[chosen], self.x[chosen], self.g[chosen])
+    def some(self, chosen: Bools) -> _Brackets:
+        return _Brackets(self.which[chosen], self.x[chosen], self.g[chosen])
 
 
 def level(constant: Floats | float, root: Floats | float = 0.0, origin: Floats | float = 0.0, *, size: int) -> Level:
@@ -68,7 +68,7 @@ def level(constant: Floats | float, root: Floats | float = 0.0, origin: Floats |
     return Level(*(np.broadcast_to(np.asarray(part, dtype=np.float64), size) for part in (constant, root, origin)))
 
 
-def parts_above(growth: Growth, low: Floats, high: Floats, above: Level) -> Parts:
+def parts_above(growth: Growth, low: Floats, high: Floats, above: Level) -> Exceedances:
     """Return the parts of the intervals [low, high] where ``growth`` exceeds the level ``above``.
 
     Within each interval the growth must be concave: then none is left out but peaks that exceed the level by less than
@@ -76,8 +76,8 @@ def parts_above(growth: Growth, low: Floats, high: Floats, above: Level) -> Part
     """
     pieces = _start(growth, low, high)
     nothing = np.empty(0)
-    found: list[Parts] = [Parts(pieces.which[:0], nothing, nothing)]
-    crossing: list[_Pieces] = []
+    found: list[Exceedances] = [Exceedances(pieces.which[:0], nothing, nothing)]
+    crossing: list[_Brackets] = []
     while pieces.which.size:
         pieces = _settle(pieces, above, found, crossing, high - low)
         pieces = _divide(pieces, growth)
@@ -86,7 +86,7 @@ def parts_above(growth: Growth, low: Floats, high: Floats, above: Level) -> Part
     return joined(found)
 
 
-def _start(growth: Growth, low: Floats, high: Floats) -> _Pieces:
+def _start(growth: Growth, low: Floats, high: Floats) -> _Brackets:
     """Return the pieces between the first points of every interval."""
     which = np.repeat(np.arange(low.size), _POINTS + 2)
     number = np.tile(np.arange(_POINTS + 2), low.size)  # of a point in its interval
@@ -98,17 +98,17 @@ def _start(growth: Growth, low: Floats, high: Floats) -> _Pieces:
     window = left[:, None] + np.arange(-1, 3)
     place = np.clip(window, 0, which.size - 1)
     inside = (place == window) & (which[place] == which[left][:, None])
-    return _Pieces(which[left], np.where(inside, x[place], np.nan), np.where(inside, g[place], np.nan))
+    return _Brackets(which[left], np.where(inside, x[place], np.nan), np.where(inside, g[place], np.nan))
 
 
-def _slopes(pieces: _Pieces) -> tuple[Floats, Floats, Floats]:
+def _slopes(pieces: _Brackets) -> tuple[Floats, Floats, Floats]:
     """Return the slopes of the chords left of, across and right of every piece; unbounded where there is none."""
     with np.errstate(divide="ignore", invalid="ignore"):
         left, chord, right = (np.diff(pieces.g) / np.diff(pieces.x)).T
     return np.where(np.isnan(left), np.inf, left), chord, np.where(np.isnan(right), -np.inf, right)
 
 
-def _summit(pieces: _Pieces, left: Floats, right: Floats) -> tuple[Floats, Floats]:
+def _summit(pieces: _Brackets, left: Floats, right: Floats) -> tuple[Floats, Floats]:
     """Return where the extensions of the neighbouring chords meet within each piece, and the bound there."""
     _, x1, x2, _ = pieces.x.T
     _, g1, g2, _ = pieces.g.T
@@ -122,7 +122,9 @@ def _summit(pieces: _Pieces, left: Floats, right: Floats) -> tuple[Floats, Float
     return x1 + offset, np.maximum(np.minimum(from_left, from_right), np.maximum(g1, g2))
 
 
-def _settle(pieces: _Pieces, above: Level, found: list[Parts], crossing: list[_Pieces], widths: Floats) -> _Pieces:
+def _settle(
+    pieces: _Brackets, above: Level, found: list[Exceedances], crossing: list[_Brackets], widths: Floats
+) -> _Brackets:
     """Store pieces above the level and those that cross it once; return those still open."""
     which, x1, x2 = pieces.which, pieces.x[:, 1], pieces.x[:, 2]
     f1, f2 = pieces.g[:, 1] - above(x1, which), pieces.g[:, 2] - above(x2, which)
@@ -135,12 +137,12 @@ def _settle(pieces: _Pieces, above: Level, found: list[Parts], crossing: list[_P
     # The slope of a concave function lies between those of the chords beside it.
     steep, flat = above.steepest(x1, which), above.steepest(x2, which)
     single = ((f1 > 0.0) != (f2 > 0.0)) & ((right >= steep) | (left <= flat) | narrow)
-    found.append(Parts(which[over], x1[over], x2[over]))
+    found.append(Exceedances(which[over], x1[over], x2[over]))
     crossing.append(pieces.some(single))
     return pieces.some(~(under | over | single))
 
 
-def _floor(pieces: _Pieces, widths: Floats) -> Floats:
+def _floor(pieces: _Brackets, widths: Floats) -> Floats:
     """Return the width below which no piece is divided any further."""
     width = widths[pieces.which]
     place = np.maximum(np.abs(pieces.x[:, 1]), np.abs(pieces.x[:, 2]))
@@ -148,7 +150,7 @@ def _floor(pieces: _Pieces, widths: Floats) -> Floats:
     return np.maximum(least, 4.0 * EPS * np.maximum(width, place))
 
 
-def _lowest(pieces: _Pieces, chord: Floats, above: Level) -> Floats:
+def _lowest(pieces: _Brackets, chord: Floats, above: Level) -> Floats:
     """Return the least value of chord minus level, which is convex, over each piece."""
     which, x1, x2, g1 = pieces.which, pieces.x[:, 1], pieces.x[:, 2], pieces.g[:, 1]
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -159,7 +161,7 @@ def _lowest(pieces: _Pieces, chord: Floats, above: Level) -> Floats:
     return result
 
 
-def _divide(pieces: _Pieces, growth: Growth) -> _Pieces:
+def _divide(pieces: _Brackets, growth: Growth) -> _Brackets:
     """Return both parts of every piece, split where the bound is largest but not close to an end."""
     if not pieces.which.size:
         return pieces
@@ -170,14 +172,14 @@ def _divide(pieces: _Pieces, growth: Growth) -> _Pieces:
     place = np.clip(summit, x1 + 0.25 * width, x2 - 0.25 * width)[:, None]
     value = growth(place[:, 0], pieces.which)[:, None]
     x, g = pieces.x, pieces.g
-    return _Pieces(
+    return _Brackets(
         np.concatenate([pieces.which, pieces.which]),
         np.vstack([np.hstack([x[:, :2], place, x[:, 2:3]]), np.hstack([x[:, 1:2], place, x[:, 2:]])]),
         np.vstack([np.hstack([g[:, :2], value, g[:, 2:3]]), np.hstack([g[:, 1:2], value, g[:, 2:]])]),
     )
 
 
-def _cut(growth: Growth, above: Level, crossing: list[_Pieces]) -> Parts:
+def _cut(growth: Growth, above: Level, crossing: list[_Brackets]) -> Exceedances:
     """Return the parts above the level of pieces that cross it once."""
     which = np.concatenate([pieces.which for pieces in crossing])
     x1, x2 = np.concatenate([pieces.x[:, 1:3] for pieces in crossing]).T
@@ -188,10 +190,10 @@ def _cut(growth: Growth, above: Level, crossing: list[_Pieces]) -> Parts:
         return growth(x, which[chosen]) - above(x, which[chosen])
 
     root = roots(surplus, x1, x2, at_low, at_high)
-    return Parts(which, np.where(at_low > 0.0, x1, root), np.where(at_low > 0.0, root, x2))
+    return Exceedances(which, np.where(at_low > 0.0, x1, root), np.where(at_low > 0.0, root, x2))
 
 
-def joined(found: Sequence[Parts]) -> Parts:
+def joined(found: Sequence[Exceedances]) -> Exceedances:
     """Return the parts with those that touch made one."""
     which, first, last = (np.concatenate(values) for values in zip(*found, strict=True))
     order = np.lexsort((first, which))
@@ -199,4 +201,4 @@ def joined(found: Sequence[Parts]) -> Parts:
     begins = np.ones(which.size, dtype=np.bool_)
     begins[1:] = (which[1:] != which[:-1]) | (first[1:] > last[:-1])
     ends = np.append(begins[1:], True) if which.size else begins
-    return Parts(which[begins], first[begins], last[ends])
+    return Exceedances(which[begins], first[begins], last[ends])

@@ -17,7 +17,7 @@ import numpy as np
 
 from floquetrod._util.arrays import Floats, Ints
 from floquetrod._util.roots import roots
-from floquetrod.mathieu.concave import Parts, joined
+from floquetrod.mathieu.concave import Exceedances, joined
 
 Evaluated: TypeAlias = Callable[[Floats, Floats], Floats]
 Counted: TypeAlias = Callable[[Floats, Floats], Ints]
@@ -49,29 +49,29 @@ def divided(b: Floats, low: Floats, high: Floats, least: Floats, counts: Counted
 
 def parts_above(
     b: Floats, low: Floats, high: Floats, above: Floats, least: Floats, growth: Evaluated, counts: Counted
-) -> Parts:
+) -> Exceedances:
     """Return the parts of [low, high], each within a tongue, in which ``growth(alpha, b)`` exceeds ``above`` > 0.
 
     What is narrower than ``least`` may be missed.
     """
     which, x1, x2 = np.arange(b.size), low, high
     target = _log_excess(above)
-    found = [Parts(which[:0], low[:0], low[:0])]
+    found = [Exceedances(which[:0], low[:0], low[:0])]
     while which.size:
         middle, h = 0.5 * (x1 + x2), 0.5 * (x2 - x1)
         bottom, top = enclosed(b[which], middle, h, _log_excess(growth(middle, b[which])), counts)
         over, under = bottom > target[which], top <= target[which]
-        found.append(Parts(which[over], x1[over], x2[over]))
+        found.append(Exceedances(which[over], x1[over], x2[over]))
         left = ~(over | under)
         fine = left & ((x2 - x1 <= least[which]) | (middle <= x1) | (middle >= x2))
-        found.append(_cut(b, above, growth, Parts(which[fine], x1[fine], x2[fine])))
+        found.append(_cut(b, above, growth, Exceedances(which[fine], x1[fine], x2[fine])))
         left &= ~fine
         which, x1, middle, x2 = which[left], x1[left], middle[left], x2[left]
         which, x1, x2 = np.tile(which, 2), np.concatenate([x1, middle]), np.concatenate([middle, x2])
     return joined(found)
 
 
-def _cut(b: Floats, above: Floats, growth: Evaluated, parts: Parts) -> Parts:
+def _cut(b: Floats, above: Floats, growth: Evaluated, parts: Exceedances) -> Exceedances:
     """Return what lies above of narrow parts that cross the level once, or not at all."""
 
     def surplus(x: Floats, i: Ints) -> Floats:
@@ -84,7 +84,7 @@ def _cut(b: Floats, above: Floats, growth: Evaluated, parts: Parts) -> Parts:
     first, last = parts.first.copy(), parts.last.copy()
     first[i], last[i] = np.where(at_low[i] > 0.0, first[i], root), np.where(at_low[i] > 0.0, root, last[i])
     kept = (at_low > 0.0) | (at_high > 0.0)
-    return Parts(parts.which[kept], first[kept], last[kept])
+    return Exceedances(parts.which[kept], first[kept], last[kept])
 
 
 def _within(b: Floats, alpha: Floats, radius: Floats, counts: Counted) -> Ints:

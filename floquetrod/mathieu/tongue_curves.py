@@ -15,8 +15,8 @@ import numpy as np
 
 from floquetrod._util.arrays import Bools, Floats, Ints
 from floquetrod._util.content import ByContent
-from floquetrod.mathieu.kernels import tongue_curves as kernels
-from floquetrod.mathieu.tongues import BISECTION, filled
+from floquetrod.mathieu.kernels import tongue_edges as kernels
+from floquetrod.mathieu.tongue_intervals import BISECTION, filled
 
 _BEYOND = 4.0  # how far beyond the window lines along the frequency are searched, in 1 / omega^2 (a choice)
 _SEARCH = 150.0  # what an edge where growth equals a level takes, in counts

@@ -26,7 +26,7 @@ _SUSPECT = 8.0  # the same of the chord divided before: halving a chord divides 
 _DEEPEST = 40  # halvings of a chord at most
 
 
-class Ranges(NamedTuple):
+class LineRanges(NamedTuple):
     """Lines from ``first`` to ``last`` on which the tongues ``which`` exceed the level, at a tip for the first time."""
 
     which: Ints
@@ -58,7 +58,7 @@ class Outlines(NamedTuple):
     peak: Floats
 
 
-class _Pieces(NamedTuple):
+class _OutlinePieces(NamedTuple):
     """Parts of ranges, from share ``first`` to ``last``, on which each edge is within the window or beyond it.
 
     ``low`` and ``top`` (n, 2) are the edges at both ends, within the window; ``bends`` (n, 2) says of the lower and of
@@ -94,12 +94,12 @@ def _begins(number: Ints) -> Bools:
     return np.append(True, number[1:] != number[:-1])[: number.size]
 
 
-def _ranges(curves: TongueCurves, first: Floats, last: Floats) -> Ranges:
+def _ranges(curves: TongueCurves, first: Floats, last: Floats) -> LineRanges:
     """Return on which lines growth exceeds the level anywhere."""
     every = np.arange(first.size)
     never = np.zeros(first.size, dtype=np.bool_)
     if curves.rate == 0.0:
-        return Ranges(every, first, last, never, never)
+        return LineRanges(every, first, last, never, never)
     level = curves.rate**2
     share = np.linspace(0.0, 1.0, _RIDGES)
     at = first[:, None] + (last - first)[:, None] * share
@@ -123,20 +123,20 @@ def _ranges(curves: TongueCurves, first: Floats, last: Floats) -> Ranges:
     tips = np.arange(begin[0].size) >= above[:, 0].sum(), np.arange(end[0].size) < (~rises).sum()
     order = [np.lexsort((place, which)) for which, place in (begin, end)]
     found = [array[order[k]] for k, arrays in enumerate((begin, end)) for array in arrays]
-    return Ranges(found[0], found[1], found[3], tips[0][order[0]], tips[1][order[1]])
+    return LineRanges(found[0], found[1], found[3], tips[0][order[0]], tips[1][order[1]])
 
 
-def _edge(curves: TongueCurves, ranges: Ranges, j: Ints, share: Floats, top: Bools) -> Floats:
+def _edge(curves: TongueCurves, ranges: LineRanges, j: Ints, share: Floats, top: Bools) -> Floats:
     """Return edges at shares of ranges."""
     return curves.edge(ranges.which[j], ranges.at(j, share), top)
 
 
-def _edges(curves: TongueCurves, ranges: Ranges, j: Ints, share: Floats) -> tuple[Floats, Floats]:
+def _edges(curves: TongueCurves, ranges: LineRanges, j: Ints, share: Floats) -> tuple[Floats, Floats]:
     """Return lower and upper edges at shares of ranges."""
     return curves.edges(ranges.which[j], ranges.at(j, share))
 
 
-def _pieces(curves: TongueCurves, ranges: Ranges) -> _Pieces:
+def _pieces(curves: TongueCurves, ranges: LineRanges) -> _OutlinePieces:
     """Return the pieces of all ranges that are not empty, between places where an edge meets an end of the window."""
     window = curves.window
     j, share = _meetings(curves, ranges)
@@ -158,7 +158,7 @@ def _pieces(curves: TongueCurves, ranges: Ranges) -> _Pieces:
     number = np.searchsorted(nodes, np.column_stack([left, left + 1]))
     edges = np.stack([found[0][number], found[1][number]], axis=1)
     outline = np.cumsum(np.append(True, (left[1:] != left[:-1] + 1) | (j[left][1:] != j[left][:-1]))[: left.size]) - 1
-    return _Pieces(j[left], share[left], share[left + 1], edges, bends, outline)
+    return _OutlinePieces(j[left], share[left], share[left + 1], edges, bends, outline)
 
 
 def _snapped(place: Floats, low: float, high: float) -> Floats:
@@ -168,7 +168,7 @@ def _snapped(place: Floats, low: float, high: float) -> Floats:
     return np.where(place > high - close, high, place)
 
 
-def _meetings(curves: TongueCurves, ranges: Ranges) -> tuple[Ints, Floats]:
+def _meetings(curves: TongueCurves, ranges: LineRanges) -> tuple[Ints, Floats]:
     """Return (range, share) of all places where an edge meets an end of the window.
 
     Where edges are monotone, along the frequency without a level, two lines tell; else edges are sampled, and cells
@@ -197,7 +197,7 @@ def _meetings(curves: TongueCurves, ranges: Ranges) -> tuple[Ints, Floats]:
 
 
 def _dips(
-    curves: TongueCurves, ranges: Ranges, share: Floats, distance: Floats, top: bool, limit: float
+    curves: TongueCurves, ranges: LineRanges, share: Floats, distance: Floats, top: bool, limit: float
 ) -> list[tuple[Ints, Floats, Floats, Bools, Floats]]:
     """Return cells in which a curve passes a limit, found between samples that lie on one side of it."""
     finite = np.where(np.isfinite(distance), distance, 0.0)
@@ -221,7 +221,7 @@ def _dips(
     return [(j, share[k], place, flag, limits), (j, place, share[k + 1], flag, limits)]
 
 
-def _largest(curves: TongueCurves, ranges: Ranges, pieces: _Pieces) -> tuple[Floats, Floats]:
+def _largest(curves: TongueCurves, ranges: LineRanges, pieces: _OutlinePieces) -> tuple[Floats, Floats]:
     """Return the square of the largest growth rate of every outline, and the line and the place where it is."""
     window = curves.window
     first = np.flatnonzero(_begins(pieces.outline))
@@ -252,7 +252,7 @@ def _largest(curves: TongueCurves, ranges: Ranges, pieces: _Pieces) -> tuple[Flo
 
 
 def _vertices(
-    curves: TongueCurves, ranges: Ranges, pieces: _Pieces, accuracy: float
+    curves: TongueCurves, ranges: LineRanges, pieces: _OutlinePieces, accuracy: float
 ) -> tuple[Ints, Bools, Floats, Floats, Floats]:
     """Return outline, edge, share, line and place of all vertices."""
     window = curves.window

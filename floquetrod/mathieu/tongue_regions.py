@@ -9,8 +9,8 @@ import numpy as np
 
 from floquetrod._util.arrays import Bools, Floats, Ints
 from floquetrod.mathieu.tongue_curves import TongueCurves, Window
+from floquetrod.mathieu.tongue_intervals import counts, growth_bounds, numbers_between, where_bounded
 from floquetrod.mathieu.tongue_outlines import Outlines, outlines
-from floquetrod.mathieu.tongues import counts, growth_bounds, numbers_between, where_bounded
 
 _AT_ONCE = 2048  # tongues outlined between two reports of progress: some tenths of a second (a choice)
 _ASKED = 1 << 16  # tongues asked at once whether they may exceed the level: some megabytes (a choice)

@@ -15,8 +15,8 @@ from typing import NamedTuple
 import numpy as np
 
 from floquetrod._util.arrays import Floats
-from floquetrod.orbits import mesh as meshes
-from floquetrod.orbits.collocation import Collocation, Condensed, Point, Row, Step
+from floquetrod.orbits import orbit_mesh
+from floquetrod.orbits.collocation import BorderRow, Collocation, Condensed, Point, Step
 from floquetrod.orbits.newton import corrected
 
 MOST_STEPS = 9  # of Newton's method, before a shorter step along the branch is tried
@@ -33,11 +33,11 @@ class Measure(NamedTuple):
         every = {"period": point.period, "parameter": self.width}
         return np.array([every[name] for name in collocation.scalars])
 
-    def row(self, collocation: Collocation, point: Point, direction: Step) -> Row:
+    def row(self, collocation: Collocation, point: Point, direction: Step) -> BorderRow:
         """Return the product with a direction as a row that vanishes at a point."""
         nodes = collocation.weights[:, None] * direction.nodes / self.scale**2
         scalars = direction.scalars / self.units(collocation, point) ** 2
-        return through(collocation, point, Row(nodes, scalars, 0.0))
+        return through(collocation, point, BorderRow(nodes, scalars, 0.0))
 
     def length(self, collocation: Collocation, point: Point, step: Step) -> float:
         """Return the length of a step."""
@@ -53,7 +53,7 @@ class Measure(NamedTuple):
         return Measure(np.maximum(self.scale, point.scale), self.width)
 
 
-class Place(NamedTuple):
+class CurvePoint(NamedTuple):
     """A point that satisfies the equations, and the equations linearised there.
 
     With the direction, of length 1, in which the branch goes on, and the steps of Newton's method that it took.
@@ -66,7 +66,7 @@ class Place(NamedTuple):
     steps: int
 
 
-def product(row: Row, step: Step) -> float:
+def product(row: BorderRow, step: Step) -> float:
     """Return the product of a row and a step."""
     return float((row.nodes * step.nodes).sum() + row.scalars @ step.scalars)
 
@@ -82,25 +82,30 @@ def between(collocation: Collocation, start: Point, end: Point) -> Step:
     return Step(end.nodes - start.nodes, end.stages - start.stages, scalars)
 
 
-def through(collocation: Collocation, point: Point, row: Row) -> Row:
+def through(collocation: Collocation, point: Point, row: BorderRow) -> BorderRow:
     """Return a row whose equation holds at a point."""
     return row._replace(target=float((row.nodes * point.nodes).sum() + row.scalars @ collocation.values(point)))
 
 
-def pinned(collocation: Collocation, point: Point, value: float, measure: Measure) -> Row:
+def pinned(collocation: Collocation, point: Point, value: float, measure: Measure) -> BorderRow:
     """Return the row that gives the parameter a value, in its unit."""
     scalars = np.array([float(name == "parameter") / measure.width for name in collocation.scalars])
-    return Row(np.zeros_like(point.nodes), scalars, value / measure.width)
+    return BorderRow(np.zeros_like(point.nodes), scalars, value / measure.width)
 
 
-def rows_of(collocation: Collocation, reference: Point, last: Row, measure: Measure) -> list[Row]:
+def rows_of(collocation: Collocation, reference: Point, last: BorderRow, measure: Measure) -> list[BorderRow]:
     """Return a phase condition, where the orbit is autonomous, and a last row."""
     return [last] if collocation.turns else [collocation.phase(reference, measure.scale), last]
 
 
 def placed(
-    collocation: Collocation, guess: Point, last: Row, onward: Row, measure: Measure, most_steps: int = MOST_STEPS
-) -> Place:
+    collocation: Collocation,
+    guess: Point,
+    last: BorderRow,
+    onward: BorderRow,
+    measure: Measure,
+    most_steps: int = MOST_STEPS,
+) -> CurvePoint:
     """Return the place near a guess where a row holds, its direction that in which the row ``onward`` grows.
 
     Raises NoOrbitError where Newton's method finds none.
@@ -109,12 +114,12 @@ def placed(
     rows = rows_of(collocation, found.point, onward, measure)
     direction = collocation.tangent(found.condensed, rows, found.point.scale)
     unit = measure.unit(collocation, found.point, direction)
-    return Place(collocation, found.point, found.condensed, unit, found.steps)
+    return CurvePoint(collocation, found.point, found.condensed, unit, found.steps)
 
 
-def moved_to(place: Place, mesh: Floats, measure: Measure) -> tuple[Collocation, Point, Row]:
+def moved_to(place: CurvePoint, mesh: Floats, measure: Measure) -> tuple[Collocation, Point, BorderRow]:
     """Return the equations on another mesh, the point there, and the row of the direction."""
-    collocation, point = meshes.carried(place.collocation, place.point, mesh, place.collocation.degree)
+    collocation, point = orbit_mesh.carried(place.collocation, place.point, mesh, place.collocation.degree)
     direction = carried_step(place.collocation, place.direction, mesh, place.collocation.degree)
     return collocation, point, measure.row(collocation, point, direction)
 
@@ -122,5 +127,5 @@ def moved_to(place: Place, mesh: Floats, measure: Measure) -> tuple[Collocation,
 def carried_step(collocation: Collocation, step: Step, mesh: Floats, degree: int) -> Step:
     """Return a step on another mesh or of another degree."""
     as_point = Point(step.nodes, step.stages, 1.0)
-    values = meshes.carried(replace(collocation, parameter=None), as_point, mesh, degree)[1]
+    values = orbit_mesh.carried(replace(collocation, parameter=None), as_point, mesh, degree)[1]
     return Step(values.nodes, values.stages, step.scalars)

@@ -17,7 +17,7 @@ from floquetrod._util.arrays import Floats
 _FAMILY = 1e-10  # of the largest singular value: one below it is zero, and orbits form a family (a choice)
 
 
-class Solution(NamedTuple):
+class BorderedSolution(NamedTuple):
     """Solutions of a bordered system, one for each of q right sides."""
 
     nodes: Floats  # (N, n, q), the unknowns x_i
@@ -35,7 +35,9 @@ class _Level(NamedTuple):
     right: Floats
 
 
-def solve(maps: Floats, columns: Floats, right: Floats, rows: Floats, corner: Floats, targets: Floats) -> Solution:
+def solve(
+    maps: Floats, columns: Floats, right: Floats, rows: Floats, corner: Floats, targets: Floats
+) -> BorderedSolution:
     """Return the solution of x_(i+1) - G_i x_i = columns_i s + right_i and rows . x + corner s = targets.
 
     Parameters
@@ -77,7 +79,7 @@ def solve(maps: Floats, columns: Floats, right: Floats, rows: Floats, corner: Fl
     core[n:, :n], core[n:, n:] = tied[:, :n], tied[:, n : n + scalars] + corner
     answer, kernel = _least(core, np.concatenate([rest[0, :, scalars:], targets - tied[:, n + scalars :]]))
     nodes = found[:, :, : n + scalars] @ answer + found[:, :, n + scalars :]
-    return Solution(nodes, answer[n:], core, (found[:, :, : n + scalars] @ kernel, kernel[n:]))
+    return BorderedSolution(nodes, answer[n:], core, (found[:, :, : n + scalars] @ kernel, kernel[n:]))
 
 
 def _least(core: Floats, right: Floats) -> tuple[Floats, Floats]:

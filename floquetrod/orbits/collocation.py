@@ -9,14 +9,14 @@ The interface, for Newton's method and for whatever follows orbits:
 - ``collocation.linearised(point)`` is the residual and the Jacobian matrix, condensed to the mesh: `Condensed` with
   the map of each interval, the gaps, and the columns of the free scalars, the period (of an autonomous system) and the
   parameter, in this order (``collocation.scalars`` names them).
-- `Row`: one scalar equation that ties everything together, a phase condition or an arclength; there must be as many
-  rows as free scalars.  `collocation.phase(reference)` is the phase condition.
+- `BorderRow`: one scalar equation that ties everything together, a phase condition or an arclength; there must be as
+  many rows as free scalars.  `collocation.phase(reference)` is the phase condition.
 - ``collocation.solved(condensed, rows, point)`` is the step of Newton's method, ``collocation.moved(point, step)`` the
   point after it, and ``collocation.tangent(point, rows)`` the direction in which a branch goes on: the solution of the
   linearised equations whose last row grows at rate 1.
-- `floquetrod.orbits.newton.corrected(collocation, point, rows)` iterates; `floquetrod.orbits.mesh` moves a point to
-  another mesh or degree; `floquetrod.orbits.finding.orbit_of(collocation, point)` refines the mesh until the
-  error is small, states that error, and returns a `PeriodicOrbit`.
+- `floquetrod.orbits.newton.corrected(collocation, point, rows)` iterates; `floquetrod.orbits.orbit_mesh` moves a point
+  to another mesh or degree; `floquetrod.orbits.finding.orbit_of(collocation, point)` refines the mesh until the error
+  is small, states that error, and returns a `PeriodicOrbit`.
 
 Source: U. M. Ascher, R. M. M. Mattheij and R. D. Russell, Numerical Solution of Boundary Value Problems for Ordinary
 Differential Equations, SIAM 1995, doi:10.1137/1.9781611971231.
@@ -86,7 +86,7 @@ class Point(NamedTuple):
         return np.asarray(np.maximum(sizes, max(1e-6 * float(sizes.max()), 1e-150)))
 
 
-class Row(NamedTuple):
+class BorderRow(NamedTuple):
     """The equation sum(nodes * x) + scalars . s = target, of the states x at the mesh and the free scalars s."""
 
     nodes: Floats
@@ -224,7 +224,7 @@ class Collocation(ByContent):
         drives = [every[name]() for name in self.scalars]
         return np.stack(drives, axis=-1) if drives else np.zeros((*rates.shape, 0))
 
-    def phase(self, reference: Point, scale: Floats | None = None) -> Row:
+    def phase(self, reference: Point, scale: Floats | None = None) -> BorderRow:
         """Return the phase condition: an orbit's mean distance from a reference along that one's motion is zero.
 
         In units of the states (n,), those of the reference by default; along a branch they must not change where a
@@ -233,28 +233,28 @@ class Collocation(ByContent):
         scale = reference.scale if scale is None else scale
         nodes = self.weights[:, None] * self.rates_at_mesh(reference) / scale**2
         nodes = nodes / np.linalg.norm(nodes * scale)
-        return Row(nodes, np.zeros(len(self.scalars)), float((nodes * reference.nodes).sum()))
+        return BorderRow(nodes, np.zeros(len(self.scalars)), float((nodes * reference.nodes).sum()))
 
     def values(self, point: Point) -> Floats:
         """Return the free scalars of a point (S,)."""
         every = {"period": point.period, "parameter": point.value}
         return np.array([every[name] for name in self.scalars])
 
-    def solved(self, condensed: Condensed, rows: Sequence[Row], point: Point) -> Step:
+    def solved(self, condensed: Condensed, rows: Sequence[BorderRow], point: Point) -> Step:
         """Return the step of Newton's method at a point; `numpy.linalg.LinAlgError` where there is none."""
         missed = [
             row.target - float((row.nodes * point.nodes).sum() + row.scalars @ self.values(point)) for row in rows
         ]
         return self._step(condensed, rows, point.scale, condensed.gaps, np.array(missed), 1.0)
 
-    def tangent(self, condensed: Condensed, rows: Sequence[Row], scale: Floats) -> Step:
+    def tangent(self, condensed: Condensed, rows: Sequence[BorderRow], scale: Floats) -> Step:
         """Return the solution of the linearised equations on which the last row grows at rate 1, the others not."""
         targets = np.zeros(len(rows))
         targets[-1] = 1.0
         return self._step(condensed, rows, scale, np.zeros_like(condensed.gaps), targets, 0.0)
 
     def responses(
-        self, condensed: Condensed, rows: Sequence[Row], scale: Floats, gaps: Floats, targets: Floats
+        self, condensed: Condensed, rows: Sequence[BorderRow], scale: Floats, gaps: Floats, targets: Floats
     ) -> tuple[Floats, Floats]:
         """Return the changes at the mesh (N, n, q) and of the free scalars (S, q) that q gaps and targets ask for.
 
@@ -263,7 +263,7 @@ class Collocation(ByContent):
         found, units = self._bordered(condensed, rows, scale, gaps, targets)
         return found.nodes * scale[:, None], found.scalars * units[:, None]
 
-    def kernel(self, condensed: Condensed, rows: Sequence[Row], scale: Floats) -> Step:
+    def kernel(self, condensed: Condensed, rows: Sequence[BorderRow], scale: Floats) -> Step:
         """Return the change that the linearised equations and the rows leave alone, or nearly so."""
         gaps, targets = np.zeros((*condensed.gaps.shape, 1)), np.zeros((len(rows), 1))
         found, units = self._bordered(condensed, rows, scale, gaps, targets)
@@ -271,8 +271,8 @@ class Collocation(ByContent):
         return self._with_stages(condensed, nodes * scale, scalars * units, 0.0)
 
     def _bordered(
-        self, condensed: Condensed, rows: Sequence[Row], scale: Floats, gaps: Floats, targets: Floats
-    ) -> tuple[bordered.Solution, Floats]:
+        self, condensed: Condensed, rows: Sequence[BorderRow], scale: Floats, gaps: Floats, targets: Floats
+    ) -> tuple[bordered.BorderedSolution, Floats]:
         """Return the solution in components, scalars and rows of size 1, and the units of the scalars."""
         count, n = gaps.shape[:2]
         ties = np.array([row.nodes * scale for row in rows]).reshape(len(rows), count, n)
@@ -293,7 +293,13 @@ class Collocation(ByContent):
         return found, units
 
     def _step(
-        self, condensed: Condensed, rows: Sequence[Row], scale: Floats, gaps: Floats, targets: Floats, constant: float
+        self,
+        condensed: Condensed,
+        rows: Sequence[BorderRow],
+        scale: Floats,
+        gaps: Floats,
+        targets: Floats,
+        constant: float,
     ) -> Step:
         """Return the solution of the linearised equations, at the Gauss points too."""
         nodes, scalars = self.responses(condensed, rows, scale, gaps[:, :, None], targets[:, None])

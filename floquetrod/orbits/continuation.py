@@ -8,11 +8,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from floquetrod.orbits import arclength, finding
-from floquetrod.orbits import mesh as meshes
-from floquetrod.orbits.arclength import Measure, Place
+from floquetrod.orbits import arclength, finding, orbit_mesh
+from floquetrod.orbits.arclength import CurvePoint, Measure
 from floquetrod.orbits.collocation import Collocation, Point
-from floquetrod.orbits.crossings import Multipliers, Tests, multipliers_of, tests
+from floquetrod.orbits.crossings import OrbitMultipliers, Tests, multipliers_of, tests
 from floquetrod.orbits.finding import Compared
 from floquetrod.orbits.newton import NoOrbitError
 from floquetrod.orbits.orbit import PeriodicOrbit
@@ -43,16 +42,16 @@ class Task(NamedTuple):
 class Sample(NamedTuple):
     """A place of a branch, the orbit of a higher degree there, its multipliers, and what tells special points."""
 
-    place: Place
+    place: CurvePoint
     compared: Compared
     orbit: PeriodicOrbit
     value: float
     value_error: float
-    multipliers: Multipliers
+    multipliers: OrbitMultipliers
     tests: Tests
 
     @classmethod
-    def of(cls, place: Place, found: Compared) -> Sample:
+    def of(cls, place: CurvePoint, found: Compared) -> Sample:
         """Return the sample of a place whose orbit of a higher degree is known."""
         orbit = finding.as_orbit(found, place.steps + found.steps)
         multipliers = multipliers_of(orbit)
@@ -64,7 +63,7 @@ class Ended(Exception):
     """The branch cannot be followed on; the message says why."""
 
 
-def sampled(place: Place, measure: Measure, value: float | None = None) -> Sample:
+def sampled(place: CurvePoint, measure: Measure, value: float | None = None) -> Sample:
     """Return what is known of a place: the orbit of a higher degree, its error and its multipliers.
 
     That orbit has the same parameter where a ``value`` is given, else it lies across the direction of the branch.
@@ -85,10 +84,10 @@ def lowered(orbit: PeriodicOrbit, parameter: str, onto: Collocation) -> tuple[Co
     """Return an orbit's equations, a parameter unknown, and its point, on the mesh of others and two degrees lower."""
     collocation = replace(orbit.collocation, parameter=parameter)
     point = orbit.point._replace(value=orbit.system.parameters[parameter])
-    return meshes.carried(collocation, point, onto.mesh, onto.degree - finding.MORE)
+    return orbit_mesh.carried(collocation, point, onto.mesh, onto.degree - finding.MORE)
 
 
-def started(orbit: PeriodicOrbit, task: Task, measure: Measure) -> Place:
+def started(orbit: PeriodicOrbit, task: Task, measure: Measure) -> CurvePoint:
     """Return the place of an orbit on a branch, going on to larger values of the parameter."""
     collocation, point = lowered(orbit, task.parameter, orbit.collocation)
     row = arclength.pinned(collocation, point, point.value, measure)
@@ -127,7 +126,7 @@ class Continuation:
         self.sample = found._replace(place=place._replace(direction=unit))
         return self.sample
 
-    def _stepped(self) -> Place:
+    def _stepped(self) -> CurvePoint:
         """Return the place a step on, the step as long as Newton's method and the branch's bends allow."""
         said = ""
         while self.length >= _LEAST:
@@ -153,7 +152,7 @@ class Continuation:
             f"no orbit was found beyond {self.task.parameter} = {self.sample.value:.9g}, however short the step: {said}"
         )
 
-    def corrected(self, length: float, guess: Point | None = None) -> Place:
+    def corrected(self, length: float, guess: Point | None = None) -> CurvePoint:
         """Return the place at a length along the present direction."""
         before = self.sample.place
         collocation, point = before.collocation, before.point
@@ -167,7 +166,7 @@ class Continuation:
         low, high = self.task.low, self.task.high
         return low if value < low else high if value > high else None
 
-    def _at(self, bound: float, place: Place) -> Place:
+    def _at(self, bound: float, place: CurvePoint) -> CurvePoint:
         """Return the place between the present one and another where the parameter has a value."""
         before = self.sample.place
         change = arclength.between(before.collocation, before.point, place.point)
@@ -180,15 +179,15 @@ class Continuation:
         except ValueError as error:
             raise Ended(f"no orbit was found at the end of the range: {error}") from None
 
-    def _resolved(self, place: Place) -> Place:
+    def _resolved(self, place: CurvePoint) -> CurvePoint:
         """Return the place on a mesh that resolves it, and is not much finer."""
         for _ in range(_MOST_MESHES):
-            given, errors = place.collocation, meshes.interior_errors(place.collocation, place.point)
+            given, errors = place.collocation, orbit_mesh.interior_errors(place.collocation, place.point)
             jacobians = place.point.period * given.jacobians(place.point)
-            least = meshes.least_density(given, jacobians, self.task.tolerance)
-            mesh = meshes.equidistributed(given, errors, 0.3 * self.task.tolerance, least)
+            least = orbit_mesh.least_density(given, jacobians, self.task.tolerance)
+            mesh = orbit_mesh.equidistributed(given, errors, 0.3 * self.task.tolerance, least)
             rough = float(errors.max()) > self.task.tolerance or float((least * given.steps).max()) > finding.FOLLOWED
-            rough = rough and len(errors) < meshes.MOST
+            rough = rough and len(errors) < orbit_mesh.MOST
             if not rough and len(mesh) > 0.6 * len(place.collocation.mesh):
                 return place
             collocation, point, row = arclength.moved_to(place, mesh, self.measure)

@@ -10,7 +10,7 @@ from floquetrod._util.arrays import Complexes, Floats
 from floquetrod.orbits.orbit import PeriodicOrbit
 
 
-class Multipliers(NamedTuple):
+class OrbitMultipliers(NamedTuple):
     """Multipliers of an orbit, its own motion's set aside, and errors; NaN where they are not known."""
 
     values: Complexes
@@ -33,24 +33,24 @@ Test = str | Ranks
 """Name of a test function, or ranks of multipliers, the mean of whose logarithms is one."""
 
 
-def multipliers_of(orbit: PeriodicOrbit) -> Multipliers:
+def multipliers_of(orbit: PeriodicOrbit) -> OrbitMultipliers:
     """Return the multipliers of an orbit, from the verdict on it."""
     stability = orbit.stability
     own = 1 if orbit.system.is_autonomous else 0
     if not stability.exponents:
         missing = np.full(orbit.states.shape[1] - own, np.nan)
-        return Multipliers(missing.astype(complex), missing)
-    return Multipliers(np.array(stability.multipliers), np.array(stability.multiplier_errors))
+        return OrbitMultipliers(missing.astype(complex), missing)
+    return OrbitMultipliers(np.array(stability.multipliers), np.array(stability.multiplier_errors))
 
 
-def tests(found: Multipliers, turning: float) -> Tests:
+def tests(found: OrbitMultipliers, turning: float) -> Tests:
     """Return the test functions, from multipliers and the rate of the parameter; 0 where an error covers the sign."""
     every = (_factors(found, name) for name in ("plus", "minus", "pairs"))
     signed = [_product(x) if len(x) and (np.abs(1.0 - x) > errors).all() else 0.0 for x, errors in every]
     return Tests(turning, *signed)
 
 
-def outside(found: Multipliers) -> int | None:
+def outside(found: OrbitMultipliers) -> int | None:
     """Return how many multipliers lie outside the unit circle; None where an error covers the circle."""
     sizes = np.abs(found.values)
     if not ((sizes - found.errors > 1.0) | (sizes + found.errors < 1.0)).all():
@@ -58,20 +58,20 @@ def outside(found: Multipliers) -> int | None:
     return int(np.count_nonzero(sizes > 1.0))
 
 
-def of_ranks(found: Multipliers, ranks: Ranks) -> Multipliers:
+def of_ranks(found: OrbitMultipliers, ranks: Ranks) -> OrbitMultipliers:
     """Return the multipliers of these ranks."""
     order = np.argsort(-np.abs(found.values), kind="stable")[list(ranks)]
-    return Multipliers(found.values[order], found.errors[order])
+    return OrbitMultipliers(found.values[order], found.errors[order])
 
 
-def value(found: Multipliers, test: Test) -> float:
+def value(found: OrbitMultipliers, test: Test) -> float:
     """Return a test function, whether or not its sign is known."""
     if not isinstance(test, str):
         return float(np.log(np.maximum(np.abs(of_ranks(found, test).values), 1e-300)).mean())
     return _product(_factors(found, test)[0])
 
 
-def doubt(found: Multipliers, test: Test) -> float:
+def doubt(found: OrbitMultipliers, test: Test) -> float:
     """Return the error of a test function."""
     if not isinstance(test, str):
         values, errors = of_ranks(found, test)
@@ -81,7 +81,7 @@ def doubt(found: Multipliers, test: Test) -> float:
     return float(sum(blurs[k] * np.prod(np.delete(parts, k)) for k in range(len(x))))
 
 
-def _factors(found: Multipliers, test: str) -> tuple[Complexes, Floats]:
+def _factors(found: OrbitMultipliers, test: str) -> tuple[Complexes, Floats]:
     """Return the numbers that a test function compares with 1, and their errors."""
     values, errors = np.where(np.isinf(found.errors), 0.0, found.values), found.errors  # beside the largest ones
     if test == "plus":
@@ -99,7 +99,7 @@ def _product(x: Complexes) -> float:
     return float(np.prod((1.0 - x) / (1.0 + np.abs(x))).real)
 
 
-def nearest(found: Multipliers, kind: str) -> int:
+def nearest(found: OrbitMultipliers, kind: str) -> int:
     """Return which multiplier is nearest to where a kind of point has one."""
     values = found.values
     if kind == "period doubling":

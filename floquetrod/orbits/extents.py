@@ -9,7 +9,7 @@ from numpy.polynomial import legendre
 
 from floquetrod._util.arrays import Floats
 from floquetrod.orbits.collocation import Collocation, Point, gauss
-from floquetrod.orbits.mesh import evaluated
+from floquetrod.orbits.orbit_mesh import evaluated
 
 _SAME = 1e-5  # of the states, by which two orbits are distinguished (a choice)
 _SAMPLES = 4  # of each interval for each degree of the polynomials

@@ -11,9 +11,8 @@ import numpy as np
 from floquetrod._util import validate
 from floquetrod._util.arrays import EPS, Floats
 from floquetrod.equations import NonlinearSystem
-from floquetrod.orbits import mesh as meshes
-from floquetrod.orbits import starts
-from floquetrod.orbits.collocation import Collocation, Condensed, Point, Row, gauss
+from floquetrod.orbits import orbit_guesses, orbit_mesh
+from floquetrod.orbits.collocation import BorderRow, Collocation, Condensed, Point, gauss
 from floquetrod.orbits.multipliers import Segments
 from floquetrod.orbits.newton import NoOrbitError, corrected
 from floquetrod.orbits.orbit import PeriodicOrbit
@@ -22,7 +21,7 @@ _DEGREES = ((24, 8), (10**9, 6))  # Gauss points of systems of up to so many equ
 MORE = 2  # points of the finer of the two orbits that are compared
 FOLLOWED = 1.5  # lengths of intervals, of those that follow deviations to about 1e-12
 _FIRST = (24, 120)  # intervals of the first mesh, tried in turn
-_JUMPING = (480, meshes.MOST)  # likewise, of motion that jumps
+_JUMPING = (480, orbit_mesh.MOST)  # likewise, of motion that jumps
 _LEAST_STEPS = 0.1  # of the mean density of an integrator's steps that there is everywhere (a choice)
 _MOST_MESHES = 10
 _SAME = 0.1  # of a period that was given, by which the one of motion that returns may differ (a choice)
@@ -80,7 +79,7 @@ def periodic_orbit(
         return orbit_of(*_from_orbit(system, start, turns), tolerance)
     length = period if turns is None else turns * float(system.period or math.nan)
     try:
-        return _near(system, starts.guessed(system, start, length), turns, tolerance)
+        return _near(system, orbit_guesses.guessed(system, start, length), turns, tolerance)
     except NoOrbitError as error:
         if turns is None and period is not None:
             with contextlib.suppress(ValueError):  # what the given period led to is the better message
@@ -95,13 +94,13 @@ def _returning(
 
     A period good to three digits does not close motion that jumps within a millionth of it.
     """
-    guess = starts.guessed(system, start, None)
+    guess = orbit_guesses.guessed(system, start, None)
     if abs(guess.period - period) > _SAME * period:
         raise NoOrbitError(f"motion from start returns after {guess.period:.6g}, not after about {period:.6g}")
     return _near(system, guess, turns, tolerance)
 
 
-def _near(system: NonlinearSystem, guess: starts.Guess, turns: int | None, tolerance: float) -> PeriodicOrbit:
+def _near(system: NonlinearSystem, guess: orbit_guesses.Guess, turns: int | None, tolerance: float) -> PeriodicOrbit:
     """Return the orbit near a guess, from a finer first mesh where Newton's method fails on a coarse one."""
     lost: NoOrbitError | None = None
     for intervals in _FIRST:
@@ -109,7 +108,7 @@ def _near(system: NonlinearSystem, guess: starts.Guess, turns: int | None, toler
             return orbit_of(*_discretised(system, guess, turns, intervals), tolerance)
         except NoOrbitError as error:
             lost = lost or error
-    fine = starts.jumping(system, guess) if guess.jumps else None
+    fine = orbit_guesses.jumping(system, guess) if guess.jumps else None
     for intervals in () if fine is None else _JUMPING:
         try:
             return orbit_of(*_discretised(system, fine or guess, turns, intervals), tolerance)
@@ -145,20 +144,20 @@ def _from_orbit(system: NonlinearSystem, start: PeriodicOrbit, turns: int | None
 
 
 def _discretised(
-    system: NonlinearSystem, guess: starts.Guess, turns: int | None, intervals: int
+    system: NonlinearSystem, guess: orbit_guesses.Guess, turns: int | None, intervals: int
 ) -> tuple[Collocation, Point]:
     """Return the equations on a first mesh, and a guess there."""
     n = guess.states.shape[1]
     shares = guess.times / guess.period
     density = _density(guess, shares)
-    collocation = Collocation(system, meshes.of_density(shares, density, intervals), _degree(n), turns)
+    collocation = Collocation(system, orbit_mesh.of_density(shares, density, intervals), _degree(n), turns)
     stages = guess.at(collocation.shares.ravel()).reshape(*collocation.shares.shape, n)
     point = Point(guess.at(collocation.mesh[:-1]), stages, guess.period)
     system.evaluated.require_derivatives(guess.times[::20], guess.states[::20], system.parameters)
     return collocation, point
 
 
-def _density(guess: starts.Guess, shares: Floats) -> Floats:
+def _density(guess: orbit_guesses.Guess, shares: Floats) -> Floats:
     """Return the density of a first mesh between the samples of a guess.
 
     By the roots of second derivatives, of motion that jumps by the steps that an integrator took.
@@ -182,17 +181,17 @@ def orbit_of(collocation: Collocation, point: Point, tolerance: float = 1e-10) -
     a new mesh where that is too large.  The finer orbit is returned.
     """
     known = collocation.with_value(point.value)
-    collocation, point = meshes.carried(known, point._replace(value=0.0), known.mesh, _degree(point.nodes.shape[1]))
+    collocation, point = orbit_mesh.carried(known, point._replace(value=0.0), known.mesh, _degree(point.nodes.shape[1]))
     _require_periodic(collocation, point)
     steps, best = 0, None
     for turn in range(_MOST_MESHES):
         coarse = corrected(collocation, point, _phase(collocation, point))
         steps += coarse.steps
         _require_motion(collocation, coarse.point)
-        errors = meshes.interior_errors(collocation, coarse.point)
+        errors = orbit_mesh.interior_errors(collocation, coarse.point)
         jacobians = point.period * collocation.jacobians(coarse.point)
-        least = meshes.least_density(collocation, jacobians, tolerance)
-        last = turn == _MOST_MESHES - 1 or len(errors) >= meshes.MOST
+        least = orbit_mesh.least_density(collocation, jacobians, tolerance)
+        last = turn == _MOST_MESHES - 1 or len(errors) >= orbit_mesh.MOST
         followed = float((least * collocation.steps).max()) <= FOLLOWED
         if last or (float(errors.max()) <= tolerance and followed):
             found = compared(collocation, coarse.point, coarse.condensed, _phase(collocation, coarse.point))
@@ -200,12 +199,12 @@ def orbit_of(collocation: Collocation, point: Point, tolerance: float = 1e-10) -
             best = found if best is None or found.error < best.error else best
             if last or found.error <= 10.0 * tolerance or found.rounding > tolerance:
                 break
-        mesh = meshes.equidistributed(collocation, errors, 0.3 * tolerance, least)
-        collocation, point = meshes.carried(collocation, coarse.point, mesh, collocation.degree)
+        mesh = orbit_mesh.equidistributed(collocation, errors, 0.3 * tolerance, least)
+        collocation, point = orbit_mesh.carried(collocation, coarse.point, mesh, collocation.degree)
     return _finished(best, steps)
 
 
-def _phase(collocation: Collocation, point: Point) -> list[Row]:
+def _phase(collocation: Collocation, point: Point) -> list[BorderRow]:
     """Return the rows that an orbit needs beside the equations: a phase condition where it is autonomous."""
     return [] if collocation.turns else [collocation.phase(point)]
 
@@ -256,12 +255,12 @@ class Compared(NamedTuple):
     steps: int
 
 
-def compared(collocation: Collocation, point: Point, condensed: Condensed, rows: list[Row]) -> Compared:
+def compared(collocation: Collocation, point: Point, condensed: Condensed, rows: list[BorderRow]) -> Compared:
     """Return the orbit of a degree two higher on the same mesh where rows hold, with errors from the difference."""
-    fine, start = meshes.carried(collocation, point, collocation.mesh, collocation.degree + MORE)
+    fine, start = orbit_mesh.carried(collocation, point, collocation.mesh, collocation.degree + MORE)
     found = corrected(fine, start, rows)
     shares = (collocation.mesh[:-1, None] + collocation.steps[:, None] * _TRIALS).ravel()
-    gaps = np.abs(meshes.evaluated(fine, found.point, shares) - meshes.evaluated(collocation, point, shares))
+    gaps = np.abs(orbit_mesh.evaluated(fine, found.point, shares) - orbit_mesh.evaluated(collocation, point, shares))
     nodes = np.abs(found.point.nodes - point.nodes)
     scale = found.point.scale
     errors = np.maximum((gaps / scale).reshape(-1, len(_TRIALS) * len(scale)).max(axis=1), (nodes / scale).max(axis=1))
@@ -290,7 +289,7 @@ def compared(collocation: Collocation, point: Point, condensed: Condensed, rows:
 
 
 def _rounding(
-    collocation: Collocation, point: Point, condensed: Condensed, rows: list[Row]
+    collocation: Collocation, point: Point, condensed: Condensed, rows: list[BorderRow]
 ) -> tuple[float, dict[str, float]]:
     """Return about what rounding of the equations does to the states, relative, and to the free scalars by name."""
     rates, jacobians = collocation.rates(point), np.abs(collocation.jacobians(point))

@@ -10,8 +10,7 @@ import numpy as np
 
 from floquetrod._util import validate
 from floquetrod._util.progress import Progress
-from floquetrod.orbits import arclength, finding
-from floquetrod.orbits import mesh as meshes
+from floquetrod.orbits import arclength, finding, orbit_mesh
 from floquetrod.orbits.arclength import Measure
 from floquetrod.orbits.branch import Branch
 from floquetrod.orbits.continuation import Continuation, Ended, Sample, Task, lowered, sampled, started
@@ -215,7 +214,7 @@ def _passes(march: Continuation, start: Sample, last: Sample, found: Sample) -> 
         return False
     given = found.place.collocation
     share = (start.value - last.value) / (found.value - last.value)
-    was = meshes.carried(last.place.collocation, last.place.point, given.mesh, given.degree)[1]
+    was = orbit_mesh.carried(last.place.collocation, last.place.point, given.mesh, given.degree)[1]
     guess = given.moved(was, arclength.between(given, was, found.place.point), share)
     try:
         there = finding.orbit_of(given.with_value(start.value), guess._replace(value=0.0))
@@ -258,7 +257,7 @@ def _onward(branch: Branch, task: Task, steps: int, progress: Progress | None, b
     return _followed(Continuation(task, start, measure, 1.0), start, steps, progress, before)
 
 
-def _last_place(branch: Branch, task: Task, measure: Measure) -> arclength.Place:
+def _last_place(branch: Branch, task: Task, measure: Measure) -> arclength.CurvePoint:
     """Return the place of the last orbit, going on from the one before it."""
     last = branch.orbits[-1].collocation
     (_, old), (collocation, point) = (lowered(orbit, task.parameter, last) for orbit in branch.orbits[-2:])

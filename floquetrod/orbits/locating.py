@@ -10,15 +10,14 @@ import numpy as np
 
 from floquetrod._util.arrays import EPS, Floats
 from floquetrod._util.interpolation import lagrange_weights
-from floquetrod.orbits import arclength, crossings
-from floquetrod.orbits import mesh as meshes
-from floquetrod.orbits.arclength import Measure, Place
+from floquetrod.orbits import arclength, crossings, orbit_mesh
+from floquetrod.orbits.arclength import CurvePoint, Measure
 from floquetrod.orbits.collocation import Point, Step
 from floquetrod.orbits.continuation import Sample, sampled
-from floquetrod.orbits.crossings import Multipliers, Ranks, Test, doubt, nearest
+from floquetrod.orbits.crossings import OrbitMultipliers, Ranks, Test, doubt, nearest
 from floquetrod.orbits.extents import returns_after
 from floquetrod.orbits.newton import NoOrbitError
-from floquetrod.orbits.sensitivity import refined
+from floquetrod.orbits.refined_multipliers import refined
 from floquetrod.orbits.special_points import Kind, SpecialPoint
 
 _ROOT = 1e-12  # length along the branch to which a test function's zero is found
@@ -178,9 +177,9 @@ def _groups(whole: Crossing, turning: Crossing | None) -> list[Crossing]:
     """Return the crossings of multipliers of some ranks, each of those that cross at about the same place."""
     from scipy.optimize import brentq
 
-    stretch = _Stretch(whole)
+    stretch = _BranchArc(whole)
     near = 0.2 * _NEAR * abs(stretch.whole)
-    turn = None if turning is None else _Stretch(turning).zero(near)
+    turn = None if turning is None else _BranchArc(turning).zero(near)
     gathered: dict[tuple[Kind, float], list[int]] = {}
     for rank in whole.ranks:
         length = float(brentq(partial(stretch.of, (rank,)), 0.0, stretch.whole, xtol=near, rtol=1e-14))
@@ -204,7 +203,7 @@ def _kind(sample: Sample, rank: int) -> Kind:
     return "branch point" if mu.real > 0.0 else "period doubling"
 
 
-class _Stretch:
+class _BranchArc:
     """The branch from one sample to another by the length along the direction at the first."""
 
     def __init__(self, crossing: Crossing) -> None:
@@ -213,7 +212,7 @@ class _Stretch:
         self.together = crossing.together
         place, end = self.base, crossing.end.place
         self.row = self.measure.row(place.collocation, place.point, place.direction)
-        there = meshes.carried(end.collocation, end.point, place.collocation.mesh, place.collocation.degree)[1]
+        there = orbit_mesh.carried(end.collocation, end.point, place.collocation.mesh, place.collocation.degree)[1]
         self.change = arclength.between(place.collocation, place.point, there)
         self.whole = arclength.product(self.row, self.change)
         self.samples = {0.0: crossing.start, self.whole: crossing.end}
@@ -222,7 +221,7 @@ class _Stretch:
     def _test(self, sample: Sample) -> float:
         return sample.tests.turning if self.test == "turning" else crossings.value(sample.multipliers, self.test)
 
-    def place(self, length: float) -> Place:
+    def place(self, length: float) -> CurvePoint:
         """Return the place at a length."""
         collocation = self.base.collocation
         guess = collocation.moved(self.base.point, self.change, length / self.whole)
@@ -283,7 +282,7 @@ def located(crossing: Crossing) -> list[SpecialPoint]:
 
     Several where multipliers that were taken together cross one after the other.
     """
-    stretch = _Stretch(crossing)
+    stretch = _BranchArc(crossing)
     branching = crossing.kind == "branch point"
     length = stretch.zero(0.2 * _NEAR * abs(stretch.whole) if branching else _ROOT)
     sample, error, rate = _interpolated(stretch, length) if branching else _at(stretch, length)
@@ -318,7 +317,7 @@ def located(crossing: Crossing) -> list[SpecialPoint]:
     return [point]
 
 
-def _spread(found: Multipliers, ranks: Ranks) -> tuple[float, float]:
+def _spread(found: OrbitMultipliers, ranks: Ranks) -> tuple[float, float]:
     """Return how far the magnitudes of some multipliers are from 1, and their errors, at most, as logarithms."""
     values, errors = crossings.of_ranks(found, ranks)
     sizes = np.abs(values)
@@ -332,7 +331,7 @@ def _singles(crossing: Crossing) -> list[Crossing]:
     return [crossing._replace(test=ranks, ranks=ranks) for ranks in every]
 
 
-def _at(stretch: _Stretch, length: float) -> tuple[Sample, float, float]:
+def _at(stretch: _BranchArc, length: float) -> tuple[Sample, float, float]:
     """Return the sample at the zero of a test function, the error of the parameter, and its rate with the function."""
     sample = stretch.sample(length)
     if stretch.test == "turning":
@@ -342,7 +341,7 @@ def _at(stretch: _Stretch, length: float) -> tuple[Sample, float, float]:
     return sample, float(rate * (blur + 2.0 * abs(test)) + sample.value_error), float(rate)  # the slope is a secant's
 
 
-def _refined_test(sample: Sample, stretch: _Stretch) -> tuple[float, float]:
+def _refined_test(sample: Sample, stretch: _BranchArc) -> tuple[float, float]:
     """Return the test function and its error, the multipliers that cross refined where they coincide.
 
     Beside one that crosses alone the others may have any error: the product is zero whatever they are.
@@ -366,11 +365,11 @@ def _refined_test(sample: Sample, stretch: _Stretch) -> tuple[float, float]:
     errors[which] = error * abs(values[which])
     if stretch.kind == "Neimark-Sacker":
         values[pair], errors[pair] = values[which].conj(), errors[which]
-    multipliers = Multipliers(values, errors)
+    multipliers = OrbitMultipliers(values, errors)
     return crossings.value(multipliers, test), doubt(multipliers, test)
 
 
-def _interpolated(stretch: _Stretch, length: float) -> tuple[Sample, float, float]:
+def _interpolated(stretch: _BranchArc, length: float) -> tuple[Sample, float, float]:
     """Return the sample at a branch point, where the equations are singular, from places on both sides of it.
 
     Test function, states and parameter are interpolated by polynomials of degree seven and five, whose difference

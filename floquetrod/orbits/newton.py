@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from floquetrod._util.arrays import Floats
-from floquetrod.orbits.collocation import Collocation, Condensed, Point, Row, Step
+from floquetrod.orbits.collocation import BorderRow, Collocation, Condensed, Point, Step
 
 _MOST_STEPS = 40
 _ENOUGH = 1e-10  # of a step, relative: what the next one would change is rounding
@@ -37,7 +37,9 @@ class Corrected(NamedTuple):
     steps: int
 
 
-def corrected(collocation: Collocation, point: Point, rows: Sequence[Row], most_steps: int = _MOST_STEPS) -> Corrected:
+def corrected(
+    collocation: Collocation, point: Point, rows: Sequence[BorderRow], most_steps: int = _MOST_STEPS
+) -> Corrected:
     """Return the solution of the equations and rows near a point; `NoOrbitError` where Newton's method finds none."""
     before, rates = np.inf, None
     with np.errstate(all="ignore"):
@@ -59,7 +61,7 @@ def step_size(step: Step, point: Point) -> float:
     return max(float((np.abs(step.nodes) / point.scale).max()), float(scalars) if len(step.scalars) == 1 else 0.0)
 
 
-def _step(collocation: Collocation, condensed: Condensed, rows: Sequence[Row], point: Point, count: int) -> Step:
+def _step(collocation: Collocation, condensed: Condensed, rows: Sequence[BorderRow], point: Point, count: int) -> Step:
     """Return the whole step."""
     try:
         step = collocation.solved(condensed, rows, point)

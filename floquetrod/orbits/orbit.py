@@ -19,8 +19,8 @@ from floquetrod.floquet.references import ORBITS, references
 from floquetrod.floquet.status import Status
 from floquetrod.orbits.collocation import Collocation, Point
 from floquetrod.orbits.extents import Extremes, extremes
-from floquetrod.orbits.mesh import evaluated
 from floquetrod.orbits.multipliers import OrbitVerdict, Segments, judged
+from floquetrod.orbits.orbit_mesh import evaluated
 
 _LATEST = 1e6  # periods (a choice: beyond it rounding of the phase costs more than ten digits)
 _SAMPLES = 4096  # of a period, for harmonics

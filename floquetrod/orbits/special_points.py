@@ -10,8 +10,7 @@ import numpy as np
 from floquetrod._util import validate
 from floquetrod._util.arrays import Floats
 from floquetrod._util.content import ByContent
-from floquetrod.orbits import arclength, finding
-from floquetrod.orbits import mesh as meshes
+from floquetrod.orbits import arclength, finding, orbit_mesh
 from floquetrod.orbits.arclength import Measure
 from floquetrod.orbits.collocation import Collocation, Point, Step
 from floquetrod.orbits.extents import returns_after
@@ -185,6 +184,6 @@ def _out(
     except NoOrbitError:
         return None
     fixed = replace(collocation, parameter=None)
-    there = meshes.carried(orbit.collocation, orbit.point, collocation.mesh, collocation.degree)[1]
+    there = orbit_mesh.carried(orbit.collocation, orbit.point, collocation.mesh, collocation.degree)[1]
     gap = measure.length(fixed, there, arclength.between(fixed, found._replace(value=0.0), there))
     return orbit if gap < 0.3 * abs(distance) else None

@@ -17,7 +17,7 @@ from floquetrod._util import extras, sealed_files, validate
 from floquetrod._util.arrays import Floats
 from floquetrod._util.content import ByContent, NoTruthValue
 from floquetrod._util.deprecation import Renamed
-from floquetrod.plane.axes import Axis
+from floquetrod.plane.plane_axes import Axis
 
 
 @dataclass(frozen=True, eq=False, repr=False)

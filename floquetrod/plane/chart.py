@@ -15,8 +15,8 @@ from floquetrod._util.arrays import Bools, Floats, Ints
 from floquetrod._util.caching import cached_property
 from floquetrod._util.content import ByContent, NoTruthValue
 from floquetrod._util.progress import Progress
-from floquetrod.plane.axes import Axis
 from floquetrod.plane.bands import Bands
+from floquetrod.plane.plane_axes import Axis
 
 _FORMAT = "floquetrod chart 3"
 _OPTIONAL = {"growth_rate": np.float64, "first_mode": np.int64, "cells": np.int8, "large_motion": np.float64}  # arrays

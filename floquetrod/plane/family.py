@@ -11,8 +11,8 @@ import numpy as np
 
 from floquetrod._util.arrays import Floats
 from floquetrod._util.progress import Progress
-from floquetrod.plane.axes import Axis
 from floquetrod.plane.bands import Band
+from floquetrod.plane.plane_axes import Axis
 
 Names: TypeAlias = tuple[int | None, int | None, int | None]
 """Mode, partner and tongue of what grows, see `floquetrod.plane.Band`; None for what is not known."""

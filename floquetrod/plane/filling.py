@@ -9,9 +9,9 @@ from numpy.typing import NDArray
 
 from floquetrod._util.progress import Progress
 from floquetrod._util.version import __version__
-from floquetrod.plane.axes import Axis, require_bearable
 from floquetrod.plane.chart import Chart
 from floquetrod.plane.family import Family
+from floquetrod.plane.plane_axes import Axis, require_bearable
 from floquetrod.plane.sources import FamilyBands
 
 

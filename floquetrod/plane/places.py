@@ -9,8 +9,8 @@ from __future__ import annotations
 import numpy as np
 
 from floquetrod._util.arrays import Bools, Floats
-from floquetrod.plane.axes import Axis
 from floquetrod.plane.family import Family
+from floquetrod.plane.plane_axes import Axis
 
 _HALVINGS = 60
 

@@ -7,8 +7,8 @@ import numpy as np
 from floquetrod._util.arrays import Bools, Floats, Ints
 from floquetrod._util.progress import Progress
 from floquetrod.plane.contours import Crossings
-from floquetrod.plane.outline import Outline
 from floquetrod.plane.places import Plane, between
+from floquetrod.plane.region_rings import RegionRings
 from floquetrod.plane.tips import THINNEST, follow
 
 _FAR_APART = 8  # every how many crossings of a grid a vertex is put first (a choice)
@@ -16,7 +16,7 @@ _AT_ONE_THIRD = np.array([0.3, 0.65])  # of a side, where it is compared with th
 _MOST_ROUNDS = 100  # of refining (a choice: every round halves the longest sides)
 
 
-def outlined(plane: Plane, found: Crossings) -> Outline:
+def outlined(plane: Plane, found: Crossings) -> RegionRings:
     """Return the outlines of a grid's unstable points, vertices on the boundary, that agree with all of its verdicts.
 
     Vertices are put only where the line between two others would pass a point of the grid on its wrong side.
@@ -25,7 +25,7 @@ def outlined(plane: Plane, found: Crossings) -> Outline:
     on_edge = (found.inside == found.outside).all(axis=1)
     chosen = [_first_choice(ring, place, on_edge) for ring in found.rings]
     new = [ring[keep & ~on_edge[ring]] for ring, keep in zip(found.rings, chosen, strict=True)]
-    outline = Outline()
+    outline = RegionRings()
     try:
         while sum(part.size for part in new):
             some = np.concatenate(new)
@@ -73,7 +73,7 @@ def _violated(found: Crossings, ring: Ints, keep: Bools, place: Floats, on_edge:
     return ring[np.array(new, dtype=np.int64)]
 
 
-def refined(plane: Plane, outline: Outline, accuracy: float, report: Progress) -> bool:
+def refined(plane: Plane, outline: RegionRings, accuracy: float, report: Progress) -> bool:
     """Divide sides until they lie within an accuracy of the boundary, and follow tongues to their tips.
 
     Returns whether all is done as asked; not where there was no end after many rounds.
@@ -103,7 +103,7 @@ def refined(plane: Plane, outline: Outline, accuracy: float, report: Progress) -
     return False
 
 
-def _normals(outline: Outline, some: Ints) -> tuple[Floats, Floats]:
+def _normals(outline: RegionRings, some: Ints) -> tuple[Floats, Floats]:
     """Return unit normals of sides, away from the unstable region, and the sides' lengths."""
     start, end = outline.sides(some)
     length = np.hypot(*(end - start).T)
@@ -111,7 +111,7 @@ def _normals(outline: Outline, some: Ints) -> tuple[Floats, Floats]:
     return np.column_stack([across[:, 1], -across[:, 0]]), length
 
 
-def _agrees(plane: Plane, outline: Outline, some: Ints, tolerance: float) -> Bools:
+def _agrees(plane: Plane, outline: RegionRings, some: Ints, tolerance: float) -> Bools:
     """Return whether verdicts at a distance from sides, on either side of them, are as they should be.
 
     The distance is at most a side's length and the width of the region or gap next to it, half of that towards it, so
@@ -135,7 +135,7 @@ def _agrees(plane: Plane, outline: Outline, some: Ints, tolerance: float) -> Boo
     return result
 
 
-def _move(plane: Plane, outline: Outline, some: Ints, accuracy: float, wide_ends: dict[int, bool]) -> None:
+def _move(plane: Plane, outline: RegionRings, some: Ints, accuracy: float, wide_ends: dict[int, bool]) -> None:
     """Put a vertex on the boundary next to the middle of sides; join sides that meet; note wide ends."""
     normal, length = _normals(outline, some)
     start, end = outline.sides(some)

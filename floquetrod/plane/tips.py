@@ -9,8 +9,8 @@ import numpy as np
 
 from floquetrod._util.arrays import Bools, Floats, Ints
 from floquetrod._util.interpolation import lagrange_weights
-from floquetrod.plane.outline import Outline
 from floquetrod.plane.places import Plane, between
+from floquetrod.plane.region_rings import RegionRings
 
 THINNEST = 10.0
 """Width below which a tongue is not followed, in multiples of the accuracy of vertices."""
@@ -25,7 +25,7 @@ _OFFSETS = np.array([-1, 1, -2, 2, -3, 3, -4, 4]) / 3.0  # across a tongue, in w
 class _Tongue:
     """The last cross-section of a tongue that is followed, and the middles of those before it."""
 
-    def __init__(self, outline: Outline, side: int, unstable: bool) -> None:
+    def __init__(self, outline: RegionRings, side: int, unstable: bool) -> None:
         start, end = (place[0] for place in outline.sides(np.array([side])))
         self.side, self.colour = side, unstable
         self.middles = [0.5 * (start + end)]
@@ -79,7 +79,7 @@ class _Tongue:
         return self.failed and self.step < short
 
 
-def follow(plane: Plane, outline: Outline, sides: Ints, unstable: Bools, accuracy: float) -> int:
+def follow(plane: Plane, outline: RegionRings, sides: Ints, unstable: Bools, accuracy: float) -> int:
     """Follow the tongues that begin at wide sides to their tips, the edge of the plane, or another outline.
 
     Parameters
@@ -143,7 +143,7 @@ def _inside(places: Floats) -> Bools:
     return np.asarray(((places >= 0.0) & (places <= 1.0)).all(axis=-1))
 
 
-def _advance(plane: Plane, outline: Outline, some: list[tuple[_Tongue, Floats]], accuracy: float) -> set[int]:
+def _advance(plane: Plane, outline: RegionRings, some: list[tuple[_Tongue, Floats]], accuracy: float) -> set[int]:
     """Find the cross-sections about places in tongues and append them; return which tongues have come to their end."""
     across = np.array([tongue.next_across for tongue, _ in some])
     start = np.array([place for _, place in some])
@@ -194,7 +194,7 @@ def _advance(plane: Plane, outline: Outline, some: list[tuple[_Tongue, Floats]],
     return ended
 
 
-def _met(outline: Outline, tongue: _Tongue, middle: Floats) -> tuple[float, int]:
+def _met(outline: RegionRings, tongue: _Tongue, middle: Floats) -> tuple[float, int]:
     """Return how far along a tongue, on the way to a new middle, another side is met, and that side; -1 if none."""
     length = float(np.hypot(*(middle - tongue.middles[-1])))
     recent = np.array([*tongue.middles[-3:], middle])
@@ -228,7 +228,7 @@ def _curve(places: Floats, at: float, values: Floats) -> Floats:
     return np.asarray(lagrange_weights(s, float(s[-1]) + at) @ values)
 
 
-def _append(outline: Outline, tongue: _Tongue, first: Floats, second: Floats, done: bool) -> None:
+def _append(outline: RegionRings, tongue: _Tongue, first: Floats, second: Floats, done: bool) -> None:
     """Append a cross-section to a tongue; which goes on from its side; its walls need work unless done.
 
     The first walls always do: they lead from a side that may be wider than the tongue, and nothing tells how they bend.

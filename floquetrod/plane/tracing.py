@@ -6,14 +6,14 @@ import numpy as np
 
 from floquetrod._util.arrays import Bools, Floats
 from floquetrod._util.progress import Progress
-from floquetrod.plane.axes import Axis
 from floquetrod.plane.bands import Band
 from floquetrod.plane.contours import crossings
 from floquetrod.plane.family import Family, FoundBands
-from floquetrod.plane.outline import Outline
 from floquetrod.plane.places import OutOfBudget, Plane
+from floquetrod.plane.plane_axes import Axis
 from floquetrod.plane.polygons import contains, with_holes_joined
 from floquetrod.plane.refining import outlined, refined
+from floquetrod.plane.region_rings import RegionRings
 
 _FEWEST, _EACH = 30_000, 30
 """Places judged at most: ``_EACH`` for each point of the grid, at least the first number (a choice)."""
@@ -47,7 +47,7 @@ def traced(
     """
     plane = Plane(family, x, y, max(_FEWEST, _EACH * unstable.size))
     u, v = _grid(x, y)
-    outline = Outline()
+    outline = RegionRings()
     try:
         outline = outlined(plane, crossings(u, v, unstable, lambda places: plane.unstable(places)[0]))
         whole = refined(plane, outline, accuracy, progress or (lambda *_: None))

@@ -1,6 +1,6 @@
 """The decaying solution of the adjoint equation, cell by cell, and the integral of its size over all later time.
 
-Motions against friction are tested for escape with it, see `floquetrod.friction.kernels.orbit`.
+Motions against friction are tested for escape with it, see `floquetrod.friction.kernels.stick_slip_motion`.
 """
 
 from __future__ import annotations

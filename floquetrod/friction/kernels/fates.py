@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 
 from floquetrod._util.compilation import kernel
-from floquetrod.friction.kernels.orbit import LIMIT, SLOW, STICK_SLIP, run
 from floquetrod.friction.kernels.records import ORBIT, PERIOD, SAMPLE, Workspace, workspace
+from floquetrod.friction.kernels.stick_slip_motion import LIMIT, SLOW, STICK_SLIP, run
 
 _WATCHED = 50  # periods in which sticking and slipping is watched for its range (heuristic)
 _PHASES = 32  # of a period at which it is looked for

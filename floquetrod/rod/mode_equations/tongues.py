@@ -11,8 +11,8 @@ import numpy as np
 from floquetrod._util.arrays import Bools, Floats, Ints
 from floquetrod._util.progress import Progress
 from floquetrod._util.spans import complement
-from floquetrod.mathieu import tongues
-from floquetrod.mathieu.tongues import Tongues
+from floquetrod.mathieu import tongue_intervals
+from floquetrod.mathieu.tongue_intervals import Tongues
 from floquetrod.rod.loads.load import Quantity
 from floquetrod.rod.mode_equations.modal_systems import ModalSystem
 
@@ -128,7 +128,7 @@ def _along_mean(system: ModalSystem, mode: Ints, tolerance: float, low: Floats, 
     falls = gain < 0.0
     low, high = np.where(falls, high, low), np.where(falls, low, high)  # of the mean force, at which beta is
     ends = [(force - offset) * gain for force in (low, high)]
-    found = tongues.along_mean(system.alpha[mode], _level(system, mode, tolerance), *ends)
+    found = tongue_intervals.along_mean(system.alpha[mode], _level(system, mode, tolerance), *ends)
     found = _converted(found, lambda b, i: offset[i] + b / gain[i], ends, (low, high))
     turned = falls[found.which]
     first, last = np.where(turned, found.last, found.first), np.where(turned, found.first, found.last)
@@ -141,7 +141,7 @@ def _along_amplitude(
     """At a given mean force a mode's beta is fixed, and alpha is proportional to the amplitude."""
     c, gain = system.damping, np.abs(system.per_newton[mode])
     ends = [force * gain for force in (low, high)]
-    found = tongues.along_amplitude(system.beta[mode] + c * c, _level(system, mode, tolerance), *ends)
+    found = tongue_intervals.along_amplitude(system.beta[mode] + c * c, _level(system, mode, tolerance), *ends)
     resolution = float(np.max(found.resolution / gain, initial=0.0))
     return _converted(found, lambda alpha, i: alpha / gain[i], ends, (low, high)), resolution
 
@@ -152,7 +152,7 @@ def _along_frequency(
     """At given forces alpha, beta and c^2 are all proportional to 1 / omega^2."""
     (alpha, beta), damping_rate = system.in_seconds, system.constants.damping_rate
     rate = np.full(mode.size, damping_rate + tolerance)
-    return tongues.along_frequency(alpha[mode], beta[mode] + damping_rate**2, rate, low, high), 0.0
+    return tongue_intervals.along_frequency(alpha[mode], beta[mode] + damping_rate**2, rate, low, high), 0.0
 
 
 def _level(system: ModalSystem, mode: Ints, tolerance: float) -> Floats:

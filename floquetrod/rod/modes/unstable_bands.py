@@ -11,7 +11,7 @@ import numpy as np
 from floquetrod import mathieu
 from floquetrod._util.arrays import Floats, Ints
 from floquetrod._util.progress import Progress
-from floquetrod.mathieu.tongues import damping_to_stabilise
+from floquetrod.mathieu.tongue_intervals import damping_to_stabilise
 from floquetrod.rod.answers.intervals import Search, UnstableBand, WhatGrows
 from floquetrod.rod.loads.load import Loads
 from floquetrod.rod.mode_equations.modal_systems import ModalSystem, ModalSystems

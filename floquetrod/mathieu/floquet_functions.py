@@ -14,8 +14,8 @@ from floquetrod._util.arrays import Complexes, Floats, broadcast, shaped
 from floquetrod._util.content import ByContent
 from floquetrod.equations import Mathieu
 from floquetrod.equations.base import require
-from floquetrod.mathieu.arrays import exponents
-from floquetrod.mathieu.characteristic import characteristic_values
+from floquetrod.mathieu.array_functions import exponents
+from floquetrod.mathieu.characteristic_curves import characteristic_values
 
 _LONGEST = 1e6  # time (a choice: beyond it rounding of the phase costs more than ten digits)
 _HIGHEST = 1e4  # order (a choice)

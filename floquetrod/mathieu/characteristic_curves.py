@@ -12,7 +12,7 @@ from floquetrod._util import validate
 from floquetrod._util.arrays import Floats, broadcast, shaped
 from floquetrod._util.compilation import over_chunks
 from floquetrod._util.content import ByContent
-from floquetrod.mathieu.kernels import characteristic as kernels
+from floquetrod.mathieu.kernels import characteristic_bisection as kernels
 
 _LARGEST_ALPHA = 0.5 * validate.LARGEST  # as far as q = 2 alpha may go
 _CHUNK = 64  # values a thread takes at a time: each costs microseconds

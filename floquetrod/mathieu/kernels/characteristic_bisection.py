@@ -51,7 +51,7 @@ def corner_shift(order: int, q: float, odd_solution: bool) -> float:
     return -q if odd_solution else q
 
 
-class Line(NamedTuple):
+class PlaneLine(NamedTuple):
     """A line through the plane of (a, q), a = slope u, q = q0 + q1 u, with a scale of growth^2 along it, w0 + w1 u."""
 
     slope: float
@@ -62,7 +62,7 @@ class Line(NamedTuple):
 
 
 @kernel
-def tongue_bracket(order: int, odd_solution: bool, line: Line, low: float, high: float) -> tuple[float, float]:
+def tongue_bracket(order: int, odd_solution: bool, line: PlaneLine, low: float, high: float) -> tuple[float, float]:
     """Return places on a line, next to each other, of which a lies above a_order, or b_order, beyond the second only.
 
     Along the line the count of characteristic values below a must not fall; the place is between ``low`` and ``high``.
@@ -90,7 +90,7 @@ def characteristic_value(order: int, q: float, odd_solution: bool) -> float:
         return centre
     # The coupling has norm at most 2 |q| (Gershgorin), so every eigenvalue moves by no more than that (Weyl).
     reach = 2.0 * abs(q) * (1.0 + 1e-15) + 1e-15 * centre
-    low, high = tongue_bracket(order, odd_solution, Line(1.0, q, 0.0, 1.0, 0.0), centre - reach, centre + reach)
+    low, high = tongue_bracket(order, odd_solution, PlaneLine(1.0, q, 0.0, 1.0, 0.0), centre - reach, centre + reach)
     return 0.5 * (low + high)
 
 

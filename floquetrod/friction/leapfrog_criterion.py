@@ -11,7 +11,7 @@ from floquetrod._util import validate
 from floquetrod._util.arrays import shaped
 from floquetrod._util.compilation import runner
 from floquetrod.friction.inputs import arguments, over_friction, size_of
-from floquetrod.friction.kernels.leapfrog import frictional_leapfrog_fill
+from floquetrod.friction.kernels.frictional_leapfrog import frictional_leapfrog_fill
 
 _MOST_STEPS = 1e9  # of one motion, a choice: some seconds
 _HARDEST = 1e100  # kick over friction; beyond it friction is lost in rounding, and the ratio makes no difference

@@ -20,8 +20,8 @@ from floquetrod._util.roots import bisected
 from floquetrod.floquet.kernels import mathieu_discriminant
 from floquetrod.floquet.mathieu_chains import mathieu_counts
 from floquetrod.mathieu import enclosures
-from floquetrod.mathieu.concave import Parts, level, parts_above
-from floquetrod.mathieu.kernels import characteristic
+from floquetrod.mathieu.concave import Exceedances, level, parts_above
+from floquetrod.mathieu.kernels import characteristic_bisection
 
 _SPACING = 1e-3  # of points along the amplitude where nothing is proved, as a fraction of the range (a choice)
 _SHARE = 2.0**-8  # of a tongue, where it is narrower than that many points (a choice)
@@ -125,7 +125,7 @@ def along_frequency(alpha: Floats, b: Floats, rate: Floats, low: Floats, high: F
     buckled = np.flatnonzero(free & (b > 0.0) & (b > rate**2))
     met = (whole + 2) // 2 - (end + 1) // 2  # even counts from end to whole
     left_out = max(0, int(met[~free].sum()) - parts.which.size)
-    found = _collect(Parts(parts.which, first, last), index, order, buckled, low, high)
+    found = _collect(Exceedances(parts.which, first, last), index, order, buckled, low, high)
     return Tongues(*found, left_out, np.zeros(q.size))
 
 
@@ -154,9 +154,9 @@ def along_amplitude(b: Floats, above: Floats, low: Floats, high: Floats) -> Tong
     at = index[other]
     least = np.minimum(_SPACING * (high - low)[at], _SHARE * (top - bottom)[other])
     some = enclosures.parts_above(b[at], bottom[other], top[other], above[at], least, _growth, counts)
-    found = [Parts(chosen[parts.which], *parts[1:]) for chosen, parts in ((proved, whole), (other, some))]
+    found = [Exceedances(chosen[parts.which], *parts[1:]) for chosen, parts in ((proved, whole), (other, some))]
     resolution = np.where((b < 0.0) & (start < high), _SPACING * (high - low), 0.0)
-    parts = Parts(*(np.concatenate(values) for values in zip(*found, strict=True)))
+    parts = Exceedances(*(np.concatenate(values) for values in zip(*found, strict=True)))
     nothing = np.empty(0, dtype=np.int64)
     left_out += index.size - len(set(parts.which.tolist()))
     return Tongues(*_collect(parts, index, order, nothing, low, high), left_out, resolution)
@@ -211,7 +211,7 @@ def _out_of_reach(alpha: Floats, beta: Floats, bottom: Floats, top: Floats) -> B
 
 def _in_tongues(
     growth: Callable[[Floats, Ints], Floats], index: Ints, bottom: Floats, top: Floats, constant: Floats, root: Floats
-) -> Parts:
+) -> Exceedances:
     """Return the parts of tongues above their level, which are whole tongues where the level is zero."""
     every = np.arange(index.size)
     whole = (constant == 0.0) & (root == 0.0) & (top > bottom)
@@ -219,11 +219,11 @@ def _in_tongues(
     above = level(constant[some], root[some], size=some.size)
     found = parts_above(lambda x, i: growth(x, some[i]), bottom[some], top[some], above)
     which = np.concatenate([every[whole], some[found.which]])
-    return Parts(which, np.concatenate([bottom[whole], found.first]), np.concatenate([top[whole], found.last]))
+    return Exceedances(which, np.concatenate([bottom[whole], found.first]), np.concatenate([top[whole], found.last]))
 
 
 def _collect(
-    parts: Parts, index: Ints, order: Ints, buckled: Ints, low: Floats, high: Floats
+    parts: Exceedances, index: Ints, order: Ints, buckled: Ints, low: Floats, high: Floats
 ) -> tuple[Ints, Ints, Floats, Floats]:
     """Return question, order and ends of all parts, those that buckle without forcing at the end."""
     return (
@@ -340,4 +340,4 @@ def _characteristic(order: Ints, q: Floats, odd_solution: bool) -> Floats:
     """Return a_order(q) or, for ``odd_solution``, b_order(q); for b_0, which does not exist, a_0."""
     inputs = order, q, np.full(order.size, odd_solution) & (order > 0)
     sizes = 4.0 * order.astype(np.float64) ** 2, q
-    return filled(characteristic.characteristic_fill, inputs, np.empty(order.size), sizes, BISECTION)
+    return filled(characteristic_bisection.characteristic_fill, inputs, np.empty(order.size), sizes, BISECTION)

@@ -13,14 +13,14 @@ from typing import Any
 from floquetrod._util.arrays import EPS
 from floquetrod._util.compilation import kernel
 from floquetrod.floquet.kernels.mathieu_discriminant import undamped_growth
-from floquetrod.mathieu.kernels.characteristic import Line, tongue_bracket
+from floquetrod.mathieu.kernels.characteristic_bisection import PlaneLine, tongue_bracket
 
 _GOLDEN = 0.3819660112501051
 _CLOSE = 1e-8  # share of a tongue to which its summit is located: growth is then known to rounding
 
 
 @kernel
-def tongue_end(order: int, odd_solution: bool, line: Line, low: float, high: float) -> float:
+def tongue_end(order: int, odd_solution: bool, line: PlaneLine, low: float, high: float) -> float:
     """Return the place on a line, between ``low`` and ``high``, beyond which a lies above a_order, or b_order."""
     if order == 0 and odd_solution:
         return low
@@ -28,7 +28,7 @@ def tongue_end(order: int, odd_solution: bool, line: Line, low: float, high: flo
 
 
 @kernel
-def squared_rate(u: float, line: Line) -> float:
+def squared_rate(u: float, line: PlaneLine) -> float:
     """Return growth^2 / (w0 + w1 u) at a place on a line."""
     slope, q0, q1, w0, w1 = line
     rate = undamped_growth(0.5 * (q0 + q1 * u), -0.25 * (slope * u), 0.0)
@@ -36,7 +36,7 @@ def squared_rate(u: float, line: Line) -> float:
 
 
 @kernel
-def summit(line: Line, low: float, high: float) -> tuple[float, float]:
+def summit(line: PlaneLine, low: float, high: float) -> tuple[float, float]:
     """Return where on a line, between ``low`` and ``high``, the squared rate is largest, and its value there.
 
     Brent's method: parabolas through the best three places, golden sections where they do not help.
@@ -100,7 +100,9 @@ def summit(line: Line, low: float, high: float) -> tuple[float, float]:
 
 
 @kernel
-def _crossing(line: Line, target: float, inside: float, at_inside: float, outside: float, at_outside: float) -> float:
+def _crossing(
+    line: PlaneLine, target: float, inside: float, at_inside: float, outside: float, at_outside: float
+) -> float:
     """Return where the squared rate passes ``target``, surplus positive ``inside``: Chandrupatla's method."""
     a, b, c = inside, outside, inside
     fa, fb, fc = at_inside, at_outside, at_inside
@@ -130,7 +132,7 @@ def _crossing(line: Line, target: float, inside: float, at_inside: float, outsid
 
 @kernel
 def level_edges(
-    order: int, line: Line, low: float, high: float, target: float, lower: bool, upper: bool
+    order: int, line: PlaneLine, low: float, high: float, target: float, lower: bool, upper: bool
 ) -> tuple[float, float]:
     """Return the lower and the upper end in u of the part of a tongue whose squared rate exceeds ``target``.
 
@@ -175,7 +177,7 @@ def edge_fill(
 ) -> None:
     """Fill ``out`` (n, 2) with `level_edges`."""
     for i in range(len(order)):
-        line = Line(slope[i], q0[i], q1[i], w0[i], w1[i])
+        line = PlaneLine(slope[i], q0[i], q1[i], w0[i], w1[i])
         out[i, 0], out[i, 1] = level_edges(order[i], line, low[i], high[i], target[i], lower[i], upper[i])
 
 
@@ -183,7 +185,7 @@ def edge_fill(
 def ridge_fill(order: Any, slope: Any, q0: Any, q1: Any, w0: Any, w1: Any, low: Any, high: Any, out: Any) -> None:
     """Fill ``out`` with the largest squared rate of whole tongues."""
     for i in range(len(order)):
-        line = Line(slope[i], q0[i], q1[i], w0[i], w1[i])
+        line = PlaneLine(slope[i], q0[i], q1[i], w0[i], w1[i])
         first = tongue_end(order[i], True, line, low[i], high[i])
         last = tongue_end(order[i], False, line, low[i], high[i])
         _, out[i] = summit(line, first, last)
@@ -193,7 +195,7 @@ def ridge_fill(order: Any, slope: Any, q0: Any, q1: Any, w0: Any, w1: Any, low: 
 def summit_fill(slope: Any, q0: Any, q1: Any, w0: Any, w1: Any, low: Any, high: Any, out: Any) -> None:
     """Fill ``out`` (n, 2) with `summit` on pieces of tongues, growth at whose ends is not zero."""
     for i in range(len(slope)):
-        line = Line(slope[i], q0[i], q1[i], w0[i], w1[i])
+        line = PlaneLine(slope[i], q0[i], q1[i], w0[i], w1[i])
         place, value = summit(line, low[i], high[i])
         for end in (low[i], high[i]):
             at_end = squared_rate(end, line)

@@ -10,7 +10,7 @@ from floquetrod.plane.polygons import tidied
 _AT_ONCE = 1 << 20  # pairs of rays and sides examined together (a choice): some tens of megabytes
 
 
-class Outline:
+class RegionRings:
     """Nodes, each followed by another; a side is known by the node that it begins with.
 
     The unstable region lies to the left of every side.
