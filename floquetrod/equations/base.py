@@ -139,7 +139,10 @@ class Equation(TellsAttributes, ABC):
             pieces.append((piece.share * period, Varying(None, [[slope]], cosines, sines, start=[[start]])))
             off = abs(Fraction(piece.slope) + Fraction(slope)) * piece.share * period
             errors.append(abs(Fraction(piece.start) + Fraction(start)) + off)
-        return HillSystem.from_pieces(pieces, damping=damping, coefficient_error=_above(max(errors)))
+        error = float(max(errors))
+        if max(errors) > error:  # rounded down
+            error = math.nextafter(error, math.inf)
+        return HillSystem.from_pieces(pieces, damping=damping, coefficient_error=error)
 
     def coefficient(self, tau: Any) -> Any:
         """Return p(tau), its mean value at a jump; broadcasts over ``tau``."""
@@ -208,12 +211,6 @@ class Alternating(Equation):
     def period_over_pi(self) -> Fraction:
         """The exact period over pi, 2."""
         return Fraction(2)
-
-
-def _above(value: Fraction) -> float:
-    """Return the smallest double not below an exact number, to one unit in the last place."""
-    nearest = float(value)
-    return nearest if value <= nearest else math.nextafter(nearest, math.inf)
 
 
 def value_on(piece: Piece, tau: Floats, begin: float, period: float) -> Floats:

@@ -18,7 +18,9 @@ class _Lambdified:
 
         self.parts = expressions, tuple(states), time, tuple(names)
         symbols = [sympy.Symbol("t_") if time is None else time, *states]
-        others = [_symbol(expressions, name) for name in names]
+        # Parameters as they occur, with their assumptions.
+        occurring = {str(symbol): symbol for expression in expressions for symbol in expression.free_symbols}
+        others = [occurring.get(name, sympy.Symbol(name)) for name in names]
         rows = expressions.tolist() if isinstance(expressions, sympy.MatrixBase) else list(expressions)
         self._call = sympy.lambdify([*symbols, *others], rows, modules="numpy", cse=True)
 
@@ -86,11 +88,3 @@ def lambdified(
         raise ValueError(f"equations have {validate.short(free[0])}, which has no value; {remedy}")
     derivatives = sympy.Matrix(rates).jacobian(symbols)
     return tuple(_Lambdified(expression, symbols, time, list(parameters)) for expression in (rates, derivatives))  # type: ignore[return-value]
-
-
-def _symbol(expressions: Any, name: str) -> Any:
-    """Return the symbol of a name as it occurs, with its assumptions; a new symbol where it does not."""
-    import sympy
-
-    symbols = {str(symbol): symbol for expression in expressions for symbol in expression.free_symbols}
-    return symbols.get(name, sympy.Symbol(name))

@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from floquetrod._util.arrays import Bools, Complexes, Floats, Ints
+from floquetrod._util.arrays import Bools, Complexes, Floats
 from floquetrod._util.compilation import compiled
 from floquetrod.wells.arcs import Points
 from floquetrod.wells.drag import Drag, Fineness, Shaking
@@ -104,17 +104,13 @@ def _pieces(drag: Drag, shaking: Shaking, top: float, bottom: float, cells: int)
     ends = np.unique(np.concatenate([[0.0, bottom - top], bottom - inner[(inner > top) & (inner < bottom)]]))
     gaps, longest = np.diff(ends), float(np.minimum(shaking.divided, bottom - top)) / (0.75 * cells)
     number = np.ceil(gaps / longest).astype(int)
-    up = np.append(np.repeat(ends[:-1], number) + np.repeat(gaps / number, number) * _counted(number), ends[-1])
+    counted = np.arange(number.sum()) - np.repeat(np.cumsum(number) - number, number)  # from 0 in every gap
+    up = np.append(np.repeat(ends[:-1], number) + np.repeat(gaps / number, number) * counted, ends[-1])
     middle, arcs = bottom - 0.5 * (up[:-1] + up[1:]), drag.path.arcs
     arc = arcs.at(middle).arc
     depths = np.stack([bottom - up[:-1], middle, bottom - up[1:]], axis=-1)
     places = np.stack(Points(arcs, arc[:, None], depths - arcs.start[arc][:, None]).seen, axis=-1)
     return kernels.Pieces(up, drag.friction.at(middle), places)
-
-
-def _counted(number: Ints) -> Ints:
-    """Return range(n) of every n in ``number``, concatenated."""
-    return np.asarray(np.arange(number.sum()) - np.repeat(np.cumsum(number) - number, number))
 
 
 def _cells(shaking: Shaking, length: Floats) -> tool_wave.Cells:
