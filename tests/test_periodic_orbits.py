@@ -12,7 +12,7 @@ from scipy.integrate import solve_ivp
 
 import floquetrod as fr
 from conftest import depth
-from floquetrod.orbits.collocation import Collocation, Row
+from floquetrod.orbits.collocation import BorderRow, Collocation
 from floquetrod.orbits.newton import corrected
 
 
@@ -156,7 +156,7 @@ def test_derivatives_with_a_parameter_and_the_tangent_of_a_branch() -> None:
     given = orbit.collocation
     collocation = Collocation(orbit.system, given.mesh, given.degree, given.turns, "omega")
     point = orbit.point._replace(value=1.2)
-    row = Row(np.zeros_like(point.nodes), np.array([1.0]), 1.2)
+    row = BorderRow(np.zeros_like(point.nodes), np.array([1.0]), 1.2)
     tangent = collocation.tangent(collocation.linearised(point), [row], point.scale)
     assert tangent.scalars[0] == pytest.approx(1.0)
     ahead = fr.periodic_orbit(DUFFING.with_parameters(omega=1.2 + 1e-4), orbit)
