@@ -24,7 +24,7 @@ from benchmarks.measure import Row
 from floquetrod.floquet.multipliers.system_stability import SystemStability
 from floquetrod.floquet.registry import applicable, names_of
 
-Result = fr.Stability | SystemStability
+Result = fr.results.Stability | SystemStability
 
 BLIND = 1.25 * math.log(1e6) / 100.0  # growth over a period that leapfrog's 100 may miss, up to the factor it names
 

@@ -98,12 +98,12 @@ def branches() -> list[Row]:
     ]
 
 
-def follow(start: fr.PeriodicOrbit) -> fr.Branch:
+def follow(start: fr.results.PeriodicOrbit) -> fr.Branch:
     """Return our branch, in steps about as long as theirs."""
     return fr.follow(start, over={"omega": SWEPT}, longest=0.1)
 
 
-def continuation(start: fr.PeriodicOrbit) -> Callable[[], Floats]:
+def continuation(start: fr.results.PeriodicOrbit) -> Callable[[], Floats]:
     """Return a call of SKHiPPR's pseudo-arclength continuation, which returns the values of omega it passes."""
     from skhippr.cycles.hbm import HBMSystem
     from skhippr.Fourier import Fourier

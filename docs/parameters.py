@@ -32,10 +32,6 @@ SHARED = {
         "friction": ("float", "Coefficient of friction with the wall, without unit, static and kinetic; 0 or more."),
         "kick": ("float", "Transverse velocity in m/s that every mode is given, 0 or more.  It needs ``friction``."),
         "criterion": ("FiniteTimeCriterion", "A test over a finite time in place of the verdict for all time."),
-        "like": (
-            "AxialLoad, AxialWave or ForceRecord",
-            "Gives all other properties of the load; by default a sine, uniform except for the weight along the rod.",
-        ),
     },
     "floquetrod.friction.": {
         "equation": ("FrictionalMathieu", "Mathieu's equation with friction."),
@@ -112,14 +108,18 @@ def shown(default: Any) -> str:
 
 
 def own(section: str) -> dict[str, list[str]]:
-    """Return the entries of a section by the name of their parameter."""
-    found: dict[str, list[str]] = {}
+    """Return the entries of a section by the name of their parameter; parameters with one entry have one each."""
+    entries: dict[str, list[str]] = {}
+    names: list[str] = []
     for line in section.splitlines():
         if line and not line.startswith(" "):
-            found[line.split(" : ")[0].strip("*")] = []
-        if found:
-            found[list(found)[-1]].append(line)
-    return found
+            head, colon, kind = line.partition(" : ")
+            names = head.split(", ")
+            entries |= {name.strip("*"): [f"{name}{colon}{kind}"] for name in names}
+        else:
+            for name in names:
+                entries[name.strip("*")].append(line)
+    return entries
 
 
 def parted(text: str) -> tuple[str, str, str]:

@@ -28,7 +28,7 @@ print(f"without forcing, the system is stable up to a noise intensity of {critic
 figure, (left, right) = plt.subplots(1, 2, figsize=(10.0, 4.2), layout="constrained")
 for noise, line in noises.items():
 
-    def family(omega: float, epsilon: float, noise: float = noise) -> fr.SecondMoments:
+    def family(omega: float, epsilon: float, noise: float = noise) -> fr.results.SecondMoments:
         """Return its second moments."""
         return fr.second_moments(system(omega, epsilon), [([[1.0]], noise)])
 

@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from floquetrod import friction as friction
     from floquetrod import mathieu as mathieu
     from floquetrod import methods as methods
+    from floquetrod import results as results
     from floquetrod import simulation as simulation
     from floquetrod import systems as systems
     from floquetrod._util.implausible import PlausibilityWarning as PlausibilityWarning
@@ -34,48 +35,26 @@ if TYPE_CHECKING:
     from floquetrod.equations import PeriodicSystem as PeriodicSystem
     from floquetrod.equations import SquareWave as SquareWave
     from floquetrod.equations import conventions as conventions
-    from floquetrod.equations.second_moments import SecondMoments as SecondMoments
     from floquetrod.equations.second_moments import second_moments as second_moments
     from floquetrod.explorer import Explorer as Explorer
-    from floquetrod.floquet.almost_sure import AlmostSureExponent as AlmostSureExponent
     from floquetrod.floquet.almost_sure import almost_sure_exponent as almost_sure_exponent
-    from floquetrod.floquet.comparison import Comparison as Comparison
     from floquetrod.floquet.comparison import compare as compare
-    from floquetrod.floquet.critical_noise import CriticalNoise as CriticalNoise
     from floquetrod.floquet.critical_noise import critical_noise as critical_noise
     from floquetrod.floquet.dispatch import stability as stability
-    from floquetrod.floquet.filtered_noise import FilteredGrowth as FilteredGrowth
     from floquetrod.floquet.filtered_noise import filtered_growth as filtered_growth
-    from floquetrod.floquet.floquet_modes import FloquetMode as FloquetMode
     from floquetrod.floquet.floquet_modes import floquet_solutions as floquet_solutions
-    from floquetrod.floquet.margins import Margin as Margin
     from floquetrod.floquet.margins import margin as margin
-    from floquetrod.floquet.proof import Proof as Proof
     from floquetrod.floquet.proof import certify as certify
-    from floquetrod.floquet.proof.region_proof import RegionProof as RegionProof
-    from floquetrod.floquet.solve import Solution as Solution
     from floquetrod.floquet.solve import solve as solve
     from floquetrod.floquet.status import UndecidedWarning as UndecidedWarning
-    from floquetrod.floquet.verdict import Stability as Stability
     from floquetrod.mathieu.criterion import FiniteTimeCriterion as FiniteTimeCriterion
     from floquetrod.milling import Milling as Milling
     from floquetrod.milling import ToolMode as ToolMode
     from floquetrod.orbits import Branch as Branch
     from floquetrod.orbits import NoOrbitError as NoOrbitError
-    from floquetrod.orbits import PeriodicOrbit as PeriodicOrbit
-    from floquetrod.orbits import SpecialPoint as SpecialPoint
     from floquetrod.orbits import follow as follow
     from floquetrod.orbits import periodic_orbit as periodic_orbit
-    from floquetrod.plane import Bands as Bands
     from floquetrod.plane import Chart as Chart
-    from floquetrod.rod.answers.mean_force import MeanForce as MeanForce
-    from floquetrod.rod.answers.rod_branches import RodBranches as RodBranches
-    from floquetrod.rod.answers.rod_stability import RodStability as RodStability
-    from floquetrod.rod.answers.safe_box import SafeBox as SafeBox
-    from floquetrod.rod.answers.safe_kick import SafeKick as SafeKick
-    from floquetrod.rod.answers.steady_motion import SteadyMotion as SteadyMotion
-    from floquetrod.rod.answers.string_reach import Reach as Reach
-    from floquetrod.rod.friction.kicks import FrictionalRodStability as FrictionalRodStability
     from floquetrod.rod.hand_over import save_report as save_report
     from floquetrod.rod.loads.load import AxialLoad as AxialLoad
     from floquetrod.rod.loads.load import AxialWave as AxialWave
@@ -84,12 +63,9 @@ if TYPE_CHECKING:
     from floquetrod.rod.model.assumptions import ForcedAngleWarning as ForcedAngleWarning
     from floquetrod.rod.model.assumptions import UniformForceWarning as UniformForceWarning
     from floquetrod.rod.model.contact import LeavesWallError as LeavesWallError
-    from floquetrod.rod.ranges import StabilityIntervals as StabilityIntervals
-    from floquetrod.rod.reach_probability import ReachProbability as ReachProbability
     from floquetrod.rod.reach_probability import probability_of_reach as probability_of_reach
     from floquetrod.rod.rod import Rod as Rod
     from floquetrod.rod.stability_map import stability_map as stability_map
-    from floquetrod.rod.uncertainty import InstabilityProbability as InstabilityProbability
     from floquetrod.rod.uncertainty import probability_of_instability as probability_of_instability
     from floquetrod.simulation.checkpoints import CheckpointWarning as CheckpointWarning
     from floquetrod.simulation.integration import SimulationDiverged as SimulationDiverged
@@ -119,32 +95,22 @@ _NAMES = {
         "PeriodicSystem",
         "SquareWave",
     ),
-    "equations.second_moments": ("SecondMoments", "second_moments"),
+    "equations.second_moments": ("second_moments",),
     "explorer": ("Explorer",),
-    "floquet.almost_sure": ("AlmostSureExponent", "almost_sure_exponent"),
-    "floquet.comparison": ("Comparison", "compare"),
-    "floquet.critical_noise": ("CriticalNoise", "critical_noise"),
+    "floquet.almost_sure": ("almost_sure_exponent",),
+    "floquet.comparison": ("compare",),
+    "floquet.critical_noise": ("critical_noise",),
     "floquet.dispatch": ("stability",),
-    "floquet.filtered_noise": ("FilteredGrowth", "filtered_growth"),
-    "floquet.margins": ("Margin", "margin"),
-    "floquet.proof": ("Proof", "certify"),
-    "floquet.proof.region_proof": ("RegionProof",),
-    "floquet.floquet_modes": ("FloquetMode", "floquet_solutions"),
-    "floquet.solve": ("Solution", "solve"),
+    "floquet.filtered_noise": ("filtered_growth",),
+    "floquet.margins": ("margin",),
+    "floquet.proof": ("certify",),
+    "floquet.floquet_modes": ("floquet_solutions",),
+    "floquet.solve": ("solve",),
     "floquet.status": ("UndecidedWarning",),
-    "floquet.verdict": ("Stability",),
     "mathieu.criterion": ("FiniteTimeCriterion",),
     "milling": ("Milling", "ToolMode"),
-    "orbits": ("Branch", "NoOrbitError", "PeriodicOrbit", "SpecialPoint", "follow", "periodic_orbit"),
-    "plane": ("Bands", "Chart"),
-    "rod.answers.mean_force": ("MeanForce",),
-    "rod.answers.string_reach": ("Reach",),
-    "rod.answers.rod_branches": ("RodBranches",),
-    "rod.answers.safe_box": ("SafeBox",),
-    "rod.answers.safe_kick": ("SafeKick",),
-    "rod.answers.steady_motion": ("SteadyMotion",),
-    "rod.answers.rod_stability": ("RodStability",),
-    "rod.friction.kicks": ("FrictionalRodStability",),
+    "orbits": ("Branch", "NoOrbitError", "follow", "periodic_orbit"),
+    "plane": ("Chart",),
     "rod.hand_over": ("save_report",),
     "rod.loads.load": ("AxialLoad", "AxialWave"),
     "rod.loads.record": ("ForceRecord",),
@@ -152,10 +118,9 @@ _NAMES = {
     "rod.stability_map": ("stability_map",),
     "rod.model.assumptions": ("ForcedAngleWarning", "UniformForceWarning"),
     "rod.model.contact": ("LeavesWallError",),
-    "rod.ranges": ("StabilityIntervals",),
-    "rod.reach_probability": ("ReachProbability", "probability_of_reach"),
+    "rod.reach_probability": ("probability_of_reach",),
     "rod.rod": ("Rod",),
-    "rod.uncertainty": ("InstabilityProbability", "probability_of_instability"),
+    "rod.uncertainty": ("probability_of_instability",),
     "simulation.checkpoints": ("CheckpointWarning",),
     "simulation.integration": ("SimulationDiverged",),
     "simulation.simulation_problem": ("Simulation", "SimulationProblem"),
@@ -167,7 +132,7 @@ _NAMES = {
 }
 """Names by the module that each is taken from when it is first used."""
 
-_MODULES = ("equations.conventions", "ensembles", "friction", "mathieu", "methods", "simulation", "systems")
+_MODULES = ("equations.conventions", "ensembles", "friction", "mathieu", "methods", "results", "simulation", "systems")
 """Modules that are names themselves."""
 
 _WHERE = {name: module for module, names in _NAMES.items() for name in names}
@@ -184,6 +149,8 @@ def __getattr__(name: str) -> Any:
         from floquetrod._util.suggest import did_you_mean
 
         hint = did_you_mean(name, __all__) or "; see dir(floquetrod)"
+        if name in importlib.import_module("floquetrod.results").__all__:
+            hint = f"; did you mean results.{name}?"
         if not name.startswith("_") and find_spec(f"floquetrod.{name}") is not None:
             hint = f"; it is a module: import floquetrod.{name}"
         raise AttributeError(f"module 'floquetrod' has no attribute {name!r}{hint}")

@@ -392,7 +392,7 @@ def lorenz(t: Any, x: Any, s: float, r: float, b: float) -> Any:
 
 
 @functools.cache
-def limit_cycle() -> fr.PeriodicOrbit:
+def limit_cycle() -> fr.results.PeriodicOrbit:
     """Return van der Pol's, mu = 1."""
     return fr.periodic_orbit(fr.NonlinearSystem(van_der_pol, parameters={"mu": 1.0}), [2.0, 0.0])
 

@@ -36,7 +36,7 @@ def test_faults_of_systems_are_seen() -> None:
     assert len(pair_of(off, other).faults) == 1
 
 
-def pair_of(one: fr.Stability, other: fr.Stability) -> agreement.Pair:
+def pair_of(one: fr.results.Stability, other: fr.results.Stability) -> agreement.Pair:
     pair = agreement.Pair()
     agreement.count(pair, one, other)
     return pair

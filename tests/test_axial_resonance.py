@@ -142,7 +142,7 @@ def test_a_slow_wave_in_a_rod_with_a_free_end_is_no_resonance() -> None:
 def test_verdicts_tell_the_largest_force() -> None:
     load = fr.AxialWave(0.2 * TUBING.critical_force, 0.05 * TUBING.critical_force, 0.6 * HELD)
     verdict = TUBING.stability(load, modes=range(1, 13))
-    assert isinstance(verdict, fr.RodStability)
+    assert isinstance(verdict, fr.results.RodStability)
     assert verdict.axial == TUBING.axial_response(load)
     assert verdict.axial.factor == pytest.approx(1.0 / math.cos(0.3 * math.pi), rel=1e-9)
     assert verdict.axial.in_words in repr(verdict)

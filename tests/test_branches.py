@@ -216,7 +216,7 @@ def test_a_component_that_grows_fast_is_followed() -> None:
 def test_a_branch_is_followed_until_something_is_told() -> None:
     asked: list[tuple[float, float]] = []
 
-    def until(before: fr.PeriodicOrbit, orbit: fr.PeriodicOrbit) -> str:
+    def until(before: fr.results.PeriodicOrbit, orbit: fr.results.PeriodicOrbit) -> str:
         asked.append((before.system.parameters["p"], orbit.system.parameters["p"]))
         return "far enough" if abs(asked[-1][1] + 0.3) > 0.1 else ""
 

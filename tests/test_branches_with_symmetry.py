@@ -22,12 +22,12 @@ LOG = logging.getLogger(__name__)
 class Known(NamedTuple):
     """A branch over the parameter p, from about one orbit, with the special points that are known on it."""
 
-    orbit: fr.PeriodicOrbit
+    orbit: fr.results.PeriodicOrbit
     over: tuple[float, float]
     points: list[tuple[str, float, int]]  # kind, value, number of multipliers or pairs that cross together
 
 
-def orbit_along(system: fr.NonlinearSystem, path: Callable[[Any], Any], count: int) -> fr.PeriodicOrbit:
+def orbit_along(system: fr.NonlinearSystem, path: Callable[[Any], Any], count: int) -> fr.results.PeriodicOrbit:
     """Return the orbit with states path(t), 0, path(t), 0, ... over 2 pi, stable or not."""
     times = np.linspace(0.0, 2.0 * math.pi, 100)
     states = np.stack([path(times), np.zeros(100)] * count, axis=1)

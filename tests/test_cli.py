@@ -152,7 +152,7 @@ def test_a_bound_of_zero_is_said_to_prove_nothing(monkeypatch: pytest.MonkeyPatc
     rod = fr.Rod.nitinol()
     load = fr.AxialLoad(0.825 * rod.critical_force, 0.7 * rod.critical_force, 150.0)
     result = rod.stability(load, friction=0.1, kick=0.05)
-    monkeypatch.setattr(fr.FrictionalRodStability, "critical_kick", fr.rod.CriticalKick(0.03, 9, 0.0))
+    monkeypatch.setattr(fr.results.FrictionalRodStability, "critical_kick", fr.rod.CriticalKick(0.03, 9, 0.0))
     assert "proved    nothing for any kick, however small" in str(result.report())
 
 

@@ -70,14 +70,14 @@ def record(tmp_path: Path) -> str:
 @pytest.fixture
 def asked_once(monkeypatch: pytest.MonkeyPatch) -> None:
     """Compute the answer to one question once, however often the terminal and a test ask for it."""
-    asks = {fr.Rod: ["stability", "ranges"], fr.RodStability: ["margin"]}
+    asks = {fr.Rod: ["stability", "ranges"], fr.results.RodStability: ["margin"]}
     for kind, names in asks.items():
         for name in names:
             monkeypatch.setattr(kind, name, remembering(getattr(kind, name)))
-    search = fr.RodStability.margin
+    search = fr.results.RodStability.margin
     if not DEEP:  # fewer samples, which find the same margins of these loads
         monkeypatch.setattr(
-            fr.RodStability, "margin", lambda result, quantity, **_: search(result, quantity, seconds=1.0)
+            fr.results.RodStability, "margin", lambda result, quantity, **_: search(result, quantity, seconds=1.0)
         )
 
 

@@ -87,7 +87,7 @@ def test_the_clipped_search_would_be_found(monkeypatch: pytest.MonkeyPatch) -> N
     question = rods.Question(rod, 0.6 * unit, 0.4 * unit, 96.0, 0.0)
     right = fr.Rod.ranges
 
-    def clipped(self: fr.Rod, *arguments: object, **options: object) -> fr.StabilityIntervals:
+    def clipped(self: fr.Rod, *arguments: object, **options: object) -> fr.results.StabilityIntervals:
         found = right(self, *arguments, **options)  # type: ignore[arg-type]  # passed on as they come
         return dataclasses.replace(found, intervals=(StabilityInterval(*found.bounds, None, None),))
 

@@ -42,7 +42,7 @@ class Question(NamedTuple):
             return self.rod.critical("mean", self.like, amplitude=self.load.amplitude, frequency=self.load.frequency)
         return self.rod.critical("amplitude", self.like, mean=self.load.mean, frequency=self.load.frequency)
 
-    def ranges(self) -> fr.StabilityIntervals:
+    def ranges(self) -> fr.results.StabilityIntervals:
         """Return the stable intervals of the quantity."""
         if self.varied == "mean":
             return self.rod.ranges("mean", self.like, amplitude=self.load.amplitude, frequency=self.load.frequency)
@@ -88,7 +88,7 @@ def disagreements(question: Question, with_ranges: bool, dense: int) -> list[str
     here = question.rod.stability(question.load)
     if here.status == "undecided":
         return []
-    margin = here.margin(question.varied) if here.stable else fr.Margin(math.inf, 0.0)
+    margin = here.margin(question.varied) if here.stable else fr.results.Margin(math.inf, 0.0)
     answers["the margin"] = (margin.above, margin.resolution)
     if with_ranges:
         ranges = question.ranges()

@@ -118,7 +118,7 @@ def test_without_delays_the_count_is_that_of_the_system() -> None:
 
 
 def test_errors_of_coefficients_leave_undecided_what_they_may_change() -> None:
-    def near(error: float) -> fr.Proof:
+    def near(error: float) -> fr.results.Proof:
         return fr.certify(
             fr.DelaySystem.first_order(
                 [[0.0]], delayed=[(1.0, [[-0.999 * math.pi / 2.0]])], period=1.0, coefficient_error=error

@@ -307,7 +307,7 @@ def test_bands_of_a_chart_lie_on_hayes_curve() -> None:
         assert fr.stability(hayes(a, b)).exponents[0].real == pytest.approx(0.0, abs=math.sqrt(2e-7))
 
 
-def holds_for_all(proof: fr.Proof) -> bool:
+def holds_for_all(proof: fr.results.Proof) -> bool:
     """Whether it is proved that a system is stable whatever its delays are."""
     return proof.status == "stable" and "whatever the delays" in proof.statement
 

@@ -91,7 +91,7 @@ def test_what_is_proved_of_a_box_holds_at_its_points(
     family: Callable[..., Any], box: dict[str, tuple[float, float]], status: str, rng: np.random.Generator
 ) -> None:
     proof = fr.certify(family, **box)
-    assert isinstance(proof, fr.RegionProof)
+    assert isinstance(proof, fr.results.RegionProof)
     assert proof.status == status, proof
     assert proof.statement.startswith("for every ")
     assert [(side.name, side.low, side.high) for side in proof.box] == [(name, *ends) for name, ends in box.items()]
@@ -154,7 +154,7 @@ def test_a_follower_load_from_nothing_on_is_reversible(of_first_order: bool) -> 
 
 def test_boundaries_within_a_box_are_told_by_an_example_on_either_side() -> None:
     proof = fr.certify(lambda k: fr.HillSystem([[1.0, 0.0], [0.0, k]], [0.05 * np.eye(2)], period=2.0), k=(-0.5, 2.0))
-    assert isinstance(proof, fr.RegionProof)
+    assert isinstance(proof, fr.results.RegionProof)
     assert proof.status == "mixed"
     assert proof.boxes < 20
     assert {example.status for example in proof.examples} == {"stable", "unstable"}
@@ -166,7 +166,7 @@ def test_a_thin_tongue_within_a_box_is_told() -> None:
     """The sum resonance of two oscillators, narrower than any part that intervals prove unstable soon."""
     box = {"stiffness": (3.9, 4.4), "forcing": (0.1, 0.5)}
     proof = fr.certify(lambda stiffness, forcing: coupled(stiffness, forcing, period=2.0 * np.pi / 3.0), **box)
-    assert isinstance(proof, fr.RegionProof)
+    assert isinstance(proof, fr.results.RegionProof)
     assert proof.status == "mixed"
     assert {fr.stability(example.equation).status for example in proof.examples} == {"stable", "unstable"}
 
@@ -174,7 +174,7 @@ def test_a_thin_tongue_within_a_box_is_told() -> None:
 def test_a_box_that_takes_too_long_is_undecided_and_says_how_far_it_came() -> None:
     for work in ({"max_boxes": 3}, {"seconds": 1e-6}):
         proof = fr.certify(coupled, stiffness=(3.9, 4.4), forcing=(0.1, 0.5), **work)
-        assert isinstance(proof, fr.RegionProof)
+        assert isinstance(proof, fr.results.RegionProof)
         assert proof.status == "undecided"
         assert "% of it proved stable" in proof.note
         assert proof.boxes <= 3
@@ -182,7 +182,7 @@ def test_a_box_that_takes_too_long_is_undecided_and_says_how_far_it_came() -> No
 
 def test_without_ranges_one_equation_of_the_family_is_proved() -> None:
     proof = fr.certify(coupled, stiffness=4.3, forcing=0.1)
-    assert isinstance(proof, fr.Proof)
+    assert isinstance(proof, fr.results.Proof)
     assert proof.equation == coupled(4.3, 0.1)
     assert proof.status == "stable"
 

@@ -113,7 +113,7 @@ def test_the_oracle_knows_constant_coefficients() -> None:
 # Each attack can fail.
 
 
-def stated(low: float, high: float, *parts: tuple[float, float]) -> fr.StabilityIntervals:
+def stated(low: float, high: float, *parts: tuple[float, float]) -> fr.results.StabilityIntervals:
     found = ROD.ranges("frequency", mean=0.3, amplitude=0.3, bounds=(100.0, 110.0), growth_tolerance=0.1)
     intervals = tuple(StabilityInterval(*part, None, None) for part in parts)
     return dataclasses.replace(found, bounds=(low, high), intervals=intervals)

@@ -352,10 +352,8 @@ CALLS: list[tuple[Callable[..., Any], dict[str, Any]]] = [
         },
     ),
     (ROD.natural_frequency, {"mode": 7}),
-    (ROD.wavenumber, {"mode": 7}),
     (ROD.modal_system, {"load": LOAD, "modes": (6, 7)}),
     (ROD.modal_system, {"load": LOAD, **LOADS}),
-    (ROD.wave_ratio, {"load": LOAD}),
     (ROD.modes_needed, {"load": LOAD, "growth_tolerance": 0.0}),
     (ROD.stability(LOAD).time_to_grow, {"factor": 10.0}),
     (

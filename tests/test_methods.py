@@ -22,7 +22,7 @@ from floquetrod.floquet.verdict import Cost, Interval, Verdict, classify
 from strategies import decades, hills, mathieus, near_boundary_points, numbers, square_waves
 
 
-def exact_results(equation: fr.Mathieu | fr.Meissner | fr.Hill) -> list[fr.Stability]:
+def exact_results(equation: fr.Mathieu | fr.Meissner | fr.Hill) -> list[fr.results.Stability]:
     """Results of the methods that claim to be exact for this equation."""
     return [r for r in fr.compare(equation).results if not is_approximation(equation, r.method)]
 

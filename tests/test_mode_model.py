@@ -19,6 +19,7 @@ from floquetrod.explorer.view import View
 from floquetrod.plotting.explorer_panels import UNKNOWN
 from floquetrod.rod.loads.load import AnyLoad, Load, Loads, kind
 from floquetrod.rod.mode_equations.coupled_systems import CoupledEquations
+from floquetrod.rod.model.data import wavenumber
 from floquetrod.rod.modes.coupled import CoupledModel
 from floquetrod.rod.modes.coupled_verdict import classify_coupled
 
@@ -87,7 +88,7 @@ class SpringModel(CoupledModel):
 
     def verdict(
         self, load: Load, modes: Iterable[int] | None = None, growth_tolerance: float = 0.0, progress: Any = None
-    ) -> fr.RodStability:
+    ) -> fr.results.RodStability:
         """Return the verdict with both modes."""
         return classify_coupled(self, load, 2, growth_tolerance, progress)
 
@@ -108,7 +109,7 @@ def free(rod: fr.Rod) -> Floats:
 
 def per_newton(rod: fr.Rod) -> Floats:
     """Return what a newton of compression takes from them."""
-    return np.diag(rod.wavenumber(np.array([1, 2])) ** 2 / rod.mass_per_length)
+    return np.diag(wavenumber(rod, np.array([1, 2])) ** 2 / rod.mass_per_length)
 
 
 ROD = SprungRod(68e9, 6500.0, 0.8e-3, 0.8, 4.7e-3)

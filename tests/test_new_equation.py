@@ -251,7 +251,7 @@ def test_it_is_proved(kind: type, alpha: float, beta: float, damping: float) -> 
     assume(alpha != 0.0)
     equation = kind(alpha, beta, damping)
     proof, verdict = fr.certify(equation, max_digits=30), fr.stability(equation)
-    assert isinstance(proof, fr.Proof)
+    assert isinstance(proof, fr.results.Proof)
     assert proof.equation == equation
     assert {proof.status, verdict.status} != {"stable", "unstable"}
     clear = damping == 0.0 and abs(abs(verdict.discriminant) - 2.0) > 1e-6

@@ -147,7 +147,7 @@ def test_batches_of_intensities_and_systems_are_judged_together() -> None:
     assert fr.systems.is_stable(moments).tolist() == [True, True, False]
     alone = [fr.stability(mathieu(1.2, 0.5, 0.1), noise=[(ONE, each)]) for each in s.tolist()]
     assert fr.systems.growth_rate(moments) == pytest.approx([v.growth_rate for v in alone], abs=1e-11)
-    assert isinstance(pick(moments, 1), fr.SecondMoments)
+    assert isinstance(pick(moments, 1), fr.results.SecondMoments)
     stiff = fr.HillSystem(np.array([1.0, 4.0])[:, None, None], damping=[[0.2]])
     assert fr.systems.is_stable(fr.second_moments(stiff, [(ONE, 0.9)])).tolist() == [False, True]
 
@@ -159,7 +159,7 @@ def test_noise_is_proved_in_mean_square() -> None:
     assert "period, 2 pi, was taken" in repr(quiet)
     assert fr.certify(mathieu(1.2, 0.5, 0.1), noise=[(ONE, 0.3)]).status == "stable"
 
-    def family(stiffness: float) -> fr.SecondMoments:
+    def family(stiffness: float) -> fr.results.SecondMoments:
         return fr.second_moments(mathieu(stiffness, 0.5, 0.1), [(ONE, 0.3)])
 
     assert fr.certify(family, stiffness=(1.19, 1.21)).status == "stable"
@@ -167,7 +167,7 @@ def test_noise_is_proved_in_mean_square() -> None:
 
 @pytest.mark.slow
 def test_a_chart_tells_the_threshold_to_a_millionth() -> None:
-    def family(s: float, c: float) -> fr.SecondMoments:
+    def family(s: float, c: float) -> fr.results.SecondMoments:
         return fr.second_moments(fr.HillSystem([[1.0]], damping=[[2.0 * c]]), [(ONE, s)])
 
     bands = fr.chart(family, over={"s": (0.1, 1.0, 12), "c": (0.05, 0.2, 8)}).find_bands()

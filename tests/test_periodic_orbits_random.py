@@ -77,7 +77,7 @@ class SelfExcited:
         return np.concatenate([v, push - self.drag @ v - self.stiffness @ q - self.hard[column] * q**3])
 
 
-def autonomous_reference(orbit: fr.PeriodicOrbit) -> tuple[float, NDArray[np.complex128]]:
+def autonomous_reference(orbit: fr.results.PeriodicOrbit) -> tuple[float, NDArray[np.complex128]]:
     """Return the period and the multipliers but for the trivial one, from the neighbourhood of an orbit."""
     system, n = orbit.system, len(orbit.states[0])
     state, period = orbit.states[0] * (1.0 + 1e-4 * np.cos(np.arange(n))), orbit.period * (1.0 + 1e-4)
@@ -122,7 +122,7 @@ def reference(system: fr.NonlinearSystem, state: Floats, period: float) -> tuple
     return state, found[n:].reshape(n, n)
 
 
-def found(system: fr.NonlinearSystem, size: int) -> fr.PeriodicOrbit | None:
+def found(system: fr.NonlinearSystem, size: int) -> fr.results.PeriodicOrbit | None:
     """Return the orbit that motion from a small state leads to, of several periods where it doubles; None in chaos."""
     start = 0.1 * np.ones(size)
     try:
@@ -136,7 +136,7 @@ def found(system: fr.NonlinearSystem, size: int) -> fr.PeriodicOrbit | None:
         return fr.periodic_orbit(system, start, int(doubled[1]) * float(system.period or 0.0))
 
 
-def check(orbit: fr.PeriodicOrbit) -> None:
+def check(orbit: fr.results.PeriodicOrbit) -> None:
     """Compare an orbit, its multipliers and its verdict with the reference."""
     size, scale, verdict = len(orbit.states[0]), orbit.point.scale, orbit.stability
     state, matrix = reference(orbit.system, orbit.states[0] + 1e-4 * scale * np.cos(np.arange(size)), orbit.period)

@@ -16,6 +16,7 @@ from floquetrod.floquet.methods.reference import reference
 from floquetrod.mathieu import tongue_intervals
 from floquetrod.mathieu.tongue_intervals import along_amplitude
 from floquetrod.rod.model.constants import SLOW_GROWTH
+from floquetrod.rod.model.data import wavenumber
 from fuzz import ranges as ranges_attack
 from fuzz import rods
 
@@ -29,7 +30,7 @@ WORDS = {"mean force": "mean", "amplitude": "amplitude", "frequency": "frequency
 
 def searches(
     rod: fr.Rod, mean: float, amplitude: float, omega: float, tolerance: float
-) -> list[tuple[fr.StabilityIntervals, dict[str, float]]]:
+) -> list[tuple[fr.results.StabilityIntervals, dict[str, float]]]:
     """Return the three kinds of ranges about a load, with what is fixed."""
     return [
         (
@@ -53,7 +54,7 @@ def searches(
     ]
 
 
-def scan(rod: fr.Rod, ranges: fr.StabilityIntervals, fixed: dict[str, float], points: int) -> None:
+def scan(rod: fr.Rod, ranges: fr.results.StabilityIntervals, fixed: dict[str, float], points: int) -> None:
     """Assert that a dense scan agrees with the ranges everywhere but within rounding of an end."""
     values = np.linspace(*ranges.bounds, points + 2)[1:-1]
     found = rod.is_stable(
@@ -174,13 +175,13 @@ def test_margins_end_where_stable_ranges_do(seed: int) -> None:
 def test_a_margin_beyond_a_stable_range_would_be_found(monkeypatch: pytest.MonkeyPatch) -> None:
     question = rods.Question(ROD, 0.34 * FCR, 0.2 * FCR, 150.0, 0.01)
     assert ranges_attack.margin_against_ranges(question, "mean") == []
-    right = fr.RodStability.margin
+    right = fr.results.RodStability.margin
 
-    def wrong(self: fr.RodStability, *given: Any) -> fr.rod.Margin:
+    def wrong(self: fr.results.RodStability, *given: Any) -> fr.rod.Margin:
         found = right(self, *given)
         return fr.rod.Margin(found.below, 1.001 * found.above)
 
-    monkeypatch.setattr(fr.RodStability, "margin", wrong)
+    monkeypatch.setattr(fr.results.RodStability, "margin", wrong)
     assert "the ranges have" in ranges_attack.margin_against_ranges(question, "mean")[0]
     scanned = ranges_attack.margin_against_scan(question, "mean", np.random.default_rng(1))
     assert "missed band" in scanned[0]
@@ -312,7 +313,7 @@ def test_critical_values() -> None:
 
 def _static(mode: int) -> float:
     """Mean force that buckles a mode without vibration."""
-    w = ROD.wavenumber(mode)
+    w = wavenumber(ROD, mode)
     return ROD.flexural_rigidity * w**2 + ROD.mass_per_length * ROD.pendulum_frequency**2 / w**2
 
 

@@ -107,7 +107,7 @@ def drawn_string(seed: int) -> tuple[fr.Rod, fr.WellPath, float, float]:
     return rod, well, rng.uniform(0.2, 0.9), rng.uniform(-5e3, 2e3)
 
 
-def require_reach(found: fr.Reach, rod: fr.Rod, friction: float, far_force: float) -> None:
+def require_reach(found: fr.results.Reach, rod: fr.Rod, friction: float, far_force: float) -> None:
     """Require that a string goes as deep as it reaches, and no deeper."""
     well, stress = found.path, 0.0
     if found.reach > well.start:
@@ -365,7 +365,7 @@ def test_with_another_frequency_it_says_what_a_tool_of_that_frequency_does(force
             assert found.frequency_growth[k] == pytest.approx(grown, rel=0.02, abs=0.02)  # by quick forces
 
 
-def _growth(along: fr.MeanForce, frequency: float, sliding: float) -> float:
+def _growth(along: fr.results.MeanForce, frequency: float, sliding: float) -> float:
     """Return the largest growth along a string less what friction takes from it."""
     free = ~along.is_snaking
     place = WellGeometry.at(WELL.arcs.at(along.depth[free]))

@@ -96,7 +96,7 @@ def test_a_verdict_tells_of_the_forces_within_the_noise() -> None:
     calls: list[tuple[int, int]] = []
     load = fr.AxialLoad(0.3 * FCR, 0.1 * FCR, 150.0, waveform=(-1j, 0.5))
     verdict = ROD.stability(recorded(load, np.random.default_rng(8)), progress=lambda *of: calls.append(of))
-    assert isinstance(verdict, fr.RodStability)
+    assert isinstance(verdict, fr.results.RodStability)
     trials = len(verdict.convergence)
     assert calls == [(done, trials + 20) for done in range(1, trials + 21)]
 

@@ -574,7 +574,7 @@ def test_a_box_of_a_and_q_is_the_box_of_alpha_and_beta(a: Fraction, q: Fraction,
     assert replace(aq, box=same.box, examples=same.examples, statement=same.statement) == same
     assert [each.equation for each in aq.examples] == [each.equation for each in same.examples]
     point = fr.certify(fr.Mathieu, a=a, q=str(q), damping=k)
-    assert isinstance(point, fr.Proof)
+    assert isinstance(point, fr.results.Proof)
     unscaled = fr.certify(fr.Mathieu, alpha=q / 2, beta=-a / 4, damping=k / 2)
     assert replace(point, exact=unscaled.exact) == unscaled
 

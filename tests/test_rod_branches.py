@@ -21,7 +21,7 @@ LOAD = fr.AxialLoad(0.1 * CRITICAL, 0.3 * CRITICAL, 110.0)
 
 
 @pytest.fixture(scope="module")
-def few() -> fr.RodBranches:
+def few() -> fr.results.RodBranches:
     def stop(done: int, total: int) -> None:
         assert 0 < done <= total
         if done == 3:
@@ -30,7 +30,7 @@ def few() -> fr.RodBranches:
     return SHORT.follow(LOAD, {"frequency": (105.0, 115.0)}, progress=stop)
 
 
-def test_what_was_found_is_kept_when_interrupted(few: fr.RodBranches) -> None:
+def test_what_was_found_is_kept_when_interrupted(few: fr.results.RodBranches) -> None:
     assert few.mode == 2
     assert few.modes == (2, 6)
     assert len(few.values) == 4
@@ -51,7 +51,7 @@ def test_what_was_found_is_kept_when_interrupted(few: fr.RodBranches) -> None:
     assert (few.slope < 0.01).all()
 
 
-def test_branches_are_said_and_drawn(few: fr.RodBranches) -> None:
+def test_branches_are_said_and_drawn(few: fr.results.RodBranches) -> None:
     assert "1 branch of motion in mode 2" in repr(few)
     assert "4 stable" in str(few)
     assert few.as_dict()["branches"][0]["turns"] == 2
@@ -67,7 +67,7 @@ def test_branches_are_said_and_drawn(few: fr.RodBranches) -> None:
         few.plot(unit="N")
 
 
-def test_branches_of_another_rod_or_quantity_are_refused(few: fr.RodBranches) -> None:
+def test_branches_of_another_rod_or_quantity_are_refused(few: fr.results.RodBranches) -> None:
     with pytest.raises(ValueError, match="branches of this rod"):
         ROD.follow(few)
     with pytest.raises(ValueError, match=r"over has 'mean', which is no parameter; it has frequency"):
@@ -77,13 +77,13 @@ def test_branches_of_another_rod_or_quantity_are_refused(few: fr.RodBranches) ->
 
 
 @pytest.mark.parametrize("given", [{"mode": 2}, {"all_modes": True}, {"indentation": 1e-3}])
-def test_branches_are_continued_as_they_were_begun(few: fr.RodBranches, given: dict[str, Any]) -> None:
+def test_branches_are_continued_as_they_were_begun(few: fr.results.RodBranches, given: dict[str, Any]) -> None:
     with pytest.raises(ValueError, match=f"{next(iter(given))} must be left out where branches are continued"):
         SHORT.follow(few, **given)
 
 
 @pytest.mark.parametrize("given", [{"steps": 10_001}, {"longest": 1e-4}, {"progress": 1}, {"mode": 0}])
-def test_arguments_are_checked_where_branches_are_continued(few: fr.RodBranches, given: dict[str, Any]) -> None:
+def test_arguments_are_checked_where_branches_are_continued(few: fr.results.RodBranches, given: dict[str, Any]) -> None:
     with pytest.raises((ValueError, TypeError)) as begun:
         SHORT.follow(LOAD, {"frequency": (105.0, 115.0)}, **given)
     with pytest.raises((ValueError, TypeError)) as continued:
@@ -121,7 +121,7 @@ def test_loads_without_branches_are_refused(rod: fr.Rod, load: fr.AxialLoad, mes
 
 
 @pytest.mark.slow
-def test_branches_go_on_where_they_were_left(few: fr.RodBranches) -> None:
+def test_branches_go_on_where_they_were_left(few: fr.results.RodBranches) -> None:
     whole = SHORT.follow(few, longest=0.1)
     assert whole.is_whole
     assert set(few.values) <= set(whole.values)

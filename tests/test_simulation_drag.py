@@ -97,7 +97,7 @@ WELLS = {
 """Arcs, and forces in N at the lower end."""
 
 
-def fed(rod: fr.Rod, path: fr.WellPath, friction: Any, far_force: float) -> tuple[fr.Simulation, fr.MeanForce]:
+def fed(rod: fr.Rod, path: fr.WellPath, friction: Any, far_force: float) -> tuple[fr.Simulation, fr.results.MeanForce]:
     """Return a rod that is fed slowly down a well, and its mean force by theory at the nodes."""
     depth, feed = np.linspace(0.0, rod.length, 201), 0.003
     theory = rod.mean_force(path, friction, bottom=rod.length, far_force=far_force, depth=depth)
@@ -234,7 +234,7 @@ def test_a_helix_presses_with_its_own_force_alone_in_bends_too(build: float, tur
 
 def shaken(
     speed: float, above_end: float, friction: float = 0.3, frequency: float = 20.0
-) -> tuple[fr.Simulation, fr.MeanForce, float]:
+) -> tuple[fr.Simulation, fr.results.MeanForce, float]:
     """Return a pipe of 60 m fed at a speed, its tool's wave beginning with 0.1 m/s, by theory too, and what damps it.
 
     The last is the force in N that its little damping takes at the top.

@@ -29,7 +29,7 @@ QUANTITIES = ("mean", "amplitude", "frequency")
 
 def searched(
     rod: fr.Rod, varied: str, load: fr.AxialLoad, tolerance: float, bounds: tuple[float, float]
-) -> fr.StabilityIntervals:
+) -> fr.results.StabilityIntervals:
     """Return the stability intervals of one quantity of a load."""
     return rod.ranges(varied, load, bounds, growth_tolerance=tolerance)
 
@@ -39,7 +39,7 @@ def growth(rod: fr.Rod, varied: str, load: fr.AxialLoad, values: np.ndarray) -> 
     return np.asarray(rod.growth_rate(load, **{varied: values}))
 
 
-def assert_order(found: fr.StabilityIntervals) -> None:
+def assert_order(found: fr.results.StabilityIntervals) -> None:
     """Assert that stable and unstable parts share the bounds between them."""
     ends = sorted([part[:2] for part in found] + [band[:2] for band in found.unstable])
     assert [end for part in ends for end in part] == [

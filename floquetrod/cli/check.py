@@ -149,7 +149,7 @@ def _check(options: argparse.Namespace) -> Output:
 class _Said(NamedTuple):
     """A verdict, and what is said beside it."""
 
-    result: RodStability | fr.FrictionalRodStability
+    result: RodStability | fr.results.FrictionalRodStability
     margins: dict[Quantity, Margin] | None
     lines: list[tuple[str, str]]
     numbers: dict[str, Any]
@@ -183,7 +183,7 @@ class _Question(NamedTuple):
     margins: bool | None
 
 
-def _verdict(asked: _Question) -> RodStability | fr.FrictionalRodStability:
+def _verdict(asked: _Question) -> RodStability | fr.results.FrictionalRodStability:
     """Return the verdict on a rod, with friction where that was asked for."""
     if asked.mu_and_kick is not None:
         mu, speed = asked.mu_and_kick
@@ -197,7 +197,9 @@ def _verdict(asked: _Question) -> RodStability | fr.FrictionalRodStability:
         return asked.rod.stability(force, modes=asked.modes, growth_tolerance=asked.tolerance, progress=progress)
 
 
-def _margins(asked: _Question, result: RodStability | fr.FrictionalRodStability) -> dict[Quantity, Margin] | None:
+def _margins(
+    asked: _Question, result: RodStability | fr.results.FrictionalRodStability
+) -> dict[Quantity, Margin] | None:
     """Return the margins, where they were asked for, else where they take some seconds, not of a record; None without.
 
     The verdict is said while the search takes its time.
@@ -210,7 +212,7 @@ def _margins(asked: _Question, result: RodStability | fr.FrictionalRodStability)
 
 
 def _grown(
-    asked: _Question, result: RodStability | fr.FrictionalRodStability
+    asked: _Question, result: RodStability | fr.results.FrictionalRodStability
 ) -> tuple[list[tuple[str, str]], dict[str, Any]]:
     """Return about how far the mode that grows fastest moves in the end, by a tenth of a second's estimate."""
     if asked.mu_and_kick is not None or result.status != "unstable":
@@ -253,7 +255,7 @@ def _growing(verdict: RodStability) -> str:
 
 
 def _draw_shape(
-    result: RodStability | fr.FrictionalRodStability, paths: Sequence[Path]
+    result: RodStability | fr.results.FrictionalRodStability, paths: Sequence[Path]
 ) -> tuple[list[str], list[tuple[str, str]]]:
     """Draw the shape that grows into files; return their names, or a line that says why there is none."""
     if not paths:

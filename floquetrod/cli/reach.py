@@ -103,7 +103,7 @@ def add_well(command: argparse.ArgumentParser, *, required: bool) -> None:
     )
 
 
-def read_reach(options: argparse.Namespace, rod: fr.Rod, depth: Sequence[str] | None = None) -> fr.Reach:
+def read_reach(options: argparse.Namespace, rod: fr.Rod, depth: Sequence[str] | None = None) -> fr.results.Reach:
     """Return how far a string can be pushed into the well of the options, with the forces at depths with their unit."""
     from floquetrod.rod import reading
 

@@ -40,7 +40,7 @@ def prove(options: argparse.Namespace) -> tuple[Output, Status]:
     """Return what to print about the proof of the system of ``options.system``, and what was proved."""
     system = _read(options)
     with Waiting("proving"):
-        proof = cast(fr.Proof, fr.certify(system))  # no box
+        proof = cast(fr.results.Proof, fr.certify(system))  # no box
     return output(options, proof.report, proof.as_dict), proof.status
 
 

@@ -16,7 +16,6 @@ from floquetrod import units
 from floquetrod._util import extras, sealed_files, validate
 from floquetrod._util.arrays import Floats
 from floquetrod._util.content import ByContent, NoTruthValue
-from floquetrod._util.deprecation import Renamed
 from floquetrod.plane.plane_axes import Axis
 
 
@@ -105,8 +104,6 @@ class Bands(NoTruthValue, ByContent):
     tongues_left_out: int
     accuracy: float
     resolution: tuple[float, float]
-
-    hairlines = Renamed("tongues_left_out", until="0.2")
 
     def __iter__(self) -> Iterator[Band]:
         """Iterate over the bands."""

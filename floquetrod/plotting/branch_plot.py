@@ -116,7 +116,7 @@ def _heights(result: Any, state: int, quantity: str) -> Any:
 
 
 def draw_rod_branches(result: Any, ax: Any, unit: Any) -> Any:
-    """Draw the largest angles of a `floquetrod.RodBranches` in degrees over its parameter in a unit."""
+    """Draw the largest angles of a `floquetrod.results.RodBranches` in degrees over its parameter in a unit."""
     ax = axes_or_new(ax)
     for each in result.parts:
         degrees = np.degrees(each.amplitude), np.degrees(each.special_amplitudes)

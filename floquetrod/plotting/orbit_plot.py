@@ -18,7 +18,7 @@ _COLOURS = ("black", "black", "0.45", "0.45", palette.NEUTRAL, palette.NEUTRAL)
 
 
 def draw_orbit(orbit: Any, ax: Any = None) -> Any:
-    """Draw the states of a `floquetrod.PeriodicOrbit` over a period, in a line that tells its verdict."""
+    """Draw the states of a `floquetrod.results.PeriodicOrbit` over a period, in a line that tells its verdict."""
     ax = axes_or_new(ax)
     at = orbit.extremes  # a peak may be shorter than the picture's steps
     peaks = orbit.period * np.concatenate([at.least_at, at.largest_at])

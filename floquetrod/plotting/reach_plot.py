@@ -16,7 +16,7 @@ _TITLE = 95  # characters in a line of the title
 
 
 def draw_reach(found: Any, shown: AnswerUnits, title: str, figure: Any = None) -> Any:
-    """Return a figure of a `floquetrod.Reach`: the well's section, the force at the injector, and along the string."""
+    """Return a figure of a `Reach`: the well's section, the force at the injector, and along the string."""
     more = [1.0] if found.tool else []
     figure = figure_or_new(figure, (7.2, 12.3 + 1.4 * len(more)))
     axes = figure.subplots(7 + len(more), 1, height_ratios=[1.5, 1.2, 1.0, 1.2, 1.0, 1.0, 1.0, *more])

@@ -12,7 +12,6 @@ from floquetrod import units
 from floquetrod._util import validate
 from floquetrod._util.caching import cached_property
 from floquetrod._util.content import NoTruthValue
-from floquetrod._util.deprecation import Renamed
 from floquetrod._util.interchange import by_keys
 from floquetrod._util.progress import Progress
 from floquetrod._util.result_report import Report, Reported, Table
@@ -78,8 +77,6 @@ class StabilityIntervals(Reported, NoTruthValue):
     resolution: float
     searched: RangeQuestion = field(repr=False, compare=False)
     not_computed: tuple[AxialGap, ...] = ()
-
-    hairlines = Renamed("tongues_left_out", until="0.2")
 
     def __iter__(self) -> Iterator[StabilityInterval]:
         """Iterate over the intervals."""

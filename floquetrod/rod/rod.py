@@ -18,8 +18,8 @@ from floquetrod.floquet.status import are
 from floquetrod.mathieu.criterion import FiniteTimeCriterion
 from floquetrod.parameter import require_known
 from floquetrod.rod import verdicts
-from floquetrod.rod.loads.load import QUANTITIES, AnyLoad, Load, Loads, Quantity, kind, require_load, require_noise
-from floquetrod.rod.loads.template import replaced, require_no_record
+from floquetrod.rod.loads.load import QUANTITIES, AnyLoad, Load, Quantity, kind, require_load, require_noise
+from floquetrod.rod.loads.template import replaced, replaced_loads, require_no_record, require_one_load
 from floquetrod.rod.mode_equations.coupling import WAVEFORM, coupling
 from floquetrod.rod.mode_equations.modal_systems import ModalSystem
 from floquetrod.rod.model.constants import SLOW_GROWTH
@@ -231,14 +231,11 @@ class Rod(RodData):
         >>> rod.replace(ends="clamped").modal_system(load).structure
         'hamiltonian'
         """
-        template, numbers = replaced(load, mean, amplitude, frequency)
-        loads = Loads.of(**numbers)
-        model = self._modes_under(template)
-        if loads.shape == ():
-            return model.equations(loads.as_single(template), modes)
-        if modes is not None:
-            raise validate.wrong_value("modes", "is for one load, got arrays of them; leave modes out")
-        return model.systems(loads)
+        template, loads, single = replaced_loads(load, mean, amplitude, frequency)
+        if single is not None:
+            return self._modes_under(template).equations(require_load("load", single), modes)
+        require_one_load("modes", modes)
+        return self._modes_under(template).systems(loads)
 
     def modes_needed(self, load: AnyLoad, growth_tolerance: float = 0.0) -> tuple[int, float]:
         """Return how many modes decide a verdict, and a bound in 1/s on the growth of every mode beyond them.
@@ -485,15 +482,11 @@ class Rod(RodData):
         """
         from floquetrod.rod.friction import kicks
 
-        mu, tolerance = friction_coefficient(friction), units.tolerance("growth_tolerance", growth_tolerance)
-        template, numbers = replaced(load, mean, amplitude, frequency)
-        model, loads = self._modes_under(template), Loads.of(**numbers)
-        model.require("friction")
-        if loads.shape:
-            return kicks.critical_kicks(self, model.systems(loads), mu, tolerance, workers)
-        is_own = mean is None and amplitude is None and frequency is None
-        single = load if load is not None and is_own else loads.as_single(template)
-        return kicks.critical_kick(self.stability(single, growth_tolerance=tolerance), mu)
+        mu, (template, loads, single) = friction_coefficient(friction), replaced_loads(load, mean, amplitude, frequency)
+        self._modes_under(template).require("friction")
+        if single is not None:
+            return kicks.critical_kick(self.stability(single, growth_tolerance=growth_tolerance), mu)
+        return kicks.critical_kicks(self, self._modes_under(template).systems(loads), mu, growth_tolerance, workers)
 
     @_loads_hints
     def ranges(
@@ -650,8 +643,13 @@ class Rod(RodData):
         from floquetrod.rod.ranges import first_unstable
 
         template, others = replaced(load, mean, amplitude, frequency, quantity)
-        slow = SLOW_GROWTH if growth_tolerance is None else growth_tolerance
-        return first_unstable(self._modes_under(template), quantity, others, slow, progress)
+        return first_unstable(
+            self._modes_under(template),
+            quantity,
+            others,
+            SLOW_GROWTH if growth_tolerance is None else growth_tolerance,
+            progress,
+        )
 
     @_loads_hints
     def is_stable(
@@ -745,10 +743,10 @@ class Rod(RodData):
         array([1, 0], dtype=int8)
         """
         require_no_record(load, (mean, amplitude, frequency))
-        template, numbers = replaced(load, mean, amplitude, frequency)
+        template, loads, _ = replaced_loads(load, mean, amplitude, frequency)
         return verdicts.statuses(
             self._modes_under(template),
-            tuple(numbers[name] for name in QUANTITIES),
+            loads,
             growth_tolerance,
             criterion,
             friction,
@@ -771,24 +769,28 @@ class Rod(RodData):
     ) -> Any:
         """Return the growth rate in 1/s of the fastest mode under a load, or under arrays of loads; 0 where stable.
 
-        NaN where it cannot be computed: of coupled modes under loads far too slow or too strong for doubles.  With
-        ``return_mode`` also the number of that mode: 0 where nothing grows, and -1 where modes are coupled and it has
-        none, whose names `stability` knows.  Other arguments as in `is_stable`.
+        NaN where it cannot be computed: of coupled modes under loads far too slow or too strong for doubles.  Other
+        arguments as in `is_stable`.
 
+        Parameters
+        ----------
+        return_mode : bool
+            Whether to return (growth, mode), with the number of the fastest mode: 0 where nothing grows, and -1 where
+            modes are coupled, which `stability` names.
+
+        Examples
+        --------
         >>> rod = Rod.nitinol()
         >>> growth, mode = rod.growth_rate(mean=[0.34, 0.6], amplitude=0.34, frequency=150.0, return_mode=True)
         >>> growth.round(3), mode
         (array([4.241, 0.268]), array([ 7, 11]))
         """
         validate.progress(progress)
-        return_mode = validate.flag("return_mode", return_mode)
+        validate.flag("return_mode", return_mode)
         require_no_record(load, (mean, amplitude, frequency))
-        template, numbers = replaced(load, mean, amplitude, frequency)
-        loads = Loads.of(**numbers)
+        template, loads, _ = replaced_loads(load, mean, amplitude, frequency)
         growth, mode = self._modes_under(template).fastest(loads, workers, progress)
-        if not return_mode:
-            return shaped(growth, loads.shape)
-        return shaped(growth, loads.shape), shaped(mode, loads.shape)
+        return (shaped(growth, loads.shape), shaped(mode, loads.shape)) if return_mode else shaped(growth, loads.shape)
 
     # --- after the onset ---
 

@@ -60,7 +60,7 @@ def stability(
 
 def statuses(
     model: ModeModel,
-    numbers: tuple[Any, Any, Any],
+    loads: Loads,
     growth_tolerance: float,
     criterion: FiniteTimeCriterion | None,
     friction: float | None,
@@ -75,7 +75,6 @@ def statuses(
     if criterion is not None:
         validate.instance("criterion", criterion, FiniteTimeCriterion)
         criterion.require_alone(growth_tolerance=tolerance, friction=0.0 if friction_kick is None else friction_kick[0])
-    loads = Loads.of(*numbers)
     if friction_kick is not None:
         from floquetrod.rod.friction.kicks import kicked_loads
 

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from floquetrod._util.caching import cached_property
 from floquetrod.rod.loads.load import AxialWave, Load, with_waves
 from floquetrod.rod.loads.tool import VibrationTool
+from floquetrod.rod.model.course import weight_gained
 from floquetrod.rod.model.data import RodData
 from floquetrod.simulation.rod_record import CLAMPED, FREE, GUIDED, HINGED, End
 from floquetrod.simulation.well_axis import WellAxis
@@ -70,7 +71,7 @@ class Driving:
 
     def _gained(self, x: Any) -> Any:
         """Return the weight in N that is hung along the channel between the upper end and places x = s / L."""
-        return 0.0 * x if self.load.mean_at is None else self.rod.weight_gained(x, 0.0)
+        return 0.0 * x if self.load.mean_at is None else weight_gained(self.rod, x, 0.0)
 
     @cached_property
     def axis(self) -> WellAxis | None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
+from floquetrod.rod.loads.axial import wave_ratio
 from floquetrod.rod.loads.load import AxialLoad, Load, with_waves
 from floquetrod.rod.model.assumptions import UNIFORM_UP_TO
 from floquetrod.rod.rod import Rod
@@ -52,7 +53,7 @@ def model_errors(
     (2 sigma / l)^2 (1 + sigma^2 / 3) for the curvature of directions, in place of k and k^2.  Large angles: the cubic
     terms of EI (theta'''' - 6 theta'^2 theta'') and of the weight, averaged over a standing wave.
     """
-    if isinstance(load, AxialLoad) and rod.wave_ratio(load) > UNIFORM_UP_TO:
+    if isinstance(load, AxialLoad) and wave_ratio(rod, load) > UNIFORM_UP_TO:
         # What an AxialLoad does to a rod of this length.
         load = with_waves(load)
     modes = rod._modes_under(load).showing(load, mode, 0.25 * rate)

@@ -20,6 +20,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 import floquetrod as fr
+from floquetrod.rod.model.data import wavenumber
 
 from . import answers
 from . import questions as q
@@ -97,7 +98,7 @@ class Kind(NamedTuple):
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
             try:
-                result = eval(question, {"fr": fr, "np": np, "terminal": terminal})
+                result = eval(question, {"fr": fr, "np": np, "terminal": terminal, "wavenumber": wavenumber})
                 return self.read(result)
             except (ValueError, TypeError, ArithmeticError) as error:
                 return f"refused: {type(error).__name__}"

@@ -377,7 +377,7 @@ def of_section(rng: Rng, i: int) -> str:
         f"{rod_code}.lock_up({mu}).length",
         f"{rod_code}.lock_up({mu}, 1.0).force(10.0)",
         f"{rod_code}.natural_frequency([1, 2, 3])",
-        f"{rod_code}.wavenumber([1, 2, 3])",
+        f"wavenumber({rod_code}, [1, 2, 3])",
         f"{rod_code}.axial_response({wave}).as_dict()",
         f"{rod_code}.modes_needed({wave})[0]",
         f"{rod_code}.as_dict()",

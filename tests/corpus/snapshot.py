@@ -30,6 +30,7 @@ MODULES = (
     "friction",
     "mathieu",
     "methods",
+    "results",
     "rod.model.catalogue",
     "simulation",
     "systems",

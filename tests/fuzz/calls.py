@@ -66,8 +66,9 @@ VALUES += (
 )
 """Classes that people construct, and whose methods they call with arguments."""
 
-RESULTS = (fr.Chart, fr.RodStability, fr.StabilityIntervals, fr.Simulation, fr.mathieu.TransitionCurves)
-RESULTS += (fr.Bands, fr.SafeBox, fr.systems.FirstOrderTongue, fr.Branch, fr.RodBranches, fr.SpecialPoint)
+RESULTS = (fr.Chart, fr.results.RodStability, fr.results.StabilityIntervals, fr.Simulation, fr.mathieu.TransitionCurves)
+RESULTS += (fr.results.Bands, fr.results.SafeBox, fr.systems.FirstOrderTongue, fr.Branch, fr.results.RodBranches)
+RESULTS += (fr.results.SpecialPoint,)
 """Classes that only the package constructs, and whose methods people call with arguments."""
 
 LEFT_OUT = {
@@ -114,7 +115,6 @@ LEFT_OUT = {
     "ResolutionWarning": "a warning",
     "ForcedAngleWarning": "a warning",
     "LeavesWallError": "an exception",
-    "Rod.weight_gained": "for the simulation and the loads, which check places",
     "UndecidedWarning": "a warning",
     "UniformForceWarning": "a warning",
     "friction.EscapeRanges": "constructed by escape_ranges",
@@ -187,7 +187,7 @@ class Call(NamedTuple):
 
 def public() -> set[str]:
     """Return the names of all public callables, methods of the classes above included."""
-    names = {name for name in fr.__all__ if callable(getattr(fr, name))}
+    names = {name for owner in (fr, fr.results) for name in _callables(owner, owner.__all__)}
     names |= {
         f"{m.__name__.rpartition('.')[2]}.{n}"
         for m in (fr.mathieu, fr.friction, fr.systems, fr.methods)
@@ -526,10 +526,8 @@ def _of_rods(place: Path) -> dict[str, Call]:
             | {"growth_tolerance": 0.1, "confidence": 0.9},
         ),
         "Rod.replace": Call(ROD.replace, {"length": 3.0, "damping_rate": 1.0}),
-        "Rod.wavenumber": Call(ROD.wavenumber, {"mode": 3}),
         "Rod.natural_frequency": Call(ROD.natural_frequency, {"mode": 3}),
         "Rod.modal_system": Call(ROD.modal_system, {"load": LOAD, "modes": [1, 2]}),
-        "Rod.wave_ratio": Call(ROD.wave_ratio, {"load": LOAD}),
         "Rod.modal_system (arrays)": Call(ROD.modal_system, {"load": LOAD, **load}),
         "Rod.stress": Call(ROD.stress, {"load": TRAVELLING}),
         "Rod.axial_response": Call(ROD.axial_response, {"load": TRAVELLING}),

@@ -237,7 +237,7 @@ def _judge(answer: Any, call: Call, values: dict[str, Any]) -> list[str]:
     if (
         _has_nan(answer)
         and not of_systems
-        and not isinstance(answer, fr.Reach)  # at depths that the string does not reach
+        and not isinstance(answer, fr.results.Reach)  # at depths that the string does not reach
         and not any(_has_nan(value) or _is_infinite(value) for value in values.values())
     ):
         wrong.append("answers NaN")
@@ -277,7 +277,11 @@ def _has_nan(value: Any, depth: int = 0) -> bool:
         return bool(np.isnan(np.ma.getdata(value)).any())
     if depth > 4 or isinstance(value, str | bytes):
         return False
-    if isinstance(value, FloquetVerdict | fr.RodStability) and value.status == "undecided" and not value.exponents:
+    if (
+        isinstance(value, FloquetVerdict | fr.results.RodStability)
+        and value.status == "undecided"
+        and not value.exponents
+    ):
         return False
     if isinstance(value, fr.mathieu.TransitionCurves):
         return _has_nan(value.even) or _has_nan(value.width)

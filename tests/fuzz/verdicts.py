@@ -138,7 +138,7 @@ def _truth(rate: Any, x: Any, damping: float) -> str:
     return "unstable" if x > 0 else "stable"
 
 
-def judged(result: fr.Stability, rate: Any, x: Any, decides: bool = False) -> list[str]:
+def judged(result: fr.results.Stability, rate: Any, x: Any, decides: bool = False) -> list[str]:
     """Compare one verdict with the truth."""
     wrong = []
     damping = result.equation.damping

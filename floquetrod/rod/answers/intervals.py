@@ -74,7 +74,7 @@ class Search(NamedTuple):
 
 
 class FoundIntervals(NamedTuple):
-    """What a search found, as `floquetrod.StabilityIntervals` has it."""
+    """What a search found, as `floquetrod.results.StabilityIntervals` has it."""
 
     intervals: tuple[StabilityInterval, ...]
     modes: int  # modes examined, 1 to this

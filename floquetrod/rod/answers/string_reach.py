@@ -15,7 +15,6 @@ from floquetrod._util import validate
 from floquetrod._util.arrays import Bools, Floats
 from floquetrod._util.caching import cached_property
 from floquetrod._util.content import ByContent
-from floquetrod._util.deprecation import Renamed
 from floquetrod._util.interchange import by_keys
 from floquetrod._util.result_report import Printed, Report, Table
 from floquetrod.rod.answers.growth_along import fastest_along, growth_along
@@ -175,8 +174,6 @@ class Reach(Printed, ByContent):
     frequency_speed: Floats
     _pushing: Pushing = field(compare=False)
     _limits: Limits = field(compare=False)
-
-    kick = Renamed("speed_to_grow", until="0.2")
 
     @property
     def is_stopped(self) -> bool:

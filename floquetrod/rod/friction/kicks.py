@@ -10,6 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from floquetrod import units
 from floquetrod._util.arrays import shaped
 from floquetrod._util.caching import cached_property
 from floquetrod._util.interchange import by_keys, plain
@@ -268,7 +269,7 @@ def critical_kicks(
     rod: RodData, systems: ModalSystems, friction: float, tolerance: float, workers: int | None
 ) -> CriticalKick:
     """Return the `critical_kick` of each of many loads, in their shape."""
-    loads = systems.loads
+    loads, tolerance = systems.loads, units.tolerance("growth_tolerance", tolerance)
     record = _Least.of(loads.size)
     for block in _parts(loads.size):
         growing = ModalSystems(systems.constants, loads.some(block)).growing(tolerance, workers)

@@ -120,6 +120,11 @@ class AxialGap(NamedTuple):
     resonance: AxialResonance
 
 
+def wave_ratio(rod: Any, load: Load) -> float:
+    """Return omega L / (2 pi c_0), the rod's length in axial waves; far below 1 the force is uniform along the rod."""
+    return float(load.frequency * rod.length / (2.0 * math.pi) / rod.wave_speed)
+
+
 def axial_response(load: Load, wave_speed: float, length: float, critical_force: float) -> AxialResponse:
     """Return what `Rod.axial_response` does."""
     if not isinstance(load, AxialWave):

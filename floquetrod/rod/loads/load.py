@@ -17,7 +17,6 @@ from floquetrod._util import validate
 from floquetrod._util.arguments import Mention
 from floquetrod._util.arrays import broadcast
 from floquetrod._util.calling import TellsAttributes, constructor_hints
-from floquetrod._util.deprecation import Renamed
 from floquetrod._util.progress import Progress
 from floquetrod.parameter import EVERYWHERE, Option, Parameter, by_name
 
@@ -167,7 +166,7 @@ class Loads(NamedTuple):
         return cls((), *(np.array([value]) for value in (load.mean, load.amplitude, load.frequency)))
 
     def as_single(self, template: Load) -> Load:
-        """Return the load that these are, of the shape (), with everything else as in a template."""
+        """Return the one load of the shape (), with everything but its three quantities from a template."""
         return template.with_numbers(*(float(values[0]) for values in self.flat))
 
     @classmethod
@@ -291,8 +290,6 @@ class Load(TellsAttributes, ABC):
         """Return the arguments of an equal load, without those at their defaults."""
         every = ((f, getattr(self, f.name)) for f in fields(self))
         return {f.name: value for f, value in every if f.default is MISSING or value != f.default}
-
-    departures = Renamed("features", until="0.2")
 
     @property
     def features(self) -> str:

@@ -18,7 +18,6 @@ from floquetrod._util.caching import cached_property
 from floquetrod._util.calling import constructor_hints
 from floquetrod._util.columns import column_argument, delimiter_argument
 from floquetrod._util.content import ByContent
-from floquetrod._util.deprecation import Renamed
 from floquetrod._util.interchange import by_keys
 from floquetrod.rod.loads.load import LOAD, AxialLoad, LoadSource, load_number
 from floquetrod.rod.loads.record_file import read_columns
@@ -260,8 +259,6 @@ class ForceRecord(LoadSource, ByContent):
         With the record itself, or its `load`, in place of a load the noise only makes the verdict uncertain.
         """
         return replace(self.load, noise=self.noise_spectrum)
-
-    kept = Renamed("harmonic_numbers", until="0.2")
 
     @cached_property
     def harmonic_numbers(self) -> tuple[int, ...]:

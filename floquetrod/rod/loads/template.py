@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import Any
+from typing import Any, NamedTuple
 
 from floquetrod._util import validate
-from floquetrod.rod.loads.load import QUANTITIES, AnyLoad, Load, LoadSource, Quantity, kind
+from floquetrod.rod.loads.load import QUANTITIES, AnyLoad, Load, Loads, LoadSource, Quantity, kind
 
 Numbers = dict[Quantity, Any]
 """Mean, amplitude and frequency by name, each a number or an array, with or without a unit."""
@@ -35,6 +35,29 @@ def replaced(
             )
         numbers[name] = getattr(template, name) if given[name] is None else given[name]
     return template, numbers
+
+
+class ReplacedLoads(NamedTuple):
+    """Arrays of loads, and their template; ``single`` is the one load where they have the shape (), else None."""
+
+    template: Load
+    loads: Loads
+    single: AnyLoad | None
+
+
+def replaced_loads(load: AnyLoad | None, mean: Any, amplitude: Any, frequency: Any) -> ReplacedLoads:
+    """Return the loads that a template and quantities, which broadcast, describe; a record alone stays a record."""
+    template, numbers = replaced(load, mean, amplitude, frequency)
+    loads = Loads.of(**numbers)
+    if load is not None and mean is None and amplitude is None and frequency is None:
+        return ReplacedLoads(template, loads, load)
+    return ReplacedLoads(template, loads, None if loads.shape else loads.as_single(template))
+
+
+def require_one_load(name: str, value: Any) -> None:
+    """Raise ValueError for an argument that is given for arrays of loads and is about one load."""
+    if value is not None:
+        raise validate.wrong_value(name, f"is for one load, got arrays of them; leave {name} out")
 
 
 def require_no_record(load: AnyLoad | None, given: Iterable[Any]) -> None:

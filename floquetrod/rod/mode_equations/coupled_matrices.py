@@ -34,6 +34,7 @@ from floquetrod.rod.mode_equations.coupling import WAVEFORM, coupling
 from floquetrod.rod.model.beam import Basis, are_enriched, basis
 from floquetrod.rod.model.constants import SLOW_GROWTH, ModeConstants, mode_constants
 from floquetrod.rod.model.contact import Lying, Wall, added_mean, constants_under, on_wall
+from floquetrod.rod.model.course import weight_gained
 from floquetrod.rod.model.data import RodData
 
 MOST_COUPLED = 2000  # modes of a system: half a minute each verdict
@@ -59,7 +60,7 @@ def modes_needed(rod: RodData, template: Load, loads: Loads, growth_tolerance: f
 def _confined(rod: RodData) -> int:
     """Return how many modes follow waves of the length (E I / w)^(1/3), over which weight along a rod confines them."""
     x = np.union1d(np.linspace(0.0, 1.0, 33), rod.course.samples)
-    steepest = float(np.max(np.abs(np.diff(rod.weight_gained(x, 0.0)) / np.diff(x)))) / rod.length
+    steepest = float(np.max(np.abs(np.diff(weight_gained(rod, x, 0.0)) / np.diff(x)))) / rod.length
     return math.ceil(_HANGING * rod.length / math.pi * math.cbrt(steepest / rod.flexural_rigidity))
 
 
@@ -119,7 +120,7 @@ def _largest_uniform(rod: RodData, template: Load, loads: Loads) -> AxialLoad:
 @functools.lru_cache(maxsize=64)
 def _most_added(rod: RodData, mean_at: float | None) -> float:
     """Return the most that weight along a rod adds to the mean force at the place where that is given, in N."""
-    return 0.0 if mean_at is None else float(np.max(rod.weight_gained(rod.course.samples, mean_at)))
+    return 0.0 if mean_at is None else float(np.max(weight_gained(rod, rod.course.samples, mean_at)))
 
 
 @functools.lru_cache(maxsize=64)  # asked several times in a verdict

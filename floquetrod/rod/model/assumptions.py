@@ -10,6 +10,7 @@ import numpy as np
 
 from floquetrod._util.arguments import Mention, Message
 from floquetrod._util.calling import level_of_caller
+from floquetrod.rod.loads.axial import wave_ratio
 from floquetrod.rod.loads.load import AxialWave, Load
 from floquetrod.rod.model.data import RodData
 
@@ -146,7 +147,7 @@ def warn_unless_uniform(rod: RodData, load: Load) -> None:
     """Warn where a force that is taken to be uniform along the rod is not, its harmonics that matter included."""
     sizes = np.abs(load.harmonics)
     highest = 1 + int(np.flatnonzero(sizes >= _MATTERS * sizes.max())[-1])
-    ratio, fast = highest * rod.wave_ratio(load), highest * load.frequency
+    ratio, fast = highest * wave_ratio(rod, load), highest * load.frequency
     if load.amplitude > 0.0 and load.is_uniform and ratio > UNIFORM_UP_TO:
         warnings.warn(
             Message(
@@ -170,7 +171,7 @@ def assumptions(rod: RodData, load: Load) -> tuple[Assumption, ...]:
         )
     else:
         vibration = Assumption(
-            f"vibration uniform along the rod, which is {rod.wave_ratio(load):.2g} axial wavelengths long",
+            f"vibration uniform along the rod, which is {wave_ratio(rod, load):.2g} axial wavelengths long",
             "at a tenth of a wavelength the middle feels 5 % more than the ends; AxialWave has the waves",
         )
     weight = (rod.weight_along > 0.0 or not rod.course.is_uniform) and load.mean_at is None

@@ -22,7 +22,7 @@ from floquetrod._util.content import ByContent
 from floquetrod.rod.loads import axial
 from floquetrod.rod.loads.load import Load, Loads, Quantity
 from floquetrod.rod.model.constants import ModeConstants, mode_constants
-from floquetrod.rod.model.course import ChannelShape
+from floquetrod.rod.model.course import ChannelShape, weight_gained
 from floquetrod.rod.model.data import RodData
 
 _INSTANTS = 8  # for each harmonic, at which a force is examined for its least (a choice)
@@ -72,7 +72,7 @@ class Wall:
 
 def added_mean(rod: RodData, load: Load, x: Any) -> Any:
     """Return what the weight along a rod adds to the mean force at x = s / L, in N."""
-    return 0.0 * x if load.mean_at is None else rod.weight_gained(x, load.mean_at)
+    return 0.0 * x if load.mean_at is None else weight_gained(rod, x, load.mean_at)
 
 
 @functools.lru_cache(maxsize=64)  # asked several times in a verdict

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -228,3 +228,11 @@ def push(bend: Floats, across: Floats) -> Floats:
     root = np.hypot(bend, across)
     with np.errstate(invalid="ignore", divide="ignore"):  # of what is not taken
         return np.asarray(2.0 * np.where(bend >= 0.0, bend + root, across * across / (root - bend)))
+
+
+def weight_gained(rod: Any, x: Any, at: float) -> Any:
+    """Return the weight in N that is hung along the channel between places x = s / L of the rod and one of them."""
+    course = rod.course
+    if isinstance(course, PathCourse):
+        return rod.weight_per_length * course.fallen(np.asarray(x), at)
+    return rod.weight_along * rod.length * (x - at)

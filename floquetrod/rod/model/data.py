@@ -18,7 +18,7 @@ from floquetrod._util.caching import cached_property
 from floquetrod._util.calling import TellsAttributes, constructor_hints
 from floquetrod.parameter import require_known
 from floquetrod.rod.loads.axial import AxialResponse, axial_response
-from floquetrod.rod.loads.load import AnyLoad, Load, require_load
+from floquetrod.rod.loads.load import AnyLoad, require_load
 from floquetrod.rod.model import formulas
 from floquetrod.rod.model.beam import EndConditions, wavenumbers
 from floquetrod.rod.model.buckling import BucklingForce, buckling_forces, in_a_bend
@@ -314,13 +314,6 @@ class RodData(TellsAttributes):
             return self.weight_per_length * self.course.fall / self.length
         return self.channel.gravity_along * self._weighing
 
-    def weight_gained(self, x: Any, at: float) -> Any:
-        """Return the weight in N that is hung along the channel between places x = s / L of the rod and one of them."""
-        course = self.course
-        if isinstance(course, PathCourse):
-            return self.weight_per_length * course.fallen(np.asarray(x), at)
-        return self.weight_along * self.length * (x - at)
-
     @property
     def effective_gravity(self) -> float:
         """Weight across the channel over inertia, w_e sin(inclination) / m_t, in m/s^2."""
@@ -433,10 +426,6 @@ class RodData(TellsAttributes):
         """Speed of axial waves, sqrt(E / rho), in m/s."""
         return self.material.wave_speed
 
-    def wave_ratio(self, load: Load) -> float:
-        """Return omega L / (2 pi c_0), the length in axial waves; far below 1 the force is uniform along the rod."""
-        return require_load("load", load).frequency * self.length / (2.0 * math.pi) / self.wave_speed
-
     def axial_response(self, load: AnyLoad) -> AxialResponse:
         """Return how large the vibration of a load becomes along the rod, where, and the nearest axial resonances.
 
@@ -479,30 +468,31 @@ class RodData(TellsAttributes):
         require_known(self, ROD, "stress")
         return stress(self, require_load("load", load))
 
-    def wavenumber(self, mode: Any) -> Any:
-        """Return the wavenumber in 1/m of free motion in a mode without axial force: m pi / L where ends are hinged.
-
-        With other ends modes are whole numbers from 1 on, rigid motions, whose wavenumber is 0, before all others;
-        ValueError for any other number.
-        """
-        modes = _modes(mode)
-        if self.end_conditions.are_hinged:
-            return shaped(modes * formulas.first_wavenumber(self.length), modes.shape)
-        wrong = (modes < 1.0) | (modes != np.floor(modes))
-        if wrong.any():
-            raise validate.wrong_value(
-                "mode",
-                f"must be a whole number from 1 on for a rod with {self.ends} ends, got {modes[wrong][0]:g}; "
-                "modes in between have a wavenumber with hinged ends only",
-            )
-        chosen = modes.astype(np.int64)
-        waves = wavenumbers(self.end_conditions, int(chosen.max(initial=1))) / self.length
-        return shaped(waves[chosen - 1], modes.shape)
-
     def natural_frequency(self, mode: Any) -> Any:
         """Return the frequency in rad/s of free motion in a mode, without axial force or damping."""
-        bending = self.flexural_rigidity / self.mass_per_length * self.wavenumber(mode) ** 4
+        bending = self.flexural_rigidity / self.mass_per_length * wavenumber(self, mode) ** 4
         return (bending + self.pendulum_frequency**2) ** 0.5
+
+
+def wavenumber(rod: RodData, mode: Any) -> Any:
+    """Return the wavenumber in 1/m of free motion in a mode without axial force: m pi / L where ends are hinged.
+
+    With other ends modes are whole numbers from 1 on, rigid motions, whose wavenumber is 0, before all others;
+    ValueError for any other number.
+    """
+    modes = _modes(mode)
+    if rod.end_conditions.are_hinged:
+        return shaped(modes * formulas.first_wavenumber(rod.length), modes.shape)
+    wrong = (modes < 1.0) | (modes != np.floor(modes))
+    if wrong.any():
+        raise validate.wrong_value(
+            "mode",
+            f"must be a whole number from 1 on for a rod with {rod.ends} ends, got {modes[wrong][0]:g}; "
+            "modes in between have a wavenumber with hinged ends only",
+        )
+    chosen = modes.astype(np.int64)
+    waves = wavenumbers(rod.end_conditions, int(chosen.max(initial=1))) / rod.length
+    return shaped(waves[chosen - 1], modes.shape)
 
 
 def _modes(mode: Any) -> NDArray[np.float64]:

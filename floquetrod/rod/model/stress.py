@@ -10,8 +10,9 @@ import numpy as np
 
 from floquetrod._util.arguments import wrong_value
 from floquetrod._util.interchange import by_keys
-from floquetrod.rod.loads.axial import largest_along
+from floquetrod.rod.loads.axial import largest_along, wave_ratio
 from floquetrod.rod.loads.load import Load
+from floquetrod.rod.model.course import weight_gained
 from floquetrod.units import Unit, unit
 
 _MOST_WAVES = 100_000  # six million places
@@ -85,11 +86,11 @@ class Stress:
 
 def stress(rod: Any, load: Load) -> Stress:
     """Return what `RodData.stress` does."""
-    waves = 0.0 if load.is_uniform else len(load.harmonics) * rod.wave_ratio(load)
+    waves = 0.0 if load.is_uniform else len(load.harmonics) * wave_ratio(rod, load)
     if waves > _MOST_WAVES:
         raise wrong_value("frequency", f"must make at most {_MOST_WAVES:,} axial waves along the rod, got {waves:.3g}")
     x = np.union1d(np.linspace(0.0, 1.0, _PLACES + math.ceil(64.0 * waves)), rod.course.samples)
-    mean = load.mean + (0.0 if load.mean_at is None else rod.weight_gained(x, load.mean_at))
+    mean = load.mean + (0.0 if load.mean_at is None else weight_gained(rod, x, load.mean_at))
     axial = (np.abs(mean) + largest_along(load, rod.wave_speed, rod.length, x * rod.length)) / rod.area
     place = rod.course.place(x)
     curvature = np.broadcast_to(np.hypot(place.kappa_n, place.kappa_b), x.shape)

@@ -156,8 +156,8 @@ class ModeModel(ABC):
     def systems(self, loads: Loads) -> ModalSystems:
         """Return the equations of all modes under many loads, where each is Mathieu's."""
         raise ValueError(
-            f"modal_systems is for rods whose modes are independent, got {', '.join(self.coupling)}; use "
-            "modal_system, one load at a time"
+            f"modal_system of arrays of loads is for independent modes, got {', '.join(self.coupling)}; give one load "
+            "at a time"
         )
 
     def among_tongues(self, load: Load, modes: Iterable[int]) -> ModalSystem | None:
