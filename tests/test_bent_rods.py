@@ -92,7 +92,7 @@ def test_growth_is_that_of_the_equation_of_each_mode(curvature: float) -> None:
 
 
 def test_modes_longer_than_m0_are_driven_in_opposite_phase_and_at_m0_not_at_all() -> None:
-    held = mode_constants(ROD.replace(curvature=1.0)).held
+    held = mode_constants(ROD.replace(curvature=1.0)).neutral_squared
     rod = ROD.replace(curvature=16.0 / held)
     alphas = [e.alpha for e in rod.modal_system(fr.AxialLoad(0.2, 0.3, 100.0), range(1, 9)).equations]
     assert (np.array(alphas[:3]) < 0.0).all()
@@ -133,7 +133,7 @@ def test_modes_left_out_stay_below_their_bound() -> None:
         rod, load = ROD.replace(curvature=curvature), fr.AxialLoad(0.2, 0.3, 200.0)
         last, bound = rod.modes_needed(load, 1e-3)
         constants = mode_constants(rod)
-        assert last**2 >= constants.held
+        assert last**2 >= constants.neutral_squared
         growths = [rod.stability(load, [mode]).growth_rate for mode in range(last + 1, last + 8)]
         assert max(growths) <= bound <= 1e-3
 
@@ -395,8 +395,8 @@ def test_the_static_limit_of_coupled_modes_in_a_uniform_bend() -> None:
     modes = rod._modes_under().in_modes(20)
     m2 = np.arange(1.0, 21.0) ** 2
     c = mode_constants(rod)
-    rising = m2 > c.held
-    limit = float(((c.bending * m2**2 + c.pendulum_squared) / (c.per_newton * (m2 - c.held)))[rising].min())
+    rising = m2 > c.neutral_squared
+    limit = float(((c.bending * m2**2 + c.restoring) / (c.per_newton * (m2 - c.neutral_squared)))[rising].min())
     assert modes.static_answers(limit * np.array([1.0 - 1e-9, 1.0 + 1e-9])).status.tolist() == [1, 0]
 
 

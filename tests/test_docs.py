@@ -57,7 +57,7 @@ MISTAKES = [
     ("theory/simulator.md", "[-27 * f[0], -f[0], *f]", "[27 * f[0], -f[0], *f]"),
     ("theory/simulator.md", "R * rate / r", "R * rate / (2 * r)"),
     ("theory/simulator.md", "(depth + C * speed)", "(depth - C * speed)"),
-    ("how_to/uncertainty.md", "(c1 * m**4 + pendulum_squared)", "(c1 * m**4 - pendulum_squared)"),
+    ("how_to/uncertainty.md", "(c1 * m**4 + restoring)", "(c1 * m**4 - restoring)"),
 ]
 
 

@@ -34,7 +34,7 @@ def load(noise: Any, amplitude: float = 0.1, mean: float = 0.3) -> fr.AxialLoad:
 
 def test_without_vibration_each_mode_bears_what_its_equation_says() -> None:
     m = np.arange(1.0, 200.0)
-    squared = CONSTANTS.bending * m**4 - CONSTANTS.per_newton * m**2 * 0.3 * FCR + CONSTANTS.pendulum_squared
+    squared = CONSTANTS.bending * m**4 - CONSTANTS.per_newton * m**2 * 0.3 * FCR + CONSTANTS.restoring
     most = float((8.0 * ROD.damping_rate * squared / (CONSTANTS.per_newton * m**2) ** 2).min())
     found = ROD.critical("noise", load(1.0, amplitude=0.0))
     assert found == pytest.approx(most, rel=1e-9)
@@ -243,7 +243,7 @@ def test_each_side_of_a_bend_has_its_own_modes_and_bound(monkeypatch: pytest.Mon
     bounds = NoisyModes.growth_bounds
 
     def noted(modes: NoisyModes, loads: Loads) -> Any:
-        asked.append(float(modes.constants.pendulum_squared))
+        asked.append(float(modes.constants.restoring))
         return bounds(modes, loads)
 
     monkeypatch.setattr(NoisyModes, "growth_bounds", noted)
@@ -252,7 +252,7 @@ def test_each_side_of_a_bend_has_its_own_modes_and_bound(monkeypatch: pytest.Mon
     status = bent.verdicts(
         like, mean=mean, amplitude=0.02 * FCR, frequency=150.0, progress=lambda done, total: told.append((done, total))
     )
-    assert asked == pytest.approx([CONSTANTS.pendulum_squared, -CONSTANTS.pendulum_squared])
+    assert asked == pytest.approx([CONSTANTS.restoring, -CONSTANTS.restoring])
     assert told == [(3, 5), (5, 5)]
     alone = [
         bent.stability(fr.AxialLoad(each, 0.02 * FCR, 150.0, noise=like.noise)).status for each in np.delete(mean, 3)

@@ -296,8 +296,8 @@ def test_the_sine_of_an_inclination_is_enclosed(angle: float) -> None:
     with mpmath.workdps(40):
         gravity, room = mpmath.mpf(rod.gravity), mpmath.mpf(rod.channel_radius) - mpmath.mpf(rod.radius)
         exact = gravity * mpmath.sin(mpmath.mpf(angle)) / room
-        assert constants.pendulum_squared.low <= exact <= constants.pendulum_squared.high
-    assert constants.pendulum_squared.width < 1e-13 * constants.pendulum_squared.high
+        assert constants.restoring.low <= exact <= constants.restoring.high
+    assert constants.restoring.width < 1e-13 * constants.restoring.high
 
 
 @pytest.mark.parametrize(

@@ -80,12 +80,12 @@ def _growth(constants: ModeConstants, loads: Loads, slowest: float) -> tuple[NDA
     mean, amplitude, frequency = loads.flat
     c = constants.damping_rate / frequency
     family = np.broadcast_arrays(*rod_modes.mode_family(*constants[:4], mean, amplitude, frequency))
-    forcing, compression, bending, gravity, held = (float(part.max()) for part in family)
+    forcing, compression, bending, gravity, neutral_squared = (float(part.max()) for part in family)
     target = c[0] + slowest / frequency[0]
-    last = rod_modes.modes_needed(forcing, compression, bending, gravity - c[0] * c[0], held, target, 1)
+    last = rod_modes.modes_needed(forcing, compression, bending, gravity - c[0] * c[0], neutral_squared, target, 1)
     modes = np.arange(1, last + 1, math.ceil(last / _MOST_MODES))
     A, B, C, D, _ = (part[:, None] for part in family)
-    alpha, beta = rod_modes.mode_coefficients(A, B, C, D, constants.held, modes)
+    alpha, beta = rod_modes.mode_coefficients(A, B, C, D, constants.neutral_squared, modes)
     rates = np.empty(alpha.size)
     over_chunks(mathieu_discriminant.growth_fill, (alpha.ravel(), beta.ravel(), np.repeat(c, modes.size)), rates)
     return modes, (rates.reshape(alpha.shape) * frequency[:, None]).max(axis=0)

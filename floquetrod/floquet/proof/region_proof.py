@@ -250,8 +250,8 @@ class ModeBox(NamedTuple):
     frequency: LowHigh  # rad/s
     bending: LowHigh  # c1, 1/s^2
     per_newton: LowHigh  # c2, 1/(N s^2)
-    pendulum_squared: LowHigh  # Omega^2, 1/s^2
-    held: LowHigh  # m_0^2
+    restoring: LowHigh  # Omega^2, 1/s^2
+    neutral_squared: LowHigh  # m_0^2
     damping_rate: LowHigh  # c, 1/s
 
 
@@ -321,7 +321,7 @@ def modes_of_box(box: ModeBox, tolerance: float, negligible: float, most: int) -
 
 def _rows(box: ModeBox) -> int:
     """Return about how many rows of its Hill matrix the mode has that the largest force pushes hardest."""
-    force, swing = (max(box.mean[1], 0.0) + box.amplitude[1]) * box.per_newton[1], abs(box.pendulum_squared[1])
+    force, swing = (max(box.mean[1], 0.0) + box.amplitude[1]) * box.per_newton[1], abs(box.restoring[1])
     fastest = math.sqrt(max(force * force / max(box.bending[0], 1e-300), swing) if force else swing)
     return 2 + int(min(2.0 * fastest / box.frequency[0], 1e6))
 

@@ -29,7 +29,14 @@ from floquetrod.rod.answers.rod_box import RodBox, RodExample
 from floquetrod.rod.loads.load import QUANTITIES, Load, Loads, Quantity
 from floquetrod.rod.mode_equations.modal_systems import ModalSystem
 from floquetrod.rod.mode_equations.tongues import unstable_loads
-from floquetrod.rod.model.assumptions import IMMERSED, SHAPE, WALL, WEIGHT_NEGLECTED, in_a_channel, warn_unless_uniform
+from floquetrod.rod.model.assumptions import (
+    IMMERSED,
+    SHAPE,
+    WALL,
+    WEIGHT_NEGLECTED,
+    channel_assumptions,
+    warn_unless_uniform,
+)
 from floquetrod.rod.model.constants import MOST_MODES, NEGLIGIBLE_GROWTH, mode_constants
 from floquetrod.rod.model.data import RodData
 
@@ -301,7 +308,7 @@ def _assumptions(box: RodBox) -> tuple[str, ...]:
         "Eq. (1): hinged ends, a sine force uniform along the rod, no friction",
         *([WEIGHT_NEGLECTED] if weight else []),
         *SHAPE,
-        *in_a_channel(box.rod),
+        *channel_assumptions(box.rod),
         *(IMMERSED if wet else (WALL,)),
         "each rod is uniform, its parameters constant in time",
         "doubles are added, multiplied and divided as IEEE 754 says, rounded to nearest",

@@ -18,7 +18,7 @@ from floquetrod.floquet.status import STABLE
 
 @kernel
 def mode_family(
-    bending: Any, per_newton: Any, pendulum_squared: Any, held: Any, mean: Any, amplitude: Any, frequency: Any
+    bending: Any, per_newton: Any, restoring: Any, neutral_squared: Any, mean: Any, amplitude: Any, frequency: Any
 ) -> tuple[Any, Any, Any, Any, Any]:
     """Return A, B, C, D and h of a rod's modes, Eq. (4) of DOI 10.1115/1.4031710 where h = 0.
 
@@ -28,20 +28,22 @@ def mode_family(
     squared = frequency * frequency
     unit = per_newton / squared
     push = unit * mean
-    return unit * amplitude, push, bending / squared, pendulum_squared / squared + push * held, held
+    return unit * amplitude, push, bending / squared, restoring / squared + push * neutral_squared, neutral_squared
 
 
 @kernel
 def mode_coefficients(
-    forcing: Any, compression: Any, bending: Any, gravity: Any, held: Any, mode: Any
+    forcing: Any, compression: Any, bending: Any, gravity: Any, neutral_squared: Any, mode: Any
 ) -> tuple[Any, Any]:
     """Return alpha = A (m^2 - h) and beta = B m^2 - C m^4 - D of a mode m, or of an array of them."""
     m2 = 1.0 * mode * mode
-    return forcing * (m2 - held), (compression - bending * m2) * m2 - gravity
+    return forcing * (m2 - neutral_squared), (compression - bending * m2) * m2 - gravity
 
 
 @kernel
-def modes_left_out(forcing: float, compression: float, bending: float, gravity: float, held: float, last: int) -> float:
+def modes_left_out(
+    forcing: float, compression: float, bending: float, gravity: float, neutral_squared: float, last: int
+) -> float:
     """Return a bound on the growth per unit tau of every mode after ``last``, infinite where none is known.
 
     In y = m^2 - h the family has h = 0, alpha = A y and beta = (B - 2 C h) y - C y^2 - (D - B h + C h^2); so
@@ -51,11 +53,11 @@ def modes_left_out(forcing: float, compression: float, bending: float, gravity: 
     `growth_bound` only fall; its prefactor is A / 4 over the square root of C - (A + B) / m^2 + D / m^4, which is at
     least what it is with (A + B) and -D replaced by zero where negative.
     """
-    m2 = (last + 1.0) * (last + 1.0) - held
+    m2 = (last + 1.0) * (last + 1.0) - neutral_squared
     if not m2 > 0.0:
         return math.inf
-    gravity += (bending * held - compression) * held
-    compression -= 2.0 * bending * held
+    gravity += (bending * neutral_squared - compression) * neutral_squared
+    compression -= 2.0 * bending * neutral_squared
     room = bending - max(forcing + compression, 0.0) / m2 + min(gravity, 0.0) / (m2 * m2)
     if room <= 0.0 or bending * m2 * m2 < gravity:
         return math.inf
@@ -71,7 +73,13 @@ def modes_left_out(forcing: float, compression: float, bending: float, gravity: 
 
 @kernel
 def modes_needed(
-    forcing: float, compression: float, bending: float, gravity: float, held: float, target: float, guess: int
+    forcing: float,
+    compression: float,
+    bending: float,
+    gravity: float,
+    neutral_squared: float,
+    target: float,
+    guess: int,
 ) -> int:
     """Return the least M >= 1 such that every mode after M grows at no more than ``target`` per unit tau.
 
@@ -79,19 +87,22 @@ def modes_needed(
     """
     low, high = 0, guess
     step = 1
-    if modes_left_out(forcing, compression, bending, gravity, held, guess) > target:
+    if modes_left_out(forcing, compression, bending, gravity, neutral_squared, guess) > target:
         low, high = guess, guess + 1
-        while modes_left_out(forcing, compression, bending, gravity, held, high) > target:
+        while modes_left_out(forcing, compression, bending, gravity, neutral_squared, high) > target:
             step *= 2
             low, high = high, high + step
     else:
-        while high > 1 and modes_left_out(forcing, compression, bending, gravity, held, max(1, high - step)) <= target:
+        while (
+            high > 1
+            and modes_left_out(forcing, compression, bending, gravity, neutral_squared, max(1, high - step)) <= target
+        ):
             high = max(1, high - step)
             step *= 2
         low = max(0, high - step)
     while high - low > 1:
         middle = (low + high) // 2
-        if modes_left_out(forcing, compression, bending, gravity, held, middle) > target:
+        if modes_left_out(forcing, compression, bending, gravity, neutral_squared, middle) > target:
             low = middle
         else:
             high = middle
@@ -100,12 +111,12 @@ def modes_needed(
 
 @kernel
 def modes_needed_fill(
-    forcing: Any, compression: Any, bending: Any, gravity: Any, target: Any, out: Any, held: float
+    forcing: Any, compression: Any, bending: Any, gravity: Any, target: Any, out: Any, neutral_squared: float
 ) -> None:
     """Fill ``out`` with `modes_needed`."""
     last = 1
     for i in range(len(forcing)):
-        last = modes_needed(forcing[i], compression[i], bending[i], gravity[i], held, target[i], last)
+        last = modes_needed(forcing[i], compression[i], bending[i], gravity[i], neutral_squared, target[i], last)
         out[i] = last
 
 
@@ -114,13 +125,13 @@ def _modes_of_load(
     constants: Any, mean: float, amplitude: float, omega: float, slowest: float, guess: int
 ) -> tuple[float, float, float, float, float, float, int]:
     """Return A, B, C, D, h and c of a rod under a load, and how many modes show growth of ``slowest`` (1/s)."""
-    bending, per_newton, pendulum_squared, held, damping_rate = constants
+    bending, per_newton, restoring, neutral_squared, damping_rate = constants
     c = damping_rate / omega
-    forcing, compression, stiffness, gravity, held = mode_family(
-        bending, per_newton, pendulum_squared, held, mean, amplitude, omega
+    forcing, compression, stiffness, gravity, neutral_squared = mode_family(
+        bending, per_newton, restoring, neutral_squared, mean, amplitude, omega
     )
-    last = modes_needed(forcing, compression, stiffness, gravity - c * c, held, c + slowest / omega, guess)
-    return forcing, compression, stiffness, gravity, held, c, last
+    last = modes_needed(forcing, compression, stiffness, gravity - c * c, neutral_squared, c + slowest / omega, guess)
+    return forcing, compression, stiffness, gravity, neutral_squared, c, last
 
 
 @kernel
@@ -129,13 +140,13 @@ def _mode_stable(
     compression: float,
     bending: float,
     gravity: float,
-    held: float,
+    neutral_squared: float,
     mode: int,
     damping: float,
     tolerance: float,
 ) -> bool:
     """Return whether one mode of a family grows no faster than ``tolerance``."""
-    alpha, beta = mode_coefficients(forcing, compression, bending, gravity, held, mode)
+    alpha, beta = mode_coefficients(forcing, compression, bending, gravity, neutral_squared, mode)
     return is_stable(alpha, beta, damping, tolerance)
 
 
@@ -156,15 +167,17 @@ def rod_is_stable(
     left out.  ``last`` and ``suspect`` are the answers for a rod and load nearby: neighbours need about as many modes
     and mostly fail in the same one, which is tested first.
     """
-    forcing, compression, bending, gravity, held, c, last = _modes_of_load(
+    forcing, compression, bending, gravity, neutral_squared, c, last = _modes_of_load(
         constants, mean, amplitude, omega, slowest, last
     )
     level = tolerance / omega
     suspect = min(suspect, last)
-    if not _mode_stable(forcing, compression, bending, gravity, held, suspect, c, level):
+    if not _mode_stable(forcing, compression, bending, gravity, neutral_squared, suspect, c, level):
         return False, last, suspect
     for mode in range(1, last + 1):
-        if mode != suspect and not _mode_stable(forcing, compression, bending, gravity, held, mode, c, level):
+        if mode != suspect and not _mode_stable(
+            forcing, compression, bending, gravity, neutral_squared, mode, c, level
+        ):
             return False, last, mode
     return True, last, suspect
 
@@ -176,8 +189,8 @@ def modes_stable_fill(
     frequency: Any,
     bending: Any,
     per_newton: Any,
-    pendulum_squared: Any,
-    held: Any,
+    restoring: Any,
+    neutral_squared: Any,
     damping_rate: Any,
     out: Any,
     tolerance: float,
@@ -191,7 +204,7 @@ def modes_stable_fill(
     last = 1
     suspect = 1
     for i in range(len(mean)):
-        constants = bending[i], per_newton[i], pendulum_squared[i], held[i], damping_rate[i]
+        constants = bending[i], per_newton[i], restoring[i], neutral_squared[i], damping_rate[i]
         out[i], last, suspect = rod_is_stable(
             constants, mean[i], amplitude[i], frequency[i], tolerance, slowest, last, suspect
         )
@@ -202,13 +215,13 @@ def modes_growth_fill(mean: Any, amplitude: Any, frequency: Any, out: Any, const
     """Fill ``out`` (n, 2) with the largest growth rate per second and the mode that has it (0 where none grows)."""
     last = 1
     for i in range(len(mean)):
-        forcing, compression, bending, gravity, held, c, last = _modes_of_load(
+        forcing, compression, bending, gravity, neutral_squared, c, last = _modes_of_load(
             constants, mean[i], amplitude[i], frequency[i], smallest, last
         )
         best = 0.0
         first = 0
         for mode in range(1, last + 1):
-            alpha, beta = mode_coefficients(forcing, compression, bending, gravity, held, mode)
+            alpha, beta = mode_coefficients(forcing, compression, bending, gravity, neutral_squared, mode)
             if shown_by_count(alpha, beta + c * c) != STABLE:
                 rate = growth(alpha, beta, c)
                 if rate > best:

@@ -182,7 +182,7 @@ class CoupledModes(CoupledEquations):
         """Stiffness without mean force in 1/s^2, and what a newton of uniform compression takes from it."""
         bending = self.constants.bending / math.pi**4 * self.basis.bending
         weight = self._coupling(self._added)
-        swing = self.constants.pendulum_squared * np.eye(self.size) if self.rod.course.is_straight else 0.0
+        swing = self.constants.restoring * np.eye(self.size) if self.rod.course.is_straight else 0.0
         return bending + swing - weight, self.basis.softening * float(self.constants.per_newton / math.pi**2)
 
     @cached_property
@@ -195,7 +195,7 @@ class CoupledModes(CoupledEquations):
         """The wall of a channel that bends, at the nodes; contact forces in its units are N / (R m), in 1/s^2."""
         rod = self.rod
         per_newton = self.constants.per_newton * (rod.length / math.pi) ** 2 / rod.radial_clearance
-        weight = self.constants.pendulum_squared / math.sin(rod.inclination)
+        weight = self.constants.restoring / math.sin(rod.inclination)
         return Wall(rod.course.place(self.basis.nodes), weight, per_newton)
 
     def _lying(self, mean: float) -> Lying:
@@ -296,7 +296,7 @@ class CoupledModes(CoupledEquations):
     def changed(self, bending: float, force: float, weight: float) -> Self:
         """Return the same modes with bending stiffness, weight along and weight across the rod changed by factors."""
         constants = self.constants._replace(
-            bending=bending * self.constants.bending, pendulum_squared=weight * self.constants.pendulum_squared
+            bending=bending * self.constants.bending, restoring=weight * self.constants.restoring
         )
         return replace(self, constants=constants, along=force * self.along)
 

@@ -81,7 +81,7 @@ class ModalSystem:
     def per_newton(self) -> Floats:
         """Increase of each alpha by a newton of amplitude, and of each beta by a newton of mean force."""
         unit, *_ = kernels.mode_family(*self.constants[:4], 0.0, 1.0, self.load.frequency)
-        return np.asarray(unit * (self._numbers**2 - self.constants.held))
+        return np.asarray(unit * (self._numbers**2 - self.constants.neutral_squared))
 
     @property
     def in_seconds(self) -> tuple[Floats, Floats]:
@@ -190,16 +190,16 @@ class ModalSystems:
         Half the threshold of growth bounds the modes left out: they are far from resonance, abs(A) / A'(0) is below 1
         at first, and what grows at half the rate ends at the square root of the limit.
         """
-        *family, held = self._family()
+        *family, neutral_squared = self._family()
         a, b, c, d = (np.broadcast_to(part, self.loads.frequency.shape) for part in family)
         damping = self._damping()
         last = np.empty(damping.size, dtype=np.int64)
         inputs = (a, b, c, d - damping * damping, damping + 0.5 * criterion.threshold)
-        over_chunks(kernels.modes_needed_fill, inputs, last, held, workers=workers, chunk=4096)
+        over_chunks(kernels.modes_needed_fill, inputs, last, neutral_squared, workers=workers, chunk=4096)
         out = np.ones(damping.size, dtype=np.bool_)
         for mode in range(1, int(last.max(initial=0)) + 1):
             at = np.flatnonzero(out & (mode <= last))
-            alpha, beta = kernels.mode_coefficients(a[at], b[at], c[at], d[at], held, mode)
+            alpha, beta = kernels.mode_coefficients(a[at], b[at], c[at], d[at], neutral_squared, mode)
             out[at] = criterion.is_stable(alpha, beta, damping[at], workers=workers)
         return out
 
@@ -208,9 +208,9 @@ class ModalSystems:
         mean, amplitude, frequency = self.loads.flat
         last, _ = self.constants.modes_needed(AxialLoad(mean.max(), amplitude.max(), frequency.max()), growth_tolerance)
         modes = np.arange(1, last + 1)
-        *family, held = self._family()
+        *family, neutral_squared = self._family()
         a, b, c, d = (np.reshape(part, (-1, 1)) for part in family)
-        alpha, beta = kernels.mode_coefficients(a, b, c, d, held, modes)
+        alpha, beta = kernels.mode_coefficients(a, b, c, d, neutral_squared, modes)
         damping = np.broadcast_to(self._damping()[:, None], alpha.shape)
         every = alpha.ravel(), beta.ravel(), damping.ravel() if damping.any() else None
         # Kicks follow, which take longer than a verdict one by one.

@@ -152,8 +152,8 @@ class NoisyModes:
         """Return the equations of some modes under flat loads."""
         constants, m2 = self.constants, np.square(np.asarray(modes, dtype=float))
         mean, amplitude, frequency = (values[:, None] for values in loads.flat)
-        per_newton = constants.per_newton * (m2 - constants.held)
-        squared = constants.bending * m2 * m2 - per_newton * mean + constants.pendulum_squared
+        per_newton = constants.per_newton * (m2 - constants.neutral_squared)
+        squared = constants.bending * m2 * m2 - per_newton * mean + constants.restoring
         at = np.sqrt(np.maximum(squared, 0.0)) / math.pi  # twice the mode's frequency, in Hz
         intensity = np.abs(per_newton) * np.sqrt(0.5 * density_at(self.template.noise, at))
         waves = tuple(-per_newton * amplitude * h for h in self.template.harmonics.tolist())
@@ -192,7 +192,7 @@ class NoisyModes:
         for w^2 wherever; k^2 / w^2 = c2^2 (1 - h u)^2 / (c1 - c2 F u (1 - h u) + Omega^2 u^2) has one maximum or none.
         What p adds to it falls with m^2 from the first mode of a block on, where k <= c2 m^2 (1 + abs(h) / m^2).
         """
-        bending, per_newton, pendulum_squared, held, c = (float(part) for part in self.constants)
+        bending, per_newton, restoring, neutral_squared, c = (float(part) for part in self.constants)
         mean, amplitude, frequency = (values[:, None] for values in loads.flat)
         x = _FIRST.astype(float) ** 2
         near, far = 1.0 / x, np.append(1.0 / np.square(_FIRST[1:] - 1.0), 0.0)
@@ -200,9 +200,9 @@ class NoisyModes:
 
         def largest_share(pendulum: float) -> Floats:
             """Return the largest k^2 / w^2, infinite where w^2 is not positive."""
-            linear, square = -per_newton * mean, pendulum + per_newton * mean * held
+            linear, square = -per_newton * mean, pendulum + per_newton * mean * neutral_squared
             with np.errstate(divide="ignore", invalid="ignore"):
-                at = -(2.0 * held * bending + linear) / (2.0 * square + held * linear)
+                at = -(2.0 * neutral_squared * bending + linear) / (2.0 * square + neutral_squared * linear)
                 lowest = -0.5 * linear / square
             found: Any = 0.0
             least: Any = math.inf
@@ -210,20 +210,20 @@ class NoisyModes:
                 for u in (near, far, np.clip(np.nan_to_num(turn), far, near)):
                     below = bending + linear * u + square * u * u
                     least = np.minimum(least, below)
-                    found = np.maximum(found, (1.0 - held * u) ** 2 / np.where(below > 0.0, below, 1.0))
+                    found = np.maximum(found, (1.0 - neutral_squared * u) ** 2 / np.where(below > 0.0, below, 1.0))
             return np.where(least > 0.0, per_newton**2 * found, np.inf)
 
         with np.errstate(invalid="ignore"):  # no noise times infinity
             share, damped = (
                 np.where(density > 0.0, 0.25 * density * largest_share(pendulum), 0.0) - 2.0 * c
-                for pendulum in (pendulum_squared, pendulum_squared - c * c)
+                for pendulum in (restoring, restoring - c * c)
             )
         plain = np.minimum(np.maximum(share, 0.0), damped)
-        k = per_newton * (x + abs(held))
+        k = per_newton * (x + abs(neutral_squared))
         sizes, turns = np.abs(self.template.harmonics), np.arange(1, self.template.harmonics.size + 1)
         waves = [k * amplitude * frequency**n * float((sizes * turns**n).sum()) for n in range(4)]
         mean_square = 0.5 * np.square(k * amplitude) * float(np.square(sizes).sum())
-        center = bending * x * x - k * np.maximum(0.0, mean) - max(0.0, -pendulum_squared) - c * c
+        center = bending * x * x - k * np.maximum(0.0, mean) - max(0.0, -restoring) - c * c
         known = center > waves[0]
         center, waves[0] = np.where(known, center, 1.0), np.where(known, waves[0], 0.0)
         noise = 0.5 * density * k * k
@@ -232,9 +232,9 @@ class NoisyModes:
 
     def _densities(self, loads: Loads, x: Floats) -> Floats:
         """Return the largest density at twice the frequencies of all modes from m^2 = ``x`` on, (loads, modes)."""
-        bending, per_newton, pendulum_squared, held, _ = (float(part) for part in self.constants)
+        bending, per_newton, restoring, neutral_squared, _ = (float(part) for part in self.constants)
         push = per_newton * np.maximum(0.0, loads.flat[0])[:, None]
-        squared = bending * x * x - push * (x + abs(held)) + min(0.0, pendulum_squared)
+        squared = bending * x * x - push * (x + abs(neutral_squared)) + min(0.0, restoring)
         return largest_density(self.template.noise, np.sqrt(np.maximum(0.0, squared)) / math.pi)
 
     def modes_needed(self, load: Load, growth_tolerance: float) -> tuple[int, float]:

@@ -56,7 +56,7 @@ _STRAIGHT = Assumption(
     "a bend of 0.01/m can raise the critical force several times, see Rod(path=); a rod that bounces leaves the floor",
 )
 _END_EFFECT = 0.4
-"""Share of growth by which a straight rod with hinged ends differs, times half waves; see `in_a_channel`."""
+"""Share of growth by which a straight rod with hinged ends differs, times half waves; see `channel_assumptions`."""
 
 MOST_FORCED = math.radians(1.0)
 """Angle in rad up to which a rod that the vibration moves along the wall counts as at rest there (a choice)."""
@@ -104,7 +104,7 @@ def forced_in_words(angle: float) -> Assumption:
     )
 
 
-def in_a_channel(rod: RodData) -> tuple[Assumption, ...]:
+def channel_assumptions(rod: RodData) -> tuple[Assumption, ...]:
     """Return what is assumed of the channel, in one that bends with numbers that should be small.
 
     In a bend ends without a moment lift a straight rod off its wall near them, and growth differs, of a rod of seven
@@ -179,6 +179,6 @@ def assumptions(rod: RodData, load: Load) -> tuple[Assumption, ...]:
         vibration,
         *([WEIGHT_NEGLECTED] if weight else []),
         *SHAPE,
-        *in_a_channel(rod),
+        *channel_assumptions(rod),
         *(IMMERSED if rod.fluid_inside or rod.fluid_outside else (WALL,)),
     )

@@ -55,7 +55,9 @@ def buckling_forces(sinusoidal: float, rigidity: float, weight: float) -> dict[s
     }
 
 
-def in_a_bend(straight: Mapping[str, BucklingForce], force_at: Callable[[float], float]) -> dict[str, BucklingForce]:
+def buckling_forces_in_a_bend(
+    straight: Mapping[str, BucklingForce], force_at: Callable[[float], float]
+) -> dict[str, BucklingForce]:
     """Return the criteria where the channel bends.
 
     ``force_at`` returns the force in N at a ratio of F^2 R / (4 E I) to the contact force.

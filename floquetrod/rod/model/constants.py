@@ -35,8 +35,8 @@ class ModeConstants(NamedTuple):
 
     bending: Any  # c1 = (E I / m_t) (pi / L)^4 in 1/s^2
     per_newton: Any  # c2 = (pi / L)^2 / m_t in 1/(N s^2)
-    pendulum_squared: Any  # Omega^2 in 1/s^2, of swinging in the channel
-    held: Any  # m_0^2 = (L / pi)^2 curvature / R, zero in a straight channel, negative where it drops
+    restoring: Any  # Omega^2 in 1/s^2, of all that restores a rod across, over its inertia
+    neutral_squared: Any  # m_0^2 = (L / pi)^2 curvature / R, zero in a straight channel, negative where it drops
     damping_rate: Any  # c in 1/s, of the decay of free motion
 
     @classmethod
@@ -62,46 +62,46 @@ class ModeConstants(NamedTuple):
         return cls(
             p["youngs_modulus"] * (0.25 * (outer + inner)) / mass * w**4,
             w**2 / (formulas.ring(p["radius"], p["inner_radius"], pi) * mass),
-            formulas.pendulum_squared(pull, room),
-            formulas.held_modes_squared(p["curvature"], room, w),
+            formulas.restoring(pull, room),
+            formulas.neutral_mode_squared(p["curvature"], room, w),
             p["damping_rate"],
         )
 
     def on_side(self, side: Any) -> ModeConstants:
         """Return those of a rod that lies on the low side, 1, or on the high side, -1."""
-        return self._replace(pendulum_squared=side * self.pendulum_squared, held=side * self.held)
+        return self._replace(restoring=side * self.restoring, neutral_squared=side * self.neutral_squared)
 
     def sides(self, mean: Any, amplitude: Any) -> Any:
         """Return on which side a rod lies at all times, 1 low, -1 high, 0 where it leaves the wall, under forces in N.
 
         By its contact force over inertia and clearance, Omega^2 + c2 m_0^2 F.
         """
-        bend = self.per_newton * self.held
-        press, lost = self.pendulum_squared + bend * mean, np.abs(bend) * amplitude
+        bend = self.per_newton * self.neutral_squared
+        press, lost = self.restoring + bend * mean, np.abs(bend) * amplitude
         return np.where(press - lost > 0.0, 1, np.where(press + lost < 0.0, -1, 0))
 
     def modes_below(self, frequency: float, mean: float) -> int:
         """Return about how many modes swing below a frequency in rad/s under a compression in N."""
         push = 0.5 * self.per_newton * mean
-        rest = frequency**2 - self.pendulum_squared - 2.0 * push * self.held
+        rest = frequency**2 - self.restoring - 2.0 * push * self.neutral_squared
         squared = max(0.0, push + math.sqrt(max(0.0, push * push + self.bending * rest))) / self.bending
         return math.floor(math.sqrt(squared))
 
     def modes_needed(self, load: Load, growth_tolerance: float) -> tuple[int, float]:
         """Return how many modes decide a verdict and a bound in 1/s on all others; see `Rod.modes_needed`."""
         self.require_in_reach(Loads.single(load))
-        a, b, stiffness, d, held = kernels.mode_family(*self[:4], load.mean, load.amplitude, load.frequency)
+        a, b, stiffness, d, neutral_squared = kernels.mode_family(*self[:4], load.mean, load.amplitude, load.frequency)
         c = self.damping_rate / load.frequency
         d -= c * c
         target = c + max(growth_tolerance, NEGLIGIBLE_GROWTH) / load.frequency
-        last = kernels.modes_needed(a, b, stiffness, d, held, target, 1)
+        last = kernels.modes_needed(a, b, stiffness, d, neutral_squared, target, 1)
         if last > MOST_MODES:
             raise validate.wrong_value(
                 "load",
                 f"needs {last} modes, more than {MOST_MODES}: its frequency {load.frequency:g} rad/s or its "
                 f"forces are far beyond those of this rod; check the units",
             )
-        bound = kernels.modes_left_out(a, b, stiffness, d, held, last)
+        bound = kernels.modes_left_out(a, b, stiffness, d, neutral_squared, last)
         return last, max(0.0, bound - c) * load.frequency
 
     def require_in_reach(self, loads: Loads) -> None:
@@ -113,8 +113,8 @@ class ModeConstants(NamedTuple):
         modes, fastest = self._extent(loads)
         if modes > MOST_MODES:
             push = float(np.max(loads.mean, initial=-math.inf) + np.max(loads.amplitude, initial=0.0))
-            half = 0.5 * self.held * self.bending
-            critical = 2.0 * (half + math.sqrt(max(0.0, half * half + self.bending * self.pendulum_squared)))
+            half = 0.5 * self.neutral_squared * self.bending
+            critical = 2.0 * (half + math.sqrt(max(0.0, half * half + self.bending * self.restoring)))
             critical /= self.per_newton
             raise validate.wrong_value(
                 "load",
@@ -174,11 +174,11 @@ def extent(constants: ModeConstants, push: Any, force: Any) -> tuple[Any, Any]:
 
     Of one rod or of many: ``push`` is the largest compression in N, zero or more, ``force`` the largest force in size.
     """
-    bending, per_newton, pendulum_squared, held, _ = constants
+    bending, per_newton, restoring, neutral_squared, _ = constants
     with np.errstate(over="ignore"):  # infinite is out of reach, too
-        modes = np.sqrt(push * per_newton / bending + np.abs(held))
+        modes = np.sqrt(push * per_newton / bending + np.abs(neutral_squared))
         highest = np.maximum(1.0, modes) ** 2
-        bent = np.abs(pendulum_squared) + per_newton * force * np.abs(held)
+        bent = np.abs(restoring) + per_newton * force * np.abs(neutral_squared)
         return modes, np.sqrt(per_newton * force * highest + bending * highest * highest + bent)
 
 

@@ -213,17 +213,17 @@ def critical_forces(place: ChannelShape, rigidity: float, weight: float, clearan
     """
     across = np.sqrt(rigidity * (weight / clearance) * place.sine)
     bend, aside = (rigidity / clearance * kappa for kappa in (place.kappa_n, place.kappa_b))
-    low = push(bend, across)
+    low = critical_push(bend, across)
     if not np.any(place.kappa_b):
         return low
 
     def holds(force: Floats) -> Bools:
         return np.asarray(force * force <= 4.0 * np.hypot(across**2 + force * bend, force * aside))
 
-    return bisected(holds, low, push(bend + np.abs(aside), across), 60)[0]
+    return bisected(holds, low, critical_push(bend + np.abs(aside), across), 60)[0]
 
 
-def push(bend: Floats, across: Floats) -> Floats:
+def critical_push(bend: Floats, across: Floats) -> Floats:
     """Return 2 (b + sqrt(b^2 + a^2)) without cancellation: bit for bit 2 a where b = 0."""
     root = np.hypot(bend, across)
     with np.errstate(invalid="ignore", divide="ignore"):  # of what is not taken

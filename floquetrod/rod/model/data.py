@@ -21,9 +21,17 @@ from floquetrod.rod.loads.axial import AxialResponse, axial_response
 from floquetrod.rod.loads.load import AnyLoad, require_load
 from floquetrod.rod.model import formulas
 from floquetrod.rod.model.beam import EndConditions, wavenumbers
-from floquetrod.rod.model.buckling import BucklingForce, buckling_forces, in_a_bend
+from floquetrod.rod.model.buckling import BucklingForce, buckling_forces, buckling_forces_in_a_bend
 from floquetrod.rod.model.catalogue import pipe_in_a_hole
-from floquetrod.rod.model.course import Channel, Course, PathCourse, UniformCourse, course_of, critical_forces, push
+from floquetrod.rod.model.course import (
+    Channel,
+    Course,
+    PathCourse,
+    UniformCourse,
+    course_of,
+    critical_forces,
+    critical_push,
+)
 from floquetrod.rod.model.cross_section import CrossSection, Fluids, Material
 from floquetrod.rod.model.lock_up import LockUp
 from floquetrod.rod.model.parameters import (
@@ -131,10 +139,10 @@ class RodData(TellsAttributes):
                 f"{self.weight_per_length:.4g} N/m: this rod floats",
             )
         if self.path is not None:
-            self._keep_weakest_place(room)
+            self._set_weakest_bend(room)
         warn_of_rod(self)
 
-    def _keep_weakest_place(self, room: float) -> None:
+    def _set_weakest_bend(self, room: float) -> None:
         """Set inclination and curvature to those where a push buckles the rod first; ``room`` its clearance."""
         course = self.course
         x, place = course.samples, course.sampled
@@ -338,7 +346,7 @@ class RodData(TellsAttributes):
     @property
     def pendulum_frequency(self) -> float:
         """Frequency sqrt(w_e sin(inclination) / (R m_t)) in rad/s at which a rigid rod swings in the channel."""
-        return math.sqrt(formulas.pendulum_squared(self.effective_gravity, self.radial_clearance))
+        return math.sqrt(formulas.restoring(self.effective_gravity, self.radial_clearance))
 
     @property
     def critical_force(self) -> float:
@@ -350,7 +358,7 @@ class RodData(TellsAttributes):
         across = math.sqrt(self.flexural_rigidity * self.mass_per_length) * self.pendulum_frequency
         if self.path is not None:
             return float(self._least_force)  # type: ignore[attr-defined]
-        return float(push(np.asarray(self._bend), np.asarray(across))) if self.curvature else 2.0 * across
+        return float(critical_push(np.asarray(self._bend), np.asarray(across))) if self.curvature else 2.0 * across
 
     @property
     def _bend(self) -> float:
@@ -393,7 +401,7 @@ class RodData(TellsAttributes):
         straight = buckling_forces(self.critical_force, self.flexural_rigidity, self.weight_per_length)
         if not self.curvature and self.path is None:
             return straight
-        return in_a_bend(straight, self._force_at)
+        return buckling_forces_in_a_bend(straight, self._force_at)
 
     def _force_at(self, ratio: float) -> float:
         """Return the least force in N with F^2 = 4 ratio E I N(F) / R along the rod."""

@@ -83,8 +83,8 @@ def effective_gravity(across: Any, weight_over_inertia: Any) -> Any:
     return across * weight_over_inertia
 
 
-def pendulum_squared(gravity: Any, room: Any) -> Any:
-    """Return the squared frequency of swinging, from the effective gravity and the clearance."""
+def restoring(gravity: Any, room: Any) -> Any:
+    """Return Omega^2 in 1/s^2, all that restores a rod across, over its inertia: its weight alone."""
     return gravity / room
 
 
@@ -96,6 +96,6 @@ def first_wavenumber(length: Any, pi: Any = math.pi) -> Any:
     return pi / length
 
 
-def held_modes_squared(curvature: Any, room: Any, first: Any) -> Any:
+def neutral_mode_squared(curvature: Any, room: Any, first: Any) -> Any:
     """Return m_0^2 = (kappa / R) / w_1^2: what compression holds down equals what it drives at so many half waves."""
     return curvature / (room * first**2)

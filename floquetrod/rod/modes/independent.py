@@ -301,7 +301,7 @@ class IndependentModel(ModeModel):
         mean, amplitude, frequency = loads.flat
         constants = ModeConstants.of(rods, sin=np.sin)
         side: Any = 1.0
-        if np.any(constants.held):
+        if np.any(constants.neutral_squared):
             side = constants.sides(mean, amplitude)
             constants = constants.on_side(np.where(side == 0, 1, side))
         extents = extent(constants, np.maximum(0.0, mean + amplitude), np.abs(mean) + amplitude)

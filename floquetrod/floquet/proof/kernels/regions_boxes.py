@@ -85,9 +85,9 @@ def tail_bound(box: Any, last: int) -> float:
         m2 = down(m2 - box[HELD, 1])
         if not m2 > 0.0:
             return math.inf
-        held = side(box, HELD)
-        mean = up(mean - multiply((2.0 * c1, 2.0 * box[BENDING, 1]), held)[0])
-        bent = multiply(side(box, BENDING), square(held))
+        neutral_squared = side(box, HELD)
+        mean = up(mean - multiply((2.0 * c1, 2.0 * box[BENDING, 1]), neutral_squared)[0])
+        bent = multiply(side(box, BENDING), square(neutral_squared))
     m4 = down(m2 * m2)
     swing = down(down(box[SWING, 0] - up(box[DAMPING, 1] * box[DAMPING, 1])) + max(0.0, down(level * level)))
     most = up(up(box[SWING, 1] - max(0.0, down(box[DAMPING, 0] * box[DAMPING, 0]))) + up(level * level))
