@@ -21,7 +21,7 @@ from floquetrod.equations.second_moments import linear_moments, of_first_order, 
 from floquetrod.floquet.dispatch import run
 from floquetrod.floquet.multipliers.whole_period_maps import seconds_needed
 from floquetrod.floquet.problems import Problem
-from floquetrod.floquet.status import Status
+from floquetrod.floquet.status import Status, status_of
 
 _MOST_SECONDS = 20.0  # of one order, estimated (a choice)
 _MOST = 400  # moments of one truncation (a choice): a second or so
@@ -49,7 +49,7 @@ class FilteredGrowth(NamedTuple):
     @property
     def status(self) -> Status:
         """Stable or unstable in mean square where the error leaves no doubt; an estimate, never proved."""
-        return "stable" if self.rate < -self.error else "unstable" if self.rate > self.error else "undecided"
+        return status_of(self.rate, self.error)
 
 
 def filtered_growth(

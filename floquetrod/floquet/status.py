@@ -1,4 +1,9 @@
-"""What stands for stable, unstable and undecided in arrays, and arrays of truth values made of it."""
+"""Stable, unstable, undecided: the rules that decide for a number or a count, and the codes of a status in arrays.
+
+A number is a growth, an excess or a stiffness with its sign turned: positive where motion grows.  Of a system the rule
+is `floquetrod.floquet.multipliers.classification`, which compares multipliers with the unit circle; of a rod it is the
+rule for a number applied to the growth of its modes, with a tolerance, in `floquetrod.rod.modes`.
+"""
 
 from __future__ import annotations
 
@@ -15,6 +20,21 @@ STABLE, UNSTABLE, UNDECIDED = 1, 0, -1
 
 STATUS_CODES: dict[Status, int] = {"stable": STABLE, "unstable": UNSTABLE, "undecided": UNDECIDED}
 """What stands for a status in arrays, everywhere."""
+
+
+def status_of(growth: Any, error: Any = 0.0) -> Status:
+    """Return the status of a number that grows where it is positive, known to within its error."""
+    return "unstable" if growth > error else "stable" if growth < -error else "undecided"
+
+
+def status_between(low: float, high: float) -> Status:
+    """Return the status of a number between two: undecided where they have different signs, or either is zero."""
+    return "unstable" if low > 0.0 else "stable" if high < 0.0 else "undecided"
+
+
+def status_of_count(below: int | None) -> Status:
+    """Return the status of Hill's equation with a number of eigenvalues below its own: bounded where it is odd."""
+    return "undecided" if below is None else "stable" if below % 2 else "unstable"
 
 
 class UndecidedWarning(UserWarning):

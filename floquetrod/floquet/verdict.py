@@ -22,6 +22,7 @@ from floquetrod.floquet import pairs
 from floquetrod.floquet.references import references
 from floquetrod.floquet.registry import sources
 from floquetrod.floquet.status import Status as Status
+from floquetrod.floquet.status import status_between, status_of
 
 if TYPE_CHECKING:
     from floquetrod.floquet.floquet_modes import MonodromyMatrix
@@ -384,13 +385,13 @@ def classify(
         low, high = (edge / period - damping for edge in pairs.growth_band(excess, exponent, excess_error))
         if growth is not None:
             low, net, high = growth
-        status = "unstable" if low > 0.0 else "stable" if high < 0.0 else "undecided"
+        status = status_between(low, high)
     if tested is not None:
         status, net = tested
     elif status == "undecided" and excess_error < math.inf:
         level = equation.level
-        decided = None if level is None else static_status(-level, 0.0, damping)
-        status, note = (decided, "") if decided else (status, note)
+        if level is not None:
+            status, note = static_status(-level, 0.0, damping), ""
     net = max(0.0, net)
     discriminant, log_size = _discriminant(sign, excess, exponent, damping * period)
     if status == "undecided" and not note:
@@ -419,14 +420,14 @@ def tolerated(rate: Any, tolerance: float) -> Any:
     return (tolerance > 0.0) & (rate <= tolerance)
 
 
-def static_status(stiffness: Any, error: float, damping: Any) -> Status | None:
+def static_status(stiffness: Any, error: float, damping: Any) -> Status:
     """Return the verdict on q'' + 2 c q' + k q = 0, k known up to its error: the sign of k decides.
 
-    Where k is exactly zero motion drifts without damping, and comes to rest with any.  None where not known.
+    Where k is exactly zero motion drifts without damping, and comes to rest with any.
     """
     if stiffness == 0 and error == 0.0:
         return "stable" if damping > 0.0 else "unstable"
-    return _STATUS.get(int(pairs.decided(-stiffness, error)))
+    return status_of(-stiffness, error)
 
 
 def discriminant_excess_of(trace: float) -> tuple[int, float]:

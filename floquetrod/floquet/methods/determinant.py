@@ -9,7 +9,8 @@ from floquetrod._util.arrays import EPS
 from floquetrod.equations import Mathieu
 from floquetrod.floquet import registry
 from floquetrod.floquet.mathieu_chains.truncated_determinant import ChainDeterminant
-from floquetrod.floquet.verdict import Cost, Interval, Stability, Status, classify
+from floquetrod.floquet.status import status_of_count
+from floquetrod.floquet.verdict import Cost, Interval, Stability, classify
 
 _MOST_TERMS = 20000  # a choice: about 30 ms
 
@@ -60,10 +61,9 @@ def determinant(equation: Mathieu, *, terms: int | None = None) -> Stability:
     scale = min(1.0, abs(math.ldexp(size, min(exponent, 60))))
     rounding = 16.0 * EPS * (rows + (abs(a) + 2.0 * q + 1e-300) * max(chain.sensitivity for chain in chains))
     error = (sum(chain.left_out for chain in chains) + rounding) * max(scale, 1e-300)
-    status: Status = "undecided" if not settled or abs(size) == 0.0 else "stable" if below % 2 else "unstable"
     # The signs are known to rounding only: where a determinant is within its rounding of zero they say nothing.
-    if rounding > 0.5:
-        status = "undecided"
+    is_known = settled and abs(size) != 0.0 and not rounding > 0.5
+    status = status_of_count(below if is_known else None)
     return classify(
         equation,
         "determinant",

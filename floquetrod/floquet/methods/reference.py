@@ -28,7 +28,8 @@ from floquetrod._util import validate
 from floquetrod.equations import Equation, require
 from floquetrod.floquet.fixed_point import GUARD_BITS, PrecisePiece, multiply, period_map
 from floquetrod.floquet.proof.many_digits import TooMuchWork
-from floquetrod.floquet.verdict import Cost, Stability, Status, classify
+from floquetrod.floquet.status import status_of
+from floquetrod.floquet.verdict import Cost, Stability, classify
 
 _LARGEST_RAISE = 20  # working digits go up to this many times the digits asked for (heuristic)
 _LARGEST_WORK = 3e6  # terms of series times their cost, a few seconds' worth (heuristic)
@@ -83,7 +84,7 @@ def reference(equation: Equation, *, digits: int = 50) -> Stability:
     context = MPContext()
     context.dps = 2 * digits + 20
     excess, error = (context.mpf(number) for number in (computed.excess, computed.error))
-    status: Status = "undecided" if abs(excess) <= error else "unstable" if excess > 0 else "stable"
+    status = status_of(excess, error)
     mantissa, exponent = _split(excess)
     compared = equation.damping > 0.0 and status == "unstable"
     return classify(

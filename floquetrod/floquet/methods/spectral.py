@@ -13,6 +13,7 @@ from floquetrod.equations import Equation, Mathieu
 from floquetrod.floquet import registry
 from floquetrod.floquet.kernels import mathieu_discriminant as kernels
 from floquetrod.floquet.mathieu_chains.certain_count import certain_count
+from floquetrod.floquet.status import status_of_count
 from floquetrod.floquet.verdict import Cost, Interval, Stability, Status, classify
 
 _MOST_ROWS = 250  # rows of a banded matrix beyond which `spectral` declines (a choice: a few seconds of work)
@@ -64,7 +65,7 @@ def _mathieu(equation: Mathieu) -> Stability:
         _, unforced, shift, unforced_error, _ = kernels.discriminant_excess(0.0, equation.beta, equation.damping)
         excess_error = unforced_error + abs(size - min(1.0, abs(math.ldexp(unforced, min(shift, 60)))))
     below, pivots = certain_count(equation.alpha, equation.beta, equation.damping)
-    status: Status = "undecided" if below is None else "stable" if below % 2 else "unstable"
+    status = status_of_count(below)
     interval = None if below is None else Interval.from_count(below)
     return classify(
         equation,
@@ -101,7 +102,7 @@ def _hill(equation: Equation) -> Stability:
     else:
         note = f"needs Hill matrices of more than {_MOST_ROWS} rows; use method='monodromy'"
         return Stability.declined(equation, "spectral", Cost(rows, "rows"), note)
-    status: Status = "undecided" if below is None else "stable" if below % 2 else "unstable"
+    status = status_of_count(below)
     coarse = _central_exponent(mean, harmonics, turn, cut)
     fine = _central_exponent(mean, harmonics, turn, cut + 4)
     sign, excess, exponent = _excess_of_exponent(fine, turn, status)

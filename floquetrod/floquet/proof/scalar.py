@@ -59,7 +59,7 @@ def _elementary(problem: ExactProblem) -> Proof | None:
     """Return the verdict where the solutions are elementary, so that a boundary can be hit exactly."""
     if problem.constant is not None:
         level = problem.constant
-        status = static_status(-level, 0.0, problem.damping) or "undecided"
+        status = static_status(-level, 0.0, problem.damping)
         return _proof(problem, status, None, 0, f"the coefficient is constant and {_sign_name(level)}")
     if problem.halves is None or problem.damping > 0:
         return None
