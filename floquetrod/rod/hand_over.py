@@ -211,12 +211,16 @@ def _motion(motion: SteadyMotion | None, units: Mapping[str, str] | None) -> lis
 def _statics(verdict: RodStability, units: AnswerUnits) -> DocumentSection:
     """Return forces that buckle the rod without vibration, and the stress."""
     rod, load = verdict.rod, verdict.load
+    try:
+        forces, unknown = rod.critical_forces, []
+    except ValueError as error:  # the rod has a parameter that they do not know
+        forces, unknown = {}, [("buckling", str(error))]
     rows = [
-        (name, units.force.show(found.force, 5), f"{load.mean / found.force:.3g}", f"{found.meaning} ({found.source})")
-        for name, found in rod.critical_forces.items()
+        (name, units.force.show(force, 5), f"{load.mean / force:.3g}", f"{meaning} ({source})")
+        for name, (force, meaning, source) in forces.items()
     ]
     table = Table((("buckling", "<16"), ("force", ">12"), ("mean / force", ">12"), ("meaning", "<1")), rows)
-    lines = [("stress", rod.stress(load).in_words(units.pressure))]
+    lines = [*unknown, ("stress", rod.stress(load).in_words(units.pressure))]
     if rod.yield_strength is None:
         lines.append(("", "the yield strength is not known: give Rod(yield_strength=) or a grade"))
     lines.append(("", "before the rod moves; pressures inside and outside taken as equal"))
