@@ -229,7 +229,7 @@ def stable_values(
     growth_tolerance: float,
     progress: Progress | None,
 ) -> StabilityIntervals:
-    """Return the stability intervals of one quantity; see `floquetrod.Rod.stable_mean_forces`."""
+    """Return the stability intervals of one quantity; see `floquetrod.Rod.ranges`."""
     if bounds is None and varied != "frequency":
         bounds = 0.0, _largest(model, varied, others)
     low, high = load_bounds(varied, bounds)

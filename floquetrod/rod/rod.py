@@ -406,7 +406,7 @@ class Rod(RodData):
         """Return the verdict on the rod under a load: stable when every mode is.
 
         Under a load with noise it is the verdict in mean square, and growth is that of second moments, twice that of
-        amplitudes (docs/theory/noise.md); `critical_noise` is the largest noise that is stable.
+        amplitudes (docs/theory/noise.md); `critical` finds the largest noise that is stable.
 
         Parameters
         ----------
