@@ -112,7 +112,7 @@ def bare_numbers(
     of_any_kind = [each for each in with_unit if str(each.unit).lower() not in _RELATIVE]
     in_feet = any(_FEET.fullmatch(name) for name in (*(str(each.unit) for each in of_any_kind), *shown))
     usually = {**(usual or {}), **_USUAL, **(_IN_FEET if in_feet else {})}
-    found = []
+    ambiguous = []
     for each in (each for each in listed if each.unit == "" and each.size > 0.0):
         alike = [other for other in with_unit if other.kind == each.kind]
         si = next(iter(units.units_of(each.kind)))
@@ -122,8 +122,8 @@ def bare_numbers(
         if other == "in" and each.name.endswith(_ALONG):
             other = "ft"
         if other is not None and (alike or of_any_kind) and _is_possible(each, other):
-            found.append(BareNumber(each, si, other, (alike or of_any_kind)[0]))
-    return found
+            ambiguous.append(BareNumber(each, si, other, (alike or of_any_kind)[0]))
+    return ambiguous
 
 
 def _is_possible(quantity: Quantity, unit: str) -> bool:

@@ -514,8 +514,8 @@ def unit_of(text: str) -> str | None:
     >>> unit_of("24Hz"), unit_of("150"), unit_of("fast")
     ('Hz', '', None)
     """
-    found = _written(text)
-    return None if found is None else found[1]
+    written = _written(text)
+    return None if written is None else written[1]
 
 
 def same_unit(*texts: str) -> list[str]:

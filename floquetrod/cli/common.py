@@ -244,13 +244,13 @@ _WITH_LENGTHS, _WITH_FORCES = ("length", "depth", "depths"), ("mean", "amplitude
 
 def units_typed(options: argparse.Namespace) -> dict[str, str]:
     """Return the units in which lengths along the rod and forces were typed, except for those in critical forces."""
-    found = {}
+    typed_units = {}
     for kind, names in (("length", _WITH_LENGTHS), ("force", _WITH_FORCES)):
         texts = (getattr(options, name, None) for name in names)
         typed = (_typed_unit(text.partition("@")[0]) for text in texts if isinstance(text, str))
         if name := next((each for each in typed if each and units.is_unit(each, kind)), None):
-            found[kind] = name
-    return found
+            typed_units[kind] = name
+    return typed_units
 
 
 def units_shown(options: argparse.Namespace, kinds: Sequence[str], such_as: str) -> dict[str, str]:

@@ -230,8 +230,8 @@ def _elsewhere(name: str, option: str) -> str:
     own = [each for each in _FIGURES if each in _options(name)]
     if own and option in (*_FIGURES, "--output"):
         return f"; did you mean {' or '.join(own)}?"
-    found = (other for other in _COMMANDS if other != name and option in _options(other))
-    return next((f"; floquetrod {other} has it" for other in found), "")
+    commands = (other for other in _COMMANDS if other != name and option in _options(other))
+    return next((f"; floquetrod {other} has it" for other in commands), "")
 
 
 def _options(name: str) -> tuple[str, ...]:

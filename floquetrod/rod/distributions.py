@@ -127,21 +127,21 @@ class Sampling:
 
 def rows(parameters: Iterable[str], path: WellPath | None) -> dict[str, slice]:
     """Return which levels of probability each quantity takes: random errors of a survey one of each station."""
-    found, done = {}, 0
+    slices, done = {}, 0
     for name in parameters:
         many = path.depth.size if path is not None and SURVEY.get(name, ("", ""))[1] == "random" else 1
-        found[name] = slice(done, done + many)
+        slices[name] = slice(done, done + many)
         done += many
-    return found
+    return slices
 
 
 def drawn(parameters: Mapping[str, Any], rows: Mapping[str, slice], levels: Floats) -> dict[str, Floats]:
     """Return the quantities (samples,), or (stations, samples), at levels of probability (rows, samples)."""
-    found = {}
+    samples = {}
     for name, row in rows.items():
         level = levels[row][0] if row.stop - row.start == 1 else levels[row]
-        found[name] = quantiles(f"parameters[{name!r}]", parameters[name], level)
-    return found
+        samples[name] = quantiles(f"parameters[{name!r}]", parameters[name], level)
+    return samples
 
 
 def samples_of(values: Mapping[str, Floats]) -> Iterable[dict[str, Any]]:
@@ -187,20 +187,20 @@ def quantiles(argument: str, given: Any, levels: Floats) -> Floats:
         low, high = given
         return np.asarray(low + (high - low) * levels)
     try:
-        found: NDArray[Any] = np.asarray(quantile_function(given)(levels))
+        values: NDArray[Any] = np.asarray(quantile_function(given)(levels))
     except ValueError:  # parameters of several distributions, which do not broadcast
-        found = np.empty(0)
-    if found.shape != levels.shape or found.dtype.kind not in "iuf":
+        values = np.empty(0)
+    if values.shape != levels.shape or values.dtype.kind not in "iuf":
         problem = f"must be the distribution of one number, {_EXAMPLE}; got several"
         raise validate.wrong_type(argument, problem)
-    return found.astype(np.float64, copy=False)
+    return values.astype(np.float64, copy=False)
 
 
 def quantile_function(given: Any) -> Any:
     """Return the quantile function of a distribution of either kind of SciPy's, None of anything else."""
-    found = getattr(given, "ppf", None) or getattr(given, "icdf", None)
+    function = getattr(given, "ppf", None) or getattr(given, "icdf", None)
     loose = isinstance(given, type) or hasattr(given, "freeze")  # a family of distributions
-    return found if callable(found) and not loose else None
+    return function if callable(function) and not loose else None
 
 
 def distributions(parameters: Any, allowed: Iterable[str], path: WellPath | None) -> dict[str, Any]:

@@ -92,8 +92,8 @@ class AxialResponse:
 
     def as_dict(self) -> dict[str, Any]:
         """Return the numbers for JSON, in SI units; None where one is infinite or unknown."""
-        found = [by_keys(r, "frequency_rad_per_s frequency_Hz=hertz harmonic factor") for r in self.resonances]
-        return by_keys(self, "amplitude_N largest_N position_m factor critical_forces") | {"resonances": found}
+        resonances = [by_keys(r, "frequency_rad_per_s frequency_Hz=hertz harmonic factor") for r in self.resonances]
+        return by_keys(self, "amplitude_N largest_N position_m factor critical_forces") | {"resonances": resonances}
 
     @property
     def in_words(self) -> str:
@@ -165,9 +165,9 @@ def bound(load: Load, wave_speed: float, length: float, frequency: float) -> flo
 
 def require_off_resonance(load: Load, wave_speed: float, length: float, frequency: float) -> None:
     """Raise AxialResonanceError for a frequency next to an axial resonance, without axial damping."""
-    found = next(iter(gaps(load, wave_speed, length, (frequency, frequency), 0.0)), None)
-    if found is not None:
-        near = found.resonance
+    gap = next(iter(gaps(load, wave_speed, length, (frequency, frequency), 0.0)), None)
+    if gap is not None:
+        near = gap.resonance
         at = f"the axial resonance of the rod at {near.harmonic * near.frequency:.6g} rad/s"
         where = f"is where harmonic {near.harmonic} of the load meets {at}" if near.harmonic > 1 else f"is at {at}"
         damping = Mention("axial_damping")
@@ -195,7 +195,7 @@ def gaps(
     unit = wave_speed / length
     first, step = load.resonant_phases
     half = (1.0 + room) * math.asin(1.0 / MOST_FACTOR) * step / math.pi
-    found = []
+    all_gaps = []
     for k in _present(load):
         least = max(0, math.ceil((k * bounds[0] / unit - half - first) / step))
         last = math.floor((k * bounds[1] / unit + half - first) / step)
@@ -210,8 +210,8 @@ def gaps(
             phase = first + n * step
             resonance = AxialResonance(phase * unit / k, k, math.inf)
             ends = ((phase - half) * unit / k, (phase + half) * unit / k)
-            found.append(AxialGap(max(ends[0], bounds[0]), min(ends[1], bounds[1]), resonance))
-    return joined(found)
+            all_gaps.append(AxialGap(max(ends[0], bounds[0]), min(ends[1], bounds[1]), resonance))
+    return joined(all_gaps)
 
 
 def joined(found: Iterable[AxialGap]) -> list[AxialGap]:

@@ -294,16 +294,16 @@ class Load(TellsAttributes, ABC):
     @property
     def features(self) -> str:
         """In words, how this load differs from a sine, uniform except for the weight along the rod; "" if not."""
-        found = []
+        features = []
         if self.waveform != "sine":
-            found.append(f"waveform of {len(self.harmonics)} harmonic{'s' * (len(self.harmonics) > 1)}")
+            features.append(f"waveform of {len(self.harmonics)} harmonic{'s' * (len(self.harmonics) > 1)}")
         if self.mean_at is None:
-            found.append("weight along the rod neglected")
+            features.append("weight along the rod neglected")
         elif self.mean_at != 0.5:
-            found.append(f"mean force at {self.mean_at:g} of the length")
+            features.append(f"mean force at {self.mean_at:g} of the length")
         if self.noise:
-            found.append(noise_in_words(self.noise))
-        return ", ".join(found)
+            features.append(noise_in_words(self.noise))
+        return ", ".join(features)
 
     def kind_as_dict(self) -> dict[str, Any]:
         """Return everything but mean, amplitude and frequency, as words and numbers for a file."""
@@ -408,10 +408,10 @@ def require_load(name: str, value: Any) -> Load:
 
 def require_noise(name: str, load: Any) -> Load:
     """Return a load, which has noise; ValueError where it has none, and as `require_load`."""
-    found = require_load(name, load)
-    if not found.noise:
+    noisy = require_load(name, load)
+    if not noisy.noise:
         raise validate.wrong_value(name, "must have noise, such as noise=1.0, to find its critical multiple")
-    return found
+    return noisy
 
 
 def kind(load: AnyLoad | None) -> Load:
@@ -496,8 +496,8 @@ class AxialWave(Load):
                 damping,
                 ", or another frequency",
             )
-        found = top / below
-        return np.asarray(found.real if self.axial_damping == 0.0 else found)
+        profile = top / below
+        return np.asarray(profile.real if self.axial_damping == 0.0 else profile)
 
     @property
     def resonant_phases(self) -> tuple[float, float]:
@@ -534,7 +534,7 @@ def noise_density(name: str, value: Any) -> float | tuple[tuple[float, float], .
         return units.quantity(value, name, "force density", least=0.0, largest=_LOUDEST)
     if not validate.iterable(value) or (isinstance(value, np.ndarray) and value.ndim == 0):
         return validate.within(name, value, 0.0, _LOUDEST, "a density in N^2/Hz, zero or more")
-    found = []
+    densities = []
     for i, pair in enumerate(validate.listed(name, value, validate.MOST_NUMBERS, "pairs")):
         if isinstance(pair, str) or not validate.iterable(pair) or len(tuple(pair)) != 2:
             example = "a density in N^2/Hz or pairs of a frequency in Hz and a density"
@@ -542,12 +542,12 @@ def noise_density(name: str, value: Any) -> float | tuple[tuple[float, float], .
         hertz, density = pair
         at = validate.within(f"{name}[{i}][0]", _hertz(f"{name}[{i}][0]", hertz), 0.0, _FASTEST, "give it in Hz")
         size = units.number(f"{name}[{i}][1]", density, "force density", 0.0, _LOUDEST, "give it in N^2/Hz")
-        found.append((at, size))
-    if not found or any(one >= other for (one, _), (other, _) in pairwise(found)):
+        densities.append((at, size))
+    if not densities or any(one >= other for (one, _), (other, _) in pairwise(densities)):
         raise validate.wrong_value(
             name, f"must have frequencies that increase, one at least, got {validate.short(value)}"
         )
-    return tuple(found) if any(density for _, density in found) else 0.0
+    return tuple(densities) if any(density for _, density in densities) else 0.0
 
 
 def _hertz(name: str, value: Any) -> Any:

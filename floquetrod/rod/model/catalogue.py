@@ -145,8 +145,8 @@ def pipe(name: str) -> CataloguePipe:
         return abs(row.diameter / _INCH - od), abs(row.wall_thickness / _INCH - wall)
 
     nearest = sorted(pipes(), key=distance)
-    found = nearest[0]
-    if max(distance(found)) > _ALIKE:
+    nearest_pipe = nearest[0]
+    if max(distance(nearest_pipe)) > _ALIKE:
         raise validate.wrong_value(
             "name",
             f"must be the size of a pipe of the catalogue, got {validate.short(name)}; the closest are "
@@ -154,20 +154,21 @@ def pipe(name: str) -> CataloguePipe:
             Mention("", ", or give them to fr.Rod"),
         )
     if not read["grade"]:
-        return found
+        return nearest_pipe
     grade = re.sub(r"[-\s]", "", read["grade"]).upper()
-    if grade not in found.grades:
+    if grade not in nearest_pipe.grades:
         raise validate.wrong_value(
             "name",
-            f"must end in a grade of {found.name} {found.product} ({', '.join(found.grades)}) or in none, got "
+            f"must end in a grade of {nearest_pipe.name} {nearest_pipe.product} "
+            f"({', '.join(nearest_pipe.grades)}) or in none, got "
             f"{validate.short(name)}",
         )
-    return found._replace(grade=grade, yield_strength=(_COILED | _DRILL)[grade] * _KSI)
+    return nearest_pipe._replace(grade=grade, yield_strength=(_COILED | _DRILL)[grade] * _KSI)
 
 
 def pipe_in_a_hole(name: str, bore: float | str, length: float | str, changes: dict[str, Any]) -> dict[str, Any]:
     """Return the arguments of the rod that is a pipe of the catalogue; strings are quantities with their unit."""
-    found = pipe(name)
+    steel_pipe = pipe(name)
     given = changes | {"length": length}
     hole = BORE.number(bore)
     for other in ("channel_radius", "channel_diameter"):
@@ -177,16 +178,16 @@ def pipe_in_a_hole(name: str, bore: float | str, length: float | str, changes: d
             )
     size = {}
     if not {"radius", "diameter"} & given.keys():
-        size["diameter"] = found.diameter
-        if hole <= found.diameter:
+        size["diameter"] = steel_pipe.diameter
+        if hole <= steel_pipe.diameter:
             raise validate.wrong_value(
                 "bore",
-                f"must exceed the outer diameter of the pipe, got {hole:g} m for {found.diameter:g} m; it is the "
+                f"must exceed the outer diameter of the pipe, got {hole:g} m for {steel_pipe.diameter:g} m; it is the "
                 'inner diameter of the hole in m, or a string with a unit such as "4.778in"',
             )
     if not {"inner_radius", "inner_diameter", "wall_thickness"} & given.keys():
-        size["wall_thickness"] = found.wall_thickness
-    steel = {"youngs_modulus": YOUNGS_MODULUS, "density": DENSITY, "yield_strength": found.yield_strength}
+        size["wall_thickness"] = steel_pipe.wall_thickness
+    steel = {"youngs_modulus": YOUNGS_MODULUS, "density": DENSITY, "yield_strength": steel_pipe.yield_strength}
     return {**steel, **size, "channel_diameter": hole} | given
 
 
