@@ -110,18 +110,18 @@ def critical_kick(
 def known_bounds(
     every: Equations, gamma: Floats, limit: Floats, workers: int | None, samples: int = 24, max_steps: int = 20_000
 ) -> CriticalKickBounds:
-    """Return `critical_kick` of flat arrays that are checked."""
+    """Return `critical_kick` of checked flat arrays."""
     grows = every.rate >= 0.0
     floor = np.where(grows & (gamma == 0.0), 0.0, math.inf)  # without friction the slightest kick
-    found = floor.copy()
+    bounds = floor.copy()
     limit = over_friction(limit, gamma)
     for part in every.parts(np.flatnonzero(grows & (gamma > 0.0) & ((every.alpha != 0.0) | (every.beta != 0.0)))):
         search = _KickSearch(every.some(part).prepared(workers), limit[part], max_steps, workers)
         floor[part] = gamma[part] * search.floor
         smallest = search.smallest(samples)
         unknown = np.isinf(smallest) & np.isinf(limit[part])
-        found[part] = np.where(unknown, math.nan, gamma[part] * smallest)
-    return CriticalKickBounds(floor, found)
+        bounds[part] = np.where(unknown, math.nan, gamma[part] * smallest)
+    return CriticalKickBounds(floor, bounds)
 
 
 class _KickSearch:

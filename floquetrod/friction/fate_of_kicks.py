@@ -84,7 +84,7 @@ def fates(
 def known_fates(
     equations: Equations, gamma: Floats, kick: Floats, max_steps: int = MAX_STEPS, workers: int | None = None
 ) -> NDArray[np.int8]:
-    """Return `fates` of flat arrays that are checked."""
+    """Return `fates` of checked flat arrays."""
     ends = np.full(kick.size, kernels.NO_GROWTH, dtype=np.int8)  # why each run ended, as the kernels number it
     if kick.size == 1:
         alpha, beta, damping, rate = (float(part[0]) for part in equations)
@@ -121,9 +121,9 @@ def escapes(
     >>> escapes(1.0, [0.3, -0.7], 1.0, 2.0).tolist()
     [True, False]
     """
-    found = fates(alpha, beta, gamma, kick, damping=damping, max_steps=max_steps, workers=workers)
+    kick_fates = fates(alpha, beta, gamma, kick, damping=damping, max_steps=max_steps, workers=workers)
     what = "kicks could not be decided and count as not escaping"
-    return are("unstable", found, what, "friction.fates shows which, a larger max_steps may decide them")
+    return are("unstable", kick_fates, what, "friction.fates shows which, a larger max_steps may decide them")
 
 
 def _ends(every: Equations, kicks: Floats, max_steps: int, workers: int | None) -> NDArray[np.int8]:

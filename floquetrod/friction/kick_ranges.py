@@ -102,8 +102,8 @@ def escape_ranges(
 
     kicks = low * (high / low) ** np.linspace(0.0, 1.0, samples)
     kicks[-1] = high * (1.0 + 1e-10)
-    found = follow(kicks)
-    escaped = found == ESCAPES
+    kick_fates = follow(kicks)
+    escaped = kick_fates == ESCAPES
     change = np.flatnonzero(escaped[1:] != escaped[:-1])
     _, above = bisected(
         lambda kick: (follow(kick) == ESCAPES) == escaped[change],
@@ -114,4 +114,6 @@ def escape_ranges(
     )
     edges = [*map(float, above), math.inf]
     intervals = tuple(KickRange(a, b) for a, b in zip(edges[::2], edges[1::2], strict=True))
-    return EscapeRanges(e, intervals, low, high, (high / low) ** (1.0 / samples) - 1.0, int((found == UNDECIDED).sum()))
+    return EscapeRanges(
+        e, intervals, low, high, (high / low) ** (1.0 / samples) - 1.0, int((kick_fates == UNDECIDED).sum())
+    )

@@ -76,14 +76,14 @@ def parts_above(growth: Growth, low: Floats, high: Floats, above: Level) -> Exce
     """
     pieces = _start(growth, low, high)
     nothing = np.empty(0)
-    found: list[Exceedances] = [Exceedances(pieces.which[:0], nothing, nothing)]
+    exceedances: list[Exceedances] = [Exceedances(pieces.which[:0], nothing, nothing)]
     crossing: list[_Brackets] = []
     while pieces.which.size:
-        pieces = _settle(pieces, above, found, crossing, high - low)
+        pieces = _settle(pieces, above, exceedances, crossing, high - low)
         pieces = _divide(pieces, growth)
     if crossing:
-        found.append(_cut(growth, above, crossing))
-    return joined(found)
+        exceedances.append(_cut(growth, above, crossing))
+    return joined(exceedances)
 
 
 def _start(growth: Growth, low: Floats, high: Floats) -> _Brackets:
@@ -123,7 +123,7 @@ def _summit(pieces: _Brackets, left: Floats, right: Floats) -> tuple[Floats, Flo
 
 
 def _settle(
-    pieces: _Brackets, above: Level, found: list[Exceedances], crossing: list[_Brackets], widths: Floats
+    pieces: _Brackets, above: Level, exceedances: list[Exceedances], crossing: list[_Brackets], widths: Floats
 ) -> _Brackets:
     """Store pieces above the level and those that cross it once; return those still open."""
     which, x1, x2 = pieces.which, pieces.x[:, 1], pieces.x[:, 2]
@@ -137,7 +137,7 @@ def _settle(
     # The slope of a concave function lies between those of the chords beside it.
     steep, flat = above.steepest(x1, which), above.steepest(x2, which)
     single = ((f1 > 0.0) != (f2 > 0.0)) & ((right >= steep) | (left <= flat) | narrow)
-    found.append(Exceedances(which[over], x1[over], x2[over]))
+    exceedances.append(Exceedances(which[over], x1[over], x2[over]))
     crossing.append(pieces.some(single))
     return pieces.some(~(under | over | single))
 
@@ -193,9 +193,9 @@ def _cut(growth: Growth, above: Level, crossing: list[_Brackets]) -> Exceedances
     return Exceedances(which, np.where(at_low > 0.0, x1, root), np.where(at_low > 0.0, root, x2))
 
 
-def joined(found: Sequence[Exceedances]) -> Exceedances:
+def joined(exceedances: Sequence[Exceedances]) -> Exceedances:
     """Return the parts with those that touch made one."""
-    which, first, last = (np.concatenate(values) for values in zip(*found, strict=True))
+    which, first, last = (np.concatenate(values) for values in zip(*exceedances, strict=True))
     order = np.lexsort((first, which))
     which, first, last = which[order], first[order], last[order]
     begins = np.ones(which.size, dtype=np.bool_)

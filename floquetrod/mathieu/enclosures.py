@@ -56,19 +56,19 @@ def parts_above(
     """
     which, x1, x2 = np.arange(b.size), low, high
     target = _log_excess(above)
-    found = [Exceedances(which[:0], low[:0], low[:0])]
+    exceedances = [Exceedances(which[:0], low[:0], low[:0])]
     while which.size:
         middle, h = 0.5 * (x1 + x2), 0.5 * (x2 - x1)
         bottom, top = enclosed(b[which], middle, h, _log_excess(growth(middle, b[which])), counts)
         over, under = bottom > target[which], top <= target[which]
-        found.append(Exceedances(which[over], x1[over], x2[over]))
+        exceedances.append(Exceedances(which[over], x1[over], x2[over]))
         left = ~(over | under)
         fine = left & ((x2 - x1 <= least[which]) | (middle <= x1) | (middle >= x2))
-        found.append(_cut(b, above, growth, Exceedances(which[fine], x1[fine], x2[fine])))
+        exceedances.append(_cut(b, above, growth, Exceedances(which[fine], x1[fine], x2[fine])))
         left &= ~fine
         which, x1, middle, x2 = which[left], x1[left], middle[left], x2[left]
         which, x1, x2 = np.tile(which, 2), np.concatenate([x1, middle]), np.concatenate([middle, x2])
-    return joined(found)
+    return joined(exceedances)
 
 
 def _cut(b: Floats, above: Floats, growth: Evaluated, parts: Exceedances) -> Exceedances:

@@ -197,7 +197,7 @@ def floquet_solutions(equation: Mathieu, *, per: str = "tau") -> tuple[FloquetSo
     if in_z:
         of = f"y'' + (a - 2 q cos 2 z) y = 0, a = {0.0 - 4.0 * beta:.6g}, q = {2.0 * alpha:.6g}"
         of = of.replace("''", f"'' + {4.0 * damping:.6g} y'") if damping else of
-    name, found = f"Floquet solution of {of}", []
+    name, solutions = f"Floquet solution of {of}", []
     for exponent in dict.fromkeys(_constant_exponents(level) if alpha == 0.0 else exponents(alpha, level).tolist()):
         if alpha == 0.0:
             turns = float(round(exponent.imag))
@@ -209,10 +209,10 @@ def floquet_solutions(equation: Mathieu, *, per: str = "tau") -> tuple[FloquetSo
         rate = exponent - damping
         vector, is_real = _real_where_possible(exponent, frequencies, vector / np.linalg.norm(vector))
         if in_z:
-            found.append(FloquetSolution(name, 2.0 * rate, frequencies, vector, math.pi, is_real))
+            solutions.append(FloquetSolution(name, 2.0 * rate, frequencies, vector, math.pi, is_real))
         else:
-            found.append(FloquetSolution(name, rate, 0.5 * frequencies, vector, 2.0 * math.pi, is_real))
-    return tuple(found)
+            solutions.append(FloquetSolution(name, rate, 0.5 * frequencies, vector, 2.0 * math.pi, is_real))
+    return tuple(solutions)
 
 
 def _real_where_possible(exponent: complex, frequencies: Floats, vector: Complexes) -> tuple[Complexes, bool]:

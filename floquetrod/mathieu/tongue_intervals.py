@@ -71,8 +71,8 @@ def along_mean(alpha: Floats, above: Floats, low: Floats, high: Floats) -> Tongu
     edge = np.maximum(above**2, low)  # without forcing only b > 0 grows, at sqrt(b)
     buckled = np.flatnonzero(free & (edge < high))
     resonant = int((whole - end)[~free].sum()) + int((end == 0)[~free].sum())
-    found = _collect(parts, index, order, buckled, edge, high)
-    return Tongues(*found, max(0, resonant - parts.which.size), np.zeros(q.size))
+    collected = _collect(parts, index, order, buckled, edge, high)
+    return Tongues(*collected, max(0, resonant - parts.which.size), np.zeros(q.size))
 
 
 def along_frequency(alpha: Floats, b: Floats, rate: Floats, low: Floats, high: Floats) -> Tongues:
@@ -125,8 +125,8 @@ def along_frequency(alpha: Floats, b: Floats, rate: Floats, low: Floats, high: F
     buckled = np.flatnonzero(free & (b > 0.0) & (b > rate**2))
     met = (whole + 2) // 2 - (end + 1) // 2  # even counts from end to whole
     left_out = max(0, int(met[~free].sum()) - parts.which.size)
-    found = _collect(Exceedances(parts.which, first, last), index, order, buckled, low, high)
-    return Tongues(*found, left_out, np.zeros(q.size))
+    collected = _collect(Exceedances(parts.which, first, last), index, order, buckled, low, high)
+    return Tongues(*collected, left_out, np.zeros(q.size))
 
 
 def along_amplitude(b: Floats, above: Floats, low: Floats, high: Floats) -> Tongues:
@@ -154,9 +154,9 @@ def along_amplitude(b: Floats, above: Floats, low: Floats, high: Floats) -> Tong
     at = index[other]
     least = np.minimum(_SPACING * (high - low)[at], _SHARE * (top - bottom)[other])
     some = enclosures.parts_above(b[at], bottom[other], top[other], above[at], least, _growth, counts)
-    found = [Exceedances(chosen[parts.which], *parts[1:]) for chosen, parts in ((proved, whole), (other, some))]
+    exceedances = [Exceedances(chosen[parts.which], *parts[1:]) for chosen, parts in ((proved, whole), (other, some))]
     resolution = np.where((b < 0.0) & (start < high), _SPACING * (high - low), 0.0)
-    parts = Exceedances(*(np.concatenate(values) for values in zip(*found, strict=True)))
+    parts = Exceedances(*(np.concatenate(values) for values in zip(*exceedances, strict=True)))
     nothing = np.empty(0, dtype=np.int64)
     left_out += index.size - len(set(parts.which.tolist()))
     return Tongues(*_collect(parts, index, order, nothing, low, high), left_out, resolution)
@@ -175,8 +175,8 @@ def damping_to_stabilise(alpha: Floats, beta: Floats, least: Floats | float = 0.
     """
     q = 2.0 * np.abs(alpha)
     floor = beta + np.square(least)
-    found = np.where((beta > 0.0) | ((beta == 0.0) & (q == 0.0)), np.inf, 0.0)
-    left = np.flatnonzero((found == 0.0) & (q > 0.0))
+    damping = np.where((beta > 0.0) | ((beta == 0.0) & (q == 0.0)), np.inf, 0.0)
+    left = np.flatnonzero((damping == 0.0) & (q > 0.0))
     tongues = np.zeros(q.size, dtype=np.int64)
     tongues[left] = counts(-4.0 * beta[left], q[left]) // 2
     met: list[tuple[Ints, Ints]] = []
@@ -187,7 +187,7 @@ def damping_to_stabilise(alpha: Floats, beta: Floats, least: Floats | float = 0.
         near = left[~_out_of_reach(alpha[left], beta[left], bottom, top)]
         met.append((near, np.full(near.size, order)))
     if not met:
-        return found
+        return damping
     which, orders = (np.concatenate(values) for values in zip(*met, strict=True))
     a, b = (-0.25 * _characteristic(orders, q[which], odd) for odd in (False, True))
     bottom, top = np.maximum(floor[which], np.minimum(a, b)), np.maximum(a, b)
@@ -196,8 +196,8 @@ def damping_to_stabilise(alpha: Floats, beta: Floats, least: Floats | float = 0.
     above = level(0.0, 1.0, beta[which], size=which.size)
     parts = parts_above(lambda x, i: _growth(alpha[which[i]], x), bottom, top, above)
     last = parts.last - beta[which[parts.which]]
-    np.maximum.at(found, which[parts.which], np.sqrt(np.maximum(0.0, last)))
-    return found
+    np.maximum.at(damping, which[parts.which], np.sqrt(np.maximum(0.0, last)))
+    return damping
 
 
 def _out_of_reach(alpha: Floats, beta: Floats, bottom: Floats, top: Floats) -> Bools:
@@ -217,9 +217,11 @@ def _in_tongues(
     whole = (constant == 0.0) & (root == 0.0) & (top > bottom)
     some = np.flatnonzero(~whole & (top > bottom))
     above = level(constant[some], root[some], size=some.size)
-    found = parts_above(lambda x, i: growth(x, some[i]), bottom[some], top[some], above)
-    which = np.concatenate([every[whole], some[found.which]])
-    return Exceedances(which, np.concatenate([bottom[whole], found.first]), np.concatenate([top[whole], found.last]))
+    exceedances = parts_above(lambda x, i: growth(x, some[i]), bottom[some], top[some], above)
+    which = np.concatenate([every[whole], some[exceedances.which]])
+    return Exceedances(
+        which, np.concatenate([bottom[whole], exceedances.first]), np.concatenate([top[whole], exceedances.last])
+    )
 
 
 def _collect(
@@ -286,12 +288,12 @@ def _amplitude_pieces(b: Floats, low: Floats, high: Floats) -> tuple[Ints, Ints,
 
     least = np.where(b < 0.0, _SPACING * (high - low), np.inf)
     owner, place = enclosures.divided(b, low, high, least, counts)
-    found = count(place, owner)
-    cell = np.flatnonzero((owner[1:] == owner[:-1]) & (found[1:] != found[:-1]))
-    least, most = np.minimum(found[cell], found[cell + 1]), np.maximum(found[cell], found[cell + 1])
+    counted = count(place, owner)
+    cell = np.flatnonzero((owner[1:] == owner[:-1]) & (counted[1:] != counted[:-1]))
+    least, most = np.minimum(counted[cell], counted[cell + 1]), np.maximum(counted[cell], counted[cell + 1])
     passed, target = numbers_between(least, most - 1)
     left, right = place[cell][passed], place[cell + 1][passed]
-    falling = found[cell][passed] > target
+    falling = counted[cell][passed] > target
     at = _passages(count, owner[cell][passed], target, np.where(falling, left, right), np.where(falling, right, left))
     every = np.arange(b.size)
     place, owner = np.concatenate([low, high, at]), np.concatenate([every, every, owner[cell][passed]])

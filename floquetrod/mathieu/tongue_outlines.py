@@ -122,8 +122,8 @@ def _ranges(curves: TongueCurves, first: Floats, last: Floats) -> LineRanges:
     end = np.concatenate([which[~rises], every[above[:, -1]]]), np.concatenate([tip[~rises], last[above[:, -1]]])
     tips = np.arange(begin[0].size) >= above[:, 0].sum(), np.arange(end[0].size) < (~rises).sum()
     order = [np.lexsort((place, which)) for which, place in (begin, end)]
-    found = [array[order[k]] for k, arrays in enumerate((begin, end)) for array in arrays]
-    return LineRanges(found[0], found[1], found[3], tips[0][order[0]], tips[1][order[1]])
+    sorted_ends = [array[order[k]] for k, arrays in enumerate((begin, end)) for array in arrays]
+    return LineRanges(sorted_ends[0], sorted_ends[1], sorted_ends[3], tips[0][order[0]], tips[1][order[1]])
 
 
 def _edge(curves: TongueCurves, ranges: LineRanges, j: Ints, share: Floats, top: Bools) -> Floats:
@@ -137,7 +137,7 @@ def _edges(curves: TongueCurves, ranges: LineRanges, j: Ints, share: Floats) -> 
 
 
 def _pieces(curves: TongueCurves, ranges: LineRanges) -> _OutlinePieces:
-    """Return the pieces of all ranges that are not empty, between places where an edge meets an end of the window."""
+    """Return the pieces of all non-empty ranges, between places where an edge meets an end of the window."""
     window = curves.window
     j, share = _meetings(curves, ranges)
     every = np.arange(ranges.which.size)
@@ -153,10 +153,10 @@ def _pieces(curves: TongueCurves, ranges: LineRanges) -> _OutlinePieces:
     bends = np.column_stack([low > window.low, top < window.high])
     # Ends of pieces that hang together are asked once.
     nodes = np.unique(np.concatenate([left, left + 1]))
-    found = _snapped(np.stack(_edges(curves, ranges, j[nodes], share[nodes])), window.low, window.high)
-    found[1] = np.maximum(found[0], found[1])
+    snapped = _snapped(np.stack(_edges(curves, ranges, j[nodes], share[nodes])), window.low, window.high)
+    snapped[1] = np.maximum(snapped[0], snapped[1])
     number = np.searchsorted(nodes, np.column_stack([left, left + 1]))
-    edges = np.stack([found[0][number], found[1][number]], axis=1)
+    edges = np.stack([snapped[0][number], snapped[1][number]], axis=1)
     outline = np.cumsum(np.append(True, (left[1:] != left[:-1] + 1) | (j[left][1:] != j[left][:-1]))[: left.size]) - 1
     return _OutlinePieces(j[left], share[left], share[left + 1], edges, bends, outline)
 
@@ -264,7 +264,7 @@ def _vertices(
     share = np.where(end, pieces.last[number], pieces.first[number])
     place = pieces.edges.reshape(-1)
     line = ranges.at(pieces.j[number], share)
-    found = [(pieces.outline[number], top, share, line, place)]
+    vertices = [(pieces.outline[number], top, share, line, place)]
     piece, side = np.nonzero(pieces.bends)
     a, b = pieces.first[piece], pieces.last[piece]
     xa, xb = (ranges.at(pieces.j[piece], s) for s in (a, b))
@@ -274,7 +274,7 @@ def _vertices(
         middle = 0.5 * (a + b)
         x = ranges.at(pieces.j[piece], middle)
         y = np.clip(curves.edge(ranges.which[pieces.j[piece]], x, side == 1), window.low, window.high)
-        found.append((pieces.outline[piece], side == 1, middle, x, y))
+        vertices.append((pieces.outline[piece], side == 1, middle, x, y))
         dx, dy = (xb - xa) / width, (yb - ya) / height
         length = np.hypot(dx, dy)
         across = np.abs(dx * (y - ya) / height - dy * (x - xa) / width)
@@ -290,7 +290,7 @@ def _vertices(
         a, b = np.concatenate([a[go], middle[go]]), np.concatenate([middle[go], b[go]])
         xa, xb = np.concatenate([xa[go], x[go]]), np.concatenate([x[go], xb[go]])
         ya, yb = np.concatenate([ya[go], y[go]]), np.concatenate([y[go], yb[go]])
-    outline, flag, share, line, place = (np.concatenate(parts) for parts in zip(*found, strict=True))
+    outline, flag, share, line, place = (np.concatenate(parts) for parts in zip(*vertices, strict=True))
     return outline, flag, share, line, place
 
 

@@ -62,14 +62,14 @@ def unstable_regions(
         first, last = np.concatenate([first, np.zeros(split.size)]), np.concatenate([last, last[split]])
         last[split] = 0.0
     curves = TongueCurves(window, order, oscillators.stiffness[which], oscillators.gain[which], oscillators.rate)
-    found = []
+    regions = []
     for start in range(0, which.size, _AT_ONCE):
         part = slice(start, start + _AT_ONCE)
         piece = outlines(curves.some(part), first[part], last[part], accuracy)
-        found.append(piece._replace(which=piece.which + start))
+        regions.append(piece._replace(which=piece.which + start))
         if progress is not None:
             progress(min(start + _AT_ONCE, which.size), which.size)
-    joined = _joined(found)
+    joined = _joined(regions)
     tall = joined.growth > oscillators.least
     joined = _some(joined, tall)
     which, order = which[joined.which], order[joined.which]
@@ -77,23 +77,23 @@ def unstable_regions(
     return Regions(which, order, joined, max(0, met - drawn))
 
 
-def _joined(found: list[Outlines]) -> Outlines:
-    if not found:
+def _joined(regions: list[Outlines]) -> Outlines:
+    if not regions:
         nothing, number = np.empty(0), np.empty(0, dtype=np.int64)
         return Outlines(number, number, nothing, nothing, nothing, np.empty((0, 2)))
-    return Outlines(*(np.concatenate(parts) for parts in zip(*found, strict=True)))
+    return Outlines(*(np.concatenate(parts) for parts in zip(*regions, strict=True)))
 
 
-def _some(found: Outlines, chosen: Bools) -> Outlines:
+def _some(regions: Outlines, chosen: Bools) -> Outlines:
     """Return some of the outlines."""
-    of_vertex = np.repeat(chosen, found.size)
+    of_vertex = np.repeat(chosen, regions.size)
     return Outlines(
-        found.which[chosen],
-        found.size[chosen],
-        found.line[of_vertex],
-        found.place[of_vertex],
-        found.growth[chosen],
-        found.peak[chosen],
+        regions.which[chosen],
+        regions.size[chosen],
+        regions.line[of_vertex],
+        regions.place[of_vertex],
+        regions.growth[chosen],
+        regions.peak[chosen],
     )
 
 

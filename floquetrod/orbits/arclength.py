@@ -110,11 +110,11 @@ def placed(
 
     Raises NoOrbitError where Newton's method finds none.
     """
-    found = corrected(collocation, guess, rows_of(collocation, guess, last, measure), most_steps)
-    rows = rows_of(collocation, found.point, onward, measure)
-    direction = collocation.tangent(found.condensed, rows, found.point.scale)
-    unit = measure.unit(collocation, found.point, direction)
-    return CurvePoint(collocation, found.point, found.condensed, unit, found.steps)
+    solution = corrected(collocation, guess, rows_of(collocation, guess, last, measure), most_steps)
+    rows = rows_of(collocation, solution.point, onward, measure)
+    direction = collocation.tangent(solution.condensed, rows, solution.point.scale)
+    unit = measure.unit(collocation, solution.point, direction)
+    return CurvePoint(collocation, solution.point, solution.condensed, unit, solution.steps)
 
 
 def moved_to(place: CurvePoint, mesh: Floats, measure: Measure) -> tuple[Collocation, Point, BorderRow]:

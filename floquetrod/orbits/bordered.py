@@ -70,22 +70,22 @@ def solve(
         level, before, after, rest = _eliminated(before, after, rest)
         levels.append(level)
     # Every x_i as a matrix applied to (x_0, s, 1): a factor of x_0, of the scalars, and what remains.
-    found = np.concatenate([np.eye(n), np.zeros((n, scalars + count))], axis=1)[None]
+    unknowns = np.concatenate([np.eye(n), np.zeros((n, scalars + count))], axis=1)[None]
     for level in reversed(levels):
-        found = _filled_in(level, found)
+        unknowns = _filled_in(level, unknowns)
     core = np.empty((n + scalars, n + scalars))
     core[:n, :n], core[:n, n:] = before[0] + after[0], -rest[0, :, :scalars]
-    tied = np.einsum("sin,inc->sc", rows, found)
+    tied = np.einsum("sin,inc->sc", rows, unknowns)
     core[n:, :n], core[n:, n:] = tied[:, :n], tied[:, n : n + scalars] + corner
     answer, kernel = _least(core, np.concatenate([rest[0, :, scalars:], targets - tied[:, n + scalars :]]))
-    nodes = found[:, :, : n + scalars] @ answer + found[:, :, n + scalars :]
-    return BorderedSolution(nodes, answer[n:], core, (found[:, :, : n + scalars] @ kernel, kernel[n:]))
+    nodes = unknowns[:, :, : n + scalars] @ answer + unknowns[:, :, n + scalars :]
+    return BorderedSolution(nodes, answer[n:], core, (unknowns[:, :, : n + scalars] @ kernel, kernel[n:]))
 
 
 def _least(core: Floats, right: Floats) -> tuple[Floats, Floats]:
     """Return the shortest solution, and the vector that the matrix makes shortest.
 
-    Where orbits form a family, as those of a conservative system do, the shortest step leads to the nearest.
+    Where orbits form a family, as in a conservative system, the shortest step leads to the nearest.
     """
     left, sizes, turned = np.linalg.svd(core)
     kept = sizes > _FAMILY * sizes[0]
@@ -97,7 +97,7 @@ def _least(core: Floats, right: Floats) -> tuple[Floats, Floats]:
 def _eliminated(before: Floats, after: Floats, rest: Floats) -> tuple[_Level, Floats, Floats, Floats]:
     """Return the equations before x_left + after x_right = rest that remain of pairs of them, and what was taken out.
 
-    The last one of an odd number stays as it is.
+    The last equation of an odd number is kept.
     """
     n, pairs = before.shape[1], len(before) // 2
     first, second = slice(0, 2 * pairs, 2), slice(1, 2 * pairs, 2)
@@ -112,15 +112,15 @@ def _eliminated(before: Floats, after: Floats, rest: Floats) -> tuple[_Level, Fl
     return level, before, after, rest
 
 
-def _filled_in(level: _Level, found: Floats) -> Floats:
-    """Return the unknowns (N, n, n + S + q) of a level from those of the next one, which has every second of them."""
-    n, pairs = found.shape[1], len(level.triangle)
-    left = found[:pairs]
-    right = np.concatenate([found, found[:1]])[1 : pairs + 1]
+def _filled_in(level: _Level, unknowns: Floats) -> Floats:
+    """Return the unknowns (N, n, n + S + q) of a level; those given, of the next level, are every second of them."""
+    n, pairs = unknowns.shape[1], len(level.triangle)
+    left = unknowns[:pairs]
+    right = np.concatenate([unknowns, unknowns[:1]])[1 : pairs + 1]
     known = -(level.left @ left) - level.after @ right
     known[:, :, n:] += level.right
     middle = np.linalg.solve(level.triangle, known)
-    whole = np.empty((pairs + len(found), *found.shape[1:]))
+    whole = np.empty((pairs + len(unknowns), *unknowns.shape[1:]))
     whole[0 : 2 * pairs : 2], whole[1 : 2 * pairs : 2] = left, middle
-    whole[2 * pairs :] = found[pairs:]
+    whole[2 * pairs :] = unknowns[pairs:]
     return whole

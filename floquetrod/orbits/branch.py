@@ -1,4 +1,4 @@
-"""A branch of periodic orbits over a parameter: what is known of it."""
+"""A branch of periodic orbits over a parameter."""
 
 from __future__ import annotations
 

@@ -148,8 +148,8 @@ def _orbits(meta: dict[str, Any], arrays: sealed_files.Arrays, system: Nonlinear
         flow = None if turns else collocation.rates_at_mesh(point)
         maps, errors = taken["maps"].next(count, n, n), taken["map_errors"].next(count, n, n)
         segments = Segments(maps, errors, flow, trace, trace_error)
-        found = Compared(collocation, point, segments, np.zeros(count), 0.0, error, period_error, 0.0, steps)
-        yield as_orbit(found, steps)
+        comparison = Compared(collocation, point, segments, np.zeros(count), 0.0, error, period_error, 0.0, steps)
+        yield as_orbit(comparison, steps)
 
 
 def _points(meta: dict[str, Any], arrays: sealed_files.Arrays, orbits: list[PeriodicOrbit]) -> Iterator[SpecialPoint]:

@@ -169,8 +169,8 @@ class Collocation(ByContent):
 
     def _of(self, point: Point, call: Callable[[Floats, Floats], Floats]) -> Floats:
         n = point.nodes.shape[1]
-        found = call((point.period * self.shares).ravel(), point.stages.reshape(-1, n))
-        return np.asarray(found.reshape(*self.shares.shape, *found.shape[1:]))
+        values = call((point.period * self.shares).ravel(), point.stages.reshape(-1, n))
+        return np.asarray(values.reshape(*self.shares.shape, *values.shape[1:]))
 
     def rates_at_mesh(self, point: Point) -> Floats:
         """Return f at the beginnings of the intervals (N, n)."""
@@ -190,12 +190,12 @@ class Collocation(ByContent):
         """Return by how much the equations are missed, at the Gauss points and the ends of intervals (N, m + 1, n)."""
         method, rates = gauss(self.degree), self.rates(point) if rates is None else rates
         lengths = point.period * self.steps
-        found = np.empty((len(point.nodes), self.degree + 1, point.nodes.shape[1]))
+        missed = np.empty((len(point.nodes), self.degree + 1, point.nodes.shape[1]))
         moved = lengths[:, None, None] * (method.integrals @ rates)
-        found[:, :-1] = point.stages - point.nodes[:, None] - moved
+        missed[:, :-1] = point.stages - point.nodes[:, None] - moved
         ends = np.roll(point.nodes, -1, axis=0)
-        found[:, -1] = ends - point.nodes - lengths[:, None] * np.einsum("k,ikn->in", method.weights, rates)
-        return found
+        missed[:, -1] = ends - point.nodes - lengths[:, None] * np.einsum("k,ikn->in", method.weights, rates)
+        return missed
 
     def linearised(self, point: Point, rates: Floats | None = None) -> Condensed:
         """Return the residual and the Jacobian matrix, condensed to the mesh."""
@@ -212,11 +212,11 @@ class Collocation(ByContent):
         right[..., :n] = np.eye(n)
         right[..., n] = -residual[:, :-1]
         right[..., n + 1 :] = lengths[:, None, None, None] * np.einsum("jk,ikas->ijas", method.integrals, drives)
-        found = np.linalg.solve(inner, right.reshape(count, m * n, -1)).reshape(right.shape)
-        bent = lengths[:, None, None] * np.einsum("k,ikab,ikbc->iac", method.weights, jacobians, found, optimize=True)
+        changes = np.linalg.solve(inner, right.reshape(count, m * n, -1)).reshape(right.shape)
+        bent = lengths[:, None, None] * np.einsum("k,ikab,ikbc->iac", method.weights, jacobians, changes, optimize=True)
         bent[:, :, n + 1 :] += lengths[:, None, None] * np.einsum("k,ikas->ias", method.weights, drives)
         maps = bent[:, :, :n] + np.eye(n)
-        return Condensed(maps, bent[:, :, n] - residual[:, -1], bent[:, :, n + 1 :], found, residual)
+        return Condensed(maps, bent[:, :, n] - residual[:, -1], bent[:, :, n + 1 :], changes, residual)
 
     def _drives(self, point: Point, rates: Floats) -> Floats:
         """Return how each free scalar changes the rates of change in physical time (N, m, n, S)."""
@@ -260,14 +260,14 @@ class Collocation(ByContent):
 
         Gaps (N, n, q) in the unit of the states, targets (S, q).
         """
-        found, units = self._bordered(condensed, rows, scale, gaps, targets)
-        return found.nodes * scale[:, None], found.scalars * units[:, None]
+        solution, units = self._bordered(condensed, rows, scale, gaps, targets)
+        return solution.nodes * scale[:, None], solution.scalars * units[:, None]
 
     def kernel(self, condensed: Condensed, rows: Sequence[BorderRow], scale: Floats) -> Step:
         """Return the change that the linearised equations and the rows leave alone, or nearly so."""
         gaps, targets = np.zeros((*condensed.gaps.shape, 1)), np.zeros((len(rows), 1))
-        found, units = self._bordered(condensed, rows, scale, gaps, targets)
-        nodes, scalars = found.kernel
+        solution, units = self._bordered(condensed, rows, scale, gaps, targets)
+        nodes, scalars = solution.kernel
         return self._with_stages(condensed, nodes * scale, scalars * units, 0.0)
 
     def _bordered(
@@ -282,7 +282,7 @@ class Collocation(ByContent):
         ends = np.abs(corner).max(axis=0, initial=0.0)
         units = 1.0 / np.maximum(np.maximum(np.abs(columns).sum(axis=(0, 1)), ends), 1e-300)
         sizes = 1.0 / np.maximum(np.abs(ties).sum(axis=(1, 2)) + np.abs(corner * units).sum(axis=1), 1e-300)
-        found = bordered.solve(
+        solution = bordered.solve(
             condensed.maps * scale / scale[:, None],
             columns * units,
             gaps / scale[:, None],
@@ -290,7 +290,7 @@ class Collocation(ByContent):
             corner * units * sizes[:, None],
             targets * sizes[:, None],
         )
-        return found, units
+        return solution, units
 
     def _step(
         self,
@@ -315,10 +315,10 @@ class Collocation(ByContent):
     def moved(self, point: Point, step: Step, share: float = 1.0) -> Point:
         """Return the point after a share of a step."""
         scalars = dict(zip(self.scalars, (share * step.scalars).tolist(), strict=True))
-        found = Point(
+        there = Point(
             point.nodes + share * step.nodes,
             point.stages + share * step.stages,
             point.period + scalars.get("period", 0.0),
             point.value + scalars.get("parameter", 0.0),
         )
-        return found._replace(period=self.period_at(found))
+        return there._replace(period=self.period_at(there))

@@ -51,12 +51,12 @@ class Sample(NamedTuple):
     tests: Tests
 
     @classmethod
-    def of(cls, place: CurvePoint, found: Compared) -> Sample:
+    def of(cls, place: CurvePoint, finer: Compared) -> Sample:
         """Return the sample of a place whose orbit of a higher degree is known."""
-        orbit = finding.as_orbit(found, place.steps + found.steps)
+        orbit = finding.as_orbit(finer, place.steps + finer.steps)
         multipliers = multipliers_of(orbit)
         signs = tests(multipliers, float(place.direction.scalars[-1]))
-        return cls(place, found, orbit, found.point.value, found.value_error, multipliers, signs)
+        return cls(place, finer, orbit, finer.point.value, finer.value_error, multipliers, signs)
 
 
 class Ended(Exception):
@@ -64,7 +64,7 @@ class Ended(Exception):
 
 
 def sampled(place: CurvePoint, measure: Measure, value: float | None = None) -> Sample:
-    """Return what is known of a place: the orbit of a higher degree, its error and its multipliers.
+    """Return the sample of a point of the branch: the orbit of a higher degree, its error and its multipliers.
 
     That orbit has the same parameter where a ``value`` is given, else it lies across the direction of the branch.
     """
@@ -73,11 +73,11 @@ def sampled(place: CurvePoint, measure: Measure, value: float | None = None) -> 
         row = measure.row(collocation, point, place.direction)
     else:
         row = arclength.pinned(collocation, point, value, measure)
-    found = finding.compared(collocation, point, place.condensed, arclength.rows_of(collocation, point, row, measure))
+    finer = finding.compared(collocation, point, place.condensed, arclength.rows_of(collocation, point, row, measure))
     if value is not None:  # Newton's last step may miss it by rounding
-        exact = found.point._replace(value=value)
-        found = found._replace(point=exact._replace(period=found.collocation.period_at(exact)))
-    return Sample.of(place, found)
+        exact = finer.point._replace(value=value)
+        finer = finer._replace(point=exact._replace(period=finer.collocation.period_at(exact)))
+    return Sample.of(place, finer)
 
 
 def lowered(orbit: PeriodicOrbit, parameter: str, onto: Collocation) -> tuple[Collocation, Point]:
@@ -116,14 +116,14 @@ class Continuation:
             place, self.at_end = self._at(bound, place), True
         place = self._resolved(place)
         try:
-            found = sampled(place, self.measure, bound)
+            sample = sampled(place, self.measure, bound)
         except NoOrbitError as error:
             raise Ended(f"the orbit at {self.task.parameter} = {place.point.value:.9g} was lost: {error}") from None
-        self._require_motion(found)
-        self.measure = self.measure.grown(found.place.point)
-        place = found.place
+        self._require_motion(sample)
+        self.measure = self.measure.grown(sample.place.point)
+        place = sample.place
         unit = self.measure.unit(place.collocation, place.point, place.direction)  # which has other units now
-        self.sample = found._replace(place=place._replace(direction=unit))
+        self.sample = sample._replace(place=place._replace(direction=unit))
         return self.sample
 
     def _stepped(self) -> CurvePoint:
@@ -200,9 +200,9 @@ class Continuation:
                 ) from None
         return place
 
-    def _require_motion(self, found: Sample) -> None:
+    def _require_motion(self, sample: Sample) -> None:
         """Raise Ended where an orbit of an autonomous system has shrunk to a state of rest, or passed through one."""
-        place, before = found.place, self.sample.place
+        place, before = sample.place, self.sample.place
         if place.collocation.turns:
             return
         moves = float((np.ptp(place.point.nodes, axis=0) / self.measure.scale).max())
@@ -213,11 +213,11 @@ class Continuation:
         )
         along = float((old * place.collocation.rates_at_mesh(place.point) / self.measure.scale**2).sum())
         if moves < _REST or along < 0.0:
-            where = f"{self.task.parameter} = {self._rest(found):.6g}"
+            where = f"{self.task.parameter} = {self._rest(sample):.6g}"
             raise Ended(f"the orbit shrinks to a state of rest ({HOPF}) near {where}")
 
-    def _rest(self, found: Sample) -> float:
+    def _rest(self, sample: Sample) -> float:
         """Return the value of the parameter where the orbit has shrunk to nothing, from two squares of amplitudes."""
-        sizes = [float(np.ptp(each.place.point.nodes, axis=0).max()) ** 2 for each in (self.sample, found)]
-        change = (found.value - self.sample.value) / (sizes[1] - sizes[0]) if sizes[0] != sizes[1] else 0.0
+        sizes = [float(np.ptp(each.place.point.nodes, axis=0).max()) ** 2 for each in (self.sample, sample)]
+        change = (sample.value - self.sample.value) / (sizes[1] - sizes[0]) if sizes[0] != sizes[1] else 0.0
         return self.sample.value - sizes[0] * change

@@ -43,47 +43,48 @@ def multipliers_of(orbit: PeriodicOrbit) -> OrbitMultipliers:
     return OrbitMultipliers(np.array(stability.multipliers), np.array(stability.multiplier_errors))
 
 
-def tests(found: OrbitMultipliers, turning: float) -> Tests:
+def tests(multipliers: OrbitMultipliers, turning: float) -> Tests:
     """Return the test functions, from multipliers and the rate of the parameter; 0 where an error covers the sign."""
-    every = (_factors(found, name) for name in ("plus", "minus", "pairs"))
+    every = (_factors(multipliers, name) for name in ("plus", "minus", "pairs"))
     signed = [_product(x) if len(x) and (np.abs(1.0 - x) > errors).all() else 0.0 for x, errors in every]
     return Tests(turning, *signed)
 
 
-def outside(found: OrbitMultipliers) -> int | None:
+def outside(multipliers: OrbitMultipliers) -> int | None:
     """Return how many multipliers lie outside the unit circle; None where an error covers the circle."""
-    sizes = np.abs(found.values)
-    if not ((sizes - found.errors > 1.0) | (sizes + found.errors < 1.0)).all():
+    sizes = np.abs(multipliers.values)
+    if not ((sizes - multipliers.errors > 1.0) | (sizes + multipliers.errors < 1.0)).all():
         return None
     return int(np.count_nonzero(sizes > 1.0))
 
 
-def of_ranks(found: OrbitMultipliers, ranks: Ranks) -> OrbitMultipliers:
+def of_ranks(multipliers: OrbitMultipliers, ranks: Ranks) -> OrbitMultipliers:
     """Return the multipliers of these ranks."""
-    order = np.argsort(-np.abs(found.values), kind="stable")[list(ranks)]
-    return OrbitMultipliers(found.values[order], found.errors[order])
+    order = np.argsort(-np.abs(multipliers.values), kind="stable")[list(ranks)]
+    return OrbitMultipliers(multipliers.values[order], multipliers.errors[order])
 
 
-def value(found: OrbitMultipliers, test: Test) -> float:
+def value(multipliers: OrbitMultipliers, test: Test) -> float:
     """Return a test function, whether or not its sign is known."""
     if not isinstance(test, str):
-        return float(np.log(np.maximum(np.abs(of_ranks(found, test).values), 1e-300)).mean())
-    return _product(_factors(found, test)[0])
+        return float(np.log(np.maximum(np.abs(of_ranks(multipliers, test).values), 1e-300)).mean())
+    return _product(_factors(multipliers, test)[0])
 
 
-def doubt(found: OrbitMultipliers, test: Test) -> float:
+def doubt(multipliers: OrbitMultipliers, test: Test) -> float:
     """Return the error of a test function."""
     if not isinstance(test, str):
-        values, errors = of_ranks(found, test)
+        values, errors = of_ranks(multipliers, test)
         return float((errors / np.abs(values)).mean())
-    x, errors = _factors(found, test)
+    x, errors = _factors(multipliers, test)
     parts, blurs = np.abs(1.0 - x) / (1.0 + np.abs(x)), errors / (1.0 + np.abs(x))
     return float(sum(blurs[k] * np.prod(np.delete(parts, k)) for k in range(len(x))))
 
 
-def _factors(found: OrbitMultipliers, test: str) -> tuple[Complexes, Floats]:
+def _factors(multipliers: OrbitMultipliers, test: str) -> tuple[Complexes, Floats]:
     """Return the numbers that a test function compares with 1, and their errors."""
-    values, errors = np.where(np.isinf(found.errors), 0.0, found.values), found.errors  # beside the largest ones
+    errors = multipliers.errors
+    values = np.where(np.isinf(errors), 0.0, multipliers.values)  # beside the largest ones
     if test == "plus":
         return values, errors
     if test == "minus":
@@ -99,9 +100,9 @@ def _product(x: Complexes) -> float:
     return float(np.prod((1.0 - x) / (1.0 + np.abs(x))).real)
 
 
-def nearest(found: OrbitMultipliers, kind: str) -> int:
+def nearest(multipliers: OrbitMultipliers, kind: str) -> int:
     """Return which multiplier is nearest to where a kind of point has one."""
-    values = found.values
+    values = multipliers.values
     if kind == "period doubling":
         return int(np.abs(values + 1.0).argmin())
     if kind == "Neimark-Sacker":

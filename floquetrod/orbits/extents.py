@@ -48,7 +48,7 @@ def extremes(collocation: Collocation, point: Point) -> Extremes:
 def _peaks(collocation: Collocation, series: Floats) -> tuple[Floats, Floats]:
     """Return the largest value of each state (n,), and where, of Legendre series (m + 1, N, n) on the intervals.
 
-    The zeros of the derivative next to all samples that are almost the largest, by Newton's method.
+    The zeros of the derivative next to all samples almost as large as the largest, by Newton's method.
     """
     x = np.linspace(-1.0, 1.0, _SAMPLES * collocation.degree + 1)
     samples = np.moveaxis(legendre.legval(x, series), -1, 1)  # (N, k, n)
@@ -59,14 +59,14 @@ def _peaks(collocation: Collocation, series: Floats) -> tuple[Floats, Floats]:
         interval, place = np.nonzero(samples[:, :, j] >= tops[j] - _RIVALS * np.ptp(samples[:, :, j]))
         here, rising, bent = (each[:, interval, j] for each in (series, slope, bend))
         low, high = x[np.maximum(place - 1, 0)], x[np.minimum(place + 1, len(x) - 1)]
-        found = x[place]
+        peaks = x[place]
         for _ in range(_STEPS):
-            rate, curve = _along(rising, found), _along(bent, found)
+            rate, curve = _along(rising, peaks), _along(bent, peaks)
             with np.errstate(all="ignore"):
-                found = np.where(curve < 0.0, np.clip(found - rate / curve, low, high), found)
-        heights = _along(here, found)
+                peaks = np.where(curve < 0.0, np.clip(peaks - rate / curve, low, high), peaks)
+        heights = _along(here, peaks)
         best, known = int(heights.argmax()), int(samples[interval, place, j].argmax())
-        k, s = (best, found[best]) if heights[best] >= tops[j] else (known, x[place[known]])
+        k, s = (best, peaks[best]) if heights[best] >= tops[j] else (known, x[place[known]])
         largest[j] = max(float(heights[best]), float(tops[j]))
         at[j] = collocation.mesh[interval[k]] + 0.5 * (s + 1.0) * collocation.steps[interval[k]]
     return largest, at

@@ -194,10 +194,10 @@ def orbit_of(collocation: Collocation, point: Point, tolerance: float = 1e-10) -
         last = turn == _MOST_MESHES - 1 or len(errors) >= orbit_mesh.MOST
         followed = float((least * collocation.steps).max()) <= FOLLOWED
         if last or (float(errors.max()) <= tolerance and followed):
-            found = compared(collocation, coarse.point, coarse.condensed, _phase(collocation, coarse.point))
-            steps, errors = steps + found.steps, found.errors
-            best = found if best is None or found.error < best.error else best
-            if last or found.error <= 10.0 * tolerance or found.rounding > tolerance:
+            finer = compared(collocation, coarse.point, coarse.condensed, _phase(collocation, coarse.point))
+            steps, errors = steps + finer.steps, finer.errors
+            best = finer if best is None or finer.error < best.error else best
+            if last or finer.error <= 10.0 * tolerance or finer.rounding > tolerance:
                 break
         mesh = orbit_mesh.equidistributed(collocation, errors, 0.3 * tolerance, least)
         collocation, point = orbit_mesh.carried(collocation, coarse.point, mesh, collocation.degree)
@@ -258,33 +258,33 @@ class Compared(NamedTuple):
 def compared(collocation: Collocation, point: Point, condensed: Condensed, rows: list[BorderRow]) -> Compared:
     """Return the orbit of a degree two higher on the same mesh where rows hold, with errors from the difference."""
     fine, start = orbit_mesh.carried(collocation, point, collocation.mesh, collocation.degree + MORE)
-    found = corrected(fine, start, rows)
+    finer = corrected(fine, start, rows)
     shares = (collocation.mesh[:-1, None] + collocation.steps[:, None] * _TRIALS).ravel()
-    gaps = np.abs(orbit_mesh.evaluated(fine, found.point, shares) - orbit_mesh.evaluated(collocation, point, shares))
-    nodes = np.abs(found.point.nodes - point.nodes)
-    scale = found.point.scale
+    gaps = np.abs(orbit_mesh.evaluated(fine, finer.point, shares) - orbit_mesh.evaluated(collocation, point, shares))
+    nodes = np.abs(finer.point.nodes - point.nodes)
+    scale = finer.point.scale
     errors = np.maximum((gaps / scale).reshape(-1, len(_TRIALS) * len(scale)).max(axis=1), (nodes / scale).max(axis=1))
-    rounding, of_scalars = _rounding(fine, found.point, found.condensed, rows)
-    doubt, moved = _doubts(fine, found.point, rounding)
-    trace, before = _trace(fine, fine.jacobians(found.point)), _trace(collocation, collocation.jacobians(point))
-    before *= point.period / found.point.period
+    rounding, of_scalars = _rounding(fine, finer.point, finer.condensed, rows)
+    doubt, moved = _doubts(fine, finer.point, rounding)
+    trace, before = _trace(fine, fine.jacobians(finer.point)), _trace(collocation, collocation.jacobians(point))
+    before *= point.period / finer.point.period
     segments = Segments(
-        found.condensed.maps,
-        2.0 * np.abs(found.condensed.maps - condensed.maps) + moved,
-        None if fine.turns else fine.rates_at_mesh(found.point),
-        found.point.period * trace,
-        found.point.period * (2.0 * abs(trace - before) + _trace(fine, doubt)),
+        finer.condensed.maps,
+        2.0 * np.abs(finer.condensed.maps - condensed.maps) + moved,
+        None if fine.turns else fine.rates_at_mesh(finer.point),
+        finer.point.period * trace,
+        finer.point.period * (2.0 * abs(trace - before) + _trace(fine, doubt)),
     )
     return Compared(
         fine,
-        found.point,
+        finer.point,
         segments,
         errors,
         rounding,
         2.0 * float(errors.max()) + rounding,
-        0.0 if fine.turns else 2.0 * abs(found.point.period - point.period) + of_scalars["period"],
-        2.0 * abs(found.point.value - point.value) + of_scalars["parameter"] if fine.parameter else 0.0,
-        found.steps,
+        0.0 if fine.turns else 2.0 * abs(finer.point.period - point.period) + of_scalars["period"],
+        2.0 * abs(finer.point.value - point.value) + of_scalars["parameter"] if fine.parameter else 0.0,
+        finer.steps,
     )
 
 
@@ -321,33 +321,33 @@ def _doubts(collocation: Collocation, point: Point, rounding: float) -> tuple[Fl
     return doubt, np.asarray(mean * np.exp(np.minimum(stretch, 5.0))[:, None, None])
 
 
-def _finished(found: Any, steps: int) -> PeriodicOrbit:
+def _finished(finer: Any, steps: int) -> PeriodicOrbit:
     """Return the orbit as a result."""
-    collocation, point = found.collocation, found.point
+    collocation, point = finer.collocation, finer.point
     evaluated = collocation.system.evaluated
     times = point.period * collocation.mesh
     was = evaluated.complex_steps
     evaluated.require_derivatives(times[:-1], point.nodes, collocation.system.parameters)
     if was and not evaluated.complex_steps:  # the derivatives were not those of the function
         return orbit_of(collocation, point)
-    return as_orbit(found, steps)
+    return as_orbit(finer, steps)
 
 
-def as_orbit(found: Compared, steps: int) -> PeriodicOrbit:
+def as_orbit(finer: Compared, steps: int) -> PeriodicOrbit:
     """Return the orbit as a result, its parameter, where that was unknown, as it was found."""
-    collocation, point = found.collocation.with_value(found.point.value), found.point._replace(value=0.0)
+    collocation, point = finer.collocation.with_value(finer.point.value), finer.point._replace(value=0.0)
     times, states = point.period * collocation.mesh, np.concatenate([point.nodes, point.nodes[:1]])
     for array in (times, states):
         array.flags.writeable = False
     return PeriodicOrbit(
         collocation.system,
         point.period,
-        found.period_error,
+        finer.period_error,
         times,
         states,
-        found.error,
+        finer.error,
         steps,
         collocation,
         point,
-        found.segments,
+        finer.segments,
     )

@@ -42,7 +42,7 @@ def follow(
     adapt to the orbits.  Every orbit has its verdict; where multipliers cross the unit circle between two of them, one
     or several together, the point is located, or `Branch.notes` says that it is not and why.  Two crossings of the same
     kind within a step, one in and one out, cancel and are not seen: make steps shorter.  Ctrl-C ends the search and
-    returns what has been found.
+    returns the orbits so far.
 
     Parameters
     ----------
@@ -177,7 +177,7 @@ def _joined(task: Task, backward: _Way, middle: _Way, forward: _Way) -> Branch:
 
 
 def _followed(march: Continuation, start: Sample, steps: int, progress: Progress | None, before: int) -> _Way:
-    """Return what is found in one direction, special points numbered by the orbits before them."""
+    """Return the orbits in one direction, special points numbered by the orbits before them."""
     watch = Watch(march.sample, march.measure)
     orbits: list[PeriodicOrbit] = []
     points: list[SpecialPoint] = []
@@ -186,19 +186,19 @@ def _followed(march: Continuation, start: Sample, steps: int, progress: Progress
     try:
         while len(orbits) < steps:
             last = march.sample
-            found = march.advanced()
-            if march.task.until is not None and (reason := march.task.until(last.orbit, found.orbit)):
+            sample = march.advanced()
+            if march.task.until is not None and (reason := march.task.until(last.orbit, sample.orbit)):
                 raise Ended(reason)
-            special = watch.located(found, march.measure)
+            special = watch.located(sample, march.measure)
             points += [replace(point, after=len(orbits)) for point in special.points]
             notes += special.notes
             for point in special.points:
                 if point.kind == "period doubling" and point.multiplier.real > 0.0:  # seen from the doubled orbits
                     raise Ended(f"the branch joins the orbits of half its period at {point}")
-            orbits.append(found.orbit)
+            orbits.append(sample.orbit)
             if progress is not None:
                 progress(before + len(orbits), 2 * steps)
-            if len(orbits) > 3 and _passes(march, start, last, found):
+            if len(orbits) > 3 and _passes(march, start, last, sample):
                 orbits[-1], end = start.orbit, _CLOSED
                 break
     except Ended as ended:
@@ -208,14 +208,15 @@ def _followed(march: Continuation, start: Sample, steps: int, progress: Progress
     return _Way(orbits, points, end, tuple(notes))
 
 
-def _passes(march: Continuation, start: Sample, last: Sample, found: Sample) -> bool:
+def _passes(march: Continuation, start: Sample, last: Sample, sample: Sample) -> bool:
     """Return whether the branch has passed its start between two samples, in the direction in which it left it."""
-    if (last.value - start.value) * (found.value - start.value) > 0.0 or found.tests.turning * start.tests.turning < 0:
+    same_side = (last.value - start.value) * (sample.value - start.value) > 0.0
+    if same_side or sample.tests.turning * start.tests.turning < 0:
         return False
-    given = found.place.collocation
-    share = (start.value - last.value) / (found.value - last.value)
+    given = sample.place.collocation
+    share = (start.value - last.value) / (sample.value - last.value)
     was = orbit_mesh.carried(last.place.collocation, last.place.point, given.mesh, given.degree)[1]
-    guess = given.moved(was, arclength.between(given, was, found.place.point), share)
+    guess = given.moved(was, arclength.between(given, was, sample.place.point), share)
     try:
         there = finding.orbit_of(given.with_value(start.value), guess._replace(value=0.0))
     except ValueError:

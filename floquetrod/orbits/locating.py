@@ -69,15 +69,15 @@ class Watch:
         self.known = dict.fromkeys(("turning", "plus", "minus", "pairs"), (start, measure))
         self.counted = (start, measure)
 
-    def located(self, found: Sample, measure: Measure) -> Located:
+    def located(self, sample: Sample, measure: Measure) -> Located:
         """Return the special points from the samples before to one more.
 
         Signs of products tell single crossings.  Where they do not explain by how many the number of multipliers
         outside the unit circle changes, an even number of them crosses, or several together: then each is located by
         its own magnitude.
         """
-        crossings = self.crossings(found, measure)
-        known, count = self._counted(found, measure)
+        crossings = self.crossings(sample, measure)
+        known, count = self._counted(sample, measure)
         crossed = () if count is None else count.ranks
         singles = [each for each in crossings if each.kind != "Neimark-Sacker"]
         if known and sum(each.change for each in singles) == len(crossed):  # real multipliers with the product 1
@@ -90,36 +90,36 @@ class Watch:
             located = _located_by_ranks(count, turns)
         return located
 
-    def _counted(self, found: Sample, measure: Measure) -> tuple[bool, Crossing | None]:
+    def _counted(self, sample: Sample, measure: Measure) -> tuple[bool, Crossing | None]:
         """Return whether the number outside the unit circle is known, and the ranks it passes; None where it stays."""
-        (start, units), now = self.counted, crossings.outside(found.multipliers)
+        (start, units), now = self.counted, crossings.outside(sample.multipliers)
         before = crossings.outside(start.multipliers)
         if now is not None or before is None:
-            self.counted = found, measure
+            self.counted = sample, measure
         if before is None or now is None or before == now:
             return before is not None and now is not None, None
         ranks = tuple(range(min(before, now), max(before, now)))
-        return True, Crossing("branch point", ranks, start, found, units, ranks)
+        return True, Crossing("branch point", ranks, start, sample, units, ranks)
 
-    def crossings(self, found: Sample, measure: Measure) -> list[Crossing]:
+    def crossings(self, sample: Sample, measure: Measure) -> list[Crossing]:
         """Return the changes of sign from the samples before to one more."""
         changed = {}
         for name, (before, units) in list(self.known.items()):
-            old, new = getattr(before.tests, name), getattr(found.tests, name)
+            old, new = getattr(before.tests, name), getattr(sample.tests, name)
             if old * new < 0.0:
                 changed[name] = (before, units)
             if new != 0.0 or old == 0.0:
-                self.known[name] = (found, measure)
+                self.known[name] = (sample, measure)
         kinds: list[tuple[Kind, str]] = []
         if "turning" in changed:
-            sides = [crossings.value(each.multipliers, "plus") for each in (changed["turning"][0], found)]
+            sides = [crossings.value(each.multipliers, "plus") for each in (changed["turning"][0], sample)]
             only = "plus" not in changed and sides[0] * sides[1] > 0.0
             kinds.append(("branch point" if only else "fold", "turning"))
         elif "plus" in changed:
             kinds.append(("branch point", "plus"))
         kinds += [("period doubling", "minus")] if "minus" in changed else []
         kinds += [("Neimark-Sacker", "pairs")] if "pairs" in changed else []
-        return [Crossing(kind, test, changed[test][0], found, changed[test][1]) for kind, test in kinds]
+        return [Crossing(kind, test, changed[test][0], sample, changed[test][1]) for kind, test in kinds]
 
 
 def _explains(changes: int, crossed: Ranks) -> bool:
@@ -140,12 +140,12 @@ def _all_located(crossings: Sequence[Crossing]) -> Located:
     points, notes, changes = [], [], 0
     for crossing in crossings:
         try:
-            found = located(crossing)
+            special = located(crossing)
         except _FAILURES as error:
             notes.append(_not_located(crossing, f"a {crossing.kind} was not located", error))
         else:
-            points += found
-            changes += crossing.change if found else 0
+            points += special
+            changes += crossing.change if special else 0
     return Located(points, notes, changes)
 
 
@@ -167,10 +167,10 @@ def _located_by_ranks(whole: Crossing, turning: Crossing | None) -> Located:
         groups = _groups(whole, turning)
     except _FAILURES as error:
         return Located([], [_not_located(whole, nothing, error)])
-    found = _all_located(groups)
-    if not found.notes and not _explains(found.changes, whole.ranks):
-        return found._replace(notes=[_not_located(whole, nothing)])
-    return found
+    points = _all_located(groups)
+    if not points.notes and not _explains(points.changes, whole.ranks):
+        return points._replace(notes=[_not_located(whole, nothing)])
+    return points
 
 
 def _groups(whole: Crossing, turning: Crossing | None) -> list[Crossing]:
@@ -229,13 +229,13 @@ class _BranchArc:
         return arclength.placed(collocation, guess, ahead, self.row, self.measure, _MOST_STEPS)
 
     def sample(self, length: float) -> Sample:
-        """Return what is known at a length."""
+        """Return the sample at a length."""
         if length not in self.samples:
             self.samples[length] = sampled(self.place(length), self.measure)
         return self.samples[length]
 
     def beside(self, length: float) -> Sample:
-        """Return what is known at a length, or a little before where the equations are singular there."""
+        """Return the sample at a length, or a little before where the equations are singular there."""
         try:
             return self.sample(length)
         except NoOrbitError:
@@ -286,18 +286,20 @@ def located(crossing: Crossing) -> list[SpecialPoint]:
     branching = crossing.kind == "branch point"
     length = stretch.zero(0.2 * _NEAR * abs(stretch.whole) if branching else _ROOT)
     sample, error, rate = _interpolated(stretch, length) if branching else _at(stretch, length)
-    found = sample.multipliers
+    multipliers = sample.multipliers
     kind = crossing.kind
     if crossing.together > 1:
-        spread, blur = _spread(found, crossing.ranks)
+        spread, blur = _spread(multipliers, crossing.ranks)
         if spread > _APART * blur and crossing.test != "turning":
             singles = _singles(crossing)
             return [point for each in singles for point in located(each)]
         error += rate * spread
-    which = nearest(found, kind)
-    mu = complex(found.values[which])
+    which = nearest(multipliers, kind)
+    mu = complex(multipliers.values[which])
     apart = {"period doubling": abs(mu + 1.0), "Neimark-Sacker": abs(abs(mu) - 1.0)}.get(kind, abs(mu - 1.0))
-    if apart > _CLOSE + 10.0 * found.errors[which] or (kind == "Neimark-Sacker" and not mu.imag > found.errors[which]):
+    if apart > _CLOSE + 10.0 * multipliers.errors[which] or (
+        kind == "Neimark-Sacker" and not mu.imag > multipliers.errors[which]
+    ):
         return []
     doubled = returns_after(sample.orbit.collocation, sample.orbit.point, 2)
     if kind == "branch point" and stretch.test == "turning" and doubled:
@@ -317,9 +319,9 @@ def located(crossing: Crossing) -> list[SpecialPoint]:
     return [point]
 
 
-def _spread(found: OrbitMultipliers, ranks: Ranks) -> tuple[float, float]:
+def _spread(multipliers: OrbitMultipliers, ranks: Ranks) -> tuple[float, float]:
     """Return how far the magnitudes of some multipliers are from 1, and their errors, at most, as logarithms."""
-    values, errors = crossings.of_ranks(found, ranks)
+    values, errors = crossings.of_ranks(multipliers, ranks)
     sizes = np.abs(values)
     return float(np.abs(np.log(sizes)).max()), float((errors / sizes).max())
 

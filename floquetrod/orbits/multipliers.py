@@ -83,7 +83,7 @@ def maps_across(segments: Segments) -> tuple[Floats, Floats]:
 
 
 def _scaled(segments: Segments) -> tuple[Floats, Floats, Floats, float | None]:
-    """Return scales of the states, maps of what is divided by them, their errors, and how far the trivial one is."""
+    """Return scales of the states, maps of the scaled states, their errors, and how far the trivial one is."""
     largest = np.abs(segments.maps).max(axis=0) - np.eye(segments.maps.shape[1])
     scales = independent_solutions.balance(np.abs(largest))
     maps = segments.maps * scales / scales[:, None]
@@ -105,10 +105,10 @@ def _split(maps: Floats, errors: Floats) -> LogDiscs:
 
     Where those of a block are not known, none of them is above the product of the norms of its maps.
     """
-    found = [_of_block(*block) for block in splitting.blocks(maps, errors)]
-    values, low, high, radii = (np.concatenate(parts) for parts in zip(*(each[:4] for each in found), strict=True))
-    starts = np.cumsum([0, *(len(each.values) for each in found)])
-    clusters = (cluster + start for each, start in zip(found, starts, strict=False) for cluster in each.clusters)
+    discs = [_of_block(*block) for block in splitting.blocks(maps, errors)]
+    values, low, high, radii = (np.concatenate(parts) for parts in zip(*(each[:4] for each in discs), strict=True))
+    starts = np.cumsum([0, *(len(each.values) for each in discs)])
+    clusters = (cluster + start for each, start in zip(discs, starts, strict=False) for cluster in each.clusters)
     return LogDiscs(values, low, high, radii, tuple(clusters))
 
 

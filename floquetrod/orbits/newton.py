@@ -85,8 +85,8 @@ def _followed(
         trial = collocation.moved(point, step, share)
         if trial.period > 0.0 and np.isfinite(trial.nodes).all():
             rates = collocation.rates(trial)
-            found = _missed(collocation.residual(trial, rates), point)
-            if sure or found <= (1.0 - 0.25 * share) * missed or found <= 1e-11:
+            missed_there = _missed(collocation.residual(trial, rates), point)
+            if sure or missed_there <= (1.0 - 0.25 * share) * missed or missed_there <= 1e-11:
                 return trial, rates
         share *= 0.5
     raise _lost(collocation, point, f"in step {count}, which makes the residual larger however short it is")

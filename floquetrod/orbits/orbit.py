@@ -1,4 +1,4 @@
-"""A periodic orbit: what is known of it, and its verdict."""
+"""A periodic orbit and its verdict."""
 
 from __future__ import annotations
 
@@ -70,8 +70,8 @@ class PeriodicOrbit(ByContent, Printed, NoTruthValue):
         """Return the states at times (array_like), in the unit of the system's time: shape (*time.shape, n)."""
         times = validate.array("time", time, least=-_LATEST * self.period, largest=_LATEST * self.period)
         shares = times / self.period
-        found = evaluated(self.collocation, self.point, (shares - np.floor(shares)).ravel())
-        return shaped(found, (*times.shape, found.shape[1]))
+        states = evaluated(self.collocation, self.point, (shares - np.floor(shares)).ravel())
+        return shaped(states, (*times.shape, states.shape[1]))
 
     @property
     def least(self) -> Floats:
@@ -92,10 +92,10 @@ class PeriodicOrbit(ByContent, Printed, NoTruthValue):
     def linearised(self) -> PeriodicSystem:
         """The system x' = A(t) x of small deviations, A(t) the derivatives of f along the orbit, as a Fourier series.
 
-        Its ``coefficient_error`` includes the error of the orbit and that of the truncated series.
+        Its ``coefficient_error`` includes the errors of the orbit and of the truncated series.
         """
-        found = sampling.smooth(self._derivatives, self.period, math.inf)
-        return PeriodicSystem.from_pieces(found.pieces, coefficient_error=found.error + self._derivatives_error)
+        series = sampling.smooth(self._derivatives, self.period, math.inf)
+        return PeriodicSystem.from_pieces(series.pieces, coefficient_error=series.error + self._derivatives_error)
 
     def _derivatives(self, times: Floats) -> Floats:
         """Return the derivatives of f along the orbit (k, n, n)."""
@@ -121,18 +121,18 @@ class PeriodicOrbit(ByContent, Printed, NoTruthValue):
         """The verdict of `floquetrod.stability` on the linearised system, from maps over the mesh.
 
         For an autonomous system, without the multiplier 1 of a shift along the orbit; "stable" then refers to the
-        orbit, not to the phase on it.  The errors of the multipliers include those of the orbit.
+        orbit, not to the phase on it.  The errors of the multipliers include the effect of the orbit's.
         """
         return self._verdict.stability
 
     @property
     def status(self) -> Status:
-        """Verdict, that of ``stability``."""
+        """The verdict in ``stability``."""
         return self.stability.status
 
     @property
     def multipliers(self) -> tuple[complex, ...]:
-        """Multipliers of the orbit, those of ``stability``, the largest first."""
+        """Multipliers of the orbit from ``stability``, the largest first."""
         return self.stability.multipliers
 
     @property

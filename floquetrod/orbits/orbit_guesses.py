@@ -54,13 +54,13 @@ class Guess(NamedTuple):
         place = np.clip(np.searchsorted(self.times, times, side="right") - 1, 0, len(self.times) - 2)
         steps = np.diff(self.times)[place][:, None]
         s = (times - self.times[place])[:, None] / steps
-        found = (
+        states = (
             (1.0 + 2.0 * s) * (1.0 - s) ** 2 * self.states[place]
             + s * (1.0 - s) ** 2 * steps * self.rates[place]
             + s**2 * (3.0 - 2.0 * s) * self.states[place + 1]
             + s**2 * (s - 1.0) * steps * self.rates[place + 1]
         )
-        return np.asarray(found - shares[:, None] * (self.states[-1] - self.states[0]))
+        return np.asarray(states - shares[:, None] * (self.states[-1] - self.states[0]))
 
 
 def guessed(system: NonlinearSystem, start: Any, period: float | None) -> Guess:
@@ -74,8 +74,8 @@ def guessed(system: NonlinearSystem, start: Any, period: float | None) -> Guess:
             f"{state.shape}"
         )
     system.evaluated.start(0.0, state, system.parameters)
-    found = _autonomous(system, state) if period is None else _settled(system, state, period)
-    return _resolved(system, found)
+    guess = _autonomous(system, state) if period is None else _settled(system, state, period)
+    return _resolved(system, guess)
 
 
 def _resolved(system: NonlinearSystem, guess: Guess) -> Guess:
@@ -144,10 +144,10 @@ def _from_record(system: NonlinearSystem, times: Floats, states: Floats, period:
     system.evaluated.start(float(times[0]), states[0], system.parameters)
     rates = system.rates(times, states)
     if period is None:
-        found = returned(times, states, rates)
-        if found is None:
+        return_time = returned(times, states, rates)
+        if return_time is None:
             raise ValueError("start must be a record of two periods or more, got one that does not return; give period")
-        period = found
+        period = return_time
     if times[-1] - times[0] < period * (1.0 - 1e-9):
         raise ValueError(f"start must cover a period of {period:.6g}, got a record of {times[-1] - times[0]:.6g}")
     begin = times[-1] - period
@@ -170,18 +170,18 @@ def _settled(system: NonlinearSystem, state: Floats, period: float) -> Guess:
     best: Guess | None = None
     strobed = [state]
     for turn in range(_MOST_PERIODS):
-        found = _marched(system, state, period, f"in period {turn + 1}, each of {period:.6g},")
-        best = found if best is None or found.gap < best.gap else best
-        if found.gap <= (CLOSE if turn else _DIRECTLY):
-            return found
-        state = found.states[-1]
+        motion = _marched(system, state, period, f"in period {turn + 1}, each of {period:.6g},")
+        best = motion if best is None or motion.gap < best.gap else best
+        if motion.gap <= (CLOSE if turn else _DIRECTLY):
+            return motion
+        state = motion.states[-1]
         strobed.append(state)
-        if turn > 50 and (turns := _returns_after(np.array(strobed[-13:]), found)):
+        if turn > 50 and (turns := _returns_after(np.array(strobed[-13:]), motion)):
             raise ValueError(
                 f"start leads to motion that returns after {turns} periods, not after one; give period = "
                 f"{turns} * {period:.6g}"
             )
-    return best if best is not None else found
+    return best if best is not None else motion
 
 
 def _near_return(system: NonlinearSystem, state: Floats, period: float) -> Guess:

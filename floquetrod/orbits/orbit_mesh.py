@@ -95,6 +95,6 @@ def of_density(mesh: Floats, density: Floats, wanted: float) -> Floats:
     """Return a mesh of about so many intervals, a multiple of four, with a density given between points of another."""
     count = min(MOST, max(FEWEST, 4 * math.ceil(0.25 * min(wanted, MOST))))
     integral = np.concatenate([[0.0], np.cumsum(density * np.diff(mesh))])
-    found = np.interp(np.linspace(0.0, integral[-1], count + 1), integral, mesh)
-    found[0], found[-1] = 0.0, 1.0
-    return found
+    nodes = np.interp(np.linspace(0.0, integral[-1], count + 1), integral, mesh)
+    nodes[0], nodes[-1] = 0.0, 1.0
+    return nodes

@@ -1,4 +1,4 @@
-"""Multipliers that coincide, or a simple one, by their eigenvectors, with the error from those of the maps."""
+"""Multipliers that coincide, or a simple one, by their eigenvectors, with the error that errors of the maps make."""
 
 from __future__ import annotations
 

@@ -175,15 +175,17 @@ def _out(
     guess = collocation.moved(point, across, distance)
     row = arclength.through(collocation, guess, measure.row(collocation, point, across))
     try:
-        found = corrected(
+        solution = corrected(
             collocation, guess, arclength.rows_of(collocation, guess, row, measure), arclength.MOST_STEPS
         ).point
-        if measure.length(collocation, point, arclength.between(collocation, point, found)) > _FARTHEST * abs(distance):
+        if measure.length(collocation, point, arclength.between(collocation, point, solution)) > _FARTHEST * abs(
+            distance
+        ):
             return None
-        orbit = finding.orbit_of(collocation, found)
+        orbit = finding.orbit_of(collocation, solution)
     except NoOrbitError:
         return None
     fixed = replace(collocation, parameter=None)
     there = orbit_mesh.carried(orbit.collocation, orbit.point, collocation.mesh, collocation.degree)[1]
-    gap = measure.length(fixed, there, arclength.between(fixed, found._replace(value=0.0), there))
+    gap = measure.length(fixed, there, arclength.between(fixed, solution._replace(value=0.0), there))
     return orbit if gap < 0.3 * abs(distance) else None

@@ -143,10 +143,10 @@ class Chart(NoTruthValue, ByContent):
             raise ValueError(
                 "bands must be computed before a chart is saved: a file holds those of chart.bands, and this one none"
             )
-        found = self.source(accuracy, progress)
+        bands = self.source(accuracy, progress)
         if accuracy == ACCURACY:
-            self._keep(found)
-        return found
+            self._keep(bands)
+        return bands
 
     @property
     def heading(self) -> str:

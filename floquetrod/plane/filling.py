@@ -38,11 +38,11 @@ def charted(family: Family, x: Axis, y: Axis, *, growth: bool = False, progress:
     for start in range(0, lines, together):
         part, every = slice(start, start + together), slice(None)
         place = (every, part) if family.by_columns else (part, every)
-        found = family.verdicts(x.values[place[1]], y.values[place[0], None], growth=growth)
-        if found.mode is None:
+        verdicts = family.verdicts(x.values[place[1]], y.values[place[0], None], growth=growth)
+        if verdicts.mode is None:
             kept.pop("mode", None)
         for name, array in kept.items():
-            array[place] = getattr(found, name)
+            array[place] = getattr(verdicts, name)
         if progress is not None:
             progress(min(lines, start + together) * length, rows * columns)
     status = kept["status"]

@@ -48,9 +48,9 @@ class Plane:
                 raise OutOfBudget
             self.judged += count
             place = self.places(shares[inside])
-            found = self.family.verdicts(place[:, 0], place[:, 1], quick=quick)
-            unstable[inside] = found.status == 0
-            excess[inside] = found.growth - self.family.growth_tolerance
+            verdicts = self.family.verdicts(place[:, 0], place[:, 1], quick=quick)
+            unstable[inside] = verdicts.status == 0
+            excess[inside] = verdicts.growth - self.family.growth_tolerance
         return unstable, excess
 
     def boundary(self, inside: Floats, outside: Floats) -> Floats:
@@ -101,16 +101,16 @@ class Plane:
         Returns whether it changed within ``most``, and the distances of the last two places.
         """
         count = len(start)
-        found, before, now = np.zeros(count, dtype=np.bool_), np.zeros(count), np.minimum(first, most)
+        reached, before, now = np.zeros(count, dtype=np.bool_), np.zeros(count), np.minimum(first, most)
         active = np.arange(count)
         while active.size:
             unstable, _ = self.unstable(start[active] + now[active, None] * along[active])
             changed = unstable != colour[active]
-            found[active[changed]] = True
+            reached[active[changed]] = True
             active = active[~changed & (now[active] < most[active])]
             before[active] = now[active]
             now[active] = np.minimum(2.0 * now[active], most[active])
-        return found, before, now
+        return reached, before, now
 
 
 def between(start: Floats, along: Floats, before: Floats, now: Floats, colour: Bools) -> tuple[Floats, Floats]:

@@ -1,4 +1,4 @@
-"""Polygons: areas, what they contain, and holes joined to what is about them."""
+"""Polygons: areas, points inside, and holes joined to the polygons about them."""
 
 from __future__ import annotations
 

@@ -50,7 +50,7 @@ def _first_choice(ring: Ints, place: Floats, on_edge: Bools) -> Bools:
     return keep
 
 
-def _violated(found: Crossings, ring: Ints, keep: Bools, place: Floats, on_edge: Bools) -> Ints:
+def _violated(breaches: Crossings, ring: Ints, keep: Bools, place: Floats, on_edge: Bools) -> Ints:
     """Choose further crossings, the middle one of each side that passes a point on its wrong side; return them."""
     at = np.flatnonzero(keep)
     side = np.searchsorted(at, np.arange(ring.size), side="right") - 1  # -1 is the last, round the end of the list
@@ -63,7 +63,7 @@ def _violated(found: Crossings, ring: Ints, keep: Bools, place: Floats, on_edge:
     def left(points: Floats) -> Floats:
         return (b - a)[:, 0] * (points - a)[:, 1] - (b - a)[:, 1] * (points - a)[:, 0]
 
-    wrong = (left(found.inside[ring[others]]) < 0.0) | (left(found.outside[ring[others]]) > 0.0)
+    wrong = (left(breaches.inside[ring[others]]) < 0.0) | (left(breaches.outside[ring[others]]) > 0.0)
     sides = np.unique(side[others[wrong]])
     new = []
     for s in sides.tolist():
@@ -143,18 +143,18 @@ def _move(plane: Plane, outline: RegionRings, some: Ints, accuracy: float, wide_
     colour, _ = plane.unstable(middle)
     along = np.where(colour[:, None], normal, -normal)
     first = np.minimum(0.25 * accuracy, length / 16.0)
-    found, before, now = plane.march(middle, along, first, length, colour)
+    reached, before, now = plane.march(middle, along, first, length, colour)
     place = np.full((some.size, 2), np.nan)
     ends = between(middle, along, before, now, colour)
-    place[found] = plane.boundary(ends[0][found], ends[1][found])
-    far = np.where(found, np.hypot(*(place - middle).T), length)
+    place[reached] = plane.boundary(ends[0][reached], ends[1][reached])
+    far = np.where(reached, np.hypot(*(place - middle).T), length)
     for k, side in enumerate(some.tolist()):
         if outline.done[side] or (outline.sides(np.array([side]))[1] != end[k]).any():
             continue  # changed by another one of this round
         distance, hit = outline.hits(middle[k : k + 1], along[k : k + 1], np.array([side]))
         if distance[0] < far[k]:
             outline.join(side, int(hit[0]))
-        elif found[k]:
+        elif reached[k]:
             outline.divide(side, place[k])
         else:
             outline.done[side] = True

@@ -31,16 +31,16 @@ class FamilyBands(ByContent):
 
     def __call__(self, accuracy: float, progress: Progress | None) -> Bands:
         """Return the bands with an accuracy as a fraction of each axis."""
-        found = self.family.exact_bands(self.x.ends, self.y.ends, accuracy, progress)
-        if found is None:
-            found = traced(self.family, self.x, self.y, self.status == 0, accuracy, progress)
+        bands = self.family.exact_bands(self.x.ends, self.y.ends, accuracy, progress)
+        if bands is None:
+            bands = traced(self.family, self.x, self.y, self.status == 0, accuracy, progress)
         return Bands(
             self.x.ends,
             self.y.ends,
-            found.bands,
+            bands.bands,
             self.family.growth_unit,
             self.family.growth_tolerance,
-            found.tongues_left_out,
-            found.accuracy,
-            found.resolution,
+            bands.tongues_left_out,
+            bands.accuracy,
+            bands.resolution,
         )

@@ -125,9 +125,9 @@ def _hits(plane: Plane, tongues: list[_Tongue]) -> list[Floats | None]:
     """Return a place in each tongue near where its middle is expected, None where there is none."""
     colour = np.array([tongue.colour for tongue in tongues])
     places = np.array([tongue.target for tongue in tongues])
-    found = _inside(places) & (plane.unstable(places, quick=True)[0] == colour)
-    result: list[Floats | None] = [place if hit else None for place, hit in zip(places, found, strict=True)]
-    missed = np.flatnonzero(~found)
+    struck = _inside(places) & (plane.unstable(places, quick=True)[0] == colour)
+    result: list[Floats | None] = [place if hit else None for place, hit in zip(places, struck, strict=True)]
+    missed = np.flatnonzero(~struck)
     if missed.size:
         across = np.array([tongues[i].next_across * tongues[i].expected for i in missed])
         tries = places[missed, None] + _OFFSETS[:, None] * across[:, None]
@@ -152,12 +152,12 @@ def _advance(plane: Plane, outline: RegionRings, some: list[tuple[_Tongue, Float
     along = np.concatenate([-across, across])
     start2, colour2 = np.concatenate([start, start]), np.concatenate([colour, colour])
     width2 = np.concatenate([width, width])
-    found, before, now = plane.march(start2, along, 0.35 * width2, 4.0 * width2, colour2)
+    reached, before, now = plane.march(start2, along, 0.35 * width2, 4.0 * width2, colour2)
     walls = np.full((2 * len(some), 2), np.nan)
     ends = between(start2, along, before, now, colour2)
-    walls[found] = plane.boundary(ends[0][found], ends[1][found])
+    walls[reached] = plane.boundary(ends[0][reached], ends[1][reached])
     first, second = walls[: len(some)], walls[len(some) :]
-    both = found[: len(some)] & found[len(some) :]
+    both = reached[: len(some)] & reached[len(some) :]
     ways = [_halfway(tongue, p, q) for (tongue, _), p, q in zip(some, first, second, strict=True)]
     halfway, sags = np.array([way[0] for way in ways]), [way[1] for way in ways]
     connected = plane.unstable(np.where(both[:, None], halfway, -1.0))[0] == colour

@@ -63,6 +63,9 @@ def _has_invariant_interval(equation: Any, cells: Any, bases: Any, orbit: Any, f
     takes the interval, grown by its images up to `_GROWN` times, into itself: tried at `_TRIED` points of it.
     ``findings`` receives it.
     """
+    # P takes the amplitude x at which the motion is stuck at a phase to that a period later.  An interval with P([low,
+    # high]) inside [low, high] holds the motion for all time (docs/theory/friction.md).  Images of few amplitudes grow
+    # the interval; only one that does not grow any more is tried at many.
     alpha, beta = equation["alpha"], equation["beta"]
     outward = beta + abs(alpha)
     inward = abs(alpha) - beta
@@ -115,6 +118,9 @@ def follow_fill(
     An orbit with A' NaN is none, and left alone.  A row has an equation, whose cells begin at ``first`` in ``cells``
     and ``bases``, and its ``findings``.  From time to time it is checked whether an orbit stays in such an interval.
     """
+    # Pieces of 1, 8, 64, ... times `_WATCHED` periods: after each, a motion that has stuck is checked for an interval
+    # of amplitudes that it never leaves, which costs `_WATCHED` periods more.  Pieces grow so that checks cost a share
+    # of the whole; the motion goes on from where the piece ended, in ``orbit``.
     work = workspace()
     none = np.empty(0, SAMPLE)
     for i in range(len(row)):

@@ -101,6 +101,10 @@ def _eigenvector(value: float, q: float, first: float, shift: float, rows: int) 
     Pivots run forwards from the first row and backwards from the last; they meet where the vector is largest, and each
     component follows from its neighbour without subtraction, so exponentially small ones keep their digits.
     """
+    # Pivots of the tridiagonal matrix with the diagonal d_i and the links l_i: forwards f_i = d_i - l_(i-1)^2 /
+    # f_(i-1), backwards b_i = d_i - l_i^2 / b_(i+1).  They meet where f_i + b_i - d_i is smallest; from there on v_i =
+    # -l_i / f_i v_(i+1) and v_i = -l_(i-1) / b_i v_(i-1) (I. S. Dhillon and B. N. Parlett, Linear Algebra Appl. 387
+    # (2004) 1).
     diagonal = np.empty(rows)
     link = np.empty(rows)
     for i in range(rows):

@@ -41,6 +41,9 @@ def summit(line: PlaneLine, low: float, high: float) -> tuple[float, float]:
 
     Brent's method: parabolas through the best three places, golden sections where they do not help.
     """
+    # R. P. Brent, Algorithms for Minimization without Derivatives, 1973, chapter 5.  The maximum lies in [a, b]; best,
+    # second and third are the three best places so far.  The parabola through them has its summit at best + top /
+    # below; it is taken where it lies within [a, b] and halves the step before the last, else the longer side is cut.
     best = 0.5 * (low + high)
     value = squared_rate(best, line)
     second, at_second = best, value
