@@ -244,7 +244,7 @@ def test_what_the_model_cannot_do_it_refuses() -> None:
         lambda: ROD.critical_kick(LOAD, friction=0.1),
         lambda: ROD.certify(mean=0.0, amplitude=AMPLITUDE, frequency=SLOW),
         lambda: ROD.largest_safe_box(LOAD),
-        lambda: ROD.modal_system(mean=0.0, amplitude=AMPLITUDE, frequency=SLOW),
+        lambda: ROD.modal_system(mean=[0.0], amplitude=AMPLITUDE, frequency=SLOW),
     ):
         with pytest.raises(ValueError, match="a spring between the modes"):
             question()

@@ -74,9 +74,12 @@ SAME: dict[str, Callable[[fr.Rod], Any]] = {
 """What is as true in a well as elsewhere: a sentence about its own answer, or one that asks for no bend."""
 
 REFUSED: dict[str, tuple[Callable[[fr.Rod], Any], str]] = {
-    "modal_system of arrays": (lambda rod: rod.modal_system(**NUMBERS), "a path that bends"),
+    "modal_system of arrays": (lambda rod: rod.modal_system(WAVE, mean=[WAVE.mean]), "a path that bends"),
     "critical_kick": (lambda rod: rod.critical_kick(WAVE, friction=0.1), "a path that bends"),
-    "critical_kick of arrays": (lambda rod: rod.critical_kick(**NUMBERS, friction=0.1), "a path that bends"),
+    "critical_kick of arrays": (
+        lambda rod: rod.critical_kick(WAVE, friction=0.1, mean=[WAVE.mean]),
+        "a path that bends",
+    ),
     "certify": (lambda rod: rod.certify(**NUMBERS), "a path that bends"),
     "largest_safe_box": (lambda rod: rod.largest_safe_box(WAVE), "a path that bends"),
     "lock_up": (lambda rod: rod.lock_up(0.2), "this one bends"),
