@@ -9,6 +9,7 @@ from floquetrod.explorer.maps import ChartMap, GrowingMap
 from floquetrod.explorer.mode_panels import LineAndShape, ModesAndRates
 from floquetrod.explorer.source import PanelSource
 from floquetrod.explorer.words import MARGINS, verdict_words
+from floquetrod.rod.answers.rod_stability import growing_in_words
 from floquetrod.rod.loads.load import Load, Loads
 from floquetrod.rod.rod import Rod
 
@@ -41,7 +42,7 @@ class View:
             yield {"verdict": f"no verdict: {str(error).partition(';')[0]}", "shape": None}
             yield from self._rest(load, stale)
             return
-        yield {"verdict": verdict_words(verdict.status, verdict.growth_rate, verdict.growing_in_words)}
+        yield {"verdict": verdict_words(verdict.status, verdict.growth_rate, growing_in_words(verdict))}
         for source in (self.modes, self.map):
             yield from source.first(load, verdict, stale)
         yield from self._rest(load, stale)

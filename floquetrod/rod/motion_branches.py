@@ -41,7 +41,7 @@ _INSTANTS = 256  # of a period, at which a motion is examined
 
 
 class _Task(NamedTuple):
-    """What is followed: the equations, the quantity and its range, steps to each side and their length."""
+    """What to follow: the equations, the quantity and its range, steps to each side and their length."""
 
     motions: Motions
     quantity: Quantity

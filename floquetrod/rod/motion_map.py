@@ -54,7 +54,7 @@ def _smallest(equations: list[OneMode], loads: Loads) -> Floats:
 
 
 def _vibrations(equations: list[OneMode], loads: Loads) -> list[Any]:
-    """Return what the vibration takes from the stiffness of each mode, (modes, k, 2 H)."""
+    """Return the stiffness of each mode that the vibration takes, (modes, k, 2 H)."""
     every, index = np.unique(loads.frequency, return_inverse=True)
     vibrations = []
     for equation in equations:

@@ -41,7 +41,7 @@ class LoadPlane(Family):
 
     @property
     def model(self) -> ModeModel:
-        """What the modes are."""
+        """The model of the modes."""
         return self.rod._modes_under(self.template)
 
     @property

@@ -45,7 +45,7 @@ def stability(
     if friction is not None:
         model.require("friction")
     if record is not None:
-        from floquetrod.rod.record_noise import record_verdict
+        from floquetrod.rod.record_verdict import record_verdict
 
         return record_verdict(model, record, modes, tolerance, progress)
     linear = model.verdict(load, modes, tolerance, progress)

@@ -1,1 +1,1 @@
-"""What is answered about a rod under a load: verdicts, intervals, proofs, and what they say."""
+"""Answers about a rod under a load: verdicts, intervals, proofs, and their reports."""

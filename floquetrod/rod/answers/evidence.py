@@ -1,4 +1,4 @@
-"""What a verdict on a rod rests on: one record for each kind of modes, and the facts that follow from it.
+"""The evidence of a verdict on a rod: one record for each kind of modes, and the facts that follow from it.
 
 `floquetrod.rod.modes` fills the records, `floquetrod.rod.answers.rod_stability` puts them into words.
 """

@@ -189,9 +189,9 @@ def force_in_newtons(name: str, value: Any) -> float:
 
 
 def mean_force(drag: Drag, far_force: float, bottom: float, depth: Any) -> MeanForce:
-    """Return what `Rod.mean_force` does."""
+    """Return the mean force along a string; see `floquetrod.Rod.mean_force`."""
     path = drag.path
-    depths = _asked(path.start, bottom, depth)
+    depths = _answer_depths(path.start, bottom, depth)
     run = functools.partial(strings.run, drag, path.start, np.array([bottom]), far_force, depths)
     fine, rough = map(run, CHECKED)
     force, rough_force = drag.force(fine.y[:, 0]), drag.force(rough.y[:, 0])
@@ -268,18 +268,18 @@ def _along(drag: Drag, strings_run: strings.Run, k: int, errors: tuple[float, fl
     )
 
 
-def _asked(top: float, bottom: float, depth: Any) -> Floats:
-    """Return the measured depths that are asked for, increasing, with both ends."""
+def _answer_depths(top: float, bottom: float, depth: Any) -> Floats:
+    """Return the measured depths of an answer, increasing, with both ends."""
     if depth is None:
         number = int(np.clip((bottom - top) / _SPACING, 50, _MOST))
         return np.linspace(top, bottom, number + 1)
-    asked = units.array("depth", depth, "length", 0.0, 1e6).ravel()
-    outside = (asked < top) | (asked > bottom)
+    depths = units.array("depth", depth, "length", 0.0, 1e6).ravel()
+    outside = (depths < top) | (depths > bottom)
     if outside.any():
         raise validate.wrong_value(
-            "depth", f"must lie from {top:g} m to bottom = {bottom:g} m, got {asked[outside][0]:g} m"
+            "depth", f"must lie from {top:g} m to bottom = {bottom:g} m, got {depths[outside][0]:g} m"
         )
-    return np.unique(np.concatenate([[top, bottom], asked]))
+    return np.unique(np.concatenate([[top, bottom], depths]))
 
 
 def lower_end(path: Any, bottom: Any) -> float:

@@ -71,7 +71,7 @@ class UpperEnds(NamedTuple):
         return np.asarray(np.isfinite(self.force) & (self.force <= limits.push) & (self.stress <= limits.stress))
 
     def reason(self, k: int, limits: Limits) -> str:
-        """Return what stops string k."""
+        """Return the limit that stops string k."""
         if not math.isfinite(self.force[k]):
             return LOCK_UP
         return PUSH if self.force[k] > limits.push else YIELD
@@ -256,9 +256,9 @@ class Pushing:
     def _narrowed(
         self, low: Floats, high: Floats, relieved: Floats, is_static: Bools, limits: Limits
     ) -> tuple[Floats, Floats]:
-        """Return what is between strings that go and those that are stopped, depths and y of lower ends in rows.
+        """Return the ends between strings that go and strings that are stopped, depths and y of lower ends in rows.
 
-        To depths that are ``relieved`` stress does not count; of columns that are static nothing but lock-up does.
+        To depths that are ``relieved`` stress does not count; in static columns nothing but lock-up does.
         """
         for k, count in enumerate(_PARTS[self.drag.shaking is not None]):
             steps = np.linspace(low, high, count + 1, axis=1)

@@ -1,4 +1,4 @@
-"""What is said of a rod, of a load on it and of a verdict, in the units asked for."""
+"""Lines of reports about a rod, a load on it and the margins of a verdict, in chosen units."""
 
 from __future__ import annotations
 

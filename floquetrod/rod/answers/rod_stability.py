@@ -62,7 +62,7 @@ class VerdictModel(Protocol):
         """The load."""
 
     def damping_to_stabilise(self, verdict: RodStability) -> float:
-        """Return the smallest damping rate in 1/s from which every larger one keeps all modes from growing."""
+        """Return the smallest damping rate in 1/s at which, and at every larger one, no mode grows."""
 
     def growth_of_modes(self, load: Load, modes: tuple[int, ...]) -> tuple[float, ...]:
         """Return the growth in 1/s of modes."""
@@ -160,7 +160,7 @@ class RodStability(Reported, Verdict):
 
     @cached_property
     def damping_to_stabilise(self) -> float:
-        """Smallest damping rate in 1/s from which every larger one keeps all modes from growing.
+        """Smallest damping rate in 1/s at which, and at every larger one, no mode grows.
 
         The rate meant is the rod's whole ``damping_rate``, whatever it is now.  Infinite when the mean force alone
         buckles the rod: damping only slows that down.  Where modes are coupled it is the rate at which this load no
@@ -425,20 +425,6 @@ class RodStability(Reported, Verdict):
             **_evidence_as_dict(self),
         }
 
-    @property
-    def growing_in_words(self) -> str:
-        """What grows fastest, to stand before "at so many 1/s"."""
-        match self.evidence:
-            case IndependentEvidence():
-                return f"mode {self.fastest_mode} grows"
-            case CoupledEvidence():
-                return f"{self.resonances[0]}," if self.resonances else "growth"
-            case NoisyEvidence():
-                mode = self.fastest_mode
-                return f"{'all high modes grow' if mode is None else f'mode {mode} grows'} in mean square"
-            case NoisyCoupledEvidence():
-                return "coupled modes grow in mean square"
-
     def __repr__(self) -> str:
         """Return the verdict as a sentence."""
         return f"<{_sentence(self)}; {self.cutoff}>"
@@ -447,8 +433,22 @@ class RodStability(Reported, Verdict):
 # --- what a verdict says, for each kind of evidence ---
 
 
+def growing_in_words(verdict: RodStability) -> str:
+    """Return the fastest mode or resonance in words, to stand before "at so many 1/s"."""
+    match verdict.evidence:
+        case IndependentEvidence():
+            return f"mode {verdict.fastest_mode} grows"
+        case CoupledEvidence():
+            return f"{verdict.resonances[0]}," if verdict.resonances else "growth"
+        case NoisyEvidence():
+            mode = verdict.fastest_mode
+            return f"{'all high modes grow' if mode is None else f'mode {mode} grows'} in mean square"
+        case NoisyCoupledEvidence():
+            return "coupled modes grow in mean square"
+
+
 def _headline(verdict: RodStability) -> str:
-    """Return what grows, or why that is not known; "" where there is nothing to say."""
+    """Return the growing modes or resonances, or why they are not known; "" for a stable rod without noise."""
     evidence, status = verdict.evidence, verdict.status
     match evidence:
         case IndependentEvidence():

@@ -1,4 +1,4 @@
-"""What friction takes from a wave across a string that slides along its channel.
+"""The damping by friction of a wave across a string that slides along its channel.
 
 Coulomb's friction points against the whole velocity.  Of a string that slides at a = v + V cos(w t) along and moves at
 u across the part mu N u / hypot(a, u) is across: a slow wave is damped as if by a fluid, at mu N / (2 m abs(a)), a fast

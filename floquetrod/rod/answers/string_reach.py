@@ -307,7 +307,7 @@ class Reach(Printed, ByContent):
         return "in its fluids" + (f", with none {empty[0]}" if empty else "")
 
     def _limit_in_words(self, shown: AnswerUnits) -> str:
-        """Return what limits the reach, and where the string locks up by statics alone."""
+        """Return the limit of the reach, and where the string locks up by statics alone."""
         if self.yield_strength is None:
             stress = "any stress, since no yield strength is given"
         elif self.yield_share is None:
@@ -323,7 +323,7 @@ class Reach(Printed, ByContent):
         return f"{stress}, and {push} at the injector; {lock_up}"
 
     def _speeds_in_words(self, shown: AnswerUnits) -> str:
-        """Return what the tool gains while the string slides at its speed and at two others."""
+        """Return the depth gained by the tool while the string slides at its speed and at two others."""
         texts = []
         for speed, depth, gain in zip(self.speeds, self.reach_at_speeds, self.gain_at_speeds, strict=True):
             ends = " (to the end of the well)" if depth >= self.path.end else ""
@@ -500,7 +500,10 @@ def reach(
     depth: Any,
     yield_share: Any,
 ) -> Reach:
-    """Return what `Rod.reach` does; ``ends`` are the force at the lower end and the greatest at the upper one."""
+    """Return how deep a string can be pushed; see `floquetrod.Rod.reach`.
+
+    ``ends`` are the force at the lower end and the greatest at the upper one.
+    """
     drag = drag_of(rod, path, friction, "pushed", helical, tool, speed)
     if tool is not None:
         tool_inside(tool, path.end - path.start, "string")
@@ -520,8 +523,10 @@ def reach(
         shaken = pushing.sought(depths, few, limits)
         reached, along, stress = pushing.along(shaken.reached, limits)
     sliding = 0.0 if drag.shaking is None else drag.shaking.speed
-    grown = _grown(rod, drag, along, tool)
-    others = _with_others(rod, drag, far_force, by_itself.depth + _WAY * _gained(by_itself.depth, reached.depth))
+    lateral = _growth_with_tool(rod, drag, along, tool)
+    other_frequencies = _other_frequencies(
+        rod, drag, far_force, by_itself.depth + _WAY * _gained(by_itself.depth, reached.depth)
+    )
     return Reach(
         path=path,
         depth=depths,
@@ -549,14 +554,14 @@ def reach(
         weight_per_length=rod.weight_per_length,
         fluids=(rod.fluid_inside, rod.fluid_outside),
         sliding=sliding,
-        growth=grown.net,
-        growth_free=grown.free,
-        half_wave=grown.half_wave,
-        speed_to_grow=grown.least_speed,
-        frequencies=others.frequency,
-        frequency_depth=others.depth,
-        frequency_growth=others.growth,
-        frequency_speed=others.speed,
+        growth=lateral.net,
+        growth_free=lateral.free,
+        half_wave=lateral.half_wave,
+        speed_to_grow=lateral.least_speed,
+        frequencies=other_frequencies.frequency,
+        frequency_depth=other_frequencies.depth,
+        frequency_growth=other_frequencies.growth,
+        frequency_speed=other_frequencies.speed,
         _pushing=pushing,
         _limits=limits,
     )
@@ -571,17 +576,17 @@ def depths_of(path: WellPath, depth: Any) -> Floats:
     """Return the measured depths of the lower end, increasing, checked."""
     if depth is None:
         return np.linspace(path.start, path.end, _DEPTHS + 1)[1:]
-    asked = np.unique(units.array("depth", depth, "length", 0.0, 1e6))
-    if not asked.size or asked[0] < path.start + 1e-6 or asked[-1] > path.end + 1e-6:
+    depths = np.unique(units.array("depth", depth, "length", 0.0, 1e6))
+    if not depths.size or depths[0] < path.start + 1e-6 or depths[-1] > path.end + 1e-6:
         written = depth[-1] if isinstance(depth, list | tuple) and depth else depth
         name = units.unit_of(written) if isinstance(written, str) else None
         unit = units.unit(name or "m", "depth", "length")
-        wrong = "none" if not asked.size else unit.show(asked[-1] if asked[-1] > path.end else asked[0])
+        wrong = "none" if not depths.size else unit.show(depths[-1] if depths[-1] > path.end else depths[0])
         ends = f"{unit.of(path.start):.6g} to {unit.show(path.end)}"
         raise validate.wrong_value(
             "depth", f"must lie below the start of the path and down to its end, {ends}, got {wrong}"
         )
-    return np.minimum(asked, path.end)
+    return np.minimum(depths, path.end)
 
 
 def _gained(without: float, shaken: float) -> float:
@@ -589,8 +594,8 @@ def _gained(without: float, shaken: float) -> float:
     return shaken - without if abs(shaken - without) > _ERROR * shaken else 0.0
 
 
-class _Grown(NamedTuple):
-    """What grows along a string, see `Reach`."""
+class _GrowthAlong(NamedTuple):
+    """Growth of lateral waves along a string, see `Reach`."""
 
     net: Floats
     free: Floats
@@ -598,11 +603,11 @@ class _Grown(NamedTuple):
     least_speed: Floats
 
 
-def _grown(rod: RodData, drag: Drag, along: MeanForce, tool: VibrationTool | None) -> _Grown:
-    """Return what grows along a string with a tool."""
+def _growth_with_tool(rod: RodData, drag: Drag, along: MeanForce, tool: VibrationTool | None) -> _GrowthAlong:
+    """Return the growth of lateral waves along a string with a tool."""
     size = along.depth.size
     none = np.zeros((3, size))
-    growth = _Grown(none[0], none[1], none[2], np.full(size, math.inf))
+    growth = _GrowthAlong(none[0], none[1], none[2], np.full(size, math.inf))
     chosen = np.flatnonzero(~along.is_snaking & np.isfinite(along.force) & (along.vibration > 0.0))
     if tool is None or drag.shaking is None or not chosen.size:
         return growth
@@ -643,7 +648,7 @@ class _Places(NamedTuple):
         return cls(WellGeometry(*map(np.concatenate, zip(*place, strict=True))), *map(np.concatenate, others))
 
 
-class _Others(NamedTuple):
+class _OtherFrequencies(NamedTuple):
     """Frequencies of a tool in rad/s, depths of a string in m; the fastest growth in 1/s and largest speed in m/s."""
 
     frequency: Floats
@@ -652,24 +657,26 @@ class _Others(NamedTuple):
     speed: Floats
 
 
-def _with_others(rod: RodData, drag: Drag, far_force: float, depth: Floats) -> _Others:
-    """Return what a string to measured depths in m would do with other frequencies of its tool."""
+def _other_frequencies(rod: RodData, drag: Drag, far_force: float, depth: Floats) -> _OtherFrequencies:
+    """Return growth and speed of a string to measured depths in m with other frequencies of its tool."""
     if drag.shaking is None or not depth[-1] > depth[0]:
-        return _Others(np.empty(0), np.empty(0), np.empty(0), np.empty(0))
+        return _OtherFrequencies(np.empty(0), np.empty(0), np.empty(0), np.empty(0))
     frequency = drag.shaking.frequency * _FREQUENCIES
     frequency = frequency[frequency <= strings.highest_frequency(drag.shaking, depth[-1] - drag.path.start)]
     frequencies, bottom = (values.ravel() for values in np.meshgrid(frequency, depth, indexing="ij"))
-    together = replace(drag, shaking=replace(drag.shaking, frequency=frequencies))
+    drags = replace(drag, shaking=replace(drag.shaking, frequency=frequencies))
     growth, speed = np.full(frequencies.size, math.inf), np.zeros(frequencies.size)
     places, string = [], []
-    for k, along in enumerate(mean_forces(together, far_force, bottom, _SPACING)):
+    for k, along in enumerate(mean_forces(drags, far_force, bottom, _SPACING)):
         if along is not None:
             growth[k], speed[k] = 0.0, along.speed.max()
-            places.append(_Places.of(rod, together, along, np.flatnonzero(~along.is_snaking & (along.vibration > 0.0))))
+            places.append(_Places.of(rod, drags, along, np.flatnonzero(~along.is_snaking & (along.vibration > 0.0))))
             string.append(np.full(places[-1].force.size, k))
     if places:
-        all_, of = _Places.joined(places), np.concatenate(string)
-        grows = fastest_along(rod, all_.place, all_.force, all_.vibration, frequencies[of], all_.lost, of)
-        np.maximum.at(growth, of, grows)
+        joined, string_numbers = _Places.joined(places), np.concatenate(string)
+        grows = fastest_along(
+            rod, joined.place, joined.force, joined.vibration, frequencies[string_numbers], joined.lost, string_numbers
+        )
+        np.maximum.at(growth, string_numbers, grows)
     growth, speed = (values.reshape(frequency.size, depth.size) for values in (growth, speed))
-    return _Others(frequency, depth, growth.max(axis=1), speed.min(axis=1))
+    return _OtherFrequencies(frequency, depth, growth.max(axis=1), speed.min(axis=1))

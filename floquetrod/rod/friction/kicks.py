@@ -241,8 +241,8 @@ def classify_kick(linear: RodStability, friction: float, kick: float) -> Frictio
 
 def critical_kick(linear: RodStability, friction: float) -> CriticalKick:
     """Return the smallest kick found to destabilise a mode, and the proved kick up to which none does."""
-    record = _Least.of(1)
-    _least_kicks(_as_arrays(_growing(linear)), None, record)
+    record = _SmallestKicks.of(1)
+    _lower_kicks(_as_arrays(_growing(linear)), None, record)
     load = linear.load
     ratios = np.concatenate([record.smallest, record.proved])
     kick, none_up_to = kicks_of(linear.rod, friction, load.amplitude, load.frequency, ratios)
@@ -270,10 +270,10 @@ def critical_kicks(
 ) -> CriticalKick:
     """Return the `critical_kick` of each of many loads, in their shape."""
     loads, tolerance = systems.loads, units.tolerance("growth_tolerance", tolerance)
-    record = _Least.of(loads.size)
+    record = _SmallestKicks.of(loads.size)
     for block in _parts(loads.size):
         growing = ModalSystems(systems.constants, loads.some(block)).growing(tolerance, workers)
-        _least_kicks(growing, workers, record.part(block))
+        _lower_kicks(growing, workers, record.part(block))
     kick, none_up_to = (
         kicks_of(rod, friction, loads.amplitude, loads.frequency, ratio) for ratio in (record.smallest, record.proved)
     )
@@ -295,7 +295,7 @@ def _as_arrays(growing: dict[int, Mathieu]) -> GrowingModes:
     return GrowingModes(np.zeros(mode.size, dtype=np.int64), mode, *Equations.of(alpha, beta, damping, None))
 
 
-class _Least(NamedTuple):
+class _SmallestKicks(NamedTuple):
     """For each load the smallest kick over friction found to destabilise a mode, the mode, and the proved bound."""
 
     smallest: NDArray[np.float64]
@@ -303,16 +303,16 @@ class _Least(NamedTuple):
     proved: NDArray[np.float64]
 
     @classmethod
-    def of(cls, size: int) -> _Least:
+    def of(cls, size: int) -> _SmallestKicks:
         """Return the record of loads before any mode is examined: no kick."""
         return cls(np.full(size, math.inf), np.zeros(size, dtype=np.int64), np.full(size, math.inf))
 
-    def part(self, loads: slice) -> _Least:
+    def part(self, loads: slice) -> _SmallestKicks:
         """Return a view of some loads."""
-        return _Least(self.smallest[loads], self.mode[loads], self.proved[loads])
+        return _SmallestKicks(self.smallest[loads], self.mode[loads], self.proved[loads])
 
 
-def _least_kicks(growing: GrowingModes, workers: int | None, record: _Least) -> None:
+def _lower_kicks(growing: GrowingModes, workers: int | None, record: _SmallestKicks) -> None:
     """Lower ``record`` to the kicks of the growing modes of each load; NaN where none is known and one is undecided."""
     load = growing.load
     # The fastest mode of every load first: what it needs is as far as the others are followed.

@@ -1,1 +1,1 @@
-"""What the modes of a rod are under a kind of load: independent or coupled, behind one interface."""
+"""The modes of a rod under a kind of load: independent or coupled, behind one interface."""

@@ -226,7 +226,7 @@ class CoupledModel(ModeModel):
     def unstable_bands(
         self, search: Search, modes: int, bands: Sequence[tuple[float, float]], progress: Progress | None
     ) -> tuple[UnstableBand, ...]:
-        """Return what grows in each band, sampled, and the damping that the load of fastest growth requires."""
+        """Return the growth in each band, sampled, and the damping that the load of fastest growth requires."""
         return sampled_bands(self, search, bands, progress)
 
 

@@ -144,7 +144,7 @@ def _compared(model: ModeModel, trials: Sequence[_Trial]) -> Sequence[_Trial]:
 def _driven(model: ModeModel, load: Load, trial: _Trial) -> int:
     """Return up to which mode the harmonics of growing motion may drive one; 0 where none may be near them.
 
-    Motion that grows has the frequencies nu + k w, and each may be near that of a mode far above the growing ones.
+    Motion that grows has the frequencies nu + k w, and each may be near the frequency of a mode far above.
     Sines hardly drive such a mode, but other functions do: growth stands still over some numbers of modes, and changes
     once that mode is among them.  Taken are modes up to (H + 1) w - nu under a force of H harmonics, at most twice as
     many as there are, as modes driven farther above hardly move, and no more than a verdict takes a second for.

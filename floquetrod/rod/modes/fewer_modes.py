@@ -32,7 +32,7 @@ _CERTAIN = 100.0  # errors by which it is certain to grow
 
 
 class Fastest(NamedTuple):
-    """The fastest solution of u'' + K(t) u = 0: its initial (u, u'), and that of the solution that decays as fast."""
+    """The fastest solution of u'' + K(t) u = 0: its initial (u, u'), and the solution that decays as fast."""
 
     system: HillSystem  # without damping
     even: float | None  # instant of evenness from which it begins; None: from 0, and K need not be even

@@ -69,7 +69,7 @@ class IndependentModel(ModeModel):
 
     @cached_property
     def constants(self) -> ModeConstants:
-        """What the equations need of the rod."""
+        """Constants of the rod in the equations of its modes."""
         return mode_constants(self.rod)
 
     # --- equations ---
@@ -196,7 +196,7 @@ class IndependentModel(ModeModel):
     # --- margins ---
 
     def damping_to_stabilise(self, verdict: RodStability) -> float:
-        """Return the smallest damping rate in 1/s from which every larger one keeps all modes from growing.
+        """Return the smallest damping rate in 1/s at which, and at every larger one, no mode grows.
 
         All modes that matter without damping are examined, or those the caller chose.
         """
@@ -262,13 +262,13 @@ class IndependentModel(ModeModel):
     def unstable_bands(
         self, search: Search, modes: int, bands: Sequence[tuple[float, float]], progress: Progress | None
     ) -> tuple[UnstableBand, ...]:
-        """Return what grows in each band, sampled in every tongue of it."""
+        """Return the growth in each band, sampled in each of its tongues."""
         from floquetrod.rod.modes.unstable_bands import BandSearch
 
         return BandSearch(self.rod, search, modes).unstable_bands(bands)
 
     def bands(self, across: Quantity, up: Quantity, fixed: float, growth_tolerance: float) -> BandFinder | None:
-        """Return what finds the unstable bands of a map between exact curves."""
+        """Return a finder of the unstable bands of a map between exact curves."""
         from floquetrod.rod.modes.independent_bands import ExactBands
 
         return ExactBands(self.constants, across, up, fixed, growth_tolerance)

@@ -58,7 +58,7 @@ class Answers(NamedTuple):
 class ModeModel(ABC):
     """The modes of a rod under any load of one kind.
 
-    A model need not override methods that are not abstract: it then refuses, or does without.
+    A model need not override other methods than abstract ones: it then refuses, or does without.
 
     Attributes
     ----------
@@ -207,7 +207,7 @@ class ModeModel(ABC):
 
     @abstractmethod
     def damping_to_stabilise(self, verdict: RodStability) -> float:
-        """Return the smallest damping rate in 1/s from which every larger one keeps all modes from growing."""
+        """Return the smallest damping rate in 1/s at which, and at every larger one, no mode grows."""
 
     @abstractmethod
     def margin_edge(
@@ -253,7 +253,7 @@ class ModeModel(ABC):
     def unstable_bands(
         self, search: Search, modes: int, bands: Sequence[tuple[float, float]], progress: Progress | None
     ) -> tuple[UnstableBand, ...]:
-        """Return what grows between the ends of bands, in increasing order, in which nothing is stable."""
+        """Return the growth in bands without stable loads, given by their ends in increasing order."""
 
     def bands(self, across: Quantity, up: Quantity, fixed: float, growth_tolerance: float) -> BandFinder | None:
         """Return a finder of the unstable bands of a map between exact curves; None where verdicts must be traced."""

@@ -58,7 +58,7 @@ HIGH_MODES_GROW = (
 class NoisyModel(ModeModel):
     """Independent modes of hinged ends under a force that is uniform along the rod and has noise.
 
-    Growth is the growth of second moments, twice that of amplitudes.
+    Growth is the growth of second moments, twice the growth of amplitudes.
     """
 
     loads_at_once: ClassVar[int | None] = 2000
@@ -210,7 +210,7 @@ class NoisyModel(ModeModel):
     def unstable_bands(
         self, search: Search, modes: int, bands: Sequence[tuple[float, float]], progress: Progress | None
     ) -> tuple[UnstableBand, ...]:
-        """Return what grows in each band in mean square, sampled, and the damping that the fastest growth requires."""
+        """Return the growth in each band in mean square, sampled, and the damping that the fastest growth requires."""
         unstable, model = [], self.under(search.load)
         for done, (low, high) in enumerate(bands, start=1):
             places = np.linspace(low, high, _CLOSER)

@@ -101,7 +101,7 @@ class _Moments:
     """The second moments of one mode, as a family of mean forces and amplitudes."""
 
     def __init__(self, modes: NoisyModes, mode: int, frequency: float, tolerance: float) -> None:
-        """Take the fixed arguments; the unit of time is that of the mode under no force."""
+        """Take the fixed arguments; the unit of time is the mode's under no force."""
         self.modes, self.mode, self.frequency, self.tolerance = modes, mode, frequency, tolerance
         self.unit = 2.0 ** round(math.log2(float(self._parts(0.0, 0.0).rate[0, 0])))
 

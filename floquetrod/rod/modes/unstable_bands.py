@@ -46,7 +46,7 @@ class BandSearch:
     modes: int
 
     def unstable_bands(self, bands: Sequence[tuple[float, float]]) -> tuple[UnstableBand, ...]:
-        """Return what grows between the ends of bands, in increasing order, in which nothing is stable."""
+        """Return the growth in bands without stable loads, given by their ends in increasing order."""
         varied, load, _, tolerance = self.search
         system = ModalSystem(mode_constants(self.rod), load, tuple(range(1, self.modes + 1)))
         tongues = tongues_within(varied, system, tolerance, bands).intervals
