@@ -282,6 +282,7 @@ CALLS: list[tuple[Callable[..., Any], dict[str, Any]]] = [
         {"load": WAVE, "modes": range(1, 9), "growth_tolerance": 0.1, "friction": None, "kick": None, "progress": None},
     ),
     (CLAMPED.modal_system, {"load": WAVE, "modes": (1, 2, 3)}),
+    (CLAMPED.modal_system, {"load": WAVE, **PUSH}),
     (CLAMPED.modes_needed, {"load": WAVE, "growth_tolerance": 0.1}),
     (CLAMPED.is_stable, {"load": WAVE, **PUSH, **UNCOUPLED, "growth_tolerance": 0.1, "workers": 1, "progress": None}),
     (CLAMPED.verdicts, {"load": WAVE, **PUSH, **UNCOUPLED, "growth_tolerance": 0.1, "workers": 1, "progress": None}),

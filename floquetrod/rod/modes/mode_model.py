@@ -156,8 +156,8 @@ class ModeModel(ABC):
     def systems(self, loads: Loads) -> ModalSystems:
         """Return the equations of all modes under many loads, where each is Mathieu's."""
         raise ValueError(
-            f"modal_system of arrays of loads is for independent modes, got {', '.join(self.coupling)}; give one load "
-            "at a time"
+            "mean, amplitude and frequency must be numbers, no arrays, for the modal_system of coupled modes, got "
+            f"{', '.join(self.coupling)}; give one load at a time"
         )
 
     def among_tongues(self, load: Load, modes: Iterable[int]) -> ModalSystem | None:
