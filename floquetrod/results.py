@@ -31,10 +31,10 @@ if TYPE_CHECKING:
     from floquetrod.rod.answers.rod_stability import RodStability as RodStability
     from floquetrod.rod.answers.safe_box import SafeBox as SafeBox
     from floquetrod.rod.answers.safe_kick import SafeKick as SafeKick
+    from floquetrod.rod.answers.stability_intervals import StabilityIntervals as StabilityIntervals
     from floquetrod.rod.answers.steady_motion import SteadyMotion as SteadyMotion
     from floquetrod.rod.answers.string_reach import Reach as Reach
     from floquetrod.rod.friction.kicks import FrictionalRodStability as FrictionalRodStability
-    from floquetrod.rod.ranges import StabilityIntervals as StabilityIntervals
     from floquetrod.rod.reach_probability import ReachProbability as ReachProbability
     from floquetrod.rod.uncertainty import InstabilityProbability as InstabilityProbability
 
@@ -90,7 +90,7 @@ __getattr__, __dir__ = names_of(
         "rod.answers.steady_motion": ("SteadyMotion",),
         "rod.answers.string_reach": ("Reach",),
         "rod.friction.kicks": ("FrictionalRodStability",),
-        "rod.ranges": ("StabilityIntervals",),
+        "rod.answers.stability_intervals": ("StabilityIntervals",),
         "rod.reach_probability": ("ReachProbability",),
         "rod.uncertainty": ("InstabilityProbability",),
     },

@@ -22,7 +22,7 @@ from floquetrod.floquet.verdict import Stability
 from floquetrod.mathieu.criterion import FiniteTimeCriterion
 from floquetrod.rod.loads.load import AxialLoad
 from floquetrod.rod.mode_equations.modal_systems import ModalSystem
-from floquetrod.rod.mode_equations.tongues import unstable_loads
+from floquetrod.rod.mode_equations.unstable_loads import unstable_loads
 from floquetrod.rod.model.constants import mode_constants
 from floquetrod.rod.rod import Rod
 

@@ -19,7 +19,7 @@ from floquetrod.plane.family import Judged
 from floquetrod.plotting import palette
 from floquetrod.rod.loads.load import AxialLoad
 from floquetrod.rod.mode_equations.modal_systems import ModalSystem
-from floquetrod.rod.mode_equations.tongues import unstable_loads
+from floquetrod.rod.mode_equations.unstable_loads import unstable_loads
 from floquetrod.rod.model.constants import mode_constants
 from floquetrod.rod.stability_map import stability_map
 from studies import drawing

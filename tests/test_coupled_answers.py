@@ -18,7 +18,7 @@ from floquetrod.floquet.multipliers import resonance_names
 from floquetrod.floquet.multipliers.many_verdicts import ManyVerdicts
 from floquetrod.floquet.multipliers.resonance_names import Resonance
 from floquetrod.rod.loads.load import Load, Loads
-from floquetrod.rod.mode_equations import sampled
+from floquetrod.rod.mode_equations import coupled_samples
 from floquetrod.rod.mode_equations.coupled_matrices import CoupledModes, modes_needed
 from floquetrod.rod.modes.coupled import CoupledModel
 
@@ -385,7 +385,7 @@ def test_a_margin_ends_where_a_strong_vibration_displaces_a_resonance() -> None:
 def test_a_search_takes_waveforms_of_many_harmonics() -> None:
     def growth(waveform: tuple[complex, ...]) -> list[float]:
         load = fr.AxialLoad(MEAN, AMPLITUDE, FREQUENCY, waveform=waveform)
-        search = sampled._SampledSearch("frequency", CoupledModes.of(ROD, load, 8), load, 0.0)
+        search = coupled_samples._CoupledSamples("frequency", CoupledModes.of(ROD, load, 8), load, 0.0)
         return search._growth_of_few(np.linspace(1.0, 3.0, 9) * SWING, (-math.inf, 2.5)).tolist()
 
     few = growth((-1j, 0.1))

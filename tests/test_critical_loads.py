@@ -36,7 +36,7 @@ class Question(NamedTuple):
         numbers = {name: getattr(self.load, name) for name in ("mean", "amplitude", "frequency")}
         return np.asarray(self.rod.growth_rate(self.like, **numbers | {self.varied: np.asarray(values)}))
 
-    def critical(self) -> fr.rod.CriticalLoad:
+    def critical(self) -> fr.rod.CriticalValue:
         """Return the critical load."""
         if self.varied == "mean":
             return self.rod.critical("mean", self.like, amplitude=self.load.amplitude, frequency=self.load.frequency)
@@ -200,14 +200,14 @@ def test_independent_modes_are_searched_without_gaps() -> None:
 
 
 def test_a_critical_load_is_a_number_that_says_how_it_was_found() -> None:
-    critical = fr.rod.CriticalLoad(0.25, "amplitude", 0.001, 0.25)
+    critical = fr.rod.CriticalValue(0.25, "amplitude", 0.001, 0.25)
     assert critical / 0.5 == 0.5
     assert f"{critical:.3f}" == "0.250"
     assert type(2.0 * critical) is float
     assert repr(critical) == ("<critical amplitude 0.25 N; unstable bands narrower than 0.001 N may have been missed>")
     for other in (pickle.loads(pickle.dumps(critical)), copy.deepcopy(critical)):
         assert (other, other.quantity, other.resolution, other.searched) == (0.25, "amplitude", 0.001, 0.25)
-    none = fr.rod.CriticalLoad(math.inf, "mean", 0.002, 1.5)
+    none = fr.rod.CriticalValue(math.inf, "mean", 0.002, 1.5)
     assert json.loads(fr.to_json(none))["result"] == {
         "critical_mean_force_N": None,
         "resolution_N": 0.002,

@@ -22,9 +22,9 @@ from floquetrod.explorer import commands, limits, maps, mode_panels, portions
 from floquetrod.explorer.background import Background, Stale, ViewParts
 from floquetrod.explorer.view import View
 from floquetrod.explorer.words import margin_words
+from floquetrod.floquet.margins import Margin
 from floquetrod.floquet.status import STATUS_CODES
 from floquetrod.plotting import explorer_panels as panels
-from floquetrod.rod.answers.margins import Margin
 from floquetrod.rod.loads.load import Loads
 
 mpl.use("Agg")

@@ -22,7 +22,7 @@ import floquetrod as fr
 from conftest import SEED
 from floquetrod import cli
 from floquetrod.ensembles import stores_disk, stores_zarr
-from floquetrod.rod.answers.intervals import StabilityInterval
+from floquetrod.rod.answers.stability_intervals import StabilityInterval
 from fuzz import (
     apart,
     calls,

@@ -16,7 +16,7 @@ import floquetrod as fr
 from conftest import depth
 from floquetrod.floquet.multipliers.resonance_names import Resonance
 from floquetrod.mathieu.tongue_intervals import damping_to_stabilise
-from floquetrod.rod.answers.intervals import UnstableBand
+from floquetrod.rod.answers.stability_intervals import UnstableBand
 
 ROD = fr.Rod.nitinol()
 FCR = ROD.critical_force

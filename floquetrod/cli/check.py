@@ -25,11 +25,12 @@ from floquetrod.cli.common import (
 from floquetrod.cli.loads import add_question, read_question, warn_of_hertz
 from floquetrod.cli.output import Output, output
 from floquetrod.cli.parser import Parser
+from floquetrod.floquet.margins import Margin
 from floquetrod.floquet.registry import METHODS
 from floquetrod.floquet.status import STATUS_CODES, Status
-from floquetrod.rod.answers.margins import FEW_MODES, Margin
 from floquetrod.rod.answers.reports import shown_in
 from floquetrod.rod.answers.rod_stability import RodStability
+from floquetrod.rod.answers.search_pieces import FEW_MODES
 from floquetrod.rod.loads.load import QUANTITIES, Load, Quantity
 from floquetrod.rod.reading import LOAD_OPTIONS, RECORD_OPTIONS
 

@@ -12,8 +12,8 @@ from floquetrod.explorer.commands import command
 from floquetrod.explorer.limits import Scale, step
 from floquetrod.explorer.view import View
 from floquetrod.explorer.words import margin_words
+from floquetrod.floquet.margins import Margin
 from floquetrod.plotting.explorer_page import ExplorerWindow
-from floquetrod.rod.answers.margins import Margin
 from floquetrod.rod.answers.reports import shown_in
 from floquetrod.rod.loads.load import QUANTITIES, AnyLoad, Load, require_load
 from floquetrod.rod.rod import Rod

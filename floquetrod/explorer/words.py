@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping
 
-from floquetrod.rod.answers.margins import Margin
+from floquetrod.floquet.margins import Margin
 from floquetrod.rod.answers.rod_stability import RodStability
 from floquetrod.rod.loads.load import Load
 from floquetrod.units import Unit

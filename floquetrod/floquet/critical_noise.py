@@ -14,6 +14,7 @@ from floquetrod.equations import Equation, SecondMoments, second_moments
 from floquetrod.equations.matrices import require_one
 from floquetrod.equations.second_moments import balanced_moments
 from floquetrod.floquet.dispatch import judge, run, stability
+from floquetrod.floquet.first_change import root_below, separation
 from floquetrod.floquet.multipliers.system_stability import SystemStability
 from floquetrod.floquet.problems import Problem
 
@@ -95,8 +96,7 @@ def critical_noise(system: Problem, noise: Any, interpretation: str = "ito") -> 
         return balanced_moments(system, _scaled(system, noise, factor), interpretation)
 
     def growth(factor: float) -> float:
-        found: SystemStability = run("monodromy", moments(factor))
-        return found.highest_rate
+        return float(run("monodromy", moments(factor)).highest_rate)
 
     size = float(np.abs(whole.mean - second_moments(system, _scaled(system, noise, 0.0), interpretation).mean).max())
     if size == 0.0:
@@ -107,34 +107,20 @@ def critical_noise(system: Problem, noise: Any, interpretation: str = "ito") -> 
         high *= 2.0
         if high > _FARTHEST * first:
             return CriticalNoise(math.inf, math.inf, None, None, 0.5 * high)
-    return _between(moments, _root(growth, high), high)
+    factor = root_below(growth, high, _FARTHEST)
+    if math.isnan(factor):
+        raise ValueError("noise must have a largest stable intensity that growth can tell, got none: it is not known")
+    verdicts: list[SystemStability] = []
 
+    def is_apart(apart: float) -> bool:
+        verdicts[:] = (judge(moments(factor * (1.0 + sign * apart))) for sign in (-1.0, 1.0))
+        return [verdict.stable for verdict in verdicts] == [True, False]
 
-def _root(growth: Any, high: float) -> float:
-    """Return where growth changes its sign below a factor at which it is positive."""
-    from scipy.optimize import brentq
-
-    low = 0.5 * high
-    while not growth(low) < 0.0:
-        low *= 0.5
-        if low < high / _FARTHEST:
-            raise ValueError(
-                "noise must have a largest stable intensity that growth can tell, got none: it is not known"
-            )
-    return float(brentq(growth, low, high, xtol=1e-14 * high, rtol=1e-14))
-
-
-def _between(moments: Any, factor: float, searched: float) -> CriticalNoise:
-    """Return the factor between the nearest verdicts that are decided."""
-    apart = _NEAREST
-    while True:
-        ends = [factor * (1.0 + sign * apart) for sign in (-1.0, 1.0)]
-        below, above = (judge(moments(end)) for end in ends)
-        if (below.stable, above.stable) == (True, False):
-            return CriticalNoise(factor, apart * factor, below, above, searched)
-        apart *= 4.0
-        if apart > 0.5:
-            raise ValueError("noise must have a largest stable intensity that verdicts can determine, got none")
+    apart = separation(is_apart, _NEAREST)
+    if apart >= 0.5:
+        raise ValueError("noise must have a largest stable intensity that verdicts can determine, got none")
+    below, above = verdicts
+    return CriticalNoise(factor, apart * factor, below, above, high)
 
 
 def _scaled(system: Problem, noise: Any, factor: float) -> Any:

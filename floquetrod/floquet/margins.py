@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from itertools import pairwise
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from floquetrod._util import validate
+from floquetrod._util.arrays import Bools, Floats
 from floquetrod._util.suggest import did_you_mean
 from floquetrod.floquet.dispatch import stability
+from floquetrod.floquet.first_change import FirstChange, first_change
 from floquetrod.floquet.problems import require_problem
 
 _ACCURACY = 1e-10  # of a boundary, relative to what was searched (a choice)
@@ -34,7 +37,7 @@ class Margin(_Distances):
     resolution : float
         Changes closer together than this may have been passed over, in the unit of the distances; 0 where none can be.
     searched : (float, float)
-        Distances below and above up to which was searched; where a change was found, its distance.
+        Distances below and above up to which was searched; the distance of a change.
 
     Comparing compares the distances.
     """
@@ -45,27 +48,22 @@ class Margin(_Distances):
     def __new__(
         cls, below: float, above: float, resolution: float = 0.0, searched: tuple[float, float] | None = None
     ) -> Margin:
-        """Return a pair of distances with what is known of the search."""
+        """Return a pair of distances with the resolution and the ends of the search."""
         margin = super().__new__(cls, below, above)
         margin.resolution, margin.searched = resolution, (below, above) if searched is None else searched
         return margin
+
+    @classmethod
+    def between(cls, below: FirstChange, above: FirstChange, here: float) -> Margin:
+        """Return the margin at a value from the searches below and above it."""
+        fall, rise = (math.inf if end.at is None else abs(end.at - here) for end in (below, above))
+        searched = abs(below.searched - here), abs(above.searched - here)
+        return cls(fall, rise, max(below.resolution, above.resolution), searched)
 
     @property
     def nearest(self) -> float:
         """The smaller of the two distances."""
         return min(self)
-
-
-class Edge(NamedTuple):
-    """Where a verdict first changes on a way, None where it is seen not to, up to where was searched, and how finely.
-
-    ``seconds`` is what the search takes, as estimated.
-    """
-
-    at: float | None
-    searched: float
-    resolution: float
-    seconds: float = 0.0
 
 
 def margin(
@@ -117,16 +115,13 @@ def margin(
     def status(value: float) -> str:
         problem = family(**{**at, along: value})
         require_problem(problem)
-        found: str = stability(problem).status
-        return found
+        return str(stability(problem).status)
 
     own = status(here)
     if own == "undecided":
         raise ValueError(f"{along} must be where the verdict is known, got {here:g}, which is on a boundary")
-    ends = [_first_change(status, own, here, end, samples) for end in (low, high)]
-    below, above = (math.inf if end is None else abs(end - here) for end in ends)
-    searched = tuple(min(reach, abs(end - here)) for reach, end in zip((below, above), (low, high), strict=True))
-    return Margin(below, above, max(here - low, high - here) / (samples - 1), (searched[0], searched[1]))
+    below, above = (_first_change(status, own, (here, end), samples) for end in (low, high))
+    return Margin.between(below, above, here)
 
 
 def _given_by_name(along: Any, at: Mapping[str, Any]) -> str:
@@ -144,16 +139,22 @@ def _given_by_name(along: Any, at: Mapping[str, Any]) -> str:
     )
 
 
-def _first_change(status: Callable[[float], str], own: str, here: float, end: float, samples: int) -> float | None:
-    """Return where the status first is another on the way to an end, None where it is not."""
+def _first_change(status: Callable[[float], str], own: str, piece: tuple[float, float], samples: int) -> FirstChange:
+    """Return where the status first is another from ``piece[0]`` to ``piece[1]``, one sample at a time."""
+    here, end = piece
+    step = abs(end - here) / (samples - 1)
     if here == end:
-        return None
-    before = here
-    for value in np.linspace(here, end, samples)[1:].tolist():
-        if status(value) != own:
-            return _boundary(status, own, before, value, _ACCURACY * abs(end - here))
-        before = value
-    return None
+        return FirstChange(None, end, step)
+
+    def blocks() -> Iterator[tuple[Floats, Bools]]:
+        for before, value in pairwise(np.linspace(here, end, samples).tolist()):
+            yield np.array([before, value]), np.array([True, status(value) == own])
+
+    def locate(inside: Floats, outside: Floats) -> Floats:
+        accuracy = _ACCURACY * abs(end - here)
+        return np.array([_boundary(status, own, float(inside[0]), float(outside[0]), accuracy)])
+
+    return first_change(blocks(), True, locate, piece, step)
 
 
 def _boundary(status: Callable[[float], str], own: str, inside: float, outside: float, accuracy: float) -> float:

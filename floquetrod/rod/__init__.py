@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING
 from floquetrod._util.lazy import names_of
 
 if TYPE_CHECKING:
-    from floquetrod.rod.answers.critical_noise import CriticalFactor
-    from floquetrod.rod.answers.intervals import BucklingWarning, StabilityInterval, UnstableBand
-    from floquetrod.rod.answers.margins import CriticalLoad, Margin
+    from floquetrod.floquet.margins import Margin
+    from floquetrod.rod.answers.critical_value import CriticalValue
+    from floquetrod.rod.answers.stability_intervals import BucklingWarning, StabilityInterval, UnstableBand
     from floquetrod.rod.friction.kicks import CriticalKick
     from floquetrod.rod.friction.mode_friction import ModeFriction
     from floquetrod.rod.loads.axial import AxialGap, AxialResonance, AxialResponse
@@ -27,9 +27,8 @@ __all__ = [
     "BucklingForce",
     "BucklingWarning",
     "Channel",
-    "CriticalFactor",
     "CriticalKick",
-    "CriticalLoad",
+    "CriticalValue",
     "CrossSection",
     "EndConditions",
     "Fluids",
@@ -55,8 +54,8 @@ __getattr__, __dir__ = names_of(
         "rod.model.course": ("Channel",),
         "rod.model.cross_section": ("CrossSection", "Fluids", "Material"),
         "rod.model.stress": ("Stress",),
-        "rod.answers.critical_noise": ("CriticalFactor",),
-        "rod.answers.intervals": ("BucklingWarning", "StabilityInterval", "UnstableBand"),
-        "rod.answers.margins": ("CriticalLoad", "Margin"),
+        "rod.answers.critical_value": ("CriticalValue",),
+        "rod.answers.stability_intervals": ("BucklingWarning", "StabilityInterval", "UnstableBand"),
+        "floquet.margins": ("Margin",),
     },
 )

@@ -31,18 +31,17 @@ from floquetrod.rod.modes.mode_model import ModeModel
 # Loaded by the methods that need them: a first verdict takes a quarter of the package.
 if TYPE_CHECKING:
     from floquetrod.floquet.proof.region_proof import RegionProof
-    from floquetrod.rod.answers.critical_noise import CriticalFactor
-    from floquetrod.rod.answers.margins import CriticalLoad
+    from floquetrod.rod.answers.critical_value import CriticalValue
     from floquetrod.rod.answers.mean_force import MeanForce
     from floquetrod.rod.answers.rod_branches import RodBranches
     from floquetrod.rod.answers.rod_stability import RodStability
     from floquetrod.rod.answers.safe_box import SafeBox
     from floquetrod.rod.answers.safe_kick import SafeKick
+    from floquetrod.rod.answers.stability_intervals import StabilityIntervals
     from floquetrod.rod.answers.steady_motion import SteadyMotion
     from floquetrod.rod.answers.string_reach import Reach
     from floquetrod.rod.friction.kicks import CriticalKick, FrictionalRodStability
     from floquetrod.rod.loads.tool import VibrationTool
-    from floquetrod.rod.ranges import StabilityIntervals
     from floquetrod.wells.path import WellPath
 
 
@@ -537,11 +536,11 @@ class Rod(RodData):
         >>> len(rod.ranges("frequency", load, ("10Hz", "40Hz")))
         28
         """
-        from floquetrod.rod.ranges import stable_values
+        from floquetrod.rod.stable_loads import stable_intervals
 
         validate.choice("quantity", quantity, QUANTITIES)
         template, others = replaced(load, mean, amplitude, frequency, quantity)
-        return stable_values(self._modes_under(template), quantity, others, bounds, growth_tolerance, progress)
+        return stable_intervals(self._modes_under(template), quantity, others, bounds, growth_tolerance, progress)
 
     @overload
     def critical(
@@ -554,7 +553,7 @@ class Rod(RodData):
         frequency: Any = None,
         growth_tolerance: float | None = None,
         progress: Progress | None = None,
-    ) -> CriticalLoad: ...
+    ) -> CriticalValue: ...
 
     @overload
     def critical(
@@ -567,7 +566,7 @@ class Rod(RodData):
         frequency: Any = None,
         growth_tolerance: float | None = None,
         progress: Progress | None = None,
-    ) -> CriticalFactor: ...
+    ) -> CriticalValue: ...
 
     @_loads_hints
     def critical(
@@ -580,7 +579,7 @@ class Rod(RodData):
         frequency: Any = None,
         growth_tolerance: float | None = None,
         progress: Progress | None = None,
-    ) -> CriticalLoad | CriticalFactor:
+    ) -> CriticalValue:
         """Return the smallest mean force or amplitude from 0 up at which a mode grows, or the largest stable noise.
 
         Forces are in N; noise is a factor of that of the load, which for noise 1 is a density in N^2/Hz.
@@ -588,8 +587,8 @@ class Rod(RodData):
         The search for a force goes outward from zero, up to 1.5 critical forces of the mean and one of the amplitude,
         in the pieces of `RodStability.margin`, each with as many modes as it needs.  Infinite where nothing grows.
         Where modes are coupled, or there is noise, or the amplitude is searched with damping or tolerance, loads are
-        sampled: an unstable band narrower than ``CriticalLoad.resolution`` may have been passed over, and
-        ``CriticalLoad.searched`` says how far was searched.
+        sampled: an unstable band narrower than ``CriticalValue.resolution`` may have been passed over, and
+        ``CriticalValue.searched`` says how far was searched.
 
         The factor of the noise has an ``error``, within which the verdict, and that of arrays, changes from stable to
         unstable, mostly 1e-10 of it, and the ``mode`` that grows beyond; infinite where no change is found.  Where
@@ -640,10 +639,10 @@ class Rod(RodData):
             tolerance = units.tolerance("growth_tolerance", 0.0 if growth_tolerance is None else growth_tolerance)
             validate.progress(progress)
             return self._modes_under(noisy).critical_noise(noisy, tolerance, progress)
-        from floquetrod.rod.ranges import first_unstable
+        from floquetrod.rod.stable_loads import critical_load
 
         template, others = replaced(load, mean, amplitude, frequency, quantity)
-        return first_unstable(
+        return critical_load(
             self._modes_under(template),
             quantity,
             others,

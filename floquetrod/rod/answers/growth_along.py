@@ -20,14 +20,16 @@ _FEW_WIDE = np.linspace(0.1, 1.5, 8)
 _LOOKED_AT = 8  # places of a string at which the first look sees most growth
 
 
-class Growth(NamedTuple):
+class GrowthAlongString(NamedTuple):
     """Fastest growth in 1/s at each place, and the half wave in m that grows so; both 0 where none does."""
 
     rate: Floats
     half_wave: Floats
 
 
-def growth_along(rod: RodData, place: WellGeometry, force: Floats, amplitude: Floats, frequency: Any) -> Growth:
+def growth_along(
+    rod: RodData, place: WellGeometry, force: Floats, amplitude: Floats, frequency: Any
+) -> GrowthAlongString:
     """Return the fastest growth at places under a mean compression and a vibration in N, without friction across.
 
     After the rod's damping rate; what friction takes is given by `sliding.damping_across`.
@@ -41,13 +43,13 @@ def growth_along(rod: RodData, place: WellGeometry, force: Floats, amplitude: Fl
     best = np.argmax(rates, axis=1)[:, None]
     rate = np.take_along_axis(rates, best, axis=1)[:, 0]
     wave = np.sqrt(np.take_along_axis(squares, best, axis=1)[:, 0])
-    return Growth(rate, np.where(rate > 0.0, math.pi / wave, 0.0))
+    return GrowthAlongString(rate, np.where(rate > 0.0, math.pi / wave, 0.0))
 
 
 def fastest_along(
     rod: RodData, place: WellGeometry, force: Floats, amplitude: Floats, frequency: Floats, lost: Floats, string: Ints
 ) -> Floats:
-    """Return `growth_along` less what is ``lost`` in 1/s, where that is most along each string, else 0.
+    """Return the growth rate less the rate ``lost`` in 1/s, near its largest value along each string, else 0.
 
     A few waves are examined wherever they may grow, all of them where these come nearest to growth.  Places of a
     string, whose numbers increase, lie side by side.
@@ -55,11 +57,11 @@ def fastest_along(
     free = rod.replace(damping_rate=0.0)
     seen = _rates(free, place, force, amplitude, frequency, lost, _FEW, _FEW_WIDE)[0].max(axis=1) - lost
     order = np.lexsort((-seen, string))
-    some = order[np.arange(string.size) - np.searchsorted(string, string) < _LOOKED_AT]
-    there, found = WellGeometry(*(each[some] for each in place)), np.zeros(string.size)
-    grows = growth_along(rod, there, force[some], amplitude[some], frequency[some])
-    found[some] = np.maximum(grows.rate - lost[some], 0.0)
-    return found
+    nearest = order[np.arange(string.size) - np.searchsorted(string, string) < _LOOKED_AT]
+    there, fastest = WellGeometry(*(each[nearest] for each in place)), np.zeros(string.size)
+    grows = growth_along(rod, there, force[nearest], amplitude[nearest], frequency[nearest])
+    fastest[nearest] = np.maximum(grows.rate - lost[nearest], 0.0)
+    return fastest
 
 
 def _rates(
@@ -115,7 +117,7 @@ def _squares(rigidity: float, at: tuple[Floats, ...], scale: Floats, close: tupl
     middle, and ``wide`` of the wavenumber that resonates.
     """
     force, held, slope, amplitude = at
-    found = []
+    squares = []
     for order, shares in enumerate(close, start=1):
         middle = (0.5 * order) ** 2
         for sign in (1.0, -1.0):
@@ -123,10 +125,10 @@ def _squares(rigidity: float, at: tuple[Floats, ...], scale: Floats, close: tupl
             alpha = np.abs(amplitude * (centre - slope) / scale)
             width = np.minimum(alpha**order, 0.9 * middle)
             shifted = (middle + shares * width[:, None]) * scale[:, None]
-            found.append(_resonant(rigidity, force[:, None], held[:, None], shifted, sign))
+            squares.append(_resonant(rigidity, force[:, None], held[:, None], shifted, sign))
     top = _resonant(rigidity, force, held, scale, 1.0)
-    found.append((wide * np.sqrt(top)[:, None]) ** 2)
-    return np.concatenate(found, axis=1)
+    squares.append((wide * np.sqrt(top)[:, None]) ** 2)
+    return np.concatenate(squares, axis=1)
 
 
 def _resonant(rigidity: float, force: Floats, held: Floats, inertia: Any, sign: float) -> Floats:

@@ -9,8 +9,8 @@ from typing import Any
 from floquetrod import units as known
 from floquetrod._util import validate
 from floquetrod._util.interchange import by_keys, with_unit
+from floquetrod.floquet.margins import Margin
 from floquetrod.floquet.verdict import Status
-from floquetrod.rod.answers.margins import Margin
 from floquetrod.rod.loads.axial import AxialResonance
 from floquetrod.rod.loads.load import LOAD, QUANTITIES, Load, Quantity
 from floquetrod.rod.model.contact import added_mean

@@ -20,6 +20,8 @@ from floquetrod._util.progress import Progress
 from floquetrod._util.result_report import Report, Reported, Table, number
 from floquetrod._util.suggest import listed
 from floquetrod.equations import HillSystem, Mathieu
+from floquetrod.floquet.first_change import FirstChange, outward
+from floquetrod.floquet.margins import Margin
 from floquetrod.floquet.multipliers.resonance_names import Resonance
 from floquetrod.floquet.multipliers.system_stability import SystemStability
 from floquetrod.floquet.references import ROD, references, united
@@ -32,8 +34,8 @@ from floquetrod.rod.answers.evidence import (
     NoisyEvidence,
     Shape,
 )
-from floquetrod.rod.answers.margins import FEW_MODES, MARGIN_SECONDS, WAYS, Edge, Margin, in_hundredths, outward
 from floquetrod.rod.answers.reports import ReportLine, margin_lines, margins_as_dict, shown_in, subject_lines
+from floquetrod.rod.answers.search_pieces import FEW_MODES, MARGIN_SECONDS, WAYS, in_hundredths
 from floquetrod.rod.loads.axial import AxialResponse
 from floquetrod.rod.loads.load import Load, Quantity
 from floquetrod.rod.mode_equations.modal_systems import ModalSystem
@@ -74,7 +76,7 @@ class VerdictModel(Protocol):
         piece: tuple[float, float],
         seconds: float,
         progress: Progress | None,
-    ) -> Edge:
+    ) -> FirstChange:
         """Return where the verdict first changes from ``piece[0]`` to ``piece[1]``, in about so many seconds."""
 
 
@@ -315,9 +317,7 @@ class RodStability(Reported, Verdict):
         below, above = (outward(way, edge, list(islice(reports, len(way) - 1)), 0.5 * seconds) for way in ways)
         if progress is not None:
             progress(100 * pieces, 100 * pieces)
-        lower, higher = (math.inf if end.at is None else abs(end.at - here) for end in (below, above))
-        searched = abs(below.searched - here), abs(above.searched - here)
-        return Margin(lower, higher, max(below.resolution, above.resolution), searched)
+        return Margin.between(below, above, here)
 
     def margins(self, seconds: float = MARGIN_SECONDS, progress: Progress | None = None) -> dict[Quantity, Margin]:
         """Return the `margin` of every quantity, and find the damping that stabilises.

@@ -18,9 +18,9 @@ from floquetrod._util.interval import RealInterval
 from floquetrod._util.progress import Progress
 from floquetrod._util.result_report import Report, Reported, Table
 from floquetrod.floquet.proof.region_proof import RegionProof, Side
-from floquetrod.rod.answers.region import is_proved_stable, prove, require_in_reach
 from floquetrod.rod.answers.reports import shown_in
 from floquetrod.rod.answers.rod_box import RodBox
+from floquetrod.rod.answers.rod_box_proof import is_proved_stable, prove, require_in_reach
 from floquetrod.rod.answers.rod_stability import RodStability
 from floquetrod.rod.loads.load import LOAD, QUANTITIES, Load, Loads, Quantity
 from floquetrod.rod.mode_equations.modal_systems import ModalSystems
@@ -144,7 +144,7 @@ def largest_safe_box(
     accuracy: float,
     progress: Progress | None,
 ) -> SafeBox:
-    """Return what `Rod.largest_safe_box` does about a load, which ``judge`` gives its verdict with a tolerance."""
+    """Return the box of `Rod.largest_safe_box` about a load; ``judge`` returns the verdict on it with a tolerance."""
     chosen = _chosen(vary)
     tolerance = units.tolerance("growth_tolerance", growth_tolerance)
     accuracy = validate.within("accuracy", accuracy, 1e-4, 0.5, "it is a share of the width of the box")
@@ -158,12 +158,12 @@ def largest_safe_box(
     search = _SafeBoxSearch(
         box, tolerance, accuracy, {name: _safe_alone(rod, judge(tolerance), name) for name in chosen}, progress
     )
-    found = search.widest()
+    widest = search.widest()
     ranges = tuple(
-        SafeRange(name, found.loads[name].low, getattr(load, name), found.loads[name].high, LOAD[name].unit)
+        SafeRange(name, widest.loads[name].low, getattr(load, name), widest.loads[name].high, LOAD[name].unit)
         for name in QUANTITIES
     )
-    return SafeBox(load, ranges, accuracy, prove(found, tolerance))
+    return SafeBox(load, ranges, accuracy, prove(widest, tolerance))
 
 
 def _chosen(vary: Iterable[Quantity]) -> tuple[Quantity, ...]:
@@ -199,7 +199,7 @@ class _SafeBoxSearch:
 
     @cached_property
     def rods(self) -> tuple[RodData, ...]:
-        """The rod in the middle of the box, and those in some of its corners."""
+        """The rod in the middle of the box, and the rods in some of its corners."""
         names = self.point.varied_parameters
         corners = islice(product(("low", "high"), repeat=len(names)), _CORNERS if names else 0)
         sides = self.point.parameters
@@ -274,7 +274,7 @@ class _SafeBoxSearch:
         return is_proved_stable(box, self.tolerance, _BOXES)
 
     def _scale(self, name: Quantity) -> float:
-        """Return what the width of a window is relative to: the quantity, or a critical force where it is zero."""
+        """Return the unit of the width of a window: the quantity, or a critical force where it is zero."""
         value = abs(self.point.loads[name].low)
         return value if value > 0.0 else self.point.rod.critical_force
 

@@ -18,13 +18,14 @@ from floquetrod._util.progress import Progress
 from floquetrod._util.result_report import Report, Reported, Table
 from floquetrod._util.suggest import listed
 from floquetrod.equations import FrictionalMathieu, Mathieu
+from floquetrod.floquet.margins import Margin
 from floquetrod.floquet.verdict import Status, Verdict
 from floquetrod.friction.critical_kicks import known_bounds
 from floquetrod.friction.fate_of_kicks import BOUNDED, ESCAPES, UNDECIDED, Fate, known_fate, known_fates
 from floquetrod.friction.inputs import Equations
-from floquetrod.rod.answers.margins import MARGIN_SECONDS, Margin
 from floquetrod.rod.answers.reports import shown_in
 from floquetrod.rod.answers.rod_stability import RodStability
+from floquetrod.rod.answers.search_pieces import MARGIN_SECONDS
 from floquetrod.rod.friction.mode_friction import ModeFriction, kicks_of, mode_friction
 from floquetrod.rod.loads.load import Quantity
 from floquetrod.rod.mode_equations.modal_systems import GrowingModes, ModalSystems

@@ -67,7 +67,7 @@ def _confined(rod: RodData) -> int:
 def _too_many(
     needed: int, rod: RodData, uniform: AxialLoad, loads: Loads, template: Load, growth_tolerance: float
 ) -> ValueError:
-    """Return the error that says why so many modes are needed, and the remedies that are left."""
+    """Return the error for too many modes, with their cause and the remedies left."""
     given = float(loads.amplitude.max())
     without_waves, _ = constants_under(rod, uniform.mean).modes_needed(
         uniform.varied("amplitude", given), max(growth_tolerance, SLOW_GROWTH)
@@ -132,10 +132,10 @@ def _largest_along(rod: RodData, template: Load, frequency: float) -> float:
 
 def up_to_resonance(rod: RodData, template: Load, piece: tuple[float, float]) -> tuple[float, float]:
     """Return a piece of frequencies, in either direction, cut where waves first resonate, without axial damping."""
-    found = axial.gaps(template, rod.wave_speed, rod.length, (min(piece), max(piece)))
-    if not found:
+    gaps = axial.gaps(template, rod.wave_speed, rod.length, (min(piece), max(piece)))
+    if not gaps:
         return piece
-    return piece[0], found[0].low if piece[0] < piece[1] else found[-1].high
+    return piece[0], gaps[0].low if piece[0] < piece[1] else gaps[-1].high
 
 
 @dataclass(frozen=True, eq=False)
@@ -179,7 +179,7 @@ class CoupledModes(CoupledEquations):
 
     @cached_property
     def _static(self) -> tuple[Floats, Floats]:
-        """Stiffness without mean force in 1/s^2, and what a newton of uniform compression takes from it."""
+        """Stiffness without mean force in 1/s^2, and its loss per newton of uniform compression."""
         bending = self.constants.bending / math.pi**4 * self.basis.bending
         weight = self._coupling(self._added)
         swing = self.constants.restoring * np.eye(self.size) if self.rod.course.is_straight else 0.0
@@ -187,7 +187,7 @@ class CoupledModes(CoupledEquations):
 
     @cached_property
     def _added(self) -> Floats:
-        """What the weight along the rod adds to the mean force at the nodes, in N."""
+        """The mean force of the weight along the rod at the nodes, in N."""
         return np.asarray(self.along * added_mean(self.rod, self.template, self.basis.nodes))
 
     @cached_property
@@ -203,7 +203,7 @@ class CoupledModes(CoupledEquations):
         return self._wall.lying(mean + self._added)
 
     def _pressed(self, mean: Floats) -> Floats:
-        """Return what the mean contact force adds to the stiffness, in 1/s^2: (loads, size, size)."""
+        """Return the stiffness due to the mean contact force, in 1/s^2: (loads, size, size)."""
         values, inverse = np.unique(mean, return_inverse=True)
         if self._wall.place.turns or len(values) < 3:
             every = np.array([self.basis.pressing(self._lying(value).contact) for value in values.tolist()])
@@ -237,12 +237,12 @@ class CoupledModes(CoupledEquations):
         return np.array(found).swapaxes(0, 1)
 
     def _pressing(self, mean: float, frequency: float) -> NDArray[np.float64]:
-        """Return what the vibration of the contact force adds to the matrices of `_vibration`, under a mean force."""
+        """Return the matrices of the vibrating contact force, which add to `_vibration`, under a mean force."""
         along = self.rod.wave_speed, self.rod.length
-        every = axial.along(self.template, *along, self.basis.nodes * self.rod.length, frequency)
+        forces = axial.along(self.template, *along, self.basis.nodes * self.rod.length, frequency)
         bend = self._wall.per_newton * self._lying(mean).bend
-        found = [(self.basis.pressing(bend * f.real), -self.basis.pressing(bend * f.imag)) for f in every]
-        return np.array(found).swapaxes(0, 1)
+        waves = [(self.basis.pressing(bend * f.real), -self.basis.pressing(bend * f.imag)) for f in forces]
+        return np.array(waves).swapaxes(0, 1)
 
     def _bent_vibration(self, loads: Loads) -> NDArray[np.float64]:
         """Return `_pressing` under each load, (loads, 2, H, n, n)."""
@@ -343,7 +343,7 @@ class CoupledModes(CoupledEquations):
         quick: bool = False,
         progress: Progress | None = None,
     ) -> ManyVerdicts:
-        """Return what `CoupledEquations.answers` does; -1 and NaN under loads with which the rod leaves its wall."""
+        """Return status and growth as `CoupledEquations.answers`; -1 and NaN where the rod leaves its wall."""
         lies = np.flatnonzero(on_wall(self.rod, self.template, loads))
         if lies.size == loads.size:
             return super().answers(loads, growth_tolerance, workers, quick=quick, progress=progress)

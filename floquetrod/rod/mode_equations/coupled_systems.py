@@ -1,4 +1,4 @@
-"""Modes as systems of equations in seconds: what is asked of any number of them under many loads of one kind."""
+"""Modes as systems of equations in seconds: status, growth and resonances of any number under many loads."""
 
 from __future__ import annotations
 
@@ -203,7 +203,7 @@ class CoupledEquations(ABC):
         return ManyVerdicts(status, against / (rate + np.sqrt(rate * rate + against) + (against == 0.0)))
 
     def growth_without_decay(self, loads: Loads) -> Floats:
-        """Return the growth in 1/s of exp(c t) q, c the damping rate: that of q and c more; NaN where unknown."""
+        """Return the growth in 1/s of exp(c t) q, c the damping rate: the growth of q plus c; NaN where unknown."""
         system = self.system(loads)
         freed, _ = system.undamped or (system, 0.0)
         return self._judged(freed, None, quick=True).growth
@@ -234,7 +234,7 @@ class CoupledEquations(ABC):
         return float(self.answers(Loads.single(load)).growth[0])
 
     def resonances(self, load: Load) -> tuple[Resonance, ...]:
-        """Return what grows under one load, the fastest first, modes numbered as those without axial force."""
+        """Return the resonances that grow under one load, the fastest first, modes numbered as without axial force."""
         from floquetrod.floquet.dispatch import stability
 
         system = self.system(Loads.single(load))
@@ -262,7 +262,7 @@ class CoupledEquations(ABC):
 
 
 def _direct(system: HillSystem) -> tuple[Resonance, ...]:
-    """Return what grows in a system of modes that are apart, each by its own equation, the fastest first."""
+    """Return the growing modes of a system without coupling, the fastest first."""
     from floquetrod.systems.batch_verdicts import verdicts
 
     status, growth = verdicts(_one_by_one(system))

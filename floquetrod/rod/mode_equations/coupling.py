@@ -1,4 +1,4 @@
-"""What keeps the modes of a rod from obeying an equation of Mathieu's each."""
+"""The causes that couple the modes of a rod, so that none obeys an equation of Mathieu's."""
 
 from __future__ import annotations
 
@@ -28,12 +28,12 @@ def coupling(rod: RodData, load: Load) -> tuple[str, ...]:
     return tuple(name for name, present in every if present)
 
 
-def refusal(name: str, found: tuple[str, ...]) -> ValueError:
-    """Return the error for what independent modes are needed for, given what couples them, in words."""
+def refusal(name: str, couplings: tuple[str, ...]) -> ValueError:
+    """Return the error for a question that needs independent modes, given the causes of their coupling in words."""
     neglected = ("; ", Mention("mean_at", "mean_at=None", "none"), " neglects the weight along the rod")
     return wrong_value(
         name,
         "needs independent modes, those of hinged ends under a sine that is uniform along the rod, got "
-        f"{', '.join(found)}",
-        *(neglected if "weight along the rod" in found else ()),
+        f"{', '.join(couplings)}",
+        *(neglected if "weight along the rod" in couplings else ()),
     )

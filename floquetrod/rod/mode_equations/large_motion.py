@@ -213,16 +213,16 @@ class LargeMotion(ByContent):
 
     @cached_property
     def vibrating(self) -> Floats:
-        """What the parts of `parts` take from the stiffness, (2 H, n, n)."""
+        """The loss of stiffness under each part of the vibration, (2 H, n, n)."""
         return self._pushed(self._profiles(self.shapes.nodes))
 
     @cached_property
     def pushed_alike(self) -> Floats:
-        """What a force of one newton, the same all along, takes from the stiffness, (n, n)."""
+        """The loss of stiffness per newton of uniform force, (n, n)."""
         return self._pushed(np.ones_like(self.shapes.nodes))
 
     def _pushed(self, force: Floats) -> Floats:
-        """Return what forces (..., q) in N take from the stiffness, in 1/s^2, (..., n, n)."""
+        """Return the loss of stiffness under forces (..., q) in N, in 1/s^2, (..., n, n)."""
         slopes, weights = self.shapes.slopes, self.shapes.weights
         unit = 1.0 / (self.rod.mass_per_length * self.rod.length**2)
         return np.asarray(unit * (slopes * (weights * force)[..., None, :]) @ slopes.T)
@@ -232,7 +232,7 @@ class LargeMotion(ByContent):
         return np.asarray(self.load.mean + added_mean(self.rod, self.load, x))
 
     def _profiles(self, x: Floats) -> Floats:
-        """Return in N at places what goes like the cosine and like the sine of each harmonic, (2 H, len(x))."""
+        """Return the forces in N at places with the cosine and the sine of each harmonic, (2 H, len(x))."""
         rod, load = self.rod, self.load
         every = load.amplitude * axial.along(load, rod.wave_speed, rod.length, rod.length * x, load.frequency)
         return np.concatenate([every.real, -every.imag])

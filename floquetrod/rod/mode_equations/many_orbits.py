@@ -54,7 +54,7 @@ def smallest_stable(equation: OneMode, loads: ModeLoads) -> list[Orbit | None]:
 
 
 def _added(equation: OneMode, loads: ModeLoads) -> Floats:
-    """Return what the mean forces add to the stiffness, (k, 1)."""
+    """Return the stiffness due to the mean forces, (k, 1)."""
     per_newton = equation.motion.pushed_alike[0, 0]
     return np.asarray((equation.motion.load.mean - loads.mean)[:, None] * per_newton)
 

@@ -49,7 +49,7 @@ ASSUMED = (
 
 
 def _blocks() -> Ints:
-    """Return the first mode of each block of high modes, the last of which has no end."""
+    """Return the first mode of each block of high modes; the last block has no end."""
     count = math.ceil(math.log(MOST_MODES / (_SINGLE + 1)) / math.log(_WIDER))
     return np.unique(np.geomspace(_SINGLE + 1, MOST_MODES, count).round().astype(np.int64))
 
@@ -58,8 +58,8 @@ _FIRST = _blocks()
 _EVERY = np.append(np.arange(1, _SINGLE + 1), _FIRST)
 
 
-class Parts(NamedTuple):
-    """What the equations of modes under loads are made of, each (loads, modes) or what broadcasts to it.
+class ModeCoefficients(NamedTuple):
+    """Coefficients of the equations of modes under loads, each of a shape that broadcasts to (loads, modes).
 
     Attributes
     ----------
@@ -148,7 +148,7 @@ class NoisyModes:
     constants: ModeConstants
     template: Load
 
-    def parts(self, loads: Loads, modes: Any) -> Parts:
+    def parts(self, loads: Loads, modes: Any) -> ModeCoefficients:
         """Return the equations of some modes under flat loads."""
         constants, m2 = self.constants, np.square(np.asarray(modes, dtype=float))
         mean, amplitude, frequency = (values[:, None] for values in loads.flat)
@@ -157,7 +157,7 @@ class NoisyModes:
         at = np.sqrt(np.maximum(squared, 0.0)) / math.pi  # twice the mode's frequency, in Hz
         intensity = np.abs(per_newton) * np.sqrt(0.5 * density_at(self.template.noise, at))
         waves = tuple(-per_newton * amplitude * h for h in self.template.harmonics.tolist())
-        return Parts(squared, waves, frequency, intensity, float(constants.damping_rate))
+        return ModeCoefficients(squared, waves, frequency, intensity, float(constants.damping_rate))
 
     def limit(self) -> float:
         """Return the growth in 1/s that high modes approach, -2 c where the density ends."""
@@ -271,7 +271,7 @@ class GrowthBounds(NamedTuple):
         return np.asarray(np.maximum(self.low.max(axis=1), self.limit))
 
     def some(self, chosen: Ints) -> GrowthBounds:
-        """Return those under some of the loads."""
+        """Return the bounds under the chosen loads."""
         return self._replace(low=self.low[chosen], high=self.high[chosen], beyond=self.beyond[chosen])
 
     def left_out(self, last: Ints) -> Floats:
@@ -314,7 +314,7 @@ def _excess(least: Floats, noise: Floats) -> Floats:
 
 
 def _unevenness(noise: Any, sizes: Sequence[Any], center: Any) -> Any:
-    """Return a bound of what the last term of d E[U] / dt adds to the rate, for K = ``center`` + p > 0.
+    """Return a bound of the last term of d E[U] / dt over E[U], for K = ``center`` + p > 0.
 
     ``sizes`` bound p and its first three derivatives.  With D = Q^2 - K q^2, h the factor of E[q Q] / sqrt(K), and
 

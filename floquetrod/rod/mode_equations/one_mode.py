@@ -99,7 +99,7 @@ class OneMode:
 
     @cached_property
     def _vibration(self) -> Floats:
-        """What the parts of the vibration take from the stiffness, (2 H,)."""
+        """The loss of stiffness under each part of the vibration, (2 H,)."""
         return self.motion.vibrating[:, 0, 0]
 
     def stiffness(self, a: Any) -> Any:
@@ -289,7 +289,7 @@ class OneMode:
 
 @functools.cache
 def derivative(count: int) -> Floats:
-    """Return the matrix from an even number of samples of a function of period 2 pi to those of its derivative."""
+    """Return the matrix from an even number of samples of a function of period 2 pi to samples of its derivative."""
     k = np.arange(1, count)
     column = np.concatenate([[0.0], 0.5 * (-1.0) ** k / np.tan(math.pi * k / count)])
     return np.asarray(column[(np.arange(count)[:, None] - np.arange(count)) % count])

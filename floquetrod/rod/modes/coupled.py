@@ -15,17 +15,17 @@ from floquetrod._util.arguments import Mention
 from floquetrod._util.arrays import Floats
 from floquetrod._util.progress import Progress, shifted
 from floquetrod.equations import HillSystem
+from floquetrod.floquet.first_change import FirstChange
 from floquetrod.floquet.multipliers.many_verdicts import ManyVerdicts
 from floquetrod.floquet.multipliers.stabilising_damping import least_damping
 from floquetrod.rod.answers.evidence import CoupledEvidence
-from floquetrod.rod.answers.intervals import FoundIntervals, Search, UnstableBand
-from floquetrod.rod.answers.margins import Edge
 from floquetrod.rod.answers.rod_stability import RodStability
+from floquetrod.rod.answers.stability_intervals import Search, StabilityIntervals, UnstableBand
 from floquetrod.rod.loads.axial import AxialResonanceError
 from floquetrod.rod.loads.load import Load, Loads, Quantity
 from floquetrod.rod.mode_equations.coupled_matrices import MOST_COUPLED, CoupledModes, modes_needed, up_to_resonance
+from floquetrod.rod.mode_equations.coupled_samples import first_growth_change
 from floquetrod.rod.mode_equations.coupled_systems import CoupledEquations
-from floquetrod.rod.mode_equations.sampled import first_change
 from floquetrod.rod.model.constants import SLOW_GROWTH
 from floquetrod.rod.model.contact import require_on_wall, up_to_wall
 from floquetrod.rod.modes.coupled_verdict import classify_coupled
@@ -167,20 +167,20 @@ class CoupledModel(ModeModel):
         piece: tuple[float, float],
         seconds: float,
         progress: Progress | None,
-    ) -> Edge:
+    ) -> FirstChange:
         """Return where the verdict first changes from ``piece[0]`` to ``piece[1]``, with as many modes as it needs."""
         load, tolerance = self.template, verdict.margin_tolerance
         piece = up_to_wall(self.rod, load, quantity, piece)
         if quantity == "frequency":
             piece = up_to_resonance(self.rod, load, piece)
         if piece[0] == piece[1]:
-            return Edge(None, piece[0], 0.0)
+            return FirstChange(None, piece[0], 0.0)
         begins_stable = None if piece[0] == getattr(load, quantity) else verdict.stable
         try:
             modes = self.modes_of_piece(verdict, quantity, piece)
         except ValueError:  # too many modes, or loads too large or too slow: nothing is known of them
-            return Edge(None, piece[0], 0.0)
-        return first_change(
+            return FirstChange(None, piece[0], 0.0)
+        return first_growth_change(
             quantity,
             modes,
             load,
@@ -206,12 +206,12 @@ class CoupledModel(ModeModel):
 
     # --- along a quantity ---
 
-    def ranges(self, search: Search, progress: Progress | None) -> FoundIntervals:
+    def ranges(self, search: Search, progress: Progress | None) -> StabilityIntervals:
         """Return the stability intervals of one quantity of the load, sampled; ``resolution`` is their distance."""
         self.require_on_wall(search)
         return sampled_ranges(self, search, progress)
 
-    def first_unstable(self, search: Search, progress: Progress | None = None) -> Edge:
+    def first_unstable(self, search: Search, progress: Progress | None = None) -> FirstChange:
         """Return where a quantity that goes up from zero first meets growth, searched outward in pieces.
 
         At zero, with a warning, where the rod is not stable there.
@@ -219,7 +219,7 @@ class CoupledModel(ModeModel):
         self.require_on_wall(search)
         return zero_unless_stable(self, search) or super().first_unstable(search, progress)
 
-    def first_growth(self, search: Search, progress: Progress | None) -> Edge:
+    def first_growth(self, search: Search, progress: Progress | None) -> FirstChange:
         """Return where something first grows within bounds, from the low one up, by samples."""
         return sampled_first_growth(self, search, progress)
 

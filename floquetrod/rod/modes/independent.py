@@ -17,14 +17,14 @@ from floquetrod._util.compilation import over_chunks
 from floquetrod._util.progress import Progress
 from floquetrod._util.spans import complement
 from floquetrod.floquet.dispatch import stability
+from floquetrod.floquet.first_change import FirstChange
 from floquetrod.floquet.verdict import Cost, tolerated
 from floquetrod.parameter import require_known
 from floquetrod.rod.answers.evidence import IndependentEvidence
-from floquetrod.rod.answers.margins import Edge
 from floquetrod.rod.answers.rod_stability import RodStability
 from floquetrod.rod.loads.load import Load, Loads, Quantity
 from floquetrod.rod.mode_equations.modal_systems import ModalSystem, ModalSystems
-from floquetrod.rod.mode_equations.tongues import UnstableInterval, unstable_loads
+from floquetrod.rod.mode_equations.unstable_loads import UnstableInterval, unstable_loads
 from floquetrod.rod.model.assumptions import assumptions
 from floquetrod.rod.model.constants import (
     NEGLIGIBLE_GROWTH,
@@ -43,7 +43,7 @@ from floquetrod.rod.modes.mode_model import Answers, BandFinder, ModeModel, Stat
 if TYPE_CHECKING:
     from floquetrod.floquet.proof.region_proof import RegionProof
     from floquetrod.mathieu.criterion import FiniteTimeCriterion
-    from floquetrod.rod.answers.intervals import FoundIntervals, Search, UnstableBand
+    from floquetrod.rod.answers.stability_intervals import Search, StabilityIntervals, UnstableBand
     from floquetrod.rod.mode_equations.coupled_systems import CoupledEquations
 
 
@@ -211,13 +211,13 @@ class IndependentModel(ModeModel):
         piece: tuple[float, float],
         seconds: float,
         progress: Progress | None,
-    ) -> Edge:
+    ) -> FirstChange:
         """Return where the verdict first changes from ``piece[0]`` to ``piece[1]``, which takes milliseconds."""
         load, tolerance = self.template, verdict.margin_tolerance
         piece = up_to_wall(self.rod, load, quantity, piece)
         low, high = sorted(piece)
         if low == high:
-            return Edge(None, piece[0], 0.0)
+            return FirstChange(None, piece[0], 0.0)
         modes = _modes_for(verdict, self.rod, load.varied(quantity, high), tolerance)
         start = piece[0] if verdict.stable else None  # nothing beyond the first unstable interval matters
         unstable = unstable_loads(
@@ -234,13 +234,13 @@ class IndependentModel(ModeModel):
                 change = piece[0]
             else:
                 change = far if far != piece[1] else None
-        return Edge(change, piece[1] if change is None else change, unstable.resolution)
+        return FirstChange(change, piece[1] if change is None else change, unstable.resolution)
 
     # --- along a quantity, and over two ---
 
-    def ranges(self, search: Search, progress: Progress | None) -> FoundIntervals:
+    def ranges(self, search: Search, progress: Progress | None) -> StabilityIntervals:
         """Return the stability intervals of one quantity of the load, complete except for ``resolution``."""
-        from floquetrod.rod.answers.intervals import FoundIntervals, StabilityInterval
+        from floquetrod.rod.answers.stability_intervals import StabilityInterval, StabilityIntervals
 
         varied, load, bounds, tolerance = search
         self.require_on_wall(search)
@@ -248,16 +248,23 @@ class IndependentModel(ModeModel):
         unstable = unstable_loads(varied, system, tolerance, bounds, union=True, progress=progress)
         gaps = complement(bounds, unstable.intervals)
         stable = tuple(StabilityInterval(*gap[:2], _cause(gap.before), _cause(gap.after)) for gap in gaps)
-        return FoundIntervals(stable, system.modes[-1], unstable.tongues_left_out, unstable.resolution)
+        return StabilityIntervals.of(
+            self,
+            search,
+            stable,
+            system.modes[-1],
+            unstable.resolution,
+            tongues_left_out=unstable.tongues_left_out,
+        )
 
-    def first_growth(self, search: Search, progress: Progress | None) -> Edge:
+    def first_growth(self, search: Search, progress: Progress | None) -> FirstChange:
         """Return where a mode first grows within bounds, from the low one up, by its tongues."""
         varied, load, piece, tolerance = search
         modes = self._equations(load.varied(varied, piece[1]), tolerance).modes
         system = ModalSystem(self.constants, load, modes)
         unstable = unstable_loads(varied, system, tolerance, piece, union=True, nearest=piece[0])
         low = min((interval.low for interval in unstable.intervals), default=None)
-        return Edge(low, piece[1] if low is None else low, unstable.resolution)
+        return FirstChange(low, piece[1] if low is None else low, unstable.resolution)
 
     def unstable_bands(
         self, search: Search, modes: int, bands: Sequence[tuple[float, float]], progress: Progress | None
@@ -331,7 +338,7 @@ class IndependentModel(ModeModel):
         progress: Progress | None,
     ) -> RegionProof:
         """Prove every load of a box stable or unstable."""
-        from floquetrod.rod.answers.region import certify_rods
+        from floquetrod.rod.answers.rod_box_proof import certify_rods
 
         return certify_rods(self.rod, self.template, sides, growth_tolerance, rod, max_boxes, progress)
 

@@ -18,8 +18,9 @@ from numpy.typing import NDArray
 from floquetrod._util.arrays import Bools, Floats, Ints
 from floquetrod._util.progress import Progress
 from floquetrod.equations import HillSystem
-from floquetrod.rod.answers.margins import Edge, ends_between, outward
+from floquetrod.floquet.first_change import FirstChange, outward
 from floquetrod.rod.answers.rod_stability import RodStability
+from floquetrod.rod.answers.search_pieces import ends_between
 from floquetrod.rod.loads.load import QUANTITIES, Load, Loads, Quantity
 from floquetrod.rod.mode_equations.coupling import coupling, refusal
 from floquetrod.rod.mode_equations.modal_systems import ModalSystem, ModalSystems
@@ -32,8 +33,8 @@ if TYPE_CHECKING:
     from floquetrod.floquet.proof.region_proof import RegionProof
     from floquetrod.mathieu.criterion import FiniteTimeCriterion
     from floquetrod.plane import Axis, FoundBands
-    from floquetrod.rod.answers.critical_noise import CriticalFactor
-    from floquetrod.rod.answers.intervals import FoundIntervals, Search, UnstableBand
+    from floquetrod.rod.answers.critical_value import CriticalValue
+    from floquetrod.rod.answers.stability_intervals import Search, StabilityIntervals, UnstableBand
     from floquetrod.rod.mode_equations.coupled_systems import CoupledEquations
 
 Statuses = NDArray[np.int8]
@@ -217,16 +218,16 @@ class ModeModel(ABC):
         piece: tuple[float, float],
         seconds: float,
         progress: Progress | None,
-    ) -> Edge:
+    ) -> FirstChange:
         """Return where the verdict first changes from ``piece[0]`` to ``piece[1]``, in about so many seconds."""
 
     # --- along a quantity, and over two ---
 
     @abstractmethod
-    def ranges(self, search: Search, progress: Progress | None) -> FoundIntervals:
+    def ranges(self, search: Search, progress: Progress | None) -> StabilityIntervals:
         """Return the stability intervals of one quantity of the load."""
 
-    def first_unstable(self, search: Search, progress: Progress | None = None) -> Edge:
+    def first_unstable(self, search: Search, progress: Progress | None = None) -> FirstChange:
         """Return where a quantity that goes up from zero first meets growth, searched outward in pieces.
 
         ``progress`` is called with a share of the largest value and with all of it.
@@ -236,16 +237,16 @@ class ModeModel(ABC):
         way = ends_between(varied, (0.0, largest), self.rod.critical_force)
         reports = [_as_shares(progress, piece, largest) for piece in pairwise(way)]
 
-        def edge(piece: tuple[float, float], seconds: float, progress: Progress | None) -> Edge:
+        def first_growth(piece: tuple[float, float], seconds: float, progress: Progress | None) -> FirstChange:
             return self.first_growth(search._replace(bounds=piece), progress)
 
-        return outward(way, edge, reports)
+        return outward(way, first_growth, reports)
 
     @abstractmethod
-    def first_growth(self, search: Search, progress: Progress | None) -> Edge:
+    def first_growth(self, search: Search, progress: Progress | None) -> FirstChange:
         """Return where something first grows within bounds, from the low one up, where nothing does."""
 
-    def critical_noise(self, load: Load, growth_tolerance: float, progress: Progress | None) -> CriticalFactor:
+    def critical_noise(self, load: Load, growth_tolerance: float, progress: Progress | None) -> CriticalValue:
         """Return the factor of the noise up to which the rod is stable in mean square."""
         raise self.refusal("critical_noise")
 

@@ -15,21 +15,23 @@ from floquetrod._util.arrays import Bools
 from floquetrod._util.progress import Progress
 from floquetrod.equations.batches import pick
 from floquetrod.floquet.dispatch import run, stability
+from floquetrod.floquet.first_change import FirstChange, bracket, root_below, separation
 from floquetrod.floquet.multipliers.system_stability import SystemStability
 from floquetrod.floquet.status import STABLE, STATUS_CODES, UNDECIDED, UNSTABLE
 from floquetrod.floquet.verdict import Cost, Status, tolerated
-from floquetrod.rod.answers.critical_noise import CriticalFactor
+from floquetrod.rod.answers.critical_value import CriticalValue
 from floquetrod.rod.answers.evidence import NoisyEvidence
-from floquetrod.rod.answers.intervals import FoundIntervals, Search, StabilityInterval, UnstableBand
-from floquetrod.rod.answers.margins import Edge
 from floquetrod.rod.answers.rod_stability import RodStability
+from floquetrod.rod.answers.stability_intervals import Search, StabilityIntervals, UnstableBand
 from floquetrod.rod.loads.load import Load, Loads, Quantity, largest_density, noise_in_words, scaled_noise
-from floquetrod.rod.mode_equations.noisy_modes import ASSUMED, NoisyModes, Parts
+from floquetrod.rod.mode_equations.coupled_samples import SampledInterval, unstable_intervals
+from floquetrod.rod.mode_equations.noisy_modes import ASSUMED, ModeCoefficients, NoisyModes
 from floquetrod.rod.model.assumptions import assumptions
 from floquetrod.rod.model.constants import mode_constants
 from floquetrod.rod.model.contact import constants_under, require_on_wall, up_to_wall
 from floquetrod.rod.modes.mode_model import Answers, ModeModel
-from floquetrod.rod.modes.noisy_search import AT_ONCE, HALVINGS, Effort, changes, first_change, least, stable_at
+from floquetrod.rod.modes.noisy_samples import AT_ONCE, HALVINGS, NoisySamples, VerdictCounts
+from floquetrod.rod.modes.sampled_ranges import Piece, joined_intervals, pieces_of
 
 if TYPE_CHECKING:
     from floquetrod.floquet.multipliers.many_verdicts import ManyVerdicts
@@ -63,9 +65,9 @@ class NoisyModel(ModeModel):
 
     loads_at_once: ClassVar[int | None] = 2000
     samples: ClassVar[int] = 257
-    """Places between the bounds of a search."""
+    """Samples of each piece of a search."""
     at_once: ClassVar[int] = AT_ONCE
-    """Places that are examined before a change is searched for."""
+    """Samples that are examined before a change is searched for."""
     damping_source: ClassVar[str] = "that of the load whose growth in mean square is worst"
 
     @property
@@ -157,55 +159,56 @@ class NoisyModel(ModeModel):
         piece: tuple[float, float],
         seconds: float,
         progress: Progress | None,
-    ) -> Edge:
+    ) -> FirstChange:
         """Return where the verdict first changes from ``piece[0]`` to ``piece[1]``, by samples."""
         load = self.template
         piece = up_to_wall(self.rod, load, quantity, piece)
         longest = max(1.0, load.frequency / min(piece)) if quantity == "frequency" else 1.0
-        effort = self.margin_effort(verdict, seconds, longest)
-        if piece[0] == piece[1] or not effort.samples:
-            return Edge(None, piece[0], 0.0)
-        edge = first_change(
-            self,
-            Search(quantity, load, piece, verdict.margin_tolerance),
-            np.linspace(*piece, effort.samples),
+        counts = self.margin_counts(verdict, seconds, longest)
+        if piece[0] == piece[1] or not counts.samples:
+            return FirstChange(None, piece[0], 0.0)
+        search = Search(quantity, load, piece, verdict.margin_tolerance)
+        change = NoisySamples(self, search, counts.halvings).first_change(
+            counts.samples,
             verdict.status == "stable",
             known=piece[0] == getattr(load, quantity),
             at_once=self.at_once,
-            halvings=effort.halvings,
             refused=ValueError,  # too many modes, or loads too large or too slow: nothing is known of them
             progress=progress,
         )
-        return edge._replace(seconds=effort.seconds)
+        return change._replace(seconds=counts.seconds)
 
-    def margin_effort(self, verdict: RodStability, seconds: float, longest: float) -> Effort:
+    def margin_counts(self, verdict: RodStability, seconds: float, longest: float) -> VerdictCounts:
         """Return how many verdicts a piece of a search for a margin takes.
 
         ``longest`` is the longest period of its loads over the period of the load of the verdict.
         """
-        return Effort(_MARGIN_SAMPLES, HALVINGS)
+        return VerdictCounts(_MARGIN_SAMPLES, HALVINGS)
 
     # --- along a quantity ---
 
-    def ranges(self, search: Search, progress: Progress | None) -> FoundIntervals:
+    def ranges(self, search: Search, progress: Progress | None) -> StabilityIntervals:
         """Return the stability intervals of one quantity of the load, sampled; ``resolution`` is their distance."""
         self.require_on_wall(search)
-        low, high = search.bounds
-        places = np.linspace(low, high, self.samples)
-        stable = stable_at(self, search, places, progress)
-        inside = changes(self, search, places, stable).tolist()
-        ends = [*([low] if stable[0] else []), *inside, *([high] if stable[-1] else [])]
-        intervals = tuple(
-            StabilityInterval(a, b, None if a == low else "unnamed", None if b == high else "unnamed")
-            for a, b in zip(ends[::2], ends[1::2], strict=True)
-        )
-        modes = self.count_for(Loads.along(search.load, search.varied, places), search.growth_tolerance)
-        return FoundIntervals(intervals, modes, 0, float(places[1] - places[0]))
+        samples = NoisySamples(self, search)
 
-    def first_growth(self, search: Search, progress: Progress | None) -> Edge:
+        def unstable(piece: tuple[float, float], progress: Progress | None) -> tuple[list[SampledInterval], float]:
+            values = np.linspace(*piece, self.samples)
+            stable = samples.stable(values, progress)
+            return unstable_intervals(values, stable, samples.locate, piece), float(values[1] - values[0])
+
+        pieces = [Piece(*ends, self.samples, unstable) for ends in pieces_of(search, self.rod.critical_force)]
+        intervals, resolution = joined_intervals(search.bounds, pieces, progress)
+        places = np.linspace(*search.bounds, self.samples)
+        modes = self.count_for(Loads.along(search.load, search.varied, places), search.growth_tolerance)
+        return StabilityIntervals.of(self, search, intervals, modes, resolution)
+
+    def first_growth(self, search: Search, progress: Progress | None) -> FirstChange:
         """Return where something first grows in mean square within bounds, from the low one up, by samples."""
-        places, known = np.linspace(*search.bounds, self.samples), search.bounds[0] > 0.0
-        return first_change(self, search, places, True, known=known, at_once=self.at_once, progress=progress)
+        known = search.bounds[0] > 0.0
+        return NoisySamples(self, search).first_change(
+            self.samples, True, known=known, at_once=self.at_once, progress=progress
+        )
 
     def unstable_bands(
         self, search: Search, modes: int, bands: Sequence[tuple[float, float]], progress: Progress | None
@@ -238,9 +241,9 @@ class NoisyModel(ModeModel):
 
         if is_stable(0.0):
             return 0.0
-        return least(is_stable, 1e-6 * load.frequency, _STRONGEST * load.frequency, 1e-9)[1]
+        return bracket(is_stable, 1e-6 * load.frequency, _STRONGEST * load.frequency, 1e-9)[1]
 
-    def critical_noise(self, load: Load, growth_tolerance: float, progress: Progress | None = None) -> CriticalFactor:
+    def critical_noise(self, load: Load, growth_tolerance: float, progress: Progress | None = None) -> CriticalValue:
         """Return the largest factor of the noise of a load at which it is stable in mean square, and its error.
 
         Each mode grows the faster the more noise there is.  From a factor at which a mode grows, it is lowered to where
@@ -309,7 +312,7 @@ def _examined(modes: NoisyModes, loads: Loads, growth_tolerance: float, workers:
     return Answers(status, growth, np.where(best > 0.0, fastest, 0))
 
 
-def _rates(parts: Parts, chosen: Bools, workers: int | None) -> ManyVerdicts:
+def _rates(parts: ModeCoefficients, chosen: Bools, workers: int | None) -> ManyVerdicts:
     """Return status and growth in 1/s of the second moments of some modes, in the order of C; 0 where they decay.
 
     Undecided to about 1e-11 of a multiplier: many digits would take a second each.
@@ -475,7 +478,7 @@ class _FactorSearch:
         """Return the modes under so much noise."""
         return NoisyModes(self.constants, self.scaled(factor))
 
-    def critical(self) -> CriticalFactor:
+    def critical(self) -> CriticalValue:
         """Return the factor."""
         decay = 2.0 * float(self.constants.damping_rate) + self.tolerance
         per_density = 0.25 * float(self.constants.per_newton) ** 2 / float(self.constants.bending)
@@ -489,7 +492,7 @@ class _FactorSearch:
                 factor *= 4.0
                 self.told(_PARTS)
                 if factor > farthest:
-                    return CriticalFactor(math.inf, math.inf, searched=0.25 * factor)
+                    return CriticalValue(math.inf, "noise", searched=0.25 * factor, error=math.inf)
         while (faster := self.fastest(factor)) is not None and faster != mode:
             before, mode = factor, faster
             factor = self.root(faster, before)
@@ -498,7 +501,7 @@ class _FactorSearch:
                 break
         error = self.error(factor)
         self.told(0)
-        return CriticalFactor(factor, error, mode)
+        return CriticalValue(factor, "noise", error=error, mode=mode)
 
     def fastest(self, factor: float) -> int | None:
         """Return the mode that grows fastest beyond the tolerance, None where none does."""
@@ -507,7 +510,6 @@ class _FactorSearch:
 
     def root(self, mode: int, high: float) -> float:
         """Return the factor at which the growth of a mode is that tolerated, below one at which it is larger."""
-        from scipy.optimize import brentq
 
         def excess(factor: float) -> float:
             parts = self.modes(factor).parts(Loads.single(self.load), [mode])
@@ -518,23 +520,20 @@ class _FactorSearch:
             rate = moments.highest_rate * float(np.broadcast_to(parts.rate, (1, 1))[0, 0])
             return float(np.clip(rate, low, most)) - self.tolerance
 
-        low = 0.5 * high
-        while not excess(low) < 0.0:
-            low *= 0.5
-            if low < high / _LARGEST:
-                raise unstable_without_noise()
-        return float(brentq(excess, low, high, xtol=1e-14 * high, rtol=1e-14)) if excess(high) > 0.0 else high
+        factor = root_below(excess, high, _LARGEST)
+        if math.isnan(factor):
+            raise unstable_without_noise()
+        return factor
 
     def error(self, factor: float) -> float:
         """Return how near to a factor verdicts, single ones and arrays, change from stable to unstable."""
-        apart = NEAREST
-        while apart < 0.5:
+
+        def is_apart(apart: float) -> bool:
             below, above = (self.scaled(factor * (1.0 + sign * apart)) for sign in (-1.0, 1.0))
             needed, _ = NoisyModes(self.constants, below).modes_needed(below, self.tolerance)
-            if needed <= _MOST_DECISIVE and all(self.separate(below, above)):
-                break
-            apart *= 4.0
-        return apart * factor
+            return needed <= _MOST_DECISIVE and all(self.separate(below, above))
+
+        return separation(is_apart, NEAREST) * factor
 
     def separate(self, below: Load, above: Load) -> Iterator[bool]:
         """Yield whether arrays say that one load is stable and another is not, and then whether verdicts do."""

@@ -17,11 +17,12 @@ import numpy as np
 
 from floquetrod._util.arguments import wrong_value
 from floquetrod._util.progress import Progress, shifted
+from floquetrod.floquet.first_change import separation
 from floquetrod.floquet.multipliers.moment_growth import MomentGrowth, MomentRate
 from floquetrod.floquet.multipliers.stabilising_damping import least_damping
 from floquetrod.floquet.status import STATUS_CODES, UNDECIDED, UNSTABLE
 from floquetrod.floquet.verdict import Cost, Status
-from floquetrod.rod.answers.critical_noise import CriticalFactor
+from floquetrod.rod.answers.critical_value import CriticalValue
 from floquetrod.rod.answers.evidence import NoisyCoupledEvidence
 from floquetrod.rod.answers.rod_stability import RodStability
 from floquetrod.rod.loads.load import Load, Loads, largest_density
@@ -33,13 +34,13 @@ from floquetrod.rod.model.contact import constants_under, require_on_wall
 from floquetrod.rod.modes.coupled import CoupledModel, chosen_count
 from floquetrod.rod.modes.mode_model import Answers, ModeModel, Statuses
 from floquetrod.rod.modes.noisy import HIGH_MODES_GROW, NEAREST, NoisyModel, unstable_without_noise
-from floquetrod.rod.modes.noisy_search import Effort
+from floquetrod.rod.modes.noisy_samples import VerdictCounts
 
 _LEFT_OUT = 5.0  # error over the change from 5/6 of the modes, as of modes without noise
 _ENLARGEMENTS = 3  # times that more modes are taken while two numbers of them disagree (a choice)
 _MOST_NUMBERS = 1 << 24  # of all steps of a period: half a gigabyte
 _STILL = 0.1  # frequency over that of the fastest mode at which a force without vibration is examined
-_LEAST, _MOST = Effort(3, 4), Effort(17, 20)  # for a part of a search for a margin (a choice)
+_LEAST, _MOST = VerdictCounts(3, 4), VerdictCounts(17, 20)  # for a part of a search for a margin (a choice)
 
 _ASSUMED = (
     IN_MEAN_SQUARE,
@@ -137,15 +138,15 @@ class NoisyCoupledModel(NoisyModel):
 
     # --- searches ---
 
-    def margin_effort(self, verdict: RodStability, seconds: float, longest: float) -> Effort:
+    def margin_counts(self, verdict: RodStability, seconds: float, longest: float) -> VerdictCounts:
         """Return as many verdicts as time allows: none where that is less than the least number of samples."""
         of_verdict = cast(NoisyCoupledEvidence, verdict.evidence).seconds * longest
         verdicts = min(seconds / of_verdict, 1000.0)
         if verdicts < _LEAST.samples:
-            return Effort(0, 0)
+            return VerdictCounts(0, 0)
         samples = max(_LEAST.samples, min(_MOST.samples, int(0.5 * verdicts)))
         halvings = max(_LEAST.halvings, min(_MOST.halvings, int(verdicts) - samples))
-        return Effort(samples, halvings, of_verdict)
+        return VerdictCounts(samples, halvings, of_verdict)
 
     def damping_required(self, load: Load, growth_tolerance: float) -> float:
         """Return the damping rate in 1/s at which second moments no longer grow faster than a tolerance."""
@@ -167,7 +168,7 @@ class NoisyCoupledModel(NoisyModel):
         start = max(beyond, 0.5 * self.rod.damping_rate, 1e-6 * load.frequency)
         return max(beyond, least_damping(excess, start, load.frequency))
 
-    def critical_noise(self, load: Load, growth_tolerance: float, progress: Progress | None = None) -> CriticalFactor:
+    def critical_noise(self, load: Load, growth_tolerance: float, progress: Progress | None = None) -> CriticalValue:
         """Return the largest factor of the noise of a load at which it is stable in mean square, and its error.
 
         With as many modes as verdicts on both sides take, which they tell apart within the error, and the limit of high
@@ -192,21 +193,19 @@ class NoisyCoupledModel(NoisyModel):
         def excess(factor: float) -> float:
             return growth(factor).rate - growth_tolerance
 
-        def is_apart(factor: float, apart: float) -> bool:
-            below, above = growth(factor * (1.0 - apart)), growth(factor * (1.0 + apart))
-            grows = (is_white and factor * (1.0 + apart) > most) or above.rate - above.error > growth_tolerance
-            return below.rate + below.error < growth_tolerance and grows
-
         if not excess(0.0) < 0.0:
             raise unstable_without_noise()
         high = most
         while not is_white and excess(high) < 0.0:
             high *= 4.0
         factor = high if excess(high) < 0.0 else brentq(excess, 0.0, high, xtol=1e-13 * high, rtol=1e-12)
-        apart = NEAREST
-        while apart < 0.5 and not is_apart(factor, apart):
-            apart *= 4.0
-        return CriticalFactor(float(factor), float(apart * factor))
+
+        def is_apart(apart: float) -> bool:
+            below, above = growth(factor * (1.0 - apart)), growth(factor * (1.0 + apart))
+            grows = (is_white and factor * (1.0 + apart) > most) or above.rate - above.error > growth_tolerance
+            return below.rate + below.error < growth_tolerance and grows
+
+        return CriticalValue(float(factor), "noise", error=float(separation(is_apart, NEAREST) * factor))
 
     certify = ModeModel.certify
 

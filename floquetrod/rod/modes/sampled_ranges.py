@@ -1,24 +1,28 @@
-"""Stability intervals of coupled modes along one quantity of the load, sampled piece by piece."""
+"""Stability intervals along one quantity of the load, sampled piece by piece."""
 
 from __future__ import annotations
 
 import math
 import warnings
+from collections.abc import Callable, Sequence
 from dataclasses import replace
+from functools import partial
 from itertools import pairwise
+from typing import NamedTuple
 
 import numpy as np
 
 from floquetrod._util.calling import level_of_caller
 from floquetrod._util.progress import Progress, shifted
 from floquetrod._util.spans import Gap, complement
+from floquetrod.floquet.first_change import FirstChange
 from floquetrod.floquet.status import UndecidedWarning
-from floquetrod.rod.answers.intervals import BucklingWarning, FoundIntervals, Search, StabilityInterval
-from floquetrod.rod.answers.margins import Edge, ends_between
+from floquetrod.rod.answers.search_pieces import ends_between
+from floquetrod.rod.answers.stability_intervals import BucklingWarning, Search, StabilityInterval, StabilityIntervals
 from floquetrod.rod.loads.axial import AxialGap, AxialResonanceError, axial_response, gaps, joined
 from floquetrod.rod.loads.load import LOAD, Load, Loads, Quantity
+from floquetrod.rod.mode_equations.coupled_samples import SAMPLES, SampledInterval, first_growth_change, unstable_parts
 from floquetrod.rod.mode_equations.coupled_systems import CoupledEquations
-from floquetrod.rod.mode_equations.sampled import SAMPLES, UnstablePart, first_change, unstable_parts
 from floquetrod.rod.model.contact import added_mean
 from floquetrod.rod.modes.mode_model import ModeModel
 
@@ -27,7 +31,7 @@ _LEAST_SAMPLES = 9  # of each (a choice)
 _HALVINGS = 4  # of one that needs too many modes: what is left of it, a sixteenth, is not computed
 
 
-def zero_unless_stable(model: ModeModel, search: Search) -> Edge | None:
+def zero_unless_stable(model: ModeModel, search: Search) -> FirstChange | None:
     """Return that a quantity of zero is the limit, with a warning that says why, where the rod is not stable there."""
     varied, largest, _, tolerance = search
     none = largest.varied(varied, 0.0)
@@ -36,14 +40,14 @@ def zero_unless_stable(model: ModeModel, search: Search) -> Edge | None:
     if status == 1:
         return None
     _say_why_at_zero(model, varied, modes, none, status)
-    return Edge(0.0, 0.0, 0.0)
+    return FirstChange(0.0, 0.0, 0.0)
 
 
-def sampled_first_growth(model: ModeModel, search: Search, progress: Progress | None = None) -> Edge:
+def sampled_first_growth(model: ModeModel, search: Search, progress: Progress | None = None) -> FirstChange:
     """Return where something first grows within bounds, from the low one up, where nothing does."""
     varied, largest, piece, tolerance = search
     modes = _modes(model, search)
-    return first_change(varied, modes, largest, piece, tolerance, begins_stable=True, progress=progress)
+    return first_growth_change(varied, modes, largest, piece, tolerance, begins_stable=True, progress=progress)
 
 
 def _say_why_at_zero(model: ModeModel, varied: Quantity, modes: CoupledEquations, load: Load, status: int) -> None:
@@ -82,39 +86,68 @@ def _modes(model: ModeModel, search: Search) -> CoupledEquations:
     return model.in_modes(model.count_for(loads, search.growth_tolerance))
 
 
-def sampled_ranges(model: ModeModel, search: Search, progress: Progress | None) -> FoundIntervals:
-    """Return what is stable, how many modes and what distance of samples were taken, and what was not computed."""
+class Piece(NamedTuple):
+    """A piece of a quantity that is sampled, with the source of its unstable intervals and the distance of samples."""
+
+    low: float
+    high: float
+    steps: int  # in which its progress is reported
+    unstable: Callable[[tuple[float, float], Progress | None], tuple[list[SampledInterval], float]]
+
+
+def pieces_of(search: Search, unit: float) -> list[tuple[float, float]]:
+    """Return the pieces in which a quantity is sampled: the pieces of a critical load for a force, ``unit`` in N."""
+    ends = search.bounds if search.varied == "frequency" else ends_between(search.varied, search.bounds, unit)
+    return list(pairwise(ends))
+
+
+def joined_intervals(
+    bounds: tuple[float, float], pieces: Sequence[Piece], progress: Progress | None
+) -> tuple[tuple[StabilityInterval, ...], float]:
+    """Return the stability intervals of all pieces, and the largest distance of samples."""
+    segments: list[tuple[tuple[float, float], list[SampledInterval]]] = []
+    resolution, done, total = 0.0, 0, sum(piece.steps for piece in pieces)
+    for low, high, steps, unstable in pieces:
+        intervals, distance = unstable((low, high), shifted(progress, done, total - steps))
+        resolution, done = max(resolution, distance), done + steps
+        if segments and segments[-1][0][1] == low:
+            (low, _), before = segments.pop()
+            if before and intervals and before[-1].high == intervals[0].low:  # one interval, cut between two pieces
+                first = before.pop()
+                intervals[0] = replace(intervals[0], low=first.low, low_cause=first.low_cause)
+            intervals = before + intervals
+        segments.append(((low, high), intervals))
+    stable = [_ended(_stable_between(gap), bounds) for segment in segments for gap in complement(*segment)]
+    return tuple(stable), resolution
+
+
+def sampled_ranges(model: ModeModel, search: Search, progress: Progress | None) -> StabilityIntervals:
+    """Return the stability intervals of coupled modes, with the frequencies that axial resonances leave out."""
     varied, largest, bounds, tolerance = search
     skipped: list[AxialGap] = []
     if varied == "frequency" and not largest.is_uniform:
         pieces, skipped = _pieces_of_waves(model, search)
     else:
-        ends = bounds if varied == "frequency" else ends_between(varied, bounds, model.rod.critical_force)
-        pieces = [(piece, _modes(model, search._replace(bounds=piece))) for piece in pairwise(ends)]
-    every_piece = varied != "frequency"  # has as many samples as that of a critical load
-    samples = [SAMPLES if every_piece else _share(piece, bounds, SAMPLES, _LEAST_SAMPLES) for piece, _ in pieces]
-    segments: list[tuple[tuple[float, float], list[UnstablePart]]] = []
-    resolution, done = 0.0, 0
-    for (piece, modes), number in zip(pieces, samples, strict=True):
-        told = shifted(progress, done, sum(samples) - len(samples) - (number - 1))
-        parts, distance = unstable_parts(varied, modes, largest, piece, tolerance, bounds, number, told)
-        resolution, done = max(resolution, distance), done + number - 1
-        if segments and segments[-1][0][1] == piece[0]:
-            before, known = segments.pop()
-            if known and parts and known[-1].high == parts[0].low:  # one part, cut where two pieces meet
-                first = known.pop()
-                parts[0] = replace(parts[0], low=first.low, low_cause=first.low_cause)
-            piece, parts = (before[0], piece[1]), known + parts
-        segments.append((piece, parts))
-    stable = [_ended(_stable_between(gap), bounds) for segment in segments for gap in complement(*segment)]
+        pieces = [
+            (piece, _modes(model, search._replace(bounds=piece)))
+            for piece in pieces_of(search, model.rod.critical_force)
+        ]
+
+    def sampled(piece: tuple[float, float], modes: CoupledEquations) -> Piece:
+        # Along a force each piece has as many samples as the piece of a critical load.
+        samples = _share(piece, bounds, SAMPLES, _LEAST_SAMPLES) if varied == "frequency" else SAMPLES
+        search_piece = partial(unstable_parts, varied, modes, largest, tolerance, bounds, samples)
+        return Piece(*piece, samples - 1, search_piece)
+
+    intervals, resolution = joined_intervals(bounds, [sampled(*piece) for piece in pieces], progress)
     most = max(modes.count for _, modes in pieces)
-    return FoundIntervals(tuple(stable), most, 0, resolution, tuple(skipped))
+    return StabilityIntervals.of(model, search, intervals, most, resolution, not_computed=tuple(skipped))
 
 
 def _pieces_of_waves(
     model: ModeModel, search: Search
 ) -> tuple[list[tuple[tuple[float, float], CoupledEquations]], list[AxialGap]]:
-    """Return pieces of neighbouring frequencies with as many modes as each needs, and what axial resonances leave out.
+    """Return pieces of neighbouring frequencies with as many modes as each needs, and the gaps at axial resonances.
 
     AxialResonanceError where they leave nothing.
     """
@@ -156,7 +189,7 @@ def _ended(part: StabilityInterval, bounds: tuple[float, float]) -> StabilityInt
     return part._replace(low_end=low, high_end=high)
 
 
-def _stable_between(gap: Gap[UnstablePart]) -> StabilityInterval:
-    """Return what unstable parts leave, and what closes it."""
+def _stable_between(gap: Gap[SampledInterval]) -> StabilityInterval:
+    """Return the stability interval between two unstable ones, with the causes of its ends."""
     low_end = None if gap.before is None else gap.before.high_cause
     return StabilityInterval(gap.low, gap.high, low_end, None if gap.after is None else gap.after.low_cause)

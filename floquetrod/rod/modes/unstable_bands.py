@@ -12,10 +12,10 @@ from floquetrod import mathieu
 from floquetrod._util.arrays import Floats, Ints
 from floquetrod._util.progress import Progress
 from floquetrod.mathieu.tongue_intervals import damping_to_stabilise
-from floquetrod.rod.answers.intervals import Search, UnstableBand, WhatGrows
+from floquetrod.rod.answers.stability_intervals import Search, UnstableBand, WhatGrows
 from floquetrod.rod.loads.load import Loads
 from floquetrod.rod.mode_equations.modal_systems import ModalSystem, ModalSystems
-from floquetrod.rod.mode_equations.tongues import tongues_within
+from floquetrod.rod.mode_equations.unstable_loads import tongues_within
 from floquetrod.rod.model.constants import mode_constants
 from floquetrod.rod.model.data import RodData
 from floquetrod.rod.modes.mode_model import ModeModel
@@ -46,7 +46,7 @@ class BandSearch:
     modes: int
 
     def unstable_bands(self, bands: Sequence[tuple[float, float]]) -> tuple[UnstableBand, ...]:
-        """Return the growth in bands without stable loads, given by their ends in increasing order."""
+        """Return the fastest growth and the damping required in each band, given by its ends, in increasing order."""
         varied, load, _, tolerance = self.search
         system = ModalSystem(mode_constants(self.rod), load, tuple(range(1, self.modes + 1)))
         tongues = tongues_within(varied, system, tolerance, bands).intervals

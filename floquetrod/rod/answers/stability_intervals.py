@@ -1,12 +1,12 @@
-"""Which loads are stable: every stability interval of one quantity of the load, in order."""
+"""What is stable along one quantity of a load: its intervals, the causes of their ends, and the bands between."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from decimal import ROUND_CEILING, Context
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple, TypeAlias
 
 from floquetrod import units
 from floquetrod._util import validate
@@ -17,17 +17,79 @@ from floquetrod._util.progress import Progress
 from floquetrod._util.result_report import Report, Reported, Table
 from floquetrod._util.spans import complement
 from floquetrod.floquet.multipliers.resonance_names import Resonance
-from floquetrod.rod.answers.intervals import Cause, Search, StabilityInterval, UnstableBand
-from floquetrod.rod.answers.margins import CriticalLoad
 from floquetrod.rod.loads.axial import AxialGap
-from floquetrod.rod.loads.load import LOAD, Load, Loads, Quantity, load_bounds
-from floquetrod.rod.model.assumptions import warn_unless_uniform
-from floquetrod.rod.model.contact import constants_under, up_to_wall
-from floquetrod.rod.modes.mode_model import ModeModel
+from floquetrod.rod.loads.load import LOAD, Load, Quantity
+
+if TYPE_CHECKING:
+    from floquetrod.rod.modes.mode_model import ModeModel
+
+WhatGrows: TypeAlias = tuple[int, int] | Resonance | Literal["unnamed"]
+"""The growing mode: (mode, tongue), a resonance of coupled modes, or "unnamed" where it could not be determined."""
+
+Cause: TypeAlias = WhatGrows | Literal["axial resonance"] | None
+"""The cause of an end of an interval: (mode, tongue), a resonance of coupled modes, or None at an end of the search.
+
+"axial resonance" where nothing was computed beyond it, see `StabilityIntervals.not_computed`.
+"unnamed" where coupled modes grow, or may grow, and none could be named: beyond 200 of them, or where undecided.
+"""
+
+
+class BucklingWarning(UserWarning):
+    """The weight along the rod buckles it even where the quantity varied is zero."""
+
+
+class StabilityInterval(NamedTuple):
+    """Stable from ``low`` to ``high``; the cause of each end is (mode, tongue), where modes are coupled a `Resonance`.
+
+    "unnamed" where that could not be determined; None at an end of the search.
+    """
+
+    low: float
+    high: float
+    low_end: Cause
+    high_end: Cause
+
+
+class UnstableBand(NamedTuple):
+    """A range of one quantity of the load, in N or rad/s, in which some mode grows, or may grow where undecided.
+
+    Attributes
+    ----------
+    low : float
+        Where it begins: where a stability interval ends, or the search begins.
+    high : float
+        Where it ends likewise.
+    worst_growth : float
+        Largest growth rate in it, in 1/s; zero where none is seen to grow.
+    at : float
+        Where that is.
+    cause : (int, int), Resonance or "unnamed"
+        The mode and tongue that grow there, where modes are coupled a resonance.
+    required_damping : float
+        The rod's total damping rate in 1/s above which every rate stabilises all of the band, infinite where
+        none does: the largest of samples, refined about it.  Where modes are coupled, that of the load ``at`` which
+        growth is worst.
+    """
+
+    low: float
+    high: float
+    worst_growth: float
+    at: float
+    cause: WhatGrows
+    required_damping: float
+
+
+class Search(NamedTuple):
+    """A search along one quantity of a load."""
+
+    varied: Quantity
+    load: Load  # with the largest value of what is varied
+    bounds: tuple[float, float]
+    growth_tolerance: float  # growth in 1/s up to which a mode counts as stable
 
 
 class RangeQuestion(NamedTuple):
-    """What was searched, and the model of the modes that was asked."""
+    """A search along a quantity, and the model of the modes that judged its loads."""
 
     model: ModeModel
     search: Search
@@ -77,6 +139,32 @@ class StabilityIntervals(Reported, NoTruthValue):
     resolution: float
     searched: RangeQuestion = field(repr=False, compare=False)
     not_computed: tuple[AxialGap, ...] = ()
+
+    @classmethod
+    def of(
+        cls,
+        model: ModeModel,
+        search: Search,
+        intervals: tuple[StabilityInterval, ...],
+        modes: int,
+        resolution: float,
+        *,
+        tongues_left_out: int = 0,
+        not_computed: tuple[AxialGap, ...] = (),
+    ) -> StabilityIntervals:
+        """Return the intervals that a model of the modes found along a quantity."""
+        return cls(
+            LOAD[search.varied].words,
+            LOAD[search.varied].unit,
+            search.bounds,
+            intervals,
+            search.growth_tolerance,
+            modes,
+            tongues_left_out,
+            resolution,
+            RangeQuestion(model, search),
+            not_computed,
+        )
 
     def __iter__(self) -> Iterator[StabilityInterval]:
         """Iterate over the intervals."""
@@ -217,87 +305,6 @@ class StabilityIntervals(Reported, NoTruthValue):
         }
 
 
-_SEARCHED: dict[Quantity, float] = {"mean": 1.5, "amplitude": 1.0}
-"""Up to how many critical forces is searched by default."""
-
-
-def stable_values(
-    model: ModeModel,
-    varied: Quantity,
-    others: Mapping[Quantity, float],
-    bounds: tuple[float, float] | None,
-    growth_tolerance: float,
-    progress: Progress | None,
-) -> StabilityIntervals:
-    """Return the stability intervals of one quantity; see `floquetrod.Rod.ranges`."""
-    if bounds is None and varied != "frequency":
-        bounds = 0.0, _largest(model, varied, others)
-    low, high = load_bounds(varied, bounds)
-    largest = _load(model, {**others, varied: high})
-    if varied == "frequency":
-        constants_under(model.rod, largest.mean).require_in_reach(Loads.single(largest.varied(varied, low)))
-    validate.progress(progress)
-    search = Search(varied, largest, (low, high), units.tolerance("growth_tolerance", growth_tolerance))
-    warn_unless_uniform(model.rod, largest)
-    found = model.ranges(search, progress)
-    return StabilityIntervals(
-        LOAD[varied].words,
-        LOAD[varied].unit,
-        search.bounds,
-        found.intervals,
-        search.growth_tolerance,
-        found.modes,
-        found.tongues_left_out,
-        found.resolution,
-        RangeQuestion(model, search),
-        found.not_computed,
-    )
-
-
-def first_unstable(
-    model: ModeModel,
-    varied: Quantity,
-    others: Mapping[Quantity, float],
-    growth_tolerance: float,
-    progress: Progress | None = None,
-) -> CriticalLoad:
-    """Return where one quantity, going up from zero, first meets growth; infinite without any."""
-    largest = _load(model, {**others, varied: _largest(model, varied, others)})
-    validate.progress(progress)
-    tolerance = units.tolerance("growth_tolerance", growth_tolerance)
-    warn_unless_uniform(model.rod, largest)
-    search = Search(varied, largest, (0.0, getattr(largest, varied)), tolerance)
-    edge = model.first_unstable(search, _saying_how_far(progress, varied, largest))
-    return CriticalLoad(math.inf if edge.at is None else edge.at, varied, edge.resolution, edge.searched)
-
-
-def _largest(model: ModeModel, varied: Quantity, others: Mapping[Quantity, float]) -> float:
-    """Return up to which force in N is searched by default; where the channel bends at most until its wall is left."""
-    most = _SEARCHED[varied] * model.rod.critical_force
-    return up_to_wall(model.rod, _load(model, {**others, varied: most}), varied, (0.0, most), only_low=True)[1]
-
-
-def _load(model: ModeModel, numbers: Mapping[Quantity, float]) -> Load:
-    """Return a load of the kind of the model."""
-    return model.template.with_numbers(numbers["mean"], numbers["amplitude"], numbers["frequency"])
-
-
-def _saying_how_far(progress: Progress | None, varied: Quantity, largest: Load) -> Progress | None:
-    """Return what reports a search upwards from zero; what the caller raises to end it gets a note of what is known."""
-    if progress is None:
-        return None
-
-    def told(done: int, total: int) -> None:
-        try:
-            progress(done, total)
-        except BaseException as error:
-            at, unit = done / total * getattr(largest, varied), LOAD[varied].unit
-            error.add_note(f"up to {LOAD[varied].words} {at:.6g} {unit} nothing grows")
-            raise
-
-    return told
-
-
 def _unstable_rows(bands: Sequence[UnstableBand], size: float) -> Iterator[tuple[float, float, str]]:
     """Yield ends and text of unstable bands, the texts in columns."""
     columns = [
@@ -318,7 +325,7 @@ def _rounded_up(damping: float) -> str:
 
 
 def _end_for_json(end: Cause) -> Any:
-    """Return what closes an interval for JSON."""
+    """Return the cause of an end of an interval for JSON."""
     return end.as_dict("growth_rate_per_s") if isinstance(end, Resonance) else end
 
 

@@ -15,7 +15,6 @@ import math
 import sys
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from itertools import pairwise
 from typing import Literal, NamedTuple
 
 import numpy as np
@@ -26,7 +25,7 @@ from floquetrod._util.progress import Progress
 from floquetrod._util.spans import runs
 from floquetrod.equations import HillSystem
 from floquetrod.equations.matrices import mirrored
-from floquetrod.floquet.margins import Edge
+from floquetrod.floquet.first_change import FirstChange, Locate, changes, first_change
 from floquetrod.floquet.multipliers.resonance_names import Resonance
 from floquetrod.rod.loads.load import Load, Loads, Quantity
 from floquetrod.rod.mode_equations.coupled_systems import CoupledEquations
@@ -51,8 +50,8 @@ _MOST_EXTREMA = 16  # that are examined more closely, those next to the level fi
 
 
 @dataclass(frozen=True)
-class UnstablePart:
-    """A part that is not stable between ``low`` and ``high``, and what grows just inside each end, if it has a name."""
+class SampledInterval:
+    """An interval that is not stable, from samples, and the name of what grows just inside each end, if it has one."""
 
     low: float
     high: float
@@ -60,43 +59,56 @@ class UnstablePart:
     high_cause: Resonance | Literal["unnamed"]
 
 
+def unstable_intervals(
+    values: Floats,
+    stable: Bools,
+    locate: Locate,
+    piece: tuple[float, float],
+    cause: Callable[[float, float], Resonance | Literal["unnamed"]] = lambda at, end: "unnamed",
+) -> list[SampledInterval]:
+    """Return the intervals of a piece that are not stable, in order, from samples in increasing order.
+
+    ``cause(at, end)`` names what grows at a sample next to the end of an interval: there something is sure to grow.
+    """
+    ends = dict(zip(np.flatnonzero(np.diff(stable)).tolist(), changes(values, stable, locate).tolist(), strict=True))
+    intervals = []
+    for first, after in runs(~stable):
+        low, high = float(ends.get(first - 1, piece[0])), float(ends.get(after - 1, piece[1]))
+        causes = cause(float(values[first]), low), cause(float(values[after - 1]), high)
+        intervals.append(SampledInterval(low, high, *causes))
+    return intervals
+
+
 def unstable_parts(
     varied: Quantity,
     modes: CoupledEquations,
     load: Load,
-    piece: tuple[float, float],
     tolerance: float,
     bounds: tuple[float, float],
-    samples: int = SAMPLES,
+    samples: int,
+    piece: tuple[float, float],
     progress: Progress | None = None,
-) -> tuple[list[UnstablePart], float]:
-    """Return the parts of ``piece`` that are not stable, in order, and the distance of samples.
+) -> tuple[list[SampledInterval], float]:
+    """Return the intervals of ``piece`` that are not stable, in order, and the distance of samples.
 
     An end of the piece that is an end of ``bounds`` has no name.
     """
-    search = _SampledSearch(varied, modes, load, tolerance)
+    search = _CoupledSamples(varied, modes, load, tolerance)
     even = np.linspace(*piece, samples)
-    steps = _Steps(even.size - 1, 1)  # along a force those of a critical load
-    if varied != "frequency":
-        steps = _Steps(search.costs(piece, grows=False).at_once, _EVERY)
+    steps = _Spacing(even.size - 1, 1)
+    if varied != "frequency":  # the steps of a critical load
+        steps = _Spacing(search.costs(piece, grows=False).at_once, _EVERY)
     blocks = list(search.blocks(even, steps, progress=progress))
-    places = np.concatenate([blocks[0][0][:1], *(seen[1:] for seen, _ in blocks)])
+    values = np.concatenate([blocks[0][0][:1], *(block[1:] for block, _ in blocks)])
     stable = np.concatenate([blocks[0][1][:1], *(answers[1:] for _, answers in blocks)])
-    inside = search.changes(places, stable)
-    ends = dict(zip(np.flatnonzero(stable[1:] != stable[:-1]).tolist(), inside.tolist(), strict=True))
-    parts: list[UnstablePart] = []
-    for first, after in runs(~stable):
-        low, high = ends.get(first - 1, piece[0]), ends.get(after - 1, piece[1])
-        # Named where something is sure to grow: at the samples next to the ends; an end of the search needs no name.
-        causes = (
-            "unnamed" if at_end else _cause(varied, modes, load, float(places[i]))
-            for i, at_end in ((first, low == bounds[0]), (after - 1, high == bounds[1]))
-        )
-        parts.append(UnstablePart(float(low), float(high), *causes))
-    return parts, float(even[1] - even[0])
+
+    def cause(at: float, end: float) -> Resonance | Literal["unnamed"]:
+        return "unnamed" if end in bounds else _cause(varied, modes, load, at)
+
+    return unstable_intervals(values, stable, search.locate, piece, cause), float(even[1] - even[0])
 
 
-def first_change(
+def first_growth_change(
     varied: Quantity,
     modes: CoupledEquations,
     load: Load,
@@ -106,45 +118,38 @@ def first_change(
     begins_stable: bool | None = None,
     most_seconds: float = math.inf,
     progress: Progress | None = None,
-) -> Edge:
-    """Return where the verdict first changes from ``piece[0]`` to ``piece[1]``.
+) -> FirstChange:
+    """Return where the verdict on coupled modes first changes from ``piece[0]`` to ``piece[1]``.
 
     ``begins_stable`` is the verdict it changes from, that at ``piece[0]`` by default.  Samples are further apart where
     that many would take more than ``most_seconds``, as estimated; nothing is searched where even few would.
     ``progress`` is called with the numbers of samples examined and to examine.
     """
-    search = _SampledSearch(varied, modes, load, tolerance)
+    search = _CoupledSamples(varied, modes, load, tolerance)
     if not search.costs(piece, grows=not begins_stable).steps(most_seconds):
-        return Edge(None, piece[0], 0.0)
+        return FirstChange(None, piece[0], 0.0)
     here = search.stable(np.array(piece[:1])) if begins_stable is None else None
     begins = bool(begins_stable if here is None else here[0])
     costs = search.costs(piece, grows=not begins)
     steps = costs.steps(most_seconds)
     if not steps:
-        return Edge(None, piece[0], 0.0, costs.each)
-    places = np.linspace(*piece, steps + 1)
-    step, spent = abs(float(places[1] - places[0])), costs.seconds(steps)
-    distances = _Steps(costs.at_once, _EVERY if math.isinf(most_seconds) else costs.at_once)
-    for seen, stable in search.blocks(places, distances, here, grows=not begins, progress=progress):
-        differ = np.flatnonzero(stable != begins)  # nothing beyond the first change matters
-        if differ.size:
-            last = int(differ[0]) + 1
-            if last == 1:
-                return Edge(piece[0], piece[0], step, costs.each)
-            at = float(search.changes(seen[last - 2 : last], stable[last - 2 : last])[0])
-            return Edge(at, at, step, spent)
-    return Edge(None, piece[1], step, spent)
+        return FirstChange(None, piece[0], 0.0, costs.each)
+    values = np.linspace(*piece, steps + 1)
+    distances = _Spacing(costs.at_once, _EVERY if math.isinf(most_seconds) else costs.at_once)
+    blocks = search.blocks(values, distances, here, grows=not begins, progress=progress)
+    change = first_change(blocks, begins, search.locate, piece, abs(float(values[1] - values[0])))
+    return change._replace(seconds=costs.seconds(steps))
 
 
-class _Steps(NamedTuple):
+class _Spacing(NamedTuple):
     """How many steps a block of samples has, and how many lie between samples of all modes."""
 
     at_once: int
     every: int
 
 
-class _SampledSearch(NamedTuple):
-    """What is asked along one quantity of a load: where coupled modes grow faster than a tolerance."""
+class _CoupledSamples(NamedTuple):
+    """Samples along one quantity of a load: where coupled modes grow faster than a tolerance."""
 
     varied: Quantity
     modes: CoupledEquations
@@ -166,13 +171,13 @@ class _SampledSearch(NamedTuple):
     def blocks(
         self,
         places: Floats,
-        steps: _Steps,
+        steps: _Spacing,
         first: Bools | None = None,
         *,
         grows: bool = False,
         progress: Progress | None = None,
     ) -> Iterator[tuple[Floats, Bools]]:
-        """Yield places, with those that few modes add, and whether they are stable, block by block in order.
+        """Yield samples, more where few modes show growth between them, and their stability, block by block in order.
 
         Neighbouring blocks share a place.  ``first`` is the verdict at the first place where it is known.
         """
@@ -188,15 +193,9 @@ class _SampledSearch(NamedTuple):
             yield seen, stable
             known = stable[-1:]
 
-    def changes(self, places: Floats, stable: Bools) -> Floats:
-        """Return the last stable place before each change of the verdicts of neighbouring places."""
-        return np.array(
-            [
-                self._change(*((near, far) if here else (far, near)))
-                for (near, far), (here, there) in zip(pairwise(places.tolist()), pairwise(stable.tolist()), strict=True)
-                if here != there
-            ]
-        )
+    def locate(self, good: Floats, bad: Floats) -> Floats:
+        """Return the last stable values between stable and unstable ones."""
+        return np.array([self._change(*ends) for ends in zip(good.tolist(), bad.tolist(), strict=True)])
 
     def _change(self, good: float, bad: float) -> float:
         """Return the last stable place between one that is stable and one that is not."""
@@ -220,7 +219,7 @@ class _SampledSearch(NamedTuple):
         return good
 
     def completed(self, places: Floats, stable: Bools, closer: Floats, *, grows: bool = False) -> tuple[Floats, Bools]:
-        """Return places and answers with those where the modes that may resonate tell of a part without a place.
+        """Return samples and their stability, with more where the modes that may resonate show an interval without one.
 
         These few modes are asked at the places ``closer`` and about their extrema; where most places are expected to
         grow, first the fewer that may do so fast.
@@ -257,12 +256,12 @@ class _SampledSearch(NamedTuple):
         _, order = np.unique(np.abs(every - places[0]), return_index=True)
         return every[order], answers[order]
 
-    def costs(self, piece: tuple[float, float], *, grows: bool) -> _Costs:
-        """Return what verdicts cost on a piece whose loads are expected to grow, or not."""
+    def costs(self, piece: tuple[float, float], *, grows: bool) -> _SearchCosts:
+        """Return the costs of verdicts on a piece, expected to grow or not."""
         loads = self._loads(np.array(piece))
         each = _seconds(self.modes.system(loads))
         step = 0.1 * each + _CLOSE_LOOKS * _seconds(self._few(loads, self._fast if grows else self._in_reach))
-        return _Costs(each, step)
+        return _SearchCosts(each, step)
 
     @property
     def _in_reach(self) -> tuple[float, float]:
@@ -271,20 +270,20 @@ class _SampledSearch(NamedTuple):
 
     @property
     def _fast(self) -> tuple[float, float]:
-        """Frequencies of the load between which those lie that resonate alone, or nearly, to order one."""
+        """Frequencies of the load between which modes resonate alone, or nearly, to order one."""
         return 0.5 - _NEAR, 0.5 * len(self.load.harmonics) + _NEAR
 
     def _growth_of_few(self, places: Floats, reach: tuple[float, float]) -> Floats:
         """Return the undamped growth in 1/s of the modes that may resonate; infinite where unknown."""
-        found = []
+        growths = []
         for start in range(0, places.size, _AT_ONCE):
             system = self._few(self._loads(places[start : start + _AT_ONCE]), reach)
             growth = verdicts(_freed(system), quick=True).growth
-            found.append(np.where(np.isnan(growth), np.inf, growth))
-        return np.concatenate(found)
+            growths.append(np.where(np.isnan(growth), np.inf, growth))
+        return np.concatenate(growths)
 
     def _few(self, loads: Loads, reach: tuple[float, float]) -> HillSystem:
-        """Return the systems of modes under the mean force: the lowest, those in reach, and those the vibration rules.
+        """Return the systems of a few modes under the mean force: the lowest, and modes in reach or ruled.
 
         In reach are natural frequencies between so many frequencies of the load; the vibration rules modes whose
         stiffness it may outweigh.
@@ -327,24 +326,24 @@ def _followed(
     strongest = np.argsort(-(np.abs(harmonics) ** 2).sum(axis=(0, 2, 3)), kind="stable")[:_STRONGEST]
     waves: dict[int, NDArray[np.complex128]] = {}
     for k in strongest.tolist():
-        found = np.asarray(others.swapaxes(1, 2) @ (0.5 * harmonics[:, k]) @ few)
-        waves[k + 1], waves[-k - 1] = found, found.conj()
+        wave = np.asarray(others.swapaxes(1, 2) @ (0.5 * harmonics[:, k]) @ few)
+        waves[k + 1], waves[-k - 1] = wave, wave.conj()
     highest = min(2 * max(waves, default=0), max(harmonics.shape[1], 2 * _STRONGEST))
     terms = [np.zeros((len(harmonics), few.shape[2], few.shape[2]), complex) for _ in range(highest + 1)]
-    for j, one in waves.items():
-        for k, other in waves.items():
+    for j, first_wave in waves.items():
+        for k, second_wave in waves.items():
             if 0 <= j + k <= highest:
-                terms[j + k] += one.swapaxes(1, 2) @ (other / squared[:, :, None])
+                terms[j + k] += first_wave.swapaxes(1, 2) @ (second_wave / squared[:, :, None])
     return [mirrored(term) for term in terms]
 
 
 def _less(parts: list[Floats], taken: list[Floats]) -> list[Floats]:
     """Return harmonics less others."""
-    differences = [one - other for one, other in zip(parts, taken, strict=False)]
-    return differences + parts[len(taken) :] + [-other for other in taken[len(parts) :]]
+    differences = [harmonic - taken_harmonic for harmonic, taken_harmonic in zip(parts, taken, strict=False)]
+    return differences + parts[len(taken) :] + [-taken_harmonic for taken_harmonic in taken[len(parts) :]]
 
 
-class _Costs(NamedTuple):
+class _SearchCosts(NamedTuple):
     """Estimated seconds of a verdict with all modes, and of a step examined with few; none depends on the machine."""
 
     each: float
@@ -408,23 +407,23 @@ class _Secants:
 
 
 def _with_extrema(
-    values: Callable[[Floats], Floats], places: Floats, found: Floats, level: float
+    values: Callable[[Floats], Floats], places: Floats, values_there: Floats, level: float
 ) -> tuple[Floats, Floats]:
     """Return places and values with others about the extrema that may lie beyond the level, in the same order."""
     begin, nearest = places[0], math.log(max(level, sys.float_info.min))
     for _ in range(_ROUNDS):
-        inner, left, right = found[1:-1], found[:-2], found[2:]
+        inner, left, right = values_there[1:-1], values_there[:-2], values_there[2:]
         below = (inner > 0.0) & (inner <= level) & (inner >= left) & (inner > right)
         above = (inner > level) & (inner <= left) & (inner < right)
         at = np.flatnonzero(below | above) + 1
-        at = at[np.argsort(np.abs(np.log(found[at]) - nearest), kind="stable")[:_MOST_EXTREMA]]
+        at = at[np.argsort(np.abs(np.log(values_there[at]) - nearest), kind="stable")[:_MOST_EXTREMA]]
         if not at.size:
             break
         more = np.linspace(places[at - 1], places[at + 1], _CLOSER + 2)[1:-1].ravel()
-        every, all_values = np.concatenate([places, more]), np.concatenate([found, values(more)])
+        every, all_values = np.concatenate([places, more]), np.concatenate([values_there, values(more)])
         _, order = np.unique(np.abs(every - begin), return_index=True)
-        places, found = every[order], all_values[order]
-    return places, found
+        places, values_there = every[order], all_values[order]
+    return places, values_there
 
 
 def _cause(varied: Quantity, modes: CoupledEquations, load: Load, at: float) -> Resonance | Literal["unnamed"]:

@@ -1,4 +1,4 @@
-"""`Rod.certify`: what is proved of every load of a box, on every rod within its tolerances."""
+"""`Rod.certify`: proofs about every load of a box, on every rod within its tolerances."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ from floquetrod.floquet.proof.region_proof import (
 from floquetrod.rod.answers.rod_box import RodBox, RodExample
 from floquetrod.rod.loads.load import QUANTITIES, Load, Loads, Quantity
 from floquetrod.rod.mode_equations.modal_systems import ModalSystem
-from floquetrod.rod.mode_equations.tongues import unstable_loads
+from floquetrod.rod.mode_equations.unstable_loads import unstable_loads
 from floquetrod.rod.model.assumptions import (
     IMMERSED,
     SHAPE,
@@ -56,7 +56,7 @@ def certify_rods(
     max_boxes: int,
     progress: Progress | None,
 ) -> RegionProof:
-    """Return what `Rod.certify` does; ``sides`` are those of mean force, amplitude and frequency."""
+    """Return the proof of `Rod.certify`; ``sides`` are the ranges of mean force, amplitude and frequency."""
     tolerance = units.tolerance("growth_tolerance", growth_tolerance)
     max_boxes = validate.integer("max_boxes", max_boxes, 1)
     validate.progress(progress)
@@ -74,7 +74,7 @@ def require_in_reach(box: RodBox) -> None:
 
 
 def prove(box: RodBox, tolerance: float, max_boxes: int = MAX_BOXES, progress: Progress | None = None) -> RegionProof:
-    """Return what is proved of a box that has been checked."""
+    """Return the proof about a box that has been checked."""
     return _Proving(box, tolerance, max_boxes, progress).proof()
 
 
@@ -114,25 +114,25 @@ class _Proving:
         while waiting and self.boxes < self.max_boxes and rods > 0:
             rods -= 1
             part, share = waiting.popleft()
-            found = self._subdivided(part, _BOXES_A_ROD)
+            subdivision = self._subdivided(part, _BOXES_A_ROD)
             if self._is_mixed():
                 break
-            if part is self.box and self.searches and not _is_decided(found):
+            if part is self.box and self.searches and not _is_decided(subdivision):
                 self._search_lines(part, middle_only=True)
                 if self._is_mixed():
                     break
-            if not self.searches and found.unstable_box is not None and not part.varied_parameters:
+            if not self.searches and subdivision.unstable_box is not None and not part.varied_parameters:
                 self.unfinished = True
                 break
-            if not _is_decided(found) and part.varied_parameters:
+            if not _is_decided(subdivision) and part.varied_parameters:
                 waiting.extend((half, 0.5 * share) for half in part.halves())
                 continue
-            if not _is_decided(found):
-                found = self._subdivided(part, self.max_boxes - self.boxes)
-            self.unfinished = self.unfinished or not _is_decided(found)
-            self.too_narrow = self.too_narrow or found.too_narrow
-            self.proved_stable += share * found.shares.stable
-            self.growing += share * found.shares.unstable
+            if not _is_decided(subdivision):
+                subdivision = self._subdivided(part, self.max_boxes - self.boxes)
+            self.unfinished = self.unfinished or not _is_decided(subdivision)
+            self.too_narrow = self.too_narrow or subdivision.too_narrow
+            self.proved_stable += share * subdivision.shares.stable
+            self.growing += share * subdivision.shares.unstable
         self.unfinished = self.unfinished or bool(waiting)
         if self.searches and self.unfinished and not self._is_mixed():
             self._search_lines(self.box, middle_only=False)
@@ -146,12 +146,12 @@ class _Proving:
                 self.progress(min(self.boxes + done, self.max_boxes), self.max_boxes)
 
         allowed = max(1, min(most, self.max_boxes - self.boxes))
-        found = subdivide(part.mode_box(), self.modes, self.tolerance, allowed, report)
-        self.boxes += found.boxes
-        for status, example in (("stable", found.stable_box), ("unstable", found.unstable_box)):
+        subdivision = subdivide(part.mode_box(), self.modes, self.tolerance, allowed, report)
+        self.boxes += subdivision.boxes
+        for status, example in (("stable", subdivision.stable_box), ("unstable", subdivision.unstable_box)):
             if example is not None:
                 self.candidates[status] = part, example
-        return found
+        return subdivision
 
     def _is_mixed(self) -> bool:
         """Return whether there is a proved example of each kind; proves candidates where there is one of each.
@@ -177,16 +177,16 @@ class _Proving:
         return False
 
     def _point(self, load: Load, rod: RodData) -> RodExample | None:
-        """Return what is proved of one load on one rod, None where nothing is."""
+        """Return the proof about one load on one rod, None where there is none."""
         box = self.box.point(load, rod).mode_box()
         modes, bound = modes_of_box(box, self.tolerance, NEGLIGIBLE_GROWTH, MOST_MODES)
-        found = subdivide(box, modes, self.tolerance, 1)
-        self.boxes += found.boxes
+        subdivision = subdivide(box, modes, self.tolerance, 1)
+        self.boxes += subdivision.boxes
         limit = f"{self.tolerance:g} 1/s"
-        if found.unstable_box is not None:
-            mode = found.growing_mode
+        if subdivision.unstable_box is not None:
+            mode = subdivision.growing_mode
             return RodExample("unstable", load, rod, f"mode {mode} grows faster than {limit}{_rate(rod, load, mode)}")
-        if found.stable_box is None or bound > self.tolerance:
+        if subdivision.stable_box is None or bound > self.tolerance:
             return None
         rest = "no higher mode grows" if bound == 0.0 else f"every higher mode grows at less than {bound:.2g} 1/s"
         statement = f"modes 1 to {modes} grow at no more than {limit}, {rest}"
@@ -243,7 +243,7 @@ class _Proving:
         )
 
     def _statement(self, status: RegionStatus) -> str:
-        """Return what was proved, in a sentence."""
+        """Return the statement of the proof, in a sentence."""
         loads = ", ".join(str(side) for side in self.box.sides[:3])
         rods = ", ".join(str(side) for side in self.box.sides[3:])
         where = f"under every load of {loads}" + (f" on every rod of {rods}" if rods else "")
@@ -274,9 +274,9 @@ class _Proving:
         return f"{why}; {known}"
 
 
-def _is_decided(found: Subdivision) -> bool:
+def _is_decided(subdivision: Subdivision) -> bool:
     """Return whether all of a box was proved, and proved alike."""
-    return found.finished and (found.stable_box is None or found.unstable_box is None)
+    return subdivision.finished and (subdivision.stable_box is None or subdivision.unstable_box is None)
 
 
 def _lines(part: RodBox, *, middle_only: bool) -> Iterator[tuple[Quantity, Load]]:
@@ -301,7 +301,7 @@ def _rate(rod: RodData, load: Load, mode: int) -> str:
 
 
 def _assumptions(box: RodBox) -> tuple[str, ...]:
-    """Return what the proof rests on."""
+    """Return the assumptions of the proof."""
     wet = box.rod.fluid_inside or box.rod.fluid_outside or {"fluid_inside", "fluid_outside"} & set(box.parameters)
     weight = box.rod.inclination < 0.5 * math.pi or "inclination" in box.parameters
     return (

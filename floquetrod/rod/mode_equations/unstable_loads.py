@@ -27,7 +27,7 @@ class UnstableInterval(NamedTuple):
 
 
 class UnstableLoads(NamedTuple):
-    """What a search found.
+    """Intervals of a quantity in which modes grow.
 
     Attributes
     ----------
@@ -64,25 +64,25 @@ def unstable_loads(
     if not union:
         return tongues_within(varied, system, tolerance, [bounds])
     chosen = _likely_first(varied, system, bounds)
-    found: list[UnstableInterval] = []
+    intervals: list[UnstableInterval] = []
     tongues_left_out, resolution, done, size = 0, 0.0, 0, 1
     while done < len(chosen):
-        left = [gap[:2] for gap in complement(bounds, found)]
+        gaps = [gap[:2] for gap in complement(bounds, intervals)]
         if nearest is not None:
-            left = [gap for gap in left if nearest in gap]
-        if not left:
+            gaps = [gap for gap in gaps if nearest in gap]
+        if not gaps:
             break
-        part = tongues_within(varied, replace(system, modes=chosen[done : done + size]), tolerance, left)
-        found += part.intervals
-        tongues_left_out, resolution = tongues_left_out + part.tongues_left_out, max(resolution, part.resolution)
+        more = tongues_within(varied, replace(system, modes=chosen[done : done + size]), tolerance, gaps)
+        intervals += more.intervals
+        tongues_left_out, resolution = tongues_left_out + more.tongues_left_out, max(resolution, more.resolution)
         done, size = done + size, 2 * size
         if progress is not None:
             progress(min(done, len(chosen)), len(chosen))
-    return UnstableLoads(found, tongues_left_out, resolution)
+    return UnstableLoads(intervals, tongues_left_out, resolution)
 
 
 def _likely_first(varied: Quantity, system: ModalSystem, bounds: tuple[float, float]) -> tuple[int, ...]:
-    """Return the modes, those first whose stiffness the largest push lowers most."""
+    """Return the modes in the order in which the largest push lowers their stiffness, the most first."""
     top = replace(system, load=system.load.varied(varied, bounds[1]))
     return tuple(system.modes[i] for i in np.argsort(-(top.beta + top.alpha), kind="stable"))
 
@@ -101,15 +101,19 @@ def tongues_within(
         np.tile(np.asarray(ends, dtype=np.float64), len(system.modes)) for ends in zip(*intervals, strict=True)
     )
     along = {"mean": _along_mean, "amplitude": _along_amplitude, "frequency": _along_frequency}[varied]
-    found, resolution = along(system, mode, tolerance, low, high)
+    tongues_above, resolution = along(system, mode, tolerance, low, high)
     unstable = [
         UnstableInterval(first, last, system.modes[mode[which]], order)
         for which, order, first, last in zip(
-            found.which.tolist(), found.order.tolist(), found.first.tolist(), found.last.tolist(), strict=True
+            tongues_above.which.tolist(),
+            tongues_above.order.tolist(),
+            tongues_above.first.tolist(),
+            tongues_above.last.tolist(),
+            strict=True,
         )
         if last > first
     ]
-    return UnstableLoads(unstable, found.left_out, resolution)
+    return UnstableLoads(unstable, tongues_above.left_out, resolution)
 
 
 def _unmoved(
@@ -128,11 +132,11 @@ def _along_mean(system: ModalSystem, mode: Ints, tolerance: float, low: Floats, 
     falls = gain < 0.0
     low, high = np.where(falls, high, low), np.where(falls, low, high)  # of the mean force, at which beta is
     ends = [(force - offset) * gain for force in (low, high)]
-    found = tongue_intervals.along_mean(system.alpha[mode], _level(system, mode, tolerance), *ends)
-    found = _converted(found, lambda b, i: offset[i] + b / gain[i], ends, (low, high))
-    turned = falls[found.which]
-    first, last = np.where(turned, found.last, found.first), np.where(turned, found.first, found.last)
-    return found._replace(first=first, last=last), 0.0
+    growing = tongue_intervals.along_mean(system.alpha[mode], _level(system, mode, tolerance), *ends)
+    growing = _converted(growing, lambda b, i: offset[i] + b / gain[i], ends, (low, high))
+    turned = falls[growing.which]
+    first, last = np.where(turned, growing.last, growing.first), np.where(turned, growing.first, growing.last)
+    return growing._replace(first=first, last=last), 0.0
 
 
 def _along_amplitude(
@@ -141,9 +145,9 @@ def _along_amplitude(
     """At a given mean force a mode's beta is fixed, and alpha is proportional to the amplitude."""
     c, gain = system.damping, np.abs(system.per_newton[mode])
     ends = [force * gain for force in (low, high)]
-    found = tongue_intervals.along_amplitude(system.beta[mode] + c * c, _level(system, mode, tolerance), *ends)
-    resolution = float(np.max(found.resolution / gain, initial=0.0))
-    return _converted(found, lambda alpha, i: alpha / gain[i], ends, (low, high)), resolution
+    growing = tongue_intervals.along_amplitude(system.beta[mode] + c * c, _level(system, mode, tolerance), *ends)
+    resolution = float(np.max(growing.resolution / gain, initial=0.0))
+    return _converted(growing, lambda alpha, i: alpha / gain[i], ends, (low, high)), resolution
 
 
 def _along_frequency(
@@ -161,10 +165,10 @@ def _level(system: ModalSystem, mode: Ints, tolerance: float) -> Floats:
 
 
 def _converted(
-    found: Tongues, back: Callable[[Floats, Ints], Floats], ends: Sequence[Floats], limits: tuple[Floats, Floats]
+    growing: Tongues, back: Callable[[Floats, Ints], Floats], ends: Sequence[Floats], limits: tuple[Floats, Floats]
 ) -> Tongues:
     """Return parts in the quantity of the load; one that ends where its search does ends there bit for bit."""
-    i = found.which
-    first = np.where(found.first <= ends[0][i], limits[0][i], back(found.first, i))
-    last = np.where(found.last >= ends[1][i], limits[1][i], back(found.last, i))
-    return found._replace(first=first, last=last)
+    i = growing.which
+    first = np.where(growing.first <= ends[0][i], limits[0][i], back(growing.first, i))
+    last = np.where(growing.last >= ends[1][i], limits[1][i], back(growing.last, i))
+    return growing._replace(first=first, last=last)
