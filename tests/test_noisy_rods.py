@@ -294,6 +294,14 @@ def test_ranges_margins_and_maps_know_noise() -> None:
     assert "noise of" in repr(chart)
 
 
+def test_the_first_range_under_noise_ends_at_the_critical_load() -> None:
+    like, shared = load(0.1 * HIGH_MODES), {"amplitude": 0.1 * FCR, "frequency": 150.0}
+    critical, ranges = ROD.critical("mean", like, **shared), ROD.ranges("mean", like, **shared)
+    assert ranges.intervals[0].high == critical
+    assert ranges.intervals[0].low == 0.0
+    assert ranges.resolution >= critical.resolution > 0.0
+
+
 def test_a_noisy_rod_is_proved_stable_and_unstable() -> None:
     like = load(0.1 * HIGH_MODES)
     stable = ROD.certify(like, mean=0.3 * FCR, amplitude=0.1 * FCR, frequency=150.0)
