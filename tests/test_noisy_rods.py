@@ -180,6 +180,12 @@ def both_ways(rod: fr.Rod, force: fr.AxialLoad, tolerance: float) -> tuple[str, 
             (-0.12110290799447535, 0.1721191316143035, 83.68233563823031),
             None,
         ),
+        pytest.param(
+            fr.Rod.nitinol().replace(length=2.0899549, damping_rate=30.607),
+            (0.0, 0.4482 * FCR, 15.032),
+            None,
+            marks=pytest.mark.slow,
+        ),
     ],
 )
 def test_both_verdicts_change_within_the_error_of_the_critical_noise(
@@ -218,6 +224,12 @@ def test_critical_noise_separates_verdicts_of_drawn_rods(seed: int) -> None:
             near = replace(force, noise=scaled_noise(force.noise, found + way * found.error))
             assert both_ways(rod, near, tolerance) == says
         separated += 1
+
+
+def test_growth_that_no_method_finds_lies_between_its_bounds() -> None:
+    strong = ROD.stability(load(5e4), modes=[128])
+    assert strong.mode_verdicts[0].exponents == ()
+    assert 0.0 < strong.growth_rate < math.inf
 
 
 def test_arrays_of_loads_say_what_single_ones_do() -> None:

@@ -15,6 +15,7 @@ from floquetrod.floquet.kernels.system_even_steps import half_period_fill
 from floquetrod.floquet.kernels.system_series import ROUNDING, reach, run_of, usable
 
 _EXPLICIT_UP_TO = 8  # equations: of one system of more, interpreted kernels take 10 to 100 times as long as products
+_PRODUCTS_UP_TO = 3e4  # milliseconds of interpreted kernels, as estimated: products of one system take 0.2 s (measured)
 _MANY_UP_TO = 60  # equations: of several systems at once kernels take less time than numpy's products (measured)
 
 _COMPILE_AFTER = 1000.0
@@ -76,7 +77,8 @@ def half_period_map(
             first = 0
     out = np.empty((batch, 4 * n * n + n + 1))
     constants = (first, accuracy, reach(accuracy), symmetric, slack)
-    if n <= (_EXPLICIT_UP_TO if batch == 1 else _MANY_UP_TO):
+    many = batch > 1 or _milliseconds(stiffness, amplitudes, period) > _PRODUCTS_UP_TO
+    if n <= (_MANY_UP_TO if many else _EXPLICIT_UP_TO):
         run = run_of(half_period_fill, _COMPILE_AFTER, lambda: _milliseconds(stiffness, amplitudes, period))
         inputs = s, f, omega
         if batch == 1 or run is half_period_fill:  # the shortest way for a single system

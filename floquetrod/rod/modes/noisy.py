@@ -398,13 +398,13 @@ class _Examined:
             self.verdicts.append(verdict)
             self.exponents.extend(unit * exponent for exponent in verdict.exponents)
             known = bool(verdict.exponents)
-            rate, error = (verdict.exponents[0].real, verdict.exponent_errors[0]) if known else (-math.inf, math.inf)
+            rate, error = (verdict.exponents[0].real, verdict.exponent_errors[0]) if known else (math.nan, math.inf)
             growths.append((unit * rate, unit * error))
             if progress is not None:
                 progress(len(self.verdicts), total)
         low, high = (bound[0] for bound in parts.growth_bounds)
         rates, errors = np.array(growths).T
-        self.rates = np.append(self.rates, np.clip(rates, low, high))
+        self.rates = np.append(self.rates, np.clip(np.fmax(rates, -math.inf), low, high))
         status = np.array([verdict.status for verdict in self.verdicts[len(self.modes) :]])
         low, high = np.fmax(low, rates - errors), np.fmin(high, rates + errors)
         self.low = np.append(self.low, np.where(status == "unstable", np.maximum(low, 0.0), low))
@@ -499,7 +499,7 @@ class _FactorSearch:
             self.told(_PARTS)
             if not factor < before * (1.0 - 1e-13):  # two modes begin to grow together
                 break
-        error = self.error(factor)
+        error = self.error(factor, mode)
         self.told(0)
         return CriticalValue(factor, "noise", error=error, mode=mode)
 
@@ -525,23 +525,31 @@ class _FactorSearch:
             raise unstable_without_noise()
         return factor
 
-    def error(self, factor: float) -> float:
-        """Return how near to a factor verdicts, single ones and arrays, change from stable to unstable."""
+    def error(self, factor: float, mode: int | None) -> float:
+        """Return how near to a factor verdicts, single ones and arrays, change from stable to unstable.
+
+        ``mode`` is the one that begins to grow, None where all high modes do.
+        """
 
         def is_apart(apart: float) -> bool:
             below, above = (self.scaled(factor * (1.0 + sign * apart)) for sign in (-1.0, 1.0))
             needed, _ = NoisyModes(self.constants, below).modes_needed(below, self.tolerance)
-            return needed <= _MOST_DECISIVE and all(self.separate(below, above))
+            return needed <= _MOST_DECISIVE and all(self.separate(below, above, mode))
 
         return separation(is_apart, NEAREST) * factor
 
-    def separate(self, below: Load, above: Load) -> Iterator[bool]:
-        """Yield whether arrays say that one load is stable and another is not, and then whether verdicts do."""
+    def separate(self, below: Load, above: Load, mode: int | None) -> Iterator[bool]:
+        """Yield whether arrays say that one load is stable and another is not, and then whether verdicts do.
+
+        Arrays judge all modes, to fewer digits than a verdict, which only the critical mode needs.
+        """
         for load, status in ((below, STABLE), (above, UNSTABLE)):
             at = Loads((1,), *Loads.single(load).flat)
             yield int(self.model.under(load).status(at, self.tolerance)[0]) == status
+        if mode is None:
+            return
         for load, status in ((below, STABLE), (above, UNSTABLE)):
-            verdict = self.model.under(load).verdict(load, growth_tolerance=self.tolerance)
+            verdict = self.model.under(load).verdict(load, [mode], growth_tolerance=self.tolerance)
             yield STATUS_CODES[verdict.status] == status
 
 
