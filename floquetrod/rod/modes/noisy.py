@@ -72,7 +72,7 @@ class NoisyModel(ModeModel):
 
     @property
     def coupling(self) -> tuple[str, ...]:
-        """What keeps the modes from obeying Mathieu's equation: the noise, and what couples them."""
+        """The noise, and all that couples the modes, in words."""
         return (*super().coupling, noise_in_words(self.template.noise))
 
     def refusal(self, name: str) -> ValueError:
