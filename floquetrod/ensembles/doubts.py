@@ -32,16 +32,18 @@ def doubts(runs: Runs) -> list[str]:
     """Return, in sentences, why some of the runs done may not have ended as they seem; nothing without ``outcome``."""
     if not {"outcome", "buckled"} <= runs.variables.keys():
         return []
-    found = []
+    sentences = []
     for kind, count in counted(runs).items():
         if count and (doubt := Outcome(kind, 0.0).doubt):
-            found.append(f"{count:,} {'run' if count == 1 else 'runs'} counted as not buckled, {doubt}")
+            sentences.append(f"{count:,} {'run' if count == 1 else 'runs'} counted as not buckled, {doubt}")
     count = _buckled_under_stable_loads(runs)
-    return [*found, f"{count:,} {'run' if count == 1 else 'runs'} buckled, but {STABLE_LOAD}"] if count else found
+    return (
+        [*sentences, f"{count:,} {'run' if count == 1 else 'runs'} buckled, but {STABLE_LOAD}"] if count else sentences
+    )
 
 
 def _buckled_under_stable_loads(runs: Runs) -> int:
-    """Return how many runs buckled under loads that are stable by theory, among the first twenty loads that differ.
+    """Return how many runs buckled under loads stable by theory, among the first twenty different loads.
 
     Coupled modes, whose verdict may take half a minute, are left out; so are rods that a tool or a moved end drives.
     """
@@ -71,7 +73,7 @@ def _has_theory(problem: SimulationProblem) -> bool:
 
 
 def _stable(problem: SimulationProblem, names: list[str], counts: list[tuple[tuple[float, ...], int]]) -> Iterator[int]:
-    """Yield the numbers of runs under loads that are stable, from those under each."""
+    """Yield the numbers of runs under each stable load."""
     for values, count in counts:
         try:
             each = varied(problem, dict(zip(names, values, strict=True)))

@@ -44,11 +44,11 @@ def ensemble(
         Values by name, in SI units.  Names are the numbers among the fields of the problem ("friction", "duration",
         "segments", ...), of its load ("mean", "amplitude", "frequency", ...), the parameters of its rod ("length",
         "youngs_modulus", ...), and of its start: "kick" scales the whole perturbation so that its largest speed is
-        this, in m/s, and "seed" is that of its noise.  Values are a sequence, or a distribution of `scipy.stats` with
-        its parameters given, from which ``samples`` are drawn.
+        this, in m/s, and "seed" is the seed of its noise.  Values are a sequence, or a distribution of `scipy.stats`
+        with its parameters given; ``samples`` values are drawn of it.
     layout : {"grid", "list"}
         "grid": every combination of the values, one dimension for each name; values drawn share the dimension "sample".
-        A sample has seeds of its own: that of a run follows from ``seed``, its sample and its seed in ``over``, and is
+        A sample has its own seeds: the seed of a run follows from ``seed``, its sample and its seed in ``over``, and is
         the coordinate ``run_seed``.
         "list": the first values together, the second ones, and so on, along the one dimension "run".
     samples : int, optional
@@ -89,8 +89,8 @@ def ensemble(
     Raises
     ------
     TypeError, ValueError
-        Before anything runs: for names that the problem does not have, values that are no numbers or of which no
-        problem can be made, columns of a list whose lengths differ, a store of another study or one that another
+        Before anything runs: for names that the problem does not have, values other than numbers, or without
+        a possible problem, columns of a list whose lengths differ, a store of another study or one that another
         process fills, arguments that cannot be pickled for other processes.  One run that cannot be made is recorded as
         failed.
     RuntimeError
@@ -103,7 +103,7 @@ def ensemble(
     -----
     CheckpointWarning
         Once, when the store cannot be written: the results are returned all the same, and the same call makes the
-        missing runs later.  Frames are returned as far as 4 GiB of memory hold those of all runs, else those in the
+        missing runs later.  Frames are returned as far as 4 GiB of memory hold all of them, else the frames in the
         store.  Also where the file system has no locks.
 
     Notes
@@ -145,10 +145,16 @@ def ensemble(
         if summary is not None and pending:
             # A run that is made again may end the process or have no memory: the names are learned from others.
             fresh = pending if opened is None else opened.pending(runs, retry_failed=False) or opened.one_done()
-            found, first = _first_runs(job, study, fresh)
-            if opened is not None and any(one.status == DONE for one in first) and set(found) != set(names or ()):
-                raise ValueError(f"store {place} holds a summary of {', '.join(names or ())}, got {', '.join(found)}")
-            job = job._replace(names=found if opened is None else names)
+            summary_names, first = _first_runs(job, study, fresh)
+            if (
+                opened is not None
+                and any(one.status == DONE for one in first)
+                and set(summary_names) != set(names or ())
+            ):
+                raise ValueError(
+                    f"store {place} holds a summary of {', '.join(names or ())}, got {', '.join(summary_names)}"
+                )
+            job = job._replace(names=summary_names if opened is None else names)
         if opened is None:
             opened = make(StoreLayout(study, job.names or (), frames, chunk))
         if runner is not None:
@@ -163,7 +169,7 @@ def ensemble(
 def _shown(
     progress: Callable[[int, int], None] | None,
 ) -> AbstractContextManager[Callable[[int, int], None] | None]:
-    """Return a context with what is told how many runs are done: the caller's function, a line on stderr, or None."""
+    """Return a context with the listener to the number of runs: the caller's function, a line on stderr, or None."""
     if progress is not None or not waiting.can_redraw():
         return nullcontext(progress)
     return waiting.Waiting("simulating", "runs", first=1.0)
@@ -187,7 +193,7 @@ def _fill(
     retry_failed: bool,
     progress: Callable[[int, int], None] | None,
 ) -> None:
-    """Make the runs that are pending, and record what comes of them, until all are done or Ctrl-C."""
+    """Simulate the pending runs, and record their results, until all are done or Ctrl-C."""
     study, runs = store.layout.study, store.layout.runs_of(chunks)
     try:
         store.open_part(chunks)

@@ -39,11 +39,13 @@ class Overview(NamedTuple):
     units: dict[str, str]
 
     @classmethod
-    def of(cls, found: Any, confidence: float) -> Overview:
+    def of(cls, result: Any, confidence: float) -> Overview:
         """Return it from what `floquetrod.ensemble` returned."""
-        if not isinstance(found, Runs):
-            found = found[["status", "reason", "buckled", "outcome", "angle_in_the_end"]]  # frames stay where they are
-        runs = require_runs("runs", found)
+        if not isinstance(result, Runs):
+            result = result[
+                ["status", "reason", "buckled", "outcome", "angle_in_the_end"]
+            ]  # frames stay where they are
+        runs = require_runs("runs", result)
         status = runs["status"]
         done, failed, pending = (int((status == kind).sum()) for kind in (DONE, FAILED, PENDING))
         buckled = int((runs["buckled"][status == DONE] == 1).sum())
@@ -65,15 +67,15 @@ class Overview(NamedTuple):
         )
 
 
-def _table(found: Runs) -> list[BucklingShare]:
-    """Return the probability of buckling for every value of the axes that are left, in SI units."""
-    dims, shape = found.variables["probability"].dims, found["probability"].shape
+def _table(probabilities: Runs) -> list[BucklingShare]:
+    """Return the probability of buckling for every value of the chosen axes, in SI units."""
+    dims, shape = probabilities.variables["probability"].dims, probabilities["probability"].shape
     rows = []
     for place in np.ndindex(shape):
         at = dict(zip(dims, place, strict=True))
-        values = {name: axis.values[at[axis.dims[0]]].item() for name, axis in found.coords.items()}
-        counts = {name: int(found[name][place]) for name in ("done", "failed")}
-        shares = {name: number(float(found[name][place])) for name in ("probability", "lower", "upper")}
+        values = {name: axis.values[at[axis.dims[0]]].item() for name, axis in probabilities.coords.items()}
+        counts = {name: int(probabilities[name][place]) for name in ("done", "failed")}
+        shares = {name: number(float(probabilities[name][place])) for name in ("probability", "lower", "upper")}
         rows.append(BucklingShare(values, counts, shares))
     return rows
 

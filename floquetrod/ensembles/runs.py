@@ -143,14 +143,14 @@ class Runs(NoTruthValue, ByContent):
                 lengths |= dict(zip(map(str, dims), shape, strict=True))
                 if not isinstance(attrs, dict):
                     raise ValueError(f"attributes of {name} are {attrs!r}")
-        found = {
+        by_kind = {
             kind: {
                 name: Variable(tuple(map(str, dims)), arrays[f"{kind}.{name}"], attrs)
                 for name, (dims, attrs) in of.items()
             }
             for kind, of in kinds.items()
         }
-        return cls(found["variables"], found["coords"], sealed_files.entry(meta, "attrs", dict))
+        return cls(by_kind["variables"], by_kind["coords"], sealed_files.entry(meta, "attrs", dict))
 
 
 def require_runs(name: str, value: Any) -> Runs:

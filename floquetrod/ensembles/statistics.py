@@ -22,7 +22,7 @@ RANDOM = ("sample", "run", "seed")
 
 
 def probability(runs: Any, name: str = "buckled", *, over: str | Iterable[str], confidence: float = 0.95) -> Any:
-    """Return the probability of a result, with its confidence interval, along the axes that are not averaged.
+    """Return the probability of a result, with its confidence interval, along the axes not averaged over.
 
     Parameters
     ----------
@@ -38,7 +38,7 @@ def probability(runs: Any, name: str = "buckled", *, over: str | Iterable[str], 
     Returns
     -------
     the same kind as ``runs``
-        ``probability``, the share of runs that are true among those done, NaN where none is; ``lower`` and ``upper``,
+        ``probability``, the share of true results among the runs done, NaN where none is; ``lower`` and ``upper``,
         its interval; ``done`` and ``failed``, numbers of runs.  Those that failed count as false at the lower end and
         as true at the upper; pending ones do not count.
 
@@ -50,18 +50,18 @@ def probability(runs: Any, name: str = "buckled", *, over: str | Iterable[str], 
 
     Notes
     -----
-    Over one dimension of draws runs are independent, and the interval is that of Clopper and Pearson, whose coverage is
-    at least ``confidence``.  Over several dimensions runs that share a draw are not: those of one sample, those of one
-    seed at several chosen values, those of one seed in a list.  Such a group counts as one number, its share of runs
-    that are true; ``probability`` is the mean of these shares, and the interval that of Gaffke
+    Over one dimension of draws runs are independent, and the interval is Clopper and Pearson's, whose coverage is
+    at least ``confidence``.  Over several dimensions runs that share a draw are not: the runs of one sample, of one
+    seed at several chosen values, of one seed in a list.  Such a group counts as one number, its share of true
+    results; ``probability`` is the mean of these shares, and the interval Gaffke's
     (`floquetrod._util.proportions.mean_of_shares`), which is Clopper and Pearson's where groups have one run.  Where
     chosen values are averaged over, their pending runs count as failed ones.
 
     Raises
     ------
     TypeError, ValueError
-        For a result or a dimension that there is not, for results that are neither true nor false, for dimensions that
-        are all chosen, and for samples that share their seeds, as those of earlier versions did.
+        For a result or a dimension that there is not, for results neither true nor false, for dimensions
+        all of chosen values, and for samples with seeds in common, as in earlier versions.
 
     Examples
     --------
@@ -71,38 +71,38 @@ def probability(runs: Any, name: str = "buckled", *, over: str | Iterable[str], 
     >>> round(float(found["probability"]), 3), round(float(found["lower"]), 3), round(float(found["upper"]), 3)
     (0.333, 0.006, 0.932)
     """
-    found = require_runs("runs", runs)
-    answer = probability_of(found, name, over, confidence)
-    for text in doubts(found) if name == "buckled" else []:
+    checked = require_runs("runs", runs)
+    answer = probability_of(checked, name, over, confidence)
+    for text in doubts(checked) if name == "buckled" else []:
         warnings.warn(text, OutcomeWarning, stacklevel=level_of_caller())
     return answer if isinstance(runs, Runs) else answer.to_xarray()
 
 
-def probability_of(found: Runs, name: str, over: Any, confidence: Any) -> Runs:
+def probability_of(runs: Runs, name: str, over: Any, confidence: Any) -> Runs:
     """Return what `probability` does for `Runs`, without its warnings."""
     confidence = validate.confidence(confidence)
-    for needed in ("status", validate.choice("name", name, found.variables)):
-        if needed not in found.variables:
+    for needed in ("status", validate.choice("name", name, runs.variables)):
+        if needed not in runs.variables:
             raise validate.wrong_value(
-                "runs", f"must hold {needed}, as fr.ensemble returns them; got {', '.join(found.variables)}"
+                "runs", f"must hold {needed}, as fr.ensemble returns them; got {', '.join(runs.variables)}"
             )
-    dims = found.variables["status"].dims
-    if found.variables[name].dims != dims:
+    dims = runs.variables["status"].dims
+    if runs.variables[name].dims != dims:
         raise validate.wrong_value(
-            "name", f"must be a result of every run, got {name!r}, which has {found.variables[name].dims}"
+            "name", f"must be a result of every run, got {name!r}, which has {runs.variables[name].dims}"
         )
     averaged = [over] if isinstance(over, str) else validate.sequence("over", over, "('seed',)")
     places = tuple(sorted({dims.index(validate.choice("over", dim, dims)) for dim in averaged}))
     if not places:
         raise validate.wrong_value("over", f"must name at least one of {', '.join(dims)}, got none")
-    status, values = found["status"], found[name]
+    status, values = runs["status"], runs[name]
     done = status == DONE
     if not np.isin(values[done], (0, 1)).all():
         raise validate.wrong_value(
             "name", f"must be a result that is true or false, 1 or 0, got {name!r}; compare it with a number"
         )
     left = tuple(dim for place, dim in enumerate(dims) if place not in places)
-    group = _groups(found, dims, places)
+    group = _groups(runs, dims, places)
     order = [dims.index(dim) for dim in left] + list(places)
     shape = tuple(status.shape[dims.index(dim)] for dim in left)
 
@@ -143,15 +143,15 @@ def probability_of(found: Runs, name: str, over: Any, confidence: Any) -> Runs:
             "done": variable(finished.sum(axis=1), "runs done"),
             "failed": variable(lost.sum(axis=1), "runs that failed"),
         },
-        {key: v for key, v in found.coords.items() if set(v.dims) <= set(left)},
-        {**found.attrs, "result": name, "confidence": confidence},
+        {key: v for key, v in runs.coords.items() if set(v.dims) <= set(left)},
+        {**runs.attrs, "result": name, "confidence": confidence},
     )
 
 
-def _groups(found: Runs, dims: tuple[str, ...], places: tuple[int, ...]) -> NDArray[np.int64]:
+def _groups(runs: Runs, dims: tuple[str, ...], places: tuple[int, ...]) -> NDArray[np.int64]:
     """Return to which group each run averaged over belongs, in the order of the dimensions; groups are independent.
 
-    ``places`` are those of the dimensions averaged over.  Raises ValueError where there are no such groups.
+    ``places`` are the indices of the dimensions averaged over.  Raises ValueError where there are no such groups.
     """
     averaged = [dims[place] for place in places]
     drawn = [dim for dim in RANDOM if dim in averaged]
@@ -161,15 +161,15 @@ def _groups(found: Runs, dims: tuple[str, ...], places: tuple[int, ...]) -> NDAr
             f"must name a dimension along which runs are drawn, {', '.join(RANDOM)}, got {', '.join(averaged)}, whose "
             'values are chosen; where you drew them yourself give them as a list, layout="list", or as a distribution',
         )
-    if len(drawn) > 1 and RUN_SEED not in found.coords:
+    if len(drawn) > 1 and RUN_SEED not in runs.coords:
         raise validate.wrong_value(
             "over",
             f"names {' and '.join(drawn)}, but all samples have the same seeds, as in ensembles of earlier versions: "
             "their runs are not independent; average over one of them, or simulate again",
         )
-    lengths = [found["status"].shape[place] for place in places]
+    lengths = [runs["status"].shape[place] for place in places]
     number = np.indices(lengths)[averaged.index(drawn[0])].ravel()
-    seeds = found.coords.get("seed")
+    seeds = runs.coords.get("seed")
     if drawn == ["run"] and seeds is not None:
         _, number = np.unique(seeds.values, return_inverse=True)
     return np.asarray(number, dtype=np.int64)

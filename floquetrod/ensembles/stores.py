@@ -76,7 +76,7 @@ _FLAGS = {
 
 
 class RunResult(NamedTuple):
-    """The outcome of a run: its number, status, reason, results by name, those of the summary, and frames if wanted."""
+    """The number, status, reason, results, summary and, if wanted, frames of a run."""
 
     run: int
     status: int
@@ -111,7 +111,7 @@ class StoreLayout:
 
     @property
     def kinds(self) -> dict[str, ResultField]:
-        """All results by name, those of the summary too."""
+        """All results by name, the summary's too."""
         return RESULTS | {name: ResultField(np.float64, "1", f"{name} of the summary") for name in self.summary}
 
     @property
@@ -151,7 +151,7 @@ class StoreLayout:
     @property
     def coords(self) -> dict[str, Variable]:
         """What is varied, and the seeds of runs where samples have their own."""
-        found = {
+        coords = {
             axis.name: Variable(
                 (axis.dim,), axis.values, {"long_name": axis.name.replace("_", " "), "units": axis.unit}
             )
@@ -159,8 +159,8 @@ class StoreLayout:
         }
         if self.study.has_own_seeds:
             about = {"long_name": "seed of the run, derived from its sample and its seed", "units": "1"}
-            found[RUN_SEED] = Variable(("sample", "seed"), self.study.own_seeds, about)
-        return found
+            coords[RUN_SEED] = Variable(("sample", "seed"), self.study.own_seeds, about)
+        return coords
 
     @property
     def about(self) -> dict[str, Any]:
@@ -211,7 +211,7 @@ def require_same(place: Path, attrs: Mapping[str, Any], study: Design, frames: b
 
 
 def chunk_shape(shape: tuple[int, ...], parts: int) -> tuple[int, ...]:
-    """Return the shape of chunks that are contiguous ranges of runs: at most 256, and at least ``parts`` of them."""
+    """Return the shape of chunks, contiguous ranges of at most 256 runs, at least ``parts`` of them."""
     chunk, room = [], min(_RUNS_IN_A_CHUNK, math.ceil(math.prod(shape) / parts))
     for length in reversed(shape):
         step = math.ceil(length / math.ceil(length / room))
@@ -244,9 +244,9 @@ class MemoryStore:
     def pending(self, runs: range, *, retry_failed: bool) -> list[int]:
         """Return those runs that have to be made: pending and, if wanted, failed for a reason that may pass."""
         status = self.values["status"][runs.start : runs.stop]
-        found: list[int] = (np.flatnonzero(status != DONE) + runs.start).tolist()
+        unfinished: list[int] = (np.flatnonzero(status != DONE) + runs.start).tolist()
         again = {run for run, reason in self.reasons.items() if retry_failed and may_pass(reason)}
-        return [run for run in found if run in again or self.values["status"][run] == PENDING]
+        return [run for run in unfinished if run in again or self.values["status"][run] == PENDING]
 
     def one_done(self) -> list[int]:
         """Return one run that is done, or none."""
@@ -266,7 +266,7 @@ class MemoryStore:
         self._mark(run)
 
     def _mark(self, run: int) -> None:
-        """Note that what is recorded of a run is to be saved."""
+        """Note that the result of a run has yet to be saved."""
         self._dirty.add(bisect.bisect_right(self.layout.starts, run) - 1)
 
     def save_when_due(self) -> None:
@@ -278,7 +278,7 @@ class MemoryStore:
             self._due = started + took + max(_SECONDS_BETWEEN, _LONGER * took)
 
     def save(self) -> None:
-        """Write what is new, where there is a disk to write to."""
+        """Write new results, where there is a disk to write to."""
 
     def runs(self) -> Runs:
         """Return the runs stored so far."""
@@ -308,7 +308,7 @@ class MemoryStore:
         return {name: np.full((self.layout.study.size, *shape), np.nan) for name, shape in shapes.items()}
 
     def _record_frames(self, run: int, frames: Mapping[str, NDArray[np.float64]]) -> None:
-        """Take over the frames of a run; those of one that ended early leave NaN."""
+        """Take over the frames of a run; where it ended early the rest is NaN."""
         for name, values in frames.items():
             self._frames[name][run, : len(values)] = values
 

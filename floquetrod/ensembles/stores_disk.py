@@ -17,7 +17,7 @@ from floquetrod.simulation.checkpoints import warn
 
 
 class DiskStore(MemoryStore, ABC):
-    """Results in memory that are saved to a disk.
+    """Results in memory, saved to a disk.
 
     While it is open for a part, a lock keeps every other from filling the same runs; it ends with the process.
     """
@@ -54,7 +54,7 @@ class DiskStore(MemoryStore, ABC):
             self._lock = None
 
     def save(self) -> None:
-        """Write what is new, or warn once: the runs continue, and the next save tries again."""
+        """Write new results, or warn once: the runs continue, and the next save tries again."""
         if self._dirty and self._succeeds(lambda: self._write(self._dirty)):
             self._dirty = set()
 
@@ -88,18 +88,18 @@ class DiskStore(MemoryStore, ABC):
 
 
 class NpzStore(DiskStore):
-    """Results in memory that are saved to an npz file, whole.
+    """Results in memory, saved to an npz file, whole.
 
     A file that another process has written meanwhile, where files cannot be locked, is taken over before the next save,
     not overwritten.
     """
 
-    def __init__(self, layout: StoreLayout, path: Path, found: Runs | None, known: tuple[int, ...] | None) -> None:
+    def __init__(self, layout: StoreLayout, path: Path, stored: Runs | None, known: tuple[int, ...] | None) -> None:
         """Begin, or continue with what was found in a file, which was known to be in this state before it was read."""
         super().__init__(layout, path)
         self._known = known
-        if found is not None:
-            self._take_over(found)
+        if stored is not None:
+            self._take_over(stored)
 
     def _locked(self, chunks: range) -> Lock:
         """Return a lock of the whole store."""
@@ -109,24 +109,24 @@ class NpzStore(DiskStore):
         """Take over a file that is not the one last read or written here; ValueError for one of another study."""
         state = _state(self.path)
         if state is not None and state != self._known:
-            found = Runs.load(self.path)
-            names = require_same(self.path, found.attrs, self.layout.study, self.layout.frames)
+            stored = Runs.load(self.path)
+            names = require_same(self.path, stored.attrs, self.layout.study, self.layout.frames)
             if names != self.layout.summary:
                 raise ValueError(f"store {self.path} holds another study, with another summary; give another path")
-            self._take_over(found)
+            self._take_over(stored)
         self._known = state
 
-    def _take_over(self, found: Runs) -> None:
-        """Take over what a file has of runs that are not done here."""
-        shape, status = self.layout.study.shape, found["status"].ravel()
+    def _take_over(self, stored: Runs) -> None:
+        """Take over the results in a file of the runs not done here."""
+        shape, status = self.layout.study.shape, stored["status"].ravel()
         for name, values in (self.values | self._frames).items():
-            theirs = found.variables[name].values
+            theirs = stored.variables[name].values
             if theirs.shape != (*shape, *values.shape[1:]) or theirs.dtype != values.dtype:
                 raise ValueError(f"store {self.path} holds {name} of shape {theirs.shape}; give another path")
-        reasons = found["reason"].ravel()
+        reasons = stored["reason"].ravel()
         new = np.where(self.values["status"] == FAILED, status == DONE, self.values["status"] == PENDING)
         for name, values in (self.values | self._frames).items():
-            values[new] = found[name].reshape(values.shape)[new]
+            values[new] = stored[name].reshape(values.shape)[new]
         for run in np.flatnonzero(new).tolist():
             self.reasons.pop(run, None)
             if status[run] == FAILED:
@@ -157,6 +157,6 @@ def open_store(
     """
     sealed_files.writable(place)
     known = _state(place)
-    found = None if known is None else Runs.load(place)
-    names = None if found is None else require_same(place, found.attrs, study, frames)
-    return names, lambda layout: NpzStore(layout, place, found, known)
+    stored = None if known is None else Runs.load(place)
+    names = None if stored is None else require_same(place, stored.attrs, study, frames)
+    return names, lambda layout: NpzStore(layout, place, stored, known)

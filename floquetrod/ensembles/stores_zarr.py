@@ -45,7 +45,7 @@ _LOCK = "status/.lock"  # where zarr does not look for arrays
 
 
 class ZarrStore(DiskStore):
-    """Results in memory that are written to a zarr store chunk by chunk; frames are written as they come."""
+    """Results in memory, written to a zarr store chunk by chunk; frames are written as they come."""
 
     def __init__(self, layout: StoreLayout, path: Path) -> None:
         """Create the store unless it exists, and take over what it holds."""
@@ -67,7 +67,7 @@ class ZarrStore(DiskStore):
         super().open_part(chunks)
 
     def save(self) -> None:
-        """Write what is new and the frames that wait, or warn once."""
+        """Write new results and waiting frames, or warn once."""
         for run, frames in list(self._waiting.items()):
             if frames and self._succeeds(partial(self._write_frames, run, frames)):
                 del self._waiting[run]
@@ -75,12 +75,12 @@ class ZarrStore(DiskStore):
         super().save()
 
     def to_xarray(self) -> Any:
-        """Return results from memory, those of other processes as the store has them, and frames as they are read."""
+        """Return results from memory, results of other processes from the store, and frames, read when needed."""
         for chunk in range(len(self.layout.starts)):
             if chunk not in self._own:
                 self._read(chunk)
-        found = self.runs().to_xarray()
-        return found.assign(self._stored_frames().data_vars) if self.layout.frames else found
+        dataset = self.runs().to_xarray()
+        return dataset.assign(self._stored_frames().data_vars) if self.layout.frames else dataset
 
     def _stored_frames(self) -> Any:
         """Return the frames as the store has them; where some could not be written and there is room, all in memory."""
@@ -88,15 +88,15 @@ class ZarrStore(DiskStore):
 
         names = list(self.layout.frame_shapes)
         others = [name for name in (*self.layout.coords, *self.values, "reason") if name not in names]
-        found = xarray.open_zarr(self.path, chunks=None, drop_variables=others)[names]
-        if not self._waiting or found.nbytes > stores.MOST_MEMORY:
-            return found
-        found = found.load()
+        dataset = xarray.open_zarr(self.path, chunks=None, drop_variables=others)[names]
+        if not self._waiting or dataset.nbytes > stores.MOST_MEMORY:
+            return dataset
+        dataset = dataset.load()
         for run, frames in self._waiting.items():
             place = tuple(map(int, np.unravel_index(run, self.layout.study.shape)))
             for name, values in frames.items():
-                found[name].values[place][: len(values)] = values
-        return found
+                dataset[name].values[place][: len(values)] = values
+        return dataset
 
     def _locked(self, chunks: range) -> Lock:
         """Return a lock of these chunks."""
@@ -131,11 +131,11 @@ class ZarrStore(DiskStore):
         """Take over a chunk of results; where a file of it is missing or damaged its runs are pending."""
         runs = self.layout.runs_of(range(chunk, chunk + 1))
         part = slice(runs.start, runs.stop)
-        found = {name: self._read_chunk(name, runs, values.dtype) for name, values in self.values.items()}
-        for name, values in found.items():
+        columns = {name: self._read_chunk(name, runs, values.dtype) for name, values in self.values.items()}
+        for name, values in columns.items():
             if values is not None:
                 self.values[name][part] = values
-        if any(values is None for values in found.values()):
+        if any(values is None for values in columns.values()):
             self.values["status"][part] = PENDING
         text = self._read_chunk("reason", runs, np.dtype(f"U{REASON}"))
         for place, run in enumerate(runs):
@@ -183,7 +183,7 @@ class ZarrStore(DiskStore):
         return hashlib.sha256(b"".join(len(part).to_bytes(8, "little") + part for part in parts)).digest()
 
     def _extent(self, runs: range) -> tuple[int, ...]:
-        """Return the shape of the runs of a chunk, less than that of a chunk at an edge."""
+        """Return the shape of the runs of a chunk, cut off at the edges of the axes."""
         first = np.unravel_index(runs.start, self.layout.study.shape)
         every = zip(self.layout.study.shape, first, self.layout.chunk, strict=True)
         return tuple(min(step, length - int(at)) for length, at, step in every)
@@ -216,7 +216,7 @@ class ZarrStore(DiskStore):
             self._write_sealed(file, full.tobytes())
 
     def _has_frames(self, run: int) -> bool:
-        """Return whether all frames of a run that are wanted exist and can be read."""
+        """Return whether all arrays of frames of a run exist and can be read."""
         try:
             for name, file in self._frame_files(run).items():
                 self._read_sealed(file, 8 * math.prod(length for _, length in self.layout.frame_shapes[name]))
@@ -240,10 +240,10 @@ class ZarrStore(DiskStore):
         for name, v in self.layout.coords.items():
             file = self.path.joinpath(name, *["0"] * len(v.dims))
             try:
-                found = self._decoded(file.read_bytes(), v.values.nbytes)
+                stored = self._decoded(file.read_bytes(), v.values.nbytes)
             except (OSError, RuntimeError, ValueError):
-                found = b""
-            if found != v.values.tobytes():
+                stored = b""
+            if stored != v.values.tobytes():
                 replace(file, self._codec.encode(v.values.tobytes()))
 
     def _create(self) -> None:

@@ -1,4 +1,4 @@
-"""Study files: TOML tables that say what is simulated, and what of it is varied, with units."""
+"""Study files: TOML tables of a simulated problem and of the quantities varied, with units."""
 
 from __future__ import annotations
 
@@ -70,14 +70,14 @@ _BOUNDS = ("low", "high")  # that a normal distribution may have
 
 @dataclass(frozen=True, eq=False)
 class Study:
-    """A problem, the quantities that are varied, and options: the content of a study file.
+    """A problem, the quantities varied, and options: the content of a study file.
 
     Attributes
     ----------
     problem : SimulationProblem
         Gives everything that ``over`` does not.
     over : mapping
-        The quantities that are varied, by name: values in SI units, or a distribution.
+        The quantities varied, by name: values in SI units, or a distribution.
     options : mapping
         Of `floquetrod.ensemble`: ``layout``, ``samples``, ``seed``, ``frames``.
     units : mapping of str to Unit
@@ -126,7 +126,7 @@ class Study:
         Warns
         -----
         PlausibilityWarning
-            For numbers that are probably in another unit, such as a frequency without one that is meant in Hz.
+            For numbers probably in another unit, such as a frequency without one, meant in Hz.
         """
         path = validate.path("path", path)
         tables = read_toml(path, "study file")
@@ -165,10 +165,10 @@ class Study:
         retry_failed: bool = True,
         progress: Callable[[int, int], None] | None = None,
     ) -> Any:
-        """Return the result of `floquetrod.ensemble` for this study; the options are those of `ensemble`.
+        """Return the result of `floquetrod.ensemble` for this study, with the options of `ensemble`.
 
-        Where ``layout``, ``samples``, ``seed`` and ``frames`` are None they are those of the file.  Other arguments
-        as in `ensemble`.
+        Where ``layout``, ``samples``, ``seed`` and ``frames`` are None the file's are used.  Other arguments as
+        in `ensemble`.
 
         Raises the same errors; ValueError names file and table where the file is the cause.
         """
@@ -202,7 +202,7 @@ class Study:
 
 
 def _require_tables(tables: Mapping[str, Any]) -> None:
-    """Raise ValueError for tables that are unknown, missing or none."""
+    """Raise ValueError for unknown and missing tables, and for values in the place of a table."""
     require_known(tables, _TABLES)
     for name in ("rod", "load", "over"):
         if name not in tables:
@@ -214,7 +214,7 @@ def _require_tables(tables: Mapping[str, Any]) -> None:
 
 @contextmanager
 def _naming(path: Path, table: str = "") -> Iterator[None]:
-    """Name file and table in what is raised: the table given, else that of the argument that it is about."""
+    """Name file and table in errors: the table given, else the table of the argument at fault."""
     try:
         yield
     except (TypeError, ValueError, OSError, ArithmeticError) as error:
@@ -254,7 +254,7 @@ def _load(path: Path, table: Mapping[str, Any], rod: Rod) -> Any:
 def _warn_of_hertz(path: Path, tables: Mapping[str, Any], problem: SimulationProblem, over: Mapping[str, Any]) -> None:
     """Warn of the first frequency without a unit whose reading in Hz would change a verdict.
 
-    Verdicts are those on the study's own rod, at both ends of what is varied of the load.
+    Verdicts are on the study's own rod, at both ends of the ranges of its load.
     """
     rod, load = problem.rod, problem.load
     given = tables["over"].get("frequency", tables["load"].get("frequency"))
@@ -272,28 +272,28 @@ def _warn_of_hertz(path: Path, tables: Mapping[str, Any], problem: SimulationPro
 
 
 def _ends(varied: Any, own: float) -> list[float]:
-    """Return the least and the largest value of what is varied, its own value where it is not or has a distribution."""
+    """Return the smallest and the largest value of a quantity, its own value where it has no list of values."""
     return [float(np.min(varied)), float(np.max(varied))] if isinstance(varied, list | np.ndarray) else [own]
 
 
 def _settings(table: Mapping[str, Any], rod: Rod) -> dict[str, Any]:
     """Return the options of the problem in the table [run]."""
     require_known(table, _RUN)
-    found: dict[str, Any] = {}
+    settings: dict[str, Any] = {}
     for key, value in table.items():
         if key == "natural_curvature" or (key == "friction" and isinstance(value, list)):
-            found[key] = value  # the problem checks it
+            settings[key] = value  # the problem checks it
         elif key == "friction" and isinstance(value, str):
-            found[key] = read_friction(value, key)
+            settings[key] = read_friction(value, key)
         elif key == "tool":
-            found[key] = read_tool(str(_scalar(key, value)), key)
+            settings[key] = read_tool(str(_scalar(key, value)), key)
         elif key in RUN_KINDS:
-            found[key] = _quantity(key, value, rod)
+            settings[key] = _quantity(key, value, rod)
         elif key in _COUNTS:
-            found[key] = validate.integer(key, value, 2)
+            settings[key] = validate.integer(key, value, 2)
         else:
-            found[key] = validate.flag(key, value)
-    return found
+            settings[key] = validate.flag(key, value)
+    return settings
 
 
 def _start(table: Mapping[str, Any]) -> dict[str, Any]:
@@ -327,7 +327,7 @@ def _over(table: Mapping[str, Any], problem: SimulationProblem) -> dict[str, tup
 
 
 def _varied(key: str, given: Any, rod: Rod) -> tuple[Any, Unit]:
-    """Return the values or the distribution of what is varied, in SI units, and the unit it is written in."""
+    """Return the values or the distribution of a quantity, in SI units, and its unit in the file."""
     if not isinstance(given, list | dict):
         raise ValueError(
             f"{key} must be a list, a range such as {{from = 1, to = 9, steps = 5}} or a distribution such as "

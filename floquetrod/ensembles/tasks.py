@@ -1,4 +1,4 @@
-"""What a worker does: the runs of a task, and what is recorded of each."""
+"""What a worker does: the runs of a task, and the result of each."""
 
 from __future__ import annotations
 
@@ -38,16 +38,16 @@ def simulate_runs(
     job: TaskSettings, batch: Batch, progress: Callable[[int, int], None] | None = None
 ) -> list[RunResult]:
     """Make the runs of a task; what a run raises is recorded, and those that were interrupted are left out."""
-    found = []
+    outcomes = []
     for run, values in batch:
         try:
             made = varied(job.problem, values).run(progress)
             if not made.complete:
                 break
-            found.append(outcome(job, run, made))
+            outcomes.append(outcome(job, run, made))
         except OWN_ERRORS as error:  # whatever it is, the other runs continue
-            found.append(failure(run, error))
-    return found
+            outcomes.append(failure(run, error))
+    return outcomes
 
 
 def outcome(job: TaskSettings, run: int, made: Simulation) -> RunResult:
@@ -56,12 +56,12 @@ def outcome(job: TaskSettings, run: int, made: Simulation) -> RunResult:
 
 
 def failure(run: int, error: BaseException) -> RunResult:
-    """Return what is recorded of a run that raised."""
+    """Return the result of a run that raised an error."""
     return RunResult(run, FAILED, reason_of(error))
 
 
 def results(made: Simulation) -> dict[str, float]:
-    """Return the results of a run by name, those of `floquetrod.ensembles.stores.RESULTS` except for the status."""
+    """Return the results of a run by name: `floquetrod.ensembles.stores.RESULTS` without the status."""
     mode = made.dominant_mode
     try:
         growth = made.growth_rate(mode)
@@ -86,12 +86,12 @@ def summarised(job: TaskSettings, made: Simulation) -> dict[str, float]:
     """Return what the summary makes of a run; an error unless it maps the names expected to numbers."""
     if job.summary is None:
         return {}
-    found = job.summary(made)
-    if not isinstance(found, Mapping) or not all(isinstance(name, str) for name in found):
-        raise TypeError(f"summary must return a mapping of names to numbers, got {validate.short(found)}")
-    if job.names is not None and set(found) != set(job.names):
-        raise ValueError(f"summary must return {', '.join(job.names)} of every run, got {', '.join(found)}")
-    return {name: number(name, value) for name, value in found.items()}
+    summary = job.summary(made)
+    if not isinstance(summary, Mapping) or not all(isinstance(name, str) for name in summary):
+        raise TypeError(f"summary must return a mapping of names to numbers, got {validate.short(summary)}")
+    if job.names is not None and set(summary) != set(job.names):
+        raise ValueError(f"summary must return {', '.join(job.names)} of every run, got {', '.join(summary)}")
+    return {name: number(name, value) for name, value in summary.items()}
 
 
 def number(name: str, value: Any) -> float:

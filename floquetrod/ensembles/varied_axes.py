@@ -35,7 +35,7 @@ RUN_KINDS = {
     "feed_speed": "speed",
     "far_force": "force",
 }
-"""Kinds of the quantities of a problem, of which `floquetrod.units` knows the units."""
+"""Kinds of the quantities of a problem; `floquetrod.units` has the units of each kind."""
 
 TOOL_KINDS = {f"tool_{name}": parameter.kind for name, parameter in TOOL.items()}
 VARIED_KINDS = {
@@ -79,7 +79,7 @@ def names_of(problem: SimulationProblem) -> dict[str, tuple[str, ...]]:
 
 @dataclass(frozen=True, eq=False)
 class Design:
-    """A problem and what is varied of it; runs are numbered in the order of ``dims``, the last fastest."""
+    """A problem and the axes along which it is varied; runs are numbered in the order of ``dims``, the last fastest."""
 
     problem: SimulationProblem
     axes: tuple[VariedAxis, ...]
@@ -102,12 +102,12 @@ class Design:
         return int(np.prod(self.shape))
 
     def values(self, run: int) -> dict[str, float | int]:
-        """Return what is varied, with its values in a run."""
+        """Return the values of the varied quantities in a run, by name."""
         place = dict(zip(self.dims, np.unravel_index(run, self.shape), strict=True))
-        found = {axis.name: axis.values[place[axis.dim]].item() for axis in self.axes}
+        quantities = {axis.name: axis.values[place[axis.dim]].item() for axis in self.axes}
         if self.has_own_seeds:
-            found["seed"] = _own_seed(self.seed, int(place["sample"]), found["seed"])
-        return found
+            quantities["seed"] = _own_seed(self.seed, int(place["sample"]), quantities["seed"])
+        return quantities
 
     @property
     def has_own_seeds(self) -> bool:
@@ -291,7 +291,7 @@ def _samples(samples: Any, drawn: Mapping[str, Any], columns: Mapping[str, NDArr
 
 
 def _draw(drawn: Mapping[str, Any], count: int, seed: int) -> Iterator[tuple[str, NDArray[np.float64]]]:
-    """Yield the names that are distributed with values drawn for them."""
+    """Yield the names of the distributed quantities with the values drawn for them."""
     for name, given in drawn.items():  # parameters of several distributions would fit some number of levels
         for tried in (2, 3):
             quantiles(f"over[{name!r}]", given, np.linspace(0.25, 0.75, tried))

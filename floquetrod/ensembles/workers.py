@@ -80,7 +80,7 @@ class TaskRunner:
         self._stop.set()
 
     def close(self) -> None:
-        """End what has been started here."""
+        """End the executor started here."""
         if self._is_own:
             self.executor.shutdown(cancel_futures=True)
 
@@ -118,8 +118,8 @@ def _size_of(executor: Any) -> int | None:
     with suppress(Exception):  # a cluster that has gone: the next task tells
         if _is_of(executor, "distributed"):
             return int(sum(executor._client.nthreads().values()))
-        found = executor.num_workers if _is_of(executor, "mpi4py") else executor._max_workers
-        return validate.integer("workers", found, 0)
+        count = executor.num_workers if _is_of(executor, "mpi4py") else executor._max_workers
+        return validate.integer("workers", count, 0)
     return None
 
 
@@ -140,7 +140,7 @@ class OwnProcesses(TaskRunner):
 
     @property
     def room(self) -> int:
-        """Return how many tasks to hand over, one for every process, so that its death is that of one task."""
+        """Return how many tasks to hand over, one for every process, so that its death costs one task."""
         return self._workers
 
     def submit(self, job: TaskSettings, batch: Batch) -> Future[list[RunResult]]:
@@ -288,10 +288,10 @@ def work(
                     elif error is not None:
                         broken = _broken(error)
                     else:
-                        found = task.result()
-                        sizes.note(found)
-                        yield from found
-                        made = {outcome.run for outcome in found}
+                        results = task.result()
+                        sizes.note(results)
+                        yield from results
+                        made = {outcome.run for outcome in results}
                         alone.extend(run for run in runs if run not in made)  # a worker was interrupted
                 idle()
                 if broken is not None:
@@ -336,7 +336,7 @@ class _TaskSizes:
             count = max(1, min(int(_TASK / mean), _MOST_IN_A_TASK, math.ceil(len(queue) / max(2 * room, 1))))
         return [queue.popleft() for _ in range(min(count, len(queue)))]
 
-    def note(self, found: Sequence[RunResult]) -> None:
+    def note(self, results: Sequence[RunResult]) -> None:
         """Learn from the wall time of runs."""
-        self._seconds += sum(outcome.results.get("wall_time", 0.0) for outcome in found)
-        self._runs += len(found)
+        self._seconds += sum(outcome.results.get("wall_time", 0.0) for outcome in results)
+        self._runs += len(results)

@@ -1,4 +1,4 @@
-"""A load moved by sliders: what is shown of a rod under it, at once and when there is time."""
+"""A load moved by sliders, and pictures of a rod under it, drawn at once and when there is time."""
 
 from __future__ import annotations
 

@@ -23,7 +23,7 @@ class Background:
     def __init__(self) -> None:
         """Wait for a first job."""
         self._jobs: SimpleQueue[tuple[int, Job] | None] = SimpleQueue()
-        self._found: SimpleQueue[tuple[int, ViewParts | BaseException | None]] = SimpleQueue()
+        self._finished: SimpleQueue[tuple[int, ViewParts | BaseException | None]] = SimpleQueue()
         self._latest = 0
         self._busy = False
         self._working = threading.Lock()
@@ -46,21 +46,21 @@ class Background:
             yield from job(lambda: False)
 
     def fetch(self) -> tuple[list[ViewParts], bool]:
-        """Return what the latest job has found since the last time, and whether it continues; raise its error."""
+        """Return panels finished by the latest job since the last call, and whether it continues; raise its error."""
         parts: list[ViewParts] = []
         while True:
             try:
-                number, found = self._found.get_nowait()
+                number, outcome = self._finished.get_nowait()
             except Empty:
                 return parts, self._busy
             if number != self._latest:
                 continue
-            if isinstance(found, dict):
-                parts.append(found)
+            if isinstance(outcome, dict):
+                parts.append(outcome)
                 continue
             self._busy = False
-            if found is not None:
-                raise found
+            if outcome is not None:
+                raise outcome
 
     def stop(self) -> None:
         """End the thread as soon as its job allows."""
@@ -75,9 +75,9 @@ class Background:
                 try:
                     self._do(number, job)
                 except Exception as error:
-                    self._found.put((number, error))
+                    self._finished.put((number, error))
                 else:
-                    self._found.put((number, None))
+                    self._finished.put((number, None))
 
     def _do(self, number: int, job: Job) -> None:
         def stale() -> bool:
@@ -88,4 +88,4 @@ class Background:
         for parts in job(stale):
             if stale():
                 return
-            self._found.put((number, parts))
+            self._finished.put((number, parts))

@@ -13,7 +13,7 @@ from floquetrod.units import Unit
 def command(rod: Rod, load: Load, shown: Mapping[str, Unit], options: Sequence[str] | None) -> str:
     """Return the command that checks exactly this load: the terminal's where it can name rod and load, else Python's.
 
-    ``options`` are those of the terminal that name the rod and a measured force; None finds them for nitinol.
+    ``options`` of the terminal name the rod and a measured force; None finds them for nitinol.
     """
     options = _named(rod) if options is None else options
     if options is None or (load.waveform != "sine" and "--force" not in options):

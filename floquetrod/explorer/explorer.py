@@ -83,7 +83,7 @@ class Explorer:
             first["load"],
             self._moved,
             self._begin,
-            self._found,
+            self._fetched,
         )
         self.window.show(first)
         self.window.when_closed(self._background.stop)
@@ -116,7 +116,7 @@ class Explorer:
         return self._view.in_time(self.load, stale)
 
     def _moved(self, name: str, value: float) -> ViewParts:
-        """Return what is shown at once when a quantity, in SI units, has been moved, and start on the rest."""
+        """Return the panels shown at once when a quantity, in SI units, has been moved, and start on the rest."""
         numbers = {each: getattr(self.load, each) for each in self._units} | {name: value}
         self.load = self.load.with_numbers(**numbers)
         self._margins = {}
@@ -129,11 +129,11 @@ class Explorer:
     def _begin(self) -> None:
         self._background.start(self._in_time)
 
-    def _found(self) -> ViewParts:
-        """Return what was found since the last time, and whether more is to come."""
-        found, busy = self._background.fetch()
+    def _fetched(self) -> ViewParts:
+        """Return the panels finished since the last call, and whether more are to come."""
+        finished, busy = self._background.fetch()
         parts: ViewParts = {}
-        for each in found:
+        for each in finished:
             parts |= self._with_margins(each)
         return parts | {"busy": busy}
 
@@ -148,14 +148,14 @@ class Explorer:
 
 def _rounded(limits: dict[str, tuple[float, float]], units: dict[str, known.Unit]) -> dict[str, tuple[float, float]]:
     """Return limits moved outwards to whole steps of their sliders."""
-    found = {}
+    rounded = {}
     for name, (low, high) in limits.items():
         unit = units[name]
         size = step(unit.of(low), unit.of(high))
         first, last = math.floor(unit.of(low) / size + 1e-9), math.ceil(unit.of(high) / size - 1e-9)
         # A frequency is never zero.
-        found[name] = (float(unit.si(first * size)) if first or not low else low, float(unit.si(last * size)))
-    return found
+        rounded[name] = (float(unit.si(first * size)) if first or not low else low, float(unit.si(last * size)))
+    return rounded
 
 
 def _units(rod: Rod, names: Mapping[str, str]) -> dict[str, known.Unit]:

@@ -26,7 +26,7 @@ class Scale(NamedTuple):
 
     @classmethod
     def of(cls, rod: Rod) -> Scale:
-        """Return the scale of a rod; other than hinged ends double that of a short one, as clamped ones do."""
+        """Return the scale of a rod; ends other than hinged double the scale of a short one, as clamped ones do."""
         if rod.critical_mode >= 1.0:
             return cls(rod.critical_force, rod.pendulum_frequency)
         first = float(rod.natural_frequency(1)) * (1.0 if rod.end_conditions.are_hinged else 2.0)
@@ -57,7 +57,7 @@ class Scale(NamedTuple):
 
 
 def step(low: float, high: float) -> float:
-    """Return the largest 1, 2 or 5 times a power of ten of which there are a thousand between the ends.
+    """Return the largest 1, 2 or 5 times a power of ten that fits a thousand times between the ends.
 
     >>> step(0.0, 1.9)
     0.001

@@ -91,7 +91,7 @@ def _ending(stale: Stale) -> Progress:
 
 
 class GrowingMap(PanelSource):
-    """Cells judged in time, the large ones first; keeps what is known at an amplitude."""
+    """Cells judged in time, the large ones first; keeps the known cells of an amplitude."""
 
     def __init__(self, model: ModeModel, limits: dict[str, tuple[float, float]]) -> None:
         """Know nothing."""
@@ -122,7 +122,7 @@ class GrowingMap(PanelSource):
             for number, (low, high) in zip(_MAP, (self.limits["frequency"], self.limits["mean"]), strict=True)
         )
 
-        def found(places: NDArray[np.int64]) -> None:
+        def judge(places: NDArray[np.int64]) -> None:
             column, row = places.T
             loads = Loads((len(places),), mean[row], np.full(len(places), load.amplitude), frequency[column])
             self._cells[row, column] = statuses_and_rates(self.model, loads)[0]
@@ -133,7 +133,7 @@ class GrowingMap(PanelSource):
                 [(i, j) for i in range(side // 2, _MAP[0], side) for j in range(side // 2, _MAP[1], side)]
             )
             unknown = self._cells[places[:, 1], places[:, 0]] == UNKNOWN
-            for _ in in_portions(places[unknown], found, stale):
+            for _ in in_portions(places[unknown], judge, stale):
                 yield {"map": MapView(self._filled(side), None)}
 
     def _filled(self, side: int) -> NDArray[np.int8]:

@@ -66,7 +66,7 @@ class ModesAndRates(PanelSource):
 
 
 class LineAndShape(PanelSource):
-    """Growth over the frequency and the shape that grows, found in time; keeps what is known of the line."""
+    """Growth over the frequency and the shape that grows, found in time; keeps the known points of the line."""
 
     panels: ClassVar[tuple[str, str]] = ("line", "shape")
 
@@ -105,13 +105,13 @@ class LineAndShape(PanelSource):
         every = self._frequencies
         yield {"line": LineView(every, self._growth.copy())}
 
-        def found(chosen: NDArray[np.int64]) -> None:
+        def compute(chosen: NDArray[np.int64]) -> None:
             self._growth[chosen] = statuses_and_rates(self.model, Loads.along(load, "frequency", every[chosen]))[1]
             self._tried[chosen] = True
 
         for number in numbers:
             wanted = np.arange(0, _LINE[-1], (_LINE[-1] - 1) // (number - 1))
-            for _ in in_portions(wanted[~self._tried[wanted]], found, stale):
+            for _ in in_portions(wanted[~self._tried[wanted]], compute, stale):
                 yield {"line": LineView(every, self._growth.copy())}
 
 

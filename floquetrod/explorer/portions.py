@@ -18,22 +18,24 @@ _AT_ONCE = 0.15  # seconds after which what was found is shown (a choice)
 def statuses_and_rates(model: ModeModel, loads: Loads) -> tuple[NDArray[np.int8], NDArray[np.float64]]:
     """Return statuses and growth rates in 1/s; -1 and NaN of loads that cannot be judged."""
     try:
-        found = model.answers(loads)
+        answers = model.answers(loads)
     except ValueError:  # a resonance of axial waves, or too many modes
         if loads.size == 1:
             return np.array([-1], dtype=np.int8), np.array([np.nan])
         each = [statuses_and_rates(model, loads.some(slice(i, i + 1))) for i in range(loads.size)]
         statuses, rates = zip(*each, strict=True)
         return np.concatenate(statuses), np.concatenate(rates)
-    return found.status, found.growth
+    return answers.status, answers.growth
 
 
-def in_portions(wanted: NDArray[np.int64], found: Callable[[NDArray[np.int64]], None], stale: Stale) -> Iterator[None]:
-    """Yield after each portion of what is wanted, of a size that takes about as long as may pass unseen."""
+def in_portions(
+    wanted: NDArray[np.int64], compute: Callable[[NDArray[np.int64]], None], stale: Stale
+) -> Iterator[None]:
+    """Compute the wanted points in portions, each about as long as a pause that nobody notices; yield after each."""
     at, size = 0, 4
     while at < len(wanted) and not stale():
         began = time.monotonic()
-        found(wanted[at : at + size])
+        compute(wanted[at : at + size])
         taken = time.monotonic() - began
         at += size
         yield

@@ -16,14 +16,14 @@ class PanelSource(ABC):
 
     @abstractmethod
     def at_once(self, load: Load) -> ViewParts:
-        """Return what follows a slider; what is no longer so disappears."""
+        """Return the panels that follow a slider; outdated ones come empty."""
 
     def first(self, load: Load, verdict: RodStability, stale: Stale) -> Iterator[ViewParts]:
-        """Yield what is to be seen soon after the verdict, by default nothing."""
+        """Yield the panels shown soon after the verdict, by default none."""
         return iter(())
 
     def rest(self, load: Load, stale: Stale) -> Iterator[ViewParts]:
-        """Yield what else there is to find, by default nothing."""
+        """Yield the remaining panels, by default none."""
         return iter(())
 
 

@@ -59,6 +59,6 @@ class View:
         """Return the verdict, if it takes no longer than a slider may wait."""
         if not self.model.prompt:
             return "being judged ..."
-        rate, mode = (found[0] for found in self.model.fastest(Loads.single(load)))
+        rate, mode = (values[0] for values in self.model.fastest(Loads.single(load)))
         words = f"mode {mode} grows" if mode > 0 else "growth"
         return verdict_words("unstable" if rate > 0.0 else "stable", float(rate), words)

@@ -27,7 +27,7 @@ def verdict_words(status: str, rate: float, what: str) -> str:
 
 def margin_words(margins: Mapping[str, Margin], load: Load, shown: Mapping[str, Unit]) -> str:
     """Return between what each quantity may move, the others staying, until the verdict changes."""
-    found = []
+    phrases = []
     for name, margin in margins.items():
         unit, here = shown[name], getattr(load, name)
         low, high = (f"{unit.of(here + change):.4g}" for change in (-margin.below, margin.above))
@@ -35,5 +35,5 @@ def margin_words(margins: Mapping[str, Margin], load: Load, shown: Mapping[str, 
         ends += [f"below {high}"] if math.isfinite(margin.above) else []
         if len(ends) == 2:
             ends = [f"{low} to {high}"]
-        found.append(f"{name} {ends[0]} {unit.name}" if ends else f"any {name} in reach")
-    return "same verdict for " + ", ".join(found) if found else ""
+        phrases.append(f"{name} {ends[0]} {unit.name}" if ends else f"any {name} in reach")
+    return "same verdict for " + ", ".join(phrases) if phrases else ""

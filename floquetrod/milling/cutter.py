@@ -177,16 +177,16 @@ class Cutter(ByContent):
         entry, leave = self.angles
         if abs(entry) < 1e-12 and abs(leave - math.pi) < 1e-12 and self.teeth % 2 == 0:
             return ()  # as one tooth leaves another enters, and neither cuts there
-        found: list[float] = []
+        jumps: list[float] = []
         for angle in sorted(angle % self.pitch for angle in (entry, leave)):
             at = 0.0 if self.pitch - angle < 1e-9 else angle
-            found += [] if any(abs(at - other) < 1e-9 for other in found) else [at]
-        return tuple(found)
+            jumps += [] if any(abs(at - other) < 1e-9 for other in jumps) else [at]
+        return tuple(jumps)
 
     def cutting(self, angle: Any) -> Floats:
         """Return H, in Pa, of the modes, with a tooth at angles in rad (array_like): of shape (..., n, n).
 
-        ValueError or TypeError for angles that are no finite numbers.
+        ValueError or TypeError for angles other than finite numbers.
         """
         angle = units.array("angle", angle, "angle", -validate.LARGEST, validate.LARGEST)
         entry, leave = self.angles
@@ -244,7 +244,7 @@ class Cutter(ByContent):
         return DelaySystem.from_pieces(now, delayed=[(sum(map(Fraction, lengths)), back)], **others)
 
     def stability(self, speed: Any, depth: Any) -> SystemStability:
-        """Return the verdict at a spindle speed and an axial depth of cut, whose period is that between teeth.
+        """Return the verdict at a spindle speed and an axial depth of cut; its period is the time between teeth.
 
         Parameters
         ----------
@@ -253,8 +253,8 @@ class Cutter(ByContent):
         depth : str or float
             As of `system`.
         """
-        found: SystemStability = stability(self.system(speed, depth))
-        return found
+        verdict: SystemStability = stability(self.system(speed, depth))
+        return verdict
 
     def __repr__(self) -> str:
         """Return what the cutter is."""

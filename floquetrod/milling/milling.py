@@ -58,7 +58,7 @@ class Milling(Cutter):
     def from_toml(cls, path: str | Path) -> Self:
         """Return the cutter of a TOML file: a table [tool] with the parameters, [[tool.x]] and [[tool.y]] with modes.
 
-        Keys are those of the parameters, of a mode those of `ToolMode`; ``speed`` and ``depth``, ranges for the lobes,
+        Keys are names of the parameters, of a mode as in `ToolMode`; ``speed`` and ``depth``, ranges for the lobes,
         are for the terminal.
 
         Parameters

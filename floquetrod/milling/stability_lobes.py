@@ -54,7 +54,7 @@ class Lobe(NamedTuple):
     Attributes
     ----------
     kind : {"Hopf", "flip", "fold"}
-        How the vibration begins: with a frequency near that of a mode, with twice the time between teeth as its period,
+        How the vibration begins: with a frequency near a mode's, with twice the time between teeth as its period,
         or with that time.
     number : int
         Whole vibrations between two teeth.
@@ -88,9 +88,9 @@ class Lobes(Reported, NoTruthValue, ByContent):
     ----------
     milling : Milling
     chart : Chart
-        Depth of cut in mm over spindle speed in rpm; its ``bands`` are those of chatter.
+        Depth of cut in mm over spindle speed in rpm; its ``bands`` are of chatter.
     speeds : ndarray (m,)
-        Spindle speeds in rad/s, those of the chart.
+        Spindle speeds of the chart, in rad/s.
     depths : ndarray (m,)
         The critical depth in m at each, infinite where none is found.
     lobes : tuple of Lobe
@@ -112,7 +112,7 @@ class Lobes(Reported, NoTruthValue, ByContent):
         return draw_lobes(self, ax)
 
     def report(self) -> Report:
-        """Return the lobes as a table, those of one name one below the other; where there are none, why."""
+        """Return the lobes as a table, grouped by name; where there are none, why."""
         if not self.lobes:
             return Report(f"{repr(self.milling).strip('<>')}: {self.none_in_range}")
         names = list(dict.fromkeys(map(str, self.lobes)))
@@ -187,10 +187,10 @@ class CuttingPlane(Family):
     def verdicts(self, x: Floats, y: Floats, *, growth: bool = False, quick: bool = False) -> Verdicts:
         """Return verdicts, and growth rates in 1/s where they must be known or were needed."""
         speeds, depths = np.broadcast_arrays(x, y)
-        found = judged(self.milling, speeds.ravel(), depths.ravel(), growth=growth)
+        verdicts = judged(self.milling, speeds.ravel(), depths.ravel(), growth=growth)
         periods = self.milling.pitch / speeds
-        rates = np.maximum(found.growth, 0.0).reshape(speeds.shape) / periods
-        return Verdicts(found.status.reshape(speeds.shape), rates)
+        rates = np.maximum(verdicts.growth, 0.0).reshape(speeds.shape) / periods
+        return Verdicts(verdicts.status.reshape(speeds.shape), rates)
 
 
 def judged(milling: Cutter, speeds: Floats, depths: Floats, *, growth: bool = False) -> ManyVerdicts:
@@ -240,10 +240,10 @@ def _breaks(milling: Cutter, pieces: int) -> tuple[float, ...]:
     """Return the ends of pieces as parts of the time between teeth, the longest part between jumps cut into some."""
     edges = sorted({0.0, *(angle / milling.pitch for angle in milling.jumps), 1.0})
     longest = max(high - low for low, high in pairwise(edges))
-    found = [0.0]
+    breaks = [0.0]
     for low, high in pairwise(edges):
-        found += np.linspace(low, high, math.ceil(pieces * (high - low) / longest - 1e-9) + 1)[1:].tolist()
-    return tuple(found)
+        breaks += np.linspace(low, high, math.ceil(pieces * (high - low) / longest - 1e-9) + 1)[1:].tolist()
+    return tuple(breaks)
 
 
 @functools.lru_cache(maxsize=32)
@@ -299,9 +299,9 @@ def _first(milling: Cutter, speeds: Floats, tried: Floats, status: NDArray[np.in
     first = chatter.argmax(axis=1)
     low, high = tried[np.maximum(first - 1, 0)], tried[first]
     result = np.where(chatter[:, 0], 0.0, math.inf)
-    found = chatter.any(axis=1) & ~chatter[:, 0]
-    if found.any():
-        result[found] = _crossed(milling, speeds[found], low[found], high[found])
+    bracketed = chatter.any(axis=1) & ~chatter[:, 0]
+    if bracketed.any():
+        result[bracketed] = _crossed(milling, speeds[bracketed], low[bracketed], high[bracketed])
     return result
 
 
@@ -334,12 +334,12 @@ def _crossed(milling: Cutter, speeds: Floats, low: Floats, high: Floats) -> Floa
 def _logs(milling: Cutter, speeds: Floats, depths: Floats) -> Floats:
     """Return the logarithms of the largest moduli (b,), with nodes enough for some ten digits."""
     pieces, counts = _resolution(milling, speeds, depths)
-    found = np.empty(speeds.size)
+    logs = np.empty(speeds.size)
     for each, count in {*zip(pieces.tolist(), counts.tolist(), strict=True)}:
         some = np.flatnonzero((pieces == each) & (counts == count))
         maps = _maps(milling, speeds[some], depths[some], each, count + _ENOUGH)
-        found[some] = np.log(delay_growth.moduli(maps))
-    return found
+        logs[some] = np.log(delay_growth.moduli(maps))
+    return logs
 
 
 def lobes_of(milling: Cutter, speed: Any, depth: Any, *, growth: bool) -> Lobes:
@@ -380,14 +380,14 @@ def _named(milling: Cutter, speeds: Floats, depths: Floats) -> list[Lobe]:
         if last is None or (one.kind, math.floor(one.turns)) != (last.kind, math.floor(last.turns)):
             groups.append([])
         groups[-1].append(i)
-    found = []
+    lobes = []
     for members in groups:
         lowest = min(members, key=lambda i: float(depths[i]))
         onset, speed = onsets[lowest], float(speeds[lowest])
         ends = float(speeds[members[0]]), float(speeds[members[-1]])
         frequency = onset.turns * 2.0 * math.pi * speed / milling.pitch
-        found.append(Lobe(onset.kind, math.floor(onset.turns), ends, float(depths[lowest]), speed, frequency))
-    return found
+        lobes.append(Lobe(onset.kind, math.floor(onset.turns), ends, float(depths[lowest]), speed, frequency))
+    return lobes
 
 
 def _onset(milling: Cutter, speed: float, depth: float) -> _Onset:
@@ -407,7 +407,7 @@ def _turns(milling: Cutter, vector: Complexes, angle: float, speed: float, piece
     """Return how often a solution vibrates between teeth: of angle / 2 pi + k one that is strong in it.
 
     In deep cuts, which vary stiffness as much as the tool has, several are about as strong.  The one nearest to a
-    natural frequency names the lobe, so that those of neighbouring speeds are numbered one after the other.
+    natural frequency names the lobe, so that lobes of neighbouring speeds are numbered one after the other.
     """
     on, _ = _cut(milling, pieces, count)
     n, kept = len(milling.modes), count + 2

@@ -26,7 +26,7 @@ class ToolFile(NamedTuple):
 
 
 def read_tool(path: str | Path) -> ToolFile:
-    """Return the table [tool] of a TOML file; ValueError names file and key of what is missing or not known."""
+    """Return the table [tool] of a TOML file; ValueError names the file and a missing or unknown key."""
     path = validate.path("path", path)
     table = read_toml(path, "tool file")
     try:

@@ -55,7 +55,7 @@ def draw_over_parameter(
     """Draw heights of orbits and of special points over the parameter times ``scale``.
 
     ``rests`` are values of the parameter at which the branch comes to height 0 beyond its first orbit and its last.
-    With ``fine`` parts between two orbits, squares of heights go along straight lines, as those of motion do near rest.
+    With ``fine`` parts between two orbits, squares of heights go along straight lines, as they do near rest.
     """
     lines = _parts(branch, heights, of_points, rests)
     for status, style in _LINES.items():
@@ -90,18 +90,18 @@ def _parts(
         points.insert(0, (rests[0], 0.0, names[0]))
     if rests[1] is not None:
         points.append((rests[1], 0.0, names[-1]))
-    found: dict[str, list[tuple[list[float], list[float]]]] = {name: [] for name in _LINES}
+    lines: dict[str, list[tuple[list[float], list[float]]]] = {name: [] for name in _LINES}
     last = None
     for (x0, y0, before), (x1, y1, behind) in pairwise(points):
         name = behind if before is None else before if behind in (None, before) else "undecided"
         name = last or "undecided" if name is None else name
         if name == last:
-            found[name][-1][0].append(x1)
-            found[name][-1][1].append(y1)
+            lines[name][-1][0].append(x1)
+            lines[name][-1][1].append(y1)
         else:
-            found[name].append(([x0, x1], [y0, y1]))
+            lines[name].append(([x0, x1], [y0, y1]))
         last = name
-    return found
+    return lines
 
 
 def _new(ax: Any, label: str) -> str | None:
@@ -110,7 +110,7 @@ def _new(ax: Any, label: str) -> str | None:
 
 
 def _heights(result: Any, state: int, quantity: str) -> Any:
-    """Return what is drawn of a branch, a list, or of a special point, a number."""
+    """Return the drawn heights of a branch, a list, or of a special point, a number."""
     values = np.asarray(getattr(result, quantity))
     return (values if quantity == "period" else values[..., state]).tolist()
 

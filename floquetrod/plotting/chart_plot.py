@@ -150,7 +150,7 @@ def patch(name: str, style: Mapping[str, Any]) -> Any:
 
 
 def title(chart: Any) -> str:
-    """Return what is charted and the values of what does not vary, in three digits; the note has what is too long.
+    """Return the charted quantity and the values of fixed ones, in three digits; the note has the parts too long.
 
     Before them stands the name of the user's function that makes the equations, where it has one.
     """
@@ -175,7 +175,7 @@ def growth_label(unit: str) -> str:
 
 
 def _draw_cells(chart: Any, ax: Any) -> None:
-    """Draw what is proved of each cell: white where stable, orange where not, neutral on a boundary, else hatched."""
+    """Draw the proof of each cell: white where stable, orange where not, neutral on a boundary, else hatched."""
     from matplotlib.collections import PolyCollection
     from matplotlib.colors import to_rgba
 

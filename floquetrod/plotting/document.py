@@ -55,7 +55,7 @@ img { width: 100%; height: auto; max-height: 25cm; object-fit: contain; border-r
 
 
 class DocumentSection(NamedTuple):
-    """A part of a document: a title, what is said, and what is drawn, axes or a figure, when it is written."""
+    """A part of a document: a title, a report, and a function that draws axes or a figure when it is written."""
 
     title: str
     report: Report | None = None
@@ -170,7 +170,7 @@ def _height(picture: Any) -> float:
 def _wrapped(text: str) -> Iterator[Sequence[str]]:
     """Yield the lines of a report in parts no wider than a page, the later ones under the last column of the first."""
     for line in text.splitlines():
-        columns = [found.end() for found in re.finditer(r"(?<=\S) {2,}(?=\S)|^ +", line)]
+        columns = [match.end() for match in re.finditer(r"(?<=\S) {2,}(?=\S)|^ +", line)]
         indent = " " * min(columns[-1] if columns else 0, _COLUMNS - _NARROWEST)
         yield textwrap.wrap(line, _COLUMNS, subsequent_indent=indent, replace_whitespace=False) or [""]
 

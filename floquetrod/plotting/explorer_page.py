@@ -46,20 +46,20 @@ class ExplorerWindow:
         numbers: Mapping[str, float],
         moved: Callable[[str, float], Mapping[str, Any]],
         begin: Callable[[], None],
-        found: Callable[[], Mapping[str, Any]],
+        fetch: Callable[[], Mapping[str, Any]],
     ) -> None:
         """Open the window.
 
         ``moved`` is asked for what to show when a quantity has been moved, to a value in SI units; ``begin`` is called
         when a live window has been drawn first, and then ``found`` is called repeatedly for the results found
-        since.  Limits, ``numbers`` to begin with and what is shown are in SI units, on
+        since.  Limits, ``numbers`` to begin with and panels are in SI units, on
         the screen in ``units``; ``steps`` of the sliders are in these.
         """
         import matplotlib as mpl
         from matplotlib import pyplot
 
         self.figure: Any = pyplot.figure(figsize=(11.0, 7.0))
-        self._moved, self._begin, self._found, self._units = moved, begin, found, units
+        self._moved, self._begin, self._fetch, self._units = moved, begin, fetch, units
         areas = self.figure.subplots(1, 3)
         self._areas = list(areas)
         self._map = Map(areas[0], limits, units)
@@ -160,7 +160,7 @@ class ExplorerWindow:
         return float(self._units[name].si(float(f"{value:.{_DIGITS}g}")))
 
     def show(self, parts: Mapping[str, Any]) -> None:
-        """Replace some of what is shown: panels by their names, "load", "busy", and words."""
+        """Replace panels by their names, "load", "busy", and words."""
         changed = self._rest is None
         for name, part in parts.items():
             if name == "load":
@@ -212,7 +212,7 @@ class ExplorerWindow:
             artist.axes.draw_artist(artist)
 
     def _look(self) -> None:
-        parts = self._found()
+        parts = self._fetch()
         if len(parts) > 1 or parts["busy"] != bool(self._texts["busy"].get_text()):
             self.show(parts)
 

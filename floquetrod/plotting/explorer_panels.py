@@ -18,7 +18,7 @@ from floquetrod.plotting.chart_plot import NAMES
 from floquetrod.units import Unit, label
 
 UNKNOWN = -2
-"""Cells of a map that are not judged yet; the others are a status, undecided -1, unstable 0, stable 1."""
+"""Cells of a map without a verdict yet; the others are a status, undecided -1, unstable 0, stable 1."""
 
 _STRAIGHT = 2.0  # natural frequencies over the load's up to which their axis is linear: the first four tongues
 _TICKS = (0, 1, 10, 100, 1000, -1, -10, -100, -1000, 0.5, 2, 5, 20, 50, -2, 1.5)
@@ -242,7 +242,7 @@ class GrowthLine:
         self._here.set_data([here, here], [0.0, 1e12])
 
     def show(self, view: LineView) -> bool:
-        """Show what is known of the growth."""
+        """Show the known growth."""
         known = np.isfinite(view.growth)
         self._curve.set_data(self._unit.of(view.frequency[known]), view.growth[known])
         top = fitting(float(view.growth[known].max(initial=0.0)), self._top)
@@ -292,7 +292,7 @@ def straightened(ratio: Any, *, back: bool = False) -> Any:
 
 
 def fitting(highest: float, top: float) -> float:
-    """Return the end of an axis for values up to ``highest``: as it is for 0 and up to ten times too large."""
+    """Return the end of an axis for values up to ``highest``: unchanged for 0 and up to ten times too large."""
     if highest == 0.0:
         return top or 1.0
     wanted = _step_above(highest)

@@ -55,7 +55,7 @@ def add_labels(ax: Any, bands: Sequence[Any], *, halo: bool, note: Callable[[str
 
 
 def add_names(ax: Any, names: Sequence[str], shapes: Sequence[Any]) -> None:
-    """Write names into polygons, which have ``x`` and ``y``, whenever axes are drawn; upwards in what is narrow."""
+    """Write names into polygons, which have ``x`` and ``y``, whenever axes are drawn; upwards in narrow ones."""
     order = sorted(range(len(names)), key=lambda i: _area(shapes[i]), reverse=True)
     ax.add_artist(_artists().labels([names[i] for i in order], [shapes[i] for i in order], False, True))
 
@@ -64,21 +64,21 @@ def places(wanted: Sequence[tuple[Floats, Floats, float, float]], free: Mask) ->
     """Return where labels go: in the middle of the roomiest part of each polygon, None where there is too little room.
 
     ``wanted`` are polygons and the size of their labels, (x, y, width, height) in cells, the most important one first.
-    Only cells that are ``free`` (rows, columns) are written on, not where two of the polygons or labels overlap.
+    Only ``free`` cells (rows, columns) are written on, not where two of the polygons or labels overlap.
     """
     covers = [_inside(x, y, free.shape) for x, y, _, _ in wanted]
     count = np.zeros(free.shape, dtype=np.int32)
     for cover in covers:
         count += cover
-    free, found = free & (count == 1), []
+    free, positions = free & (count == 1), []
     for cover, (_, _, width, height) in zip(covers, wanted, strict=True):
         place = _roomiest(cover & free, width, height)
-        found.append(place)
+        positions.append(place)
         if place is not None:
             column, row = (round(value) for value in place)
             across, up = int(width) // 2 + 1, int(height) // 2 + 1
             free[max(0, row - up) : row + up + 1, max(0, column - across) : column + across + 1] = False
-    return found
+    return positions
 
 
 def _roomiest(mask: Mask, width: float, height: float) -> tuple[float, float] | None:
@@ -168,11 +168,11 @@ def _artists() -> _Artists:
                     text.set_rotation(90.0)
                     width, height = height, width
                 wanted.append((x, y, width, height))
-            found = places(wanted, _free(axes, renderer, cell))
-            for text, place in zip(self.texts, found, strict=True):
+            positions = places(wanted, _free(axes, renderer, cell))
+            for text, place in zip(self.texts, positions, strict=True):
                 if place is not None:
                     text.set_position((window.x0 + (place[0] + 0.5) * cell, window.y0 + (place[1] + 0.5) * cell))
-            return [number for number, place in enumerate(found) if place is not None]
+            return [number for number, place in enumerate(positions) if place is not None]
 
         def draw(self, renderer: Any) -> None:
             """Draw the labels for which there is room."""

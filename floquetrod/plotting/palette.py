@@ -1,8 +1,8 @@
 """The colours of every picture: each has one meaning, differs in lightness from the others, and is named only here.
 
-What is stable is white and what is unstable orange, the darker the faster; between orange, white, grey and black nobody
-has to tell red from green, and in print their lightness tells them apart.  Greys and black are lines, text and what is
-neither stable nor unstable.
+Stable is white and unstable orange, the darker the faster; between orange, white, grey and black nobody
+has to tell red from green, and in print their lightness tells them apart.  Greys and black are lines, text and
+whatever is neither stable nor unstable.
 """
 
 from __future__ import annotations
@@ -43,7 +43,7 @@ POINT: dict[str, Any] = {"marker": "o", "color": "black", "markerfacecolor": STA
 
 
 def verdicts() -> Any:
-    """Return the map of colours for arrays that are 0 where stable and 1 where not."""
+    """Return the map of colours for arrays with 0 where stable and 1 where not."""
     return _colours([STABLE, UNSTABLE], 2)
 
 

@@ -61,7 +61,7 @@ def draw_growth(run: Any, modes: Sequence[int], rates: Sequence[float], ax: Any 
     """Draw the size of some modes of a run over time on a logarithmic scale, dashed the growth each is predicted.
 
     A prediction passes through the mode's largest amplitude of the first half of the time below 0.05 rad, beyond which
-    motion is not linear; ``rates`` in 1/s, those of zero are not drawn.  A note is written over the legend.
+    motion is not linear; ``rates`` in 1/s, zeros are not drawn.  A note is written over the legend.
     """
     ax = axes_or_new(ax)
     sizes = np.degrees(np.abs(run.mode_amplitudes(modes)))

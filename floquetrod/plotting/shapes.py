@@ -118,7 +118,7 @@ def _outline(bands: Any) -> Any:
 
 
 def _frame(ax: Any, bands: Any, heading: str, note: str, handles: Sequence[Any]) -> None:
-    """Label the axes, say what is drawn, and let the axes end where the plane does."""
+    """Label the axes, title them, and let them end where the plane does."""
     finish(ax, bands, heading, note, handles)
     ax.set_xlim(*bands.x.values)
     ax.set_ylim(*bands.y.values)

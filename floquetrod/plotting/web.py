@@ -176,7 +176,7 @@ class Page:
         self._socket = socket
 
     def handle(self, message: str | bytes) -> None:
-        """Do what the page says; what is no event of a page is passed over."""
+        """Act on an event of the page; messages of any other kind are passed over."""
         try:
             content = json.loads(message, parse_constant=_refused)
             kind = content.get("type") if isinstance(content, dict) else None
@@ -202,7 +202,7 @@ class Page:
             self._manager.handle_json({"type": "resize", "width": width, "height": height})
 
     def is_on(self, socket: Any) -> bool:
-        """Return whether a socket is that of this page."""
+        """Return whether a socket belongs to this page."""
         return socket is self._socket
 
     def close(self) -> None:
@@ -295,7 +295,7 @@ def _application(opened: Callable[[], Shown], token: str, host: str, title: str)
             self.finish(picture.getvalue())
 
     class Cut(Guarded):
-        """The address as it is copied at times, without the slash at its end."""
+        """The address without the slash at its end, as people copy it at times."""
 
         def get(self) -> None:
             self.redirect(f"{self.request.path}/")

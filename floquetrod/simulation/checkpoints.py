@@ -1,4 +1,4 @@
-"""Checkpoints: files from which a simulation continues bit for bit."""
+"""Checkpoints: files with which a simulation continues bit for bit."""
 
 from __future__ import annotations
 

@@ -86,7 +86,7 @@ class Driving:
 
     @property
     def axial_damping(self) -> float:
-        """Decay rate of motion along the channel in 1/s, that of the waves where there are any, else that across."""
+        """Decay rate of motion along the channel in 1/s: of axial waves where there are any, else the rate across."""
         return self._wave.axial_damping
 
     @cached_property
@@ -143,7 +143,7 @@ class Driving:
         """
         first, last = self.mean_forces
         vibrates = self.load.amplitude > 0.0 and any(end.drive for end in self.ends)
-        found = []
+        forces = []
         for k in np.argsort(-np.abs(self.harmonics), kind="stable")[:harmonics] if vibrates else [0]:
             frequency = float((k + 1) * self.load.frequency)
             s = np.linspace(0.0, self.rod.length, places)
@@ -154,12 +154,12 @@ class Driving:
                 s = np.append(s, fine[int(np.argmax(profile))])
                 amplitude = abs(self.harmonics[k]) * np.interp(s, fine, profile)
             most = LARGEST_STRAIN * self.rod.axial_rigidity
-            found.append((frequency, first + (last - first) * s / self.rod.length, np.minimum(amplitude, most)))
+            forces.append((frequency, first + (last - first) * s / self.rod.length, np.minimum(amplitude, most)))
         if self.tool is not None:  # of which half goes each way, as far as no end reflects it
             s = np.linspace(0.0, self.rod.length, places)
             shaken = np.full(places, self.tool.share * self.tool.amplitude)
-            found.append((self.tool.frequency, first + (last - first) * s / self.rod.length, shaken))
-        return found
+            forces.append((self.tool.frequency, first + (last - first) * s / self.rod.length, shaken))
+        return forces
 
     def _profile(self, s: NDArray[np.float64], frequency: float) -> NDArray[np.float64]:
         """Return the size along the rod of a vibration whose amplitude is 1 at the end that is driven."""
@@ -179,7 +179,7 @@ def half_waves(rod: RodData, load: Load, tool: VibrationTool | None = None) -> f
     """Return the number of half waves along the rod that a load is likely to excite, not rounded.
 
     Those of the critical mode; more where the force exceeds the critical one, as its square root; and of the free
-    motion at half the frequency, that of a tool too, which is in resonance first.
+    motion at half the frequency of the load, or of a tool, which is in resonance first.
     """
     shaken = 0.0 if tool is None else tool.share * tool.amplitude
     strongest = (abs(load.mean) + load.amplitude + shaken) / rod.critical_force

@@ -67,7 +67,7 @@ class Findings(Printed):
 
     @classmethod
     def of(cls, run: Any, *, theory: bool) -> Findings:
-        """Return the growth of a run and, if requested, that of theory."""
+        """Return the growth of a run and, if requested, of theory."""
         bare = cls(run, *_growth(run))
         if not theory:
             return bare
@@ -197,7 +197,7 @@ class Findings(Printed):
         return f"{text}; against friction the smallest kick found to buckle it is {kick}"
 
     def as_dict(self) -> dict[str, Any]:
-        """Return everything as numbers for JSON, units in the keys; None for what is not known."""
+        """Return everything as numbers for JSON, units in the keys; None for unknown values."""
         run, growing = self.run, self._growing
         return {
             "buckled": run.buckled,
@@ -271,7 +271,7 @@ _BOUNDS = {
 
 
 def _ends(run: Any, shown: Mapping[str, Unit]) -> list[str]:
-    """Return lines about ends that are moved, or pushed by another force than the load's."""
+    """Return lines about ends moved at a speed, or pushed by another force than the load's."""
     problem, lines = run.problem, []
     if problem.feed_speed is not None:
         most = shown["mean"].show(float(run.end_forces[:, 0].max()))

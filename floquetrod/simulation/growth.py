@@ -30,21 +30,21 @@ _MOST_NODES = 64  # whose motion is followed where modes are coupled (a choice)
 
 
 class GrowthFit(NamedTuple):
-    """The growth rate of a simulated motion, and how far it may be from that of the linear equations.
+    """The growth rate of a simulated motion, and its largest distance from the rate of the linear equations.
 
     Attributes
     ----------
     rate : float
         In 1/s, zero where nothing grows.
     start : float
-        Time in s from which on it was fitted.
+        Time in s at which the fit begins.
     end : float
         Time in s up to which.
     fit_error : float
         Estimate in 1/s of the fit's part of the error, from its residual and the disagreement of its halves.
     model_error : float
         Estimate in 1/s, by theory, of the difference of the simulated rod from the linear equations by the segments,
-        the floor indented by the weight, strain, and angles that are not small; `floquetrod.simulation.model_error`.
+        the floor indented by the weight, strain, and large angles; `floquetrod.simulation.model_error`.
     """
 
     rate: float
@@ -68,9 +68,9 @@ def growth_of_motion(
 ) -> GrowthFit:
     """Return the growth rate of a recorded motion while it is linear: of a mode or, with None, of the whole rod.
 
-    Of the whole rod it is that of its nodes together where modes are coupled; where they are independent, the fastest
-    of all modes that hold at least a hundredth of the largest amplitude in the end.
-    ``duration`` in s and ``frames`` are those of the whole run.  Raises ValueError where there are fewer than
+    Of the whole rod it is the rate of its nodes together where modes are coupled; where they are independent, the
+    fastest of all modes that hold at least a hundredth of the largest amplitude in the end.
+    ``duration`` in s and ``frames`` belong to the whole run.  Raises ValueError where there are fewer than
     three periods of linear motion, or fewer than 8 frames in each.
     """
     step = duration / (frames - 1)
@@ -125,11 +125,11 @@ def fit_growth(time: Floats, amplitudes: Floats, period: float, damping_rate: fl
     in pairs z, 1 / z once its decay is removed, B(t) = e^(c t) A(t).  With Y B(t) = B(t + n T) + B(t - n T)
     and any n, a pair obeys Y B = D B, D = z^n + z^-n, whatever the phase.  Of the functions B, Y B, ..., Y^(p-1) B,
     all amplitudes with the same factors, those mixtures are found that Y multiplies by numbers, in the least-squares
-    sense: p pairs, which may be complex.  The rate is that of the largest z.  n is as large as p leaves room for, which
+    sense: p pairs, which may be complex.  The rate follows from the largest z.  n is as large as p allows, which
     separates growth from what stays bounded.  Of p = 1 to 6 the one with the least error is taken.
 
     The error is what the residual allows, and the disagreement of two halves of equal weight.  Motion must show what
-    grows: a solution that is still hidden under others at the end is not seen, and the slower one of two that are
+    grows: a solution still hidden under others at the end is not seen, and the slower of two solutions
     excited alike must have fallen behind.
     """
     motion = np.reshape(amplitudes, (time.size, -1)) * np.exp(damping_rate * (time - time[-1]))[:, None]
@@ -199,11 +199,11 @@ def _powers(motion: Floats, lag: float, pairs: int) -> Floats:
     else:
         curve = make_interp_spline(np.arange(last + 1), motion, k=7)
         shifted = [curve(places + k * lag) for k in range(-pairs, pairs + 1)]
-    found = np.zeros((len(places), motion.shape[1], pairs + 1))
+    powers = np.zeros((len(places), motion.shape[1], pairs + 1))
     for k in range(pairs + 1):
         for j in range(k + 1):
-            found[..., k] += math.comb(k, j) * shifted[pairs + k - 2 * j]
-    return found
+            powers[..., k] += math.comb(k, j) * shifted[pairs + k - 2 * j]
+    return powers
 
 
 def _growths(roots: Any) -> Floats:

@@ -132,7 +132,7 @@ class Integration(Generic[Result]):
         return result
 
     def result(self) -> Result:
-        """Return what has been simulated so far."""
+        """Return the frames simulated so far."""
         steps, count = self.time_steps, self.done // self.time_steps.per_frame + 1
         energies = self._frames["energies"][:count]
         energy = dict(zip(ENERGIES, energies.T.copy(), strict=True))

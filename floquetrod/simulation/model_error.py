@@ -1,4 +1,4 @@
-"""What parts the growth of a simulated rod from that of its linear equations, estimated by these equations."""
+"""Differences between the growth of a simulated rod and its linear equations', estimated by these equations."""
 
 from __future__ import annotations
 
@@ -65,8 +65,8 @@ def model_errors(
     plain = growth()
 
     def change(**factors: float) -> float:
-        found = abs(growth(**factors) - plain)
-        return found if math.isfinite(found) else math.inf
+        difference = abs(growth(**factors) - plain)
+        return difference if math.isfinite(difference) else math.inf
 
     half = 0.5 * wavenumber * segment
     squared = math.sin(half) ** 2

@@ -16,7 +16,7 @@ from floquetrod.simulation.rod_mesh import DiscreteRod
 from floquetrod.wells.drag import Friction
 
 BUCKLED_ANGLE = math.radians(5.0)
-"""Angle beyond which a rod may count as buckled, that of the paper."""
+"""The paper's angle, beyond which a rod may count as buckled."""
 
 _CLEARLY_BUCKLED = math.radians(45.0)  # at which a run may stop early: from 19 degrees one fell back (a choice)
 _STILL = math.radians(1.0)  # by which no node of a rod at rest swings (a choice: small waves run on for long)
@@ -97,7 +97,7 @@ class Kick(NamedTuple):
 
     @classmethod
     def of(cls, mesh: DiscreteRod, friction: Friction, velocities: NDArray[np.float64]) -> Kick:
-        """Return that of a rod whose nodes start with these speeds across the channel, (nodes,), in m/s."""
+        """Return the kick of a rod whose nodes start with these speeds across the channel, (nodes,), in m/s."""
         rod, gravity = mesh.rod, mesh.gravity_on_wall
         # Coulomb: v / (mu g), by the smallest mu; damping e^(-c t).
         rubbing = min(friction.values) * gravity
@@ -143,7 +143,7 @@ def turned(angle: NDArray[np.float64]) -> NDArray[np.float64]:
 def outcome_of(
     time: NDArray[np.float64], angle: NDArray[np.float64], speeds: NDArray[np.float64], kick: Kick
 ) -> Outcome:
-    """Return what has become of a rod.
+    """Return the outcome of a run: quiet, buckled, at rest, dying out or swinging.
 
     Parameters
     ----------

@@ -57,7 +57,7 @@ def growing_waves(driving: Driving, duration: float) -> GrowingWaves:
     several places along the rod, for coupled modes too: waves short beside the rod follow the force where they are.
     Each harmonic of the force counts alone.
     """
-    constants, found = mode_constants(driving.rod), GrowingWaves(0, 0, 0.0)
+    constants, waves = mode_constants(driving.rod), GrowingWaves(0, 0, 0.0)
     for frequency, mean, amplitude in driving.forces(_PLACES, _HARMONICS):
         loads = Loads.of(mean, amplitude, frequency)
         try:
@@ -66,10 +66,10 @@ def growing_waves(driving: Driving, duration: float) -> GrowingWaves:
             continue
         modes, rates = _growth(constants, loads, _GROWTH / duration)
         fastest = int(rates.argmax())
-        if rates[fastest] * duration > _GROWTH and rates[fastest] > found.rate:
+        if rates[fastest] * duration > _GROWTH and rates[fastest] > waves.rate:
             counts = np.flatnonzero(rates >= max(_SHARE * rates[fastest], _GROWTH / duration))
-            found = GrowingWaves(int(modes[fastest]), int(modes[counts[-1]]), float(rates[fastest]))
-    return found
+            waves = GrowingWaves(int(modes[fastest]), int(modes[counts[-1]]), float(rates[fastest]))
+    return waves
 
 
 def _growth(constants: ModeConstants, loads: Loads, slowest: float) -> tuple[NDArray[np.int64], NDArray[np.float64]]:

@@ -168,7 +168,7 @@ class DiscreteRod:
 
     @property
     def mass_along(self) -> float:
-        """Mass of a segment in motion along the channel, that of its material, in kg."""
+        """Mass in kg of a segment in motion along the channel: of its material alone."""
         return self.rod.mass_along * self.segment_length
 
     @property
@@ -293,7 +293,7 @@ class DiscreteRod:
         return positions
 
     def energies(self, rod: Any, driving: Driving) -> dict[str, float]:
-        """Return the energies in J of a record whose positions are those of its velocities' time; see `ENERGIES`.
+        """Return the energies in J of a record with positions and velocities at one time; see `ENERGIES`.
 
         Gravity and contact count from the rod at rest: straight on the floor, in a well along its axis.
         """
@@ -338,12 +338,12 @@ class DiscreteRod:
 
     @property
     def _natural(self) -> Natural:
-        """The shape without load, of which that of a straight rod takes nothing away."""
+        """The shape without load; a straight rod's takes nothing away."""
         return _STRAIGHT
 
     @property
     def _pressed_at_rest(self) -> float:
-        """Measure of the energy by which a node at rest indents the floor, from which that of contact counts."""
+        """Measure of the energy by which a node at rest indents the floor, the zero of the energy of contact."""
         gap, rest = self.rod.radial_clearance, self.rod.radial_clearance + self.depth_at_rest
         return float(((rest**2 - gap**2) / (2.0 * gap)) ** 2.5)
 
@@ -367,7 +367,7 @@ def tangents_between(places: Floats) -> Floats:
 def _curved(directions: Floats, driving: Driving, axes: Floats) -> float:
     """Return the sum of squares by which bending stores energy, see `floquetrod.simulation.rod_motion`.
 
-    ``axes`` are the directions of the channel at both ends; from all those of the natural shape are taken away.
+    ``axes`` are the directions of the channel at both ends; the natural shape's are taken away from all.
     """
     inner = np.diff(directions, axis=0)
     total = np.sum(inner**2) + np.sum(np.diff(inner, axis=0) ** 2) / 12.0

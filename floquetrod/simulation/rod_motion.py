@@ -14,12 +14,12 @@ each of fourth order, the elastic energy is
 
 with psi the angle of spin, and forces and torques are its exact gradient, so that without contact nothing but rounding
 makes energy drift.  Beyond the ends nodes and directions are extrapolated as the ends' conditions say, by which
-the order holds up to the ends; only that of stretch is the third at an end that is pushed.
+the order holds up to the ends; only the error of the stretch is of the third at an end that is pushed.
 
 In a well the same rod lies in a tube about a curved axis, positions and velocities being Cartesian: what differs is
 where a node's wall is and which way is along the channel, which `anchors` tells.  ``well`` is `Physics.well`, None in a
-straight channel: what is under another answer to whether an argument is None, numba leaves out before it compiles.  A
-rod of natural curvature is bent by the difference of its directions from those of its natural shape, which stay where
+straight channel: numba compiles one branch alone of an `if` on whether an argument is None.  A
+rod of natural curvature is bent by the difference of its directions from its natural shape's, which stay where
 the rod was laid; ghost cells and stencil being linear, that subtracts a constant from the stencil of every segment.
 
 Positions are kept half a step ahead of velocities (position Verlet with its half drifts merged), so the result does not
@@ -131,7 +131,7 @@ def _push_node(f: Any, i: int, force: float, last: int) -> None:
 
 @kernel
 def _pushed_speed(v: Any, i: int, last: int) -> float:
-    """Return the velocity with which a force on node ``i`` does work: that of the nodes to which it is passed on."""
+    """Return the velocity with which a force on node ``i`` does work: of the nodes that it is passed on to."""
     speed: float = v[i]
     if FIRST < i < last:
         speed += FAR * (2.0 * v[i] - v[i - 1] - v[i + 1])
@@ -460,7 +460,7 @@ def _hold_end(
 ) -> None:
     """Return an end that is held to where it is held; ``before`` is its velocity along the channel before the step.
 
-    ``time`` is that of the step, ``mass`` that of a segment in motion along the channel.
+    ``time`` is the time of the step, ``mass`` the mass of a segment in motion along the channel.
     """
     if end.across in (CLAMPED, GUIDED):
         rod["spin"][i] = rod["angle"][i] = 0.0
@@ -488,7 +488,7 @@ def _hold_end(
 
 @kernel
 def _decay(rod: Any, well: Any, p: Any) -> None:
-    """Damp every velocity for half a step, but that of an end that is moved, and add up the energy lost."""
+    """Damp every velocity for half a step, except at an end moved at a given speed, and add up the energy lost."""
     vx, vy, vz, spin, lost = rod["vx"], rod["vy"], rod["vz"], rod["spin"], rod["lost_damping"]
     if well is not None:
         t1, t2, t3 = rod["t1"], rod["t2"], rod["t3"]

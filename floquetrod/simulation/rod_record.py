@@ -33,7 +33,7 @@ ANCHOR = ("c1", "c2", "c3", "t1", "t2", "t3", "k1", "k2", "k3", "place", "arc")
 
 NATURAL = ("b1", "b2", "b3", "shift")
 """In a well, of segments: what the stencil of bending makes of the directions of the natural shape.  Of the upper and
-the lower end, three numbers each: what the ghost node of a naturally curved rod has beside that of a straight one."""
+the lower end, three numbers each: the offset of the ghost node of a naturally curved rod from a straight rod's."""
 
 
 def rod_type(segments: int, *, in_well: bool = False) -> np.dtype[np.void]:

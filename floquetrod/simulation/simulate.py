@@ -70,11 +70,11 @@ def simulate(
     stop_early : bool
         Whether the run ends once the rod has buckled, or friction holds it at rest.
     natural_curvature : float, str or "path"
-        Curvature in 1/m, or with its unit, of a rod with a path when no load acts; "path" is that of the well.
+        Curvature in 1/m, or with its unit, of a rod with a path when no load acts; "path" is the curvature of the well.
     progress : callable, optional
         Called with the numbers of steps done and to do.
     checkpoint : path, optional
-        A file that is kept up to date, from which the run continues; see `SimulationProblem.run`.
+        A file kept up to date, with which the run continues; see `SimulationProblem.run`.
 
     Returns
     -------

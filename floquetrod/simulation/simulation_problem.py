@@ -227,7 +227,7 @@ class SimulationProblem:
     def unresolved(self) -> str:
         """Modes that grow by theory and that too few segments cannot represent, in words; "" without any.
 
-        An estimate: growth is that of hinged ends under the force where it is largest along the rod.
+        An estimate: the growth with hinged ends under the largest force along the rod.
         """
         waves = self._growing
         if self.segments >= waves.least_segments:
@@ -346,7 +346,7 @@ class SimulationProblem:
         return growing_waves(self.driving, self.duration)
 
     def _require_possible_ends(self) -> None:
-        """Raise ValueError for a load that cannot be simulated, and for ends that are to do two things at once."""
+        """Raise ValueError for a load that cannot be simulated, and for ends with two tasks at once."""
         load = self.load
         if len(load.harmonics) > MOST_HARMONICS:
             raise validate.wrong_value(
@@ -466,12 +466,12 @@ class Simulation(Reported, RecordedMotion):
         """Return the growth rate in 1/s of a mode or, by default, of the whole rod, with its error; zero for none.
 
         The whole rod is the fastest of the modes that show (1 % of the largest or more) where modes are independent,
-        and the motion of all its nodes where they are coupled: by ends that are not hinged, or a force that varies
+        and the motion of all its nodes where they are coupled: by ends other than hinged, or a force that varies
         along the rod.  The motion is fitted up to an angle between 0.005 and 0.05 rad, the one with the least error,
         by `floquetrod.simulation.growth.fit_growth`; best when frames fall on equal parts of the forcing period.
 
         The error estimates the distance from Floquet theory with the axial wave kept, which is ``AxialWave(...,
-        far_end="driven")`` for an `AxialLoad`: that of the fit, and that of the simulated rod, by theory.  Raises
+        far_end="driven")`` for an `AxialLoad`: the error of the fit, and of the simulated rod, by theory.  Raises
         ValueError when there is too little to fit: fewer than three forcing periods or 8 frames a period, or friction,
         with which nothing grows exponentially.
 
@@ -519,7 +519,7 @@ class Simulation(Reported, RecordedMotion):
         return float(self.time[np.argmax(beyond)]) if self.buckled else None
 
     def findings(self, *, theory: bool = True) -> Findings:
-        """Return the fitted growth and that of theory as `Findings`, which can be read as a report.
+        """Return the fitted and the theoretical growth as `Findings`, which can be read as a report.
 
         Without ``theory`` only the simulation; theory takes half a minute for coupled modes of a kilometre.
         """
@@ -558,7 +558,7 @@ class Simulation(Reported, RecordedMotion):
 
     @property
     def note(self) -> str:
-        """Why the mode named may not be that of the rod, "" without a reason.
+        """Why the rod's mode may be another than the one named, "" without a reason.
 
         Too few segments for the modes that grow by theory, or a rod that has left the wall.
         """

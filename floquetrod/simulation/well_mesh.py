@@ -127,9 +127,9 @@ class RodInWell(DiscreteRod):
         places, moving = super().recorded(rod)
         if not np.isfinite(places).all():
             return places, moving
-        found, frames = self.axis.along(places, self.nodes(rod, "place"))
+        positions, frames = self.axis.along(places, self.nodes(rod, "place"))
         across = [dot(moving, axis) for axis in (frames.along, frames.sideways, frames.up)]
-        return found, np.stack(across, axis=1)
+        return positions, np.stack(across, axis=1)
 
     def cartesian(self, positions: Floats) -> Floats:
         """Return the Cartesian places of nodes at recorded positions."""
@@ -168,8 +168,8 @@ class RodInWell(DiscreteRod):
             pressing, turned = self._pressing(x)
             radius = self.rod.radial_clearance + self._depth(pressing)
             places = np.stack([x, radius * np.sin(turned), -radius * np.cos(turned)], axis=1)
-            found = np.linalg.norm(self.tangents(self.axis.cartesian(places), driving), axis=1)
-            steps = steps * wanted / found
+            lengths = np.linalg.norm(self.tangents(self.axis.cartesian(places), driving), axis=1)
+            steps = steps * wanted / lengths
         return places, turned
 
     def _depth(self, pressing: Floats) -> Floats:
