@@ -163,7 +163,11 @@ def ensemble(
     finally:
         if runner is not None:
             runner.close()
-    return _as_dataset(opened)
+    try:
+        importlib.import_module("floquetrod.ensembles.accessor")
+    except ImportError:  # without xarray
+        return opened.runs()
+    return opened.to_xarray()
 
 
 def _shown(
@@ -173,15 +177,6 @@ def _shown(
     if progress is not None or not waiting.can_redraw():
         return nullcontext(progress)
     return waiting.Waiting("simulating", "runs", first=1.0)
-
-
-def _as_dataset(store: MemoryStore) -> Any:
-    """Return the results as an xarray.Dataset where xarray is installed, else as `Runs`."""
-    try:
-        importlib.import_module("floquetrod.ensembles.accessor")
-    except ImportError:
-        return store.runs()
-    return store.to_xarray()
 
 
 def _fill(

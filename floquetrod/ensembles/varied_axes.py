@@ -159,7 +159,11 @@ def varied(problem: SimulationProblem, values: Mapping[str, float | int]) -> Sim
         own["tool"] = replace(problem.tool, **{OF_TOOL[name]: value for name, value in tool.items()})
     kick = problem.perturbation
     if "seed" in values:
-        own["perturbation"] = kick = _seeded(kick, int(values["seed"]))
+        # The first noise has this seed, others seeds that follow from it.
+        seed = validate.integer("seed", int(values["seed"]), 0)
+        seeds = [seed, *np.random.SeedSequence(seed).generate_state(len(kick.noises) - 1).tolist()]
+        noises = tuple((speed, new) for (speed, _), new in zip(kick.noises, seeds, strict=True))
+        own["perturbation"] = kick = replace(kick, noises=noises)
     changed = problem.replace(**own) if own else problem
     if "kick" not in values:
         return changed
@@ -171,13 +175,6 @@ def _own_seed(drawn_with: int, sample: int, seed: int) -> int:
     low, high = seed & 0xFFFFFFFF, seed >> 32  # of known lengths: other numbers make other entropy
     words = np.random.SeedSequence([sample, low, high, drawn_with]).generate_state(1, np.uint64)
     return int(words[0]) >> 2
-
-
-def _seeded(kick: Perturbation, seed: int) -> Perturbation:
-    """Return a perturbation whose first noise has this seed, and others seeds that follow from it."""
-    seed = validate.integer("seed", seed, 0)
-    seeds = [seed, *np.random.SeedSequence(seed).generate_state(len(kick.noises) - 1).tolist()]
-    return replace(kick, noises=tuple((speed, new) for (speed, _), new in zip(kick.noises, seeds, strict=True)))
 
 
 def _scaled(kick: Perturbation, speed: float, segments: int) -> Perturbation:

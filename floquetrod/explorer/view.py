@@ -30,9 +30,13 @@ class View:
         self.panels: tuple[str, str] = modes.panels  # names of those beside the map
 
     def at_once(self, load: Load) -> ViewParts:
-        """Return what follows a slider."""
-        words = {"verdict": self._verdict_at_once(load), "details": ""}
-        return words | self.map.at_once(load) | self.modes.at_once(load)
+        """Return the panels that follow a slider, with a verdict if it takes no longer than a slider may wait."""
+        verdict = "being judged ..."
+        if self.model.prompt:
+            rate, mode = (values[0] for values in self.model.fastest(Loads.single(load)))
+            words = f"mode {mode} grows" if mode > 0 else "growth"
+            verdict = verdict_words("unstable" if rate > 0.0 else "stable", float(rate), words)
+        return {"verdict": verdict, "details": ""} | self.map.at_once(load) | self.modes.at_once(load)
 
     def in_time(self, load: Load, stale: Stale) -> Iterator[ViewParts]:
         """Yield the whole verdict, what the panels find in time, and how far the verdict reaches."""
@@ -54,11 +58,3 @@ class View:
     def _rest(self, load: Load, stale: Stale) -> Iterator[ViewParts]:
         for source in (self.modes, self.map):
             yield from source.rest(load, stale)
-
-    def _verdict_at_once(self, load: Load) -> str:
-        """Return the verdict, if it takes no longer than a slider may wait."""
-        if not self.model.prompt:
-            return "being judged ..."
-        rate, mode = (values[0] for values in self.model.fastest(Loads.single(load)))
-        words = f"mode {mode} grows" if mode > 0 else "growth"
-        return verdict_words("unstable" if rate > 0.0 else "stable", float(rate), words)

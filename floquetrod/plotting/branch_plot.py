@@ -60,22 +60,17 @@ def draw_over_parameter(
     lines = _parts(branch, heights, of_points, rests)
     for status, style in _LINES.items():
         for x, y in lines[status]:
-            finer = _finer(scale * np.array(x), np.array(y), fine)
-            ax.plot(*finer, linestyle=STYLES[status], label=_new(ax, status), solid_capstyle="butt", **style)
+            x, y = scale * np.array(x), np.array(y)
+            if fine > 1:
+                between, whole = np.arange((len(x) - 1) * fine + 1) / fine, np.arange(len(x))
+                x, y = np.interp(between, whole, x), np.sqrt(np.interp(between, whole, y * y))
+            ax.plot(x, y, linestyle=STYLES[status], label=_new(ax, status), solid_capstyle="butt", **style)
     for kind, marker in _MARKERS.items():
         at = [i for i, point in enumerate(branch.special_points) if point.kind == kind]
         if at:
             x, y = [scale * branch.special_points[i].value for i in at], [of_points[i] for i in at]
             style = {**palette.POINT, "marker": marker, "linestyle": "none", "markersize": 6, "zorder": 5}
             ax.plot(x, y, label=_new(ax, kind), **style)
-
-
-def _finer(x: Floats, y: Floats, parts: int) -> tuple[Floats, Floats]:
-    """Return points between points, so that squares of y go along straight lines."""
-    if parts == 1:
-        return x, y
-    places, whole = np.arange((len(x) - 1) * parts + 1) / parts, np.arange(len(x))
-    return np.interp(places, whole, x), np.sqrt(np.interp(places, whole, y * y))
 
 
 def _parts(

@@ -93,14 +93,9 @@ def explain(ax: Any, handles: Sequence[Any], note: str = "", columns: int = 4) -
 
 
 def filled(ax: Any, note: str) -> str:
-    """Return a note in lines as wide as axes."""
-    return typeset(textwrap.fill(note, _note_width(ax)))
-
-
-def _note_width(ax: Any) -> int:
-    """Return how many characters a line of a note has: narrow axes beside others get shorter lines."""
+    """Return a note in lines as wide as axes: narrow axes beside others get shorter lines."""
     width = ax.get_position(original=True).width * ax.figure.bbox.width / ax.figure.dpi  # a subfigure may be its figure
-    return min(_NOTE, int(_NOTE * width / _WIDE))
+    return typeset(textwrap.fill(note, min(_NOTE, int(_NOTE * width / _WIDE))))
 
 
 def areas(chart: Any) -> list[Any]:

@@ -154,8 +154,10 @@ class _Pages:
     def _room(self, height: float) -> None:
         """Begin a new page unless so much fits on this one."""
         if self.page is None or self.place - height < _BOTTOM:
+            from matplotlib.figure import Figure
+
             self.end()
-            self.page, self.place = _page(), _TOP
+            self.page, self.place = Figure(figsize=_A4, facecolor=palette.STABLE), _TOP
 
     def _write(self, text: str, place: float, **style: Any) -> None:
         x, y = _LEFT / _A4[0], place / _A4[1]
@@ -173,12 +175,6 @@ def _wrapped(text: str) -> Iterator[Sequence[str]]:
         columns = [match.end() for match in re.finditer(r"(?<=\S) {2,}(?=\S)|^ +", line)]
         indent = " " * min(columns[-1] if columns else 0, _COLUMNS - _NARROWEST)
         yield textwrap.wrap(line, _COLUMNS, subsequent_indent=indent, replace_whitespace=False) or [""]
-
-
-def _page() -> Any:
-    from matplotlib.figure import Figure
-
-    return Figure(figsize=_A4, facecolor=palette.STABLE)
 
 
 def _drawn(draw: Callable[[], Any], kind: str) -> bytes:

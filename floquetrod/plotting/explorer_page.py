@@ -128,8 +128,10 @@ class ExplorerWindow:
 
     def _arrange(self) -> None:
         """Lay everything out side by side, or one above the other where the figure is narrow, as on a phone."""
-        wide = self.figure.get_figwidth() >= _NARROW
-        panels = _side_by_side(self.figure.get_figwidth()) if wide else _HIGH_PANELS
+        width = self.figure.get_figwidth()
+        wide, across = width >= _NARROW, (width - _LEFT - 2.0 * _BETWEEN - _RIGHT) / 3.0
+        side_by_side = [((_LEFT + k * (across + _BETWEEN)) / width, 0.385, across / width, 0.45) for k in range(3)]
+        panels = side_by_side if wide else _HIGH_PANELS
         for ax, place in zip(self._areas, panels, strict=True):
             ax.set_position(place)
         for panel in self._panels.values():
@@ -215,9 +217,3 @@ class ExplorerWindow:
         parts = self._fetch()
         if len(parts) > 1 or parts["busy"] != bool(self._texts["busy"].get_text()):
             self.show(parts)
-
-
-def _side_by_side(width: float) -> list[tuple[float, float, float, float]]:
-    """Return the places of three panels in a figure of so many inches."""
-    across = (width - _LEFT - 2.0 * _BETWEEN - _RIGHT) / 3.0
-    return [((_LEFT + place * (across + _BETWEEN)) / width, 0.385, across / width, 0.45) for place in range(3)]

@@ -180,7 +180,10 @@ class Page:
         try:
             content = json.loads(message, parse_constant=_refused)
             kind = content.get("type") if isinstance(content, dict) else None
-            if kind not in _EVENTS or not _is_finite(content):
+            # 1e999 is JSON, and infinite.
+            if kind not in _EVENTS or not all(
+                math.isfinite(value) for value in content.values() if isinstance(value, int | float)
+            ):
                 return
             if kind == "resize":
                 self._size = float(content["width"]), float(content["height"])
@@ -230,11 +233,6 @@ def bounded(width: float, height: float, ratio: float) -> tuple[int, int]:
 
 def _refused(constant: str) -> float:
     raise ValueError(constant)  # NaN and Infinity are not JSON
-
-
-def _is_finite(content: Mapping[str, Any]) -> bool:
-    """Return whether no number of an event is infinite, as 1e999 is."""
-    return all(math.isfinite(value) for value in content.values() if isinstance(value, int | float))
 
 
 def _application(opened: Callable[[], Shown], token: str, host: str, title: str) -> Any:

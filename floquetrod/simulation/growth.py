@@ -94,7 +94,10 @@ def growth_of_motion(
     if mode is None:
         amplitudes = motion.angle[:, :: math.ceil(nodes / _MOST_NODES)]
         largest = int(np.argmax(np.sum(motion.angle[:longest] ** 2, axis=1)))
-        wavenumber = _wavenumber(motion.angle[largest], segment)
+        # Of the shape theta(s): k^2 = sum theta''^2 / sum theta'^2.
+        slopes = np.diff(motion.angle[largest]) / segment
+        bends = np.diff(slopes) / segment
+        wavenumber = math.sqrt(float(np.sum(bends**2) / max(float(np.sum(slopes**2)), _TINY)))
     else:
         amplitudes, wavenumber = motion.mode_amplitudes([mode]), mode * math.pi / rod.length
     least = _LEAST_PERIODS * period / step if vibrates else _LEAST_FRAMES - 1
@@ -209,12 +212,6 @@ def _powers(motion: Floats, lag: float, pairs: int) -> Floats:
 def _growths(roots: Any) -> Floats:
     """Return log of the larger abs(z) with z + 1 / z = D, for every D."""
     return np.asarray(np.abs(np.arccosh(0.5 * roots).real))
-
-
-def _wavenumber(shape: Floats, segment: float) -> float:
-    """Return the wavenumber in 1/m of a shape at nodes, by its curvature and slope."""
-    slopes = np.diff(shape) / segment
-    return math.sqrt(float(np.sum((np.diff(slopes) / segment) ** 2) / max(float(np.sum(slopes**2)), _TINY)))
 
 
 def _frames_up_to(angle: float, sizes: Floats) -> int:

@@ -110,7 +110,7 @@ class Integration(Generic[Result]):
         if checkpoint is not None:
             checkpoint.start_clock()
         try:
-            while not self._has_ended():
+            while self._between_frames > 0 or self._ended() is None:
                 left = self.time_steps.per_frame - self._between_frames
                 self._before = self.rod.copy()
                 advance(self.rod, min(self._piece, left), self.physics)
@@ -150,10 +150,6 @@ class Integration(Generic[Result]):
                 seconds=self.seconds,
             )
         )
-
-    def _has_ended(self) -> bool:
-        """Return whether there is nothing more to do, which is checked where frames are kept."""
-        return self._between_frames == 0 and self._ended() is not None
 
     def _ended(self) -> str | None:
         """Return how the run has ended at the last frame kept, None where it goes on."""

@@ -77,17 +77,15 @@ class RodInWell(DiscreteRod):
         for axis, name in enumerate("xyz"):
             self.nodes(rod, name)[:] = self.axis.cartesian(places)[:, axis]
             self.nodes(rod, f"v{name}")[:] = moving[:, axis]
-        self._anchor(rod, places[:, 0])
-        self._shape(rod, driving)
-
-    def _anchor(self, rod: Any, x: Floats) -> None:
-        """Write the anchors of the nodes, at places ``x`` of the axis."""
+        # Anchors: point, tangent and curvature vector of the axis beside each node.
+        x = places[:, 0]
         frames = self.axis.frames(x)
         for prefix, vectors in zip("ctk", (frames.point, frames.along, frames.bend), strict=True):
             for axis in range(3):
                 self.nodes(rod, f"{prefix}{axis + 1}")[:] = vectors[:, axis]
         self.nodes(rod, "place")[:] = x
         self.nodes(rod, "arc")[:] = self.axis.arc_at(x)
+        self._shape(rod, driving)
 
     def _shape(self, rod: Any, driving: Driving) -> None:
         """Write what the natural shape takes from bending, and from the ghost nodes."""
