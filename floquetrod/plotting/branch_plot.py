@@ -59,12 +59,12 @@ def draw_over_parameter(
     """
     lines = _parts(branch, heights, of_points, rests)
     for status, style in _LINES.items():
-        for x, y in lines[status]:
-            x, y = scale * np.array(x), np.array(y)
+        for parameters, drawn in lines[status]:
+            across, up = scale * np.array(parameters), np.array(drawn)
             if fine > 1:
-                between, whole = np.arange((len(x) - 1) * fine + 1) / fine, np.arange(len(x))
-                x, y = np.interp(between, whole, x), np.sqrt(np.interp(between, whole, y * y))
-            ax.plot(x, y, linestyle=STYLES[status], label=_new(ax, status), solid_capstyle="butt", **style)
+                between, whole = np.arange((len(across) - 1) * fine + 1) / fine, np.arange(len(across))
+                across, up = np.interp(between, whole, across), np.sqrt(np.interp(between, whole, up * up))
+            ax.plot(across, up, linestyle=STYLES[status], label=_new(ax, status), solid_capstyle="butt", **style)
     for kind, marker in _MARKERS.items():
         at = [i for i, point in enumerate(branch.special_points) if point.kind == kind]
         if at:
