@@ -54,7 +54,7 @@ def _buckled_under_stable_loads(runs: Runs) -> int:
     problem = SimulationProblem.from_dict(json.loads(runs.attrs["problem"]))
     # Theory is of independent modes of a rod that nothing but its load drives.
     driven = any(given is not None for given in (problem.feed_speed, problem.far_force, problem.tool))
-    if driven or not problem.rod._modes_under(problem.load).told_apart(range(1, 2)):
+    if driven or not problem.rod._modes_under(problem.load).modes_apart(range(1, 2)):
         return 0
     of_the_load = [name for name in runs.attrs.get("varied", ()) if name not in _OF_A_PROBLEM]
     if not set(of_the_load) <= runs.coords.keys():
@@ -67,16 +67,6 @@ def _buckled_under_stable_loads(runs: Runs) -> int:
     return sum(_stable(problem, of_the_load, list(counts.items())[:_MOST_VERDICTS]))
 
 
-<<<<<<< HEAD
-def _has_theory(problem: SimulationProblem) -> bool:
-    """Return whether the modes of a problem are independent, and nothing but its load drives the rod."""
-    driven = (problem.feed_speed, problem.far_force, problem.tool)
-    apart = problem.rod._modes_under(problem.load).modes_apart(range(1, 2))
-    return bool(apart) and all(each is None for each in driven)
-
-
-=======
->>>>>>> 8e907cf0 (Helpers with one call are where they are used, in ensembles, simulations, the explorer and pictures)
 def _stable(problem: SimulationProblem, names: list[str], counts: list[tuple[tuple[float, ...], int]]) -> Iterator[int]:
     """Yield the numbers of runs under each stable load."""
     for values, count in counts:

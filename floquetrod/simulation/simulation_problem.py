@@ -291,7 +291,7 @@ class SimulationProblem:
 
     def as_dict(self) -> dict[str, Any]:
         """Return the parameters as plain data, for files, which JSON preserves."""
-        load = self.load.kind_as_dict() | {name: getattr(self.load, name) for name in LIMITS}
+        load = self.load.kind_as_dict() | {name: getattr(self.load, name) for name in QUANTITIES}
         plain: dict[str, Any] = json.loads(json.dumps(asdict(self) | {"rod": self.rod.as_dict(), "load": load}))
         for name, usual in (("natural_curvature", 0.0), ("tool", None)):
             if plain[name] == usual:
@@ -328,13 +328,6 @@ class SimulationProblem:
         slowest = self.load.frequency if self.tool is None else min(self.load.frequency, self.tool.frequency)
         return math.ceil(min(2.0 * math.pi / (slowest * between), float(self.frames)))
 
-<<<<<<< HEAD
-    def _load_as_dict(self) -> dict[str, Any]:
-        """Return the load as plain data."""
-        return self.load.kind_as_dict() | {name: getattr(self.load, name) for name in QUANTITIES}
-
-=======
->>>>>>> 8e907cf0 (Helpers with one call are where they are used, in ensembles, simulations, the explorer and pictures)
     def _fair_segments(self) -> int:
         """Return the number of segments that resolves the modes the load or the perturbation excites."""
         growing = self._growing
