@@ -431,11 +431,14 @@ def _brake_end(
         return
     x, y, z, vx, vy, vz = rod["x"], rod["y"], rod["z"], rod["vx"], rod["vy"], rod["vz"]
     old, aside, around = (vx[i], vy[i], vz[i]), (0.0, 0.0, 0.0), 0.0
+    # An end not held slides around the wall too: along the channel's axis x q, q its offset from that axis.
     if not held:
         _, _, q = _beside(rod, well, i)
         distance = math.sqrt(dot(q, q)) + TINY
         aside = cross(axis, (q[0] / distance, q[1] / distance, q[2] / distance), 1.0)
         around = dot(old, aside)
+    # Coulomb's law, against the velocity (along, around): of an end moved at a speed, -limit v / |v|, and around no
+    # more than stops it; of an end that slips along alone, what stops it up to the limit.
     if end.moved:
         along = sign * end.speed
         part = limit / (math.sqrt(along * along + around * around) + TINY)
@@ -444,6 +447,7 @@ def _brake_end(
         speed = dot(old, axis)
         px, pt = -min(max(speed / lighter, -limit), limit), 0.0
         along = speed + lighter * px
+    # Work is impulse times the mean of the velocities before and after.
     rod["lost_friction"][i] -= 0.5 * (px * (dot(before, axis) + along) + pt * (dot(before, aside) + around + pt))
     u = lighter * px * axis[0] + pt * aside[0]
     v = lighter * px * axis[1] + pt * aside[1]
@@ -550,6 +554,8 @@ def advance(rod: Any, steps: int, p: Any) -> None:
     a, b, vx, vy, vz = FIRST, FIRST + p.segments, rod["vx"], rod["vy"], rod["vz"]
     damped, lighter = p.decay != 1.0 or p.decay_along != 1.0, p.mass / p.mass_along
     done = int(rod["clock"][0])
+    # Position Verlet, half drifts merged: with x half a step ahead, v += h F(x, t + h / 2) / m, then x += h v.  Damping
+    # is split in halves about it (Strang), so that a step is reversible but for friction and damping.
     for number in range(done, done + steps):
         time = (number + 0.5) * p.step
         if number % BETWEEN_ANCHORS == 0:
@@ -570,6 +576,8 @@ def advance(rod: Any, steps: int, p: Any) -> None:
         tool_before = _tool_speed(rod, ways, p.tool, b)
         gradient(rod, p, axes, upper + on_upper, lower + on_lower)
         _shake(rod, shaking, ways, p.tool, b)
+        # Ends have half a segment; friction on those held or moved is taken apart from the nodes', with its limit from
+        # before anything moves.
         if p.friction > 0.0:
             first_limit, last_limit = _most_friction(rod, p.well, a, p), _most_friction(rod, p.well, b, p)
             move_nodes(rod, p.well, p.friction, p)
@@ -577,6 +585,7 @@ def advance(rod: Any, steps: int, p: Any) -> None:
             _brake_end(rod, p.well, p.lower, axes[1], b, -1.0, last_limit, last, p.step, lighter)
         else:
             move_nodes(rod, p.well, None, p)
+        # Work of an end force: impulse times the mean of the velocities along before and after the step.
         first_both = first_before + dot((vx[a], vy[a], vz[a]), axes[0])
         last_both = last_before + dot((vx[b], vy[b], vz[b]), axes[1])
         rod["work"][0] += 0.5 * p.step * (upper * first_both - lower * last_both)
