@@ -1,6 +1,6 @@
 """Kernels that count the characteristic values below a mode's number, in doubles rounded outwards, for boxes of loads.
 
-Freed of its damping a mode is u'' + (kappa - p sin omega t) u = 0.  Multiplied by h = omega^2 / 4, the rows of the
+Without its damping a mode is u'' + (kappa - p sin omega t) u = 0.  Multiplied by h = omega^2 / 4, the rows of the
 four chains are k^2 h - kappa and their couplings g = p / 2, so that nothing is divided by omega.
 """
 

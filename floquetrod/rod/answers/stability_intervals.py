@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from decimal import ROUND_CEILING, Context
-from typing import TYPE_CHECKING, Any, Literal, NamedTuple, TypeAlias
+from typing import Any, Literal, NamedTuple, Protocol, TypeAlias
 
 from floquetrod import units
 from floquetrod._util import validate
@@ -19,9 +19,7 @@ from floquetrod._util.spans import complement
 from floquetrod.floquet.multipliers.resonance_names import Resonance
 from floquetrod.rod.loads.axial import AxialGap
 from floquetrod.rod.loads.load import LOAD, Load, Quantity
-
-if TYPE_CHECKING:
-    from floquetrod.rod.modes.mode_model import ModeModel
+from floquetrod.rod.model.data import RodData
 
 WhatGrows: TypeAlias = tuple[int, int] | Resonance | Literal["unnamed"]
 """The growing mode: (mode, tongue), a resonance of coupled modes, or "unnamed" where it could not be determined."""
@@ -88,10 +86,31 @@ class Search(NamedTuple):
     growth_tolerance: float  # growth in 1/s up to which a mode counts as stable
 
 
+class BandModel(Protocol):
+    """The modes of a rod, asked for what happens in unstable bands: a `ModeModel`."""
+
+    @property
+    def rod(self) -> RodData:
+        """The rod."""
+
+    @property
+    def damping_subject(self) -> str:
+        """What the damping required by an unstable band stabilises."""
+
+    @property
+    def damping_source(self) -> str:
+        """How that damping is computed, in words."""
+
+    def unstable_bands(
+        self, search: Search, modes: int, bands: Sequence[tuple[float, float]], progress: Progress | None
+    ) -> tuple[UnstableBand, ...]:
+        """Return the growth in bands without stable loads, given by their ends in increasing order."""
+
+
 class RangeQuestion(NamedTuple):
     """A search along a quantity, and the model of the modes that judged its loads."""
 
-    model: ModeModel
+    model: BandModel
     search: Search
 
 
@@ -143,7 +162,7 @@ class StabilityIntervals(Reported, NoTruthValue):
     @classmethod
     def of(
         cls,
-        model: ModeModel,
+        model: BandModel,
         search: Search,
         intervals: tuple[StabilityInterval, ...],
         modes: int,
