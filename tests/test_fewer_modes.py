@@ -114,7 +114,7 @@ def test_the_fastest_solution_is_one_of_the_map(start: float, epsilon: float, co
     )
     form = system.even_form
     assert form is not None
-    found = solved_pairs(system).growth_rate(return_mode=True)
+    found = solved_pairs(system).fastest()
     assert found is not None
     mu, error, state, partner = found
     assert abs(mu) > 1.05
