@@ -31,7 +31,6 @@ SHARED = {
         "growth_tolerance": ("float", TOLERANCE),
         "friction": ("float", "Coefficient of friction with the wall, without unit, static and kinetic; 0 or more."),
         "kick": ("float", "Transverse velocity in m/s that every mode is given, 0 or more.  It needs ``friction``."),
-        "criterion": ("FiniteTimeCriterion", "A test over a finite time in place of the verdict for all time."),
     },
     "floquetrod.friction.": {
         "equation": ("FrictionalMathieu", "Mathieu's equation with friction."),

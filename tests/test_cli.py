@@ -228,7 +228,7 @@ def test_compare(capsys: pytest.CaptureFixture[str]) -> None:
         ([*CHECK, "--mu", "0.1", "--kick", "50mph"], "unit 'mph' is not understood"),
         ([*CHECK, "--json", "-5"], "ignored explicit argument"),
         ([*CHECK[:-1], "1e-300"], "--frequency must lie between 1e-09 and 1e\\+12 rad/s, got '1e-300'"),
-        ([*CHECK, "--damping-rate", "-1"], "--damping-rate must be zero or more, got '-1'"),
+        ([*CHECK, "--damping-rate", "-1"], "--damping-rate must be zero or more, got -1.0; give the decay rate in 1/s"),
         (["compare", "--alpha", "x", "--beta", "0"], "--alpha must be a number such as 0.5, got 'x'"),
         (["compare", "--alpha=--", "--beta", "0"], "--alpha needs a value, got '--'"),
         (["compare", "--alpha", "nan", "--beta", "0"], "--alpha must be finite"),
@@ -544,7 +544,7 @@ def test_junk_is_one_line_that_names_option_and_value(
 ) -> None:
     monkeypatch.chdir(tmp_path)
     Path("folder.png").mkdir()
-    monkeypatch.setattr(fr.Rod, "fastest", lambda *_: pytest.fail("computed before the input was checked"))
+    monkeypatch.setattr(fr.Rod, "growth_rate", lambda *_: pytest.fail("computed before the input was checked"))
     line = [command, *(f"{name}={value}" for name, value in {**given, option: text}.items())]
     assert cli.main(line) == 2
     captured = capsys.readouterr()

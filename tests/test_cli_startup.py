@@ -9,6 +9,8 @@ import sys
 import numpy as np
 import pytest
 
+PARAMETERS = {f"floquetrod.rod{name}" for name in ("", ".model", ".model.parameters")}
+"""What the options of the terminal are made of: it needs neither numpy nor a rod."""
 CHECK = "check --rod nitinol --mean 0.2Fcr --amplitude 0.2Fcr --frequency 24Hz --no-margins"
 _COMMAND = f"exec {sys.executable} -m floquetrod"
 
@@ -42,7 +44,8 @@ def test_products_take_one_thread_unless_told_otherwise(first: str, given: dict[
 @pytest.mark.parametrize("arguments", [["--version"], ["--help"], ["chek"]])
 def test_what_is_about_no_command_imports_none(arguments: list[str]) -> None:
     loaded = loaded_after(*arguments)
-    assert _own(loaded) == {"_util", "cli", "units"}
+    assert _own(loaded) == {"_util", "cli", "units", "parameter", "rod", "results"}
+    assert {each for each in loaded if each.startswith("floquetrod.rod.")} <= PARAMETERS
     assert "numpy" not in loaded
 
 

@@ -409,7 +409,7 @@ def test_defaults_and_entries_of_other_docstrings_are_shown() -> None:
     kicks = section(fr.friction.escapes, "floquetrod.friction.escapes")
     assert "max_steps : int, default 500000\n    Steps" in kicks
     growth = section(fr.Rod.growth_rate, "floquetrod.Rod.growth_rate")
-    assert "frequency : array_like, optional\n    In N, N and rad/s" in growth
+    assert "frequency : array_like, optional\n    Angular frequency in rad/s" in growth
     assert "return_mode : bool, default False\n" in growth
     examples = page["filled"]("floquetrod.Rod.verdicts", fr.Rod.verdicts, inspect.getdoc(fr.Rod.verdicts))
     assert "Examples\n--------\n>>> Rod" in examples

@@ -59,7 +59,7 @@ def test_every_result_goes_to_json_by_one_schema_and_pickles(name: str) -> None:
 
 def public() -> Iterator[tuple[str, type]]:
     """Yield the public classes by name, those of the public modules too."""
-    for module in (fr, fr.mathieu, fr.simulation, fr.systems, fr.friction, fr.ensembles):
+    for module in (fr, fr.results, fr.mathieu, fr.simulation, fr.systems, fr.friction, fr.ensembles):
         for name in dir(module):
             found = getattr(module, name)
             if inspect.isclass(found) and found.__module__.startswith("floquetrod"):

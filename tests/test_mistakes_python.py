@@ -61,7 +61,12 @@ MISTAKES: list[tuple[Call, str, str, str]] = [
     (lambda: ROD.stability(0.34), "load", "0.34", "AxialLoad"),
     (lambda: ROD.stability(500, 100, 6), "Rod.stability()", "given", "fr.AxialLoad(mean, amplitude, frequency)"),  # type: ignore[call-overload]
     (lambda: ROD.stability(mean=500), "Rod.stability()", "'mean'", "fr.AxialLoad(mean, amplitude, frequency)"),  # type: ignore[call-overload]
-    (lambda: ROD.critical_kick(500, 100, 6, friction=0.1), "Rod.critical_kick()", "given", "fr.AxialLoad("),  # type: ignore[call-arg,misc]
+    (
+        lambda: ROD.critical_kick(500, 100, 6, friction=0.1),
+        "Rod.critical_kick()",
+        "given",
+        "mean=, amplitude=, frequency=",
+    ),  # type: ignore[call-arg,misc]
     (lambda: ROD.stability([LOAD, LOAD]), "load", "[AxialLoad", "must be an AxialLoad"),
     (lambda: ROD.stability(LOAD, growth_tol=1), "Rod.stability()", "'growth_tol'", "unexpected keyword"),
     (lambda: ROD.stability(LOAD, friction=0.1), "kick", "friction", "kick"),

@@ -144,9 +144,9 @@ def judged(monkeypatch: pytest.MonkeyPatch) -> list[float]:
     frequencies: list[float] = []
     verdicts = fr.Rod.verdicts
 
-    def gathering(rod: fr.Rod, mean: Any, amplitude: Any, frequency: Any, **options: Any) -> Any:
+    def gathering(rod: fr.Rod, *load: Any, frequency: Any, **options: Any) -> Any:
         frequencies.extend(np.ravel(frequency).tolist())
-        return verdicts(rod, mean, amplitude, frequency, **options)
+        return verdicts(rod, *load, frequency=frequency, **options)
 
     monkeypatch.setattr(fr.Rod, "verdicts", gathering)
     return frequencies

@@ -88,7 +88,8 @@ ABOUT = (
 WORDS = {"AxialLoad.hertz", "AxialWave.hertz"}  # whose numbers are in Hz, of which tests/test_quantities.py knows more
 COLUMNS = {"ForceRecord.from_csv", "WellPath.from_csv"}  # whose arguments name columns
 
-ARRAYS = {"Rod.is_stable", "Rod.verdicts", "Rod.growth_rate", "Rod.critical_kick", "Rod.modal_system"}
+ARRAYS = {"Rod.is_stable", "Rod.verdicts", "Rod.growth_rate"}
+ARRAYS |= {"Rod.critical_kick (arrays)"}
 ARRAYS |= {
     "WellPath.position",
     "WellPath.curvature",
@@ -107,7 +108,7 @@ SLOW |= {"Rod.critical (coupled, amplitude)"}
 
 def kind_of(name: str, argument: str) -> str | None:
     """Return the kind of a physical argument, None for one without unit."""
-    plain = name.removesuffix(" (coupled)")
+    plain = name.removesuffix(" (coupled)").removesuffix(" (arrays)")
     if (plain, argument) in SPECIAL:
         return SPECIAL[plain, argument]
     return PHYSICAL.get(argument) if plain.partition(".")[0] in ABOUT and plain not in COLUMNS else None

@@ -385,13 +385,13 @@ def _range(part: Any) -> RealInterval:
 
 
 def test_a_load_that_is_not_stable_has_no_safe_box() -> None:
-    with pytest.raises(ValueError, match="around must be a load that is proved stable"):
+    with pytest.raises(ValueError, match="load must be a load that is proved stable"):
         ROD.largest_safe_box(fr.AxialLoad(0.2 * FORCE, 0.2 * FORCE, 150.0))
     with pytest.raises(ValueError, match="vary must be one of"):
         ROD.largest_safe_box(fr.AxialLoad(0.2, 0.2, 150.0), vary=("force",))
     with pytest.raises(ValueError, match="vary must name"):
         ROD.largest_safe_box(fr.AxialLoad(0.2, 0.2, 150.0), vary=())
-    with pytest.raises(TypeError, match="around must be"):
+    with pytest.raises(TypeError, match="load must be"):
         ROD.largest_safe_box(0.2)
     with pytest.raises(ValueError, match="length must be one of"):
         DAMPED.largest_safe_box(fr.AxialLoad(0.34 * FORCE, 0.2 * FORCE, 150.0), accuracy=0.5).table(length="m")

@@ -196,10 +196,10 @@ class Rod(RodData):
     ) -> Any:
         """Return the equations of the rod's modes under a load, or under arrays of loads.
 
+        Other arguments as in `is_stable`.
+
         Parameters
         ----------
-        load, mean, amplitude, frequency
-            As in `is_stable`.
         modes : iterable of int, optional
             Mode numbers, 1 to 20,000; by default all that can matter, see `modes_needed`.  Of coupled modes 1 to n.
             Under one load only.
@@ -483,6 +483,7 @@ class Rod(RodData):
 
         mu, (template, loads, single) = friction_coefficient(friction), replaced_loads(load, mean, amplitude, frequency)
         self._modes_under(template).require("friction")
+        validate.workers(workers)
         if single is not None:
             return kicks.critical_kick(self.stability(single, growth_tolerance=growth_tolerance), mu)
         return kicks.critical_kicks(self, self._modes_under(template).systems(loads), mu, growth_tolerance, workers)
@@ -516,8 +517,12 @@ class Rod(RodData):
         bounds : pair of float or str, optional
             Values between which to search, (low, high) in N, in rad/s or with units; by default forces from 0 to 1.5
             critical forces, and amplitudes from 0 to one.  Frequencies have no default; the first is greater than 0.
-        mean, amplitude, frequency : float or str, optional
-            In N, N and rad/s or with units, in place of the load's own; without a load both other quantities.
+        mean : float or str, optional
+            Mean force in N or with a unit, in place of the load's own; without a load both other quantities are needed.
+        amplitude : float or str, optional
+            Amplitude in N or with a unit, likewise.
+        frequency : float or str, optional
+            Angular frequency in rad/s, or a frequency with a unit, likewise.
         growth_tolerance : float
             Growth rate in 1/s up to which a mode counts as stable.  The default leaves out, and counts, the tongues
             in which nothing grows tenfold within a month; with 0 every tongue is resolved, which takes long where
@@ -593,13 +598,12 @@ class Rod(RodData):
         The factor of the noise has an ``error``, within which the verdict, and that of arrays, changes from stable to
         unstable, mostly 1e-10 of it, and the ``mode`` that grows beyond; infinite where no change is found.  Where
         modes are coupled the error is that of the modes a verdict takes, mostly a millionth; of a density that depends
-        on the frequency it is a lower bound.
+        on the frequency it is a lower bound.  Other arguments as in `ranges`.
 
         Parameters
         ----------
         quantity : "mean", "amplitude" or "noise"
-        load, mean, amplitude, frequency
-            As in `ranges`; for the noise a load that has some.
+            Of the noise, for a load that has some, the factor by which it may be multiplied.
         growth_tolerance : float, optional
             Growth rate in 1/s up to which a mode counts as stable: by default that of `ranges`, and 0 for noise, under
             which growth is that of second moments.
@@ -674,14 +678,21 @@ class Rod(RodData):
         load : AxialLoad, AxialWave or ForceRecord, optional
             The template of all loads; by default a sine, uniform except for the weight along the rod.  Of a record
             the load fitted to it, without its noise, which only `stability` counts; it needs a quantity below.
-        mean, amplitude, frequency : array_like, optional
-            In N, N and rad/s, or with units, in place of the load's own; without a load all three.  They broadcast.
+        mean : array_like, optional
+            Mean force in N or with a unit, in place of the load's own; without a load all three are needed.  Arrays of
+            the three broadcast.
+        amplitude : array_like, optional
+            Amplitude in N or with a unit, likewise.
+        frequency : array_like, optional
+            Angular frequency in rad/s, or a frequency with a unit, likewise.
         growth_tolerance : float
             Growth rate in 1/s up to which a mode counts as stable.
         criterion : FiniteTimeCriterion, optional
             The paper's test in place of stability for all time.
-        friction, kick : float, optional
-            As in `stability`: whether the kick destabilises no mode.
+        friction : float, optional
+            Coefficient of friction with the wall, as in `stability`.
+        kick : float or str, optional
+            Transverse velocity in m/s or with a unit: whether it destabilises no mode.  It needs ``friction``.
         workers : int, optional
             Threads; by default one for each core when there is enough to do.
         progress : callable, optional

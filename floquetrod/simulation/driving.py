@@ -86,7 +86,7 @@ class Driving:
 
     @property
     def axial_damping(self) -> float:
-        """Decay rate of motion along the channel in 1/s: of axial waves where there are any, else the rate across."""
+        """Decay rate in 1/s of motion along the channel, that of axial waves where there are any, else that across."""
         return self._wave.axial_damping
 
     @cached_property

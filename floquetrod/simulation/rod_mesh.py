@@ -168,7 +168,7 @@ class DiscreteRod:
 
     @property
     def mass_along(self) -> float:
-        """Mass in kg of a segment in motion along the channel: of its material alone."""
+        """Mass in kg of a segment in motion along the channel, of its material alone."""
         return self.rod.mass_along * self.segment_length
 
     @property

@@ -555,7 +555,7 @@ def advance(rod: Any, steps: int, p: Any) -> None:
     damped, lighter = p.decay != 1.0 or p.decay_along != 1.0, p.mass / p.mass_along
     done = int(rod["clock"][0])
     # Position Verlet, half drifts merged: with x half a step ahead, v += h F(x, t + h / 2) / m, then x += h v.  Damping
-    # is split in halves about it (Strang), so that a step is reversible but for friction and damping.
+    # is split in halves about it (Strang), so that a step is reversible except for friction and damping.
     for number in range(done, done + steps):
         time = (number + 0.5) * p.step
         if number % BETWEEN_ANCHORS == 0:

@@ -154,7 +154,7 @@ def largest_safe_box(
     require_in_reach(box)
     proof = prove(box, tolerance)
     if not proof.stable:
-        raise validate.wrong_value("around", f"must be a load that is proved stable, got {load}: {proof!r}")
+        raise validate.wrong_value("load", f"must be a load that is proved stable, got {load}: {proof!r}")
     search = _SafeBoxSearch(
         box, tolerance, accuracy, {name: _safe_alone(rod, judge(tolerance), name) for name in chosen}, progress
     )

@@ -159,32 +159,6 @@ class StabilityIntervals(Reported, NoTruthValue):
     searched: RangeQuestion = field(repr=False, compare=False)
     not_computed: tuple[AxialGap, ...] = ()
 
-    @classmethod
-    def of(
-        cls,
-        model: BandModel,
-        search: Search,
-        intervals: tuple[StabilityInterval, ...],
-        modes: int,
-        resolution: float,
-        *,
-        tongues_left_out: int = 0,
-        not_computed: tuple[AxialGap, ...] = (),
-    ) -> StabilityIntervals:
-        """Return the intervals that a model of the modes found along a quantity."""
-        return cls(
-            LOAD[search.varied].words,
-            LOAD[search.varied].unit,
-            search.bounds,
-            intervals,
-            search.growth_tolerance,
-            modes,
-            tongues_left_out,
-            resolution,
-            RangeQuestion(model, search),
-            not_computed,
-        )
-
     def __iter__(self) -> Iterator[StabilityInterval]:
         """Iterate over the intervals."""
         return iter(self.intervals)
@@ -322,6 +296,31 @@ class StabilityIntervals(Reported, NoTruthValue):
             "'unnamed', or null at an end of the search",
             "required_damping_is": self.searched.model.damping_source,
         }
+
+
+def intervals_along(
+    model: BandModel,
+    search: Search,
+    intervals: tuple[StabilityInterval, ...],
+    modes: int,
+    resolution: float,
+    *,
+    tongues_left_out: int = 0,
+    not_computed: tuple[AxialGap, ...] = (),
+) -> StabilityIntervals:
+    """Return the intervals that a model of the modes found along a quantity."""
+    return StabilityIntervals(
+        LOAD[search.varied].words,
+        LOAD[search.varied].unit,
+        search.bounds,
+        intervals,
+        search.growth_tolerance,
+        modes,
+        tongues_left_out,
+        resolution,
+        RangeQuestion(model, search),
+        not_computed,
+    )
 
 
 def _unstable_rows(bands: Sequence[UnstableBand], size: float) -> Iterator[tuple[float, float, str]]:

@@ -240,7 +240,7 @@ class IndependentModel(ModeModel):
 
     def ranges(self, search: Search, progress: Progress | None) -> StabilityIntervals:
         """Return the stability intervals of one quantity of the load, complete except for ``resolution``."""
-        from floquetrod.rod.answers.stability_intervals import StabilityInterval, StabilityIntervals
+        from floquetrod.rod.answers.stability_intervals import StabilityInterval, intervals_along
 
         varied, load, bounds, tolerance = search
         self.require_on_wall(search)
@@ -248,7 +248,7 @@ class IndependentModel(ModeModel):
         unstable = unstable_loads(varied, system, tolerance, bounds, union=True, progress=progress)
         gaps = complement(bounds, unstable.intervals)
         stable = tuple(StabilityInterval(*gap[:2], _cause(gap.before), _cause(gap.after)) for gap in gaps)
-        return StabilityIntervals.of(
+        return intervals_along(
             self,
             search,
             stable,

@@ -22,7 +22,7 @@ from floquetrod.floquet.verdict import Cost, Status, tolerated
 from floquetrod.rod.answers.critical_value import CriticalValue
 from floquetrod.rod.answers.evidence import NoisyEvidence
 from floquetrod.rod.answers.rod_stability import RodStability
-from floquetrod.rod.answers.stability_intervals import Search, StabilityIntervals, UnstableBand
+from floquetrod.rod.answers.stability_intervals import Search, StabilityIntervals, UnstableBand, intervals_along
 from floquetrod.rod.loads.load import Load, Loads, Quantity, largest_density, noise_in_words, scaled_noise
 from floquetrod.rod.mode_equations.coupled_samples import SampledInterval, unstable_intervals
 from floquetrod.rod.mode_equations.noisy_modes import ASSUMED, ModeCoefficients, NoisyModes
@@ -201,7 +201,7 @@ class NoisyModel(ModeModel):
         intervals, resolution = joined_intervals(search.bounds, pieces, progress)
         places = np.linspace(*search.bounds, self.samples)
         modes = self.count_for(Loads.along(search.load, search.varied, places), search.growth_tolerance)
-        return StabilityIntervals.of(self, search, intervals, modes, resolution)
+        return intervals_along(self, search, intervals, modes, resolution)
 
     def first_growth(self, search: Search, progress: Progress | None) -> FirstChange:
         """Return where something first grows in mean square within bounds, from the low one up, by samples."""

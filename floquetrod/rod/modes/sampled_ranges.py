@@ -18,7 +18,13 @@ from floquetrod._util.spans import Gap, complement
 from floquetrod.floquet.first_change import FirstChange
 from floquetrod.floquet.status import UndecidedWarning
 from floquetrod.rod.answers.search_pieces import ends_between
-from floquetrod.rod.answers.stability_intervals import BucklingWarning, Search, StabilityInterval, StabilityIntervals
+from floquetrod.rod.answers.stability_intervals import (
+    BucklingWarning,
+    Search,
+    StabilityInterval,
+    StabilityIntervals,
+    intervals_along,
+)
 from floquetrod.rod.loads.axial import AxialGap, AxialResonanceError, axial_response, gaps, joined
 from floquetrod.rod.loads.load import LOAD, Load, Loads, Quantity
 from floquetrod.rod.mode_equations.coupled_samples import SAMPLES, SampledInterval, first_growth_change, unstable_parts
@@ -141,7 +147,7 @@ def sampled_ranges(model: ModeModel, search: Search, progress: Progress | None) 
 
     intervals, resolution = joined_intervals(bounds, [sampled(*piece) for piece in pieces], progress)
     most = max(modes.count for _, modes in pieces)
-    return StabilityIntervals.of(model, search, intervals, most, resolution, not_computed=tuple(skipped))
+    return intervals_along(model, search, intervals, most, resolution, not_computed=tuple(skipped))
 
 
 def _pieces_of_waves(
