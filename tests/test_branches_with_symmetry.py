@@ -164,6 +164,11 @@ def test_multipliers_that_cross_together_are_located(family: Callable[[np.random
         check(family(rng, count), 0.2)
 
 
+def test_a_branch_point_next_to_which_no_multiplier_is_resolved_is_located() -> None:
+    rng = np.random.default_rng(17)
+    check(identical_oscillators(rng, int(rng.integers(2, 5))), 0.3)
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("family", FAMILIES)
 @pytest.mark.parametrize("tens", range(4))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 from collections.abc import Sequence
 from functools import partial
 from typing import Any, NamedTuple
@@ -235,18 +236,20 @@ class _BranchArc:
         return self.samples[length]
 
     def beside(self, length: float) -> Sample:
-        """Return the sample at a length, or a little before where the equations are singular there."""
-        try:
-            return self.sample(length)
-        except NoOrbitError:
-            return self.sample(length - _NEAR * self.whole)
+        """Return what is known at a length, or a little before where the equations are nearly singular there."""
+        with contextlib.suppress(NoOrbitError):
+            sample = self.sample(length)
+            if np.isfinite(sample.multipliers.values).all():
+                return sample
+        return self.sample(length - _NEAR * self.whole)
 
     def of(self, ranks: Ranks, length: float) -> float:
-        """Return the mean logarithm of the magnitudes of some multipliers at a length; 0 where there is no orbit."""
+        """Return the mean logarithm of the magnitudes of some multipliers at a length; 0 where they are not known."""
         try:
-            return crossings.value(self.sample(length).multipliers, ranks)
+            value = crossings.value(self.sample(length).multipliers, ranks)
         except NoOrbitError:  # as at a branch point, where the equations are singular
             return 0.0
+        return 0.0 if np.isnan(value) else value  # likewise: an orbit so near one that no multiplier is resolved
 
     def zero(self, xtol: float) -> float:
         """Return the length at which the test function is zero."""
@@ -264,7 +267,8 @@ class _BranchArc:
         try:
             if self.test == "turning":
                 return float(self.place(length).direction.scalars[-1])
-            return self._test(self.sample(length))
+            value = self._test(self.sample(length))
+            return 0.0 if self.kind == "branch point" and np.isnan(value) else value
         except NoOrbitError:
             if self.kind == "branch point":  # where the equations are singular, Newton's method may fail
                 return 0.0
