@@ -85,6 +85,10 @@ def modes_needed(
 
     A good ``guess``, the answer for a load nearby, makes it quick.
     """
+    # The bound B(M) of `modes_left_out` falls with M, so M is where it passes the target: low < M <= high, with B(low)
+    # above the target (or low = 0) and B(high) not.  From the guess one end is carried away in steps 1, 2, 4, ...
+    # until the other side is met (galloping: J. L. Bentley and A. C. Yao, doi:10.1016/0020-0190(76)90071-5), since
+    # loads of an array change little from one to the next; then the interval is halved.
     low, high = 0, guess
     step = 1
     if modes_left_out(forcing, compression, bending, gravity, neutral_squared, guess) > target:

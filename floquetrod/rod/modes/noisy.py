@@ -31,7 +31,7 @@ from floquetrod.rod.model.constants import mode_constants
 from floquetrod.rod.model.contact import constants_under, require_on_wall, up_to_wall
 from floquetrod.rod.modes.mode_model import Answers, ModeModel
 from floquetrod.rod.modes.noisy_samples import AT_ONCE, HALVINGS, NoisySamples, VerdictCounts
-from floquetrod.rod.modes.sampled_ranges import Piece, joined_intervals, pieces_of
+from floquetrod.rod.modes.sampled_ranges import SampledPiece, joined_intervals, pieces_of
 
 if TYPE_CHECKING:
     from floquetrod.floquet.multipliers.many_verdicts import ManyVerdicts
@@ -197,7 +197,7 @@ class NoisyModel(ModeModel):
             stable = samples.stable(values, progress)
             return unstable_intervals(values, stable, samples.locate, piece), float(values[1] - values[0])
 
-        pieces = [Piece(*ends, self.samples, unstable) for ends in pieces_of(search, self.rod.critical_force)]
+        pieces = [SampledPiece(*ends, self.samples, unstable) for ends in pieces_of(search, self.rod.critical_force)]
         intervals, resolution = joined_intervals(search.bounds, pieces, progress)
         places = np.linspace(*search.bounds, self.samples)
         modes = self.count_for(Loads.along(search.load, search.varied, places), search.growth_tolerance)

@@ -92,7 +92,7 @@ def _modes(model: ModeModel, search: Search) -> CoupledEquations:
     return model.in_modes(model.count_for(loads, search.growth_tolerance))
 
 
-class Piece(NamedTuple):
+class SampledPiece(NamedTuple):
     """A piece of a quantity that is sampled, with the source of its unstable intervals and the distance of samples."""
 
     low: float
@@ -108,7 +108,7 @@ def pieces_of(search: Search, unit: float) -> list[tuple[float, float]]:
 
 
 def joined_intervals(
-    bounds: tuple[float, float], pieces: Sequence[Piece], progress: Progress | None
+    bounds: tuple[float, float], pieces: Sequence[SampledPiece], progress: Progress | None
 ) -> tuple[tuple[StabilityInterval, ...], float]:
     """Return the stability intervals of all pieces, and the largest distance of samples."""
     segments: list[tuple[tuple[float, float], list[SampledInterval]]] = []
@@ -139,11 +139,11 @@ def sampled_ranges(model: ModeModel, search: Search, progress: Progress | None) 
             for piece in pieces_of(search, model.rod.critical_force)
         ]
 
-    def sampled(piece: tuple[float, float], modes: CoupledEquations) -> Piece:
+    def sampled(piece: tuple[float, float], modes: CoupledEquations) -> SampledPiece:
         # Along a force each piece has as many samples as the piece of a critical load.
         samples = _share(piece, bounds, SAMPLES, _LEAST_SAMPLES) if varied == "frequency" else SAMPLES
         search_piece = partial(unstable_parts, varied, modes, largest, tolerance, bounds, samples)
-        return Piece(*piece, samples - 1, search_piece)
+        return SampledPiece(*piece, samples - 1, search_piece)
 
     intervals, resolution = joined_intervals(bounds, [sampled(*piece) for piece in pieces], progress)
     most = max(modes.count for _, modes in pieces)
