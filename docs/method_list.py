@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import sphinx.application
-from docutils import nodes
-from docutils.parsers.rst import Directive
-from docutils.statemachine import StringList
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    import sphinx.application
 
 
 def described(kind: str) -> list[str]:
@@ -19,20 +19,24 @@ def described(kind: str) -> list[str]:
     return [f".. autofunction:: {folder}{name if kind == 'equations' else f'{prefix}{name}.{name}'}" for name in names]
 
 
-class Methods(Directive):
-    """The methods of the registry for the kind of problem that is its argument."""
-
-    required_arguments = 1
-
-    def run(self) -> list[nodes.Node]:
-        """Return the documentation of each."""
-        node = nodes.section()
-        node.document = self.state.document
-        self.state.nested_parse(StringList(described(self.arguments[0]), source=__file__), self.content_offset, node)
-        return node.children
-
-
 def setup(app: sphinx.application.Sphinx) -> dict[str, bool]:
-    """Register the directive."""
+    """Register the directive; what it is made of comes with Sphinx, which the list above does without."""
+    from docutils import nodes
+    from docutils.parsers.rst import Directive
+    from docutils.statemachine import StringList
+
+    class Methods(Directive):
+        """The methods of the registry for the kind of problem that is its argument."""
+
+        required_arguments = 1
+
+        def run(self) -> list[nodes.Node]:
+            """Return the documentation of each."""
+            node = nodes.section()
+            node.document = self.state.document
+            lines = StringList(described(self.arguments[0]), source=__file__)
+            self.state.nested_parse(lines, self.content_offset, node)
+            return node.children
+
     app.add_directive("methods", Methods)
     return {"parallel_read_safe": True}
