@@ -1,4 +1,4 @@
-"""The record of a parameter: everything that is told of one number or word of a rod, a load, a tool or a cutter.
+"""The record of a parameter of a rod, a load, a tool or a cutter: its name, unit, limits, default, option and use.
 
 Checks, units, files, options of the terminal with their help, reports and the explorer follow from the records; the
 field and the argument of a class, which Python needs, are compared with them by a test.
@@ -56,11 +56,11 @@ class Parameter:
     Parameters
     ----------
     name : str
-        Of its field and its argument.
+        Name of its field and its argument.
     symbol : str
         As the equations have it.
     kind : str
-        Of quantity, whose units `floquetrod.units` knows; "" for what is no number.
+        Kind of quantity, whose units `floquetrod.units` knows; "" for a word.
     least, largest : float
         Limits in the SI unit, whatever the other parameters are.
     range_in_words : str
@@ -70,7 +70,7 @@ class Parameter:
     hint : str
         What to do about a wrong value; by default, to give it in its SI unit.
     option : Option
-        Of the terminal, None without one.
+        Its option of the terminal, None without one.
     known_to, without_effect_on : frozenset of str
         Subsystems whose answers change with it, and subsystems whose answers by physics do not.  All others refuse any
         value but the default, see `require_known`.
@@ -81,9 +81,9 @@ class Parameter:
     in_feet : str
         The unit in which it is shown beside feet, where that is not the one of its kind.
     instead : tuple of Parameter
-        What may be given in its place.
+        Aliases that may be given in its place.
     factor : float
-        Of what is given in place of another parameter, over that: 2 of a diameter.
+        Ratio of an alias to the parameter it stands for: 2 for a diameter given in place of a radius.
     """
 
     name: str

@@ -83,21 +83,19 @@ def periodic_orbit(
     except NoOrbitError as error:
         if turns is None and period is not None:
             with contextlib.suppress(ValueError):  # what the given period led to is the better message
-                return _returning(system, start, period, turns, tolerance)
+                return _returning(system, start, period, tolerance)
         raise error
 
 
-def _returning(
-    system: NonlinearSystem, start: Any, period: float, turns: int | None, tolerance: float
-) -> PeriodicOrbit:
-    """Return the orbit of about a period, from motion that is followed until it returns.
+def _returning(system: NonlinearSystem, start: Any, period: float, tolerance: float) -> PeriodicOrbit:
+    """Return the orbit of an autonomous system of about a period, from motion that is followed until it returns.
 
     A period good to three digits does not close motion that jumps within a millionth of it.
     """
     guess = orbit_guesses.guessed(system, start, None)
     if abs(guess.period - period) > _SAME * period:
         raise NoOrbitError(f"motion from start returns after {guess.period:.6g}, not after about {period:.6g}")
-    return _near(system, guess, turns, tolerance)
+    return _near(system, guess, None, tolerance)
 
 
 def _near(system: NonlinearSystem, guess: orbit_guesses.Guess, turns: int | None, tolerance: float) -> PeriodicOrbit:

@@ -183,7 +183,7 @@ def _groups(whole: Crossing, turning: Crossing | None) -> list[Crossing]:
     turn = None if turning is None else _BranchArc(turning).zero(near)
     gathered: dict[tuple[Kind, float], list[int]] = {}
     for rank in whole.ranks:
-        length = float(brentq(partial(stretch.of, (rank,)), 0.0, stretch.whole, xtol=near, rtol=1e-14))
+        length = float(brentq(partial(stretch.at, (rank,)), 0.0, stretch.whole, xtol=near, rtol=1e-14))
         kind = _kind(stretch.beside(length), rank)
         if kind == "branch point" and turn is not None and abs(turn - length) <= 4.0 * near:
             kind = "fold"
@@ -236,20 +236,23 @@ class _BranchArc:
         return self.samples[length]
 
     def beside(self, length: float) -> Sample:
-        """Return what is known at a length, or a little before where the equations are nearly singular there."""
+        """Return the sample at a length, or a little before it where the equations are nearly singular there."""
         with contextlib.suppress(NoOrbitError):
             sample = self.sample(length)
             if np.isfinite(sample.multipliers.values).all():
                 return sample
         return self.sample(length - _NEAR * self.whole)
 
-    def of(self, ranks: Ranks, length: float) -> float:
-        """Return the mean logarithm of the magnitudes of some multipliers at a length; 0 where they are not known."""
+    def at(self, test: Test, length: float) -> float:
+        """Return a test function of the multipliers at a length; 0 where they are not known, as at a branch point.
+
+        There the equations are singular: Newton's method may fail, and next to it no multiplier may be resolved.
+        """
         try:
-            value = crossings.value(self.sample(length).multipliers, ranks)
-        except NoOrbitError:  # as at a branch point, where the equations are singular
+            value = crossings.value(self.sample(length).multipliers, test)
+        except NoOrbitError:
             return 0.0
-        return 0.0 if np.isnan(value) else value  # likewise: an orbit so near one that no multiplier is resolved
+        return 0.0 if np.isnan(value) else value
 
     def zero(self, xtol: float) -> float:
         """Return the length at which the test function is zero."""
@@ -267,8 +270,7 @@ class _BranchArc:
         try:
             if self.test == "turning":
                 return float(self.place(length).direction.scalars[-1])
-            value = self._test(self.sample(length))
-            return 0.0 if self.kind == "branch point" and np.isnan(value) else value
+            return self.at(self.test, length) if self.kind == "branch point" else self._test(self.sample(length))
         except NoOrbitError:
             if self.kind == "branch point":  # where the equations are singular, Newton's method may fail
                 return 0.0

@@ -11,8 +11,8 @@ counts by `inertia`.
 code; `floquetrod._util.interval` for formulas of rods and for `mathieu_chains.certain_count`, interpreted and to the
 next double.  Arrays of balls, a midpoint and a radius: `balls` in doubles, and with the same operations `integers` in
 any number of digits; `digits` doubles the digits until a proof succeeds.  Intervals of many digits for single numbers:
-`many_digits`, of mpmath's intervals their four operations.  What is "undecided" is so since `Unresolved` was raised: a
-sign that the arithmetic does not show.
+`many_digits`, of mpmath's intervals their four operations.  A proof is "undecided" where `Unresolved` was raised: the
+arithmetic does not show a sign.
 """
 
 from __future__ import annotations

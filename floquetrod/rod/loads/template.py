@@ -22,7 +22,7 @@ def replaced(
     """
     template, given = kind(load), {"mean": mean, "amplitude": amplitude, "frequency": frequency}
     if searched is not None and given[searched] is not None:
-        raise validate.wrong_value(searched, f"is what is searched; leave {searched} out, and give bounds if wanted")
+        raise validate.wrong_value(searched, f"is the quantity that is searched; leave {searched} out")
     numbers: Numbers = {}
     for name in QUANTITIES:
         if name == searched:

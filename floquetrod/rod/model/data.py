@@ -509,11 +509,11 @@ def _modes(mode: Any) -> NDArray[np.float64]:
 
 def require_not_of_path(rod: RodData, names: Iterable[str], argument: str) -> None:
     """Raise ValueError where parameters that are to vary are given by the path of a rod."""
-    told = next((name for name in names if name in OF_A_LINE), None)
-    if rod.path is not None and told is not None:
+    from_path = next((name for name in names if name in OF_A_LINE), None)
+    if rod.path is not None and from_path is not None:
         raise validate.wrong_value(
             argument,
-            f"must not name {told} of a rod on a path, which determines it; give an inclination instead",
+            f"must not name {from_path} of a rod on a path, which determines it; give an inclination instead",
         )
 
 
