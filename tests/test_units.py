@@ -9,7 +9,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from floquetrod.units import _UNITS, _folded, _known, kind_of, label, quantity, unit, unit_of, units_of
+from floquetrod.units import kind_of, label, quantity, unit, unit_of, units_of
+from floquetrod.units.table import UNITS, _folded, meant
 
 
 @given(st.floats(-1e6, 1e6, allow_nan=False))
@@ -102,25 +103,26 @@ def test_other_slashes_are_told_how_fractions_are_written(text: str) -> None:
 @pytest.mark.parametrize("text", ["", "N", "1 2", "0x10", "nan", "inf", "1Fxr", "1 kg", "\u0663", None, [1], True])
 def test_anything_else_is_refused_with_what_is_accepted(text: object) -> None:
     with pytest.raises(
-        ValueError, match=r"^--mean must be a number with a force unit \(N, kN, MN, mN, lbf, kip; none means N\)"
+        ValueError,
+        match=r"^--mean must be a number with a force unit \(N, kN, .*, klbf, kip, kgf, tf; none means N\)",
     ):
         quantity(text, "--mean", "force")
 
 
 @pytest.mark.parametrize(
     ("text", "kind"),
-    [("1Mlbf", "force"), ("1mpa", "pressure"), ("1mpsi", "pressure"), ("1M", "length"), ("1Ms", "time")],
+    [("1Mlbf", "force"), ("1mpa", "pressure"), ("1mpsi", "pressure"), ("1Mm", "length"), ("1Ms", "time")],
 )
 def test_the_case_of_mega_and_milli_counts(text: str, kind: str) -> None:
     with pytest.raises(ValueError, match="is not understood"):
         quantity(text, "x", kind)
 
 
-@pytest.mark.parametrize("kind", _UNITS)
+@pytest.mark.parametrize("kind", UNITS)
 def test_no_two_units_of_a_kind_differ_by_case_alone(kind: str) -> None:
     names = [_folded(name) for name in units_of(kind, 1.0)]
     assert len(set(names)) == len(names)
-    assert [_known(name, units_of(kind, 1.0)) for name in units_of(kind, 1.0)] == list(units_of(kind, 1.0))
+    assert [meant(name, units_of(kind, 1.0)) for name in units_of(kind, 1.0)] == list(units_of(kind, 1.0))
 
 
 def test_units_are_shown_as_they_are_written_here() -> None:
@@ -208,7 +210,7 @@ def test_a_unit_shows_what_quantity_reads(value: float, name: str) -> None:
 def test_an_unknown_unit_is_refused_with_what_is_known() -> None:
     with pytest.raises(
         ValueError,
-        match=r"^--unit must be a unit of force \(N, kN, MN, mN, lbf, kip, Fcr\), got 'Hz'; it is a unit of frequency$",
+        match=r"^--unit must be a unit of force \(N, kN, .*, tf, Fcr\), got 'Hz'; it is a unit of frequency$",
     ):
         unit("Hz", "--unit", "force", 2.0)
     assert unit("", "x", "force").name == "N"

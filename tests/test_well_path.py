@@ -132,8 +132,9 @@ def test_a_path_is_a_value() -> None:
     assert (same, hash(same)) == (path, hash(path))
     assert pickle.loads(pickle.dumps(path)) == path
     assert path != fr.WellPath.straight(length=30.48, inclination=0.1)
-    assert repr(path) == "<well path of 2 stations, 0 to 30.48 m, inclination 3 to 5 deg, doglegs up to 1.97 deg/30 m>"
-    assert "30.48" in str(path.report())
+    assert repr(path) == "<well path of 2 stations, 0 to 100 ft, inclination 3 to 5 deg, doglegs up to 2 deg/100 ft>"
+    assert "100.00" in str(path.report())
+    assert "30.48" in str(same.report())
     assert "<table>" in path._repr_html_()
     with pytest.raises(ValueError, match="read-only"):
         path.depth[0] = 3.0

@@ -232,7 +232,7 @@ def _sine_beside(asked: _Question) -> tuple[list[tuple[str, str]], dict[str, Any
         return [], {}
     with Waiting("comparing with a sine"):
         sine = _sine(asked)
-    shown = shown_in(asked.shown, asked.rod.critical_force)
+    shown = shown_in(asked.shown, asked.rod)
     left_out = "" if asked.record_alone else "; the error leaves out its noise, because options change the load"
     lines = [
         ("sine", f"of the same mean, amplitude and frequency: {sine.status}{_growing(sine)}"),

@@ -65,7 +65,7 @@ def _explore(options: argparse.Namespace) -> Output:
     rod, load, is_given = _given(options)
     warn_of_hertz("--frequency", options.frequency, rod, [load])
     names = read_units(options, rod)
-    shown = shown_in(names, rod.critical_force)
+    shown = shown_in(names, rod)
     if not is_given:  # begin in the middle of things
         first = Scale.of(rod).first_load(shown)
         load = load.with_numbers(first.mean, first.amplitude, first.frequency)

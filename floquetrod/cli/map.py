@@ -124,7 +124,7 @@ def _map(options: argparse.Namespace) -> Output:
     def draw() -> Any:
         axes = drawn.plot(bands=bands)
         if point is not None:
-            x, y = (shown_in(shown, rod.critical_force)[name].of(value) for name, value in point.items())
+            x, y = (shown_in(shown, rod)[name].of(value) for name, value in point.items())
             chart_plot.mark(axes, x, y, "the load")
         return axes
 

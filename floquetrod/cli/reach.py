@@ -31,7 +31,6 @@ from floquetrod.cli.common import (
 )
 from floquetrod.cli.output import Output, output
 from floquetrod.cli.parser import Parser
-from floquetrod.units import AnswerUnits
 
 _EVEN = 10  # depths between two ends
 
@@ -72,7 +71,8 @@ def add(command: Parser) -> None:
     command.add_argument(
         "--unit",
         metavar="UNITS",
-        help="units of the answer, such as ft,lbf,psi,rpm (default: those of the question, else m,kN,MPa,Hz)",
+        help="units of the answer, such as ft,lbf,psi,rpm (default: those of the question: its options, its "
+        "survey, its rod; else m,kN,MPa,Hz)",
     )
     command.add_output("--figure", figures, "write a figure of all of it (.png, .pdf, .svg)")
     command.add_output("--report", documents, "write all of it into one file (.html, .pdf)")
@@ -126,7 +126,6 @@ def read_reach(options: argparse.Namespace, rod: fr.Rod, depth: Sequence[str] | 
 def _reach(options: argparse.Namespace) -> Output:
     asked = units_shown(options, ("length", "force", "pressure", "frequency"), "ft,lbf")
     shown = {"depth" if kind == "length" else kind: name for kind, name in asked.items()}
-    shown.setdefault("depth", AnswerUnits.named(shown.get("force", "kN")).length.name)
     found = read_reach(options, read_rod(options), None if options.depths is None else _depths(options.depths))
     named = {"length" if name == "depth" else name: unit for name, unit in shown.items()}
     written = write_figures(options.figure, partial(found.plot, **shown)) + write_each(

@@ -161,5 +161,5 @@ def _rounded(limits: dict[str, tuple[float, float]], units: dict[str, known.Unit
 def _units(rod: Rod, names: Mapping[str, str]) -> dict[str, known.Unit]:
     if isinstance(names, Mapping) and not names.keys() <= {*QUANTITIES}:
         raise validate.wrong_value("units", f"must be of mean, amplitude and frequency, got {dict(names)!r}")
-    shown = shown_in(names, rod.critical_force)
+    shown = shown_in(names, rod)
     return {name: shown[name] for name in QUANTITIES}

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import functools
 import inspect
-import math
 import platform
 import warnings
 from collections.abc import Iterable, Mapping
@@ -123,21 +122,21 @@ def _contents(result: Any, asked: _Asked) -> tuple[str, list[DocumentSection]]:
 
 @_contents.register
 def _(result: Reach, asked: _Asked) -> tuple[str, list[DocumentSection]]:
-    section = _reach(result, asked.units, answer_units(shown_in(asked.units, math.nan)))[0]
+    section = _reach(result, asked.units)[0]
     title = repr(result)[1:-1] if section.report is None else section.report.headline
     return title, [section, _made((), asked.command)]
 
 
 @_contents.register
 def _(result: RodStability, asked: _Asked) -> tuple[str, list[DocumentSection]]:
-    shown = shown_in(asked.units, result.rod.critical_force)
+    shown = shown_in(asked.units, result.rod, result.load)
     return f"Stability of a rod: {result.status}", [
         _verdict(result, asked),
         _data(result.rod, answer_units(shown)),
         *_map(result, shown),
         *_motion(asked.motion, asked.units),
         _statics(result, answer_units(shown)),
-        *_reach(asked.reach, asked.units, answer_units(shown)),
+        *_reach(asked.reach, asked.units),
         _assumed(result, asked.reach, answer_units(shown)),
         _made(result.references, asked.command or f"{result.rod!r}.stability({result.load!r})"),
     ]
@@ -227,16 +226,12 @@ def _statics(verdict: RodStability, units: AnswerUnits) -> DocumentSection:
     return DocumentSection("Constant forces and stress", Report("", lines, table))
 
 
-def _reach(reach: Reach | None, asked: Mapping[str, str] | None, units: AnswerUnits) -> list[DocumentSection]:
-    """Return how far the string can be pushed, in kN and Hz where nothing else was asked for."""
+def _reach(reach: Reach | None, asked: Mapping[str, str] | None) -> list[DocumentSection]:
+    """Return how far the string can be pushed, in the units asked for and else its own."""
     if reach is None:
         return []
-    named = {name: getattr(units, name).name for name in ("force", "pressure", "frequency")}
-    named["depth"] = units.length.name
-    if units.force.name == "N" and "force" not in (asked or {}):
-        named["force"] = "kN"
-    if "frequency" not in (asked or {}):
-        named["frequency"] = "Hz"
+    kinds = {"length": "depth", "force": "force", "pressure": "pressure", "frequency": "frequency"}
+    named = {kinds[name]: unit for name, unit in (asked or {}).items() if name in kinds}
     return [DocumentSection("Reach", reach.report(**named), functools.partial(reach.plot, **named))]
 
 

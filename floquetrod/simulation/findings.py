@@ -121,7 +121,7 @@ class Findings(Printed):
         """
         run = self.run
         problem, steps, rod = run.problem, run.time_steps, run.rod
-        shown = shown_in(units, rod.critical_force)
+        shown = shown_in(units, rod, problem.load)
         special = special_parameters(rod, answer_units(shown))
         lines = [("rod", special)] if special else []
         lines += load_lines(problem.load, shown, rod)

@@ -34,7 +34,7 @@ _SHOWN = 40  # stations of a report
     azi="the azimuth is azimuth",
 )
 @dataclass(frozen=True, eq=False, init=False, repr=False)
-class WellPath(Reported, ByContent, TellsAttributes):
+class WellPath(units.InUnits, Reported, ByContent, TellsAttributes):
     """Path of a well through the stations of a survey, joined by circular arcs: minimum curvature.
 
     Parameters
@@ -95,6 +95,7 @@ class WellPath(Reported, ByContent, TellsAttributes):
         angles = survey.column("inclination", inclination, depths.size)
         turns = survey.column("azimuth", azimuth, depths.size)
         self._keep(depths, angles, turns)
+        self.given_in(units.GivenUnits.of(length=depth))
         self._check()
 
     def _keep(self, depth: Floats, inclination: Floats, azimuth: Floats) -> Self:
@@ -158,7 +159,8 @@ class WellPath(Reported, ByContent, TellsAttributes):
         angles = survey.column("inclination", inclination)
         if angles.size != 2:
             raise validate.wrong_value("inclination", f"must be two, at both ends, got {validate.short(inclination)}")
-        return cls([start, start + extent], angles, azimuth)
+        arc = cls([start, start + extent], angles, azimuth)
+        return arc.given_in(units.GivenUnits.of(length=(length, depth)))
 
     @classmethod
     def from_csv(
@@ -222,7 +224,7 @@ class WellPath(Reported, ByContent, TellsAttributes):
             raise error_in(f"survey {file}", error) from None
         if not columns.lines:
             raise ValueError(f"survey {file}: it holds no stations below its headings")
-        well = cls.__new__(cls)._keep(*columns[:3])
+        well = cls.__new__(cls)._keep(*columns[:3]).given_in(units.GivenUnits(length=columns.depth_unit))
         well._check(f"survey {file}: ", columns.lines, has_headings=columns.has_headings, in_degrees=columns.in_degrees)
         return well
 
@@ -298,7 +300,7 @@ class WellPath(Reported, ByContent, TellsAttributes):
                 (points.azimuth, self.azimuth),
             )
         )
-        return type(self).__new__(type(self))._keep(*kept)
+        return type(self).__new__(type(self))._keep(*kept).given_in(self.given_units)
 
     def with_errors(self, inclination: Any = 0.0, azimuth: Any = 0.0) -> Self:
         """Return the path with errors added to the angles measured at its stations.
@@ -330,40 +332,53 @@ class WellPath(Reported, ByContent, TellsAttributes):
         fault = survey.fault(self.depth, *columns)
         if fault is not None:
             raise validate.wrong_value(fault.argument, f"at station {fault.station} {fault.problem}")
-        return type(self).__new__(type(self))._keep(self.depth.copy(), *columns)
+        return type(self).__new__(type(self))._keep(self.depth.copy(), *columns).given_in(self.given_units)
 
     # --- in words and numbers ---
 
     def __repr__(self) -> str:
-        """Return stations, depths, inclinations and doglegs as a sentence."""
-        return f"<{self.in_words(units.unit('m', '', 'length'))}>"
+        """Return stations, depths, inclinations and doglegs as a sentence, in the unit of depth they were given in."""
+        return f"<{self.in_words(self._length)}>"
+
+    @property
+    def _length(self) -> units.Unit:
+        """The unit of lengths in which the path is shown."""
+        return units.AnswerUnits.named(given=self.given_units).length
 
     def in_words(self, length: units.Unit) -> str:
         """Return stations, depths, inclinations and doglegs in words, lengths in a unit."""
         lowest, highest = np.degrees([self.inclination.min(), self.inclination.max()])
         angles = f"{lowest:.4g}" if lowest == highest else f"{lowest:.4g} to {highest:.4g}"
-        worst, in_feet = self.dogleg_severity.max(), length.name in ("ft", "in")
-        doglegs = f"{worst * 1.016:.3g} deg/100 ft" if in_feet else f"{worst:.3g} deg/30 m"
+        doglegs, per = self._doglegs(length)
         return (
             f"well path of {self.depth.size} stations, {length.of(self.start):.6g} to {length.show(self.end)}, "
-            f"inclination {angles} deg, doglegs up to {doglegs}"
+            f"inclination {angles} deg, doglegs up to {doglegs.max():.3g} {per}"
         )
+
+    def _doglegs(self, length: units.Unit) -> tuple[Floats, str]:
+        """Return the curvature of each interval beside lengths in a unit, and its own unit."""
+        if length.name in ("ft", "ftUS", "in"):
+            return 1.016 * self.dogleg_severity, "deg/100 ft"
+        return self.dogleg_severity, "deg/30 m"
 
     def report(self) -> Report:
         """Return the path in words and its stations as a table."""
-        severity = ["", *(f"{row:.2f}" for row in self.dogleg_severity)]
-        columns = (("depth m", ">9"), ("inc deg", ">8"), ("azi deg", ">8"), ("TVD m", ">9"), ("north m", ">9"))
+        length = self._length
+        bends, per = self._doglegs(length)
+        severity = ["", *(f"{row:.2f}" for row in bends)]
+        columns = [(f"{name} {length.name}", ">9") for name in ("depth", "TVD", "north", "east")]
+        columns[1:1] = [("inc deg", ">8"), ("azi deg", ">8")]
         numbers = zip(
-            self.depth,
+            length.of(self.depth),
             np.degrees(self.inclination),
             np.degrees(self.azimuth),
-            *self._corners[:, [2, 0, 1]].T,
+            *length.of(self._corners[:, [2, 0, 1]]).T,
             strict=True,
         )
         rows = [[*(f"{x:.2f}" for x in row), bend] for row, bend in zip(numbers, severity, strict=True)]
         rest = f"and {len(rows) - _SHOWN} more stations" if len(rows) > _SHOWN else ""
-        table = Table((*columns, ("east m", ">9"), ("deg/30 m", ">8")), rows[:_SHOWN], rest)
-        return Report(self.in_words(units.unit("m", "", "length")), table=table)
+        table = Table((*columns, (per, f">{len(per)}")), rows[:_SHOWN], rest)
+        return Report(self.in_words(length), table=table)
 
     def as_dict(self) -> dict[str, list[float]]:
         """Return the stations in m and rad, the arguments of an equal path."""

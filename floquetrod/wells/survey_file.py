@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import io
-import math
 import re
 from collections.abc import Sequence
 from pathlib import Path
@@ -37,8 +36,6 @@ HEADINGS = {
 
 _UNIT_ROWS = 10  # below headings, more than any file has (a choice)
 _USUAL = "'MD (m)', 'Inc (deg)' and 'Azi (deg)'"
-_SURVEY_FEET = ("usft", "us ft", "ftus", "us survey ft")
-_SURVEY_FOOT = 1200.0 / 3937.0  # m
 _GROUPED = re.compile(r"[-+]?\d{1,3}([ ,.'\u00a0\u2009\u202f]\d{3})+([.,]\d*)?", re.ASCII)  # 1,000.5 and the like
 _MAY_BE_GROUPED = re.compile(r"[-+]?[1-9]\d{0,2},\d{3}", re.ASCII)
 _PLAIN = re.compile(r"[\s_.:\-]+")
@@ -47,7 +44,8 @@ _PLAIN = re.compile(r"[\s_.:\-]+")
 class SurveyFile(NamedTuple):
     """Depths in m and angles in rad, the line of each station, and how they were read.
 
-    Inclinations are ``in_degrees`` by their heading or for want of one, not by an argument.
+    Inclinations are ``in_degrees`` by their heading or for want of one, not by an argument; ``depth_unit`` is the unit
+    of depths in the file.
     """
 
     depth: Floats
@@ -56,6 +54,7 @@ class SurveyFile(NamedTuple):
     lines: Sequence[int]
     has_headings: bool
     in_degrees: bool
+    depth_unit: str
 
 
 class _Column(NamedTuple):
@@ -82,12 +81,13 @@ def read(
     columns, skipped = _with_unit_rows(columns, rows)
     rows = [(number, cells) for number, cells in rows[skipped:] if any(cells)]
     _require_as_wide(lines[first - 1] if first else None, rows, delimiter, len(columns))
-    sizes = {c.name: _size(c, given[c.name]) for c in columns}
-    columns_in_si = {c.name: sizes[c.name] * np.array(_numbers(c, rows)) for c in columns}
+    units_of = {c.name: _unit(c, given[c.name]) for c in columns}
+    columns_in_si = {c.name: units_of[c.name].size * np.array(_numbers(c, rows)) for c in columns}
     azimuth, stations = columns_in_si.get("azimuth", np.zeros(len(rows))), [number for number, _ in rows]
-    in_degrees = given["inclination"] is None and sizes["inclination"] != 1.0
+    in_degrees = given["inclination"] is None and units_of["inclination"].size != 1.0
     is_named = first > 0 or None not in wanted.values()
-    return SurveyFile(columns_in_si["depth"], columns_in_si["inclination"], azimuth, stations, is_named, in_degrees)
+    depths, inclinations = columns_in_si["depth"], columns_in_si["inclination"]
+    return SurveyFile(depths, inclinations, azimuth, stations, is_named, in_degrees, units_of["depth"].name)
 
 
 def _require_as_wide(headings: Line | None, rows: Sequence[tuple[int, list[str]]], delimiter: str, chosen: int) -> None:
@@ -212,16 +212,12 @@ def _with_unit_rows(columns: list[_Column], rows: Sequence[tuple[int, list[str]]
     """Return the columns with the units in lines below their headings, and the number of such lines."""
     for skipped, (_, cells) in enumerate(rows):
         below = [cells[c.place].strip(" ()[]") if c.place < len(cells) else "" for c in columns]
-        is_unit = [_is_unit(c, cell) for c, cell in zip(columns, below, strict=True)]
+        is_unit = [units.is_unit(cell, KINDS[c.name]) for c, cell in zip(columns, below, strict=True)]
         if not is_unit[0] and below[0].casefold() not in HEADINGS["depth"]:
             return columns, skipped
         named = zip(columns, below, is_unit, strict=True)
         columns = [c._replace(unit=cell) if is_named else c for c, cell, is_named in named]
     return columns, len(rows)
-
-
-def _is_unit(column: _Column, word: str) -> bool:
-    return units.is_unit(word, KINDS[column.name]) or (column.name == "depth" and word.casefold() in _SURVEY_FEET)
 
 
 def _numbers(column: _Column, rows: Sequence[tuple[int, list[str]]]) -> list[float]:
@@ -240,14 +236,14 @@ def _numbers(column: _Column, rows: Sequence[tuple[int, list[str]]]) -> list[flo
     return numbers
 
 
-def _size(column: _Column, given: str | None) -> float:
-    """Return the unit of a column in SI: degrees where no unit of an angle is named."""
+def _unit(column: _Column, given: str | None) -> units.Unit:
+    """Return the unit of a column: degrees where no unit of an angle is named."""
     kind, argument = KINDS[column.name], "depth_unit" if column.name == "depth" else "angle_unit"
     unit = given or column.unit
     if unit is None and column.name != "depth":
-        return math.pi / 180.0
-    if unit is not None and _is_unit(column, unit):
-        return _SURVEY_FOOT if unit.casefold() in _SURVEY_FEET else units.unit(unit, argument, kind).size
+        return units.unit("deg", argument, kind)
+    if unit is not None and units.is_unit(unit, kind):
+        return units.unit(unit, argument, kind)
     why = "names none" if unit is None else f"names {unit!r}"
     raise validate.wrong_value(
         argument, f"must be given, such as {'m or ft' if kind == 'length' else 'deg or rad'}: the heading {why}"

@@ -41,31 +41,41 @@ _SHOWN: dict[str, str] = {
 }
 
 
-def shown_in(names: Mapping[str, str] | None, critical_force: float) -> dict[str, Unit]:
-    """Return the unit to show each quantity of a load, a kick, and other forces, lengths and pressures in.
+def shown_in(names: Mapping[str, str] | None, rod: RodData, *others: known.InUnits) -> dict[str, Unit]:
+    """Return the unit to show each quantity of a load, a kick, and other quantities in.
 
-    Where none is named these are SI units and mm/s; other forces are then in the unit of the mean or the amplitude
-    where that is not the critical force itself; lengths and pressures beside pounds in ft and ksi, else in m and MPa.
+    These are the units that are named, else those in which the rod and ``others``, which come first, were given, by the
+    rule of `floquetrod.units.AnswerUnits`; else N, rad/s, mm/s, m and MPa.  Other forces are in the unit of the mean
+    or the amplitude where that is not the critical force itself.
     """
     names = {} if names is None else names
     if not isinstance(names, Mapping):
         raise validate.wrong_type("units", f"must be a mapping such as {{'mean': 'Fcr'}}, got {validate.short(names)}")
     if not names.keys() <= _SHOWN.keys():
         raise validate.wrong_value("units", f"must be of {', '.join(_SHOWN)}, got {dict(names)!r}")
-    of_load = {
-        name: known.unit({"kick": KICK, **names}.get(name, ""), f"units[{name!r}]", _SHOWN[name], critical_force)
-        for name in ("mean", "amplitude", "frequency", "kick")
+    wanted = {
+        name: known.unit(names[name], f"units[{name!r}]", kind, rod.critical_force)
+        for name, kind in _SHOWN.items()
+        if name in names
     }
-    forces = (of_load[name].name for name in ("mean", "amplitude") if names.get(name))
-    usual = {"force": next((name for name in forces if name != "Fcr"), "N")}
-    given = {**usual, **{name: names[name] for name in ("force", "length", "pressure") if name in names}}
-    more = AnswerUnits.named(**given, what="units[{!r}]".format)
-    return {**of_load, "force": more.force, "length": more.length, "pressure": more.pressure}
+    forces = (wanted[name].name for name in ("mean", "amplitude") if names.get(name))
+    of_load = next((name for name in forces if name != "Fcr"), None)
+    given = known.GivenUnits().or_else(*(each.given_units for each in (*others, rod)))
+    answer = AnswerUnits.named(
+        names.get("force", of_load), names.get("length"), names.get("pressure"), what="units[{!r}]".format, given=given
+    )
+    usually = {
+        "mean": answer.force,
+        "amplitude": answer.force,
+        "frequency": known.unit(given.frequency, "", "frequency"),
+        "kick": known.unit(KICK, "", "speed"),
+    }
+    return {**answer._asdict(), **usually, **wanted}
 
 
 def answer_units(shown: Mapping[str, Unit]) -> AnswerUnits:
     """Return the units of forces, lengths, pressures and frequencies, as opposed to the load's."""
-    return AnswerUnits(shown["force"], shown["length"], shown["pressure"], shown["frequency"])
+    return AnswerUnits(**{name: shown[name] for name in AnswerUnits._fields})
 
 
 def describe_load(load: Load, shown: Mapping[str, Unit], rod: RodData) -> str:

@@ -382,7 +382,7 @@ class RodStability(Reported, Verdict):
         Report
             Its text is ``str(report)``; a notebook shows it as a table.
         """
-        evidence, shown = self.evidence, shown_in(units, self.rod.critical_force)
+        evidence, shown = self.evidence, shown_in(units, self.rod, self.load)
         lines = subject_lines(self.rod, self.load, shown, self.assumptions)
         if self.growth_rate > 0.0:
             rate = f"{self.growth_rate:.6g} 1/s{_growing_mode(self)}"

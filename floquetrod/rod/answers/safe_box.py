@@ -121,7 +121,7 @@ class SafeBox(Reported, NoTruthValue):
         ``units`` in which to show mean, amplitude, frequency and the lengths and pressures of rods: ``{"mean": "Fcr",
         "frequency": "Hz", "length": "ft"}``.
         """
-        shown = shown_in(units, self.proof.subject.critical_force)
+        shown = shown_in(units, self.proof.subject)
         table = self._table({name: shown[name].name for name in QUANTITIES})
         return Report(self._proved({} if units is None else units), (), table, Report("", self.proof.assumed))
 

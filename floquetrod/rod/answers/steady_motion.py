@@ -87,7 +87,7 @@ class SteadyMotion(ByContent, Printed, NoTruthValue):
         """
         if self.orbit is None:
             return Report(self._in_words, [("note", self.note)] if self.note else [])
-        shown = answer_units(shown_in(units, self.rod.critical_force))
+        shown = answer_units(shown_in(units, self.rod, self.load))
         pressed = shown.per_length
         smallest, largest = (pressed.of(value) for value in self.contact)
         short = [shown.across.of(value) for value in self.shortening]

@@ -52,7 +52,7 @@ _SPEEDS = np.array([0.4, 1.0, 4.0])  # of the speed of sliding, at which a tool'
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Reach(Printed, ByContent):
+class Reach(units.InUnits, Printed, ByContent):
     """How far a string can be pushed into a well.
 
     Attributes
@@ -260,18 +260,25 @@ class Reach(Printed, ByContent):
     def _percent(self) -> str:
         return f"{100.0 * (self.yield_share or 0.0):.3g} %"
 
-    def report(self, depth: str = "m", force: str = "kN", pressure: str | None = None, frequency: str = "Hz") -> Report:
+    def report(
+        self,
+        depth: str | None = None,
+        force: str | None = None,
+        pressure: str | None = None,
+        frequency: str | None = None,
+    ) -> Report:
         """Return the reach, the buckled and the unstable depths, and the force at the upper end.
 
         Parameters
         ----------
-        depth : str
-            Unit of depths and lengths, such as "ft".
-        force : str
+        depth : str, optional
+            Unit of depths and lengths, such as "ft"; by default each unit is that of the question, see
+            `floquetrod.units.AnswerUnits`, else m, kN, MPa and Hz.
+        force : str, optional
             Unit of forces, such as "lbf".
         pressure : str, optional
-            Unit of stresses, such as "psi"; by default MPa, beside pounds ksi.
-        frequency : str
+            Unit of stresses, such as "psi".
+        frequency : str, optional
             Unit of the tool's frequencies.
 
         Raises
@@ -280,7 +287,7 @@ class Reach(Printed, ByContent):
             For a unit that is not one of these.
         """
         along = self.along
-        shown = AnswerUnits.named(force, depth, pressure, frequency, what=_argument)
+        shown = self._units(force, depth, pressure, frequency)
         unit = shown.length
         lines = [
             ("string", f"weighs {shown.per_length.show(self.weight_per_length, 4)} {self._fluids_in_words}"),
@@ -452,10 +459,10 @@ class Reach(Printed, ByContent):
         self,
         figure: Any = None,
         *,
-        depth: str = "m",
-        force: str = "kN",
+        depth: str | None = None,
+        force: str | None = None,
         pressure: str | None = None,
-        frequency: str = "Hz",
+        frequency: str | None = None,
     ) -> Any:
         """Draw the section of the well, the force at the injector, and the results along the string.
 
@@ -464,8 +471,13 @@ class Reach(Printed, ByContent):
         """
         from floquetrod.plotting.reach_plot import draw_reach
 
-        shown = AnswerUnits.named(force, depth, pressure, frequency, what=_argument)
+        shown = self._units(force, depth, pressure, frequency)
         return draw_reach(self, shown, self._in_words(shown), figure)
+
+    def _units(self, force: str | None, depth: str | None, pressure: str | None, frequency: str | None) -> AnswerUnits:
+        """Return the units that were asked for, else those of the question."""
+        given = self.given_units
+        return AnswerUnits.named(force, depth, pressure, frequency, _argument, given=given, usual_force="kN")
 
 
 def _argument(name: str) -> str:
@@ -527,6 +539,9 @@ def reach(
     other_frequencies = _other_frequencies(
         rod, drag, far_force, by_itself.depth + _WAY * _gained(by_itself.depth, reached.depth)
     )
+    given = units.GivenUnits.of(length=depth, force=(ends[1], ends[0]), speed=speed).or_else(
+        *([tool.given_units._replace(length="")] if tool else []), path.given_units, rod.given_units
+    )
     return Reach(
         path=path,
         depth=depths,
@@ -564,7 +579,7 @@ def reach(
         frequency_speed=other_frequencies.speed,
         _pushing=pushing,
         _limits=limits,
-    )
+    ).given_in(given)
 
 
 def _locks_up(reached: Reached) -> float:

@@ -156,7 +156,7 @@ class FrictionalRodStability(Reported, Verdict):
         Report
             Its text is ``str(report)``; a notebook shows it as a table.
         """
-        shown = shown_in(units, self.linear.rod.critical_force)["kick"]
+        shown = shown_in(units, self.linear.rod, self.linear.load)["kick"]
         known, inside = self.critical_kick, self.in_modes
         slides = shown.show(inside.v_a, 3)
         lines = [

@@ -227,7 +227,7 @@ _RESONANT = 1e-6  # denominator of an axial wave below which rounding leaves it 
 
 
 @dataclass(frozen=True, repr=False)
-class Load(TellsAttributes, ABC):
+class Load(units.InUnits, TellsAttributes, ABC):
     """What every load has: F(s, t) = mean + w_e cos(inclination) (s - mean_at L) + the vibration, compression positive.
 
     Parameters
@@ -256,6 +256,7 @@ class Load(TellsAttributes, ABC):
 
     def __post_init__(self) -> None:
         """Check and clean the parameters."""
+        self.given_in(units.GivenUnits.of(force=(self.mean, self.amplitude), frequency=self.frequency))
         for name in QUANTITIES:
             object.__setattr__(self, name, load_number(name, getattr(self, name)))
         if self.mean_at is not None:
@@ -280,11 +281,11 @@ class Load(TellsAttributes, ABC):
     def varied(self, quantity: Quantity, value: float) -> Self:
         """Return the same load with one quantity changed."""
         numbers: dict[str, Any] = {quantity: value}
-        return replace(self, **numbers)
+        return replace(self, **numbers).given_in(self.given_units)
 
     def with_numbers(self, mean: float, amplitude: float, frequency: float) -> Self:
         """Return the same kind of load with other numbers."""
-        return replace(self, mean=mean, amplitude=amplitude, frequency=frequency)
+        return replace(self, mean=mean, amplitude=amplitude, frequency=frequency).given_in(self.given_units)
 
     def as_dict(self) -> dict[str, Any]:
         """Return the arguments of an equal load, without those at their defaults."""
@@ -322,7 +323,8 @@ class Load(TellsAttributes, ABC):
     def hertz(cls, mean: float, amplitude: float, frequency: float, **others: Any) -> Self:
         """Return a load whose frequency, where it has no unit with it, is given in Hz."""
         in_hertz = validate.positive("frequency", _hertz("frequency", frequency), "give it in Hz")
-        return cls(mean, amplitude, 2.0 * math.pi * in_hertz, **others)
+        load = cls(mean, amplitude, 2.0 * math.pi * in_hertz, **others)
+        return load.given_in(load.given_units._replace(frequency="Hz"))
 
 
 @constructor_hints()

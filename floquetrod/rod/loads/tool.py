@@ -30,7 +30,7 @@ TOOL = by_name(
 
 @constructor_hints(at="the distance from the lower end is above_end", tool_at="the distance is above_end")
 @dataclass(frozen=True)
-class VibrationTool:
+class VibrationTool(units.InUnits):
     """A tool in a string that pushes and pulls it along its axis with a sine.
 
     Inside the string half the force goes each way, at its lower end all of it up.  The ends of the string reflect the
@@ -60,6 +60,7 @@ class VibrationTool:
 
     def __post_init__(self) -> None:
         """Check and clean the parameters."""
+        self.given_in(units.GivenUnits.of(force=self.amplitude, frequency=self.frequency, length=self.above_end))
         for name, parameter in TOOL.items():
             object.__setattr__(self, name, parameter.number(getattr(self, name)))
 

@@ -188,7 +188,7 @@ def pipe_in_a_hole(name: str, bore: float | str, length: float | str, changes: d
     if not {"inner_radius", "inner_diameter", "wall_thickness"} & given.keys():
         size["wall_thickness"] = steel_pipe.wall_thickness
     steel = {"youngs_modulus": YOUNGS_MODULUS, "density": DENSITY, "yield_strength": steel_pipe.yield_strength}
-    return {**steel, **size, "channel_diameter": hole} | given
+    return {**steel, **size, "channel_diameter": bore} | given
 
 
 def _inches(value: float) -> str:

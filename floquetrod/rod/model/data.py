@@ -44,6 +44,7 @@ from floquetrod.rod.model.parameters import (
     friction_coefficient,
     in_si,
     path_of,
+    units_given,
 )
 from floquetrod.rod.model.plausibility import warn_of_rod
 from floquetrod.rod.model.rod_file import read_rod
@@ -57,7 +58,7 @@ MOST_MODES = 20_000  # beyond it the unit of a length or a force is wrong (a cho
 
 @constructor_hints(**MEANT)
 @dataclass(frozen=True, init=False, repr=False)
-class RodData(TellsAttributes):
+class RodData(units.InUnits, TellsAttributes):
     """Data sheet of an elastic rod or tube on the floor of a circular channel, straight or bent.
 
     Its parameters, in SI units, are described at `floquetrod.Rod`, which adds the verdicts.  They are what is typed,
@@ -129,6 +130,7 @@ class RodData(TellsAttributes):
             object.__setattr__(self, name, number)
         object.__setattr__(self, "ends", str(EndConditions.of(ends)))
         object.__setattr__(self, "path", path_of(given, self.depth, self.length))
+        self.given_in(units_given(given).or_else(*([self.path.given_units] if self.path else [])))
         channel = Channel(self.channel_radius, self.gravity, self.inclination)  # a path may yet change the inclination
         room = channel.clearance(self.section)  # raises where the rod does not fit
         if not formulas.sinks(self._own_mass, self._weighing):
@@ -219,7 +221,8 @@ class RodData(TellsAttributes):
         elif self.path is not None:
             replaced |= {*OF_A_LINE, *(("path", "depth") if set(OF_A_LINE) & changes.keys() else ())}
         kept = {f.name: getattr(self, f.name) for f in fields(self) if f.name not in replaced}
-        return type(self)(**(kept | changes))
+        changed = type(self)(**(kept | changes))
+        return changed.given_in(changed.given_units.or_else(self.given_units))
 
     def as_dict(self) -> dict[str, Any]:
         """Return the data sheet, from which an equal rod can be made: numbers in SI units and the word for its ends.

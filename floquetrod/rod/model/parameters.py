@@ -16,6 +16,7 @@ from floquetrod._util.calling import level_of_caller
 from floquetrod._util.implausible import SILENCE, PlausibilityWarning, is_typed
 from floquetrod._util.suggest import short
 from floquetrod.parameter import EVERYWHERE, REQUIRED, Option, Parameter, Subsystem, by_name
+from floquetrod.units import GivenUnits
 
 if TYPE_CHECKING:
     from floquetrod.wells.path import WellPath
@@ -213,6 +214,9 @@ DIAMETERS = {name: radius for name, radius in INSTEAD.items() if GIVEN[name].fac
 NUMBERS = {name: each for name, each in ROD.items() if each.kind and name not in ("depth", "yield_strength")}
 """Parameters that may vary: not a depth on a path, nor a strength, which may be unknown and moves nothing."""
 
+ALONG = ("length", "depth")
+"""Lengths along a rod or a well; all others are across."""
+
 OF_A_LINE = ("inclination", "curvature")
 """What a path takes the place of."""
 
@@ -245,6 +249,18 @@ def in_si(given: Mapping[str, Any]) -> dict[str, Any]:
         if parameter.kind:
             numbers[name] = parameter.default if value is None and name in _MAY_BE_NONE else parameter.number(value)
     return numbers
+
+
+def units_given(given: Mapping[str, Any]) -> GivenUnits:
+    """Return the units in which parameters of a rod, or what may be given in their place, were written."""
+    across = [name for name, each in GIVEN.items() if each.kind == "length" and name not in ALONG]
+    return GivenUnits.of(
+        length=tuple(given.get(name) for name in ALONG),
+        across=tuple(given.get(name) for name in ("bore", "diameter", *across)),
+        pressure=given.get("yield_strength"),
+        density=tuple(given.get(name) for name in ("fluid_outside", "fluid_inside")),
+        curvature=given.get("curvature"),
+    )
 
 
 def _radius(given: Mapping[str, Any], name: str) -> Any:

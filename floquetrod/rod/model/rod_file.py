@@ -14,9 +14,10 @@ from floquetrod._util.implausible import SILENCE, PlausibilityWarning
 from floquetrod._util.tables import read_toml, require_known
 from floquetrod.bare_numbers import Quantity, bare_numbers
 from floquetrod.parameter import REQUIRED
-from floquetrod.rod.model.parameters import GIVEN, INSTEAD, MEANT, ROD
+from floquetrod.rod.model.parameters import GIVEN, INSTEAD, MEANT, ROD, units_given
+from floquetrod.units import InUnits
 
-T = TypeVar("T")
+T = TypeVar("T", bound=InUnits)
 
 _OF_A_PIPE = ("catalogue", "bore")
 _FROM_THE_PIPE = ("youngs_modulus", "density", "radius")
@@ -44,6 +45,7 @@ def rod_of(table: Mapping[str, Any], kind: type[T], folder: Path) -> T:
     """
     _require_keys(table)
     rod = _made({key: _value(key, value, folder) for key, value in table.items()}, kind)
+    rod.given_in(units_given(table).or_else(rod.given_units))
     _warn_of_bare_numbers(table, kind, folder)
     return rod
 
