@@ -23,6 +23,7 @@ from floquetrod.rod.loads.load import LOAD
 from floquetrod.rod.loads.tool import TOOL
 from floquetrod.rod.model import parameters
 from floquetrod.rod.model.parameters import GIVEN, INSTEAD, NUMBERS, ROD
+from floquetrod.rod.model.wellhead import WELLHEAD, Wellhead
 from floquetrod.units import units_of
 
 TABLES: dict[type, Mapping[str, Parameter]] = {
@@ -30,6 +31,7 @@ TABLES: dict[type, Mapping[str, Parameter]] = {
     fr.AxialLoad: {name: LOAD[name] for name in LOAD if name not in ("far_end", "axial_damping")},
     fr.AxialWave: LOAD,
     fr.VibrationTool: TOOL,
+    Wellhead: WELLHEAD,
     fr.Milling: CUTTER,
     fr.ToolMode: TOOL_MODE,
 }

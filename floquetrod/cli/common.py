@@ -296,6 +296,8 @@ _KINDS = {
     "frequency": "frequency",
     "depths": "length",
     "natural_curvature": "curvature",
+    **dict.fromkeys(("wellhead_pressure", "pressure_inside"), "pressure"),
+    "stripper": "force",
 }
 """Kinds of quantities that options give, beside those of a rod."""
 

@@ -29,8 +29,10 @@ from floquetrod.cli.common import (
     write_each,
     write_figures,
 )
+from floquetrod.cli.messages import option
 from floquetrod.cli.output import Output, output
 from floquetrod.cli.parser import Parser
+from floquetrod.rod.model.wellhead import WELLHEAD
 
 _EVEN = 10  # depths between two ends
 
@@ -48,11 +50,12 @@ The survey has columns such as MD (m), Inc (deg) and Azi (deg).  The string is p
 and inclination follow from the well.  It reaches the greatest depth at which no stress exceeds --yield-share of the
 yield strength, where that is known, with no more than --push at the injector; at lock-up, which is told beside it, no
 force moves the lower end.  The table has the force required at the injector, and the largest force that reaches the
-bit.  A tool inside the string sends half its force each way, one at the lower end all of it up.  Friction is reduced
-where the wave moves the string faster than it slides, so that the gain hangs on --speed: it is told for three speeds.
-The wave may make lateral waves grow against friction: the answer says where, at what rate and with which half wave, and
-which frequencies of the tool are useful, that is, gain reach without such growth.  Depths are measured depths; forces
-are effective, positive in compression.
+bit.  With --wellhead-pressure and --stripper the injector works against these too, and with --pressure-inside the
+stress is von Mises' with that of the pressures.  A tool inside the string sends half its force each way, one at the
+lower end all of it up.  Friction is reduced where the wave moves the string faster than it slides, so that the gain
+hangs on --speed: it is told for three speeds.  The wave may make lateral waves grow against friction: the answer says
+where, at what rate and with which half wave, and which frequencies of the tool are useful, that is, gain reach without
+such growth.  Depths are measured depths; forces are effective, positive in compression.
 """
 
 
@@ -89,6 +92,7 @@ def add_well(command: argparse.ArgumentParser, *, required: bool) -> None:
         help="speed at which the string slides while the tool works, such as 40ft/min (default 0.05m/s)",
     )
     add_push(command)
+    add_wellhead(command, *WELLHEAD)
     command.add_argument(
         "--yield-share",
         metavar="SHARE",
@@ -101,6 +105,20 @@ def add_well(command: argparse.ArgumentParser, *, required: bool) -> None:
         default="energy",
         help="when it becomes a helix: from sqrt(2), 1.83 or 2 sqrt(2) times the force at which it snakes, or always",
     )
+
+
+def add_wellhead(command: argparse.ArgumentParser, *names: str) -> None:
+    """Add the options for parameters of a wellhead, which `read_wellhead` reads."""
+    for name in names:
+        described = WELLHEAD[name].option
+        if described is not None:
+            command.add_argument(option(name), metavar=described.metavar, help=described.help)
+
+
+def read_wellhead(options: argparse.Namespace) -> dict[str, float]:
+    """Return the parameters of the wellhead that were given, in SI units."""
+    typed = {name: text for name in WELLHEAD if (text := getattr(options, name, None)) is not None}
+    return {name: WELLHEAD[name].number(WELLHEAD[name].quantity(text, option(name))) for name, text in typed.items()}
 
 
 def read_reach(options: argparse.Namespace, rod: fr.Rod, depth: Sequence[str] | None = None) -> fr.results.Reach:
@@ -120,6 +138,7 @@ def read_reach(options: argparse.Namespace, rod: fr.Rod, depth: Sequence[str] | 
             yield_share=None if share == "none" else units.quantity(share, "--yield-share", "ratio"),
             helical=options.helical,
             depth=depth,
+            **read_wellhead(options),
         )
 
 

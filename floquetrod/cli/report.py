@@ -20,6 +20,7 @@ from floquetrod.cli.common import (
 from floquetrod.cli.loads import add_question, read_question
 from floquetrod.cli.output import Output, output
 from floquetrod.cli.parser import Parser
+from floquetrod.rod.model.wellhead import WELLHEAD
 
 _HELP = """\
 Write a report on a rod under a load into one file: a page with its figures, or a PDF.
@@ -87,7 +88,7 @@ def _require_well(options: argparse.Namespace) -> None:
     if options.well is not None and options.friction is None:
         raise ValueError("--well needs --friction, the coefficient with its wall, such as --friction 0.3")
     if options.well is None:
-        for name in ("friction", "tool", "push"):
+        for name in ("friction", "tool", "push", *WELLHEAD):
             if (given := getattr(options, name)) is not None:
                 raise ValueError(
                     f"--{name.replace('_', '-')} needs --well, got {given!r} alone: it is about the well the string is "

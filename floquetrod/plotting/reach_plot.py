@@ -133,7 +133,7 @@ def _draw_line(ax: Any, depth: Any, values: Any, label: str) -> None:
 def _draw_stress(result: Any, shown: AnswerUnits, ax: Any) -> None:
     """Draw the largest stress in the section, what of it is bending, and the yield strength."""
     unit, depth, bending = shown.pressure, shown.length.of(result.along.depth), result.bending_stress
-    _draw_line(ax, depth, unit.of(result.axial_stress + bending), f"largest stress / {unit.name}")
+    _draw_line(ax, depth, unit.of(result.largest_stress), f"largest stress / {unit.name}")
     ax.plot(depth, unit.of(bending), color="black", linestyle="--", linewidth=0.8, label="bending")
     if result.yield_strength is not None:
         strength = unit.of(result.yield_strength)

@@ -31,6 +31,7 @@ from floquetrod.rod.distributions import (
 )
 from floquetrod.rod.loads.tool import VibrationTool, tool_inside
 from floquetrod.rod.model.parameters import friction_coefficient
+from floquetrod.rod.model.wellhead import Wellhead
 from floquetrod.rod.rod import Rod
 from floquetrod.rod.uncertainty import entropy, independence, random_levels
 from floquetrod.wells.path import WellPath
@@ -102,18 +103,20 @@ class _Pushed(NamedTuple):
     push: float
     yield_share: float | None
     options: tuple[str, VibrationTool | None, Any]  # criterion of a helix, tool, speed
+    wellhead: Wellhead
 
     def string(self, friction: Any, sample: Mapping[str, Any]) -> Pushing:
         """Return the string and the well of one sample."""
         rod = self.rod.replace(**{name: value for name, value in sample.items() if name in _OF_STRING})
         helical, tool, speed = self.options
         drag = drag_of(rod, sampled_path(self.path, sample), friction, "pushed", helical, tool, speed)
-        return Pushing(rod, drag, self.far_force)
+        return Pushing(rod, drag, self.far_force, wellhead=self.wellhead)
 
     def arrives(self, friction: Any, sample: Mapping[str, Any]) -> Bools:
         """Return which depths a string of one sample reaches."""
         pushing = self.string(friction, sample)
-        limits = Limits(self.push, stress_limit(pushing.rod, self.yield_share))
+        push = self.push - self.wellhead.added(pushing.rod.section, pushing.drag.motion)
+        limits = Limits(push, stress_limit(pushing.rod, self.yield_share))
         if pushing.drag.shaking is None:
             return pushing.passes(self.depths, limits)
         # Where it goes without its tool, which need not run before, the stress that its vibration adds does not count.
@@ -136,6 +139,9 @@ def probability_of_reach(
     push: float | str | None = None,
     yield_share: float | None = 0.8,
     helical: str = "energy",
+    wellhead_pressure: float | str = 0.0,
+    stripper: float | str = 0.0,
+    pressure_inside: float | str | None = None,
     samples: int = 200,
     seed: int | None = None,
     confidence: float = 0.95,
@@ -167,11 +173,17 @@ def probability_of_reach(
     far_force : float or str
         Compression at the lower end in N.
     push : float or str, optional
-        Greatest compression in N that the upper end can be given; by default any.
+        Greatest compression in N that the injector gives; by default any.
     yield_share : float or None
         Largest stress as a fraction of the rod's ``yield_strength``, as in `Rod.reach`; None for any.
     helical : str
         When a pushed string becomes a helix, as in `Rod.reach`.
+    wellhead_pressure : float or str
+        Pressure around the string below the stripper in Pa, as in `Rod.reach`.
+    stripper : float or str
+        Friction of the stripper in N.
+    pressure_inside : float or str, optional
+        Pressure in the string at its upper end in Pa, as in `Rod.reach`.
     samples : int
         Number of strings and wells drawn at random; each takes some tenths of a second.
     seed : int, optional
@@ -210,7 +222,9 @@ def probability_of_reach(
     limit = math.inf if push is None else force_in_newtons("push", push)
     stress_limit(rod, yield_share)  # refuses what is wrong
     options = helical, tool, speed
-    pushed = _Pushed(rod, path, depths, force_in_newtons("far_force", far_force), limit, yield_share, options)
+    wellhead = Wellhead.of(wellhead_pressure=wellhead_pressure, stripper=stripper, pressure_inside=pressure_inside)
+    force = force_in_newtons("far_force", far_force)
+    pushed = _Pushed(rod, path, depths, force, limit, yield_share, options, wellhead)
     every, coefficients = _friction(friction)
     pushed.string(0.0 if every else friction, {})  # refuses what is wrong in every sample
     if tool is not None:

@@ -265,6 +265,8 @@ class Rod(RodData):
         tool: VibrationTool | None = None,
         speed: float | str = 0.05,
         helical: str = "energy",
+        wellhead_pressure: float | str = 0.0,
+        stripper: float | str = 0.0,
     ) -> MeanForce:
         """Return the mean force along a string of this section in a well, from the beginning of its path down.
 
@@ -294,6 +296,11 @@ class Rod(RodData):
         helical : str
             When a pushed string becomes a helix: "energy", "loading" or "alone", from sqrt(2), 1.83 or 2 sqrt(2) times
             the force at which it begins to snake, see `critical_forces`; "always", wherever it is compressed.
+        wellhead_pressure : float or str
+            Pressure around the string below the stripper in Pa, or with a unit such as "3000psi", above that of the
+            air: it pushes the string out with its product with the cross-section pi r_o^2.
+        stripper : float or str
+            Friction of the stripper in N, or with a unit; against the motion.
 
         Raises
         ------
@@ -314,10 +321,11 @@ class Rod(RodData):
         <string pushed to 3000 m needs 32.27 kN of pull at 0 m>
         """
         from floquetrod.rod.answers import mean_force
+        from floquetrod.rod.model.wellhead import Wellhead
 
         drag = mean_force.drag_of(self, path, friction, motion, helical, tool, speed)
-        force, end = mean_force.force_in_newtons("far_force", far_force), mean_force.lower_end(path, bottom)
-        return mean_force.mean_force(drag, force, end, depth)
+        added = Wellhead.of(wellhead_pressure=wellhead_pressure, stripper=stripper).added(self.section, motion)
+        return mean_force.mean_force(drag, far_force, bottom, depth, added)
 
     def reach(
         self,
@@ -331,6 +339,9 @@ class Rod(RodData):
         yield_share: float | None = 0.8,
         depth: Any = None,
         helical: str = "energy",
+        wellhead_pressure: float | str = 0.0,
+        stripper: float | str = 0.0,
+        pressure_inside: float | str | None = None,
     ) -> Reach:
         """Return how far a string of this section can be pushed into a well, without and with a vibration tool.
 
@@ -339,14 +350,20 @@ class Rod(RodData):
         Parameters
         ----------
         push : float or str, optional
-            Greatest compression in N that the upper end can be given; by default any.
+            Greatest compression in N that the injector gives, against pressure and stripper too; by default any.
         yield_share : float or None
-            Largest stress anywhere along the string, axial and bending together, as a fraction of the rod's
-            ``yield_strength``: more than 0, 1 at most, or None for any.  Without a yield strength nothing is limited.
+            Largest stress anywhere along the string, of force, bending and pressure together, as a fraction of the
+            rod's ``yield_strength``: more than 0, 1 at most, or None for any.  Without a yield strength nothing is
+            limited.
         depth : array_like, optional
             Measured depths in m, or each with a unit such as "9000ft", of the lower end at which the force at the upper
             end is wanted; 100 by default.  The reach is sought down to the deepest of them, and does not depend on the
             others.
+        pressure_inside : float or str, optional
+            Pressure in the string at its upper end in Pa, or with a unit, above that of the air, for von Mises' stress
+            with the hoop and radial stress of a thick wall; ``wellhead_pressure`` is that around it, and both grow
+            downwards with the weight of the fluids at rest.  By default they are taken as equal all along, which leaves
+            axial and bending stress.
 
         Notes
         -----
@@ -362,8 +379,11 @@ class Rod(RodData):
         <can be pushed to 2990.4 m, where it locks up>
         """
         from floquetrod.rod.answers import string_reach
+        from floquetrod.rod.model.wellhead import Wellhead
 
-        return string_reach.reach(self, path, friction, helical, tool, speed, (far_force, push), depth, yield_share)
+        wellhead = Wellhead.of(wellhead_pressure=wellhead_pressure, stripper=stripper, pressure_inside=pressure_inside)
+        string = self, path, friction, helical, tool, speed
+        return string_reach.reach(*string, (far_force, push), depth, yield_share, wellhead)
 
     # --- verdicts ---
 

@@ -78,6 +78,9 @@ class MeanForce(Printed, ByContent):
         Estimated error of ``speed`` in m/s, of the same solutions: largest next to an axial resonance.
     vibration_error : float
         Estimated error of ``vibration`` in N.
+    wellhead : float
+        Compression in N that the injector gives beyond the effective one below the stripper: wellhead pressure on the
+        cross-section, and friction of the stripper, negative where that helps.
     """
 
     depth: Floats
@@ -92,11 +95,22 @@ class MeanForce(Printed, ByContent):
     error: float
     speed_error: float
     vibration_error: float
+    wellhead: float = 0.0
 
     @property
     def at_top(self) -> float:
-        """Compression in N at the upper end, required of the injector, negative for a pull; infinite if locked up."""
+        """Effective compression in N at the upper end, below the stripper; negative for a pull, infinite if locked."""
         return float(self.force[0])
+
+    @property
+    def injector(self) -> float:
+        """Compression in N required of the injector, negative for a pull; infinite if locked up."""
+        return self.at_top + self.wellhead
+
+    @property
+    def surface_weight(self) -> float:
+        """Weight in N that the injector or the hook carries, the negative of ``injector``."""
+        return -self.injector
 
     @property
     def is_locked(self) -> bool:
@@ -108,16 +122,20 @@ class MeanForce(Printed, ByContent):
         where = f"string {self.motion} to {self.depth[-1]:.6g} m"
         if self.is_locked:
             return f"{where} locks up at {float(self.depth[np.isinf(self.force)].max()):.4g} m"
-        size = with_unit(abs(self.at_top), "N", 4)
-        return f"{where} needs {size} of {'push' if self.at_top >= 0.0 else 'pull'} at {self.depth[0]:.6g} m"
+        size = with_unit(abs(self.injector), "N", 4)
+        return f"{where} needs {size} of {'push' if self.injector >= 0.0 else 'pull'} at {self.depth[0]:.6g} m"
 
     def report(self) -> Report:
         """Return the force, the buckled depths and the assumptions."""
         lines = [("snaking", _depths(self.depth, self.is_snaking)), ("helix", _depths(self.depth, self.is_helix))]
+        if self.wellhead:
+            added = with_unit(abs(self.wellhead), "N", 4)
+            kind = "push" if self.wellhead > 0.0 else "pull"
+            lines.insert(0, ("wellhead", f"pressure and stripper add {added} of {kind} at the injector"))
         return Report(self._in_words, [*lines, ("assumed", "; ".join(ASSUMED))])
 
     _keys = "motion depth_m force_N contact_N_per_m friction speed_m_per_s vibration_N is_snaking is_helix error_N "
-    _keys += "speed_error_m_per_s vibration_error_N"
+    _keys += "speed_error_m_per_s vibration_error_N wellhead_N injector_N surface_weight_N"
 
 
 ASSUMED = (
@@ -188,19 +206,22 @@ def force_in_newtons(name: str, value: Any) -> float:
     return units.number(name, value, "force", -_LARGEST, _LARGEST, "give it in N")
 
 
-def mean_force(drag: Drag, far_force: float, bottom: float, depth: Any) -> MeanForce:
-    """Return the mean force along a string; see `floquetrod.Rod.mean_force`."""
-    path = drag.path
-    depths = _answer_depths(path.start, bottom, depth)
-    run = functools.partial(strings.run, drag, path.start, np.array([bottom]), far_force, depths)
+def mean_force(drag: Drag, far_force: Any, bottom: Any, depth: Any, wellhead: float = 0.0) -> MeanForce:
+    """Return the mean force along a string; see `floquetrod.Rod.mean_force`.
+
+    ``wellhead`` is the compression in N that the injector gives beyond the effective one.
+    """
+    path, force, end = drag.path, force_in_newtons("far_force", far_force), lower_end(drag.path, bottom)
+    depths = _answer_depths(path.start, end, depth)
+    run = functools.partial(strings.run, drag, path.start, np.array([end]), force, depths)
     fine, rough = map(run, CHECKED)
-    force, rough_force = drag.force(fine.y[:, 0]), drag.force(rough.y[:, 0])
-    is_free = np.isfinite(force) & np.isfinite(rough_force)
+    forces, rough_forces = drag.force(fine.y[:, 0]), drag.force(rough.y[:, 0])
+    is_free = np.isfinite(forces) & np.isfinite(rough_forces)
     if not (fine.is_settled[0] and rough.is_settled[0]):
-        return _along(drag, fine, 0, (math.inf, math.inf, math.inf))
-    error = float(np.abs(force[is_free] - rough_force[is_free]).max(initial=0.0))
+        return _along(drag, fine, 0, (math.inf, math.inf, math.inf), wellhead)
+    error = float(np.abs(forces[is_free] - rough_forces[is_free]).max(initial=0.0))
     wave, errors = (fine.wave, (0.0, 0.0)) if drag.shaking is None else _refined_wave(run, fine, rough)
-    return _along(drag, fine._replace(wave=wave), 0, (error, *errors))
+    return _along(drag, fine._replace(wave=wave), 0, (error, *errors), wellhead)
 
 
 def _refined_wave(
@@ -242,7 +263,9 @@ def mean_forces(drag: Drag, far_force: float, bottoms: Floats, spacing: float) -
     return [_along(drag, strings_run, k, unknown) if goes[k] else None for k in range(bottoms.size)]
 
 
-def _along(drag: Drag, strings_run: strings.Run, k: int, errors: tuple[float, float, float]) -> MeanForce:
+def _along(
+    drag: Drag, strings_run: strings.Run, k: int, errors: tuple[float, float, float], wellhead: float = 0.0
+) -> MeanForce:
     """Return the results along string k, with the errors of force, speed and vibration."""
     there = np.isfinite(strings_run.y[:, k])
     depth, y, (speed, vibration) = strings_run.depth[there], strings_run.y[there, k], strings_run.wave[:, there, k]
@@ -265,6 +288,7 @@ def _along(drag: Drag, strings_run: strings.Run, k: int, errors: tuple[float, fl
         error=errors[0],
         speed_error=errors[1],
         vibration_error=errors[2],
+        wellhead=wellhead,
     )
 
 

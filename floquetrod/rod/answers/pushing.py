@@ -24,8 +24,9 @@ from floquetrod._util.arrays import Bools, Floats, Ints
 from floquetrod._util.caching import cached_property
 from floquetrod._util.roots import roots
 from floquetrod.rod.answers.mean_force import MeanForce, mean_force
-from floquetrod.rod.answers.stress_along import StressAlong, stress_along, stress_of
+from floquetrod.rod.answers.stress_along import StressAlong, excess_inside, stress_along, stress_of
 from floquetrod.rod.model.data import RodData
+from floquetrod.rod.model.wellhead import OPEN, Wellhead
 from floquetrod.wells import strings
 from floquetrod.wells.drag import CHECKED, FAST, SOUGHT, Drag, Fineness, WellGeometry
 from floquetrod.wells.survey import LENGTHS
@@ -115,6 +116,7 @@ class Pushing:
     drag: Drag
     far_force: float
     passed: float = -math.inf
+    wellhead: Wellhead = OPEN
 
     @property
     def accuracy(self) -> float:
@@ -140,7 +142,8 @@ class Pushing:
         """Return the stress in Pa of strings at depths, NaN where they are not."""
         positions, force = WellGeometry.at(self.drag.path.arcs.at(depth)), self.drag.force(y)
         is_wound = self.drag.is_snaking(positions, force) | self.drag.is_helix(positions, y)
-        return stress_of(self.rod, self._curvature(depth), force, is_wound, vibration).largest
+        excess = excess_inside(self.rod, self.drag.path, depth, self.wellhead)
+        return stress_of(self.rod, self._curvature(depth), force, is_wound, vibration, excess).largest
 
     def run(self, bottoms: Floats, far_force: Any, effort: Fineness, limits: Limits) -> UpperEnds:
         """Return the forces and stresses of strings to measured depths; stresses are 0 where none is limited."""
@@ -319,7 +322,7 @@ class Pushing:
             if reached.limit == LOCK_UP:
                 bottom = max(bottom - 1e-3 * (bottom - path.start), path.start + LENGTHS[0])
             along = mean_force(self.drag, self.far_force, bottom, None)
-            stress = stress_along(self.rod, path, along, along.vibration)
+            stress = stress_along(self.rod, path, along, along.vibration, self.wellhead)
             is_within = reached.depth <= self.passed or not (stress.largest > limits.stress).any()
             if is_within or reached.limit == LOCK_UP or reached.depth <= path.start:
                 return reached, along, stress

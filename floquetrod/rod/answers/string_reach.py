@@ -32,9 +32,11 @@ from floquetrod.rod.answers.pushing import (
     stress_limit,
 )
 from floquetrod.rod.answers.sliding import damping_across, least_speed
+from floquetrod.rod.answers.stress_along import excess_inside
 from floquetrod.rod.loads.tool import VibrationTool, tool_inside
 from floquetrod.rod.model.data import RodData
 from floquetrod.rod.model.stress import Stress
+from floquetrod.rod.model.wellhead import Wellhead
 from floquetrod.units import AnswerUnits, Unit
 from floquetrod.wells import strings
 from floquetrod.wells.drag import Drag, WellGeometry
@@ -61,7 +63,7 @@ class Reach(units.InUnits, Printed, ByContent):
     depth : ndarray (n,)
         Measured depths of the lower end in m.
     injector : ndarray (n,)
-        Compression in N at the upper end that it takes to push the lower end there, without a tool; negative for a pull
+        Compression in N at the injector that it takes to push the lower end there, without a tool; negative for a pull
         that holds it, infinite where it is locked up.
     injector_shaken : ndarray (n,)
         The same with the tool; infinite also where force and wave do not converge, as for a string that locks up.
@@ -78,7 +80,11 @@ class Reach(units.InUnits, Printed, ByContent):
     far_force : float
         Compression in N at the lower end.
     push : float
-        Greatest compression in N that the upper end can be given, infinite for any.
+        Greatest compression in N that the injector gives, infinite for any.
+    wellhead : Wellhead
+        Pressures in Pa at the wellhead and friction of its stripper in N.
+    wellhead_force : float
+        Compression in N at the injector beyond the effective one below the stripper.
     yield_share : float or None
         Share of the yield strength that the stress may have anywhere along the string, None for any.  It limits nothing
         where ``yield_strength`` is None.
@@ -109,6 +115,9 @@ class Reach(units.InUnits, Printed, ByContent):
         string is locked up.
     bending_stress : ndarray
         E r_o times the curvature of the well and of the helix there, in Pa; waves are taken as bent as a helix.
+    largest_stress : ndarray
+        Von Mises' stress there in Pa at the inner or the outer radius, the sum of both where the pressures inside and
+        outside are taken as equal.
     yield_strength : float or None
         That of the string in Pa, None where it is not known.
     weight_per_length : float
@@ -148,6 +157,8 @@ class Reach(units.InUnits, Printed, ByContent):
     bit_limit: float
     far_force: float
     push: float
+    wellhead: Wellhead
+    wellhead_force: float
     yield_share: float | None
     reach: float
     reach_shaken: float
@@ -160,6 +171,7 @@ class Reach(units.InUnits, Printed, ByContent):
     amplitude: Floats
     axial_stress: Floats
     bending_stress: Floats
+    largest_stress: Floats
     yield_strength: float | None
     weight_per_length: float
     fluids: tuple[float, float]
@@ -215,15 +227,19 @@ class Reach(units.InUnits, Printed, ByContent):
     @property
     def stress(self) -> Stress:
         """The stress where it is largest along the string, its ``position`` from the upper end in m."""
-        k = int(np.argmax(self.axial_stress + self.bending_stress))
+        k = int(np.argmax(self.largest_stress))
         position = float(self.along.depth[k] - self.along.depth[0])
-        return Stress(float(self.axial_stress[k]), float(self.bending_stress[k]), position, self.yield_strength)
+        parts = float(self.axial_stress[k]), float(self.bending_stress[k])
+        excess = excess_inside(self._pushing.rod, self.path, self.along.depth[k : k + 1], self.wellhead)
+        if excess is None:
+            return Stress(*parts, position, self.yield_strength)
+        return Stress(*parts, position, self.yield_strength, float(excess[0]), float(self.largest_stress[k]))
 
     @property
     def yields(self) -> Bools:
         """Whether the stress exceeds the yield strength at the depths of ``along``; False if that is unknown."""
         strength = math.inf if self.yield_strength is None else self.yield_strength
-        return np.asarray(self.axial_stress + self.bending_stress > strength)
+        return np.asarray(self.largest_stress > strength)
 
     @property
     def stable_frequencies(self) -> tuple[tuple[float, float], ...]:
@@ -293,6 +309,8 @@ class Reach(units.InUnits, Printed, ByContent):
             ("string", f"weighs {shown.per_length.show(self.weight_per_length, 4)} {self._fluids_in_words}"),
             ("limit", self._limit_in_words(shown)),
         ]
+        if self.wellhead_force:
+            lines.append(("wellhead", self.wellhead.in_words(self._pushing.rod.section, "pushed", shown)))
         lines += [("speed", self._speeds_in_words(shown))] if self.tool else []
         lines += [
             ("at", f"{unit.show(along.depth[-1])}, {'with the tool' if self.tool else 'pushed'}:"),
@@ -350,7 +368,8 @@ class Reach(units.InUnits, Printed, ByContent):
             f"which damps a lateral wave less if it moves faster: here {speed.show(self.sliding, 3)}"
         )
         more = (local,) if self.tool else ()
-        return (*ASSUMED, *more, "linear elasticity, beyond yield too; stress with equal pressures inside and outside")
+        pressed = "equal pressures" if self.wellhead.pressure_inside is None else "fluids at rest"
+        return (*ASSUMED, *more, f"linear elasticity, beyond yield too; stress with {pressed} inside and outside")
 
     def _stress_lines(self, shown: AnswerUnits) -> list[tuple[str, str]]:
         stress, depth, unit = self.stress, self.along.depth, shown.length
@@ -437,7 +456,8 @@ class Reach(units.InUnits, Printed, ByContent):
             **by_keys(with_tool, "injector_with_tool_N=injector_shaken"),
             **by_keys(self, "bit_depth_m bit_N"),
             **by_keys(with_tool, "bit_with_tool_N=bit_shaken"),
-            **by_keys(self, "bit_limit_N far_force_N push_N yield_share reach_m limit is_stopped lock_up_m"),
+            **by_keys(self, "bit_limit_N far_force_N push_N wellhead wellhead_force_N yield_share"),
+            **by_keys(self, "reach_m limit is_stopped lock_up_m"),
             **by_keys(
                 with_tool,
                 "reach_with_tool_m=reach_shaken limit_with_tool=limit_shaken is_stopped_with_tool=is_stopped_shaken "
@@ -446,7 +466,7 @@ class Reach(units.InUnits, Printed, ByContent):
             ),
             **by_keys(
                 self,
-                "tool along amplitude_N axial_stress_Pa bending_stress_Pa stress growth_per_s "
+                "tool along amplitude_N axial_stress_Pa bending_stress_Pa largest_stress_Pa stress growth_per_s "
                 "growth_without_friction_per_s=growth_free half_wave_m speed_to_grow_m_per_s "
                 "weight_N_per_m=weight_per_length fluids_kg_per_m3=fluids sliding_m_per_s "
                 "frequencies_rad_per_s frequency_depth_m "
@@ -511,27 +531,29 @@ def reach(
     ends: tuple[Any, Any],
     depth: Any,
     yield_share: Any,
+    wellhead: Wellhead,
 ) -> Reach:
     """Return how deep a string can be pushed; see `floquetrod.Rod.reach`.
 
-    ``ends`` are the force at the lower end and the greatest at the upper one.
+    ``ends`` are the force at the lower end and the greatest at the injector.
     """
     drag = drag_of(rod, path, friction, "pushed", helical, tool, speed)
     if tool is not None:
         tool_inside(tool, path.end - path.start, "string")
     far_force = force_in_newtons("far_force", ends[0])
     push = math.inf if ends[1] is None else force_in_newtons("push", ends[1])
-    limits = Limits(push, stress_limit(rod, yield_share))
+    wellhead_force = wellhead.added(rod.section, drag.motion)
+    limits = Limits(push - wellhead_force, stress_limit(rod, yield_share))
     depths = depths_of(path, depth)
     few = np.unique(np.linspace(0, depths.size - 1, _BITS).round().astype(int))
-    pushing = Pushing(rod, replace(drag, shaking=None), far_force)
+    pushing = Pushing(rod, replace(drag, shaking=None), far_force, wellhead=wellhead)
     without = shaken = pushing.sought(depths, few, limits)
     by_itself = without.reached
     if tool is None or math.isfinite(limits.stress):  # with a tool, only for the stress at its places
         by_itself, along, stress = pushing.along(by_itself, limits)
     reached = by_itself
     if tool is not None:
-        pushing = Pushing(rod, drag, far_force, by_itself.depth)
+        pushing = Pushing(rod, drag, far_force, by_itself.depth, wellhead)
         shaken = pushing.sought(depths, few, limits)
         reached, along, stress = pushing.along(shaken.reached, limits)
     sliding = 0.0 if drag.shaking is None else drag.shaking.speed
@@ -545,14 +567,16 @@ def reach(
     return Reach(
         path=path,
         depth=depths,
-        injector=without.injector,
-        injector_shaken=shaken.injector,
+        injector=without.injector + wellhead_force,
+        injector_shaken=shaken.injector + wellhead_force,
         bit_depth=depths[few],
         bit=without.bit,
         bit_shaken=np.fmax(shaken.bit, without.bit) if tool else without.bit,
         bit_limit=MOST_FORCE * drag.pipe.scale,
         far_force=far_force,
         push=push,
+        wellhead=wellhead,
+        wellhead_force=wellhead_force,
         yield_share=None if yield_share is None else float(yield_share),
         reach=by_itself.depth,
         reach_shaken=reached.depth,
@@ -565,6 +589,7 @@ def reach(
         amplitude=along.vibration,
         axial_stress=stress.axial,
         bending_stress=stress.bending,
+        largest_stress=stress.largest,
         yield_strength=rod.yield_strength,
         weight_per_length=rod.weight_per_length,
         fluids=(rod.fluid_inside, rod.fluid_outside),

@@ -34,6 +34,10 @@ class Stress:
         Distance of the section from the upper end in m.
     yield_strength : float or None
         That of the rod in Pa, None where it is not known.
+    excess_inside : float
+        Pressure inside less that outside at that section in Pa; 0 where they are taken as equal.
+    von_mises : float, optional
+        Von Mises' stress in Pa at the inner or the outer radius, where the pressures are not taken as equal.
 
     Examples
     --------
@@ -47,11 +51,13 @@ class Stress:
     bending: float
     position: float
     yield_strength: float | None
+    excess_inside: float = 0.0
+    von_mises: float | None = None
 
     @property
     def largest(self) -> float:
-        """Axial and bending stress together in Pa."""
-        return self.axial + self.bending
+        """Von Mises' stress in Pa, axial and bending stress together where the pressures are equal."""
+        return self.axial + self.bending if self.von_mises is None else self.von_mises
 
     @property
     def share_of_yield(self) -> float | None:
@@ -71,6 +77,9 @@ class Stress:
         share = "" if self.yield_strength is None else self._of_yield(shown)
         whole = f"at most {shown.show(self.largest, 3)}{share}"
         parts = f": axial {shown.show(self.axial, 3)}, bending {shown.show(self.bending, 3)}"
+        if self.von_mises is not None:
+            side = "inside" if self.excess_inside >= 0.0 else "outside"
+            return f"{whole}{parts}, von Mises with {shown.show(abs(self.excess_inside), 3)} more {side}"
         return f"{whole}{parts}" if self.bending else whole
 
     def __repr__(self) -> str:
