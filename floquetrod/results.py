@@ -34,6 +34,7 @@ if TYPE_CHECKING:
     from floquetrod.rod.answers.stability_intervals import StabilityIntervals as StabilityIntervals
     from floquetrod.rod.answers.steady_motion import SteadyMotion as SteadyMotion
     from floquetrod.rod.answers.string_reach import Reach as Reach
+    from floquetrod.rod.answers.surface_weights import SurfaceWeights as SurfaceWeights
     from floquetrod.rod.friction.kicks import FrictionalRodStability as FrictionalRodStability
     from floquetrod.rod.reach_probability import ReachProbability as ReachProbability
     from floquetrod.rod.uncertainty import InstabilityProbability as InstabilityProbability
@@ -64,6 +65,7 @@ __all__ = [
     "Stability",
     "StabilityIntervals",
     "SteadyMotion",
+    "SurfaceWeights",
 ]
 
 __getattr__, __dir__ = names_of(
@@ -89,6 +91,7 @@ __getattr__, __dir__ = names_of(
         "rod.answers.safe_kick": ("SafeKick",),
         "rod.answers.steady_motion": ("SteadyMotion",),
         "rod.answers.string_reach": ("Reach",),
+        "rod.answers.surface_weights": ("SurfaceWeights",),
         "rod.friction.kicks": ("FrictionalRodStability",),
         "rod.answers.stability_intervals": ("StabilityIntervals",),
         "rod.reach_probability": ("ReachProbability",),

@@ -159,6 +159,10 @@ def asked(folder: Path) -> dict[str, list[str]]:
             *("--well", str(EXAMPLES / "survey.csv"), "--rod", str(EXAMPLES / "tubing.toml")),
             *("--friction", "0.3", "--depths", "2000m,3000m"),
         ],
+        "weights": [
+            *("--well", str(EXAMPLES / "survey.csv"), "--rod", str(EXAMPLES / "tubing.toml")),
+            *("--friction", "0.2,0.3", "--depths", "1000m"),
+        ],
         "lobes": [str(EXAMPLES / "tool.toml"), "--speed", "9000rpm:11000rpm", "--points", "5x4"],
     }
 
@@ -176,7 +180,7 @@ def test_every_option_that_names_a_file_writes_each_it_is_given_or_takes_one(tmp
         assert bool(files) is (name in asked(tmp_path)), name
 
 
-@pytest.mark.parametrize("name", ["check", "map", "explore", "simulate", "report", "reach", "lobes"])
+@pytest.mark.parametrize("name", ["check", "map", "explore", "simulate", "report", "reach", "weights", "lobes"])
 def test_files_named_twice_are_all_written_and_told(
     name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -204,7 +208,7 @@ def test_files_named_twice_are_all_written_and_told(
         assert all(Path(file).stat().st_size >= 200 for file in files)
 
 
-@pytest.mark.parametrize("name", ["check", "map", "explore", "simulate", "report", "reach", "lobes"])
+@pytest.mark.parametrize("name", ["check", "map", "explore", "simulate", "report", "reach", "weights", "lobes"])
 def test_a_file_named_twice_is_refused_before_anything_is_computed(
     name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -191,6 +191,7 @@ _COMMANDS = {
     "ensemble": "simulate a rod many times, with statistics",
     "lock-up": "say how far a string can be pushed down a straight channel",
     "reach": "say how far a string can be pushed into a well",
+    "weights": "draw pick-up and slack-off weights of a string over its depth in a well",
     "report": "write a rod under a load into one file, a page or a PDF",
     "lobes": "draw the stability lobes of a milling cutter",
 }

@@ -115,10 +115,9 @@ def add_wellhead(command: argparse.ArgumentParser, *names: str) -> None:
             command.add_argument(option(name), metavar=described.metavar, help=described.help)
 
 
-def read_wellhead(options: argparse.Namespace) -> dict[str, float]:
-    """Return the parameters of the wellhead that were given, in SI units."""
-    typed = {name: text for name in WELLHEAD if (text := getattr(options, name, None)) is not None}
-    return {name: WELLHEAD[name].number(WELLHEAD[name].quantity(text, option(name))) for name, text in typed.items()}
+def read_wellhead(options: argparse.Namespace) -> dict[str, str]:
+    """Return the parameters of the wellhead that were given, as typed."""
+    return {name: text for name in WELLHEAD if (text := getattr(options, name, None)) is not None}
 
 
 def read_reach(options: argparse.Namespace, rod: fr.Rod, depth: Sequence[str] | None = None) -> fr.results.Reach:
@@ -145,7 +144,7 @@ def read_reach(options: argparse.Namespace, rod: fr.Rod, depth: Sequence[str] | 
 def _reach(options: argparse.Namespace) -> Output:
     asked = units_shown(options, ("length", "force", "pressure", "frequency"), "ft,lbf")
     shown = {"depth" if kind == "length" else kind: name for kind, name in asked.items()}
-    found = read_reach(options, read_rod(options), None if options.depths is None else _depths(options.depths))
+    found = read_reach(options, read_rod(options), None if options.depths is None else read_depths(options.depths))
     named = {"length" if name == "depth" else name: unit for name, unit in shown.items()}
     written = write_figures(options.figure, partial(found.plot, **shown)) + write_each(
         options.report, lambda path: fr.save_report(found, path, units=named, command=command_typed())
@@ -153,7 +152,7 @@ def _reach(options: argparse.Namespace) -> Output:
     return output(options, partial(found.report, **shown), found.as_dict, written=written)
 
 
-def _depths(text: str) -> list[str]:
+def read_depths(text: str) -> list[str]:
     """Return the depths of a list, or ten from one to another, in one unit; one at the end is that of all."""
     parts = text.replace(":", ",").split(",")
     values = [units.quantity(each, "--depths", "length") for each in units.same_unit(*parts)]

@@ -181,3 +181,17 @@ def read_friction(text: str, name: str) -> float | list[tuple[float | str, float
             raise ValueError(f"{name} must be such as {wanted}, got {short(text)}")
         pairs.append((depth.strip() if at else 0.0, units.quantity(coefficient, name, "ratio")))
     return pairs if pairs[1:] else pairs[0][1]
+
+
+def read_frictions(text: str, name: str) -> list[float | list[tuple[float | str, float]]]:
+    """Return factors of friction written as 0.2,0.3,0.4, each with others by depth as in 0.2,0.35@1500m,0.3.
+
+    A coefficient without a depth begins another factor.
+    """
+    factors: list[str] = []
+    for part in text.split(","):
+        if "@" in part and factors:
+            factors[-1] += f",{part}"
+        else:
+            factors.append(part)
+    return [read_friction(factor, name) for factor in factors]

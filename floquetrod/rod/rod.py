@@ -40,6 +40,7 @@ if TYPE_CHECKING:
     from floquetrod.rod.answers.stability_intervals import StabilityIntervals
     from floquetrod.rod.answers.steady_motion import SteadyMotion
     from floquetrod.rod.answers.string_reach import Reach
+    from floquetrod.rod.answers.surface_weights import SurfaceWeights
     from floquetrod.rod.friction.kicks import CriticalKick, FrictionalRodStability
     from floquetrod.rod.loads.tool import VibrationTool
     from floquetrod.wells.path import WellPath
@@ -326,6 +327,57 @@ class Rod(RodData):
         drag = mean_force.drag_of(self, path, friction, motion, helical, tool, speed)
         added = Wellhead.of(wellhead_pressure=wellhead_pressure, stripper=stripper).added(self.section, motion)
         return mean_force.mean_force(drag, far_force, bottom, depth, added)
+
+    def surface_weights(
+        self,
+        path: WellPath,
+        friction: Any,
+        *,
+        far_force: float | str = 0.0,
+        depth: Any = None,
+        helical: str = "energy",
+        wellhead_pressure: float | str = 0.0,
+        stripper: float | str = 0.0,
+    ) -> SurfaceWeights:
+        """Return the weights at which a string of this section is picked up and slacked off, over its depth in a well.
+
+        Its ``plot`` is the chart by which measured weights tell the friction of a well.
+
+        Parameters
+        ----------
+        path : WellPath
+        friction : float or sequence
+            Factors of friction with the wall, 12 at most, each as in `mean_force`: ``[0.2, 0.3]``, or with others by
+            depth ``[[(0, 0.2), ("1500m", 0.3)], 0.25]``.
+        far_force : float or str
+            Compression at the lower end in N, negative for a pull; the same up and down.
+        depth : array_like, optional
+            Measured depths of the lower end in m, or each with a unit; 100 by default.
+        helical : str
+            When the string becomes a helix as it is slacked off, as in `mean_force`.
+        wellhead_pressure : float or str
+            Pressure around the string below the stripper in Pa, as in `mean_force`.
+        stripper : float or str
+            Friction of the stripper in N.
+
+        Raises
+        ------
+        TypeError, ValueError
+            For numbers out of range, naming the argument.
+
+        Examples
+        --------
+        >>> import floquetrod as fr
+        >>> well = fr.WellPath([0.0, 1000.0, 1450.0, 2500.0], ["0deg", "0deg", "90deg", "90deg"])
+        >>> tubing = Rod.catalogue("2.00x0.156", bore="4.778in", length=1.0, fluid_inside=1e3, fluid_outside=1e3)
+        >>> tubing.surface_weights(well, 0.2, wellhead_pressure="10MPa", stripper="5kN")
+        <at 2500 m, free 30.14 kN: pick-up 48.94 kN, slack-off 12.55 kN with friction 0.2>
+        """
+        from floquetrod.rod.answers import surface_weights
+        from floquetrod.rod.model.wellhead import Wellhead
+
+        wellhead = Wellhead.of(wellhead_pressure=wellhead_pressure, stripper=stripper)
+        return surface_weights.surface_weights(self, path, friction, far_force, depth, helical, wellhead)
 
     def reach(
         self,

@@ -20,6 +20,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from floquetrod import units
 from floquetrod._util.arrays import Bools, Floats, Ints
 from floquetrod._util.caching import cached_property
 from floquetrod.wells.arcs import Points
@@ -104,8 +105,13 @@ class Friction:
 
     def __str__(self) -> str:
         """Return, say, "0.2", or "0.2, 0.35 from 1500 m on"."""
+        return self.in_words(units.unit("m", "", "length"))
+
+    def in_words(self, length: units.Unit) -> str:
+        """Return the same with the depths in a unit."""
         pairs = zip(self.values, self.depths, strict=True)
-        return ", ".join(f"{value:g} from {depth:g} m on" if depth else f"{value:g}" for value, depth in pairs)
+        words = ((f"{value:g}", f" from {length.show(depth)} on" if depth else "") for value, depth in pairs)
+        return ", ".join(f"{value}{where}" for value, where in words)
 
     @property
     def largest(self) -> float:

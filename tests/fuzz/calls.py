@@ -155,6 +155,7 @@ LEFT_OUT = {
         for kind in ("ForceRecord", "SafeBox", "Simulation", "StabilityIntervals")
     },
     "MeanForce": "constructed by Rod.mean_force",
+    "SurfaceWeights": "constructed by Rod.surface_weights",
     "Reach": "constructed by Rod.reach",
     "SafeKick": "constructed by Rod.safe_kick",
     "SteadyMotion": "constructed by Rod.steady_motion",
@@ -481,6 +482,10 @@ def _of_wells() -> dict[str, Call]:
         "VibrationTool": Call(fr.VibrationTool, {"amplitude": 5e3, "frequency": 113.0, "above_end": 30.0}),
         "Rod.mean_force": Call(ROD.mean_force, along),
         "Rod.reach": Call(ROD.reach, pushed),
+        "Rod.surface_weights": Call(
+            ROD.surface_weights,
+            {"path": path, "friction": [0.2, 0.3], "far_force": 0.1, "depth": [300.0], "helical": "energy", **wellhead},
+        ),
         "WellPath": Call(fr.WellPath, survey),
         "WellPath.from_csv": Call(
             fr.WellPath.from_csv,

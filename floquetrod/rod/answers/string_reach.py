@@ -562,7 +562,10 @@ def reach(
         rod, drag, far_force, by_itself.depth + _WAY * _gained(by_itself.depth, reached.depth)
     )
     given = units.GivenUnits.of(length=depth, force=(ends[1], ends[0]), speed=speed).or_else(
-        *([tool.given_units._replace(length="")] if tool else []), path.given_units, rod.given_units
+        wellhead.given_units,
+        *([tool.given_units._replace(length="")] if tool else []),
+        path.given_units,
+        rod.given_units,
     )
     return Reach(
         path=path,

@@ -18,7 +18,7 @@ from floquetrod._util.arrays import Floats
 from floquetrod._util.interchange import by_keys
 from floquetrod.parameter import Option, Parameter, by_name
 from floquetrod.rod.model.cross_section import CrossSection, Fluids
-from floquetrod.units import AnswerUnits
+from floquetrod.units import AnswerUnits, GivenUnits, InUnits
 from floquetrod.wells.drag import MOTIONS
 
 _HIGHEST, _TIGHTEST = 1e9, 1e7  # Pa and N (a choice: a hundred times what is usual)
@@ -66,7 +66,7 @@ WELLHEAD = by_name(
 
 
 @dataclass(frozen=True)
-class Wellhead:
+class Wellhead(InUnits):
     """A wellhead, checked by `of`.
 
     Parameters
@@ -90,7 +90,8 @@ class Wellhead:
             name: None if name == "pressure_inside" and value is None else WELLHEAD[name].number(value)
             for name, value in given.items()
         }
-        return cls(**numbers)
+        pressures = [given.get(name) for name in ("wellhead_pressure", "pressure_inside")]
+        return cls(**numbers).given_in(GivenUnits.of(pressure=pressures, force=given.get("stripper")))
 
     def added(self, section: CrossSection, motion: str) -> float:
         """Return the compression in N at the injector beyond the effective one below the stripper."""

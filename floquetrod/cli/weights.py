@@ -1,0 +1,95 @@
+"""`floquetrod weights`: pick-up and slack-off weights of a string over its depth, for several factors of friction."""
+
+from __future__ import annotations
+
+import argparse
+from functools import partial
+from pathlib import Path
+
+from floquetrod._util.waiting import Waiting
+from floquetrod.cli.common import (
+    add_rod,
+    add_survey_units,
+    describe_command,
+    figures,
+    read_force,
+    read_rod,
+    read_survey,
+    units_shown,
+    write_figures,
+)
+from floquetrod.cli.output import Output, output
+from floquetrod.cli.parser import Parser
+from floquetrod.cli.reach import add_wellhead, read_depths, read_wellhead
+
+_HELP = """\
+Draw pick-up and slack-off weights of a string over the depth of its lower end, for several factors of friction.
+
+examples:
+  floquetrod weights --well examples/survey.csv --rod examples/tubing.toml --friction 0.2,0.3,0.4
+  floquetrod weights --well examples/survey.csv --rod examples/tubing.toml --friction 0.2,0.3@1500m,0.25,0.4@1500m
+  floquetrod weights --well examples/survey.csv --rod examples/tubing.toml --mu 0.2,0.3 --out weights.png --unit ft,lbf
+  floquetrod weights --well examples/survey.csv --rod examples/tubing.toml --mu 0.3 --wellhead-pressure 3000psi \\
+      --stripper 2kip
+
+The weight is what the hook or the injector carries, negative where it has to push: the weight in fluid, less the push
+of --wellhead-pressure on the cross-section, with friction of the wall and of the --stripper against the motion.  A
+string that is slacked off may buckle, and ends where it locks up.  Measured weights beside the lines tell the friction
+of a well.  In --friction a number begins another factor, and one with a depth continues the one before it: 0.2,0.3 are
+two factors, 0.2,0.3@1500m is one of 0.2 down to 1500 m and 0.3 below.  Depths are measured depths.
+"""
+
+
+def add(command: Parser) -> None:
+    """Add help and options of the command to its parser."""
+    describe_command(command, _HELP, _weights, ("well", "rod", "friction", "out", "unit"))
+    command.add_argument("--well", required=True, metavar="FILE", type=Path, help="survey, a text file of columns")
+    add_survey_units(command)
+    add_rod(command, classified=False, in_a_well=True)
+    command.add_argument(
+        "--friction",
+        "--mu",
+        required=True,
+        metavar="LIST",
+        help="coefficients of friction with the wall, such as 0.2,0.3,0.4, each with others from a depth on as in "
+        "0.2,0.35@1500m",
+    )
+    command.add_argument("--far-force", metavar="FORCE", default="0", help="mean force at the lower end (default: 0)")
+    add_wellhead(command, "wellhead_pressure", "stripper")
+    command.add_argument(
+        "--helical",
+        choices=("energy", "loading", "alone", "always"),
+        default="energy",
+        help="when it becomes a helix: from sqrt(2), 1.83 or 2 sqrt(2) times the force at which it snakes, or always",
+    )
+    command.add_argument(
+        "--depths",
+        metavar="LIST",
+        help="measured depths of the lower end, such as 9000ft,9500ft, or 9000:9900ft for ten of them "
+        "(default: all of the well)",
+    )
+    command.add_argument(
+        "--unit",
+        metavar="UNITS",
+        help="units of the answer, such as ft,lbf (default: those of the question, else m,kN)",
+    )
+    command.add_output("--out", figures, "write the chart (.png, .pdf, .svg)")
+
+
+def _weights(options: argparse.Namespace) -> Output:
+    from floquetrod.rod import reading
+
+    asked = units_shown(options, ("length", "force"), "ft,lbf")
+    shown = {"depth" if kind == "length" else kind: name for kind, name in asked.items()}
+    rod, path = read_rod(options), read_survey(options, options.well)
+    with Waiting("moving the string"):
+        found = rod.surface_weights(
+            path,
+            reading.read_frictions(options.friction, "--friction"),
+            far_force=read_force(options.far_force, "--far-force", rod),
+            depth=None if options.depths is None else read_depths(options.depths),
+            helical=options.helical,
+            **read_wellhead(options),
+        )
+    written = write_figures(options.out, partial(found.plot, **shown))
+    return output(options, partial(found.report, **shown), found.as_dict, written=written)
