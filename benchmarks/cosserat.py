@@ -1,8 +1,8 @@
 """The former kernel of the simulated rod, kept as an independent model: a Cosserat rod of second order.
 
-Shear, torsion that bends along, and rotary inertia, which `floquetrod.simulation.rod_motion` leaves out, are in it;
-node positions, directions and friction are solved in another way.  It knows solid, horizontal, hinged rods under an
-`AxialLoad`.  Tests compare the present simulator with it, `benchmarks.simulator` their times.
+Shear, torsion that bends along, and rotary inertia are in it, which `floquetrod.simulation.kernels.rod_step` leaves
+out; node positions, directions and friction are solved in another way.  It knows solid, horizontal, hinged rods under
+an `AxialLoad`.  Tests compare the present simulator with it, `benchmarks.simulator` their times.
 
 The rod is n segments between n + 1 nodes.  Nodes carry position and velocity, segments a unit quaternion (material axes
 to space; the first material axis points along the rod) and an angular velocity in material axes.  With t the vector
@@ -30,7 +30,7 @@ import floquetrod as fr
 from floquetrod._util.compilation import compiled, compiled_for, kernel
 from floquetrod.simulation.recorded_motion import RecordedMotion
 from floquetrod.simulation.rod_mesh import DiscreteRod
-from floquetrod.simulation.time_steps import SAFETY, TimeSteps
+from floquetrod.simulation.step_size import SAFETY, TimeSteps
 
 NODE = ("x", "y", "z", "vx", "vy", "vz", "px", "pt", "spin_impulse", "slip_x", "slip_t")
 """Of nodes 0..n: position, velocity; impulse of friction in the last step, axial, circumferential and that which spins;

@@ -18,7 +18,7 @@ import floquetrod as fr
 from benchmarks import cosserat
 from benchmarks.measure import Row, best_of
 from floquetrod._util.compilation import compiled
-from floquetrod.simulation import rod_motion
+from floquetrod.simulation.kernels import rod_step
 from floquetrod.simulation.rod_mesh import DiscreteRod
 
 SEGMENTS, STEPS = 250, 1000
@@ -80,7 +80,7 @@ def prepared(friction: float, segments: int = SEGMENTS) -> tuple[Any, Any]:
 
 def element_step(friction: float, segments: int) -> float:
     """Return the seconds one step of one segment takes."""
-    return _element_step(rod_motion.advance, *prepared(friction, segments))
+    return _element_step(rod_step.advance, *prepared(friction, segments))
 
 
 def former_element_step(friction: float, segments: int) -> float:
@@ -131,7 +131,7 @@ def vibrated() -> fr.AxialWave:
 
 def two_threads() -> float:
     """Return the time of two runs in two threads over that of both, one after the other; the best of several."""
-    advance = compiled(rod_motion.advance)
+    advance = compiled(rod_step.advance)
     rods = [prepared(0.1) for _ in range(2)]
     ratios = []
     with ThreadPoolExecutor(2) as pool:

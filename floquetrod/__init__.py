@@ -18,12 +18,12 @@ if TYPE_CHECKING:
     from floquetrod import results as results
     from floquetrod import simulation as simulation
     from floquetrod import systems as systems
-    from floquetrod._util.implausible import PlausibilityWarning as PlausibilityWarning
     from floquetrod._util.interchange import to_json as to_json
     from floquetrod._util.interchange import to_pandas as to_pandas
+    from floquetrod._util.plausibility_warning import PlausibilityWarning as PlausibilityWarning
     from floquetrod._util.version import __version__ as __version__
-    from floquetrod.ensembles.doubts import OutcomeWarning as OutcomeWarning
     from floquetrod.ensembles.ensemble import ensemble as ensemble
+    from floquetrod.ensembles.outcome_warnings import OutcomeWarning as OutcomeWarning
     from floquetrod.ensembles.study import Study as Study
     from floquetrod.equations import DelaySystem as DelaySystem
     from floquetrod.equations import FrictionalMathieu as FrictionalMathieu
@@ -47,7 +47,7 @@ if TYPE_CHECKING:
     from floquetrod.floquet.proof import certify as certify
     from floquetrod.floquet.solve import solve as solve
     from floquetrod.floquet.status import UndecidedWarning as UndecidedWarning
-    from floquetrod.mathieu.criterion import FiniteTimeCriterion as FiniteTimeCriterion
+    from floquetrod.mathieu.paper_criterion import FiniteTimeCriterion as FiniteTimeCriterion
     from floquetrod.milling import Milling as Milling
     from floquetrod.milling import ToolMode as ToolMode
     from floquetrod.orbits import Branch as Branch

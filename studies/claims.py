@@ -14,12 +14,12 @@ from numpy.typing import NDArray
 
 from floquetrod import mathieu
 from floquetrod.equations import Mathieu
-from floquetrod.floquet.methods.determinant import determinant
+from floquetrod.floquet.methods.hill_determinant import determinant
 from floquetrod.floquet.methods.monodromy import monodromy_matrix
 from floquetrod.floquet.methods.square_wave import square_wave
 from floquetrod.floquet.proof import certify
 from floquetrod.floquet.verdict import Stability
-from floquetrod.mathieu.criterion import FiniteTimeCriterion
+from floquetrod.mathieu.paper_criterion import FiniteTimeCriterion
 from floquetrod.rod.loads.load import AxialLoad
 from floquetrod.rod.mode_equations.modal_systems import ModalSystem
 from floquetrod.rod.mode_equations.unstable_loads import unstable_loads

@@ -11,11 +11,11 @@ import numpy as np
 import floquetrod as fr
 from floquetrod._util.compilation import compiled
 from floquetrod.rod.answers.mean_force import friction_along
-from floquetrod.simulation import rod_motion
 from floquetrod.simulation.driving import Driving
+from floquetrod.simulation.kernels import rod_step
 from floquetrod.simulation.rod_mesh import DiscreteRod
 from floquetrod.simulation.rod_record import FIRST, Physics
-from floquetrod.simulation.time_steps import critical_time_step
+from floquetrod.simulation.step_size import critical_time_step
 
 SHORT = fr.Rod(youngs_modulus=68e9, density=6500.0, radius=0.8e-3, length=0.4, channel_radius=4.7e-3)
 """A piece of the reference rod, shorter than half a wave of its critical mode."""
@@ -52,7 +52,7 @@ def drive(
     rod, physics = at_start(mesh, step, load, friction, **changes)
     start(rod)
     hold(mesh, rod)
-    advance, drift = compiled(rod_motion.advance), compiled(rod_motion.drift)
+    advance, drift = compiled(rod_step.advance), compiled(rod_step.drift)
     drift(rod, 0.5 * step, mesh.segments)
     records = []
     for sample in range(samples + 1):
@@ -144,7 +144,7 @@ def stiffness(mesh: DiscreteRod, axis: str) -> tuple[np.ndarray, np.ndarray]:
     n, nodes = mesh.segments, slice(FIRST, FIRST + mesh.segments + 1)
     rod, physics = at_start(mesh, 1.0, **FREE_SPACE)
     mesh.nodes(rod, "z")[:] = 0.0
-    gradient = compiled(rod_motion.gradient)
+    gradient = compiled(rod_step.gradient)
     # Across, the square of a displacement over the radius, which stretching adds, is 1e-12; along, all is linear.
     small = 1e-3 * mesh.segment_length if axis == "x" else 1e-6 * mesh.rod.radius
     matrix = np.zeros((n + 1, n + 1))

@@ -198,9 +198,9 @@ def test_the_code_of_simulations_has_changed_only_with_its_version() -> None:
 def test_what_a_run_calls_is_seen() -> None:
     """Steps, contact with friction, what a rod is made of, an early end, results."""
     for name in (
-        "rod_motion.py advance",
-        "rod_motion.py rub",
-        "anchors.py follow",
+        "kernels/rod_step.py advance",
+        "kernels/rod_step.py rub",
+        "kernels/well_anchors.py follow",
         "cross_section.py CrossSection.area",
     ):
         assert any(each.endswith(name) for each in digests())

@@ -10,7 +10,7 @@ import pytest
 
 import floquetrod as fr
 from floquetrod._util.compilation import compiled
-from floquetrod.simulation import rod_motion
+from floquetrod.simulation.kernels import rod_step
 
 PIPE = fr.Rod(youngs_modulus=0.2e9, density=1000.0, radius=0.01, length=1.0, channel_radius=0.015, damping_rate=2.0)
 """A polyethylene rod.  Its critical force strains it by 1e-3: waves along it are slow, so that long runs are quick."""
@@ -70,7 +70,7 @@ def test_the_wall_pushes_alike_with_friction_and_without() -> None:
         for axis, name in enumerate("xyz"):
             mesh.nodes(rod, name)[:] = run.positions[-1, :, axis]
             mesh.nodes(rod, f"v{name}")[:] = run.velocities[-1, :, axis]
-        compiled(rod_motion.move_nodes)(rod, None, friction, physics)
+        compiled(rod_step.move_nodes)(rod, None, friction, physics)
         records.append(rod)
     for name in ("vx", "vy", "vz"):
         np.testing.assert_allclose(records[0][name], records[1][name], rtol=1e-12, atol=1e-15)

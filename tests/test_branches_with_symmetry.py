@@ -14,7 +14,7 @@ import sympy
 
 import floquetrod as fr
 from conftest import depth
-from floquetrod.orbits import locating
+from floquetrod.orbits import locating_special_points
 
 LOG = logging.getLogger(__name__)
 
@@ -250,7 +250,7 @@ def test_a_point_that_cannot_be_located_is_said_with_its_cause(monkeypatch: pyte
         raise RuntimeError("Failed to converge after 100 iterations.")
 
     known = invariant_plane(np.random.default_rng(5), 2)
-    monkeypatch.setattr(locating, "located", fails)
+    monkeypatch.setattr(locating_special_points, "located", fails)
     branch = fr.follow(known.orbit, {"p": known.over}, longest=0.3)
     (note,) = branch.notes
     assert "where the number of multipliers outside the unit circle changes from " in note

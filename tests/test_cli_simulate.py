@@ -17,7 +17,7 @@ import floquetrod as fr
 from floquetrod import cli
 from floquetrod._util import waiting
 from floquetrod.cli import simulate
-from floquetrod.simulation import checkpoints, time_steps
+from floquetrod.simulation import checkpoints, step_size
 
 LOAD = ["--mean", "0.2Fcr", "--amplitude", "0.2Fcr", "--frequency", "150"]
 SHORT = ["simulate", "--rod", "nitinol", *LOAD, "--segments", "60", "--duration", "0.2s"]
@@ -288,7 +288,7 @@ def test_control_c_keeps_what_there_is(
 def test_divergence_keeps_the_frames_before(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(time_steps, "SAFETY", 1.3)
+    monkeypatch.setattr(step_size, "SAFETY", 1.3)
     path = tmp_path / "run.npz"
     assert cli.main([*SHORT, "--out", str(path)]) == 2
     error = capsys.readouterr().err

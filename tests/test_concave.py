@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from conftest import depth
 from floquetrod._util.roots import bisected, roots
-from floquetrod.mathieu.concave import TOUCHING, level, parts_above
+from floquetrod.mathieu.concave_growth import TOUCHING, level, parts_above
 
 Floats = NDArray[np.float64]
 

@@ -14,7 +14,7 @@ from scipy import stats
 import floquetrod as fr
 from ensemble_cases import PROBLEM, assert_same, in_memory
 from floquetrod import cli
-from floquetrod._util.proportions import clopper_pearson, mean_of_shares
+from floquetrod._util.probability_interval import clopper_pearson, mean_of_shares
 from floquetrod.ensembles import Runs, probability, varied_axes
 from floquetrod.ensembles.runs import Variable
 

@@ -20,8 +20,8 @@ import floquetrod as fr
 from floquetrod import cli, units
 from floquetrod.explorer import commands, limits, maps, mode_panels, portions
 from floquetrod.explorer.background import Background, Stale, ViewParts
+from floquetrod.explorer.verdict_words import margin_words
 from floquetrod.explorer.view import View
-from floquetrod.explorer.words import margin_words
 from floquetrod.floquet.margins import Margin
 from floquetrod.floquet.status import STATUS_CODES
 from floquetrod.plotting import explorer_panels as panels

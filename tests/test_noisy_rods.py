@@ -18,8 +18,8 @@ from coupled_cases import by_name
 from floquetrod.cli import main
 from floquetrod.equations.batches import pick
 from floquetrod.rod.loads.load import Loads, load_from_dict, scaled_noise
-from floquetrod.rod.mode_equations.noisy_modes import NoisyModes
-from floquetrod.rod.modes.noisy import NoisyModel
+from floquetrod.rod.mode_equations.noisy_equations import NoisyModes
+from floquetrod.rod.modes.noisy_verdict import NoisyModel
 
 ROD = fr.Rod.nitinol().replace(damping_rate=1.0)
 FCR = ROD.critical_force

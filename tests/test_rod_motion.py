@@ -30,9 +30,9 @@ from driven import (
     stiffness,
 )
 from floquetrod._util.compilation import compiled
-from floquetrod.simulation import rod_motion
+from floquetrod.simulation.kernels import rod_step
 from floquetrod.simulation.rod_mesh import DiscreteRod
-from floquetrod.simulation.time_steps import SAFETY, critical_time_step
+from floquetrod.simulation.step_size import SAFETY, critical_time_step
 
 BENDING = math.sqrt(SHORT.flexural_rigidity / SHORT.mass_per_length) / SHORT.length**2
 
@@ -63,7 +63,7 @@ def test_forces_and_torques_are_the_gradient_of_the_energy(
     if not friction:
         rod["angle"][:] = 0.0
     moved = rod.copy()
-    compiled(rod_motion.advance)(moved, 1, physics)
+    compiled(rod_step.advance)(moved, 1, physics)
     share, held = mesh.nodes(rod, "share"), {0: ends.split("-")[0], 8: ends.split("-")[1]}
     scale = mesh.rod.youngs_modulus * mesh.rod.area
     motions = [("x", "vx", mesh.mass_along, 1.0), ("y", "vy", mesh.segment_mass, 1.0)]
@@ -100,7 +100,7 @@ def test_rigid_motion_strains_nothing(rng: np.random.Generator) -> None:
     for axis, values in zip("xyz", moved, strict=True):
         mesh.nodes(rod, axis)[:] = values
     assert elastic(mesh, rod) == pytest.approx(0.0, abs=1e-20)
-    compiled(rod_motion.advance)(rod, 20, physics)
+    compiled(rod_step.advance)(rod, 20, physics)
     assert np.abs([mesh.nodes(rod, axis) for axis in "xyz"] - moved).max() < 1e-13
 
 
@@ -274,7 +274,7 @@ def test_the_bound_on_the_step_is_sharp(
     for part in (0.99 / SAFETY, beyond / SAFETY):
         record = shaken(mesh, rng, 1e-9)
         _, physics = at_start(mesh, bound * part, **FREE_SPACE)
-        compiled(rod_motion.advance)(record, 3000, physics)
+        compiled(rod_step.advance)(record, 3000, physics)
         grown.append(np.abs(mesh.nodes(record, "vy")).max() + np.abs(mesh.nodes(record, "vx")).max())
     assert grown[0] < 1e-2
     assert not grown[1] < 1e2  # NaN included
@@ -298,7 +298,7 @@ def test_damping_takes_its_own_rate_off_motion_across_and_along() -> None:
     mesh.nodes(rod, "vx")[:], mesh.nodes(rod, "vy")[:] = 0.1, 0.2
     hold(mesh, rod)
     before = energies(mesh, rod)["kinetic"]
-    compiled(rod_motion.advance)(rod, 1000, physics)
+    compiled(rod_step.advance)(rod, 1000, physics)
     assert mesh.nodes(rod, "vx") == pytest.approx(0.1 * math.exp(-0.14), rel=1e-8)
     assert mesh.nodes(rod, "vy") == pytest.approx(0.2 * math.exp(-0.06), rel=1e-8)
     after = energies(mesh, rod)
@@ -311,7 +311,7 @@ def test_a_run_does_not_depend_on_how_it_is_divided(rng: np.random.Generator) ->
     load = fr.AxialLoad(0.1, 0.1, 500.0)
     rod, physics = at_start(mesh, critical_time_step(mesh)[0], load, 0.1)
     mesh.nodes(rod, "vy")[1:-1] = rng.uniform(-0.01, 0.01, 7)
-    other, advance = rod.copy(), compiled(rod_motion.advance)
+    other, advance = rod.copy(), compiled(rod_step.advance)
     advance(rod, 30, physics)
     for part in (1, 12, 17):
         advance(other, part, physics)

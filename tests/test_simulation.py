@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 import floquetrod as fr
-from floquetrod.simulation import checkpoints, integration, time_steps
+from floquetrod.simulation import checkpoints, integration, step_size
 from floquetrod.simulation.growth import fit_growth
 from floquetrod.simulation.recorded_motion import angles
 
@@ -215,7 +215,7 @@ def test_a_damaged_checkpoint_is_refused(tmp_path: Path, damage: str) -> None:
 
 
 def test_divergence_names_time_and_cause_and_keeps_the_frames_before(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(time_steps, "SAFETY", 1.3)
+    monkeypatch.setattr(step_size, "SAFETY", 1.3)
     with pytest.raises(fr.SimulationDiverged, match=r"diverged before t = .* s; likely cause: ") as caught:
         run(frames=301, friction=0.0)
     kept = caught.value.simulation

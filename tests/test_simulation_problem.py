@@ -14,7 +14,7 @@ import pytest
 import floquetrod as fr
 from damages import unpacked
 from floquetrod._util import sealed_files
-from floquetrod.simulation.time_steps import TimeSteps
+from floquetrod.simulation.step_size import TimeSteps
 
 ROD = fr.Rod.nitinol()
 LOAD = fr.AxialLoad(0.2 * ROD.critical_force, 0.2 * ROD.critical_force, 150.0)

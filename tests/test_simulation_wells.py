@@ -13,9 +13,9 @@ from scipy.linalg import expm
 
 import floquetrod as fr
 from floquetrod._util.compilation import compiled
-from floquetrod.simulation import rod_motion
-from floquetrod.simulation.anchors import beside
 from floquetrod.simulation.growth import fit_growth
+from floquetrod.simulation.kernels import rod_step
+from floquetrod.simulation.kernels.well_anchors import beside
 from floquetrod.simulation.rod_record import FIRST
 from floquetrod.wells.path import WellPath
 
@@ -106,8 +106,8 @@ def test_forces_are_the_gradient_of_the_energy(ends: str, natural: Any) -> None:
     slope = (energy(strained + near * way) - energy(strained - near * way)) / (2.0 * near)
     start, physics = moved(strained), mesh.physics(driving, step)
     axes = tuple(beside(start, FIRST + node)[1] for node in (0, 56))
-    rod_motion.gradient(start, physics, axes, 0.0, 0.0)
-    rod_motion.move_nodes(start, physics.well, None, physics)
+    rod_step.gradient(start, physics, axes, 0.0, 0.0)
+    rod_step.move_nodes(start, physics.well, None, physics)
     kicked = np.stack([mesh.nodes(start, f"v{name}") for name in "xyz"], axis=1) / step
     force = mesh.segment_mass * mesh.nodes(start, "share")[:, None] * kicked
     work = -np.sum(force * way)
@@ -123,7 +123,7 @@ def test_the_material_alone_moves_along_and_fluids_with_it_across() -> None:
     frames = mesh.axis.frames(places[:, 0])
     for axis, name in enumerate("xyz"):
         mesh.nodes(record, name)[:] = mesh.cartesian(places)[:, axis]
-    rod_motion.move_nodes(record, physics.well, None, physics)
+    rod_step.move_nodes(record, physics.well, None, physics)
     fall = np.stack([mesh.nodes(record, f"v{name}") for name in "xyz"], axis=1) / 1e-6
     along, up = (np.einsum("ij,ij->i", fall, axis) for axis in (frames.along, frames.up))
     inclination = SURVEY.inclination_at(0.1 + 0.5 * ROD.length + places[:, 0])
@@ -176,7 +176,7 @@ def test_a_run_does_not_depend_on_how_it_is_divided(friction: float) -> None:
     load, shape = push(0.5, 0.3, 130.0), {"segments": 56, "natural_curvature": "path"}
     problem = fr.SimulationProblem(rod, load, duration=0.01, friction=friction, **shape)
     whole, parts = (problem._integration() for _ in range(2))
-    advance = rod_motion.advance
+    advance = rod_step.advance
     compiled(advance)(whole.rod, 100, whole.physics)
     for steps in (1, 36, 63):
         compiled(advance)(parts.rod, steps, parts.physics)

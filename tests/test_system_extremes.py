@@ -15,9 +15,9 @@ from floquetrod._util.arrays import inverses, norms
 from floquetrod.equations.matrices import mirrored
 from floquetrod.floquet.kernels.system_even_pairs import pair_values
 from floquetrod.floquet.methods.system_reference import reference
+from floquetrod.floquet.multiplier_pairs import slopes
 from floquetrod.floquet.multipliers import half_period_maps
 from floquetrod.floquet.multipliers.spectra import touching
-from floquetrod.floquet.pairs import slopes
 from floquetrod.systems import batch_verdicts
 
 System = fr.HillSystem | fr.PeriodicSystem

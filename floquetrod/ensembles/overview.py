@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from floquetrod._util.result_report import number
-from floquetrod.ensembles.doubts import counted, doubts
+from floquetrod.ensembles.outcome_warnings import counted, doubts
 from floquetrod.ensembles.runs import DONE, FAILED, PENDING, Runs, require_runs
 from floquetrod.ensembles.statistics import RANDOM, probability_of
 from floquetrod.simulation.outcome import KINDS

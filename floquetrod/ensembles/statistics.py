@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 
 from floquetrod._util import validate
 from floquetrod._util.calling import level_of_caller
-from floquetrod._util.proportions import clopper_pearson, mean_of_shares
-from floquetrod.ensembles.doubts import OutcomeWarning, doubts
+from floquetrod._util.probability_interval import clopper_pearson, mean_of_shares
+from floquetrod.ensembles.outcome_warnings import OutcomeWarning, doubts
 from floquetrod.ensembles.runs import DONE, FAILED, PENDING, Runs, Variable, require_runs
 from floquetrod.ensembles.varied_axes import RUN_SEED
 
@@ -54,8 +54,8 @@ def probability(runs: Any, name: str = "buckled", *, over: str | Iterable[str], 
     at least ``confidence``.  Over several dimensions runs that share a draw are not: the runs of one sample, of one
     seed at several chosen values, of one seed in a list.  Such a group counts as one number, its share of true
     results; ``probability`` is the mean of these shares, and the interval Gaffke's
-    (`floquetrod._util.proportions.mean_of_shares`), which is Clopper and Pearson's where groups have one run.  Where
-    chosen values are averaged over, their pending runs count as failed ones.
+    (`floquetrod._util.probability_interval.mean_of_shares`), which is Clopper and Pearson's where groups have one run.
+    Where chosen values are averaged over, their pending runs count as failed ones.
 
     Raises
     ------

@@ -18,7 +18,7 @@ from floquetrod import units
 from floquetrod._util import validate
 from floquetrod._util.arguments import Message, argument_of, error_in
 from floquetrod._util.calling import level_of_caller
-from floquetrod._util.implausible import SILENCE, PlausibilityWarning
+from floquetrod._util.plausibility_warning import SILENCE, PlausibilityWarning
 from floquetrod._util.tables import read_toml, require_known
 from floquetrod.ensembles.ensemble import ensemble
 from floquetrod.ensembles.tasks import Summary

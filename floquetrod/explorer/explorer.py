@@ -10,8 +10,8 @@ from floquetrod._util import validate
 from floquetrod.explorer.background import Background, Stale, ViewParts
 from floquetrod.explorer.commands import command
 from floquetrod.explorer.limits import Scale, step
+from floquetrod.explorer.verdict_words import margin_words
 from floquetrod.explorer.view import View
-from floquetrod.explorer.words import margin_words
 from floquetrod.floquet.margins import Margin
 from floquetrod.plotting.explorer_page import ExplorerWindow
 from floquetrod.rod.answers.reports import shown_in

@@ -8,7 +8,7 @@ from floquetrod.explorer.background import Stale, ViewParts
 from floquetrod.explorer.maps import ChartMap, GrowingMap
 from floquetrod.explorer.mode_panels import LineAndShape, ModesAndRates
 from floquetrod.explorer.source import PanelSource
-from floquetrod.explorer.words import MARGINS, verdict_words
+from floquetrod.explorer.verdict_words import MARGINS, verdict_words
 from floquetrod.rod.answers.rod_stability import growing_in_words
 from floquetrod.rod.loads.load import Load, Loads
 from floquetrod.rod.rod import Rod

@@ -1,8 +1,8 @@
 """What every method returns, and the one place where the excess of a scalar equation becomes a verdict.
 
 With c the damping, T the period and A = exp(-c tau) u, the undamped u has multipliers of product 1 and sum D_u.
-Their excess X = (abs(D_u) - 2) / 4 decides: see `floquetrod.floquet.pairs`.  Methods hand over X rather than D_u
-because near a boundary X keeps digits that D_u has rounded away.
+Their excess X = (abs(D_u) - 2) / 4 decides: see `floquetrod.floquet.multiplier_pairs`.  Methods hand over X rather
+than D_u because near a boundary X keeps digits that D_u has rounded away.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from floquetrod._util.caching import cached_property
 from floquetrod._util.content import ByContent, NoTruthValue
 from floquetrod._util.result_report import Report, Reported, number
 from floquetrod.equations import DelaySystem, Equation, PeriodicSystem
-from floquetrod.floquet import pairs
+from floquetrod.floquet import multiplier_pairs
 from floquetrod.floquet.references import references
 from floquetrod.floquet.registry import sources
 from floquetrod.floquet.status import Status as Status
@@ -290,7 +290,7 @@ class Stability(FloquetVerdict):
         else:
             y, above = (np.array([half**2]) for half in (np.sinh(0.5 * s), np.cosh(0.5 * s)))
             radius = 0.25 * self.error * np.maximum(1.0, np.minimum(np.abs(y), np.abs(above)))
-            error = float(pairs.log_errors(y, above, radius)[0])
+            error = float(multiplier_pairs.log_errors(y, above, radius)[0])
         return (error / self.period + 4.0 * EPS * abs(self.exponents[0]),) * 2
 
     def report(self) -> Report:
@@ -377,12 +377,12 @@ def classify(
         excess, shift = math.frexp(excess)
         exponent += shift
     else:
-        excess, exponent = pairs.ldexp(excess, exponent), 0
-    undamped_growth = pairs.growth(excess, exponent) / period
+        excess, exponent = multiplier_pairs.ldexp(excess, exponent), 0
+    undamped_growth = multiplier_pairs.growth(excess, exponent) / period
     net = undamped_growth - damping
-    status = undamped_status or _STATUS.get(pairs.decided_far(excess, exponent, excess_error), "undecided")
+    status = undamped_status or _STATUS.get(multiplier_pairs.decided_far(excess, exponent, excess_error), "undecided")
     if damping > 0.0 and status != "stable":
-        low, high = (edge / period - damping for edge in pairs.growth_band(excess, exponent, excess_error))
+        low, high = (edge / period - damping for edge in multiplier_pairs.growth_band(excess, exponent, excess_error))
         if growth is not None:
             low, net, high = growth
         status = status_between(low, high)
@@ -440,7 +440,7 @@ def _discriminant(sign: int, excess: float, exponent: int, decay: float) -> tupl
     if exponent > 900:
         log_size = 2.0 * math.log(2.0) + math.log(excess) + exponent * math.log(2.0) - decay
         return sign * _exp(log_size), log_size
-    size = 2.0 + 4.0 * pairs.ldexp(excess, exponent)
+    size = 2.0 + 4.0 * multiplier_pairs.ldexp(excess, exponent)
     log_size = math.log(abs(size)) - decay if size != 0.0 else -math.inf
     if math.isinf(size) or decay > 700.0:
         return sign * _exp(log_size), log_size
@@ -451,7 +451,7 @@ def _exponents(sign: int, excess: float, growth: float, damping: float, period: 
     if excess > 0.0:
         half_turn = math.pi / period if sign < 0 else 0.0
         return complex(growth - damping, half_turn), complex(-growth - damping, half_turn)
-    angle = pairs.turn(excess, sign) / period
+    angle = multiplier_pairs.turn(excess, sign) / period
     return complex(-damping, angle), complex(-damping, -angle)
 
 

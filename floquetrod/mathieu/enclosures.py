@@ -17,7 +17,7 @@ import numpy as np
 
 from floquetrod._util.arrays import Floats, Ints
 from floquetrod._util.roots import roots
-from floquetrod.mathieu.concave import Exceedances, joined
+from floquetrod.mathieu.concave_growth import Exceedances, joined
 
 Evaluated: TypeAlias = Callable[[Floats, Floats], Floats]
 Counted: TypeAlias = Callable[[Floats, Floats], Ints]

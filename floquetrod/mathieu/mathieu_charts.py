@@ -14,7 +14,7 @@ from floquetrod._util.arrays import Floats
 from floquetrod._util.progress import Progress
 from floquetrod.equations import Equation, Mathieu
 from floquetrod.mathieu.array_functions import growth_rate, is_stable
-from floquetrod.mathieu.criterion import FiniteTimeCriterion
+from floquetrod.mathieu.paper_criterion import FiniteTimeCriterion
 from floquetrod.mathieu.tongue_bands import tongue_bands
 from floquetrod.mathieu.tongue_curves import Window
 from floquetrod.mathieu.tongue_regions import UndampedEquations

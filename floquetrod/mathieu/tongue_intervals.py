@@ -20,7 +20,7 @@ from floquetrod._util.roots import bisected
 from floquetrod.floquet.kernels import mathieu_discriminant
 from floquetrod.floquet.mathieu_chains import mathieu_counts
 from floquetrod.mathieu import enclosures
-from floquetrod.mathieu.concave import Exceedances, level, parts_above
+from floquetrod.mathieu.concave_growth import Exceedances, level, parts_above
 from floquetrod.mathieu.kernels import characteristic_bisection
 
 _SPACING = 1e-3  # of points along the amplitude where nothing is proved, as a fraction of the range (a choice)

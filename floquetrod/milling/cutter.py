@@ -21,7 +21,7 @@ from floquetrod._util.arrays import Floats
 from floquetrod._util.caching import cached_property
 from floquetrod._util.calling import constructor_hints, level_of_caller
 from floquetrod._util.content import ByContent
-from floquetrod._util.implausible import SILENCE, PlausibilityWarning, is_typed
+from floquetrod._util.plausibility_warning import SILENCE, PlausibilityWarning, is_typed
 from floquetrod.equations import DelaySystem, PeriodicSystem, Varying
 from floquetrod.floquet.dispatch import stability
 from floquetrod.floquet.multipliers.system_stability import SystemStability

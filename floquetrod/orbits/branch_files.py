@@ -15,8 +15,8 @@ from floquetrod.equations import NonlinearSystem
 from floquetrod.orbits.arclength import Measure
 from floquetrod.orbits.collocation import Collocation, Point, Step
 from floquetrod.orbits.finding import Compared, as_orbit
-from floquetrod.orbits.multipliers import Segments
 from floquetrod.orbits.orbit import PeriodicOrbit
+from floquetrod.orbits.orbit_multipliers import Segments
 from floquetrod.orbits.special_points import SpecialPoint
 
 _FORMAT = "floquetrod branch 1"

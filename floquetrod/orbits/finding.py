@@ -13,9 +13,9 @@ from floquetrod._util.arrays import EPS, Floats
 from floquetrod.equations import NonlinearSystem
 from floquetrod.orbits import orbit_guesses, orbit_mesh
 from floquetrod.orbits.collocation import BorderRow, Collocation, Condensed, Point, gauss
-from floquetrod.orbits.multipliers import Segments
 from floquetrod.orbits.newton import NoOrbitError, corrected
 from floquetrod.orbits.orbit import PeriodicOrbit
+from floquetrod.orbits.orbit_multipliers import Segments
 
 _DEGREES = ((24, 8), (10**9, 6))  # Gauss points of systems of up to so many equations (a choice)
 MORE = 2  # points of the finer of the two orbits that are compared

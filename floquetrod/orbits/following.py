@@ -14,10 +14,10 @@ from floquetrod.orbits import arclength, finding, orbit_mesh
 from floquetrod.orbits.arclength import Measure
 from floquetrod.orbits.branch import Branch
 from floquetrod.orbits.continuation import Continuation, Ended, Sample, Task, lowered, sampled, started
-from floquetrod.orbits.extents import returns_after
-from floquetrod.orbits.locating import Watch
+from floquetrod.orbits.locating_special_points import Watch
 from floquetrod.orbits.newton import NoOrbitError
 from floquetrod.orbits.orbit import PeriodicOrbit
+from floquetrod.orbits.orbit_extent import returns_after
 from floquetrod.orbits.special_points import SpecialPoint
 
 _SAME = 1e-5  # of the extents of states, by which two orbits are distinguished (a choice)

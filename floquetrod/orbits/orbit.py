@@ -18,9 +18,9 @@ from floquetrod.floquet.multipliers.system_stability import SystemStability
 from floquetrod.floquet.references import ORBITS, references
 from floquetrod.floquet.status import Status
 from floquetrod.orbits.collocation import Collocation, Point
-from floquetrod.orbits.extents import Extremes, extremes
-from floquetrod.orbits.multipliers import OrbitVerdict, Segments, judged
+from floquetrod.orbits.orbit_extent import Extremes, extremes
 from floquetrod.orbits.orbit_mesh import evaluated
+from floquetrod.orbits.orbit_multipliers import OrbitVerdict, Segments, judged
 
 _LATEST = 1e6  # periods (a choice: beyond it rounding of the phase costs more than ten digits)
 _SAMPLES = 4096  # of a period, for harmonics

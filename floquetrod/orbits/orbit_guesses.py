@@ -11,7 +11,7 @@ import numpy as np
 from floquetrod._util import validate
 from floquetrod._util.arrays import Floats
 from floquetrod.equations import NonlinearSystem
-from floquetrod.orbits.returns import CLOSE, require_no_rotation, returned, sizes
+from floquetrod.orbits.return_time import CLOSE, require_no_rotation, returned, sizes
 
 _SAMPLES = 200  # of a period (a choice)
 _MOST_SAMPLES = 10_000

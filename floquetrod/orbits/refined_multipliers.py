@@ -8,7 +8,7 @@ from collections.abc import Callable
 import numpy as np
 
 from floquetrod._util.arrays import Complexes
-from floquetrod.orbits.multipliers import Segments, maps_across
+from floquetrod.orbits.orbit_multipliers import Segments, maps_across
 
 
 def refined(cluster: Complexes, segments: Segments) -> tuple[Complexes, float]:

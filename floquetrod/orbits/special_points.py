@@ -13,9 +13,9 @@ from floquetrod._util.content import ByContent
 from floquetrod.orbits import arclength, finding, orbit_mesh
 from floquetrod.orbits.arclength import Measure
 from floquetrod.orbits.collocation import Collocation, Point, Step
-from floquetrod.orbits.extents import returns_after
 from floquetrod.orbits.newton import NoOrbitError, corrected
 from floquetrod.orbits.orbit import PeriodicOrbit
+from floquetrod.orbits.orbit_extent import returns_after
 
 Kind = Literal["fold", "branch point", "period doubling", "Neimark-Sacker"]
 

@@ -10,9 +10,9 @@ from numpy.typing import NDArray
 from floquetrod._util.content import ByContent
 from floquetrod._util.progress import Progress
 from floquetrod.plane.bands import Bands
+from floquetrod.plane.boundary_tracing import traced
 from floquetrod.plane.family import Family
 from floquetrod.plane.plane_axes import Axis
-from floquetrod.plane.tracing import traced
 
 
 @dataclass(frozen=True, eq=False)

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from floquetrod._util import validate
-from floquetrod._util.implausible import PlausibilityWarning
+from floquetrod._util.plausibility_warning import PlausibilityWarning
 from floquetrod._util.progress import Progress
 from floquetrod._util.result_report import Report, Reported, Table
 from floquetrod._util.version import __version__

@@ -12,8 +12,8 @@ import numpy as np
 from floquetrod._util import validate
 from floquetrod._util.arrays import Bools, Floats
 from floquetrod._util.content import ByContent
+from floquetrod._util.probability_interval import clopper_pearson
 from floquetrod._util.progress import Progress
-from floquetrod._util.proportions import clopper_pearson
 from floquetrod._util.result_report import Printed, Report, Table
 from floquetrod.rod.answers.mean_force import ASSUMED, drag_of, force_in_newtons
 from floquetrod.rod.answers.pushing import Limits, Pushing, stress_limit

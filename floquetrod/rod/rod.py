@@ -15,7 +15,7 @@ from floquetrod._util.progress import Progress
 from floquetrod.equations import HillSystem
 from floquetrod.floquet.proof.proof import MAX_BOXES
 from floquetrod.floquet.status import are
-from floquetrod.mathieu.criterion import FiniteTimeCriterion
+from floquetrod.mathieu.paper_criterion import FiniteTimeCriterion
 from floquetrod.parameter import require_known
 from floquetrod.rod import verdicts
 from floquetrod.rod.loads.load import QUANTITIES, AnyLoad, Load, Quantity, kind, require_load, require_noise
@@ -57,7 +57,7 @@ def _model(rod: RodData, like: Load) -> ModeModel:
 
         return CoupledModel(rod, like)
     if set(coupled) <= {WAVEFORM}:
-        from floquetrod.rod.modes.noisy import NoisyModel
+        from floquetrod.rod.modes.noisy_verdict import NoisyModel
 
         return NoisyModel(rod, like)
     from floquetrod.rod.modes.noisy_coupled import NoisyCoupledModel

@@ -10,17 +10,17 @@ import numpy as np
 from floquetrod import units
 from floquetrod._util import validate
 from floquetrod._util.progress import Progress
-from floquetrod.mathieu.criterion import FiniteTimeCriterion
+from floquetrod.mathieu.paper_criterion import FiniteTimeCriterion
 from floquetrod.plane import Axis, Chart, axis_values, charted
 from floquetrod.rod import motion_map
 from floquetrod.rod.friction.mode_friction import friction_and_kick
 from floquetrod.rod.large_orbits import require_possible
+from floquetrod.rod.load_plane import AXES, LoadPlane
 from floquetrod.rod.loads.axial import require_off_resonance
 from floquetrod.rod.loads.load import LOAD, QUANTITIES, AnyLoad, Loads
 from floquetrod.rod.loads.template import replaced
 from floquetrod.rod.model.assumptions import warn_unless_uniform
 from floquetrod.rod.modes.mode_model import ModeModel
-from floquetrod.rod.plane import AXES, LoadPlane
 from floquetrod.rod.rod import Rod
 
 

@@ -13,8 +13,8 @@ from floquetrod._util import validate
 from floquetrod._util.arrays import Floats
 from floquetrod._util.caching import cached_property
 from floquetrod._util.content import NoTruthValue
+from floquetrod._util.probability_interval import clopper_pearson
 from floquetrod._util.progress import Progress
-from floquetrod._util.proportions import clopper_pearson
 from floquetrod.rod.distributions import SURVEY, Sampling, distributions
 from floquetrod.rod.loads.load import QUANTITIES, AnyLoad, require_load
 from floquetrod.rod.model.assumptions import assumptions

@@ -11,7 +11,7 @@ from floquetrod import units
 from floquetrod._util import validate
 from floquetrod._util.arrays import shaped
 from floquetrod._util.progress import Progress
-from floquetrod.mathieu.criterion import FiniteTimeCriterion
+from floquetrod.mathieu.paper_criterion import FiniteTimeCriterion
 from floquetrod.rod.answers.rod_stability import RodStability
 from floquetrod.rod.friction.mode_friction import friction_and_kick
 from floquetrod.rod.loads.load import AnyLoad, Loads, LoadSource, require_load

@@ -4,6 +4,6 @@ from __future__ import annotations
 
 from floquetrod.simulation.growth import GrowthFit
 from floquetrod.simulation.rod_mesh import DiscreteRod
-from floquetrod.simulation.time_steps import TimeSteps, critical_time_step
+from floquetrod.simulation.step_size import TimeSteps, critical_time_step
 
 __all__ = ["DiscreteRod", "GrowthFit", "TimeSteps", "critical_time_step"]

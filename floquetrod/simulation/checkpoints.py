@@ -19,7 +19,7 @@ from floquetrod._util.version import __version__
 from floquetrod.simulation.arithmetic import arithmetic
 from floquetrod.simulation.recorded_motion import RecordedMotion
 from floquetrod.simulation.rod_mesh import ENERGIES
-from floquetrod.simulation.time_steps import TimeSteps
+from floquetrod.simulation.step_size import TimeSteps
 
 _FORMAT = "floquetrod checkpoint 4"
 _SECONDS_BETWEEN = 5.0  # of wall time, between saves (a choice)

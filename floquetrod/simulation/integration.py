@@ -11,12 +11,12 @@ from numpy.typing import NDArray
 
 from floquetrod._util.compilation import compiled, compiled_for
 from floquetrod._util.progress import Progress
-from floquetrod.simulation import rod_motion
 from floquetrod.simulation.checkpoints import Checkpoint, Resumable, RunState, frame_shapes
 from floquetrod.simulation.driving import Driving
+from floquetrod.simulation.kernels import rod_step
 from floquetrod.simulation.recorded_motion import EarlyEnd, RecordedMotion
 from floquetrod.simulation.rod_mesh import ENERGIES, DiscreteRod
-from floquetrod.simulation.time_steps import TimeSteps
+from floquetrod.simulation.step_size import TimeSteps
 from floquetrod.wells.drag import Friction
 
 Result = TypeVar("Result", bound=RecordedMotion)
@@ -103,8 +103,8 @@ class Integration(Generic[Result]):
     def run(self, progress: Progress | None) -> Result:
         """Continue to the end, or to Ctrl-C; a checkpoint that cannot be written does not stop the run."""
         # Compiled before the clock starts: the first run of a process, or ever, takes no longer than the others.
-        advance = compiled_for(rod_motion.advance, self.rod, 1, self.physics)
-        compiled_for(rod_motion.drift, self.rod, 1.0, self.mesh.segments)
+        advance = compiled_for(rod_step.advance, self.rod, 1, self.physics)
+        compiled_for(rod_step.drift, self.rod, 1.0, self.mesh.segments)
         started, earlier = time.monotonic(), self.seconds
         checkpoint, count = self._checkpoint, self.time_steps.count
         if checkpoint is not None:
@@ -169,14 +169,14 @@ class Integration(Generic[Result]):
     def _start(self, velocities: NDArray[np.float64]) -> Any:
         """Return the rod at the start."""
         rod = self.mesh.start(self.driving, velocities, self.physics.friction)
-        compiled(rod_motion.drift)(rod, 0.5 * self.physics.step, self.mesh.segments)
+        compiled(rod_step.drift)(rod, 0.5 * self.physics.step, self.mesh.segments)
         return rod
 
     def _keep_frame(self) -> None:
         """Keep the frame that the clock has reached, with positions taken back to the time of the velocities."""
         place = self.done // self.time_steps.per_frame
         rod = self.rod.copy()
-        compiled(rod_motion.drift)(rod, -0.5 * self.physics.step, self.mesh.segments)
+        compiled(rod_step.drift)(rod, -0.5 * self.physics.step, self.mesh.segments)
         self._frames["positions"][place], self._frames["velocities"][place] = self.mesh.recorded(rod)
         self._frames["energies"][place] = list(self.mesh.energies(rod, self.driving).values())
         self._frames["impulses"][place] = rod["impulse"][:2]
@@ -214,7 +214,7 @@ class Integration(Generic[Result]):
         """Take over the state in a checkpoint."""
 
         def advance(rod: Any, steps: int) -> None:
-            compiled(rod_motion.advance)(rod, steps, self.physics)
+            compiled(rod_step.advance)(rod, steps, self.physics)
 
         expected = Resumable(self.mesh.segments, self.mesh.record_type, self.time_steps, self._piece, advance)
         self.rod, self._before, frames, self.seconds = checkpoint.load(expected)

@@ -13,7 +13,7 @@ from floquetrod._util.arrays import Floats
 from floquetrod.rod.loads.tool import VibrationTool
 from floquetrod.rod.model.data import RodData
 from floquetrod.simulation.driving import Driving
-from floquetrod.simulation.rod_motion import energy_of_fixed_end
+from floquetrod.simulation.kernels.rod_step import energy_of_fixed_end
 from floquetrod.simulation.rod_record import (
     CLAMPED,
     FIRST,
@@ -365,7 +365,7 @@ def tangents_between(places: Floats) -> Floats:
 
 
 def _curved(directions: Floats, driving: Driving, axes: Floats) -> float:
-    """Return the sum of squares by which bending stores energy, see `floquetrod.simulation.rod_motion`.
+    """Return the sum of squares by which bending stores energy, see `floquetrod.simulation.kernels.rod_step`.
 
     ``axes`` are the directions of the channel at both ends; the natural shape's are taken away from all.
     """

@@ -1,4 +1,4 @@
-"""The record that holds a simulated rod, and the numbers of its physics: what the kernels of `rod_motion` take."""
+"""The record that holds a simulated rod, and the numbers of its physics: what the kernels of `rod_step` take."""
 
 from __future__ import annotations
 

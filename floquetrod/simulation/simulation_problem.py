@@ -39,7 +39,7 @@ from floquetrod.simulation.recorded_motion import ENDINGS, EarlyEnd, RecordedMot
 from floquetrod.simulation.resolution import GrowingWaves, ResolutionWarning, growing_waves
 from floquetrod.simulation.rod_mesh import ENERGIES, DiscreteRod
 from floquetrod.simulation.start import LEAST_SEGMENTS, MOST_SEGMENTS, Perturbation
-from floquetrod.simulation.time_steps import STEP_LIMITS, TimeSteps, time_steps
+from floquetrod.simulation.step_size import STEP_LIMITS, TimeSteps, time_steps
 from floquetrod.simulation.well_mesh import RodInWell
 from floquetrod.wells.drag import Friction
 

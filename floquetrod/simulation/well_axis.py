@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from floquetrod._util.arrays import Floats
 from floquetrod._util.caching import cached_property
-from floquetrod.wells.arcs import WellArcs
+from floquetrod.wells.minimum_curvature import WellArcs
 from floquetrod.wells.path import WellPath
 
 _ROUNDS = 8  # of Newton's method from places some micrometres off: two are enough

@@ -10,8 +10,8 @@ import numpy as np
 from floquetrod._util.arrays import Floats
 from floquetrod._util.caching import cached_property
 from floquetrod.simulation.driving import Driving
+from floquetrod.simulation.kernels.rod_step import ghost_direction
 from floquetrod.simulation.rod_mesh import DiscreteRod, Natural, tangents_between
-from floquetrod.simulation.rod_motion import ghost_direction
 from floquetrod.simulation.rod_record import FIRST, Physics, Well, rod_type
 from floquetrod.simulation.well_axis import WellAxis, dot
 from floquetrod.wells.drag import FRICTIONLESS, Friction

@@ -20,11 +20,11 @@ from floquetrod.equations.hill_system import EvenForm
 from floquetrod.equations.matrices import flat
 from floquetrod.floquet.dispatch import judge
 from floquetrod.floquet.kernels.system_even import pair_numbers
+from floquetrod.floquet.multiplier_pairs import logarithms
 from floquetrod.floquet.multipliers import half_period_maps, many_verdicts, whole_period_maps
 from floquetrod.floquet.multipliers.classification import MOST_SECONDS
 from floquetrod.floquet.multipliers.many_verdicts import ManyVerdicts
 from floquetrod.floquet.multipliers.whole_period_maps import PeriodMaps
-from floquetrod.floquet.pairs import logarithms
 from floquetrod.floquet.problems import undamped_pairs
 from floquetrod.floquet.status import STABLE, STATUS_CODES, UNDECIDED, are
 

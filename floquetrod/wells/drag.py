@@ -23,10 +23,10 @@ import numpy as np
 from floquetrod import units
 from floquetrod._util.arrays import Bools, Floats, Ints
 from floquetrod._util.caching import cached_property
-from floquetrod.wells.arcs import Points
 from floquetrod.wells.helix_criteria import HELIX_RATIOS
 from floquetrod.wells.kernels import wall_contact
 from floquetrod.wells.kernels.wall_contact import LOCKED
+from floquetrod.wells.minimum_curvature import Points
 from floquetrod.wells.path import WellPath
 
 HELICAL = HELIX_RATIOS | {"always": 0.0}

@@ -18,9 +18,9 @@ from numpy.typing import NDArray
 from floquetrod._util.arrays import Bools, Floats
 from floquetrod._util.content import ByContent
 from floquetrod._util.roots import largest, roots
-from floquetrod.wells.arcs import Points
 from floquetrod.wells.drag import Drag, Fineness, Strings, WellGeometry
 from floquetrod.wells.kernels.wall_contact import LOCKED
+from floquetrod.wells.minimum_curvature import Points
 
 Ints = NDArray[np.intp]
 

@@ -18,10 +18,10 @@ from floquetrod._util.caching import cached_property
 from floquetrod._util.calling import TellsAttributes, constructor_hints, level_of_caller
 from floquetrod._util.columns import column_argument, delimiter_argument
 from floquetrod._util.content import ByContent
-from floquetrod._util.implausible import SILENCE, PlausibilityWarning
+from floquetrod._util.plausibility_warning import SILENCE, PlausibilityWarning
 from floquetrod._util.result_report import Report, Reported, Table
 from floquetrod.wells import survey, survey_file
-from floquetrod.wells.arcs import Points, WellArcs
+from floquetrod.wells.minimum_curvature import Points, WellArcs
 
 _ROUNDING = 1e-9  # of a depth, by which it may miss the ends of the path
 _SHOWN = 40  # stations of a report

@@ -8,11 +8,11 @@ import numpy as np
 
 from floquetrod._util.arrays import Bools, Complexes, Floats
 from floquetrod._util.compilation import compiled
-from floquetrod.wells.arcs import Points
 from floquetrod.wells.drag import Drag, Fineness, Shaking
 from floquetrod.wells.kernels import shaken_march as kernels
 from floquetrod.wells.kernels import tool_wave
 from floquetrod.wells.kernels.wall_contact import LOCKED
+from floquetrod.wells.minimum_curvature import Points
 
 _LEAST = 1e-6  # damping ratio: without friction and damping a resonance is infinite (a choice)
 

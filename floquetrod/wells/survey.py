@@ -12,7 +12,7 @@ from floquetrod import units
 from floquetrod._util import validate
 from floquetrod._util.arguments import Mention, Message
 from floquetrod._util.arrays import Floats
-from floquetrod.wells.arcs import doglegs
+from floquetrod.wells.minimum_curvature import doglegs
 
 KINDS = {"depth": "length", "inclination": "angle", "azimuth": "angle"}
 """The columns of a survey, each with its kind of quantity."""

@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from floquetrod._util.arrays import EPS
-from floquetrod.floquet.pairs import ldexp
+from floquetrod.floquet.multiplier_pairs import ldexp
 
 _MOST_LEFT_OUT = 0.1  # of a determinant, beyond which its error can no longer be determined (a choice)
 _PRODUCT_TERMS = 32  # powers of h^2 / k^2, at most 1/4: 4^-32 is far below rounding

@@ -13,10 +13,10 @@ from floquetrod._util.arrays import Complexes
 from floquetrod.equations import HillSystem, PeriodicSystem
 from floquetrod.equations import pieces as by_pieces
 from floquetrod.floquet import registry
+from floquetrod.floquet.multiplier_pairs import logarithms
 from floquetrod.floquet.multipliers import half_period_maps, spectra, whole_period_maps
 from floquetrod.floquet.multipliers.classification import classify_pairs, too_long
 from floquetrod.floquet.multipliers.system_stability import SystemStability
-from floquetrod.floquet.pairs import logarithms
 from floquetrod.floquet.problems import undamped_pairs
 from floquetrod.floquet.verdict import Cost
 

@@ -1,9 +1,9 @@
 """The one place where a spectrum with errors becomes a verdict on a system.
 
 Multipliers of a Hamiltonian or reversible system come in pairs mu, 1 / mu, and a pair is one number y: see
-`floquetrod.floquet.pairs`.  A real matrix has y real or in complex pairs, so that a y apart from all others is real,
-and of several close ones the Krein form (where definite) or the discriminant (of two) says whether they are.  Of any
-other system the logarithms of the multipliers decide.
+`floquetrod.floquet.multiplier_pairs`.  A real matrix has y real or in complex pairs, so that a y apart from all others
+is real, and of several close ones the Krein form (where definite) or the discriminant (of two) says whether they are.
+Of any other system the logarithms of the multipliers decide.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from floquetrod.equations import pieces as by_pieces
 from floquetrod.equations.batches import System
 from floquetrod.equations.hill_system import in_first_order
 from floquetrod.equations.pieces import TimedPiece
-from floquetrod.floquet import pairs
+from floquetrod.floquet import multiplier_pairs
 from floquetrod.floquet.multipliers import spectra
 from floquetrod.floquet.multipliers.spectra import Discs
 from floquetrod.floquet.multipliers.symplectic import krein_form
@@ -82,13 +82,13 @@ def classify_pairs(
         return SystemStability.declined(system, method, cost, "the eigenvectors cannot be computed accurately enough")
     limit = freed[1] * float(system.period)
     if digits is None:
-        net = np.abs(pairs.logarithms(discs.values).real) - limit
+        net = np.abs(multiplier_pairs.logarithms(discs.values).real) - limit
         digits = ManyDigits(1.0 + discs.values, net, lambda cluster: spectra.discriminant(discs, cluster))
-    logs = pairs.upper_logarithms(discs.values, digits.above)
-    errors = pairs.log_errors(discs.values, digits.above, discs.radii)
-    net, outside = digits.net.copy(), pairs.outside(discs.values, digits.above)
+    logs = multiplier_pairs.upper_logarithms(discs.values, digits.above)
+    errors = multiplier_pairs.log_errors(discs.values, digits.above, discs.radii)
+    net, outside = digits.net.copy(), multiplier_pairs.outside(discs.values, digits.above)
     vague = _are_vague(discs.values, discs.radii)
-    net[vague], errors[vague] = pairs.vague_growth(discs.values[vague], discs.radii[vague])
+    net[vague], errors[vague] = multiplier_pairs.vague_growth(discs.values[vague], discs.radii[vague])
     net[vague] -= limit
     whole_errors = errors
     if len(discs.clusters) < len(discs.values):
@@ -134,8 +134,8 @@ def _errors_of_clusters(discs: Discs, above: Complexes, growth: Floats) -> Float
     ``growth`` over a period is their real part.
     """
     reaches = discs.reaches
-    errors, vague = pairs.log_errors(discs.values, above, reaches), _are_vague(discs.values, reaches)
-    low, high = pairs.growth_bounds(discs.values[vague], reaches[vague])
+    errors, vague = multiplier_pairs.log_errors(discs.values, above, reaches), _are_vague(discs.values, reaches)
+    low, high = multiplier_pairs.growth_bounds(discs.values[vague], reaches[vague])
     errors[vague] = np.hypot(np.maximum(high - growth[vague], growth[vague] - low), math.pi)
     return errors
 
@@ -151,7 +151,9 @@ class _Sides(NamedTuple):
     @classmethod
     def of(cls, discs: Discs, digits: ManyDigits, outside: Floats, errors: Floats, limit: float) -> _Sides:
         """Return the sides of all numbers y."""
-        within = pairs.decided(pairs.excess(discs.values.real, digits.above.real), discs.radii) < 0
+        within = (
+            multiplier_pairs.decided(multiplier_pairs.excess(discs.values.real, digits.above.real), discs.radii) < 0
+        )
         low = np.maximum(-limit, digits.net - errors)
         return cls(low, digits.net + errors, outside <= discs.radii, within)
 
@@ -200,7 +202,7 @@ def _joint_verdict(
 
 def _named(y: complex) -> str:
     """Return where a cluster's multipliers are, in words."""
-    angle = abs(pairs.logarithms(complex(y)).imag)
+    angle = abs(multiplier_pairs.logarithms(complex(y)).imag)
     return f"exp(+-{angle:.4g} i)"
 
 

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from floquetrod._util.arrays import EPS, Bools, Complexes, Floats, inverses, norms
-from floquetrod.floquet import pairs
+from floquetrod.floquet import multiplier_pairs
 from floquetrod.floquet.status import STABLE, UNDECIDED, UNSTABLE
 
 
@@ -82,9 +82,11 @@ def _apart(values: NDArray[Any], radii: Floats) -> Bools:
 def pair_verdicts(discs: ManyDiscs, period: Floats, damping: float) -> ManyVerdicts:
     """Return verdicts from y = (mu + 1/mu - 2) / 4 of the pairs of systems with uniform damping removed."""
     y, radii, apart = discs
-    growth = np.abs(pairs.logarithms(y).real)
+    growth = np.abs(multiplier_pairs.logarithms(y).real)
     off = np.abs(y - np.clip(y.real, -1.0, 0.0)) > radii
-    inside = (np.abs(y.imag) <= radii) & (pairs.decided(pairs.excess(y.real, 1.0 + y.real), radii) < 0)
+    inside = (np.abs(y.imag) <= radii) & (
+        multiplier_pairs.decided(multiplier_pairs.excess(y.real, 1.0 + y.real), radii) < 0
+    )
     bounded = apart & inside & ~off
     grows = off & (apart | _reduce(np.logical_and, off)[:, None])
     growth = np.where(bounded, 0.0, growth)
@@ -92,7 +94,7 @@ def pair_verdicts(discs: ManyDiscs, period: Floats, damping: float) -> ManyVerdi
         unstable, stable = _reduce(np.logical_or, grows), _reduce(np.logical_and, bounded)
     else:
         limit = (damping * period)[:, None]
-        uncertainty = pairs.slopes(y, 1.0 + y, radii)
+        uncertainty = multiplier_pairs.slopes(y, 1.0 + y, radii)
         known = apart & (radii <= 0.5 * np.minimum(np.abs(y), np.abs(1.0 + y)))
         unstable = _reduce(np.logical_or, known & (growth - uncertainty > limit))
         stable = _reduce(np.logical_and, bounded | (known & (growth + uncertainty < limit)))

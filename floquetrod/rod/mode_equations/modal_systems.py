@@ -22,7 +22,7 @@ from floquetrod._util.caching import cached_property
 from floquetrod._util.compilation import INTERPRETED_UP_TO, is_at_hand, over_chunks
 from floquetrod.equations import Mathieu
 from floquetrod.mathieu.array_functions import flat_stable
-from floquetrod.mathieu.criterion import FiniteTimeCriterion
+from floquetrod.mathieu.paper_criterion import FiniteTimeCriterion
 from floquetrod.mathieu.tongue_intervals import damping_to_stabilise
 from floquetrod.rod.kernels import independent_modes as kernels
 from floquetrod.rod.loads.load import AxialLoad, Load, Loads

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 from floquetrod._util.arguments import Mention, Message, wrong_type, wrong_value
 from floquetrod._util.calling import level_of_caller
-from floquetrod._util.implausible import SILENCE, PlausibilityWarning, is_typed
+from floquetrod._util.plausibility_warning import SILENCE, PlausibilityWarning, is_typed
 from floquetrod._util.suggest import short
 from floquetrod.parameter import EVERYWHERE, REQUIRED, Option, Parameter, Subsystem, by_name
 from floquetrod.units import GivenUnits

@@ -15,7 +15,7 @@ from typing import Any
 
 from floquetrod._util.arguments import Mention, Message
 from floquetrod._util.calling import level_of_caller
-from floquetrod._util.implausible import SILENCE, PlausibilityWarning, is_typed
+from floquetrod._util.plausibility_warning import SILENCE, PlausibilityWarning, is_typed
 from floquetrod.rod.loads.load import Load
 from floquetrod.rod.model.catalogue import pipes
 from floquetrod.units import unit_of, units_of

@@ -10,7 +10,7 @@ from typing import Any, TypeVar
 from floquetrod._util import validate
 from floquetrod._util.arguments import Message, error_in
 from floquetrod._util.calling import level_of_caller
-from floquetrod._util.implausible import SILENCE, PlausibilityWarning
+from floquetrod._util.plausibility_warning import SILENCE, PlausibilityWarning
 from floquetrod._util.tables import read_toml, require_known
 from floquetrod.bare_numbers import Quantity, bare_numbers
 from floquetrod.parameter import REQUIRED

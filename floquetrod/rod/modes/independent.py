@@ -42,7 +42,7 @@ from floquetrod.rod.modes.mode_model import Answers, BandFinder, ModeModel, Stat
 # Loaded by the methods that need them: a first verdict takes a quarter of the package.
 if TYPE_CHECKING:
     from floquetrod.floquet.proof.region_proof import RegionProof
-    from floquetrod.mathieu.criterion import FiniteTimeCriterion
+    from floquetrod.mathieu.paper_criterion import FiniteTimeCriterion
     from floquetrod.rod.answers.stability_intervals import Search, StabilityIntervals, UnstableBand
     from floquetrod.rod.mode_equations.coupled_systems import CoupledEquations
 

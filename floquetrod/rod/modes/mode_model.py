@@ -31,7 +31,7 @@ from floquetrod.rod.model.data import RodData
 # What a first verdict needs not.
 if TYPE_CHECKING:
     from floquetrod.floquet.proof.region_proof import RegionProof
-    from floquetrod.mathieu.criterion import FiniteTimeCriterion
+    from floquetrod.mathieu.paper_criterion import FiniteTimeCriterion
     from floquetrod.plane import Axis, FoundBands
     from floquetrod.rod.answers.critical_value import CriticalValue
     from floquetrod.rod.answers.stability_intervals import Search, StabilityIntervals, UnstableBand

@@ -27,14 +27,14 @@ from floquetrod.rod.answers.evidence import NoisyCoupledEvidence
 from floquetrod.rod.answers.rod_stability import RodStability
 from floquetrod.rod.loads.load import Load, Loads, largest_density
 from floquetrod.rod.mode_equations.coupled_matrices import CoupledModes
-from floquetrod.rod.mode_equations.noisy_modes import IN_MEAN_SQUARE
+from floquetrod.rod.mode_equations.noisy_equations import IN_MEAN_SQUARE
 from floquetrod.rod.model.assumptions import assumptions
 from floquetrod.rod.model.constants import mode_constants
 from floquetrod.rod.model.contact import constants_under, require_on_wall
 from floquetrod.rod.modes.coupled import CoupledModel, chosen_count
 from floquetrod.rod.modes.mode_model import Answers, ModeModel, Statuses
-from floquetrod.rod.modes.noisy import HIGH_MODES_GROW, NEAREST, NoisyModel, unstable_without_noise
 from floquetrod.rod.modes.noisy_samples import VerdictCounts
+from floquetrod.rod.modes.noisy_verdict import HIGH_MODES_GROW, NEAREST, NoisyModel, unstable_without_noise
 
 _LEFT_OUT = 5.0  # error over the change from 5/6 of the modes, as of modes without noise
 _ENLARGEMENTS = 3  # times that more modes are taken while two numbers of them disagree (a choice)

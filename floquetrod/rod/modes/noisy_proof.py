@@ -21,7 +21,7 @@ from floquetrod.floquet.proof.region_proof import RegionProof, RegionStatus, Sha
 from floquetrod.floquet.status import STABLE, UNSTABLE
 from floquetrod.rod.answers.rod_box import RodExample
 from floquetrod.rod.loads.load import LOAD, QUANTITIES, Loads, Quantity, load_number
-from floquetrod.rod.mode_equations.noisy_modes import ASSUMED, NoisyModes
+from floquetrod.rod.mode_equations.noisy_equations import ASSUMED, NoisyModes
 from floquetrod.rod.model.assumptions import assumptions
 from floquetrod.rod.model.constants import mode_constants
 from floquetrod.rod.modes.mode_model import ModeModel

@@ -32,7 +32,7 @@ import math
 from typing import Any
 
 from floquetrod._util.compilation import kernel
-from floquetrod.simulation.anchors import beside, cross, dot, follow, from_axis, hold_beside, pushed
+from floquetrod.simulation.kernels.well_anchors import beside, cross, dot, follow, from_axis, hold_beside, pushed
 from floquetrod.simulation.rod_record import CLAMPED, FIRST, GUIDED, HINGED
 
 BETWEEN_ANCHORS = 16

@@ -16,8 +16,8 @@ from floquetrod.orbits.arclength import CurvePoint, Measure
 from floquetrod.orbits.collocation import Point, Step
 from floquetrod.orbits.continuation import Sample, sampled
 from floquetrod.orbits.crossings import OrbitMultipliers, Ranks, Test, doubt, nearest
-from floquetrod.orbits.extents import returns_after
 from floquetrod.orbits.newton import NoOrbitError
+from floquetrod.orbits.orbit_extent import returns_after
 from floquetrod.orbits.refined_multipliers import refined
 from floquetrod.orbits.special_points import Kind, SpecialPoint
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from floquetrod._util.arrays import Floats, shaped
 from floquetrod._util.progress import Progress
-from floquetrod.mathieu.criterion import FiniteTimeCriterion
+from floquetrod.mathieu.paper_criterion import FiniteTimeCriterion
 from floquetrod.plane import Axis, Family, FoundBands, Verdicts
 from floquetrod.plane.family import VERTEX
 from floquetrod.plotting.chart_plot import NAMES

@@ -15,7 +15,7 @@ from floquetrod.floquet.multipliers.classification import LogDiscs, classify_mul
 from floquetrod.floquet.multipliers.independent_solutions import Solutions
 from floquetrod.floquet.multipliers.system_stability import SystemStability
 from floquetrod.floquet.verdict import Cost
-from floquetrod.orbits import splitting
+from floquetrod.orbits import split_maps
 
 _LARGEST_CONDITION = 100.0  # of the map over a segment: rounding then costs two digits (a choice)
 _SURE = 1e-9  # of logarithms: errors with which nobody needs blocks (a choice)
@@ -105,7 +105,7 @@ def _split(maps: Floats, errors: Floats) -> LogDiscs:
 
     Where those of a block are not known, none of them is above the product of the norms of its maps.
     """
-    discs = [_of_block(*block) for block in splitting.blocks(maps, errors)]
+    discs = [_of_block(*block) for block in split_maps.blocks(maps, errors)]
     values, low, high, radii = (np.concatenate(parts) for parts in zip(*(each[:4] for each in discs), strict=True))
     starts = np.cumsum([0, *(len(each.values) for each in discs)])
     clusters = (cluster + start for each, start in zip(discs, starts, strict=False) for cluster in each.clusters)

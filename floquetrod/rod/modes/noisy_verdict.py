@@ -25,7 +25,7 @@ from floquetrod.rod.answers.rod_stability import RodStability
 from floquetrod.rod.answers.stability_intervals import Search, StabilityIntervals, UnstableBand, intervals_along
 from floquetrod.rod.loads.load import Load, Loads, Quantity, largest_density, noise_in_words, scaled_noise
 from floquetrod.rod.mode_equations.coupled_samples import SampledInterval, unstable_intervals
-from floquetrod.rod.mode_equations.noisy_modes import ASSUMED, ModeCoefficients, NoisyModes
+from floquetrod.rod.mode_equations.noisy_equations import ASSUMED, ModeCoefficients, NoisyModes
 from floquetrod.rod.model.assumptions import assumptions
 from floquetrod.rod.model.constants import mode_constants
 from floquetrod.rod.model.contact import constants_under, require_on_wall, up_to_wall
