@@ -370,7 +370,7 @@ def test_the_example_file(capsys: pytest.CaptureFixture[str]) -> None:
     question += ["--mean-at", "none"]
     assert cli.main(question) == 0
     shown = capsys.readouterr().out
-    assert "weight in fluid 39.18 N/m" in shown
+    assert "weight in fluid 2.685 lbf/ft" in shown
     assert "the weight along the rod is neglected" in shown
     assert cli.main([*question, "--no-margins", "--json"]) == 0
     record = json.loads(capsys.readouterr().out)

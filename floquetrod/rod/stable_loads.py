@@ -28,6 +28,7 @@ def stable_intervals(
     progress: Progress | None,
 ) -> StabilityIntervals:
     """Return the stability intervals of one quantity; see `floquetrod.Rod.ranges`."""
+    given = _given(model) if bounds is None else units.GivenUnits.of(**{LOAD[varied].kind: bounds})
     if bounds is None and varied != "frequency":
         bounds = 0.0, _largest(model, varied, others)
     low, high = load_bounds(varied, bounds)
@@ -37,7 +38,7 @@ def stable_intervals(
     validate.progress(progress)
     search = Search(varied, largest, (low, high), units.tolerance("growth_tolerance", growth_tolerance))
     warn_unless_uniform(model.rod, largest)
-    return model.ranges(search, progress)
+    return model.ranges(search, progress).given_in(given)
 
 
 def critical_load(
@@ -54,7 +55,13 @@ def critical_load(
     warn_unless_uniform(model.rod, largest)
     search = Search(varied, largest, (0.0, getattr(largest, varied)), tolerance)
     change = model.first_unstable(search, _saying_how_far(progress, varied, largest))
-    return CriticalValue(math.inf if change.at is None else change.at, varied, change.resolution, change.searched)
+    critical = CriticalValue(math.inf if change.at is None else change.at, varied, change.resolution, change.searched)
+    return critical.given_in(_given(model))
+
+
+def _given(model: ModeModel) -> units.GivenUnits:
+    """Return the units in which the load and the rod were given."""
+    return model.template.given_units.or_else(model.rod.given_units)
 
 
 def _largest(model: ModeModel, varied: Quantity, others: Mapping[Quantity, float]) -> float:

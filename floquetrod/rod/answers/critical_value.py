@@ -7,12 +7,13 @@ from typing import Any, Literal, TypeAlias
 
 from floquetrod._util.interchange import plain, with_unit
 from floquetrod.rod.loads.load import LOAD, Quantity
+from floquetrod.units import AnswerUnits, InUnits, Unit
 
 Searched: TypeAlias = Quantity | Literal["noise"]
 """Quantities that have a critical value."""
 
 
-class CriticalValue(float):
+class CriticalValue(InUnits, float):
     """The value of one quantity of the load at which something begins to grow; infinite where nothing is seen to.
 
     Of a mean force or an amplitude the smallest from zero up, in N; of the noise the largest factor at which a rod is
@@ -56,17 +57,17 @@ class CriticalValue(float):
 
     def __repr__(self) -> str:
         """Return the number, or up to where nothing grows, and how good it is."""
-        name, unit = "noise", "times the noise"
+        name, unit = "noise", Unit("times the noise", 1.0)
         if self.quantity != "noise":
-            name, unit = LOAD[self.quantity].words, LOAD[self.quantity].unit
+            name, unit = LOAD[self.quantity].words, AnswerUnits.named(given=self.given_units).force
         if math.isinf(self):
-            size = f"no critical {name} up to {self.searched:.6g} {unit}"
+            size = f"no critical {name} up to {unit.show(self.searched)}"
         else:
-            size = f"critical {name} {float(self):.9g} {unit}"
+            size = f"critical {name} {unit.show(float(self), 9)}"
             if self.quantity == "noise":
                 mode = "" if self.mode is None else f", where mode {self.mode} begins to grow"
                 size += f", to {self.error:.1g}{mode}"
-        missed = f"unstable bands narrower than {self.resolution:.2g} {unit} may have been missed"
+        missed = f"unstable bands narrower than {unit.show(self.resolution, 2)} may have been missed"
         return f"<{size}; {missed}>" if self.resolution else f"<{size}>"
 
     def as_dict(self) -> dict[str, Any]:

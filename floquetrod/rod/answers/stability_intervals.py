@@ -115,7 +115,7 @@ class RangeQuestion(NamedTuple):
 
 
 @dataclass(frozen=True, repr=False)
-class StabilityIntervals(Reported, NoTruthValue):
+class StabilityIntervals(units.InUnits, Reported, NoTruthValue):
     """All stability intervals of one quantity of the load within bounds.
 
     Attributes
@@ -223,10 +223,10 @@ class StabilityIntervals(Reported, NoTruthValue):
 
     def __repr__(self) -> str:
         """Return the stability intervals as a table; `table` also says what happens between them."""
-        return str(self._report(self.unit, 1.0, ()))
+        return str(self._report(*self._shown, ()))
 
     def table(self, unit: str | None = None, size: float | None = None) -> str:
-        """Return the stable and unstable intervals, in order, in another unit: "Hz", "rpm", "kN", "Fcr".
+        """Return the stable and unstable intervals, in order, in a unit such as "Hz", by default that of the bounds.
 
         ``size`` is that of a unit of your own in `unit`.  Unstable bands are followed by the mode that grows fastest,
         its growth and where, and the damping required.  ValueError for units that are unknown.
@@ -235,7 +235,7 @@ class StabilityIntervals(Reported, NoTruthValue):
 
     def report(self, unit: str | None = None, size: float | None = None) -> Report:
         """Return the `table`, whose text is ``str(report)``; a notebook shows it as a table."""
-        wanted = self.unit if unit is None else unit
+        wanted = self._shown.name if unit is None else unit
         if not isinstance(wanted, str):
             raise validate.wrong_type("unit", f"must be a word such as 'Hz', got {validate.short(unit)}")
         if size is None:
@@ -246,7 +246,15 @@ class StabilityIntervals(Reported, NoTruthValue):
 
     def _at_hand(self) -> Report:
         """Return the stability intervals, and unstable bands that are known."""
-        return self._report(self.unit, 1.0, self.__dict__.get("unstable", ()))
+        return self._report(*self._shown, self.__dict__.get("unstable", ()))
+
+    @property
+    def _shown(self) -> units.Unit:
+        """The unit in which the question gave the quantity, else its own."""
+        kind = LOAD[self.searched.search.varied].kind
+        if kind == "frequency":
+            return units.unit(self.given_units.frequency or self.unit, "", kind)
+        return units.AnswerUnits.named(given=self.given_units).force
 
     def _report(self, unit: str, size: float, unstable: tuple[UnstableBand, ...]) -> Report:
         low, high = (value / size for value in self.bounds)
