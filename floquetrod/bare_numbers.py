@@ -13,20 +13,23 @@ from typing import Any, NamedTuple
 
 from floquetrod import units
 
-_USUAL = {"frequency": "Hz", "angle": "deg", "curvature": "deg/30m"}
-"""Units that people think in where the SI unit counts radians."""
+_USUAL = {"frequency": "Hz", "angle": "deg", "curvature": "deg/30m", "weight": "kg/m"}
+"""Units that people think in where the SI unit counts radians, or newtons of a weight."""
 
 _IN_FEET = {
     "force": "lbf",
     "length": "ft",
     "pressure": "psi",
     "density": "ppg",
-    "speed": "ft/s",
+    "weight": "lb/ft",
+    "speed": "ft/min",
     "frequency": "Hz",
     "angle": "deg",
     "curvature": "deg/100ft",
 }
-_FEET = re.compile("lbf|lbs?|kips?|in|inch|inches|ft|feet|m?psi|ksi|ppg|lb/.*|.*/100ft|ft/s2?", re.IGNORECASE)
+_FEET = re.compile(
+    "k?lbf|lbs?|kips?|in|inch|inches|ft|foot|feet|m?psi|ksi|ppg|pcf|ppf|lbf?/.*|.*/(100)?ft|ft/.*", re.IGNORECASE
+)
 """Units beside which those of `_IN_FEET` are usual."""
 
 _ALONG = ("length", "depth", "depths")

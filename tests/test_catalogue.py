@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import math
 import re
 from pathlib import Path
@@ -10,7 +11,8 @@ from typing import Any
 import pytest
 
 import floquetrod as fr
-from floquetrod.rod.model.catalogue import CataloguePipe, pipe, pipes
+from floquetrod.cli.main import main
+from floquetrod.rod.model.catalogue import CataloguePipe, pipe, pipes, weight_in_air
 from floquetrod.rod.model.rod_file import read_rod
 
 ROOT = Path(__file__).parents[1]
@@ -46,25 +48,83 @@ def test_wells_of_the_trade(
 # --- names ---
 
 
-@pytest.mark.parametrize("found", pipes(), ids=lambda found: found.name)
-def test_every_pipe_is_found_by_its_name_and_grades(found: CataloguePipe) -> None:
-    assert pipe(found.name) == found
-    assert re.fullmatch(r"API Spec 5(ST|DP)", found.source)
-    assert 0.0 < 2.0 * found.wall_thickness < found.diameter
+@pytest.mark.parametrize("product", ["coiled tubing", "drill pipe", "tubing", "sucker rod"])
+def test_every_pipe_is_found_by_its_name_and_grades(product: str) -> None:
+    for found in (row for row in pipes() if row.product == product):
+        check_pipe(found)
+
+
+def check_pipe(found: CataloguePipe) -> None:
+    plain = pipe(found.name)
+    assert plain[2:4] == found[2:4]
+    assert plain == found or plain.product == "coiled tubing" or plain.product == "drill pipe"
+    assert re.fullmatch(r"API Spec (5ST|5DP|5CT|11B)", found.source)
+    assert 0.0 <= 2.0 * found.wall_thickness < found.diameter
     assert found.grade == ""
     assert found.yield_strength is None
     for grade in found.grades:
         graded = pipe(f"{found.name} {grade}")
         assert graded.grade == grade
-        assert graded.yield_strength == pytest.approx(float(re.sub(r"\D", "", grade)) * KSI, rel=1e-15)
+        ksi = {"K": 60.0, "C": 60.0, "D": 85.0, "KD": 85.0, "HL": 115.0}.get(grade) or float(re.sub(r"\D", "", grade))
+        assert graded.yield_strength == pytest.approx(ksi * KSI, rel=1e-15)
         assert graded._replace(grade="", yield_strength=None) == found
     rod = fr.Rod.catalogue(found.name, bore=0.3, length=10.0)
-    assert (2.0 * rod.radius, rod.youngs_modulus, rod.density) == (found.diameter, 207e9, 7850.0)
+    assert (2.0 * rod.radius, rod.youngs_modulus) == (found.diameter, 207e9)
+    if found.product == "sucker rod":
+        assert (rod.inner_radius, rod.mass_along) == (0.0, pytest.approx(weight_in_air(found) / 9.80665, rel=1e-14))
+        assert 1.05 < rod.density / 7850.0 < 1.12  # couplings
+        return
+    assert rod.density == 7850.0
     assert rod.inner_radius == pytest.approx(0.5 * found.diameter - found.wall_thickness, rel=1e-14)
+    assert rod.mass_along == pytest.approx(weight_in_air(found) / 9.80665, rel=1e-13)
 
 
 def test_no_two_pipes_are_alike() -> None:
-    assert len({found.name for found in pipes()}) == len(pipes())
+    assert len({(found.name, found.product) for found in pipes()}) == len(pipes())
+    for found in pipes():  # where a size is of several products, their grades differ
+        others = [other.grades for other in pipes() if other.name == found.name and other != found]
+        assert all(not {*found.grades} & {*grades} for grades in others)
+
+
+# Maker's and standard's tables: plain-end weight in lb/ft, of coiled tubing and of API 5CT.
+WEIGHTS = [
+    ("1.25x0.109", 1.330),
+    ("2.00x0.125", 2.506),
+    ("2.00x0.224", 4.253),
+    ("2.375x0.190", 4.438),
+    ("2.875x0.217", 6.166),
+    ("3.50x0.254", 8.814),
+    ("4.50x0.271", 12.252),
+]
+
+
+@pytest.mark.parametrize(("name", "pounds"), WEIGHTS)
+def test_weights_are_those_of_the_tables(name: str, pounds: float) -> None:
+    assert weight_in_air(pipe(name)) * 0.3048 / 4.4482216152605 == pytest.approx(pounds, rel=2e-3)
+
+
+def test_coiled_tubing_of_two_inches_has_the_walls_and_grades_that_makers_list() -> None:
+    walls = {row.name.partition("x")[2] for row in pipes() if row.product == "coiled tubing" and row.diameter == 0.0508}
+    assert {"0.125", "0.134", "0.145", "0.156", "0.175", "0.188", "0.190", "0.204", "0.224"} <= walls
+    for ksi in (70, 80, 90, 100, 110, 120, 130):
+        assert pipe(f"2.00x0.204 CT{ksi}").yield_strength == pytest.approx(ksi * KSI)
+
+
+def test_the_grade_tells_which_product_of_a_size_is_meant() -> None:
+    assert [pipe(f"2.375x0.190 {grade}").product for grade in ("CT80", "L80")] == ["coiled tubing", "tubing"]
+    assert [pipe(f"3.50x0.254 {grade}").product for grade in ("E75", "J55")] == ["drill pipe", "tubing"]
+
+
+def test_the_catalogue_is_listed(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["catalogue"]) == 0
+    text = capsys.readouterr().out
+    assert all(row.name.partition("x")[0] in text and row.name.partition("x")[2] in text for row in pipes())
+    assert main(["catalogue", "2.00", "--json"]) == 0
+    listed = json.loads(capsys.readouterr().out)
+    assert [row["name"] for row in listed["pipes"]] == [row.name for row in pipes() if row.name.startswith("2.00")]
+    assert listed["yield_strength_Pa"]["CT90"] == pytest.approx(90.0 * KSI)
+    assert main(["catalogue", "9"]) == 2
+    assert "SIZE must begin the name of a pipe or a rod, got '9'" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize(
@@ -78,6 +138,9 @@ def test_no_two_pipes_are_alike() -> None:
         ("2-7/8x0.204", "2.875x0.204 "),
         ("2 7/8 in. x .362 s-135", "2.875x0.362 S135"),
         ("9/2 inches x 0.271 inch E75", "4.50x0.271 E75"),
+        ("3/4 rod D", "3/4 rod D"),
+        ('0.75" sucker-rod kd', "3/4 rod KD"),
+        ("1-1/8 in. sucker rods", "1-1/8 rod "),
     ],
 )
 def test_names_are_read_as_people_write_them(name: str, expected: str) -> None:
@@ -90,15 +153,19 @@ def test_names_are_read_as_people_write_them(name: str, expected: str) -> None:
     [
         (None, TypeError, "name must be the size of a pipe such as '2.00x0.156 CT90', got None"),
         (2.0, TypeError, "name must be the size of a pipe"),
-        ("", ValueError, "name must be an outer diameter and a wall thickness .*; the catalogue holds 1.25x0.109, "),
+        ("", ValueError, "name must be an outer diameter and a wall thickness .*; floquetrod catalogue lists them"),
         ("2.00", ValueError, "name must be an outer diameter and a wall thickness"),
         ("2.00x0.156 steel", ValueError, "name must be an outer diameter and a wall thickness"),
         ("50.8mm x 3.96mm", ValueError, "name must be an outer diameter and a wall thickness in inches"),
         ("2-1/0x0.156", ValueError, "name must be an outer diameter and a wall thickness"),
         ("9" * 9999 + "x0.1", ValueError, "name must be an outer diameter .*, got '9{70,76}\\.\\.\\.;"),
-        ("2.00x0.190", ValueError, "got '2.00x0.190'; the closest are 2.00x0.156, .*; for another size write diameter"),
+        ("2.00x0.160", ValueError, "got '2.00x0.160'; the closest are 2.00x0.156, .*; for another size write diameter"),
         ("2.002x0.156", ValueError, "the closest are 2.00x0.156"),
-        ("2.00x0.156 CT95", ValueError, r"name must end in a grade of .*\(CT70, CT80, CT90, CT100, CT110\) or in none"),
+        (
+            "2.00x0.156 CT95",
+            ValueError,
+            r"name must end in a grade of .*\(CT70, CT80, .*, CT130\) or in none",
+        ),
         ("2.00x0.156 S135", ValueError, "name must end in a grade of 2.00x0.156 coiled tubing"),
         ("4.5x.271 S135", ValueError, r"name must end in a grade of 4.50x0.271 drill pipe \(E75\)"),
     ],
@@ -182,7 +249,7 @@ def test_keys_replace_what_the_catalogue_says(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ('catalogue = "2x.19"\nbore = 0.12\nlength = 60', "name must be the size .* the closest are 2.00x0.156"),
+        ('catalogue = "2x.16"\nbore = 0.12\nlength = 60', "name must be the size .* the closest are 2.00x0.156"),
         ("catalogue = 2\nbore = 0.12\nlength = 60", "name must be the size of a pipe"),
         ('catalogue = "2x.156"\nlength = 60', "missing key 'bore'; the keys are catalogue, bore, youngs_modulus, "),
         ('catalogue = "2x.156"', "missing key 'bore', missing key 'length'; "),

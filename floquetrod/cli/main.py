@@ -66,7 +66,7 @@ def _run(argv: Sequence[str]) -> int:
             telling = warnings.showwarning = _Telling(options)
             require_writable(options)
             answer = options.run(options)
-        if options.command not in ("compare", "lobes"):  # which know no rods
+        if options.command not in ("compare", "lobes", "catalogue"):  # which know no rods
             for warning in bare_numbers_typed(options):
                 say(f"floquetrod: warning: {warning}")
         telling.rest()
@@ -194,6 +194,7 @@ _COMMANDS = {
     "weights": "draw pick-up and slack-off weights of a string over its depth in a well",
     "report": "write a rod under a load into one file, a page or a PDF",
     "lobes": "draw the stability lobes of a milling cutter",
+    "catalogue": "list the steel pipes and rods that are known by their size",
 }
 """The commands in the order of the help, each with its line there."""
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from pathlib import Path
@@ -16,6 +15,7 @@ from floquetrod.bare_numbers import Quantity as Written
 from floquetrod.bare_numbers import bare_numbers
 from floquetrod.rod.loads.load import LOAD, QUANTITIES, AxialWave, Load, Quantity, kind, noise_density
 from floquetrod.rod.loads.tool import VibrationTool
+from floquetrod.rod.model.catalogue import is_size
 from floquetrod.rod.rod import Rod
 
 if TYPE_CHECKING:
@@ -135,12 +135,9 @@ def read_quantity(value: Any, name: Quantity, rod: Rod, named: ArgumentName = st
     )
 
 
-_SIZE = re.compile(r"""\s*\d[\d./ -]*(inch(es)?|in\.?|")?\s*[x\N{MULTIPLICATION SIGN}]""", re.ASCII | re.IGNORECASE)
-
-
 def is_pipe(text: str) -> bool:
     """Return whether a rod is named as a pipe of the catalogue, and not as a file."""
-    return _SIZE.match(text) is not None and not text.endswith(".toml") and not Path(text).is_file()
+    return is_size(text) and not text.endswith(".toml") and not Path(text).is_file()
 
 
 def named_rod(name: str, text: str, folder: Path | None = None) -> Rod:

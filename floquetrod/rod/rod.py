@@ -79,7 +79,8 @@ class Rod(RodData):
     youngs_modulus : float or str
         Young's modulus E in Pa, or a string with a unit such as "68GPa"; greater than 0.
     density : float or str
-        Density rho of the material in kg/m^3, or with a unit such as "7.85g/cm3"; greater than 0.
+        Density rho of the material in kg/m^3, or with a unit such as "7.85g/cm3"; greater than 0.  Give it or
+        ``weight``.
     radius : float or str
         Outer radius r_o in m, or with a unit such as "0.8mm"; greater than 0.  Give it or ``diameter``.
     length : float or str
@@ -126,6 +127,10 @@ class Rod(RodData):
         Inner diameter of the channel in m, or with a unit, in place of ``channel_radius``.
     wall_thickness : float or str, optional
         Wall of a tube in m, or with a unit, in place of ``inner_radius``; at most the outer radius.
+    weight : float or str, optional
+        Weight in air per length in N/m, or with a unit such as "22.6lb/ft" or "33.6kg/m", in place of ``density``: that
+        of the rod with its joints, spread over its length.  The density becomes such that the mass per length is right;
+        the fluid displaced stays that of the body.
 
     Warns
     -----

@@ -101,7 +101,7 @@ class RodData(units.InUnits, TellsAttributes):
     def __init__(
         self,
         youngs_modulus: float | str,
-        density: float | str,
+        density: float | str | None = None,
         radius: float | str | None = None,
         length: float | str | None = None,
         channel_radius: float | str | None = None,
@@ -122,6 +122,7 @@ class RodData(units.InUnits, TellsAttributes):
         inner_diameter: float | str | None = None,
         channel_diameter: float | str | None = None,
         wall_thickness: float | str | None = None,
+        weight: float | str | None = None,
     ) -> None:
         """Check and clean the parameters."""
         given = dict(locals())  # every argument by its name, as in the records of `ROD`

@@ -16,7 +16,7 @@ from floquetrod._util.calling import level_of_caller
 from floquetrod._util.plausibility_warning import SILENCE, PlausibilityWarning, is_typed
 from floquetrod._util.suggest import short
 from floquetrod.parameter import EVERYWHERE, REQUIRED, Option, Parameter, Subsystem, by_name
-from floquetrod.units import GivenUnits
+from floquetrod.units import GivenUnits, units_of
 
 if TYPE_CHECKING:
     from floquetrod.wells.path import WellPath
@@ -24,6 +24,7 @@ if TYPE_CHECKING:
 _LEAST, _LARGEST = 1e-12, 1e15  # of any parameter in its SI unit: what is computed from them stays in range (a choice)
 _SHARPEST = 1e3  # curvature of a channel in 1/m: a bend of a millimetre (a choice: beyond any)
 _LARGEST_FRICTION = 1e6  # (a choice: beyond any)
+_STANDARD_GRAVITY = units_of("weight")["kg/m"]
 _ROUGHEST = 1.5  # coefficient of friction: rubber on dry concrete has about 1 (a choice)
 
 ON_A_FLOOR = math.pi**2 / 3.0 - 1.0
@@ -53,9 +54,19 @@ BORE = Parameter(
 )
 """Diameter of the channel around a pipe of the catalogue."""
 
+WEIGHT = Parameter(
+    name="weight",
+    symbol="",
+    kind="weight",
+    **_POSITIVE,
+    hint='give the weight in air per length in N/m, or with a unit such as "22.6lb/ft"',
+    option=Option("weight in air per length, joints included, such as 22.6lb/ft (replaces the density)", "WEIGHT"),
+)
+"""Weight in air per length, given in place of the density."""
+
 ROD = by_name(
     Parameter(name="youngs_modulus", symbol="E", kind="pressure", **_POSITIVE, **_but()),
-    Parameter(name="density", symbol="rho", kind="density", **_POSITIVE, **_but()),
+    Parameter(name="density", symbol="rho", kind="density", **_POSITIVE, **_but(), instead=(WEIGHT,)),
     Parameter(
         name="radius",
         symbol="r_o",
@@ -240,6 +251,7 @@ def in_si(given: Mapping[str, Any]) -> dict[str, Any]:
     argument, for what is missing, given twice or out of range.
     """
     given = {**given, **{name: _radius(given, name) for name in ("radius", "channel_radius", "inner_radius")}}
+    given["density"] = _density(given)
     numbers: dict[str, Any] = {}
     for name, parameter in ROD.items():
         value = given[name]
@@ -261,6 +273,26 @@ def units_given(given: Mapping[str, Any]) -> GivenUnits:
         density=tuple(given.get(name) for name in ("fluid_outside", "fluid_inside")),
         curvature=given.get("curvature"),
     )
+
+
+def _density(given: Mapping[str, Any]) -> Any:
+    """Return the density in kg/m^3 given by itself, or by the weight in air per length; None where by neither.
+
+    A weight w is that of the rod with its joints, spread over its length: the density w / (g_n A_s), with the standard
+    acceleration of gravity g_n, gives the mass per length w / g_n whatever the section A_s.
+    """
+    density, weight = given["density"], given["weight"]
+    if weight is None:
+        return density
+    if density is not None:
+        raise wrong_value(
+            "weight", f"must not be given with density, got {short(weight)} and {short(density)}; give one of them"
+        )
+    mass = WEIGHT.number(weight) / _STANDARD_GRAVITY
+    radii = (given[name] for name in ("radius", "inner_radius"))
+    outer, inner = (0.0 if radius is None else ROD["inner_radius"].number(radius) for radius in radii)
+    area = math.pi * (outer - inner) * (outer + inner)
+    return mass / area if area > 0.0 else mass  # without a section, which is refused for what it is
 
 
 def _radius(given: Mapping[str, Any], name: str) -> Any:

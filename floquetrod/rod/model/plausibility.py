@@ -113,7 +113,10 @@ def suspicions_of_rod(rod: Any) -> Iterator[str]:
 def _doubled(rod: Any) -> Iterator[str]:
     """Yield the suspicion that diameters were given as radii, where a pipe of the catalogue shows it."""
     wall = rod.radius - rod.inner_radius
-    for pipe in pipes() if rod.inner_radius > 0.0 else ():
+    tubes = [pipe for pipe in pipes() if pipe.wall_thickness] if rod.inner_radius > 0.0 else []
+    if any(_alike(2.0 * rod.radius, pipe.diameter) and _alike(wall, pipe.wall_thickness) for pipe in tubes):
+        return  # a pipe as it stands in the catalogue
+    for pipe in tubes:
         walls = (pipe.wall_thickness, 2.0 * pipe.wall_thickness)  # the second where both diameters are taken for radii
         if _alike(rod.radius, pipe.diameter) and any(_alike(wall, each) for each in walls):
             yield (
