@@ -78,10 +78,10 @@ if TYPE_CHECKING:
     from floquetrod.wells.path import WellPath as WellPath
 
 _NAMES = {
-    "_util.implausible": ("PlausibilityWarning",),
+    "_util.plausibility_warning": ("PlausibilityWarning",),
     "_util.interchange": ("to_json", "to_pandas"),
     "_util.version": ("__version__",),
-    "ensembles.doubts": ("OutcomeWarning",),
+    "ensembles.outcome_warnings": ("OutcomeWarning",),
     "ensembles.ensemble": ("ensemble",),
     "ensembles.study": ("Study",),
     "equations": (
@@ -107,7 +107,7 @@ _NAMES = {
     "floquet.floquet_modes": ("floquet_solutions",),
     "floquet.solve": ("solve",),
     "floquet.status": ("UndecidedWarning",),
-    "mathieu.criterion": ("FiniteTimeCriterion",),
+    "mathieu.paper_criterion": ("FiniteTimeCriterion",),
     "milling": ("Milling", "ToolMode"),
     "orbits": ("Branch", "NoOrbitError", "follow", "periodic_orbit"),
     "plane": ("Chart",),
