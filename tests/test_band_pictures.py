@@ -294,7 +294,7 @@ def test_a_label_fits_into_its_polygon(seed: int, corners: int) -> None:
     turn = np.sort(rng.uniform(0.0, 2.0 * np.pi, corners))
     size = rng.uniform(5.0, 40.0, corners)
     x, y = 40.3 + size * np.cos(turn), 30.2 + size * np.sin(turn)
-    inside = labels._inside(x, y, (60, 80))
+    inside = labels.cells_inside(x, y, (60, 80))
     rows, columns = np.mgrid[:60, :80]
     path = mpl.path.Path(np.column_stack([x, y]))
     assert (inside == path.contains_points(np.column_stack([columns.ravel(), rows.ravel()])).reshape(60, 80)).all()

@@ -66,7 +66,7 @@ def places(wanted: Sequence[tuple[Floats, Floats, float, float]], free: Mask) ->
     ``wanted`` are polygons and the size of their labels, (x, y, width, height) in cells, the most important one first.
     Only ``free`` cells (rows, columns) are written on, not where two of the polygons or labels overlap.
     """
-    covers = [_inside(x, y, free.shape) for x, y, _, _ in wanted]
+    covers = [cells_inside(x, y, free.shape) for x, y, _, _ in wanted]
     count = np.zeros(free.shape, dtype=np.int32)
     for cover in covers:
         count += cover
@@ -104,7 +104,7 @@ def _roomiest(mask: Mask, width: float, height: float) -> tuple[float, float] | 
     return best
 
 
-def _inside(x: Floats, y: Floats, shape: tuple[int, int]) -> Mask:
+def cells_inside(x: Floats, y: Floats, shape: tuple[int, int]) -> Mask:
     """Return the cells of a grid whose middles, whole numbers, lie in a polygon, by crossings along each row."""
     count = np.zeros((shape[0], shape[1] + 1), dtype=np.int32)
     ends = np.roll(x, -1), np.roll(y, -1)
@@ -168,7 +168,7 @@ def _artists() -> _Artists:
                     text.set_rotation(90.0)
                     width, height = height, width
                 wanted.append((x, y, width, height))
-            positions = places(wanted, _free(axes, renderer, cell))
+            positions = places(wanted, free_cells(axes, renderer, cell))
             for text, place in zip(self.texts, positions, strict=True):
                 if place is not None:
                     text.set_position((window.x0 + (place[0] + 0.5) * cell, window.y0 + (place[1] + 0.5) * cell))
@@ -208,7 +208,7 @@ _NOTHING = ("None", "none", "", " ", None)
 """What matplotlib calls a line or a marker that is none."""
 
 
-def _free(ax: Any, renderer: Any, cell: float) -> Mask:
+def free_cells(ax: Any, renderer: Any, cell: float) -> Mask:
     """Return which cells of the axes hold no line, marker, text or legend."""
     window = ax.get_window_extent(renderer)
     shape = max(1, int(window.height / cell)), max(1, int(window.width / cell))
