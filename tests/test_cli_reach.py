@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -12,7 +11,6 @@ import pytest
 import floquetrod as fr
 from conftest import depth
 from floquetrod import cli
-from floquetrod.plotting import reach_plot
 
 EXAMPLES = Path(__file__).parents[1] / "examples"
 SURVEY = "MD (m),Inc (deg),Azi (deg)\n0,0,0\n1000,0,0\n1450,90,0\n2000,90,0\n"
@@ -40,7 +38,7 @@ def test_it_draws(line: list[str], tmp_path: Path, capsys: pytest.CaptureFixture
     assert capsys.readouterr().out.startswith("can be pushed to the end of the well at 2000 m")
     picture = tmp_path / "reach.png"
     page = tmp_path / "reach.html"
-    files = ["--figure", str(picture), "--report", str(page), "--unit", "ft,lbf"]
+    files = ["--out", str(picture), "--report", str(page), "--unit", "ft,lbf"]
     assert cli.main([*line, "--friction", "0.3", "--tool", "5kN@18Hz@30m", *files]) == 0
     text = capsys.readouterr().out
     assert "grows" in text
@@ -109,7 +107,7 @@ def test_the_terminal_and_python_reach_the_same(seed: int, line: list[str], caps
         (["--friction", "0.3", "--push", "3 furlong"], "--push must be a number with"),
         (["--friction", "0.3", "--yield-share", "150%"], "--yield-share must"),
         (["--friction", "0.3", "--yield-share", "much"], "--yield-share must be a number"),
-        (["--friction", "0.3", "--figure", "reach.doc"], "--figure must end in"),
+        (["--friction", "0.3", "--out", "reach.doc"], "--out must end in"),
         (["--friction", "0.3", "--report", "reach.doc"], "--report must end in"),
         (["--friction", "0.3", "--unit", "mm/s"], "--unit must name units such as ft,lbf, got 'mm/s'"),
         (["--friction", "0.3", "--unit", "ft,lbf,m"], "--unit must name one unit of length, got ft and m"),
@@ -151,15 +149,6 @@ def test_depths_and_units_that_were_asked_for(
     assert [row[1] for row in rows] == [f"{each / pound:.0f}" for each in found.injector]
     assert cli.main([*line, "--friction", "0.3", "--depths", "4000:6000ft", "--json"]) == 0
     assert json.loads(capsys.readouterr().out)["depth_m"] == pytest.approx(np.linspace(4000, 6000, 10) * foot)
-
-
-@pytest.mark.parametrize(("is_stopped", "depths"), [(True, [100.0, 200.0, 260.0]), (False, [100.0, 200.0])])
-def test_the_curve_of_what_arrives_ends_at_the_reach(is_stopped: bool, depths: list[float]) -> None:
-    found = SimpleNamespace(bit_depth=np.array([100.0, 200.0, 300.0]), far_force=500.0)
-    forces = np.array([3e3, 2e3, np.nan])
-    depth, force = reach_plot._to_the_reach(found, forces, 260.0 if is_stopped else 300.0, is_stopped)
-    assert depth.tolist() == depths
-    assert force.tolist() == [3000.0, 2000.0, 500.0][: len(depths)]
 
 
 def test_messages_about_a_survey_name_options(line: list[str], capsys: pytest.CaptureFixture[str]) -> None:

@@ -105,7 +105,7 @@ ANSWERS: dict[str, dict[str, Any]] = {}
 def test_check_tells_all_a_user_needs(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     pyplot.close("all")  # of other tests
     shape = tmp_path / "shape.png"
-    text = said(capsys, "check", "--rod", WIRE, *PUSH, "--plot", str(shape))
+    text = said(capsys, "check", "--rod", WIRE, *PUSH, "--out", str(shape))
     result = fr.Rod.from_toml(WIRE).stability(load_of(fr.Rod.from_toml(WIRE), 0.3, 0.2, 20.0))
     assert text.startswith("UNSTABLE: direct resonance of mode 1, order 1\n")
     for line in (
@@ -209,7 +209,7 @@ def test_a_measured_force(record: str, tmp_path: Path, capsys: pytest.CaptureFix
     pyplot.close("all")  # of other tests
     fit = tmp_path / "fit.svg"
     given = ["check", "--rod", "nitinol", "--force", record, "--mean", "0.2Fcr"]
-    text = said(capsys, *given, "--no-margins", "--plot-force", str(fit))
+    text = said(capsys, *given, "--no-margins", "--out", str(fit))
     measured = fr.ForceRecord.from_csv(record)
     assert f"amplitude {measured.amplitude:.6g} N" in text
     assert "          waveform of 2 harmonics\n" in text
@@ -382,8 +382,7 @@ def test_bad_rates_of_axial_damping(rate: str, capsys: pytest.CaptureFixture[str
     [
         (["--friction", "0.1", "--kick", "5mm/s"], "--friction needs independent modes.*clamped-hinged ends, weight"),
         (["--modes", "3,5"], r"got \[3, 5\]; give --modes 1-n"),
-        (["--plot", "shape.doc"], "--plot must end in .png, .pdf or .svg, got 'shape.doc'"),
-        (["--plot-force", "fit.png"], "--plot-force needs --force, got 'fit.png' alone"),
+        (["--out", "shape.doc"], "--out must end in .png, .pdf or .svg, got 'shape.doc'"),
         (["--method", "segmented"], "--method belongs to --system"),
     ],
 )
@@ -396,7 +395,7 @@ def test_independent_modes_draw_the_sine_that_grows_and_keep_the_verdict_where_n
 ) -> None:
     picture, load = tmp_path / "shape.svg", ["--amplitude", "0.2Fcr", "--frequency", "150rad/s", "--no-margins"]
     for mean in "0.2Fcr", "0.3Fcr":
-        assert cli.main(["check", "--rod", "nitinol", "--mean", mean, *load, "--plot", str(picture)]) == 0
+        assert cli.main(["check", "--rod", "nitinol", "--mean", mean, *load, "--out", str(picture)]) == 0
         text = capsys.readouterr().out
         grows = text.startswith("UNSTABLE")
         assert picture.exists() is grows is ("written" in text)
@@ -418,7 +417,7 @@ def test_other_refusals(record: str, capsys: pytest.CaptureFixture[str]) -> None
     )
     assert "must be a range" in refused(capsys, "ranges", "--rod", WIRE, "--force", record)
     system = str(ROOT / "examples/system.toml")
-    for option in (["--wave", "held"], ["--mean-at", "0"], ["--force", record], ["--margins"], ["--plot", "x.png"]):
+    for option in (["--wave", "held"], ["--mean-at", "0"], ["--force", record], ["--margins"], ["--out", "x.png"]):
         assert f"{option[0]} belongs to --rod" in refused(capsys, "check", "--system", system, *option)
 
 

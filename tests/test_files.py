@@ -506,7 +506,7 @@ def test_names_of_files_are_printable_in_the_terminal(
         (["lobes", f"{name}.toml"], 2),
         (["ensemble", f"{name}.toml"], 2),
         (["check", *load, "--rod", "nitinol", "--force", f"{name}.csv"], 2),
-        ([*reach, "--well", f"{name}.csv", "--figure", f"{name}.png"], 0),
+        ([*reach, "--well", f"{name}.csv", "--out", f"{name}.png"], 0),
     ):
         assert cli.main(words) == status
         said = "".join(capsys.readouterr())

@@ -74,10 +74,10 @@ MISTAKES = [
     (f"{CHECK} frequency=24Hz", "option", "'frequency=24Hz'", "did you mean --frequency=24Hz?"),
     (f"{CHECK} --largest", "option", "--largest", "floquetrod certify has it"),
     (
-        "reach --well survey.csv --rod nitinol --friction 0.3 --out reach.png",
+        "reach --well survey.csv --rod nitinol --friction 0.3 --figure reach.png",
         "option",
-        "--out",
-        "did you mean --figure?",
+        "--figure",
+        "did you mean --out?",
     ),
     (f"{MAP} --output map.png", "option", "--output", "did you mean --out?"),
     (f"check {LOAD}", "--rod", "--rod", "is required"),
@@ -128,7 +128,7 @@ MISTAKES = [
     ("check --system sytem.toml", "--system", "'sytem.toml'", "there is no such file"),
     ("check --system my_rod.toml", "--system", "my_rod.toml", "no table [system]"),
     ("check --system my_rod.toml --frequency 3", "--frequency", "'3'", "belongs to --rod"),
-    (f"{CHECK} --plot shape.doc", "--plot", "'shape.doc'", "must end in .png"),
+    (f"{CHECK} --out shape.doc", "--out", "'shape.doc'", "must end in .png"),
     # ranges, maps, proofs
     (f"{RANGES} --frequency 24Hz", "--frequency", "got one value for each", "a range such as"),
     (f"{RANGES} --frequency 9Hz:24Hz --mean 0:1N", "--frequency", "ranges for --mean and --frequency", "exactly"),

@@ -44,9 +44,9 @@ examples:
   floquetrod check --rod nitinol --mean 0.3Fcr --amplitude 0.2Fcr --frequency 85rad/s --growth-tolerance 0.7 --json
   floquetrod check --rod nitinol --mean 0.825Fcr --amplitude 0.7Fcr --frequency 150rad/s --friction 0.1 --kick 50mm/s
   floquetrod check --rod my_rod.toml --mean 12N --amplitude 3N --frequency 24Hz --unit Fcr,rpm --exit-code
-  floquetrod check --rod examples/wire.toml --mean 0.3Fcr --amplitude 0.2Fcr --frequency 20Hz --plot shape.png
+  floquetrod check --rod examples/wire.toml --mean 0.3Fcr --amplitude 0.2Fcr --frequency 20Hz --out shape.png
   floquetrod check --rod examples/well.toml --mean 0.5Fcr --amplitude 0.3Fcr --frequency 4Hz --wave held
-  floquetrod check --rod my_rod.toml --force record.csv --mean 12N --plot-force fit.png
+  floquetrod check --rod my_rod.toml --force record.csv --mean 12N --out fit.png
   floquetrod check --system my_system.toml --exit-code
 
 The answer is in the units of the question or of --unit; --json is in N, rad/s and m/s.
@@ -65,7 +65,7 @@ diameter of the hole) and the length:
   ends = "clamped-hinged"
 
 coupled modes: ends that are not hinged, weight along an inclined rod and axial waves (--wave) couple the modes.  The
-answer then names the resonances, and --plot draws the shape that grows along the rod.  --mean-at none neglects the
+answer then names the resonances, and --out draws the shape that grows along the rod.  --mean-at none neglects the
 weight along the rod: the modes of an inclined hinged rod are then independent, as --friction requires.
 
 system files: TOML, or npz with arrays of the same names.  M q'' + (C + G) q' + K(t) q = 0, any consistent units:
@@ -101,8 +101,11 @@ def add(check: Parser) -> None:
         help="compute the margins and the damping that stabilises (default: up to "
         f"{FEW_MODES} coupled modes, not under a record)",
     )
-    check.add_output("--plot", figures, "write the shape along the rod in which it grows (.png, .pdf, .svg)")
-    check.add_output("--plot-force", figures, "write the measured force with its fit (.png, .pdf, .svg)")
+    check.add_output(
+        "--out",
+        figures,
+        "write a figure of the shape that grows, below a measured force and its fit (.png, .pdf, .svg)",
+    )
     names = ", ".join(method.name for method in METHODS if method.systems is not None)
     check.add_argument("--method", help=f"of a system: {names} (default: the first that decides)")
 
@@ -131,11 +134,10 @@ def _check(options: argparse.Namespace) -> Output:
         read_units(options, rod),
         options.margins,
     )
-    fit = _draw_record(record, options.plot_force)
     result = _verdict(question)
     known = STATUS_CODES[result.linear.status] if question.modes is None else None  # a hint is about all modes
     warn_of_hertz("--frequency", options.frequency, rod, [question.load], question.tolerance, known)
-    shape, undrawn = _draw_shape(result, options.plot)
+    written, undrawn = _draw(result, record, options.out)
     said = _Said(result, _margins(question, result), *_sine_beside(question))
     angle, about = _grown(question, result)
     said.numbers.update(about)
@@ -144,7 +146,7 @@ def _check(options: argparse.Namespace) -> Output:
         said = said._replace(not_searched=[("margins", _NOT_SEARCHED)])
     said.lines.extend(undrawn)
     status = _STATUS[result.status] if options.exit_code else 0
-    return output(options, lambda: said.report(question.shown), said.record, status, written=shape + fit)
+    return output(options, lambda: said.report(question.shown), said.record, status, written=written)
 
 
 class _Said(NamedTuple):
@@ -255,26 +257,20 @@ def _growing(verdict: RodStability) -> str:
     return f", {verdict.growth_rate:.6g} 1/s" if verdict.growth_rate > 0.0 else ""
 
 
-def _draw_shape(
-    result: RodStability | fr.results.FrictionalRodStability, paths: Sequence[Path]
+def _draw(
+    result: RodStability | fr.results.FrictionalRodStability, record: fr.ForceRecord | None, paths: Sequence[Path]
 ) -> tuple[list[str], list[tuple[str, str]]]:
-    """Draw the shape that grows into files; return their names, or a line that says why there is none."""
+    """Draw a measured force and the shape that grows into files; return their names, or why there is no shape."""
     if not paths:
         return [], []
+    from floquetrod.plotting.record_plot import draw_record_and_shape
+
     try:
-        axes = result.plot()
+        drawn = result.plot() if record is None else draw_record_and_shape(record, result)
     except ValueError as error:
-        return [], [("shape", f"not drawn: {error}")]
-    return write_figures(paths, lambda: axes), []
-
-
-def _draw_record(record: fr.ForceRecord | None, paths: Sequence[Path]) -> list[str]:
-    """Draw the fit of a measured force into files and return their names."""
-    if paths and record is None:
-        raise ValueError(
-            f"--plot-force needs --force, got {str(paths[0])!r} alone: it draws the measured force and its fit"
-        )
-    return [] if record is None else write_figures(paths, lambda: record.plot()[0])
+        undrawn = [("shape", f"not drawn: {error}")]
+        return ([] if record is None else write_figures(paths, lambda: record.plot()[0])), undrawn
+    return write_figures(paths, lambda: drawn), []
 
 
 def _modes(text: str | None) -> list[int] | None:

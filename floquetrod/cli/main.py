@@ -223,15 +223,17 @@ def _parser(only: str | None = None) -> Parser:
     return parser
 
 
-_FIGURES = ("--out", "--figure", "--plot")
-"""Options of one command or another that name the file of a figure."""
+_OUT = "--out"
+"""The option of every command that names the file of a figure, a chart or a report."""
+
+_MEANT_OUT = ("--output", "--figure", "--plot", "--plot-force")
+"""What is typed for it, and what earlier versions called it."""
 
 
 def _elsewhere(name: str, option: str) -> str:
     """Return what to say of an unknown option: the command's own that does the same, or another command that has it."""
-    own = [each for each in _FIGURES if each in _options(name)]
-    if own and option in (*_FIGURES, "--output"):
-        return f"; did you mean {' or '.join(own)}?"
+    if option in _MEANT_OUT and _OUT in _options(name):
+        return f"; did you mean {_OUT}?"
     commands = (other for other in _COMMANDS if other != name and option in _options(other))
     return next((f"; floquetrod {other} has it" for other in commands), "")
 

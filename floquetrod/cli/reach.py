@@ -43,7 +43,7 @@ examples:
   floquetrod reach --well examples/survey.csv --rod examples/tubing.toml --friction 0.3
   floquetrod reach --well examples/survey.csv --rod examples/tubing.toml --mu 0.3 --tool 5kN@18Hz@30m --speed 0.2m/s
   floquetrod reach --well examples/survey.csv --rod examples/tubing.toml --friction 0.25,0.35@1500m --push 50kN
-  floquetrod reach --well examples/survey.csv --rod examples/tubing.toml --friction 0.3 --figure reach.png
+  floquetrod reach --well examples/survey.csv --rod examples/tubing.toml --friction 0.3 --out reach.png
   floquetrod reach --well examples/survey.csv --rod examples/tubing.toml --mu 0.3 --depths 9000:9900ft --unit ft,lbf
 
 The survey has columns such as MD (m), Inc (deg) and Azi (deg).  The string is pushed at the first station; its length
@@ -77,8 +77,8 @@ def add(command: Parser) -> None:
         help="units of the answer, such as ft,lbf,psi,rpm (default: those of the question: its options, its "
         "survey, its rod; else m,kN,MPa,Hz)",
     )
-    command.add_output("--figure", figures, "write a figure of all of it (.png, .pdf, .svg)")
-    command.add_output("--report", documents, "write all of it into one file (.html, .pdf)")
+    command.add_output("--out", figures, "write a figure (.png, .pdf, .svg)")
+    command.add_output("--report", documents, "write a report with all of it into one file (.html, .pdf)")
 
 
 def add_well(command: argparse.ArgumentParser, *, required: bool) -> None:
@@ -146,7 +146,7 @@ def _reach(options: argparse.Namespace) -> Output:
     shown = {"depth" if kind == "length" else kind: name for kind, name in asked.items()}
     found = read_reach(options, read_rod(options), None if options.depths is None else read_depths(options.depths))
     named = {"length" if name == "depth" else name: unit for name, unit in shown.items()}
-    written = write_figures(options.figure, partial(found.plot, **shown)) + write_each(
+    written = write_figures(options.out, partial(found.plot, **shown)) + write_each(
         options.report, lambda path: fr.save_report(found, path, units=named, command=command_typed())
     )
     return output(options, partial(found.report, **shown), found.as_dict, written=written)

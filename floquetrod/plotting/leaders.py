@@ -1,9 +1,8 @@
-"""Labels that stand beside the points they name, joined to them by a line; laid out again whenever a figure is drawn."""
+"""Labels beside the points they name, joined to them by a line; laid out again whenever a figure is drawn."""
 
 from __future__ import annotations
 
 import functools
-import math
 from collections.abc import Sequence
 from typing import Any
 
@@ -16,22 +15,24 @@ from floquetrod.plotting.labels import Mask, cells_inside, free_cells
 _CELL = 2.0  # side in points of the cells in which room is searched for (a choice)
 _ROOM = 4.0  # points around a label (a choice)
 _NEAR = 5.0  # points up to which a label needs no line (a choice)
+_CENTRED = 1e-3  # weight of the distance from its middle (a choice)
 _COVERED = 1e3  # weight of a cell that is covered, against a cell of distance (a choice)
 
 
-def add_leaders(ax: Any, names: Sequence[str], points: Sequence[tuple[float, float]], shapes: Sequence[Any] = ()) -> None:
+def add_leaders(
+    ax: Any, names: Sequence[str], points: Sequence[tuple[float, float]], shapes: Sequence[Any] = ()
+) -> None:
     """Name points, in the units of the axes, where nothing is covered, nor ``shapes``, which have ``x`` and ``y``."""
     if names:
         ax.add_artist(_artist()(names, points, shapes))
 
 
-def nearest_room(free: Mask, point: tuple[float, float], width: float, height: float) -> tuple[float, float] | None:
+def nearest_room(free: Mask, point: Floats, size: Floats) -> Floats | None:
     """Return the middle (column, row) of the rectangle nearest to a point that covers least of what is not free.
 
-    None where the cells (rows, columns) have no room for its size.
+    All in cells, ``free`` in rows and columns.  None where there is no room for its size (width, height).
     """
-    w, h = math.ceil(width), math.ceil(height)
-    rows, columns = free.shape
+    (w, h), (rows, columns) = np.ceil(size).astype(int), free.shape
     if w > columns or h > rows:
         return None
     sums = np.zeros((rows + 1, columns + 1), dtype=np.int64)
@@ -39,12 +40,17 @@ def nearest_room(free: Mask, point: tuple[float, float], width: float, height: f
     covered = sums[h:, w:] - sums[:-h, w:] - sums[h:, :-w] + sums[:-h, :-w]
     x, y = np.arange(covered.shape[1]), np.arange(covered.shape[0])
     across = np.maximum(np.maximum(x - point[0], point[0] - (x + w - 1)), 0.0)
-    up = np.maximum(np.maximum(y - point[1], point[1] - (y + h - 1)), 0.0)
-    middle = 1e-3 * np.hypot(x + 0.5 * (w - 1) - point[0], (y + 0.5 * (h - 1) - point[1])[:, None])
-    row, column = np.unravel_index(
-        (_COVERED * covered + np.hypot(across, up[:, None]) + middle).argmin(), covered.shape
-    )
-    return float(column + 0.5 * (w - 1)), float(row + 0.5 * (h - 1))
+    up = np.maximum(np.maximum(y - point[1], point[1] - (y + h - 1)), 0.0)[:, None]
+    aside = np.hypot(x + 0.5 * (w - 1) - point[0], (y + 0.5 * (h - 1) - point[1])[:, None])
+    cost = _COVERED * covered + np.hypot(across, up) + _CENTRED * aside
+    row, column = np.unravel_index(cost.argmin(), cost.shape)
+    return np.array([column + 0.5 * (w - 1), row + 0.5 * (h - 1)])
+
+
+def take(free: Mask, middle: Floats, size: Floats) -> None:
+    """Mark the cells of a rectangle as taken."""
+    (left, bottom), (right, top) = (np.rint(middle + side * size).astype(int) for side in (-0.5, 0.5))
+    free[max(0, bottom) : top + 1, max(0, left) : right + 1] = False
 
 
 @functools.cache
@@ -58,9 +64,7 @@ def _artist() -> Any:
     class Leaders(Artist):
         """Labels beside points, placed when drawn: then the size of the axes, and what else they hold, is known."""
 
-        def __init__(
-            self, names: Sequence[str], points: Sequence[tuple[float, float]], shapes: Sequence[Any]
-        ) -> None:
+        def __init__(self, names: Sequence[str], points: Sequence[tuple[float, float]], shapes: Sequence[Any]) -> None:
             super().__init__()
             self.set_zorder(5.0)
             self.set_in_layout(False)
@@ -84,26 +88,22 @@ def _artist() -> Any:
 
             free = free_cells(axes, renderer, cell)
             for shape in self.shapes:
-                free &= ~cells_inside(*in_cells(shape.x, shape.y).T, free.shape)
-            for text, point in zip(self.texts, self.points, strict=True):
+                x, y = in_cells(shape.x, shape.y).T
+                free &= ~cells_inside(x, y, free.shape)
+            for text, (point,) in zip(self.texts, (in_cells(*each) for each in self.points), strict=True):
                 text.set_figure(self.figure)
-                at = in_cells(*point)[0]
-                size = text.get_window_extent(renderer)
-                width, height = size.width / cell, size.height / cell
-                around = _ROOM / _CELL
-                place = nearest_room(free, (float(at[0]), float(at[1])), width + around, height + around)
-                if place is None:
+                extent = text.get_window_extent(renderer)
+                size = np.array([extent.width, extent.height]) / cell
+                middle = nearest_room(free, point, size + _ROOM / _CELL)
+                if middle is None:
                     continue
-                across, up = math.ceil(0.5 * (width + around)), math.ceil(0.5 * (height + around))
-                column, row = round(place[0]), round(place[1])
-                free[max(0, row - up) : row + up + 1, max(0, column - across) : column + across + 1] = False
-                side = np.clip(at, *(np.array(place) + [[-0.5 * width, -0.5 * height], [0.5 * width, 0.5 * height]]))
-                if np.hypot(*(side - at)) * _CELL > _NEAR:
-                    ends = corner + cell * (np.array([at, side]) + 0.5)
-                    line = Line2D(*ends.T, color="0.35", linewidth=0.6)
+                take(free, middle, size + _ROOM / _CELL)
+                end = np.clip(point, middle - 0.5 * size, middle + 0.5 * size)
+                if np.hypot(*(end - point)) * _CELL > _NEAR:
+                    line = Line2D(*(corner + cell * (np.array([point, end]) + 0.5)).T, color="0.35", linewidth=0.6)
                     line.set_figure(self.figure)
                     line.draw(renderer)
-                text.set_position(corner + cell * (np.array(place) + 0.5))
+                text.set_position(corner + cell * (middle + 0.5))
                 text.draw(renderer)
 
     return Leaders

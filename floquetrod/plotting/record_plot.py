@@ -27,6 +27,22 @@ def draw_record(record: Any, ax: Any = None) -> Any:
     return ax
 
 
+def draw_record_and_shape(record: Any, verdict: Any) -> Any:
+    """Return a figure of a record with, below, the shape that grows under it; ValueError where there is none."""
+    from matplotlib import pyplot
+
+    figure = pyplot.figure(figsize=(7.0, 9.2), layout="constrained")
+    parts: Any = figure.subfigures(2, 1, height_ratios=[1.5, 1.0])
+    above, below = parts
+    try:
+        verdict.plot(below.subplots())
+    except ValueError:
+        pyplot.close(figure)
+        raise
+    draw_record(record, above.subplots(2, 1))
+    return figure
+
+
 def _draw_fit(record: Any, ax: Any) -> None:
     """Draw samples in grey and the fit in black over the first periods."""
     start = record.time[0]
