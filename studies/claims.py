@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from floquetrod import mathieu
 from floquetrod.equations import Mathieu
-from floquetrod.floquet.methods.hill_determinant import determinant
+from floquetrod.floquet.methods.determinant import determinant
 from floquetrod.floquet.methods.monodromy import monodromy_matrix
 from floquetrod.floquet.methods.square_wave import square_wave
 from floquetrod.floquet.proof import certify

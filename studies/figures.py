@@ -10,7 +10,7 @@ import numpy as np
 
 from floquetrod import mathieu
 from floquetrod.equations import Mathieu
-from floquetrod.floquet.methods.hill_determinant import determinant
+from floquetrod.floquet.methods.determinant import determinant
 from floquetrod.floquet.methods.square_wave import square_wave
 from floquetrod.floquet.status import STATUS_CODES
 from floquetrod.floquet.verdict import Stability

@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 import floquetrod as fr
 from conftest import depth
 from floquetrod.floquet.mathieu_chains.truncated_determinant import _log_product
-from floquetrod.floquet.methods.hill_determinant import determinant
+from floquetrod.floquet.methods.determinant import determinant
 from floquetrod.floquet.methods.reference import discriminant_excess
 from floquetrod.floquet.methods.spectral import spectral
 from floquetrod.floquet.registry import METHODS, applicable, is_approximation
