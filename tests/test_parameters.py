@@ -163,16 +163,40 @@ def same(one: Any, other: Any) -> bool:
 @pytest.mark.filterwarnings("ignore")
 def test_each_parameter_in_each_subsystem(subsystem: Subsystem, name: str) -> None:
     """It changes the answer, or is refused, or by its record has no effect."""
-    record, rod = ROD[name], altered(PIPE, name)
+    require_declared(ROD[name], subsystem)
+
+
+def require_declared(record: Parameter, subsystem: Subsystem) -> None:
+    """Fail where a subsystem treats a changed parameter otherwise than its record says."""
+    rod = altered(PIPE, record.name)
+    refusal = ""
     try:
         is_same = same(ANSWERS[subsystem](rod), ANSWERS[subsystem](PIPE))
-    except ValueError:
-        assert subsystem in record.known_to  # and does not go with what the rod is besides
+    except ValueError as error:
+        refusal = str(error)
+    if refusal:  # of a known parameter because it does not go with the rest of the rod
+        assert (f"{record.name} is not part of" in refusal) is (subsystem not in record.known_to), refusal
         return
+    assert subsystem in record.known_to | record.without_effect_on, f"{record.name} is ignored in silence"
     if subsystem in record.without_effect_on:
         assert is_same
-    elif subsystem in record.known_to and (subsystem, name) not in ONLY_WITH_MORE:
+    elif (subsystem, record.name) not in ONLY_WITH_MORE:
         assert not is_same, short(rod)
+
+
+def test_an_unknown_parameter_passes_where_refused_and_fails_where_ignored(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A strength as a parameter that no subsystem knew, ignored by a table that does not say so, then refused."""
+    unknown = dataclasses.replace(ROD["yield_strength"], known_to=frozenset(), without_effect_on=frozenset())
+    for subsystem in ("modes", "buckling"):
+        with pytest.raises(AssertionError, match="yield_strength is ignored in silence"):
+            require_declared(unknown, subsystem)
+    with monkeypatch.context() as patch:
+        patch.setitem(ROD, "yield_strength", unknown)  # type: ignore[arg-type]
+        require_declared(unknown, "modes")
+        require_declared(unknown, "buckling")
+        refused_though_known = dataclasses.replace(unknown, known_to=frozenset(NAMES))
+        with pytest.raises(AssertionError, match="is not part of"):
+            require_declared(refused_though_known, "modes")
 
 
 ONLY_WITH_MORE: set[tuple[str, str]] = {
