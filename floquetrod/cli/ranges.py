@@ -6,7 +6,7 @@ import argparse
 from typing import Any
 
 from floquetrod._util.waiting import Waiting
-from floquetrod.cli.common import ROD_AND_LOAD, describe_command
+from floquetrod.cli.common import ROD_AND_LOAD, describe_command, figures, write_figures
 from floquetrod.cli.loads import add_question, read_ranges
 from floquetrod.cli.output import Output, output
 from floquetrod.cli.parser import Parser
@@ -17,7 +17,7 @@ List the stable and unstable intervals of one quantity of the load: give a range
 
 examples:
   floquetrod ranges --rod nitinol --amplitude 0.2Fcr --frequency 150rad/s --mean 0:1.2Fcr
-  floquetrod ranges --rod nitinol --mean 0.34Fcr --amplitude 0.2Fcr --frequency 10Hz:60Hz --growth-tolerance 0.05
+  floquetrod ranges --rod nitinol --mean 0.34Fcr --amplitude 0.2Fcr --frequency 10Hz:60Hz --out ranges.png
   floquetrod ranges --rod my_rod.toml --mean 12N --frequency 24Hz --amplitude 0:5N
   floquetrod ranges --rod examples/wire.toml --amplitude 0.2Fcr --frequency 20Hz --mean 0:1Fcr
   floquetrod ranges --rod examples/well.toml --mean 0.5Fcr --frequency 4Hz --amplitude 0:0.5Fcr --wave held
@@ -38,6 +38,7 @@ def add(ranges: Parser) -> None:
     """Add help and options of the command to its parser."""
     describe_command(ranges, _HELP, _ranges, (*ROD_AND_LOAD, "growth_tolerance"))
     add_question(ranges, ranges=True)
+    ranges.add_output("--out", figures, "write a figure (.png, .pdf, .svg)")
     ranges.set_defaults(growth_tolerance=f"{SLOW_GROWTH:g}")
 
 
@@ -57,4 +58,6 @@ def _ranges(options: argparse.Namespace) -> Output:
         found = rod.ranges(varied[0], like, (low, high), **fixed, growth_tolerance=tolerance, progress=progress)
     with Waiting("finding the fastest growth and the damping required", "unstable parts") as progress:
         found.find_unstable(progress)
-    return output(options, lambda: found.report(shown[varied[0]]), found.as_dict)
+    unit = shown[varied[0]]
+    written = write_figures(options.out, lambda: found.plot(unit=unit))
+    return output(options, lambda: found.report(unit), found.as_dict, written=written)

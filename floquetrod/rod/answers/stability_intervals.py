@@ -244,6 +244,18 @@ class StabilityIntervals(units.InUnits, Reported, NoTruthValue):
         size = validate.positive("size", size, "give it in the unit of the intervals")
         return self._report(wanted, size, self.unstable)
 
+    def plot(self, ax: Any = None, *, unit: str | None = None) -> Any:
+        """Draw what is stable along the quantity, and how fast the unstable bands grow; return the axes.
+
+        In a unit such as "Hz", by default that of the bounds.  ValueError for a unit that is unknown.
+        """
+        from floquetrod.plotting.ranges_plot import draw_ranges
+
+        model, search = self.searched
+        name = self._shown.name if unit is None else unit
+        shown = units.unit(name, "unit", LOAD[search.varied].kind, model.rod.critical_force)
+        return draw_ranges(self, shown, _end, ax)
+
     def _at_hand(self) -> Report:
         """Return the stability intervals, and unstable bands that are known."""
         return self._report(*self._shown, self.__dict__.get("unstable", ()))
