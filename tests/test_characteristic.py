@@ -11,7 +11,7 @@ from scipy.linalg import eigvalsh_tridiagonal
 
 import floquetrod as fr
 from conftest import depth
-from floquetrod.mathieu.characteristic_values import tongue_widths
+from floquetrod.mathieu.characteristic_curves import tongue_widths
 
 pytestmark = pytest.mark.kernels
 

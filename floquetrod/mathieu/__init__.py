@@ -8,7 +8,7 @@ from floquetrod._util.lazy import names_of
 
 if TYPE_CHECKING:
     from floquetrod.mathieu.array_functions import discriminant, exponents, growth_rate, is_stable, multipliers
-    from floquetrod.mathieu.characteristic_values import (
+    from floquetrod.mathieu.characteristic_curves import (
         TransitionCurves,
         characteristic_values,
         tongue_widths,

@@ -15,7 +15,7 @@ from floquetrod._util.content import ByContent
 from floquetrod.equations import Mathieu
 from floquetrod.equations.base import require
 from floquetrod.mathieu.array_functions import exponents
-from floquetrod.mathieu.characteristic_values import characteristic_values
+from floquetrod.mathieu.characteristic_curves import characteristic_values
 
 _LONGEST = 1e6  # time (a choice: beyond it rounding of the phase costs more than ten digits)
 _HIGHEST = 1e4  # order (a choice)
