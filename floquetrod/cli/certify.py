@@ -89,8 +89,8 @@ def _certify(options: argparse.Namespace) -> Output:
             )
         load = like.with_numbers(**{name: value for name, (value,) in values.items()})
         with Waiting("searching the widest safe box", "sides moved") as progress:
-            found = rod.largest_safe_box(load, growth_tolerance=tolerance, rod=tolerances, progress=progress)
-        return _answer(options, found, found.proof, shown)
+            box = rod.largest_safe_box(load, growth_tolerance=tolerance, rod=tolerances, progress=progress)
+        return _answer(options, box, box.proof, shown)
     box: dict[str, Any] = {name: tuple(ends) if len(ends) > 1 else ends[0] for name, ends in values.items()}
     with Waiting("proving", "boxes") as progress:
         proof = rod.certify(
@@ -105,11 +105,11 @@ def _certify(options: argparse.Namespace) -> Output:
 
 
 def _answer(
-    options: argparse.Namespace, found: RegionProof | SafeBox, proof: RegionProof, shown: dict[str, str]
+    options: argparse.Namespace, result: RegionProof | SafeBox, proof: RegionProof, shown: dict[str, str]
 ) -> Output:
     """Return the answer, and an exit status where that is asked for."""
     status = _STATUS[proof.status] if options.exit_code else 0
-    return output(options, lambda: found.report(shown), found.as_dict, status)
+    return output(options, lambda: result.report(shown), result.as_dict, status)
 
 
 _ALIKE = 1e-6  # of a value typed and the rod's own, relatively: digits that are not written
@@ -167,14 +167,14 @@ def _about_a_value(own: float, value: str, tolerance: str, name: str, text: str)
 
 def _typed(vary: Sequence[str]) -> dict[str, str]:
     """Return the unit of the first length, and of the first pressure, among tolerances."""
-    found: dict[str, str] = {}
+    shown_units: dict[str, str] = {}
     for text in vary:
         for part in reversed(re.split(r"[:±]|\+/?-", text.partition("=")[2])):
             typed = units.unit_of(part)
             kind = units.kind_of(typed or "")
-            if typed and kind in ("length", "pressure") and kind not in found:
-                found[kind] = units.unit(typed, "--vary", kind).name
-    return found
+            if typed and kind in ("length", "pressure") and kind not in shown_units:
+                shown_units[kind] = units.unit(typed, "--vary", kind).name
+    return shown_units
 
 
 def _about(own: float, tolerance: str, name: str, text: str) -> tuple[float, float]:

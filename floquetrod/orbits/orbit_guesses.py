@@ -121,8 +121,8 @@ def jumping(system: NonlinearSystem, guess: Guess) -> Guess | None:
         period, state = motion.t_events[0][last], motion.y_events[0][last]
         before = times < period * (1.0 - 1e-14)
         times, states = np.append(times[before], period), np.concatenate([states[before], state[None]])
-    found = Guess(times, states, system.rates(times, states), by_steps=True)
-    return found if len(times) > 2 and found.gap < CLOSE else None
+    guess = Guess(times, states, system.rates(times, states), by_steps=True)
+    return guess if len(times) > 2 and guess.gap < CLOSE else None
 
 
 def _record(times: Any, states: Any) -> tuple[Floats, Floats]:
@@ -186,10 +186,10 @@ def _settled(system: NonlinearSystem, state: Floats, period: float) -> Guess:
 
 def _near_return(system: NonlinearSystem, state: Floats, period: float) -> Guess:
     """Return the motion over about one period from a state, or where motion from it returns best after about one."""
-    found = _marched(system, state, period, f"within a period of {period:.6g}")
-    if found.gap <= _DIRECTLY:
-        return found
-    motion = _marched(system, found.states[-1], _PERIODS_SEARCHED * period, "", _PERIODS_SEARCHED * _SAMPLES // 2)
+    march = _marched(system, state, period, f"within a period of {period:.6g}")
+    if march.gap <= _DIRECTLY:
+        return march
+    motion = _marched(system, march.states[-1], _PERIODS_SEARCHED * period, "", _PERIODS_SEARCHED * _SAMPLES // 2)
     _require_no_rotation(system, motion, slice(len(motion.times) // 3, None))
     size, lag = sizes(motion.states), _SAMPLES // 2
     lags = range(3 * lag // 4, 5 * lag // 4 + 1)

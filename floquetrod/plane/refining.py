@@ -16,23 +16,26 @@ _AT_ONE_THIRD = np.array([0.3, 0.65])  # of a side, where it is compared with th
 _MOST_ROUNDS = 100  # of refining (a choice: every round halves the longest sides)
 
 
-def outlined(plane: Plane, found: Crossings) -> RegionRings:
+def outlined(plane: Plane, crossings: Crossings) -> RegionRings:
     """Return the outlines of a grid's unstable points, vertices on the boundary, that agree with all of its verdicts.
 
     Vertices are put only where the line between two others would pass a point of the grid on its wrong side.
     """
-    place = 0.5 * (found.inside + found.outside)
-    on_edge = (found.inside == found.outside).all(axis=1)
-    chosen = [_first_choice(ring, place, on_edge) for ring in found.rings]
-    new = [ring[keep & ~on_edge[ring]] for ring, keep in zip(found.rings, chosen, strict=True)]
+    place = 0.5 * (crossings.inside + crossings.outside)
+    on_edge = (crossings.inside == crossings.outside).all(axis=1)
+    chosen = [_first_choice(ring, place, on_edge) for ring in crossings.rings]
+    new = [ring[keep & ~on_edge[ring]] for ring, keep in zip(crossings.rings, chosen, strict=True)]
     outline = RegionRings()
     try:
         while sum(part.size for part in new):
             some = np.concatenate(new)
-            place[some] = plane.boundary(found.inside[some], found.outside[some])
-            new = [_violated(found, ring, keep, place, on_edge) for ring, keep in zip(found.rings, chosen, strict=True)]
+            place[some] = plane.boundary(crossings.inside[some], crossings.outside[some])
+            new = [
+                _violated(crossings, ring, keep, place, on_edge)
+                for ring, keep in zip(crossings.rings, chosen, strict=True)
+            ]
     finally:
-        for ring, keep in zip(found.rings, chosen, strict=True):
+        for ring, keep in zip(crossings.rings, chosen, strict=True):
             outline.add_ring(place[ring[keep]])
     return outline
 

@@ -108,18 +108,18 @@ class InstabilityProbability(NoTruthValue):
     @property
     def most_important(self) -> str | None:
         """The quantity with the largest total index, None where `importance` is."""
-        found = self.importance
-        return None if found is None else max(found, key=lambda name: found[name].total)
+        importance = self.importance
+        return None if importance is None else max(importance, key=lambda name: importance[name].total)
 
     @property
     def note(self) -> str:
         """Samples that were not decided, and indices that were not computed; "" without any."""
-        found = []
+        doubts = []
         if self.undecided:
-            found.append(f"{self.undecided:,} of the samples could not be decided")
+            doubts.append(f"{self.undecided:,} of the samples could not be decided")
         if self._too_few:
-            found.append(self._too_few)
-        return "; ".join(found)
+            doubts.append(self._too_few)
+        return "; ".join(doubts)
 
     def __repr__(self) -> str:
         """Return the probability as a sentence."""
@@ -213,12 +213,12 @@ def probability_of_instability(
     >>> import floquetrod as fr
     >>> rod = fr.Rod.nitinol()
     >>> load = fr.AxialLoad(mean=0.34 * rod.critical_force, amplitude=0.2 * rod.critical_force, frequency=150.0)
-    >>> found = fr.probability_of_instability(
+    >>> probability = fr.probability_of_instability(
     ...     rod, load, {"length": (3.09, 3.11), "frequency": (145.0, 155.0)}, samples=20_000, seed=1
     ... )
-    >>> found
+    >>> probability
     <unstable with probability 0.092, between 0.08803 and 0.09609 with 95 % confidence; 20,000 samples>
-    >>> found.most_important
+    >>> probability.most_important
     'frequency'
     """
     validate.instance("rod", rod, Rod, "Rod.nitinol(), say")
@@ -294,8 +294,8 @@ def sobol_indices(
     def unstable(levels: Floats) -> Floats:
         """Return 1 where unstable, else 0, by replicate."""
         blocks = range(0, points, sampling.at_once)
-        found = [sampling.verdicts(levels[:, start : start + blocks.step]) for start in blocks]
-        flat = np.asarray(np.concatenate(found) == 0, dtype=np.float64)
+        statuses = [sampling.verdicts(levels[:, start : start + blocks.step]) for start in blocks]
+        flat = np.asarray(np.concatenate(statuses) == 0, dtype=np.float64)
         return flat.reshape(_REPLICATES, each)
 
     mixed = []
@@ -315,12 +315,12 @@ def sobol_indices(
         error = quantile * float(replicates.std(ddof=1))
         return value, (value - error, value + error)
 
-    found = {}
+    indices = {}
     for i, name in enumerate(rows):
         first, first_interval = with_interval(float(pooled.first_order[i]), spread.first_order[:, i])
         total, total_interval = with_interval(float(pooled.total_order[i]), spread.total_order[:, i])
-        found[name] = SobolIndex(first, total, first_interval, total_interval)
-    return found
+        indices[name] = SobolIndex(first, total, first_interval, total_interval)
+    return indices
 
 
 def entropy() -> int:

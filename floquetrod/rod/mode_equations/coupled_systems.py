@@ -136,9 +136,9 @@ class CoupledEquations(ABC):
             def fill(place: int, i: int, systems: HillSystem = systems) -> None:
                 system: Any = pick(systems, place)
                 part = resonating(system)
-                found = None if part is None else verdicts(part.system, workers=1, quick=True)
-                if found is not None and found.status[0] != -1:
-                    status[i], growth[i] = found.status[0], found.growth[0]
+                answer = None if part is None else verdicts(part.system, workers=1, quick=True)
+                if answer is not None and answer.status[0] != -1:
+                    status[i], growth[i] = answer.status[0], answer.growth[0]
 
             in_threads(fill, list(enumerate(some.tolist())), validate.workers(workers) or cores())
             if progress is not None:
@@ -153,9 +153,9 @@ class CoupledEquations(ABC):
         status, growth = np.full(loads.size, -1, dtype=np.int8), np.full(loads.size, np.nan)
 
         def fill(varied: Quantity, line: NDArray[np.intp]) -> None:
-            found = self._along(loads.some(line), varied)
-            if found is not None:
-                status[line], growth[line] = found
+            along = self._along(loads.some(line), varied)
+            if along is not None:
+                status[line], growth[line] = along
 
         lines = [] if self.are_apart else list(loads.lines(_LEAST_ON_LINE))
         threads = validate.workers(workers) or cores()
@@ -266,14 +266,14 @@ def _direct(system: HillSystem) -> tuple[Resonance, ...]:
     from floquetrod.systems.batch_verdicts import verdicts
 
     status, growth = verdicts(_one_by_one(system))
-    found = []
+    resonances = []
     for i in np.argsort(-growth, kind="stable").tolist():
         if status[i] == 0:
             squared = float(system.stiffness[i, i])
             order = round(math.sqrt(max(squared, 0.0)) * float(system.period) / math.pi)
             kind: Literal["direct", "buckling"] = "direct" if squared > 0.0 else "buckling"
-            found.append(Resonance(kind, (i + 1,), max(order, 1) if squared > 0.0 else 0, float(growth[i])))
-    return tuple(found)
+            resonances.append(Resonance(kind, (i + 1,), max(order, 1) if squared > 0.0 else 0, float(growth[i])))
+    return tuple(resonances)
 
 
 def _one_by_one(systems: HillSystem) -> HillSystem:

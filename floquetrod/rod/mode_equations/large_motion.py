@@ -127,17 +127,19 @@ def _derivatives(nodes: Floats, slopes: Floats) -> tuple[Floats, Floats, Floats]
     panels = slopes.reshape(len(slopes), -1, _POINTS)
     width = _widths(nodes)
     series = np.linalg.solve(vander, np.moveaxis(panels, -1, 0).reshape(_POINTS, -1))
-    found = []
+    derivatives = []
     for order in (1, 2):
         turned = np.polynomial.legendre.legder(series, order)
         every = np.polynomial.legendre.legvander(points, _POINTS - 1 - order) @ turned
-        found.append(np.moveaxis(every.reshape(_POINTS, *panels.shape[:2]), 0, -1) * (2.0 / width[:, None]) ** order)
+        derivatives.append(
+            np.moveaxis(every.reshape(_POINTS, *panels.shape[:2]), 0, -1) * (2.0 / width[:, None]) ** order
+        )
     ends = []
     for panel, at in ((0, -1.0), (-1, 1.0)):
         own = series.reshape(_POINTS, *panels.shape[:2])[..., panel]
         third = np.polynomial.legendre.legval(at, np.polynomial.legendre.legder(own, 2)) * (2.0 / width[panel]) ** 2
         ends.append([np.polynomial.legendre.legval(at, own), third])
-    return found[0].reshape(slopes.shape), found[1].reshape(slopes.shape), np.array(ends)
+    return derivatives[0].reshape(slopes.shape), derivatives[1].reshape(slopes.shape), np.array(ends)
 
 
 def _widths(nodes: Floats) -> Floats:
@@ -157,9 +159,9 @@ def _integrals(nodes: Floats, values: Floats, to_end: bool) -> Floats:
     panels = values.reshape(*values.shape[:-1], -1, _POINTS)
     whole = half * (panels @ weights)
     before = np.cumsum(whole, axis=-1) - whole
-    found = before[..., None] + half[:, None] * (panels @ inside.T)
-    least = np.sum(whole, axis=-1) if to_end else np.sum(half * (found @ weights), axis=-1)
-    return np.asarray((found - least[..., None, None]).reshape(values.shape))
+    integral = before[..., None] + half[:, None] * (panels @ inside.T)
+    least = np.sum(whole, axis=-1) if to_end else np.sum(half * (integral @ weights), axis=-1)
+    return np.asarray((integral - least[..., None, None]).reshape(values.shape))
 
 
 @dataclass(frozen=True, eq=False)
@@ -362,10 +364,10 @@ class LargeMotion(ByContent):
         """Return the derivatives of `rates` with the states, (k, 2 n, 2 n)."""
         a, v = np.split(np.asarray(states), 2, axis=-1)
         n = a.shape[-1]
-        found = np.zeros((len(a), 2 * n, 2 * n))
-        found[:, :n, n:] = np.eye(n)
-        found[:, n:, :n], found[:, n:, n:] = self._accelerations(np.asarray(times), a, v, True)[1:]
-        return found
+        jacobian = np.zeros((len(a), 2 * n, 2 * n))
+        jacobian[:, :n, n:] = np.eye(n)
+        jacobian[:, n:, :n], jacobian[:, n:, n:] = self._accelerations(np.asarray(times), a, v, True)[1:]
+        return jacobian
 
     def _accelerations(self, times: Floats, a: Floats, v: Floats, derive: bool) -> tuple[Floats, Floats, Floats]:
         """Return a_tt (k, n), and where wanted its derivatives with a and with a_t."""
@@ -375,15 +377,15 @@ class LargeMotion(ByContent):
         turning = (v[:, None, :] @ moving)[:, 0]  # what shortening speeds up by without a_tt
         mass = np.eye(n) + moved @ np.swapaxes(moved, 1, 2)
         right = -gradient - 2.0 * c * v - (moved @ turning[..., None])[..., 0]
-        found = np.linalg.solve(mass, right[..., None])[..., 0]
+        acceleration = np.linalg.solve(mass, right[..., None])[..., 0]
         if not derive:
-            return np.asarray(found), stiff, stiff
-        sped = (found[:, None, :] @ moved)[:, 0] + turning
+            return np.asarray(acceleration), stiff, stiff
+        sped = (acceleration[:, None, :] @ moved)[:, 0] + turning
         by_place = -stiff - np.tensordot(sped, g, axes=(1, 2))
-        by_place -= moved @ np.swapaxes(np.tensordot(found, g, axes=1), 1, 2)
+        by_place -= moved @ np.swapaxes(np.tensordot(acceleration, g, axes=1), 1, 2)
         by_speed = -2.0 * c * np.eye(n) - 2.0 * moved @ np.swapaxes(moving, 1, 2)
         turned = np.linalg.solve(mass, np.concatenate([by_place, by_speed], axis=-1))
-        return np.asarray(found), turned[..., :n], turned[..., n:]
+        return np.asarray(acceleration), turned[..., :n], turned[..., n:]
 
     # --- what a motion does to the rod ---
 
@@ -418,8 +420,8 @@ def _contact_at_hinge(p: Floats, r: Floats, force: Floats, bent: float, weight: 
 
     Those by p, r, p p, p r and r r; ``force`` is F R, ``bent`` E I R.
     """
-    found = 1.0 + (force * p * p + bent * (4.0 * p * r - p**4)) / weight
+    wall_force = 1.0 + (force * p * p + bent * (4.0 * p * r - p**4)) / weight
     by_p = (2.0 * force * p + bent * (4.0 * r - 4.0 * p**3)) / weight
     by_r = 4.0 * bent * p / weight
     twice = (2.0 * force - 12.0 * bent * p * p) / weight
-    return found, [by_p, by_r, twice, 4.0 * bent / weight, 0.0]
+    return wall_force, [by_p, by_r, twice, 4.0 * bent / weight, 0.0]

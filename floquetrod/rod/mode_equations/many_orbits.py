@@ -40,17 +40,17 @@ class ModeLoads(NamedTuple):
 
 def smallest_stable(equation: OneMode, loads: ModeLoads) -> list[Orbit | None]:
     """Return the smallest stable orbit but rest that is found under each load, of one period of it or two."""
-    found: list[Orbit | None] = [None] * len(loads.mean)
+    orbits: list[Orbit | None] = [None] * len(loads.mean)
     for turns in (2, 1):
         which, starts = _starts(equation, loads, turns)
         for first in range(0, len(which), _TOGETHER):
             some = slice(first, first + _TOGETHER)
             for k, orbit in _stable(equation, loads.some(which[some]), starts[some], turns):
                 place = int(which[some][k])
-                known = found[place]
+                known = orbits[place]
                 if known is None or orbit.amplitude < known.amplitude:
-                    found[place] = orbit
-    return found
+                    orbits[place] = orbit
+    return orbits
 
 
 def _added(equation: OneMode, loads: ModeLoads) -> Floats:

@@ -89,8 +89,8 @@ class OneMode:
     def hardening(self) -> Floats:
         """Coefficients of g(a) / a in powers of (a / a_max)^2."""
         a = LARGEST / self.peak * np.sin(0.5 * math.pi * (np.arange(40) + 0.5) / 40.0)
-        found = self.motion.resting(a[:, None])[:, 0] / a
-        return np.polynomial.polynomial.polyfit((a * self.peak / LARGEST) ** 2, found, _DEGREE)
+        stiffness = self.motion.resting(a[:, None])[:, 0] / a
+        return np.polynomial.polynomial.polyfit((a * self.peak / LARGEST) ** 2, stiffness, _DEGREE)
 
     @cached_property
     def shortening(self) -> float:
@@ -196,7 +196,7 @@ class OneMode:
         """
         first = derivative(a.shape[1])
         second, start = first @ first, np.arange(len(a))
-        found, of = [a[:0]], [start[:0]]
+        amplitudes, origins = [a[:0]], [start[:0]]
         with np.errstate(all="ignore"):
             for _ in range(_NEWTON):
                 missed, slope = self.missed(a, first, second, driven)
@@ -208,13 +208,13 @@ class OneMode:
                 a = a + step * np.minimum(1.0, 0.1 * LARGEST / self.peak / np.maximum(moved, 1e-300))[:, None]
                 kept = np.isfinite(a).all(axis=1) & (np.abs(a).max(axis=1) * self.peak < 1.2 * LARGEST)
                 ends = moved < 1e-8  # the step after this one would be below rounding
-                found.append(a[kept & ends])
-                of.append(start[kept & ends])
+                amplitudes.append(a[kept & ends])
+                origins.append(start[kept & ends])
                 on = kept & ~ends
                 a, start, driven = a[on], start[on], driven.some(on)
                 if not len(a):
                     break
-        a, start = np.concatenate(found), np.concatenate(of)
+        a, start = np.concatenate(amplitudes), np.concatenate(origins)
         moves = np.abs(a).max(axis=1) * self.peak > 1e-3
         return a[moves], start[moves]
 
@@ -224,26 +224,26 @@ class OneMode:
         squares = np.sort(roots[(np.abs(roots.imag) < 1e-9) & (roots.real > 0.0) & (roots.real < 1.0)].real)
         slope = np.polynomial.polynomial.polyder(self.hardening)
         period, c = 2.0 * math.pi / self.motion.load.frequency, self.motion.rod.damping_rate
-        found = []
+        orbits = []
         for x in squares.tolist():
             stiff = 2.0 * x * float(np.polynomial.polynomial.polyval(x, slope))
             rates = -c + np.array([1.0, -1.0]) * np.emath.sqrt(c * c - stiff)
             angle = math.sqrt(x) * LARGEST
             states = np.tile([angle / self.peak, 0.0], (_INSTANTS, 1))
-            found.append(Orbit(1, states, angle, np.exp(rates * period)))
-        return found
+            orbits.append(Orbit(1, states, angle, np.exp(rates * period)))
+        return orbits
 
     def _starts(self, times: Floats, turns: int) -> Floats:
         """Return harmonic motions of many sizes and phases, as fast as free motion of that size about is."""
         size = LARGEST * (np.arange(_ANGLES) + 0.5) / _ANGLES / self.peak
         free = np.sqrt(np.maximum(self.stiffness(0.8 * size), 0.0)) * turns / self.motion.load.frequency
-        phases, found = 2.0 * math.pi * (np.arange(_PHASES) + 0.5) / _PHASES, []
+        phases, histories = 2.0 * math.pi * (np.arange(_PHASES) + 0.5) / _PHASES, []
         for a, ratio in zip(size.tolist(), free.tolist(), strict=True):
             for k in {max(1, round(ratio + shift)) for shift in (-0.4, 0.0, 0.4)}:
                 if turns == 1 or k % 2:
                     angle = k * self.motion.load.frequency / turns * times
-                    found.append(a * np.cos(angle + phases[:, None]))
-        return np.concatenate(found) if found else np.empty((0, len(times)))
+                    histories.append(a * np.cos(angle + phases[:, None]))
+        return np.concatenate(histories) if histories else np.empty((0, len(times)))
 
     def missed(self, a: Floats, first: Floats, second: Floats, driven: Driven) -> tuple[Floats, Floats]:
         """Return by how much motions a (k, count) miss the equation, and the derivatives of that."""

@@ -122,9 +122,9 @@ class Basis(ByContent):
     def _waves(self, derivative: int) -> Floats:
         """Return sines or cosines at the nodes, or a derivative of them."""
         waves = wavenumbers(self.ends, self.count)
-        found = np.diagonal(self.transform)[:, None] * _trigonometric(self.ends, waves, self.nodes, derivative)
-        found.flags.writeable = False
-        return found
+        values = np.diagonal(self.transform)[:, None] * _trigonometric(self.ends, waves, self.nodes, derivative)
+        values.flags.writeable = False
+        return values
 
     def coupling(self, force: Floats) -> Floats:
         """Return the integrals of F phi_i' phi_j', symmetric bit for bit; force (..., q) at the nodes."""
@@ -163,8 +163,8 @@ class Basis(ByContent):
         apart, both = self._places
         sign = 1.0 if (self.ends.upper == "hinged") == derivative else -1.0
         sizes = 0.5 * np.diagonal(self.transform) * (waves if derivative else 1.0)
-        found = moments.take(apart, axis=-1) + sign * moments.take(both, axis=-1)
-        return np.asarray(found * (sizes[:, None] * (2.0 * sizes)))
+        integrals = moments.take(apart, axis=-1) + sign * moments.take(both, axis=-1)
+        return np.asarray(integrals * (sizes[:, None] * (2.0 * sizes)))
 
     @cached_property
     def _places(self) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
@@ -269,19 +269,19 @@ _large_basis = functools.lru_cache(maxsize=1)(_basis)
 
 def _orthogonal(rows: Floats, count: int) -> Floats:
     """Return combinations of rows that are orthonormal, nearly; the first ``count`` are so except for their sizes."""
-    found = np.zeros((len(rows), len(rows)))
-    np.fill_diagonal(found[:count, :count], 1.0 / np.linalg.norm(rows[:count], axis=1))
+    orthonormal = np.zeros((len(rows), len(rows)))
+    np.fill_diagonal(orthonormal[:count, :count], 1.0 / np.linalg.norm(rows[:count], axis=1))
     kept = count
     for i in range(count, len(rows)):
         unit = np.zeros(len(rows))
         unit[i] = 1.0 / np.linalg.norm(rows[i])
         for _ in range(2):
-            unit -= (found[:kept] @ (rows @ (unit @ rows))) @ found[:kept]
+            unit -= (orthonormal[:kept] @ (rows @ (unit @ rows))) @ orthonormal[:kept]
         left = float(np.linalg.norm(unit @ rows))
         if left > _SAME:
-            found[kept] = unit / left
+            orthonormal[kept] = unit / left
             kept += 1
-    return found[:kept]
+    return orthonormal[:kept]
 
 
 def wavenumbers(ends: EndConditions, count: int) -> Floats:
@@ -301,8 +301,8 @@ def _roots(ends: EndConditions, near: NDArray[Any]) -> Floats:
 
     low, high = np.maximum(near - 0.6, 0.2), near + 0.6
     at_low, at_high = determinant(low), determinant(high)
-    found = at_low * at_high <= 0.0
-    return roots(determinant, low[found], high[found], at_low[found], at_high[found])
+    bracketed = at_low * at_high <= 0.0
+    return roots(determinant, low[bracketed], high[bracketed], at_low[bracketed], at_high[bracketed])
 
 
 def _are_trigonometric(ends: EndConditions) -> bool:
@@ -394,15 +394,15 @@ def _trigonometric(ends: EndConditions, waves: Floats, x: Floats, derivative: in
 
 def _turned(x: Floats, most: int) -> Complexes:
     """Return exp(i m pi x), m up to ``most``, (len(x), most + 1): products of those before, which takes less time."""
-    found = np.ones((len(x), most + 1), dtype=np.complex128)
-    found[:, 1] = np.exp(1j * math.pi * x)
+    powers = np.ones((len(x), most + 1), dtype=np.complex128)
+    powers[:, 1] = np.exp(1j * math.pi * x)
     known = 2
     while known <= most:
         some = min(known, most + 1 - known)
-        following = found[:, known - 1] * found[:, 1]
-        np.multiply(following[:, None], found[:, :some], out=found[:, known : known + some])
+        following = powers[:, known - 1] * powers[:, 1]
+        np.multiply(following[:, None], powers[:, :some], out=powers[:, known : known + some])
         known += some
-    return found
+    return powers
 
 
 def _polynomials(ends: EndConditions, x: Floats) -> tuple[Floats, Floats, Floats]:
@@ -423,11 +423,11 @@ def _polynomials(ends: EndConditions, x: Floats) -> tuple[Floats, Floats, Floats
 def _next_to_ends(ends: EndConditions, wavenumber: float, x: Floats) -> tuple[Floats, Floats, Floats]:
     """Return z^p exp(-z), z = a (distance from an end), with two derivatives; ``wavenumber`` is the largest of all."""
     rate = max(_NARROW, wavenumber / _NARROWEST)
-    found = []
+    terms = []
     for end, sign, distance in ((ends.upper, 1.0, x), (ends.lower, -1.0, 1.0 - x)):
         z = rate * distance
         for p in _MISSING[end]:
             base = z ** (p - 2) * np.exp(-z)
             slope, curvature = z * (p - z), p * (p - 1) - 2 * p * z + z * z
-            found.append((z * z * base, sign * rate * slope * base, rate * rate * curvature * base))
-    return tuple(np.array(part) for part in zip(*found, strict=True))  # type: ignore[return-value]
+            terms.append((z * z * base, sign * rate * slope * base, rate * rate * curvature * base))
+    return tuple(np.array(part) for part in zip(*terms, strict=True))  # type: ignore[return-value]
