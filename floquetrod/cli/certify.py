@@ -89,8 +89,8 @@ def _certify(options: argparse.Namespace) -> Output:
             )
         load = like.with_numbers(**{name: value for name, (value,) in values.items()})
         with Waiting("searching the widest safe box", "sides moved") as progress:
-            box = rod.largest_safe_box(load, growth_tolerance=tolerance, rod=tolerances, progress=progress)
-        return _answer(options, box, box.proof, shown)
+            largest = rod.largest_safe_box(load, growth_tolerance=tolerance, rod=tolerances, progress=progress)
+        return _answer(options, largest, largest.proof, shown)
     box: dict[str, Any] = {name: tuple(ends) if len(ends) > 1 else ends[0] for name, ends in values.items()}
     with Waiting("proving", "boxes") as progress:
         proof = rod.certify(

@@ -128,14 +128,14 @@ class _KickSearch:
     """The search for the smallest kick that escapes, for many equations at once; gamma = 1.
 
     ``tried`` are the kicks so far, a row for each equation, increasing, NaN after the last, none above
-    ``smallest``, the smallest that escapes; ``kind`` distinguishes their orbits, and ``life`` is how long each went on.
+    ``escaping``, the smallest that escapes; ``kind`` distinguishes their orbits, and ``life`` is how long each went on.
     """
 
     def __init__(self, equations: Prepared, limit: Floats, max_steps: int, workers: int | None) -> None:
         self.equations, self.max_steps, self.workers = equations, max_steps, workers
         self.floor, ceiling = proved(equations)
         self.top = np.minimum(np.minimum(ceiling, _LARGEST * self.floor), limit)
-        self.smallest = np.where(ceiling <= limit, ceiling, math.inf)
+        self.escaping = np.where(ceiling <= limit, ceiling, math.inf)
         self.tried = self.floor[:, None]
         self.kind = np.full(self.tried.shape, float(kernels.STUCK))
         self.life = np.zeros(self.tried.shape)
@@ -157,7 +157,7 @@ class _KickSearch:
         self.findings[which] = findings
         fate = orbits["fate"]
         escaped = (fate == kernels.GROWS) | (fate == kernels.MIXED)  # mixed: kicks that escape lie arbitrarily close
-        self.smallest[which] = np.minimum(self.smallest[which], np.where(escaped, kicks, math.inf).min(axis=1))
+        self.escaping[which] = np.minimum(self.escaping[which], np.where(escaped, kicks, math.inf).min(axis=1))
         rests = (fate == kernels.STUCK) | (fate == kernels.ENERGY_BOUND)
         self._insert(
             which, kicks, np.where(rests, 10.0 + orbits["reversals"] + 1e6 * orbits["sticks"], fate), elapsed(orbits)
@@ -170,7 +170,7 @@ class _KickSearch:
             more = np.full((len(old), new.shape[1]), math.nan)
             more[which] = new
             whole.append(np.hstack([old, more]))
-        whole[0][whole[0] > self.smallest[:, None]] = math.nan
+        whole[0][whole[0] > self.escaping[:, None]] = math.nan
         longest = int((~np.isnan(whole[0])).sum(axis=1).max(initial=1))
         order = np.argsort(whole[0], axis=1)[:, :longest]
         self.tried, self.kind, self.life = (np.take_along_axis(part, order, axis=1) for part in whole)
@@ -187,7 +187,7 @@ class _KickSearch:
         ratio = np.maximum(self.top / floor, 1.0)
         steps = np.maximum(samples, np.ceil(np.log(ratio) / _STEEPEST))
         for block in range(0, int(steps.max(initial=0.0)), _BLOCK):
-            which = np.flatnonzero((ratio > 1.0) & (block < steps) & ~(self.smallest < self.top))
+            which = np.flatnonzero((ratio > 1.0) & (block < steps) & ~(self.escaping < self.top))
             share = np.arange(block + 1.0, block + _BLOCK + 1.0) / steps[which, None]
             kicks = floor[which, None] * ratio[which, None] ** np.minimum(share, 1.0)
             kicks = np.where(share == 1.0, self.top[which, None], kicks)
@@ -211,12 +211,12 @@ class _KickSearch:
 
     def narrow(self) -> Floats:
         """Bisect down to an edge below the smallest kick that escapes, and return it."""
-        low = np.where(self.tried < self.smallest[:, None], self.tried, 0.0).max(axis=1)
+        low = np.where(self.tried < self.escaping[:, None], self.tried, 0.0).max(axis=1)
         while True:
-            which = np.flatnonzero(np.isfinite(self.smallest) & (self.smallest - low > _CLOSE * self.smallest))
+            which = np.flatnonzero(np.isfinite(self.escaping) & (self.escaping - low > _CLOSE * self.escaping))
             if not which.size:
-                return self.smallest
-            middle = 0.5 * (low[which] + self.smallest[which])
+                return self.escaping
+            middle = 0.5 * (low[which] + self.escaping[which])
             self.look(which, middle[:, None])
-            caught = self.smallest[which] > middle
+            caught = self.escaping[which] > middle
             low[which[caught]] = middle[caught]
