@@ -13,11 +13,16 @@ _DASHES = ["-", (0, (6, 2)), (0, (2, 1.5)), (0, (6, 2, 1, 2)), (0, (1, 3)), (0, 
 """Of the lines of one factor of friction each, which are told apart in grey, too."""
 
 
+_LEFT = 0.5  # of the range of weights of a string picked up, by which the axis goes on to the left (a choice)
+
+
 def draw_weights(result: Any, shown: AnswerUnits, ax: Any = None) -> Any:
     """Draw `SurfaceWeights`: weights at the surface to the right, the depth of the lower end downwards."""
     ax = axes_or_new(ax)
     depth, force = shown.length.of(result.depth), shown.force
     ax.plot(force.of(result.free), depth, color="0.6", linewidth=2.5, label="without friction")
+    moved = np.concatenate([result.pick_up.ravel(), result.free])
+    left = force.of(moved.min() - _LEFT * (moved.max() - moved.min()))
     stops: list[tuple[float, float]] = []
     for k, factor in enumerate(result.friction):
         style = {"color": str(0.12 * (k // len(_DASHES))), "linestyle": _DASHES[k % len(_DASHES)], "linewidth": 1.3}
@@ -25,13 +30,14 @@ def draw_weights(result: Any, shown: AnswerUnits, ax: Any = None) -> Any:
         goes = np.isfinite(result.slack_off[k])
         ax.plot(force.of(result.slack_off[k][goes]), depth[goes], **style)
         if np.isfinite(result.lock_up[k]) and goes.any():
-            stops.append((force.of(result.slack_off[k][goes][-1]), depth[goes][-1]))
+            stops.append((max(left, force.of(result.slack_off[k][goes][-1])), depth[goes][-1]))
     if stops:
         ax.plot(*np.transpose(stops), "kx", markersize=7.0, clip_on=False, label="locks up below")
     ax.axvline(0.0, color="0.7", linewidth=0.6, zorder=0.0)
     start, end = shown.length.of(result.path.start), float(depth[-1])
     ax.set_ylim(end, start)
-    ax.margins(x=0.08)
+    ax.margins(x=0.05)
+    ax.set_xlim(left=max(left, ax.get_xlim()[0]))
     ax.xaxis.set_label_position("top")
     ax.xaxis.tick_top()
     ax.set_xlabel(f"surface weight{' (below 0: pushed)' if _is_pushed(result) else ''} / {force.name}")
