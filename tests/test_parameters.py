@@ -93,6 +93,7 @@ ALTERED: dict[str, Any] = {
     "path": {"path": WELL, "depth": 1100.0},
     "depth": {"path": WELL, "depth": 1200.0},
     "yield_strength": 600e6,
+    "residual_curvature": 2.0,
 }
 
 

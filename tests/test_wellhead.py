@@ -65,6 +65,17 @@ def test_the_injector_has_less_left_for_the_string(seed: int) -> None:
     np.testing.assert_array_equal(found.bit, plain.bit)
 
 
+@pytest.mark.parametrize("tool", [None, fr.VibrationTool("2kN", "15Hz")])
+def test_a_push_too_small_to_begin_with_gets_nowhere(tool: fr.VibrationTool | None) -> None:
+    """Weight helps later on, whichever depths are asked for."""
+    push = 1e7 * math.pi * PIPE.radius**2 - 100.0
+    for depths in ([900.0], [1.0, 10.0, 900.0]):
+        found = PIPE.reach(WELL, 0.2, tool=tool, push=push, wellhead_pressure=1e7, depth=depths)
+        assert (found.reach, found.limit) == (0.0, "push")
+        assert found.injector[-1] < push
+    assert PIPE.reach(WELL, 0.2, tool=tool, push=push + 200.0, wellhead_pressure=1e7, depth=[900.0]).reach == 900.0
+
+
 def von_mises(rod: fr.Rod, force: float, bending: float, inside: float, outside: float) -> float:
     """Return the largest von Mises stress in Pa of both faces and sides, by Lame's stresses and the wall's force."""
     inner, outer = rod.inner_radius, rod.radius

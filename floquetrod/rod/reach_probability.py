@@ -40,7 +40,7 @@ _MOST_SAMPLES = 10**6  # a day or two
 _DEPTHS = 20  # where none are asked for
 _OF_STRING = (
     *("youngs_modulus", "density", "radius", "inner_radius", "channel_radius", "gravity"),
-    *("fluid_inside", "fluid_outside"),
+    *("fluid_inside", "fluid_outside", "residual_curvature"),
 )
 """Parameters of a rod that its mean force depends on."""
 

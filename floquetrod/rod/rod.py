@@ -116,6 +116,10 @@ class Rod(RodData):
         Path of the well in place of ``inclination`` and ``curvature``, or a mapping of its arguments.
     depth : float or str
         Measured depth of the upper end on the path in m, or with a unit, 0 by default.
+    residual_curvature : float or str
+        Curvature of the rod without load in 1/m, or with a unit such as "0.1rad/m", as of coiled tubing from its reel;
+        0, straight, by default.  The channel holds it straight, which bends it, and presses its lower end to the wall
+        (docs/theory/surface_weights.md); for strings in wells and stresses.
     yield_strength : float or str, optional
         Yield strength of the material in Pa, or with a unit such as "620MPa", to which `stress` is compared; a pipe of
         the catalogue has that of its grade.
@@ -376,7 +380,7 @@ class Rod(RodData):
         >>> well = fr.WellPath([0.0, 1000.0, 1450.0, 2500.0], ["0deg", "0deg", "90deg", "90deg"])
         >>> tubing = Rod.catalogue("2.00x0.156", bore="4.778in", length=1.0, fluid_inside=1e3, fluid_outside=1e3)
         >>> tubing.surface_weights(well, 0.2, wellhead_pressure="10MPa", stripper="5kN")
-        <at 2500 m, free 30.14 kN: pick-up 48.94 kN, slack-off 12.55 kN with friction 0.2>
+        <at 2500 m, free 30.14 kN: pick-up 45.56 kN, slack-off 12.51 kN with friction 0.2>
         """
         from floquetrod.rod.answers import surface_weights
         from floquetrod.rod.model.wellhead import Wellhead

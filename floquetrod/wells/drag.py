@@ -59,6 +59,17 @@ MOTIONS = {"pushed": 1.0, "standing": 0.0, "pulled": -1.0}
 """Ways in which a string moves, and the sign of friction upwards."""
 
 
+def end_contact_of_bend(rigidity: float, clearance: float, curvature: float) -> float:
+    """Return the contact force in N at the lower end of a string that is bent without load, in a straight hole.
+
+    Held straight it carries the moment E I kappa_0 all along, without shear and so without contact.  Its free end
+    springs across the clearance, over the length l = sqrt(12 R / kappa_0), and presses with E I kappa_0 / l where it
+    ends and, on the other side of the hole, where it leaves the wall: together E I kappa_0^(3/2) / sqrt(3 R)
+    (docs/theory/surface_weights.md).
+    """
+    return rigidity * curvature**1.5 / math.sqrt(3.0 * clearance)
+
+
 @dataclass(frozen=True)
 class StringProperties:
     """A string's rigidity, weight and clearance."""
@@ -176,6 +187,17 @@ class Drag:
     motion: str = "pushed"
     helical: str = "energy"
     shaking: Shaking | None = None
+    end_contact: float = 0.0  # N, concentrated at the lower end
+
+    def above_end(self, far_force: Any, bottom: Floats) -> Floats:
+        """Return the compression in N above the contact at the lower end, of strings to measured depths in m.
+
+        A tool leaves the friction there as it is.
+        """
+        force = np.broadcast_to(np.asarray(far_force, dtype=float), bottom.shape)
+        if not self.end_contact:
+            return force
+        return np.asarray(force + MOTIONS[self.motion] * self.friction.at(bottom) * self.end_contact)
 
     def force(self, y: Floats) -> Floats:
         """Return the compression in N, infinite from y = pi / 2 on."""

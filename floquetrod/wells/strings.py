@@ -45,7 +45,7 @@ def run(drag: Drag, top: float, bottoms: Floats, far_force: Any, depths: Floats,
     ``far_force`` in N at the lower end is one for all, or (n,).
     """
     size, depths = bottoms.size, np.unique(depths)
-    start = np.array(np.broadcast_to(drag.y_of(np.asarray(far_force)), size))
+    start = np.array(drag.y_of(drag.above_end(far_force, bottoms)))
     strings = Strings(np.full(size, top), bottoms, start)
     y, wave = np.empty((depths.size, size)), np.zeros((2, depths.size, size))
     states = Run(depths, y, np.empty(size), wave, np.ones(size, bool))

@@ -34,6 +34,7 @@ from floquetrod.wells.drag import (
     Shaking,
     StringProperties,
     WellGeometry,
+    end_contact_of_bend,
 )
 from floquetrod.wells.path import WellPath
 from floquetrod.wells.survey import LENGTHS
@@ -81,6 +82,9 @@ class MeanForce(Printed, ByContent):
     wellhead : float
         Compression in N that the injector gives beyond the effective one below the stripper: wellhead pressure on the
         cross-section, and friction of the stripper, negative where that helps.
+    end_contact : float
+        Contact force in N concentrated at the lower end, of a string with a residual curvature; ``force`` there is
+        that above it.
     """
 
     depth: Floats
@@ -96,6 +100,7 @@ class MeanForce(Printed, ByContent):
     speed_error: float
     vibration_error: float
     wellhead: float = 0.0
+    end_contact: float = 0.0
 
     @property
     def at_top(self) -> float:
@@ -132,10 +137,12 @@ class MeanForce(Printed, ByContent):
             added = with_unit(abs(self.wellhead), "N", 4)
             kind = "push" if self.wellhead > 0.0 else "pull"
             lines.insert(0, ("wellhead", f"pressure and stripper add {added} of {kind} at the injector"))
+        if self.end_contact:
+            lines.insert(0, ("bend", bend_in_words(with_unit(self.end_contact, "N", 3))))
         return Report(self._in_words, [*lines, ("assumed", "; ".join(ASSUMED))])
 
     _keys = "motion depth_m force_N contact_N_per_m friction speed_m_per_s vibration_N is_snaking is_helix error_N "
-    _keys += "speed_error_m_per_s vibration_error_N wellhead_N injector_N surface_weight_N"
+    _keys += "speed_error_m_per_s vibration_error_N wellhead_N injector_N surface_weight_N end_contact_N"
 
 
 ASSUMED = (
@@ -146,6 +153,11 @@ ASSUMED = (
     "which is free, and by the upper one, which moves steadily",
 )
 """What mean forces assume."""
+
+
+def bend_in_words(contact: str) -> str:
+    """Return where the residual curvature of a string presses it to the wall, from its contact force there."""
+    return f"that of the string without load presses it to the wall with {contact} at the lower end, and nowhere else"
 
 
 def _depths(depth: Floats, is_so: Bools) -> str:
@@ -178,6 +190,7 @@ def drag_of(
         validate.choice("motion", motion, MOTIONS),
         validate.choice("helical", helical, HELICAL),
         shaking,
+        end_contact_of_bend(rod.flexural_rigidity, rod.radial_clearance, rod.residual_curvature),
     )
 
 
@@ -289,6 +302,7 @@ def _along(
         speed_error=errors[1],
         vibration_error=errors[2],
         wellhead=wellhead,
+        end_contact=drag.end_contact,
     )
 
 

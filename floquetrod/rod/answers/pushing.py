@@ -154,7 +154,7 @@ class Pushing:
         force = np.where(runs.is_settled, drag.force(runs.top_y), math.inf)
         stress = np.zeros(bottoms.size)
         if is_limited:
-            y = drag.y_of(np.broadcast_to(np.asarray(far_force, dtype=float), bottoms.shape))
+            y = drag.y_of(drag.above_end(far_force, bottoms))
             stress = self._stress(bottoms, y, 0.0)
             if places.size:
                 along = self._stress(places[:, None], runs.y, runs.wave[1])
@@ -187,7 +187,7 @@ class Pushing:
     def _rise(self, depth: Floats) -> Floats:
         """Return -dy/ds at the lower end of strings."""
         drag, positions = self.drag, WellGeometry.at(self.drag.path.arcs.at(depth))
-        y = np.broadcast_to(drag.y_of(np.asarray(self.far_force)), depth.shape)
+        y = drag.y_of(drag.above_end(self.far_force, depth))
         return -drag.slopes(positions, drag.friction.at(depth), y, drag.is_helix(positions, y))
 
     def examined(self, depths: Floats, limits: Limits) -> Floats:
@@ -197,17 +197,28 @@ class Pushing:
         farther from each other than a hundredth of the path.
         """
         path, deepest = self.drag.path, float(depths[-1])
+        begin = np.array([path.start + LENGTHS[0]])
+        if not (self.drag.above_end(self.far_force, begin) > limits.push).any():
+            begin = np.empty(0)  # it takes no more than the push to begin with
         if self.drag.shaking is not None:
             before = np.append(path.start, depths[:-1])
             parts = np.ceil((depths - before) * (_TRIED_DEPTHS / (path.end - path.start)) - 1e-9)
             pieces = zip(before, depths, np.maximum(parts, 1.0).astype(int), strict=True)
-            return np.concatenate([np.linspace(a, b, n + 1)[1:] for a, b, n in pieces])
+            return np.concatenate([begin, *(np.linspace(a, b, n + 1)[1:] for a, b, n in pieces)])
         enters = np.empty(0)
         if math.isfinite(limits.stress):
             places = self.places[(self.places > path.start) & (self.places < deepest)]
-            y = np.broadcast_to(self.drag.y_of(np.asarray(self.far_force)), places.shape)
+            y = self.drag.y_of(self.drag.above_end(self.far_force, places))
             enters = places[self._stress(places, y, 0.0) > limits.stress][:1]
-        return np.unique(np.concatenate([self.turning(deepest), enters, depths]))
+        return np.unique(np.concatenate([begin, self.turning(deepest), enters, self._jumps(deepest), depths]))
+
+    def _jumps(self, deepest: float) -> Floats:
+        """Return depths beside those at which friction at the lower end, and with it the force above, jumps."""
+        if not self.drag.end_contact:
+            return np.empty(0)
+        jumps = np.array(self.drag.friction.depths)
+        jumps = np.concatenate([jumps, np.nextafter(jumps, -math.inf)])
+        return np.asarray(jumps[(jumps > self.drag.path.start) & (jumps < deepest)])
 
     def passes(self, depths: Floats, limits: Limits) -> Bools:
         """Return to which increasing depths strings are pushed through all depths `examined`."""

@@ -42,7 +42,8 @@ def stress_along(
     """Return the largest stress in the section, with the vibration of the force in N.
 
     E r_o times the curvature of the well, and of a helix R theta'^2 = R F / (2 E I), which waves are given, too.  Both
-    are added, as where a turn of the helix bends the string the way the well does.
+    are added, as where a turn of the helix bends the string the way the well does, and the curvature that the string
+    has without load, as where it is bent against that.
     """
     bent = np.hypot(*path.curvature(along.depth))
     is_wound = along.is_snaking | along.is_helix
@@ -66,7 +67,7 @@ def stress_of(
     push = np.where(is_wound, np.maximum(force, 0.0), 0.0)
     wound = push * rod.radial_clearance / (2.0 * rod.flexural_rigidity)
     axial = (np.abs(force) + amplitude) / rod.area
-    bending = rod.youngs_modulus * rod.radius * (bent + wound)
+    bending = rod.youngs_modulus * rod.radius * (bent + wound + rod.residual_curvature)
     if excess is None:
         return StressAlong(axial, bending, np.asarray(axial + bending))
     inner, outer = rod.inner_radius, rod.radius

@@ -18,7 +18,15 @@ from floquetrod._util.content import ByContent
 from floquetrod._util.interchange import by_keys
 from floquetrod._util.result_report import Printed, Report, Table
 from floquetrod.rod.answers.growth_along import fastest_along, growth_along
-from floquetrod.rod.answers.mean_force import ASSUMED, MeanForce, drag_of, force_in_newtons, mean_forces, spans
+from floquetrod.rod.answers.mean_force import (
+    ASSUMED,
+    MeanForce,
+    bend_in_words,
+    drag_of,
+    force_in_newtons,
+    mean_forces,
+    spans,
+)
 from floquetrod.rod.answers.pushing import (
     ASKED,
     END,
@@ -311,6 +319,10 @@ class Reach(units.InUnits, Printed, ByContent):
         ]
         if self.wellhead_force:
             lines.append(("wellhead", self.wellhead.in_words(self._pushing.rod.section, "pushed", shown)))
+        if self.along.end_contact:
+            rod, pressed = self._pushing.rod, bend_in_words(shown.force.show(self.along.end_contact, 3))
+            bending = shown.pressure.show(rod.youngs_modulus * rod.radius * rod.residual_curvature, 3)
+            lines.append(("bend", f"{pressed}; held straight it adds {bending} of bending stress"))
         lines += [("speed", self._speeds_in_words(shown))] if self.tool else []
         lines += [
             ("at", f"{unit.show(along.depth[-1])}, {'with the tool' if self.tool else 'pushed'}:"),

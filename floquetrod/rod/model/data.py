@@ -96,6 +96,7 @@ class RodData(units.InUnits, TellsAttributes):
     curvature: float = 0.0
     path: WellPath | None = None
     depth: float = 0.0
+    residual_curvature: float = 0.0
     yield_strength: float | None = None
 
     def __init__(
@@ -117,6 +118,7 @@ class RodData(units.InUnits, TellsAttributes):
         curvature: float | str | None = None,
         path: WellPath | Mapping[str, Any] | None = None,
         depth: float | str = 0.0,
+        residual_curvature: float | str = 0.0,
         yield_strength: float | str | None = None,
         diameter: float | str | None = None,
         inner_diameter: float | str | None = None,

@@ -202,6 +202,22 @@ ROD = by_name(
         option=Option("measured depth of the rod's upper end such as 1200m (needs --path)", in_a_well=False),
     ),
     Parameter(
+        name="residual_curvature",
+        symbol="kappa_0",
+        kind="curvature",
+        least=0.0,
+        largest=_SHARPEST,
+        default=0.0,
+        known_to=frozenset({"stress", "strings"}),
+        hint="give it in 1/m, 1 over the radius to which the rod is bent without load",
+        is_echoed=True,
+        option=Option(
+            "curvature of the rod without load, as of tubing from its reel, such as 0.1rad/m (replaces that of the "
+            "rod)",
+            "CURVATURE",
+        ),
+    ),
+    Parameter(
         name="yield_strength",
         symbol="",
         kind="pressure",

@@ -29,7 +29,7 @@ class Stress:
         Largest size over a period of the effective force at that section over the area of the material, in Pa.  With
         equal pressures inside and outside it is the von Mises stress of the wall without bending.
     bending : float
-        E r_o times the curvature of the channel there, in Pa; of a rod that is straight without load.
+        E r_o times the curvature of the channel there and the residual one of the rod, in Pa.
     position : float
         Distance of the section from the upper end in m.
     yield_strength : float or None
@@ -103,6 +103,6 @@ def stress(rod: Any, load: Load) -> Stress:
     axial = (np.abs(mean) + largest_along(load, rod.wave_speed, rod.length, x * rod.length)) / rod.area
     place = rod.course.place(x)
     curvature = np.broadcast_to(np.hypot(place.kappa_n, place.kappa_b), x.shape)
-    bending = rod.youngs_modulus * rod.radius * curvature
+    bending = rod.youngs_modulus * rod.radius * (curvature + rod.residual_curvature)
     worst = int(np.argmax(axial + bending))
     return Stress(float(axial[worst]), float(bending[worst]), float(x[worst] * rod.length), rod.yield_strength)
