@@ -67,7 +67,7 @@ def end_contact_of_bend(rigidity: float, clearance: float, curvature: float) -> 
     ends and, on the other side of the hole, where it leaves the wall: together E I kappa_0^(3/2) / sqrt(3 R)
     (docs/theory/surface_weights.md).
     """
-    return rigidity * curvature**1.5 / math.sqrt(3.0 * clearance)
+    return rigidity * curvature * math.sqrt(curvature / (3.0 * clearance))
 
 
 @dataclass(frozen=True)

@@ -131,7 +131,14 @@ class SurfaceWeights(Printed, ByContent, InUnits):
     def plot(self, ax: Any = None, *, depth: str | None = None, force: str | None = None) -> Any:
         """Draw the weights over the depth, which grows downwards, into axes of matplotlib, which are returned.
 
-        In the units of `report`.
+        Parameters
+        ----------
+        ax : Axes, optional
+            By default those of a new figure.
+        depth : str, optional
+            Unit of depths, as in `report`.
+        force : str, optional
+            Unit of forces, as in `report`.
         """
         from floquetrod.plotting.weights_plot import draw_weights
 
