@@ -53,7 +53,7 @@ settings.register_profile(
     deadline=None,
     print_blob=True,
     derandomize=not DEEP,
-    max_examples=6,
+    max_examples=depth(6, 3),
     suppress_health_check=[HealthCheck.too_slow],
 )
 JIT = os.environ.get("NUMBA_DISABLE_JIT", "0") != "1"
@@ -94,6 +94,7 @@ def pytest_collection(session: pytest.Session) -> Generator[None, object, object
         return (yield)
     finally:
         gc.freeze()
+        gc.set_threshold(20_000, 20, 20)  # compiling makes many objects and little garbage: a twentieth of all the work
         gc.enable()
 
 

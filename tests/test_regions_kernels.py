@@ -137,7 +137,7 @@ def test_excess_encloses_and_both_add_up_to_minus_one() -> None:
 def test_excess_against_many_digits() -> None:
     rng = np.random.default_rng(6)
     excess = compiled(regions_excess.excess)
-    for _ in range(25):
+    for _ in range(depth(25, 12)):
         alpha, beta = float(10.0 ** rng.uniform(-3.0, 1.0)), float(rng.uniform(-30.0, 2.0))
         exact = discriminant_excess(fr.Mathieu(alpha, beta), 30)
         true = exact.excess, -1 - exact.excess
@@ -200,7 +200,7 @@ def test_answers_about_a_mode_are_true() -> None:
     growth = compiled(undamped_growth)
     found = {STABLE: 0, UNSTABLE: 0, UNDECIDED: 0}
     nearest: list[tuple[float, int, float, tuple[float, float, float]]] = []
-    for _ in range(400):
+    for _ in range(many := 400 if JIT else 120):
         box = random_mode_box(rng)
         status = mode_status(*box)
         found[status] += 1
@@ -212,9 +212,9 @@ def test_answers_about_a_mode_are_true() -> None:
             if p > 0.0 and math.frexp(omega)[0] == 0.5:
                 rate = growth(p / omega**2, -kappa / omega**2, 0.0) * omega
                 nearest.append((abs(rate - box[3][0]) / omega, status, box[3][0], (kappa, p, omega)))
-    assert found[STABLE] > 100
-    assert found[UNSTABLE] > 30
-    assert found[UNDECIDED] < 160
+    assert found[STABLE] > many // 4
+    assert found[UNSTABLE] > many // 14
+    assert found[UNDECIDED] < 2 * many // 5
     nearest.sort()
     for _, status, level, point in nearest[:12]:
         assert judged_by_reference(level, *point) == status, (level, point)
@@ -386,7 +386,7 @@ def answer(rod: fr.Rod, low: Floats, high: Floats, tolerance: float) -> tuple[st
 def test_boxes_of_loads() -> None:
     rng = np.random.default_rng(11)
     found: dict[str, int] = dict.fromkeys(("stable", "unstable", "mixed", "undecided"), 0)
-    for _ in range(60):
+    for _ in range(60 if JIT else 20):
         rod = fr.Rod.nitinol().replace(damping_rate=float(rng.choice([0.0, rng.uniform(0.0, 12.0)])))
         unit = rod.critical_force
         tolerance = float(10.0 ** rng.uniform(-6.0, 0.0))
@@ -394,7 +394,7 @@ def test_boxes_of_loads() -> None:
         high = low * (1.0 + 10.0 ** rng.uniform(-3.0, math.log10(0.2), 3))
         status, search = answer(rod, low, high, tolerance)
         found[status] += 1
-        loads = random_loads(rng, 200, low, high)
+        loads = random_loads(rng, 200 if JIT else 40, low, high)
         stable = rod.is_stable(**by_name(*loads.T), growth_tolerance=tolerance)
         if status in ("stable", "unstable"):
             assert (stable == (status == "stable")).all()
@@ -404,7 +404,7 @@ def test_boxes_of_loads() -> None:
             assert not rod.is_stable(**by_name(*other[:3]), growth_tolerance=tolerance)
             assert 0 < search.counts[regions.GROWING_MODE] <= search.last
     assert found["undecided"] == 0
-    assert min(found["stable"], found["unstable"], found["mixed"]) >= 5
+    assert min(found["stable"], found["unstable"], found["mixed"]) >= (5 if JIT else 1)
 
 
 def test_modes_left_out_grow_no_more_than_is_said() -> None:
@@ -467,16 +467,18 @@ def test_cells_are_proved() -> None:
     rod = fr.Rod.nitinol().replace(damping_rate=1.0)
     unit = rod.critical_force
     x, y = np.linspace(0.1 * unit, 1.1 * unit, 9), np.linspace(0.005 * unit, 0.2 * unit, 7)
-    corners = [edge.ravel() for edge in (*np.meshgrid(x[:-1], y[:-1]), *np.meshgrid(x[1:], y[1:]))]
-    out = np.empty(48, dtype=np.int8)
-    w = np.full(48, 120.0)
+    some = slice(None, None, 1 if JIT else 3)
+    corners = [edge.ravel()[some] for edge in (*np.meshgrid(x[:-1], y[:-1]), *np.meshgrid(x[1:], y[1:]))]
+    many = corners[0].size
+    out = np.empty(many, dtype=np.int8)
+    w = np.full(many, 120.0)
     rods = rod_box(rod, 0.0, 0.0, 1.0)[3:]
     compiled(regions.certify_cells)(
         corners[0], corners[2], corners[1], corners[3], w, w, out, rods, 0.01, 0.01, 1e-12, 1000, 500
     )
     assert set(out.tolist()) == {1, 0, 2}
     rng = np.random.default_rng(19)
-    for cell in range(48):
+    for cell in range(many):
         at = rng.random((2, 300 if JIT else 30))
         mean = corners[0][cell] + at[0] * (corners[2][cell] - corners[0][cell])
         amplitude = corners[1][cell] + at[1] * (corners[3][cell] - corners[1][cell])
