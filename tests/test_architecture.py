@@ -247,32 +247,35 @@ def later():
     assert named == found - {"floquetrod.methods."} | {"a", "b", "c", "d", "e"}
 
 
-def loaded_after(statements: str) -> set[str]:
-    """Return the packages of `LAZY` that a fresh interpreter has loaded after ``statements``."""
-    code = f"{statements}\nimport sys\nprint(*sys.modules)"
-    run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, cwd=ROOT)
-    return LAZY & set(run.stdout.split())
+SYSTEM = "fr.HillSystem([[1, 0], [0, 4]], cosines=[[[0.1, 0.2], [0.2, 0.16]]], damping={})"
+VERDICTS = {
+    "one equation": "fr.stability(fr.Mathieu(alpha=0.5, beta=-0.25))",
+    **{
+        name: f"s = {SYSTEM.format(damping)}; fr.stability(s); fr.systems.is_stable(s)"
+        for name, damping in {"a system": "None", "a damped system": "[[0.1, 0.0], [0.0, 0.2]]"}.items()
+    },
+}
 
 
-def test_import_loads_nothing_heavy() -> None:
-    assert loaded_after("import floquetrod") == set()
-
-
-def test_importing_every_module_loads_nothing_heavy() -> None:
+@pytest.fixture(scope="module")
+def loaded() -> dict[str, set[str]]:
+    """Return the packages of `LAZY` that a fresh interpreter has loaded after each of these, one after the other."""
     names = [f"{PACKAGE}.{module}" for module in FILES if not module.startswith("__")]
     names += [f"studies.{path.stem}" for path in sorted((ROOT / "studies").glob("*.py"))]
-    assert loaded_after("\n".join(f"import {name}" for name in names)) == set()
+    work = {"the package": "import floquetrod as fr", "every module": f"import {', '.join(names)}", **VERDICTS}
+    code = "import sys\n" + "\n".join(f"{statements}\nprint(*sys.modules)" for statements in work.values())
+    run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, cwd=ROOT)
+    return {name: LAZY & set(line.split()) for name, line in zip(work, run.stdout.splitlines(), strict=True)}
 
 
-def test_a_scalar_verdict_needs_no_compiler() -> None:
-    assert "numba" not in loaded_after("import floquetrod as fr; fr.stability(fr.Mathieu(alpha=0.5, beta=-0.25))")
+@pytest.mark.parametrize("imported", ["the package", "every module"])
+def test_imports_load_nothing_heavy(imported: str, loaded: dict[str, set[str]]) -> None:
+    assert loaded[imported] == set()
 
 
-@pytest.mark.parametrize("damping", ["None", "[[0.1, 0.0], [0.0, 0.2]]"])
-def test_a_verdict_on_one_system_needs_no_compiler(damping: str) -> None:
-    system = f"fr.HillSystem([[1, 0], [0, 4]], cosines=[[[0.1, 0.2], [0.2, 0.16]]], damping={damping})"
-    loaded = loaded_after(f"import floquetrod as fr; s = {system}; fr.stability(s); fr.systems.is_stable(s)")
-    assert "numba" not in loaded
+@pytest.mark.parametrize("question", VERDICTS)
+def test_a_single_verdict_needs_no_compiler(question: str, loaded: dict[str, set[str]]) -> None:
+    assert "numba" not in loaded[question]
 
 
 def test_methods_of_a_rod_only_call_what_computes() -> None:

@@ -339,11 +339,20 @@ def test_the_search_reads_what_a_page_says(tmp_path: Path) -> None:
     assert texts(tmp_path, ["page", "absent"]) == {"page": {"#a": "Rods of steel wire", "#b": "and string"}}
 
 
+def definitions(node: ast.AST) -> Iterator[ast.FunctionDef | ast.ClassDef]:
+    """Yield the functions and classes in a syntax tree: they are statements, which have no expression above them."""
+    for below in ast.iter_child_nodes(node):
+        if isinstance(below, ast.FunctionDef | ast.ClassDef):
+            yield below
+        if isinstance(below, ast.stmt | ast.excepthandler):
+            yield from definitions(below)
+
+
 def docstrings() -> Iterator[tuple[str, bool, str]]:
     """Yield the place of every docstring, whether it is that of a property, and its text."""
     for path in sorted((ROOT / "floquetrod").rglob("*.py")):
-        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
-            if isinstance(node, ast.FunctionDef | ast.ClassDef) and (text := ast.get_docstring(node)):
+        for node in definitions(ast.parse(path.read_text(encoding="utf-8"))):
+            if text := ast.get_docstring(node):
                 decorators = {ast.unparse(decorator).split(".")[-1] for decorator in node.decorator_list}
                 yield f"{path.name}, {node.name}", not decorators.isdisjoint({"property", "cached_property"}), text
 
