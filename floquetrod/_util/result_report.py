@@ -57,18 +57,27 @@ class Report:
     table : Table or None
     rest : Report or None
         A report to be read after it.
+    assumptions : sequence of str
+        What the answer rests on; in the text and the table only `with_assumptions`, in a notebook folded away.
     """
 
     headline: str
     lines: Sequence[tuple[str, str]] = ()
     table: Table | None = None
     rest: Report | None = None
+    assumptions: Sequence[str] = ()
 
     def with_lines(self, lines: Sequence[tuple[str, str]], before: str | None = None) -> Report:
         """Return the report with more lines, ``before`` the one with this label or after all of them."""
         labels = [label for label, _ in self.lines]
         index = labels.index(before) if before in labels else len(labels)
         return replace(self, lines=[*self.lines[:index], *lines, *self.lines[index:]])
+
+    def with_assumptions(self) -> Report:
+        """Return the report with a line for each assumption."""
+        assumed = [("" if i else "assumed", text) for i, text in enumerate(self.assumptions)]
+        rest = None if self.rest is None else self.rest.with_assumptions()
+        return replace(self, lines=[*self.lines, *assumed], rest=rest, assumptions=())
 
     def __str__(self) -> str:
         """Return the report as text."""
@@ -88,6 +97,9 @@ class Report:
             f"<table>{rows}</table>" if rows else "",
         ]
         fragments += [] if self.table is None else [self.table.html()]
+        if self.assumptions:
+            items = "".join(f"<li>{escape(text)}</li>" for text in self.assumptions)
+            fragments.append(f"<details><summary>assumptions</summary><ul>{items}</ul></details>")
         return "".join(fragments) + ("" if self.rest is None else self.rest._repr_html_())
 
 

@@ -89,7 +89,7 @@ _LAST_MODE = 20_000  # far beyond any mode that matters: a typing error must not
 
 def add(check: Parser) -> None:
     """Add help and options of the command to its parser."""
-    describe_command(check, _HELP, _check, ("system", *ROD_AND_LOAD))
+    describe_command(check, _HELP, _check, ("system", *ROD_AND_LOAD), has_assumptions=True)
     add_question(check, add_subject(check), friction=True)
     check.add_argument("--exit-code", action="store_true", help="exit with 1 when unstable, 3 when undecided")
     check.add_argument(

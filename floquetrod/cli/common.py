@@ -34,15 +34,20 @@ _SHOWN = ("force", "frequency", "speed", "length", "pressure")  # kinds of quant
 _MOST_POINTS = 25_000_000  # half a gigabyte with growth rates
 
 
-def describe_command(command: Parser, text: str, run: Any, common: Sequence[str]) -> None:
+def describe_command(
+    command: Parser, text: str, run: Any, common: Sequence[str], *, has_assumptions: bool = False
+) -> None:
     """Give a command its help, which begins with the first paragraph of ``text`` and ends with the rest.
 
     The first paragraph of that rest are the examples; ``common`` are the options that --help shows, at most five.
+    Reports of a command whose answer has assumptions list them on request.
     """
     command.show_most_used(*common)
     command.description, _, command.epilog = text.partition("\n\n")
     command.formatter_class = argparse.RawDescriptionHelpFormatter
     command.add_argument("--json", action="store_true", help="print JSON, units in the names")
+    if has_assumptions:
+        command.add_argument("--assumptions", action="store_true", help="list the assumptions of the answer")
     command.set_defaults(run=run, parser=command)
 
 

@@ -30,7 +30,7 @@ end moves the lower one.  With --push also how long a string that force can push
 
 def add(command: Parser) -> None:
     """Add help and options of the command to its parser."""
-    describe_command(command, _HELP, _lock_up, ("rod", "bore", "length", "friction", "push"))
+    describe_command(command, _HELP, _lock_up, ("rod", "bore", "length", "friction", "push"), has_assumptions=True)
     add_rod(command, classified=False)
     add_coefficient(command, "required")
     add_push(command)

@@ -27,9 +27,12 @@ def output(
 ) -> Output:
     """Return the report, or the record with the version where JSON was asked for; the other is not made.
 
-    Both tell which files were ``written``, of commands that write any.
+    Both tell which files were ``written``, of commands that write any.  JSON has the assumptions, the report on request.
     """
     if options.json:
         files = {"written": list(written)} if options.parser.outputs else {}
         return Output(json.dumps({**record(), **files, "version": __version__}, indent=2, allow_nan=False), status)
-    return Output("\n".join([str(report()), *([f"written: {', '.join(written)}"] if written else [])]), status)
+    said = report()
+    if isinstance(said, Report) and getattr(options, "assumptions", False):
+        said = said.with_assumptions()
+    return Output("\n".join([str(said), *([f"written: {', '.join(written)}"] if written else [])]), status)

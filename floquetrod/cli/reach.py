@@ -61,7 +61,7 @@ such growth.  Depths are measured depths; forces are effective, positive in comp
 
 def add(command: Parser) -> None:
     """Add help and options of the command to its parser."""
-    describe_command(command, _HELP, _reach, ("well", "rod", "friction", "tool", "speed"))
+    describe_command(command, _HELP, _reach, ("well", "rod", "friction", "tool", "speed"), has_assumptions=True)
     add_well(command, required=True)
     add_survey_units(command)
     add_rod(command, classified=False, in_a_well=True)

@@ -116,15 +116,14 @@ def _contents(result: Any, asked: _Asked) -> tuple[str, list[DocumentSection]]:
     if asked.units is not None and not takes_units:
         raise validate.wrong_value("units", f"must be left out, since a {type(result).__name__} has a report without")
     said = result.report(asked.units) if takes_units else result.report()
-    drawn = DocumentSection(type(result).__name__, said, getattr(result, "plot", None))
+    drawn = DocumentSection(type(result).__name__, said.with_assumptions(), getattr(result, "plot", None))
     return repr(result)[1:-1], [drawn, _made(getattr(result, "references", ()), asked.command)]
 
 
 @_contents.register
 def _(result: Reach, asked: _Asked) -> tuple[str, list[DocumentSection]]:
-    section = _reach(result, asked.units)[0]
-    title = repr(result)[1:-1] if section.report is None else section.report.headline
-    return title, [section, _made((), asked.command)]
+    ((name, said, draw),) = _reach(result, asked.units)
+    return said.headline, [DocumentSection(name, said.with_assumptions(), draw), _made((), asked.command)]
 
 
 @_contents.register

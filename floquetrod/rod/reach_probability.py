@@ -84,11 +84,11 @@ class ReachProbability(Printed, ByContent):
         )
 
     def report(self) -> Report:
-        """Return the probability by depth, and the assumptions."""
+        """Return the probability by depth."""
         table = zip(self.depth, self.probability, self.low, self.high, strict=True)
         columns = [("depth m", ">9"), ("probability", ">11"), ("from", ">6"), ("to", ">6")]
         rows = [[f"{depth:.6g}", *(f"{share:.3f}" for share in others)] for depth, *others in table]
-        return Report(self._in_words, [("assumed", "; ".join(self.assumptions))], Table(columns, rows))
+        return Report(self._in_words, (), Table(columns, rows), assumptions=self.assumptions)
 
     _keys = "depth_m probability low high confidence samples seed assumptions"
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import textwrap
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any, Literal, NamedTuple, TypeAlias
@@ -158,7 +157,7 @@ class RegionProof(Reported, NoTruthValue):
                 rest = f"every higher mode grows at less than {self.left_out_bound:.1g} 1/s"
             lines.append(("modes", f"1 to {self.modes}: {rest}"))
         lines += [("note", self.note)] if self.note else []
-        return Report(self._headline, [*lines, *self.assumed])
+        return Report(self._headline, lines, assumptions=self.assumptions)
 
     @property
     def _is_of_rods(self) -> bool:
@@ -186,12 +185,6 @@ class RegionProof(Reported, NoTruthValue):
             "mixed": f"MIXED: {at} some {point}s of the box {what} grows faster than {limit}, {at} others none",
             "undecided": "UNDECIDED",
         }[self.status]
-
-    @property
-    def assumed(self) -> list[tuple[str, str]]:
-        """Lines on the assumptions of the proof."""
-        wrapped = textwrap.wrap("; ".join(self.assumptions), 100)
-        return [("" if i else "assumes", text) for i, text in enumerate(wrapped)]
 
     def as_dict(self) -> dict[str, Any]:
         """Return the proof for JSON, in SI units; None for a bound that is infinite."""

@@ -131,7 +131,7 @@ class MeanForce(Printed, ByContent):
         return f"{where} needs {size} of {'push' if self.injector >= 0.0 else 'pull'} at {self.depth[0]:.6g} m"
 
     def report(self) -> Report:
-        """Return the force, the buckled depths and the assumptions."""
+        """Return the force and the buckled depths."""
         lines = [("snaking", _depths(self.depth, self.is_snaking)), ("helix", _depths(self.depth, self.is_helix))]
         if self.wellhead:
             added = with_unit(abs(self.wellhead), "N", 4)
@@ -139,7 +139,7 @@ class MeanForce(Printed, ByContent):
             lines.insert(0, ("wellhead", f"pressure and stripper add {added} of {kind} at the injector"))
         if self.end_contact:
             lines.insert(0, ("bend", bend_in_words(with_unit(self.end_contact, "N", 3))))
-        return Report(self._in_words, [*lines, ("assumed", "; ".join(ASSUMED))])
+        return Report(self._in_words, lines, assumptions=ASSUMED)
 
     _keys = "motion depth_m force_N contact_N_per_m friction speed_m_per_s vibration_N is_snaking is_helix error_N "
     _keys += "speed_error_m_per_s vibration_error_N wellhead_N injector_N surface_weight_N end_contact_N"

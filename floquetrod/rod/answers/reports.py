@@ -14,7 +14,7 @@ from floquetrod.floquet.verdict import Status
 from floquetrod.rod.loads.axial import AxialResonance
 from floquetrod.rod.loads.load import LOAD, QUANTITIES, Load, Quantity
 from floquetrod.rod.model.contact import added_mean
-from floquetrod.rod.model.data import RodData, special_parameters
+from floquetrod.rod.model.data import RodData, size_in_words, special_parameters
 from floquetrod.units import AnswerUnits, Unit
 
 ReportLine = tuple[str, str]
@@ -124,12 +124,13 @@ def _both(value: float, name: str, shown: Mapping[str, Unit], rod: RodData) -> s
     return f"{first.show(value)} ({known.unit(second, second, kind, rod.critical_force).show(value, 4)})"
 
 
-def subject_lines(rod: RodData, load: Load, shown: Mapping[str, Unit], assumptions: Sequence[str]) -> list[ReportLine]:
-    """Return lines about rod and load, and the assumptions where these are more than the study's."""
+def subject_lines(rod: RodData, load: Load, shown: Mapping[str, Unit]) -> list[ReportLine]:
+    """Return lines about rod and load."""
     units = answer_units(shown)
     critical = units.force.show(rod.critical_force, 4)
-    lines = [("rod", f"critical force {critical}, critical mode {rod.critical_mode:.3g}")]
+    lines = [("rod", size_in_words(rod, units))]
     special = special_parameters(rod, units)
+    lines.append(("", f"critical force {critical}, critical mode {rod.critical_mode:.3g}"))
     if special:
         mass, weight = units.mass_per_length.show(rod.mass_per_length, 4), units.per_length
         size = f"inertia {mass}, weight in fluid {weight.show(rod.weight_per_length, 4)}"
@@ -139,8 +140,6 @@ def subject_lines(rod: RodData, load: Load, shown: Mapping[str, Unit], assumptio
     lines += load_lines(load, shown, rod)
     if rod.yield_strength is not None:
         lines.append(("stress", rod.stress(load).in_words(units.pressure)))
-    if special or load.features:
-        lines.append(("assumed", "; ".join(assumptions)))
     return lines
 
 

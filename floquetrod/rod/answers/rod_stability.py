@@ -383,7 +383,7 @@ class RodStability(Reported, Verdict):
             Its text is ``str(report)``; a notebook shows it as a table.
         """
         evidence, shown = self.evidence, shown_in(units, self.rod, self.load)
-        lines = subject_lines(self.rod, self.load, shown, self.assumptions)
+        lines = subject_lines(self.rod, self.load, shown)
         if self.growth_rate > 0.0:
             rate = f"{self.growth_rate:.6g} 1/s{_growing_mode(self)}"
             lines.append(("growth", f"{rate}, tenfold in {self.time_to_grow(10.0):.4g} s"))
@@ -399,7 +399,7 @@ class RodStability(Reported, Verdict):
                 lines.append(("damping", f"stable at {rates} above {damping:.6g} 1/s"))
         lines += [("checked", self.cutoff), ("method", _method(self))]
         lines += [("note", self.note)] if self.note else []
-        return Report(": ".join(filter(None, [self.status.upper(), _headline(self)])), lines, _mode_table(evidence))
+        return Report(_headline(self), lines, _mode_table(evidence), assumptions=self.assumptions)
 
     def as_dict(self, margins: Mapping[Quantity, Margin] | None = None) -> dict[str, Any]:
         """Return the verdict as numbers for JSON, units in the keys; None for infinite or unknown numbers.
@@ -448,22 +448,52 @@ def growing_in_words(verdict: RodStability) -> str:
 
 
 def _headline(verdict: RodStability) -> str:
-    """Return the growing modes or resonances, or why they are not known; "" for a stable rod without noise."""
+    """Return the verdict, with the modes or resonances that grow and the time in which they do so tenfold."""
     evidence, status = verdict.evidence, verdict.status
+    is_noisy = isinstance(evidence, NoisyEvidence | NoisyCoupledEvidence)
+    subject = f"{status.upper()}{' in mean square' if is_noisy else ''}"
+    tenfold = f"tenfold in {verdict.time_to_grow():.3g} s"
+    if status == "stable":
+        slow = f"growth of {verdict.growth_rate:.3g} 1/s is within the tolerance of {verdict.growth_tolerance:g} 1/s"
+        return f"{subject}: {slow if verdict.growth_rate > 0.0 else _nothing_grows(evidence)}"
+    if status == "undecided":
+        return f"{subject}: {_undecided(evidence)}"
     match evidence:
         case IndependentEvidence():
-            return _modes_grow(verdict.unstable_modes) if status == "unstable" else ""
-        case CoupledEvidence() if status == "unstable":
-            growing = [r for r in evidence.resonances if r.growth_rate > verdict.growth_tolerance]
-            name = str(growing[0]) if growing else f"grows at {verdict.growth_rate:.6g} 1/s"
-            return name + (f", and {len(growing) - 1} more" if len(growing) > 1 else "")
+            modes = verdict.unstable_modes
+            fastest = f"; mode {verdict.fastest_mode} fastest" if len(modes) > 1 else ""
+            return f"{subject}: {_modes_grow(modes)}{fastest}, {tenfold}"
         case CoupledEvidence():
-            unknown = "the error of the growth rate is too large to decide whether the rod is stable"
-            return unknown if status == "undecided" else ""
-        case NoisyEvidence() if status == "unstable":
-            return f"in mean square, {_noisy_modes_grow(verdict, evidence)}"
+            growing = [r for r in evidence.resonances if r.growth_rate > verdict.growth_tolerance]
+            more = f", and {len(growing) - 1} more" if len(growing) > 1 else ""
+            return f"{subject}: {f'{growing[0]}{more}' if growing else 'the rod grows'}; {tenfold}"
+        case NoisyEvidence():
+            return f"{subject}: {_noisy_modes_grow(verdict, evidence)}; {tenfold}"
+        case NoisyCoupledEvidence():
+            return f"{subject}: coupled modes grow, {tenfold}"
+
+
+def _nothing_grows(evidence: Evidence) -> str:
+    """Return that no mode grows, of all modes or of the modes that the caller chose."""
+    match evidence:
+        case IndependentEvidence() | NoisyEvidence() if math.isinf(evidence.left_out_bound):
+            return "none of the modes checked grows"
+        case IndependentEvidence() | NoisyEvidence():
+            return "no mode grows"
         case _:
-            return "in mean square"
+            return "nothing grows"
+
+
+def _undecided(evidence: Evidence) -> str:
+    """Return why a verdict is undecided."""
+    match evidence:
+        case IndependentEvidence() | NoisyEvidence():
+            rows = zip(evidence.modes, evidence.mode_verdicts, strict=True)
+            modes = [mode for mode, verdict in rows if verdict.status == "undecided"]
+            if modes:
+                lies = f"modes {listed(modes)} lie" if len(modes) > 1 else f"mode {modes[0]} lies"
+                return f"{lies} nearer to a boundary of stability than the error"
+    return "the error of the growth rate is too large to decide whether the rod is stable"
 
 
 def _sentence(verdict: RodStability) -> str:

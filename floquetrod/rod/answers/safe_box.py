@@ -116,14 +116,15 @@ class SafeBox(Reported, NoTruthValue):
         return Table(list(zip(titles, layout, strict=True)), rows)
 
     def report(self, units: Mapping[str, str] | None = None) -> Report:
-        """Return the `table` with the assumptions of its proof; its text is ``str(report)``, a notebook shows a table.
+        """Return the `table` and what is proved; its text is ``str(report)``, a notebook shows a table.
 
         ``units`` in which to show mean, amplitude, frequency and the lengths and pressures of rods: ``{"mean": "Fcr",
         "frequency": "Hz", "length": "ft"}``.
         """
         shown = shown_in(units, self.proof.subject)
         table = self._table({name: shown[name].name for name in QUANTITIES})
-        return Report(self._proved({} if units is None else units), (), table, Report("", self.proof.assumed))
+        proved = self._proved({} if units is None else units)
+        return Report(proved, (), table, assumptions=self.proof.assumptions)
 
     def as_dict(self) -> dict[str, Any]:
         """Return the proof and the ranges for JSON, in SI units."""

@@ -166,11 +166,14 @@ class FrictionalRodStability(Reported, Verdict):
         ]
         proved = known.proved(shown)
         lines += [("proved", proved)] if proved else []
-        modes = listed(self.unstable_modes)
-        grows = f": the kick destabilises mode{'s' * (len(self.unstable_modes) > 1)} {modes}" if modes else ""
+        modes = self.unstable_modes
+        named = f"mode{'s' * (len(modes) > 1)} {listed(modes)}" if modes else "no mode"
+        grows = "whether the kick destabilises a mode is not decided"
+        if self.status != "undecided":
+            grows = f"the kick of {shown.show(self.kick, 3)} destabilises {named}"
         without = self.linear.report(units, margins)
-        without = replace(without, headline=f"without friction:\n{without.headline}")
-        return Report(self.status.upper() + grows, lines, self._table(shown), without)
+        without = replace(without, headline=f"without friction:\n{without.headline}", assumptions=())
+        return Report(f"{self.status.upper()}: {grows}", lines, self._table(shown), without, self.assumptions)
 
     def _table(self, shown: Unit) -> Table | None:
         """Return the modes that grow without friction, None where none does."""

@@ -523,6 +523,20 @@ def require_not_of_path(rod: RodData, names: Iterable[str], argument: str) -> No
         )
 
 
+def size_in_words(rod: RodData, shown: units.AnswerUnits) -> str:
+    """Return diameter, wall, length and bore of a rod in words.
+
+    >>> from floquetrod.rod.rod import Rod
+    >>> size_in_words(Rod.nitinol(), units.AnswerUnits.named())
+    '1.6 mm rod, 3.1 m, in a 9.4 mm bore'
+    """
+    outer, bore = (shown.across.show(2.0 * radius, 4) for radius in (rod.radius, rod.channel_radius))
+    wall = shown.across.show(rod.radius - rod.inner_radius, 4)
+    section = f"{outer} pipe of {wall} wall" if rod.inner_radius else f"{outer} rod"
+    is_spoken_with_a_vowel = bore.startswith("8") or bore.split()[0].partition(".")[0] in ("11", "18")
+    return f"{section}, {shown.length.show(rod.length, 4)}, in {'an' if is_spoken_with_a_vowel else 'a'} {bore} bore"
+
+
 def special_parameters(rod: RodData, shown: units.AnswerUnits) -> str:
     """Return in words what differs from a solid rod with hinged ends, horizontal and without fluids; "" if nothing."""
     special = [

@@ -95,18 +95,18 @@ class LockUp(Printed):
         return shaped(self.critical_force * np.array(scaled), forces.shape)
 
     def report(self, push: float | None = None, *, length: str | None = None, force: str = "N") -> Report:
-        """Return the length in words, with the assumptions; also the length that a ``push`` in N can push.
+        """Return the length in words; also the length that a ``push`` in N can push.
 
         ``length`` and ``force`` are the units to answer in, such as "ft" and "lbf"; lengths beside pounds are in ft.
         """
         shown = AnswerUnits.named(force, length)
-        lines = [("assumed", "; ".join(self.assumptions))]
+        lines = []
         if push is not None:
             push = units.number("push", push, "force", -_LARGEST, _LARGEST, "give the force in N")
             reach = float(self.pushed_length(push))
             string = "a string of any length" if math.isinf(reach) else shown.length.show(reach, 4)
-            lines.insert(0, ("pushed", f"{shown.force.show(push)} at the upper end pushes {string}"))
-        return Report(self._in_words(shown), lines)
+            lines.append(("pushed", f"{shown.force.show(push)} at the upper end pushes {string}"))
+        return Report(self._in_words(shown), lines, assumptions=self.assumptions)
 
     def as_dict(self, push: float | None = None) -> dict[str, Any]:
         """Return everything as numbers for JSON, units in the keys; None for a length that is infinite.
