@@ -35,7 +35,7 @@ CHECK = ["check", "--rod", "nitinol", *LOAD]
 def test_check_tells_all_a_user_needs(capsys: pytest.CaptureFixture[str]) -> None:
     assert cli.main(CHECK) == 0
     text = capsys.readouterr().out
-    assert text.startswith("UNSTABLE: mode 7 grows\n")
+    assert text.startswith("UNSTABLE: mode 7 grows, tenfold in 0.544 s\n")
     for line in (
         r"growth    4\.23568 1/s in mode 7, tenfold in 0\.5436 s",
         r"grows to  about 24 degrees in mode 7 alone, about which it beats without damping",
@@ -82,7 +82,7 @@ def test_options_reach_the_library(capsys: pytest.CaptureFixture[str]) -> None:
     assert "the 4 modes requested" in out
     assert cli.main([*CHECK, "--no-margins", "--modes", "7,6-7,7"]) == 0
     out = capsys.readouterr().out
-    assert out.startswith("UNSTABLE: mode 7 grows\n")
+    assert out.startswith("UNSTABLE: mode 7 grows, tenfold in 0.544 s\n")
     assert "the 2 modes requested" in out
 
 
@@ -137,9 +137,11 @@ def test_a_range_has_one_unit_and_is_answered_in_it(
     assert cli.main(["ranges", *rest, "--frequency", text]) == 0
     lines = capsys.readouterr().out.splitlines()
     unit = "Hz" if text.endswith("Hz") else "rpm"
-    assert lines[0] == f"stable frequency in {unit}, between {ends[0]:g} and {ends[1]:g}"
-    last = [line for line in lines if re.match(r" +\S+ to ", line)][-1]
-    assert ends[0] <= float(lines[1].split()[0]) < float(last.split()[2]) <= ends[1]
+    assert lines[2].startswith(f"searched  frequency from {ends[0]:g} to {ends[1]:g} {unit}; modes 1 to ")
+    safe = [float(number) for number in re.findall(r"[\d.]+", lines[0].partition(", except for")[0])]
+    assert ends[0] <= min(safe) < max(safe) <= ends[1]
+    assert lines[0].startswith("safe: ")
+    assert f" {unit}" in lines[0]
 
 
 KICK = [
@@ -159,7 +161,7 @@ def test_a_bound_of_zero_is_said_to_prove_nothing(monkeypatch: pytest.MonkeyPatc
 def test_check_with_friction(capsys: pytest.CaptureFixture[str]) -> None:
     assert cli.main([*KICK, "--kick", "50mm/s"]) == 0
     out = capsys.readouterr().out
-    assert out.startswith("UNSTABLE: the kick destabilises modes 9, 10\n")
+    assert out.startswith("UNSTABLE: the kick of 50 mm/s destabilises modes 9, 10\n")
     assert "needed    32.1184 mm/s is the smallest found to buckle the rod, into mode 9" in out
     assert "proved    no kick up to 27.8299 mm/s buckles the rod" in out
     assert "without friction:\nUNSTABLE: modes 8, 9, 10, 12 grow" in out
@@ -346,8 +348,10 @@ def test_ranges(capsys: pytest.CaptureFixture[str]) -> None:
     arguments = ["ranges", "--rod", "nitinol", "--amplitude", "0.2Fcr", "--frequency", "150", "--mean", "0:1.5Fcr"]
     assert cli.main([*arguments, "--growth-tolerance", "0.01"]) == 0
     lines = capsys.readouterr().out.splitlines()
-    assert lines[0] == "stable mean force in Fcr, between 0 and 1.5"
-    assert re.fullmatch(r"\s+0 to 0\.07440\d+   end of the search \.\.\. mode 7, tongue 1", lines[1])
+    assert lines[0].startswith("safe: 0 to 0.0744 Fcr, 0.275 to ")
+    assert cli.main([*arguments, "--growth-tolerance", "0.01", "--full"]) == 0
+    text = capsys.readouterr().out
+    assert re.search(r"^ +0 to 0\.07440\d+ +stable +end of the search \.\.\. mode 7, tongue 1$", text, re.MULTILINE)
     assert cli.main([*arguments, "--growth-tolerance", "0.01", "--json"]) == 0
     record = json.loads(capsys.readouterr().out)
     assert record["stable"][0]["high_end"] == [7, 1]

@@ -35,7 +35,7 @@ def test_it_says_what_the_library_finds(line: list[str], tmp_path: Path, capsys:
 @pytest.mark.slow
 def test_it_draws(line: list[str], tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert cli.main([*line, "--friction", "0.2"]) == 0
-    assert capsys.readouterr().out.startswith("can be pushed to the end of the well at 2000 m")
+    assert capsys.readouterr().out.startswith("How far does the string go? To 2,000 m, the end of the well.")
     picture = tmp_path / "reach.png"
     page = tmp_path / "reach.html"
     files = ["--out", str(picture), "--report", str(page), "--unit", "ft,lbf"]

@@ -126,7 +126,7 @@ def test_the_terminal(tmp_path: Path, capsys: pytest.CaptureFixture[str], monkey
     monkeypatch.chdir(tmp_path)
     load = ["--rod", "nitinol", "--mean", "0.2Fcr", "--amplitude", "0", "--frequency", "24Hz"]
     assert main(["report", *load]) == 0
-    assert capsys.readouterr().out == "STABLE\nwritten: report.html\n"
+    assert capsys.readouterr().out == "STABLE: no mode grows\nwritten: report.html\n"
     assert "24 Hz" in words((tmp_path / "report.html").read_text())
     for wrong, message in (
         (["--tool", "5kN@18Hz"], "--tool needs --well"),
@@ -144,7 +144,7 @@ def test_of_tubing_in_a_well_reach_is_told_and_drawn(tmp_path: Path) -> None:
     well = ["--well", str(ROOT / "examples/survey.csv"), "--friction", "0.3", "--tool", "5kN@18Hz@30m"]
     assert main(["report", "--rod", str(ROOT / "examples/tubing.toml"), *load, *well, "--out", str(path)]) == 0
     page = path.read_text()
-    assert "can be pushed to" in words(page)
+    assert "How far does the string go?" in words(page)
     assert page.count("<img") == 3  # shape, map, reach
 
 
@@ -193,7 +193,7 @@ def test_a_reach_is_written_in_the_units_asked_for_and_others_refuse_them(tmp_pa
     tubing = fr.Rod.catalogue("2.00x0.156", bore="4.778in", length=1.0)
     found = tubing.reach(fr.WellPath.straight(length=1000.0, inclination=1.5), 0.3, depth=[500.0, 1000.0])
     page = words(fr.save_report(found, tmp_path / "a.html", units={"length": "ft", "force": "lbf"}).read_text())
-    assert "can be pushed to the end of the well at 3280.84 ft" in page
+    assert "To 3,281 ft, the end of the well" in page
     assert "injector lbf" in page
     for units, words_of_error in (({"depth": "ft"}, "units must be of mean"), ({"force": "Fcr"}, "units\\['force'\\]")):
         with pytest.raises(ValueError, match=words_of_error):

@@ -207,7 +207,7 @@ def test_the_terminal_prints_its_report() -> None:
     """What `floquetrod check` prints, in the units asked for, and its JSON."""
     found = ROD.stability(LOAD)
     text = str(found.report({"frequency": "Hz"}))
-    assert text.startswith("UNSTABLE: sum resonance of modes 1 and 2, order 1\n")
+    assert text.startswith("UNSTABLE: sum resonance of modes 1 and 2, order 1; tenfold in ")
     assert f"growth    {found.growth_rate:.6g} 1/s" in text
     numbers = found.as_dict()
     assert (numbers["status"], numbers["unstable_modes"]) == ("unstable", [1, 2])

@@ -381,7 +381,7 @@ def check(*words: str) -> int:
 def test_the_terminal_takes_noise(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
     assert check("--noise", "0.0001N^2/Hz") == 0
     text = capsys.readouterr().out
-    assert "STABLE: in mean square" in text
+    assert "STABLE in mean square: " in text
     assert "noise of 0.0001 N^2/Hz" in text
     assert check("--noise", "spectrum") == 2
     assert "--noise spectrum needs --force" in capsys.readouterr().err

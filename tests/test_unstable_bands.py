@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+import itertools
 import math
 import pickle
 import re
@@ -14,9 +15,10 @@ from hypothesis import strategies as st
 
 import floquetrod as fr
 from conftest import depth
+from floquetrod import units
 from floquetrod.floquet.multipliers.resonance_names import Resonance
 from floquetrod.mathieu.tongue_intervals import damping_to_stabilise
-from floquetrod.rod.answers.stability_intervals import UnstableBand
+from floquetrod.rod.answers.stability_intervals import ListedRanges, UnstableBand, last_digit
 
 ROD = fr.Rod.nitinol()
 FCR = ROD.critical_force
@@ -136,24 +138,41 @@ def test_growth_and_damping_are_computed_when_asked_for() -> None:
     assert pickle.loads(pickle.dumps(found)).unstable == copy.deepcopy(found).unstable == found.unstable
 
 
+@given(st.lists(st.floats(1e-3, 60.0), min_size=2, max_size=20, unique=True), st.sampled_from([1.0, 2.0 * math.pi]))
+def test_safe_ranges_are_rounded_inwards_and_thin_bands_counted(ends: list[float], size: float) -> None:
+    ends = sorted(ends)[: len(ends) // 2 * 2]
+    intervals = [(size * a, size * b) for a, b in zip(ends[::2], ends[1::2], strict=True)]
+    bands = [(a[1], b[0]) for a, b in itertools.pairwise(intervals)]
+    listed = ListedRanges.of(bands, intervals, units.Unit("Hz", size), 60.0)
+    for low, high in ((float(a), float(b)) for a, b in listed.safe):
+        inside = [band for band in bands if size * low < band[1] and band[0] < size * high]
+        assert set(inside) <= set(listed.thin)  # nothing that is called safe is unstable, except what is counted
+        assert any(a <= size * low * (1.0 + 1e-8) for a, _ in intervals)
+        assert any(b >= size * high * (1.0 - 1e-8) for _, b in intervals)
+    for low, high in listed.thin:
+        assert high - low < size * last_digit(low / size, 60.0)
+    merged = len(intervals) - len(listed.thin)
+    assert len(listed.safe) + listed.narrow == merged
+
+
 def test_the_table_has_stable_and_unstable_rows_in_order() -> None:
     found = ROD.ranges("mean", amplitude=0.2 * FCR, frequency=150.0, bounds=(0.0, 1.5 * FCR), growth_tolerance=0.01)
-    lines = found.table("Fcr", FCR).splitlines()
-    assert lines[0] == "stable mean force in Fcr, between 0 and 1.5"
-    rows = [line for line in lines if " to " in line and not line.startswith("  (")]
+    lines = found.table("Fcr", FCR, full=True).splitlines()
+    assert lines[2].startswith("searched  mean force from 0 to 1.5 Fcr; ")
+    rows = [line for line in lines if re.search(r" (un)?stable  ", line)]
     assert len(rows) == len(found) + len(found.unstable)
     assert ["unstable" in row for row in rows] == [False, True] * 5
     assert [float(row.split()[2]) for row in rows[:-1]] == [float(row.split()[0]) for row in rows[1:]]
     first = found.unstable[0]
-    said = rf"mode 7, tongue 1 +{first.worst_growth:.4g} 1/s at {first.at / FCR:.6g} +damping ([\d.]+) 1/s"
+    said = rf"{first.worst_growth:.4g} +{first.at / FCR:.6g} +([\d.]+) 1/s +mode 7, tongue 1"
     matched = re.search(said, rows[1])
     assert matched is not None
     assert 0.0 <= float(matched[1]) - first.required_damping < 1e-3  # rounded up
     assert math.isinf(found.required_damping)
-    assert "  (largest damping rate required: none)" in lines
-    assert rows[-1].endswith("damping none")
+    assert any(line.startswith("damping   no rate stabilises all bands; ") for line in lines)
+    assert rows[-1].split()[6] == "none"
     assert math.isinf(found.unstable[-1].required_damping)
-    assert len({row.index("1/s at") for row in rows[1::2]}) == len({row.index("damping") for row in rows[1::2]}) == 1
+    assert len({row.index("mode") for row in rows[1::2]}) == 1
 
 
 def test_nothing_unstable_and_nothing_stable() -> None:

@@ -27,7 +27,8 @@ def output(
 ) -> Output:
     """Return the report, or the record with the version where JSON was asked for; the other is not made.
 
-    Both tell which files were ``written``, of commands that write any.  JSON has the assumptions, the report on request.
+    Both tell which files were ``written``, of commands that write any.  JSON has all assumptions, the report
+    on request.
     """
     if options.json:
         files = {"written": list(written)} if options.parser.outputs else {}

@@ -40,6 +40,7 @@ def add(ranges: Parser) -> None:
     add_question(ranges, ranges=True)
     ranges.add_output("--out", figures, "write a figure (.png, .pdf, .svg)")
     ranges.set_defaults(growth_tolerance=f"{SLOW_GROWTH:g}")
+    ranges.add_argument("--full", action="store_true", help="list every interval and band, with nine digits and causes")
 
 
 def _ranges(options: argparse.Namespace) -> Output:
@@ -60,4 +61,4 @@ def _ranges(options: argparse.Namespace) -> Output:
         found.find_unstable(progress)
     unit = shown[varied[0]]
     written = write_figures(options.out, lambda: found.plot(unit=unit))
-    return output(options, lambda: found.report(unit), found.as_dict, written=written)
+    return output(options, lambda: found.report(unit, full=options.full), found.as_dict, written=written)

@@ -42,7 +42,7 @@ two factors, 0.2,0.3@1500m is one of 0.2 down to 1500 m and 0.3 below.  Depths a
 
 def add(command: Parser) -> None:
     """Add help and options of the command to its parser."""
-    describe_command(command, _HELP, _weights, ("well", "rod", "friction", "out", "unit"))
+    describe_command(command, _HELP, _weights, ("well", "rod", "friction", "out", "unit"), has_assumptions=True)
     command.add_argument("--well", required=True, metavar="FILE", type=Path, help="survey, a text file of columns")
     add_survey_units(command)
     add_rod(command, classified=False, in_a_well=True)

@@ -122,8 +122,9 @@ def _contents(result: Any, asked: _Asked) -> tuple[str, list[DocumentSection]]:
 
 @_contents.register
 def _(result: Reach, asked: _Asked) -> tuple[str, list[DocumentSection]]:
-    ((name, said, draw),) = _reach(result, asked.units)
-    return said.headline, [DocumentSection(name, said.with_assumptions(), draw), _made((), asked.command)]
+    (section,) = _reach(result, asked.units)
+    said = Report("") if section.report is None else section.report.with_assumptions()
+    return said.headline, [section._replace(report=said), _made((), asked.command)]
 
 
 @_contents.register

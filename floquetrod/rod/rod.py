@@ -437,7 +437,7 @@ class Rod(RodData):
         >>> well = fr.WellPath([0.0, 1000.0, 1450.0, 4000.0], ["0deg", "0deg", "90deg", "90deg"])
         >>> tubing = Rod.catalogue("2.00x0.156", bore="4.778in", length=1.0, fluid_inside=1e3, fluid_outside=1e3)
         >>> tubing.reach(well, 0.3, depth=[2000.0, 3000.0, 4000.0])
-        <can be pushed to 2990.4 m, where it locks up>
+        <How far does the string go? To 2,990 m, where it locks up.>
         """
         from floquetrod.rod.answers import string_reach
         from floquetrod.rod.model.wellhead import Wellhead

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
-from decimal import ROUND_CEILING, Context
+from decimal import ROUND_CEILING, Context, Decimal
 from typing import Any, Literal, NamedTuple, Protocol, TypeAlias
 
 from floquetrod import units
@@ -114,6 +114,82 @@ class RangeQuestion(NamedTuple):
     search: Search
 
 
+class ListedRanges(NamedTuple):
+    """Safe ranges as they are listed, in three digits.
+
+    Attributes
+    ----------
+    safe : tuple of (str, str)
+        Ends rounded inwards; ranges with only a thin band between them are one.
+    thin : tuple of (float, float)
+        Unstable bands narrower than the last digit shown, in SI units.
+    narrow : int
+        Number of safe ranges of which nothing is left by rounding.
+    """
+
+    safe: tuple[tuple[str, str], ...]
+    thin: tuple[tuple[float, float], ...]
+    narrow: int
+
+    @classmethod
+    def of(
+        cls,
+        bands: Sequence[tuple[float, float]],
+        intervals: Sequence[tuple[float, float]],
+        shown: units.Unit,
+        width: float,
+    ) -> ListedRanges:
+        """Return the ranges of stability intervals between unstable bands, in a unit."""
+        thin = tuple(
+            band for band in bands if shown.of(band[1]) - shown.of(band[0]) < last_digit(shown.of(band[0]), width)
+        )
+        merged: list[tuple[float, float]] = []
+        for low, high in intervals:
+            if merged and (merged[-1][1], low) in thin:
+                merged[-1] = merged[-1][0], high
+            else:
+                merged.append((low, high))
+        # outward rounding of a band is inward rounding of the ranges beside it
+        ends = [(outward(shown.of(low), width, up=True), outward(shown.of(high), width)) for low, high in merged]
+        safe = tuple((low, high) for low, high in ends if float(low) < float(high))
+        return cls(safe, thin, len(ends) - len(safe))
+
+    def headline(self, unit: str, bounds: tuple[float, float]) -> str:
+        """Return the answer: where it is safe within bounds, in a unit."""
+        ranges = ", ".join(f"{low} to {high} {unit}" for low, high in self.safe)
+        count = len(self.thin)
+        less = f", except for {count} thin band{'s' * (count > 1)}" if count and ranges else ""
+        return f"safe: {ranges}{less}" if ranges else f"safe: nowhere from {bounds[0]:.6g} to {bounds[1]:.6g} {unit}"
+
+
+def last_digit(value: float, width: float) -> float:
+    """Return the unit of the third digit of a value, or of the width of a search where that is less.
+
+    >>> last_digit(24.1, 50.0), last_digit(0.0744, 1.2), last_digit(100.2, 1.0)
+    (0.1, 0.0001, 0.01)
+    """
+    return float(f"1e{_last_place(value, width)}")
+
+
+def _last_place(value: float, width: float) -> int:
+    return math.floor(math.log10(min(abs(value), width) if value else width)) - 2
+
+
+def outward(value: float, width: float, *, up: bool = False) -> str:
+    """Return a value rounded down or up to its `last_digit`; to the nearest where that is off by 1e-9 of it at most.
+
+    >>> outward(10.7965, 50.0), outward(10.8075, 50.0, up=True), outward(10.000000000000002, 50.0, up=True)
+    ('10.7', '10.9', '10')
+    """
+    place = _last_place(value, width)
+    steps = value / float(f"1e{place}")
+    nearest = round(steps)
+    if abs(steps - nearest) > 1e-9 * abs(steps):
+        nearest = math.ceil(steps) if up else math.floor(steps)
+    text = format(Decimal(nearest).scaleb(place), "f")
+    return text.rstrip("0").rstrip(".") if "." in text else text
+
+
 @dataclass(frozen=True, repr=False)
 class StabilityIntervals(units.InUnits, Reported, NoTruthValue):
     """All stability intervals of one quantity of the load within bounds.
@@ -196,8 +272,7 @@ class StabilityIntervals(units.InUnits, Reported, NoTruthValue):
         validate.progress(progress)
         known: tuple[UnstableBand, ...] | None = self.__dict__.get("unstable")
         if known is None:
-            others: list[StabilityInterval | AxialGap] = [*self.intervals, *self.not_computed]
-            bands = [gap[:2] for gap in complement(self.bounds, others)]
+            bands = self._bands()
             model, search = self.searched
             known = self.__dict__["unstable"] = (
                 model.unstable_bands(search, self.modes, bands, progress) if bands else ()
@@ -214,27 +289,33 @@ class StabilityIntervals(units.InUnits, Reported, NoTruthValue):
 
     @property
     def note(self) -> str:
-        """The tongues that were left out."""
-        slow = max(self.growth_tolerance, 1e-12)
-        text = f"modes 1 to {self.modes}; growth at or below {slow:g} 1/s does not count"
-        if self.tongues_left_out:
-            text += f": {self.tongues_left_out} tongue{'s' * (self.tongues_left_out > 1)} left out"
-        return text
+        """The modes examined, and the growth up to which they count as stable."""
+        return f"modes 1 to {self.modes}; growth of {max(self.growth_tolerance, 1e-12):g} 1/s or less does not count"
 
     def __repr__(self) -> str:
         """Return the stability intervals as a table; `table` also says what happens between them."""
-        return str(self._report(*self._shown, ()))
+        return str(self._report(self._shown, (), full=False))
 
-    def table(self, unit: str | None = None, size: float | None = None) -> str:
-        """Return the stable and unstable intervals, in order, in a unit such as "Hz", by default that of the bounds.
+    def table(self, unit: str | None = None, size: float | None = None, *, full: bool = False) -> str:
+        """Return the `report` as text."""
+        return str(self.report(unit, size, full=full))
 
-        ``size`` is that of a unit of your own in `unit`.  Unstable bands are followed by the mode that grows fastest,
-        its growth and where, and the damping required.  ValueError for units that are unknown.
+    def report(self, unit: str | None = None, size: float | None = None, *, full: bool = False) -> Report:
+        """Return the safe ranges, and a table of the unstable bands: fastest growth, where, damping required, mode.
+
+        Numbers have three digits, of the value or of the width searched where that is less; safe ranges are rounded
+        inwards, bands outwards.  Bands narrower than the last digit are counted, with the fastest growth in them, and
+        not listed.
+
+        Parameters
+        ----------
+        unit : str, optional
+            Such as "Hz"; by default that of the bounds.  ValueError for one that is unknown.
+        size : float, optional
+            Of a unit of your own in `unit`.
+        full : bool
+            Whether to list every interval and every band, with nine digits, and what ends them.
         """
-        return str(self.report(unit, size))
-
-    def report(self, unit: str | None = None, size: float | None = None) -> Report:
-        """Return the `table`, whose text is ``str(report)``; a notebook shows it as a table."""
         wanted = self._shown.name if unit is None else unit
         if not isinstance(wanted, str):
             raise validate.wrong_type("unit", f"must be a word such as 'Hz', got {validate.short(unit)}")
@@ -242,7 +323,7 @@ class StabilityIntervals(units.InUnits, Reported, NoTruthValue):
             model, search = self.searched
             wanted, size = units.unit(wanted, "unit", LOAD[search.varied].kind, model.rod.critical_force)
         size = validate.positive("size", size, "give it in the unit of the intervals")
-        return self._report(wanted, size, self.unstable)
+        return self._report(units.Unit(wanted, size), self.unstable, full=validate.flag("full", full))
 
     def plot(self, ax: Any = None, *, unit: str | None = None) -> Any:
         """Draw what is stable along the quantity, and how fast the unstable bands grow; return the axes.
@@ -258,7 +339,7 @@ class StabilityIntervals(units.InUnits, Reported, NoTruthValue):
 
     def _at_hand(self) -> Report:
         """Return the stability intervals, and unstable bands that are known."""
-        return self._report(*self._shown, self.__dict__.get("unstable", ()))
+        return self._report(self._shown, self.__dict__.get("unstable", ()), full=False)
 
     @property
     def _shown(self) -> units.Unit:
@@ -268,28 +349,84 @@ class StabilityIntervals(units.InUnits, Reported, NoTruthValue):
             return units.unit(self.given_units.frequency or self.unit, "", kind)
         return units.AnswerUnits.named(given=self.given_units).force
 
-    def _report(self, unit: str, size: float, unstable: tuple[UnstableBand, ...]) -> Report:
-        low, high = (value / size for value in self.bounds)
-        parts = [(part.low, part.high, f"{_end(part.low_end)} ... {_end(part.high_end)}") for part in self.intervals]
-        parts += _unstable_rows(unstable, size) if unstable else ()
-        rows = [(f"  {low / size:12.9g} to {high / size:12.9g}", f" {text}") for low, high, text in sorted(parts)]
-        rows += [] if self.intervals else [("  none", "")]
+    def _report(self, shown: units.Unit, unstable: tuple[UnstableBand, ...], *, full: bool) -> Report:
+        """Return the report, with the growth in bands where that is known."""
+        low, high = (shown.of(value) for value in self.bounds)
+        width, unit = high - low, shown.name
+        listed = ListedRanges.of(self._bands(), [part[:2] for part in self.intervals], shown, width)
+        lines = [("searched", f"{self.quantity} from {low:.6g} to {high:.6g} {unit}; {self.note}")]
+        left_out = self._left_out(listed, shown, width, unstable)
+        lines += [("left out" if i == 0 else "", text) for i, text in enumerate(left_out)]
         for gap in self.not_computed:
-            at = gap.resonance.frequency / size
-            ends = f"  {gap.low / size:12.9g} to {gap.high / size:12.9g}"
-            rows.append((ends, f" not computed: axial resonance at {at:.6g}"))
-        lines = []
+            at = f"axial resonance at {shown.show(gap.resonance.frequency)}"
+            ends = f"{outward(shown.of(gap.low), width)} to {outward(shown.of(gap.high), width, up=True)} {unit}"
+            lines.append(("gap", f"{ends} not computed: {at}"))
+        if self.resolution:
+            narrow = f"{self.resolution / shown.size:.2g} {unit}"
+            lines.append(("sampled", f"unstable bands narrower than {narrow} may have been missed"))
         if unstable:
             what = self.searched.model.damping_subject
-            lines += [
-                f"  (unstable: fastest growth, where it occurs, and damping rate above which {what} is stable)",
-                f"  (largest damping rate required: {_rounded_up(self.required_damping)})",
-            ]
-        if self.resolution:
-            lines.append(f"  (unstable parts narrower than {self.resolution / size:.2g} {unit} may have been missed)")
-        rest = "\n".join([*lines, f"  ({self.note})"])
-        headline = f"stable {self.quantity} in {unit}, between {low:.6g} and {high:.6g}"
-        return Report(headline, (), Table([("", ""), ("", "")], rows, rest))
+            most, above = _rounded_up(self.required_damping), f"above the rate of a band {what} is stable"
+            largest = "no rate stabilises all bands" if most == "none" else f"{most} is the largest rate required"
+            lines.append(("damping", f"{largest}; {above}"))
+        rows = self._rows(shown, width, unstable, () if full else listed.thin, full=full)
+        columns = [(unit, ">"), ("", "<"), ("growth 1/s", ">"), (f"at {unit}", ">"), ("damping", ">"), ("", "<")]
+        widths = [max(map(len, column)) for column in zip(*([title for title, _ in columns], *rows), strict=True)]
+        layout = [(title, f"{way}{width}") for (title, way), width in zip(columns, widths, strict=True)]
+        return Report(listed.headline(unit, (low, high)), lines, Table(layout, rows) if rows else None)
+
+    def _bands(self) -> list[tuple[float, float]]:
+        """Return the ends of the unstable bands, which are known without what grows in them."""
+        others: list[StabilityInterval | AxialGap] = [*self.intervals, *self.not_computed]
+        return [gap[:2] for gap in complement(self.bounds, others)]
+
+    def _left_out(
+        self, listed: ListedRanges, shown: units.Unit, width: float, unstable: tuple[UnstableBand, ...]
+    ) -> list[str]:
+        """Return what is counted and not listed."""
+        texts = []
+        if count := len(listed.thin):
+            thin = [band for band in unstable if band[:2] in listed.thin]
+            fastest = max(thin, key=lambda band: band.worst_growth, default=None)
+            grows = ""
+            if fastest is not None:
+                at = shown.show(fastest.at, 4)
+                grows = f"; the fastest growth in them is {fastest.worst_growth:.3g} 1/s, at {at}"
+            texts.append(f"{count} unstable band{'s' * (count > 1)} narrower than the last digit shown{grows}")
+        if listed.narrow:
+            are = "ranges" if listed.narrow > 1 else "range"
+            texts.append(f"{listed.narrow} safe {are} narrower than the last digit shown")
+        if count := self.tongues_left_out:
+            slow = max(self.growth_tolerance, 1e-12)
+            texts.append(f"{count} tongue{'s' * (count > 1)} in which nothing grows faster than {slow:g} 1/s")
+        return texts
+
+    def _rows(
+        self,
+        shown: units.Unit,
+        width: float,
+        unstable: tuple[UnstableBand, ...],
+        thin: Sequence[tuple[float, float]],
+        *,
+        full: bool,
+    ) -> list[tuple[str, ...]]:
+        """Return the rows of the unstable bands but the ``thin`` ones, in ``full`` with the stability intervals."""
+        rows = []
+        for band in unstable:
+            if band[:2] not in thin:
+                low, high, at = (float(shown.of(value)) for value in (band.low, band.high, band.at))
+                ends = (f"{low:.9g}", f"{high:.9g}") if full else (outward(low, width), outward(high, width, up=True))
+                growth, damping = (
+                    f"{band.worst_growth:.4g}" if full else f"{band.worst_growth:.3g}",
+                    band.required_damping,
+                )
+                where = f"{at:.6g}" if full else f"{at:.4g}"
+                texts = (" to ".join(ends), "unstable", growth, where, _rounded_up(damping), _end(band.cause))
+                rows.append((band.low, texts))
+        for part in self.intervals if full else ():
+            ends = f"{shown.of(part.low):.9g} to {shown.of(part.high):.9g}"
+            rows.append((part.low, (ends, "stable", "", "", "", f"{_end(part.low_end)} ... {_end(part.high_end)}")))
+        return [texts for _, texts in sorted(rows)]
 
     def as_dict(self) -> dict[str, Any]:
         """Return the stability intervals and `unstable` as numbers for JSON, units in the keys; None for infinite."""
@@ -341,18 +478,6 @@ def intervals_along(
         RangeQuestion(model, search),
         not_computed,
     )
-
-
-def _unstable_rows(bands: Sequence[UnstableBand], size: float) -> Iterator[tuple[float, float, str]]:
-    """Yield ends and text of unstable bands, the texts in columns."""
-    columns = [
-        (_end(band.cause), f"{band.worst_growth:.4g}", f"{band.at / size:.6g}", _rounded_up(band.required_damping))
-        for band in bands
-    ]
-    cause, growth, at, _ = (max(len(text) for text in column) for column in zip(*columns, strict=True))
-    for band, (what, fast, where, damping) in zip(bands, columns, strict=True):
-        text = f"unstable: {what:<{cause}}   {fast:>{growth}} 1/s at {where:<{at}}   damping {damping}"
-        yield band.low, band.high, text
 
 
 def _rounded_up(damping: float) -> str:

@@ -261,24 +261,37 @@ class Reach(units.InUnits, Printed, ByContent):
         return tuple(spans(self.frequencies, is_useful))
 
     def _in_words(self, shown: AnswerUnits) -> str:
-        text = f"can be pushed {self._reached(self.reach, self.limit, shown)}"
-        if self.tool is None:
-            return text
-        with_tool = self._reached(self.reach_shaken, self.limit_shaken, shown)
-        return f"{text}, and with the tool, sliding at {shown.speed.show(self.sliding, 3)}, {with_tool}"
-
-    def _reached(self, depth: float, limit: str, shown: AnswerUnits) -> str:
+        """Return the answer: how far the string goes or, with a tool, whether that helps."""
         unit = shown.length
-        if limit == END:
-            return f"to the end of the well at {unit.show(self.path.end)}"
-        if limit == ASKED:
-            return f"to {unit.show(depth)}, the deepest asked for"
-        why = {
+        goes = f"{far(self.reach, unit)} {unit.name}{self._ended(self.reach, self.limit, self.lock_up, shown)}"
+        if self.tool is None:
+            return f"How far does the string go? To {goes}."
+        if not self.is_stopped:
+            return f"Does the tool help? It is not needed: without it the string goes to {goes}."
+        if self.gain == 0.0:
+            speed = shown.speed.show(self.sliding, 3)
+            return f"Does the tool help? No, not at a sliding speed of {speed}: {goes}, with it and without it."
+        gained = far(self.reach_shaken, unit, less=self.reach)
+        text = f"{far(self.reach_shaken, unit)} {unit.name} instead of {far(self.reach, unit)} ({gained} {unit.name})"
+        ended = self._ended(self.reach_shaken, self.limit_shaken, self.lock_up_shaken, shown)
+        return f"Does the tool help? {'Yes' if self.gain > 0.0 else 'No'}: {text}{ended}."
+
+    def _ended(self, depth: float, limit: str, lock_up: float, shown: AnswerUnits) -> str:
+        """Return what limits a reach, and the depth that would be reached whatever the stress and the push."""
+        if limit in (YIELD, PUSH):
+            is_end = math.isinf(lock_up)
+            farther = min(lock_up, float(self.depth[-1]))
+            beyond = f"{far(farther, shown.length)}{', the end of the well' * (is_end and farther >= self.path.end)}"
+            why = {
+                YIELD: f", within {self._percent} of yield; not within it: ",
+                PUSH: f", with {shown.force.show(self.push, 4)} at the injector; with more: ",
+            }
+            return why[limit] + beyond
+        return {
             LOCK_UP: ", where it locks up",
-            YIELD: f" within {self._percent} of its yield strength",
-            PUSH: f" with {shown.force.show(self.push, 4)}",
-        }
-        return f"to {unit.show(depth, 5)}{why[limit]}"
+            END: ", the end of the well",
+            ASKED: ", the deepest depth asked for",
+        }[limit]
 
     @property
     def _percent(self) -> str:
@@ -316,6 +329,7 @@ class Reach(units.InUnits, Printed, ByContent):
         lines = [
             ("string", f"weighs {shown.per_length.show(self.weight_per_length, 4)} {self._fluids_in_words}"),
             ("limit", self._limit_in_words(shown)),
+            ("lock-up", self._lock_up_in_words(shown)),
         ]
         if self.wellhead_force:
             lines.append(("wellhead", self.wellhead.in_words(self._pushing.rod.section, "pushed", shown)))
@@ -324,17 +338,15 @@ class Reach(units.InUnits, Printed, ByContent):
             bending = shown.pressure.show(rod.youngs_modulus * rod.radius * rod.residual_curvature, 3)
             lines.append(("bend", f"{pressed}; held straight it adds {bending} of bending stress"))
         lines += [("speed", self._speeds_in_words(shown))] if self.tool else []
-        lines += [
-            ("at", f"{unit.show(along.depth[-1])}, {'with the tool' if self.tool else 'pushed'}:"),
-            ("snaking", _listed(along.depth, along.is_snaking, unit)),
-            ("helix", _listed(along.depth, along.is_helix, unit)),
-        ]
-        lines += self._stress_lines(shown)
+        pushed = f"pushed to {far(along.depth[-1], unit)} {unit.name}{' with the tool' * (self.tool is not None)}"
+        for name, is_so in (("snaking", along.is_snaking), ("helix", along.is_helix)):
+            lines.append((name, f"{_listed(along.depth, is_so, unit)} when {pushed}"))
+        lines += self._stress_lines(shown, pushed)
         if self.tool is not None:
-            lines += [("tool", self._vibration_in_words(shown)), ("grows", self._growth_in_words(shown))]
+            lines += [("tool", self._vibration_in_words(shown)), ("waves", self._growth_in_words(shown))]
             lines.append((f"tool {shown.frequency.name}", self._frequency_in_words(shown)))
-        lines.append(("assumed", "; ".join(self.assumptions_in(shown.speed))))
-        return Report(self._in_words(shown), lines, self._table(shown))
+        assumptions = self.assumptions_in(shown.speed)
+        return Report(self._in_words(shown), lines, self._table(shown), assumptions=assumptions)
 
     @property
     def _fluids_in_words(self) -> str:
@@ -344,7 +356,7 @@ class Reach(units.InUnits, Printed, ByContent):
         return "in its fluids" + (f", with none {empty[0]}" if empty else "")
 
     def _limit_in_words(self, shown: AnswerUnits) -> str:
-        """Return the limit of the reach, and where the string locks up by statics alone."""
+        """Return the limits of the reach."""
         if self.yield_strength is None:
             stress = "any stress, since no yield strength is given"
         elif self.yield_share is None:
@@ -352,21 +364,26 @@ class Reach(units.InUnits, Printed, ByContent):
         else:
             stress = f"{self._percent} of the yield strength {shown.pressure.show(self.yield_strength, 3)}"
         push = f"{shown.force.show(self.push, 4)}" if math.isfinite(self.push) else "any force"
-        depths = [(self.lock_up, ""), *([(self.lock_up_shaken, " with the tool")] if self.tool else [])]
-        locks = [
-            f"at {shown.length.show(lock_depth, 5)}{name}" for lock_depth, name in depths if math.isfinite(lock_depth)
+        return f"{stress}, and {push} at the injector"
+
+    def _lock_up_in_words(self, shown: AnswerUnits) -> str:
+        """Return where friction alone stops the string."""
+        unit = shown.length
+        lock_ups = [("without the tool ", self.lock_up), ("with it ", self.lock_up_shaken)]
+        texts = [
+            f"{name if self.tool else ''}{f'at {far(depth, unit)} {unit.name}' if math.isfinite(depth) else 'nowhere'}"
+            for name, depth in lock_ups[: 2 if self.tool else 1]
         ]
-        lock_up = f"by statics alone it locks up {' and '.join(locks)}" if locks else "it does not lock up"
-        return f"{stress}, and {push} at the injector; {lock_up}"
+        return f"by friction, whatever the stress and the push: {'; '.join(texts)}"
 
     def _speeds_in_words(self, shown: AnswerUnits) -> str:
         """Return the depth gained by the tool while the string slides at its speed and at two others."""
         texts = []
         for speed, depth, gain in zip(self.speeds, self.reach_at_speeds, self.gain_at_speeds, strict=True):
             ends = " (to the end of the well)" if depth >= self.path.end else ""
-            text = shown.length.show(gain, 4) if gain > 0.0 else "nothing"
+            text = shown.length.show(gain, 3) if gain > 0.0 else "nothing"
             texts.append(f"{text} at {shown.speed.show(speed, 3)}{ends}")
-        return f"the tool gains {', '.join(texts)}"
+        return f"by the speed at which the string slides, the tool gains {', '.join(texts)}"
 
     @property
     def assumptions(self) -> tuple[str, ...]:
@@ -383,28 +400,30 @@ class Reach(units.InUnits, Printed, ByContent):
         pressed = "equal pressures" if self.wellhead.pressure_inside is None else "fluids at rest"
         return (*ASSUMED, *more, f"linear elasticity, beyond yield too; stress with {pressed} inside and outside")
 
-    def _stress_lines(self, shown: AnswerUnits) -> list[tuple[str, str]]:
+    def _stress_lines(self, shown: AnswerUnits, pushed: str) -> list[tuple[str, str]]:
         stress, depth, unit = self.stress, self.along.depth, shown.length
         share, most = stress.share_of_yield, self.yield_share
-        text = f"{stress.in_words(shown.pressure)}; at {unit.show(depth[0] + stress.position)}"
+        where = f"at {far(depth[0] + stress.position, unit)} {unit.name}"
+        text = f"{stress.in_words(shown.pressure)}; {where} when {pushed}"
         if self.tool and self.limit_shaken == YIELD and share is not None and most is not None and share > most:
-            text += f"; that is with the tool, which need not run down to {unit.show(self.reach, 5)}"
+            text += f"; the tool need not run down to {far(self.reach, unit)} {unit.name}"
         lines = [("stress", text)]
         return [*lines, ("yields", _listed(depth, self.yields, unit))] if self.yields.any() else lines
 
     def _vibration_in_words(self, shown: AnswerUnits) -> str:
         smallest, most = self.along.friction.min(), shown.force.show(self.amplitude.max(), 3)
         tool = "" if self.tool is None else f"{self.tool.in_words(shown)}: "
-        return f"{tool}vibration of at most {most}, which reduces friction to {smallest:.3g}"
+        return f"{tool}the force vibrates by at most {most}, and friction falls to {smallest:.3g} at least"
 
     def _growth_in_words(self, shown: AnswerUnits) -> str:
         grows, unit = self.growth > _GROWS, shown.length
         if not grows.any():
-            return f"no lateral wave: {self._held_in_words(shown)}"
+            return f"no lateral wave grows; {self._held_in_words(shown)}"
         k = int(np.argmax(self.growth))
         return (
-            f"{_listed(self.along.depth, grows, unit)}: {self.growth[k]:.3g} 1/s at {unit.show(self.along.depth[k])} "
-            f"in half waves of {unit.show(self.half_wave[k], 3)}"
+            f"lateral waves grow {_listed(self.along.depth, grows, unit, 'from ')}, fastest at "
+            f"{far(self.along.depth[k], unit)} {unit.name}: {self.growth[k]:.3g} 1/s in half waves of "
+            f"{unit.show(self.half_wave[k], 3)}"
         )
 
     def _held_in_words(self, shown: AnswerUnits) -> str:
@@ -412,27 +431,25 @@ class Reach(units.InUnits, Printed, ByContent):
         k = int(np.argmin(self.speed_to_grow))
         if not math.isfinite(self.speed_to_grow[k]):
             return "none would, however fast it moves"
-        moves, at = shown.speed.show(self.speed_to_grow[k], 3), shown.length.show(self.along.depth[k])
-        return f"one that moves at {moves} would, at {at}"
+        moves, depth = shown.speed.show(self.speed_to_grow[k], 3), far(self.along.depth[k], shown.length)
+        return f"at {depth} {shown.length.name} one would that moves at {moves} or faster"
 
     def _frequency_in_words(self, units_of: AnswerUnits) -> str:
-        """With which frequencies the tool gains depth while no lateral wave grows."""
-        if not self.gain > 0.0:
-            return "the tool gains no depth at its own frequency"
-        shown, every, depth = units_of.frequency, self.frequencies, self.frequency_depth
-        looked = (
-            f"of {every.size} from {shown.of(every[0]):.3g} to {shown.show(every[-1], 3)}, with the string at "
-            f"{depth.size} depths from {units_of.length.of(depth[0]):.5g} to {units_of.length.show(depth[-1], 5)}"
-        )
+        """Return the frequencies with which the tool gains depth while no lateral wave grows."""
+        shown, length, every = units_of.frequency, units_of.length, self.frequencies
+        if self.tool is None or not self.gain > 0.0:
+            return "not examined, because the tool gains no depth at its own frequency"
+        tried = f"of {every.size} frequencies tried from {shown.of(every[0]):.3g} to {shown.show(every[-1], 3)}"
+        depth = f"{far(self.frequency_depth[-1], length)} {length.name}"
         ranges = ", ".join(f"{_range(shown.of(a), shown.of(b))} {shown.name}" for a, b in self.useful_frequencies)
         if ranges:
-            return f"no lateral wave grows with {ranges}, {looked}"
+            return f"{tried}, {ranges} push the string to {depth} without lateral waves"
+        pushing = np.count_nonzero(np.isfinite(self.frequency_growth))
+        if not pushing:
+            return f"{tried}, none pushes the string to {depth}"
         k = int(np.argmin(self.frequency_growth))
-        slowest = f", most slowly with {shown.show(every[k], 3)}, at {self.frequency_growth[k]:.3g} 1/s"
-        reached = np.count_nonzero(np.isfinite(self.frequency_growth))
-        if not reached:
-            return f"the string reaches them with none, {looked}"
-        return f"lateral waves grow with all {reached} with which the string reaches them{slowest}, {looked}"
+        slowest = f"{self.frequency_growth[k]:.3g} 1/s at {shown.show(every[k], 3)}"
+        return f"{tried}, {pushing} push the string to {depth}, all with growing lateral waves, by at least {slowest}"
 
     def _table(self, shown: AnswerUnits) -> Table:
         depth, force = shown.length, shown.force
@@ -517,9 +534,26 @@ def _argument(name: str) -> str:
     return {"length": "depth"}.get(name, name)
 
 
-def _listed(depth: Floats, is_so: Bools, unit: Unit) -> str:
-    lengths = [(f"{unit.of(a):.4g}", unit.show(b, 4)) for a, b in spans(depth, is_so)]
-    return ", ".join(f"{a} to {b}" if a != b.split()[0] else f"at {b}" for a, b in lengths) or "nowhere"
+def far(depth: float, unit: Unit, *, less: float | None = None) -> str:
+    """Return a depth or, with its sign, what it is more than one that is ``less``: in whole units from 1,000 on.
+
+    Differences are of the numbers that are shown.
+
+    >>> feet = units.unit("ft", "", "length")
+    >>> far(3779.0, feet), far(3375.0, feet), far(3779.0, feet, less=3375.0)
+    ('12,398', '11,073', '+1,325')
+    """
+    text = f"{unit.of(depth):,.0f}" if abs(unit.of(depth)) >= 1000.0 else f"{unit.of(depth):.4g}"
+    if less is None:
+        return text
+    more = float(text.replace(",", "")) - float(far(less, unit).replace(",", ""))
+    return f"{more:+,.0f}" if abs(more) >= 1000.0 else f"{more:+.4g}"
+
+
+def _listed(depth: Floats, is_so: Bools, unit: Unit, before: str = "") -> str:
+    lengths = [(far(a, unit), far(b, unit)) for a, b in spans(depth, is_so)]
+    texts = [f"{before}{a} to {b} {unit.name}" if a != b else f"at {a} {unit.name}" for a, b in lengths]
+    return ", ".join(texts) or "nowhere"
 
 
 def _range(low: float, high: float) -> str:

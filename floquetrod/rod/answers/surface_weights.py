@@ -93,11 +93,11 @@ class SurfaceWeights(Printed, ByContent, InUnits):
             Unit of forces, such as "lbf", else kN.
         """
         shown = self._units(depth, force)
-        lines = [("assumed", "; ".join(self.assumptions))]
+        lines = []
         if any(self.wellhead_forces):
             up, down = (shown.force.show(push, 4) for push in self.wellhead_forces)
-            lines.insert(0, ("wellhead", f"pressure and stripper take {up} of push in pick-up, {down} in slack-off"))
-        return Report(self._in_words(shown), lines, self._table(shown))
+            lines.append(("wellhead", f"pressure and stripper take {up} of push in pick-up, {down} in slack-off"))
+        return Report(self._in_words(shown), lines, self._table(shown), assumptions=self.assumptions)
 
     def _units(self, depth: str | None, force: str | None) -> AnswerUnits:
         def argument(name: str) -> str:
