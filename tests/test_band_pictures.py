@@ -371,7 +371,7 @@ def test_what_a_note_explains_is_drawn(seed: int) -> None:
     )
     chart.find_bands()
     for ax in (chart.plot(), chart.bands.plot()):
-        for size in ((7.0, 5.0), (5.0, 5.5), (12.0, 9.0)):
+        for size in ((7.0, 5.0), (5.0, 5.5), (12.0, 9.0))[: depth(3, 2)]:
             ax.figure.set_size_inches(*size)
             ax.figure.canvas.draw()
             drawn = [name for artist in ax.artists if hasattr(artist, "shown") for name in artist.shown]

@@ -127,7 +127,7 @@ def test_ctrl_c_ends_a_long_command_and_leaves_no_half_file(command: str, tmp_pa
     ) as run:
         assert run.stdout is not None
         assert run.stdout.readline() == "ready\n"
-        time.sleep(1.5)
+        time.sleep(0.7)
         run.send_signal(signal.SIGINT)
         _, said = run.communicate(timeout=600)
     assert run.returncode == 130, said

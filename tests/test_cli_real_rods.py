@@ -101,11 +101,24 @@ ANSWERS: dict[str, dict[str, Any]] = {}
 # --- check -----------------------------------------------------------------------------------------------------------
 
 
+def found_with_margins(result: fr.results.RodStability) -> tuple[str, ...]:
+    """Return what `check` tells of margins, and of the damping that stabilises."""
+    return (
+        r"margins   mean force  stable 0\.223 Fcr lower",
+        # Between two tongues, from 20.2943 to 20.295 Hz, the rod is stable, by an integration of ten modes, too.
+        r"          frequency   stable 1\.28\d Hz lower or 0\.2943 Hz higher",
+        r"          found by sampling",
+        rf"damping   stable at every rate tried above {result.damping_to_stabilise:.6g} 1/s",
+    )
+
+
 @pytest.mark.usefixtures("asked_once")
-def test_check_tells_all_a_user_needs(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+@pytest.mark.parametrize("margins", [False, pytest.param(True, marks=pytest.mark.slow)])
+def test_check_tells_all_a_user_needs(margins: bool, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     pyplot.close("all")  # of other tests
     shape = tmp_path / "shape.png"
-    text = said(capsys, "check", "--rod", WIRE, *PUSH, "--out", str(shape), "--assumptions")
+    asked = [] if margins else ["--no-margins"]
+    text = said(capsys, "check", "--rod", WIRE, *PUSH, *asked, "--out", str(shape), "--assumptions")
     result = fr.Rod.from_toml(WIRE).stability(load_of(fr.Rod.from_toml(WIRE), 0.3, 0.2, 20.0))
     assert text.startswith("UNSTABLE: direct resonance of mode 1, order 1; tenfold in ")
     for line in (
@@ -115,11 +128,7 @@ def test_check_tells_all_a_user_needs(tmp_path: Path, capsys: pytest.CaptureFixt
         r"which is 0\.0074 axial wavelengths long",
         rf"growth    {result.growth_rate:.6g} 1/s, tenfold in {result.time_to_grow():.4g} s",
         rf"grows     direct resonance of mode 1, order 1, {result.growth_rate:.6g} 1/s",
-        r"margins   mean force  stable 0\.223 Fcr lower",
-        # Between two tongues, from 20.2943 to 20.295 Hz, the rod is stable, by an integration of ten modes, too.
-        r"          frequency   stable 1\.28\d Hz lower or 0\.2943 Hz higher",
-        r"          found by sampling",
-        rf"damping   stable at every rate tried above {result.damping_to_stabilise:.6g} 1/s",
+        *(found_with_margins(result) if margins else ()),
         r"checked   \d+ coupled modes; with \d+ growth differs by ",
         r"method    half_period, 1 half period; growth good to \de-\d+ 1/s",
     ):

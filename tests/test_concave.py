@@ -23,7 +23,7 @@ def arch(x: Floats, low: float, high: float, tilt: float) -> Floats:
     return np.sqrt(inside) * np.clip(1.0 + tilt * (x - low) / (high - low), 0.0, None) ** 0.5
 
 
-@settings(max_examples=depth(300, 75))
+@settings(max_examples=depth(300, 40))
 @given(
     st.floats(0.01, 50.0),
     st.floats(-6.0, 1.0),

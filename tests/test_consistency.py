@@ -15,7 +15,7 @@ from fuzz import consistency, rods
 from strategies import decades, numbers
 
 pytestmark = pytest.mark.filterwarnings("ignore::floquetrod.UniformForceWarning")
-QUICK = settings(max_examples=4)
+QUICK = settings(max_examples=2)
 SLOW = settings(max_examples=1000, suppress_health_check=[HealthCheck.too_slow])
 
 
@@ -67,7 +67,7 @@ def test_damping_that_stabilises_does(question: rods.Question) -> None:
     check(question, ("damping",))
 
 
-@settings(max_examples=2)
+@settings(max_examples=1)
 @given(questions())
 def test_the_terminal_and_the_library_agree(question: rods.Question) -> None:
     check(question, ("terminal",))

@@ -80,7 +80,7 @@ KINDS: dict[str, Callable[[np.random.Generator, float, int], NDArray[np.float64]
 """How probable the result is in each of n samples, p on average."""
 
 
-@depth(3000, 60)
+@depth(3000, 30)
 @pytest.mark.parametrize("kind", KINDS)
 def test_the_interval_covers_what_is_true(kind: str, draws: int) -> None:
     """Of samples with seeds of their own, as the ensemble derives them; the seed of a run decides about it."""
@@ -117,7 +117,7 @@ def test_runs_that_share_seeds_would_not_be_covered() -> None:
     assert missed > 150
 
 
-@depth(2000, 200)
+@depth(2000, 80)
 def test_chosen_values_are_averaged_within_a_seed(draws: int) -> None:
     """Of kicks that have their seeds in common, each seed counts once."""
     rng, covered, naive = np.random.default_rng(draws), 0, 0

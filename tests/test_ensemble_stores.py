@@ -358,7 +358,7 @@ def test_damaged_chunks_are_computed_again(name: str, damage: str, tmp_path: Pat
 
 @pytest.mark.parametrize(
     "name",
-    ["status", "positions", *(pytest.param(name, marks=pytest.mark.slow) for name in ("largest_angle", "buckled"))],
+    ["positions", *(pytest.param(name, marks=pytest.mark.slow) for name in ("status", "largest_angle", "buckled"))],
 )
 def test_chunks_that_change_places_are_computed_again(name: str, tmp_path: Path) -> None:
     """Within a store, and with the same chunk of a store of another study."""

@@ -54,7 +54,7 @@ def test_the_errors_of_exponents_cover_the_truth(equation: fr.Mathieu | fr.Hill)
         same_up_to_errors(fr.stability(equation, method), truth)
 
 
-@settings(max_examples=depth(25, 3))
+@settings(max_examples=depth(25, 2))
 @given(EQUATIONS)
 def test_the_map_over_a_period_has_the_multipliers(equation: fr.Mathieu | fr.Hill) -> None:
     one, other = fr.stability(equation), fr.stability(equation.as_system())
@@ -135,7 +135,7 @@ def test_a_method_that_gives_up_says_so_alike() -> None:
         assert verdict.note
 
 
-@settings(max_examples=depth(20, 4), deadline=None)
+@settings(max_examples=depth(20, 2), deadline=None)
 @given(st.sampled_from(PROBLEMS), st.floats(-40.0, 40.0))
 def test_floquet_solutions_solve_the_equation_and_return_multiplied(problem: fr.HillSystem, time: float) -> None:
     for mode in fr.floquet_solutions(problem):

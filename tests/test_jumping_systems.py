@@ -204,7 +204,7 @@ def test_certified(name: str) -> None:
         assert enclosed.low - 1e-12 <= largest <= enclosed.high + 1e-12
 
 
-@pytest.mark.parametrize("name", ["square", "ramps", "waves", "first order"])
+@pytest.mark.parametrize("name", ["square", "ramps", pytest.param("waves", marks=pytest.mark.slow), "first order"])
 def test_enclosed_maps_hold_the_true_one(name: str) -> None:
     """The trace does not depend on the coordinates that a proof chooses."""
     from floquetrod.floquet.proof.balls import Doubles
@@ -301,7 +301,7 @@ def test_solve_follows_from_jump_to_jump(name: str) -> None:
     assert all(np.abs(solution.time - instant).min() < 1e-14 for instant in breaks)
 
 
-@pytest.mark.parametrize("name", MADE)
+@pytest.mark.parametrize("name", [pytest.param(name, marks=[pytest.mark.slow] * (name == "waves")) for name in MADE])
 def test_floquet_solutions_gain_their_multiplier_in_a_period(name: str) -> None:
     system = MADE[name]
     found = fr.floquet_solutions(system)
@@ -517,7 +517,7 @@ def test_jumps_that_are_not_named_are_refused() -> None:
 
 
 @given(st.integers(0, 5), st.floats(0.1, 9.0), st.floats(0.1, 20.0))
-@settings(max_examples=depth(300, 25), deadline=None)
+@settings(max_examples=depth(300, 8), deadline=None)
 def test_a_periodic_function_that_jumps_is_not_said_to_be_aperiodic(shift: int, size: float, period: float) -> None:
     """Rounding decides between the sides of a jump, also where values a period apart are compared."""
     share = (0.0, 0.37, 0.71, 0.25, 0.5, 0.9)[shift]

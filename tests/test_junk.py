@@ -573,7 +573,7 @@ def test_junk_is_refused_by_name_or_answered(
 ) -> None:
     monkeypatch.setattr(sys.modules["floquetrod.floquet.solve"], "_MOST_STEPS", 1000)  # of spans without end
     faults = []
-    stride = depth(1, 9)  # every argument is given some of it, and all of it comes in turn
+    stride = depth(1, 18)  # every argument is given some of it, and all of it comes in turn
     for junk in JUNK[zlib.crc32(f"{named(call)}-{name}".encode()) % stride :: stride]:
         try:
             result = call(**{**given, name: junk})

@@ -144,7 +144,7 @@ def extreme_equations() -> st.SearchStrategy[fr.Mathieu | fr.Meissner | fr.Hill]
     return st.builds(fr.Mathieu, amplitudes, means, damping) | st.builds(fr.Meissner, amplitudes, means, damping) | hill
 
 
-@settings(max_examples=depth(100, 12))
+@settings(max_examples=depth(100, 6))
 @given(extreme_equations(), st.none() | st.integers(2, 60) | st.integers(2, 5000))
 @example(fr.Mathieu(1e-9, -23.0), 10)
 @example(fr.Mathieu(5e-324, -0.25), None)

@@ -134,7 +134,7 @@ quarters = st.fractions(-9, 3, max_denominator=8)
     rest=quarters,
     by_mean=st.booleans(),
 )
-@settings(max_examples=depth(500, 20), deadline=None)
+@settings(max_examples=depth(500, 8), deadline=None)
 def test_a_ramp_written_with_its_start_or_its_mean(
     share: Fraction, level: Fraction, slope: Fraction, rest: Fraction, by_mean: bool
 ) -> None:
@@ -171,7 +171,7 @@ def test_pieces_have_a_mean_or_a_start() -> None:
 
 
 @given(st.integers(0, 10**6))
-@settings(max_examples=depth(60, 6), deadline=None)
+@settings(max_examples=depth(60, 3), deadline=None)
 def test_the_picture_of_a_coefficient_is_what_it_is(seed: int) -> None:
     rng = np.random.default_rng(seed)
     share, slope = Fraction(int(rng.integers(1, 8)), 8), Fraction(int(rng.integers(-8, 8)), 4)

@@ -415,7 +415,11 @@ def test_the_terminal_takes_noise(capsys: pytest.CaptureFixture[str], tmp_path: 
         ),
         (lambda: ROD.critical("noise", load(0.0)), "load must have noise"),
         (lambda: ROD.critical("noise", load(1.0, mean=0.17)), "load must be stable without noise"),
-        (lambda: ROD.replace(damping_rate=0.0).critical("noise", load(1.0)), "load must be stable without noise"),
+        pytest.param(
+            lambda: ROD.replace(damping_rate=0.0).critical("noise", load(1.0)),
+            "load must be stable without noise",
+            marks=pytest.mark.slow,
+        ),
     ],
 )
 def test_what_noise_cannot_be_is_told(call: Any, says: str) -> None:

@@ -197,7 +197,7 @@ nested = st.recursive(
 
 
 @given(nested, st.sampled_from(["equations", "equation", "states", "time", "period", "value", "name"]))
-@settings(max_examples=depth(500, 60), deadline=None)
+@settings(max_examples=depth(500, 30), deadline=None)
 def test_no_text_is_run_as_code(code: Any, argument: str) -> None:
     x, v = sympy.symbols("x v")
     given: dict[str, Any] = {"equations": [v, -x], "states": [x, v]}
@@ -238,7 +238,7 @@ formulas = st.recursive(
 
 
 @given(formulas)
-@settings(max_examples=depth(500, 60), deadline=None)
+@settings(max_examples=depth(500, 30), deadline=None)
 def test_a_formula_of_the_period_means_what_python_makes_of_it(formula: str) -> None:
     try:
         expected = eval(formula, {"__builtins__": {}}, vars(math) | {"mu": 1.5})

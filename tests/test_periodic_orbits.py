@@ -274,7 +274,7 @@ def test_each_multiplier_has_an_error_of_its_own(seed: int) -> None:
     assert "another one is 1" not in found.note
 
 
-@pytest.mark.parametrize("mu", [1.0, 5.0, 20.0])
+@pytest.mark.parametrize("mu", [1.0, 5.0, pytest.param(20.0, marks=pytest.mark.slow)])
 def test_extremes_are_those_between_the_nodes(mu: float) -> None:
     """Van der Pol's extremes by DOP853 where a rate of change is 0."""
     orbit = fr.periodic_orbit(VAN_DER_POL.with_parameters(mu=mu), [2.0, 0.0])
@@ -295,7 +295,7 @@ def test_extremes_are_those_between_the_nodes(mu: float) -> None:
     assert orbit.plot().lines[1].get_ydata().max() == pytest.approx(known[1], rel=1e-9)
 
 
-@pytest.mark.parametrize("period", [None, 1615.0])
+@pytest.mark.parametrize("period", [None, pytest.param(1615.0, marks=pytest.mark.slow)])
 def test_a_relaxation_oscillation_of_a_thousand(period: float | None) -> None:
     """The period by its asymptotic series, (3 - 2 log 2) mu + 7.01432 mu^(-1/3) + O(log mu / mu) (Dorodnitsyn)."""
     mu = 1000.0

@@ -164,7 +164,7 @@ def test_damped_and_tolerant_ranges_against_dense_scans(
     scan_a_damped_rod(size, mean, amplitude, speed, damping, tolerance)
 
 
-@settings(max_examples=depth(700, 4))
+@settings(max_examples=depth(700, 2))
 @given(st.integers(0, 2**32 - 1))
 def test_margins_end_where_stable_ranges_do(seed: int) -> None:
     question = rods.draw(np.random.default_rng(seed))

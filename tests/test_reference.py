@@ -149,7 +149,7 @@ def assert_consistent(few: DiscriminantExcess, many: DiscriminantExcess, digits:
 
 
 @given(mathieus(largest_damping=0.5) | hills(largest_damping=0.5))
-@settings(max_examples=depth(25, 6))
+@settings(max_examples=depth(25, 3))
 @example(Mathieu(400.0, -400.0))
 @example(Mathieu(400.0, 40.0))
 @example(Mathieu(50.0, -10.0))

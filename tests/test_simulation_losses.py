@@ -44,7 +44,8 @@ def test_runs_killed_during_saves_end_in_the_same_bits(tmp_path: Path, rng: np.r
         assert found["resumed"] > 50, found
 
 
-@pytest.mark.parametrize("count", [2, pytest.param(20, marks=pytest.mark.slow)])
+@pytest.mark.slow  # saves that fail are made to in this process, above
+@pytest.mark.parametrize("count", [2, 20])
 def test_full_disks_lose_nothing(tmp_path: Path, rng: np.random.Generator, count: int) -> None:
     found = nursery("disks", tmp_path, count, rng)
     assert (found["disks"], found["warned"], found["wrong"]) == (count, found["warned"], 0), found

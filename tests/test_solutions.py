@@ -244,7 +244,7 @@ def test_without_forcing_solutions_are_exponentials(beta: float, damping: float)
     st.sampled_from([0.0, 1e-3, 0.1, 0.4, 2.0, 150.0]),
     st.sampled_from([1.0, 30.0, 1e3]),
 )
-@settings(max_examples=depth(200, 30), deadline=None)
+@settings(max_examples=depth(200, 15), deadline=None)
 def test_exponents_are_those_of_the_verdict(alpha: float, beta: float, damping: float, scale: float) -> None:
     """Decaying ones, too, and where multipliers underflow."""
     verdict = fr.stability(fr.Mathieu(scale * alpha, scale * beta, damping))

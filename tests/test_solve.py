@@ -117,7 +117,7 @@ def test_against_many_digits(alpha: float, beta: float, end: float) -> None:
     st.floats(-10.0, 10.0),
     st.sampled_from([-1.0, 1.0]),
 )
-@settings(max_examples=depth(40, 10), deadline=None)
+@settings(max_examples=depth(40, 5), deadline=None)
 def test_a_period_multiplies_by_the_multipliers(
     alpha: float, beta: float, damping: float, start: float, way: float
 ) -> None:

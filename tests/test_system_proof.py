@@ -313,7 +313,7 @@ def hamiltonian(seed: int, n: int) -> HillSystem:
     )
 
 
-@settings(max_examples=depth(60, 12), deadline=None)
+@settings(max_examples=depth(60, 6), deadline=None)
 @given(seeds, st.integers(1, 4))
 def test_no_proof_contradicts_an_integration(seed: int, n: int) -> None:
     system = hamiltonian(seed, n)
@@ -327,7 +327,7 @@ def test_no_proof_contradicts_an_integration(seed: int, n: int) -> None:
 
 
 def test_nearly_every_hamiltonian_system_is_decided_with_doubles() -> None:
-    many = depth(200, 80)
+    many = depth(200, 40)
     statuses = [certify_system(hamiltonian(seed, 1 + seed % 4), 15).status for seed in range(many)]
     assert statuses.count("undecided") <= 0.01 * many
     assert min(statuses.count("stable"), statuses.count("unstable")) > 0.1 * many

@@ -138,7 +138,7 @@ def skew(rng: np.random.Generator, n: int) -> np.ndarray:
 
 def test_skew_symmetric_systems_are_stable_by_every_door() -> None:
     rng = np.random.default_rng(1)
-    for _ in range(depth(60, 10)):
+    for _ in range(depth(60, 4)):
         n = int(rng.integers(2, 7))
         waves = [skew(rng, n) for _ in range(int(rng.integers(0, 3)))]
         system = fr.PeriodicSystem(skew(rng, n), waves, waves[:1], period=float(rng.uniform(0.5, 8.0)))
