@@ -31,7 +31,12 @@ def _own(modules: set[str]) -> set[str]:
 
 
 @pytest.mark.parametrize(
-    ("first", "given", "threads"), [("", {}, "1"), ("", {"MKL_NUM_THREADS": "3"}, "None"), ("import numpy", {}, "None")]
+    ("first", "given", "threads"),
+    [
+        ("", {}, "1"),
+        pytest.param("", {"MKL_NUM_THREADS": "3"}, "None", marks=pytest.mark.slow),
+        ("import numpy", {}, "None"),
+    ],
 )
 def test_products_take_one_thread_unless_told_otherwise(first: str, given: dict[str, str], threads: str) -> None:
     code = f"import os\n{first}\nfrom floquetrod.cli import main\nmain(['lock-up', '--rod', 'nitinol', '--mu', '0.3'])"

@@ -167,7 +167,9 @@ class Breaking(Executor):
         return task
 
 
-@pytest.mark.parametrize("way", ["submit", "cancelled", "broken", "other"])
+@pytest.mark.parametrize(
+    "way", ["submit", "broken", *(pytest.param(way, marks=pytest.mark.slow) for way in ("cancelled", "other"))]
+)
 def test_what_came_before_an_executor_broke_is_kept(way: str, tmp_path: Path) -> None:
     place = tmp_path / "runs.zarr"
     with pytest.raises(RuntimeError, match=r"executor has failed .*finished runs are kept: call fr\.ensemble again"):

@@ -214,7 +214,7 @@ def test_the_terminal_prints_its_report() -> None:
     assert numbers["resonances"][0]["growth_rate_per_s"] == found.growth_rate
 
 
-@pytest.mark.parametrize("prompt", [False, True])
+@pytest.mark.parametrize("prompt", [False, pytest.param(True, marks=pytest.mark.slow)])
 def test_the_explorer_shows_what_the_model_tells(prompt: bool, monkeypatch: pytest.MonkeyPatch) -> None:
     """The map follows the sliders where verdicts are prompt; neither kind has bands or a place among the tongues."""
     monkeypatch.setattr(SpringModel, "prompt", prompt)

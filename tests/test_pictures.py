@@ -71,7 +71,7 @@ def test_a_run_off_the_wall_says_so_in_its_picture() -> None:
     assert thrown.note in note(thrown.plot_run().axes[1])
 
 
-@pytest.mark.parametrize("plot", ["plot", "plot_energy", "plot_growth"])
+@pytest.mark.parametrize("plot", ["plot", "plot_energy", pytest.param("plot_growth", marks=pytest.mark.slow)])
 def test_legends_of_runs_hide_no_line(plot: str) -> None:
     ax = getattr(run(), plot)()
     _, (place,) = boxes(ax.figure)

@@ -135,7 +135,7 @@ def test_loads_are_sorted_into_lines_of_one_force() -> None:
     ("ends", "damping", "tolerance", "like"),
     [
         ("hinged", 0.0, 0.0, None),
-        ("clamped", 0.02 * SWING, 0.0, None),
+        pytest.param("clamped", 0.02 * SWING, 0.0, None, marks=pytest.mark.slow),
         pytest.param("clamped-free", 0.0, 0.01 * SWING, None, marks=pytest.mark.slow),
         ("guided-hinged", 0.01 * SWING, 0.002 * SWING, WAVE),
     ],

@@ -69,7 +69,7 @@ def agree(bands: Bands, judge: Callable[[Floats, Floats], Any], seed: int = 0, n
 @pytest.mark.parametrize(
     "points", [(25, 20), *(pytest.param(points, marks=pytest.mark.slow) for points in ((60, 50), (80, 40), (200, 200)))]
 )
-@pytest.mark.parametrize("growth", [True, False])
+@pytest.mark.parametrize("growth", [pytest.param(True, marks=pytest.mark.slow), False])
 def test_mathieu_traced_agrees_with_transition_curves(points: tuple[int, int], growth: bool) -> None:
     def judge(alpha: Floats, beta: Floats) -> tuple[NDArray[np.int8], Any]:
         stable = fr.mathieu.is_stable(alpha, beta)

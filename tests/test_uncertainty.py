@@ -57,7 +57,7 @@ def buckling_force(modulus: float, length: float = ROD.length) -> float:
 
 
 @pytest.mark.kernels
-@pytest.mark.parametrize("tolerance", [0.0, 1e-6, 0.05])
+@pytest.mark.parametrize("tolerance", [0.0, pytest.param(1e-6, marks=pytest.mark.slow), 0.05])
 def test_samples_agree_with_rods_made_one_by_one(tolerance: float) -> None:
     levels = np.random.default_rng(5).uniform(0.001, 0.999, (len(ALL), depth(700, 250)))
     found = Sampling(TUBE, LOAD, ALL, tolerance, None).verdicts(levels)
