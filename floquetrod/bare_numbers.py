@@ -43,7 +43,7 @@ _LARGEST = {"pressure": 2e12, "density": 3e4}
 
 
 class Quantity(NamedTuple):
-    """A quantity as it is written: its name in messages, a text or a number, and its kind, see `floquetrod.units`."""
+    """A quantity as typed: its name in messages, its value (text or number), and its kind, see `floquetrod.units`."""
 
     name: str
     value: Any
@@ -104,11 +104,11 @@ class BareNumber(NamedTuple):
 def bare_numbers(
     quantities: Iterable[Quantity], usual: Mapping[str, str] | None = None, shown: Iterable[str] = ()
 ) -> list[BareNumber]:
-    """Return the numbers without a unit that may have been meant in another one, where others have theirs.
+    """Return the numbers without a unit that may have been meant in another unit, where other quantities have a unit.
 
-    The other unit is that of a quantity of the same kind, or the usual one of its kind: beside feet, pounds and inches,
-    of radians, or by ``usual``.  ``shown`` are units that were asked for.  Critical forces and percentages tell nothing
-    about other kinds, and zero is the same in every unit.
+    The suspected unit is the one in which another quantity of the same kind is given, or else the usual one of the
+    kind: degrees for an angle, pounds beside feet, or the entry of ``usual``.  ``shown`` are the units requested for
+    the answer.  Critical forces and percentages say nothing about other kinds; zero is the same in every unit.
     """
     listed = [number for each in quantities for number in each.numbers if each.kind != "ratio"]
     with_unit = [each for each in listed if each.unit]

@@ -1,7 +1,7 @@
 """Where a verdict first changes along a quantity: the one search behind margins, ranges and critical values.
 
-A source knows the verdicts on a piece of the quantity.  Tongues that are counted leave no gap, so that their resolution
-is 0.  Samples leave gaps as wide as they are apart, and every change between two of them is located by bisection.  A
+A source knows the verdicts on a piece of the quantity.  Counted tongues leave no gap: their resolution is 0.  Samples
+leave gaps as wide as their distance, and every change between two samples is located by bisection.  A
 search goes outward through pieces, the nearest first, and its `FirstChange` states the coarsest resolution on its way.
 """
 

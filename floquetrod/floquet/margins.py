@@ -78,7 +78,7 @@ def margin(
     along : str
         The parameter that varies, one of ``at``.
     within : (float, float)
-        Values between which the change is searched for; that of ``at`` lies between them.
+        Ends of the range searched; the value in ``at`` lies between them.
     samples : int
         Verdicts on either side, 2 to 100,000: a change and its reverse between two of them are passed over.
     **at

@@ -73,14 +73,14 @@ def escape_ranges(
 ) -> EscapeRanges:
     """Return all ranges of kicks that escape: a larger kick need not escape where a smaller one does.
 
-    ``samples`` kicks in geometric progression between those proved bounded and those proved to escape are followed, and
-    every change of fate between neighbours is bisected to 1e-10.  The edges may be fractal: more samples then show
-    more and narrower ranges.
+    Between the largest kick proved bounded and the smallest proved to escape, ``samples`` kicks in geometric
+    progression are followed, and every change of fate between neighbours is bisected to 1e-10.  The edges may be
+    fractal: more samples then show more and narrower ranges.
 
     Parameters
     ----------
     samples : int
-        Kicks that are followed, 2 or more.
+        Number of kicks followed, 2 or more.
 
     Examples
     --------

@@ -38,11 +38,11 @@ def leapfrog_escapes(
     gamma : array_like
         Friction force over inertia, greater than 0.
     periods : int
-        Periods 2 pi that are followed, 1 or more.
+        Periods 2 pi followed, 1 or more.
     step : float
         Step of tau, 1e-6 to 0.5.
     limit : float
-        Growth abs(A) / kick from which a motion counts as escaped, greater than 0.
+        Ratio abs(A) / kick at which a motion counts as escaped, greater than 0.
 
     Examples
     --------

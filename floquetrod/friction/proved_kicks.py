@@ -67,7 +67,7 @@ def _no_kick_escapes_up_to(prepared: Prepared) -> Floats:
 
     Up to the first stop A = kick S + F, S and F the motions from A' = 1 without friction and from rest with it; the
     kick g = -F' / S' stops at tau, at A = g S + F.  Both grow with tau until A is ``safe`` (docs/theory/friction.md);
-    the kick that stops there is returned, or that of the time where S' is so steep that g has its limit to rounding.
+    the kick that stops there is returned, or g at the time where S' is so steep that g equals its limit to rounding.
     """
     alpha, beta = prepared.coefficients["alpha"], prepared.coefficients["beta"]
     first, cells, bases, _ = prepared.propagators

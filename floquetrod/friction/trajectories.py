@@ -61,7 +61,7 @@ def trajectory(equation: FrictionalMathieu, kick: float, *, periods: int = 20) -
     Parameters
     ----------
     periods : int
-        Periods 2 pi of the coefficient that are followed, 1 or more.
+        Periods 2 pi of the coefficient followed, 1 or more.
 
     Examples
     --------

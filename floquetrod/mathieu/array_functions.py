@@ -1,7 +1,7 @@
 """Mathieu's equation A'' + 2 c A' = (beta + alpha sin tau) A over arrays.
 
-The functions broadcast like numpy ufuncs, use all cores on large input and release the GIL.  Accuracy and method are
-those of the spectral method: exact counts for verdicts, Hill's determinants for everything else.
+The functions broadcast like numpy ufuncs, use all cores on large input and release the GIL.  As in the spectral method,
+verdicts come from exact counts of eigenvalues, everything else from Hill's determinants.
 """
 
 from __future__ import annotations
@@ -165,8 +165,8 @@ def exponents(alpha: Any, beta: Any, damping: Any = 0.0, *, per: str = "tau", wo
     Arguments as in `is_stable`, alpha and beta, not a and q, which `floquetrod.conventions.from_aq` turns into them.
     Real parts are growth rates, negative ones too, finite however large or small the multipliers; imaginary parts lie
     in [0, 1/2] first and in [-1/2, 0] second, but both are 1/2 where multipliers are negative.  ``per`` is "tau", or
-    "z" for those of y'' + (a - 2 q cos 2 z) y = 0, twice as large, whose imaginary part is the order nu up to its sign
-    and an even number.
+    "z" for the exponents of y'' + (a - 2 q cos 2 z) y = 0, which are twice as large; their imaginary part is the order
+    nu up to its sign and an even number.
 
     Examples
     --------

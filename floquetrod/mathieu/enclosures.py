@@ -1,9 +1,10 @@
-"""Growth along the amplitude below the static limit, where it is not concave: enclosed from a single place.
+"""Growth along the amplitude below the static limit, where it is not concave: enclosed from its value at one amplitude.
 
 Characteristic values of u'' = (b + alpha sin tau) u move along b by no more than the amplitude changes, |sin| <= 1.  In
-a tongue X = sinh(pi u)^2, u the growth per unit tau, is a constant times the product of the distances d_k of b from
-all those of one parity.  A change of the amplitude by no more than h multiplies X by no more than prod(1 + h / d_k)
-<= exp(h S) and no less than prod(1 - h / d_k) >= exp(-2 ln 2 h S), S = sum 1 / d_k, where every d_k is at least 2 h.
+a tongue X = sinh(pi u)^2, u the growth per unit tau, is a constant times the product of the distances d_k from b to all
+characteristic values of one parity.  A change of the amplitude by no more than h multiplies X by no more than
+prod(1 + h / d_k) <= exp(h S) and no less than prod(1 - h / d_k) >= exp(-2 ln 2 h S), S = sum 1 / d_k, where every d_k
+is at least 2 h.
 S is bounded by counting the values within 2 h, 4 h, 8 h, ...; those far above lie above k^2 - 2 q.
 """
 
@@ -106,7 +107,7 @@ def enclosed(b: Floats, alpha: Floats, h: Floats, excess: Floats, counts: Counte
 
 
 def _sum_of_inverses(b: Floats, alpha: Floats, radius: Floats, counts: Counted) -> Floats:
-    """Return a bound on the sum of 1 / d_k over all characteristic values, none of which lies within the radius."""
+    """Return a bound on the sum of 1 / d_k over all characteristic values, where every distance d_k > ``radius``."""
     q, extent = 2.0 * alpha, np.maximum(-4.0 * b, 0.0) + 4.0 * alpha + 8.0
     # All within 8 (a + 2 q + 8) / 4 of b are counted; of the others n^2 < y - 2 q, and d > 2 y / 3.
     shells = np.maximum(1, np.ceil(np.log2(0.5 * extent / radius))).astype(np.int64)

@@ -1,4 +1,4 @@
-"""Floquet solutions of Mathieu's equation: ce, se and me of any real order, and those of any equation."""
+"""Floquet solutions: the Mathieu functions ce, se and me of real order, and both solutions of a Mathieu equation."""
 
 from __future__ import annotations
 
@@ -35,13 +35,13 @@ class FloquetSolution(ByContent):
     exponent : complex
         mu; its real part is the growth rate.  0 for ce, se and me.
     frequencies : ndarray (n,) of float
-        w_k; those of me have the order nu in them.
+        w_k; for me they include the order nu.
     coefficients : ndarray (n,) of complex
         c_k.
     period : float
         Period of the equation: pi in z, 2 pi in tau.
     is_real : bool
-        Whether its values are real, as those of ce and se are.
+        Whether its values are real: true for ce and se.
 
     Examples
     --------
@@ -131,14 +131,13 @@ def characteristic_function(order: float, q: float, kind: str = "floquet") -> Fl
     q : float
         Magnitude at most 1e7.
     kind : {"a", "b", "floquet"}
-        ce_m, whose characteristic value is a_m; se_m, whose value is b_m; me_nu, whose value is that of
-        `real_order_values`.
+        ce_m with characteristic value a_m; se_m with b_m; me_nu with the value that `real_order_values` returns.
 
     Returns
     -------
     FloquetSolution
         Normalised and signed as DLMF 28.2(vi) and 28.12(ii): the integral of ce^2 or se^2 over 2 pi is pi, ce(0) > 0,
-        se'(0) > 0; that of me_nu(z) me_nu(-z) over pi is pi, me_nu(0) > 0.
+        se'(0) > 0; the integral of me_nu(z) me_nu(-z) over pi is pi, me_nu(0) > 0.
 
     Examples
     --------
@@ -177,9 +176,9 @@ def floquet_solutions(equation: Mathieu, *, per: str = "tau") -> tuple[FloquetSo
 
     Two of them; one where both exponents are equal, on a transition curve: the other solutions are no Floquet
     solutions there (but with alpha = 0).  Each is scaled so that the squares of its coefficients add up to one, and is
-    real where its multiplier is.  ``per`` is "tau", or "z" for those of y'' + 2 k y' + (a - 2 q cos 2 z) y = 0, with
-    its exponents and as functions of z, where tau = 2 z + pi / 2.  TypeError for another equation, ValueError for
-    abs(alpha) above 5e6.
+    real where its multiplier is.  ``per`` is "tau", or "z" for the solutions, and exponents, of
+    y'' + 2 k y' + (a - 2 q cos 2 z) y = 0 as functions of z, where tau = 2 z + pi / 2.  TypeError for another
+    equation, ValueError for abs(alpha) above 5e6.
 
     Examples
     --------
@@ -284,8 +283,8 @@ def _null_vector(a: float, q: float, exponent: complex) -> tuple[Floats, Complex
 def _sign(kind: str, order: float, q: float, frequencies: Floats, vector: Floats) -> float:
     """Return the sign that continues cos(m z) or sin(m z) from q = 0.
 
-    It is that of the value at 0, or of the slope of se.  Where q > 0 solutions of low order are exponentially small
-    there, and large at pi / 2, where the value, or the slope of one that is odd about pi / 2, is never zero either.
+    ce(0) and se'(0) are never zero and keep their signs.  Where q > 0 solutions of low order are exponentially small
+    at 0 and large at pi / 2, where the value (the slope, if the solution is odd about pi / 2) is never zero either.
     """
     odd = kind == "b"
     if q > 0.0:
@@ -297,9 +296,9 @@ def _sign(kind: str, order: float, q: float, frequencies: Floats, vector: Floats
 def _sign_of_me(nu: float, frequencies: Floats, vector: Floats) -> float:
     """Return the sign that continues exp(i nu z) from q = 0.
 
-    About 0 and about pi / 2 me_nu is an even solution and i times an odd one.  For orders that are no whole numbers
-    neither part is ever zero, so value and slope keep the signs they have at q = 0, there and here.  One of the four
-    may be exponentially small: the sign is that of the one whose sum loses least.
+    About 0 and about pi / 2, me_nu is an even solution plus i times an odd one.  For orders that are not whole numbers
+    neither is ever zero, so value and slope at both points keep their signs from q = 0.  Some of these four sums may
+    be exponentially small: the sign is taken from the sum with the least cancellation.
     """
     sums = []
     for seen in (vector, _seen_from_half_period(nu, frequencies, vector)):

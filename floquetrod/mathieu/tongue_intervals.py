@@ -1,8 +1,8 @@
 """Where Mathieu's equation grows faster than a level, along its mean, its frequency and its amplitude.
 
 Damping is removed from the equations: u'' = (b + alpha sin tau) u with b = beta + c^2, whose growth rate is compared
-with c and a tolerance.  Every function takes arrays of questions, one for each equation and range, and returns the
-parts of all of them.  docs/theory/ranges.md derives what is complete, and what is not.
+with c and a tolerance.  Every function takes arrays with an entry for each pair of equation and range, and returns the
+unstable intervals for all pairs.  docs/theory/ranges.md derives which searches are complete.
 """
 
 from __future__ import annotations

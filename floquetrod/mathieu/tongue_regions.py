@@ -160,10 +160,10 @@ def _frequencies(window: Window) -> tuple[float, float]:
 def _tall(oscillators: UndampedEquations, window: Window, which: Ints, order: Ints, strongest: float) -> Bools:
     """Return which tongues may exceed the level in the window.
 
-    Growth in a tongue, where it is fastest on a line, falls with the frequency and rises with the amplitude: the line
-    to ask is the one of the largest amplitude, or that of the lowest frequency at which the tongue reaches the window,
-    which it does at the largest mean.  (Observed.  Along the frequency it first falls with the amplitude where the mean
-    alone buckles a mode: those are all kept.)
+    The fastest growth of a tongue on a line falls with the frequency and rises with the amplitude: the line to examine
+    has the largest amplitude, or the lowest frequency at which the tongue reaches the window, which it does at the
+    largest mean.  (Observed.  Where the mean alone buckles a mode, growth along the frequency first falls with the
+    amplitude: such tongues are all kept.)
     """
     line = np.full(which.size, strongest)
     if window.over == "frequency":

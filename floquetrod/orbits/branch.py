@@ -32,9 +32,9 @@ class Branch(ByContent, Printed, NoTruthValue):
     parameter : str
         Name of the parameter.
     over : (float, float)
-        Range of its values that was asked for.
+        Range of its values requested.
     orbits : tuple of PeriodicOrbit (k,)
-        Each with its verdict.  Where the parameter turns back, the ``error`` of an orbit is that of its states at the
+        Each with its verdict.  Where the parameter turns back, the ``error`` of an orbit compares its states at the
         same length along the branch, not at the same value of the parameter.
     special_points : tuple of SpecialPoint
         Where a multiplier crosses the unit circle, in the order of the orbits.  A Hopf point, where the orbits shrink
@@ -94,7 +94,7 @@ class Branch(ByContent, Printed, NoTruthValue):
 
     @cached_property
     def multipliers(self) -> Complexes:
-        """Multipliers (k, n), of autonomous systems (k, n - 1) without that of the orbit's own motion; NaN unknown."""
+        """Multipliers (k, n), NaN where unknown; of autonomous systems (k, n - 1), without the trivial one."""
         return np.array([multipliers_of(orbit).values for orbit in self.orbits])
 
     @cached_property

@@ -225,10 +225,10 @@ class Collocation(ByContent):
         return np.stack(drives, axis=-1) if drives else np.zeros((*rates.shape, 0))
 
     def phase(self, reference: Point, scale: Floats | None = None) -> BorderRow:
-        """Return the phase condition: an orbit's mean distance from a reference along that one's motion is zero.
+        """Return the phase condition: the mean distance from a reference orbit, along its velocity, is zero.
 
-        In units of the states (n,), those of the reference by default; along a branch they must not change where a
-        state passes through zero.
+        ``scale`` (n,) holds a unit for each state, by default ``reference.scale``; along a branch it must not change
+        where a state passes through zero.
         """
         scale = reference.scale if scale is None else scale
         nodes = self.weights[:, None] * self.rates_at_mesh(reference) / scale**2

@@ -35,8 +35,8 @@ def periodic_orbit(
     """Return the periodic orbit near a start, stable or not, with its error and the verdict on it.
 
     By collocation at Gauss points on a mesh that is made finer where the orbit needs it, and Newton's method.  A start
-    that is nearly on an orbit, closing after a period to a fifth of the motion, is taken as it is; motion from any
-    other is followed until it settles.
+    nearly on an orbit, which closes after a period to a fifth of the motion, goes straight to Newton's method; from any
+    other start the motion is first followed until it settles.
 
     Parameters
     ----------
@@ -175,8 +175,9 @@ def _degree(order: int) -> int:
 def orbit_of(collocation: Collocation, point: Point, tolerance: float = 1e-10) -> PeriodicOrbit:
     """Return the orbit near a point, on a mesh fine enough for the tolerance; the parameter stays as it is.
 
-    A first mesh by the estimate of `meshes.interior_errors`; then two more points in each interval tell the error, and
-    a new mesh where that is too large.  The finer orbit is returned.
+    The mesh is refined until the estimates of `orbit_mesh.interior_errors` are within the tolerance.  The orbit is then
+    solved again with two more points in each interval: the difference is its error, and where this is too large the
+    mesh is refined once more.  The finer orbit is returned.
     """
     known = collocation.with_value(point.value)
     collocation, point = orbit_mesh.carried(known, point._replace(value=0.0), known.mesh, _degree(point.nodes.shape[1]))

@@ -43,7 +43,7 @@ def carried(collocation: Collocation, point: Point, mesh: Floats, degree: int) -
 def interior_errors(collocation: Collocation, point: Point) -> Floats:
     """Return estimates (N,) of the largest error of the polynomials in each interval, as a fraction of the states.
 
-    From the derivative of order m + 1, which differences of that of order m between intervals tell, as de Boor does
+    From the derivative of order m + 1, estimated by differences of the m-th derivative between intervals
     (C. de Boor, Lecture Notes in Math. 363 (1974) 12).
     """
     m, steps = collocation.degree, collocation.steps

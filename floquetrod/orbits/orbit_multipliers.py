@@ -45,8 +45,8 @@ class OrbitVerdict(NamedTuple):
 def judged(linearised: PeriodicSystem, segments: Segments) -> OrbitVerdict:
     """Return the verdict on an orbit from the maps over its intervals.
 
-    Of an autonomous system in frames that move with the orbit, one axis along its motion: what is left without that
-    axis are maps across the motion, whose multipliers are all others, however close to 1 one of them is.
+    For an autonomous system the frames move with the orbit, one axis along its motion.  Without this axis the maps act
+    across the motion: their multipliers are all but the trivial one, however close to 1 another one is.
     """
     scales, maps, errors, trivial = _scaled(segments)
     krein, logs = None, None
@@ -103,7 +103,7 @@ def _alone(segments: Segments) -> Solutions:
 def _split(maps: Floats, errors: Floats) -> LogDiscs:
     """Return logarithms of the multipliers, block by block: each block has errors of its own.
 
-    Where those of a block are not known, none of them is above the product of the norms of its maps.
+    The unknown multipliers of a block are bounded by the product of the norms of its maps.
     """
     discs = [_of_block(*block) for block in split_maps.blocks(maps, errors)]
     values, low, high, radii = (np.concatenate(parts) for parts in zip(*(each[:4] for each in discs), strict=True))

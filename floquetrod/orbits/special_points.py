@@ -90,8 +90,8 @@ class SpecialPoint(ByContent):
         Parameters
         ----------
         side : {1, -1}
-            To which side of this branch, of two; of a doubled orbit they are the same half a period later.
-            Where the branch is that of doubled orbits, the orbit of half the period is returned.
+            Side of this branch.  At a period doubling both sides give one orbit, shifted by half its period in time.
+            From a branch of doubled orbits, the orbit of half the period is returned.
         distance : float
             How far away, as a fraction of the largest magnitudes of the states, from 1e-4 to 1; less where there is no
             orbit so far out.  A state that is zero along this branch counts as the largest of all.

@@ -7,11 +7,12 @@ In frames of orthogonal iteration, faster growing directions first, every map is
 A plane y = X_i x, invariant under the maps, obeys X_(i+1) (B_i + C_i X_i) = E_i + D_i X_i.  Where |X_0| <= x_0 implies
 |X_N| <= x_0 by the bound
 
-    x_(i+1) = (e_i + d_i x_i) b_i / (1 - b_i c_i x_i),    b_i = |B_i^-1|, c_i, d_i, e_i the norms of the others,
+    x_(i+1) = (e_i + d_i x_i) b_i / (1 - b_i c_i x_i),    b_i = |B_i^-1|, c_i = |C_i|, d_i = |D_i|, e_i = |E_i|,
 
-there is one by Brouwer's theorem, and the multipliers are exactly those of the maps B_i + C_i X_i and of D_i - X_(i+1)
-C_i: those of B_i and D_i with errors larger by c_i x_i and x_(i+1) c_i.  Then a multiplier of 1e-200 has an error of
-its own beside one of 1.2 (U. M. Ascher, R. M. M. Mattheij and R. D. Russell, doi:10.1137/1.9781611971231, chapter 3).
+such a plane exists by Brouwer's theorem, and the multipliers of the T_i are exactly the multipliers of B_i + C_i X_i
+together with the multipliers of D_i - X_(i+1) C_i.  The blocks B_i and D_i therefore stand for both, with errors larger
+by c_i x_i and x_(i+1) c_i, and a multiplier of 1e-200 has its own error beside a multiplier of 1.2 (U. M. Ascher,
+R. M. M. Mattheij and R. D. Russell, doi:10.1137/1.9781611971231, chapter 3).
 """
 
 from __future__ import annotations
@@ -73,7 +74,7 @@ def _triangular(maps: Floats) -> tuple[Floats, Floats]:
 
 
 def _split(turned: Floats, errors: Floats, first: int) -> tuple[Block, Block] | None:
-    """Return the block of the first axes and that of the others; None where no invariant plane is sure."""
+    """Return the leading block, of the ``first`` axes, and the trailing one; None if no invariant plane is proved."""
     leading, coupling = turned[:, :first, :first], turned[:, :first, first:]
     leak, trailing = turned[:, first:, :first], turned[:, first:, first:]
     least = np.linalg.svd(leading, compute_uv=False)[:, -1] - errors

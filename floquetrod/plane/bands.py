@@ -114,7 +114,7 @@ class Bands(NoTruthValue, ByContent):
         return len(self.bands)
 
     def __repr__(self) -> str:
-        """Say how many there are, and what has been left out."""
+        """Name the axes, and give the numbers of bands and of tongues left out."""
         return f"<{self.y.name} over {self.x.name}; {self.caption}>"
 
     @property

@@ -121,7 +121,7 @@ class Chart(NoTruthValue, ByContent):
     def find_bands(self, accuracy: float = ACCURACY, *, progress: Progress | None = None) -> Bands:
         """Return the unstable bands as polygons between the boundaries, not made of the chart's points.
 
-        The chart keeps those of the default accuracy as `bands`.
+        `bands` holds them for the default accuracy, computed once.
 
         Parameters
         ----------
@@ -227,7 +227,7 @@ class Chart(NoTruthValue, ByContent):
         Parameters
         ----------
         ax : matplotlib axes, optional
-            Axes to draw into; by default those of a new figure.
+            Axes to draw into; by default in a new figure.
         bands : bool, optional
             Whether to draw `bands`, shapes named by mode and tongue where there is room, or the chart's points as
             pixels; by default bands, where they have been found or are found about as fast as the chart, and no `cells`
@@ -236,7 +236,7 @@ class Chart(NoTruthValue, ByContent):
         Raises
         ------
         ValueError
-            Where bands are asked for and the chart does not know them, see `find_bands`.
+            With ``bands=True`` for a chart that has neither bands nor a source, see `find_bands`.
         """
         prompt = self.source is not None and self.source.prompt
         known = self.cells is None and (prompt or "bands" in self.__dict__)

@@ -15,9 +15,9 @@ from floquetrod._util.content import ByContent
 
 @dataclass(frozen=True, eq=False)
 class Crossings(ByContent):
-    """Pairs of neighbours on a grid of which one is unstable, in rings with the unstable side to the left.
+    """Pairs of neighbouring grid points, one unstable and one stable, in rings with the unstable side to the left.
 
-    Both are the same place on the edge of the plane, beyond which nothing is unstable.
+    On the edge of the plane, beyond which nothing is unstable, both points of a pair coincide.
     """
 
     inside: Floats  # (n, 2), the unstable neighbour
@@ -53,10 +53,11 @@ def crossings(u: Floats, v: Floats, unstable: Bools, middle: Callable[[Floats], 
 
 
 def _heights(u: Floats, v: Floats, unstable: Bools, middle: Callable[[Floats], Bools]) -> Floats:
-    """Return heights above 0.5 where a point is unstable, whose mean over a crosswise cell tells what is joined there.
+    """Return heights (rows, columns), above 0.5 at unstable points, for contours at 0.5.
 
-    Contours of the mean height join what is higher.  Next to each other cells may ask for the contrary; a cell all of
-    whose corners do so keeps its unstable corners apart.
+    In a crosswise cell, whose corners alternate, the contour joins the unstable corners where the mean of the four
+    heights exceeds 0.5: corners are raised or lowered to agree with the verdict at the middle of the cell.  Adjacent
+    cells may disagree about a shared corner; where they disagree about all four, the unstable corners stay apart.
     """
     heights = unstable.astype(np.float64)
     low, high = unstable[:-1], unstable[1:]

@@ -34,7 +34,7 @@ class Verdicts(NamedTuple):
 
 
 class FoundBands(NamedTuple):
-    """Bands and what is left out of them, as in `floquetrod.plane.Bands`."""
+    """Bands, the number of tongues left out, accuracy and resolution, as in `floquetrod.plane.Bands`."""
 
     bands: tuple[Band, ...]
     tongues_left_out: int
@@ -45,7 +45,7 @@ class FoundBands(NamedTuple):
 class Family(ABC):
     """Problems over a plane; one that can be pickled makes a chart that can be.
 
-    What is not abstract here a family may leave as it is.
+    Subclasses define the abstract methods; the others have defaults.
 
     Attributes
     ----------
@@ -69,7 +69,7 @@ class Family(ABC):
         """
 
     def subject(self) -> dict[str, Any]:
-        """Return what is charted, see `floquetrod.plane.Chart`; asked when all points are judged."""
+        """Return the chart's subject, see `floquetrod.plane.Chart`; called when all points have verdicts."""
         return {"kind": "", "fixed": []}
 
     def growth(self, x: Floats, y: Floats) -> Floats:

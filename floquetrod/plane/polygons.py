@@ -74,7 +74,7 @@ def _joined(ring: Floats, holes: list[Floats]) -> Floats:
 
 
 def _visible(ring: Floats, point: Floats, others: list[Floats]) -> int:
-    """Return the vertex of a ring nearest to a point from which no side is in the way."""
+    """Return the index of a ring's vertex nearest to a point whose straight line to it crosses no side."""
     order = np.argsort(np.hypot(*(ring - point).T), kind="stable")
     for vertex in order.tolist():
         if not any(_crosses(line, point, ring[vertex]) for line in (ring, *others)):

@@ -115,10 +115,10 @@ def _normals(outline: RegionRings, some: Ints) -> tuple[Floats, Floats]:
 
 
 def _agrees(plane: Plane, outline: RegionRings, some: Ints, tolerance: float) -> Bools:
-    """Return whether verdicts at a distance from sides, on either side of them, are as they should be.
+    """Return for each side whether points on either side of it are stable outside and unstable inside.
 
-    The distance is at most a side's length and the width of the region or gap next to it, half of that towards it, so
-    that tongues as narrow as that are noticed where they begin.
+    The points' distance from the side is at most ``tolerance``, its length, half the width of the region or gap in
+    which they lie, and the whole width across the side: tongues as narrow as that are noticed where they begin.
     """
     normal, length = _normals(outline, some)
     start, end = outline.sides(some)

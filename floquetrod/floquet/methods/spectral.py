@@ -26,11 +26,11 @@ def spectral(equation: Equation) -> Stability:
     Solutions are bounded when the number of periodic and antiperiodic eigenvalues of -u'' + p u below zero is odd
     (oscillation theorem; DLMF 28.2(v) for Mathieu, Magnus and Winkler, *Hill's Equation*, Thm. 2.1 for Hill).
 
-    *Mathieu.*  The matrices split into four tridiagonal chains (`mathieu_counts`); the count is that of negative pivots
-    d_k = D_k - a - q^2 / d_(k-1).  Stopping rule: let d_k > q and D_j - a >= 2 q for all j > k. Then d_(k+1) = D_(k+1)
-    - a - q^2 / d_k > 2 q - q = q, and so on: no later pivot is negative, and the count of the infinite matrix is the
-    count of its first k rows.  Every pivot is enclosed between two doubles rounded outwards; a pivot whose enclosure
-    contains zero makes the verdict "undecided", so a verdict given is a proof.
+    *Mathieu.*  The matrices split into four tridiagonal chains (`mathieu_counts`); eigenvalues below a are as many as
+    negative pivots d_k = D_k - a - q^2 / d_(k-1).  Stopping rule: let d_k > q and D_j - a >= 2 q for all j > k. Then
+    d_(k+1) = D_(k+1) - a - q^2 / d_k > 2 q - q = q, and so on: no later pivot is negative, and the count of the
+    infinite matrix is the count of its first k rows.  Every pivot is enclosed between two doubles rounded outwards; a
+    pivot whose enclosure contains zero makes the verdict "undecided", so a verdict given is a proof.
 
     *Hill.*  In the basis exp(i k W tau) the matrix H is Hermitian and banded.  Partition it as [[H_K, C], [C*, T]] with
     T >= delta = ((K + 1) W)^2 + mean - sum abs(z_k) > 0.  By Sylvester's law N(H) = N(H_K - C T^-1 C*), and since

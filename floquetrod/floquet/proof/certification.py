@@ -57,12 +57,12 @@ def certify(
     Parameters
     ----------
     equation : Equation, HillSystem, PeriodicSystem or DelaySystem, or a class of equations
-        A value, `Mathieu`, `Meissner`, `Hill` or an equation of your own, whose parameters are taken as the exact
-        binary numbers they are; so is the period, unless ``period_over_pi`` states it exactly.  Of a system, the
-        verdict holds for all coefficients within its ``coefficient_error``.  One with delays is proved stable where it
-        is for all delays, otherwise decided where delays and period are whole numbers of a step, exactly.  Or one of
-        the three classes, with its parameters following.  Or a family, any callable that makes an equation or a system
-        of its arguments: its coefficients must be affine in each of them.
+        A value, `Mathieu`, `Meissner`, `Hill` or an equation of your own, whose parameters, and period unless
+        ``period_over_pi`` states it, are taken as exact binary numbers.  For a system the verdict holds for all
+        coefficients within its ``coefficient_error``.  A system with delays is proved stable where it is stable for
+        all delays; otherwise it is decided where delays and period are exact whole multiples of one step.  Or one of
+        the three classes, with its parameters following.  Or a family, a callable that makes an equation or a system
+        of its arguments: the coefficients must be affine in each argument.
     max_digits : int
         Decimal digits at which to stop trying, 5 to 10,000.
     growth_tolerance : float
@@ -70,19 +70,19 @@ def certify(
     max_boxes : int
         Parts of a box to examine before it is given up.
     seconds : float
-        To spend on a box of a family before it is given up.
+        Time after which a box of a family is given up.
     noise : sequence of (matrix, intensity), or float, optional
-        White noise in the coefficients of a value, as `floquetrod.second_moments` takes it: the proof is of the verdict
-        in mean square.  A family of parameters with noise is one that makes second moments.
+        White noise in the coefficients of a value, as `floquetrod.second_moments` takes it: the verdict in mean square
+        is proved.  A family of parameters with noise is a callable that returns second moments.
     interpretation : {"ito", "stratonovich"}
-        Of the noise.
+        Interpretation of the noise.
     **parameters
-        Of the class, by name: numbers, taken exactly, int, float, Fraction, Decimal or text such as "1/3" or
-        "-0.1".  The period of a `Hill` is the double nearest to 2 pi where it is left out.  Of `Mathieu` each may be
-        (low, high), a tuple or a list, all values between which are meant; and in place of alpha and beta, a and q of
-        y'' + 2 k y' + (a - 2 q cos 2 z) y = 0, with ``damping`` k, per unit z; the answer names what was given.  Of a
-        family its arguments, at least one of them (low, high), two floats, and at most six; two numbers as one
-        argument are given as an array.
+        Parameters of the class by name: numbers, taken exactly, int, float, Fraction, Decimal or text such as "1/3"
+        or "-0.1".  The default period of a `Hill` is the double nearest to 2 pi.  For `Mathieu` each may be an
+        interval (low, high), a tuple or a list; and a and q of y'' + 2 k y' + (a - 2 q cos 2 z) y = 0, with
+        ``damping`` k per unit z, may be given in place of alpha and beta: the answer uses the names given.  For a
+        family its arguments, six at most, at least one of them an interval (low, high) of two floats; an argument
+        that is itself a pair of numbers is given as an array.
 
     Returns
     -------

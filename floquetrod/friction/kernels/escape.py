@@ -60,9 +60,9 @@ def vectors_fill(begin: Any, end: Any, damping: Any, rate: Any, out: Any, cells:
 
 @kernel
 def escape_fill(begin: Any, end: Any, shrink: Any, out: Any, vectors: Any, sizes: Any, cells: Any) -> None:
-    """Fill the escape test of ``cells``: the left vectors over what is left of the integral of abs(psi).
+    """Fill the escape test of ``cells``: the left vectors, divided by the integral of abs(psi) from the cell onwards.
 
-    ``sizes`` holds that integral over each cell for a vector of length 1.  ``out`` is the kick above which all escape.
+    ``sizes`` holds the integral over each cell for a vector of length 1.  ``out`` is the kick above which all escape.
     """
     e1, e2, l1, l2, length = cells["e1"], cells["e2"], vectors["l1"], vectors["l2"], vectors["length"]
     for i in range(len(begin)):

@@ -43,7 +43,7 @@ sticks in it at a phase; below zero what is not known."""
 
 
 class Workspace(NamedTuple):
-    """Scratch arrays: series of p and of A, the coefficients of s A', and the pieces that are searched for its zero."""
+    """Scratch arrays: series of p and of A, the coefficients of s A', and the pieces searched for a zero of s A'."""
 
     p: Any
     a: Any

@@ -45,7 +45,7 @@ def first_row(order: int, odd_solution: bool) -> float:
 
 @kernel
 def corner_shift(order: int, q: float, odd_solution: bool) -> float:
-    """Return what is added to the first diagonal entry of that chain."""
+    """Return the shift, 0 or +-q, of the first diagonal entry of the chain that holds a_order or b_order."""
     if order % 2 == 0:
         return 0.0
     return -q if odd_solution else q
@@ -63,9 +63,9 @@ class PlaneLine(NamedTuple):
 
 @kernel
 def tongue_bracket(order: int, odd_solution: bool, line: PlaneLine, low: float, high: float) -> tuple[float, float]:
-    """Return places on a line, next to each other, of which a lies above a_order, or b_order, beyond the second only.
+    """Return neighbouring doubles u on a line between which a crosses a_order, or b_order, upwards.
 
-    Along the line the count of characteristic values below a must not fall; the place is between ``low`` and ``high``.
+    Along the line the count of characteristic values below a must not fall; u is between ``low`` and ``high``.
     """
     slope, q0, q1, _, _ = line
     first, sign = first_row(order, odd_solution), corner_shift(order, 1.0, odd_solution)
