@@ -1,4 +1,4 @@
-"""Numbers of a rod, a load and a survey that are distributed: their quantiles, and the verdicts on samples of them."""
+"""Distributed numbers of a rod, a load and a survey: their quantiles, and the verdicts on samples of them."""
 
 from __future__ import annotations
 
@@ -159,7 +159,7 @@ def sampled_rod(rod: Rod, sample: Mapping[str, Any]) -> Rod:
 
 
 def sampled_path(path: WellPath, sample: Mapping[str, Any]) -> WellPath:
-    """Return the path of a sample: that of the survey without its errors."""
+    """Return the path of a sample: the survey corrected by the errors drawn in ``sample``."""
     errors: dict[str, Any] = {}
     for name, (column, _) in SURVEY.items():
         if name in sample:
@@ -175,7 +175,7 @@ def no_sample(
     *,
     is_rare: bool = True,
 ) -> ValueError:
-    """Return the error for samples that are not ``what`` they should be."""
+    """Return the error to raise for a sample that describes no possible rod, load or ``what``."""
     listed = ", ".join(f"{name} = {value:.6g}" for name, value in sample.items() if np.ndim(value) == 0)
     remedy = ".  Truncate the distribution, with scipy.stats.truncnorm for example" if is_rare else ""
     return validate.wrong_value("parameters", f"must describe possible {what}, but {many} {listed}: {error}{remedy}")

@@ -77,7 +77,7 @@ def save_report(
     Raises
     ------
     ValueError, TypeError
-        For other endings, and for arguments that are not a result with a report, a reach or a steady motion.
+        For other endings; for a ``result`` without a report; for a ``reach`` or ``motion`` of another type.
 
     Examples
     --------
@@ -236,7 +236,7 @@ def _reach(reach: Reach | None, asked: Mapping[str, str] | None) -> list[Documen
 
 
 def _assumed(verdict: RodStability, reach: Reach | None, units: AnswerUnits) -> DocumentSection:
-    """Return what is assumed and how far it holds."""
+    """Return the assumptions of the verdict and the reach, each with its limit."""
     listed = []
     for text in verdict.assumptions:
         listed += [("", f"- {text}"), *([("", f"    {text.limit}")] if isinstance(text, Assumption) else [])]

@@ -270,9 +270,10 @@ class Pushing:
     def _narrowed(
         self, low: Floats, high: Floats, relieved: Floats, is_static: Bools, limits: Limits
     ) -> tuple[Floats, Floats]:
-        """Return the ends between strings that go and strings that are stopped, depths and y of lower ends in rows.
+        """Return narrowed brackets ``low``, ``high`` (2, columns): a string goes to ``low`` and is stopped at ``high``.
 
-        To depths that are ``relieved`` stress does not count; in static columns nothing but lock-up does.
+        Row 0 holds the depth of the lower end, row 1 its force as y.  Stress counts only below the depth ``relieved``
+        of a column, and in columns where ``is_static`` a string is stopped by lock-up alone.
         """
         for k, count in enumerate(_PARTS[self.drag.shaking is not None]):
             steps = np.linspace(low, high, count + 1, axis=1)

@@ -44,9 +44,9 @@ _SHOWN: dict[str, str] = {
 def shown_in(names: Mapping[str, str] | None, rod: RodData, *others: known.InUnits) -> dict[str, Unit]:
     """Return the unit to show each quantity of a load, a kick, and other quantities in.
 
-    These are the units that are named, else those in which the rod and ``others``, which come first, were given, by the
-    rule of `floquetrod.units.AnswerUnits`; else N, rad/s, mm/s, m and MPa.  Other forces are in the unit of the mean
-    or the amplitude where that is not the critical force itself.
+    The unit is the one in ``names``, else the one in which ``others``, then the rod, were given, by the rule of
+    `floquetrod.units.AnswerUnits`; else N, rad/s, mm/s, m and MPa.  Other forces take the unit of the mean or of the
+    amplitude, unless it is the critical force.
     """
     names = {} if names is None else names
     if not isinstance(names, Mapping):

@@ -156,8 +156,8 @@ class _Proving:
     def _is_mixed(self) -> bool:
         """Return whether there is a proved example of each kind; proves candidates where there is one of each.
 
-        The numbers of the modes are halved one by one, so that a part may hold those of no rod: a load on a rod is
-        proved again.
+        Subdivision halves the coefficients of the modes independently, so that a decided part may belong to no rod: a
+        load on a rod in it is proved again.
         """
         if self.searches and self.tried < _CANDIDATES and self.examples.keys() | self.candidates.keys() >= _BOTH:
             self.tried += 1
@@ -294,7 +294,7 @@ def _lines(part: RodBox, *, middle_only: bool) -> Iterator[tuple[Quantity, Load]
 
 
 def _rate(rod: RodData, load: Load, mode: int) -> str:
-    """Return the growth of a mode as it is computed, for a statement; nothing where it is too slow for doubles."""
+    """Return the computed growth rate of a mode as a phrase of a statement; "" where it is too slow for doubles."""
     system = ModalSystem(mode_constants(rod), load, (mode,))
     rate = float(mathieu.growth_rate(system.alpha, system.beta, system.damping)[0]) * system.frequency
     return f", at {rate:.4g} 1/s as computed" if rate > 0.0 and math.isfinite(rate) else ""

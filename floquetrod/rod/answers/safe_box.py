@@ -95,7 +95,7 @@ class SafeBox(Reported, NoTruthValue):
     def table(self, **names: str) -> str:
         """Return a table for an operator, in units as for `in_units`.
 
-        Ends are rounded inwards to six digits, so that what is printed is proved, too.
+        Ends are rounded inwards to six digits, so that the printed box is proved, too.
         """
         table = self._table(dict(names))
         return f"{table}\n{self._proved({})}"
@@ -176,7 +176,7 @@ def _chosen(vary: Iterable[Quantity]) -> tuple[Quantity, ...]:
 
 
 def _safe_alone(rod: RodData, verdict: RodStability, name: Quantity) -> RealInterval:
-    """Return how far one quantity may go alone on this rod: what is safe with others varying, too, lies within."""
+    """Return the range in which one quantity alone may vary on this rod; ranges safe with others varying lie within."""
     value = getattr(verdict.load, name)
     if name == "frequency":
         low, high = 0.5 * value, 2.0 * value
@@ -238,7 +238,7 @@ class _SafeBoxSearch:
         return box
 
     def _pushed(self, box: RodBox, name: Quantity, side: int) -> RodBox:
-        """Return the box with one face moved outwards as far as it is proved."""
+        """Return the box with the face on one side of a quantity moved outwards as long as the box is proved stable."""
         ends, limit = box.loads[name], self.alone[name]
 
         def moved(t: float) -> RodBox:

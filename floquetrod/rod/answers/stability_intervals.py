@@ -60,13 +60,13 @@ class UnstableBand(NamedTuple):
     worst_growth : float
         Largest growth rate in it, in 1/s; zero where none is seen to grow.
     at : float
-        Where that is.
+        Value of the quantity at which growth is largest.
     cause : (int, int), Resonance or "unnamed"
         The mode and tongue that grow there, where modes are coupled a resonance.
     required_damping : float
         The rod's total damping rate in 1/s above which every rate stabilises all of the band, infinite where
-        none does: the largest of samples, refined about it.  Where modes are coupled, that of the load ``at`` which
-        growth is worst.
+        none does: the largest of samples, refined about it.  Where modes are coupled, the rate required at the load
+        ``at`` alone.
     """
 
     low: float
@@ -213,7 +213,7 @@ class StabilityIntervals(units.InUnits, Reported, NoTruthValue):
     resolution : float
         Unstable parts up to this width may have been missed, in ``unit``: 0 where the search is complete.
     searched : RangeQuestion
-        From which `unstable` is computed.
+        The search from which `unstable` is computed.
     not_computed : tuple of AxialGap
         Frequencies, each with its low and high end and its ``resonance``, that are neither stable nor unstable here:
         waves without axial damping are too near an axial resonance, see `Rod.axial_response`, or waves with little of
@@ -258,9 +258,9 @@ class StabilityIntervals(units.InUnits, Reported, NoTruthValue):
         """The bands between the stability intervals, with the fastest growth and the damping required; computed once.
 
         Where modes are independent, growth is evaluated at 17 loads in every tongue of a band and refined about the
-        largest: along the mean force, where growth in a tongue is concave (docs/theory/ranges.md), that is its maximum;
-        along the others a second, narrower maximum in a tongue may be passed over.  The damping is sampled: at the same
-        loads, and in all modes at the ends and in the middle of each band, refined about the largest.
+        largest: along the mean force this is the maximum, since growth in a tongue is concave (docs/theory/ranges.md);
+        along amplitude or frequency a second, narrower maximum in a tongue may be passed over.  The damping is sampled
+        at the same loads, and in all modes at the ends and in the middle of each band, refined about the largest.
 
         Where modes are coupled, growth is evaluated at 17 loads of each band and refined about the largest, to a
         thousandth of the band; the damping is that of this one load.
@@ -283,7 +283,7 @@ class StabilityIntervals(units.InUnits, Reported, NoTruthValue):
     def required_damping(self) -> float:
         """Largest damping rate in 1/s that any of the unstable bands requires, 0 without any, infinite beyond reach.
 
-        As sampled, see `unstable`; of coupled modes, that of the load of fastest growth in each band.
+        It is sampled, see `unstable`; with coupled modes, at the load of fastest growth in each band alone.
         """
         return max((band.required_damping for band in self.unstable), default=0.0)
 
@@ -326,9 +326,9 @@ class StabilityIntervals(units.InUnits, Reported, NoTruthValue):
         return self._report(units.Unit(wanted, size), self.unstable, full=validate.flag("full", full))
 
     def plot(self, ax: Any = None, *, unit: str | None = None) -> Any:
-        """Draw what is stable along the quantity, and how fast the unstable bands grow; return the axes.
+        """Draw the stability intervals along the quantity and the growth in unstable bands; return the axes.
 
-        In a unit such as "Hz", by default that of the bounds.  ValueError for a unit that is unknown.
+        In a unit such as "Hz", by default the unit of the bounds.  ValueError for an unknown unit.
         """
         from floquetrod.plotting.ranges_plot import draw_ranges
 
@@ -338,7 +338,7 @@ class StabilityIntervals(units.InUnits, Reported, NoTruthValue):
         return draw_ranges(self, shown, _end, ax)
 
     def _at_hand(self) -> Report:
-        """Return the stability intervals, and unstable bands that are known."""
+        """Return the stability intervals, and the unstable bands if they have been computed."""
         return self._report(self._shown, self.__dict__.get("unstable", ()), full=False)
 
     @property

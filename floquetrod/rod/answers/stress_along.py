@@ -27,8 +27,8 @@ from floquetrod.wells.path import WellPath
 class StressAlong(NamedTuple):
     """Sizes of the stress in Pa at depths along a string, infinite where it is locked up.
 
-    ``axial`` is that of the effective force, ``bending`` that at the outer radius, and ``largest`` von Mises' stress at
-    the inner or the outer radius.
+    ``axial`` is due to the effective force, ``bending`` holds at the outer radius, and ``largest`` is von Mises' stress
+    at the inner or the outer radius.
     """
 
     axial: Floats

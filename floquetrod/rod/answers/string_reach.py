@@ -309,7 +309,7 @@ class Reach(units.InUnits, Printed, ByContent):
         Parameters
         ----------
         depth : str, optional
-            Unit of depths and lengths, such as "ft"; by default each unit is that of the question, see
+            Unit of depths and lengths, such as "ft"; by default each quantity has the unit in which it was given, see
             `floquetrod.units.AnswerUnits`, else m, kN, MPa and Hz.
         force : str, optional
             Unit of forces, such as "lbf".
@@ -321,7 +321,7 @@ class Reach(units.InUnits, Printed, ByContent):
         Raises
         ------
         ValueError
-            For a unit that is not one of these.
+            For a unit of another kind.
         """
         along = self.along
         shown = self._units(force, depth, pressure, frequency)
@@ -524,7 +524,7 @@ class Reach(units.InUnits, Printed, ByContent):
         return draw_reach(self, shown, self._in_words(shown), figure)
 
     def _units(self, force: str | None, depth: str | None, pressure: str | None, frequency: str | None) -> AnswerUnits:
-        """Return the units that were asked for, else those of the question."""
+        """Return the units named, else the units in which the question was given."""
         given = self.given_units
         return AnswerUnits.named(force, depth, pressure, frequency, _argument, given=given, usual_force="kN")
 

@@ -88,7 +88,7 @@ class SurfaceWeights(Printed, ByContent, InUnits):
         Parameters
         ----------
         depth : str, optional
-            Unit of depths, such as "ft"; by default that of the question, see `floquetrod.units.AnswerUnits`, else m.
+            Unit of depths, such as "ft"; by default as in the question, see `floquetrod.units.AnswerUnits`, else m.
         force : str, optional
             Unit of forces, such as "lbf", else kN.
         """

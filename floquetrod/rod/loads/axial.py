@@ -226,7 +226,7 @@ def joined(found: Iterable[AxialGap]) -> list[AxialGap]:
 
 
 def _present(load: Load) -> list[int]:
-    """Return the numbers of the harmonics that are not zero."""
+    """Return the numbers h of the harmonics present, c_h != 0."""
     return (1 + np.flatnonzero(load.harmonics)).tolist()
 
 

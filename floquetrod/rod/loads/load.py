@@ -171,7 +171,7 @@ class Loads(NamedTuple):
 
     @classmethod
     def along(cls, load: Load, quantity: Quantity, values: NDArray[np.float64]) -> Loads:
-        """Return loads of which one quantity takes flat ``values`` and the others are those of ``load``."""
+        """Return loads equal to ``load`` except for one quantity, which takes the ``values`` (n,)."""
         numbers = {name: np.full(values.shape, getattr(load, name)) for name in QUANTITIES}
         return cls(values.shape, **(numbers | {quantity: values}))
 
@@ -186,7 +186,7 @@ class Loads(NamedTuple):
         return self.mean, self.amplitude, self.frequency
 
     def in_parts(self, progress: Progress | None) -> Iterator[Loads]:
-        """Yield the loads, all at once, or in parts after each of which ``progress`` is told how many are done."""
+        """Yield the loads in parts, calling ``progress`` after each part; without ``progress``, all at once."""
         if progress is None:
             yield self
             return
@@ -200,9 +200,9 @@ class Loads(NamedTuple):
         return Loads((len(self.frequency[chosen]),), *(values[chosen] for values in self.flat))
 
     def lines(self, least: int) -> Iterator[tuple[Quantity, NDArray[np.intp]]]:
-        """Yield sets of at least so many loads of which only the mean force or only the amplitude varies, by index.
+        """Yield the indices of ``least`` loads or more that differ in the mean force alone, or in the amplitude alone.
 
-        The quantity that varies comes first; loads without vibration are in no set.
+        Each set comes after the name of the quantity that varies; loads without vibration are in no set.
         """
         left = np.flatnonzero(self.amplitude > 0.0)
         pairs: list[tuple[Quantity, NDArray[np.float64]]] = [("mean", self.amplitude), ("amplitude", self.mean)]
@@ -244,7 +244,7 @@ class Load(units.InUnits, TellsAttributes, ABC):
     waveform : "sine" or sequence of complex
         sin(omega t), or h_1, h_2, ...: the amplitude times Re(h_1 e^(i omega t) + h_2 e^(2 i omega t) + ...).
     noise : float, str or sequence of (float, float)
-        One-sided spectral density of what is random of the force, see `AxialLoad`; waves have none.
+        One-sided spectral density of the random part of the force, see `AxialLoad`; waves have none.
     """
 
     mean: float
@@ -316,7 +316,7 @@ class Load(units.InUnits, TellsAttributes, ABC):
         return {"type": type(self).__name__, **values}
 
     def __repr__(self) -> str:
-        """Return the constructor's call, without what has its default."""
+        """Return the constructor's call, without arguments at their defaults."""
         return f"{type(self).__name__}({', '.join(f'{name}={value!r}' for name, value in self.as_dict().items())})"
 
     @classmethod
@@ -477,7 +477,7 @@ class AxialWave(Load):
         kappa = np.sqrt(complex(frequency * frequency, -2.0 * self.axial_damping * frequency)) / wave_speed
 
         def decayed(distance: Any) -> Any:
-            """Return what is left of a wave, and its phase, after a distance."""
+            """Return the complex factor exp(-i kappa x), decay and phase of a wave after a distance x."""
             return np.exp(-1j * kappa * distance)
 
         # The cosines and sines of the Notes, in exponentials that do not overflow.

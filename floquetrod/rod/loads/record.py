@@ -51,7 +51,7 @@ class ForceRecord(LoadSource, ByContent):
         In N.  Samples whose time or force is NaN are left out, at most half of them.
     harmonics : int, optional
         Largest number of harmonics searched for, 20 by default; fewer where the sampling rate or the number of samples
-        allows no more; ``note`` then says so if ``harmonics`` is given.
+        allows no more, as ``note`` then says if ``harmonics`` is given.
     frequency : float, optional
         Approximate frequency of the fundamental in rad/s, known to within a tenth or half a period per record; it is
         refined.  By default it is searched for: the strongest frequency of the record is then one of its first ten
@@ -96,11 +96,11 @@ class ForceRecord(LoadSource, ByContent):
     -----
     A harmonic counts as present where noise alone would give one as large, among all searched for, in less than one
     record of 100 (F test): from about 3.9 times the noise of an amplitude, noise * sqrt(2/n), for 20 harmonics.  A
-    longer period than that of the strongest frequency is chosen where its further harmonics pass a sharper test, one in
-    1000 records, and, where the record has fewer than four such periods, are a tenth of all: those of a drift are less.
-    Errors are those of least squares with white noise; about harmonics where the spectrum of the residual is
-    significantly higher than that, they grow with it.  Aliases of frequencies above half the sampling rate cannot be
-    distinguished from the harmonics that they coincide with.
+    longer period than the strongest frequency's is chosen where its further harmonics pass a sharper test, one in 1000
+    records, and, where the record has fewer than four such periods, are a tenth of all: a drift makes smaller ones.
+    Errors follow from least squares with white noise; about harmonics where the spectrum of the residual is
+    significantly higher than white noise, they grow with it.  Aliases of frequencies above half the sampling rate
+    cannot be distinguished from the harmonics that they coincide with.
 
     Examples
     --------
@@ -167,7 +167,7 @@ class ForceRecord(LoadSource, ByContent):
         The text is in UTF-8 or, where it cannot be, in Windows-1252.  Times are numbers, times of day such as
         12:00:00.000 or 02:00:00.000 PM, or dates with them, such as 2024-01-31T12:00:00.000+01:00, 31.01.2024 or
         01/31/2024, also in a column of their own, "Date".  Which number of 01/02/2024 is the month is taken such that
-        the days of the record are the closer together.
+        the days of the record are closer together.
 
         Parameters
         ----------
@@ -345,7 +345,7 @@ class ForceRecord(LoadSource, ByContent):
 
 
 def _checked(time: Any, force: Any) -> tuple[NDArray[np.float64], NDArray[np.float64], int]:
-    """Return the samples that are there, after checking them, and how many are without a number."""
+    """Return times in s and forces in N of the valid samples, checked, and the number of samples left out as NaN."""
     times = _column("time", time, -_LATEST, _LATEST)
     forces = _column("force", force, LOAD["mean"].least, LOAD["mean"].largest)
     if times.size != forces.size:
