@@ -20,8 +20,8 @@ FORMULAS = {
     "p(tau) = mean + sum_k cosines[k-1] cos(k W tau) + sines[k-1] sin(k W tau)": (
         r"p(\tau) = \mathtt{mean} + \sum_k \mathtt{cosines}_{k-1} \cos k W \tau + \mathtt{sines}_{k-1} \sin k W \tau"
     ),
-    "p = mean + slope t + sum_k Re(z_k exp(i k W tau))": (
-        r"p = \mathtt{mean} + \mathtt{slope}\,t + \sum_k \mathrm{Re}\,(z_k e^{i k W \tau})"
+    "p = start + slope t + sum_k Re(z_k exp(i k W tau))": (
+        r"p = \mathtt{start} + \mathtt{slope}\,t + \sum_k \mathrm{Re}\,(z_k e^{i k W \tau})"
     ),
     "p = mean + sum_k Re(z_k exp(i k W tau))": r"p = \mathtt{mean} + \sum_k \mathrm{Re}\,(z_k e^{i k W \tau})",
     "abs((beta + alpha sin tau) A) <= gamma": r"|(\beta + \alpha \sin\tau) A| \le \gamma",
