@@ -74,7 +74,7 @@ _OF_COLUMNS = {"time": "time_column", "force": "force_column", "time_unit": "tim
 
 
 def read_kind(given: Mapping[str, Any], record: ForceRecord | None, named: ArgumentName = str) -> Load:
-    """Return a load of the kind that is described, its numbers those of the record."""
+    """Return a load of the kind described by ``given``, with the numbers of the record."""
     damping, wave = given["axial_damping"], given["wave"]
     if damping is not None and wave is None:
         raise ValueError(
@@ -94,7 +94,7 @@ def read_kind(given: Mapping[str, Any], record: ForceRecord | None, named: Argum
 
 
 def _noise(text: str, record: ForceRecord | None, named: ArgumentName) -> Any:
-    """Return a density of noise, that of what the fit leaves of a record for the word spectrum."""
+    """Return the density of noise, for the word "spectrum" the density of a record's residual."""
     if text.strip().lower() != "spectrum":
         return noise_density(named("noise"), text)
     if record is None:
@@ -169,7 +169,7 @@ def read_tool(text: str, name: str) -> VibrationTool:
 
 
 def read_friction(text: str, name: str) -> float | list[tuple[float | str, float]]:
-    """Return a coefficient of friction written as 0.2 or, with the depths from which others hold, 0.2,0.35@1500m."""
+    """Return the coefficient of friction, or pairs (depth, coefficient), of a text such as 0.2 or 0.2,0.35@1500m."""
     pairs: list[tuple[float | str, float]] = []
     for part in text.split(","):
         coefficient, at, depth = part.partition("@")

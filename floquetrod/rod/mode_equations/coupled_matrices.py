@@ -7,7 +7,7 @@ In beam functions phi_j(x), x = s / L, of unit norm the deflection sum q_j phi_j
 
 Where the channel bends (1 / (R m)) int N(s, t) phi_i phi_j stands in place of the second term, N the contact force.
 
-Ritz's method: what is left out of the series only ever stiffens the rod.
+Ritz's method: truncating the series never makes the rod softer.
 """
 
 from __future__ import annotations
@@ -147,13 +147,13 @@ class CoupledModes(CoupledEquations):
     rod : RodData
         Gives ends, length and wave speed.
     template : Load
-        What the loads have in common: everything but mean, amplitude and frequency.
+        Gives all properties of the loads except mean, amplitude and frequency.
     count : int
         Beam functions; a few others may be added to them.
     constants : ModeConstants
-        Of the rod, or a little others.
+        Constants of the modes, the rod's or close to them.
     along : float
-        Weight along the rod over that of the rod: 1, or a little other.
+        Factor of the rod's weight along the channel: 1, or close to it.
     """
 
     rod: RodData

@@ -66,9 +66,9 @@ def unstable_intervals(
     piece: tuple[float, float],
     cause: Callable[[float, float], Resonance | Literal["unnamed"]] = lambda at, end: "unnamed",
 ) -> list[SampledInterval]:
-    """Return the intervals of a piece that are not stable, in order, from samples in increasing order.
+    """Return the unstable intervals of a piece, in order, from samples in increasing order.
 
-    ``cause(at, end)`` names what grows at a sample next to the end of an interval: there something is sure to grow.
+    ``cause(at, end)`` names the resonance that grows at the unstable sample ``at`` next to the ``end`` of an interval.
     """
     ends = dict(zip(np.flatnonzero(np.diff(stable)).tolist(), changes(values, stable, locate).tolist(), strict=True))
     intervals = []
@@ -89,7 +89,7 @@ def unstable_parts(
     piece: tuple[float, float],
     progress: Progress | None = None,
 ) -> tuple[list[SampledInterval], float]:
-    """Return the intervals of ``piece`` that are not stable, in order, and the distance of samples.
+    """Return the unstable intervals of ``piece``, in order, and the distance of samples.
 
     An end of the piece that is an end of ``bounds`` has no name.
     """
@@ -380,8 +380,8 @@ def _freed(systems: HillSystem) -> HillSystem:
 class _Secants:
     """Where the squared growth, with damping removed, comes down to a level: at an edge it ends like a straight line.
 
-    Only places with growth tell, most often those to one side; what is proposed lies beyond the zero of secants, as
-    seen from the end next to it, by as much as that zero moved last, for both ends to close in on it.
+    Only values with growth carry information, mostly on one side of the edge.  The proposal therefore lies beyond the
+    secant's zero, seen from the nearer end of the bracket, by as much as the zero moved last: both ends close in on it.
     """
 
     def __init__(self, level: float) -> None:

@@ -32,9 +32,9 @@ class CoupledEquations(ABC):
     Attributes
     ----------
     template : Load
-        What the loads have in common: everything but mean, amplitude and frequency.
+        Gives all properties of the loads except mean, amplitude and frequency.
     count : int
-        Number of modes: that of equations, or less where something is added to them.
+        Number of modes: the number of equations, or less where further unknowns are added.
     """
 
     template: Load
@@ -102,7 +102,7 @@ class CoupledEquations(ABC):
         """Return statuses and growth rates in 1/s of the fastest solutions, estimates where undecided.
 
         The status is 1 where no solution grows faster than the tolerance (1/s), 0 where one does, -1 where undecided.
-        With ``quick`` more loads are undecided, those next to a boundary, none of which then takes long.
+        With ``quick`` no load takes long, and loads next to a boundary stay undecided.
         ``progress`` is called repeatedly with the numbers of loads done and of all.
         """
         status, growth = np.full(loads.size, -1, dtype=np.int8), np.full(loads.size, np.nan)
@@ -148,7 +148,7 @@ class CoupledEquations(ABC):
     def _on_lines(self, loads: Loads, workers: int | None, progress: Progress | None) -> ManyVerdicts:
         """Return statuses without tolerance, and growth rates, of loads that differ in one force alone; else -1, NaN.
 
-        Their systems lie on straight lines, each of which takes the maps of a few of them.
+        Their systems lie on straight lines: the maps of a few systems on a line give the maps of all.
         """
         status, growth = np.full(loads.size, -1, dtype=np.int8), np.full(loads.size, np.nan)
 
@@ -167,7 +167,7 @@ class CoupledEquations(ABC):
         return ManyVerdicts(status, growth)
 
     def _along(self, loads: Loads, varied: Quantity) -> ManyVerdicts | None:
-        """Return quick verdicts on loads of which one force alone varies, None where that would save no time."""
+        """Return quick verdicts on loads that differ in the force ``varied`` alone, None if a line saves no time."""
         from floquetrod.floquet.multipliers.verdicts_along_lines import verdicts_along
 
         values: Floats = getattr(loads, varied)

@@ -7,10 +7,10 @@ In orthonormal functions phi_j of x = s / L, theta = sum a_j phi_j, over m R^2 L
     force     -(1 / 2 m L^2) int F(x, t) theta_x^2
     weight    (w / m R) int (1 - cos theta)
 
-and that which hinged ends save by lifting off (`rod/model/lift_off.py`).  A rod that waves is shorter by
+and the energy that hinged ends save by lifting off (`rod/model/lift_off.py`).  A rod that waves is shorter by
 int R^2 theta_s^2 / 2, and moves its own mass m_a along the channel: u_t = -R^2 G[theta_s theta_st], G f the integral of
-f less its mean where nothing holds an end along the channel, from the end that is held otherwise.  Damping 2 c theta_t
-is that of the linear modes.
+f less its mean where nothing holds an end along the channel, otherwise the integral from the end that is held.  Damping
+2 c theta_t is the same as in the linear modes.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""From a rod and a load to its equations: the modal system of one load, and those of arrays of loads.
+"""From a rod and a load to its equations: the modal system of one load, and the modal systems of arrays of loads.
 
 The modes of a rod with hinged ends are independent, each an equation of Mathieu's with coefficients
 alpha_m = A (m^2 - h) and beta_m = B m^2 - C m^4 - D, Eq. (4) of DOI 10.1115/1.4031710 in a straight channel, where
@@ -105,9 +105,9 @@ class ModalSystem:
 
     @property
     def damping_to_stabilise(self) -> float:
-        """Decay rate in 1/s from which every larger one keeps these modes from growing, infinite where none does.
+        """Damping rate c in 1/s above which none of these modes grows, infinite where no rate is enough.
 
-        The rate meant is the rod's whole ``damping_rate``, whatever it is now.
+        It is the rod's whole ``damping_rate``, whose present value does not matter.
         """
         return self.frequency * float(damping_to_stabilise(self.alpha, self.beta).max())
 

@@ -8,9 +8,9 @@ With e > 0 from 4 e (w^2 - c^2 + e^2) = s^2, Q = q' + (c + e) q, K0 = w^2 - c^2 
     U = (V - g q Q) / sqrt(K),   g = s^2 / 2 K0 - (p' + s^2) / 2 K,
     d E[U] / dt = (-2 c + s^2 / 2 K) E[U] + (g (p' + s^2) / 2 K - g') E[q Q] / sqrt(K),
 
-and abs(q Q) <= V / 2 sqrt(K): over a period second moments grow by the mean of the first bracket, between bounds of the
-second, where K is positive.  The mean of 1 / K lies between 1 / K0 + v / K0^2 (K0 +- max abs(p)), v that of p^2.
-Without p both are sharp: they grow at -2 c + 2 e, which is zero at s^2 = 4 c w^2.
+and abs(q Q) <= V / 2 sqrt(K): where K is positive, second moments grow over a period at the mean of the first bracket,
+plus a term bounded by the second.  The mean of 1 / K lies between 1 / K0 + v / K0^2 (K0 +- max abs(p)), v the mean of
+p^2.  Without p both bounds are sharp: second moments grow at -2 c + 2 e, which is zero at s^2 = 4 c w^2.
 
 High modes under white noise grow at -2 c + S c2^2 / 4 c1 in the limit, c1 and c2 of `ModeConstants`, which they
 approach from above under a compression and from below under tension: the fastest may have any number, or be none.
@@ -256,7 +256,7 @@ class GrowthBounds(NamedTuple):
     limit : float
         Growth that high modes approach.
     negligible : float
-        Growth that is taken for none beside that of other modes.
+        Growth below which a mode counts as not growing.
     """
 
     low: Floats

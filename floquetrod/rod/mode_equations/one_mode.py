@@ -31,14 +31,14 @@ _SAME = 1e-4  # of an amplitude, by which orbits found from two starts may diffe
 
 
 class Driven(NamedTuple):
-    """What drives motions (k, count): their rates in rad/s and what is added to the stiffness (k, 1), the vibration."""
+    """Drive of motions (k, count): rates in rad/s and added stiffness (k, 1), and the vibrating force (k, count)."""
 
     rate: Floats
     added: Floats
     force: Floats
 
     def some(self, kept: Any) -> Driven:
-        """Return some of them."""
+        """Return the drive of the motions ``kept``."""
         return Driven(self.rate[kept], self.added[kept], self.force[kept])
 
 
@@ -175,7 +175,7 @@ class OneMode:
         """Return the orbits found of so many periods of the load, by Newton's method from many starts, smallest first.
 
         A search, not a proof: of orbits that differ by sign or by whole periods of the load one is returned.  The
-        equation is that at equal instants, derivatives those of the Fourier series through them.
+        equation of motion holds at equally spaced instants; derivatives are taken of the Fourier series through them.
         """
         load, count = self.motion.load, self.instants(turns)
         times = turns * 2.0 * math.pi / load.frequency * np.arange(count) / count
@@ -190,9 +190,9 @@ class OneMode:
         return _INSTANTS * turns * len(self.motion.load.harmonics)
 
     def solved(self, a: Floats, driven: Driven) -> tuple[Floats, Any]:
-        """Return the periodic motions (m, count) that Newton's method comes to, and from which of the starts ``a``.
+        """Return the periodic motions (m, count) to which Newton's method converges, and the indices of their starts.
 
-        Not those at rest, and those that are too large.
+        Starts are the rows of ``a``.  Motions at rest and motions too large are left out.
         """
         first = derivative(a.shape[1])
         second, start = first @ first, np.arange(len(a))
@@ -267,7 +267,7 @@ class OneMode:
         return 1.0 + j * a * a, 2.0 * (j * a * v + c), 2.0 * j * a * w + j * v * v + stiff + stiffening
 
     def _apart(self, a: Floats, v: Floats, turns: int) -> list[Orbit]:
-        """Return the orbits that are different, from their states (orbits, instants)."""
+        """Return the distinct orbits, smallest first, from angles ``a`` and rates ``v`` (orbits, instants)."""
         if not a.size:
             return []
         most = self.marched(a[:, 0], v[:, 0], turns)[2] * self.peak

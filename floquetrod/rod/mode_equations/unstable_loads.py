@@ -90,7 +90,7 @@ def _likely_first(varied: Quantity, system: ModalSystem, bounds: tuple[float, fl
 def tongues_within(
     varied: Quantity, system: ModalSystem, tolerance: float, intervals: Sequence[tuple[float, float]]
 ) -> UnstableLoads:
-    """Search every mode over every interval: return all that grows there, ends bit for bit those of the intervals."""
+    """Search every mode over every interval for unstable loads; ends are bit for bit the intervals' where they meet."""
     still = system.per_newton == 0.0
     if still.any():
         moved = replace(system, modes=tuple(np.array(system.modes)[~still].tolist()))

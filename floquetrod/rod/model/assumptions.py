@@ -105,11 +105,11 @@ def forced_in_words(angle: float) -> Assumption:
 
 
 def channel_assumptions(rod: RodData) -> tuple[Assumption, ...]:
-    """Return what is assumed of the channel, in one that bends with numbers that should be small.
+    """Return the assumptions about the channel; for a bent channel with the ratios that should be small.
 
-    In a bend ends without a moment lift a straight rod off its wall near them, and growth differs, of a rod of seven
-    half waves by 6 % in simulations, less by one over their number; with clamped ends, or where the rod's own shape is
-    the channel's, it does not.
+    In a bend, ends without a moment lift a straight rod off its wall near them, and growth differs: by 6 % in
+    simulations of a rod of seven half waves, in inverse proportion to their number.  With clamped ends, or where the
+    rod's own shape is the channel's, it does not.
     """
     if rod.course.is_straight:
         return (_STRAIGHT,)

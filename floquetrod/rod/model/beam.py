@@ -204,8 +204,8 @@ class Basis(ByContent):
 def basis(ends: EndConditions, count: int, breaks: tuple[float, ...] = ()) -> Basis:
     """Return the first ``count`` beam functions, rigid motions included, and others where they help.
 
-    Panels of the quadrature end at ``breaks`` between 0 and 1, where what is integrated may jump.  The last ones are
-    kept, but of those with more than 200 functions, up to a hundred megabytes each, only one.
+    Panels of the quadrature end at ``breaks`` between 0 and 1, where integrands may jump.  The last 16 bases are kept;
+    of bases with more than 200 functions, up to a hundred megabytes each, only the last.
     """
     return (_large_basis if count > _LARGE else _small_basis)(ends, count, breaks)
 
@@ -268,7 +268,7 @@ _large_basis = functools.lru_cache(maxsize=1)(_basis)
 
 
 def _orthogonal(rows: Floats, count: int) -> Floats:
-    """Return combinations of rows that are orthonormal, nearly; the first ``count`` are so except for their sizes."""
+    """Return coefficients of nearly orthonormal combinations of rows; the first ``count`` rows must be orthogonal."""
     orthonormal = np.zeros((len(rows), len(rows)))
     np.fill_diagonal(orthonormal[:count, :count], 1.0 / np.linalg.norm(rows[:count], axis=1))
     kept = count
@@ -294,7 +294,7 @@ def wavenumbers(ends: EndConditions, count: int) -> Floats:
 
 
 def _roots(ends: EndConditions, near: NDArray[Any]) -> Floats:
-    """Return the wavenumbers within 0.6 of asymptotic values, of which the lowest may have none."""
+    """Return the wavenumbers within 0.6 of the asymptotic values ``near``; the lowest values may have none."""
 
     def determinant(k: Floats, _: Any = None) -> Floats:
         return np.asarray(np.linalg.det(_conditions(ends, k)))
@@ -352,7 +352,7 @@ def _all_functions(ends: EndConditions, count: int, x: Floats) -> tuple[Floats, 
 
 
 def are_enriched(ends: EndConditions) -> bool:
-    """Return whether functions are added to those of a beam."""
+    """Return whether further functions are added to the beam functions."""
     return not _are_trigonometric(ends)
 
 

@@ -1,10 +1,10 @@
 """The catalogue of steel pipes and rods by their size in inches: coiled tubing, drill pipe, tubing and sucker rods.
 
-Sizes and grades are those of API Spec 5ST, with the walls and grades that makers of coiled tubing list beside it, of
-API Spec 5DP (earlier 5D, https://www.usisteels.com/newsdetail/api-spec-5d-drill-pipe-specifications.html), of API Spec
-5CT (http://api-pipes-tubes.blogspot.com/2014/07/tubing-with-threaded-non-upset-end-and_31.html) and of API Spec 11B,
-the weights of sucker rods with their couplings those of API RP 11L.  Grades of pipes are named after their least yield
-strength in ksi.
+Sizes and grades follow API Spec 5ST, with the walls and grades that makers of coiled tubing list beside it, API Spec
+5DP (earlier 5D, https://www.usisteels.com/newsdetail/api-spec-5d-drill-pipe-specifications.html), API Spec 5CT
+(http://api-pipes-tubes.blogspot.com/2014/07/tubing-with-threaded-non-upset-end-and_31.html) and API Spec 11B; weights
+of sucker rods with their couplings follow API RP 11L.  Grades of pipes are named after their least yield strength in
+ksi.
 """
 
 from __future__ import annotations
@@ -144,7 +144,7 @@ class CataloguePipe(NamedTuple):
     yield_strength : float or None
         Least yield strength of that grade in Pa.
     weight : float or None
-        Weight in air per length in N/m, couplings included, where it is not that of the body alone.
+        Weight in air per length in N/m, couplings included; None where it is the weight of the body.
     """
 
     name: str

@@ -68,7 +68,7 @@ class ModeConstants(NamedTuple):
         )
 
     def on_side(self, side: Any) -> ModeConstants:
-        """Return those of a rod that lies on the low side, 1, or on the high side, -1."""
+        """Return the constants of a rod that lies on the low side, 1, or on the high side, -1."""
         return self._replace(restoring=side * self.restoring, neutral_squared=side * self.neutral_squared)
 
     def sides(self, mean: Any, amplitude: Any) -> Any:

@@ -4,7 +4,7 @@ On an arc of curvatures kappa_n and kappa_b a compression F presses the string o
 lies at the angle theta_0 = atan2(F kappa_b, w sin(phi) + F kappa_n) from the lowest line of the wall, with the contact
 force N = hypot(F kappa_b, w sin(phi) + F kappa_n) per length: on the low side, or on the high side of a plane path that
 drops.  While F vibrates about its mean N follows with F kappa, kappa the curvature towards the wall at theta_0, and
-what is left of it, sideways, moves the string along the wall.
+the component sideways moves the string along the wall.
 """
 
 from __future__ import annotations
@@ -79,7 +79,7 @@ def added_mean(rod: RodData, load: Load, x: Any) -> Any:
 def constants_under(rod: RodData, mean: float) -> ModeConstants:
     """Return the constants of the modes on the side where a rod lies under a mean force in N.
 
-    Of a rod on a path that bends those of a uniform channel in which no fewer modes are needed, an estimate.
+    For a rod on a path that bends, the constants of a uniform channel that needs at least as many modes, an estimate.
     """
     constants, course = mode_constants(rod), rod.course
     if course.is_straight:
@@ -114,7 +114,7 @@ def on_wall(rod: RodData, like: Load, loads: Loads) -> Bools:
 def require_on_wall(rod: RodData, load: Load, *, only_low: bool = False) -> None:
     """Raise LeavesWallError, saying where and at which force, where a linear verdict does not hold.
 
-    With ``only_low`` also where the rod lies on the high side, of which verdicts alone are known.
+    With ``only_low`` also where the rod lies on the high side, for which verdicts alone are known.
     """
     if rod.course.is_straight:
         return

@@ -1,4 +1,4 @@
-"""The channel along a rod: its inclination and curvature, uniform or that of a well's path."""
+"""The channel along a rod: its inclination and curvature, uniform or along a well's path."""
 
 from __future__ import annotations
 

@@ -95,8 +95,8 @@ class Fluids:
     outside : float
         Density rho_o likewise; ``fluid_outside`` of a rod.
     added_mass_coefficient : float
-        C_a, the mass of outer fluid that moves with the rod over the mass that the rod displaces; by default that of a
-        cylinder touching a plane floor, pi^2/3 - 1 = 2.29.
+        C_a, the mass of outer fluid that moves with the rod over the mass that the rod displaces; by default
+        pi^2/3 - 1 = 2.29, the value for a cylinder touching a plane floor.
     """
 
     inside: float = 0.0

@@ -61,15 +61,15 @@ MOST_MODES = 20_000  # beyond it the unit of a length or a force is wrong (a cho
 class RodData(units.InUnits, TellsAttributes):
     """Data sheet of an elastic rod or tube on the floor of a circular channel, straight or bent.
 
-    Its parameters, in SI units, are described at `floquetrod.Rod`, which adds the verdicts.  They are what is typed,
-    compared and stored; the parts made of them, `material`, `section`, `fluids`, `channel` and `end_conditions`, are
-    what everything else is computed from.
+    Its parameters, in SI units, are described at `floquetrod.Rod`, which adds the verdicts.  Rods are typed, compared
+    and stored by them; everything else is computed from the parts made of them, `material`, `section`, `fluids`,
+    `channel` and `end_conditions`.
 
     Notes
     -----
     Eq. (1) of DOI 10.1115/1.4031710.  Force uniform along the rod, small angles.  Inertia is not weight: the fluid
-    outside adds to the one and takes from the other.  Of a rod on a path that bends ``inclination`` and ``curvature``
-    are those where a constant push buckles it first, and so is all that follows from them.
+    outside adds to inertia and takes from weight.  For a rod on a path that bends, ``inclination``, ``curvature`` and
+    all quantities derived from them are taken where a constant push buckles the rod first.
 
     Examples
     --------
@@ -194,7 +194,7 @@ class RodData(units.InUnits, TellsAttributes):
     def catalogue(cls, name: str, *, bore: float | str, length: float | str, **changes: Any) -> Self:
         """Return a steel pipe of the catalogue, `floquetrod.rod.model.catalogue.pipes`, in a hole.
 
-        Raises ValueError or TypeError for names that are not in the catalogue and where `Rod` does.
+        Raises ValueError or TypeError for names outside the catalogue and where `Rod` does.
 
         Parameters
         ----------
@@ -206,7 +206,7 @@ class RodData(units.InUnits, TellsAttributes):
         length : float or str
             Length in m, or a string with a unit such as "200ft".
         **changes
-            Other parameters of a rod, which replace those of the pipe; also with a unit.
+            Other parameters of a rod, which replace the pipe's; also with a unit.
 
         Examples
         --------
@@ -228,7 +228,7 @@ class RodData(units.InUnits, TellsAttributes):
         return changed.given_in(changed.given_units.or_else(self.given_units))
 
     def as_dict(self) -> dict[str, Any]:
-        """Return the data sheet, from which an equal rod can be made: numbers in SI units and the word for its ends.
+        """Return the data sheet that makes an equal rod: numbers in SI units and the word for its ends.
 
         Parameters of tubes, fluids, inclined channels and ends are left out where they have their defaults.
 
@@ -244,7 +244,7 @@ class RodData(units.InUnits, TellsAttributes):
 
     @property
     def parameters(self) -> dict[str, float]:
-        """All parameters that are numbers, in SI units by name; ends and path are none."""
+        """All numerical parameters, in SI units by name, without ends and path."""
         return {name: getattr(self, name) for name in NUMBERS}
 
     # --- parts ---
@@ -303,7 +303,7 @@ class RodData(units.InUnits, TellsAttributes):
 
     @property
     def mass_along(self) -> float:
-        """Inertia rho A_s in kg/m of motion along the channel, that of the material alone."""
+        """Inertia rho A_s in kg/m of motion along the channel, of the material alone."""
         return self.density * self.area
 
     @property
@@ -341,7 +341,7 @@ class RodData(units.InUnits, TellsAttributes):
 
     @property
     def _weighing(self) -> float:
-        """Own mass less that of the fluid displaced, in kg/m."""
+        """Own mass less the mass of the fluid displaced, in kg/m."""
         return float(formulas.weighing_mass(self._own_mass, self.fluids.outside, self.section.outer_area))
 
     @property
@@ -514,7 +514,7 @@ def _modes(mode: Any) -> NDArray[np.float64]:
 
 
 def require_not_of_path(rod: RodData, names: Iterable[str], argument: str) -> None:
-    """Raise ValueError where parameters that are to vary are given by the path of a rod."""
+    """Raise ValueError where a parameter to vary is determined by the path of the rod."""
     from_path = next((name for name in names if name in OF_A_LINE), None)
     if rod.path is not None and from_path is not None:
         raise validate.wrong_value(

@@ -51,7 +51,7 @@ def inertia(own: Any, fluid_outside: Any, added_mass_coefficient: Any, outer: An
 
 
 def weighing_mass(own: Any, fluid_outside: Any, outer: Any) -> Any:
-    """Return own mass less that of the fluid displaced."""
+    """Return the own mass less the mass of the fluid displaced, in kg/m."""
     return own - fluid_outside * outer
 
 

@@ -60,7 +60,7 @@ class LockUp(Printed):
     weight_along: float
 
     def __post_init__(self) -> None:
-        """Check and clean the force at the far end; what is of the rod has been."""
+        """Check and clean the force at the far end; the rod's numbers have been checked."""
         far_force = units.number("far_force", self.far_force, "force", -_LARGEST, _LARGEST, "give the force in N")
         object.__setattr__(self, "far_force", far_force)
 

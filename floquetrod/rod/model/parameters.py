@@ -261,10 +261,10 @@ MEANT = {
 
 
 def in_si(given: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the parameters of a rod that are numbers in SI units, from the arguments of a rod.
+    """Return a rod's numerical parameters in SI units from its arguments.
 
-    Diameters and a wall become radii, and what is None takes its default.  TypeError or ValueError, naming the
-    argument, for what is missing, given twice or out of range.
+    Diameters and a wall become radii, and None becomes the default.  TypeError or ValueError, naming the argument, for
+    an argument missing, given twice or out of range.
     """
     given = {**given, **{name: _radius(given, name) for name in ("radius", "channel_radius", "inner_radius")}}
     given["density"] = _density(given)
@@ -294,7 +294,7 @@ def units_given(given: Mapping[str, Any]) -> GivenUnits:
 def _density(given: Mapping[str, Any]) -> Any:
     """Return the density in kg/m^3 given by itself, or by the weight in air per length; None where by neither.
 
-    A weight w is that of the rod with its joints, spread over its length: the density w / (g_n A_s), with the standard
+    A weight w per length includes the joints, spread over the length: the density w / (g_n A_s), with the standard
     acceleration of gravity g_n, gives the mass per length w / g_n whatever the section A_s.
     """
     density, weight = given["density"], given["weight"]

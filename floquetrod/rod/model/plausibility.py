@@ -1,8 +1,8 @@
-"""Numbers that are allowed but look like a mistake: another unit, a diameter for a radius, Hz for rad/s.
+"""Allowed numbers that look like a mistake: another unit, a diameter for a radius, Hz for rad/s.
 
-Every limit here is a heuristic choice.  It leaves room for what is built, from glass fibres of 0.1 mm to strings of
-10 km: a warning that is often wrong would be silenced once and for all.  For the same reason a number is suspected only
-where it has few digits, as typed, and where a mistake would explain it: in the other unit it is plausible.
+Every limit here is a heuristic choice.  It leaves room for real rods, from glass fibres of 0.1 mm to strings of 10 km:
+a warning that is often wrong would be silenced once and for all.  For the same reason a number is suspected only where
+it has few digits, as typed, and where a mistake would explain it: in the other unit it is plausible.
 """
 
 from __future__ import annotations
@@ -74,7 +74,7 @@ def _level_of_user() -> int | None:
 
 
 def suspicions_of_rod(rod: Any) -> Iterator[str]:
-    """Yield what is suspicious about a rod, each with the numbers that say so and a remedy."""
+    """Yield the suspicions about a rod, each with its numbers and a remedy."""
     diameter, slenderness = 2.0 * rod.radius, 0.5 * rod.length / rod.radius
     if is_typed(rod.radius) and _THICKEST < rod.radius <= 1e3 * _THICKEST:
         yield (
@@ -130,7 +130,7 @@ def _alike(one: float, other: float) -> bool:
 
 
 def _material(rod: Any) -> Iterator[str]:
-    """Yield what is suspicious about Young's modulus and the densities."""
+    """Yield the suspicions about Young's modulus, the densities and the yield strength."""
     modulus, density = rod.youngs_modulus, rod.density
     if is_typed(modulus) or modulus > _STIFFEST:
         yield from _modulus(modulus, density)
@@ -151,7 +151,7 @@ def _material(rod: Any) -> Iterator[str]:
 
 
 def _modulus(modulus: float, density: float) -> Iterator[str]:
-    """Yield what is suspicious about Young's modulus."""
+    """Yield the suspicion about Young's modulus, if any."""
     heavy, stiff = _METAL
     if 1e-9 * _SOFTEST <= modulus <= 1e-9 * _STIFFEST:
         yield (
@@ -173,7 +173,7 @@ def _modulus(modulus: float, density: float) -> Iterator[str]:
 
 
 def suspicions_of_load(rod: Any, load: Any) -> Iterator[str]:
-    """Yield what is suspicious about a load on a rod, each with the numbers that say so and a remedy."""
+    """Yield the suspicions about a load on a rod, each with its numbers and a remedy."""
     mean, amplitude, critical = load.mean, load.amplitude, rod.critical_force
     measured = load.waveform != "sine"  # in a file, whose heading may say kN
     if (measured or is_typed(mean)) and _STRONG * critical < mean <= 30.0 * _STRONG * critical:

@@ -27,8 +27,8 @@ _HOLE = ("channel_radius", "channel_diameter")
 def read_rod(path: str | Path, kind: type[T]) -> T:
     """Return the rod of a kind, a dataclass, that a TOML file describes: keys are its parameters, or `INSTEAD` of them.
 
-    Raises ValueError, naming file and key, for files that cannot be read, for unknown and missing keys, for quantities
-    that are none and for what the rod refuses.
+    Raises ValueError, naming file and key, for files that cannot be read, for unknown and missing keys, for text that
+    is no quantity and for values that the rod refuses.
     """
     path = validate.path("path", path)
     table = read_toml(path, "rod file")
@@ -61,7 +61,7 @@ def _made(given: Mapping[str, Any], kind: type[T]) -> T:
 def _warn_of_bare_numbers(table: Mapping[str, Any], kind: type[T], folder: Path) -> None:
     """Warn of a number without a unit that may be meant in another one, with which the rod is plausible, too.
 
-    Not of one that is implausible as it is, of which the rod warns.
+    The rod itself warns of an implausible number.
     """
     kinds = {name: parameter.kind for name, parameter in GIVEN.items() if parameter.kind}
     quantities = (Quantity(key, value, kinds[key]) for key, value in table.items() if key in kinds)
@@ -84,7 +84,7 @@ def _is_plausible(table: Mapping[str, Any], kind: type[T], folder: Path) -> bool
 
 
 def _require_keys(table: Mapping[str, Any]) -> None:
-    """Raise ValueError for keys that are unknown, or missing."""
+    """Raise ValueError for unknown and for missing keys."""
     required = [name for name, parameter in ROD.items() if parameter.default is REQUIRED]
     if "catalogue" in table:
         known = [key for key in (*_OF_A_PIPE, *ROD, *INSTEAD) if key not in _HOLE]

@@ -2,9 +2,9 @@
 
 The mean force along a string is the effective compression F = F_wall + p_i A_i - p_o A_o.  A straight cylinder feels no
 axial force from the pressure on its side, so that F_wall changes in the stripper by its friction f alone.  Above it
-p_o is that of the air: what the injector gives, beside the pressure inside, which the pipe carries on to the reel or
-the swivel, is F + p_wh A_o + f for a string pushed in and F + p_wh A_o - f for one pulled out (Newman, Bhalla &
-McSpadden, Basic Tubing Forces Model, CTES 2003: weight = F_E - WHP A_o -+ stripper).
+p_o is the pressure of the air.  The pipe carries the pressure inside on to the reel or the swivel; the injector's force
+is F + p_wh A_o + f for a string pushed in and F + p_wh A_o - f for one pulled out (Newman, Bhalla & McSpadden, Basic
+Tubing Forces Model, CTES 2003: weight = F_E - WHP A_o -+ stripper).
 """
 
 from __future__ import annotations
@@ -76,7 +76,7 @@ class Wellhead(InUnits):
     stripper : float
         Friction of the stripper in N.
     pressure_inside : float, optional
-        Pressure in the string at its upper end in Pa, None where it is taken as that around it, all along.
+        Pressure in the string at its upper end in Pa, None where it is taken as equal to the pressure around it.
     """
 
     wellhead_pressure: float = 0.0
