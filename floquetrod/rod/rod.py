@@ -86,8 +86,7 @@ class Rod(RodData):
     length : float or str
         Length L in m, or with a unit such as "40ft"; greater than 0.
     channel_radius : float or str
-        Inner radius of the channel in m, or with a unit; greater than that of the rod.  Give it or
-        ``channel_diameter``.
+        Inner radius of the channel in m, or with a unit; greater than ``radius``.  Give it or ``channel_diameter``.
     gravity : float or str
         g in m/s^2, or with a unit; greater than 0, by default 9.81.
     damping_rate : float or str
@@ -102,10 +101,10 @@ class Rod(RodData):
         floats is refused.
     added_mass_coefficient : float
         Mass of the outer fluid that moves with the rod over the mass displaced, without unit; 0 or more, by default
-        pi^2/3 - 1 = 2.29, that of a cylinder touching a plane floor; more in a narrow gap.
+        pi^2/3 - 1 = 2.29, the value for a cylinder touching a plane floor; more in a narrow gap.
     inclination : float or str
         Angle of the channel from the vertical in rad, or with a unit such as "60deg"; above 0 and at most pi/2, which
-        is horizontal and the default.  Of a channel that bends that in the middle of the rod.
+        is horizontal and the default.  In a channel that bends, the angle at the middle of the rod.
     ends : str
         "hinged", the default, "clamped", "guided" or "free", or two of them, the upper end first: "clamped-hinged".
         See `floquetrod.rod.EndConditions`.
@@ -132,9 +131,9 @@ class Rod(RodData):
     wall_thickness : float or str, optional
         Wall of a tube in m, or with a unit, in place of ``inner_radius``; at most the outer radius.
     weight : float or str, optional
-        Weight in air per length in N/m, or with a unit such as "22.6lb/ft" or "33.6kg/m", in place of ``density``: that
-        of the rod with its joints, spread over its length.  The density becomes such that the mass per length is right;
-        the fluid displaced stays that of the body.
+        Weight in air per length in N/m, or with a unit such as "22.6lb/ft" or "33.6kg/m", in place of ``density``; it
+        includes the joints, spread over the length.  The density is chosen to give this mass per length; the body
+        alone displaces fluid.
 
     Warns
     -----
@@ -143,12 +142,12 @@ class Rod(RodData):
 
     Notes
     -----
-    Eq. (1) of DOI 10.1115/1.4031710, with the inertia, weight and bending stiffness of a tube in fluids.  Its parts,
-    and the quantities derived from them, are those of `floquetrod.rod.model.data.RodData`, the data sheet.
+    Eq. (1) of DOI 10.1115/1.4031710, with the inertia, weight and bending stiffness of a tube in fluids.  The parts of
+    a rod, and the quantities derived from them, are described at `floquetrod.rod.model.data.RodData`, the data sheet.
 
     Where the channel bends the force enters twice, m R theta_tt + E I R theta_ssss + (F R theta_s)_s + N theta = 0 with
     the contact force N = w_e sin(inclination) + F curvature per length: it restores long waves where the channel
-    builds.  On a path that turns N = hypot(w_e sin(phi) + F kappa_n, F kappa_b), and verdicts are those on small motion
+    builds.  On a path that turns N = hypot(w_e sin(phi) + F kappa_n, F kappa_b), and verdicts concern small motion
     about the mean position.  On an arc the inclination changes along the rod, which couples the modes.
 
     Examples
@@ -218,7 +217,7 @@ class Rod(RodData):
         -------
         ModalSystem or HillSystem
             Independent equations where the ends are hinged and the force is a sine, uniform along the rod.  Otherwise
-            one system in seconds, its coordinates those of beam functions and a few others, see
+            one system in seconds; its unknowns are the amplitudes of beam functions and a few others, see
             `floquetrod.rod.model.beam`.
         ModalSystems
             Of arrays of loads, under which modes are independent.
@@ -226,7 +225,7 @@ class Rod(RodData):
         Raises
         ------
         ValueError
-            For numbers that are no modes, for loads that need more than 20,000 modes or too large coefficients, and for
+            For invalid mode numbers, for loads that need more than 20,000 modes or too large coefficients, and for
             arrays of loads that couple the modes.
 
         Examples
@@ -249,8 +248,8 @@ class Rod(RodData):
     def modes_needed(self, load: AnyLoad, growth_tolerance: float = 0.0) -> tuple[int, float]:
         """Return how many modes decide a verdict, and a bound in 1/s on the growth of every mode beyond them.
 
-        High modes sit in resonance tongues that grow, but exponentially slowly: the bound is that of
-        `modes_left_out` of ``rod/mode_equations``, and M is the least for which it is below 1e-12 per second (or
+        High modes sit in resonance tongues that grow, but exponentially slowly.  `modes_left_out` of
+        ``rod/mode_equations`` derives the bound, and M is the least number for which it is below 1e-12 per second (or
         ``growth_tolerance``, if larger).  M grows like the length of the rod.
 
         M never falls as mean force, amplitude or frequency rise, so it serves every load below in each of them: at
@@ -298,7 +297,7 @@ class Rod(RodData):
             Measured depths in m, or each with a unit, at which the force is wanted, beside both ends; by default every
             10 m or so.
         tool : VibrationTool, optional
-            It vibrates the string, and reduces friction where its speed exceeds that of sliding.  The ends of the
+            It vibrates the string, and reduces friction where its speed exceeds the speed of sliding.  The ends of the
             string reflect its wave; friction and the rod's ``damping_rate`` damp it.  500 waves at most along the
             string.
         speed : float or str
@@ -307,8 +306,8 @@ class Rod(RodData):
             When a pushed string becomes a helix: "energy", "loading" or "alone", from sqrt(2), 1.83 or 2 sqrt(2) times
             the force at which it begins to snake, see `critical_forces`; "always", wherever it is compressed.
         wellhead_pressure : float or str
-            Pressure around the string below the stripper in Pa, or with a unit such as "3000psi", above that of the
-            air: it pushes the string out with its product with the cross-section pi r_o^2.
+            Pressure around the string below the stripper in Pa, or with a unit such as "3000psi", above the pressure
+            of the air; times the cross-section pi r_o^2 it is the force that pushes the string out.
         stripper : float or str
             Friction of the stripper in N, or with a unit; against the motion.
 
@@ -421,10 +420,10 @@ class Rod(RodData):
             end is wanted; 100 by default.  The reach is sought down to the deepest of them, and does not depend on the
             others.
         pressure_inside : float or str, optional
-            Pressure in the string at its upper end in Pa, or with a unit, above that of the air, for von Mises' stress
-            with the hoop and radial stress of a thick wall; ``wellhead_pressure`` is that around it, and both grow
-            downwards with the weight of the fluids at rest.  By default they are taken as equal all along, which leaves
-            axial and bending stress.
+            Pressure in the string at its upper end in Pa, or with a unit, above the pressure of the air, for von
+            Mises' stress with the hoop and radial stress of a thick wall; ``wellhead_pressure`` is the pressure around
+            it there, and both grow downwards with the weight of the fluids at rest.  By default both are taken as
+            equal all along, which leaves axial and bending stress.
 
         Notes
         -----
@@ -485,8 +484,8 @@ class Rod(RodData):
     ) -> RodStability | FrictionalRodStability:
         """Return the verdict on the rod under a load: stable when every mode is.
 
-        Under a load with noise it is the verdict in mean square, and growth is that of second moments, twice that of
-        amplitudes (docs/theory/noise.md); `critical` finds the largest noise that is stable.
+        Under a load with noise it is the verdict in mean square, and growth is the rate of second moments, twice the
+        rate of amplitudes (docs/theory/noise.md); `critical` finds the largest noise that is stable.
 
         Parameters
         ----------
@@ -510,8 +509,8 @@ class Rod(RodData):
         Returns
         -------
         RodStability or FrictionalRodStability
-            The second where a kick is given.  Modes are coupled by ends that are not hinged, by a force that varies
-            along the rod, or where it is no pure sine.
+            The second where a kick is given.  Modes are coupled by ends other than hinged, and by a force that varies
+            along the rod or is no pure sine.
 
         Warns
         -----
@@ -668,7 +667,7 @@ class Rod(RodData):
     ) -> CriticalValue:
         """Return the smallest mean force or amplitude from 0 up at which a mode grows, or the largest stable noise.
 
-        Forces are in N; noise is a factor of that of the load, which for noise 1 is a density in N^2/Hz.
+        Forces are in N; noise is a factor on the load's noise, so that for a load of noise 1 it is a density in N^2/Hz.
 
         The search for a force goes outward from zero, up to 1.5 critical forces of the mean and one of the amplitude,
         in the pieces of `RodStability.margin`, each with as many modes as it needs.  Infinite where nothing grows.
@@ -676,18 +675,18 @@ class Rod(RodData):
         sampled: an unstable band narrower than ``CriticalValue.resolution`` may have been passed over, and
         ``CriticalValue.searched`` says how far was searched.
 
-        The factor of the noise has an ``error``, within which the verdict, and that of arrays, changes from stable to
-        unstable, mostly 1e-10 of it, and the ``mode`` that grows beyond; infinite where no change is found.  Where
-        modes are coupled the error is that of the modes a verdict takes, mostly a millionth; of a density that depends
-        on the frequency it is a lower bound.  Other arguments as in `ranges`.
+        The factor on the noise has an ``error``, mostly 1e-10 of it, within which the verdict changes from stable to
+        unstable, for single loads as for arrays, and the ``mode`` that grows beyond; it is infinite where no change is
+        found.  Where modes are coupled the error, mostly a millionth, comes from the number of modes; where the
+        density depends on the frequency the factor is a lower bound.  Other arguments as in `ranges`.
 
         Parameters
         ----------
         quantity : "mean", "amplitude" or "noise"
             Of the noise, for a load that has some, the factor by which it may be multiplied.
         growth_tolerance : float, optional
-            Growth rate in 1/s up to which a mode counts as stable: by default that of `ranges`, and 0 for noise, under
-            which growth is that of second moments.
+            Growth rate in 1/s up to which a mode counts as stable: by default as in `ranges` for forces, and 0 for
+            noise, where it is the growth of second moments.
         progress : callable, optional
             Called with the numbers of parts of the search done and of all.  An exception that it raises ends the
             search, with a note up to which force nothing grows.
@@ -912,9 +911,9 @@ class Rod(RodData):
         Notes
         -----
         Lagrange's equations at finite angles and small slopes, with the inertia of shortening
-        (docs/theory/large_motion.md), in the modes next to ``mode`` and those three times as short.  Against the
-        simulator, whose force is that of axial waves, angles are within half a percent with clamped ends, and one with
-        hinged ones.
+        (docs/theory/large_motion.md), in the modes next to ``mode`` and modes three times as short.  They agree with
+        the simulator, whose force travels in axial waves, within half a percent of the angle with clamped ends, and one
+        percent with hinged ends.
 
         Examples
         --------
@@ -980,9 +979,9 @@ class Rod(RodData):
 
         Notes
         -----
-        In two modes, that which moves and the one three times as short, in some ten seconds; "stable" is against
-        deviations in these.  Angles are within half a percent of those of all modes up to half of where the rod leaves
-        its wall, and within three percent there, where those of the simulator are between the two.
+        In two modes, ``mode`` and the mode three times as short, in some ten seconds; "stable" is against deviations in
+        these two.  Compared with all modes, angles are within half a percent up to half the angle at which the rod
+        leaves its wall, and within three percent there, where the simulator's angle is between the two.
 
         Examples
         --------
@@ -1057,7 +1056,7 @@ class Rod(RodData):
         Parameters
         ----------
         load : AxialLoad, optional
-            Gives the quantities that are not named below, and all other properties: ``AxialLoad(0.3, 0.3, 150.0,
+            Gives the quantities left out below, and all other properties: ``AxialLoad(0.3, 0.3, 150.0,
             mean_at=None)`` neglects the weight along an inclined rod.  By default a sine, and all three are named.
         mean : float or (low, high), optional
             F_ave in N or with a unit: a number, or both ends of its range.
@@ -1074,7 +1073,7 @@ class Rod(RodData):
         max_boxes : int
             Parts of the box to examine before it is given up.
         progress : callable, optional
-            Called with the numbers of parts examined and of those allowed.
+            Called with the number of parts examined and ``max_boxes``.
 
         Returns
         -------
@@ -1086,8 +1085,8 @@ class Rod(RodData):
         Raises
         ------
         ValueError
-            For a box whose ends do not increase, that reaches zero frequency, or that holds impossible rods; for modes
-            that are coupled; for loads that need more than 20,000 modes.
+            For a box whose ends do not increase, that reaches zero frequency, or that holds impossible rods; for
+            coupled modes; for loads that need more than 20,000 modes.
         TypeError
             For anything that is not a number.
 

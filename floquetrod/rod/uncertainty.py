@@ -59,7 +59,7 @@ class InstabilityProbability(NoTruthValue):
     Attributes
     ----------
     probability : float
-        The share of samples that are unstable.
+        Fraction of the samples found unstable.
     interval : tuple of float
         Confidence interval of the probability by Clopper and Pearson, whose coverage is at least ``confidence``.
         Samples that could not be decided count as stable at its lower end and as unstable at its upper.
@@ -174,9 +174,9 @@ def probability_of_instability(
     load : AxialLoad, AxialWave or ForceRecord
         Both give everything that ``parameters`` does not.
     parameters : mapping
-        Distributions by name: of "mean", "amplitude" (N) and "frequency" (rad/s) of the load, and of the parameters of
-        the rod that are numbers ("length", "youngs_modulus", ...), in SI units.  Of a rod on a path also of errors of
-        its survey in rad: "inclination_systematic" and "azimuth_systematic", the same at all stations, and
+        Distributions by name: of "mean", "amplitude" (N) and "frequency" (rad/s) of the load, and of the numerical
+        parameters of the rod ("length", "youngs_modulus", ...), in SI units.  For a rod on a path also errors of its
+        survey in rad: "inclination_systematic" and "azimuth_systematic", the same at all stations, and
         "inclination_random" and "azimuth_random", at each station its own.  Each a pair (low, high), between which all
         values are equally probable, such as ``("-0.5deg", "0.5deg")``, or a distribution of `scipy.stats` with its
         parameters given; any object with a method ``ppf`` or ``icdf``, the quantile function, is accepted.  They are
@@ -267,7 +267,7 @@ def random_levels(rng: np.random.Generator, rows: Mapping[str, slice], many: int
 
 
 def independence(names: Iterable[str]) -> tuple[str, ...]:
-    """Return what is assumed of distributions."""
+    """Return the assumptions of independence about the distributions ``names``."""
     stations = [name for name in names if SURVEY.get(name, ("", ""))[1] == "random"]
     more = (f"{', '.join(stations)}: independent from station to station",) if stations else ()
     return (f"{', '.join(names)}: independent of each other", *more)

@@ -67,7 +67,7 @@ class GivenUnits(NamedTuple):
         return cls(**{kind: next(_units_in(value, _KINDS.get(kind, kind)), "") for kind, value in values.items()})
 
     def or_else(self, *others: GivenUnits) -> GivenUnits:
-        """Return these units, and where there is none that of the first of ``others`` that has one."""
+        """Return these units, each missing one taken from the first of ``others`` that has it."""
         return GivenUnits(*(next(filter(None, names), "") for names in zip(self, *others, strict=True)))
 
 

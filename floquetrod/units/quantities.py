@@ -23,9 +23,9 @@ _FRACTIONS_OF = ("in", "ft")
 
 
 def si(values: Any, name: str, kind: str) -> Any:
-    """Return what has its unit with it in SI units: a text, a quantity of pint, sequences and arrays of them.
+    """Return values in SI units, converting text with a unit, quantities of pint, and sequences and arrays of them.
 
-    Everything else is in SI units and stays as it is.
+    Numbers alone count as SI and are returned unchanged.
     """
     return mapped(name, values, is_written, lambda at, value: _one_in_si(value, at, kind))
 
@@ -35,7 +35,7 @@ def _one_in_si(value: Any, name: str, kind: str) -> Any:
 
 
 def single(value: Any, name: str, kind: str) -> Any:
-    """Return one value that has its unit with it in SI units; everything else stays as it is."""
+    """Return one value in SI units, converting text with a unit or a quantity of pint; others are unchanged."""
     return quantity(value, name, kind) if is_written(value) else value
 
 
@@ -86,9 +86,9 @@ def quantity(
     Parameters
     ----------
     value : str, number or quantity of pint
-        A number with a unit, in any case but that of M for mega and m for milli; a number alone is in the SI unit of
-        its kind.  Inches and feet may be fractions: "3/4in", "2-3/8in", "2 3/8in".  A percentage is one of ``nominal``
-        where that is given, else of the critical force where a force is asked for, and of one where a ratio is.
+        A number with a unit, whose case matters only between M for mega and m for milli; a number alone is in the SI
+        unit of its kind.  Inches and feet may be fractions: "3/4in", "2-3/8in", "2 3/8in".  A percentage is of
+        ``nominal`` if given, else of the critical force for kind "force", and of 1 for kind "ratio".
     name : str
         Its name in messages.
     kind : str
@@ -96,7 +96,7 @@ def quantity(
         length), "acceleration", "rate", "speed", "time", "angle", "curvature", "force density" (one-sided spectral
         density) or "ratio" (which has no unit).
     critical_force : float, optional
-        In N; with it, forces may be given in "Fcr".
+        Critical force in N; with it, forces may be given in "Fcr".
     nominal : float, optional
         In the SI unit; with it, the quantity may be given in percent of it.
     least : float
@@ -207,7 +207,7 @@ def _bounded(value: float, name: str, units: dict[str, float], least: float, lar
 
 
 def unit_of(text: str) -> str | None:
-    """Return the unit of a quantity as it is written, "" where it has none; None where it is no quantity.
+    """Return the unit of a quantity as typed, "" without a unit, None for text that is no quantity.
 
     >>> unit_of("24Hz"), unit_of("150"), unit_of("fast")
     ('Hz', '', None)
@@ -217,7 +217,7 @@ def unit_of(text: str) -> str | None:
 
 
 def same_unit(*texts: str) -> list[str]:
-    """Return quantities as they are written, those without a unit with that of the last.
+    """Return quantities as typed, with the unit of the last appended to numbers without a unit.
 
     >>> same_unit("10", "2kHz", "60Hz")
     ['10Hz', '2kHz', '60Hz']
@@ -227,7 +227,7 @@ def same_unit(*texts: str) -> list[str]:
 
 
 def _written(text: str) -> tuple[float, str] | None:
-    """Return the number and the unit of a quantity as it is written, None where it is none.
+    """Return the number and the unit of a quantity as typed, None for text that is no quantity.
 
     >>> _written("24Hz"), _written("2-3/8in"), _written('2 3/8"'), _written("3 deg / 30 m"), _written("fast")
     ((24.0, 'Hz'), (2.375, 'in'), (2.375, '"'), (3.0, 'deg/30m'), None)

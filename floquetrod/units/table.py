@@ -204,7 +204,7 @@ _FROM_A_DATUM = re.compile(
 
 
 def meant(name: str, units: Iterable[str]) -> str | None:
-    """Return which of the units a name means, in any case but that of M for mega and m for milli; None for none.
+    """Return the unit that a name means, None for none; case matters only between M for mega and m for milli.
 
     Without regard to case no two units of a kind are alike, which the tests check.  A pound is one of force where a
     force is asked for, and lengths may name their datum.
