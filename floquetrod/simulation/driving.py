@@ -86,7 +86,7 @@ class Driving:
 
     @property
     def axial_damping(self) -> float:
-        """Decay rate in 1/s of motion along the channel: of axial waves if there are any, else as across the rod."""
+        """Decay rate in 1/s of motion along the channel, of axial waves if there are any, else as across the rod."""
         return self._wave.axial_damping
 
     @cached_property
