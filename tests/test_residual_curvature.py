@@ -70,13 +70,13 @@ def test_friction_at_the_lower_end_is_against_the_motion(motion: str) -> None:
 
 
 def test_without_a_bend_nothing_changes() -> None:
-    plain, named = PIPE.reach(WELL, 0.3, depth=[1500.0]), PIPE.replace(residual_curvature=0.0)
+    plain, named = PIPE.reach(WELL, 0.3, depth=[400.0]), PIPE.replace(residual_curvature=0.0)
     assert named == PIPE
-    assert named.reach(WELL, 0.3, depth=[1500.0]).as_dict() == plain.as_dict()
+    assert named.reach(WELL, 0.3, depth=[400.0]).as_dict() == plain.as_dict()
     assert "bend" not in dict(plain.report().lines)
 
 
-@pytest.mark.parametrize("friction", [0.3, [(0.0, 0.25), (2000.0, 0.35)], [(0.0, 0.35), (2880.0, 0.1)]])
+@pytest.mark.parametrize("friction", [0.3, [(0.0, 0.25), (2000.0, 0.35)], [(0.0, 0.35), (2880.0, 0.1)]][depth(0, 2) :])
 def test_a_bent_string_reaches_less_and_as_far_as_its_mean_force(friction: Any) -> None:
     bent = BENT.reach(WELL, friction, depth=[3000.0], yield_share=None)
     straight = PIPE.reach(WELL, friction, depth=[3000.0], yield_share=None)
@@ -104,8 +104,8 @@ def test_its_stress_is_that_of_holding_it_straight() -> None:
     load = fr.AxialLoad("20kN", "5kN", "1Hz")
     more = BENT.stress(load).bending - PIPE.stress(load).bending
     assert more == pytest.approx(BENT.youngs_modulus * BENT.radius * 0.1, rel=1e-12)
-    found = BENT.reach(WELL, 0.2, depth=[1500.0], yield_share=1.0)
-    plain = PIPE.reach(WELL, 0.2, depth=[1500.0], yield_share=1.0)
+    found = BENT.reach(WELL, 0.2, depth=[400.0], yield_share=1.0)
+    plain = PIPE.reach(WELL, 0.2, depth=[400.0], yield_share=1.0)
     assert found.bending_stress.min() >= more
     assert plain.bending_stress.min() < more
     assert f"held straight it adds {more / 1e6:.3g} MPa of bending stress" in dict(found.report().lines)["bend"]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -43,13 +44,13 @@ def test_the_injector_feels_what_the_wall_carries(pressure: float, inside: float
 
 
 def test_without_a_wellhead_nothing_changes() -> None:
-    plain, named = PIPE.reach(WELL, 0.3, depth=[1500.0]), {"wellhead_pressure": 0.0, "stripper": "0N"}
-    assert PIPE.reach(WELL, 0.3, depth=[1500.0], **named).as_dict() == plain.as_dict()
+    plain, named = PIPE.reach(WELL, 0.3, depth=[400.0]), {"wellhead_pressure": 0.0, "stripper": "0N"}
+    assert PIPE.reach(WELL, 0.3, depth=[400.0], **named).as_dict() == plain.as_dict()
     assert plain.wellhead_force == 0.0
     assert "wellhead" not in dict(plain.report().lines)
 
 
-@pytest.mark.parametrize("seed", range(depth(12, 2)))
+@pytest.mark.parametrize("seed", range(depth(12, 1)))
 def test_the_injector_has_less_left_for_the_string(seed: int) -> None:
     """A reach within a push against pressure and stripper is that within what they leave of it."""
     rng = np.random.default_rng([50, 8, seed])
@@ -65,11 +66,11 @@ def test_the_injector_has_less_left_for_the_string(seed: int) -> None:
     np.testing.assert_array_equal(found.bit, plain.bit)
 
 
-@pytest.mark.parametrize("tool", [None, fr.VibrationTool("2kN", "15Hz")])
+@pytest.mark.parametrize("tool", [None, pytest.param(fr.VibrationTool("2kN", "15Hz"), marks=pytest.mark.slow)])
 def test_a_push_too_small_to_begin_with_gets_nowhere(tool: fr.VibrationTool | None) -> None:
     """Weight helps later on, whichever depths are asked for."""
     push = 1e7 * math.pi * PIPE.radius**2 - 100.0
-    for depths in ([900.0], [1.0, 10.0, 900.0]):
+    for depths in ([900.0], [1.0, 10.0, 900.0])[: depth(2, 1)]:
         found = PIPE.reach(WELL, 0.2, tool=tool, push=push, wellhead_pressure=1e7, depth=depths)
         assert (found.reach, found.limit) == (0.0, "push")
         assert found.injector[-1] < push
@@ -138,7 +139,7 @@ def test_pressure_takes_its_part_of_the_yield_share() -> None:
     assert "von Mises with" in str(found.stress)
 
 
-@pytest.mark.parametrize("seed", range(depth(12, 2)))
+@pytest.mark.parametrize("seed", range(depth(12, 1)))
 def test_the_terminal_and_python_agree(seed: int, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     rng = np.random.default_rng([50, 9, seed])
     survey = tmp_path / "survey.csv"
@@ -174,6 +175,9 @@ def test_the_terminal_and_python_agree(seed: int, tmp_path: Path, capsys: pytest
 def test_bad_wellheads(wrong: dict[str, Any], words: str) -> None:
     with pytest.raises(ValueError, match=words):
         PIPE.reach(WELL, 0.3, depth=[500.0], **wrong)
+    for ask in (fr.Rod.nitinol().reach, partial(fr.probability_of_reach, fr.Rod.nitinol())):
+        with pytest.raises(ValueError, match="pressure_inside is that in a tube, and this rod is solid, got 5 Pa"):
+            ask(WELL, 0.3, pressure_inside=5.0)
 
 
 def test_a_probability_knows_the_wellhead() -> None:

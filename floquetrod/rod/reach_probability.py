@@ -223,6 +223,7 @@ def probability_of_reach(
     stress_limit(rod, yield_share)  # refuses what is wrong
     options = helical, tool, speed
     wellhead = Wellhead.of(wellhead_pressure=wellhead_pressure, stripper=stripper, pressure_inside=pressure_inside)
+    wellhead.require_tube(rod.section)
     force = force_in_newtons("far_force", far_force)
     pushed = _Pushed(rod, path, depths, force, limit, yield_share, options, wellhead)
     every, coefficients = _friction(friction)

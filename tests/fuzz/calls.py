@@ -14,6 +14,7 @@ import numpy as np
 import floquetrod as fr
 
 ROD = fr.Rod.nitinol()
+TUBE = ROD.replace(inner_radius=0.4e-3)
 LOAD = fr.AxialLoad(0.34, 0.34, 150.0)
 _FOLLOWED = {"load": fr.AxialLoad(0.17, 0.51, 110.0), "over": {"frequency": (109.0, 111.0)}, "mode": 2, "steps": 1}
 _FOLLOWED |= {"all_modes": False, "indentation": 1e-4, "longest": 0.3, "progress": None}
@@ -481,7 +482,7 @@ def _of_wells() -> dict[str, Call]:
     return {
         "VibrationTool": Call(fr.VibrationTool, {"amplitude": 5e3, "frequency": 113.0, "above_end": 30.0}),
         "Rod.mean_force": Call(ROD.mean_force, along),
-        "Rod.reach": Call(ROD.reach, pushed),
+        "Rod.reach": Call(TUBE.reach, pushed),
         "Rod.surface_weights": Call(
             ROD.surface_weights,
             {"path": path, "friction": [0.2, 0.3], "far_force": 0.1, "depth": [300.0], "helical": "energy", **wellhead},
@@ -497,7 +498,7 @@ def _of_wells() -> dict[str, Call]:
         "probability_of_reach": Call(
             fr.probability_of_reach,
             {
-                "rod": ROD,
+                "rod": TUBE,
                 **pushed,
                 "friction": (0.2, 0.3),
                 "parameters": {"density": (6e3, 7e3)},

@@ -71,8 +71,7 @@ def stress_of(
     if excess is None:
         return StressAlong(axial, bending, np.asarray(axial + bending))
     inner, outer = rod.inner_radius, rod.radius
-    inside = math.sqrt(3.0) * outer**2 / (outer**2 - inner**2) * excess  # sqrt(3) B / r_i^2; a solid rod has no inside
-    share = (inner / outer) ** 2
-    at_outer = np.hypot(axial + bending, share * inside)
-    at_inner = np.hypot(axial + inner / outer * bending, inside if inner else 0.0)
+    inside = math.sqrt(3.0) * outer**2 / (outer**2 - inner**2) * excess  # sqrt(3) B / r_i^2
+    at_inner = np.hypot(axial + inner / outer * bending, inside)
+    at_outer = np.hypot(axial + bending, (inner / outer) ** 2 * inside)
     return StressAlong(axial, bending, np.maximum(at_outer, at_inner))

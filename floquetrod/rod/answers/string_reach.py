@@ -588,6 +588,7 @@ def reach(
         tool_inside(tool, path.end - path.start, "string")
     far_force = force_in_newtons("far_force", ends[0])
     push = math.inf if ends[1] is None else force_in_newtons("push", ends[1])
+    wellhead.require_tube(rod.section)
     wellhead_force = wellhead.added(rod.section, drag.motion)
     limits = Limits(push - wellhead_force, stress_limit(rod, yield_share))
     depths = depths_of(path, depth)

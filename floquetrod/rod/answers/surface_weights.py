@@ -11,6 +11,7 @@ import numpy as np
 from floquetrod._util import validate
 from floquetrod._util.arrays import Floats
 from floquetrod._util.content import ByContent
+from floquetrod._util.interchange import by_keys, plain
 from floquetrod._util.result_report import Printed, Report, Table
 from floquetrod.rod.answers.mean_force import ASSUMED, drag_of, force_in_newtons
 from floquetrod.rod.answers.pushing import LOCK_UP, STATICS, Pushing
@@ -144,8 +145,18 @@ class SurfaceWeights(Printed, ByContent, InUnits):
 
         return draw_weights(self, self._units(depth, force), ax)
 
-    _keys = "depth_m friction pick_up_N slack_off_N free_N lock_up_m far_force_N wellhead wellhead_forces_N error_N "
-    _keys += "assumptions"
+    def as_dict(self) -> dict[str, Any]:
+        """Return everything as numbers for JSON, units in the keys; a row of ``weights`` for each factor and depth.
+
+        None where a weight is infinite.
+        """
+        rows = [
+            {"friction": str(factor), "depth_m": depth, "pick_up_N": up, "slack_off_N": down, "free_N": free}
+            for factor, ups, downs in zip(self.friction, self.pick_up, self.slack_off, strict=True)
+            for depth, up, down, free in zip(self.depth, ups, downs, self.free, strict=True)
+        ]
+        rest = by_keys(self, "lock_up_m far_force_N wellhead wellhead_forces_N error_N assumptions")
+        return {"weights": plain(rows), "friction": [str(factor) for factor in self.friction], **rest}
 
 
 def surface_weights(

@@ -14,6 +14,7 @@ from typing import Any, Self
 
 import numpy as np
 
+from floquetrod._util.arguments import wrong_value
 from floquetrod._util.arrays import Floats
 from floquetrod._util.interchange import by_keys
 from floquetrod.parameter import Option, Parameter, by_name
@@ -92,6 +93,15 @@ class Wellhead(InUnits):
         }
         pressures = [given.get(name) for name in ("wellhead_pressure", "pressure_inside")]
         return cls(**numbers).given_in(GivenUnits.of(pressure=pressures, force=given.get("stripper")))
+
+    def require_tube(self, section: CrossSection) -> None:
+        """Raise ValueError for a pressure inside a string that is solid."""
+        if self.pressure_inside is not None and not section.inner_radius:
+            raise wrong_value(
+                "pressure_inside",
+                f"is that in a tube, and this rod is solid, got {self.pressure_inside:g} Pa; leave it out, or give the "
+                "rod an inner_radius",
+            )
 
     def added(self, section: CrossSection, motion: str) -> float:
         """Return the compression in N at the injector beyond the effective one below the stripper."""
