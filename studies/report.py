@@ -16,7 +16,7 @@ from floquetrod._util.version import __version__
 from floquetrod.floquet.references import STUDY_DOI as DOI
 from floquetrod.floquet.references import STUDY_TITLE as SOURCE
 from floquetrod.plotting import document
-from floquetrod.plotting.document import DocumentSection
+from floquetrod.plotting.document import Document, DocumentSection, Illustration
 from studies.claims import Claim
 
 FILES = ("claims.md", "claims.json", "report.html")
@@ -40,7 +40,10 @@ def write_report(folder: Path, claims: Sequence[Claim], pictures: Mapping[str, P
     for name, text in zip(FILES, texts, strict=False):
         with atomic_file(folder / name) as file:
             file.write(text.encode())
-    document.save(folder / FILES[-1], TITLE, list(sections(claims, pictures)))
+    agree = sum(claim.agrees for claim in claims)
+    answer = f"{agree} of {len(claims)} claims agree"
+    page = Document(TITLE, [f"floquetrod {__version__}"], [answer], list(sections(claims, pictures)))
+    document.save(folder / FILES[-1], page)
     return [folder / name for name in FILES]
 
 
@@ -80,7 +83,11 @@ def sections(claims: Sequence[Claim], pictures: Mapping[str, Picture]) -> Iterat
         name, *texts = _cells(claim)
         yield DocumentSection(name, Report("", [*filter(itemgetter(1), zip(_COLUMNS, texts, strict=True))]))
     for title, picture in pictures.items():
-        yield DocumentSection(title, draw=partial(getattr, picture, "figure"))
+        yield DocumentSection(title, illustrations=[Illustration(partial(_finished, picture), title)])
+
+
+def _finished(picture: Picture, _: Any) -> Any:
+    return picture.figure
 
 
 def _cells(claim: Claim) -> tuple[str, ...]:

@@ -458,6 +458,21 @@ def write_charts(paths: Sequence[Path], chart: fr.Chart, drawn: fr.Chart, draw: 
     return write_each(paths, write)
 
 
+def add_project(command: argparse.ArgumentParser) -> None:
+    """Add the option for what a report is for."""
+    command.add_argument("--project", metavar="NAME", default="", help="what the report is for, told below its title")
+
+
+_FILES = {"rod": "rod", "well": "survey", "path": "survey", "force": "measured force"}
+"""What the files hold that options name."""
+
+
+def files_named(options: argparse.Namespace) -> dict[str, str]:
+    """Return the files that options name, by what they hold; a rod of the catalogue is in none."""
+    named = [(held, getattr(options, name, None)) for name, held in _FILES.items()]
+    return {held: str(file) for held, file in named if file is not None and Path(file).is_file()}
+
+
 def command_typed() -> str:
     """Return the command as it was typed."""
     return shlex.join(["floquetrod", *sys.argv[1:]])

@@ -13,6 +13,7 @@ import floquetrod as fr
 from floquetrod import units
 from floquetrod._util.waiting import Waiting
 from floquetrod.cli.common import (
+    add_project,
     add_push,
     add_rod,
     add_survey_units,
@@ -22,6 +23,7 @@ from floquetrod.cli.common import (
     describe_command,
     documents,
     figures,
+    files_named,
     read_push,
     read_rod,
     read_survey,
@@ -78,6 +80,7 @@ def add(command: Parser) -> None:
         "survey, its rod; else m,kN,MPa,Hz)",
     )
     command.add_output("--out", figures, "write a figure (.png, .pdf, .svg)")
+    add_project(command)
     command.add_output("--report", documents, "write a report with all of it into one file (.html, .pdf)")
 
 
@@ -147,7 +150,10 @@ def _reach(options: argparse.Namespace) -> Output:
     found = read_reach(options, read_rod(options), None if options.depths is None else read_depths(options.depths))
     named = {"length" if name == "depth" else name: unit for name, unit in shown.items()}
     written = write_figures(options.out, partial(found.plot, **shown)) + write_each(
-        options.report, lambda path: fr.save_report(found, path, units=named, command=command_typed())
+        options.report,
+        lambda path: fr.save_report(
+            found, path, units=named, command=command_typed(), project=options.project, files=files_named(options)
+        ),
     )
     return output(options, partial(found.report, **shown), found.as_dict, written=written)
 

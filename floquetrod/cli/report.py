@@ -10,9 +10,11 @@ from floquetrod._util.waiting import Waiting
 from floquetrod.cli import reach
 from floquetrod.cli.common import (
     ROD_AND_LOAD,
+    add_project,
     command_typed,
     describe_command,
     documents,
+    files_named,
     read_tolerance,
     read_units,
     write_each,
@@ -30,10 +32,10 @@ examples:
   floquetrod report --rod examples/tubing.toml --mean 3kN --amplitude 2kN --frequency 4Hz --out tubing.pdf
   floquetrod report --rod examples/tubing.toml --mean 3kN --amplitude 2kN --frequency 4Hz --well survey.csv --mu 0.3
 
-It holds the verdict with growth and margins, a map of mean forces and frequencies about the load, the constant forces
-at which the rod buckles by the literature, the stress and its share of yield where the grade is known, the assumptions,
-and the command that makes it again; with --motion how large the motion becomes, and with --well how far the string can
-be pushed into that well.
+It holds what was asked about, the verdict with growth and margins, a map of mean forces and frequencies about the load,
+the constant forces at which the rod buckles by the literature, the stress and its share of yield where the grade is
+known, the assumptions, and the command that makes it again; with --motion how large the motion becomes, and with --well
+how far the string can be pushed into that well.
 """
 
 
@@ -50,6 +52,7 @@ def add(command: Parser) -> None:
     command.add_argument(
         "--motion", action="store_true", help="say how large the motion becomes, all modes together: some seconds"
     )
+    add_project(command)
     command.add_output("--out", documents, "file to write (.html, .pdf)", default="report.html")
 
 
@@ -75,6 +78,8 @@ def _report(options: argparse.Namespace) -> Output:
                 units=shown,
                 margins=options.margins,
                 command=command_typed(),
+                project=options.project,
+                files=files_named(options),
                 progress=progress,
             )
 

@@ -17,6 +17,7 @@ from floquetrod.units import AnswerUnits, Unit
 
 _TITLE = 80  # characters in a line of the title
 _APART = 0.2  # of the depths, between two labels (a choice)
+_BEFORE_THE_END = 0.85  # of the depth, where curves are named (a choice)
 _DECADES = 1e-3  # of the largest contact, from which it is drawn where a helix presses hard
 
 
@@ -29,7 +30,8 @@ def draw_reach(result: Any, shown: AnswerUnits, title: str, figure: Any = None) 
     _draw_stress(result, shown, stress)
     _end_at_the_well(result, shown, axes)
     unbroken = re.sub(r"(?<=\d) (?=\S)", "\N{NO-BREAK SPACE}", title)  # numbers stay beside their units
-    figure.suptitle(textwrap.fill(unbroken, _TITLE), fontsize="medium")
+    if title:
+        figure.suptitle(textwrap.fill(unbroken, _TITLE), fontsize="medium")
     return figure
 
 
@@ -167,10 +169,10 @@ def _draw_push(result: Any, shown: AnswerUnits, ax: Any) -> None:
         ax.plot(x[-1:], y[-1:], **palette.POINT, markersize=6, linestyle="none")
         names.append(f"{_depth(push.reach, shown.length)}: {_limit(result, push.limit, shown)}")
         points.append((float(x[-1]), float(y[-1])))
-        if push.name:
-            middle = x.size // 2
+    for push in _pushes(result):
+        if push.name and (k := _apart(result)):
             names.append(push.name)
-            points.append((float(x[middle]), float(y[middle])))
+            points.append((float(depth[k]), float(unit.of(push.force[k]))))
     low, high = ax.get_ylim()
     if np.isfinite(result.push) and unit.of(result.push) < high + 1.5 * (high - low):
         ax.axhline(unit.of(result.push), color="0.45", linestyle="-.", linewidth=0.9)
@@ -181,6 +183,14 @@ def _draw_push(result: Any, shown: AnswerUnits, ax: Any) -> None:
     add_leaders(ax, names, points)
     ax.set_ylabel(f"force at the injector / {unit.name}")
     _head(ax, "force that pushes the lower end to a depth, negative where the string pulls")
+
+
+def _apart(result: Any) -> int:
+    """Return at which depth the forces without the tool and with it differ most, not too near to where they end."""
+    goes = result.depth <= _BEFORE_THE_END * min(result.reach, result.reach_shaken)
+    differ = np.zeros(goes.shape)
+    differ[goes] = np.abs(result.injector[goes] - result.injector_shaken[goes])
+    return int(np.argmax(np.where(np.isfinite(differ), differ, 0.0)))
 
 
 def _limit(result: Any, limit: str, shown: AnswerUnits) -> str:

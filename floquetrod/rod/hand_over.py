@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+import datetime
 import functools
 import inspect
+import math
 import platform
+import re
 import warnings
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -15,20 +19,24 @@ from floquetrod._util.plausibility_warning import PlausibilityWarning
 from floquetrod._util.progress import Progress
 from floquetrod._util.result_report import Report, Reported, Table
 from floquetrod._util.version import __version__
-from floquetrod.plotting import chart_plot, document
-from floquetrod.plotting.document import DocumentSection
-from floquetrod.rod.answers.reports import answer_units, shown_in
+from floquetrod.floquet.references import ROD as ROD_REFERENCES
+from floquetrod.floquet.references import references
+from floquetrod.plotting import chart_plot, document, reach_plot
+from floquetrod.plotting.document import Document, DocumentSection, Illustration
+from floquetrod.rod.answers.reports import answer_units, load_lines, shown_in
 from floquetrod.rod.answers.rod_stability import RodStability
 from floquetrod.rod.answers.steady_motion import SteadyMotion
 from floquetrod.rod.answers.string_reach import Reach
 from floquetrod.rod.large_orbits import grown
-from floquetrod.rod.model.assumptions import Assumption, UniformForceWarning
+from floquetrod.rod.model.assumptions import IMMERSED, SHAPE, UniformForceWarning
 from floquetrod.rod.model.data import RodData
 from floquetrod.rod.model.parameters import ROD
 from floquetrod.rod.stability_map import stability_map
 from floquetrod.units import AnswerUnits, Unit, unit
+from floquetrod.wells.path import WellPath
 
 _POINTS = {True: (160, 120), False: (64, 48)}  # of the map, where bands are exact and where loads take milliseconds
+_STEEP = 0.25 * math.pi  # inclination in rad up to which criteria of vertical wells are told (a choice)
 _ROOM = 1.25  # about the load, in terms of it
 
 
@@ -41,13 +49,16 @@ def save_report(
     units: Mapping[str, str] | None = None,
     margins: bool | None = None,
     command: str = "",
+    project: str = "",
+    files: Mapping[str, str | Path] | None = None,
     progress: Progress | None = None,
 ) -> Path:
     """Write a report on a result into one file, HTML or PDF.
 
-    For most results their text and figure.  For a verdict on a rod more: rod, load and verdict with margins, and about
-    how large the motion becomes; a map about the load; constant forces at which the rod buckles by the literature, and
-    the stress; how far its string can be pushed; the assumptions; versions and the command that makes the report again.
+    For most results their text and figure.  For a verdict on a rod and for a reach one report: what was asked about,
+    that is rod, load, well, friction, tool and files; the verdict in a box; margins, and about how large the motion
+    becomes; a map about the load; how far the string can be pushed, with its forces, stress and waves; constant forces
+    at which the rod buckles by the literature; the assumptions; versions and the command that makes the report again.
 
     Parameters
     ----------
@@ -66,7 +77,11 @@ def save_report(
     margins : bool, optional
         Whether to search the margins; by default where they take some seconds at most.
     command : str
-        The command that makes the file again; by default the expression in Python.
+        The command that makes the file again; by default none is named.
+    project : str
+        What the report is for, which it says below its title, beside the date.
+    files : mapping, optional
+        Files of the question by what they hold, such as ``{"survey": "well 7.csv"}``.
     progress : callable, optional
         Of the margins, as in ``verdict.margins``.
 
@@ -77,7 +92,7 @@ def save_report(
     Raises
     ------
     ValueError, TypeError
-        For other endings; for a ``result`` without a report; for a ``reach`` or ``motion`` of another type.
+        For other endings, and for arguments that are not a result with a report, a reach or a steady motion.
 
     Examples
     --------
@@ -93,12 +108,16 @@ def save_report(
         _require("motion", motion, SteadyMotion, "what rod.steady_motion returned")
     if margins is not None:
         validate.flag("margins", margins)
-    validate.instance("command", command, str, "leave it out for the expression in Python")
+    validate.instance("command", command, str, "leave it out where there is none")
+    validate.instance("project", project, str, "the name of a job, say")
+    if files is not None and not isinstance(files, Mapping):
+        raise validate.wrong_type("files", f"must be such as {{'survey': 'well.csv'}}, got {validate.short(files)}")
     validate.progress(progress)
-    return document.save(path, *_contents(result, _Asked(reach, motion, units, margins, command, progress)))
+    options = _Options(reach, motion, units, margins, command, project, dict(files or {}), progress)
+    return document.save(document.checked_path(path), _document(result, options))
 
 
-class _Asked(NamedTuple):
+class _Options(NamedTuple):
     """What a document shall hold: the options of `save_report`."""
 
     reach: Reach | None
@@ -106,40 +125,15 @@ class _Asked(NamedTuple):
     units: Mapping[str, str] | None
     margins: bool | None
     command: str
+    project: str
+    files: Mapping[str, str | Path]
     progress: Progress | None
 
-
-@functools.singledispatch
-def _contents(result: Any, asked: _Asked) -> tuple[str, list[DocumentSection]]:
-    """Return the title and the sections of a document about a result."""
-    takes_units = "units" in inspect.signature(result.report).parameters
-    if asked.units is not None and not takes_units:
-        raise validate.wrong_value("units", f"must be left out, since a {type(result).__name__} has a report without")
-    said = result.report(asked.units) if takes_units else result.report()
-    drawn = DocumentSection(type(result).__name__, said.with_assumptions(), getattr(result, "plot", None))
-    return repr(result)[1:-1], [drawn, _made(getattr(result, "references", ()), asked.command)]
-
-
-@_contents.register
-def _(result: Reach, asked: _Asked) -> tuple[str, list[DocumentSection]]:
-    (section,) = _reach(result, asked.units)
-    said = Report("") if section.report is None else section.report.with_assumptions()
-    return said.headline, [section._replace(report=said), _made((), asked.command)]
-
-
-@_contents.register
-def _(result: RodStability, asked: _Asked) -> tuple[str, list[DocumentSection]]:
-    shown = shown_in(asked.units, result.rod, result.load)
-    return f"Stability of a rod: {result.status}", [
-        _verdict(result, asked),
-        _data(result.rod, answer_units(shown)),
-        *_map(result, shown),
-        *_motion(asked.motion, asked.units),
-        _statics(result, answer_units(shown)),
-        *_reach(asked.reach, asked.units),
-        _assumed(result, asked.reach, answer_units(shown)),
-        _made(result.references, asked.command or f"{result.rod!r}.stability({result.load!r})"),
-    ]
+    @property
+    def of_reach(self) -> dict[str, str]:
+        """The units that were asked for, as `Reach.report` and `Reach.plot` take them."""
+        kinds = {"length": "depth", "force": "force", "pressure": "pressure", "frequency": "frequency"}
+        return {kinds[name]: unit for name, unit in (self.units or {}).items() if name in kinds}
 
 
 def _require(name: str, value: Any, kind: type, what: str) -> None:
@@ -147,32 +141,174 @@ def _require(name: str, value: Any, kind: type, what: str) -> None:
         raise validate.wrong_type(name, f"must be {what}, got {validate.short(value)}")
 
 
-def _verdict(verdict: RodStability, asked: _Asked) -> DocumentSection:
-    searched = verdict.has_quick_margins if asked.margins is None else asked.margins
-    said = verdict.report(asked.units, verdict.margins(progress=asked.progress) if searched else None)
-    large = grown(verdict.rod, verdict.load, verdict)
-    if large is not None:
-        said = said.with_lines([("grows to", large.in_words)], before="margins" if searched else "checked")
-    shape = None if verdict.evidence.has_exact_margins or not verdict.resonances else verdict.plot
-    return DocumentSection("Verdict", said, shape)
+@functools.singledispatch
+def _document(result: Any, options: _Options) -> Document:
+    """Return the document about a result."""
+    takes_units = "units" in inspect.signature(result.report).parameters
+    if options.units is not None and not takes_units:
+        raise validate.wrong_value("units", f"must be left out, since a {type(result).__name__} has a report without")
+    report = result.report(options.units) if takes_units else result.report()
+    illustrations = [Illustration(functools.partial(_plot, result), report.headline)] if hasattr(result, "plot") else []
+    sections = [
+        *_files(options),
+        DocumentSection("Answer", replace(report, headline="").with_assumptions(), illustrations),
+        _made(getattr(result, "references", ()), options),
+    ]
+    title = re.sub(r"(?<=[a-z])(?=[A-Z])", " ", type(result).__name__).capitalize()
+    return Document(title, _about(options), [_sentence(report.headline or repr(result)[1:-1])], sections)
 
 
-def _data(rod: RodData, units: AnswerUnits) -> DocumentSection:
+@_document.register
+def _(result: Reach, options: _Options) -> Document:
+    shown = answer_units(shown_in(options.units, result.rod, result))
+    inputs = [_string_data(result.rod, shown), _well(result, options)]
+    sections = [
+        DocumentSection("Inputs", _joined([*inputs, *_file_reports(options)])),
+        *_reach(result, options),
+        _buckling(_level(result.rod), shown, is_vertical=_is_steep(result.path)),
+        _assumed([*SHAPE, *(IMMERSED if any(result.fluids) else ())], result, shown),
+        _made(references(ROD_REFERENCES), options),
+    ]
+    return Document("Reach of a string", _about(options), [_sentence(_of_reach(result, options).headline)], sections)
+
+
+@_document.register
+def _(result: RodStability, options: _Options) -> Document:
+    shown = shown_in(options.units, result.rod, result.load)
+    units, reach = answer_units(shown), options.reach
+    report = _verdict(result, options)
+    of_load = Report(
+        "Load", [("force" * bool(name), text) for name, text in load_lines(result.load, shown, result.rod)]
+    )
+    of_well = [] if reach is None else [_well(reach, options)]
+    verdict = [_sentence(report.headline)]
+    verdict += [] if reach is None else [_sentence(_of_reach(reach, options).headline)]
+    is_vertical = result.rod.inclination < _STEEP or (reach is not None and _is_steep(reach.path))
+    sections = [
+        DocumentSection("Inputs", _joined([_rod_data(result.rod, units), of_load, *of_well, *_file_reports(options)])),
+        DocumentSection("Stability", replace(report, headline=""), [*_shape(result), *_map(result, shown)]),
+        *_motion(options),
+        *([] if reach is None else _reach(reach, options)),
+        _buckling(result.rod, units, result, is_vertical=is_vertical),
+        _assumed(result.assumptions, reach, units),
+        _made(result.references, options),
+    ]
+    return Document("Stability of a rod", _about(options), verdict, sections)
+
+
+# --- what was asked about ---
+
+
+def _about(options: _Options) -> list[str]:
+    """Return the project, where one was given, and the date."""
+    today = datetime.date.today()
+    return [*filter(None, [options.project]), f"{today.day} {today:%B %Y}", f"floquetrod {__version__}"]
+
+
+def _sentence(text: str) -> str:
+    """Return a text with a capital letter."""
+    return text[:1].upper() + text[1:]
+
+
+def _joined(reports: Sequence[Report]) -> Report:
+    """Return reports one after the other."""
+    first, *others = reports
+    return replace(first, rest=_joined(others)) if others else first
+
+
+def _rod_data(rod: RodData, units: AnswerUnits) -> Report:
     """Return what the rod is, parameter by parameter."""
-    rows = [_row(name, value, units) for name, value in rod.as_dict().items()]
-    return DocumentSection("The rod", Report("", (), Table((("parameter", "<24"), ("value", "<1")), rows)))
+    values = rod.as_dict()
+    lines = [_row(name, values[name], units) for name in values if name != "path"]
+    if rod.path is not None:
+        lines.append(("path", rod.path.in_words(units.length)))
+    return Report("Rod", lines)
+
+
+def _string_data(rod: RodData, units: AnswerUnits) -> Report:
+    """Return what the string is, without what it has from its well."""
+    lines = [
+        _row(name, value, units)
+        for name, value in rod.as_dict().items()
+        if "strings" not in ROD[name].without_effect_on
+    ]
+    return Report("String", lines)
 
 
 def _row(name: str, value: Any, units: AnswerUnits) -> tuple[str, str]:
     """Return the name and the value of a parameter, diameters in mm and in, as in catalogues."""
     words, shown = ROD[name].in_words(value, units)
+    words = words.replace("youngs", "Young's")
     if ROD[name].is_shown_as_diameter:
         other = unit("mm" if units.across.name == "in" else "in", name, "length")
-        return words, f"{shown} ({other.show(2.0 * value)})"
+        return words, f"{shown} ({other.show(2.0 * value, 4)})"
     return words, shown
 
 
-def _map(verdict: RodStability, shown: Mapping[str, Unit]) -> list[DocumentSection]:
+def _well(reach: Reach, options: _Options) -> Report:
+    """Return the well, friction, limits and the tool."""
+    shown = _reach_units(reach, options)
+    lines = [("path", reach.path.in_words(shown.length)), ("friction", reach.friction.in_words(shown.length))]
+    push = shown.force.show(reach.push, 4) if math.isfinite(reach.push) else "any"
+    lines += [("greatest push", push), ("force at the lower end", shown.force.show(reach.far_force, 4))]
+    if reach.yield_share is not None and reach.yield_strength is not None:
+        lines.append(("largest stress", f"{100.0 * reach.yield_share:.3g} % of the yield strength"))
+    if reach.wellhead_force:
+        lines.append(("wellhead", reach.wellhead.in_words(reach.rod.section, "pushed", shown)))
+    if reach.tool is not None:
+        lines.append(("vibration tool", reach.tool.in_words(shown)))
+        lines.append(("speed of sliding", shown.speed.show(reach.sliding, 3)))
+    return Report("Well", lines)
+
+
+def _reach_units(reach: Reach, options: _Options) -> AnswerUnits:
+    """Return the units in which a reach is told."""
+    kinds = options.units or {}
+    names = (kinds.get(kind) for kind in ("force", "length", "pressure", "frequency"))
+    return AnswerUnits.named(*names, given=reach.given_units, usual_force="kN")
+
+
+def _file_reports(options: _Options) -> list[Report]:
+    lines = [(name, str(path)) for name, path in options.files.items()]
+    return [Report("Files", lines)] if lines else []
+
+
+def _files(options: _Options) -> list[DocumentSection]:
+    return [DocumentSection("Inputs", report) for report in _file_reports(options)]
+
+
+# --- answers ---
+
+
+def _verdict(verdict: RodStability, options: _Options) -> Report:
+    """Return what is said of a verdict beside rod, load and assumptions."""
+    searched = verdict.has_quick_margins if options.margins is None else options.margins
+    report = verdict.report(options.units, verdict.margins(progress=options.progress) if searched else None)
+    large = grown(verdict.rod, verdict.load, verdict)
+    if large is not None:
+        report = report.with_lines([("grows to", large.in_words)], before="margins" if searched else "checked")
+    return _without(report, "load", "assumed", "stress")
+
+
+def _without(report: Report, *labels: str) -> Report:
+    """Return a report without some of its lines, and those that continue them."""
+    kept, last = [], ""
+    for label, text in report.lines:
+        last = label or last
+        if last not in labels:
+            kept.append((label, text))
+    return replace(report, lines=kept)
+
+
+def _shape(verdict: RodStability) -> list[Illustration]:
+    """Return the figure of the shape in which coupled modes grow."""
+    if verdict.evidence.has_exact_margins or not verdict.resonances:
+        return []
+    caption = "Shape along the rod in which motion grows: at one instant, and its envelope over a period."
+    return [Illustration(lambda figure: verdict.plot(figure.subplots()), caption, 0.5)]
+
+
+def _map(verdict: RodStability, shown: Mapping[str, Unit]) -> list[Illustration]:
     """Return the map about the load; none without vibration, whose stability no frequency changes."""
     rod: Any = verdict.rod
     load = verdict.load
@@ -181,72 +317,134 @@ def _map(verdict: RodStability, shown: Mapping[str, Unit]) -> list[DocumentSecti
     columns, rows = _POINTS[verdict.evidence.has_exact_margins]
     largest = _ROOM * max(rod.critical_force, abs(load.mean))
 
-    def draw() -> Any:
+    def draw(figure: Any) -> Any:
         with warnings.catch_warnings():  # which are about other loads than the one that was asked about
             warnings.simplefilter("ignore", UniformForceWarning)
             warnings.simplefilter("ignore", PlausibilityWarning)
-            return drawn()
-
-    def drawn() -> Any:
-        chart = stability_map(
-            rod,
-            load,
-            mean=(min(0.0, _ROOM * load.mean), largest, rows),
-            frequency=(0.4 * load.frequency, 1.8 * load.frequency, columns),
-            amplitude=load.amplitude,
-            growth_tolerance=verdict.growth_tolerance,
-        ).in_units(mean=shown["mean"].name, frequency=shown["frequency"].name, amplitude=shown["amplitude"].name)
-        axes = chart.plot(bands=verdict.evidence.has_exact_margins)
+            chart = stability_map(
+                rod,
+                load,
+                mean=(min(0.0, _ROOM * load.mean), largest, rows),
+                frequency=(0.4 * load.frequency, 1.8 * load.frequency, columns),
+                amplitude=load.amplitude,
+                growth_tolerance=verdict.growth_tolerance,
+            ).in_units(mean=shown["mean"].name, frequency=shown["frequency"].name, amplitude=shown["amplitude"].name)
+        axes = chart.plot(figure.subplots(), bands=verdict.evidence.has_exact_margins)
         chart_plot.mark(axes, shown["frequency"].of(load.frequency), shown["mean"].of(load.mean), "the load")
-        return axes
 
-    return [DocumentSection("Other mean forces and frequencies", None, draw)]
-
-
-def _motion(motion: SteadyMotion | None, units: Mapping[str, str] | None) -> list[DocumentSection]:
-    return [] if motion is None else [DocumentSection("Motion after the onset", motion.report(units))]
+    caption = (
+        "Other mean forces and frequencies, with this amplitude: where the rod is stable and where some mode grows."
+    )
+    return [Illustration(draw, caption)]
 
 
-def _statics(verdict: RodStability, units: AnswerUnits) -> DocumentSection:
-    """Return forces that buckle the rod without vibration, and the stress."""
-    rod, load = verdict.rod, verdict.load
+def _motion(options: _Options) -> list[DocumentSection]:
+    if options.motion is None:
+        return []
+    return [DocumentSection("Motion after the onset", options.motion.report(options.units))]
+
+
+def _buckling(
+    rod: RodData, units: AnswerUnits, verdict: RodStability | None = None, *, is_vertical: bool
+) -> DocumentSection:
+    """Return constant forces at which the literature has the rod buckle, those that apply, and the stress of a load."""
     try:
         forces, unknown = rod.critical_forces, []
     except ValueError as error:  # the rod has a parameter that they do not know
         forces, unknown = {}, [("buckling", str(error))]
+    mean = None if verdict is None else verdict.load.mean
     rows = [
-        (name, units.force.show(force, 5), f"{load.mean / force:.3g}", f"{meaning} ({source})")
+        (name, units.force.show(force, 4), *([] if mean is None else [f"{mean / force:.3g}"]), f"{meaning} ({source})")
         for name, (force, meaning, source) in forces.items()
+        if is_vertical or name != "vertical"
     ]
-    table = Table((("buckling", "<16"), ("force", ">12"), ("mean / force", ">12"), ("meaning", "<1")), rows)
-    lines = [*unknown, ("stress", rod.stress(load).in_words(units.pressure))]
-    if rod.yield_strength is None:
-        lines.append(("", "the yield strength is not known: give Rod(yield_strength=) or a grade"))
-    lines.append(("", "before the rod moves; pressures inside and outside taken as equal"))
-    return DocumentSection("Constant forces and stress", Report("", lines, table))
+    share = [] if mean is None else [("mean / force", ">12")]
+    table = Table((("buckling", "<16"), ("force", ">12"), *share, ("meaning", "<1")), rows) if rows else None
+    lines = list(unknown)
+    if verdict is not None:
+        lines.append(("stress", verdict.rod.stress(verdict.load).in_words(units.pressure)))
+        if rod.yield_strength is None:
+            lines.append(("", "the yield strength is not known"))
+        lines.append(("", "before the rod moves; pressures inside and outside taken as equal"))
+    title = "Constant forces" if verdict is None else "Constant forces and stress"
+    return DocumentSection(f"{title}{' where the well is level' if verdict is None else ''}", Report("", lines, table))
 
 
-def _reach(reach: Reach | None, asked: Mapping[str, str] | None) -> list[DocumentSection]:
-    """Return how far the string can be pushed, in the units asked for and else its own."""
-    if reach is None:
-        return []
-    kinds = {"length": "depth", "force": "force", "pressure": "pressure", "frequency": "frequency"}
-    named = {kinds[name]: unit for name, unit in (asked or {}).items() if name in kinds}
-    return [DocumentSection("Reach", reach.report(**named), functools.partial(reach.plot, **named))]
+def _level(rod: RodData) -> RodData:
+    """Return a rod where the well is level, as criteria of buckling are told for a string."""
+    return rod if rod.path is not None else replace(rod, inclination=0.5 * math.pi, curvature=0.0)
 
 
-def _assumed(verdict: RodStability, reach: Reach | None, units: AnswerUnits) -> DocumentSection:
-    """Return the assumptions of the verdict and the reach, each with its limit."""
-    listed = []
-    for text in verdict.assumptions:
-        listed += [("", f"- {text}"), *([("", f"    {text.limit}")] if isinstance(text, Assumption) else [])]
+def _is_steep(path: WellPath) -> bool:
+    """Return whether a well is anywhere nearer to the vertical than to the horizontal."""
+    return bool(path.inclination.min() < _STEEP)
+
+
+def _of_reach(reach: Reach, options: _Options) -> Report:
+    """Return what is said of a reach beside well, tool and assumptions."""
+    return _without(reach.report(**options.of_reach), "assumed", "wellhead")
+
+
+def _reach(reach: Reach, options: _Options) -> list[DocumentSection]:
+    """Return how far the string can be pushed, what stops it, and its forces, stress and waves."""
+    shown, has_tool = _reach_units(reach, options), bool(reach.tool)
+    tool = " with the tool" if has_tool else ""
+
+    def answer(figure: Any) -> Any:
+        return reach_plot.draw_reach(reach, shown, "", figure)
+
+    both = ", without the tool and with it" if has_tool else ""
+    illustrations = [
+        Illustration(
+            answer,
+            f"Force at the injector over the depth of the lower end{both}; force and stress in the string, pushed as "
+            f"far as it goes{tool}.",
+            1.1,
+        ),
+        _drawn(reach_plot.draw_well, reach, shown, "The well from its side, with the string as far as it goes.", 0.48),
+        _drawn(
+            reach_plot.draw_lower_end,
+            reach,
+            shown,
+            f"Largest force that arrives at the lower end, the upper end pushed as hard as allowed{both}.",
+            0.45,
+        ),
+        _drawn(
+            reach_plot.draw_wall, reach, shown, f"Contact with the wall, and friction along the string{tool}.", 0.52
+        ),
+    ]
+    if has_tool:
+        caption = "Growth of lateral waves along the string, and the fastest growth with other frequencies of the tool."
+        illustrations.append(_drawn(reach_plot.draw_growth, reach, shown, caption, 0.72))
+    return [DocumentSection("Reach", replace(_of_reach(reach, options), headline=""), illustrations)]
+
+
+def _drawn(draw: Any, reach: Reach, shown: AnswerUnits, caption: str, height: float) -> Illustration:
+    """Return a figure of a reach."""
+    return Illustration(lambda figure: draw(reach, shown, figure), caption, height)
+
+
+def _plot(result: Any, figure: Any) -> Any:
+    """Draw a result of any kind into a figure."""
+    if "figure" in inspect.signature(result.plot).parameters:
+        return result.plot(figure)
+    return result.plot(figure.subplots())
+
+
+# --- what holds ---
+
+
+def _assumed(assumptions: Sequence[str], reach: Reach | None, units: AnswerUnits) -> DocumentSection:
+    """Return what is assumed and how far it holds."""
+    rows = [(str(text), getattr(text, "limit", "")) for text in assumptions]
     if reach is not None:
-        listed += [("", f"- reach: {text}") for text in reach.assumptions_in(units.speed)]
-    return DocumentSection("Assumptions, and their limits", Report("", listed))
+        rows += [(text, "") for text in reach.assumptions_in(units.speed)]
+    lines = [(f"{k}", f"{_sentence(text)}{f' ({limit})' if limit else ''}.") for k, (text, limit) in enumerate(rows, 1)]
+    return DocumentSection("Assumptions, and their limits", Report("", lines))
 
 
-def _made(references: Iterable[str], again: str) -> DocumentSection:
+def _made(references: Iterable[str], options: _Options) -> DocumentSection:
     lines = [("made by", f"floquetrod {__version__}, Python {platform.python_version()}")]
-    lines += [("again", again)] if again else []
+    lines += [("again", options.command)] if options.command else []
     lines += [("cite" if i == 0 else "", text) for i, text in enumerate(references)]
     return DocumentSection("How this was made", Report("", lines))

@@ -47,7 +47,7 @@ from floquetrod.rod.model.stress import Stress
 from floquetrod.rod.model.wellhead import Wellhead
 from floquetrod.units import AnswerUnits, Unit
 from floquetrod.wells import strings
-from floquetrod.wells.drag import Drag, WellGeometry
+from floquetrod.wells.drag import Drag, Friction, WellGeometry
 from floquetrod.wells.kernels.wall_contact import MOST_PRESSED
 from floquetrod.wells.path import WellPath
 
@@ -194,6 +194,16 @@ class Reach(units.InUnits, Printed, ByContent):
     frequency_speed: Floats
     _pushing: Pushing = field(compare=False)
     _limits: Limits = field(compare=False)
+
+    @property
+    def rod(self) -> RodData:
+        """The rod whose section the string has."""
+        return self._pushing.rod
+
+    @property
+    def friction(self) -> Friction:
+        """Friction with the wall."""
+        return self._pushing.drag.friction
 
     @property
     def is_stopped(self) -> bool:

@@ -47,13 +47,13 @@ SHAPE = (
 """Of every rod."""
 
 WEIGHT_NEGLECTED = Assumption(
-    "the weight along the rod is neglected", "matters where it is no small fraction of the mean force; give mean_at"
+    "the weight along the rod is neglected", "matters where it is no small fraction of the mean force"
 )
 """Of a load whose mean is the same all along the rod."""
 
 _STRAIGHT = Assumption(
     "straight channel, whose floor the rod never leaves; no torque",
-    "a bend of 0.01/m can raise the critical force several times, see Rod(path=); a rod that bounces leaves the floor",
+    "a bend of 0.01/m can raise the critical force several times; a rod that bounces leaves the floor",
 )
 _END_EFFECT = 0.4
 """Share of growth by which a straight rod with hinged ends differs, times half waves; see `channel_assumptions`."""
@@ -137,7 +137,7 @@ def channel_assumptions(rod: RodData) -> tuple[Assumption, ...]:
         found.append(
             Assumption(
                 f"weight across uniform, though the inclination changes by {change:.3g} deg along the rod",
-                "give Rod(path=), which uses the local transverse weight",
+                "on the path of a survey the local transverse weight is used",
             )
         )
     return tuple(found)
@@ -167,12 +167,12 @@ def assumptions(rod: RodData, load: Load) -> tuple[Assumption, ...]:
     if isinstance(load, AxialWave):
         vibration = Assumption(
             f"axial waves without friction on them{'' if load.axial_damping else ', undamped'}",
-            "friction on the wall damps them along the rod, which rod.reach and simulations include",
+            "friction on the wall damps them along the rod, which the reach into a well and simulations include",
         )
     else:
         vibration = Assumption(
             f"vibration uniform along the rod, which is {wave_ratio(rod, load):.2g} axial wavelengths long",
-            "at a tenth of a wavelength the middle feels 5 % more than the ends; AxialWave has the waves",
+            "at a tenth of a wavelength the middle feels 5 % more than the ends, as an axial wave computes",
         )
     weight = (rod.weight_along > 0.0 or not rod.course.is_uniform) and load.mean_at is None
     return (
