@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from floquetrod._util.compilation import cores
 from floquetrod._util.progress import Progress
 from floquetrod.ensembles.ensemble import ensemble
-from floquetrod.ensembles.runs import PENDING
+from floquetrod.ensembles.variables import PENDING
 from floquetrod.rod.loads.load import AxialLoad
 from floquetrod.rod.rod import Rod
 from floquetrod.simulation.simulation_problem import Simulation, SimulationProblem

@@ -19,8 +19,8 @@ import floquetrod as fr
 from ensemble_cases import LOAD, OVER, PROBLEM, assert_same, depth, fails_at_150, in_memory, undisturbed
 from floquetrod._util import waiting
 from floquetrod.ensembles import Runs, varied_axes
-from floquetrod.ensembles.runs import Variable
 from floquetrod.ensembles.stores import RESULTS, chunk_shape
+from floquetrod.ensembles.variables import Variable
 from floquetrod.simulation import outcome
 
 

@@ -16,7 +16,7 @@ from ensemble_cases import PROBLEM, assert_same, in_memory
 from floquetrod import cli
 from floquetrod._util.probability_interval import clopper_pearson, mean_of_shares
 from floquetrod.ensembles import Runs, probability, varied_axes
-from floquetrod.ensembles.runs import Variable
+from floquetrod.ensembles.variables import Variable
 
 FRICTION = stats.uniform(0.1, 0.1)
 """Of samples."""

@@ -23,7 +23,8 @@ from damages import damaged, sealed, shuffled, unpacked
 from floquetrod import cli
 from floquetrod._util import sealed_files
 from floquetrod._util.sealed_files import atomic_file, writable
-from floquetrod.ensembles.runs import Runs, Variable
+from floquetrod.ensembles.runs import Runs
+from floquetrod.ensembles.variables import Variable
 from floquetrod.equations.system_files import read_system
 
 ROD = fr.Rod.nitinol()

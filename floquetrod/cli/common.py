@@ -396,6 +396,11 @@ def chart_files() -> tuple[str, ...]:
     return (*figures(), ".csv", ".npz")
 
 
+def table_or_figure() -> tuple[str, ...]:
+    """Return the ends of names of figures and tables."""
+    return (*figures(), ".csv")
+
+
 def documents() -> tuple[str, ...]:
     """Return the ends of names of reports."""
     from floquetrod.plotting import document

@@ -19,7 +19,7 @@ import floquetrod as fr
 from floquetrod._util.interchange import with_unit
 from floquetrod._util.tables import require_file
 from floquetrod._util.waiting import Waiting
-from floquetrod.cli.common import describe_command, warnings_at_once
+from floquetrod.cli.common import describe_command, table_or_figure, warnings_at_once, write_each
 from floquetrod.cli.output import Output, output
 from floquetrod.cli.parser import Parser, ratio, whole_number
 from floquetrod.ensembles.overview import BucklingShare, Overview
@@ -31,6 +31,7 @@ Simulate a rod many times, with other loads, kicks, seeds or data each time, and
 examples:
   floquetrod ensemble study.toml
   floquetrod ensemble study.toml --store runs.zarr --workers 8
+  floquetrod ensemble study.toml --out buckling.png --out runs.csv
   floquetrod ensemble study.toml --store runs.zarr --part 3/100
 
 a study file, in which strings may carry units:
@@ -80,6 +81,9 @@ def add(command: Parser) -> None:
     command.add_argument(
         "--part", metavar="K/N", help="k/n: only the k-th of n parts, for jobs that share a store ending in .zarr"
     )
+    command.add_output(
+        "--out", table_or_figure, "write a figure of the probability of buckling (.png, .pdf, .svg), or the runs (.csv)"
+    )
     command.add_argument(
         "--confidence", metavar="SHARE", type=ratio, default=0.95, help="of the intervals (default 0.95)"
     )
@@ -124,7 +128,22 @@ def _ensemble(options: argparse.Namespace) -> Output:
         "seconds": time.monotonic() - started,
     }
     said = "\n".join(_report(summary, record, study, options))
-    return output(options, lambda: said, lambda: record, 0 if complete else 130)
+    written = write_each(options.out, lambda path: _write(path, found, study, options.confidence))
+    return output(options, lambda: said, lambda: record, 0 if complete else 130, written)
+
+
+def _write(path: Path, found: Any, study: fr.Study, confidence: float) -> None:
+    """Write a table of the runs, or a figure of the probability of buckling in the units of the study."""
+    from floquetrod.ensembles.runs import Runs
+    from floquetrod.ensembles.shares import shares_along
+    from floquetrod.plotting import chart_plot, ensemble_plot
+
+    runs = found if isinstance(found, Runs) else Runs.of_each_run(found)
+    if path.suffix == ".csv":
+        runs.to_csv(path)
+    else:
+        shares = shares_along(runs, "buckled", confidence)
+        chart_plot.save_figure(ensemble_plot.draw_shares(shares, "buckled", confidence, study.units), path)
 
 
 def _part(options: argparse.Namespace) -> tuple[int, int] | None:

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from pathlib import Path
 from typing import Any
 
 import xarray
 
 from floquetrod.ensembles import statistics
+from floquetrod.ensembles.runs import Runs
 
 _register: Any = xarray.register_dataset_accessor
 
@@ -23,3 +25,11 @@ class EnsembleAccessor:
     def probability(self, name: str = "buckled", *, over: str | Iterable[str], confidence: float = 0.95) -> Any:
         """Return what `floquetrod.ensembles.probability` does."""
         return statistics.probability(self._dataset, name, over=over, confidence=confidence)
+
+    def plot(self, name: str = "buckled", *, confidence: float = 0.95, figure: Any = None) -> Any:
+        """Draw what `floquetrod.ensembles.runs.Runs.plot` does."""
+        return Runs.of_each_run(self._dataset).plot(name, confidence=confidence, figure=figure)
+
+    def to_csv(self, path: str | Path) -> Path:
+        """Write what `floquetrod.ensembles.runs.Runs.to_csv` does."""
+        return Runs.of_each_run(self._dataset).to_csv(path)

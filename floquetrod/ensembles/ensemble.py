@@ -11,8 +11,8 @@ from typing import Any, Literal
 
 from floquetrod._util import interrupt, validate, waiting
 from floquetrod.ensembles import stores_disk, stores_zarr, tasks
-from floquetrod.ensembles.runs import DONE
 from floquetrod.ensembles.stores import RESULTS, MemoryStore, RunResult, StoreLayout, chunk_shape, reason_of
+from floquetrod.ensembles.variables import DONE
 from floquetrod.ensembles.varied_axes import MOST_RUNS, RUN_SEED, Design, design_of, varied
 from floquetrod.ensembles.workers import OwnProcesses, TaskRunner, require_executor, work
 from floquetrod.simulation.simulation_problem import SimulationProblem

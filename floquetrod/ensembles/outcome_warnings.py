@@ -7,7 +7,8 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from floquetrod.ensembles.runs import DONE, Runs
+from floquetrod.ensembles.runs import Runs
+from floquetrod.ensembles.variables import DONE
 from floquetrod.ensembles.varied_axes import varied
 from floquetrod.simulation.findings import STABLE_LOAD
 from floquetrod.simulation.outcome import KINDS, Outcome

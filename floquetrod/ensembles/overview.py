@@ -8,8 +8,9 @@ import numpy as np
 
 from floquetrod._util.result_report import number
 from floquetrod.ensembles.outcome_warnings import counted, doubts
-from floquetrod.ensembles.runs import DONE, FAILED, PENDING, Runs, require_runs
-from floquetrod.ensembles.statistics import RANDOM, probability_of
+from floquetrod.ensembles.runs import Runs, require_runs
+from floquetrod.ensembles.shares import RANDOM, probability_of
+from floquetrod.ensembles.variables import DONE, FAILED, PENDING
 from floquetrod.simulation.outcome import KINDS
 
 _NUMBERS = str.maketrans("", "", "0123456789.,+-")

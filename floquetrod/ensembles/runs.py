@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import csv
+import io
 import math
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,20 +15,12 @@ from numpy.typing import NDArray
 from floquetrod._util import extras, sealed_files, validate
 from floquetrod._util.content import ByContent, NoTruthValue
 from floquetrod._util.result_report import Table
+from floquetrod._util.sealed_files import atomic_file
+from floquetrod.ensembles.shares import shares_along
+from floquetrod.ensembles.variables import DONE, FAILED, PENDING, Variable
 
 _FORMAT = "floquetrod runs 1"
 _PRINTED = 200  # values of one variable that are printed (a choice)
-
-PENDING, DONE, FAILED = 0, 1, 2
-"""Values of ``status``."""
-
-
-class Variable(NamedTuple):
-    """An array with the names of its dimensions and its attributes: "units" and "long_name" among them."""
-
-    dims: tuple[str, ...]
-    values: NDArray[Any]
-    attrs: dict[str, Any]
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -96,6 +90,40 @@ class Runs(NoTruthValue, ByContent):
         values = zip(*(each.ravel().tolist() for each in every.values()), strict=True)
         return str(Table(columns, [[f"{x:.6g}" if isinstance(x, float) else str(x) for x in row] for row in values]))
 
+    def plot(self, name: str = "buckled", *, confidence: float = 0.95, figure: Any = None) -> Any:
+        """Draw the probability of a result over each quantity that varies, with its interval; return the figure.
+
+        Over one quantity it is averaged over all others, as `floquetrod.probability` does; values that were drawn are
+        put into bins.  Draws into a figure or subfigure of matplotlib, a new one by default.  ValueError where no runs
+        are drawn, and for a result that is neither true nor false.
+        """
+        from floquetrod.plotting.ensemble_plot import draw_shares
+
+        return draw_shares(shares_along(self, name, confidence), name, confidence, figure=figure)
+
+    def to_csv(self, path: str | Path) -> Path:
+        """Write a table with one row for each run: its varied quantities and its results, units in the headings.
+
+        What has dimensions of its own, such as frames, is left out.
+        """
+        dims = self.variables["status"].dims if "status" in self.variables else tuple(self.dims)
+        shape = tuple(self.dims[dim] for dim in dims)
+        columns = {
+            f"{name} ({unit})" if (unit := self.units[name]) != "1" else name: np.broadcast_to(
+                v.values[tuple(slice(None) if dim in v.dims else None for dim in dims)], shape
+            ).ravel()
+            for name, v in (self.coords | self.variables).items()
+            if v.dims == tuple(dim for dim in dims if dim in v.dims)
+        }
+        text = io.StringIO(newline="")
+        writer = csv.writer(text, lineterminator="\n")
+        writer.writerow(columns)
+        writer.writerows(zip(*(values.tolist() for values in columns.values()), strict=True))
+        path = validate.path("path", path)
+        with atomic_file(path) as file:
+            file.write(text.getvalue().encode())
+        return path
+
     def to_xarray(self) -> Any:
         """Return an xarray.Dataset (needs xarray, an extra: pip install floquetrod[ensemble])."""
         xarray = extras.xarray("ensemble")
@@ -111,6 +139,12 @@ class Runs(NoTruthValue, ByContent):
             return {str(n): Variable(tuple(map(str, v.dims)), np.asarray(v.values), dict(v.attrs)) for n, v in every}
 
         return cls(content(dataset.data_vars), content(dataset.coords), dict(dataset.attrs))
+
+    @classmethod
+    def of_each_run(cls, dataset: Any) -> Runs:
+        """Return what an xarray.Dataset has of each run, loaded into memory; frames stay where they are."""
+        dims = set(dataset["status"].dims)
+        return cls.from_xarray(dataset[[name for name, v in dataset.data_vars.items() if set(v.dims) <= dims]])
 
     def save(self, path: str | Path) -> Path:
         """Write everything to an npz file; an older file of that name is kept until the new one is complete."""

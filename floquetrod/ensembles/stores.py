@@ -21,7 +21,8 @@ from numpy.typing import NDArray
 
 from floquetrod._util.caching import cached_property
 from floquetrod._util.version import __version__
-from floquetrod.ensembles.runs import DONE, FAILED, PENDING, Runs, Variable
+from floquetrod.ensembles.runs import Runs
+from floquetrod.ensembles.variables import DONE, FAILED, PENDING, Variable
 from floquetrod.ensembles.varied_axes import RUN_SEED, Design
 from floquetrod.simulation.arithmetic import arithmetic
 from floquetrod.simulation.outcome import DEFINITION, KINDS

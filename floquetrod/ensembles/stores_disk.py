@@ -10,8 +10,9 @@ import numpy as np
 
 from floquetrod._util import sealed_files
 from floquetrod._util.locks import Lock, lock_beside
-from floquetrod.ensembles.runs import DONE, FAILED, PENDING, Runs
+from floquetrod.ensembles.runs import Runs
 from floquetrod.ensembles.stores import MemoryStore, StoreLayout, require_same
+from floquetrod.ensembles.variables import DONE, FAILED, PENDING
 from floquetrod.ensembles.varied_axes import Design
 from floquetrod.simulation.checkpoints import warn
 

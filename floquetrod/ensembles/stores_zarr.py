@@ -32,9 +32,9 @@ from numpy.typing import NDArray
 from floquetrod._util import interrupt
 from floquetrod._util.locks import Lock
 from floquetrod.ensembles import stores
-from floquetrod.ensembles.runs import DONE, FAILED, PENDING
 from floquetrod.ensembles.stores import FRAME_ATTRS, REASON, MemoryStore, StoreLayout, require_same
 from floquetrod.ensembles.stores_disk import DiskStore
+from floquetrod.ensembles.variables import DONE, FAILED, PENDING
 from floquetrod.ensembles.varied_axes import Design
 
 _ABANDONED = 3600.0  # s after which a creation that takes a second has been killed

@@ -9,8 +9,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from floquetrod._util import validate
-from floquetrod.ensembles.runs import DONE, FAILED
 from floquetrod.ensembles.stores import RunResult, reason_of
+from floquetrod.ensembles.variables import DONE, FAILED
 from floquetrod.ensembles.varied_axes import varied
 from floquetrod.simulation.outcome import KINDS
 from floquetrod.simulation.simulation_problem import Simulation, SimulationProblem

@@ -27,9 +27,9 @@ from typing import Any, NamedTuple
 
 from floquetrod._util import interrupt, validate
 from floquetrod._util.compilation import cores
-from floquetrod.ensembles.runs import FAILED
 from floquetrod.ensembles.stores import DIED, RunResult
 from floquetrod.ensembles.tasks import Batch, TaskSettings, simulate_runs
+from floquetrod.ensembles.variables import FAILED
 
 _TASK = 0.25  # s of runs in a task, beside which the milliseconds of handing it over do not count
 _MOST_IN_A_TASK = 256  # runs, so that progress is heard of where they take no time

@@ -1,0 +1,198 @@
+"""Shares of runs with a result, with their intervals: of an ensemble along its axes."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from floquetrod._util import validate
+from floquetrod._util.arrays import Floats
+from floquetrod._util.probability_interval import clopper_pearson, mean_of_shares
+from floquetrod.ensembles.variables import DONE, FAILED, PENDING, Variable
+from floquetrod.ensembles.varied_axes import RUN_SEED
+
+RANDOM = ("sample", "run", "seed")
+"""Dimensions along which runs are drawn; the values along all others are chosen."""
+
+_BINS = 8  # at most, into which values that are drawn are put (a choice)
+_IN_A_BIN = 10  # runs at least (a choice)
+
+
+class ShareAlong(NamedTuple):
+    """The share of runs with a result along one quantity in its SI unit: at points, or in bins from low to high.
+
+    ``lower`` and ``upper`` are the ends of its interval.
+    """
+
+    name: str
+    unit: str
+    value: Floats
+    low: Floats
+    high: Floats
+    share: Floats
+    lower: Floats
+    upper: Floats
+
+
+def shares_along(runs: Any, name: str, confidence: Any) -> list[ShareAlong]:
+    """Return the share of runs with a result along each quantity that varies, averaged over all others.
+
+    Chosen values are points; values that are drawn are put into bins of as many runs each.
+    """
+    dims = runs.variables["status"].dims
+    drawn = [dim for dim in dims if dim in RANDOM]
+    if not drawn:
+        raise validate.wrong_value(
+            "runs", f"must vary along {', '.join(RANDOM[:-1])} or {RANDOM[-1]}, along which runs are drawn"
+        )
+    found = []
+    for dim in dims:
+        others = [other for other in dims if other != dim]
+        for quantity, variable in runs.coords.items():
+            if variable.dims != (dim,) or quantity in ("seed", RUN_SEED) or variable.values.dtype.kind not in "iuf":
+                continue
+            values = variable.values.astype(float)
+            if np.unique(values).size < 2:
+                continue
+            if dim in RANDOM:
+                bins = list(_bins(values))
+                probabilities = [probability_of(_part(runs, dim, each), name, dims, confidence) for each in bins]
+                ends = [[f(values[each]) for each in bins] for f in (np.median, np.min, np.max)]
+            else:
+                probabilities = [probability_of(runs, name, others, confidence)]
+                ends = [values, values, values]
+            columns = [
+                np.concatenate([np.atleast_1d(each[column]) for each in probabilities])
+                for column in ("probability", "lower", "upper")
+            ]
+            unit = variable.attrs.get("units", "1")
+            found.append(ShareAlong(quantity, unit, *map(np.asarray, ends), *columns))
+    return found
+
+
+def _bins(values: Floats) -> Iterator[NDArray[np.intp]]:
+    """Yield the places of values in bins of as many each, the smallest values first."""
+    number = int(np.clip(values.size // _IN_A_BIN, 1, _BINS))
+    yield from np.array_split(np.argsort(values, kind="stable"), number)
+
+
+def _part(runs: Any, dim: str, places: NDArray[np.intp]) -> Any:
+    """Return the runs at some places of a dimension."""
+
+    def taken(of: dict[str, Variable]) -> dict[str, Variable]:
+        return {
+            name: v._replace(values=v.values.take(places, axis=v.dims.index(dim))) if dim in v.dims else v
+            for name, v in of.items()
+        }
+
+    return type(runs)(taken(runs.variables), taken(runs.coords), runs.attrs)
+
+
+def probability_of(runs: Any, name: str, over: Any, confidence: Any) -> Any:
+    """Return what `probability` does for `Runs`, without its warnings."""
+    confidence = validate.confidence(confidence)
+    for needed in ("status", validate.choice("name", name, runs.variables)):
+        if needed not in runs.variables:
+            raise validate.wrong_value(
+                "runs", f"must hold {needed}, as fr.ensemble returns them; got {', '.join(runs.variables)}"
+            )
+    dims = runs.variables["status"].dims
+    if runs.variables[name].dims != dims:
+        raise validate.wrong_value(
+            "name", f"must be a result of every run, got {name!r}, which has {runs.variables[name].dims}"
+        )
+    averaged = [over] if isinstance(over, str) else validate.sequence("over", over, "('seed',)")
+    places = tuple(sorted({dims.index(validate.choice("over", dim, dims)) for dim in averaged}))
+    if not places:
+        raise validate.wrong_value("over", f"must name at least one of {', '.join(dims)}, got none")
+    status, values = runs["status"], runs[name]
+    done = status == DONE
+    if not np.isin(values[done], (0, 1)).all():
+        raise validate.wrong_value(
+            "name", f"must be a result that is true or false, 1 or 0, got {name!r}; compare it with a number"
+        )
+    left = tuple(dim for place, dim in enumerate(dims) if place not in places)
+    group = _groups(runs, dims, places)
+    order = [dims.index(dim) for dim in left] + list(places)
+    shape = tuple(status.shape[dims.index(dim)] for dim in left)
+
+    def by_group(of: NDArray[np.bool_]) -> NDArray[np.int64]:
+        """Return numbers of runs, (..., groups)."""
+        flat = of.transpose(order).reshape(math.prod(shape), -1)
+        counts = np.zeros((int(group.max(initial=-1)) + 1, len(flat)), dtype=np.int64)
+        np.add.at(counts, group, flat.T)
+        return counts.T
+
+    true, finished, lost = by_group(done & (values == 1)), by_group(done), by_group(status == FAILED)
+    chosen = any(dims[place] not in RANDOM for place in places)
+    unknown = lost + by_group(status == PENDING) if chosen else lost
+    if group.size == true.shape[1]:  # every run is a group
+        lower, upper = clopper_pearson(
+            true.sum(axis=1), (finished + unknown).sum(axis=1), confidence, unknown=unknown.sum(axis=1)
+        )
+    else:
+        lower, upper = (
+            np.array([_interval(*counts, confidence) for counts in zip(true, finished, unknown, strict=True)])
+            .reshape(-1, 2)
+            .T
+        )
+    share = np.full(len(true), np.nan)
+    for row in np.flatnonzero(finished.any(axis=1)):
+        some = finished[row] > 0
+        share[row] = np.mean(true[row, some] / finished[row, some])
+
+    def variable(values: Any, text: str) -> Variable:
+        return Variable(left, np.reshape(values, shape), {"long_name": text, "units": "1"})
+
+    percent = f"{100.0 * confidence:g} % confidence"
+    return type(runs)(
+        {
+            "probability": variable(share, f"share of runs with {name} among those done"),
+            "lower": variable(lower, f"lower end of the interval of {percent}"),
+            "upper": variable(upper, f"upper end of the interval of {percent}"),
+            "done": variable(finished.sum(axis=1), "runs done"),
+            "failed": variable(lost.sum(axis=1), "runs that failed"),
+        },
+        {key: v for key, v in runs.coords.items() if set(v.dims) <= set(left)},
+        {**runs.attrs, "result": name, "confidence": confidence},
+    )
+
+
+def _groups(runs: Any, dims: tuple[str, ...], places: tuple[int, ...]) -> NDArray[np.int64]:
+    """Return to which group each run averaged over belongs, in the order of the dimensions; groups are independent.
+
+    ``places`` are the indices of the dimensions averaged over.  Raises ValueError where there are no such groups.
+    """
+    averaged = [dims[place] for place in places]
+    drawn = [dim for dim in RANDOM if dim in averaged]
+    if not drawn:
+        raise validate.wrong_value(
+            "over",
+            f"must name a dimension along which runs are drawn, {', '.join(RANDOM)}, got {', '.join(averaged)}, whose "
+            'values are chosen; where you drew them yourself give them as a list, layout="list", or as a distribution',
+        )
+    if len(drawn) > 1 and RUN_SEED not in runs.coords:
+        raise validate.wrong_value(
+            "over",
+            f"names {' and '.join(drawn)}, but all samples have the same seeds, as in ensembles of earlier versions: "
+            "their runs are not independent; average over one of them, or simulate again",
+        )
+    lengths = [runs["status"].shape[place] for place in places]
+    number = np.indices(lengths)[averaged.index(drawn[0])].ravel()
+    seeds = runs.coords.get("seed")
+    if drawn == ["run"] and seeds is not None:
+        _, number = np.unique(seeds.values, return_inverse=True)
+    return np.asarray(number, dtype=np.int64)
+
+
+def _interval(
+    true: NDArray[np.int64], finished: NDArray[np.int64], unknown: NDArray[np.int64], confidence: float
+) -> tuple[float, float]:
+    """Return the interval of a probability from the numbers of runs in each group."""
+    runs = finished + unknown
+    some = runs > 0
+    return mean_of_shares(true[some] / runs[some], (true + unknown)[some] / runs[some], confidence)
