@@ -92,7 +92,7 @@ def save_report(
     Raises
     ------
     ValueError, TypeError
-        For other endings, and for arguments that are not a result with a report, a reach or a steady motion.
+        For other endings; for a ``result`` without a report; for a ``reach`` or ``motion`` of another type.
 
     Examples
     --------
@@ -263,9 +263,15 @@ def _well(reach: Reach, options: _Options) -> Report:
 
 def _reach_units(reach: Reach, options: _Options) -> AnswerUnits:
     """Return the units in which a reach is told."""
-    kinds = options.units or {}
-    names = (kinds.get(kind) for kind in ("force", "length", "pressure", "frequency"))
-    return AnswerUnits.named(*names, given=reach.given_units, usual_force="kN")
+    asked = (options.units or {}).get
+    return AnswerUnits.named(
+        asked("force"),
+        asked("length"),
+        asked("pressure"),
+        asked("frequency"),
+        given=reach.given_units,
+        usual_force="kN",
+    )
 
 
 def _file_reports(options: _Options) -> list[Report]:
@@ -297,7 +303,7 @@ def _without(report: Report, *labels: str) -> Report:
         last = label or last
         if last not in labels:
             kept.append((label, text))
-    return replace(report, lines=kept)
+    return replace(report, lines=kept, assumptions=())
 
 
 def _shape(verdict: RodStability) -> list[Illustration]:
@@ -341,7 +347,7 @@ def _map(verdict: RodStability, shown: Mapping[str, Unit]) -> list[Illustration]
 def _motion(options: _Options) -> list[DocumentSection]:
     if options.motion is None:
         return []
-    return [DocumentSection("Motion after the onset", options.motion.report(options.units))]
+    return [DocumentSection("Motion after the onset", options.motion.report(options.units).with_assumptions())]
 
 
 def _buckling(
@@ -435,7 +441,7 @@ def _plot(result: Any, figure: Any) -> Any:
 
 
 def _assumed(assumptions: Sequence[str], reach: Reach | None, units: AnswerUnits) -> DocumentSection:
-    """Return what is assumed and how far it holds."""
+    """Return the assumptions of the verdict and the reach, each with its limit."""
     rows = [(str(text), getattr(text, "limit", "")) for text in assumptions]
     if reach is not None:
         rows += [(text, "") for text in reach.assumptions_in(units.speed)]
