@@ -93,7 +93,7 @@ def test_a_file_tells_the_steps_that_were_taken(tmp_path: Path) -> None:
     """Another version may take other steps for the same problem; what it made stays readable, and says so."""
     path = PROBLEM.run().save(tmp_path / "run.npz")
     meta, arrays = unpacked(path)
-    sealed_files.write_npz(path, {**meta, "steps_per_frame": 1000}, arrays, compress=True)
+    sealed_files.write_npz(path, {**meta, "steps_per_frame": 1000, "step_size": 0.01 / 4000}, arrays, compress=True)
     assert fr.Simulation.load(path).time_steps == TimeSteps.between_frames(0.01, 5, 1000, "stretch")
 
 

@@ -11,6 +11,7 @@ from typing import Any
 
 import floquetrod as fr
 from floquetrod import units
+from floquetrod._util.progress import Progress
 from floquetrod._util.waiting import Waiting, roughly, say
 from floquetrod.cli.common import (
     ROD_AND_LOAD,
@@ -39,6 +40,7 @@ examples:
   floquetrod simulate --rod nitinol --mean 0.42Fcr --amplitude 0.7Fcr --frequency 150rad/s --mu 0.1 --case C:10 --seed 2
   floquetrod simulate --rod my_rod.toml --mean 6N --amplitude 2N --frequency 24Hz --duration 4s --out run.gif
   floquetrod simulate --rod my_rod.toml --mean 6N --amplitude 2N --frequency 24Hz --duration 60s --checkpoint run.ckpt
+  floquetrod simulate --continue run.npz --duration 2s --out longer.npz
   floquetrod simulate --rod examples/well.toml --mean 0.5Fcr --amplitude 0.3Fcr --frequency 4Hz --wave held
   floquetrod simulate --rod examples/well.toml --mean 0.3Fcr --amplitude 0N --frequency 4Hz --tool 2kN@4Hz@1m
   floquetrod simulate --rod my_rod.toml --force record.csv --mean 12N --duration 5s
@@ -50,7 +52,8 @@ mode, B modes 4, 6, 8, 10, C one mode and all others up to 20 at random, D every
 
 A .png, .pdf or .svg file shows the rod from above and the growth of its modes, a .gif or .mp4 is an animation (the
 latter needs ffmpeg), a .npz holds all results (floquetrod.Simulation.load reads it).  Ctrl-C ends the run early, writes
-and reports the results so far, and with a checkpoint the same command continues later.  The exit status is then 130; it
+and reports the results so far, and with a checkpoint the same command continues later.  --continue makes a run in a
+.npz file longer, bit for bit as if it had been asked for at once.  The exit status is then 130; it
 is 2 for invalid input, for a run that diverges, and if a file could not be written.
 
 rods and loads are those of floquetrod check: tubes, fluids, inclined channels, all kinds of ends, axial waves from the
@@ -70,13 +73,21 @@ _LONG = 60.0  # s: of runs that take longer, this is said at their beginning (a 
 def add(command: Parser) -> None:
     """Add help and options of the command to its parser."""
     describe_command(command, _HELP, _simulate, (*ROD_AND_LOAD, "duration"))
-    add_question(command, classified=False)
+    subject = command.add_mutually_exclusive_group(required=True)
+    subject.add_argument(
+        "--continue",
+        dest="earlier",
+        metavar="FILE",
+        type=Path,
+        help="a run in a .npz file, to be made longer by --duration, or brought to its end where it was interrupted",
+    )
+    add_question(command, subject, classified=False)
     command.add_argument(
         "--feed-speed", metavar="SPEED", help="speed at which the upper end is moved down the channel, such as 10mm/s"
     )
     command.add_argument("--far-force", metavar="FORCE", help="mean force at the lower end (default: from the load)")
     add_tool(command)
-    command.add_argument("--duration", metavar="TIME", default="2s", help="how long to simulate (default 2s)")
+    command.add_argument("--duration", metavar="TIME", help="how long to simulate (default 2s), or to add to a run")
     add_wall_friction(command, default="0")
     command.add_argument(
         "--natural-curvature",
@@ -119,11 +130,13 @@ def add(command: Parser) -> None:
 
 
 def _simulate(options: argparse.Namespace) -> Output:
+    if options.earlier is not None:
+        return _continue(options)
     rod, _, load = read_question(options)
     feed = None if options.feed_speed is None else units.quantity(options.feed_speed, "--feed-speed", "speed")
     far = None if options.far_force is None else read_force(options.far_force, "--far-force", rod)
     friction: Any = read_friction(options.friction, "--friction")
-    duration = units.quantity(options.duration, "--duration", "time")
+    duration = units.quantity(options.duration or "2s", "--duration", "time")
     step = None if options.time_step is None else units.quantity(options.time_step, "--time-step", "time")
     perturbation, shown = read_perturbation(vars(options), option), read_units(options, rod)
     _require_writers(options.out, options.checkpoint)
@@ -142,9 +155,38 @@ def _simulate(options: argparse.Namespace) -> Output:
         tool=None if options.tool is None else read_tool(options.tool, "--tool"),
         natural_curvature=options.natural_curvature,
     )
+    return _ran(options, lambda progress: problem.run(progress, options.checkpoint), shown)
+
+
+_WITH_CONTINUE = ("earlier", "duration", "out", "checkpoint", "theory", "unit", "json")
+"""Options that may be given with --continue: the file has the rest."""
+
+
+def _continue(options: argparse.Namespace) -> Output:
+    """Return the answer of a run that is made longer."""
+    for action in options.parser._actions:
+        given = getattr(options, action.dest, action.default)
+        if action.dest not in _WITH_CONTINUE and given not in (action.default, argparse.SUPPRESS):
+            raise ValueError(
+                f"{action.option_strings[-1]} must be left out with --continue, whose file has it, got {given!r}"
+            )
+    added = "0s" if options.duration is None else options.duration
+    seconds = units.quantity(added, "--duration", "time")
+    run = fr.Simulation.load(options.earlier)
+    if not seconds and run.ended == "duration":
+        raise ValueError("--continue needs --duration, the time to add, because the run is complete; add --duration 2s")
+    _require_writers(options.out, options.checkpoint)
+    shown = read_units(options, run.rod)
+    return _ran(
+        options, lambda progress: run.continued(seconds, progress=progress, checkpoint=options.checkpoint), shown
+    )
+
+
+def _ran(options: argparse.Namespace, simulate: Callable[[Progress], fr.Simulation], shown: dict[str, str]) -> Output:
+    """Return the answer of a run, with its files written."""
     try:
         with warnings_at_once(), _Forewarning("simulating", "steps") as progress:
-            run = problem.run(progress, options.checkpoint)
+            run = simulate(progress)
     except fr.SimulationDiverged as error:
         saved, missed = _write_all(error.simulation, [path for path in options.out if path.suffix == ".npz"])
         where = f", in {saved[0]}" if saved else ""

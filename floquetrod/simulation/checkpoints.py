@@ -74,6 +74,17 @@ class Resumable(NamedTuple):
             raise ValueError(f"the clock of its {name} shows {clock!r} steps")
         return rod
 
+    def other_rounding(self, before: Any, rod: Any) -> str:
+        """Return why a record does not follow from the one ``before`` here, "" where it does.
+
+        The arithmetic is the same, but a processor or a system's library may differ in a last digit.
+        """
+        steps, repeated = int(rod["clock"][0]) - int(before["clock"][0]), before.copy()
+        self.advance(repeated, steps)
+        if repeated.tobytes() == rod.tobytes():
+            return ""
+        return f"its last {steps} steps come out otherwise; continue it on the machine that wrote it"
+
     def frames(self, arrays: Mapping[str, NDArray[Any]], rod: Any) -> dict[str, NDArray[np.float64]]:
         """Return the frames that a file holds, as many as the clock of its record says."""
         count = int(rod["clock"][0]) // self.time_steps.per_frame + 1
@@ -81,6 +92,13 @@ class Resumable(NamedTuple):
             name: sealed_files.field(arrays, name, np.float64, (count, *shape), finite=True)
             for name, shape in frame_shapes(self.segments).items()
         }
+
+
+def other_arithmetic(theirs: Mapping[str, str]) -> str:
+    """Return why a run that was computed with an arithmetic cannot be continued with that of here, "" where it can."""
+    ours = arithmetic()
+    other = [f"{name} {value}" for name, value in theirs.items() if ours.get(name) != value]
+    return f"it was computed with {', '.join(other)}; continue it where that is installed" if other else ""
 
 
 def frame_shapes(segments: int) -> dict[str, tuple[int, ...]]:
@@ -193,10 +211,8 @@ class Checkpoint:
     ) -> tuple[str, RunState | None]:
         """Return why the content is not for this run, or the state it holds."""
         unlike = f"of floquetrod {sealed_files.entry(meta, 'version', str)} cannot be continued bit for bit here"
-        theirs, ours = sealed_files.entry(meta, "arithmetic", dict), arithmetic()
-        if theirs != ours:
-            other = [f"{name} {value}" for name, value in theirs.items() if ours.get(name) != value]
-            return f"{unlike}: it was computed with {', '.join(other)}; continue it where that is installed", None
+        if other := other_arithmetic(sealed_files.entry(meta, "arithmetic", dict)):
+            return f"{unlike}: {other}", None
         mine, its = self._identity, sealed_files.entry(meta, "problem", dict)
         if wrong := [name for name in {**mine, **its} if its.get(name) != mine.get(name)]:
             return f"belongs to another run, with another {', '.join(wrong)}; give another path", None
@@ -205,14 +221,8 @@ class Checkpoint:
         steps = int(rod["clock"][0]) - int(before["clock"][0])
         if not 0 <= steps <= expected.most_steps:
             raise ValueError("its states do not follow one another")
-        # The arithmetic is the same, but a processor or a system's library may differ in a last digit.
-        repeated = before.copy()
-        expected.advance(repeated, steps)
-        if repeated.tobytes() != rod.tobytes():
-            return (
-                f"{unlike}: its last {steps} steps come out otherwise; continue it on the machine that wrote it",
-                None,
-            )
+        if other := expected.other_rounding(before, rod):
+            return f"{unlike}: {other}", None
         return "", RunState(rod, before, frames, sealed_files.entry(meta, "seconds", float))
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any, Generic, TypeVar
 
 import numpy as np
@@ -11,10 +12,11 @@ from numpy.typing import NDArray
 
 from floquetrod._util.compilation import compiled, compiled_for
 from floquetrod._util.progress import Progress
+from floquetrod.simulation.arithmetic import arithmetic
 from floquetrod.simulation.checkpoints import Checkpoint, Resumable, RunState, frame_shapes
 from floquetrod.simulation.driving import Driving
 from floquetrod.simulation.kernels import rod_step
-from floquetrod.simulation.recorded_motion import EarlyEnd, RecordedMotion
+from floquetrod.simulation.recorded_motion import EarlyEnd, LastState, RecordedMotion
 from floquetrod.simulation.rod_mesh import ENERGIES, DiscreteRod
 from floquetrod.simulation.step_size import TimeSteps
 from floquetrod.wells.drag import Friction
@@ -57,6 +59,8 @@ class Integration(Generic[Result]):
         When to stop before the last step.
     checkpoint : Checkpoint, optional
         Continued from, where its file exists, and kept up to date.  ValueError for a file that cannot be continued.
+    state : RunState, optional
+        Continued from, without a checkpoint.  ValueError where it cannot be.
     """
 
     def __init__(
@@ -69,6 +73,7 @@ class Integration(Generic[Result]):
         result: Callable[[RecordedMotion], Result],
         early_end: EarlyEnd | None = None,
         checkpoint: Checkpoint | None = None,
+        state: RunState | None = None,
     ) -> None:
         """Start, or continue from the checkpoint."""
         self.mesh, self.driving, self.time_steps = mesh, driving, time_steps
@@ -79,7 +84,15 @@ class Integration(Generic[Result]):
         }
         self.seconds = 0.0
         if checkpoint is not None and checkpoint.exists():
-            self._resume(checkpoint)
+            self._take(checkpoint.load(self._resumable))
+        elif state is not None:
+            done, before = (float(record["clock"][0]) for record in (state.rod, state.before))
+            is_whole = done == int(done) and len(state.frames["impulses"]) == int(done) // time_steps.per_frame + 1
+            if not (is_whole and 0.0 <= done - before <= self._piece):
+                raise ValueError("the run cannot be continued: its last state does not belong to its frames")
+            if other := self._resumable.other_rounding(state.before, state.rod):
+                raise ValueError(f"the run cannot be continued bit for bit here: {other}")
+            self._take(state)
         else:
             self.rod = self._start(velocities)
             self._before = self.rod.copy()
@@ -148,6 +161,12 @@ class Integration(Generic[Result]):
                 energy=energy,
                 ended=self._ended() or "interrupted",
                 seconds=self.seconds,
+                last_state=LastState(
+                    np.frombuffer(self.rod.tobytes(), np.uint8),
+                    np.frombuffer(self._before.tobytes(), np.uint8),
+                    self._frames["impulses"][:count],
+                    arithmetic(),
+                ),
             )
         )
 
@@ -192,7 +211,7 @@ class Integration(Generic[Result]):
             return
         when = self.done * step
         self.rod["clock"][0] -= (self.done - 1) % self.time_steps.per_frame + 1  # back to the last frame kept
-        kept = self.result()
+        kept = replace(self.result(), last_state=None)
         cause = (
             "the rod hit the wall harder than its contact can bear with this step"
             if whole
@@ -210,13 +229,17 @@ class Integration(Generic[Result]):
         frames = {name: values[:count] for name, values in self._frames.items()}
         return RunState(self.rod, self._before, frames, self.seconds)
 
-    def _resume(self, checkpoint: Checkpoint) -> None:
-        """Take over the state in a checkpoint."""
+    @property
+    def _resumable(self) -> Resumable:
+        """What a state that is taken over is checked against."""
 
         def advance(rod: Any, steps: int) -> None:
             compiled(rod_step.advance)(rod, steps, self.physics)
 
-        expected = Resumable(self.mesh.segments, self.mesh.record_type, self.time_steps, self._piece, advance)
-        self.rod, self._before, frames, self.seconds = checkpoint.load(expected)
+        return Resumable(self.mesh.segments, self.mesh.record_type, self.time_steps, self._piece, advance)
+
+    def _take(self, state: RunState) -> None:
+        """Take over a state."""
+        self.rod, self._before, frames, self.seconds = state
         for name, values in frames.items():
             self._frames[name][: len(values)] = values

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable
 from dataclasses import dataclass, field
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -54,6 +55,27 @@ def angles(positions: NDArray[np.float64]) -> NDArray[np.float64]:
     return np.asarray(np.arctan2(np.ascontiguousarray(positions[..., 1]), -positions[..., 2]))
 
 
+class LastState(NamedTuple):
+    """The state with which a run can be continued bit for bit, and the arithmetic that it needs.
+
+    Attributes
+    ----------
+    record : ndarray of uint8
+        Bytes of the record of the rod after the last step.
+    before : ndarray of uint8
+        The same one call of the kernel earlier.
+    impulses : ndarray (frames, 2)
+        Impulses in N s by which the ends had been pushed at each frame.
+    arithmetic : dict of str
+        See `floquetrod.simulation.arithmetic`.
+    """
+
+    record: NDArray[np.uint8]
+    before: NDArray[np.uint8]
+    impulses: NDArray[np.float64]
+    arithmetic: dict[str, str]
+
+
 @dataclass(frozen=True, eq=False, repr=False, kw_only=True)
 class RecordedMotion(NoTruthValue, ByContent):
     """The frames of a simulated rod, and what follows from them alone; `Simulation` adds the problem.
@@ -70,6 +92,7 @@ class RecordedMotion(NoTruthValue, ByContent):
     energy: dict[str, NDArray[np.float64]]
     ended: str
     seconds: float = field(compare=False)
+    last_state: LastState | None = field(default=None, compare=False)
 
     @property
     def references(self) -> tuple[str, ...]:

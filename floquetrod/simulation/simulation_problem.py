@@ -8,6 +8,7 @@ import warnings
 from collections.abc import Mapping
 from contextlib import nullcontext
 from dataclasses import KW_ONLY, asdict, dataclass, field, fields, replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -28,14 +29,14 @@ from floquetrod.rod.loads.load import QUANTITIES, Load, load_from_dict, load_num
 from floquetrod.rod.loads.tool import VibrationTool, tool_inside
 from floquetrod.rod.model.parameters import ROD
 from floquetrod.rod.rod import Rod
-from floquetrod.simulation.checkpoints import Checkpoint
+from floquetrod.simulation.checkpoints import Checkpoint, RunState, other_arithmetic
 from floquetrod.simulation.driving import LARGEST_STRAIN, MOST_HARMONICS, Driving, half_waves
 from floquetrod.simulation.findings import Findings
 from floquetrod.simulation.growth import GrowthFit, growth_of_motion
 from floquetrod.simulation.integration import Integration
 from floquetrod.simulation.measures import axial_force, contact_force
 from floquetrod.simulation.outcome import BUCKLED_ANGLE, Kick, Outcome, outcome_of, turned
-from floquetrod.simulation.recorded_motion import ENDINGS, EarlyEnd, RecordedMotion
+from floquetrod.simulation.recorded_motion import ENDINGS, EarlyEnd, LastState, RecordedMotion
 from floquetrod.simulation.resolution import GrowingWaves, ResolutionWarning, growing_waves
 from floquetrod.simulation.rod_mesh import ENERGIES, DiscreteRod
 from floquetrod.simulation.start import LEAST_SEGMENTS, MOST_SEGMENTS, Perturbation
@@ -275,19 +276,27 @@ class SimulationProblem:
             wrong = f"{self.unresolved}: the growing modes and their rates will be wrong"
             remedy = f"take {self._growing.least_segments} or more, or leave segments out for {self._fair_segments()}"
             warnings.warn(f"{wrong}; {remedy}", ResolutionWarning, stacklevel=level_of_caller())
-        file = None if place is None else Checkpoint(place, self.as_dict() | {"time_steps": asdict(self.time_steps)})
-        with file or nullcontext():
-            return self._integration(file).run(progress)
+        return self._run(self.time_steps, progress, place)
 
-    def _integration(self, file: Checkpoint | None = None) -> Integration[Simulation]:
-        """Return the run at its start, or where its checkpoint has come to."""
+    def _run(
+        self, steps: TimeSteps, progress: Progress | None, place: Path | None, state: RunState | None = None
+    ) -> Simulation:
+        """Return the run from its start, from its checkpoint or from a state."""
+        file = None if place is None else Checkpoint(place, self.as_dict() | {"time_steps": asdict(steps)})
+        with file or nullcontext():
+            return self._integration(file, steps, state).run(progress)
+
+    def _integration(
+        self, file: Checkpoint | None = None, steps: TimeSteps | None = None, state: RunState | None = None
+    ) -> Integration[Simulation]:
+        """Return the run at its start, or where its checkpoint or a state has come to."""
+        steps = self.time_steps if steps is None else steps
         velocities = self.perturbation.velocities(self.segments)
         early = None
         if self.stop_early:
             early = EarlyEnd(self.wall_friction.largest, self._frames_in_a_period, self.kick_alone.clearly_buckled)
-        return Integration(
-            self.mesh, self.driving, self.wall_friction, self.time_steps, velocities, self._result, early, file
-        )
+        result = partial(self._result, steps)
+        return Integration(self.mesh, self.driving, self.wall_friction, steps, velocities, result, early, file, state)
 
     def as_dict(self) -> dict[str, Any]:
         """Return the parameters as plain data, for files, which JSON preserves."""
@@ -316,10 +325,10 @@ class SimulationProblem:
         for name, value in values.items():
             object.__setattr__(self, name, value)
 
-    def _result(self, motion: RecordedMotion) -> Simulation:
+    def _result(self, steps: TimeSteps, motion: RecordedMotion) -> Simulation:
         """Return the simulation whose frames these are."""
         recorded = {part.name: getattr(motion, part.name) for part in fields(motion)}
-        return Simulation(problem=self, time_steps=self.time_steps, **recorded)
+        return Simulation(problem=self, time_steps=steps, **recorded)
 
     @property
     def _frames_in_a_period(self) -> int:
@@ -444,6 +453,9 @@ class Simulation(Reported, RecordedMotion):
         Wall time it took.
     version : str
         Version of the package that made it.
+    last_state : LastState or None
+        The state after the last step, with which `continued` begins; None where a run diverged, and of files of
+        versions that did not keep it.
 
     Simulations are equal when all but time taken and version is, bit for bit.
     """
@@ -456,6 +468,81 @@ class Simulation(Reported, RecordedMotion):
     def rod(self) -> Rod:
         """The rod simulated."""
         return self.problem.rod
+
+    def continued(
+        self,
+        duration: float | str = 0.0,
+        *,
+        progress: Progress | None = None,
+        checkpoint: str | Path | None = None,
+    ) -> Simulation:
+        """Return the run made longer: all its frames, and those that follow from its last state.
+
+        A run of T continued by T is one of 2 T with frames at the same distance, bit for bit.  It keeps its step: where
+        the duration is no power of two times the first one, that of a run asked for at once may differ in the last
+        digit.  It continues past an early end, and with the number of segments that it has.
+
+        Parameters
+        ----------
+        duration : float or str
+            Time to add in s, at least, in whole frames; 0 goes on to the end that was asked for at first, for a run
+            that was interrupted or stopped early.
+        progress : callable, optional
+            Called with the numbers of steps done and to do.
+        checkpoint : path, optional
+            A file kept up to date, as for `SimulationProblem.run`.
+
+        Returns
+        -------
+        Simulation
+
+        Raises
+        ------
+        ValueError
+            For a run without a last state, or whose last state cannot be continued bit for bit here, by the rule of
+            checkpoints (docs/theory/simulator.md); for a duration of 0 of a run that is complete.
+
+        Examples
+        --------
+        >>> import floquetrod as fr
+        >>> load = fr.AxialLoad(mean=0.3, amplitude=0.3, frequency=150.0)
+        >>> run = fr.simulate(fr.Rod.nitinol(), load, duration=0.01, segments=60, frames=5)
+        >>> longer = run.continued("10ms")
+        >>> longer.time.size, longer == fr.simulate(run.rod, load, duration=0.02, segments=60, frames=9)
+        (9, True)
+        """
+        validate.progress(progress)
+        place = None if checkpoint is None else validate.path("checkpoint", checkpoint)
+        added = units.number("duration", duration, "time", 0.0, hint="in s, 0 for the rest of the run")
+        problem, steps, last = self.problem, self.time_steps, self.last_state
+        more = math.ceil(added / (steps.per_frame * steps.size) - 1e-9)
+        if not more and self.ended == "duration":
+            raise validate.wrong_value(
+                "duration", "must be positive for a run that is complete, got 0 s; give the time to add, such as 2 s"
+            )
+        if last is None:
+            raise ValueError(
+                "the run has no last state to continue from: it diverged, or an earlier version saved it; simulate it "
+                "again with the longer duration"
+            )
+        if other := other_arithmetic(last.arithmetic):
+            raise ValueError(f"the run cannot be continued bit for bit here: {other}")
+        frames = problem.frames + more
+        longer = replace(
+            problem,
+            duration=_longer(problem.duration, problem.frames - 1, frames - 1, steps),
+            frames=frames,
+            stop_early=problem.stop_early and self.ended not in ("buckled", "at rest"),
+        )
+        taken = replace(steps, count=(frames - 1) * steps.per_frame)
+        (rod,), (before,) = (np.frombuffer(bytearray(part), problem.mesh.record_type) for part in last[:2])
+        recorded = {
+            "positions": self.positions,
+            "velocities": self.velocities,
+            "energies": np.stack([self.energy[name] for name in ENERGIES], axis=1),
+            "impulses": last.impulses,
+        }
+        return longer._run(taken, progress, place, RunState(rod, before, recorded, self.seconds))
 
     def growth_rate(self, mode: int | None = None) -> GrowthFit:
         """Return the growth rate in 1/s of a mode or, by default, of the whole rod, with its error; zero for none.
@@ -648,10 +735,14 @@ class Simulation(Reported, RecordedMotion):
             "problem": self.problem.as_dict(),
             "steps_per_frame": self.time_steps.per_frame,
             "step_limit": self.time_steps.limit,
+            "step_size": self.time_steps.size,
             "ended": self.ended,
             "seconds": self.seconds,
         }
         arrays = {name: getattr(self, name) for name in ("time", "positions", "velocities", "end_forces")}
+        if (last := self.last_state) is not None:
+            meta["arithmetic"] = last.arithmetic
+            arrays |= {f"last_{name}": getattr(last, name) for name in ("record", "before", "impulses")}
         energy = {f"energy_{name}": values for name, values in self.energy.items()}
         return sealed_files.write_npz(path, meta, {**arrays, **energy}, compress=True)
 
@@ -682,13 +773,18 @@ def _simulation(meta: dict[str, Any], arrays: sealed_files.Arrays) -> Simulation
         sealed_files.field(arrays, name, np.float64, (count, nodes, 3), finite=True)
         for name in ("positions", "velocities")
     )
+    steps = TimeSteps.between_frames(problem.duration, problem.frames, per_frame, limit)
+    if "step_size" in meta:  # of a run that was continued the last digit of a step may differ
+        size = sealed_files.entry(meta, "step_size", float)
+        low, high = (steps.size * factor for factor in (1.0 - 1e-12, 1.0 + 1e-12))
+        steps = replace(steps, size=validate.within("step_size", size, low, high))
     energy = {
         name: sealed_files.field(arrays, f"energy_{name}", np.float64, (count,), finite=True)
         for name in (*ENERGIES, "dissipated")
     }
     return Simulation(
         problem=problem,
-        time_steps=TimeSteps.between_frames(problem.duration, problem.frames, per_frame, limit),
+        time_steps=steps,
         time=time,
         positions=positions,
         velocities=velocities,
@@ -697,4 +793,26 @@ def _simulation(meta: dict[str, Any], arrays: sealed_files.Arrays) -> Simulation
         ended=ended,
         seconds=seconds,
         version=sealed_files.entry(meta, "version", str),
+        last_state=_last_state(meta, arrays, problem.mesh.record_type.itemsize, count),
     )
+
+
+def _longer(duration: float, before: int, after: int, steps: TimeSteps) -> float:
+    """Return the duration in s of ``after`` frames, where that of ``before`` is known.
+
+    It is exact for whole multiples; otherwise the number of fifteen digits, as people write it, where the step taken
+    follows from it.
+    """
+    product = duration * (after / before)
+    written = float(f"{product:.15g}")
+    is_written = after % before > 0 and written / (after * steps.per_frame) == steps.size
+    return written if is_written else product
+
+
+def _last_state(meta: dict[str, Any], arrays: sealed_files.Arrays, size: int, frames: int) -> LastState | None:
+    """Return the state after the last step of a simulation in a file, None where the file has none."""
+    if "arithmetic" not in meta:
+        return None
+    record, before = (sealed_files.field(arrays, f"last_{name}", np.uint8, (size,)) for name in ("record", "before"))
+    impulses = sealed_files.field(arrays, "last_impulses", np.float64, (frames, 2), finite=True)
+    return LastState(record, before, impulses, sealed_files.entry(meta, "arithmetic", dict))

@@ -345,6 +345,7 @@ def table() -> dict[str, Call]:
         "StabilityIntervals.find_unstable": Call(ranges.find_unstable, {"progress": None}),
         "Simulation.save": Call(run.save, {"path": str(place / "again.npz")}),
         "Simulation.load": Call(fr.Simulation.load, {"path": str(place / "run.npz")}),
+        "Simulation.continued": Call(run.continued, {"duration": "1ms", "progress": None, "checkpoint": None}),
         "Simulation.mode_amplitudes": Call(run.mode_amplitudes, {"modes": [1, 2]}),
         "Simulation.growth_rate": Call(run.growth_rate, {"mode": 3}),
         "mathieu.TransitionCurves.period": Call(fr.mathieu.transition_curves([0.1, 0.2], 2).period, {"order": 2}),

@@ -411,7 +411,7 @@ class StabilityIntervals(units.InUnits, Reported, NoTruthValue):
         full: bool,
     ) -> list[tuple[str, ...]]:
         """Return the rows of the unstable bands but the ``thin`` ones, in ``full`` with the stability intervals."""
-        rows = []
+        rows: list[tuple[float, tuple[str, ...]]] = []
         for band in unstable:
             if band[:2] not in thin:
                 low, high, at = (float(shown.of(value)) for value in (band.low, band.high, band.at))
@@ -424,8 +424,8 @@ class StabilityIntervals(units.InUnits, Reported, NoTruthValue):
                 texts = (" to ".join(ends), "unstable", growth, where, _rounded_up(damping), _end(band.cause))
                 rows.append((band.low, texts))
         for part in self.intervals if full else ():
-            ends = f"{shown.of(part.low):.9g} to {shown.of(part.high):.9g}"
-            rows.append((part.low, (ends, "stable", "", "", "", f"{_end(part.low_end)} ... {_end(part.high_end)}")))
+            between = f"{shown.of(part.low):.9g} to {shown.of(part.high):.9g}"
+            rows.append((part.low, (between, "stable", "", "", "", f"{_end(part.low_end)} ... {_end(part.high_end)}")))
         return [texts for _, texts in sorted(rows)]
 
     def as_dict(self) -> dict[str, Any]:
