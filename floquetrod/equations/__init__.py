@@ -7,7 +7,7 @@ from floquetrod.equations.batches import in_batches, stack
 from floquetrod.equations.delay_system import DelayedTerm, DelaySystem
 from floquetrod.equations.hill import Hill
 from floquetrod.equations.hill_system import HillSystem
-from floquetrod.equations.mathieu import FrictionalMathieu, Mathieu
+from floquetrod.equations.mathieu import FrictionalMathieu, Mathieu, MathieuAQ, in_tau
 from floquetrod.equations.meissner import Meissner, SquareWave
 from floquetrod.equations.nonlinear_system import NonlinearSystem
 from floquetrod.equations.periodic_system import PeriodicSystem
@@ -22,6 +22,7 @@ __all__ = [
     "Hill",
     "HillSystem",
     "Mathieu",
+    "MathieuAQ",
     "Meissner",
     "NonlinearSystem",
     "PeriodicSystem",
@@ -30,6 +31,7 @@ __all__ = [
     "SquareWave",
     "Varying",
     "in_batches",
+    "in_tau",
     "require",
     "second_moments",
     "stack",

@@ -10,7 +10,7 @@ import math
 from abc import ABC, abstractmethod
 from dataclasses import dataclass, replace
 from fractions import Fraction
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -83,6 +83,8 @@ class Equation(TellsAttributes, ABC):
     `pieces`; the general methods, comparison and charts then take it as they take `Hill`.
     """
 
+    time: ClassVar[str] = "tau"
+    """Name of the time, per unit of which growth rates are."""
     damping: float
 
     @property
@@ -177,12 +179,13 @@ class Equation(TellsAttributes, ABC):
             low, high = float(begin) * self.period, float(end) * self.period
             tau = low + (high - low) * instants(len(piece.harmonics))
             stretches.append(CoefficientPiece(tau, value_on(piece, tau, low, self.period)[:, None]))
+        time = {"tau": r"\tau"}.get(self.time, self.time)
         return draw_coefficients(
             stretches,
-            [r"$p(\tau)$"],
-            time=r"$\tau$",
-            axis=r"coefficient $p(\tau)$",
-            title=rf"{self.title}: $A'' + 2 c A' = p(\tau) A$, $c$ = {self.damping:.5g}",
+            [f"$p({time})$"],
+            time=f"${time}$",
+            axis=f"coefficient $p({time})$",
+            title=f"{self.title}: $A'' + 2 c A' = p({time}) A$, $c$ = {self.damping:.5g}",
             mean=-float(self.as_system().stiffness[0, 0]),
             ax=ax,
         )
@@ -275,9 +278,9 @@ def damping_rate(value: Any) -> float:
     return validate.unrounded("damping", value, number)
 
 
-def times(tau: Any, period: float) -> Floats:
+def times(tau: Any, period: float, name: str = "tau") -> Floats:
     """Return times as an array, checked."""
-    return validate.array("tau", tau, least=-_LATEST * period, largest=_LATEST * period)
+    return validate.array(name, tau, least=-_LATEST * period, largest=_LATEST * period)
 
 
 def set_field(equation: object, name: str, value: object) -> None:

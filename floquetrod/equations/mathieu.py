@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any
@@ -11,7 +12,7 @@ import numpy as np
 from floquetrod._util import validate
 from floquetrod._util.arrays import shaped
 from floquetrod._util.calling import constructor_hints
-from floquetrod.equations.base import Alternating, Piece, damping_rate, set_field, times
+from floquetrod.equations.base import Alternating, Equation, Piece, damping_rate, set_field, times
 from floquetrod.equations.conventions import other_forms
 from floquetrod.equations.hill import Hill
 
@@ -40,20 +41,18 @@ class Mathieu(Alternating):
     -0.25
     """
 
-    @classmethod
-    def from_aq(cls, a: float, q: float, damping: float = 0.0) -> Mathieu:
-        """Return y'' + 2 k y' + (a - 2 q cos 2 z) y = 0 as an equation in tau = 2 z + pi / 2.
+    @staticmethod
+    def from_aq(a: float, q: float, damping: float = 0.0) -> MathieuAQ:
+        """Return y'' + 2 k y' + (a - 2 q cos 2 z) y = 0 (DLMF 28.2.1), whose answers are in its own time z.
 
-        ``a`` and ``q`` are numbers of magnitude up to 4e9 and 2e9; ``damping`` is k, the decay rate per unit z, twice
-        that per unit tau, as all rates.
+        ``a`` and ``q`` are numbers of magnitude up to 4e9 and 2e9; ``damping`` is k, the decay rate per unit z.  Growth
+        rates are per unit z and the period is pi; `MathieuAQ.in_tau` is the same equation in tau.
 
-        >>> Mathieu.from_aq(a=1.0, q=1.0)
-        Mathieu(alpha=0.5, beta=-0.25, damping=0.0)
+        >>> equation = Mathieu.from_aq(a=1.0, q=1.0)
+        >>> equation, equation.in_tau
+        (Mathieu.from_aq(a=1.0, q=1.0, damping=0.0), Mathieu(alpha=0.5, beta=-0.25, damping=0.0))
         """
-        mean, amplitude = (validate.finite(name, value) for name, value in (("a", a), ("q", q)))
-        validate.within("a", mean, -4.0 * validate.LARGEST, 4.0 * validate.LARGEST)
-        validate.within("q", amplitude, -2.0 * validate.LARGEST, 2.0 * validate.LARGEST)
-        return cls(0.5 * amplitude, -0.25 * mean, 0.5 * damping_rate(damping))
+        return MathieuAQ(a, q, damping)
 
     @classmethod
     def from_delta_epsilon(cls, delta: float, epsilon: float, damping: float = 0.0) -> Mathieu:
@@ -89,6 +88,83 @@ class Mathieu(Alternating):
     def as_hill(self) -> Hill:
         """Return the same equation as a `Hill` value."""
         return Hill(self.beta, sines=(self.alpha,), damping=self.damping)
+
+
+@dataclass(frozen=True, repr=False)
+class MathieuAQ(Equation):
+    """Mathieu's equation in its standard form y'' + 2 k y' + (a - 2 q cos 2 z) y = 0, of period pi in z.
+
+    Parameters
+    ----------
+    a : float
+        Dimensionless, of magnitude up to 4e9.
+    q : float
+        Dimensionless, of magnitude up to 2e9.
+    damping : float
+        k, the decay rate per unit z of the free motion; zero or more.
+
+    Notes
+    -----
+    DLMF 28.2.1.  With tau = 2 z + pi / 2 it is `Mathieu` of alpha = q / 2, beta = -a / 4 and c = k / 2.
+    """
+
+    time = "z"
+    a: float
+    q: float
+    damping: float = 0.0
+
+    def __post_init__(self) -> None:
+        """Check and clean the parameters."""
+        for name, times_largest in (("a", 4.0), ("q", 2.0)):
+            most, value = times_largest * validate.LARGEST, validate.finite(name, getattr(self, name))
+            set_field(self, name, validate.within(name, value, -most, most))
+        set_field(self, "damping", damping_rate(self.damping))
+
+    def __repr__(self) -> str:
+        """Return the call that makes it."""
+        return f"Mathieu.from_aq(a={self.a!r}, q={self.q!r}, damping={self.damping!r})"
+
+    @property
+    def title(self) -> str:
+        """Name of the equation in charts."""
+        return "Mathieu's equation"
+
+    @property
+    def period(self) -> float:
+        """Period of the coefficient in z, pi."""
+        return math.pi
+
+    @property
+    def period_over_pi(self) -> Fraction:
+        """The exact period over pi, 1."""
+        return Fraction(1)
+
+    @property
+    def in_tau(self) -> Mathieu:
+        """The same equation in tau = 2 z + pi / 2, in which growth rates are half as large."""
+        return Mathieu(0.5 * self.q, -0.25 * self.a, 0.5 * self.damping)
+
+    def pieces(self) -> tuple[Piece, ...]:
+        """Return the coefficient 2 q cos 2 z - a over one period from z = 0."""
+        return (Piece(Fraction(1), 0.0 - self.a, (complex(2.0 * self.q, 0.0),) if self.q else ()),)
+
+    def half(self) -> tuple[Piece, ...]:
+        """Return the coefficient over half a period from z = 0, about which it is even."""
+        return (Piece(Fraction(1, 2), 0.0 - self.a, (complex(2.0 * self.q, 0.0),) if self.q else ()),)
+
+    def coefficient(self, z: Any) -> Any:
+        """Return 2 q cos 2 z - a; broadcasts over ``z``."""
+        z = times(z, self.period, "z")
+        return shaped(2.0 * self.q * np.cos(2.0 * z) - self.a, z.shape)
+
+    def as_hill(self) -> Hill:
+        """Return the same equation as a `Hill` value, of period pi."""
+        return Hill(0.0 - self.a, cosines=(2.0 * self.q,), period=math.pi, damping=self.damping)
+
+
+def in_tau(equation: Any) -> Any:
+    """Return Mathieu's equation of (a, q) as that of (alpha, beta), of which kernels know; any other as it is."""
+    return equation.in_tau if isinstance(equation, MathieuAQ) else equation
 
 
 @constructor_hints(**other_forms("conventions"))

@@ -77,7 +77,9 @@ class Comparison(Reported, NoTruthValue):
 
     def report(self) -> Report:
         """Return the table of methods, and whether they agree."""
-        what, unit = ("discriminant", "tau") if isinstance(self.equation, Equation) else ("structure", "unit time")
+        what, unit = (
+            ("discriminant", self.equation.time) if isinstance(self.equation, Equation) else ("structure", "unit time")
+        )
         head = ("method", "verdict", f"growth per {unit}", what, "error", "cost", "ms")
         rows = [
             (

@@ -10,7 +10,7 @@ from collections.abc import Callable
 from typing import Any, NamedTuple
 
 from floquetrod._util import validate
-from floquetrod.equations import DelaySystem, Equation, HillSystem, Mathieu, Meissner, PeriodicSystem
+from floquetrod.equations import DelaySystem, Equation, HillSystem, Mathieu, MathieuAQ, Meissner, PeriodicSystem
 from floquetrod.equations import require as require_equation
 from floquetrod.floquet import references
 from floquetrod.floquet.problems import KINDS, Problem, kind_of, undamped_pairs
@@ -27,12 +27,12 @@ def _smooth(system: HillSystem | PeriodicSystem) -> str | None:
 
 
 def _sine(equation: Equation) -> str | None:
-    return None if isinstance(equation, Mathieu) else "equation must be Mathieu for Hill's four determinants"
+    return None if _is_sine(equation) else "equation must be Mathieu for Hill's four determinants"
 
 
 def _two_levels(equation: Equation) -> str | None:
     needed = "equation must be Meissner, Mathieu for the square-wave method"
-    return None if isinstance(equation, Meissner | Mathieu) else needed
+    return None if isinstance(equation, Meissner | Mathieu | MathieuAQ) else needed
 
 
 def _even(system: HillSystem | PeriodicSystem) -> str | None:
@@ -54,7 +54,7 @@ def _always(_: Any) -> bool:
 
 
 def _is_sine(equation: Equation) -> bool:
-    return isinstance(equation, Mathieu)
+    return isinstance(equation, Mathieu | MathieuAQ)
 
 
 class Service(NamedTuple):
@@ -231,7 +231,7 @@ def in_turn(problem: Problem) -> tuple[str, ...]:
     """Return the methods that "auto" tries one after another, the fastest trustworthy one first."""
     if isinstance(problem, DelaySystem):
         return ("collocation",)
-    if isinstance(problem, Mathieu):
+    if isinstance(problem, Mathieu | MathieuAQ):
         return "spectral", "reference"
     if isinstance(problem, Meissner):
         return "square_wave", "reference"

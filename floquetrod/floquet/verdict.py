@@ -143,7 +143,6 @@ class FloquetVerdict(ByContent, Reported, Verdict):
         Error of each exponent: a bound or an estimate, the method says which.
     """
 
-    unit: ClassVar[str] = "time"
     equation: Any
     method: str
     if TYPE_CHECKING:
@@ -171,6 +170,11 @@ class FloquetVerdict(ByContent, Reported, Verdict):
     def system(self) -> Any:
         """The same as ``equation``."""
         return self.equation
+
+    @property
+    def unit(self) -> str:
+        """The unit of time of growth rates and exponents, "tau" of most equations."""
+        return self.equation.time if isinstance(self.equation, Equation) else "time"
 
     @cached_property
     def monodromy(self) -> MonodromyMatrix:
@@ -258,7 +262,7 @@ class FloquetVerdict(ByContent, Reported, Verdict):
 
 @dataclass(frozen=True, kw_only=True, repr=False, eq=False)
 class Stability(FloquetVerdict):
-    """Verdict on one scalar equation, per unit tau.
+    """Verdict on one scalar equation, per unit of its time: tau, or z of Mathieu's equation in (a, q).
 
     It has all that every `FloquetVerdict` has.  There are two exponents, and ``error`` is a bound or estimate (the
     method says which) on the discriminant's error relative to max(1, abs(discriminant)).
@@ -274,7 +278,6 @@ class Stability(FloquetVerdict):
         cannot tell.
     """
 
-    unit: ClassVar[str] = "tau"
     discriminant: float = math.nan
     log_abs_discriminant: float = math.nan
     interval: Interval | None = None
@@ -298,7 +301,7 @@ class Stability(FloquetVerdict):
         where = "" if self.interval is None else f": {self.interval}"
         lines = [("equation", repr(self.equation))]
         if self.growth_rate > 0.0:
-            lines.append(("growth", f"{self.growth_rate:.6g} per unit tau"))
+            lines.append(("growth", f"{self.growth_rate:.6g} per unit {self.unit}"))
         lines.append(("trace", f"discriminant {self._size} +- {self.error:.1g} relative"))
         lines.append(("method", f"{self.method}, {self.cost}"))
         return Report(self.status.upper() + where, lines + ([("note", self.note)] if self.note else []))
@@ -308,7 +311,7 @@ class Stability(FloquetVerdict):
         return {
             "method": self.method,
             "status": self.status,
-            "growth_rate_per_tau": number(self.growth_rate),
+            f"growth_rate_per_{self.unit}": number(self.growth_rate),
             "discriminant": number(self.discriminant),
             "log_abs_discriminant": number(self.log_abs_discriminant),
             "discriminant_relative_error": number(self.error),

@@ -12,7 +12,7 @@ import numpy as np
 from floquetrod._util import validate
 from floquetrod._util.arrays import Complexes, Floats, broadcast, shaped
 from floquetrod._util.content import ByContent
-from floquetrod.equations import Mathieu
+from floquetrod.equations import Mathieu, MathieuAQ, in_tau
 from floquetrod.equations.base import require
 from floquetrod.mathieu.array_functions import exponents
 from floquetrod.mathieu.characteristic_curves import characteristic_values
@@ -171,14 +171,14 @@ def characteristic_function(order: float, q: float, kind: str = "floquet") -> Fl
     return FloquetSolution(name, 0j, np.concatenate([harmonics, -harmonics]), both.astype(complex), math.pi, True)
 
 
-def floquet_solutions(equation: Mathieu, *, per: str = "tau") -> tuple[FloquetSolution, ...]:
+def floquet_solutions(equation: Mathieu | MathieuAQ, *, per: str | None = None) -> tuple[FloquetSolution, ...]:
     """Return the Floquet solutions A(tau) = exp(mu tau) P(tau) of Mathieu's equation, the faster growing first.
 
     Two of them; one where both exponents are equal, on a transition curve: the other solutions are no Floquet
     solutions there (but with alpha = 0).  Each is scaled so that the squares of its coefficients add up to one, and is
     real where its multiplier is.  ``per`` is "tau", or "z" for the solutions, and exponents, of
-    y'' + 2 k y' + (a - 2 q cos 2 z) y = 0 as functions of z, where tau = 2 z + pi / 2.  TypeError for another
-    equation, ValueError for abs(alpha) above 5e6.
+    y'' + 2 k y' + (a - 2 q cos 2 z) y = 0 as functions of z, where tau = 2 z + pi / 2; by default the time of the
+    equation.  TypeError for another equation, ValueError for abs(alpha) above 5e6.
 
     Examples
     --------
@@ -187,8 +187,9 @@ def floquet_solutions(equation: Mathieu, *, per: str = "tau") -> tuple[FloquetSo
     >>> f"{growing.exponent:.10f}", f"{decaying.exponent:.10f}"
     ('0.2267267672+0.5000000000j', '-0.2267267672+0.5000000000j')
     """
-    require(equation, (Mathieu,), "floquet_solutions")
-    in_z = validate.choice("per", per, ("tau", "z")) == "z"
+    require(equation, (Mathieu, MathieuAQ), "floquet_solutions")
+    in_z = validate.choice("per", equation.time if per is None else per, ("tau", "z")) == "z"
+    equation = in_tau(equation)
     alpha, beta, damping = equation.alpha, equation.beta, equation.damping
     validate.within("alpha", alpha, -0.5 * _LARGEST_Q, 0.5 * _LARGEST_Q)
     level = beta + damping**2  # of the equation with its damping removed

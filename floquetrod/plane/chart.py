@@ -74,7 +74,7 @@ class Chart(NoTruthValue, ByContent):
     first_mode : ndarray (ny, nx) of int or None
         Mode of a rod that grows fastest, 0 where none grows; None unless growth was asked for, and for equations.
     growth_unit : str
-        "per tau", "per unit time" (of systems) or "1/s".
+        "per tau", "per z" (of equations in a and q), "per unit time" (of systems) or "1/s".
     subject : dict
         "kind" is the subject of the chart, "fixed" lists [name, value, unit] of the fixed quantities; a rod's data
         sheet is under "rod".

@@ -165,7 +165,7 @@ def typeset(text: str) -> str:
 
 def growth_label(unit: str) -> str:
     """Return the label of a scale of growth rates."""
-    words = {"per tau": f"per unit of {_TAU}", "per unit time": "per unit of time"}
+    words = {"per tau": f"per unit of {_TAU}", "per z": "per unit of $z$", "per unit time": "per unit of time"}
     return f"growth rate {words.get(unit, f'/ ({unit})')}"
 
 

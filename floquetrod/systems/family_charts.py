@@ -51,7 +51,8 @@ def chart(
     over : mapping of str to (low, high, number) or increasing array
         The two parameters, by the names of the keywords: first the columns (x), then the rows (y).
     growth : bool
-        Whether to keep the growth rates: per unit of time, the unit of the periods, and per unit tau for equations.
+        Whether to keep the growth rates: per unit of time, the unit of the periods, and per unit tau for equations, or
+        per unit z for those of `Mathieu.from_aq`.
     growth_tolerance : float
         Growth, in the same unit, up to which a point counts as stable.
     workers : int, optional
@@ -91,7 +92,7 @@ class Members(Family):
 
     function: Callable[..., Problem]
     names: tuple[str, str]  # the keywords, of x and of y
-    sample: Problem  # a member: charts of equations are per unit tau, of systems per their own unit of time
+    sample: Problem  # a member: charts of equations are per unit of their time, of systems per their own unit of time
     growth_tolerance: float  # as in `chart`
     workers: int | None = None
     fixed: tuple[tuple[str, float, str], ...] = ()  # (name, value, unit) of the function's other arguments
@@ -100,8 +101,8 @@ class Members(Family):
 
     @property
     def growth_unit(self) -> str:  # type: ignore[override]
-        """Growth per unit tau for equations, per unit of time, as of the period, for systems."""
-        return "per tau" if isinstance(self.sample, Equation) else "per unit time"
+        """Growth per unit of their time for equations, tau or z; per unit of time, as of the period, for systems."""
+        return f"per {self.sample.time}" if isinstance(self.sample, Equation) else "per unit time"
 
     @property
     def vertex(self) -> float:

@@ -6,7 +6,7 @@ import math
 
 from floquetrod._util import validate
 from floquetrod._util.arrays import EPS
-from floquetrod.equations import Mathieu
+from floquetrod.equations import Mathieu, MathieuAQ, in_tau
 from floquetrod.floquet import registry
 from floquetrod.floquet.mathieu_chains.truncated_determinant import ChainDeterminant
 from floquetrod.floquet.status import status_of_count
@@ -15,7 +15,7 @@ from floquetrod.floquet.verdict import Cost, Interval, Stability, classify
 _MOST_TERMS = 20000  # a choice: about 30 ms
 
 
-def determinant(equation: Mathieu, *, terms: int | None = None) -> Stability:
+def determinant(equation: Mathieu | MathieuAQ, *, terms: int | None = None) -> Stability:
     """Classify by the signs of Hill's four determinants, Eqs. (A1)-(A3) of DOI 10.1115/1.4031710.
 
     A boundary solution is a series in cos(k tau / 2), sin(k tau / 2), even or odd in k, symmetric or antisymmetric
@@ -25,7 +25,7 @@ def determinant(equation: Mathieu, *, terms: int | None = None) -> Stability:
 
     Parameters
     ----------
-    equation : Mathieu
+    equation : Mathieu or MathieuAQ
         Damping is treated by the exact substitution beta -> beta + c^2.
     terms : int, optional
         Rows of the truncated determinants; the one with a constant term has one more (40 is the paper's 40 x 40 and
@@ -43,9 +43,10 @@ def determinant(equation: Mathieu, *, terms: int | None = None) -> Stability:
     'unstable'
     """
     registry.require(equation, "determinant")
-    rows = _enough(equation) if terms is None else validate.integer("terms", terms, 2, _MOST_TERMS)
-    q = 2.0 * abs(equation.alpha)
-    a = -4.0 * (equation.beta + equation.damping**2)
+    same: Mathieu = in_tau(equation)
+    rows = _enough(same) if terms is None else validate.integer("terms", terms, 2, _MOST_TERMS)
+    q = 2.0 * abs(same.alpha)
+    a = -4.0 * (same.beta + same.damping**2)
     even = ChainDeterminant(a, q, 0, rows + 1)
     odd = ChainDeterminant(a, q, 2, rows)
     plus = ChainDeterminant(a, q, 1, rows, q)

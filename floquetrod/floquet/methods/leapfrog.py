@@ -95,7 +95,7 @@ def leapfrog(equation: Equation, *, step: float = 5e-4, periods: int = 100, limi
     error = change / size + _lag(table, step, equation) ** 2 + count * EPS
     sign, excess, exponent = _excess(trace, shift + equation.damping * equation.period)
     status: Status = "stable" if log_growth < math.log(limit) else "unstable"
-    note = f"cannot see growth below about {math.log(limit) / time:.2g} per unit tau"
+    note = f"cannot see growth below about {math.log(limit) / time:.2g} per unit {equation.time}"
     if step * step * table.min() < -4.0:  # the scheme's own limit for an oscillator: step times frequency at most 2
         note += "; the step is too long for this coefficient: the scheme itself is unstable"
     return classify(

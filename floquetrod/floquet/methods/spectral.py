@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from floquetrod._util.arrays import EPS
-from floquetrod.equations import Equation, Mathieu
+from floquetrod.equations import Equation, Mathieu, MathieuAQ, in_tau
 from floquetrod.floquet import registry
 from floquetrod.floquet.kernels import mathieu_discriminant as kernels
 from floquetrod.floquet.mathieu_chains.certain_count import certain_count
@@ -54,17 +54,18 @@ def spectral(equation: Equation) -> Stability:
     4.999999999999999e-09
     """
     registry.require(equation, "spectral")
-    return _mathieu(equation) if isinstance(equation, Mathieu) else _hill(equation)
+    return _mathieu(equation) if isinstance(equation, Mathieu | MathieuAQ) else _hill(equation)
 
 
-def _mathieu(equation: Mathieu) -> Stability:
-    sign, value, exponent, error, rows = kernels.discriminant_excess(equation.alpha, equation.beta, equation.damping)
+def _mathieu(equation: Mathieu | MathieuAQ) -> Stability:
+    alpha, beta, damping = (getattr(in_tau(equation), name) for name in ("alpha", "beta", "damping"))
+    sign, value, exponent, error, rows = kernels.discriminant_excess(alpha, beta, damping)
     size = min(1.0, abs(math.ldexp(value, min(exponent, 60))))
     excess_error = error * size if value != 0.0 else error
     if not excess_error < math.inf:  # alpha^2 is beyond the range of a double, and X that of alpha = 0 to rounding
-        _, unforced, shift, unforced_error, _ = kernels.discriminant_excess(0.0, equation.beta, equation.damping)
+        _, unforced, shift, unforced_error, _ = kernels.discriminant_excess(0.0, beta, damping)
         excess_error = unforced_error + abs(size - min(1.0, abs(math.ldexp(unforced, min(shift, 60)))))
-    below, pivots = certain_count(equation.alpha, equation.beta, equation.damping)
+    below, pivots = certain_count(alpha, beta, damping)
     status = status_of_count(below)
     interval = None if below is None else Interval.from_count(below)
     return classify(

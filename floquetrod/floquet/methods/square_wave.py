@@ -5,13 +5,13 @@ from __future__ import annotations
 import math
 
 from floquetrod._util.arrays import EPS
-from floquetrod.equations import Mathieu, Meissner
+from floquetrod.equations import Mathieu, MathieuAQ, Meissner, in_tau
 from floquetrod.floquet import registry
 from floquetrod.floquet.kernels.square_wave_excess import square_wave_excess
 from floquetrod.floquet.verdict import Cost, Stability, classify
 
 
-def square_wave(equation: Meissner | Mathieu) -> Stability:
+def square_wave(equation: Meissner | Mathieu | MathieuAQ) -> Stability:
     """Classify by the closed form for a coefficient that takes two values.
 
     With r_1^2 = beta + alpha, r_2^2 = beta - alpha, C = cosh(h r), S = sinh(h r) / r and h = pi / 2, the solutions
@@ -40,10 +40,11 @@ def square_wave(equation: Meissner | Mathieu) -> Stability:
     'stable'
     """
     registry.require(equation, "square_wave")
-    c2 = equation.damping**2
-    high, low = math.fsum((equation.beta, equation.alpha, c2)), math.fsum((equation.beta, -equation.alpha, c2))
+    same: Meissner | Mathieu = in_tau(equation)
+    c2 = same.damping**2
+    high, low = math.fsum((same.beta, same.alpha, c2)), math.fsum((same.beta, -same.alpha, c2))
     sign, excess, exponent, error = square_wave_excess(high, low, EPS * c2)
-    approximate = isinstance(equation, Mathieu)
+    approximate = isinstance(same, Mathieu)
     return classify(
         equation,
         "square_wave",

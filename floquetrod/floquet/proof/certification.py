@@ -66,7 +66,7 @@ def certify(
     max_digits : int
         Decimal digits at which to stop trying, 5 to 10,000.
     growth_tolerance : float
-        Growth per unit tau that counts as none; other than 0 for the class `Mathieu` only.
+        Growth per unit tau, beside a and q per unit z, that counts as none; other than 0 for the class `Mathieu` only.
     max_boxes : int
         Parts of a box to examine before it is given up.
     seconds : float
@@ -148,7 +148,9 @@ def certify(
     if equation is Mathieu and parameters.keys() & {"a", "q"}:
         same = _from_aq(parameters)
         return in_aq(
-            certify(Mathieu, max_digits=max_digits, growth_tolerance=growth_tolerance, max_boxes=max_boxes, **same)
+            certify(
+                Mathieu, max_digits=max_digits, growth_tolerance=0.5 * growth_tolerance, max_boxes=max_boxes, **same
+            )
         )
     lists = LISTS if is_readable(equation) else ()
     boxed = {name: value for name, value in parameters.items() if is_side(value) and name not in lists}

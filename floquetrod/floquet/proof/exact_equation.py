@@ -10,7 +10,7 @@ from itertools import zip_longest
 from typing import Any, NamedTuple, TypeGuard
 
 from floquetrod._util import validate
-from floquetrod.equations import Equation, Hill, HillSystem, Mathieu, Meissner, Piece
+from floquetrod.equations import Equation, Hill, HillSystem, Mathieu, MathieuAQ, Meissner, Piece
 
 MOST_DIGITS = 10_000
 """Most digits of an exact number, and of the arithmetic of a proof (a choice)."""
@@ -84,6 +84,9 @@ def problem_of(equation: Equation) -> ExactProblem | None:
 
     None for any other.  Time is scaled so that a period that is an exact multiple of pi is 2 pi.
     """
+    if isinstance(equation, MathieuAQ):  # exactly: a / 4, q / 2 and k / 2
+        exact = {"alpha": Fraction(equation.q) / 2, "beta": -Fraction(equation.a) / 4}
+        return ExactProblem(equation, _mathieu(exact), Fraction(equation.damping) / 2, None, ())
     level, multiple = equation.level, equation.period_over_pi
     scale = Fraction(1) if multiple is None else multiple / 2
     given = equation.pieces() if level is None else (Piece(Fraction(1), level),)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Iterable
 from dataclasses import fields, replace
 from fractions import Fraction
@@ -121,9 +122,10 @@ class _ProofInAQ(Proof):
 
 
 def in_aq(proof: Proof | RegionProof) -> Proof | RegionProof:
-    """Return a proof on Mathieu's equation with alpha, beta and c written as a, q and k."""
+    """Return a proof on Mathieu's equation with alpha, beta and c written as a, q and k, and growth per unit z."""
     if isinstance(proof, Proof):
-        return replace(proof, exact=tuple((_IN_AQ[name][0], _IN_AQ[name][1] * x) for name, x in proof.exact))
+        exact = tuple((_IN_AQ[name][0], _IN_AQ[name][1] * x) for name, x in proof.exact)
+        return replace(proof, exact=exact, statement=_per_z(proof.statement))
     alpha, beta, damping = proof.box
     box = (
         Side("a", 0.0 - 4.0 * beta.high, 0.0 - 4.0 * beta.low, ""),
@@ -133,12 +135,20 @@ def in_aq(proof: Proof | RegionProof) -> Proof | RegionProof:
     examples = [
         {field.name: getattr(each, field.name) for field in fields(each)} for each in map(in_aq, proof.examples)
     ]
+    tolerance, unit = 2.0 * proof.growth_tolerance, "per z"
     return replace(
         proof,
         box=box,
         examples=tuple(_ProofInAQ(**each) for each in examples),
-        statement=statement_on(proof.status, box, proof.growth_tolerance),
+        growth_tolerance=tolerance,
+        growth_unit=unit,
+        statement=statement_on(proof.status, box, tolerance, unit),
     )
+
+
+def _per_z(statement: str) -> str:
+    """Return a statement on growth per unit tau as one per unit z, twice as large."""
+    return re.sub(r"(\S+) per tau", lambda match: f"{2.0 * float(match[1]):g} per z", statement)
 
 
 _IN_AQ = {"alpha": ("q", 2), "beta": ("a", -4), "damping": ("damping", 2)}
@@ -186,11 +196,11 @@ def _example(
     return Proof(equation, proof.status, proof.interval, proof.digits, statement, proof.enclosures, exact=exact)
 
 
-def statement_on(status: RegionStatus, box: tuple[Side, ...], tolerance: float) -> str:
-    """Return what was proved, in a sentence."""
+def statement_on(status: RegionStatus, box: tuple[Side, ...], tolerance: float, unit: str = "per tau") -> str:
+    """Return what was proved, in a sentence; the tolerance of growth is in ``unit``."""
     sides = ", ".join(map(str, box))
     where = f"for every {sides}"
-    grows = f"grows faster than {tolerance:g} per tau" if tolerance else "grows"
+    grows = f"grows faster than {tolerance:g} {unit}" if tolerance else "grows"
     return {
         "stable": f"{where} no solution {grows}",
         "unstable": f"{where} a solution {grows}",

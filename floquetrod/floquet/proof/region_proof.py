@@ -81,7 +81,7 @@ class RegionProof(Reported, NoTruthValue):
     growth_tolerance : float
         Growth in ``growth_unit`` that counts as none.
     growth_unit : str
-        "1/s", of an equation "per tau", of a family "per unit of time".
+        "1/s", of an equation "per tau" or, in a and q, "per z", of a family "per unit of time".
     modes : int
         Modes examined, 1 to this; 1 for an equation.
     left_out_bound : float
@@ -188,7 +188,7 @@ class RegionProof(Reported, NoTruthValue):
 
     def as_dict(self) -> dict[str, Any]:
         """Return the proof for JSON, in SI units; None for a bound that is infinite."""
-        per = {"1/s": "per_s", "per tau": "per_tau"}.get(self.growth_unit, "per_unit_time")
+        per = {"1/s": "per_s", "per tau": "per_tau", "per z": "per_z"}.get(self.growth_unit, "per_unit_time")
         return {
             "status": self.status,
             "box": [side._asdict() for side in self.box],
