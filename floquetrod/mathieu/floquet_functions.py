@@ -189,11 +189,11 @@ def floquet_solutions(equation: Mathieu | MathieuAQ, *, per: str | None = None) 
     """
     require(equation, (Mathieu, MathieuAQ), "floquet_solutions")
     in_z = validate.choice("per", equation.time if per is None else per, ("tau", "z")) == "z"
-    equation = in_tau(equation)
-    alpha, beta, damping = equation.alpha, equation.beta, equation.damping
+    same: Mathieu = in_tau(equation)
+    alpha, beta, damping = same.alpha, same.beta, same.damping
     validate.within("alpha", alpha, -0.5 * _LARGEST_Q, 0.5 * _LARGEST_Q)
     level = beta + damping**2  # of the equation with its damping removed
-    of = repr(equation)
+    of = repr(same)
     if in_z:
         of = f"y'' + (a - 2 q cos 2 z) y = 0, a = {0.0 - 4.0 * beta:.6g}, q = {2.0 * alpha:.6g}"
         of = of.replace("''", f"'' + {4.0 * damping:.6g} y'") if damping else of

@@ -76,4 +76,4 @@ def draw_coefficients(
 
 
 def _period(period: float) -> str:
-    return r"$2\pi$" if period == 2.0 * math.pi else f"{period:.6g}"
+    return {2.0 * math.pi: r"$2\pi$", math.pi: r"$\pi$"}.get(period, f"{period:.6g}")
