@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+import json
+from pathlib import Path
+
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 import floquetrod as fr
+from floquetrod.cli.main import main
 from floquetrod.units import AnswerUnits, GivenUnits, units_of
 
 NAMES = {
@@ -68,3 +72,57 @@ def test_a_survey_says_in_which_units_a_reach_is_answered(length: str, force: st
     plain = rod.reach(fr.WellPath(path.depth.copy(), path.inclination.copy()), 0.3, push=push)
     assert str(plain.report(depth=length, force=force)) == text
     assert (plain.reach, plain.as_dict()) == (reach.reach, reach.as_dict())
+
+
+SURVEY = "MD ({unit}),Inc (deg)\n0,0\n{a!r},0\n{b!r},90\n{c!r},90\n"
+
+
+def test_one_question_in_feet_and_in_si_has_one_answer_in_terminal_and_python(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    foot = units_of("length")["ft"]
+    sizes = {"ft": (1.0, "4.778in"), "m": (foot, f"{4.778 * 0.0254!r}m")}
+    texts, numbers = {}, {}
+    for unit, (size, bore) in sizes.items():
+        file = tmp_path / f"{unit}.csv"
+        depths = {name: depth * size for name, depth in {"a": 1200.0, "b": 1600.0, "c": 3000.0}.items()}
+        file.write_text(SURVEY.format(unit=unit, **depths), encoding="utf-8")
+        words = ["reach", "--well", str(file), "--rod", "2.00x0.156 CT90", "--bore", bore, "--friction", "0.3"]
+        for asked in ([], ["--unit", "ft,lbf,ksi"], ["--unit", "m,kN,MPa"]):
+            assert main([*words, *asked]) == 0
+            texts[unit, *asked[1:]] = capsys.readouterr().out
+        assert main([*words, "--json"]) == 0
+        numbers[unit] = json.loads(capsys.readouterr().out)
+        rod = fr.Rod.catalogue("2.00x0.156 CT90", bore=bore, length=1000.0)
+        in_python = rod.reach(fr.WellPath.from_csv(file), 0.3)
+        assert f"{in_python.report()}\n" == texts[(unit,)]
+    assert texts[("ft",)] == texts["ft", "ft,lbf,ksi"] == texts["m", "ft,lbf,ksi"]
+    assert texts[("m",)] == texts["m", "m,kN,MPa"] == texts["ft", "m,kN,MPa"]
+    assert "ft" in texts[("ft",)].splitlines()[0]
+    assert numbers["ft"]["reach_m"] == pytest.approx(numbers["m"]["reach_m"], rel=1e-9)
+
+
+@pytest.mark.parametrize("hertz", [True, False])
+def test_bounds_in_hertz_are_answered_in_hertz(hertz: bool, capsys: pytest.CaptureFixture[str]) -> None:
+    rod, load, turn = fr.Rod.nitinol(), fr.AxialLoad(0.3, 0.34, 1.0), 6.283185307179586
+    bounds = ("22Hz", "25Hz") if hertz else (22.0 * turn, 25.0 * turn)
+    intervals = rod.ranges("frequency", load, bounds)
+    name = "Hz" if hertz else "rad/s"
+    assert f"stable frequency in {name}, between {'22 and 25' if hertz else '138.23 and 157.08'}" in repr(intervals)
+    assert intervals.table() == intervals.table(name)
+    assert (intervals.unit, intervals.bounds[1]) == ("rad/s", pytest.approx(25.0 * turn))
+    options = ["--mean", "0.3N", "--amplitude", "0.34N", "--frequency", "22Hz:25Hz" if hertz else "138.23:157.08"]
+    assert main(["ranges", "--rod", "nitinol", *options]) == 0
+    assert name in capsys.readouterr().out
+
+
+def test_rods_and_loads_are_reported_in_the_units_they_were_given_in() -> None:
+    rod = fr.Rod.catalogue("2.00x0.156 CT90", bore="4.778in", length="200ft", fluid_outside="1.2sg")
+    load = fr.AxialLoad("1klbf", "300lbf", "4Hz")
+    text = str(rod.stability(load).report())
+    assert "mean 1 klbf" in text
+    assert "4 Hz (25.13 rad/s)" in text
+    assert "1.2 sg" in text
+    assert "lb/ft" in text
+    assert "klbf" in repr(rod.critical("amplitude", load))
+    assert " ft " in str(rod.lock_up(0.3).report())

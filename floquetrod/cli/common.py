@@ -21,7 +21,7 @@ from floquetrod._util.suggest import did_you_mean
 from floquetrod._util.waiting import Waiting, say
 from floquetrod.cli.messages import option
 from floquetrod.cli.parser import Parser, ratio
-from floquetrod.rod.model.parameters import GIVEN
+from floquetrod.rod.model.parameters import GIVEN, units_given
 
 if TYPE_CHECKING:
     from floquetrod.rod.loads import load
@@ -319,7 +319,14 @@ def bare_numbers_typed(options: argparse.Namespace) -> list[str]:
 
 
 def read_rod(options: argparse.Namespace) -> fr.Rod:
-    """Return the rod that the options describe."""
+    """Return the rod that the options describe, given in the units of the options, then those of its file."""
+    rod = _rod(options)
+    typed = units_given({name: getattr(options, name, None) for name in OPTIONS if name != "path"})
+    return rod.given_in(typed.or_else(rod.given_units))
+
+
+def _rod(options: argparse.Namespace) -> fr.Rod:
+    """Return the rod that the options describe, its numbers in SI units."""
     from floquetrod.rod.reading import is_pipe, named_rod
 
     changes: dict[str, Any] = {

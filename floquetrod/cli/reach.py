@@ -36,6 +36,7 @@ from floquetrod.cli.output import Output, output
 from floquetrod.cli.parser import Parser
 from floquetrod.rod.model.wellhead import WELLHEAD
 
+_SPEED = "0.05m/s"  # where none is given
 _EVEN = 10  # depths between two ends
 
 _HELP = """\
@@ -91,7 +92,7 @@ def add_well(command: argparse.ArgumentParser, *, required: bool) -> None:
     add_tool(command)
     command.add_argument(
         "--speed",
-        default="0.05m/s",
+        default=_SPEED,
         help="speed at which the string slides while the tool works, such as 40ft/min (default 0.05m/s)",
     )
     add_push(command)
@@ -130,7 +131,7 @@ def read_reach(options: argparse.Namespace, rod: fr.Rod, depth: Sequence[str] | 
     path, (far_force, push) = read_survey(options, options.well), read_push(options, rod)
     share = options.yield_share.strip().lower()
     with Waiting("pushing the string"):
-        return rod.reach(
+        reach = rod.reach(
             path,
             reading.read_friction(options.friction, "--friction"),
             tool=None if options.tool is None else reading.read_tool(options.tool, "--tool"),
@@ -142,6 +143,8 @@ def read_reach(options: argparse.Namespace, rod: fr.Rod, depth: Sequence[str] | 
             depth=depth,
             **read_wellhead(options),
         )
+    typed = units.GivenUnits.of(speed=options.speed if options.speed != _SPEED else None)
+    return reach.given_in(typed.or_else(reach.given_units._replace(speed="")))
 
 
 def _reach(options: argparse.Namespace) -> Output:

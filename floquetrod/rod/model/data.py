@@ -433,7 +433,8 @@ class RodData(units.InUnits, TellsAttributes):
                 "give the rod an inclination and no curvature",
             )
         across = self.channel.gravity_across * self._weighing
-        return LockUp(friction, far_force, self.critical_force, across, self.weight_along)
+        found = LockUp(friction, far_force, self.critical_force, across, self.weight_along)
+        return found.given_in(units.GivenUnits.of(force=far_force).or_else(self.given_units))
 
     @property
     def wave_speed(self) -> float:

@@ -19,7 +19,7 @@ _LARGEST = 1e15  # of forces in N and distances in m (a choice)
 
 
 @dataclass(frozen=True, repr=False)
-class LockUp(Printed):
+class LockUp(units.InUnits, Printed):
     """Friction of a string that is pushed down a channel from its upper end, and the length at which it locks up.
 
     With xi the distance from the far end, where the compression is F_0, and F_p the critical force,
@@ -94,12 +94,13 @@ class LockUp(Printed):
         scaled = [self._length(f) for f in (forces.ravel() / self.critical_force).tolist()]
         return shaped(self.critical_force * np.array(scaled), forces.shape)
 
-    def report(self, push: float | None = None, *, length: str | None = None, force: str = "N") -> Report:
+    def report(self, push: float | None = None, *, length: str | None = None, force: str | None = None) -> Report:
         """Return the length in words; also the length that a ``push`` in N can push.
 
-        ``length`` and ``force`` are the units to answer in, such as "ft" and "lbf"; lengths beside pounds are in ft.
+        ``length`` and ``force`` are the units to answer in, such as "ft" and "lbf", by default those of the question,
+        see `floquetrod.units.AnswerUnits`.
         """
-        shown = AnswerUnits.named(force, length)
+        shown = AnswerUnits.named(force, length, given=self.given_units)
         lines = []
         if push is not None:
             push = units.number("push", push, "force", -_LARGEST, _LARGEST, "give the force in N")
