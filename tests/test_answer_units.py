@@ -126,3 +126,17 @@ def test_rods_and_loads_are_reported_in_the_units_they_were_given_in() -> None:
     assert "lb/ft" in text
     assert "klbf" in repr(rod.critical("amplitude", load))
     assert " ft " in str(rod.lock_up(0.3).report())
+
+
+def test_a_map_is_drawn_in_the_units_of_its_ranges() -> None:
+    rod, turn = fr.Rod.nitinol(), 6.283185307179586
+    typed = fr.stability_map(rod, mean=("0N", "1N", 4), amplitude="300mN", frequency=("10Hz", "40Hz", 5))
+    plain = fr.stability_map(rod, mean=(0.0, 1.0, 4), amplitude=0.3, frequency=(10.0 * turn, 40.0 * turn, 5))
+    assert typed == plain
+    assert typed.x.unit == plain.x.unit == "rad/s"
+    drawn = [chart.plot(bands=False) for chart in (typed, plain, plain.in_units(frequency="Hz"))]
+    assert [axes.get_xlabel().rpartition(" / ")[2] for axes in drawn] == ["Hz", "(rad/s)", "Hz"]
+    assert drawn[0].get_xlim() == pytest.approx(drawn[2].get_xlim())
+    bands = typed.plot().get_xlim()
+    assert bands == pytest.approx(drawn[2].get_xlim(), rel=0.2)
+    assert typed.in_units(frequency="rpm").plot(bands=False).get_xlabel().endswith("rpm")

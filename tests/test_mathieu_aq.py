@@ -92,7 +92,7 @@ def test_charts_have_growth_per_z_in_their_numbers_and_colour_bars() -> None:
     for row, a in enumerate(chart.y.values):
         for column, q in enumerate(chart.x.values):
             rate = fr.mathieu.growth_rate(*fr.conventions.from_aq(a, q), 0.05)  # c is half of k
-            assert chart.growth[row, column] == pytest.approx(2.0 * rate, abs=1e-9)
+            assert chart.growth_rate[row, column] == pytest.approx(2.0 * rate, abs=1e-9)
     axes = chart.plot(bands=False)
     assert "growth rate per unit of $z$" in [ax.get_ylabel() for ax in axes.figure.axes]
 

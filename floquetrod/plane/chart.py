@@ -58,7 +58,7 @@ class BandSource(Protocol):
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Chart(NoTruthValue, ByContent):
+class Chart(units.InUnits, NoTruthValue, ByContent):
     """Verdicts over a plane.
 
     Attributes
@@ -224,6 +224,8 @@ class Chart(NoTruthValue, ByContent):
     def plot(self, ax: Any = None, *, bands: bool | None = None) -> Any:
         """Draw the chart, orange where unstable (darker the faster, if growth is known); return the matplotlib axes.
 
+        These are in the units in which the ranges of the chart were given, such as ``frequency=("10Hz", "40Hz", 40)``.
+
         Parameters
         ----------
         ax : matplotlib axes, optional
@@ -243,10 +245,20 @@ class Chart(NoTruthValue, ByContent):
         if known if bands is None else validate.flag("bands", bands):
             from floquetrod.plotting.shapes import draw_banded_chart
 
-            return draw_banded_chart(self, ax)
+            _ = self.bands  # kept with the chart, whatever the units of its picture
+            return draw_banded_chart(self._in_given_units(), ax)
         from floquetrod.plotting.chart_plot import draw_chart
 
-        return draw_chart(self, ax)
+        return draw_chart(self._in_given_units(), ax)
+
+    def _in_given_units(self) -> Chart:
+        """Return the chart in the units in which its ranges were given."""
+        present = [(axis.name, axis.unit) for axis in (self.x, self.y)]
+        present += [(name, unit) for name, _, unit in self.subject["fixed"]]
+        given = self.given_units._asdict()
+        names = {name.partition(" ")[0]: given.get(units.kind_of(unit) or "", "") for name, unit in present}
+        names = {name: unit for name, unit in names.items() if unit}
+        return self.in_units(**names) if names else self
 
     def save(self, path: str | Path) -> Path:
         """Write everything to an npz file, bands if they have been computed.

@@ -95,6 +95,7 @@ def stability_map(
     if criterion is not None:
         validate.instance("criterion", criterion, FiniteTimeCriterion)
     template, given = replaced(load, mean, amplitude, frequency)
+    in_units = units.GivenUnits.of(force=(mean, amplitude), frequency=frequency)
     mu_and_kick = friction_and_kick(friction, kick)
     workers = validate.workers(workers)
     validate.progress(progress)
@@ -136,11 +137,11 @@ def stability_map(
         cells = certified_cells(rod, model.template, edges, (fixed[0], value), tolerance, workers, progress)
         chart = replace(chart, cells=cells)
     if not large_motion:
-        return chart
+        return chart.given_in(in_units)
     given = {across: x.values, up: y.values[:, None], fixed[0]: np.array(value)}
     loads = Loads.of(*(given[name] for name in QUANTITIES))
     angles = motion_map.large_motion(rod, model.template, loads, chart.stable, progress)
-    return replace(chart, large_motion=angles)
+    return replace(chart, large_motion=angles).given_in(in_units)
 
 
 def _require_plain(argument: str, **others: Any) -> None:
