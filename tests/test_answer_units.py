@@ -108,7 +108,7 @@ def test_bounds_in_hertz_are_answered_in_hertz(hertz: bool, capsys: pytest.Captu
     bounds = ("22Hz", "25Hz") if hertz else (22.0 * turn, 25.0 * turn)
     intervals = rod.ranges("frequency", load, bounds)
     name = "Hz" if hertz else "rad/s"
-    assert f"stable frequency in {name}, between {'22 and 25' if hertz else '138.23 and 157.08'}" in repr(intervals)
+    assert f"{'22 to 25' if hertz else '138.23 to 157.08'} {name}" in repr(intervals)
     assert intervals.table() == intervals.table(name)
     assert (intervals.unit, intervals.bounds[1]) == ("rad/s", pytest.approx(25.0 * turn))
     options = ["--mean", "0.3N", "--amplitude", "0.34N", "--frequency", "22Hz:25Hz" if hertz else "138.23:157.08"]

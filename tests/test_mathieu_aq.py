@@ -12,7 +12,11 @@ from hypothesis import strategies as st
 
 import floquetrod as fr
 
-POINTS = st.tuples(st.floats(-3.0, 12.0), st.floats(-4.0, 4.0), st.one_of(st.just(0.0), st.floats(1e-3, 0.5)))
+POINTS = st.tuples(  # whose quarter is no double that rounds to zero
+    st.floats(-3.0, 12.0).map(lambda a: round(a, 9)),
+    st.floats(-4.0, 4.0).map(lambda q: round(q, 9)),
+    st.one_of(st.just(0.0), st.floats(1e-3, 0.5)),
+)
 
 
 def pair(point: tuple[float, float, float]) -> tuple[Any, fr.Mathieu]:
