@@ -12,6 +12,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 import floquetrod as fr
+from floquetrod.units import InUnits
 
 ROD = fr.Rod.nitinol()
 TUBE = ROD.replace(inner_radius=0.4e-3)
@@ -197,7 +198,10 @@ def public() -> set[str]:
     }
     names |= {f"conventions.{name}" for name in _callables(fr.conventions, fr.conventions.__all__)}
     for kind in (*VALUES, *RESULTS):
-        names |= {f"{_title(kind)}.{name}" for name in _callables(kind, dir(kind)) if not name.startswith("_")}
+        own = (
+            name for name in _callables(kind, dir(kind)) if name not in vars(InUnits)
+        )  # which is set while it is made
+        names |= {f"{_title(kind)}.{name}" for name in own if not name.startswith("_")}
     return names
 
 
