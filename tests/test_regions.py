@@ -571,7 +571,9 @@ def test_a_box_of_a_and_q_is_the_box_of_alpha_and_beta(a: Fraction, q: Fraction,
     same = fr.certify(fr.Mathieu, alpha=alpha, beta=beta, damping=k / 2, max_boxes=200)
     assert isinstance(aq, RegionProof)
     assert isinstance(same, RegionProof)
-    assert replace(aq, box=same.box, examples=same.examples, statement=same.statement) == same
+    assert aq.growth_unit == "per z"
+    in_tau = {"box": same.box, "examples": same.examples, "statement": same.statement, "growth_unit": "per tau"}
+    assert replace(aq, **in_tau) == same  # type: ignore[arg-type]
     assert [each.equation for each in aq.examples] == [each.equation for each in same.examples]
     point = fr.certify(fr.Mathieu, a=a, q=str(q), damping=k)
     assert isinstance(point, fr.results.Proof)
