@@ -283,6 +283,8 @@ def table() -> dict[str, Call]:
     criterion = fr.FiniteTimeCriterion()
     ranges, verdict = ROD.ranges("mean", amplitude=0.34, frequency=150.0, growth_tolerance=0.1), ROD.stability(LOAD)
     handed = {
+        "project": "a job",
+        "files": {"rod": "rod.toml"},
         "reach": None,
         "motion": None,
         "units": {"mean": "Fcr"},
@@ -346,6 +348,7 @@ def table() -> dict[str, Call]:
         "Study.from_toml": Call(fr.Study.from_toml, {"path": str(place / "study.toml")}),
         "RodStability.time_to_grow": Call(verdict.time_to_grow, {"factor": 10.0}),
         "StabilityIntervals.table": Call(ranges.table, {"unit": "N", "size": 1.0, "full": True}),
+        "StabilityIntervals.plot": Call(ranges.plot, {"ax": None, "unit": "N"}),
         "StabilityIntervals.find_unstable": Call(ranges.find_unstable, {"progress": None}),
         "Simulation.save": Call(run.save, {"path": str(place / "again.npz")}),
         "Simulation.load": Call(fr.Simulation.load, {"path": str(place / "run.npz")}),
