@@ -17,7 +17,7 @@ import floquetrod
 ROOT = Path(__file__).parents[1]
 PACKAGE = "floquetrod"
 LAZY = {"numba", "llvmlite", "scipy", "mpmath", "sympy", "matplotlib", "contourpy"}
-EXTRAS = {"pandas", "xarray", "zarr", "numcodecs", "cloudpickle", "shtab", "tornado"}
+EXTRAS = {"pandas", "xarray", "zarr", "numcodecs", "cloudpickle", "shtab", "tornado", "openpyxl"}
 COMES_WITH_MATPLOTLIB = {"contourpy"}
 ALLOWED = (
     {"numpy", "numba", "scipy", "mpmath", "sympy", "matplotlib"}

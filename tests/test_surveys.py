@@ -70,21 +70,18 @@ def test_two_columns_are_a_well_in_one_plane(tmp_path: Path) -> None:
 
 HEAD = "MD (m),Inc,Azi\n"
 BAD = {
-    "line 4, station 3: inclination must be a number, got ''": HEAD + "0,0,0\n30,1,0\n60,,0\n90,2,0\n",
     "line 3, station 2: depth must be a number, got 'x30'": HEAD + "0,0,0\nx30,1,0\n",
-    "line 3, station 2: azimuth must be a number, got ''": HEAD + "0,0,0\n30,1\n",
-    "line 3, station 2: inclination must be a number, got 'NaN'": HEAD + "0,0,0\n30,NaN,0\n",
-    "line 3, station 2: depth must be a number, got '1 000.0'; write numbers without marks between thousands": HEAD
-    + '0,0,0\n"1 000.0",1,0\n',
+    "line 3, station 2: azimuth is missing, and 1 of 2 stations have all": HEAD + "0,0,0\n30,1\n",
+    "line 3, station 2: inclination is missing": HEAD + "0,0,0\n30,NaN,0\n",
+    "line 3, station 2: depth must be a number, got '1 00.0'": HEAD + '0,0,0\n"1 00.0",1,0\n',
     "line 3, station 2: depth must be a number, got '1,00,0'": HEAD + '0,0,0\n"1,00,0",1,0\n',
-    "line 3, station 2: depth must be a number, got '0,500'": HEAD + '0,0,0\n"0,500",1,0\n',
-    "line 1 should have headings such as.*got 'Teufe,DEVI,HAZI'": "Teufe,DEVI,HAZI\nFT,DEG,DEG\n0,0,0\n30,1,0\n",
+    "inclination must be a heading of one column.*'Kippung": "Teufe,Kippung,HAZI\nFT,DEG,DEG\n0,0,0\n30,1,0\n",
     "line 3, station 2: inclination must be a number, got '1:30'": HEAD + "0,0,0\n30,1:30,0\n",
     "line 5: depth at station 4 must increase.* got 50 m after 60 m": HEAD + "0,0,0\n30,1,0\n60,1,0\n50,1,0\n",
     "line 3: depth at station 2 must increase.*measured twice": HEAD + "30,0,0\n30,1,0\n60,2,0\n",
     "line 2: depth at station 1 must lie between": HEAD + "-3,0,0\n30,1,0\n",
     "line 3: depth at station 2 must be finite": HEAD + "0,0,0\n1e999,1,0\n",
-    "line 3: depth at station 2 must lie between 0 and 1e.06 m": HEAD + "0,0,0\n1e9,1,0\n",
+    "line 3: depth at station 2 must lie between 0 and 1e.06 m, got 1000000000 m": HEAD + "0,0,0\n1e9,1,0\n",
     "line 4: inclination at station 3 must lie between 0": HEAD + "0,0,0\n30,1,0\n60,181,0\n",
     "line 2: inclination at station 1 must lie between 0": HEAD + "0,-2,0\n30,1,0\n",
     "line 3: azimuth at station 2 must lie within two turns": HEAD + "0,2,0\n30,2,3600\n",
@@ -93,17 +90,16 @@ BAD = {
     "it holds no stations below its headings": HEAD,
     "it holds no stations": "# a comment\n\n",
     "line 1 should have headings such as 'MD .m.', 'Inc .deg.'": "well,operator\nA,B\n",
-    "inclination must be the heading of one.*'MD m', 'Inc', 'Inc', 'Azi'": "MD m,Inc,Inc,Azi\n0,0,0,0\n1,0,0,0\n",
-    "line 2 should have headings such as.*got 'Teufe,Neigung": "A-12\nTeufe,Neigung,Richtung\n0,0,0\n30,1,0\n",
-    "azimuth must be the heading of one column.*'Toolface'": "MD (m),Inc,Toolface\n0,0,0\n30,1,0\n",
+    "inclination must be a heading of one column, and 2 .*: 'Inc', .*; choose": "MD m,Inc,Inc,Azi\n0,0,0,0\n1,0,0,0\n",
+    "line 2 should have headings such as.*got 'Sohle,Kippung,Peilung'": "A-12\nSohle,Kippung,Peilung\n0,0,0\n30,1,0\n",
+    "azimuth must be a heading of one column, and none.*'Toolface'": "MD (m),Inc,Toolface\n0,0,0\n30,1,0\n",
     "depth_unit must be given, such as m or ft: the heading names none": "MD,Inc,Azi\n0,0,0\n30,1,0\n",
     "depth_unit must be given, such as m or ft: the heading names 'chain'": "MD (chain),Inc,Azi\n0,0,0\n30,1,0\n",
     "angle_unit must be given, such as deg or rad: the heading names 'mil'": "MD (m),Inc (mil),Azi\n0,0,0\n30,1,0\n",
-    "line 3, station 2: depth must be a number, got '1 000'; write numbers without": "MD m;Inc\n0;0\n1 000;1\n",
     "line 3, station 2: it holds 6 cells below 3 headings; with decimal commas": HEAD + "0,0,0\n30,5,1,5,0,0\n",
-    "line 4 has '2,000', which may be 2000 or 2": "MD (ft);Inc;Azi\n0;0;0\n500;1;0\n2,000;2;0\n",
-    "line 3 has '1.000' and line 3 has '1,5', points and": "MD (m);Inc;Azi\n0;0;0\n1.000;1,5;0\n2.000;2,5;0\n",
-    "depth must be the heading of one column or its number, 2 columns may be it": "MD m,MD ft,Inc\n0,0,0\n30,98,1\n",
+    "line 3 has '1,500', which may be 1500 or 1.5": "MD (ft);Inc;Azi\n0;0;0\n1,500;1;0\n2,000;2;0\n",
+    "line 3 has '1.000', which may be 1000 or 1;": "MD (m);Inc;Azi\n0;0;0\n1.000;1,5;0\n2.000;2,5;0\n",
+    "depth must be a heading of one column, and 2 of them say": "MD m,Azi,Inc,MD ft\n0,0,0,0\n3,0,0,9\n",
     "it holds 20011 stations, at most 20000": HEAD + "0,0,0\n" * 20011,
     "line 2 cannot be read": HEAD + '0,"0,0\n30,1,0\n',
 }
@@ -120,18 +116,27 @@ def test_bad_surveys_are_refused_in_one_line_with_the_place(words: str, tmp_path
 
 
 @pytest.mark.parametrize("mark", [",", ";", "\t", " "])
-def test_no_azimuth_is_lost_where_the_first_station_has_none(mark: str, tmp_path: Path) -> None:
+def test_a_blank_azimuth_matters_only_where_the_well_is_inclined(mark: str, tmp_path: Path) -> None:
     file = tmp_path / "survey.csv"
-    rows = [["0", "0"], ["600", "0.5", "45"], ["1000", "15", "50"]]
-    for full in (rows, rows[1:] + rows[:1]):
-        file.write_text("\n".join(mark.join(row) for row in full), encoding="utf-8")
-        with pytest.raises(ValueError, match=r"station [13]: azimuth must be a number, got ''"):
-            fr.WellPath.from_csv(file, depth_unit="m")
-    file.write_text("\n".join(mark.join(row) for row in [["MD(m)", "Inc(deg)"], *rows]), encoding="utf-8")
-    with pytest.raises(ValueError, match="station 2: it holds 3 cells below 2 headings"):
+    rows = [["0", "0", "---" if mark == " " else ""], ["600", "0.5", "45"], ["1000", "15", "50"]]
+    file.write_text("\n".join(mark.join(row) for row in rows), encoding="utf-8")
+    expected = fr.WellPath([0.0, 600.0, 1000.0], ["0deg", "0.5deg", "15deg"], ["45deg", "45deg", "50deg"])
+    np.testing.assert_allclose(fr.WellPath.from_csv(file, depth_unit="m").azimuth, expected.azimuth, rtol=1e-15)
+    file.write_text("\n".join([mark.join(["MD(m)", "Inc(deg)"]), *(mark.join(row) for row in rows)]), encoding="utf-8")
+    with pytest.raises(ValueError, match=r"station [12]: it holds 3 cells below 2 headings"):
         fr.WellPath.from_csv(file)
-    file.write_text("\n".join(mark.join([*row[:2], *([""] * (mark != " "))]) for row in rows), encoding="utf-8")
+    bare = [mark.join([*row[:2], *([""] * (mark != " "))]) for row in rows]
+    file.write_text("\n".join(bare), encoding="utf-8")
     assert fr.WellPath.from_csv(file, depth_unit="m").azimuth.tolist() == [0.0, 0.0, 0.0]
+
+
+def test_a_value_that_is_missing_between_spaces_is_refused(tmp_path: Path) -> None:
+    """Nobody sees which one it is: 600 0 600 may be depth, inclination and azimuth."""
+    rows = "MD(m)  Inc(deg)  Azi(deg)  TVD(m)\n0 0 45 0\n600 0 600\n900 10 45 890\n"
+    with pytest.raises(ValueError, match=r"line 3, station 2: it holds 3 values for 4 columns.*write ---"):
+        fr.WellPath.from_csv(written(tmp_path, rows))
+    with pytest.raises(ValueError, match="line 2, station 2: it holds 2 values for 3 columns"):
+        fr.WellPath.from_csv(written(tmp_path, "0 0 45\n600 0\n900 10 45\n"), depth_unit="m")
 
 
 def test_files_that_are_no_surveys_are_refused(tmp_path: Path) -> None:
@@ -144,7 +149,7 @@ def test_files_that_are_no_surveys_are_refused(tmp_path: Path) -> None:
         fr.WellPath.from_csv(tmp_path / "binary.csv")
     path = written(tmp_path, HEAD + "0,0,0\n30,1,0\n")
     for wrong, words in (
-        ({"depth": "Depth"}, "line 1 should have headings such as 'Depth', got 'MD"),
+        ({"depth": "Depth"}, "depth must be a heading of one column, got 'Depth'; the headings are 'MD"),
         ({"depth": 7}, "depth must be a column from 0 to 2, got 7"),
         ({"depth": 1, "inclination": 1}, "different columns"),
         ({"depth_unit": "deg"}, "depth_unit must be a unit of length.*got 'deg'"),

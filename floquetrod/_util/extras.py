@@ -14,10 +14,10 @@ def xarray(extra: str = "xarray") -> Any:
     return xarray
 
 
-def pandas() -> Any:
+def pandas(extra: str = "pandas") -> Any:
     """Return the module pandas, or raise ImportError with the command that installs it."""
     try:
         import pandas
     except ImportError:
-        raise ImportError("this needs pandas: pip install floquetrod[pandas]", name="pandas") from None
+        raise ImportError(f"this needs pandas: pip install floquetrod[{extra}]", name="pandas") from None
     return pandas

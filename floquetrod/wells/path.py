@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Self
+from typing import Any, ClassVar, Self
 
 import numpy as np
 
@@ -16,10 +15,10 @@ from floquetrod._util.arguments import Message, error_in
 from floquetrod._util.arrays import Floats, shaped
 from floquetrod._util.caching import cached_property
 from floquetrod._util.calling import TellsAttributes, constructor_hints, level_of_caller
-from floquetrod._util.columns import column_argument, delimiter_argument
 from floquetrod._util.content import ByContent
 from floquetrod._util.plausibility_warning import SILENCE, PlausibilityWarning
 from floquetrod._util.result_report import Report, Reported, Table
+from floquetrod.tables.arguments import column_argument, delimiter_argument
 from floquetrod.wells import survey, survey_file
 from floquetrod.wells.minimum_curvature import Points, WellArcs
 
@@ -55,6 +54,8 @@ class WellPath(units.InUnits, Reported, ByContent, TellsAttributes):
         As given, in rad, likewise.
     azimuth : ndarray (n,)
         As given, in rad, likewise.
+    note : str
+        What was left out of a file, and how it was read.
 
     Raises
     ------
@@ -77,7 +78,7 @@ class WellPath(units.InUnits, Reported, ByContent, TellsAttributes):
     --------
     >>> well = WellPath(["0m", "1000m", "1450m", "3000m"], ["0deg", "0deg", "90deg", "90deg"])
     >>> well
-    <well path of 4 stations, 0 to 3000 m, inclination 0 to 90 deg, doglegs up to 6 deg/30 m>
+    <well path of 4 stations, 0 to 3000 m, inclination 0 to 90 deg, doglegs up to 6 deg/30 m between 1000 and 1450 m>
     >>> north, east, down = well.position(3000.0)
     >>> round(float(north), 1), round(float(down), 1)
     (1836.5, 1286.5)
@@ -88,6 +89,7 @@ class WellPath(units.InUnits, Reported, ByContent, TellsAttributes):
     depth: Floats
     inclination: Floats
     azimuth: Floats
+    note: ClassVar[str] = ""
 
     def __init__(self, depth: Any, inclination: Any, azimuth: Any = 0.0) -> None:
         """Check and clean the stations."""
@@ -105,24 +107,32 @@ class WellPath(units.InUnits, Reported, ByContent, TellsAttributes):
             object.__setattr__(self, name, values)
         return self
 
-    def _check(
-        self, file: str = "", lines: Sequence[int] = (), *, has_headings: bool = True, in_degrees: bool = False
-    ) -> None:
+    def _check(self, read: survey_file.SurveyFile | None = None, file: str = "") -> None:
         """Raise ValueError for stations that make no path, and warn of probable mistakes.
 
-        Stations of a file have ``lines``; how it was read is for `survey.suspicions`.
+        Messages about stations that were ``read`` from a file have its lines and units.
         """
         columns = self.depth, self.inclination, self.azimuth
-        fault = survey.fault(*columns)
+        shown, has_headings, in_degrees = survey.Shown(self._length), True, False
+        if read is not None:
+            length, angle = units.unit(read.depth_unit, "", "length"), units.unit(read.angle_unit, "", "angle")
+            shown = survey.Shown(length, angle, of_file=True)
+            has_headings, in_degrees = read.has_headings, read.in_degrees
+        fault = survey.fault(*columns, shown)
         if fault is not None:
-            error = validate.wrong_value(fault.argument, f"at station {fault.station} {fault.problem}")
-            raise error_in(f"{file}line {lines[fault.station - 1]}", error) if lines else error
-        for suspicion in survey.suspicions(
-            *columns, of_file=bool(lines), has_headings=has_headings, in_degrees=in_degrees
-        ):
-            where = f"{file}line {lines[suspicion.station - 1]}: " if lines else ""
-            text = Message(f"{where}station {suspicion.station} ", suspicion.problem, SILENCE)
-            warnings.warn(text, PlausibilityWarning, stacklevel=level_of_caller())
+            index = fault.station - 1
+            station = fault.station if read is None or not read.stations else read.stations[index]
+            error = validate.wrong_value(fault.argument, Message(f"at station {station} ", fault.problem))
+            raise error if read is None else error_in(f"{file}line {read.lines[index]}", error)
+        doubts = [Message(doubt, SILENCE) for doubt in (() if read is None else read.doubts)]
+        for suspicion in survey.suspicions(*columns, shown=shown, has_headings=has_headings, in_degrees=in_degrees):
+            index = suspicion.station - 1
+            where = f"station {suspicion.station} "
+            if read is not None:
+                where = f"line {read.lines[index]}: station {read.stations[index]} "
+            doubts.append(Message(where, suspicion.problem, SILENCE))
+        for doubt in doubts:
+            warnings.warn(Message(file, doubt), PlausibilityWarning, stacklevel=level_of_caller())
 
     @classmethod
     def straight(cls, *, length: Any, inclination: Any, azimuth: Any = 0.0, depth: Any = 0.0) -> Self:
@@ -173,12 +183,15 @@ class WellPath(units.InUnits, Reported, ByContent, TellsAttributes):
         depth_unit: str | None = None,
         angle_unit: str | None = None,
         delimiter: str | None = None,
+        sheet: str | int | None = None,
+        to: Any = None,
     ) -> Self:
-        """Read a survey from a text file of columns; lines beginning with # are comments.
+        """Read a survey from a text file of columns, a log in LAS 2.0 or a workbook; lines with # are comments.
 
-        The text is in UTF-8 or, where it cannot be, in Windows-1252.  Lines before the headings are passed over; units
-        may stand in the headings or in a line of their own below.  Where commas separate columns, numbers in quotes may
-        have commas between thousands.
+        The text is in UTF-8, in UTF-16 with its mark or, where it cannot be, in Windows-1252.  Lines before the
+        headings, which may be in several rows, are passed over; units may stand in the headings or in a line below.
+        The table ends at the first line that is no station.  Lost values are empty, ``---``, N/A, -999.25 or the like.
+        Instead of inclinations there may be positions: x, y, z or north, east, TVD beside measured depths.
 
         Parameters
         ----------
@@ -196,19 +209,26 @@ class WellPath(units.InUnits, Reported, ByContent, TellsAttributes):
         angle_unit : str, optional
             Unit of the angles, by default that in their headings, else deg.
         delimiter : str, optional
-            Separator of columns, by default the first of semicolon, tab, comma and space in the line of the headings.
-            With another one than the comma, numbers may have decimal commas.
+            Separator of columns, by default the first of semicolon, tab, comma, bar and space that separates the
+            columns of a survey.
+        sheet : str or int, optional
+            Of a workbook (.xlsx, which needs ``pip install floquetrod[xlsx]``), its name or its number from 0; by
+            default the only one that is filled.
+        to : float or str, optional
+            Measured depth of TD in m, to which the well goes on straight from the last station; see `projected`.
 
         Raises
         ------
         TypeError, ValueError
-            For a file that cannot be read, and for stations that make no path; the message names line and station.
+            For a file that cannot be read, and for stations that make no path; the message names line and station, in
+            the units of the file.
 
         Warns
         -----
         PlausibilityWarning
-            As `WellPath`, with the line; of angles taken in degrees but probably in radians, unless ``angle_unit`` is
-            given; and of an inclination at the surface below no headings, where columns may be in another order.
+            As `WellPath`, with the line; of stations left out because a value is missing; of angles taken in degrees
+            but probably in radians, unless ``angle_unit`` is given; and of an inclination at the surface below no
+            headings, where columns may be in another order.
         """
         file = validate.path("path", path)
         wanted = {"depth": depth, "inclination": inclination, "azimuth": azimuth}
@@ -217,16 +237,17 @@ class WellPath(units.InUnits, Reported, ByContent, TellsAttributes):
         for unit, argument, kind in ((depth_unit, "depth_unit", "length"), (angle_unit, "angle_unit", "angle")):
             if unit is not None:
                 units.unit(unit, argument, kind)
-        mark = delimiter_argument(delimiter)
+        mark, page = delimiter_argument(delimiter), column_argument("sheet", sheet)
         try:
-            columns = survey_file.read(file, chosen, given, mark)
+            stations = survey_file.read(file, chosen, given, mark, page)
         except (OSError, ValueError) as error:
             raise error_in(f"survey {file}", error) from None
-        if not columns.lines:
+        if not stations.lines:
             raise ValueError(f"survey {file}: it holds no stations below its headings")
-        well = cls.__new__(cls)._keep(*columns[:3]).given_in(units.GivenUnits(length=columns.depth_unit))
-        well._check(f"survey {file}: ", columns.lines, has_headings=columns.has_headings, in_degrees=columns.in_degrees)
-        return well
+        well = cls.__new__(cls)._keep(*stations[:3]).given_in(units.GivenUnits(length=stations.depth_unit))
+        well._check(stations, f"survey {file}: ")
+        object.__setattr__(well, "note", "; ".join(stations.notes))
+        return well if to is None else well.projected(to)
 
     # --- where it lies ---
 
@@ -302,6 +323,39 @@ class WellPath(units.InUnits, Reported, ByContent, TellsAttributes):
         )
         return type(self).__new__(type(self))._keep(*kept).given_in(self.given_units)
 
+    def projected(self, to: Any) -> Self:
+        """Return the path with a straight piece from its last station to a measured depth, such as TD.
+
+        Parameters
+        ----------
+        to : float or str
+            In m, below the last station.
+
+        Examples
+        --------
+        >>> well = WellPath([0.0, 1000.0, 1450.0], ["0deg", "0deg", "90deg"])
+        >>> well.projected("1500m").report().lines[-1]
+        ('note', 'projected straight from 1450 to 1500 m')
+        """
+        depth = units.number("to", to, "length")
+        length = self._length
+        if not self.end < depth <= survey.DEEPEST:
+            raise validate.wrong_value(
+                "to", f"must lie below the last station at {length.show(self.end)}, got {length.show(depth)}"
+            )
+        columns = (
+            np.append(values, last)
+            for values, last in zip(
+                (self.depth, self.inclination, self.azimuth),
+                (depth, self.inclination[-1], self.azimuth[-1]),
+                strict=True,
+            )
+        )
+        path = type(self).__new__(type(self))._keep(*columns).given_in(self.given_units)
+        note = f"projected straight from {length.of(self.end):.6g} to {length.show(depth)}"
+        object.__setattr__(path, "note", "; ".join(filter(None, [self.note, note])))
+        return path
+
     def with_errors(self, inclination: Any = 0.0, azimuth: Any = 0.0) -> Self:
         """Return the path with errors added to the angles measured at its stations.
 
@@ -350,9 +404,12 @@ class WellPath(units.InUnits, Reported, ByContent, TellsAttributes):
         lowest, highest = np.degrees([self.inclination.min(), self.inclination.max()])
         angles = f"{lowest:.4g}" if lowest == highest else f"{lowest:.4g} to {highest:.4g}"
         doglegs, per = self._doglegs(length)
+        i = int(np.argmax(doglegs))
+        ends = f"{length.of(self.depth[i]):.6g} and {length.show(self.depth[i + 1])}"
+        where = f" between {ends}" if doglegs.size > 1 and doglegs[i] > 0.0 else ""
         return (
             f"well path of {self.depth.size} stations, {length.of(self.start):.6g} to {length.show(self.end)}, "
-            f"inclination {angles} deg, doglegs up to {doglegs.max():.3g} {per}"
+            f"inclination {angles} deg, doglegs up to {doglegs.max():.3g} {per}{where}"
         )
 
     def _doglegs(self, length: units.Unit) -> tuple[Floats, str]:
@@ -378,7 +435,9 @@ class WellPath(units.InUnits, Reported, ByContent, TellsAttributes):
         rows = [[*(f"{x:.2f}" for x in row), bend] for row, bend in zip(numbers, severity, strict=True)]
         rest = f"and {len(rows) - _SHOWN} more stations" if len(rows) > _SHOWN else ""
         table = Table((*columns, (per, f">{len(per)}")), rows[:_SHOWN], rest)
-        return Report(self.in_words(length), table=table)
+        start = f"the string begins at {length.show(self.start)}, the first station"
+        lines = [("start", start)] if self.start > 0.0 else []
+        return Report(self.in_words(length), [*lines, *([("note", self.note)] if self.note else [])], table)
 
     def as_dict(self) -> dict[str, list[float]]:
         """Return the stations in m and rad, the arguments of an equal path."""

@@ -13,14 +13,12 @@ from floquetrod._util import validate
 from floquetrod._util.arguments import Mention, Message
 from floquetrod._util.arrays import Floats
 from floquetrod.wells.minimum_curvature import doglegs
-
-KINDS = {"depth": "length", "inclination": "angle", "azimuth": "angle"}
-"""The columns of a survey, each with its kind of quantity."""
+from floquetrod.wells.survey_headings import KINDS
 
 LENGTHS = 1e-6, 1e6
 """Least and largest length of a path in m: the least adds to a depth, the largest shows a wrong unit (a choice)."""
 
-_DEEPEST = LENGTHS[1]  # m: seventy times the longest well, so that a depth in mm is seen (a choice)
+DEEPEST = LENGTHS[1]  # m: seventy times the longest well, so that a depth in mm is seen (a choice)
 _TURNS = 4.0 * math.pi  # of an azimuth in rad: two turns, beyond which it is in degrees (a choice)
 _SHARPEST = math.radians(175.0)  # beyond it the plane of an arc is not known (a choice)
 _SEVERE = math.radians(30.0) / 30.0  # rad/m: twice the curvature of drilling with short radius (a choice)
@@ -37,8 +35,6 @@ _LEAST_BUILT, _RIGHT = 0.2, 1.6  # of the largest inclination as it stands in a 
 _NEARLY_RIGHT = 1.4  # of these, beyond which a largest one of whole quarters may be in radians (a choice)
 _ONE_WAY = 1.5  # of the range of inclinations: their changes one after the other, of a well that is built (a choice)
 
-_IN_DEGREES = "strings such as '30deg' have a unit, and numpy.radians turns degrees into rad"
-
 
 class Fault(NamedTuple):
     """A fault of a survey: the argument, the number of the station from 1, and the rest of a sentence."""
@@ -46,6 +42,27 @@ class Fault(NamedTuple):
     argument: str
     station: int
     problem: str
+
+
+class Shown(NamedTuple):
+    """The units in which messages about a survey are, and whether it was read from a file."""
+
+    length: units.Unit = units.unit("m", "", "length")
+    angle: units.Unit = units.unit("rad", "", "angle")
+    of_file: bool = False
+
+    @property
+    def remedy(self) -> str:
+        """What to do about an angle that is probably in another unit."""
+        if self.of_file:
+            return Message("give ", Mention("angle_unit", "angle_unit", "rad"), " where angles are not in deg")
+        return "strings such as '30deg' have a unit, and numpy.radians turns degrees into rad"
+
+    def dogleg(self, curvature: float) -> str:
+        """Return a curvature in 1/m beside these lengths, to three digits."""
+        if self.length.name in ("ft", "ftUS", "in"):
+            return f"{math.degrees(30.48 * curvature):.3g} deg/100 ft"
+        return f"{math.degrees(30.0 * curvature):.3g} deg/30 m"
 
 
 def column(name: str, values: Any, many: int | None = None) -> Floats:
@@ -90,42 +107,58 @@ def within(inclination: Floats, azimuth: Floats) -> tuple[Floats, Floats]:
     )
 
 
-def fault(depth: Floats, inclination: Floats, azimuth: Floats) -> Fault | None:
-    """Return the first fault by which a survey is no path, None where it is one."""
+def fault(depth: Floats, inclination: Floats, azimuth: Floats, shown: Shown = Shown()) -> Fault | None:  # noqa: B008
+    """Return the first fault by which a survey is no path, None where it is one; in words in the units ``shown``."""
     if depth.size < 2:
         return Fault("depth", depth.size, f"must have two stations or more, got {depth.size}; a path lies between them")
-    return next(_faults({"depth": depth, "inclination": inclination, "azimuth": azimuth}), None)
+    return next(_faults({"depth": depth, "inclination": inclination, "azimuth": azimuth}, shown), None)
 
 
-def _faults(columns: dict[str, Floats]) -> Iterator[Fault]:
+def _faults(columns: dict[str, Floats], shown: Shown) -> Iterator[Fault]:
+    length, angle = shown.length, shown.angle
     for name, values in columns.items():
         for i in np.flatnonzero(~np.isfinite(values)):
             yield Fault(name, int(i) + 1, f"must be finite, got {values[i]:g}; leave a station without it out")
     depth, inclination, azimuth = columns.values()
-    for i in np.flatnonzero((depth < 0.0) | (depth > _DEEPEST)):
-        yield Fault("depth", int(i) + 1, f"must lie between 0 and {_DEEPEST:g} m, got {depth[i]:g}; check its unit")
+    for i in np.flatnonzero((depth < 0.0) | (depth > DEEPEST)):
+        remedy = "check its unit"
+        if depth[i] < 0.0 and shown.of_file:
+            remedy = "it lies above the datum: leave the station out, or add as much to all depths"
+        yield Fault(
+            "depth",
+            int(i) + 1,
+            f"must lie between 0 and {length.of(DEEPEST):.3g} {length.name}, got {length.show(depth[i])}; {remedy}",
+        )
     for i in np.flatnonzero(np.diff(depth) <= 0.0):
         yield Fault(
             "depth",
             int(i) + 2,
-            f"must increase from station to station, got {depth[i + 1]:g} m after "
-            f"{depth[i]:g} m; sort the stations, and leave out what is measured twice",
+            f"must increase from station to station, got {length.show(depth[i + 1])} after "
+            f"{length.show(depth[i])}; sort the stations, and leave out what is measured twice",
         )
     for i in np.flatnonzero((inclination < 0.0) | (inclination > math.pi)):
+        up = "pi" if angle.size == 1.0 else "180 deg"
         yield Fault(
             "inclination",
             int(i) + 1,
-            f"must lie between 0, straight down, and pi, straight up, got {inclination[i]:g} rad; {_IN_DEGREES}",
+            Message(
+                f"must lie between 0, straight down, and {up}, straight up, got {angle.show(inclination[i])}; ",
+                shown.remedy,
+            ),
         )
     for i in np.flatnonzero(np.abs(azimuth) > _TURNS):
-        yield Fault("azimuth", int(i) + 1, f"must lie within two turns, got {azimuth[i]:g} rad; {_IN_DEGREES}")
+        yield Fault(
+            "azimuth",
+            int(i) + 1,
+            Message(f"must lie within two turns, got {angle.show(azimuth[i])}; ", shown.remedy),
+        )
     angles = doglegs(inclination, azimuth)
     for i in np.flatnonzero(angles > _SHARPEST):
         yield Fault(
             "inclination",
             int(i) + 2,
             f"must not reverse the direction, got {math.degrees(angles[i]):.4g} deg "
-            f"from that at {depth[i]:g} m; give stations between, which determine the side",
+            f"from that at {length.show(depth[i])}; give stations between, which determine the side",
         )
 
 
@@ -134,15 +167,16 @@ def suspicions(
     inclination: Floats,
     azimuth: Floats,
     *,
-    of_file: bool = False,
+    shown: Shown = Shown(),  # noqa: B008
     has_headings: bool = True,
     in_degrees: bool = False,
 ) -> Iterator[Fault]:
-    """Yield probable mistakes in a possible survey, one station for each kind of mistake.
+    """Yield probable mistakes in a possible survey, one station for each kind of mistake, in the units ``shown``.
 
     The columns of a file may be exchanged, have no headings, and hold angles taken ``in_degrees`` without a unit.
     Arrays are often sections of a well.
     """
+    at = shown.length.show(depth[0])
     if in_degrees and _in_radians(depth, np.degrees(inclination), np.degrees(azimuth)):
         i = int(np.argmax(inclination))
         yield Fault(
@@ -164,11 +198,11 @@ def suspicions(
             f"has {math.degrees(inclination[0]):.4g} deg of inclination, so that the well goes up from there: 0 is "
             "straight down here; where 180 deg is, give 180 deg minus these",
         )
-    elif of_file and _exchanged(depth, inclination, azimuth):
+    elif shown.of_file and _exchanged(depth, inclination, azimuth):
         yield Fault(
             "inclination",
             1,
-            f"has {math.degrees(inclination[0]):.4g} deg of inclination at a depth of {depth[0]:g} m, and the azimuths "
+            f"has {math.degrees(inclination[0]):.4g} deg of inclination at a depth of {at}, and the azimuths "
             "look like inclinations: both columns are probably exchanged; inclination comes before azimuth, unless "
             "headings say otherwise",
         )
@@ -176,11 +210,11 @@ def suspicions(
         yield Fault(
             "inclination",
             1,
-            f"has {math.degrees(inclination[0]):.4g} deg of inclination at a depth of {depth[0]:g} m: without headings "
+            f"has {math.degrees(inclination[0]):.4g} deg of inclination at a depth of {at}: without headings "
             "columns are taken as depth, inclination and azimuth; if they are in another order, write headings such as "
             "MD (m), Azi (deg), Inc (deg) above them",
         )
-    bend = _bend(depth, inclination, azimuth)
+    bend = _bend(depth, inclination, azimuth, shown)
     if bend is not None:
         yield bend
 
@@ -217,7 +251,7 @@ def _in_radians(depth: Floats, inclination: Floats, azimuth: Floats) -> bool:
     return bool(is_precise and (has_turns or (is_built and inclination[-1] > 0.5 * most)))
 
 
-def _bend(depth: Floats, inclination: Floats, azimuth: Floats) -> Fault | None:
+def _bend(depth: Floats, inclination: Floats, azimuth: Floats, shown: Shown) -> Fault | None:
     """Return one station off the path through its neighbours, or a bend of no well."""
     angles = doglegs(inclination, azimuth)
     kink = _kinked(angles, inclination, azimuth)
@@ -226,7 +260,7 @@ def _bend(depth: Floats, inclination: Floats, azimuth: Floats) -> Fault | None:
         return Fault(
             "inclination",
             kink + 1,
-            f"turns the well by {size:.3g} deg and back at {depth[kink]:g} m: "
+            f"turns the well by {size:.3g} deg and back at {shown.length.show(depth[kink])}: "
             "inclination or azimuth is probably mistyped there",
         )
     severity = np.where(np.diff(depth) >= _NOT_SHORT, angles / np.diff(depth), 0.0)
@@ -236,9 +270,12 @@ def _bend(depth: Floats, inclination: Floats, azimuth: Floats) -> Fault | None:
     return Fault(
         "inclination",
         i + 2,
-        f"gives a dogleg of {math.degrees(30.0 * severity[i]):.3g} deg/30 m between "
-        f"{depth[i]:g} and {depth[i + 1]:g} m, sharper than wells are: a depth or an angle is probably "
-        f"mistyped, or in another unit; {_IN_DEGREES}",
+        Message(
+            f"gives a dogleg of {shown.dogleg(severity[i])} between {shown.length.of(depth[i]):.6g} and "
+            f"{shown.length.show(depth[i + 1])}, sharper than wells are: a depth or an angle is probably mistyped, or "
+            "in another unit; ",
+            shown.remedy,
+        ),
     )
 
 

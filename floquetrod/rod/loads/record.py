@@ -16,13 +16,13 @@ from floquetrod._util.arguments import error_in
 from floquetrod._util.arrays import EPS, shaped
 from floquetrod._util.caching import cached_property
 from floquetrod._util.calling import constructor_hints
-from floquetrod._util.columns import column_argument, delimiter_argument
 from floquetrod._util.content import ByContent
 from floquetrod._util.interchange import by_keys
 from floquetrod.rod.loads.load import LOAD, AxialLoad, LoadSource, load_number
 from floquetrod.rod.loads.record_file import read_columns
 from floquetrod.rod.loads.record_fit import Samples, series
 from floquetrod.rod.loads.record_period import PeriodicFit, find, power_spectrum
+from floquetrod.tables.arguments import column_argument, delimiter_argument
 from floquetrod.units import Unit
 
 _LATEST = 1e12  # s

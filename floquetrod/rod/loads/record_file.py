@@ -1,4 +1,4 @@
-"""Columns of time and force read from a text file."""
+"""Times and forces of a record, read from a table in a text file."""
 
 from __future__ import annotations
 
@@ -13,10 +13,19 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from floquetrod import units
 from floquetrod._util import validate
-from floquetrod._util.columns import NUMBER, Line, cells_of, content_lines, is_missing, text_of
-from floquetrod.rod.loads.record_clock import DATES, Clock
-from floquetrod.rod.loads.record_head import HEAD, Column, Wanted, columns, head
+from floquetrod.tables.cells import NUMBER, is_missing, is_value, plain
+from floquetrod.tables.clock import CLOCK, DATES, Clock
+from floquetrod.tables.head import HEAD, Candidate, Column, Head, Wanted, best, find_head, headed_by, unheaded
+from floquetrod.tables.text import Line, Row, delimiters_of, rows_of, text_of
+
+_DATES = ("date", "datum")
+_USUAL = {
+    "time": ("time", "t", "timestamp", "datetime", "date/time", "elapsed", "epoch", "zeit", "uhrzeit", *_DATES),
+    "force": ("force", "f", "load", "kraft"),
+}
+"""Headings of a column, or words of them."""
 
 _NOT_PLAIN = re.compile(r'["#]|\r(?!\n)')
 """What lines hold that NumPy's reader reads otherwise than this one."""
@@ -33,6 +42,14 @@ class Columns(NamedTuple):
     has_unit: bool
 
 
+class _Measured(NamedTuple):
+    """A column of a record: its argument, its place, and the size of its unit in SI."""
+
+    name: str
+    place: int
+    size: float
+
+
 def read_columns(
     path: Path,
     time: str | int | None,
@@ -47,24 +64,112 @@ def read_columns(
     """
     numbered = enumerate(io.StringIO(text_of(path)), 1)
     lines = list(itertools.islice(numbered, HEAD))
-    wanted = Wanted("time", time, time_unit), Wanted("force", force, force_unit)
-    found = head(lines, delimiter, wanted)
-    *chosen, date = columns(found, wanted)
-    rows = _Rows(chosen, date, found.delimiter, Clock(time_unit))
-    parts = [rows.read(lines[found.last :])]
+    wanted = [_wanted("time", time, time_unit), _wanted("force", force, force_unit)]
+    head, rows = _head(lines, delimiter, wanted)
+    row = rows[head.first] if head.first < len(rows) else Row(0, [], "")
+    units_named = [_size(column, each, row) for column, each in zip(head.columns, wanted, strict=True)]
+    chosen = [
+        _Measured(column.name, column.place, size) for column, (size, _) in zip(head.columns, units_named, strict=True)
+    ]
+    reader = _Rows(chosen, _date(head), head.delimiter, Clock(time_unit))
+    above = next((i for i, (number, _) in enumerate(lines) if number == row.line), len(lines))
+    samples = [np.empty((0, 2)), reader.read(lines[above:])]
     while lines := list(itertools.islice(numbered, _TOGETHER)):
-        parts.append(rows.read(lines))
-    samples = np.concatenate([np.empty((0, 2)), *parts])
-    if not samples.size:
+        samples.append(reader.read(lines))
+    numbers = np.concatenate(samples)
+    if not numbers.size:
         raise ValueError("it holds no samples below its headings")
-    times, forces = (samples * [column.size for column in chosen]).T
-    return Columns(times, forces, chosen[1].has_unit)
+    times, forces = (numbers * [column.size for column in chosen]).T
+    return Columns(times, forces, units_named[1][1])
+
+
+def _wanted(name: str, column: str | int | None, unit: str | None) -> Wanted:
+    return Wanted(name, name, column, unit, lambda listed: _places(name, listed), lambda text: _parts(text, name)[1])
+
+
+def _head(lines: Sequence[Line], delimiter: str | None, wanted: Sequence[Wanted]) -> tuple[Head, list[Row]]:
+    """Return what the first lines say, and their rows; lines above the headings that are no table are passed over."""
+    failures: list[Candidate] = []
+    first: tuple[str, list[Row]] | None = None
+    for mark in delimiters_of(lines, delimiter):
+        rows = list(rows_of(lines, mark))
+        if not rows:
+            raise ValueError("it holds no samples")
+        if _is_sample(rows[0]):
+            return unheaded(rows, mark, wanted), rows
+        if (head := find_head(rows, mark, wanted, failures)) is not None:
+            if len({column.place for column in head.columns}) < len(wanted):
+                raise ValueError(f"time and force must be two columns, got column {head.columns[0].place} for both")
+            return head, rows
+        if first is None or len(first[1][0].cells) < 2:
+            first = mark, rows
+    failure = max(failures, key=lambda each: (each.known, len(each.headings)), default=None)
+    if failure is not None and len(failure.headings) > 1:
+        raise failure.error
+    mark, rows = first or ("", [])
+    if not rows or len(rows[0].cells) < 2:
+        raise ValueError(
+            f"line {rows[0].line} has one column, {validate.short(rows[0].text)}; give delimiter, such as ';', or put "
+            "# before lines without data"
+        )
+    return headed_by(rows, mark, wanted), rows
+
+
+def _is_sample(row: Row) -> bool:
+    return len(row.cells) > 1 and all(is_value(plain(cell, "")) for cell in row.cells)
+
+
+def _places(name: str, headings: Sequence[str]) -> list[int]:
+    """Return the places of usual headings; of two columns with other headings the first is time."""
+    places = best(headings, lambda text: _rank(name, text))
+    if not places and len(headings) == 2 and not any(_rank(each, text) for each in _USUAL for text in headings):
+        return [list(_USUAL).index(name)]
+    return places
+
+
+def _rank(name: str, heading: str) -> int | None:
+    """Return how well a heading suits: a usual one, a unit, one with a usual word; dates beside times last."""
+    text = _parts(heading, name)[0].casefold()
+    if text in _USUAL[name]:
+        return 4 if text in _DATES else 1
+    if units.is_unit(heading, name):
+        return 2
+    return 3 if set(re.split(r"[\W_]+", text)) & set(_USUAL[name]) else None
+
+
+def _parts(heading: str, name: str) -> tuple[str, str | None]:
+    """Return name and unit of a heading, where "date/time" has no unit."""
+    return (heading, None) if heading.casefold() in _USUAL[name] else units.heading(heading, name)
+
+
+def _size(column: Column, wanted: Wanted, row: Row) -> tuple[float, bool]:
+    """Return the size of a column's unit in SI, and whether a unit was named."""
+    name, unit = wanted.name, wanted.unit
+    if name == "time" and unit is None and column.place < len(row.cells) and CLOCK.fullmatch(row.cells[column.place]):
+        return 1.0, True
+    if unit is not None:
+        return units.unit(unit, f"{name}_unit", name).size, True
+    if column.unit is None:
+        return 1.0, False
+    if not units.is_unit(column.unit, name):
+        raise validate.wrong_value(
+            f"{name}_unit",
+            f"must be given, one of {', '.join(units.units_of(name))}: the heading {column.heading!r} names none",
+        )
+    return units.unit(column.unit, "", name).size, True
+
+
+def _date(head: Head) -> int | None:
+    """Return the place of a column with dates beside times of day, None without one."""
+    time = head.columns[0].place
+    dates = [i for i, text in enumerate(head.headings or ()) if text.casefold() in _DATES and i != time]
+    return dates[0] if len(dates) == 1 else None
 
 
 class _Rows:
     """Reads the numbers of two columns, many lines at a time where they are plain numbers, else line by line."""
 
-    def __init__(self, columns: Sequence[Column], date: int | None, delimiter: str, clock: Clock) -> None:
+    def __init__(self, columns: Sequence[_Measured], date: int | None, delimiter: str, clock: Clock) -> None:
         self.columns = columns
         self.date = date
         self.delimiter = delimiter
@@ -72,12 +177,12 @@ class _Rows:
 
     def read(self, lines: list[Line]) -> NDArray[np.float64]:
         """Return the numbers of lines, (n, 2)."""
-        found = self._at_once(lines)
-        return self.careful(lines) if found is None else found
+        numbers = self._at_once(lines)
+        return self.careful(lines) if numbers is None else numbers
 
     def careful(self, lines: Iterable[Line]) -> NDArray[np.float64]:
         """Return the numbers of lines, (n, 2); ValueError for the first that cannot be read."""
-        rows = [self._row(number, cells_of((number, text), self.delimiter)) for number, text in content_lines(lines)]
+        rows = [self._row(row) for row in rows_of(lines, self.delimiter)]
         return np.array(rows, dtype=np.float64).reshape(-1, 2)
 
     def _at_once(self, lines: list[Line]) -> NDArray[np.float64] | None:
@@ -92,16 +197,17 @@ class _Rows:
         places = [column.place for column in self.columns]
         delimiter = None if self.delimiter == " " else self.delimiter
         try:
-            found = np.loadtxt(io.StringIO(text), delimiter=delimiter, usecols=places, comments=None, ndmin=2)
+            numbers = np.loadtxt(io.StringIO(text), delimiter=delimiter, usecols=places, comments=None, ndmin=2)
         except ValueError:
             return None
-        return found if np.isfinite(found).all() and not self.clock.is_used else None
+        return numbers if np.isfinite(numbers).all() and not self.clock.is_used else None
 
-    def _row(self, number: int, cells: Sequence[str]) -> tuple[float, float]:
+    def _row(self, row: Row) -> tuple[float, float]:
+        cells = [plain(cell, self.delimiter) for cell in row.cells]
         time, force = self.columns
-        return self._value(cells, time, number), self._value(cells, force, number)
+        return self._value(cells, time, row.line), self._value(cells, force, row.line)
 
-    def _value(self, cells: Sequence[str], column: Column, number: int) -> float:
+    def _value(self, cells: Sequence[str], column: _Measured, number: int) -> float:
         """Return the number in a cell, the seconds of a time of day, NaN where it says that there is none."""
         if column.place >= len(cells):
             raise ValueError(
