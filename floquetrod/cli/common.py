@@ -57,7 +57,10 @@ ROD_AND_LOAD = ("rod", "mean", "amplitude", "frequency")
 OPTIONS = {name: parameter.option for name, parameter in GIVEN.items() if parameter.option is not None}
 """Options for parameters of the rod."""
 
-ROD_OPTIONS = ("rod", *OPTIONS, "depth_unit", "angle_unit")
+SURVEY_OPTIONS = ("depth_unit", "angle_unit", "survey_columns", "delimiter", "sheet", "to")
+"""Options that say how a survey is read."""
+
+ROD_OPTIONS = ("rod", *OPTIONS, *SURVEY_OPTIONS)
 """Options of `add_rod` that describe the rod."""
 
 
@@ -80,7 +83,7 @@ def add_rod(
             kind = Path if name == "path" else str
             command.add_argument(option(name), metavar=described.metavar, type=kind, help=described.help)
     if not in_a_well:
-        add_survey_units(command)
+        add_survey(command)
     if classified:
         command.add_argument(
             "--growth-tolerance",
@@ -101,21 +104,32 @@ def add_subject(command: argparse.ArgumentParser) -> Any:
     return subject
 
 
-def add_survey_units(command: argparse.ArgumentParser) -> None:
-    """Add the options for units that the headings of a survey do not name."""
+def add_survey(command: argparse.ArgumentParser) -> None:
+    """Add the options that say how a survey is read."""
     command.add_argument("--depth-unit", metavar="UNIT", help="unit of depths in a survey whose headings name none")
     command.add_argument("--angle-unit", metavar="UNIT", help="unit of its angles, where they name none: deg")
+    command.add_argument(
+        "--survey-columns",
+        metavar="DEPTH,INCLINATION,AZIMUTH",
+        help="headings of its columns, or their numbers from 0, such as MD,INCL,AZIM_GN or 1,2,3; one may be left out, "
+        "such as ,,AZIM_GN (default: usual headings)",
+    )
+    command.add_argument("--delimiter", metavar="CHARACTER", help="separator of its columns, such as ';' or tab")
+    command.add_argument("--sheet", metavar="NAME", help="sheet of a workbook, by its name or its number from 0")
+    command.add_argument("--to", metavar="DEPTH", help="depth such as 5200ft to which it is projected straight")
 
 
 def read_survey(options: argparse.Namespace, path: Path) -> fr.WellPath:
-    """Return the well whose survey is in a file."""
-    try:
-        return fr.WellPath.from_csv(path, depth_unit=options.depth_unit, angle_unit=options.angle_unit)
-    except ValueError as error:
-        about = argument_of(error)
-        if about is None or about.name not in ("depth_unit", "angle_unit"):
-            raise
-        raise ValueError(about.named(option(about.name))) from None
+    """Return the well whose survey is in a file, and say what was left out of it."""
+    from floquetrod.rod.reading import read_well
+
+    well = read_well({name: getattr(options, name) for name in SURVEY_OPTIONS}, path, option)
+    if well.note:
+        say(f"floquetrod: survey {path}: {well.note}")
+    if well.start > 0.0 and getattr(options, "well", None) is not None:
+        length = units.AnswerUnits.named(given=well.given_units).length
+        say(f"floquetrod: survey {path}: the string begins at {length.show(well.start)}, the first station")
+    return well
 
 
 def add_units(command: argparse.ArgumentParser) -> None:

@@ -16,7 +16,7 @@ from floquetrod.cli.common import (
     add_project,
     add_push,
     add_rod,
-    add_survey_units,
+    add_survey,
     add_tool,
     add_wall_friction,
     command_typed,
@@ -66,7 +66,7 @@ def add(command: Parser) -> None:
     """Add help and options of the command to its parser."""
     describe_command(command, _HELP, _reach, ("well", "rod", "friction", "tool", "speed"), has_assumptions=True)
     add_well(command, required=True)
-    add_survey_units(command)
+    add_survey(command)
     add_rod(command, classified=False, in_a_well=True)
     command.add_argument(
         "--depths",

@@ -9,7 +9,7 @@ from pathlib import Path
 from floquetrod._util.waiting import Waiting
 from floquetrod.cli.common import (
     add_rod,
-    add_survey_units,
+    add_survey,
     describe_command,
     figures,
     read_force,
@@ -44,7 +44,7 @@ def add(command: Parser) -> None:
     """Add help and options of the command to its parser."""
     describe_command(command, _HELP, _weights, ("well", "rod", "friction", "out", "unit"), has_assumptions=True)
     command.add_argument("--well", required=True, metavar="FILE", type=Path, help="survey, a text file of columns")
-    add_survey_units(command)
+    add_survey(command)
     add_rod(command, classified=False, in_a_well=True)
     command.add_argument(
         "--friction",

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias, TypeVar
 
 from floquetrod import units
-from floquetrod._util.arguments import argument_of, error_in
+from floquetrod._util.arguments import Message, argument_of, error_in
 from floquetrod._util.suggest import short
 from floquetrod._util.tables import require_file
 from floquetrod.bare_numbers import Quantity as Written
@@ -17,9 +17,11 @@ from floquetrod.rod.loads.load import LOAD, QUANTITIES, AxialWave, Load, Quantit
 from floquetrod.rod.loads.tool import VibrationTool
 from floquetrod.rod.model.catalogue import is_size
 from floquetrod.rod.rod import Rod
+from floquetrod.tables.arguments import column_text
 
 if TYPE_CHECKING:
     from floquetrod.rod.loads.record import ForceRecord
+    from floquetrod.wells.path import WellPath
 
 _L = TypeVar("_L", bound=Load)
 
@@ -48,10 +50,7 @@ def read_record(given: Mapping[str, Any], named: ArgumentName = str) -> ForceRec
                     f"{named(name)} needs {force}, got {given[name]!r} alone: it says how to read that file"
                 )
         return None
-    columns = (
-        None if text is None else int(text) if text.isdecimal() else text
-        for text in (given["time_column"], given["force_column"])
-    )
+    columns = (column_text(given[name]) for name in ("time_column", "force_column"))
     from floquetrod.rod.loads.record import ForceRecord
 
     wanted = "a text file with columns of time and force"
@@ -71,6 +70,42 @@ def read_record(given: Mapping[str, Any], named: ArgumentName = str) -> ForceRec
 
 _OF_COLUMNS = {"time": "time_column", "force": "force_column", "time_unit": "time_unit", "force_unit": "force_unit"}
 """Names of the arguments of `floquetrod.ForceRecord.from_csv`."""
+
+
+_OF_WELLS = {
+    **dict.fromkeys(("depth", "inclination", "azimuth"), "survey_columns"),
+    **{name: name for name in ("depth_unit", "angle_unit", "delimiter", "sheet", "to")},
+}
+"""Arguments of `floquetrod.WellPath.from_csv`, and the options that set them."""
+
+
+def read_well(given: Mapping[str, Any], path: Path, named: ArgumentName = str) -> WellPath:
+    """Return the well whose survey is in a file, read as the options say."""
+    from floquetrod.wells.path import WellPath
+
+    depth, inclination, azimuth = _survey_columns(given["survey_columns"], named("survey_columns"))
+    more: dict[str, str | None] = {name: given[name] for name in ("depth_unit", "angle_unit", "delimiter")}
+    try:
+        return WellPath.from_csv(
+            path, depth, inclination, azimuth, **more, sheet=column_text(given["sheet"]), to=given["to"]
+        )
+    except ValueError as error:
+        about = argument_of(error)
+        if about is None or about.name not in _OF_WELLS or "line " in about.where:
+            raise
+        option = named(about.name) if _OF_WELLS[about.name] == about.name else about.name
+        where = f"{about.where}: " if about.where else ""
+        raise ValueError(Message(f"{where}{option} ", about.problem)) from None
+
+
+def _survey_columns(text: Any, name: str) -> list[str | int | None]:
+    """Return the columns of a survey from a text such as MD,Inc,Azi, or a list of them."""
+    if text is None:
+        return [None] * 3
+    parts = text.split(",") if isinstance(text, str) else [str(each) for each in text]
+    if not 2 <= len(parts) <= 3:
+        raise ValueError(f"{name} must be three headings or numbers such as MD,Inc,Azi or 1,2,3, got {text!r}")
+    return [*(column_text(part) for part in parts), *[None] * (3 - len(parts))]
 
 
 def read_kind(given: Mapping[str, Any], record: ForceRecord | None, named: ArgumentName = str) -> Load:

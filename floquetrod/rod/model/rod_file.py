@@ -24,6 +24,10 @@ _FROM_THE_PIPE = ("youngs_modulus", "density", "radius")
 _HOLE = ("channel_radius", "channel_diameter")
 
 
+SURVEY_KEYS = ("depth", "inclination", "azimuth", "depth_unit", "angle_unit", "delimiter", "sheet", "to")
+"""Keys of a table ``path`` beside its ``file``: the arguments of `floquetrod.WellPath.from_csv`."""
+
+
 def read_rod(path: str | Path, kind: type[T]) -> T:
     """Return the rod of a kind, a dataclass, that a TOML file describes: keys are its parameters, or `INSTEAD` of them.
 
@@ -106,8 +110,10 @@ def _require_keys(table: Mapping[str, Any]) -> None:
 
 def _value(key: str, value: Any, folder: Path) -> Any:
     """Return a quantity in SI units, or the path in a survey; anything else, such as a word, unchanged."""
-    if key == "path" and isinstance(value, str):
+    if key == "path" and (isinstance(value, str) or (isinstance(value, Mapping) and "file" in value)):
         from floquetrod.wells.path import WellPath
 
-        return WellPath.from_csv(folder / value)
+        given = {"file": value} if isinstance(value, str) else dict(value)
+        require_known(given, ("file", *SURVEY_KEYS))
+        return WellPath.from_csv(folder / given.pop("file"), **given)
     return GIVEN[key].quantity(value, key) if key in GIVEN and GIVEN[key].kind else value
