@@ -43,7 +43,7 @@ __getattr__, __dir__ = names_of(
     __name__,
     {
         "mathieu.array_functions": ("discriminant", "exponents", "growth_rate", "is_stable", "multipliers"),
-        "mathieu.characteristic_values": (
+        "mathieu.characteristic_curves": (
             "TransitionCurves",
             "characteristic_values",
             "tongue_widths",

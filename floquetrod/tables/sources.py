@@ -137,7 +137,7 @@ def _cells(book: object, name: str) -> list[Row]:
     """Return the rows of a sheet as texts, numbers with all their digits."""
     frame = book.parse(name, header=None, dtype=object)  # type: ignore[attr-defined]
     rows = [
-        Row(number, [_text(cell) for cell in values], "\t".join(_text(cell) for cell in values))
+        Row(number, [_text(cell) for cell in values], "\t".join(_text(cell) for cell in values).strip())
         for number, values in enumerate(frame.itertuples(index=False), 1)
     ]
     return [row for row in rows if any(row.cells)]

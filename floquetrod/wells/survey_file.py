@@ -156,7 +156,7 @@ def _is_unheaded(row: Row) -> bool:
 
 def _may_stand_above(rows: Sequence[Row], is_chosen: bool) -> bool:
     """Return whether rows above numbers are no headings: the name of a well, or anything where columns are chosen."""
-    names = all(re.match(r"(well|name|welltrack|wellname)\b", row.text, re.IGNORECASE) for row in rows)
+    names = all(re.match(r"(well|name|welltrack|wellname)\b|--", row.text, re.IGNORECASE) for row in rows)
     return is_chosen or names
 
 
