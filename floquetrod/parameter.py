@@ -158,14 +158,26 @@ def by_name(*parameters: Parameter) -> dict[str, Parameter]:
     return {each.name: each for each in parameters}
 
 
+def unknown(parameters: Mapping[str, Parameter], subsystem: Subsystem) -> list[Parameter]:
+    """Return the parameters that a subsystem would ignore, though they may have an effect."""
+    return [each for each in parameters.values() if subsystem not in each.known_to | each.without_effect_on]
+
+
+def is_known(numbers: Mapping[str, Any], parameters: Mapping[str, Parameter], subsystem: Subsystem) -> Any:
+    """Return whether a subsystem ignores none of the numbers by name that differ from their default; also of arrays."""
+    known: Any = True
+    for parameter in unknown(parameters, subsystem):
+        if parameter.name in numbers:
+            known = known & (numbers[parameter.name] == parameter.default)
+    return known
+
+
 def require_known(
     problem: Any, parameters: Mapping[str, Parameter], subsystem: Subsystem, shown: units.AnswerUnits | None = None
 ) -> None:
     """Raise ValueError where a subsystem would ignore a parameter of a problem that has not its default."""
-    for name, parameter in parameters.items():
-        if subsystem in parameter.known_to or subsystem in parameter.without_effect_on:
-            continue
-        value = getattr(problem, name, parameter.default)
+    for parameter in unknown(parameters, subsystem):
+        name, value = parameter.name, getattr(problem, parameter.name, parameter.default)
         if value != parameter.default:
             words = parameter.in_words(value, units.AnswerUnits.named() if shown is None else shown)
             raise wrong_value(

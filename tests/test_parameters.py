@@ -207,6 +207,40 @@ def test_an_unknown_parameter_passes_where_refused_and_fails_where_ignored(monke
             require_declared(refused_though_known, "modes")
 
 
+@pytest.mark.parametrize(
+    ("subsystem", "nominal", "varied"),
+    [
+        ("modes", {}, {"damping_rate": (0.0, 0.4)}),
+        ("modes", {}, {"length": (3.0, 3.1), "damping_rate": (0.3, 0.4)}),
+        ("proofs", {}, {"damping_rate": (0.0, 0.4)}),
+        ("bends", {}, {"curvature": (-1e-3, 0.0), "damping_rate": (0.0, 0.4)}),
+        ("bends", {"damping_rate": 0.4}, {"curvature": (0.0, 1e-3)}),
+        ("bends", {"curvature": 1e-3}, {"damping_rate": (0.0, 0.4)}),
+    ],
+)
+def test_a_parameter_that_varies_is_refused_like_a_nominal_one(
+    subsystem: Subsystem, nominal: dict[str, Any], varied: dict[str, Any], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """By samples and by boxes, also two parameters that do not go together; each alone is answered."""
+    rod = fr.Rod.nitinol().replace(**nominal)
+    box: dict[str, Any] = {"mean": (0.1, 0.11), "amplitude": 0.01, "frequency": 20.0}
+
+    def answer(parameters: dict[str, Any]) -> None:
+        if subsystem != "proofs":
+            fr.probability_of_instability(rod, PUSH, parameters, samples=100)
+        RodBox.of(rod, PUSH, *box.values(), parameters)
+
+    answer(varied)
+    unknown = dataclasses.replace(ROD["damping_rate"], known_to=frozenset(NAMES) - {subsystem})
+    monkeypatch.setitem(ROD, "damping_rate", dataclasses.replace(unknown, without_effect_on=frozenset()))  # type: ignore[arg-type]
+    for door in (answer, lambda parameters: RodBox.of(rod, PUSH, *box.values(), parameters)):
+        with pytest.raises(ValueError, match=f"damping_rate is not part of {NAMES[subsystem]}.*got damping rate"):
+            door(varied)
+    known = {name: side for name, side in varied.items() if name != "damping_rate"}
+    if known and not nominal:
+        answer(known)
+
+
 ONLY_WITH_MORE: set[tuple[str, str]] = {
     ("strings", "damping_rate"),  # of a tool's wave
     ("strings", "yield_strength"),  # of a reach

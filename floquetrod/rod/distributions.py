@@ -15,9 +15,9 @@ from floquetrod._util import validate
 from floquetrod._util.arrays import Bools, Floats
 from floquetrod._util.caching import cached_property
 from floquetrod.rod.loads.load import LOAD, QUANTITIES, Load, Loads
-from floquetrod.rod.model import formulas
 from floquetrod.rod.model.constants import mode_constants
-from floquetrod.rod.model.parameters import GIVEN, ROD
+from floquetrod.rod.model.parameters import GIVEN
+from floquetrod.rod.model.possible_rod import are_possible, require_known_to_verdicts
 from floquetrod.rod.modes.mode_model import ModeModel
 from floquetrod.rod.rod import Rod
 from floquetrod.wells.path import WellPath
@@ -94,17 +94,7 @@ class Sampling:
         good = np.ones(loads[0].shape, dtype=np.bool_)
         for quantity, values in zip(QUANTITIES, loads, strict=True):
             good &= (LOAD[quantity].least <= values) & (values <= LOAD[quantity].largest)
-        for parameter, values in rods.items():
-            good &= (ROD[parameter].least <= values) & (values <= ROD[parameter].largest)
-        if good.all():
-            radii = rods["radius"], rods["inner_radius"]
-            area, bore, outer = formulas.ring(*radii), formulas.disc(radii[1]), formulas.disc(radii[0])
-            own = formulas.own_mass(rods["density"], rods["fluid_inside"], area, bore)
-            weighing = formulas.weighing_mass(own, rods["fluid_outside"], outer)
-            good &= formulas.has_wall(*radii)
-            good &= formulas.fits(rods["radius"], rods["channel_radius"])
-            good &= formulas.sinks(own, weighing)
-        return good
+        return good & are_possible(rods)
 
     def _require(self, good: Bools, values: Mapping[str, Floats]) -> None:
         """Raise ValueError unless all samples are good: what a rod or load made of the first that is not raises."""
@@ -121,6 +111,7 @@ class Sampling:
         """Raise ValueError for a sample that is not a possible rod and load."""
         rod = self.rod.replace(**{name: value for name, value in sample.items() if name not in QUANTITIES})
         load = self._load_of(sample)
+        require_known_to_verdicts(rod)
         mode_constants(rod).require_in_reach(Loads.single(load))
         raise ValueError("it is out of range")
 

@@ -16,7 +16,6 @@ from floquetrod.equations import HillSystem
 from floquetrod.floquet.proof.proof import MAX_BOXES
 from floquetrod.floquet.status import are
 from floquetrod.mathieu.paper_criterion import FiniteTimeCriterion
-from floquetrod.parameter import require_known
 from floquetrod.rod import verdicts
 from floquetrod.rod.loads.load import QUANTITIES, AnyLoad, Load, Quantity, kind, require_load, require_noise
 from floquetrod.rod.loads.template import replaced, replaced_loads, require_no_record, require_one_load
@@ -24,7 +23,8 @@ from floquetrod.rod.mode_equations.coupling import WAVEFORM, coupling
 from floquetrod.rod.mode_equations.modal_systems import ModalSystem
 from floquetrod.rod.model.constants import SLOW_GROWTH
 from floquetrod.rod.model.data import RodData
-from floquetrod.rod.model.parameters import ROD, friction_coefficient
+from floquetrod.rod.model.parameters import friction_coefficient
+from floquetrod.rod.model.possible_rod import require_known_to_verdicts
 from floquetrod.rod.modes.independent import IndependentModel
 from floquetrod.rod.modes.mode_model import ModeModel
 
@@ -48,7 +48,7 @@ if TYPE_CHECKING:
 
 def _model(rod: RodData, like: Load) -> ModeModel:
     """Return what the modes are; of a rod with hinged ends under a sine nothing else is loaded."""
-    require_known(rod, ROD, "modes" if rod.course.is_straight else "bends")
+    require_known_to_verdicts(rod)
     coupled = coupling(rod, like)
     if not coupled and not like.noise:
         return IndependentModel(rod, like)

@@ -12,12 +12,13 @@ from floquetrod._util import validate
 from floquetrod._util.interchange import by_keys
 from floquetrod._util.interval import PI, RealInterval
 from floquetrod.floquet.proof.region_proof import ModeBox, Side, side_ends
-from floquetrod.parameter import require_known
+from floquetrod.parameter import REQUIRED, require_known
 from floquetrod.rod.loads.load import LOAD, QUANTITIES, Load, Quantity, load_number
 from floquetrod.rod.mode_equations.coupling import coupling, refusal
 from floquetrod.rod.model.constants import ModeConstants
 from floquetrod.rod.model.data import RodData, require_not_of_path
 from floquetrod.rod.model.parameters import DIAMETERS, ROD
+from floquetrod.rod.model.possible_rod import require_known_to_verdicts
 from floquetrod.units import Unit
 
 _SINE_TERMS = 14  # of the series of the sine up to pi/2: what is left out is far below a unit of the last place
@@ -71,11 +72,12 @@ class RodBox:
         parameters: Mapping[str, Any] | None,
     ) -> RodBox:
         """Return the box that the arguments of `Rod.certify` describe; ValueError and TypeError where they do not."""
-        require_known(rod, ROD, "proofs")
         given: dict[Quantity, Any] = {"mean": mean, "amplitude": amplitude, "frequency": frequency}
         loads = {name: _load_side(name, value) for name, value in given.items()}
         box = cls(rod, template.with_numbers(0.0, 0.0, 1.0), loads, _rod_sides(rod, parameters))
         for extreme_rod in box._extreme_rods():
+            require_known(extreme_rod, ROD, "proofs")
+            require_known_to_verdicts(extreme_rod)
             coupled_by = coupling(extreme_rod, box.template)
             if coupled_by:
                 raise refusal("certify", coupled_by)
@@ -133,7 +135,10 @@ class RodBox:
                 yield self.rod.replace(**{name: getattr(side, end) for name, side in self.parameters.items()})
 
     def _extreme_rods(self) -> Iterator[RodData]:
-        """Yield rods of the box, those most likely to be none: too thick for the channel, or floating."""
+        """Yield rods of the box that are the first to be impossible or unknown: floating, without room or wall, bent.
+
+        Whichever parameters may differ from their defaults, the last rod differs in all of them.
+        """
         ends = {name: {"low": side.low, "high": side.high} for name, side in self.parameters.items()}
         radii = [name for name in ("radius", "inner_radius") if name in ends]
         for chosen in product(("low", "high"), repeat=len(radii)):
@@ -141,6 +146,13 @@ class RodBox:
             yield self.rod.replace(**{name: pair[lightest.get(name, "low")] for name, pair in ends.items()})
         heaviest = {"fluid_outside": "low"} | dict.fromkeys(radii, "low")
         yield self.rod.replace(**{name: pair[heaviest.get(name, "high")] for name, pair in ends.items()})
+        yield self.rod.replace(**{name: _unusual(name, side) for name, side in self.parameters.items()})
+
+
+def _unusual(name: str, side: RealInterval) -> float:
+    """Return the end of a side that is farther from the default of its parameter."""
+    default = ROD[name].default
+    return side.high if default is REQUIRED else max(_ends(side), key=lambda end: abs(end - default))
 
 
 def _load_side(name: Quantity, value: Any) -> RealInterval:

@@ -9,13 +9,13 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from floquetrod._util import validate
 from floquetrod._util.arrays import Bools, Floats
 from floquetrod._util.caching import cached_property
 from floquetrod._util.roots import bisected
 from floquetrod.rod.model import formulas
 from floquetrod.rod.model.cross_section import CrossSection
 from floquetrod.rod.model.parameters import ROD
+from floquetrod.rod.model.possible_rod import FITS
 
 if TYPE_CHECKING:
     from floquetrod.wells.path import WellPath
@@ -61,13 +61,7 @@ class Channel:
 
     def clearance(self, section: CrossSection) -> float:
         """Return R = channel radius - rod radius in m; ValueError where the section does not fit."""
-        if not formulas.fits(section.radius, self.radius):
-            raise validate.wrong_value(
-                "channel_radius",
-                f"must exceed the rod's radius, got channel_radius = {self.radius:g} m and "
-                f"radius = {section.radius:g} m, half the diameters {2.0 * self.radius:g} m and "
-                f"{2.0 * section.radius:g} m",
-            )
+        FITS.check({"channel_radius": self.radius, "radius": section.radius})
         return float(formulas.clearance(section.radius, self.radius))
 
 

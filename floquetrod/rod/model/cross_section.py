@@ -5,9 +5,9 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from floquetrod._util import validate
 from floquetrod.rod.model import formulas
 from floquetrod.rod.model.parameters import ON_A_FLOOR, ROD
+from floquetrod.rod.model.possible_rod import HAS_WALL
 
 
 @dataclass(frozen=True)
@@ -54,12 +54,7 @@ class CrossSection:
     def __post_init__(self) -> None:
         """Check and clean the parameters."""
         radius, inner = ROD["radius"].number(self.radius), ROD["inner_radius"].number(self.inner_radius)
-        if not formulas.has_wall(radius, inner):
-            raise validate.wrong_value(
-                "inner_radius",
-                f"must be less than the outer radius, got {inner:g} m and {radius:g} m: half of inner_diameter = "
-                f"{2.0 * inner:g} m and of diameter = {2.0 * radius:g} m",
-            )
+        HAS_WALL.check({"radius": radius, "inner_radius": inner})
         object.__setattr__(self, "radius", radius)
         object.__setattr__(self, "inner_radius", inner)
 

@@ -47,6 +47,7 @@ from floquetrod.rod.model.parameters import (
     units_given,
 )
 from floquetrod.rod.model.plausibility import warn_of_rod
+from floquetrod.rod.model.possible_rod import require_possible
 from floquetrod.rod.model.rod_file import read_rod
 from floquetrod.rod.model.stress import Stress, stress
 
@@ -134,22 +135,14 @@ class RodData(units.InUnits, TellsAttributes):
         object.__setattr__(self, "ends", str(EndConditions.of(ends)))
         object.__setattr__(self, "path", path_of(given, self.depth, self.length))
         self.given_in(units_given(given).or_else(*([self.path.given_units] if self.path else [])))
-        channel = Channel(self.channel_radius, self.gravity, self.inclination)  # a path may yet change the inclination
-        room = channel.clearance(self.section)  # raises where the rod does not fit
-        if not formulas.sinks(self._own_mass, self._weighing):
-            raise validate.wrong_value(
-                "fluid_outside",
-                f"must be lighter than the rod with what is inside, got {self.fluid_outside:g} kg/m^3 "
-                f"for density = {self.density:g} and fluid_inside = {self.fluid_inside:g}, a weight of "
-                f"{self.weight_per_length:.4g} N/m: this rod floats",
-            )
+        require_possible(self.parameters)
         if self.path is not None:
-            self._set_weakest_bend(room)
+            self._set_weakest_bend()
         warn_of_rod(self)
 
-    def _set_weakest_bend(self, room: float) -> None:
-        """Set inclination and curvature to those where a push buckles the rod first; ``room`` its clearance."""
-        course = self.course
+    def _set_weakest_bend(self) -> None:
+        """Set inclination and curvature to those where a push buckles the rod first."""
+        course, room = self.course, float(formulas.clearance(self.radius, self.channel_radius))
         x, place = course.samples, course.sampled
         forces = critical_forces(place, self.flexural_rigidity, self.gravity * self._weighing, room)
         weakest = int(np.argmin(forces))
