@@ -15,9 +15,22 @@ from floquetrod import units
 from floquetrod._util.arguments import wrong_value
 
 Subsystem: TypeAlias = Literal[
-    "modes", "bends", "proofs", "large motion", "kicks", "stress", "buckling", "strings", "simulation"
+    "modes",
+    "bends",
+    "proofs",
+    "large motion",
+    "kicks",
+    "stress",
+    "critical force",
+    "helix",
+    "strings",
+    "simulation",
 ]
-"""What computes answers from a problem."""
+"""What computes answers from a problem.
+
+"bends" is asked in place of "modes" where the channel bends, and besides "critical force" there; "proofs", "kicks" and
+"large motion" are asked besides "modes" or "bends".
+"""
 
 NAMES: dict[Subsystem, str] = {
     "modes": "verdicts on modes",
@@ -26,7 +39,8 @@ NAMES: dict[Subsystem, str] = {
     "large motion": "large motion",
     "kicks": "kicks against friction",
     "stress": "stresses",
-    "buckling": "buckling forces",
+    "critical force": "critical forces and modes",
+    "helix": "helical buckling and lock-up",
     "strings": "mean force and reach in a well",
     "simulation": "simulations",
 }

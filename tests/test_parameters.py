@@ -124,7 +124,8 @@ ANSWERS: dict[Subsystem, Callable[[fr.Rod], Any]] = {
     "large motion": lambda rod: rod.steady_motion(PUSH).amplitude,
     "kicks": lambda rod: rod.critical_kick(PUSH, friction=0.1),
     "stress": lambda rod: (bent(rod).stress(PUSH).largest, rod.stress(PUSH).share_of_yield),
-    "buckling": lambda rod: rod.critical_forces,
+    "critical force": lambda rod: (rod.critical_force, rod.critical_mode),
+    "helix": lambda rod: rod.critical_forces,
     "strings": lambda rod: rod.mean_force(WELL, 0.1, bottom=600.0, far_force=3.0).at_top,
     "simulation": simulated,
 }
@@ -143,6 +144,24 @@ def test_what_a_subsystem_does_not_know_it_refuses(subsystem: Subsystem, monkeyp
         ANSWERS[subsystem](rod)
     with pytest.raises(ValueError, match=re.escape(NAMES[subsystem])):
         require_known(rod, ROD, subsystem)
+
+
+@pytest.mark.parametrize("course", [{"curvature": 1e-3}, {"path": WELL, "depth": 1100.0}])
+def test_critical_forces_in_a_bend_ask_whether_bends_know_a_parameter(
+    course: dict[str, Any], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """In a straight channel they answer."""
+    straight = PIPE.replace(yield_strength=600e6)
+    bent_rod = straight.replace(**course)
+    unknown = dataclasses.replace(ROD["yield_strength"], without_effect_on=frozenset(NAMES) - {"bends"})
+    monkeypatch.setitem(ROD, "yield_strength", unknown)  # type: ignore[arg-type]
+    assert straight.critical_force > 0.0
+    assert straight.critical_mode > 0.0
+    for answer in (lambda: bent_rod.critical_force, lambda: bent_rod.critical_mode, lambda: bent_rod.critical_forces):
+        with pytest.raises(ValueError, match=r"yield_strength is not part of verdicts in channels that bend"):
+            answer()
+    with pytest.raises(ValueError, match=r"yield_strength is not part of"):
+        bent_rod.stability(PUSH).report({"force": "Fcr"})
 
 
 def same(one: Any, other: Any) -> bool:
@@ -195,13 +214,13 @@ def require_declared(record: Parameter, subsystem: Subsystem) -> None:
 def test_an_unknown_parameter_passes_where_refused_and_fails_where_ignored(monkeypatch: pytest.MonkeyPatch) -> None:
     """A strength as a parameter that no subsystem knew, ignored by a table that does not say so, then refused."""
     unknown = dataclasses.replace(ROD["yield_strength"], known_to=frozenset(), without_effect_on=frozenset())
-    for subsystem in ("modes", "buckling"):
+    for subsystem in ("modes", "helix"):
         with pytest.raises(AssertionError, match="yield_strength is ignored in silence"):
             require_declared(unknown, subsystem)
     with monkeypatch.context() as patch:
         patch.setitem(ROD, "yield_strength", unknown)  # type: ignore[arg-type]
         require_declared(unknown, "modes")
-        require_declared(unknown, "buckling")
+        require_declared(unknown, "helix")
         refused_though_known = dataclasses.replace(unknown, known_to=frozenset(NAMES))
         with pytest.raises(AssertionError, match="is not part of"):
             require_declared(refused_though_known, "modes")

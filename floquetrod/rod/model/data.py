@@ -354,10 +354,17 @@ class RodData(units.InUnits, TellsAttributes):
         In a channel that bends 2 E I (k + sqrt(k^2 + q / (E I))), k = curvature / R, q = w_e sin(inclination) / R,
         which solves F^2 = 4 E I (q + F k) (He & Kyllingstad 1995); along a path the smallest along the rod.
         """
+        self._require_known_to_force()
         across = math.sqrt(self.flexural_rigidity * self.mass_per_length) * self.pendulum_frequency
         if self.path is not None:
             return float(self._least_force)  # type: ignore[attr-defined]
         return float(critical_push(np.asarray(self._bend), np.asarray(across))) if self.curvature else 2.0 * across
+
+    def _require_known_to_force(self) -> None:
+        """Raise ValueError where the critical force would ignore a parameter."""
+        require_known(self, ROD, "critical force")
+        if not self.course.is_straight:
+            require_known(self, ROD, "bends")
 
     @property
     def _bend(self) -> float:
@@ -370,6 +377,7 @@ class RodData(units.InUnits, TellsAttributes):
 
         In a channel that bends F_cr = 2 E I (pi m_cr / L)^2 all the same.
         """
+        self._require_known_to_force()
         if self.curvature or self.path is not None:
             return self.length / math.pi * math.sqrt(0.5 * self.critical_force / self.flexural_rigidity)
         stiffness = self.flexural_rigidity / self.mass_per_length
@@ -396,7 +404,7 @@ class RodData(units.InUnits, TellsAttributes):
         helical, alone   4.797 N  Mitchell 1996
         vertical         0.138 N  Lubinski 1950
         """
-        require_known(self, ROD, "buckling")
+        require_known(self, ROD, "helix")
         straight = buckling_forces(self.critical_force, self.flexural_rigidity, self.weight_per_length)
         if not self.curvature and self.path is None:
             return straight
@@ -417,7 +425,7 @@ class RodData(units.InUnits, TellsAttributes):
         >>> RodData.nitinol().lock_up(friction=0.2)
         <locks up 103.9 m from the far end with friction 0.2>
         """
-        require_known(self, ROD, "buckling")
+        require_known(self, ROD, "helix")
         friction = friction_coefficient(friction)
         if not self.course.is_straight:
             raise validate.wrong_value(
