@@ -355,7 +355,7 @@ def test_flux_bound_holds_in_every_tongue_and_is_tight() -> None:
 
 def rod_box(rod: fr.Rod, mean: Any, amplitude: Any, frequency: Any) -> Floats:
     box = np.empty((8, 2))
-    for row, value in zip(box, (mean, amplitude, frequency, *mode_constants(rod)), strict=True):
+    for row, value in zip(box, (mean, amplitude, frequency, *mode_constants(rod).equation), strict=True):
         row[:] = value
     box[[3, 4, 5], 0] *= 1.0 - 1e-15
     box[[3, 4, 5], 1] *= 1.0 + 1e-15

@@ -102,7 +102,9 @@ class RodBox:
 
     def mode_box(self) -> ModeBox:
         """Return the ends of all numbers in the equations of the modes."""
-        return ModeBox(*(_ends(each) for each in (*(self.loads[name] for name in QUANTITIES), *self.constants())))
+        return ModeBox(
+            *(_ends(each) for each in (*(self.loads[name] for name in QUANTITIES), *self.constants().equation))
+        )
 
     def halves(self) -> tuple[RodBox, RodBox]:
         """Return both halves of the rods, of the parameter that widens what the modes depend on most."""
@@ -116,7 +118,7 @@ class RodBox:
         """Return how far the numbers of the modes vary, relatively, with one parameter."""
         others = {n: RealInterval.of(side.middle) for n, side in self.parameters.items() if n != name}
         constants = replace(self, parameters={**self.parameters, **others}).constants()
-        sizes = ((side.width, max(abs(side.low), abs(side.high))) for side in constants)
+        sizes = ((side.width, max(abs(side.low), abs(side.high))) for side in constants.equation)
         return float(sum(width / size for width, size in sizes if size > 0.0))
 
     def point(self, load: Load, rod: RodData) -> RodBox:

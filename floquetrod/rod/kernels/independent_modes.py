@@ -167,7 +167,7 @@ def rod_is_stable(
 ) -> tuple[bool, int, int]:
     """Return whether no mode of a rod grows faster than ``tolerance`` (1/s), how many were needed and which to suspect.
 
-    ``constants`` are the five of `floquetrod.rod.model.constants.ModeConstants`.  Growth below ``slowest`` (1/s) may be
+    ``constants`` are `floquetrod.rod.model.constants.ModeConstants.equation`.  Growth below ``slowest`` (1/s) may be
     left out.  ``last`` and ``suspect`` are the answers for a rod and load nearby: neighbours need about as many modes
     and mostly fail in the same one, which is tested first.
     """

@@ -182,7 +182,8 @@ class CoupledModes(CoupledEquations):
         """Stiffness without mean force in 1/s^2, and its loss per newton of uniform compression."""
         bending = self.constants.bending / math.pi**4 * self.basis.bending
         weight = self._coupling(self._added)
-        swing = self.constants.restoring * np.eye(self.size) if self.rod.course.is_straight else 0.0
+        pressed = 0.0 if self.rod.course.is_straight else self.constants.weight  # of a bend `_pressed` has the contact
+        swing = (self.constants.restoring - pressed) * np.eye(self.size)
         return bending + swing - weight, self.basis.softening * float(self.constants.per_newton / math.pi**2)
 
     @cached_property
@@ -195,7 +196,7 @@ class CoupledModes(CoupledEquations):
         """The wall of a channel that bends, at the nodes; contact forces in its units are N / (R m), in 1/s^2."""
         rod = self.rod
         per_newton = self.constants.per_newton * (rod.length / math.pi) ** 2 / rod.radial_clearance
-        weight = self.constants.restoring / math.sin(rod.inclination)
+        weight = self.constants.weight / math.sin(rod.inclination)
         return Wall(rod.course.place(self.basis.nodes), weight, per_newton)
 
     def _lying(self, mean: float) -> Lying:
@@ -295,9 +296,8 @@ class CoupledModes(CoupledEquations):
 
     def changed(self, bending: float, force: float, weight: float) -> Self:
         """Return the same modes with bending stiffness, weight along and weight across the rod changed by factors."""
-        constants = self.constants._replace(
-            bending=bending * self.constants.bending, restoring=weight * self.constants.restoring
-        )
+        constants = self.constants.pressed(weight * self.constants.weight)
+        constants = constants._replace(bending=bending * constants.bending)
         return replace(self, constants=constants, along=force * self.along)
 
     def stiffness(self, mean: Floats) -> Floats:

@@ -174,14 +174,14 @@ class ModalSystems:
     def are_stable(self, growth_tolerance: float, workers: int | None) -> Bools:
         """Return under which loads no mode grows faster than the tolerance (1/s)."""
         out = np.empty(self.loads.size, dtype=np.bool_)
-        constants = tuple(np.full(out.size, float(part)) for part in self.constants)
+        constants = tuple(np.full(out.size, float(part)) for part in self.constants.equation)
         self._fill(kernels.modes_stable_fill, out, constants, (growth_tolerance, NEGLIGIBLE_GROWTH), workers)
         return out
 
     def fastest(self, workers: int | None) -> tuple[Floats, Ints]:
         """Return the growth rate in 1/s and the number of the fastest mode; 0, 0 where none grows."""
         out = np.empty((self.loads.size, 2))
-        self._fill(kernels.modes_growth_fill, out, (), (tuple(self.constants), NEGLIGIBLE_GROWTH), workers)
+        self._fill(kernels.modes_growth_fill, out, (), (self.constants.equation, NEGLIGIBLE_GROWTH), workers)
         return out[:, 0], out[:, 1].astype(np.int64)
 
     def pass_test(self, criterion: FiniteTimeCriterion, workers: int | None) -> Bools:

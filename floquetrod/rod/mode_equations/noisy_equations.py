@@ -161,7 +161,7 @@ class NoisyModes:
 
     def limit(self) -> float:
         """Return the growth in 1/s that high modes approach, -2 c where the density ends."""
-        bending, per_newton, _, _, c = (float(part) for part in self.constants)
+        bending, per_newton, _, _, c = (float(part) for part in self.constants.equation)
         density = 0.0 if isinstance(self.template.noise, tuple) else float(self.template.noise)
         return 0.25 * density * per_newton**2 / bending - 2.0 * c
 
@@ -192,7 +192,7 @@ class NoisyModes:
         for w^2 wherever; k^2 / w^2 = c2^2 (1 - h u)^2 / (c1 - c2 F u (1 - h u) + Omega^2 u^2) has one maximum or none.
         What p adds to it falls with m^2 from the first mode of a block on, where k <= c2 m^2 (1 + abs(h) / m^2).
         """
-        bending, per_newton, restoring, neutral_squared, c = (float(part) for part in self.constants)
+        bending, per_newton, restoring, neutral_squared, c = (float(part) for part in self.constants.equation)
         mean, amplitude, frequency = (values[:, None] for values in loads.flat)
         x = _FIRST.astype(float) ** 2
         near, far = 1.0 / x, np.append(1.0 / np.square(_FIRST[1:] - 1.0), 0.0)
@@ -232,7 +232,7 @@ class NoisyModes:
 
     def _densities(self, loads: Loads, x: Floats) -> Floats:
         """Return the largest density at twice the frequencies of all modes from m^2 = ``x`` on, (loads, modes)."""
-        bending, per_newton, restoring, neutral_squared, _ = (float(part) for part in self.constants)
+        bending, per_newton, restoring, neutral_squared, _ = (float(part) for part in self.constants.equation)
         push = per_newton * np.maximum(0.0, loads.flat[0])[:, None]
         squared = bending * x * x - push * (x + abs(neutral_squared)) + min(0.0, restoring)
         return largest_density(self.template.noise, np.sqrt(np.maximum(0.0, squared)) / math.pi)

@@ -38,6 +38,7 @@ class ModeConstants(NamedTuple):
     restoring: Any  # Omega^2 in 1/s^2, of all that restores a rod across, over its inertia
     neutral_squared: Any  # m_0^2 = (L / pi)^2 curvature / R, zero in a straight channel, negative where it drops
     damping_rate: Any  # c in 1/s, of the decay of free motion
+    weight: Any  # share of Omega^2 by which the weight alone presses the rod to the low side
 
     @classmethod
     def of(
@@ -55,29 +56,38 @@ class ModeConstants(NamedTuple):
         mass = formulas.inertia(own, p["fluid_outside"], p["added_mass_coefficient"], 1.0 + bore)
         # Weight over inertia is `weighing_mass` over ``mass``, with own mass in one place: exactly 1 without a fluid.
         displaced = (1.0 + p["added_mass_coefficient"]) * p["fluid_outside"] * (1.0 + bore) / mass
-        across = formulas.gravity_across(p["gravity"], p["inclination"], sin)
-        pull = formulas.effective_gravity(across, 1.0 - displaced)
+        masses = formulas.Masses(formulas.ring(p["radius"], p["inner_radius"], pi) * mass, 1.0 - displaced)
         w = formulas.first_wavenumber(p["length"], pi)
         room = formulas.clearance(p["radius"], p["channel_radius"])
         return cls(
             p["youngs_modulus"] * (0.25 * (outer + inner)) / mass * w**4,
-            w**2 / (formulas.ring(p["radius"], p["inner_radius"], pi) * mass),
-            formulas.restoring(pull, room),
+            w**2 / masses.inertia,
+            formulas.restoring(p, masses, sin),
             formulas.neutral_mode_squared(p["curvature"], room, w),
             p["damping_rate"],
+            formulas.weight_across(p, masses, sin),
         )
+
+    @property
+    def equation(self) -> tuple[Any, Any, Any, Any, Any]:
+        """The five numbers of the equation of a mode, c1, c2, Omega^2, m_0^2 and c."""
+        return self[:5]
+
+    def pressed(self, weight: Any) -> ModeConstants:
+        """Return the constants of a rod pressed to its wall by another ``weight``, with other stiffness across unchanged."""
+        return self._replace(restoring=weight + (self.restoring - self.weight), weight=weight)
 
     def on_side(self, side: Any) -> ModeConstants:
         """Return the constants of a rod that lies on the low side, 1, or on the high side, -1."""
-        return self._replace(restoring=side * self.restoring, neutral_squared=side * self.neutral_squared)
+        return self.pressed(side * self.weight)._replace(neutral_squared=side * self.neutral_squared)
 
     def sides(self, mean: Any, amplitude: Any) -> Any:
         """Return on which side a rod lies at all times, 1 low, -1 high, 0 where it leaves the wall, under forces in N.
 
-        By its contact force over inertia and clearance, Omega^2 + c2 m_0^2 F.
+        By its contact force over inertia and clearance, that of the weight + c2 m_0^2 F.
         """
         bend = self.per_newton * self.neutral_squared
-        press, lost = self.restoring + bend * mean, np.abs(bend) * amplitude
+        press, lost = self.weight + bend * mean, np.abs(bend) * amplitude
         return np.where(press - lost > 0.0, 1, np.where(press + lost < 0.0, -1, 0))
 
     def modes_below(self, frequency: float, mean: float) -> int:
@@ -174,7 +184,7 @@ def extent(constants: ModeConstants, push: Any, force: Any) -> tuple[Any, Any]:
 
     Of one rod or of many: ``push`` is the largest compression in N, zero or more, ``force`` the largest force in size.
     """
-    bending, per_newton, restoring, neutral_squared, _ = constants
+    bending, per_newton, restoring, neutral_squared, _ = constants.equation
     with np.errstate(over="ignore"):  # infinite is out of reach, too
         modes = np.sqrt(push * per_newton / bending + np.abs(neutral_squared))
         highest = np.maximum(1.0, modes) ** 2

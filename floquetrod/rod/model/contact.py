@@ -89,9 +89,9 @@ def constants_under(rod: RodData, mean: float) -> ModeConstants:
     if course.is_uniform:
         return constants.on_side(lying.side or 1.0)
     press = lying.contact - mean * lying.bend
-    unit = constants.restoring / (rod.weight_per_length * math.sin(rod.inclination))
+    unit = constants.weight / (rod.weight_per_length * math.sin(rod.inclination))
     neutral_squared = (rod.length / math.pi) ** 2 / rod.radial_clearance * float(lying.bend.min())
-    return constants._replace(restoring=unit * float(press.min()), neutral_squared=neutral_squared)
+    return constants.pressed(unit * float(press.min()))._replace(neutral_squared=neutral_squared)
 
 
 def on_wall(rod: RodData, like: Load, loads: Loads) -> Bools:

@@ -345,7 +345,8 @@ class RodData(units.InUnits, TellsAttributes):
     @property
     def pendulum_frequency(self) -> float:
         """Frequency sqrt(w_e sin(inclination) / (R m_t)) in rad/s at which a rigid rod swings in the channel."""
-        return math.sqrt(formulas.restoring(self.effective_gravity, self.radial_clearance))
+        masses = formulas.Masses(self.mass_per_length, self._weighing / self.mass_per_length)
+        return math.sqrt(formulas.restoring(self.parameters, masses))
 
     @property
     def critical_force(self) -> float:

@@ -7,8 +7,8 @@ intervals have their own.  `floquetrod.rod.model.constants.ModeConstants.of` put
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
-from typing import Any
+from collections.abc import Callable, Mapping
+from typing import Any, NamedTuple
 
 THINNEST = 1e-6  # wall of a tube in outer radii: far below any, and area and second moment keep ten digits (a choice)
 FLOATING = 1e-9  # weight over that without buoyancy up to which a rod counts as floating: rounding is near (a choice)
@@ -78,14 +78,36 @@ def gravity_across(gravity: Any, inclination: Any, sin: Callable[[Any], Any] = m
     return gravity * sin(inclination)
 
 
-def effective_gravity(across: Any, weight_over_inertia: Any) -> Any:
+# --- what acts across the channel ---
+
+
+class Masses(NamedTuple):
+    """Masses per length of a rod."""
+
+    inertia: Any  # m_t in kg/m
+    weighing_share: Any  # own mass less that of the fluid displaced, over m_t
+
+
+def effective_gravity(across: Any, weighing_share: Any) -> Any:
     """Return the acceleration by which a rod is pulled to the floor."""
-    return across * weight_over_inertia
+    return across * weighing_share
 
 
-def restoring(gravity: Any, room: Any) -> Any:
-    """Return Omega^2 in 1/s^2, all that restores a rod across, over its inertia: its weight alone."""
-    return gravity / room
+def weight_across(p: Mapping[str, Any], masses: Masses, sin: Callable[[Any], Any] = math.sin) -> Any:
+    """Return the force w_e sin(inclination) by which the weight presses a rod to the floor, over R m_t, in 1/s^2.
+
+    Of the parameters of a rod by name.
+    """
+    across = gravity_across(p["gravity"], p["inclination"], sin)
+    return effective_gravity(across, masses.weighing_share) / clearance(p["radius"], p["channel_radius"])
+
+
+def restoring(p: Mapping[str, Any], masses: Masses, sin: Callable[[Any], Any] = math.sin) -> Any:
+    """Return Omega^2 in 1/s^2, all that restores a rod across, over its inertia m_t: its weight alone.
+
+    Of the parameters of a rod by name.  In a bend the compression presses the rod besides, see `contact`.
+    """
+    return weight_across(p, masses, sin)
 
 
 # --- modes ---

@@ -36,6 +36,18 @@ def _masses(p: Mapping[str, Any]) -> tuple[Any, Any]:
     return own, formulas.weighing_mass(own, p["fluid_outside"], formulas.disc(p["radius"]))
 
 
+def _has_wall(p: Mapping[str, Any]) -> Any:
+    return formulas.has_wall(p["radius"], p["inner_radius"])
+
+
+def _fits(p: Mapping[str, Any]) -> Any:
+    return formulas.fits(p["radius"], p["channel_radius"])
+
+
+def _sinks(p: Mapping[str, Any]) -> Any:
+    return formulas.sinks(*_masses(p))
+
+
 def _no_wall(p: Mapping[str, float]) -> ValueError:
     inner, outer = p["inner_radius"], p["radius"]
     return wrong_value(
@@ -65,13 +77,13 @@ def _floats(p: Mapping[str, float]) -> ValueError:
     )
 
 
-HAS_WALL = Requirement(lambda p: formulas.has_wall(p["radius"], p["inner_radius"]), _no_wall)
+HAS_WALL = Requirement(_has_wall, _no_wall)
 """A tube's wall is thick enough to count as one."""
 
-FITS = Requirement(lambda p: formulas.fits(p["radius"], p["channel_radius"]), _no_room)
+FITS = Requirement(_fits, _no_room)
 """The rod has room in its channel."""
 
-SINKS = Requirement(lambda p: formulas.sinks(*_masses(p)), _floats)
+SINKS = Requirement(_sinks, _floats)
 """The rod lies on the floor."""
 
 REQUIREMENTS = (HAS_WALL, FITS, SINKS)

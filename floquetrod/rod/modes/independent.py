@@ -319,7 +319,10 @@ class IndependentModel(ModeModel):
             modes_stable_fill,
             [
                 *loads.flat,
-                *(np.broadcast_to(np.asarray(constant, dtype=np.float64), out.shape) for constant in constants),
+                *(
+                    np.broadcast_to(np.asarray(constant, dtype=np.float64), out.shape)
+                    for constant in constants.equation
+                ),
             ],
             out,
             tolerance,
