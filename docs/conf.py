@@ -36,6 +36,7 @@ extensions = [
     "formulas",
     "kernels",
     "method_list",
+    "parameter_list",
     "parameters",
     "search_excerpts",
 ]

@@ -7,7 +7,9 @@ import functools
 import inspect
 import math
 import re
+import runpy
 from collections.abc import Callable, Mapping
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -16,7 +18,9 @@ import pytest
 import floquetrod as fr
 from conftest import needs_jit
 from floquetrod._util.suggest import short
+from floquetrod.cli.check import rod_file_in_words
 from floquetrod.cli.main import main
+from floquetrod.ensembles.varied_axes import names_of
 from floquetrod.milling.cutter import CUTTER, TOOL_MODE
 from floquetrod.parameter import NAMES, REQUIRED, Parameter, Subsystem, require_known
 from floquetrod.rod.answers.rod_box import RodBox
@@ -80,6 +84,35 @@ def test_options_of_the_terminal_follow(capsys: pytest.CaptureFixture[str]) -> N
         if record.option is not None:
             assert f"--{(record.option.name or name).replace('_', '-')}" in text
             assert record.option.help.format(range="").replace("%%", "%") in text
+
+
+def test_the_reference_lists_every_parameter_with_its_default_and_option() -> None:
+    described = runpy.run_path(str(Path(__file__).parents[1] / "docs/parameter_list.py"))
+    for kind, table in {"rod": ROD, "load": LOAD, "tool": TOOL}.items():
+        text = "\n".join(described["table"](kind))
+        assert re.findall(r"\* - ``(\w+)``", text) == [*table]
+    gravity = described["row"](ROD["gravity"])
+    assert gravity[:5] == ["``gravity``", "g", "m/s2", "``9.81``", "1e-12 to 1e+15"]
+    assert described["row"](ROD["depth"])[5:] == [
+        "``--depth``",
+        ", ".join(n for n in NAMES if n != "strings"),
+        "strings",
+    ]
+
+
+def test_the_help_of_rod_files_names_every_key() -> None:
+    text = rod_file_in_words()
+    assert all(re.search(rf"\b{name}\b", text) for name in (*ROD, *INSTEAD))
+    assert max(map(len, text.splitlines())) < 120
+
+
+def test_what_simulations_do_not_know_an_ensemble_may_not_vary(monkeypatch: pytest.MonkeyPatch) -> None:
+    problem = fr.SimulationProblem(PIPE, PUSH, duration=1e-3, segments=60, frames=2)
+    assert {*names_of(problem)["rod"]} == {*NUMBERS, *INSTEAD}
+    unknown = dataclasses.replace(ROD["radius"], known_to=frozenset(NAMES) - {"simulation"})
+    monkeypatch.setitem(ROD, "radius", unknown)  # type: ignore[arg-type]
+    with pytest.raises(ValueError, match=r"over must name what can be varied.*got 'diameter'"):
+        fr.ensemble(problem, over={"diameter": [1e-3, 2e-3]})
 
 
 # --- which subsystems know a parameter ---
@@ -162,6 +195,16 @@ def test_critical_forces_in_a_bend_ask_whether_bends_know_a_parameter(
             answer()
     with pytest.raises(ValueError, match=r"yield_strength is not part of"):
         bent_rod.stability(PUSH).report({"force": "Fcr"})
+
+
+def test_forces_are_not_given_by_a_critical_force_that_ignores_a_parameter() -> None:
+    """A residual curvature, which verdicts do not know; strings with it are made and asked in newtons."""
+    rod = PIPE.replace(residual_curvature=0.1, length=3000.0)  # so slender that a warning would name its mode
+    assert rod.force_unit is None
+    assert PIPE.force_unit == PIPE.critical_force
+    with pytest.raises(ValueError, match=r"residual_curvature is not part of critical forces and modes"):
+        rod.critical_half_wave  # noqa: B018
+    assert rod.mean_force(WELL, 0.1, bottom=600.0, far_force=3.0).report()
 
 
 def same(one: Any, other: Any) -> bool:

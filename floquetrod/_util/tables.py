@@ -29,7 +29,7 @@ def read_toml(path: Path, what: str) -> dict[str, Any]:
         raise ValueError(f"{what} {path} cannot be read: {error}") from None
 
 
-def require_known(keys: Iterable[str], known: Collection[str]) -> None:
+def require_keys(keys: Iterable[str], known: Collection[str]) -> None:
     """Raise ValueError for the first unknown of ``keys``, with the nearest known one, or all of them."""
     unknown = next((key for key in keys if key not in known), None)
     if unknown is not None:

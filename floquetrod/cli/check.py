@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import argparse
+import json
 import re
+import textwrap
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -28,10 +30,13 @@ from floquetrod.cli.parser import Parser
 from floquetrod.floquet.margins import Margin
 from floquetrod.floquet.registry import METHODS
 from floquetrod.floquet.status import STATUS_CODES, Status
+from floquetrod.parameter import REQUIRED
 from floquetrod.rod.answers.reports import shown_in
 from floquetrod.rod.answers.rod_stability import RodStability
 from floquetrod.rod.answers.search_pieces import FEW_MODES
 from floquetrod.rod.loads.load import QUANTITIES, Load, Quantity
+from floquetrod.rod.model.beam import CONDITIONS
+from floquetrod.rod.model.parameters import INSTEAD, ROD
 from floquetrod.rod.reading import LOAD_OPTIONS, RECORD_OPTIONS
 
 _HELP = """\
@@ -52,12 +57,7 @@ examples:
 The answer is in the units of the question or of --unit; --json is in N, rad/s and m/s.
 margins: how far each quantity may fall or rise, with the others unchanged, until the verdict changes.
 exit status: 0 for every verdict; with --exit-code 0 stable, 1 unstable, 3 undecided; 2 for invalid input.
-rod files: TOML with youngs_modulus, density, radius, length and channel_radius; optional are damping_rate, gravity
-(9.81 m/s^2 unless given), inner_radius, fluid_inside, fluid_outside, added_mass_coefficient and inclination (from the
-vertical).  Values are SI numbers or strings such as "68GPa", "2.375in", "8.6ppg" or "60deg".  diameter,
-inner_diameter, wall_thickness and channel_diameter may replace radii.  ends is "hinged", "clamped", "guided", "free",
-or two of them, the upper end first, such as "clamped-hinged".  A steel pipe needs only its name, the bore (the
-diameter of the hole) and the length:
+{rod_file}
   catalogue = "2.00x0.156 CT90"
   bore = "4.778in"
   length = "200ft"
@@ -87,9 +87,29 @@ _STATUS: dict[Status, int] = {"stable": 0, "unstable": 1, "undecided": 3}
 _LAST_MODE = 20_000  # far beyond any mode that matters: a typing error must not fill the memory
 
 
+def rod_file_in_words() -> str:
+    """Return which keys a rod file has, from the records of the parameters, in lines for the help."""
+    required = [name for name, parameter in ROD.items() if parameter.default is REQUIRED]
+    notes = {"gravity": " (9.81 m/s^2 unless given)", "inclination": " (from the vertical)"}
+    optional = [f"{name}{notes.get(name, '')}" for name in ROD if name not in required]
+    instead = [f"{name} ({replaced})" for name, replaced in INSTEAD.items()]
+    text = (
+        f"rod files: TOML with {_and(required)}; optional are {_and(optional)}.  Values are SI numbers or strings such "
+        f'as "68GPa", "2.375in", "8.6ppg" or "60deg".  May be given in place of a parameter: {_and(instead)}.  ends is '
+        f"{', '.join(map(json.dumps, CONDITIONS))}, or two of them, the upper end first, such "
+        'as "clamped-hinged".  A steel pipe needs only its name, the bore (the diameter of the hole) and the length:'
+    )
+    return "\n".join(textwrap.wrap(text, 119, break_on_hyphens=False))
+
+
+def _and(names: Sequence[str]) -> str:
+    return f"{', '.join(names[:-1])} and {names[-1]}"
+
+
 def add(check: Parser) -> None:
     """Add help and options of the command to its parser."""
-    describe_command(check, _HELP, _check, ("system", *ROD_AND_LOAD), has_assumptions=True)
+    text = _HELP.replace("{rod_file}", rod_file_in_words())
+    describe_command(check, text, _check, ("system", *ROD_AND_LOAD), has_assumptions=True)
     add_question(check, add_subject(check), friction=True)
     check.add_argument("--exit-code", action="store_true", help="exit with 1 when unstable, 3 when undecided")
     check.add_argument(

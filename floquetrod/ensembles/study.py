@@ -19,7 +19,7 @@ from floquetrod._util import validate
 from floquetrod._util.arguments import Message, argument_of, error_in
 from floquetrod._util.calling import level_of_caller
 from floquetrod._util.plausibility_warning import SILENCE, PlausibilityWarning
-from floquetrod._util.tables import read_toml, require_known
+from floquetrod._util.tables import read_toml, require_keys
 from floquetrod.ensembles.ensemble import ensemble
 from floquetrod.ensembles.tasks import Summary
 from floquetrod.ensembles.varied_axes import LAYOUTS, MOST_RUNS, RUN_KINDS, VARIED_KINDS, names_of
@@ -203,7 +203,7 @@ class Study:
 
 def _require_tables(tables: Mapping[str, Any]) -> None:
     """Raise ValueError for unknown and missing tables, and for values in the place of a table."""
-    require_known(tables, _TABLES)
+    require_keys(tables, _TABLES)
     for name in ("rod", "load", "over"):
         if name not in tables:
             raise ValueError(f"missing table [{name}]; the tables are {', '.join(f'[{t}]' for t in _TABLES)}")
@@ -236,7 +236,7 @@ def _rod(path: Path, given: Any) -> Rod:
 
 def _load(path: Path, table: Mapping[str, Any], rod: Rod) -> Any:
     """Return the load; a measured force is searched for beside the study file."""
-    require_known(table, _LOAD)
+    require_keys(table, _LOAD)
     given = {key: _scalar(key, table.get(key)) for key in _LOAD}
     if given["force"] is None and (missing := [key for key in QUANTITIES if given[key] is None]):
         raise ValueError(f"missing key{'s' if missing[1:] else ''} {', '.join(missing)}; or give a measured force")
@@ -278,7 +278,7 @@ def _ends(varied: Any, own: float) -> list[float]:
 
 def _settings(table: Mapping[str, Any], rod: Rod) -> dict[str, Any]:
     """Return the options of the problem in the table [run]."""
-    require_known(table, _RUN)
+    require_keys(table, _RUN)
     settings: dict[str, Any] = {}
     for key, value in table.items():
         if key == "natural_curvature" or (key == "friction" and isinstance(value, list)):
@@ -298,7 +298,7 @@ def _settings(table: Mapping[str, Any], rod: Rod) -> dict[str, Any]:
 
 def _start(table: Mapping[str, Any]) -> dict[str, Any]:
     """Return the option of the problem that says how the rod is set moving, none for its default."""
-    require_known(table, _START)
+    require_keys(table, _START)
     if not table:
         return {}
     kicks = table.get("kick", {})
@@ -314,7 +314,7 @@ def _start(table: Mapping[str, Any]) -> dict[str, Any]:
 
 def _options(table: Mapping[str, Any]) -> dict[str, Any]:
     """Return the table [ensemble]: how values are combined, and how they are drawn."""
-    require_known(table, _OPTIONS)
+    require_keys(table, _OPTIONS)
     return {name: _OPTIONS[name](name, value) for name, value in table.items()}
 
 
@@ -322,7 +322,7 @@ def _over(table: Mapping[str, Any], problem: SimulationProblem) -> dict[str, tup
     """Return the table [over]: of each key the values or the distribution, and the unit it is written in."""
     if not table:
         raise ValueError('needs at least one key such as frequency = ["19Hz", "24Hz"], got none')
-    require_known(table, [name for names in names_of(problem).values() for name in names])
+    require_keys(table, [name for names in names_of(problem).values() for name in names])
     return {key: _varied(key, value, problem.rod) for key, value in table.items()}
 
 
@@ -338,12 +338,12 @@ def _varied(key: str, given: Any, rod: Rod) -> tuple[Any, Unit]:
         return _integers(key, given), Unit("", 1.0)
     numbers = given if isinstance(given, list) else [v for k, v in given.items() if k not in _WORDS]
     written = (units.unit_of(value) or "" for value in numbers if isinstance(value, str))
-    unit = units.unit(next(written, ""), key, VARIED_KINDS[key], rod.critical_force)
+    unit = units.unit(next(written, ""), key, VARIED_KINDS[key], rod.force_unit)
     if isinstance(given, list):
         return [_quantity(key, value, rod) for value in given], unit
     if "distribution" in given:
         return _distribution(key, given, rod), unit
-    require_known(given, ("from", "to", "steps", "spacing"))
+    require_keys(given, ("from", "to", "steps", "spacing"))
     _require_all(key, given, ("from", "to", "steps"))
     first, last = (_quantity(f"{key}: {end}", given[end], rod, key) for end in ("from", "to"))
     steps = validate.integer(f"{key}: steps", given["steps"], 2, MOST_RUNS)
@@ -361,7 +361,7 @@ def _integers(key: str, given: Any) -> Any:
     """Return integers: a list of them, or every one of a range."""
     if isinstance(given, list):
         return [validate.integer(key, value, 0) for value in given]
-    require_known(given, ("from", "to"))
+    require_keys(given, ("from", "to"))
     _require_all(key, given, ("from", "to"))
     first = validate.integer(f"{key}: from", given["from"], 0)
     return range(first, validate.integer(f"{key}: to", given["to"], first, first + MOST_RUNS) + 1)
@@ -371,7 +371,7 @@ def _distribution(key: str, given: Mapping[str, Any], rod: Rod) -> Any:
     """Return a distribution of SciPy's."""
     kind = validate.choice(f"{key}: distribution", given["distribution"], _DISTRIBUTIONS)
     needed = _DISTRIBUTIONS[kind]
-    require_known(given, ("distribution", *needed, *(_BOUNDS if kind == "normal" else ())))
+    require_keys(given, ("distribution", *needed, *(_BOUNDS if kind == "normal" else ())))
     _require_all(key, given, needed)
     numbers = {
         name: _quantity(f"{key}: {name}", v, rod, key)
@@ -410,7 +410,7 @@ def _quantity(name: str, value: Any, rod: Rod, key: str | None = None, nominal: 
     """
     key = key or name
     own = rod.parameters.get(key) if nominal is None else nominal
-    return units.quantity(value, name, VARIED_KINDS[key], critical_force=rod.critical_force, nominal=own)
+    return units.quantity(value, name, VARIED_KINDS[key], critical_force=rod.force_unit, nominal=own)
 
 
 def _scalar(key: str, value: Any) -> str | int | float | None:

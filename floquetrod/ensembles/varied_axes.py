@@ -13,10 +13,11 @@ from numpy.typing import NDArray
 from floquetrod import units
 from floquetrod._util import validate
 from floquetrod._util.caching import cached_property
+from floquetrod.parameter import unknown
 from floquetrod.rod.distributions import quantile_function, quantiles
 from floquetrod.rod.loads.load import LOAD
 from floquetrod.rod.loads.tool import TOOL
-from floquetrod.rod.model.parameters import GIVEN, INSTEAD, NUMBERS
+from floquetrod.rod.model.parameters import GIVEN, INSTEAD, NUMBERS, ROD
 from floquetrod.simulation.simulation_problem import SimulationProblem
 from floquetrod.simulation.start import Perturbation
 
@@ -68,10 +69,11 @@ class VariedAxis(NamedTuple):
 
 def names_of(problem: SimulationProblem) -> dict[str, tuple[str, ...]]:
     """Return the names that may be varied, by what they belong to: "problem", "load", "rod", "tool", "start"."""
+    ignored = {parameter.name for parameter in unknown(ROD, "simulation")}
     return {
         "problem": tuple(part.name for part in fields(problem) if part.type in _NUMBERS),
         "load": tuple(part.name for part in fields(problem.load) if part.type in _NUMBERS),
-        "rod": (*NUMBERS, *INSTEAD),
+        "rod": tuple(name for name in (*NUMBERS, *INSTEAD) if INSTEAD.get(name, name) not in ignored),
         "tool": () if problem.tool is None else tuple(OF_TOOL),
         "start": START,
     }

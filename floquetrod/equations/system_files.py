@@ -14,7 +14,7 @@ import numpy as np
 from floquetrod import units
 from floquetrod._util import validate
 from floquetrod._util.sealed_files import Arrays, require_regular
-from floquetrod._util.tables import require_known
+from floquetrod._util.tables import require_keys
 from floquetrod.equations import matrices
 from floquetrod.equations.delay_system import DelaySystem
 from floquetrod.equations.hill_system import HillSystem
@@ -138,7 +138,7 @@ def _by_piece(table: dict[str, Any]) -> Mapping[str, Any]:
 
 def _system(table: Mapping[str, Any]) -> HillSystem | PeriodicSystem | DelaySystem:
     """Return the system of a table; ValueError or TypeError names the key."""
-    require_known(table, _KEYS)
+    require_keys(table, _KEYS)
     if "pieces" in table:
         return _in_pieces(table)
     if ("stiffness" in table) == ("mean" in table):
@@ -169,7 +169,7 @@ def _tables(table: Mapping[str, Any], key: str) -> list[Any]:
 def _delayed(name: str, table: Mapping[str, Any], *, pieces: bool = False) -> tuple[Any, ...]:
     """Return a delayed term from its table."""
     try:
-        require_known(table, _DELAYED)
+        require_keys(table, _DELAYED)
         needed = ("delay", "pieces") if pieces else ("delay", "matrix")
         if missing := [key for key in needed if key not in table]:
             raise ValueError(f"key {missing[0]!r} is missing")
@@ -214,7 +214,7 @@ def _piece(
 ) -> tuple[float, Varying]:
     """Return the duration and the matrix of a piece."""
     try:
-        require_known(table, known)
+        require_keys(table, known)
         start = _STARTS[mean]
         if "duration" not in table or (mean not in table and start not in table):
             hint = ", or a mean in first order" if mean in _OF_A_PIECE else ""

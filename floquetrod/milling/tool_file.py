@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 
 from floquetrod import units
 from floquetrod._util import validate
-from floquetrod._util.tables import read_toml, require_known
+from floquetrod._util.tables import read_toml, require_keys
 from floquetrod.bare_numbers import Quantity, bare_numbers
 from floquetrod.milling.cutter import CUTTER, TOOL_MODE, ToolMode
 from floquetrod.parameter import REQUIRED
@@ -33,7 +33,7 @@ def read_tool(path: str | Path) -> ToolFile:
         if set(table) != {"tool"} or not isinstance(table["tool"], dict):
             raise ValueError("it must hold one table [tool], with [[tool.x]] and [[tool.y]] for the modes")
         given = table["tool"]
-        require_known(given, (*CUTTER, *_RANGES))
+        require_keys(given, (*CUTTER, *_RANGES))
         if missing := [key for key, parameter in CUTTER.items() if parameter.default is REQUIRED and key not in given]:
             raise ValueError(f"key {missing[0]!r} is missing")
         _require_units(given)
@@ -81,7 +81,7 @@ def _mode(axis: str, number: int, table: Any) -> ToolMode:
     try:
         if not isinstance(table, dict):
             raise ValueError(f"modes are tables [[tool.{axis}]], got {validate.short(table)}")
-        require_known(table, [parameter.name for parameter in _OF_A_MODE])
+        require_keys(table, [parameter.name for parameter in _OF_A_MODE])
         return ToolMode(**table)
     except (TypeError, ValueError) as error:
         raise ValueError(f"{axis}[{number}]: {error}") from None

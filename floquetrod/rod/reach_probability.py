@@ -30,7 +30,7 @@ from floquetrod.rod.distributions import (
     samples_of,
 )
 from floquetrod.rod.loads.tool import VibrationTool, tool_inside
-from floquetrod.rod.model.parameters import friction_coefficient
+from floquetrod.rod.model.parameters import NUMBERS, friction_coefficient
 from floquetrod.rod.model.wellhead import Wellhead
 from floquetrod.rod.rod import Rod
 from floquetrod.rod.uncertainty import entropy, independence, random_levels
@@ -38,10 +38,7 @@ from floquetrod.wells.path import WellPath
 
 _MOST_SAMPLES = 10**6  # a day or two
 _DEPTHS = 20  # where none are asked for
-_OF_STRING = (
-    *("youngs_modulus", "density", "radius", "inner_radius", "channel_radius", "gravity"),
-    *("fluid_inside", "fluid_outside", "residual_curvature"),
-)
+_OF_STRING = tuple(name for name, parameter in NUMBERS.items() if "strings" in parameter.known_to)
 """Parameters of a rod that its mean force depends on."""
 
 

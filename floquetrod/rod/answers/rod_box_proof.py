@@ -29,14 +29,7 @@ from floquetrod.rod.answers.rod_box import RodBox, RodExample
 from floquetrod.rod.loads.load import QUANTITIES, Load, Loads, Quantity
 from floquetrod.rod.mode_equations.modal_systems import ModalSystem
 from floquetrod.rod.mode_equations.unstable_loads import unstable_loads
-from floquetrod.rod.model.assumptions import (
-    IMMERSED,
-    SHAPE,
-    WALL,
-    WEIGHT_NEGLECTED,
-    channel_assumptions,
-    warn_unless_uniform,
-)
+from floquetrod.rod.model.assumptions import rod_assumptions, warn_unless_uniform
 from floquetrod.rod.model.constants import MOST_MODES, NEGLIGIBLE_GROWTH, mode_constants
 from floquetrod.rod.model.data import RodData
 
@@ -302,14 +295,9 @@ def _rate(rod: RodData, load: Load, mode: int) -> str:
 
 def _assumptions(box: RodBox) -> tuple[str, ...]:
     """Return the assumptions of the proof."""
-    wet = box.rod.fluid_inside or box.rod.fluid_outside or {"fluid_inside", "fluid_outside"} & set(box.parameters)
-    weight = box.rod.inclination < 0.5 * math.pi or "inclination" in box.parameters
     return (
         "Eq. (1): hinged ends, a sine force uniform along the rod, no friction",
-        *([WEIGHT_NEGLECTED] if weight else []),
-        *SHAPE,
-        *channel_assumptions(box.rod),
-        *(IMMERSED if wet else (WALL,)),
+        *rod_assumptions(box.rod, box.template, box.parameters),
         "each rod is uniform, its parameters constant in time",
         "doubles are added, multiplied and divided as IEEE 754 says, rounded to nearest",
     )

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import warnings
+from collections.abc import Collection
 from typing import Any
 
 import numpy as np
@@ -174,11 +175,16 @@ def assumptions(rod: RodData, load: Load) -> tuple[Assumption, ...]:
             f"vibration uniform along the rod, which is {wave_ratio(rod, load):.2g} axial wavelengths long",
             "at a tenth of a wavelength the middle feels 5 % more than the ends, as an axial wave computes",
         )
-    weight = (rod.weight_along > 0.0 or not rod.course.is_uniform) and load.mean_at is None
+    return (vibration, *rod_assumptions(rod, load))
+
+
+def rod_assumptions(rod: RodData, load: Load, varied: Collection[str] = ()) -> tuple[Assumption, ...]:
+    """Return what the equations assume of a rod, of which some parameters may be ``varied``."""
+    is_inclined = rod.weight_along > 0.0 or not rod.course.is_uniform or "inclination" in varied
+    is_immersed = any(getattr(rod, name) or name in varied for name in ("fluid_inside", "fluid_outside"))
     return (
-        vibration,
-        *([WEIGHT_NEGLECTED] if weight else []),
+        *([WEIGHT_NEGLECTED] if is_inclined and load.mean_at is None else []),
         *SHAPE,
         *channel_assumptions(rod),
-        *(IMMERSED if rod.fluid_inside or rod.fluid_outside else (WALL,)),
+        *(IMMERSED if is_immersed else (WALL,)),
     )

@@ -11,7 +11,7 @@ from floquetrod._util import validate
 from floquetrod._util.arguments import Message, error_in
 from floquetrod._util.calling import level_of_caller
 from floquetrod._util.plausibility_warning import SILENCE, PlausibilityWarning
-from floquetrod._util.tables import read_toml, require_known
+from floquetrod._util.tables import read_toml, require_keys
 from floquetrod.bare_numbers import Quantity, bare_numbers
 from floquetrod.parameter import REQUIRED
 from floquetrod.rod.model.parameters import GIVEN, INSTEAD, MEANT, ROD, units_given
@@ -101,7 +101,7 @@ def _require_keys(table: Mapping[str, Any]) -> None:
     written = next((key for key in table if key in MEANT), None)
     if written is not None:
         raise ValueError(f"unknown key {written!r}; {MEANT[written]}")
-    require_known(table, known)
+    require_keys(table, known)
     given = {*table, *(INSTEAD[key] for key in table if key in INSTEAD)}
     missing = [f"missing key {key!r}" for key in needed if key not in given]
     if missing:
