@@ -221,7 +221,7 @@ def read_quantity(text: str, name: load.Quantity, rod: fr.Rod, given: str | None
 
 def read_force(text: str, name: str, rod: fr.Rod) -> float:
     """Return a force in N that an option gives."""
-    return units.quantity(text, name, "force", critical_force=rod.critical_force)
+    return units.quantity(text, name, "force", critical_force=rod.force_unit)
 
 
 _NO_COLON = re.compile(r"\s*(\d[\d.]*[a-zA-Z/%]*)\s*(?:[-\N{EN DASH};,]|\.\.+|to)\s*(\d[\d.]*[a-zA-Z/%]+)\s*")
@@ -301,7 +301,7 @@ def read_units(options: argparse.Namespace, rod: fr.Rod) -> dict[str, str]:
         typed = _typed_unit(text) if isinstance(text, str) else None
         unasked = "Hz" if name == "frequency" and getattr(options, "force", None) else _UNASKED.get(kind, "")
         wanted = chosen.get(kind, unasked if typed is None else typed)
-        found[name] = units.unit(wanted, f"--{name}", kind, rod.critical_force).name
+        found[name] = units.unit(wanted, f"--{name}", kind, rod.force_unit).name
     asked = {kind: name for kind, name in chosen.items() if kind in ("force", "length", "pressure")}
     if not units.is_unit(asked.get("force", ""), "force"):  # critical forces, of which one is said in another unit
         asked.pop("force", None)

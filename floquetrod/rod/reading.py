@@ -163,7 +163,7 @@ def read_quantity(value: Any, name: Quantity, rod: Rod, named: ArgumentName = st
     return record.quantity(
         value,
         named(name),
-        critical_force=rod.critical_force,
+        critical_force=rod.force_unit,
         least=record.least,
         largest=record.largest,
         given=quoted,

@@ -54,7 +54,7 @@ def shown_in(names: Mapping[str, str] | None, rod: RodData, *others: known.InUni
     if not names.keys() <= _SHOWN.keys():
         raise validate.wrong_value("units", f"must be of {', '.join(_SHOWN)}, got {dict(names)!r}")
     wanted = {
-        name: known.unit(names[name], f"units[{name!r}]", kind, rod.critical_force)
+        name: known.unit(names[name], f"units[{name!r}]", kind, rod.force_unit)
         for name, kind in _SHOWN.items()
         if name in names
     }

@@ -361,6 +361,14 @@ class RodData(units.InUnits, TellsAttributes):
             return float(self._least_force)  # type: ignore[attr-defined]
         return float(critical_push(np.asarray(self._bend), np.asarray(across))) if self.curvature else 2.0 * across
 
+    @property
+    def force_unit(self) -> float | None:
+        """The critical force in N, by which forces may be given; None where it would ignore a parameter of the rod."""
+        try:
+            return self.critical_force
+        except ValueError:
+            return None
+
     def _require_known_to_force(self) -> None:
         """Raise ValueError where the critical force would ignore a parameter."""
         require_known(self, ROD, "critical force")

@@ -82,10 +82,10 @@ def suspicions_of_rod(rod: Any) -> Iterator[str]:
             f'm: radius="{rod.radius:g}mm"'
         )
     elif is_typed(rod.length) and _SLENDEREST < slenderness <= 1e3 * _SLENDEREST:
+        buckled = "" if rod.force_unit is None else f", and the rod would buckle into mode {rod.critical_mode:.0f}"
         yield (
-            f"length = {rod.length:g} m is {slenderness:.3g} times the diameter of {diameter:g} m, and the rod would "
-            f"buckle into mode {rod.critical_mode:.0f}; were these millimetres? A number is taken in m: "
-            f'length="{rod.length:g}mm"'
+            f"length = {rod.length:g} m is {slenderness:.3g} times the diameter of {diameter:g} m{buckled}; were "
+            f'these millimetres? A number is taken in m: length="{rod.length:g}mm"'
         )
     elif is_typed(rod.radius) and 1e-3 * _STUBBIEST <= slenderness < _STUBBIEST:
         yield (
@@ -226,7 +226,9 @@ def may_be_hertz(rod: Any, load: Any) -> bool:
     2 / k times a mode's frequency.  The number lies below all tongues up to order 3, and as one of Hz above the first
     of order 1.
     """
-    share = max(0.0, load.mean) / rod.critical_force
+    if (critical := rod.force_unit) is None:
+        return False
+    share = max(0.0, load.mean) / critical
     if share >= 1.0 or load.amplitude == 0.0 or load.waveform != "sine" or not is_typed(load.frequency):
         return False
     first = 2.0 * rod.pendulum_frequency * math.sqrt(1.0 - share * share)
@@ -234,7 +236,9 @@ def may_be_hertz(rod: Any, load: Any) -> bool:
 
 
 def warn_of_load(rod: Any, load: Any) -> None:
-    """Warn of a load, or a record, that is suspicious on this rod."""
+    """Warn of a load, or a record, that is suspicious on this rod, by its critical force."""
+    if rod.force_unit is None:
+        return
     is_unnamed = not isinstance(load, Load) and not load.force_unit_named
     for suspicion in suspicions_of_record(rod, load) if is_unnamed else suspicions_of_load(rod, load):
         warnings.warn(Message(suspicion, SILENCE), PlausibilityWarning, stacklevel=level_of_caller())
