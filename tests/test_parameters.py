@@ -108,7 +108,9 @@ def test_the_help_of_rod_files_names_every_key() -> None:
 
 def test_what_simulations_do_not_know_an_ensemble_may_not_vary(monkeypatch: pytest.MonkeyPatch) -> None:
     problem = fr.SimulationProblem(PIPE, PUSH, duration=1e-3, segments=60, frames=2)
-    assert {*names_of(problem)["rod"]} == {*NUMBERS, *INSTEAD}
+    assert {*names_of(problem)["rod"]} == {*NUMBERS, *INSTEAD} - {"residual_curvature"}
+    with pytest.raises(ValueError, match=r"over must name what can be varied.*got 'residual_curvature'"):
+        fr.ensemble(problem, over={"residual_curvature": [0.1, 0.2]})
     unknown = dataclasses.replace(ROD["radius"], known_to=frozenset(NAMES) - {"simulation"})
     monkeypatch.setitem(ROD, "radius", unknown)  # type: ignore[arg-type]
     with pytest.raises(ValueError, match=r"over must name what can be varied.*got 'diameter'"):
@@ -197,6 +199,7 @@ def test_critical_forces_in_a_bend_ask_whether_bends_know_a_parameter(
         bent_rod.stability(PUSH).report({"force": "Fcr"})
 
 
+@pytest.mark.filterwarnings("ignore::floquetrod.PlausibilityWarning")
 def test_forces_are_not_given_by_a_critical_force_that_ignores_a_parameter() -> None:
     """A residual curvature, which verdicts do not know; strings with it are made and asked in newtons."""
     rod = PIPE.replace(residual_curvature=0.1, length=3000.0)  # so slender that a warning would name its mode

@@ -74,7 +74,7 @@ class ModeConstants(NamedTuple):
         return self[:5]
 
     def pressed(self, weight: Any) -> ModeConstants:
-        """Return the constants of a rod pressed to its wall by another ``weight``, with other stiffness across unchanged."""
+        """Return the constants of a rod pressed to its wall by another ``weight``, all other stiffness unchanged."""
         return self._replace(restoring=weight + (self.restoring - self.weight), weight=weight)
 
     def on_side(self, side: Any) -> ModeConstants:

@@ -114,6 +114,6 @@ def _value(key: str, value: Any, folder: Path) -> Any:
         from floquetrod.wells.path import WellPath
 
         given = {"file": value} if isinstance(value, str) else dict(value)
-        require_known(given, ("file", *SURVEY_KEYS))
+        require_keys(given, ("file", *SURVEY_KEYS))
         return WellPath.from_csv(folder / given.pop("file"), **given)
     return GIVEN[key].quantity(value, key) if key in GIVEN and GIVEN[key].kind else value
