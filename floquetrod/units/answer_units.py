@@ -31,6 +31,7 @@ from floquetrod.units.quantities import unit_of
 from floquetrod.units.table import UNITS, Unit, meant, unit
 
 _FEW = 100  # elements of a list that are read for a unit (a choice)
+_DEEPEST = 2  # lists in lists that are read: pairs of a depth and a number
 _KINDS = {"across": "length"}
 """Kinds of quantity of the fields of `GivenUnits` that are not named after theirs."""
 
@@ -71,15 +72,15 @@ class GivenUnits(NamedTuple):
         return GivenUnits(*(next(filter(None, names), "") for names in zip(self, *others, strict=True)))
 
 
-def _units_in(value: Any, kind: str) -> Iterator[str]:
-    """Yield the names of the units of a kind in a value, or in the elements of a list."""
+def _units_in(value: Any, kind: str, depth: int = _DEEPEST) -> Iterator[str]:
+    """Yield the names of the units of a kind in a value, or in the elements of a list and of the lists in it."""
     if isinstance(value, str):
         words = [unit_of(value) or ""]
     elif is_measured(value):
         words = _names_of_measured(value)
-    elif isinstance(value, list | tuple):
+    elif isinstance(value, list | tuple) and depth:
         for element in value if len(value) <= _FEW else (value[0], value[-1]):
-            yield from _units_in(element, kind)
+            yield from _units_in(element, kind, depth - 1)
         return
     else:
         return
