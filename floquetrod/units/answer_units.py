@@ -31,6 +31,7 @@ from floquetrod.units.quantities import unit_of
 from floquetrod.units.table import UNITS, Unit, meant, unit
 
 _FEW = 100  # elements of a list that are read for a unit (a choice)
+_PER_LENGTH = {"kN": "N", "MN": "N", "klbf": "lbf", "tf": "kgf"}
 _DEEPEST = 2  # lists in lists that are read: pairs of a depth and a number
 _KINDS = {"across": "length"}
 """Kinds of quantity of the fields of `GivenUnits` that are not named after theirs."""
@@ -167,8 +168,12 @@ class AnswerUnits(NamedTuple):
 
     @property
     def per_length(self) -> Unit:
-        """Of forces per length."""
-        return self.force.per(self.length)
+        """Of forces per length, in N, lbf or kgf: a thousand of them is for the force on a whole string.
+
+        >>> AnswerUnits.named(force="klbf", length="ft").per_length.name
+        'lbf/ft'
+        """
+        return unit(_PER_LENGTH.get(self.force.name, self.force.name), "", "force").per(self.length)
 
     @property
     def mass_per_length(self) -> Unit:
