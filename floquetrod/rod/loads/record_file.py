@@ -97,7 +97,8 @@ def _head(lines: Sequence[Line], delimiter: str | None, wanted: Sequence[Wanted]
             raise ValueError("it holds no samples")
         if _is_sample(rows[0]):
             return unheaded(rows, mark, wanted), rows
-        if (head := find_head(rows, mark, wanted, failures)) is not None:
+        head = find_head(rows, mark, wanted, failures)
+        if head is not None and (head.first < len(rows) or _are_usual(head.columns)):
             if len({column.place for column in head.columns}) < len(wanted):
                 raise ValueError(f"time and force must be two columns, got column {head.columns[0].place} for both")
             return head, rows
@@ -125,6 +126,11 @@ def _places(name: str, headings: Sequence[str]) -> list[int]:
     if not places and len(headings) == 2 and not any(_rank(each, text) for each in _USUAL for text in headings):
         return [list(_USUAL).index(name)]
     return places
+
+
+def _are_usual(columns: Sequence[Column]) -> bool:
+    """Return whether headings without rows below are headings: any two words would be."""
+    return any(_rank(column.name, column.heading) is not None for column in columns)
 
 
 def _rank(name: str, heading: str) -> int | None:
