@@ -155,7 +155,10 @@ def test_messages_about_a_survey_name_options(line: list[str], capsys: pytest.Ca
     for text, said in (
         ("MD,Inc,Azi\n0,0,0\n30,1,0\n", "--depth-unit must be given, such as m or ft: the heading names none"),
         ("MD (m),Inc (mil),Azi\n0,0,0\n30,1,0\n", "--angle-unit must be given, such as deg or rad"),
-        ("Teufe,DEVI,HAZI\nFT,DEG,DEG\n0,0,0\n30,1,0\n", "got 'Teufe,DEVI,HAZI'\n"),
+        (
+            "Ort,DEVI,HAZI\nFT,DEG,DEG\n0,0,0\n30,1,0\n",
+            "none of them says depth; choose one by --survey-columns DEPTH; the headings are 'Ort",
+        ),
     ):
         Path(line[2]).write_text(text, encoding="utf-8")
         assert cli.main([*line, "--friction", "0.3"]) == 2

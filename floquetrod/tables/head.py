@@ -243,11 +243,11 @@ def not_one(wanted: Wanted, matches: Sequence[int], headings: Sequence[str] | No
     said = f"and {len(matches) or 'none'} of them {'say' if matches else 'says'} {wanted.name}"
     said = said if wanted.column is None else f"got {validate.short(wanted.column)}"
     listed = f"; the headings are {', '.join(map(repr, headings))}" if headings else ""
-    if len(matches) < 2 or headings is None:
-        return Message(f"must be {what}, {said}{listed}")
-    names = ", ".join(repr(headings[place]) for place in matches)
-    choose = f"must be {what}, {said}: {names}; choose one"
-    return Message(choose, listed) if wanted.remedy is None else Message(choose, " by ", wanted.remedy, listed)
+    named = ": " + ", ".join(repr(headings[place]) for place in matches) if headings and len(matches) > 1 else ""
+    can_choose = headings is not None and wanted.column is None and wanted.remedy is not None
+    choose = f"must be {what}, {said}{named}{'; choose one' if named or can_choose else ''}"
+    by = (" by ", wanted.remedy) if wanted.remedy is not None and (named or can_choose) else ()
+    return Message(choose, *by, listed)
 
 
 def headed(heading: str, listed: Sequence[str]) -> list[int]:
