@@ -94,8 +94,21 @@ class Runs(NoTruthValue, ByContent):
         """Draw the probability of a result over each quantity that varies, with its interval; return the figure.
 
         Over one quantity it is averaged over all others, as `floquetrod.probability` does; values that were drawn are
-        put into bins.  Draws into a figure or subfigure of matplotlib, a new one by default.  ValueError where no runs
-        are drawn, and for a result that is neither true nor false.
+        put into bins.
+
+        Parameters
+        ----------
+        name : str
+            A result that is true or false in each run, such as "buckled".
+        confidence : float
+            Probability of the intervals, between 0 and 1.
+        figure : matplotlib.figure.Figure or SubFigure, optional
+            Figure to draw into; by default a new one.
+
+        Raises
+        ------
+        ValueError
+            Where no quantity varies, and for a result that is neither true nor false.
         """
         from floquetrod.plotting.ensemble_plot import draw_shares
 

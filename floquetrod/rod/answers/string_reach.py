@@ -523,10 +523,20 @@ class Reach(units.InUnits, Printed, ByContent):
         pressure: str | None = None,
         frequency: str | None = None,
     ) -> Any:
-        """Draw the section of the well, the force at the injector, and the results along the string.
+        """Draw the force at the injector over the depth, and force and stress along the string; return the figure.
 
-        Draws into a figure or subfigure of matplotlib, a new one by default, which is returned; in the units of
-        `report`.
+        Parameters
+        ----------
+        figure : matplotlib.figure.Figure or SubFigure, optional
+            Figure to draw into; by default a new one.
+        depth : str, optional
+            Unit of depths, as in `report`.
+        force : str, optional
+            Unit of forces, as in `report`.
+        pressure : str, optional
+            Unit of stresses, as in `report`.
+        frequency : str, optional
+            Unit of frequencies in the title, as in `report`.
         """
         from floquetrod.plotting.reach_plot import draw_reach
 
