@@ -123,7 +123,8 @@ def test_examples_in_the_help_can_be_typed(capsys: pytest.CaptureFixture[str]) -
     for command in commands:
         with pytest.raises(SystemExit):
             cli.main([command, "--help-all"])
-        examples = re.findall(r"^  floquetrod (.*)$", capsys.readouterr().out, re.MULTILINE)
+        shown = re.sub(r"\\\n *", "", capsys.readouterr().out)  # as a shell joins lines
+        examples = re.findall(r"^  floquetrod (.*)$", shown, re.MULTILINE)
         assert examples, command
         for example in examples:
             assert every.parse_args(shlex.split(example)).command == command

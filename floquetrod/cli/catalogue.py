@@ -15,10 +15,10 @@ examples:
   floquetrod catalogue
   floquetrod catalogue 2.00
   floquetrod catalogue '3/4 rod'
-  floquetrod lock-up --rod '2.00x0.156 CT90' --bore 4.778in --length 200ft --friction 0.3
 
 Without a size one line a diameter, its walls and its grades with their yield strengths; with the beginning of a name
-one line a pipe, in inches and mm, with the weight in air of its body, of sucker rods with their couplings.
+one line a pipe, in inches and mm, with the weight in air of its body, of sucker rods with their couplings.  Commands on
+rods take a whole name: lock-up --rod '2.00x0.156 CT90' --bore 4.778in --length 200ft --friction 0.3.
 """
 
 
