@@ -16,6 +16,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from matplotlib import pyplot
 
 import floquetrod as fr
 from conftest import DEEP
@@ -137,8 +138,11 @@ def test_ctrl_c_ends_a_long_command_and_leaves_no_half_file(command: str, tmp_pa
 
 
 EXAMPLES = Path(__file__).parents[1] / "examples"
-READ = {"path", "well", "study", "store", "checkpoint", "tool"}
+READ = {"path", "well", "study", "store", "checkpoint", "tool", "earlier"}
 """Options and arguments of which each names one file that is read, or is kept up to date."""
+
+WRITING = ["check", "map", "explore", "ranges", "simulate", "ensemble", "report", "reach", "weights", "lobes"]
+"""Commands that write files."""
 
 
 def asked(folder: Path) -> dict[str, list[str]]:
@@ -148,12 +152,21 @@ def asked(folder: Path) -> dict[str, list[str]]:
     np.savetxt(
         record, np.c_[time, 0.5 + 0.3 * np.sin(150.0 * time)], delimiter=",", header="time s,force N", comments=""
     )
+    study = folder / "study.toml"
+    study.write_text(
+        'rod = "nitinol"\n[load]\nmean = "0.3Fcr"\namplitude = "0.3Fcr"\nfrequency = "24Hz"\n'
+        '[run]\nduration = "10ms"\nsegments = 60\n[start]\nrandom = "1mm/s"\n'
+        '[over]\nkick = ["10mm/s", "20mm/s"]\nseed = {from = 1, to = 3}\n',
+        encoding="utf-8",
+    )
     rod, ranged = ["--rod", "nitinol"], ["--mean", "0:1.1Fcr", "--frequency", "20:200rad/s", "--points", "6x5"]
     return {
         "check": [*rod, "--force", str(record), "--no-margins"],
         "map": [*rod, "--amplitude", "0.2Fcr", *ranged],
         "explore": [*rod, *LOAD],
+        "ranges": [*rod, "--mean", "0.3Fcr", "--amplitude", "0.2Fcr", "--frequency", "100:120"],
         "simulate": [*rod, *LOAD, "--duration", "10ms", "--segments", "60", "--no-theory"],
+        "ensemble": [str(study)],
         "report": [*rod, *LOAD],
         "reach": [
             *("--well", str(EXAMPLES / "survey.csv"), "--rod", str(EXAMPLES / "tubing.toml")),
@@ -177,15 +190,16 @@ def test_every_option_that_names_a_file_writes_each_it_is_given_or_takes_one(tmp
     for name, command in commands().items():
         files = {action.dest for action in command._actions if action.type is Path} - READ
         assert files == {action.dest for action in command.outputs}, name
-        assert bool(files) is (name in asked(tmp_path)), name
+        assert bool(files) is (name in asked(tmp_path)) is (name in WRITING), name
 
 
-@pytest.mark.parametrize("name", ["check", "map", "explore", "simulate", "report", "reach", "weights", "lobes"])
+@pytest.mark.parametrize("name", WRITING)
 def test_files_named_twice_are_all_written_and_told(
     name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     def stub(_: Any, path: Path, **__: Any) -> Path:
         path.write_bytes(bytes(200))
+        pyplot.close("all")
         return path
 
     monkeypatch.chdir(tmp_path)
@@ -208,7 +222,7 @@ def test_files_named_twice_are_all_written_and_told(
         assert all(Path(file).stat().st_size >= 200 for file in files)
 
 
-@pytest.mark.parametrize("name", ["check", "map", "explore", "simulate", "report", "reach", "weights", "lobes"])
+@pytest.mark.parametrize("name", WRITING)
 def test_a_file_named_twice_is_refused_before_anything_is_computed(
     name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

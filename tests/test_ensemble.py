@@ -109,7 +109,8 @@ def test_every_name_reaches_the_problem(name: str) -> None:
     value = values.get(name, 1e-5 if name == "time_step" else 0.9 * known)
     if name == "diameter" or name == "channel_diameter":
         value = 1.8 * getattr(PROBLEM.rod, name.replace("diameter", "radius"))
-    held = "inner_radius" if name == "wall_thickness" else name.replace("diameter", "radius")
+    instead = {"wall_thickness": "inner_radius", "weight": "density"}
+    held = instead.get(name, name.replace("diameter", "radius"))
     refused = ""
     try:
         made = varied_axes.varied(PROBLEM, {name: value})
@@ -122,7 +123,10 @@ def test_every_name_reaches_the_problem(name: str) -> None:
     if name not in varied_axes.START:
         plain = {"diameter": 0.5, "channel_diameter": 0.5, "inner_diameter": 0.5}.get(name, 1.0) * value
         plain = PROBLEM.rod.radius - value if name == "wall_thickness" else plain
-        assert next(getattr(part, held) for part in (made, made.load, made.rod) if hasattr(part, held)) == plain
+        if name == "weight":
+            plain = value / (9.80665 * np.pi * PROBLEM.rod.radius**2)
+        got = next(getattr(part, held) for part in (made, made.load, made.rod) if hasattr(part, held))
+        assert got == (pytest.approx(plain, rel=1e-14) if name == "weight" else plain)
 
 
 def test_several_noises_stay_independent() -> None:

@@ -18,6 +18,7 @@ from matplotlib import pyplot
 import floquetrod as fr
 from conftest import depth as depth_of_draws
 from floquetrod import units
+from floquetrod.plotting.reach_plot import draw_lower_end, draw_wall, draw_well
 from floquetrod.rod.answers import pushing, string_reach
 from floquetrod.rod.answers.growth_along import growth_along
 from floquetrod.rod.answers.mean_force import drag_of
@@ -523,11 +524,15 @@ def test_it_answers_in_the_units_asked_for() -> None:
     assert "of the yield strength 90000 psi" in str(found.report("ft", "lbf", "psi"))
     figure = found.plot(depth="ft", force="lbf", pressure="psi")
     labels = [ax.get_ylabel() for ax in figure.axes]
-    assert labels[1:] == [
-        *("at the injector / lbf", "at the lower end / lbf", "force in the string / lbf", "contact / (lbf/ft)"),
-        *("friction", "largest stress / psi"),
+    assert labels == ["force at the injector / lbf", "force in the string / lbf", "stress / psi"]
+    shown = AnswerUnits.named("lbf", "ft", "psi")
+    well, lower_end, wall = (draw(found, shown).axes for draw in (draw_well, draw_lower_end, draw_wall))
+    assert [ax.get_ylabel() for ax in (*well, *lower_end, *wall)] == [
+        *("true vertical depth / ft", "force at the lower end / lbf", "contact / (lbf/ft)", "coefficient\nof friction"),
     ]
-    curve = figure.axes[3].lines[0]
+    pressed = wall[0].lines[0].get_ydata()
+    assert pressed == pytest.approx(found.along.contact / (pound / foot), nan_ok=True)
+    curve = figure.axes[1].lines[0]
     assert curve.get_xdata() == pytest.approx(found.along.depth / foot)
     assert curve.get_ydata() == pytest.approx(found.along.force / pound)
     with pytest.raises(ValueError, match=r"^depth must be a unit of length"):
@@ -542,6 +547,6 @@ def test_what_is_not_tried_at_the_lower_end_is_marked() -> None:
     assert rows[-3].split()[-1] == f">{found.bit[1]:.0f}"
     assert rows[-2].split()[-1] == f"{found.bit[2]:.0f}"
     assert rows[-1].startswith("> at the lower end: more may arrive")
-    curve, marks = found.plot(force="N").axes[2].lines[:2]
+    curve, marks = draw_lower_end(found, AnswerUnits.named("N")).axes[0].lines[:2]
     assert curve.get_ydata() == pytest.approx(found.bit)
     assert marks.get_ydata() == pytest.approx(found.bit[:2])

@@ -371,7 +371,9 @@ def test_the_example_file(capsys: pytest.CaptureFixture[str]) -> None:
     assert cli.main(question) == 0
     shown = capsys.readouterr().out
     assert "weight in fluid 2.685 lbf/ft" in shown
-    assert "the weight along the rod is neglected" in shown
+    assert "the weight along the rod is neglected" not in shown
+    assert cli.main([*question, "--no-margins", "--assumptions"]) == 0
+    assert "the weight along the rod is neglected" in capsys.readouterr().out
     assert cli.main([*question, "--no-margins", "--json"]) == 0
     record = json.loads(capsys.readouterr().out)
     assert fr.Rod(**record["rod"]) == rod

@@ -15,6 +15,7 @@ from scipy import special
 
 import floquetrod as fr
 from conftest import depth
+from floquetrod.equations import in_tau
 from floquetrod.mathieu import (
     characteristic_function,
     characteristic_values,
@@ -185,17 +186,19 @@ def test_floquet_solutions_of_an_equation(equation: fr.Mathieu) -> None:
         turned = solution(tau + equation.period)
         assert turned == pytest.approx(values * np.exp(equation.period * solution.exponent), rel=1e-7)
     assert first.exponent.real >= second.exponent.real
-    assert first.exponent.real == pytest.approx(
-        fr.mathieu.growth_rate(equation.alpha, equation.beta, equation.damping) or -equation.damping, abs=1e-12
-    )
-    k, a, q = 2.0 * equation.damping, -4.0 * equation.beta, 2.0 * equation.alpha
+    same = in_tau(equation)
+    per_tau = equation.period / same.period * first.exponent.real
+    growth = fr.mathieu.growth_rate(same.alpha, same.beta, same.damping)
+    assert per_tau == pytest.approx(growth or -same.damping, abs=1e-12)
+    k, a, q = 2.0 * same.damping, -4.0 * same.beta, 2.0 * same.alpha
     z = np.linspace(-1.0, 1.0, 31)
     for solution, other in zip(floquet_solutions(equation, per="z"), (first, second), strict=True):
         values = solution(z)
         residual = solution(z, 2) + 2.0 * k * solution(z, 1) + (a - 2.0 * q * np.cos(2.0 * z)) * values
         assert np.abs(residual).max() < 1e-10 * (1.0 + abs(a) + abs(q)) * np.abs(values).max()
-        assert solution.exponent == 2.0 * other.exponent
-        ratio = other(2.0 * z + 0.5 * math.pi) / values  # the same solution, but for its scale
+        in_z = equation.time == "z"  # as the other already is
+        assert solution.exponent == (1.0 if in_z else 2.0) * other.exponent
+        ratio = other(z if in_z else 2.0 * z + 0.5 * math.pi) / values  # the same solution, but for its scale
         assert ratio == pytest.approx(np.full(31, ratio[0]), rel=1e-7)
     # As a solution from its own initial values.
     start = [solution.real for solution in (complex(first(0.0)), complex(first(0.0, 1)))]
