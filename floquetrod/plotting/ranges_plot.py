@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from decimal import ROUND_CEILING, ROUND_FLOOR, ROUND_HALF_EVEN, Context
+from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -27,10 +26,12 @@ class _Bar(NamedTuple):
     y: Floats
 
 
-def draw_ranges(found: Any, unit: Unit, in_words: Callable[[Any], str], ax: Any = None) -> Any:
+def draw_ranges(
+    found: Any, unit: Unit, safe: Sequence[tuple[str, str]], in_words: Callable[[Any], str], ax: Any = None
+) -> Any:
     """Draw `floquetrod.results.StabilityIntervals`: unstable bands shaded, as high as the fastest growth in them.
 
-    ``in_words`` names the cause of a band.
+    ``safe`` are the safe ranges of the report, as it writes them; ``in_words`` names the cause of a band.
     """
     ax = axes_or_new(ax)
     low, high = unit.of(found.bounds[0]), unit.of(found.bounds[1])
@@ -50,11 +51,12 @@ def draw_ranges(found: Any, unit: Unit, in_words: Callable[[Any], str], ax: Any 
     growing = sorted((b for b in found.unstable if b.worst_growth > 0.0), key=lambda b: -b.worst_growth)[:_NAMED]
     names = [in_words(band.cause) for band in growing]
     points = [(float(unit.of(0.5 * (band.low + band.high))), band.worst_growth) for band in growing]
-    wide = [part for part in found.intervals if unit.of(part.high - part.low) > _NARROW * (high - low)]
-    for part in sorted(wide, key=lambda part: part.low - part.high)[:_NAMED]:
-        left, right = unit.of(part.low), unit.of(part.high)
+    spans = sorted(((float(ends[0]), float(ends[1]), " to ".join(ends)) for ends in safe), key=lambda s: s[0] - s[1])
+    for left, right, name in spans[:_NAMED]:
+        if right - left <= _NARROW * (high - low):
+            break
         ax.plot([left, right], [_SPAN * top, _SPAN * top], color="black", marker="|", linewidth=0.8)
-        names.append(f"{_digits(left, ROUND_CEILING)} to {_digits(right, ROUND_FLOOR)}")
+        names.append(name)
         points.append((0.5 * (left + right), _SPAN * top))
     add_leaders(ax, names, points, bars)
     ax.set_xlabel(units.label(*NAMES[found.searched.search.varied], unit.name))
@@ -84,6 +86,6 @@ def _title(found: Any, unit: Unit) -> str:
     return typeset(f"{found.quantity}, at {' and '.join(fixed)}")
 
 
-def _digits(value: float, rounding: str = ROUND_HALF_EVEN) -> str:
-    """Return a number to three digits, without a power of ten; ends of a stable range are rounded into it."""
-    return f"{float(Context(prec=3, rounding=rounding).create_decimal_from_float(value)):,.10g}"
+def _digits(value: float) -> str:
+    """Return a number to three digits, without a power of ten."""
+    return f"{float(f'{value:.3g}'):,.10g}"

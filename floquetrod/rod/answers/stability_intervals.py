@@ -335,7 +335,7 @@ class StabilityIntervals(units.InUnits, Reported, NoTruthValue):
         model, search = self.searched
         name = self._shown.name if unit is None else unit
         shown = units.unit(name, "unit", LOAD[search.varied].kind, model.rod.critical_force)
-        return draw_ranges(self, shown, _end, ax)
+        return draw_ranges(self, shown, self._listed(shown).safe, _end, ax)
 
     def _at_hand(self) -> Report:
         """Return the stability intervals, and the unstable bands if they have been computed."""
@@ -349,11 +349,16 @@ class StabilityIntervals(units.InUnits, Reported, NoTruthValue):
             return units.unit(self.given_units.frequency or self.unit, "", kind)
         return units.AnswerUnits.named(given=self.given_units).force
 
+    def _listed(self, shown: units.Unit) -> ListedRanges:
+        """Return the ranges as the report lists them and the figure names them, in a unit."""
+        width = shown.of(self.bounds[1]) - shown.of(self.bounds[0])
+        return ListedRanges.of(self._bands(), [part[:2] for part in self.intervals], shown, width)
+
     def _report(self, shown: units.Unit, unstable: tuple[UnstableBand, ...], *, full: bool) -> Report:
         """Return the report, with the growth in bands where that is known."""
         low, high = (shown.of(value) for value in self.bounds)
         width, unit = high - low, shown.name
-        listed = ListedRanges.of(self._bands(), [part[:2] for part in self.intervals], shown, width)
+        listed = self._listed(shown)
         lines = [("searched", f"{self.quantity} from {low:.6g} to {high:.6g} {unit}; {self.note}")]
         left_out = self._left_out(listed, shown, width, unstable)
         lines += [("left out" if i == 0 else "", text) for i, text in enumerate(left_out)]
