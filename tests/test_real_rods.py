@@ -271,6 +271,7 @@ SIZED = {**STEEL, "radius": 0.0254, "length": 60.0, "channel_radius": 0.062}
         ({"inner_radius": 0.0, "wall_thickness": 0.004}, ValueError, "wall_thickness must not .* with inner_radius"),
         ({"inner_diameter": 0.04, "wall_thickness": 0.0054}, ValueError, "wall_thickness must not .* inner_diameter"),
         ({"radius": None}, TypeError, "radius must be given, in m, or diameter$"),
+        ({"radius": None, "wall_thickness": 1e-4}, TypeError, "radius must be given, in m, or diameter$"),
         ({"length": None}, TypeError, "length must be given, in m$"),
         ({"channel_radius": None}, TypeError, "channel_radius must be given, in m, or channel_diameter$"),
         ({"radius": None, "diameter": 0.0}, ValueError, "^diameter must be greater than zero"),

@@ -272,11 +272,16 @@ def in_si(given: Mapping[str, Any]) -> dict[str, Any]:
     for name, parameter in ROD.items():
         value = given[name]
         if value is None and parameter.default is REQUIRED:
-            other = next((f", or {alias}" for alias, radius in INSTEAD.items() if radius == name), "")
-            raise wrong_type(name, f"must be given, in {parameter.unit}{other}")
+            raise _missing(name)
         if parameter.kind:
             numbers[name] = parameter.default if value is None and name in _MAY_BE_NONE else parameter.number(value)
     return numbers
+
+
+def _missing(name: str) -> TypeError:
+    """Return the error for a parameter that is given neither by itself nor by another in its place."""
+    other = next((f", or {alias}" for alias, replaced in INSTEAD.items() if replaced == name), "")
+    return wrong_type(name, f"must be given, in {ROD[name].unit}{other}")
 
 
 def units_given(given: Mapping[str, Any]) -> GivenUnits:
@@ -325,7 +330,10 @@ def _radius(given: Mapping[str, Any], name: str) -> Any:
     size = GIVEN[ways[0]].number(given[ways[0]])
     if ways[0] in DIAMETERS:
         return 0.5 * size
-    outer = ROD["radius"].number(_radius(given, "radius"))
+    radius = _radius(given, "radius")
+    if radius is None:
+        raise _missing("radius")
+    outer = ROD["radius"].number(radius)
     if size >= outer:
         raise wrong_value(
             "wall_thickness",
