@@ -245,6 +245,7 @@ def test_what_it_says_and_draws(tmp_path: Path, capsys: pytest.CaptureFixture[st
     [
         ({"friction": []}, "friction must be 1 to 12 factors"),
         ({"friction": [0.1] * 13}, "friction must be 1 to 12 factors"),
+        ({"friction": np.broadcast_to(0.2, 10**12)}, "friction must be 1 to 12 factors"),
         ({"friction": [0.2, -0.1]}, "friction must be zero or more"),
         ({"depth": [4000.0]}, "depth must lie below"),
         ({"stripper": "-1kN"}, "stripper must be zero or more"),

@@ -201,16 +201,16 @@ def factors_of(given: Any) -> list[Any]:
 
     Pairs of a depth and a coefficient are one factor, by depth.
     """
-    if not isinstance(given, list | tuple | np.ndarray):
+    is_sequence = isinstance(given, list | tuple)
+    if not is_sequence and not (isinstance(given, np.ndarray) and given.ndim):
         return [given]
-    factors = list(given)
-    if factors and all(_is_pair(factor) for factor in factors):
-        return [factors]
-    if not 1 <= len(factors) <= _MOST_FACTORS:
+    if is_sequence and given and all(_is_pair(factor) for factor in given):
+        return [given]
+    if not 1 <= len(given) <= _MOST_FACTORS:
         raise validate.wrong_value(
-            "friction", f"must be 1 to {_MOST_FACTORS} factors such as [0.2, 0.3, 0.4], got {len(factors)}"
+            "friction", f"must be 1 to {_MOST_FACTORS} factors such as [0.2, 0.3, 0.4], got {len(given)}"
         )
-    return [factor.item() if isinstance(factor, np.generic) else factor for factor in factors]
+    return [factor.item() if isinstance(factor, np.generic) else factor for factor in given]
 
 
 def _is_pair(factor: Any) -> bool:
