@@ -109,7 +109,7 @@ def test_a_vibration_tool_has_all_its_units_or_none() -> None:
 def test_the_tool_is_told(capsys: pytest.CaptureFixture[str]) -> None:
     words = ["--tool", "1000lbf@15Hz@50ft", "--depths", "3000ft", "--unit", "ft,lbf"]
     out, err = said(capsys, "reach", *WELL, *words)
-    assert "1000 lbf at 15 Hz, 50 ft above the lower end: vibration of at most" in out
+    assert "1000 lbf at 15 Hz, 50 ft above the lower end: the force vibrates by at most" in out
     assert "warning" not in err
     out, _ = said(capsys, "reach", *WELL, *words, "--push", "500")
     assert said(capsys, "reach", *WELL, *words, "--push", "500")[1].count("--push 500 is taken in N") == 1

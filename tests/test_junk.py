@@ -27,6 +27,7 @@ from floquetrod.floquet.verdict import FloquetVerdict
 from fuzz.junk import LONGEST_MESSAGE, Endless, Raising, loop, objects, tree
 
 ROD = fr.Rod.nitinol()
+TUBE = ROD.replace(inner_radius=0.4e-3)
 WELL = fr.WellPath.straight(length=30.0, inclination=0.1)
 LOAD = fr.AxialLoad(mean=0.3, amplitude=0.3, frequency=150.0)
 MATHIEU = fr.Mathieu(0.5, -0.25)
@@ -214,12 +215,19 @@ CALLS: list[tuple[Callable[..., Any], dict[str, Any]]] = [
     (
         ROD.mean_force,
         {"path": WELL, "friction": 0.2, "motion": "pushed", "far_force": 0.1, "bottom": 20.0, "depth": [10.0]}
-        | {"tool": fr.VibrationTool(1.0, 100.0, 3.0), "speed": 0.05, "helical": "energy"},
+        | {"tool": fr.VibrationTool(1.0, 100.0, 3.0), "speed": 0.05, "helical": "energy"}
+        | {"wellhead_pressure": 1e4, "stripper": 0.1},
     ),
     (
-        ROD.reach,
+        ROD.surface_weights,
+        {"path": WELL, "friction": [0.2, 0.3], "far_force": 0.1, "depth": [10.0], "helical": "energy"}
+        | {"wellhead_pressure": 1e4, "stripper": 0.1},
+    ),
+    (
+        TUBE.reach,
         {"path": WELL, "friction": 0.2, "tool": fr.VibrationTool(1.0, 100.0, 3.0), "speed": 0.05}
-        | {"far_force": 0.1, "push": 3.0, "depth": [10.0], "helical": "energy", "yield_share": 0.8},
+        | {"far_force": 0.1, "push": 3.0, "depth": [10.0], "helical": "energy", "yield_share": 0.8}
+        | {"wellhead_pressure": 1e4, "stripper": 0.1, "pressure_inside": 2e4},
     ),
     (fr.ToolMode, {"frequency": "922Hz", "damping_ratio": 0.011, "mass": "39.93g"}),
     (fr.ToolMode, {"frequency": "922Hz", "damping_ratio": 0.011, "stiffness": "1.3N/um"}),
@@ -267,6 +275,7 @@ CALLS: list[tuple[Callable[..., Any], dict[str, Any]]] = [
         {"youngs_modulus": 2e11, "density": 7e3, "radius": 0.03, "length": 60.0, "channel_radius": 0.1}
         | {"inner_diameter": 0.04},
     ),
+    (fr.Rod, {"youngs_modulus": 2e11, "weight": 60.0, "radius": 0.03, "length": 60.0, "channel_radius": 0.1}),
     (ROD.replace, {"length": 3.0, "damping_rate": 0.1, "inner_diameter": 0.4e-3, "inclination": 1.0}),
     (fr.Rod.catalogue, {"name": "2x.156 CT90", "bore": 0.12, "length": 60.0}),
     (ROD.lock_up, {"friction": 0.3, "far_force": 0.1}),
@@ -394,7 +403,7 @@ CALLS: list[tuple[Callable[..., Any], dict[str, Any]]] = [
     (
         fr.probability_of_reach,
         {
-            "rod": ROD,
+            "rod": TUBE,
             "path": WELL,
             "friction": (0.2, 0.3),
             "parameters": {"density": (6e3, 7e3)},
@@ -403,6 +412,9 @@ CALLS: list[tuple[Callable[..., Any], dict[str, Any]]] = [
             "speed": 0.05,
             "far_force": 0.0,
             "push": 30.0,
+            "wellhead_pressure": 1e4,
+            "stripper": 0.1,
+            "pressure_inside": 2e4,
             "helical": "energy",
             "yield_share": 0.8,
             "samples": 2,
@@ -559,7 +571,11 @@ def numbers_in(result: Any) -> list[np.ndarray]:
     if isinstance(result, FloquetVerdict) and not result.exponents:  # a method that gave up, and says so
         return []
     if dataclasses.is_dataclass(result) and not isinstance(result, type):
-        return [x for f in dataclasses.fields(result) for x in numbers_in(getattr(result, f.name))]
+        values = {f.name: getattr(result, f.name) for f in dataclasses.fields(result)}
+        if isinstance(result, fr.results.Reach):  # these are NaN where the string does not reach
+            values["bit"] = result.bit[result.bit_depth <= result.reach]
+            values["bit_shaken"] = result.bit_shaken[result.bit_depth <= result.reach_shaken]
+        return [x for value in values.values() for x in numbers_in(value)]
     if isinstance(result, tuple | list):
         return [x for part in result for x in numbers_in(part)]
     if isinstance(result, int | float | complex | np.ndarray | np.generic) and not isinstance(result, bool):

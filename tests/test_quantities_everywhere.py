@@ -30,9 +30,13 @@ PHYSICAL = {
     "axial_damping": "rate",
     "far_force": "force",
     "push": "force",
+    "stripper": "force",
+    "wellhead_pressure": "pressure",
+    "pressure_inside": "pressure",
     "tangential": "pressure",
     "radial": "pressure",
     "bottom": "length",
+    "to": "length",
     "above_end": "length",
     "most": "length",
     "start": "length",
@@ -162,7 +166,7 @@ def content(result: Any) -> Any:
     if isinstance(result, fr.ensembles.Runs):
         return {name: np.asarray(value) for name, (_, value, *_) in result.variables.items()}
     if dataclasses.is_dataclass(result) and hasattr(result, "as_dict"):
-        return repr(result)
+        return result.as_dict()  # numbers in SI; sentences are in the units of the question
     return result
 
 

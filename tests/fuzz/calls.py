@@ -474,7 +474,7 @@ def _of_wells() -> dict[str, Call]:
     path = fr.WellPath(**survey)
     along = {"path": path, "friction": 0.2, "motion": "pushed", "far_force": 0.1, "bottom": 1200.0, "depth": [300.0]}
     tool = {"tool": fr.VibrationTool(1.0, 100.0, 3.0), "speed": 0.05, "helical": "energy"}
-    wellhead = {"wellhead_pressure": "3000psi", "stripper": 10.0}
+    wellhead = {"wellhead_pressure": 20e6, "stripper": 10.0}
     along |= tool | wellhead
     pushed = {
         "path": path,
@@ -485,7 +485,7 @@ def _of_wells() -> dict[str, Call]:
         "yield_share": 0.8,
         **tool,
         **wellhead,
-        "pressure_inside": "4000psi",
+        "pressure_inside": 27e6,
     }
     return {
         "VibrationTool": Call(fr.VibrationTool, {"amplitude": 5e3, "frequency": 113.0, "above_end": 30.0}),
