@@ -183,6 +183,21 @@ def test_without_samples_there_are_no_probabilities(tmp_path: Path, capsys: pyte
     assert (record["rows"], record["buckled"], record["outcomes"]["swinging"]) == ([], 0, 1)
 
 
+def test_a_figure_without_draws_is_refused_before_anything_runs(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    chosen = written(tmp_path, over='kick = ["10mm/s", "0.9m/s"]', run='duration = "1h"\nsegments = 60')
+    store, figure, table = (str(tmp_path / name) for name in ("runs.npz", "buckling.png", "runs.csv"))
+    said = refused(capsys, chosen, "--store", store, "--out", table, "--out", figure)
+    assert f"--out {figure} needs runs that are drawn" in said
+    assert "or write a .csv file" in said
+    assert not any(Path(name).exists() for name in (store, figure, table))
+    for over in ('kick = ["10mm/s"]\nseed = [1, 2]', 'kick = {distribution = "uniform", low = 0.1, high = 0.2}'):
+        monkeypatch.setattr(fr.Study, "run", lambda *_, **__: pytest.fail("reached"))
+        with pytest.raises(pytest.fail.Exception, match="reached"):
+            cli.main(["ensemble", written(tmp_path, over=over), "--out", figure])
+
+
 def test_long_tables_are_cut(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -9,7 +9,7 @@ import shlex
 import signal
 import threading
 import time
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from types import FrameType
@@ -97,6 +97,7 @@ def _ensemble(options: argparse.Namespace) -> Output:
     study = fr.Study.from_toml(options.study)
     if store is None and study.options.get("frames"):
         raise ValueError(f"study file {options.study}: [ensemble] frames needs a --store to keep them in")
+    _require_draws(study, options.out or ())
     progress, started = Waiting("simulating", "runs", longest=_LOGGED), time.monotonic()
     with warnings_at_once(), _stopped_by_signals() as stopped, progress:
         try:
@@ -130,6 +131,20 @@ def _ensemble(options: argparse.Namespace) -> Output:
     said = "\n".join(_report(summary, record, study, options))
     written = write_each(options.out, lambda path: _write(path, found, study, options.confidence))
     return output(options, lambda: said, lambda: record, 0 if complete else 130, written)
+
+
+def _require_draws(study: fr.Study, paths: Iterable[Path]) -> None:
+    """Refuse a figure of probabilities, before anything runs, where a study draws nothing."""
+    from floquetrod.ensembles.shares import RANDOM
+    from floquetrod.ensembles.varied_axes import LAYOUTS, dims_of
+
+    dims = dims_of(study.over, study.options.get("layout", LAYOUTS[0])).values()
+    for path in paths:
+        if path.suffix != ".csv" and not set(RANDOM) & set(dims):
+            raise ValueError(
+                f"--out {path} needs runs that are drawn, for a probability: vary the seed or a distribution in [over] "
+                f"of {study.path}, or write a .csv file"
+            )
 
 
 def _write(path: Path, found: Any, study: fr.Study, confidence: float) -> None:

@@ -108,7 +108,7 @@ class Runs(NoTruthValue, ByContent):
         Raises
         ------
         ValueError
-            Where no quantity varies, and for a result that is neither true nor false.
+            Where no runs are drawn, and for a result that is neither true nor false.
         """
         from floquetrod.plotting.ensemble_plot import draw_shares
 

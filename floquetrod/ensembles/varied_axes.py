@@ -226,13 +226,19 @@ def design_of(problem: SimulationProblem, over: Any, layout: str, samples: Any, 
             raise validate.wrong_value(
                 "over", f"must hold as many values of each name where layout is 'list', got: {listed}"
             )
-    dim = {name: "run" if layout == "list" else "sample" if name in drawn else name for name in over}
+    dim = dims_of(over, layout)
     study = Design(problem, tuple(VariedAxis(name, dim[name], given[name]) for name in over), seed)
     runs = float(np.prod([float(length) for length in study.shape]))
     if runs > MOST_RUNS:
         raise validate.wrong_value("over", f"makes {runs:,.0f} runs, at most {MOST_RUNS:,} are made; vary less")
     study.require_possible()
     return study
+
+
+def dims_of(over: Mapping[str, Any], layout: str) -> dict[str, str]:
+    """Return the dimension along which each name varies: its own, "sample" of distributions, "run" of a list."""
+    own = {name: name if quantile_function(given) is None else "sample" for name, given in over.items()}
+    return dict.fromkeys(over, "run") if layout == "list" else own
 
 
 def _values(problem: SimulationProblem, name: str, given: Any) -> NDArray[Any]:
