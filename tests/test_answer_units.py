@@ -57,8 +57,8 @@ def test_equality_and_arguments_do_not_depend_on_units() -> None:
     assert fr.WellPath(["0m", "100m"], 0.5) == fr.WellPath([0.0, 100.0], 0.5)
 
 
-@pytest.mark.parametrize(("length", "force"), [("ft", "lbf"), ("m", "kN")])
-def test_a_survey_says_in_which_units_a_reach_is_answered(length: str, force: str) -> None:
+@pytest.mark.parametrize(("length", "force", "weight"), [("ft", "lbf", "lbf/ft"), ("m", "kN", "N/m")])
+def test_a_survey_says_in_which_units_a_reach_is_answered(length: str, force: str, weight: str) -> None:
     size = units_of("length")[length]
     depths = [f"{depth / size!r}{length}" for depth in (0.0, 900.0, 1200.0, 2400.0)]
     path = fr.WellPath(depths, ["0deg", "0deg", "90deg", "90deg"])
@@ -67,7 +67,7 @@ def test_a_survey_says_in_which_units_a_reach_is_answered(length: str, force: st
     reach = rod.reach(path, 0.3, push=push)
     text = str(reach.report())
     assert f" {length}" in text.splitlines()[0]
-    assert f"{force}/{length} in air" in text
+    assert f"{weight} in air" in text
     assert text == str(reach.report(depth=length, force=force))
     plain = rod.reach(fr.WellPath(path.depth.copy(), path.inclination.copy()), 0.3, push=push)
     assert str(plain.report(depth=length, force=force)) == text
