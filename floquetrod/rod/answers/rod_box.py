@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 from itertools import product
 from typing import Any, NamedTuple
 
+from floquetrod import units
 from floquetrod._util import validate
 from floquetrod._util.interchange import by_keys
 from floquetrod._util.interval import PI, RealInterval
@@ -17,7 +18,7 @@ from floquetrod.rod.loads.load import LOAD, QUANTITIES, Load, Quantity, load_num
 from floquetrod.rod.mode_equations.coupling import coupling, refusal
 from floquetrod.rod.model.constants import ModeConstants
 from floquetrod.rod.model.data import RodData, require_not_of_path
-from floquetrod.rod.model.parameters import DIAMETERS, ROD
+from floquetrod.rod.model.parameters import DIAMETERS, GIVEN, ROD
 from floquetrod.rod.model.possible_rod import require_known_to_verdicts
 from floquetrod.units import Unit
 
@@ -182,7 +183,8 @@ def _rod_sides(rod: RodData, given: Mapping[str, Any] | None) -> dict[str, RealI
             )
         if name in sides:
             raise validate.wrong_value("rod", f"must give {name} once, got it also as {word}")
-        ends = side_ends(str(word), value, validate.finite)
+        kind = GIVEN[word].kind
+        ends = side_ends(word, value, lambda end, number, kind=kind: units.number(end, number, kind))
         sides[name] = RealInterval(*(0.5 * end if word in DIAMETERS else end for end in ends))
     return sides
 
