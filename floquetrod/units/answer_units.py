@@ -168,7 +168,7 @@ class AnswerUnits(NamedTuple):
 
     @property
     def per_length(self) -> Unit:
-        """Of forces per length, in N, lbf or kgf: a thousand of them is for the force on a whole string.
+        """Of forces per length, in N, lbf or kgf, since kN and klbf are for the force on a whole string.
 
         >>> AnswerUnits.named(force="klbf", length="ft").per_length.name
         'lbf/ft'
