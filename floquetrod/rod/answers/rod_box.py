@@ -183,8 +183,7 @@ def _rod_sides(rod: RodData, given: Mapping[str, Any] | None) -> dict[str, RealI
             )
         if name in sides:
             raise validate.wrong_value("rod", f"must give {name} once, got it also as {word}")
-        kind = GIVEN[word].kind
-        ends = side_ends(word, value, lambda end, number, kind=kind: units.number(end, number, kind))
+        ends = side_ends(word, value, functools.partial(units.number, kind=GIVEN[word].kind))
         sides[name] = RealInterval(*(0.5 * end if word in DIAMETERS else end for end in ends))
     return sides
 
