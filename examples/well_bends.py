@@ -102,7 +102,7 @@ plt.show()
 # Where the string of friction 0.3 is buckled when it is stuck with the tool: where the force in it exceeds the local
 # limit. That limit is drawn between stations with the bend of the survey, and for a straight well. Above, it hangs in
 # the vertical hole and hardly touches the wall: there the vibration makes lateral waves grow.
-print("the vibration grows:", dict(chosen.report().lines)["grows"])
+print(dict(chosen.report().lines)["waves"])
 edges = well.depth[well.depth >= 600.0]
 middles = 0.5 * (edges[1:] + edges[:-1])
 bent = [tubing.replace(path=well, depth=each - 5.0, length=10.0).critical_force for each in middles]
