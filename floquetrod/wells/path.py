@@ -113,10 +113,10 @@ class WellPath(units.InUnits, Reported, ByContent, TellsAttributes):
         Messages about stations that were ``read`` from a file have its lines and units.
         """
         columns = self.depth, self.inclination, self.azimuth
-        shown, has_headings, in_degrees = survey.Shown(self._length), True, False
+        shown, has_headings, in_degrees = survey.SurveyUnits(self._length), True, False
         if read is not None:
             length, angle = units.unit(read.depth_unit, "", "length"), units.unit(read.angle_unit, "", "angle")
-            shown = survey.Shown(length, angle, of_file=True)
+            shown = survey.SurveyUnits(length, angle, of_file=True)
             has_headings, in_degrees = read.has_headings, read.in_degrees
         fault = survey.fault(*columns, shown)
         if fault is not None:

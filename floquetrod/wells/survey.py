@@ -44,7 +44,7 @@ class Fault(NamedTuple):
     problem: str
 
 
-class Shown(NamedTuple):
+class SurveyUnits(NamedTuple):
     """The units in which messages about a survey are, and whether it was read from a file."""
 
     length: units.Unit = units.unit("m", "", "length")
@@ -107,14 +107,14 @@ def within(inclination: Floats, azimuth: Floats) -> tuple[Floats, Floats]:
     )
 
 
-def fault(depth: Floats, inclination: Floats, azimuth: Floats, shown: Shown = Shown()) -> Fault | None:  # noqa: B008
+def fault(depth: Floats, inclination: Floats, azimuth: Floats, shown: SurveyUnits = SurveyUnits()) -> Fault | None:  # noqa: B008
     """Return the first fault by which a survey is no path, None where it is one; in words in the units ``shown``."""
     if depth.size < 2:
         return Fault("depth", depth.size, f"must have two stations or more, got {depth.size}; a path lies between them")
     return next(_faults({"depth": depth, "inclination": inclination, "azimuth": azimuth}, shown), None)
 
 
-def _faults(columns: dict[str, Floats], shown: Shown) -> Iterator[Fault]:
+def _faults(columns: dict[str, Floats], shown: SurveyUnits) -> Iterator[Fault]:
     length, angle = shown.length, shown.angle
     for name, values in columns.items():
         for i in np.flatnonzero(~np.isfinite(values)):
@@ -167,7 +167,7 @@ def suspicions(
     inclination: Floats,
     azimuth: Floats,
     *,
-    shown: Shown = Shown(),  # noqa: B008
+    shown: SurveyUnits = SurveyUnits(),  # noqa: B008
     has_headings: bool = True,
     in_degrees: bool = False,
 ) -> Iterator[Fault]:
@@ -251,7 +251,7 @@ def _in_radians(depth: Floats, inclination: Floats, azimuth: Floats) -> bool:
     return bool(is_precise and (has_turns or (is_built and inclination[-1] > 0.5 * most)))
 
 
-def _bend(depth: Floats, inclination: Floats, azimuth: Floats, shown: Shown) -> Fault | None:
+def _bend(depth: Floats, inclination: Floats, azimuth: Floats, shown: SurveyUnits) -> Fault | None:
     """Return one station off the path through its neighbours, or a bend of no well."""
     angles = doglegs(inclination, azimuth)
     kink = _kinked(angles, inclination, azimuth)
