@@ -68,12 +68,7 @@ def add(command: Parser) -> None:
     add_well(command, required=True)
     add_survey(command)
     add_rod(command, classified=False, in_a_well=True)
-    command.add_argument(
-        "--depths",
-        metavar="LIST",
-        help="measured depths of the lower end, such as 9000ft,9500ft, or 9000:9900ft for ten of them "
-        "(default: all of the well)",
-    )
+    add_depths(command)
     command.add_argument(
         "--unit",
         metavar="UNITS",
@@ -108,6 +103,16 @@ def add_well(command: argparse.ArgumentParser, *, required: bool) -> None:
         choices=("energy", "loading", "alone", "always"),
         default="energy",
         help="when it becomes a helix: from sqrt(2), 1.83 or 2 sqrt(2) times the force at which it snakes, or always",
+    )
+
+
+def add_depths(command: argparse.ArgumentParser) -> None:
+    """Add the option of the depths of the lower end."""
+    command.add_argument(
+        "--depths",
+        metavar="LIST",
+        help="measured depths of the lower end, such as 9000ft,9500ft, or 9000:9900ft for ten of them "
+        "(default: all of the well)",
     )
 
 

@@ -20,7 +20,7 @@ from floquetrod.cli.common import (
 )
 from floquetrod.cli.output import Output, output
 from floquetrod.cli.parser import Parser
-from floquetrod.cli.reach import add_wellhead, read_depths, read_wellhead
+from floquetrod.cli.reach import add_depths, add_wellhead, read_depths, read_wellhead
 
 _HELP = """\
 Draw pick-up and slack-off weights of a string over the depth of its lower end, for several factors of friction.
@@ -62,12 +62,7 @@ def add(command: Parser) -> None:
         default="energy",
         help="when it becomes a helix: from sqrt(2), 1.83 or 2 sqrt(2) times the force at which it snakes, or always",
     )
-    command.add_argument(
-        "--depths",
-        metavar="LIST",
-        help="measured depths of the lower end, such as 9000ft,9500ft, or 9000:9900ft for ten of them "
-        "(default: all of the well)",
-    )
+    add_depths(command)
     command.add_argument(
         "--unit",
         metavar="UNITS",
