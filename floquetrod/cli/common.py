@@ -168,9 +168,14 @@ def add_wall_friction(command: argparse.ArgumentParser, *, required: bool = Fals
     )
 
 
+def add_far_force(command: argparse.ArgumentParser) -> None:
+    """Add the option for the force at the lower end of a string."""
+    command.add_argument("--far-force", metavar="FORCE", default="0", help="mean force at the lower end (default: 0)")
+
+
 def add_push(command: argparse.ArgumentParser) -> None:
     """Add the options for the forces at both ends of a string, which `read_push` reads."""
-    command.add_argument("--far-force", metavar="FORCE", default="0", help="mean force at the lower end (default: 0)")
+    add_far_force(command)
     command.add_argument("--push", metavar="FORCE", help="force that the injector gives, such as 20kN (default: any)")
 
 

@@ -82,7 +82,7 @@ def add(command: Parser) -> None:
 
 def add_well(command: argparse.ArgumentParser, *, required: bool) -> None:
     """Add the options that describe a well and how a string is pushed into it."""
-    command.add_argument("--well", required=required, metavar="FILE", type=Path, help="survey, a text file of columns")
+    add_well_file(command, required=required)
     add_wall_friction(command, required=required)
     add_tool(command)
     command.add_argument(
@@ -98,6 +98,16 @@ def add_well(command: argparse.ArgumentParser, *, required: bool) -> None:
         default="0.8",
         help="largest stress as a fraction of the yield strength, such as 0.6 or 60%%, or none for any (default 0.8)",
     )
+    add_helical(command)
+
+
+def add_well_file(command: argparse.ArgumentParser, *, required: bool) -> None:
+    """Add the option of the file that holds the survey of a well."""
+    command.add_argument("--well", required=required, metavar="FILE", type=Path, help="survey, a text file of columns")
+
+
+def add_helical(command: argparse.ArgumentParser) -> None:
+    """Add the option of the criterion for a helix."""
     command.add_argument(
         "--helical",
         choices=("energy", "loading", "alone", "always"),
@@ -153,8 +163,7 @@ def read_reach(options: argparse.Namespace, rod: fr.Rod, depth: Sequence[str] | 
 
 
 def _reach(options: argparse.Namespace) -> Output:
-    asked = units_shown(options, ("length", "force", "pressure", "frequency"), "ft,lbf")
-    shown = {"depth" if kind == "length" else kind: name for kind, name in asked.items()}
+    shown = units_along(options, "length", "force", "pressure", "frequency")
     found = read_reach(options, read_rod(options), None if options.depths is None else read_depths(options.depths))
     named = {"length" if name == "depth" else name: unit for name, unit in shown.items()}
     written = write_figures(options.out, partial(found.plot, **shown)) + write_each(
@@ -164,6 +173,12 @@ def _reach(options: argparse.Namespace) -> Output:
         ),
     )
     return output(options, partial(found.report, **shown), found.as_dict, written=written)
+
+
+def units_along(options: argparse.Namespace, *kinds: str) -> dict[str, str]:
+    """Return the units of an answer along a well, by the names of its arguments: lengths are depths."""
+    shown = units_shown(options, kinds, "ft,lbf")
+    return {"depth" if kind == "length" else kind: name for kind, name in shown.items()}
 
 
 def read_depths(text: str) -> list[str]:

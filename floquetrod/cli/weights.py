@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import argparse
 from functools import partial
-from pathlib import Path
 
 from floquetrod._util.waiting import Waiting
 from floquetrod.cli.common import (
+    add_far_force,
     add_rod,
     add_survey,
     describe_command,
@@ -15,12 +15,19 @@ from floquetrod.cli.common import (
     read_force,
     read_rod,
     read_survey,
-    units_shown,
     write_figures,
 )
 from floquetrod.cli.output import Output, output
 from floquetrod.cli.parser import Parser
-from floquetrod.cli.reach import add_depths, add_wellhead, read_depths, read_wellhead
+from floquetrod.cli.reach import (
+    add_depths,
+    add_helical,
+    add_well_file,
+    add_wellhead,
+    read_depths,
+    read_wellhead,
+    units_along,
+)
 
 _HELP = """\
 Draw pick-up and slack-off weights of a string over the depth of its lower end, for several factors of friction.
@@ -43,7 +50,7 @@ two factors, 0.2,0.3@1500m is one of 0.2 down to 1500 m and 0.3 below.  Depths a
 def add(command: Parser) -> None:
     """Add help and options of the command to its parser."""
     describe_command(command, _HELP, _weights, ("well", "rod", "friction", "out", "unit"), has_assumptions=True)
-    command.add_argument("--well", required=True, metavar="FILE", type=Path, help="survey, a text file of columns")
+    add_well_file(command, required=True)
     add_survey(command)
     add_rod(command, classified=False, in_a_well=True)
     command.add_argument(
@@ -54,14 +61,9 @@ def add(command: Parser) -> None:
         help="coefficients of friction with the wall, such as 0.2,0.3,0.4, each with others from a depth on as in "
         "0.2,0.35@1500m",
     )
-    command.add_argument("--far-force", metavar="FORCE", default="0", help="mean force at the lower end (default: 0)")
+    add_far_force(command)
     add_wellhead(command, "wellhead_pressure", "stripper")
-    command.add_argument(
-        "--helical",
-        choices=("energy", "loading", "alone", "always"),
-        default="energy",
-        help="when it becomes a helix: from sqrt(2), 1.83 or 2 sqrt(2) times the force at which it snakes, or always",
-    )
+    add_helical(command)
     add_depths(command)
     command.add_argument(
         "--unit",
@@ -74,8 +76,7 @@ def add(command: Parser) -> None:
 def _weights(options: argparse.Namespace) -> Output:
     from floquetrod.rod import reading
 
-    asked = units_shown(options, ("length", "force"), "ft,lbf")
-    shown = {"depth" if kind == "length" else kind: name for kind, name in asked.items()}
+    shown = units_along(options, "length", "force")
     rod, path = read_rod(options), read_survey(options, options.well)
     with Waiting("moving the string"):
         found = rod.surface_weights(

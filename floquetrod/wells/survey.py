@@ -65,6 +65,10 @@ class SurveyUnits(NamedTuple):
         return f"{math.degrees(30.0 * curvature):.3g} deg/30 m"
 
 
+IN_SI = SurveyUnits()
+"""Lengths in m and angles in rad, of numbers that were given in Python."""
+
+
 def column(name: str, values: Any, many: int | None = None) -> Floats:
     """Return depths in m or angles in rad, numbers or strings with units; one value stands for ``many``.
 
@@ -107,7 +111,7 @@ def within(inclination: Floats, azimuth: Floats) -> tuple[Floats, Floats]:
     )
 
 
-def fault(depth: Floats, inclination: Floats, azimuth: Floats, shown: SurveyUnits = SurveyUnits()) -> Fault | None:  # noqa: B008
+def fault(depth: Floats, inclination: Floats, azimuth: Floats, shown: SurveyUnits = IN_SI) -> Fault | None:
     """Return the first fault by which a survey is no path, None where it is one; in words in the units ``shown``."""
     if depth.size < 2:
         return Fault("depth", depth.size, f"must have two stations or more, got {depth.size}; a path lies between them")
@@ -167,7 +171,7 @@ def suspicions(
     inclination: Floats,
     azimuth: Floats,
     *,
-    shown: SurveyUnits = SurveyUnits(),  # noqa: B008
+    shown: SurveyUnits = IN_SI,
     has_headings: bool = True,
     in_degrees: bool = False,
 ) -> Iterator[Fault]:
