@@ -52,9 +52,9 @@ mode, B modes 4, 6, 8, 10, C one mode and all others up to 20 at random, D every
 
 A .png, .pdf or .svg file shows the rod from above and the growth of its modes, a .gif or .mp4 is an animation (the
 latter needs ffmpeg), a .npz holds all results (floquetrod.Simulation.load reads it).  Ctrl-C ends the run early, writes
-and reports the results so far, and with a checkpoint the same command continues later.  --continue makes a run in a
-.npz file longer, bit for bit as if it had been asked for at once.  The exit status is then 130; it
-is 2 for invalid input, for a run that diverges, and if a file could not be written.
+and reports the results so far, and with a checkpoint the same command continues later.  The exit status is then 130; it
+is 2 for invalid input, for a run that diverges, and if a file could not be written.  --continue makes a run in a .npz
+file longer, with its own time step: a run continued by as long again is one run of that length, bit for bit.
 
 rods and loads are those of floquetrod check: tubes, fluids, inclined channels, all kinds of ends, axial waves from the
 upper end, measured forces.  --feed-speed moves the upper end down the channel in place of the force there; --far-force
