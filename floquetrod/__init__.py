@@ -63,6 +63,7 @@ if TYPE_CHECKING:
     from floquetrod.rod.model.assumptions import ForcedAngleWarning as ForcedAngleWarning
     from floquetrod.rod.model.assumptions import UniformForceWarning as UniformForceWarning
     from floquetrod.rod.model.contact import LeavesWallError as LeavesWallError
+    from floquetrod.rod.model.sections import Section as Section
     from floquetrod.rod.reach_probability import probability_of_reach as probability_of_reach
     from floquetrod.rod.rod import Rod as Rod
     from floquetrod.rod.stability_map import stability_map as stability_map
@@ -115,6 +116,7 @@ _NAMES = {
     "rod.loads.load": ("AxialLoad", "AxialWave"),
     "rod.loads.record": ("ForceRecord",),
     "rod.loads.tool": ("VibrationTool",),
+    "rod.model.sections": ("Section",),
     "rod.stability_map": ("stability_map",),
     "rod.model.assumptions": ("ForcedAngleWarning", "UniformForceWarning"),
     "rod.model.contact": ("LeavesWallError",),

@@ -32,7 +32,7 @@ MISTAKES: list[tuple[Call, str, str, str]] = [
     (lambda: fr.Rod("68GPa", 6500, radius="three", length=3.1, channel_radius=1), "radius", "'three'", "mm"),
     (lambda: fr.Rod("68GPa", 6500, radius="3 parsec", length=3.1, channel_radius=1), "radius", "parsec", "mm"),
     (lambda: fr.Rod(68e9, 6500, length=3.1, channel_radius=1), "radius", "must be given", "diameter"),
-    (lambda: fr.Rod(density=6500, **SIZES), "'youngs_modulus'", "missing", "its arguments are youngs_modulus, density"),
+    (lambda: fr.Rod(density=6500, **SIZES), "youngs_modulus", "must be given, in Pa", "or sections"),
     (lambda: fr.Rod(68e9, **SIZES), "density", "must be given, in kg/m3", "or weight"),
     (lambda: fr.Rod(young_modulus=68e9, density=6500, **SIZES), "Rod()", "'young_modulus'", "youngs_modulus?"),
     (lambda: fr.Rod(68e9, 6500, **SIZES, dampingrate=1), "Rod()", "'dampingrate'", "did you mean damping_rate?"),

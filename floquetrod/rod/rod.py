@@ -50,6 +50,8 @@ def _model(rod: RodData, like: Load) -> ModeModel:
     """Return what the modes are; of a rod with hinged ends under a sine nothing else is loaded."""
     require_known_to_verdicts(rod)
     coupled = coupling(rod, like)
+    if rod.varies and not like.is_uniform:
+        raise validate.wrong_value("load", "must be uniform along a rod of several sections; give an AxialLoad")
     if not coupled and not like.noise:
         return IndependentModel(rod, like)
     if not like.noise:
@@ -122,6 +124,13 @@ class Rod(RodData):
     yield_strength : float or str, optional
         Yield strength of the material in Pa, or with a unit such as "620MPa", to which `stress` is compared; a pipe of
         the catalogue has that of its grade.
+    sections : sequence of Section or mapping, optional
+        Sections of a string from its upper end down, see `floquetrod.Section`, in place of ``length``, radii, material
+        and yield strength, which are then those of the first section; neighbours that are alike count as one.  The
+        modes are coupled.
+    bores : sequence of (float or str, float or str), optional
+        Bores of the hole, each from a depth in m, or with a unit, and with a diameter, in place of ``channel_radius``:
+        ``[("0m", "4.778in"), ("1500m", "6.184in")]``; measured depths in a well, and from the upper end without one.
     diameter : float or str, optional
         Outer diameter in m, or with a unit, in place of ``radius``.
     inner_diameter : float or str, optional
@@ -161,6 +170,12 @@ class Rod(RodData):
     ... )
     >>> round(tubing.critical_force), round(tubing.weight_per_length, 3)
     (11941, 39.158)
+    >>> string = Rod(
+    ...     sections=[fr.Section("2.00x0.156 CT90", length="30m"), fr.Section("2.00x0.203 CT90", length="30m")],
+    ...     channel_diameter="4.778in", fluid_inside=1000.0, fluid_outside=1000.0, damping_rate=0.2
+    ... )
+    >>> string.stability(fr.AxialLoad(mean="7.1kN", amplitude="3.84kN", frequency="2.55Hz"))
+    <RodStability: unstable, ...>
     >>> well = fr.WellPath.arc(length=600.0, inclination=("30deg", "90deg"), depth=1000.0)
     >>> round(tubing.replace(path=well, depth=1200.0).critical_force)
     14101

@@ -6,6 +6,8 @@ In beam functions phi_j(x), x = s / L, of unit norm the deflection sum q_j phi_j
                                        - (1 / m L^2) int F(s, t) phi_i' phi_j'.
 
 Where the channel bends (1 / (R m)) int N(s, t) phi_i phi_j stands in place of the second term, N the contact force.
+Of a rod of several sections E I and N / R, or w_e sin(inc) / R, are in the integrals, and the functions are orthonormal
+with m, so that K is divided by the m of the first section.
 
 Ritz's method: truncating the series never makes the rod softer.
 """
@@ -31,11 +33,12 @@ from floquetrod.rod.loads.axial import AxialResonanceError
 from floquetrod.rod.loads.load import AxialLoad, Load, Loads
 from floquetrod.rod.mode_equations.coupled_systems import CoupledEquations
 from floquetrod.rod.mode_equations.coupling import WAVEFORM, coupling
-from floquetrod.rod.model.beam import Basis, are_enriched, basis
+from floquetrod.rod.model.beam import Basis
 from floquetrod.rod.model.constants import SLOW_GROWTH, ModeConstants, mode_constants
 from floquetrod.rod.model.contact import Lying, Wall, added_mean, constants_under, on_wall
 from floquetrod.rod.model.course import weight_gained
 from floquetrod.rod.model.data import RodData
+from floquetrod.rod.model.section_basis import are_enriched, functions_along
 
 MOST_COUPLED = 2000  # modes of a system: half a minute each verdict
 LEAST_COUPLED = 10  # modes at least, beside one and a half times the critical mode (a choice)
@@ -61,7 +64,8 @@ def _confined(rod: RodData) -> int:
     """Return how many modes follow waves of the length (E I / w)^(1/3), over which weight along a rod confines them."""
     x = np.union1d(np.linspace(0.0, 1.0, 33), rod.course.samples)
     steepest = float(np.max(np.abs(np.diff(weight_gained(rod, x, 0.0)) / np.diff(x)))) / rod.length
-    return math.ceil(_HANGING * rod.length / math.pi * math.cbrt(steepest / rod.flexural_rigidity))
+    rigidity = min(part.rod.flexural_rigidity for part in rod.uniform_parts)
+    return math.ceil(_HANGING * rod.length / math.pi * math.cbrt(steepest / rigidity))
 
 
 def _too_many(
@@ -170,12 +174,12 @@ class CoupledModes(CoupledEquations):
     @cached_property
     def basis(self) -> Basis:
         """The functions along the rod."""
-        return basis(self.rod.end_conditions, self.count, self.rod.course.breaks)
+        return functions_along(self.rod, self.count)
 
     @property
     def size(self) -> int:
         """Number of equations."""
-        return self.basis.size if are_enriched(self.rod.end_conditions) else self.count
+        return self.basis.size if are_enriched(self.rod) else self.count
 
     @cached_property
     def _static(self) -> tuple[Floats, Floats]:
@@ -184,7 +188,18 @@ class CoupledModes(CoupledEquations):
         weight = self._coupling(self._added)
         pressed = 0.0 if self.rod.course.is_straight else self.constants.weight  # of a bend `_pressed` has the contact
         swing = (self.constants.restoring - pressed) * np.eye(self.size)
+        if self.rod.varies:
+            rest = self.constants.restoring - self.constants.weight
+            swing = rest * np.eye(self.size)
+            if self.rod.course.is_straight:
+                swing = swing + self.basis.pressing(self.constants.weight * self._weight_over_clearance)
         return bending + swing - weight, self.basis.softening * float(self.constants.per_newton / math.pi**2)
+
+    @cached_property
+    def _weight_over_clearance(self) -> Floats:
+        """w_e / R at the nodes over that of the upper end."""
+        along, upper = self.rod.along(self.basis.nodes), self.rod.along(0.0)
+        return np.asarray(along.weight / along.clearance / (upper.weight / upper.clearance))
 
     @cached_property
     def _added(self) -> Floats:
@@ -194,10 +209,13 @@ class CoupledModes(CoupledEquations):
     @cached_property
     def _wall(self) -> Wall:
         """The wall of a channel that bends, at the nodes; contact forces in its units are N / (R m), in 1/s^2."""
-        rod = self.rod
-        per_newton = self.constants.per_newton * (rod.length / math.pi) ** 2 / rod.radial_clearance
+        rod, nodes = self.rod, self.basis.nodes
+        clearance = rod.along(nodes).clearance if rod.varies else rod.radial_clearance
+        per_newton = self.constants.per_newton * (rod.length / math.pi) ** 2 / clearance
         weight = self.constants.weight / math.sin(rod.inclination)
-        return Wall(rod.course.place(self.basis.nodes), weight, per_newton)
+        if rod.varies:
+            weight = weight * self._weight_over_clearance
+        return Wall(rod.course.place(nodes), weight, per_newton)
 
     def _lying(self, mean: float) -> Lying:
         """Return the string at rest on the wall under a mean force in N."""
@@ -361,4 +379,4 @@ class CoupledModes(CoupledEquations):
     @property
     def are_nested(self) -> bool:
         """Whether the equations of fewer modes are the first of these, as where no other functions are added."""
-        return not are_enriched(self.rod.end_conditions)
+        return not are_enriched(self.rod)

@@ -20,6 +20,7 @@ def coupling(rod: RodData, load: Load) -> tuple[str, ...]:
     ends = rod.end_conditions
     every = (
         (f"{ends} ends", not ends.are_hinged),
+        ("sections or bores that differ", rod.varies),
         ("a path that bends", not rod.course.is_uniform),
         ("weight along the rod", rod.course.is_uniform and rod.weight_along > 0.0 and load.mean_at is not None),
         ("axial waves", not load.is_uniform),

@@ -114,9 +114,9 @@ def channel_assumptions(rod: RodData) -> tuple[Assumption, ...]:
     """
     if rod.course.is_straight:
         return (_STRAIGHT,)
-    kappa = rod.course.sharpest
-    room = kappa * rod.radial_clearance
-    share = rod.flexural_rigidity * kappa * kappa / rod.critical_force
+    kappa, along = rod.course.sharpest, rod.along(rod.course.samples)
+    room = kappa * float(along.clearance.max())
+    share = float(along.rigidity.max()) * kappa * kappa / rod.critical_force
     found = [
         Assumption("a wall which the rod never leaves; no torque", "a load that lifts the rod off its wall is refused"),
         Assumption(

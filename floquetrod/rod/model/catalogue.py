@@ -61,10 +61,10 @@ _COILED, _DRILL, _TUBING, _SUCKER = (
 )
 
 _WALLS = (
-    *(0.080, 0.087, 0.095, 0.102, 0.109, 0.118, 0.125, 0.134, 0.145, 0.156, 0.175, 0.188, 0.190, 0.204, 0.224),
+    *(0.080, 0.087, 0.095, 0.102, 0.109, 0.118, 0.125, 0.134, 0.145, 0.156, 0.175, 0.188, 0.190, 0.203, 0.204, 0.224),
     *(0.250, 0.276, 0.300),
 )
-"""Walls of coiled tubing in inches; some makers list 0.188, others 0.190."""
+"""Walls of coiled tubing in inches; some makers list 0.188 and 0.203, others 0.190 and 0.204."""
 
 _COILED_SIZES = {
     1.0: (0.080, 0.109),

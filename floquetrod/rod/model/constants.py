@@ -214,6 +214,18 @@ def mode_constants(rod: RodData) -> ModeConstants:
     return ModeConstants.of(rod.parameters)
 
 
+@functools.lru_cache(maxsize=64)
+def softest_constants(rod: RodData) -> ModeConstants:
+    """Return the constants of a uniform rod that needs at least as many modes: of several sections the extreme ones."""
+    if not rod.varies:
+        return mode_constants(rod)
+    every = [ModeConstants.of({**part.rod.parameters, "length": rod.length}) for part in rod.uniform_parts]
+    bending, per_newton, restoring, neutral_squared, _, weight = zip(*every, strict=True)
+    return ModeConstants(
+        min(bending), max(per_newton), min(restoring), min(neutral_squared), rod.damping_rate, min(weight)
+    )
+
+
 def at_once(modes: float, rows: float) -> int:
     """Return how many loads a thread takes at a time, from how many modes and rows of Hill's matrix each may take."""
     return max(1, int(4096.0 / (1.0 + 1e-4 * modes * rows)))

@@ -21,7 +21,7 @@ from floquetrod._util.arrays import Bools, Floats
 from floquetrod._util.content import ByContent
 from floquetrod.rod.loads import axial
 from floquetrod.rod.loads.load import Load, Loads, Quantity
-from floquetrod.rod.model.constants import ModeConstants, mode_constants
+from floquetrod.rod.model.constants import ModeConstants, softest_constants
 from floquetrod.rod.model.course import ChannelShape, weight_gained
 from floquetrod.rod.model.data import RodData
 
@@ -51,11 +51,14 @@ class Lying(ByContent):
 
 @dataclass(frozen=True)
 class Wall:
-    """The wall at some places: the weight per length of what lies there, and the press of a newton and a curvature."""
+    """The wall at some places: the weight per length of what lies there, and the press of a newton and a curvature.
+
+    Both one for all places, or one for each.
+    """
 
     place: ChannelShape
-    weight: float
-    per_newton: float = 1.0
+    weight: Any
+    per_newton: Any = 1.0
 
     def across(self, force: Floats) -> Floats:
         """Return w sin(phi) + F kappa_n under compressions in N."""
@@ -79,16 +82,21 @@ def added_mean(rod: RodData, load: Load, x: Any) -> Any:
 def constants_under(rod: RodData, mean: float) -> ModeConstants:
     """Return the constants of the modes on the side where a rod lies under a mean force in N.
 
-    For a rod on a path that bends, the constants of a uniform channel that needs at least as many modes, an estimate.
+    For a rod on a path that bends, or of several sections, the constants of a uniform rod in a uniform channel that
+    needs at least as many modes, an estimate.
     """
-    constants, course = mode_constants(rod), rod.course
+    constants, course = softest_constants(rod), rod.course
     if course.is_straight:
         return constants
-    place = course.sampled
-    lying = Wall(place, rod.weight_per_length).lying(mean + 0.0 * place.sine)
+    place, along = course.sampled, rod.along(course.samples)
+    lying = Wall(place, along.weight).lying(mean + 0.0 * place.sine)
     if course.is_uniform:
         return constants.on_side(lying.side or 1.0)
     press = lying.contact - mean * lying.bend
+    if rod.varies:
+        hold = float((press / (along.clearance * along.inertia)).min())
+        neutral_squared = (rod.length / math.pi) ** 2 * float((lying.bend / along.clearance).min())
+        return constants.pressed(hold)._replace(neutral_squared=neutral_squared)
     unit = constants.weight / (rod.weight_per_length * math.sin(rod.inclination))
     neutral_squared = (rod.length / math.pi) ** 2 / rod.radial_clearance * float(lying.bend.min())
     return constants.pressed(unit * float(press.min()))._replace(neutral_squared=neutral_squared)
@@ -182,4 +190,4 @@ def _shaken(rod: RodData, load: Load, frequency: float) -> tuple[Wall, Floats, F
         turns = np.exp(2j * math.pi * np.outer(instants, np.arange(1, len(every) + 1)))
         over = (turns @ every).real
         least, most = over.min(axis=0), over.max(axis=0)
-    return Wall(place, rod.weight_per_length), x, least, most
+    return Wall(place, rod.along(x).weight), x, least, most

@@ -120,6 +120,7 @@ class UniformCourse(Course):
 
     inclination: float
     curvature: float
+    edges: tuple[float, ...] = ()  # places between the ends at which the rod changes
     is_uniform = True
 
     @property
@@ -134,8 +135,9 @@ class UniformCourse(Course):
 
     @property
     def samples(self) -> Floats:
-        """Both ends."""
-        return np.array([0.0, 1.0])
+        """Both ends, and both sides of the edges of a rod's parts."""
+        edges = np.array(self.edges)
+        return np.unique(np.concatenate([[0.0, 1.0], edges - _INSIDE, edges + _INSIDE]))
 
 
 @dataclass(frozen=True)
@@ -145,6 +147,7 @@ class PathCourse(Course):
     path: WellPath
     depth: float
     length: float
+    edges: tuple[float, ...] = ()  # places between the ends at which the rod changes
     is_uniform = False
     is_straight = False
 
@@ -181,25 +184,35 @@ class PathCourse(Course):
     @cached_property
     def samples(self) -> Floats:
         """Places in every arc, up to its ends."""
-        ends = np.array([0.0, *self.breaks, 1.0])
+        ends = np.unique([0.0, *self.breaks, *self.edges, 1.0])
         inside = np.clip(_IN_AN_ARC, _INSIDE, 1.0 - _INSIDE)
         return (ends[:-1, None] + np.diff(ends)[:, None] * inside).ravel()
 
 
-def course_of(inclination: float, curvature: float, path: WellPath | None, depth: float, length: float) -> Course:
-    """Return the channel along a rod; a path that is straight there is given by its inclination."""
+def course_of(
+    inclination: float,
+    curvature: float,
+    path: WellPath | None,
+    depth: float,
+    length: float,
+    edges: tuple[float, ...] = (),
+) -> Course:
+    """Return the channel along a rod; a path that is straight there is given by its inclination.
+
+    ``edges`` are the places between the ends at which sections or bores of the rod change.
+    """
     if path is None:
-        return UniformCourse(inclination, curvature)
+        return UniformCourse(inclination, curvature, edges)
     upper = max(0, int(np.searchsorted(path.stations, depth, side="right")) - 1)
     around = slice(upper, 1 + int(np.searchsorted(path.stations, depth + length)))
     phi, psi = path.inclination[around], path.azimuth[around]
     if (phi == phi[0]).all() and ((psi == psi[0]).all() or phi[0] == 0.0):
-        return UniformCourse(float(phi[0]), 0.0)
-    return PathCourse(path, depth, length)
+        return UniformCourse(float(phi[0]), 0.0, edges)
+    return PathCourse(path, depth, length, edges)
 
 
-def critical_forces(place: ChannelShape, rigidity: float, weight: float, clearance: float) -> Floats:
-    """Return the least constant push in N that buckles a long rod at each place.
+def critical_forces(place: ChannelShape, rigidity: Any, weight: Any, clearance: Any) -> Floats:
+    """Return the least constant push in N that buckles a long rod at each place, with its own numbers or one for all.
 
     F^2 = 4 E I N(F) / R with the contact force N = hypot(w sin(phi) + F kappa_n, F kappa_b), the criterion of He and
     Kyllingstad (SPE 25370, 1995); in a plane F = 2 E I (k + sqrt(k^2 + q / E I)), k = kappa_n / R, q = w sin(phi) / R,
@@ -227,6 +240,21 @@ def critical_push(bend: Floats, across: Floats) -> Floats:
 def weight_gained(rod: Any, x: Any, at: float) -> Any:
     """Return the weight in N that is hung along the channel between places x = s / L of the rod and one of them."""
     course = rod.course
+    if rod.varies:
+        return _gained(rod, x, at)
     if isinstance(course, PathCourse):
         return rod.weight_per_length * course.fallen(np.asarray(x), at)
     return rod.weight_along * rod.length * (x - at)
+
+
+def _gained(rod: Any, x: Any, at: float) -> Any:
+    """Return `weight_gained` of a rod of several parts: what each part has between the two places."""
+    course, total = rod.course, 0.0
+    for part in rod.uniform_parts:
+        ends = part.start / rod.length, part.end / rod.length
+        lower, upper = np.clip(np.asarray(x, dtype=float), *ends), float(np.clip(at, *ends))
+        if isinstance(course, PathCourse):
+            total = total + part.rod.weight_per_length * course.fallen(lower, upper)
+        else:
+            total = total + part.rod.weight_along * rod.length * (lower - upper)
+    return total

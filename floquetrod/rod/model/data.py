@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import MISSING, dataclass, fields
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Self
+from typing import TYPE_CHECKING, Any, NamedTuple, Self
 
 import numpy as np
 from numpy.typing import NDArray
 
 from floquetrod import units
 from floquetrod._util import validate
+from floquetrod._util.arguments import error_in
 from floquetrod._util.arrays import shaped
 from floquetrod._util.caching import cached_property
 from floquetrod._util.calling import TellsAttributes, constructor_hints
@@ -49,6 +50,7 @@ from floquetrod.rod.model.parameters import (
 from floquetrod.rod.model.plausibility import warn_of_rod
 from floquetrod.rod.model.possible_rod import require_possible
 from floquetrod.rod.model.rod_file import read_rod
+from floquetrod.rod.model.sections import OF_A_SECTION, Bore, Section, at_the_upper_end, divided
 from floquetrod.rod.model.stress import Stress, stress
 
 if TYPE_CHECKING:
@@ -99,10 +101,12 @@ class RodData(units.InUnits, TellsAttributes):
     depth: float = 0.0
     residual_curvature: float = 0.0
     yield_strength: float | None = None
+    sections: tuple[Section, ...] = ()
+    bores: tuple[Bore, ...] = ()
 
     def __init__(
         self,
-        youngs_modulus: float | str,
+        youngs_modulus: float | str | None = None,
         density: float | str | None = None,
         radius: float | str | None = None,
         length: float | str | None = None,
@@ -121,6 +125,8 @@ class RodData(units.InUnits, TellsAttributes):
         depth: float | str = 0.0,
         residual_curvature: float | str = 0.0,
         yield_strength: float | str | None = None,
+        sections: Sequence[Section | Mapping[str, Any]] = (),
+        bores: Sequence[tuple[float | str, float | str]] = (),
         diameter: float | str | None = None,
         inner_diameter: float | str | None = None,
         channel_diameter: float | str | None = None,
@@ -129,22 +135,37 @@ class RodData(units.InUnits, TellsAttributes):
     ) -> None:
         """Check and clean the parameters."""
         given = dict(locals())  # every argument by its name, as in the records of `ROD`
-        numbers = in_si(given)
-        for name, number in numbers.items():
+        if sections or bores:
+            given = at_the_upper_end(given)
+        for name, number in in_si(given).items():
             object.__setattr__(self, name, number)
         object.__setattr__(self, "ends", str(EndConditions.of(ends)))
         object.__setattr__(self, "path", path_of(given, self.depth, self.length))
-        self.given_in(units_given(given).or_else(*([self.path.given_units] if self.path else [])))
+        object.__setattr__(self, "sections", given["sections"] or ())
+        object.__setattr__(self, "bores", given["bores"] or ())
+        inherited = (each.given_units for each in (*self.sections[:1], *([self.path] if self.path else [])))
+        self.given_in(units_given(given).or_else(*inherited))
         require_possible(self.parameters)
+        self._require_possible_parts()
         if self.path is not None:
             self._set_weakest_bend()
         warn_of_rod(self)
 
+    def _require_possible_parts(self) -> None:
+        """Raise ValueError, naming section and bore, where a part of the rod is none."""
+        for part in self.uniform_parts if self.varies else ():
+            try:
+                require_possible(part.rod.parameters)
+            except ValueError as error:
+                where = f"sections[{part.section}]" if self.sections else "the rod"
+                raise error_in(f"{where} from {part.start:g} to {part.end:g} m", error) from None
+
     def _set_weakest_bend(self) -> None:
         """Set inclination and curvature to those where a push buckles the rod first."""
-        course, room = self.course, float(formulas.clearance(self.radius, self.channel_radius))
+        course = self.course
         x, place = course.samples, course.sampled
-        forces = critical_forces(place, self.flexural_rigidity, self.gravity * self._weighing, room)
+        along = self.along(x)
+        forces = critical_forces(place, along.rigidity, along.weight, along.clearance)
         weakest = int(np.argmin(forces))
         if not forces[weakest] > 0.0:
             raise validate.wrong_value(
@@ -216,6 +237,10 @@ class RodData(units.InUnits, TellsAttributes):
             replaced |= set(OF_A_LINE)
         elif self.path is not None:
             replaced |= {*OF_A_LINE, *(("path", "depth") if set(OF_A_LINE) & changes.keys() else ())}
+        if self.sections or changes.get("sections"):
+            replaced |= set(OF_A_SECTION)
+        if self.bores or changes.get("bores"):
+            replaced |= {"channel_radius"}
         kept = {f.name: getattr(self, f.name) for f in fields(self) if f.name not in replaced}
         changed = type(self)(**(kept | changes))
         return changed.given_in(changed.given_units.or_else(self.given_units))
@@ -233,6 +258,12 @@ class RodData(units.InUnits, TellsAttributes):
         if self.path is not None:
             usual |= {"depth": None} | {name: sheet[name] for name in OF_A_LINE}
             sheet["path"] = self.path.as_dict()
+        if self.sections:
+            usual |= {name: sheet[name] for name in OF_A_SECTION}
+            sheet["sections"] = [section.as_dict() for section in self.sections]
+        if self.bores:
+            usual |= {"channel_radius": self.channel_radius}
+            sheet["bores"] = [tuple(bore) for bore in self.bores]
         return {name: value for name, value in sheet.items() if value != usual.get(name, MISSING)}
 
     @property
@@ -240,16 +271,85 @@ class RodData(units.InUnits, TellsAttributes):
         """All numerical parameters, in SI units by name, without ends and path."""
         return {name: getattr(self, name) for name in NUMBERS}
 
+    # --- along a rod of several sections, or in several bores ---
+
+    @cached_property
+    def uniform_parts(self) -> tuple[UniformPart, ...]:
+        """The parts of the rod with one section in one bore each, from the upper end down; the rod itself if it is one.
+
+        A part lies in a straight channel of the rod's inclination.
+        """
+        if not (self.sections or self.bores):
+            return (UniformPart(0.0, self.length, 0, self),)
+        parts = []
+        for start, end, number, diameter in divided(self.sections, self.bores, self.depth, self.length):
+            own = self.sections[number] if self.sections else self
+            changes = {name: getattr(own, name) for name in OF_A_SECTION} | {"length": end - start}
+            changes |= {"channel_radius": 0.5 * diameter} if self.bores else {}
+            parts.append(UniformPart(start, end, number, self._uniform(changes)))
+        return tuple(parts)
+
+    def _uniform(self, changes: Mapping[str, Any]) -> RodData:
+        """Return a uniform rod with some parameters changed, which are not checked."""
+        straight = {"path": None, "depth": 0.0, "sections": (), "bores": ()}
+        part = object.__new__(RodData)
+        for each in fields(RodData):
+            value = straight[each.name] if each.name in straight else changes.get(each.name, getattr(self, each.name))
+            object.__setattr__(part, each.name, value)
+        return part.given_in(self.given_units)
+
+    @property
+    def varies(self) -> bool:
+        """Whether sections or bores differ along the rod."""
+        return bool(self.sections or self.bores) and len(self.uniform_parts) > 1
+
+    @property
+    def edges(self) -> tuple[float, ...]:
+        """The places x = s / L, 0 and 1 included, between which the rod is uniform."""
+        return (0.0, *(part.end / self.length for part in self.uniform_parts[:-1]), 1.0)
+
+    def along(self, x: Any) -> PropertiesAlong:
+        """Return what the mode equations need of the rod at places x = s / L, at an edge of the part below it."""
+        x = np.asarray(x, dtype=float)
+        index = np.searchsorted(self.edges[1:-1], x, side="right")
+        every = [part.rod for part in self.uniform_parts]
+
+        def column(name: str) -> NDArray[np.float64]:
+            return np.asarray(np.array([getattr(rod, name) for rod in every])[index])
+
+        return PropertiesAlong(
+            column("flexural_rigidity"),
+            column("mass_per_length"),
+            column("weight_per_length"),
+            column("radial_clearance"),
+        )
+
+    def _require_uniform(self, name: str) -> None:
+        """Raise ValueError for a number that differs along the rod."""
+        if self.varies:
+            raise validate.wrong_value(
+                name,
+                f"differs along a rod of {len(self.uniform_parts)} parts; ask one of uniform_parts, whose rod has it",
+            )
+
+    def _mean_along(self, name: str) -> float:
+        """Return the mean along the rod of a number of its parts."""
+        return float(
+            sum((part.end - part.start) * getattr(part.rod, name) for part in self.uniform_parts) / self.length
+        )
+
     # --- parts ---
 
     @cached_property
     def material(self) -> Material:
         """Young's modulus and density."""
+        self._require_uniform("material")
         return Material(self.youngs_modulus, self.density)
 
     @cached_property
     def section(self) -> CrossSection:
         """Radii, areas and second moment."""
+        self._require_uniform("section")
         return CrossSection(self.radius, self.inner_radius)
 
     @cached_property
@@ -265,7 +365,8 @@ class RodData(units.InUnits, TellsAttributes):
     @cached_property
     def course(self) -> Course:
         """The channel along the rod."""
-        return course_of(self.inclination, self.curvature, self.path, self.depth, self.length)
+        edges = self.edges[1:-1] if self.varies else ()
+        return course_of(self.inclination, self.curvature, self.path, self.depth, self.length, edges)
 
     @cached_property
     def end_conditions(self) -> EndConditions:
@@ -296,29 +397,40 @@ class RodData(units.InUnits, TellsAttributes):
 
     @property
     def mass_along(self) -> float:
-        """Inertia rho A_s in kg/m of motion along the channel, of the material alone."""
+        """Inertia rho A_s in kg/m of motion along the channel, of the material alone; of several sections the mean."""
+        if self.varies:
+            return self._mean_along("mass_along")
         return self.density * self.area
 
     @property
     def mass_per_length(self) -> float:
-        """Inertia m_t = rho A_s + rho_i A_i + C_a rho_o A_o in kg/m, of material, fluid inside and added mass."""
+        """Inertia m_t = rho A_s + rho_i A_i + C_a rho_o A_o in kg/m, of material, fluid inside and added mass.
+
+        Of several sections the mean along the rod.
+        """
+        if self.varies:
+            return self._mean_along("mass_per_length")
         fluids = self.fluids
         outer = self.section.outer_area
         return float(formulas.inertia(self._own_mass, fluids.outside, fluids.added_mass_coefficient, outer))
 
     @property
     def weight_per_length(self) -> float:
-        """Weight in fluid w_e = g (rho A_s + rho_i A_i - rho_o A_o) in N/m."""
-        return self.channel.gravity * self._weighing
+        """Weight in fluid w_e = g (rho A_s + rho_i A_i - rho_o A_o) in N/m; of several sections the mean."""
+        if self.varies:
+            return self._mean_along("weight_per_length")
+        return self.gravity * self._weighing
 
     @property
     def weight_along(self) -> float:
         """Weight in fluid along the channel, w_e cos(inclination) in N/m, by which compression grows downwards.
 
-        On a path that bends its mean along the rod.
+        On a path that bends, and of several sections, its mean along the rod.
         """
         if isinstance(self.course, PathCourse):
             return self.weight_per_length * self.course.fall / self.length
+        if self.varies:
+            return self._mean_along("weight_along")
         return self.channel.gravity_along * self._weighing
 
     @property
@@ -340,11 +452,17 @@ class RodData(units.InUnits, TellsAttributes):
     @property
     def radial_clearance(self) -> float:
         """R = channel radius - rod radius in m, the radius of the motion of the rod's axis."""
-        return self.channel.clearance(self.section)
+        self._require_uniform("radial_clearance")
+        return float(formulas.clearance(self.radius, self.channel_radius))
 
     @property
     def pendulum_frequency(self) -> float:
-        """Frequency sqrt(w_e sin(inclination) / (R m_t)) in rad/s at which a rigid rod swings in the channel."""
+        """Frequency sqrt(w_e sin(inclination) / (R m_t)) in rad/s at which a rigid rod swings in the channel.
+
+        Of several sections the lowest.
+        """
+        if self.varies:
+            return min(part.rod.pendulum_frequency for part in self.uniform_parts)
         masses = formulas.Masses(self.mass_per_length, self._weighing / self.mass_per_length)
         return math.sqrt(formulas.restoring(self.parameters, masses))
 
@@ -353,9 +471,12 @@ class RodData(units.InUnits, TellsAttributes):
         """F_cr = 2 sqrt(E I w_e sin(inclination) / R) in N; a constant push beyond it buckles a long rod.
 
         In a channel that bends 2 E I (k + sqrt(k^2 + q / (E I))), k = curvature / R, q = w_e sin(inclination) / R,
-        which solves F^2 = 4 E I (q + F k) (He & Kyllingstad 1995); along a path the smallest along the rod.
+        which solves F^2 = 4 E I (q + F k) (He & Kyllingstad 1995); along a path, and of several sections, the smallest
+        along the rod.
         """
         self._require_known_to_force()
+        if self.varies and self.path is None:
+            return min(part.rod.critical_force for part in self.uniform_parts)
         across = math.sqrt(self.flexural_rigidity * self.mass_per_length) * self.pendulum_frequency
         if self.path is not None:
             return float(self._least_force)  # type: ignore[attr-defined]
@@ -384,9 +505,12 @@ class RodData(units.InUnits, TellsAttributes):
     def critical_mode(self) -> float:
         """m_cr = [w_e sin(inclination) L^4 / (pi^4 R E I)]^(1/4), the mode (not rounded) that F_cr buckles.
 
-        In a channel that bends F_cr = 2 E I (pi m_cr / L)^2 all the same.
+        In a channel that bends F_cr = 2 E I (pi m_cr / L)^2 all the same.  Of several sections the sum of the half
+        waves of each, as if it were long.
         """
         self._require_known_to_force()
+        if self.varies:
+            return sum(part.rod.critical_mode for part in self.uniform_parts)
         if self.curvature or self.path is not None:
             return self.length / math.pi * math.sqrt(0.5 * self.critical_force / self.flexural_rigidity)
         stiffness = self.flexural_rigidity / self.mass_per_length
@@ -448,7 +572,9 @@ class RodData(units.InUnits, TellsAttributes):
 
     @property
     def wave_speed(self) -> float:
-        """Speed of axial waves, sqrt(E / rho), in m/s."""
+        """Speed of axial waves, sqrt(E / rho), in m/s; of several sections the length over the time of travel."""
+        if self.varies:
+            return self.length / sum((part.end - part.start) / part.rod.wave_speed for part in self.uniform_parts)
         return self.material.wave_speed
 
     def axial_response(self, load: AnyLoad) -> AxialResponse:
@@ -495,8 +621,29 @@ class RodData(units.InUnits, TellsAttributes):
 
     def natural_frequency(self, mode: Any) -> Any:
         """Return the frequency in rad/s of free motion in a mode, without axial force or damping."""
+        self._require_uniform("natural_frequency")
         bending = self.flexural_rigidity / self.mass_per_length * wavenumber(self, mode) ** 4
         return (bending + self.pendulum_frequency**2) ** 0.5
+
+
+class UniformPart(NamedTuple):
+    """A part of a rod with one section in one bore, from ``start`` to ``end`` in m from the rod's upper end."""
+
+    start: float
+    end: float
+    section: int
+    """Number of its section from the upper end, from 0."""
+    rod: RodData
+    """The part alone."""
+
+
+class PropertiesAlong(NamedTuple):
+    """What the mode equations need of a rod at some places."""
+
+    rigidity: NDArray[np.float64]  # E I in N m^2
+    inertia: NDArray[np.float64]  # m_t in kg/m
+    weight: NDArray[np.float64]  # w_e in N/m
+    clearance: NDArray[np.float64]  # R in m
 
 
 def wavenumber(rod: RodData, mode: Any) -> Any:
@@ -505,6 +652,7 @@ def wavenumber(rod: RodData, mode: Any) -> Any:
     With other ends modes are whole numbers from 1 on, rigid motions, whose wavenumber is 0, before all others;
     ValueError for any other number.
     """
+    rod._require_uniform("mode")
     modes = _modes(mode)
     if rod.end_conditions.are_hinged:
         return shaped(modes * formulas.first_wavenumber(rod.length), modes.shape)

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 import warnings
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING, Any
 
 from floquetrod._util.arguments import Mention, Message, wrong_type, wrong_value
@@ -32,6 +32,7 @@ ON_A_FLOOR = math.pi**2 / 3.0 - 1.0
 
 _POSITIVE: dict[str, Any] = {"least": _LEAST, "largest": _LARGEST}
 _NOT_NEGATIVE: dict[str, Any] = {"least": 0.0, "largest": _LARGEST}
+_KNOW_SECTIONS: frozenset[Subsystem] = frozenset({"modes", "bends", "critical force"})
 
 
 def _but(*subsystems: Subsystem) -> dict[str, Any]:
@@ -226,6 +227,22 @@ ROD = by_name(
         known_to=frozenset({"stress", "strings"}),
         without_effect_on=EVERYWHERE - {"stress", "strings"},
     ),
+    Parameter(
+        name="sections",
+        symbol="",
+        kind="",
+        known_to=_KNOW_SECTIONS,
+        default=(),
+        hint="ask with sections=() and one section",
+    ),
+    Parameter(
+        name="bores",
+        symbol="",
+        kind="",
+        known_to=_KNOW_SECTIONS,
+        default=(),
+        hint="ask with bores=() and one bore",
+    ),
 )
 """Parameters of a rod by their names."""
 
@@ -260,17 +277,18 @@ MEANT = {
 """What is often written for a parameter of a rod, with the remedy."""
 
 
-def in_si(given: Mapping[str, Any]) -> dict[str, Any]:
-    """Return a rod's numerical parameters in SI units from its arguments.
+def in_si(given: Mapping[str, Any], names: Iterable[str] = tuple(ROD)) -> dict[str, Any]:
+    """Return a rod's numerical parameters, or those named, in SI units from its arguments.
 
     Diameters and a wall become radii, and None becomes the default.  TypeError or ValueError, naming the argument, for
     an argument missing, given twice or out of range.
     """
-    given = {**given, **{name: _radius(given, name) for name in ("radius", "channel_radius", "inner_radius")}}
+    radii = (name for name in ("radius", "channel_radius", "inner_radius") if name in given)
+    given = {**given, **{name: _radius(given, name) for name in radii}}
     given["density"] = _density(given)
     numbers: dict[str, Any] = {}
-    for name, parameter in ROD.items():
-        value = given[name]
+    for name in names:
+        value, parameter = given[name], ROD[name]
         if value is None and parameter.default is REQUIRED:
             raise _missing(name)
         if parameter.kind:
@@ -281,7 +299,8 @@ def in_si(given: Mapping[str, Any]) -> dict[str, Any]:
 def _missing(name: str) -> TypeError:
     """Return the error for a parameter that is given neither by itself nor by another in its place."""
     other = next((f", or {alias}" for alias, replaced in INSTEAD.items() if replaced == name), "")
-    return wrong_type(name, f"must be given, in {ROD[name].unit}{other}")
+    section = ", or sections" if name in ("youngs_modulus", "density", "radius", "length") else ""
+    return wrong_type(name, f"must be given, in {ROD[name].unit}{other}{section}")
 
 
 def units_given(given: Mapping[str, Any]) -> GivenUnits:

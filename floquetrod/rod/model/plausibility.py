@@ -100,7 +100,8 @@ def suspicions_of_rod(rod: Any) -> Iterator[str]:
         )
     yield from _doubled(rod)
     yield from _material(rod)
-    if not rod.course.is_straight and (sharp := rod.course.sharpest * rod.radial_clearance) > _SHARP:
+    widest = max(part.rod.radial_clearance for part in rod.uniform_parts)
+    if not rod.course.is_straight and (sharp := rod.course.sharpest * widest) > _SHARP:
         yield (
             f"curvature times clearance is {sharp:.2g}, above {_SHARP:g}: verdicts are those of gentle bends, and err "
             "by a percent or more; check the units of path or curvature and of the channel, or simulate"

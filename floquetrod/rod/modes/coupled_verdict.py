@@ -26,8 +26,8 @@ from floquetrod.rod.mode_equations.coupled_matrices import MOST_COUPLED, require
 from floquetrod.rod.mode_equations.coupled_systems import SEVERAL, CoupledEquations
 from floquetrod.rod.mode_equations.modal_systems import ModalSystems
 from floquetrod.rod.model.assumptions import assumptions, forced_in_words
-from floquetrod.rod.model.beam import are_enriched
 from floquetrod.rod.model.contact import constants_under
+from floquetrod.rod.model.section_basis import are_enriched
 from floquetrod.rod.modes.fewer_modes import Fastest
 from floquetrod.rod.modes.mode_model import ModeModel
 
@@ -127,7 +127,7 @@ def _numbers(model: ModeModel, load: Load, first: _Trial, fewer: int, growth_tol
         if first.fastest is None:  # the second verdict takes as long as the first: the fewer modes the better
             fewer = min(fewer, count - max(2, count // _share(model, count)))
         numbers = fewer, count
-        by_chance = by_chance or are_enriched(model.rod.end_conditions)
+        by_chance = by_chance or are_enriched(model.rod)
     return {*numbers, sum(numbers) // 2} if by_chance else {*numbers}
 
 
@@ -138,7 +138,7 @@ def _compared(model: ModeModel, trials: Sequence[_Trial]) -> Sequence[_Trial]:
     drive (see `_driven`): two numbers of modes may agree by chance.
     """
     rod = model.rod
-    return trials[-3:-1] if rod.course.breaks or are_enriched(rod.end_conditions) else trials[-2:-1]
+    return trials[-3:-1] if rod.course.breaks or are_enriched(rod) else trials[-2:-1]
 
 
 def _driven(model: ModeModel, load: Load, trial: _Trial) -> int:
@@ -149,7 +149,7 @@ def _driven(model: ModeModel, load: Load, trial: _Trial) -> int:
     once that mode is among them.  Taken are modes up to (H + 1) w - nu under a force of H harmonics, at most twice as
     many as there are, as modes driven farther above hardly move, and no more than a verdict takes a second for.
     """
-    enriched, count = are_enriched(model.rod.end_conditions), trial.modes.count
+    enriched, count = are_enriched(model.rod), trial.modes.count
     if not enriched or count > _LONG or not trial.low > -model.rod.damping_rate:
         return 0
     turns = abs(trial.whole.exponents[0].imag) / load.frequency
@@ -165,7 +165,7 @@ def _share(model: ModeModel, count: int) -> int:
     More are left out where other functions join the beam functions: growth then hardly changes over a few numbers of
     modes, and goes on changing after them.
     """
-    if are_enriched(model.rod.end_conditions):
+    if are_enriched(model.rod):
         return 4
     return 6 if count <= _LONG else 10
 
@@ -200,7 +200,7 @@ def _modes_to_begin_with(model: ModeModel, load: Load, growth_tolerance: float) 
         free = ModalSystems(constants._replace(damping_rate=0.0), Loads.single(uniform))
         fastest = float(free.fastest(1)[0][0]) - constants.damping_rate
         last = model.count_for(loads, max(growth_tolerance, 0.25 * fastest))
-    if SEVERAL < last <= _LONG and not are_enriched(rod.end_conditions):
+    if SEVERAL < last <= _LONG and not are_enriched(rod):
         return last + max(2, last // 9), last
     return last, last - max(2, last // _share(model, last))
 
