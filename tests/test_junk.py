@@ -463,6 +463,7 @@ CALLS: list[tuple[Callable[..., Any], dict[str, Any]]] = [
             "stop_early": False,
             "natural_curvature": 0.0,
             "tool": None,
+            "start": None,
         },
     ),
 ]

@@ -41,6 +41,7 @@ examples:
   floquetrod simulate --rod my_rod.toml --mean 6N --amplitude 2N --frequency 24Hz --duration 4s --out run.gif
   floquetrod simulate --rod my_rod.toml --mean 6N --amplitude 2N --frequency 24Hz --duration 60s --checkpoint run.ckpt
   floquetrod simulate --continue run.npz --duration 2s --out longer.npz
+  floquetrod simulate --start run.npz --rod nitinol --mean 0.1Fcr --amplitude 0.1Fcr --frequency 150rad/s --duration 2s
   floquetrod simulate --rod examples/well.toml --mean 0.5Fcr --amplitude 0.3Fcr --frequency 4Hz --wave held
   floquetrod simulate --rod examples/well.toml --mean 0.3Fcr --amplitude 0N --frequency 4Hz --tool 2kN@4Hz@1m
   floquetrod simulate --rod my_rod.toml --force record.csv --mean 12N --duration 5s
@@ -55,6 +56,8 @@ latter needs ffmpeg), a .npz holds all results (floquetrod.Simulation.load reads
 and reports the results so far, and with a checkpoint the same command continues later.  The exit status is then 130; it
 is 2 for invalid input, for a run that diverges, and if a file could not be written.  --continue makes a run in a .npz
 file longer, with its own time step: a run continued by as long again is one run of that length, bit for bit.
+--start goes on from the last state of such a run under another load: the same rod, whose damping, and friction, may
+differ; the file gives segments and perturbation.  Time goes on, and with it the phase of the load.
 
 rods and loads are those of floquetrod check: tubes, fluids, inclined channels, all kinds of ends, axial waves from the
 upper end, measured forces.  --feed-speed moves the upper end down the channel in place of the force there; --far-force
@@ -106,6 +109,9 @@ def add(command: Parser) -> None:
     command.add_argument("--case", help="perturbation of the paper: A, B, C or D, with a mode as in A:6")
     command.add_argument("--seed", metavar="N", type=whole_number, help="seed of random speeds (default 1)")
     command.add_argument(
+        "--start", metavar="FILE", type=Path, help="a run in a .npz file, from whose last state this one starts"
+    )
+    command.add_argument(
         "--segments", metavar="N", type=whole_number, help="segments of the rod (default: enough for the load)"
     )
     command.add_argument(
@@ -138,7 +144,7 @@ def _simulate(options: argparse.Namespace) -> Output:
     friction: Any = read_friction(options.friction, "--friction")
     duration = units.quantity(options.duration or "2s", "--duration", "time")
     step = None if options.time_step is None else units.quantity(options.time_step, "--time-step", "time")
-    perturbation, shown = read_perturbation(vars(options), option), read_units(options, rod)
+    perturbation, shown = _perturbation(options), read_units(options, rod)
     _require_writers(options.out, options.checkpoint)
     warn_of_hertz("--frequency", options.frequency, rod, [load])
     problem = fr.SimulationProblem(
@@ -146,7 +152,7 @@ def _simulate(options: argparse.Namespace) -> Output:
         load,
         duration=duration,
         friction=friction,
-        perturbation=perturbation,
+        perturbation=perturbation,  # type: ignore[arg-type]  # None stands for that of the start
         segments=options.segments,
         time_step=step,
         frames=_frames(load, duration, friction != 0.0) if options.frames is None else options.frames,
@@ -154,8 +160,21 @@ def _simulate(options: argparse.Namespace) -> Output:
         far_force=far,
         tool=None if options.tool is None else read_tool(options.tool, "--tool"),
         natural_curvature=options.natural_curvature,
+        start=options.start,
     )
     return _ran(options, lambda progress: problem.run(progress, options.checkpoint), shown)
+
+
+def _perturbation(options: argparse.Namespace) -> fr.Perturbation | None:
+    """Return what sets the rod moving, None where a run has it from which the rod starts."""
+    if options.start is None:
+        return read_perturbation(vars(options), option)
+    for name in ("kick", "random", "case", "seed"):
+        if (given := getattr(options, name)) not in (None, []):
+            raise ValueError(
+                f"{option(name)} must be left out with --start, whose rod is moving already, got {given!r}"
+            )
+    return None
 
 
 _WITH_CONTINUE = ("earlier", "duration", "out", "checkpoint", "theory", "unit", "json")

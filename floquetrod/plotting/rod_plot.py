@@ -92,7 +92,7 @@ def draw_run(run: Any, modes: Sequence[int], rates: Sequence[float], figure: Any
     figure = figure_or_new(figure, (7.0, 7.0))
     above, below = figure.subplots(2, 1)
     draw_top_view(run, above)
-    draw_growth(run, modes, rates, below, "; ".join(filter(None, [f"start: {run.problem.perturbation}", run.note])))
+    draw_growth(run, modes, rates, below, "; ".join(filter(None, [f"start: {run.problem.start_words}", run.note])))
     figure.suptitle(typeset(run.caption), fontsize="medium")
     return figure
 

@@ -26,6 +26,12 @@ STABLE_LOAD = (
 """What is said of a rod that has buckled under a load that is stable without friction."""
 
 
+_STABLE_LOAD_NOW = (
+    "by theory nothing grows under this load: the rod goes on with the motion that another run left it with, or with a "
+    "large motion that the linear equations do not know; simulate longer"
+)
+
+
 class _Growing(NamedTuple):
     """What a rod that has not buckled yet is on its way to."""
 
@@ -128,14 +134,14 @@ class Findings(Printed):
         lines += [("", text) for text in _ends(run, shown)]
         off, work = float(abs(run.energy_error).max()), float(abs(run.energy["work"]).max())
         lines += [
-            ("start", f"{problem.perturbation}; friction {problem.wall_friction}"),
+            ("start", f"{problem.start_words}; friction {problem.wall_friction}"),
             ("growth", self._growth_text()),
             ("theory", self._theory(shown["kick"])),
             ("energy", f"kinetic + potential + dissipated - work off by {off:.1g} J, of {work:.3g} J of work"),
             ("step", f"{1e6 * steps.size:.3g} us, set by {_BOUNDS[steps.limit]}"),
             (
                 "cost",
-                f"{run.seconds:.3g} s of wall time for {float(run.time[-1]):.4g} s of {problem.segments} segments",
+                f"{run.seconds:.3g} s of wall time for {_simulated(run):.4g} s of {problem.segments} segments",
             ),
         ]
         if run.outcome.kind != "quiet":
@@ -156,14 +162,14 @@ class Findings(Printed):
             status = f"BUCKLED: {leads}{angle}" if run.buckled else f"{words}: {angle}"
         if run.complete:
             return status
-        return f"INTERRUPTED at {run.time[-1]:.4g} s of {run.problem.duration:g} s; so far {status}"
+        return f"INTERRUPTED at {_simulated(run):.4g} s of {run.problem.duration:g} s; so far {status}"
 
     @property
     def _against_theory(self) -> str:
         """Why a rod that has buckled should not have, by theory; "" without a reason."""
         if not (self.run.buckled and self.linear is not None and self.linear.status == "stable"):
             return ""
-        return STABLE_LOAD
+        return STABLE_LOAD if self.run.problem.start is None else _STABLE_LOAD_NOW
 
     def _growth_text(self) -> str:
         fit, run = self.growth, self.run
@@ -229,7 +235,8 @@ class Findings(Printed):
             **by_keys(run.problem, "feed_speed_m_per_s far_force_N tool"),
             "largest_end_forces_N": run.end_forces.max(axis=0).tolist(),
             **by_keys(run, "mu=problem.friction complete"),
-            "simulated_s": float(run.time[-1]),
+            "simulated_s": _simulated(run),
+            "start_s": float(run.time[0]),
             **by_keys(run.problem, "duration_s segments"),
             "frames": int(run.time.size),
             **by_keys(run.time_steps, "time_step_s=size time_step_set_by=limit steps=count"),
@@ -237,6 +244,11 @@ class Findings(Printed):
             "energy_work_J": float(abs(run.energy["work"]).max()),
             **by_keys(run, "wall_time_s=seconds"),
         }
+
+
+def _simulated(run: Any) -> float:
+    """Return the time simulated in s."""
+    return float(run.time[-1] - run.time[0])
 
 
 def _growth(run: Any) -> tuple[GrowthFit | None, str]:

@@ -91,7 +91,7 @@ def growth_of_motion(
         every = [growth_of_motion(motion, rod, load, apart[m], duration, frames, indentation) for m in seen]
         return max(every, key=lambda fit: fit.rate)
     segment = rod.length / (nodes - 1)
-    if mode is None:
+    if mode is None and longest > 0:
         amplitudes = motion.angle[:, :: math.ceil(nodes / _MOST_NODES)]
         largest = int(np.argmax(np.sum(motion.angle[:longest] ** 2, axis=1)))
         # Of the shape theta(s): k^2 = sum theta''^2 / sum theta'^2.
@@ -99,6 +99,7 @@ def growth_of_motion(
         bends = np.diff(slopes) / segment
         wavenumber = math.sqrt(float(np.sum(bends**2) / max(float(np.sum(slopes**2)), _TINY)))
     else:
+        mode = 1 if mode is None else mode
         amplitudes, wavenumber = motion.mode_amplitudes([mode]), mode * math.pi / rod.length
     least = _LEAST_PERIODS * period / step if vibrates else _LEAST_FRAMES - 1
     counts = {_frames_up_to(angle, sizes) for angle in _LINEAR_UP_TO}

@@ -12,12 +12,14 @@ from numpy.typing import NDArray
 
 from floquetrod._util.compilation import compiled, compiled_for
 from floquetrod._util.progress import Progress
+from floquetrod.rod.answers.mean_force import friction_along
 from floquetrod.simulation.arithmetic import arithmetic
 from floquetrod.simulation.checkpoints import Checkpoint, Resumable, RunState, frame_shapes
 from floquetrod.simulation.driving import Driving
 from floquetrod.simulation.kernels import rod_step
 from floquetrod.simulation.recorded_motion import EarlyEnd, LastState, RecordedMotion
 from floquetrod.simulation.rod_mesh import ENERGIES, DiscreteRod
+from floquetrod.simulation.start_state import StartState
 from floquetrod.simulation.step_size import TimeSteps
 from floquetrod.wells.drag import Friction
 
@@ -59,6 +61,8 @@ class Integration(Generic[Result]):
         When to stop before the last step.
     checkpoint : Checkpoint, optional
         Continued from, where its file exists, and kept up to date.  ValueError for a file that cannot be continued.
+    start : StartState, optional
+        The state after another run, in place of the velocities.
     state : RunState, optional
         Continued from, without a checkpoint.  ValueError where it cannot be.
     """
@@ -73,11 +77,13 @@ class Integration(Generic[Result]):
         result: Callable[[RecordedMotion], Result],
         early_end: EarlyEnd | None = None,
         checkpoint: Checkpoint | None = None,
+        start: StartState | None = None,
         state: RunState | None = None,
     ) -> None:
         """Start, or continue from the checkpoint."""
         self.mesh, self.driving, self.time_steps = mesh, driving, time_steps
-        self.physics = mesh.physics(driving, time_steps.size, friction)
+        self._steps_before = 0.0 if start is None else start.steps_before(time_steps.size)
+        self.physics = mesh.physics(driving, time_steps.size, friction)._replace(steps_before=self._steps_before)
         self._make_result, self._early_end, self._checkpoint = result, early_end, checkpoint
         self._frames: dict[str, NDArray[np.float64]] = {
             name: np.zeros((time_steps.frames, *shape)) for name, shape in frame_shapes(mesh.segments).items()
@@ -94,7 +100,7 @@ class Integration(Generic[Result]):
                 raise ValueError(f"the run cannot be continued bit for bit here: {other}")
             self._take(state)
         else:
-            self.rod = self._start(velocities)
+            self.rod = self._start(velocities) if start is None else self._resumed(start, friction)
             self._before = self.rod.copy()
             self._keep_frame()
 
@@ -154,7 +160,7 @@ class Integration(Generic[Result]):
         )
         return self._make_result(
             RecordedMotion(
-                time=np.arange(count, dtype=np.float64) * steps.per_frame * steps.size,
+                time=(self._steps_before + np.arange(count, dtype=np.float64) * steps.per_frame) * steps.size,
                 end_forces=self._end_forces(count),
                 positions=self._frames["positions"][:count],
                 velocities=self._frames["velocities"][:count],
@@ -189,6 +195,16 @@ class Integration(Generic[Result]):
         """Return the rod at the start."""
         rod = self.mesh.start(self.driving, velocities, self.physics.friction)
         compiled(rod_step.drift)(rod, 0.5 * self.physics.step, self.mesh.segments)
+        return rod
+
+    def _resumed(self, start: StartState, friction: Friction) -> Any:
+        """Return the rod as another run left it, with positions half a step of this run ahead."""
+        rod = self.mesh.resumed(
+            start.record, self.driving, friction, same_friction=friction_along(start.friction) == friction
+        )
+        if start.step != self.physics.step:
+            for half in (-0.5 * start.step, 0.5 * self.physics.step):
+                compiled(rod_step.drift)(rod, half, self.mesh.segments)
         return rod
 
     def _keep_frame(self) -> None:

@@ -27,6 +27,9 @@ _LEFT = 3.0  # damping rate times time after which a twentieth is left of motion
 _PERIODS = 3  # of the slowest mode over which the swing of a kick is searched for (a choice)
 _TIMES = 96  # in these periods (a choice)
 
+_AS_BRAKED = 0.5  # of the decay by damping alone, below which something keeps motion up (a choice)
+_AS_RUBBED = 0.1  # of motion that dies out against friction, lost in a quarter at least (a choice)
+
 KINDS = ("quiet", "buckled", "at rest", "dying out", "swinging")
 """What may have become of a rod; the places are the numbers of ``outcome`` in ensembles."""
 
@@ -47,16 +50,21 @@ class Outcome(NamedTuple):
         Dying out: beyond, and less far from quarter to quarter.  Swinging: beyond, and no further than the kick may
         have taken it, which nothing has ended yet.  Buckled: beyond otherwise.
     angle : float
-        Largest angle of any node from where it began, over the last quarter, in rad.
+        Largest angle of any node from rest, over the last quarter, in rad; rest is where a run began that was kicked.
+    earlier : float
+        Largest angle in rad that another run left the rod with, where the rod starts from it, else 0.
     """
 
     kind: str
     angle: float
+    earlier: float = 0.0
 
     @property
     def words(self) -> str:
         """What it says of the rod."""
-        at = f"{math.degrees(self.angle):.3g} degrees"
+        at, earlier = (f"{math.degrees(angle):.3g} degrees" for angle in (self.angle, self.earlier))
+        if self.kind == "dying out" and self.earlier > BUCKLED_ANGLE:
+            return f"dying out at {at}, from {earlier} in the run before"
         return {
             "quiet": "not buckled",
             "buckled": "buckled",
@@ -114,6 +122,47 @@ class Kick(NamedTuple):
         return max(_CLEARLY_BUCKLED, _GROWN * self.swing)
 
 
+class EarlierMotion(NamedTuple):
+    """Motion that another run has left a rod with, and what may end it.
+
+    Attributes
+    ----------
+    rest : ndarray (nodes,)
+        Angles at which the rod rests under its load, in rad.
+    angle : float
+        Largest angle from rest in the last quarter of the other run, in rad.
+    buckled : bool
+        Whether the rod had buckled then.
+    damping : float
+        Decay rate in 1/s of free motion.
+    friction : bool
+        Whether there is friction everywhere.
+    grows : bool
+        Whether small motion about rest grows by theory.
+    half_swing : float
+        Half the period in s of a swing of the straight rod on the floor.
+    """
+
+    rest: NDArray[np.float64]
+    angle: float
+    buckled: bool
+    damping: float
+    friction: bool
+    grows: bool
+    half_swing: float
+
+    def dies_out(self, away: NDArray[np.float64], quarter: int, seconds: float) -> bool:
+        """Return whether the motion ``away`` from rest, (frames, nodes), decays as free motion does.
+
+        From quarter to quarter, of so many frames and ``seconds``, by root mean squares over frames and nodes.
+        """
+        if self.grows or len(away) < 3 * quarter or seconds < 0.5 * self.half_swing:
+            return False
+        sizes = np.sqrt([np.mean(part**2) for part in np.split(away[-3 * quarter :], 3)])
+        least = _AS_BRAKED * self.damping * seconds - self.friction * math.log1p(-_AS_RUBBED)
+        return bool(np.all(np.log(sizes[:-1] / sizes[1:]) >= least))
+
+
 def kick_swing(
     velocities: NDArray[np.float64], length: float, bending: float, gravity: float, clearance: float
 ) -> float:
@@ -134,16 +183,25 @@ def kick_swing(
     return largest
 
 
-def turned(angle: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return by how much nodes have turned from where they began, in (-pi, pi], (frames, nodes)."""
-    away = angle - angle[0]
+def turned(angle: NDArray[np.float64], rest: NDArray[np.float64] | None = None) -> NDArray[np.float64]:
+    """Return by how much nodes have turned from ``rest``, by default the first frame, in (-pi, pi], (frames, nodes)."""
+    away = angle - (angle[0] if rest is None else rest)
     return np.asarray(np.arctan2(np.sin(away), np.cos(away))) if np.abs(away).max() > math.pi else away
 
 
 def outcome_of(
-    time: NDArray[np.float64], angle: NDArray[np.float64], speeds: NDArray[np.float64], kick: Kick
+    time: NDArray[np.float64],
+    angle: NDArray[np.float64],
+    speeds: NDArray[np.float64],
+    kick: Kick,
+    earlier: EarlierMotion | None = None,
 ) -> Outcome:
     """Return the outcome of a run: quiet, buckled, at rest, dying out or swinging.
+
+    Angles are measured from the first frame, at rest; those of a run that starts from another one's state, from where
+    the rod rests under its load.  Motion beyond 5 degrees that such a run inherits is dying out while it decays from
+    quarter to quarter at half the rate of free motion or faster, under a load that makes nothing grow; a rod that had
+    buckled is else still buckled, until it is at rest or within 5 degrees.
 
     Parameters
     ----------
@@ -154,21 +212,32 @@ def outcome_of(
     speeds : ndarray (frames, nodes)
         Across the channel, in m/s.
     kick : Kick
+    earlier : EarlierMotion, optional
+        Of a run that starts from the state of another one.
     """
-    away = turned(angle)
+    away = turned(angle, None if earlier is None else earlier.rest)
     largest, quarter = np.abs(away).max(axis=1), max(1, math.ceil(time.size / 4))
     last = float(largest[-quarter:].max())
-    if last <= BUCKLED_ANGLE:
-        return Outcome("quiet", last)
+    moving, seconds = float(speeds[-quarter:].max()) / kick.slowly, quarter * float(time[-1] - time[0]) / time.size
+    left = 0.0 if earlier is None else earlier.angle
+    # A buckled rod may swing through rest, in less time than a swing takes.
+    passing = earlier is not None and earlier.buckled and seconds < earlier.half_swing and moving > BUCKLED_ANGLE
+    if last <= BUCKLED_ANGLE and not passing:
+        return Outcome("quiet", last, left)
     # Frames may fall together with the zeros of the motion: a speed is that of a swing, too.
     swing = float(np.ptp(away[-quarter:], axis=0).max())
-    if max(swing, float(speeds[-quarter:].max()) / kick.slowly) < _STILL:
-        return Outcome("at rest" if last <= math.atan(kick.holding) else "buckled", last)
+    if max(swing, moving) < _STILL:
+        return Outcome("at rest" if last <= math.atan(kick.holding) else "buckled", last, left)
     # From quarter to quarter: a rod that stays buckled swings less far in one of them by chance.
     third, second = largest[-2 * quarter : -quarter], largest[-3 * quarter : -2 * quarter]
     brakes = kick.holding > 0.0 or math.isfinite(kick.ended)
     dies_out = brakes and second.size > 0 and last < _DIES_OUT * float(third.max()) < _DIES_OUT**2 * float(second.max())
-    outlived = kick.ended < _OUTLIVED * float(time[-1])
+    if earlier is not None:
+        if dies_out and last < left and earlier.dies_out(away, quarter, seconds):
+            return Outcome("dying out", last, left)
+        if earlier.buckled:
+            return Outcome("buckled", last, left)
+    outlived = kick.ended < _OUTLIVED * float(time[-1] - time[0])
     if last > _GROWN * kick.swing or (outlived and not dies_out):
-        return Outcome("buckled", last)
-    return Outcome("dying out" if dies_out else "swinging", last)
+        return Outcome("buckled", last, left)
+    return Outcome("dying out" if dies_out else "swinging", last, left)

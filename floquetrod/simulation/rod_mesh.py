@@ -258,6 +258,21 @@ class DiscreteRod:
         self._lay(rod, driving, velocities, wave)
         return rod
 
+    def resumed(self, record: bytes, driving: Driving, friction: Friction, *, same_friction: bool) -> Any:
+        """Return a record of the rod with the friction and the driving of another run, and its clock at 0."""
+        (rod,) = np.frombuffer(bytearray(record), self.record_type)
+        kept = self.nodes(rod, "grip").copy()
+        rod["cosines"][:] = rod["sines"][:] = rod["clock"][:] = 0.0
+        self._set_parts(rod, driving, friction.largest)
+        if len(friction.values) > 1:
+            grips = friction.at(self._places_along(rod) + (self.rod.depth + 0.5 * self.rod.length))
+            if same_friction:  # taken from where nodes were up to 16 steps ago
+                grips[1:-1] = kept[1:-1]
+                grips = np.where(kept > 0.0, kept, grips)
+            grip = self.nodes(rod, "grip")
+            grip[:] = np.where(grip > 0.0, grips, 0.0)
+        return rod
+
     def _lay(self, rod: Any, driving: Driving, velocities: Floats, wave: tuple[Floats, Floats]) -> None:
         """Write where the rod lies, how it moves, and where its ends are held; ``wave`` is displacement and speed."""
         self.nodes(rod, "x")[:] = driving.squeezed(self.places) + wave[0]
@@ -350,6 +365,10 @@ class DiscreteRod:
     def _axes(self, places: Floats) -> Floats:
         """Return the directions of the channel at both end nodes, (2, 3), of a rod at Cartesian places."""
         return _ALONG
+
+    def _places_along(self, rod: Any) -> Floats:
+        """Return where nodes of a record are along the channel, in m from its middle."""
+        return self.nodes(rod, "x")
 
     def _raised(self, driving: Driving, places: Floats, cartesian: Floats, share: Floats) -> float:
         """Return the energy in J by which weight pulls nodes at recorded places."""

@@ -114,5 +114,6 @@ class Physics(NamedTuple):
     harmonics: int  # of the vibration
     upper: End
     lower: End
+    steps_before: float = 0.0  # in which the load has acted before the clock of the record began
     tool: Any = None  # a `ToolForce`, or None without
     well: Any = None  # a `Well`, or None in a straight channel

@@ -11,6 +11,7 @@ from floquetrod.rod.loads.tool import VibrationTool
 from floquetrod.rod.rod import Rod
 from floquetrod.simulation.simulation_problem import Simulation, SimulationProblem
 from floquetrod.simulation.start import Perturbation
+from floquetrod.simulation.start_state import StartState
 
 
 def simulate(
@@ -31,6 +32,7 @@ def simulate(
     tool: VibrationTool | None = None,
     stop_early: bool = False,
     natural_curvature: float | str = SimulationProblem.natural_curvature,
+    start: Simulation | StartState | str | Path | None = None,
     progress: Progress | None = None,
     checkpoint: str | Path | None = None,
 ) -> Simulation:
@@ -71,6 +73,8 @@ def simulate(
         Whether the run ends once the rod has buckled, or friction holds it at rest.
     natural_curvature : float, str or "path"
         Curvature in 1/m, or with its unit, of a rod with a path when no load acts; "path" is the curvature of the well.
+    start : Simulation or path, optional
+        Another run of the same rod, or its npz file, from whose last state this one goes on, under this load.
     progress : callable, optional
         Called with the numbers of steps done and to do.
     checkpoint : path, optional
@@ -106,5 +110,6 @@ def simulate(
         tool=tool,
         stop_early=stop_early,
         natural_curvature=natural_curvature,
+        start=start,  # type: ignore[arg-type]  # a run or its file stand for its last state
     )
     return problem.run(progress, checkpoint)

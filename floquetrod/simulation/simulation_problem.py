@@ -35,11 +35,13 @@ from floquetrod.simulation.findings import Findings
 from floquetrod.simulation.growth import GrowthFit, growth_of_motion
 from floquetrod.simulation.integration import Integration
 from floquetrod.simulation.measures import axial_force, contact_force
-from floquetrod.simulation.outcome import BUCKLED_ANGLE, Kick, Outcome, outcome_of, turned
+from floquetrod.simulation.outcome import BUCKLED_ANGLE, EarlierMotion, Kick, Outcome, outcome_of, turned
 from floquetrod.simulation.recorded_motion import ENDINGS, EarlyEnd, LastState, RecordedMotion
 from floquetrod.simulation.resolution import GrowingWaves, ResolutionWarning, growing_waves
+from floquetrod.simulation.rest_angles import rest_angles
 from floquetrod.simulation.rod_mesh import ENERGIES, DiscreteRod
-from floquetrod.simulation.start import LEAST_SEGMENTS, MOST_SEGMENTS, Perturbation
+from floquetrod.simulation.start import LEAST_SEGMENTS, MOST_SEGMENTS, Perturbation, perturbation_from_dict
+from floquetrod.simulation.start_state import StartState
 from floquetrod.simulation.step_size import STEP_LIMITS, TimeSteps, time_steps
 from floquetrod.simulation.well_mesh import RodInWell
 from floquetrod.wells.drag import Friction
@@ -49,6 +51,7 @@ _SEGMENTS_OF_FASTEST = 8  # in half a wave of what grows fastest, where that is 
 _LEAST_HALF_WAVES = 5.0  # that are resolved so in a short rod, where the ends matter more (a choice)
 _OFF_THE_WALL = 0.01  # of the clearance, a hundred times the depth at rest (a choice)
 _MOSTLY_ON = 0.5  # of the frames in which a rod may be off the wall for its mode to be named (a choice)
+_LONG = 1000.0  # half swings, in which growth by a factor of 20 keeps a rod from coming to rest (a choice)
 _FORMAT = "floquetrod simulation 4"
 _SHARPEST = 0.1  # of a radian, by which a channel may bend over a radial clearance (a choice; 1e-3 is much)
 _MOST_CURVED = 1e3  # 1/m, natural curvature (a choice: beyond any)
@@ -108,6 +111,15 @@ class SimulationProblem:
         Whether the run ends at the frame at which it has clearly buckled, the largest angle beyond 45 degrees (a
         choice) and beyond twice what the kick does by itself, or at which friction holds it at rest: no node's angle
         has changed by more than 1e-5 rad over the last full period of the force, and none is beyond 5 degrees.
+    natural_curvature : float, str or "path"
+        Curvature in 1/m, or with its unit, of a rod with a path when no load acts; "path" is the curvature of the well.
+    start : Simulation, path or StartState, optional
+        Another run of the same rod, or its npz file, from whose last state this one starts, in place of the floor.
+        Load, friction, tool, forces on the ends, and the rod's damping rate and gravity may differ; all else must be
+        that of the run, and so are segments and perturbation where they are left out.  Time goes on: the first frame
+        has the time of the state, vibrations continue with their phase, of another frequency with that which it would
+        have had by then, and work and losses are added to those before.  A load that differs acts at once.  Whether
+        the rod has buckled is judged by the rest under its load; see `floquetrod.simulation.outcome`.
 
     Raises
     ------
@@ -144,6 +156,7 @@ class SimulationProblem:
     tool: VibrationTool | None = None
     stop_early: bool = False
     natural_curvature: float | str = 0.0
+    start: StartState | None = None
 
     def __post_init__(self) -> None:
         """Check and clean the parameters; the derived numbers raise for what they cannot be computed from."""
@@ -155,11 +168,12 @@ class SimulationProblem:
                 f"must have no noise to be simulated, got {noise_in_words(load.noise)}; give it ",
                 Mention("noise", "noise=0", "0"),
             )
-        kick = Perturbation.random(1e-3, seed=1) if self.perturbation is None else self.perturbation
-        validate.instance("perturbation", kick, Perturbation, "such as Perturbation.modes({8: 0.05})")
+        start = _start(self.start)
+        kick = self._first_kick(start)
         cleaned: dict[str, Any] = {
             "load": load,
             "perturbation": kick,
+            "start": start,
             "duration": units.number("duration", self.duration, "time", math.ulp(0.0), hint="in s"),
             "frames": validate.integer("frames", self.frames, 2),
             "stop_early": validate.flag("stop_early", self.stop_early),
@@ -175,6 +189,9 @@ class SimulationProblem:
             "tool": None if self.tool is None else tool_inside(self.tool, self.rod.length, "rod"),
         }
         self._hold(cleaned)
+        if start is not None:
+            start.require_rod(self.rod)
+            self._hold({"segments": start.segments if self.segments is None else self.segments})
         try:
             self._require_possible_ends()
             self._require_possible_channel()
@@ -183,6 +200,8 @@ class SimulationProblem:
             mesh = self.mesh
             self._hold({name: getattr(mesh, name) for name in _OF_THE_MESH})
             kick.velocities(self.segments)
+            if start is not None:
+                start.require_mesh(self)
             _ = self.time_steps
         except ArithmeticError as error:  # of a rod whose data lie further apart than a double reaches
             raise ValueError(
@@ -222,7 +241,35 @@ class SimulationProblem:
     def time_steps(self) -> TimeSteps:
         """The steps to be taken, with their number, how many between frames, their size in s, and the limit on it."""
         speed = float(np.abs(self.perturbation.velocities(self.segments)).max())
-        return time_steps(self.mesh, self.duration, self.frames, self.time_step, speed)
+        steps = time_steps(self.mesh, self.duration, self.frames, self.time_step, speed)
+        return steps if self.start is None else self.start.in_its_step(steps)
+
+    @property
+    def start_words(self) -> str:
+        """How the rod is set moving, in words."""
+        if self.start is None:
+            return str(self.perturbation)
+        return f"the state of another run at {self.start.time:.4g} s, set moving by {self.perturbation}"
+
+    @cached_property
+    def earlier_motion(self) -> EarlierMotion | None:
+        """The motion with which another run has left the rod, None for a rod that starts on the floor."""
+        start, mesh = self.start, self.mesh
+        if start is None:
+            return None
+        friction = self.wall_friction
+        half_swing = math.pi * math.sqrt(self.rod.radial_clearance / mesh.gravity_on_wall)
+        return EarlierMotion(
+            rest=rest_angles(
+                mesh, self.driving, mesh.resumed(start.record, self.driving, friction, same_friction=True)
+            ),
+            angle=start.angle,
+            buckled=start.buckled,
+            damping=self.rod.damping_rate,
+            friction=min(friction.values) > 0.0,
+            grows=friction.largest == 0.0 and growing_waves(self.driving, _LONG * half_swing).fastest > 0,
+            half_swing=half_swing,
+        )
 
     @property
     def unresolved(self) -> str:
@@ -275,6 +322,8 @@ class SimulationProblem:
         if self.unresolved:
             wrong = f"{self.unresolved}: the growing modes and their rates will be wrong"
             remedy = f"take {self._growing.least_segments} or more, or leave segments out for {self._fair_segments()}"
+            if self.start is not None:
+                remedy = f"take {self._growing.least_segments} or more in the run it starts from"
             warnings.warn(f"{wrong}; {remedy}", ResolutionWarning, stacklevel=level_of_caller())
         return self._run(self.time_steps, progress, place)
 
@@ -294,15 +343,22 @@ class SimulationProblem:
         velocities = self.perturbation.velocities(self.segments)
         early = None
         if self.stop_early:
-            early = EarlyEnd(self.wall_friction.largest, self._frames_in_a_period, self.kick_alone.clearly_buckled)
+            clearly, start = self.kick_alone.clearly_buckled, self.start
+            if start is not None and (start.buckled or start.angle > clearly):
+                clearly = math.inf  # it began so
+            early = EarlyEnd(self.wall_friction.largest, self._frames_in_a_period, clearly)
         result = partial(self._result, steps)
-        return Integration(self.mesh, self.driving, self.wall_friction, steps, velocities, result, early, file, state)
+        return Integration(
+            self.mesh, self.driving, self.wall_friction, steps, velocities, result, early, file, self.start, state
+        )
 
     def as_dict(self) -> dict[str, Any]:
         """Return the parameters as plain data, for files, which JSON preserves."""
         load = self.load.kind_as_dict() | {name: getattr(self.load, name) for name in QUANTITIES}
-        plain: dict[str, Any] = json.loads(json.dumps(asdict(self) | {"rod": self.rod.as_dict(), "load": load}))
-        for name, usual in (("natural_curvature", 0.0), ("tool", None)):
+        start = None if self.start is None else self.start.as_dict()
+        values = asdict(self) | {"rod": self.rod.as_dict(), "load": load, "start": start}
+        plain: dict[str, Any] = json.loads(json.dumps(values))
+        for name, usual in (("natural_curvature", 0.0), ("tool", None), ("start", None)):
             if plain[name] == usual:
                 del plain[name]  # files of rods without are those of versions without
         return plain
@@ -310,8 +366,10 @@ class SimulationProblem:
     @classmethod
     def from_dict(cls, data: Mapping[str, Any]) -> SimulationProblem:
         """Return the problem that `as_dict` wrote; ValueError, KeyError or TypeError for anything else."""
-        kick = Perturbation(*(tuple((a, b) for a, b in data["perturbation"][name]) for name in ("speeds", "noises")))
+        kick = perturbation_from_dict(data["perturbation"])
         parts = {"rod": Rod(**data["rod"]), "load": load_from_dict(data["load"]), "perturbation": kick}
+        if "start" in data:
+            parts["start"] = StartState.from_dict(data["start"], _friction)
         if "tool" in data:
             parts["tool"] = VibrationTool(**data["tool"])
         problem = cls(**{**data, **parts})
@@ -319,6 +377,18 @@ class SimulationProblem:
         if json.dumps(problem.as_dict(), sort_keys=True) != json.dumps(data, sort_keys=True):
             raise ValueError("its problem is not of the kinds it is written with")
         return problem
+
+    def _first_kick(self, start: StartState | None) -> Perturbation:
+        """Return what first set the rod moving."""
+        kick = self.perturbation
+        if start is not None:
+            if kick is not None and kick != start.perturbation:
+                raise validate.wrong_value(
+                    "perturbation", f"must be left out with start, whose rod is moving already, got {kick}"
+                )
+            return start.perturbation
+        kick = Perturbation.random(1e-3, seed=1) if kick is None else kick
+        return validate.instance("perturbation", kick, Perturbation, "such as Perturbation.modes({8: 0.05})")
 
     def _hold(self, values: Mapping[str, Any]) -> None:
         """Set fields of this frozen value while it is made."""
@@ -419,6 +489,24 @@ def _friction(given: Any) -> float | Intervals:
     """Return a coefficient of friction, or pairs of a depth in m and the coefficient from there on."""
     along = friction_along(given)
     return along.values[0] if len(along.values) == 1 else tuple(zip(along.depths, along.values, strict=True))
+
+
+def _start(given: Any) -> StartState | None:
+    """Return the state of another run, given as a simulation, its file or the state."""
+    if given is None or isinstance(given, StartState):
+        return given
+    if isinstance(given, Simulation):
+        return StartState.after(given)
+    if not isinstance(given, str | Path):
+        raise validate.wrong_type(
+            "start", f"must be a Simulation, or the path of its npz file, got {validate.short(given)}"
+        )
+    path = validate.path("start", given)
+    try:
+        run = Simulation.load(path)
+    except ValueError as error:
+        raise validate.wrong_value("start", f"must be a run in a npz file: {error}") from None
+    return StartState.after(run)
 
 
 _OF_THE_MESH = [part.name for part in fields(DiscreteRod) if part.name != "rod"]
@@ -582,7 +670,7 @@ class Simulation(Reported, RecordedMotion):
     def outcome(self) -> Outcome:
         """What has become of the rod, with the angle in rad at which it is; its ``kind`` "buckled" or another."""
         speeds = np.hypot(self.velocities[..., 1], self.velocities[..., 2])
-        return outcome_of(self.time, self.angle, speeds, self.problem.kick_alone)
+        return outcome_of(self.time, self.angle, speeds, self.problem.kick_alone, self.problem.earlier_motion)
 
     @property
     def buckled(self) -> bool:
@@ -597,7 +685,9 @@ class Simulation(Reported, RecordedMotion):
     @property
     def buckled_at(self) -> float | None:
         """The first recorded time in s at which a node was beyond 5 degrees, None where the rod has not `buckled`."""
-        beyond = np.abs(turned(self.angle)).max(axis=1) > BUCKLED_ANGLE
+        earlier = self.problem.earlier_motion
+        away = turned(self.angle, None if earlier is None else earlier.rest)
+        beyond = np.abs(away).max(axis=1) > BUCKLED_ANGLE
         return float(self.time[np.argmax(beyond)]) if self.buckled else None
 
     def findings(self, *, theory: bool = True) -> Findings:

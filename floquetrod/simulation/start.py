@@ -160,6 +160,11 @@ class Perturbation:
         return total
 
 
+def perturbation_from_dict(data: Mapping[str, Any]) -> Perturbation:
+    """Return the perturbation that a file holds; ValueError, KeyError or TypeError for anything else."""
+    return Perturbation(*(tuple((a, b) for a, b in data[name]) for name in ("speeds", "noises")))
+
+
 def _pairs(name: str, values: Any, example: str) -> list[tuple[Any, Any]]:
     """Return a sequence of pairs as a list."""
     pairs = []

@@ -138,6 +138,10 @@ class RodInWell(DiscreteRod):
         half = 0.5 * self.rod.length
         return self.axis.along(places[[0, -1]], np.array([-half, half]))[1].along
 
+    def _places_along(self, rod: Any) -> Floats:
+        """Return where nodes of a record are along the channel, in m from its middle."""
+        return self.nodes(rod, "place")
+
     @property
     def _pressed_at_rest(self) -> float:
         """Measure of the energy of contact at rest, none along the axis."""

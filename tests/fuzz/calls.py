@@ -530,7 +530,7 @@ def _of_rods(place: Path) -> dict[str, Call]:
     sheet = {name: getattr(ROD, name) for name in ROD.__dataclass_fields__}
     mu, tolerance = {"friction": 0.1}, {"growth_tolerance": 0.1}
     run = {"duration": 0.005, "friction": 0.1, "segments": 40, "time_step": None, "frames": 3}
-    run |= {"perturbation": None, "poisson_ratio": 0.33, "indentation": 1e-4, "contact_damping": 0.3}
+    run |= {"perturbation": None, "poisson_ratio": 0.33, "indentation": 1e-4, "contact_damping": 0.3, "start": None}
     problem = fr.SimulationProblem(ROD, LOAD, duration=0.005, segments=40, frames=3)
     judged = {"criterion": None, "friction": None, "kick": None, "workers": 1, "progress": None}
     return {

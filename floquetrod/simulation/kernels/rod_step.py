@@ -553,12 +553,12 @@ def advance(rod: Any, steps: int, p: Any) -> None:
     """Carry a rod whose positions are half a step ahead through ``steps`` steps, and count them on its clock."""
     a, b, vx, vy, vz = FIRST, FIRST + p.segments, rod["vx"], rod["vy"], rod["vz"]
     damped, lighter = p.decay != 1.0 or p.decay_along != 1.0, p.mass / p.mass_along
-    done = int(rod["clock"][0])
+    done, earlier = int(rod["clock"][0]), int(p.steps_before)
     # Position Verlet, half drifts merged: with x half a step ahead, v += h F(x, t + h / 2) / m, then x += h v.  Damping
     # is split in halves about it (Strang), so that a step is reversible except for friction and damping.
     for number in range(done, done + steps):
-        time = (number + 0.5) * p.step
-        if number % BETWEEN_ANCHORS == 0:
+        time = (p.steps_before + number + 0.5) * p.step
+        if (number + earlier) % BETWEEN_ANCHORS == 0:
             _take_places(rod, p.well, p)
         force = _vibration(rod, time, p.frequency, p.harmonics)
         upper = 0.0 if p.upper.moved else p.upper.mean + p.upper.drive * force
