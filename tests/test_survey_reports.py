@@ -13,6 +13,7 @@ from hypothesis import strategies as st
 
 import floquetrod as fr
 from floquetrod.cli.main import main
+from floquetrod.rod.model.rod_file import SURVEY_KEYS
 
 FILES = Path(__file__).parent / "data" / "surveys"
 WELL = fr.WellPath([0.0, 500.0, 800.0, 1400.0], ["0deg", "0.4deg", "24deg", "88deg"], np.radians([40, 40, 42, 47]))
@@ -72,6 +73,61 @@ def test_a_rod_file_names_the_columns_of_its_survey(tmp_path: Path) -> None:
     rod.write_text(sizes + path.replace("azimuth", "azimut"), encoding="utf-8")
     with pytest.raises(ValueError, match="unknown key 'azimut'; did you mean azimuth"):
         fr.Rod.from_toml(rod)
+
+
+STUDY = """[rod]
+youngs_modulus = "70GPa"
+density = 6450.0
+diameter = "0.8mm"
+channel_diameter = "8mm"
+length = "3m"
+depth = "600m"
+path = {{file = "survey.txt", {}}}
+[load]
+mean = "0.1N"
+amplitude = "0.05N"
+frequency = "24Hz"
+[run]
+duration = "1ms"
+segments = 40
+[over]
+seed = [1, 2]
+"""
+KEYS = {
+    "depth": "Along",
+    "inclination": 2,
+    "azimuth": "AZIM_GN",
+    "depth_unit": "m",
+    "angle_unit": "deg",
+    "delimiter": "!",
+    "to": "1500m",
+}
+
+
+def test_a_study_file_names_every_way_in_which_its_survey_is_read(tmp_path: Path) -> None:
+    rows = zip(WELL.depth.tolist(), np.degrees(WELL.inclination).tolist(), np.degrees(WELL.azimuth), strict=True)
+    text = "Along!AZIM_TN!Tilt!AZIM_GN\n" + "".join(f"{d}!0!{i!r}!{a}\n" for d, i, a in rows)
+    (tmp_path / "survey.txt").write_text(text, encoding="utf-8")
+    assert {*KEYS, "sheet"} == {*SURVEY_KEYS}
+    given = ", ".join(f"{key} = {value!r}" for key, value in KEYS.items())
+    study = tmp_path / "study.toml"
+    study.write_text(STUDY.format(given), encoding="utf-8")
+    path = fr.Study.from_toml(study).problem.rod.path
+    assert path is not None
+    assert path == fr.WellPath.from_csv(tmp_path / "survey.txt", **KEYS)
+    np.testing.assert_allclose(path.azimuth[:-1], WELL.azimuth, rtol=1e-14)
+    assert path.end == 1500.0
+    for wrong, words in (
+        ('sheet = "Surveys"', "sheet is for workbooks"),
+        ('survey_columns = "1,2,3"', "unknown key 'survey_columns'"),
+        ('to = "1200m"', "to must lie below the last station at 1400 m, got 1200 m"),
+        ('depth_unit = "kg"', "depth_unit must be"),
+    ):
+        name = wrong.split()[0]
+        kept = ", ".join(part for part in given.split(", ") if not part.startswith(f"{name} "))
+        study.write_text(STUDY.format(f"{kept}, {wrong}"), encoding="utf-8")
+        with pytest.raises(ValueError, match=rf"study file .*study.toml: \[rod\] .*{words}"):
+            fr.Study.from_toml(study)
 
 
 def test_messages_are_in_the_units_of_the_file(tmp_path: Path) -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import warnings
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, ClassVar, Self
+from typing import TYPE_CHECKING, Any, ClassVar, Self
 
 import numpy as np
 
@@ -19,8 +19,11 @@ from floquetrod._util.content import ByContent
 from floquetrod._util.plausibility_warning import SILENCE, PlausibilityWarning
 from floquetrod._util.result_report import Report, Reported, Table
 from floquetrod.tables.arguments import column_argument, delimiter_argument
-from floquetrod.wells import survey, survey_file
+from floquetrod.wells import survey
 from floquetrod.wells.minimum_curvature import Points, WellArcs
+
+if TYPE_CHECKING:
+    from floquetrod.wells.survey_file import SurveyFile
 
 _ROUNDING = 1e-9  # of a depth, by which it may miss the ends of the path
 _SHOWN = 40  # stations of a report
@@ -107,7 +110,7 @@ class WellPath(units.InUnits, Reported, ByContent, TellsAttributes):
             object.__setattr__(self, name, values)
         return self
 
-    def _check(self, read: survey_file.SurveyFile | None = None, file: str = "") -> None:
+    def _check(self, read: SurveyFile | None = None, file: str = "") -> None:
         """Raise ValueError for stations that make no path, and warn of probable mistakes.
 
         Messages about stations that were ``read`` from a file have its lines and units.
@@ -230,6 +233,8 @@ class WellPath(units.InUnits, Reported, ByContent, TellsAttributes):
             but probably in radians, unless ``angle_unit`` is given; and of an inclination at the surface below no
             headings, where columns may be in another order.
         """
+        from floquetrod.wells.survey_file import read_survey_file
+
         file = validate.path("path", path)
         wanted = {"depth": depth, "inclination": inclination, "azimuth": azimuth}
         chosen = {name: column_argument(name, choice) for name, choice in wanted.items()}
@@ -239,7 +244,7 @@ class WellPath(units.InUnits, Reported, ByContent, TellsAttributes):
                 units.unit(unit, argument, kind)
         mark, page = delimiter_argument(delimiter), column_argument("sheet", sheet)
         try:
-            stations = survey_file.read(file, chosen, given, mark, page)
+            stations = read_survey_file(file, chosen, given, mark, page)
         except (OSError, ValueError) as error:
             raise error_in(f"survey {file}", error) from None
         if not stations.lines:
