@@ -189,33 +189,45 @@ def drawn_lobes(seed: int) -> Any:
 
 
 @pytest.mark.parametrize("seed", range(depth(60, 1)))
-def test_every_name_in_a_chart_of_lobes_lies_on_its_own_lobe(seed: int) -> None:
+def test_names_in_a_chart_of_lobes_are_led_to_the_least_depths_of_the_widest(seed: int) -> None:
     lobes = drawn_lobes(seed)
     ax = lobes.plot()
     ax.figure.canvas.draw()
-    rpm = 30.0 / math.pi
     if not lobes.lobes:
         assert [text.get_text().replace("\n", " ") for text in ax.texts] == [lobes.none_in_range]
         pyplot.close(ax.figure)
         return
-    (artist,) = (each for each in ax.artists if hasattr(each, "shown"))
-    renderer, placed = ax.figure.canvas.get_renderer(), {}
-    for text in artist.texts:
-        placed[text.get_text(), text.get_position()] = text.get_window_extent(renderer)
-    for name in artist.shown:
-        boxes = [box for (other, at), box in placed.items() if other == name and at != (0, 0)]
-        for box in boxes:
-            (left, bottom), (right, _) = ax.transData.inverted().transform(box.get_points())
-            owners = [
-                lobe
-                for lobe in lobes.lobes
-                if f"{lobe.kind} {lobe.number}" == name
-                and rpm * lobe.speeds[0] <= left
-                and right <= rpm * lobe.speeds[1]
-            ]
-            assert len(owners) == 1
-            columns = np.flatnonzero((lobes.chart.x.values >= left) & (lobes.chart.x.values <= right))
-            assert (1e3 * lobes.depths[columns] <= bottom).all()
+    (artist,) = (each for each in ax.artists if hasattr(each, "points"))
+    rpm, named = 30.0 / math.pi, set()
+    for text, (x, y) in zip(artist.texts, artist.points, strict=True):
+        owners = [
+            lobe
+            for lobe in lobes.lobes
+            if f"{lobe.kind} {lobe.number}" == text.get_text() and rpm * lobe.speeds[0] <= x <= rpm * lobe.speeds[1]
+        ]
+        assert len(owners) == 1
+        assert y == pytest.approx(1e3 * owners[0].depth)
+        named.add(id(owners[0]))
+    wide = sorted((lobe.speeds[1] - lobe.speeds[0] for lobe in lobes.lobes), reverse=True)
+    narrowest = min(lobe.speeds[1] - lobe.speeds[0] for lobe in lobes.lobes if id(lobe) in named)
+    assert len(named) == min(12, len(wide))
+    assert narrowest == wide[len(named) - 1]
+    pyplot.close(ax.figure)
+
+
+def test_no_name_in_the_chart_of_the_slot_covers_a_lobe() -> None:
+    lobes = cutter().lobes(("5000rpm", "25000rpm", depth(120, 60)), ("0mm", "4mm", depth(60, 30)))
+    ax = lobes.plot()
+    ax.figure.canvas.draw()
+    (artist,) = (each for each in ax.artists if hasattr(each, "points"))
+    x, y = np.meshgrid(lobes.chart.x.values, lobes.chart.y.values)
+    unstable = ax.transData.transform(np.column_stack([x[~lobes.chart.stable], y[~lobes.chart.stable]]))
+    named = [text.get_text() for text in artist.texts if text.get_visible()]
+    assert {f"Hopf {number}" for number in range(1, 5)} <= set(named)
+    for text in (text for text in artist.texts if text.get_visible()):
+        box = text.get_window_extent()
+        covered = (unstable > [box.x0, box.y0]) & (unstable < [box.x1, box.y1])
+        assert not covered.all(axis=1).any(), text.get_text()
     pyplot.close(ax.figure)
 
 

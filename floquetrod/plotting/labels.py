@@ -48,16 +48,10 @@ def add_labels(ax: Any, bands: Sequence[Any], *, halo: bool, note: Callable[[str
     named = sorted((band for band in bands if label(band)), key=_area, reverse=True)[:_MOST]
     if not named:
         return
-    drawn = _artists().labels([label(band) for band in named], named, halo, False)
+    drawn = _artists().labels([label(band) for band in named], named, halo)
     ax.add_artist(drawn)
     if note is not None:
         ax.add_artist(_artists().note(drawn, lambda shown: note(explanation([named[i] for i in shown]))))
-
-
-def add_names(ax: Any, names: Sequence[str], shapes: Sequence[Any]) -> None:
-    """Write names into polygons, which have ``x`` and ``y``, whenever axes are drawn; upwards in narrow ones."""
-    order = sorted(range(len(names)), key=lambda i: _area(shapes[i]), reverse=True)
-    ax.add_artist(_artists().labels([names[i] for i in order], [shapes[i] for i in order], False, True))
 
 
 def places(wanted: Sequence[tuple[Floats, Floats, float, float]], free: Mask) -> list[tuple[float, float] | None]:
@@ -139,12 +133,11 @@ def _artists() -> _Artists:
     class Labels(Artist):
         """Labels of polygons, placed when drawn: then the size of the axes, and what else they hold, is known."""
 
-        def __init__(self, names: Sequence[str], shapes: Sequence[Any], halo: bool, turns: bool) -> None:
+        def __init__(self, names: Sequence[str], shapes: Sequence[Any], halo: bool) -> None:
             super().__init__()
             self.set_zorder(2.5)
             self.set_in_layout(False)
             self.shapes = shapes
-            self.turns = turns
             effects = [withStroke(linewidth=1.8, foreground=palette.STABLE)] if halo else []
             style: dict[str, Any] = {"ha": "center", "va": "center", "fontsize": "x-small"}
             self.texts = [Text(0, 0, name, path_effects=effects, **style) for name in names]
@@ -159,15 +152,10 @@ def _artists() -> _Artists:
             wanted = []
             for shape, text in zip(self.shapes, self.texts, strict=True):
                 text.set_figure(self.figure)
-                text.set_rotation(0.0)
                 points = axes.transData.transform(np.column_stack([shape.x, shape.y]))
                 x, y = ((points - (window.x0, window.y0)) / cell - 0.5).T
                 around, size = _ROOM / _CELL, text.get_window_extent(renderer)
-                width, height = size.width / cell + around, size.height / cell + around
-                if self.turns and np.ptp(x) < width and np.ptp(y) > width:
-                    text.set_rotation(90.0)
-                    width, height = height, width
-                wanted.append((x, y, width, height))
+                wanted.append((x, y, size.width / cell + around, size.height / cell + around))
             positions = places(wanted, free_cells(axes, renderer, cell))
             for text, place in zip(self.texts, positions, strict=True):
                 if place is not None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+import math
 from collections.abc import Sequence
 from typing import Any
 
@@ -14,17 +15,24 @@ from floquetrod.plotting.labels import Mask, cells_inside, free_cells
 
 _CELL = 2.0  # side in points of the cells in which room is searched for (a choice)
 _ROOM = 4.0  # points around a label (a choice)
-_NEAR = 5.0  # points up to which a label needs no line (a choice)
+_NEAR = 9.0  # points up to which a label needs no line (a choice)
 _CENTRED = 1e-3  # weight of the distance from its middle (a choice)
 _COVERED = 1e3  # weight of a cell that is covered, against a cell of distance (a choice)
 
 
 def add_leaders(
-    ax: Any, names: Sequence[str], points: Sequence[tuple[float, float]], shapes: Sequence[Any] = ()
+    ax: Any,
+    names: Sequence[str],
+    points: Sequence[tuple[float, float]],
+    shapes: Sequence[Any] = (),
+    farthest: float = math.inf,
 ) -> None:
-    """Name points, in the units of the axes, where nothing is covered, nor ``shapes``, which have ``x`` and ``y``."""
+    """Name points, in the units of the axes, where nothing is covered, nor ``shapes``, which have ``x`` and ``y``.
+
+    A name for which there is no room within so many typographic points, ``farthest``, is left out.
+    """
     if names:
-        ax.add_artist(_artist()(names, points, shapes))
+        ax.add_artist(_artist()(names, points, shapes, farthest))
 
 
 def nearest_room(free: Mask, point: Floats, size: Floats) -> Floats | None:
@@ -64,7 +72,13 @@ def _artist() -> Any:
     class Leaders(Artist):
         """Labels beside points, placed when drawn: then the size of the axes, and what else they hold, is known."""
 
-        def __init__(self, names: Sequence[str], points: Sequence[tuple[float, float]], shapes: Sequence[Any]) -> None:
+        def __init__(
+            self,
+            names: Sequence[str],
+            points: Sequence[tuple[float, float]],
+            shapes: Sequence[Any],
+            farthest: float,
+        ) -> None:
             super().__init__()
             self.set_zorder(5.0)
             self.set_in_layout(False)
@@ -73,6 +87,7 @@ def _artist() -> Any:
             self.texts = [Text(0, 0, name, **style) for name in names]
             self.points = points
             self.shapes = shapes
+            self.farthest = farthest
 
         def draw(self, renderer: Any) -> None:
             """Draw every label, and the line to its point."""
@@ -92,14 +107,17 @@ def _artist() -> Any:
                 free &= ~cells_inside(x, y, free.shape)
             for text, (point,) in zip(self.texts, (in_cells(*each) for each in self.points), strict=True):
                 text.set_figure(self.figure)
+                text.set_visible(True)  # else it has no extent
                 extent = text.get_window_extent(renderer)
                 size = np.array([extent.width, extent.height]) / cell
                 middle = nearest_room(free, point, size + _ROOM / _CELL)
-                if middle is None:
+                end = point if middle is None else np.clip(point, middle - 0.5 * size, middle + 0.5 * size)
+                away = float(np.hypot(*(end - point))) * _CELL
+                text.set_visible(middle is not None and away <= self.farthest)
+                if middle is None or away > self.farthest:
                     continue
                 take(free, middle, size + _ROOM / _CELL)
-                end = np.clip(point, middle - 0.5 * size, middle + 0.5 * size)
-                if np.hypot(*(end - point)) * _CELL > _NEAR:
+                if away > _NEAR:
                     line = Line2D(*(corner + cell * (np.array([point, end]) + 0.5)).T, color="0.35", linewidth=0.6)
                     line.set_figure(self.figure)
                     line.draw(renderer)

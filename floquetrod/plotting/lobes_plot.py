@@ -3,33 +3,31 @@
 from __future__ import annotations
 
 import textwrap
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
-from floquetrod._util.arrays import Floats
-from floquetrod.plotting import labels, palette
+from floquetrod.plotting import palette
+from floquetrod.plotting.leaders import add_leaders
 
 _WIDE = 60
 """Characters of a line within axes."""
 
-
-class LobeOutline(NamedTuple):
-    """A polygon, in the units of the axes."""
-
-    x: Floats
-    y: Floats
+_NAMED = 12  # lobes that are named, those over the widest ranges of speeds (a choice)
+_FARTHEST = 40.0  # typographic points from a lobe to its name (a choice)
 
 
 def draw_lobes(lobes: Any, ax: Any = None) -> Any:
-    """Draw stability lobes: the chart, with names inside the lobes that have room for them.
+    """Draw stability lobes: the chart, with the names of the widest in what is stable, near the lowest point of each.
 
     Where there are none the chart says why.
     """
     ax = lobes.chart.plot(ax)
     if lobes.lobes:
-        names = [f"{lobe.kind} {lobe.number}" for lobe in lobes.lobes]
-        labels.add_names(ax, names, [outline(lobes, lobe) for lobe in lobes.lobes])
+        widest = sorted(lobes.lobes, key=lambda lobe: lobe.speeds[0] - lobe.speeds[1])[:_NAMED]
+        names = [f"{lobe.kind} {lobe.number}" for lobe in widest]
+        points = [_lowest(lobes, lobe) for lobe in widest]
+        add_leaders(ax, names, points, list(lobes.chart.bands), _FARTHEST)
     else:
         style: dict[str, Any] = {"ha": "center", "va": "center", "fontsize": "small", "in_layout": False}
         text = textwrap.fill(lobes.none_in_range, _WIDE)
@@ -37,14 +35,8 @@ def draw_lobes(lobes: Any, ax: Any = None) -> Any:
     return ax
 
 
-def outline(lobes: Any, lobe: Any) -> LobeOutline:
-    """Return the polygon of a lobe on its chart: at its speeds from the critical depth up to where nothing grows."""
-    chart = lobes.chart
+def _lowest(lobes: Any, lobe: Any) -> tuple[float, float]:
+    """Return the speed and the depth, in the units of the chart, at which a lobe is lowest."""
     first, last = np.searchsorted(lobes.speeds, lobe.speeds)
-    columns = np.arange(first, last + 1)
-    low, depths = 1e3 * lobes.depths[columns], chart.y.values
-    ends = chart.stable[:, columns] & (depths[:, None] > low)
-    stable_again = np.where(ends.any(axis=0), ends.argmax(axis=0), depths.size)
-    top = np.maximum(depths[np.maximum(stable_again - 1, 0)], low)
-    x = chart.x.values[columns]
-    return LobeOutline(np.concatenate([x, x[::-1]]), np.concatenate([low, top[::-1]]))
+    k = first + int(lobes.depths[first : last + 1].argmin())
+    return float(lobes.chart.x.values[k]), float(1e3 * lobes.depths[k])
