@@ -8,6 +8,9 @@ Kind by kind of quantity the unit is the first of these:
 3. the one usual beside the lengths of the answer: beside feet and inches pounds-force, ksi, ft/min, ppg and deg/100ft.
    Where no length was given, pounds-force count as feet.
 
+A question in feet of surveys in the United States is answered in feet, which differ by 2 parts in a million, less than
+the digits of an answer; messages about a survey are in the feet of its file.
+
 What holds a question's quantities remembers their units, `InUnits.given_units`; a result joins these, and its report
 and its figure ask `AnswerUnits.named`:
 
@@ -40,14 +43,8 @@ _KINDS = {"across": "length"}
 class GivenUnits(NamedTuple):
     """The units in which the quantities of a question were given, "" where a kind of them has none.
 
-    Attributes
-    ----------
-    length : str
-        Of lengths and depths along a rod or a well.
-    across : str
-        Of diameters and walls.
-    force, pressure, density, frequency, speed, curvature : str
-        Of each kind of quantity; densities are of fluids.
+    ``length`` is the unit of lengths and depths along a rod or a well, ``across`` of diameters and walls, ``density``
+    of fluids; ``force``, ``pressure``, ``frequency``, ``speed`` and ``curvature`` are those of their kinds.
     """
 
     length: str = ""
@@ -120,6 +117,9 @@ _BESIDE_FEET = GivenUnits(
 )
 _BESIDE_METRES = GivenUnits(across="mm", pressure="MPa", frequency="Hz")
 _FEET, _POUNDS = ("ft", "ftUS", "in"), ("lbf", "klbf", "kip")
+_OF_SURVEYS = {"ftUS": "ft"}
+"""Units of lengths that answers replace."""
+
 _IN_FEET = {"density": "lb/ft3", "acceleration": "ft/s2"}
 """Units of other quantities than those of `GivenUnits` beside feet; densities of solids."""
 
@@ -160,7 +160,7 @@ class AnswerUnits(NamedTuple):
         """
         wanted = {"force": force, "length": length, "pressure": pressure, "frequency": frequency}
         asked = {kind: unit(name, what(kind), kind).name for kind, name in wanted.items() if name is not None}
-        known = GivenUnits(**asked).or_else(given)
+        known = GivenUnits(**asked).or_else(given._replace(length=_OF_SURVEYS.get(given.length, given.length)))
         along = known.length or ("ft" if known.force in _POUNDS else "m")
         usual = _BESIDE_FEET if along in _FEET else _BESIDE_METRES._replace(force=usual_force)
         names = known.or_else(GivenUnits(length=along), usual)._asdict()
