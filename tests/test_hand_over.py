@@ -11,6 +11,7 @@ import xml.etree.ElementTree as ET
 from itertools import pairwise
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 import floquetrod as fr
@@ -129,7 +130,29 @@ def test_what_is_wrong_writes_nothing(tmp_path: Path) -> None:
         fr.save_report(STATIC, tmp_path / "a.html", motion=3.0)  # type: ignore[arg-type]
     with pytest.raises(TypeError, match=r"reach must be what rod\.reach returned"):
         fr.save_report(STATIC, tmp_path / "a.html", reach=3.0)  # type: ignore[arg-type]
+    with pytest.raises(TypeError, match=r"record must be what fr\.ForceRecord\.from_csv returned"):
+        fr.save_report(STATIC, tmp_path / "a.html", record=3.0)  # type: ignore[arg-type]
     assert not list(tmp_path.iterdir())
+
+
+def test_a_report_on_a_measured_force_has_its_noise_and_its_figure(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """The verdict is that of ``check``, about the record and not about its fit alone."""
+    time = np.arange(600) / 400.0
+    noise = 0.01 * np.random.default_rng(50).standard_normal(time.size)
+    rows = np.column_stack([time, 0.34 + 0.3 * np.sin(150.0 * time) + noise])
+    np.savetxt(tmp_path / "run.csv", rows, delimiter=",", header="t (s),force (N)", comments="")
+    question = ["--rod", "nitinol", "--force", str(tmp_path / "run.csv"), "--no-margins"]
+    assert main(["check", *question]) == 0
+    checked = [" ".join(line.split()) for line in capsys.readouterr().out.splitlines()]
+    assert main(["report", *question, "--out", str(tmp_path / "run.html")]) == 0
+    page = words((tmp_path / "run.html").read_text())
+    said = [line for line in checked if line.startswith(("growth", "method", "note", "record"))]
+    assert len(said) == 4
+    assert all(line in page for line in said)
+    assert "noise in the record makes the growth rate uncertain" in page
+    assert "Measured force and its fit" in page
 
 
 def test_the_terminal(tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
@@ -206,7 +229,7 @@ def test_a_reach_is_written_in_the_units_asked_for_and_others_refuse_them(tmp_pa
     found = tubing.reach(fr.WellPath.straight(length=1000.0, inclination=1.5), 0.3, depth=[500.0, 1000.0])
     page = words(fr.save_report(found, tmp_path / "a.html", units={"length": "ft", "force": "lbf"}).read_text())
     assert "To 3,281 ft, the end of the well" in page
-    assert "injector lbf" in page
+    assert "surface lbf" in page
     for units, words_of_error in (({"depth": "ft"}, "units must be of mean"), ({"force": "Fcr"}, "units\\['force'\\]")):
         with pytest.raises(ValueError, match=words_of_error):
             fr.save_report(found, tmp_path / "b.html", units=units)

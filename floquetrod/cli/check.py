@@ -24,7 +24,7 @@ from floquetrod.cli.common import (
     read_units,
     write_figures,
 )
-from floquetrod.cli.loads import add_question, read_question, warn_of_hertz
+from floquetrod.cli.loads import add_question, is_record_alone, read_question, warn_of_hertz
 from floquetrod.cli.output import Output, output
 from floquetrod.cli.parser import Parser
 from floquetrod.floquet.margins import Margin
@@ -34,10 +34,9 @@ from floquetrod.parameter import REQUIRED
 from floquetrod.rod.answers.reports import shown_in
 from floquetrod.rod.answers.rod_stability import RodStability
 from floquetrod.rod.answers.search_pieces import FEW_MODES
-from floquetrod.rod.loads.load import QUANTITIES, Load, Quantity
+from floquetrod.rod.loads.load import Load, Quantity
 from floquetrod.rod.model.beam import CONDITIONS
 from floquetrod.rod.model.parameters import INSTEAD, ROD
-from floquetrod.rod.reading import LOAD_OPTIONS, RECORD_OPTIONS
 
 _HELP = """\
 Decide whether a rod is stable under an axial load, which modes grow and how fast, and how far the load is from a change
@@ -146,7 +145,7 @@ def _check(options: argparse.Namespace) -> Output:
     question = _Question(
         rod,
         record,
-        all(getattr(options, name) is None for name in {*QUANTITIES, *LOAD_OPTIONS} - {"force", *RECORD_OPTIONS}),
+        is_record_alone(options),
         load,
         _modes(options.modes),
         read_tolerance(options),
@@ -157,7 +156,7 @@ def _check(options: argparse.Namespace) -> Output:
     result = _verdict(question)
     known = STATUS_CODES[result.linear.status] if question.modes is None else None  # a hint is about all modes
     warn_of_hertz("--frequency", options.frequency, rod, [question.load], question.tolerance, known)
-    written, undrawn = _draw(result, record, options.out)
+    written, undrawn = _draw(question, result, options.out)
     said = _Said(result, _margins(question, result), *_sine_beside(question))
     angle, about = _grown(question, result)
     said.numbers.update(about)
@@ -278,18 +277,19 @@ def _growing(verdict: RodStability) -> str:
 
 
 def _draw(
-    result: RodStability | fr.results.FrictionalRodStability, record: fr.ForceRecord | None, paths: Sequence[Path]
+    asked: _Question, result: RodStability | fr.results.FrictionalRodStability, paths: Sequence[Path]
 ) -> tuple[list[str], list[tuple[str, str]]]:
     """Draw a measured force and the shape that grows into files; return their names, or why there is no shape."""
     if not paths:
         return [], []
-    from floquetrod.plotting.record_plot import draw_record_and_shape
+    from floquetrod.plotting.record_plot import draw_record, draw_record_and_shape
 
+    record, force = asked.force, shown_in(asked.shown, asked.rod)["force"]
     try:
-        drawn = result.plot() if record is None else draw_record_and_shape(record, result)
+        drawn = result.plot() if record is None else draw_record_and_shape(record, result, force)
     except ValueError as error:
         undrawn = [("shape", f"not drawn: {error}")]
-        return ([] if record is None else write_figures(paths, lambda: record.plot()[0])), undrawn
+        return ([] if record is None else write_figures(paths, lambda: draw_record(record, force=force)[0])), undrawn
     return write_figures(paths, lambda: drawn), []
 
 

@@ -130,6 +130,12 @@ def read_question(options: argparse.Namespace, *, required: bool = True) -> tupl
     return rod, record, replace(like, **numbers)
 
 
+def is_record_alone(options: argparse.Namespace) -> bool:
+    """Return whether a measured force says all about the load: then its noise counts."""
+    own = {*QUANTITIES, *reading.LOAD_OPTIONS} - {"force", *reading.RECORD_OPTIONS}
+    return all(getattr(options, name) is None for name in own)
+
+
 class Ranges(NamedTuple):
     """A question about loads on a rod: of each quantity one value or both ends of a range, or those of ``like``."""
 

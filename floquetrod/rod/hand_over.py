@@ -23,11 +23,13 @@ from floquetrod.floquet.references import ROD as ROD_REFERENCES
 from floquetrod.floquet.references import references
 from floquetrod.plotting import chart_plot, document, reach_plot
 from floquetrod.plotting.document import Document, DocumentSection, Illustration
+from floquetrod.plotting.record_plot import draw_record
 from floquetrod.rod.answers.reports import answer_units, load_lines, shown_in
 from floquetrod.rod.answers.rod_stability import RodStability
 from floquetrod.rod.answers.steady_motion import SteadyMotion
 from floquetrod.rod.answers.string_reach import Reach
 from floquetrod.rod.large_orbits import grown
+from floquetrod.rod.loads.record import ForceRecord
 from floquetrod.rod.model.assumptions import IMMERSED, SHAPE, UniformForceWarning
 from floquetrod.rod.model.data import RodData
 from floquetrod.rod.model.parameters import ROD
@@ -46,6 +48,7 @@ def save_report(
     *,
     reach: Reach | None = None,
     motion: SteadyMotion | None = None,
+    record: ForceRecord | None = None,
     units: Mapping[str, str] | None = None,
     margins: bool | None = None,
     command: str = "",
@@ -72,6 +75,8 @@ def save_report(
     motion : SteadyMotion, optional
         The result of ``rod.steady_motion(load)``, which takes some seconds: the size of the motion with all modes, and
         its effect on the rod.
+    record : ForceRecord, optional
+        The measured force that the verdict is about, to be drawn with its fit.
     units : mapping, optional
         In which to show load, forces, lengths and pressures, as in ``verdict.report``; the reach too.
     margins : bool, optional
@@ -92,7 +97,8 @@ def save_report(
     Raises
     ------
     ValueError, TypeError
-        For other endings; for a ``result`` without a report; for a ``reach`` or ``motion`` of another type.
+        For other endings; for a ``result`` without a report; for a ``reach``, ``motion`` or ``record`` of another
+        type.
 
     Examples
     --------
@@ -106,6 +112,8 @@ def save_report(
         _require("reach", reach, Reach, "what rod.reach returned")
     if motion is not None:
         _require("motion", motion, SteadyMotion, "what rod.steady_motion returned")
+    if record is not None:
+        _require("record", record, ForceRecord, "what fr.ForceRecord.from_csv returned")
     if margins is not None:
         validate.flag("margins", margins)
     validate.instance("command", command, str, "leave it out where there is none")
@@ -113,7 +121,7 @@ def save_report(
     if files is not None and not isinstance(files, Mapping):
         raise validate.wrong_type("files", f"must be such as {{'survey': 'well.csv'}}, got {validate.short(files)}")
     validate.progress(progress)
-    options = _Options(reach, motion, units, margins, command, project, dict(files or {}), progress)
+    options = _Options(reach, motion, record, units, margins, command, project, dict(files or {}), progress)
     return document.save(document.checked_path(path), _document(result, options))
 
 
@@ -122,6 +130,7 @@ class _Options(NamedTuple):
 
     reach: Reach | None
     motion: SteadyMotion | None
+    record: ForceRecord | None
     units: Mapping[str, str] | None
     margins: bool | None
     command: str
@@ -177,9 +186,7 @@ def _(result: RodStability, options: _Options) -> Document:
     shown = shown_in(options.units, result.rod, result.load)
     units, reach = answer_units(shown), options.reach
     report = _verdict(result, options)
-    of_load = Report(
-        "Load", [("force" * bool(name), text) for name, text in load_lines(result.load, shown, result.rod)]
-    )
+    of_load = Report("Load", _load(result, shown, options))
     of_well = [] if reach is None else [_well(reach, options)]
     verdict = [_sentence(report.headline)]
     verdict += [] if reach is None else [_sentence(_of_reach(reach, options).headline)]
@@ -187,6 +194,7 @@ def _(result: RodStability, options: _Options) -> Document:
     sections = [
         DocumentSection("Inputs", _joined([_rod_data(result.rod, units), of_load, *of_well, *_file_reports(options)])),
         DocumentSection("Stability", replace(report, headline=""), [*_shape(result), *_map(result, shown)]),
+        *_measured(shown, options),
         *_motion(options),
         *([] if reach is None else _reach(reach, options)),
         _buckling(result.rod, units, result, is_vertical=is_vertical),
@@ -216,13 +224,21 @@ def _joined(reports: Sequence[Report]) -> Report:
     return replace(first, rest=_joined(others)) if others else first
 
 
+def _load(verdict: RodStability, shown: Mapping[str, Unit], options: _Options) -> list[tuple[str, str]]:
+    """Return the load, and the fit of the measured force."""
+    lines = [("force" * bool(name), text) for name, text in load_lines(verdict.load, shown, verdict.rod)]
+    if options.record is None:
+        return lines
+    return [*lines, ("record", options.record.in_words(shown["force"], shown["frequency"]))]
+
+
 def _rod_data(rod: RodData, units: AnswerUnits) -> Report:
     """Return what the rod is, parameter by parameter."""
     values = rod.as_dict()
     lines = [_row(name, values[name], units) for name in values if name != "path"]
     if rod.path is not None:
         lines.append(("path", rod.path.in_words(units.length)))
-    return Report("Rod", lines)
+    return Report("Rod", _with_weight(lines, rod, units))
 
 
 def _string_data(rod: RodData, units: AnswerUnits) -> Report:
@@ -232,7 +248,15 @@ def _string_data(rod: RodData, units: AnswerUnits) -> Report:
         for name, value in rod.as_dict().items()
         if "strings" not in ROD[name].without_effect_on
     ]
-    return Report("String", lines)
+    return Report("String", _with_weight(lines, rod, units))
+
+
+def _with_weight(lines: list[tuple[str, str]], rod: RodData, units: AnswerUnits) -> list[tuple[str, str]]:
+    """Return parameters with, below the density, the mass per length that follows: what a pipe is known by."""
+    labels = [label for label, _ in lines]
+    after = labels.index("density") + 1
+    weight = ("weight in air", units.mass_per_length.show(rod.material.density * rod.area, 4))
+    return [*lines[:after], weight, *lines[after:]]
 
 
 def _row(name: str, value: Any, units: AnswerUnits) -> tuple[str, str]:
@@ -344,6 +368,16 @@ def _map(verdict: RodStability, shown: Mapping[str, Unit]) -> list[Illustration]
     return [Illustration(draw, caption)]
 
 
+def _measured(shown: Mapping[str, Unit], options: _Options) -> list[DocumentSection]:
+    """Return the figure of the measured force."""
+    record = options.record
+    if record is None:
+        return []
+    caption = "Measured force and its fit over the first periods; below its spectrum, the harmonics kept and the noise."
+    drawn = Illustration(lambda figure: draw_record(record, figure.subplots(2, 1), shown["force"]), caption, 0.7)
+    return [DocumentSection("Measured force", None, [drawn])]
+
+
 def _motion(options: _Options) -> list[DocumentSection]:
     if options.motion is None:
         return []
@@ -403,7 +437,7 @@ def _reach(reach: Reach, options: _Options) -> list[DocumentSection]:
     illustrations = [
         Illustration(
             answer,
-            f"Force at the injector over the depth of the lower end{both}; force and stress in the string, pushed as "
+            f"Force at the surface over the depth of the lower end{both}; force and stress in the string, pushed as "
             f"far as it goes{tool}.",
             1.1,
         ),

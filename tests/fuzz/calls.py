@@ -287,6 +287,7 @@ def table() -> dict[str, Call]:
         "files": {"rod": "rod.toml"},
         "reach": None,
         "motion": None,
+        "record": None,
         "units": {"mean": "Fcr"},
         "margins": False,
         "command": "",

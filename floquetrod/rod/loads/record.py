@@ -315,9 +315,10 @@ class ForceRecord(LoadSource, ByContent):
     def in_words(self, force: Unit, frequency: Unit | None = None) -> str:
         """Return the fit as a sentence, with a unit of frequency that in place of the period."""
         off = self.frequency_error / self.frequency
-        often = f"period {self.period:.8g} s +- {self.period * off:.1g} s"
+        digits = min(max(math.ceil(-math.log10(off)) + 1, 3), 8) if off > 0.0 else 8
+        often = f"period {self.period:.{digits}g} s +- {self.period * off:.1g} s"
         if frequency is not None:
-            often = f"{frequency.show(self.frequency, 8)} +- {frequency.show(self.frequency_error, 1)}"
+            often = f"{frequency.show(self.frequency, digits)} +- {frequency.show(self.frequency_error, 1)}"
         numbers = ", ".join(map(str, self.harmonic_numbers))
         text = (
             f"force of mean {force.show(self.mean)} and amplitude {force.show(self.amplitude)}, {often}, "
