@@ -443,15 +443,15 @@ def test_what_it_says_and_draws() -> None:
     assert sheet["reach_m"] == found.reach
     assert sheet["injector_N"][-1] is None
     figure = found.plot()
-    assert [ax.get_ylabel() for ax in figure.axes][:2] == ["true vertical depth / m", "at the injector / kN"]
+    labels = [ax.get_ylabel() for ax in figure.axes]
+    assert labels == ["force at the surface / kN", "force in the string / kN", "stress / MPa"]
     assert pyplot.get_fignums() == [figure.number]  # notebooks show it
-    section, *_, stress, growth = figure.axes
-    assert np.diff(section.get_xlim()) < 1.2 * np.ptp(section.lines[0].get_xdata())  # no empty parts beside the well
-    for ax in (stress, growth):
-        legend, top = ax.get_legend(), ax.transData.transform((0.0, ax.dataLim.ymax))[1]
-        assert legend.get_window_extent().y0 > top  # no curve behind it
+    with_tool = figure.axes[0].lines[2].get_xydata()
+    assert with_tool[-1] == pytest.approx([found.along.depth[-1], found.along.injector / 1e3])
     pyplot.close(figure)
     plain = TUBING.reach(WELL, 0.1, depth=[1000.0])
+    lock_up = "by friction, whatever the stress and the push: nowhere down to 1,000 m"
+    assert dict(plain.report().lines)["lock-up"] == lock_up
     assert plain.as_dict()["tool"] is None
     assert "grows" not in str(plain.report())
 
@@ -524,7 +524,7 @@ def test_it_answers_in_the_units_asked_for() -> None:
     assert "of the yield strength 90000 psi" in str(found.report("ft", "lbf", "psi"))
     figure = found.plot(depth="ft", force="lbf", pressure="psi")
     labels = [ax.get_ylabel() for ax in figure.axes]
-    assert labels == ["force at the injector / lbf", "force in the string / lbf", "stress / psi"]
+    assert labels == ["force at the surface / lbf", "force in the string / lbf", "stress / psi"]
     shown = AnswerUnits.named("lbf", "ft", "psi")
     well, lower_end, wall = (draw(found, shown).axes for draw in (draw_well, draw_lower_end, draw_wall))
     assert [ax.get_ylabel() for ax in (*well, *lower_end, *wall)] == [

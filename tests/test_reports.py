@@ -73,6 +73,11 @@ def test_a_result_says_itself(name: str) -> None:
     assert json.loads(json.dumps(result.as_dict(), allow_nan=False))
 
 
+def test_a_long_title_does_not_shift_its_column() -> None:
+    table = Table([("long title", ">4"), ("", "<1")], [("1", "ab"), ("23", "")])
+    assert str(table).splitlines() == ["long title", "         1  ab", "        23"]
+
+
 def test_a_notebook_takes_no_words_for_tags() -> None:
     table = Table([("<b>", ""), ("&", ">4")], [("<i>", "1")], "<u>")
     html = Report("1 < 2", [("<p>", "a & b")], table, Report("<br>"))._repr_html_()

@@ -221,10 +221,12 @@ def test_what_it_says_and_draws(tmp_path: Path, capsys: pytest.CaptureFixture[st
     line = ["weights", "--well", str(survey), "--rod", "2.00x0.156", "--bore", "4.778in", "--mu", "0.5"]
     assert cli.main([*line, "--depths", "12000ft", "--out", str(picture)]) == 0
     said = capsys.readouterr().out
-    assert said.startswith("at 12000 ft, free ")
-    assert "slacked off it locks up at " in said
+    assert said.startswith("What does the string weigh at 12,000 ft? ")
+    assert " lbf without friction; with friction 0.5: " in said
+    assert " lbf picked up, slacked off it locks up at " in said
+    assert "\nstring    weighs 3.077 lbf/ft in air: no fluids given\n" in said
     assert "lbf" in said
-    assert "pick-up 0.5  slack-off 0.5" in said
+    assert "pick-up lbf, 0.5  slack-off lbf, 0.5" in said
     assert picture.stat().st_size > 10_000
     found = PIPE.surface_weights(WELL, [0.2, [(0, 0.3), (1450.0, 0.5)]], depth=[20.0, 2000.0], stripper="2kN")
     ax = found.plot(depth="ft", force="klbf")

@@ -25,7 +25,9 @@ class Table(NamedTuple):
         """Return the lines, the titles first."""
         titles, layout = zip(*self.columns, strict=True)
         rows = (titles, *self.rows) if any(titles) else self.rows
-        lines = ["  ".join(map(format, row, layout)).rstrip() for row in rows]
+        widest = [max(map(len, column)) for column in zip(*rows, strict=True)]
+        wide = [f"{each[:1]}{max(int(each[1:] or 0), width)}" for each, width in zip(layout, widest, strict=True)]
+        lines = ["  ".join(map(format, row, wide)).rstrip() for row in rows]
         return "\n".join([*lines, *filter(None, [self.rest])])
 
     def html(self) -> str:

@@ -176,7 +176,7 @@ def add_far_force(command: argparse.ArgumentParser) -> None:
 def add_push(command: argparse.ArgumentParser) -> None:
     """Add the options for the forces at both ends of a string, which `read_push` reads."""
     add_far_force(command)
-    command.add_argument("--push", metavar="FORCE", help="force that the injector gives, such as 20kN (default: any)")
+    command.add_argument("--push", metavar="FORCE", help="greatest push at the surface, such as 20kN (default: any)")
 
 
 def read_push(options: argparse.Namespace, rod: fr.Rod) -> tuple[float, float | None]:

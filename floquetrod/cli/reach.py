@@ -51,8 +51,8 @@ examples:
 
 The survey has columns such as MD (m), Inc (deg) and Azi (deg).  The string is pushed at the first station; its length
 and inclination follow from the well.  It reaches the greatest depth at which no stress exceeds --yield-share of the
-yield strength, where that is known, with no more than --push at the injector; at lock-up, which is told beside it, no
-force moves the lower end.  The table has the force required at the injector, and the largest force that reaches the
+yield strength, where that is known, with no more than --push at the surface; at lock-up, which is told beside it, no
+force moves the lower end.  The table has the force required at the surface, and the largest force that reaches the
 bit.  With --wellhead-pressure and --stripper the injector works against these too, and with --pressure-inside the
 stress is von Mises' with that of the pressures.  A tool inside the string sends half its force each way, one at the
 lower end all of it up.  Friction is reduced where the wave moves the string faster than it slides, so that the gain

@@ -31,8 +31,15 @@ def draw_reach(result: Any, shown: AnswerUnits, title: str, figure: Any = None) 
     _end_at_the_well(result, shown, axes)
     unbroken = re.sub(r"(?<=\d) (?=\S)", "\N{NO-BREAK SPACE}", title)  # numbers stay beside their units
     if title:
-        figure.suptitle(textwrap.fill(unbroken, _TITLE), fontsize="medium")
+        figure.suptitle("\n".join(_even_lines(unbroken)), fontsize="medium")
     return figure
+
+
+def _even_lines(text: str) -> list[str]:
+    """Return a title in as few lines as fit, about as long as each other."""
+    number = len(textwrap.wrap(text, _TITLE))
+    widths = range(len(text) // max(number, 1), _TITLE + 1)
+    return next((lines for width in widths if len(lines := textwrap.wrap(text, max(width, 1))) <= number), [text])
 
 
 def draw_well(result: Any, shown: AnswerUnits, figure: Any = None) -> Any:
@@ -99,7 +106,9 @@ def draw_wall(result: Any, shown: AnswerUnits, figure: Any = None) -> Any:
     _draw_line(contact, depth, pressed, f"contact / ({shown.per_length.name})")
     if along.is_helix.any():
         contact.set_yscale("log")
-        contact.set_ylim(bottom=_DECADES * pressed[np.isfinite(pressed)].max())
+        shown_contact = pressed[np.isfinite(pressed) & (pressed > 0.0)]
+        most = shown_contact.max()
+        contact.set_ylim(max(_DECADES * most, 0.5 * shown_contact.min()), 2.0 * most)
     else:
         contact.set_ylim(bottom=0.0)
     _draw_line(friction, depth, along.friction, "coefficient\nof friction")
@@ -139,21 +148,26 @@ def _only(x: Any, y: Any, kept: Any) -> tuple[Any, Any]:
 
 
 class _Push(NamedTuple):
-    """The force that pushes the lower end to a depth, how deep it goes and why no deeper."""
+    """The force that pushes the lower end to a depth, how deep it goes and why no deeper, and the force at the end."""
 
     force: Floats
     reach: float
     limit: str
     line: str
     name: str
+    end: float
+    at_end: float
 
 
 def _pushes(result: Any) -> Iterator[_Push]:
+    """Yield the string without the tool and with it; where they end, and what pushes them there where it is known."""
+    ends = float(result.along.depth[-1]), result.along.injector
     if not result.tool:
-        yield _Push(result.injector, result.reach, result.limit, "-", "")
+        yield _Push(result.injector, result.reach, result.limit, "-", "", *ends)
         return
-    yield _Push(result.injector, result.reach, result.limit, "-", "without the tool")
-    yield _Push(result.injector_shaken, result.reach_shaken, result.limit_shaken, "--", "with the tool")
+    at_limit = result.push if result.limit == "push" else np.nan
+    yield _Push(result.injector, result.reach, result.limit, "-", "without the tool", result.reach, at_limit)
+    yield _Push(result.injector_shaken, result.reach_shaken, result.limit_shaken, "--", "with the tool", *ends)
 
 
 def _draw_push(result: Any, shown: AnswerUnits, ax: Any) -> None:
@@ -163,6 +177,8 @@ def _draw_push(result: Any, shown: AnswerUnits, ax: Any) -> None:
     for push in _pushes(result):
         goes = (result.depth <= push.reach) & np.isfinite(push.force)
         x, y = depth[goes], unit.of(push.force[goes])
+        if np.isfinite(push.at_end):
+            x, y = np.append(x, shown.length.of(push.end)), np.append(y, unit.of(push.at_end))
         if not x.size:
             continue
         ax.plot(x, y, color="black", linestyle=push.line, linewidth=1.2)
@@ -181,7 +197,7 @@ def _draw_push(result: Any, shown: AnswerUnits, ax: Any) -> None:
     ax.axhline(0.0, color="0.7", linewidth=0.6)
     ax.margins(y=0.12)
     add_leaders(ax, names, points)
-    ax.set_ylabel(f"force at the injector / {unit.name}")
+    ax.set_ylabel(f"force at the surface / {unit.name}")
     _head(ax, "force that pushes the lower end to a depth, negative where the string pulls")
 
 

@@ -13,6 +13,7 @@ _DASHES = ["-", (0, (6, 2)), (0, (2, 1.5)), (0, (6, 2, 1, 2)), (0, (1, 3)), (0, 
 """Of the lines of one factor of friction each, which are told apart in grey, too."""
 
 
+_BESIDE = 0.05  # of the weights shown, between them and the ends of the axis (a choice)
 _LEFT = 0.5  # of the range of weights of a string picked up, by which the axis goes on to the left (a choice)
 
 
@@ -36,8 +37,10 @@ def draw_weights(result: Any, shown: AnswerUnits, ax: Any = None) -> Any:
     ax.axvline(0.0, color="0.7", linewidth=0.6, zorder=0.0)
     start, end = shown.length.of(result.path.start), float(depth[-1])
     ax.set_ylim(end, start)
-    ax.margins(x=0.05)
-    ax.set_xlim(left=max(left, ax.get_xlim()[0]))
+    right = force.of(moved.max())
+    lowest = min(float(np.min(line.get_xdata(), initial=right)) for line in ax.lines)
+    room = _BESIDE * (right - max(left, lowest))
+    ax.set_xlim(left if lowest < left else lowest - room, right + room)
     ax.xaxis.set_label_position("top")
     ax.xaxis.tick_top()
     ax.set_xlabel(f"surface weight{' (below 0: pushed)' if _is_pushed(result) else ''} / {force.name}")

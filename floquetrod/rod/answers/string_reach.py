@@ -53,6 +53,7 @@ from floquetrod.wells.path import WellPath
 
 _DEPTHS = 100  # where none are asked for
 _ERROR = 5e-4  # of a reach with a tool, measured
+_FEW = 3  # lengths of a string that are listed one by one (a choice)
 _GROWS = 1e-6  # 1/s: tenfold in a month (a choice)
 _FREQUENCIES = np.linspace(0.25, 2.0, 22)  # of the tool's, which is among them
 _WAY = np.array([0.2, 0.45, 0.7, 0.95])  # fractions of the gain at which they are examined (a choice)
@@ -294,7 +295,7 @@ class Reach(units.InUnits, Printed, ByContent):
             beyond = f"{far(farther, shown.length)}{', the end of the well' * (is_end and farther >= self.path.end)}"
             why = {
                 YIELD: f", within {self._percent} of yield; not within it: ",
-                PUSH: f", with {shown.force.show(self.push, 4)} at the injector; with more: ",
+                PUSH: f", with {shown.force.show(self.push, 4)} at the surface; with more: ",
             }
             return why[limit] + beyond
         return {
@@ -337,7 +338,7 @@ class Reach(units.InUnits, Printed, ByContent):
         shown = self._units(force, depth, pressure, frequency)
         unit = shown.length
         lines = [
-            ("string", f"weighs {shown.per_length.show(self.weight_per_length, 4)} {self._fluids_in_words}"),
+            ("string", weight_in_words(self.weight_per_length, self.fluids, shown)),
             ("limit", self._limit_in_words(shown)),
             ("lock-up", self._lock_up_in_words(shown)),
         ]
@@ -358,13 +359,6 @@ class Reach(units.InUnits, Printed, ByContent):
         assumptions = self.assumptions_in(shown.speed)
         return Report(self._in_words(shown), lines, self._table(shown), assumptions=assumptions)
 
-    @property
-    def _fluids_in_words(self) -> str:
-        if not any(self.fluids):
-            return "in air: no fluids given"
-        empty = [name for name, density in zip(("inside", "outside"), self.fluids, strict=True) if not density]
-        return "in its fluids" + (f", with none {empty[0]}" if empty else "")
-
     def _limit_in_words(self, shown: AnswerUnits) -> str:
         """Return the limits of the reach."""
         if self.yield_strength is None:
@@ -374,17 +368,20 @@ class Reach(units.InUnits, Printed, ByContent):
         else:
             stress = f"{self._percent} of the yield strength {shown.pressure.show(self.yield_strength, 3)}"
         push = f"{shown.force.show(self.push, 4)}" if math.isfinite(self.push) else "any force"
-        return f"{stress}, and {push} at the injector"
+        return f"{stress}, and {push} at the surface"
 
     def _lock_up_in_words(self, shown: AnswerUnits) -> str:
-        """Return where friction alone stops the string."""
+        """Return where friction alone stops the string, or down to which depth it does not."""
         unit = shown.length
-        lock_ups = [("without the tool ", self.lock_up), ("with it ", self.lock_up_shaken)]
-        texts = [
-            f"{name if self.tool else ''}{f'at {far(depth, unit)} {unit.name}' if math.isfinite(depth) else 'nowhere'}"
-            for name, depth in lock_ups[: 2 if self.tool else 1]
-        ]
-        return f"by friction, whatever the stress and the push: {'; '.join(texts)}"
+
+        def at(lock_up: float) -> str:
+            depth, before = (lock_up, "at") if math.isfinite(lock_up) else (self.depth[-1], "nowhere down to")
+            return f"{before} {far(depth, unit)} {unit.name}"
+
+        stops = (
+            f"without the tool {at(self.lock_up)}; with it {at(self.lock_up_shaken)}" if self.tool else at(self.lock_up)
+        )
+        return f"by friction, whatever the stress and the push: {stops}"
 
     def _speeds_in_words(self, shown: AnswerUnits) -> str:
         """Return the depth gained by the tool while the string slides at its speed and at two others."""
@@ -431,7 +428,7 @@ class Reach(units.InUnits, Printed, ByContent):
             return f"no lateral wave grows; {self._held_in_words(shown)}"
         k = int(np.argmax(self.growth))
         return (
-            f"lateral waves grow {_listed(self.along.depth, grows, unit, 'from ')}, fastest at "
+            f"lateral waves grow {_in_few_words(self.along.depth, grows, unit)}, fastest at "
             f"{far(self.along.depth[k], unit)} {unit.name}: {self.growth[k]:.3g} 1/s in half waves of "
             f"{unit.show(self.half_wave[k], 3)}"
         )
@@ -464,7 +461,7 @@ class Reach(units.InUnits, Printed, ByContent):
     def _table(self, shown: AnswerUnits) -> Table:
         depth, force = shown.length, shown.force
         rows = np.searchsorted(self.depth, self.bit_depth)
-        names = (f"injector {force.name}", f"lower end {force.name}"), (f"with tool {force.name}",) * 2
+        names = (f"surface {force.name}", f"lower end {force.name}"), (f"with tool {force.name}",) * 2
         forces = (self.injector[rows], self.bit), (self.injector_shaken[rows], self.bit_shaken)
         kept = range(2 if self.tool else 1)
         columns = [(f"depth {depth.name}", ">9"), *((names[k][i], ">12") for i in range(2) for k in kept)]
@@ -554,6 +551,13 @@ def _argument(name: str) -> str:
     return {"length": "depth"}.get(name, name)
 
 
+def weight_in_words(per_length: float, fluids: tuple[float, float], shown: AnswerUnits) -> str:
+    """Return what a string weighs per length, in N/m, between fluids of densities in kg/m^3, 0 for none."""
+    empty = [name for name, density in zip(("inside", "outside"), fluids, strict=True) if not density]
+    between = "in its fluids" + (f", with none {empty[0]}" if empty else "")
+    return f"weighs {shown.per_length.show(per_length, 4)} {between if any(fluids) else 'in air: no fluids given'}"
+
+
 def far(depth: float, unit: Unit, *, less: float | None = None) -> str:
     """Return a depth or, with its sign, what it is more than one that is ``less``: in whole units from 1,000 on.
 
@@ -574,6 +578,18 @@ def _listed(depth: Floats, is_so: Bools, unit: Unit, before: str = "") -> str:
     lengths = [(far(a, unit), far(b, unit)) for a, b in spans(depth, is_so)]
     texts = [f"{before}{a} to {b} {unit.name}" if a != b else f"at {a} {unit.name}" for a, b in lengths]
     return ", ".join(texts) or "nowhere"
+
+
+def _in_few_words(depth: Floats, is_so: Bools, unit: Unit) -> str:
+    """Return where something is so: all lengths or, of more than some, their number, their sum and the longest."""
+    lengths = spans(depth, is_so)
+    if len(lengths) <= _FEW:
+        return _listed(depth, is_so, unit, "from ")
+    sizes = [high - low for low, high in lengths]
+    low, high = lengths[int(np.argmax(sizes))]
+    ends = f"from {far(lengths[0][0], unit)} to {far(lengths[-1][1], unit)} {unit.name}"
+    longest = f"the longest from {far(low, unit)} to {far(high, unit)} {unit.name}"
+    return f"over {far(sum(sizes), unit)} {unit.name} in {len(lengths)} pieces {ends}, {longest}"
 
 
 def _range(low: float, high: float) -> str:

@@ -15,7 +15,7 @@ from floquetrod._util.interchange import by_keys, plain
 from floquetrod._util.result_report import Printed, Report, Table
 from floquetrod.rod.answers.mean_force import ASSUMED, drag_of, force_in_newtons
 from floquetrod.rod.answers.pushing import LOCK_UP, STATICS, Pushing
-from floquetrod.rod.answers.string_reach import depths_of
+from floquetrod.rod.answers.string_reach import depths_of, far, weight_in_words
 from floquetrod.rod.model.data import RodData
 from floquetrod.rod.model.wellhead import Wellhead
 from floquetrod.units import AnswerUnits, GivenUnits, InUnits
@@ -55,6 +55,10 @@ class SurfaceWeights(Printed, ByContent, InUnits):
         Pressure in Pa at the wellhead and friction of its stripper in N.
     wellhead_forces : tuple of float
         Push in N that these take at the injector, of a string that is picked up and of one that is slacked off.
+    weight_per_length : float
+        Weight of the string in its fluids in N/m.
+    fluids : tuple of float
+        Densities in kg/m^3 of the fluids inside and outside, 0 for none.
     error : float
         Estimated error of the weights in N, of the integration alone.
     """
@@ -69,19 +73,23 @@ class SurfaceWeights(Printed, ByContent, InUnits):
     far_force: float
     wellhead: Wellhead
     wellhead_forces: tuple[float, float]
+    weight_per_length: float
+    fluids: tuple[float, float]
     error: float
 
     def _in_words(self, shown: AnswerUnits) -> str:
-        deepest, force = shown.length.show(self.depth[-1]), shown.force
+        """Return the answer: the weights at the deepest depth."""
+        deepest, force = f"{far(self.depth[-1], shown.length)} {shown.length.name}", shown.force
         weights = []
         for k, factor in enumerate(self.friction):
-            text = f"pick-up {force.show(self.pick_up[k, -1], 4)}"
+            text = f"{force.show(self.pick_up[k, -1], 4)} picked up, "
             if math.isfinite(self.lock_up[k]):
-                text += f", slacked off it locks up at {shown.length.show(self.lock_up[k], 5)}"
+                text += f"slacked off it locks up at {far(self.lock_up[k], shown.length)} {shown.length.name}"
             else:
-                text += f", slack-off {force.show(self.slack_off[k, -1], 4)}"
-            weights.append(f"{text} with friction {factor.in_words(shown.length)}")
-        return f"at {deepest}, free {force.show(self.free[-1], 4)}: {'; '.join(weights)}"
+                text += f"{force.show(self.slack_off[k, -1], 4)} slacked off"
+            weights.append(f"with friction {factor.in_words(shown.length)}: {text}")
+        free = f"{force.show(self.free[-1], 4)} without friction"
+        return f"What does the string weigh at {deepest}? {free}; {'; '.join(weights)}."
 
     def report(self, depth: str | None = None, force: str | None = None) -> Report:
         """Return the weights at the deepest depth, and a table of them; in the units of the question or those named.
@@ -94,7 +102,7 @@ class SurfaceWeights(Printed, ByContent, InUnits):
             Unit of forces, such as "lbf", else kN.
         """
         shown = self._units(depth, force)
-        lines = []
+        lines = [("string", weight_in_words(self.weight_per_length, self.fluids, shown))]
         if any(self.wellhead_forces):
             up, down = (shown.force.show(push, 4) for push in self.wellhead_forces)
             lines.append(("wellhead", f"pressure and stripper take {up} of push in pick-up, {down} in slack-off"))
@@ -111,7 +119,7 @@ class SurfaceWeights(Printed, ByContent, InUnits):
         columns = [(f"depth {shown.length.name}", ">9"), (f"free {unit.name}", ">10")]
         for factor in self.friction:
             name = "/".join(f"{value:g}" for value in factor.values)
-            columns += [(f"pick-up {name}", ">10"), (f"slack-off {name}", ">12")]
+            columns += [(f"pick-up {unit.name}, {name}", ">10"), (f"slack-off {unit.name}, {name}", ">12")]
         rows = np.unique(np.linspace(0, self.depth.size - 1, _ROWS).round().astype(int))
         digits = max(0, round(math.log10(unit.size / 10.0)))
 
@@ -155,7 +163,8 @@ class SurfaceWeights(Printed, ByContent, InUnits):
             for factor, ups, downs in zip(self.friction, self.pick_up, self.slack_off, strict=True)
             for depth, up, down, free in zip(self.depth, ups, downs, self.free, strict=True)
         ]
-        rest = by_keys(self, "lock_up_m far_force_N wellhead wellhead_forces_N error_N assumptions")
+        keys = "lock_up_m far_force_N wellhead wellhead_forces_N weight_N_per_m=weight_per_length "
+        rest = by_keys(self, keys + "fluids_kg_per_m3=fluids error_N assumptions")
         return {"weights": plain(rows), "friction": [str(factor) for factor in self.friction], **rest}
 
 
@@ -192,6 +201,8 @@ def surface_weights(
         far_force=compression,
         wellhead=wellhead,
         wellhead_forces=(wellhead.added(rod.section, "pulled"), wellhead.added(rod.section, "pushed")),
+        weight_per_length=rod.weight_per_length,
+        fluids=(rod.fluids.inside, rod.fluids.outside),
         error=float(max(free_error.max(), up_error.max(), down_error[goes].max(initial=0.0))),
     ).given_in(given.or_else(wellhead.given_units, path.given_units, rod.given_units))
 
