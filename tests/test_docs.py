@@ -122,6 +122,7 @@ LONG = {
     "theory/delays.md",
     "how_to/reach.md",
     "how_to/weights.md",
+    "how_to/three_jobs.md",
     "theory/surface_weights.md",
     "how_to/noisy_force.md",
     "theory/noise.md",
