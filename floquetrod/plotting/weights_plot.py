@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from floquetrod.plotting.chart_plot import axes_or_new
+from floquetrod.plotting.leaders import add_leaders
 from floquetrod.units import AnswerUnits
 
 _DASHES = ["-", (0, (6, 2)), (0, (2, 1.5)), (0, (6, 2, 1, 2)), (0, (1, 3)), (0, (9, 2, 1, 2, 1, 2))]
@@ -14,6 +15,7 @@ _DASHES = ["-", (0, (6, 2)), (0, (2, 1.5)), (0, (6, 2, 1, 2)), (0, (1, 3)), (0, 
 
 
 _BESIDE = 0.05  # of the weights shown, between them and the ends of the axis (a choice)
+_NAMED_AT = 0.7  # of the depth, where pick-up and slack-off are named (a choice)
 _LEFT = 0.5  # of the range of weights of a string picked up, by which the axis goes on to the left (a choice)
 
 
@@ -45,10 +47,14 @@ def draw_weights(result: Any, shown: AnswerUnits, ax: Any = None) -> Any:
     ax.xaxis.tick_top()
     ax.set_xlabel(f"surface weight{' (below 0: pushed)' if _is_pushed(result) else ''} / {force.name}")
     ax.set_ylabel(f"measured depth of the lower end / {shown.length.name}")
-    corner: dict[str, Any] = {"transform": ax.transAxes, "style": "italic", "fontsize": "small"}
-    ax.text(0.03, 0.03, "slack-off", ha="left", va="bottom", **corner)
-    ax.text(0.97, 0.97, "pick-up", ha="right", va="top", **corner)
     ax.legend(loc="best", fontsize="small", frameon=False)
+    named = [("pick-up", result.pick_up), ("slack-off", result.slack_off)]
+    points = []
+    for _, weights in named:
+        last = weights[-1][np.isfinite(weights[-1])]
+        k = int(_NAMED_AT * (last.size - 1)) if last.size else 0
+        points.append((max(float(force.of(weights[-1, k])), left), float(depth[k])))
+    add_leaders(ax, [name for name, _ in named], points)
     return ax
 
 

@@ -254,6 +254,8 @@ def _string_data(rod: RodData, units: AnswerUnits) -> Report:
 def _with_weight(lines: list[tuple[str, str]], rod: RodData, units: AnswerUnits) -> list[tuple[str, str]]:
     """Return parameters with, below the density, the mass per length that follows: what a pipe is known by."""
     labels = [label for label, _ in lines]
+    if "density" not in labels:  # of several sections
+        return lines
     after = labels.index("density") + 1
     weight = ("weight in air", units.mass_per_length.show(rod.material.density * rod.area, 4))
     return [*lines[:after], weight, *lines[after:]]
