@@ -3,6 +3,9 @@
 Stable is white and unstable orange, the darker the faster; between orange, white, grey and black nobody
 has to tell red from green, and in print their lightness tells them apart.  Greys and black are lines, text and
 whatever is neither stable nor unstable.
+
+Figures keep their white ground on a dark page, where they lie on a card: stable is white, and a ground that showed the
+page would be as dark as the fastest growth.
 """
 
 from __future__ import annotations
