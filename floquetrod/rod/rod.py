@@ -394,7 +394,7 @@ class Rod(RodData):
         >>> well = fr.WellPath([0.0, 1000.0, 1450.0, 2500.0], ["0deg", "0deg", "90deg", "90deg"])
         >>> tubing = Rod.catalogue("2.00x0.156", bore="4.778in", length=1.0, fluid_inside=1e3, fluid_outside=1e3)
         >>> tubing.surface_weights(well, 0.2, wellhead_pressure="10MPa", stripper="5kN")
-        <at 2500 m, free 30.14 kN: pick-up 45.56 kN, slack-off 12.51 kN with friction 0.2>
+        <What does the string weigh at 2,500 m? 30.14 kN without friction; with friction 0.2: 45.56 kN picked up, ...>
         """
         from floquetrod.rod.answers import surface_weights
         from floquetrod.rod.model.wellhead import Wellhead
