@@ -31,14 +31,14 @@ from floquetrod.floquet.multipliers.many_verdicts import ManyVerdicts
 from floquetrod.rod.loads import axial
 from floquetrod.rod.loads.axial import AxialResonanceError
 from floquetrod.rod.loads.load import AxialLoad, Load, Loads
-from floquetrod.rod.mode_equations.coupled_systems import CoupledEquations
+from floquetrod.rod.mode_equations.coupled_systems import SEVERAL, CoupledEquations
 from floquetrod.rod.mode_equations.coupling import WAVEFORM, coupling
 from floquetrod.rod.model.beam import Basis
 from floquetrod.rod.model.constants import SLOW_GROWTH, ModeConstants, mode_constants
 from floquetrod.rod.model.contact import Lying, Wall, added_mean, constants_under, on_wall
 from floquetrod.rod.model.course import weight_gained
 from floquetrod.rod.model.data import RodData
-from floquetrod.rod.model.section_basis import are_enriched, functions_along
+from floquetrod.rod.model.section_basis import are_nested, functions_along, number_of_functions
 
 MOST_COUPLED = 2000  # modes of a system: half a minute each verdict
 LEAST_COUPLED = 10  # modes at least, beside one and a half times the critical mode (a choice)
@@ -179,7 +179,7 @@ class CoupledModes(CoupledEquations):
     @property
     def size(self) -> int:
         """Number of equations."""
-        return self.basis.size if are_enriched(self.rod) else self.count
+        return number_of_functions(self.rod, self.count)
 
     @cached_property
     def _static(self) -> tuple[Floats, Floats]:
@@ -378,5 +378,13 @@ class CoupledModes(CoupledEquations):
 
     @property
     def are_nested(self) -> bool:
-        """Whether the equations of fewer modes are the first of these, as where no other functions are added."""
-        return not are_enriched(self.rod)
+        """Whether the equations of fewer modes are the first of these, as where no other functions are added.
+
+        Of few modes of several sections functions are added anew: growth then depends less on their number.
+        """
+        return are_nested(self.rod) and (not self.rod.varies or self.count > SEVERAL)
+
+    @property
+    def added(self) -> int:
+        """Functions that come before the modes."""
+        return self.size - self.count if self.rod.varies else 0

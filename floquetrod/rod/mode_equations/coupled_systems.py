@@ -90,6 +90,11 @@ class CoupledEquations(ABC):
         """Whether the equations of fewer modes are the first of these, without what couples them to the others."""
         return False
 
+    @property
+    def added(self) -> int:
+        """Coordinates that come before those named after modes."""
+        return 0
+
     def answers(
         self,
         loads: Loads,
@@ -250,7 +255,8 @@ class CoupledEquations(ABC):
         names = {}
         for _ in range(len(left)):  # each mode is named after the function that it has most of, the clearest first
             function, mode = np.unravel_index(left.argmax(), left.shape)
-            names[int(mode) + 1] = int(function) + 1
+            number = int(function) - self.added  # what is added comes after the modes
+            names[int(mode) + 1] = number + 1 if number >= 0 else len(left) + number + 1
             left[function, :] = left[:, mode] = -1.0
         return tuple(r._replace(modes=tuple(sorted(names[i] for i in r.modes))) for r in resonances)
 

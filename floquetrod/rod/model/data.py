@@ -40,6 +40,7 @@ from floquetrod.rod.model.parameters import (
     MEANT,
     NUMBERS,
     OF_A_LINE,
+    OF_A_SECTION,
     ON_A_FLOOR,
     ROD,
     friction_coefficient,
@@ -50,10 +51,11 @@ from floquetrod.rod.model.parameters import (
 from floquetrod.rod.model.plausibility import warn_of_rod
 from floquetrod.rod.model.possible_rod import require_possible
 from floquetrod.rod.model.rod_file import read_rod
-from floquetrod.rod.model.sections import OF_A_SECTION, Bore, Section, at_the_upper_end, divided
 from floquetrod.rod.model.stress import Stress, stress
 
+# Loaded by a rod of several sections alone.
 if TYPE_CHECKING:
+    from floquetrod.rod.model.sections import Bore, Section
     from floquetrod.wells.path import WellPath
 
 MOST_MODES = 20_000  # beyond it the unit of a length or a force is wrong (a choice)
@@ -136,6 +138,8 @@ class RodData(units.InUnits, TellsAttributes):
         """Check and clean the parameters."""
         given = dict(locals())  # every argument by its name, as in the records of `ROD`
         if sections or bores:
+            from floquetrod.rod.model.sections import at_the_upper_end
+
             given = at_the_upper_end(given)
         for name, number in in_si(given).items():
             object.__setattr__(self, name, number)
@@ -281,6 +285,8 @@ class RodData(units.InUnits, TellsAttributes):
         """
         if not (self.sections or self.bores):
             return (UniformPart(0.0, self.length, 0, self),)
+        from floquetrod.rod.model.sections import divided
+
         parts = []
         for start, end, number, diameter in divided(self.sections, self.bores, self.depth, self.length):
             own = self.sections[number] if self.sections else self

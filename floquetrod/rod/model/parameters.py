@@ -261,6 +261,9 @@ NUMBERS = {name: each for name, each in ROD.items() if each.kind and name not in
 ALONG = ("length", "depth")
 """Lengths along a rod or a well; all others are across."""
 
+OF_A_SECTION = ("youngs_modulus", "density", "radius", "length", "inner_radius", "yield_strength")
+"""Parameters that each section of a string has for itself."""
+
 OF_A_LINE = ("inclination", "curvature")
 """What a path takes the place of."""
 

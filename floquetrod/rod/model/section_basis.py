@@ -8,16 +8,18 @@ derivatives are orthogonal.
 
 Motion under an axial force has jumps of (e y'')'' / m where parts meet, and values of it at the ends, that sums of the
 free vibrations lack: eigenvalues converge like n^-5.  What is missing is (e w'')'' + r^4 m w = m s^q exp(-r s), s the
-distance below an edge or from an end: four such functions for each edge and two for each end raise the order to n^-13
-at edges and n^-9 at ends.
+distance below an edge or from an end: two such functions for each edge raise the order to n^-9.  The next two would
+raise it to n^-13, and the highest frequency by a half.
 """
 
 from __future__ import annotations
 
 import functools
+import itertools
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import NamedTuple
+from typing import NamedTuple, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,17 +30,28 @@ from floquetrod.rod.model import beam
 from floquetrod.rod.model.beam import Basis, EndConditions
 from floquetrod.rod.model.data import RodData
 
-_PHASES_AND_DEGREES = (24.0, 26), (48.0, 40)
+_PHASES_AND_DEGREES = (24.0, 20), (48.0, 32)
 """Largest phase k h of the highest mode in an element, and the degree there, of few and of many modes.
 
-Coefficients of a sine fall like those of Bessel functions, J_p(k h / 2): to 1e-7 of the highest mode.
+Coefficients of a sine fall like Bessel functions J_p(k h / 2), and errors of frequencies like their squares: to 1e-11
+at 0.7 of the highest wavenumber.  Above it functions need not be vibrations, but complete the others.
 """
 
 _MANY = 200  # modes from which elements are long: fewer unknowns, with more in each (a choice)
-_AT_EDGES, _AT_ENDS = 4, 2  # functions added
+_AT_EDGES = 2  # functions added at each edge
+_AT_ENDS = {"hinged": 1, "guided": 1, "clamped": 2, "free": 2}
+"""Functions added at an end; of a free one besides a force across: an axial force F bends it by (e y'')' = -F y'."""
+
 _NARROWER = 8.0  # k of the highest mode over the rate r at which what is added falls (as in `beam`)
 _MORE_POINTS = 6  # of the quadrature than the degree: products with a force that varies slowly (a choice)
-_SAME = 1e-13  # of the largest, below which an added function is one of the others
+_SAME = 1e-10  # square of what is left of a function beside others, up to which it is one of them
+_STIFFEST = 3.0  # wavenumber of an added function over that of the highest mode at most (a choice)
+_OWN = 1e-3  # square of what is left of a further mode beside added functions, at least
+_SHORTEST = 3e-5  # of the length; of shorter parts elements take the mean compliance (rounding of bending is near)
+
+
+Product: TypeAlias = Callable[[Floats, Floats], Floats]
+"""Of functions (n, unknowns) and others (m, unknowns), (n, m)."""
 
 
 class Profile(NamedTuple):
@@ -52,14 +65,17 @@ class Profile(NamedTuple):
 
     @classmethod
     def of(cls, rod: RodData) -> Profile:
-        """Return the profile of a rod."""
+        """Return the profile of a rod; parts that are too short are taken together with what follows."""
         parts = [part.rod for part in rod.uniform_parts]
         rigidity, inertia = ([getattr(p, name) for p in parts] for name in ("flexural_rigidity", "mass_per_length"))
+        compliance, mass = (np.divide(1.0, np.divide(rigidity, rigidity[0])), np.divide(inertia, inertia[0]))
+        edges = _coarse(rod.edges)
+        widths, shares = np.diff(edges), _overlaps(rod.edges, edges)
         return cls(
             rod.end_conditions,
-            rod.edges,
-            tuple(each / rigidity[0] for each in rigidity),
-            tuple(each / inertia[0] for each in inertia),
+            edges,
+            tuple((widths / (shares @ compliance)).tolist()),
+            tuple((shares @ mass / widths).tolist()),
             rod.course.breaks,
         )
 
@@ -68,14 +84,48 @@ class Profile(NamedTuple):
         """(m / e)^(1/4) of each part: its wavenumber over that of the first."""
         return np.asarray(np.divide(self.inertia, self.rigidity) ** 0.25)
 
+    @property
+    def free_ends(self) -> list[int]:
+        """The places, 0 and 1, of free ends."""
+        return [place for place, end in enumerate((self.ends.upper, self.ends.lower)) if end == "free"]
+
+    @property
+    def added(self) -> int:
+        """Number of functions added to the free vibrations."""
+        at_ends = _AT_ENDS[self.ends.upper] + _AT_ENDS[self.ends.lower] + len(self.free_ends)
+        return _AT_EDGES * (len(self.edges) - 2) + at_ends
+
     def wavenumber(self, count: int) -> float:
         """Return about the wavenumber in the first part of a mode of so many half waves, for a length of 1."""
         return (count + 1) * math.pi / float(np.diff(self.edges) @ self.slowness)
 
 
+def _coarse(edges: tuple[float, ...]) -> tuple[float, ...]:
+    """Return the edges from 0 to 1 that are `_SHORTEST` apart at least, from the upper end down."""
+    kept = [0.0]
+    for start, end in itertools.pairwise(edges):
+        if start > kept[-1] and end - start >= _SHORTEST:  # what is too short lies before a part that is not
+            kept.append(max(start, kept[-1] + _SHORTEST))
+        if end - kept[-1] >= _SHORTEST:
+            kept.append(end)
+    if 1.0 - kept[-1] < _SHORTEST and len(kept) > 1:
+        del kept[-1]
+    return (*(each for each in kept if each < 1.0), 1.0)
+
+
+def _overlaps(edges: tuple[float, ...], coarse: tuple[float, ...]) -> Floats:
+    """Return how much of each of the coarse parts lies in each part, (coarse parts, parts)."""
+    low, high = np.array(edges[:-1]), np.array(edges[1:])
+    begin, end = np.array(coarse[:-1])[:, None], np.array(coarse[1:])[:, None]
+    return np.asarray(np.maximum(0.0, np.minimum(high, end) - np.maximum(low, begin)))
+
+
 @dataclass(frozen=True, eq=False)
 class SectionBasis(Basis):
-    """Functions along a rod of several sections; ``transform`` has their coefficients in those of the elements."""
+    """Functions along a rod of several sections, the added ones first, so that those of fewer modes are the first.
+
+    ``transform`` has their coefficients in the functions of the elements.
+    """
 
     elements: Elements | None = field(default=None, kw_only=True)
 
@@ -140,10 +190,14 @@ class Elements:
         scale[[1, 3]], scale[4:] = j, j**1.5
         return scale
 
+    def end(self, place: int) -> int:
+        """Return the unknown that is the value at an end: 0 the upper, 1 the lower."""
+        return place * self.stride * self.part.size
+
     def fixed(self, ends: EndConditions) -> list[int]:
         """Return the unknowns that are zero where the ends are held."""
-        last, zero = self.stride * self.part.size, []
-        for node, end in ((0, ends.upper), (last, ends.lower)):
+        zero: list[int] = []
+        for node, end in ((self.end(0), ends.upper), (self.end(1), ends.lower)):
             zero += [node] * (end in ("hinged", "clamped")) + [node + 1] * (end in ("clamped", "guided"))
         return zero
 
@@ -201,19 +255,24 @@ def section_basis(profile: Profile, count: int) -> SectionBasis:
     mass, bending = _matrices(elements, rigidity, inertia)
     free = np.setdiff1d(np.arange(elements.size), elements.fixed(profile.ends))
     mass, bending = (matrix[np.ix_(free, free)] for matrix in (mass, bending))
-    rows = np.zeros((count, elements.size))
-    rows[:, free] = _lowest(mass, bending, count)
-    k = profile.wavenumber(count)
-    driving = _added(profile, elements, nodes, k / _NARROWER)
-    driven = np.zeros((len(driving), elements.size))
-    integrals = _integrals(elements, driving * weights * inertia[:, None], tables[0])[:, free]
-    driven[:, free] = np.linalg.solve(bending + (k / _NARROWER) ** 4 * mass, integrals.T).T
+    rate = profile.wavenumber(count) / _NARROWER
+    driving = _added(profile, elements, nodes, rate) * weights * inertia[:, None]
+    integrals = _integrals(elements, driving, tables[0])
+    integrals = np.concatenate([integrals, np.eye(elements.size)[[elements.end(i) for i in profile.free_ends]]])
+    modes, driven = np.zeros((count + 2 * len(integrals), elements.size)), np.zeros(integrals.shape)
+    modes[:, free], driven[:, free] = _vibrations(mass, bending, rate**4, len(modes), integrals[:, free])
     heavy = (weights * inertia[:, None]).ravel()
-    rows = _orthonormal(elements, rows, driven, tables[0], heavy)
-    values, slopes, curved = (elements.tabulated(rows, table, d) for d, table in enumerate(tables))
     stiff = (weights * rigidity[:, None]).ravel()
-    given = values, slopes
-    energy = mirrored((curved * stiff) @ curved.T)
+
+    def inner(a: Floats, b: Floats) -> Floats:
+        return np.asarray((elements.tabulated(a, tables[0], 0) * heavy) @ elements.tabulated(b, tables[0], 0).T)
+
+    def bent(a: Floats, b: Floats) -> Floats:
+        return np.asarray((elements.tabulated(a, tables[2], 2) * stiff) @ elements.tabulated(b, tables[2], 2).T)
+
+    rows = _orthonormal(driven, modes, count, inner, bent)
+    values, slopes = (elements.tabulated(rows, tables[d], d) for d in (0, 1))
+    given, energy = (values, slopes), mirrored(bent(rows, rows))
     for part in (rows, energy, values, slopes):
         part.flags.writeable = False
     return SectionBasis(profile.ends, count, energy, nodes.ravel(), weights.ravel(), rows, given, elements=elements)
@@ -233,21 +292,28 @@ def _matrices(elements: Elements, rigidity: Floats, inertia: Floats) -> tuple[Fl
     return mass, bending
 
 
-def _lowest(mass: Floats, bending: Floats, count: int) -> Floats:
-    """Return the eigenvectors of the lowest frequencies, (count, unknowns)."""
+def _vibrations(mass: Floats, bending: Floats, shift: float, count: int, forces: Floats) -> tuple[Floats, Floats]:
+    """Return the free vibrations of lowest frequencies, (count, unknowns), and what forces make with a shift.
+
+    By the eigenvalues 1 / (k^4 + shift), which are all of one size: the frequencies of short elements are far higher,
+    and would hide the lowest in rounding.
+    """
     from scipy.linalg import solve_triangular
 
-    root = np.linalg.cholesky(mass)
-    half = solve_triangular(root, bending, lower=True)
+    root = np.linalg.cholesky(bending + shift * mass)
+    half = solve_triangular(root, mass, lower=True)
     _, vectors = np.linalg.eigh(mirrored(solve_triangular(root, half.T, lower=True)))
-    return np.asarray(solve_triangular(root, vectors[:, :count], lower=True, trans="T").T)
+    lowest = solve_triangular(root, vectors[:, : -count - 1 : -1], lower=True, trans="T").T
+    moved = solve_triangular(root, solve_triangular(root, forces.T, lower=True), lower=True, trans="T").T
+    return np.asarray(lowest), np.asarray(moved)
 
 
 def _added(profile: Profile, elements: Elements, nodes: Floats, rate: float) -> Floats:
     """Return s^q exp(-s) below each edge and next to both ends at the nodes, s = ``rate`` times the distance."""
     rows, slow = [], profile.slowness
-    distances = [((nodes - edge) * slow[i + 1], _AT_EDGES) for i, edge in enumerate(profile.edges[1:-1])]
-    distances += [(nodes * slow[0], _AT_ENDS), ((1.0 - nodes) * slow[-1], _AT_ENDS)]
+    distances = [((nodes - edge) * slow[i], _AT_EDGES) for i, edge in enumerate(profile.edges[1:-1], start=1)]
+    distances.append((nodes * slow[0], _AT_ENDS[profile.ends.upper]))
+    distances.append(((1.0 - nodes) * slow[-1], _AT_ENDS[profile.ends.lower]))
     for distance, number in distances:
         s = rate * np.maximum(distance, 0.0)
         rows += [np.where(distance > 0.0, s**q * np.exp(-s), 0.0) for q in range(number)]
@@ -262,25 +328,53 @@ def _integrals(elements: Elements, weighted: Floats, table: Floats) -> Floats:
     return integrals
 
 
-def _orthonormal(elements: Elements, modes: Floats, added: Floats, table: Floats, heavy: Floats) -> Floats:
-    """Return modes, and added functions orthogonal to them and each other, of unit norm with the weight ``heavy``."""
+def _orthonormal(rows: Floats, modes: Floats, count: int, inner: Product, bent: Product) -> Floats:
+    """Return functions added to the first ``count`` modes, orthogonal to them and each other, then those modes.
 
-    def product(a: Floats, b: Floats) -> Floats:
-        return (elements.tabulated(a, table, 0) * heavy) @ elements.tabulated(b, table, 0).T
-
+    ``inner`` and ``bent`` are the products of inertia and of bending.  Functions that are nearly combinations of
+    others, or that bend far more than the modes, give way to further modes.
+    """
     for _ in range(2):
-        modes = modes / np.sqrt(np.diagonal(product(modes, modes)))[:, None]
-        added = added / np.sqrt(np.diagonal(product(added, added)))[:, None]
-        added = added - product(added, modes) @ modes
-        sizes, directions = np.linalg.eigh(product(added, added))
-        kept = sizes > _SAME * sizes[-1]
-        added = (directions[:, kept] / np.sqrt(sizes[kept])).T @ added
-    return np.concatenate([modes, added])
+        modes = modes / np.sqrt(np.diagonal(inner(modes, modes)))[:, None]
+        rows = rows / np.sqrt(np.diagonal(inner(rows, rows)))[:, None]
+        rows = rows - inner(rows, modes[:count]) @ modes[:count]
+    rows = rows / np.sqrt(np.diagonal(inner(rows, rows)))[:, None]
+    sizes, directions = np.linalg.eigh(inner(rows, rows))
+    apart = sizes > _SAME
+    functions = (directions[:, apart] / np.sqrt(sizes[apart])).T @ rows
+    energies, directions = np.linalg.eigh(bent(functions, functions))
+    highest = float(bent(modes[count - 1 : count], modes[count - 1 : count])[0, 0])
+    functions = directions[:, energies < _STIFFEST**4 * highest].T @ functions
+    for mode in modes[count:, None]:
+        if len(functions) == len(rows):
+            break
+        beside = mode
+        for _ in range(2):
+            beside = beside - inner(beside, functions) @ functions
+        size = float(inner(beside, beside)[0, 0])
+        if size > _OWN:
+            functions = np.concatenate([functions, beside / math.sqrt(size)])
+    for _ in range(2):  # rounding of combinations that nearly cancel
+        functions = functions - inner(functions, modes[:count]) @ modes[:count]
+        functions = np.linalg.solve(np.linalg.cholesky(inner(functions, functions)), functions)
+    return np.concatenate([functions, modes[:count]])
 
 
 def are_enriched(rod: RodData) -> bool:
     """Return whether further functions are added to the modes of a rod."""
     return rod.varies or beam.are_enriched(rod.end_conditions)
+
+
+def are_nested(rod: RodData) -> bool:
+    """Return whether the functions of fewer modes are the first of those of more."""
+    return rod.varies or not beam.are_enriched(rod.end_conditions)
+
+
+def number_of_functions(rod: RodData, count: int) -> int:
+    """Return how many functions `functions_along` has for so many modes."""
+    if rod.varies:
+        return count + Profile.of(rod).added
+    return functions_along(rod, count).size if are_enriched(rod) else count
 
 
 def functions_along(rod: RodData, count: int) -> Basis:

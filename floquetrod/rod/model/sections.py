@@ -12,11 +12,8 @@ from floquetrod._util.arguments import error_in, wrong_type, wrong_value
 from floquetrod._util.calling import TellsAttributes, constructor_hints
 from floquetrod._util.suggest import short
 from floquetrod.rod.model.catalogue import DENSITY, YOUNGS_MODULUS, pipe
-from floquetrod.rod.model.parameters import BORE, INSTEAD, MEANT, ROD, in_si, units_given
+from floquetrod.rod.model.parameters import BORE, INSTEAD, MEANT, OF_A_SECTION, ROD, in_si, units_given
 from floquetrod.rod.model.possible_rod import HAS_WALL
-
-OF_A_SECTION = ("youngs_modulus", "density", "radius", "length", "inner_radius", "yield_strength")
-"""Parameters of a rod that each of its sections has for itself."""
 
 MOST_SECTIONS = 1000
 """Sections of a string, and bores of a hole, at most (a choice)."""

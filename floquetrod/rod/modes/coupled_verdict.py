@@ -27,7 +27,7 @@ from floquetrod.rod.mode_equations.coupled_systems import SEVERAL, CoupledEquati
 from floquetrod.rod.mode_equations.modal_systems import ModalSystems
 from floquetrod.rod.model.assumptions import assumptions, forced_in_words
 from floquetrod.rod.model.contact import constants_under
-from floquetrod.rod.model.section_basis import are_enriched
+from floquetrod.rod.model.section_basis import are_enriched, are_nested
 from floquetrod.rod.modes.fewer_modes import Fastest
 from floquetrod.rod.modes.mode_model import ModeModel
 
@@ -127,7 +127,7 @@ def _numbers(model: ModeModel, load: Load, first: _Trial, fewer: int, growth_tol
         if first.fastest is None:  # the second verdict takes as long as the first: the fewer modes the better
             fewer = min(fewer, count - max(2, count // _share(model, count)))
         numbers = fewer, count
-        by_chance = by_chance or are_enriched(model.rod)
+        by_chance = by_chance or not are_nested(model.rod)
     return {*numbers, sum(numbers) // 2} if by_chance else {*numbers}
 
 
@@ -138,7 +138,7 @@ def _compared(model: ModeModel, trials: Sequence[_Trial]) -> Sequence[_Trial]:
     drive (see `_driven`): two numbers of modes may agree by chance.
     """
     rod = model.rod
-    return trials[-3:-1] if rod.course.breaks or are_enriched(rod) else trials[-2:-1]
+    return trials[-3:-1] if rod.course.breaks or not are_nested(rod) else trials[-2:-1]
 
 
 def _driven(model: ModeModel, load: Load, trial: _Trial) -> int:
@@ -165,7 +165,7 @@ def _share(model: ModeModel, count: int) -> int:
     More are left out where other functions join the beam functions: growth then hardly changes over a few numbers of
     modes, and goes on changing after them.
     """
-    if are_enriched(model.rod):
+    if not are_nested(model.rod):
         return 4
     return 6 if count <= _LONG else 10
 
@@ -200,7 +200,7 @@ def _modes_to_begin_with(model: ModeModel, load: Load, growth_tolerance: float) 
         free = ModalSystems(constants._replace(damping_rate=0.0), Loads.single(uniform))
         fastest = float(free.fastest(1)[0][0]) - constants.damping_rate
         last = model.count_for(loads, max(growth_tolerance, 0.25 * fastest))
-    if SEVERAL < last <= _LONG and not are_enriched(rod):
+    if SEVERAL < last <= _LONG and are_nested(rod):
         return last + max(2, last // 9), last
     return last, last - max(2, last // _share(model, last))
 
@@ -306,7 +306,7 @@ class _Trial(NamedTuple):
         decides nothing, as how the growth depends on the number of modes is asked.  Or by a verdict on the modes that
         may resonate, the last functions kept at zero.
         """
-        rate = None if self.fastest is None else self.fastest.rate_with(modes.count)
+        rate = None if self.fastest is None else self.fastest.rate_with(modes.size)
         if rate is None:
             if self.resonating is None or not modes.are_nested:
                 return None
