@@ -299,13 +299,13 @@ def test_nothing_but_resonance_is_refused_by_its_name() -> None:
     with pytest.raises(ValueError, match="is at the axial resonance"):
         TUBING.ranges("mean", fr.AxialWave(0.0, 0.0, 1.0), amplitude=10.0, frequency=HELD)
     with pytest.raises(ValueError, match=r"bounds hold \d+ axial resonances"):
-        axial.gaps(wave(1.0), TUBING.wave_speed, TUBING.length, (1.0, 1e9))
+        axial.gaps(wave(1.0), TUBING.axial_line, (1.0, 1e9))
 
 
 def test_gaps_are_where_verdicts_are_refused(rng: np.random.Generator) -> None:
     load = wave(1.0, waveform=(1.0, 0.0, 0.2))
-    speed, length = TUBING.wave_speed, TUBING.length
-    found = axial.gaps(load, speed, length, (0.1 * UNIT, 12.0 * UNIT))
+    line = TUBING.axial_line
+    found = axial.gaps(load, line, (0.1 * UNIT, 12.0 * UNIT))
     assert len(found) == 11  # zeros of cos 3x up to 12, among them those of cos x
     for frequency in rng.uniform(0.1 * UNIT, 12.0 * UNIT, 2000):
         refused = any(gap.low < frequency < gap.high for gap in found)
@@ -313,7 +313,7 @@ def test_gaps_are_where_verdicts_are_refused(rng: np.random.Generator) -> None:
         assert refused == near
     for gap in found:  # both ends are answered
         for end in gap[:2]:
-            axial.require_off_resonance(load, speed, length, end)
+            axial.require_off_resonance(load, line, end)
 
 
 def test_margins_end_at_a_resonance() -> None:

@@ -50,8 +50,6 @@ def _model(rod: RodData, like: Load) -> ModeModel:
     """Return what the modes are; of a rod with hinged ends under a sine nothing else is loaded."""
     require_known_to_verdicts(rod)
     coupled = coupling(rod, like)
-    if rod.varies and not like.is_uniform:
-        raise validate.wrong_value("load", "must be uniform along a rod of several sections; give an AxialLoad")
     if not coupled and not like.noise:
         return IndependentModel(rod, like)
     if not like.noise:

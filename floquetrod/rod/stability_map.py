@@ -123,7 +123,7 @@ def stability_map(
     if validate.flag("certified", certified):
         _require_provable(model, tolerance, criterion=criterion, friction=mu_and_kick)
     if fixed[0] == "frequency":
-        require_off_resonance(model.template, rod.wave_speed, rod.length, value)
+        require_off_resonance(model.template, rod.axial_line, value)
     friction, kick = mu_and_kick or (None, None)
     plane = LoadPlane(rod, across, up, fixed[0], value, tolerance, criterion, friction, kick, template, workers)
     if validate.flag("large_motion", large_motion):

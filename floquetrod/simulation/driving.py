@@ -120,14 +120,12 @@ class Driving:
         displacement, velocity = np.zeros_like(s), np.zeros_like(s)
         if self.load.amplitude == 0.0 or self.feed_speed is not None:
             return displacement, velocity
-        wave = self._wave
+        wave, line = self._wave, self.rod.axial_line
         for k, harmonic in enumerate(self.harmonics, start=1):
             frequency = k * self.load.frequency
             near = _NEAR * min(self.rod.length, self.rod.wave_speed / frequency)
             try:
-                below, above = (
-                    wave.profile(self.rod.wave_speed, self.rod.length, s + sign * near, frequency) for sign in (-1, 1)
-                )
+                below, above = (line.profile(wave, s + sign * near, frequency) for sign in (-1, 1))
             except ValueError:
                 return np.zeros_like(s), np.zeros_like(s)
             inertia = self.rod.mass_along * complex(-(frequency**2), 2.0 * self.axial_damping * frequency)
@@ -164,7 +162,7 @@ class Driving:
     def _profile(self, s: NDArray[np.float64], frequency: float) -> NDArray[np.float64]:
         """Return the size along the rod of a vibration whose amplitude is 1 at the end that is driven."""
         try:
-            return np.asarray(np.abs(self._wave.profile(self.rod.wave_speed, self.rod.length, s, frequency)))
+            return np.asarray(np.abs(self.rod.axial_line.profile(self._wave, s, frequency)))
         except ValueError:  # at a resonance
             return np.full(s.size, math.inf)
 

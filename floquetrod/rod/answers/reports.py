@@ -100,7 +100,8 @@ def describe_kind(load: Load, shown: Mapping[str, Unit], rod: RodData) -> list[s
         if math.isfinite(response.factor):
             largest = _both(response.largest, "amplitude", shown, rod)
             times = f"{response.factor:.3g} times the amplitude"
-            lines.append(f"vibration largest at {shown['length'].show(response.position, 4)}: {largest}, {times}")
+            place = f"{shown['length'].show(response.position, 4)}{response.in_section}"
+            lines.append(f"vibration largest at {place}: {largest}, {times}")
         named = " and ".join(_resonance(r, shown, rod) for r in response.resonances)
         lines.append(f"axial resonance{'s' * (len(response.resonances) > 1)} nearby: {named}")
     return lines

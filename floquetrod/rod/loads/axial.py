@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from floquetrod._util.arguments import Mention, wrong_value
 from floquetrod._util.interchange import by_keys
+from floquetrod.rod.loads.axial_line import AxialLine
 from floquetrod.rod.loads.load import AxialWave, Load
 
 MOST_FACTOR = 100.0
@@ -81,6 +82,8 @@ class AxialResponse:
     resonances : tuple of AxialResonance
         The nearest below and above the load's frequency, harmonics counted; where ``largest`` is infinite the one that
         makes it so; empty for a force uniform along the rod.
+    section : int or None
+        Number of the section at ``position``, from the upper end, from 0; None for a rod of one section.
     """
 
     amplitude: float
@@ -89,11 +92,13 @@ class AxialResponse:
     factor: float
     critical_forces: float
     resonances: tuple[AxialResonance, ...]
+    section: int | None = None
 
     def as_dict(self) -> dict[str, Any]:
         """Return the numbers for JSON, in SI units; None where one is infinite or unknown."""
         resonances = [by_keys(r, "frequency_rad_per_s frequency_Hz=hertz harmonic factor") for r in self.resonances]
-        return by_keys(self, "amplitude_N largest_N position_m factor critical_forces") | {"resonances": resonances}
+        numbers = by_keys(self, "amplitude_N largest_N position_m factor critical_forces") | {"resonances": resonances}
+        return numbers if self.section is None else numbers | {"section": self.section}
 
     @property
     def in_words(self) -> str:
@@ -104,8 +109,13 @@ class AxialResponse:
         nearest = f"; axial resonance{'s' * (len(self.resonances) > 1)} nearby: {names}" if names else ""
         return (
             f"vibration of {self.amplitude:.4g} N becomes {self.largest:.4g} N, {self.factor:.3g} times as much and "
-            f"{self.critical_forces:.3g} critical forces, at {self.position:.4g} m{nearest}"
+            f"{self.critical_forces:.3g} critical forces, at {self.position:.4g} m{self.in_section}{nearest}"
         )
+
+    @property
+    def in_section(self) -> str:
+        """The section at ``position`` in words, "" for a rod of one section."""
+        return "" if self.section is None else f", in sections[{self.section}]"
 
     def __repr__(self) -> str:
         """Return the numbers as a sentence."""
@@ -125,47 +135,47 @@ def wave_ratio(rod: Any, load: Load) -> float:
     return float(load.frequency * rod.length / (2.0 * math.pi) / rod.wave_speed)
 
 
-def axial_response(load: Load, wave_speed: float, length: float, critical_force: float) -> AxialResponse:
+def axial_response(load: Load, line: AxialLine, critical_force: float) -> AxialResponse:
     """Return what `Rod.axial_response` does."""
     if not isinstance(load, AxialWave):
         largest = load.amplitude * _over_a_period(load.harmonics[:, None])[0]
         return AxialResponse(largest, largest, 0.0, 1.0, largest / critical_force, ())
     amplitude = load.amplitude * float(_over_a_period(load.harmonics[:, None])[0])
-    near = gaps(load, wave_speed, length, (load.frequency, load.frequency), 0.0)
+    near = gaps(load, line, (load.frequency, load.frequency), 0.0)
     if near:
         return AxialResponse(amplitude, math.inf, math.nan, math.inf, math.inf, (near[0].resonance,))
-    nearest = tuple(_nearest(load, wave_speed, length))
-    factor, position = _largest(load, wave_speed, length)
+    nearest = tuple(_nearest(load, line))
+    factor, position = _largest(load, line)
     largest = factor * amplitude
     return AxialResponse(amplitude, largest, position, factor, largest / critical_force, nearest)
 
 
-def along(load: Load, wave_speed: float, length: float, s: NDArray[np.float64], frequency: float) -> NDArray[Any]:
+def along(load: Load, line: AxialLine, s: NDArray[np.float64], frequency: float) -> NDArray[Any]:
     """Return the vibration of every harmonic along the rod for an amplitude of one newton, complex (H, len(s))."""
     return np.array(
         [
-            h * load.profile(wave_speed, length, s, k * frequency) if h else np.zeros(s.size)
+            h * line.profile(load, s, k * frequency) if h else np.zeros(s.size)
             for k, h in enumerate(load.harmonics.tolist(), start=1)
         ]
     )
 
 
-def largest_along(load: Load, wave_speed: float, length: float, s: NDArray[np.float64]) -> NDArray[np.float64]:
+def largest_along(load: Load, line: AxialLine, s: NDArray[np.float64]) -> NDArray[np.float64]:
     """Return the largest size over a period of the vibration at places along the rod, in N."""
-    return load.amplitude * _over_a_period(along(load, wave_speed, length, s, load.frequency))
+    return load.amplitude * _over_a_period(along(load, line, s, load.frequency))
 
 
-def bound(load: Load, wave_speed: float, length: float, frequency: float) -> float:
+def bound(load: Load, line: AxialLine, frequency: float) -> float:
     """Return the largest force along the rod for an amplitude of one newton if harmonics met in phase."""
     if load.is_uniform:
         return float(np.abs(load.harmonics).sum())
     sizes = np.abs(load.harmonics).tolist()
-    return math.fsum(sizes[k - 1] * _factor(load, wave_speed, length, k * frequency)[0] for k in _present(load))
+    return math.fsum(sizes[k - 1] * _factor(load, line, k * frequency)[0] for k in _present(load))
 
 
-def require_off_resonance(load: Load, wave_speed: float, length: float, frequency: float) -> None:
+def require_off_resonance(load: Load, line: AxialLine, frequency: float) -> None:
     """Raise AxialResonanceError for a frequency next to an axial resonance, without axial damping."""
-    gap = next(iter(gaps(load, wave_speed, length, (frequency, frequency), 0.0)), None)
+    gap = next(iter(gaps(load, line, (frequency, frequency), 0.0)), None)
     if gap is not None:
         near = gap.resonance
         at = f"the axial resonance of the rod at {near.harmonic * near.frequency:.6g} rad/s"
@@ -176,41 +186,35 @@ def require_off_resonance(load: Load, wave_speed: float, length: float, frequenc
             f"{frequency:.9g} rad/s ({frequency / (2.0 * math.pi):.6g} Hz) {where}, far end "
             f"{getattr(load, 'far_end', '')}: without ",
             damping,
-            f" the force along its {length:g} m would be more than {MOST_FACTOR:g} times that at the driven end; give ",
+            f" the force along its {line.length:g} m would be more than {MOST_FACTOR:g} times that at the driven end; ",
+            "give ",
             damping,
             ", or another frequency",
             kind=AxialResonanceError,
         )
 
 
-def gaps(
-    load: Load, wave_speed: float, length: float, bounds: tuple[float, float], room: float = _ROOM
-) -> list[AxialGap]:
+def gaps(load: Load, line: AxialLine, bounds: tuple[float, float], room: float = _ROOM) -> list[AxialGap]:
     """Return the frequencies within bounds at which `require_off_resonance` raises, in increasing order, apart.
 
     ``room`` is added to each, as a fraction of it, so that the ends are answered to rounding.
     """
     if not isinstance(load, AxialWave) or load.axial_damping > 0.0:
         return []
-    unit = wave_speed / length
-    first, step = load.resonant_phases
-    half = (1.0 + room) * math.asin(1.0 / MOST_FACTOR) * step / math.pi
     all_gaps = []
     for k in _present(load):
-        least = max(0, math.ceil((k * bounds[0] / unit - half - first) / step))
-        last = math.floor((k * bounds[1] / unit + half - first) / step)
-        if last - least >= _MOST_RESONANCES:
+        within = k * bounds[0], k * bounds[1]
+        number = line.passed(load, within[1]) - line.passed(load, within[0])
+        if number > _MOST_RESONANCES:
             raise wrong_value(
                 "bounds",
-                f"hold {last - least + 1} axial resonances of harmonic {k}, of which at most {_MOST_RESONANCES} "
+                f"hold {number} axial resonances of harmonic {k}, of which at most {_MOST_RESONANCES} "
                 "can be left out: give narrower bounds, or ",
                 Mention("axial_damping"),
             )
-        for n in range(least, last + 1):
-            phase = first + n * step
-            resonance = AxialResonance(phase * unit / k, k, math.inf)
-            ends = ((phase - half) * unit / k, (phase + half) * unit / k)
-            all_gaps.append(AxialGap(max(ends[0], bounds[0]), min(ends[1], bounds[1]), resonance))
+        for low, high, frequency in line.refused(load, within, MOST_FACTOR, room):
+            resonance = AxialResonance(frequency / k, k, math.inf)
+            all_gaps.append(AxialGap(max(low / k, bounds[0]), min(high / k, bounds[1]), resonance))
     return joined(all_gaps)
 
 
@@ -230,53 +234,55 @@ def _present(load: Load) -> list[int]:
     return (1 + np.flatnonzero(load.harmonics)).tolist()
 
 
-def _nearest(load: AxialWave, wave_speed: float, length: float) -> Iterator[AxialResonance]:
+def _nearest(load: AxialWave, line: AxialLine) -> Iterator[AxialResonance]:
     """Yield the nearest resonance not above the load's frequency, if any, and the nearest above it.
 
     Where a whole number of waves fits the rod, Re kappa = w_n / c_0: with axial damping at w_n^2 / sqrt(w_n^2 + c_a^2).
     """
-    unit, damping = wave_speed / length, load.axial_damping
-    first, step = load.resonant_phases
+    damping = load.axial_damping
     below: list[tuple[float, int]] = []
     above: list[tuple[float, int]] = []
     for k in _present(load):
         square = (k * load.frequency) ** 2
         natural = math.sqrt(0.5 * (square + math.sqrt(square * (square + 4.0 * damping**2))))
-        passed = max(0, math.floor((natural / unit - first) / step) + 1)
-        for n in range(max(0, passed - 1), passed + 1):
-            at = (first + n * step) * unit
+        passed = line.passed(load, natural)
+        numbers = np.arange(max(0, passed - 1), passed + 1)
+        for n, at in zip(numbers.tolist(), line.resonances(load, numbers).tolist(), strict=True):
             frequency = at / k / math.sqrt(1.0 + (damping / at) ** 2)
             (below if n < passed else above).append((frequency, k))
     for frequency, k in (*([max(below, key=lambda r: (r[0], -r[1]))] if below else ()), min(above)):
-        is_finite = damping > _LEAST_DECAY * unit
-        factor = _factor(load, wave_speed, length, k * frequency)[0] if is_finite else math.inf
+        is_finite = damping > _LEAST_DECAY * line.unit and not line.is_near_pole(load, k * frequency)
+        factor = _factor(load, line, k * frequency)[0] if is_finite else math.inf
         yield AxialResonance(frequency, k, factor)
 
 
-def _largest(load: AxialWave, wave_speed: float, length: float) -> tuple[float, float]:
+def _largest(load: AxialWave, line: AxialLine) -> tuple[float, float]:
     """Return the largest force along the rod over that at the driven end, and its position."""
     present = _present(load)
     if len(present) == 1:
-        return _factor(load, wave_speed, length, present[0] * load.frequency)
-    waves = load.frequency * present[-1] * length / (2.0 * math.pi * wave_speed)
-    s = np.linspace(0.0, length, 2 * _SAMPLES + min(math.ceil(_FINE * waves), 16 * _SAMPLES))
+        return _factor(load, line, present[0] * load.frequency)
+    waves = load.frequency * present[-1] * line.length / (2.0 * math.pi * line.slowest)
+    most = 16 * _SAMPLES * len(line.pieces)
+    s = np.union1d(np.linspace(0.0, line.length, 2 * _SAMPLES + min(math.ceil(_FINE * waves), most)), line.edges)
 
     def size(places: NDArray[np.float64]) -> NDArray[np.float64]:
-        return _over_a_period(along(load, wave_speed, length, places, load.frequency))
+        return _over_a_period(along(load, line, places, load.frequency))
 
     largest, position = _peak(size, s)
     return largest / float(size(np.zeros(1))[0]), position
 
 
-def _factor(load: Load, wave_speed: float, length: float, frequency: float) -> tuple[float, float]:
+def _factor(load: Load, line: AxialLine, frequency: float) -> tuple[float, float]:
     """Return the largest force of one harmonic over that at the driven end, and its position.
 
     |cos(a + i b)|^2 = (cos 2a + cosh 2b) / 2, and sines alike: half a wave nearer to the driven end the force is as
-    large or larger, so that the largest lies within half a wave of that end.
+    large or larger, so that the largest lies within half a wave of that end; of several pieces near any of their ends.
     """
-    half_wave = math.pi * wave_speed / frequency
-    places = np.linspace(0.0, min(length, half_wave), _SAMPLES)
-    return _peak(lambda s: np.abs(load.profile(wave_speed, length, s, frequency)), places)
+    stretches = line.places_of_largest(frequency)
+    places = np.linspace(stretches[:, 0], stretches[:, 1], _SAMPLES, axis=1).ravel()
+    if not line.is_uniform:
+        places = np.unique(places)
+    return _peak(lambda s: np.abs(line.profile(load, s, frequency)), places)
 
 
 def _peak(size: Any, s: NDArray[np.float64]) -> tuple[float, float]:

@@ -223,7 +223,7 @@ Noise: TypeAlias = float | str | tuple[tuple[float, float], ...]
 """A density in N^2/Hz, with a unit before it is checked, or pairs of a frequency in Hz and the density there."""
 
 _MOST_HARMONICS = 1000  # of a waveform (a choice)
-_RESONANT = 1e-6  # denominator of an axial wave below which rounding leaves it too few digits (a choice)
+RESONANT = 1e-6  # denominator of an axial wave below which rounding leaves it too few digits (a choice)
 
 
 @dataclass(frozen=True, repr=False)
@@ -449,7 +449,9 @@ class AxialWave(Load):
     Notes
     -----
     With kappa = sqrt(omega^2 - 2 i c_a omega) / c_0 the vibration is the amplitude times cos kappa(L - s) / cos kappa L
-    (held), sin kappa(L - s) / sin kappa L (free), cos kappa(s - L/2) / cos(kappa L/2) (driven).
+    (held), sin kappa(L - s) / sin kappa L (free), cos kappa(s - L/2) / cos(kappa L/2) (driven).  Where sections of the
+    impedances Z = A sqrt(E rho) meet, force and velocity are continuous, and the share (Z_2 - Z_1) / (Z_2 + Z_1) of the
+    force of a wave is reflected; ``rod.axial_line.profile(load, s, frequency)`` is the vibration along any rod.
 
     Examples
     --------
@@ -473,7 +475,7 @@ class AxialWave(Load):
         object.__setattr__(self, "axial_damping", LOAD["axial_damping"].number(self.axial_damping))
 
     def profile(self, wave_speed: float, length: float, s: NDArray[np.float64], frequency: float) -> NDArray[Any]:
-        """Return the vibration of unit amplitude along the rod; real without axial damping."""
+        """Return the vibration of unit amplitude along a rod of one section; real without axial damping."""
         kappa = np.sqrt(complex(frequency * frequency, -2.0 * self.axial_damping * frequency)) / wave_speed
 
         def decayed(distance: Any) -> Any:
@@ -487,17 +489,8 @@ class AxialWave(Load):
             top, below = decayed(s) * (1.0 + decayed(2.0 * (length - s))), 1.0 + decayed(2.0 * length)
         else:  # keeps its digits where the rod is short against the wave
             top, below = (f * np.expm1(-2j * kappa * x) for f, x in ((decayed(s), length - s), (1.0, length)))
-        if abs(below) < _RESONANT and abs(kappa) * length > 1.0:
-            damping = Mention("axial_damping")
-            raise validate.wrong_value(
-                "frequency",
-                f"{frequency:g} rad/s is a resonance of axial waves in a rod of {length:g} m, far end {self.far_end}: "
-                "without ",
-                damping,
-                " the force is infinite; give ",
-                damping,
-                ", or another frequency",
-            )
+        if abs(below) < RESONANT and abs(kappa) * length > 1.0:
+            raise resonates(self, frequency, length)
         profile = top / below
         return np.asarray(profile.real if self.axial_damping == 0.0 else profile)
 
@@ -522,6 +515,19 @@ class AxialWave(Load):
         ends = "both ends driven" if self.far_end == "driven" else f"lower end {self.far_end}"
         rate = f", axial damping {self.axial_damping:g} 1/s" if self.axial_damping else ""
         return ", ".join(filter(None, [f"axial waves, {ends}{rate}", super().features]))
+
+
+def resonates(load: AxialWave, frequency: float, length: float) -> ValueError:
+    """Return the error for a frequency in rad/s at which axial waves of a rod resonate without damping."""
+    damping = Mention("axial_damping")
+    return validate.wrong_value(
+        "frequency",
+        f"{frequency:g} rad/s is a resonance of axial waves in a rod of {length:g} m, far end {load.far_end}: without ",
+        damping,
+        " the force is infinite; give ",
+        damping,
+        ", or another frequency",
+    )
 
 
 def with_waves(load: Load, axial_damping: float = 0.0, name: str = "axial_damping") -> AxialWave:

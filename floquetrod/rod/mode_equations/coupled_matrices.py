@@ -130,13 +130,13 @@ def _most_added(rod: RodData, mean_at: float | None) -> float:
 @functools.lru_cache(maxsize=64)  # asked several times in a verdict
 def _largest_along(rod: RodData, template: Load, frequency: float) -> float:
     """Return the largest force along the rod for an amplitude of one newton, if harmonics met in phase."""
-    axial.require_off_resonance(template, rod.wave_speed, rod.length, frequency)
-    return axial.bound(template, rod.wave_speed, rod.length, frequency)
+    axial.require_off_resonance(template, rod.axial_line, frequency)
+    return axial.bound(template, rod.axial_line, frequency)
 
 
 def up_to_resonance(rod: RodData, template: Load, piece: tuple[float, float]) -> tuple[float, float]:
     """Return a piece of frequencies, in either direction, cut where waves first resonate, without axial damping."""
-    gaps = axial.gaps(template, rod.wave_speed, rod.length, (min(piece), max(piece)))
+    gaps = axial.gaps(template, rod.axial_line, (min(piece), max(piece)))
     if not gaps:
         return piece
     return piece[0], gaps[0].low if piece[0] < piece[1] else gaps[-1].high
@@ -249,16 +249,16 @@ class CoupledModes(CoupledEquations):
 
     def _vibration(self, frequency: float) -> NDArray[np.float64]:
         """Return cosine and sine matrices of every harmonic for an amplitude of one newton, (2, H, n, n)."""
-        along = self.rod.wave_speed, self.rod.length
-        axial.require_off_resonance(self.template, *along, frequency)
-        every = axial.along(self.template, *along, self.basis.nodes * self.rod.length, frequency)
+        line = self.rod.axial_line
+        axial.require_off_resonance(self.template, line, frequency)
+        every = axial.along(self.template, line, self.basis.nodes * self.rod.length, frequency)
         found = [(-self._coupling(force.real), self._coupling(force.imag)) for force in every]
         return np.array(found).swapaxes(0, 1)
 
     def _pressing(self, mean: float, frequency: float) -> NDArray[np.float64]:
         """Return the matrices of the vibrating contact force, which add to `_vibration`, under a mean force."""
-        along = self.rod.wave_speed, self.rod.length
-        forces = axial.along(self.template, *along, self.basis.nodes * self.rod.length, frequency)
+        line = self.rod.axial_line
+        forces = axial.along(self.template, line, self.basis.nodes * self.rod.length, frequency)
         bend = self._wall.per_newton * self._lying(mean).bend
         waves = [(self.basis.pressing(bend * f.real), -self.basis.pressing(bend * f.imag)) for f in forces]
         return np.array(waves).swapaxes(0, 1)
@@ -340,8 +340,8 @@ class CoupledModes(CoupledEquations):
         if self.rod.course.is_straight or not self._wall.place.turns:
             return None
         aside = self._wall.per_newton * self._lying(load.mean).aside * self.basis.weights
-        along = self.rod.wave_speed, self.rod.length
-        every = axial.along(load, *along, self.basis.nodes * self.rod.length, load.frequency)
+        line = self.rod.axial_line
+        every = axial.along(load, line, self.basis.nodes * self.rod.length, load.frequency)
         stiffness = self.stiffness(np.array([load.mean]))[0] if system is None else system.stiffness
         angle = np.zeros(self.basis.nodes.size)
         for k, force in enumerate(every, start=1):

@@ -236,7 +236,7 @@ class LargeMotion(ByContent):
     def _profiles(self, x: Floats) -> Floats:
         """Return the forces in N at places with the cosine and the sine of each harmonic, (2 H, len(x))."""
         rod, load = self.rod, self.load
-        every = load.amplitude * axial.along(load, rod.wave_speed, rod.length, rod.length * x, load.frequency)
+        every = load.amplitude * axial.along(load, rod.axial_line, rod.length * x, load.frequency)
         return np.concatenate([every.real, -every.imag])
 
     def parts(self, times: Floats) -> Floats:

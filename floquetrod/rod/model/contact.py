@@ -181,7 +181,7 @@ def _left(rod: RodData, x: float, what: str) -> ValueError:
 def _shaken(rod: RodData, load: Load, frequency: float) -> tuple[Wall, Floats, Floats, Floats]:
     """Return the wall at places x = s / L, and the least and the largest vibration there for an amplitude of 1 N."""
     x, place = (rod.course.samples, rod.course.sampled) if load.is_uniform else rod.course.sampled_for_waves
-    every = axial.along(load, rod.wave_speed, rod.length, x * rod.length, frequency)
+    every = axial.along(load, rod.axial_line, x * rod.length, frequency)
     if len(every) == 1:
         most = np.abs(every[0])
         least = -most

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import MISSING, dataclass, fields
+from dataclasses import MISSING, dataclass, fields, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple, Self
 
@@ -19,6 +19,7 @@ from floquetrod._util.caching import cached_property
 from floquetrod._util.calling import TellsAttributes, constructor_hints
 from floquetrod.parameter import require_known
 from floquetrod.rod.loads.axial import AxialResponse, axial_response
+from floquetrod.rod.loads.axial_line import AxialLine, LinePiece
 from floquetrod.rod.loads.load import AnyLoad, require_load
 from floquetrod.rod.model import formulas
 from floquetrod.rod.model.beam import EndConditions, wavenumbers
@@ -579,9 +580,19 @@ class RodData(units.InUnits, TellsAttributes):
     @property
     def wave_speed(self) -> float:
         """Speed of axial waves, sqrt(E / rho), in m/s; of several sections the length over the time of travel."""
-        if self.varies:
-            return self.length / sum((part.end - part.start) / part.rod.wave_speed for part in self.uniform_parts)
-        return self.material.wave_speed
+        return self.axial_line.wave_speed
+
+    @cached_property
+    def axial_line(self) -> AxialLine:
+        """Length, speed of axial waves and impedance A sqrt(E rho) of each section, by which waves travel along it."""
+        own = self.sections or (self,)
+        return AxialLine(
+            tuple(
+                LinePiece(each.length, speed, each.density * CrossSection(each.radius, each.inner_radius).area * speed)
+                for each in own
+                for speed in [Material(each.youngs_modulus, each.density).wave_speed]
+            )
+        )
 
     def axial_response(self, load: AnyLoad) -> AxialResponse:
         """Return how large the vibration of a load becomes along the rod, where, and the nearest axial resonances.
@@ -595,8 +606,9 @@ class RodData(units.InUnits, TellsAttributes):
         AxialResponse
             Its ``largest`` in N at ``position`` (m from the upper end), ``factor`` times the vibration at the driven
             end; its ``resonances`` in rad/s, by the formulas of `AxialWave`: cos(omega L / c_0) = 0 with the far end
-            held, sin(omega L / c_0) = 0 free, cos(omega L / (2 c_0)) = 0 driven.  The force of an `AxialLoad` is
-            uniform and has none.
+            held, sin(omega L / c_0) = 0 free, cos(omega L / (2 c_0)) = 0 driven; of several sections, where waves are
+            reflected, by continuity of force and velocity, and ``section`` is the number of that at ``position``.
+            The force of an `AxialLoad` is uniform and has none.
 
         Examples
         --------
@@ -607,7 +619,8 @@ class RodData(units.InUnits, TellsAttributes):
         (60.3, [14.98, 19.26])
         """
         load = require_load("load", load)
-        return axial_response(load, self.wave_speed, self.length, self.critical_force)
+        response = axial_response(load, self.axial_line, self.critical_force)
+        return replace(response, section=_section_number(self, response.position))
 
     def stress(self, load: AnyLoad) -> Stress:
         """Return the largest stress along the rod under a load, axial and of bending with the channel, in Pa.
@@ -650,6 +663,14 @@ class PropertiesAlong(NamedTuple):
     inertia: NDArray[np.float64]  # m_t in kg/m
     weight: NDArray[np.float64]  # w_e in N/m
     clearance: NDArray[np.float64]  # R in m
+
+
+def _section_number(rod: RodData, s: float) -> int | None:
+    """Return the number of the section at a place in m from the upper end, from 0; None where there is but one."""
+    if not rod.sections or math.isnan(s):
+        return None
+    ends = np.cumsum([section.length for section in rod.sections[:-1]])
+    return int(np.searchsorted(ends, s, side="right"))
 
 
 def wavenumber(rod: RodData, mode: Any) -> Any:

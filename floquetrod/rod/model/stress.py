@@ -100,7 +100,7 @@ def stress(rod: Any, load: Load) -> Stress:
         raise wrong_value("frequency", f"must make at most {_MOST_WAVES:,} axial waves along the rod, got {waves:.3g}")
     x = np.union1d(np.linspace(0.0, 1.0, _PLACES + math.ceil(64.0 * waves)), rod.course.samples)
     mean = load.mean + (0.0 if load.mean_at is None else weight_gained(rod, x, load.mean_at))
-    axial = (np.abs(mean) + largest_along(load, rod.wave_speed, rod.length, x * rod.length)) / rod.area
+    axial = (np.abs(mean) + largest_along(load, rod.axial_line, x * rod.length)) / rod.area
     place = rod.course.place(x)
     curvature = np.broadcast_to(np.hypot(place.kappa_n, place.kappa_b), x.shape)
     bending = rod.youngs_modulus * rod.radius * (curvature + rod.residual_curvature)

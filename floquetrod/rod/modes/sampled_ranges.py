@@ -158,7 +158,7 @@ def _pieces_of_waves(
     AxialResonanceError where they leave nothing.
     """
     rod, largest, bounds = model.rod, search.load, search.bounds
-    skipped = gaps(largest, rod.wave_speed, rod.length, bounds)
+    skipped = gaps(largest, rod.axial_line, bounds)
     left_out = skipped.copy()
     pieces: list[tuple[tuple[float, float], CoupledEquations]] = []
 
@@ -169,7 +169,7 @@ def _pieces_of_waves(
             middle = 0.5 * sum(piece)
             if halvings == 0:
                 load = largest.varied("frequency", middle)
-                here = axial_response(load, rod.wave_speed, rod.length, rod.critical_force).resonances
+                here = axial_response(load, rod.axial_line, rod.critical_force).resonances
                 left_out.append(AxialGap(*piece, min(here, key=lambda r: abs(r.frequency - middle))))
                 return
             add((piece[0], middle), halvings - 1)
