@@ -116,6 +116,24 @@ def test_bounds_in_hertz_are_answered_in_hertz(hertz: bool, capsys: pytest.Captu
     assert name in capsys.readouterr().out
 
 
+def test_proofs_are_reported_in_the_units_of_their_question(capsys: pytest.CaptureFixture[str]) -> None:
+    rod = fr.Rod.nitinol().replace(damping_rate=0.5)
+    box = {"mean": ("0.56N", "0.59N"), "amplitude": ("0.32N", "0.34N"), "frequency": ("23.8Hz", "24Hz")}
+    proof = rod.certify(**box, rod={"length": (3.09, 3.11)})
+    assert ("load", "mean force 0.56 to 0.59 N") in proof.report().lines
+    assert ("", "frequency 23.8 to 24 Hz") in proof.report().lines
+    words = [f"--{name}={low.rstrip('NHz')}:{high}" for name, (low, high) in box.items()]
+    line = ["certify", "--rod", "nitinol", "--damping-rate", "0.5", *words, "--vary", "length=3.09:3.11m"]
+    assert main(line) == 0
+    assert capsys.readouterr().out == f"{proof.report()}\n"
+    plain = rod.certify(mean=(0.56, 0.59), amplitude=(0.32, 0.34), frequency=(150.0, 151.0))
+    assert ("", "frequency 150 to 151 rad/s") in plain.report().lines
+    assert ("", "frequency 23.8732 to 24.0324 Hz") in plain.report({"frequency": "Hz"}).lines
+    safe = rod.largest_safe_box(fr.AxialLoad("0.577N", "0.339N", "23.9Hz"), vary=("mean",))
+    assert " Hz" in str(safe.report())
+    assert "rad/s" not in str(safe.report())
+
+
 def test_rods_and_loads_are_reported_in_the_units_they_were_given_in() -> None:
     rod = fr.Rod.catalogue("2.00x0.156 CT90", bore="4.778in", length="200ft", fluid_outside="1.2sg")
     load = fr.AxialLoad("1klbf", "300lbf", "4Hz")

@@ -63,7 +63,7 @@ class Shares(NamedTuple):
 
 
 @dataclass(frozen=True, repr=False)
-class RegionProof(Reported, NoTruthValue):
+class RegionProof(known.InUnits, Reported, NoTruthValue):
     """A proof for every point of a box.
 
     Attributes
@@ -132,7 +132,8 @@ class RegionProof(Reported, NoTruthValue):
         ----------
         units : mapping, optional
             In which to show sides of the box: ``{"mean": "Fcr", "frequency": "Hz"}``, for rods by kind:
-            ``{"length": "ft", "pressure": "ksi"}``, radii beside feet in inches.
+            ``{"length": "ft", "pressure": "ksi"}``, radii beside feet in inches; by default as in the question, see
+            `floquetrod.units.AnswerUnits`.
 
         Returns
         -------
@@ -165,7 +166,10 @@ class RegionProof(Reported, NoTruthValue):
 
     def units_of_sides(self, names: Mapping[str, str]) -> dict[str, known.Unit]:
         """Return the unit to show each side in, see `report`."""
-        critical = getattr(self.subject, "critical_force", None)
+        critical, given = getattr(self.subject, "critical_force", None), self.given_units
+        loads = {"mean": given.force, "amplitude": given.force, "frequency": given.frequency}
+        usual = loads | {"length": given.length, "pressure": given.pressure}
+        names = {name: unit for name, unit in usual.items() if unit} | dict(names)
         units = {}
         for side in self.box:
             kind = known.kind_of(side.unit) or "ratio"

@@ -56,7 +56,12 @@ def certify_rods(
     box = RodBox.of(rod, like, *sides, parameters)
     warn_unless_uniform(rod, box.template.with_numbers(*(box.loads[name].high for name in QUANTITIES)))
     require_in_reach(box)
-    return prove(box, tolerance, max_boxes, progress)
+    return prove(box, tolerance, max_boxes, progress).given_in(units_of_box(sides, like, rod))
+
+
+def units_of_box(sides: tuple[Any, Any, Any], like: Load, rod: RodData) -> units.GivenUnits:
+    """Return the units in which the sides of a box of loads were given, else those of the load and the rod."""
+    return units.GivenUnits.of(force=sides[:2], frequency=sides[2]).or_else(like.given_units, rod.given_units)
 
 
 def require_in_reach(box: RodBox) -> None:

@@ -119,9 +119,9 @@ class SafeBox(Reported, NoTruthValue):
         """Return the `table` and what is proved; its text is ``str(report)``, a notebook shows a table.
 
         ``units`` in which to show mean, amplitude, frequency and the lengths and pressures of rods: ``{"mean": "Fcr",
-        "frequency": "Hz", "length": "ft"}``.
+        "frequency": "Hz", "length": "ft"}``; by default as in the question, see `floquetrod.units.AnswerUnits`.
         """
-        shown = shown_in(units, self.proof.subject)
+        shown = shown_in(units, self.proof.subject, self.proof)
         table = self._table({name: shown[name].name for name in QUANTITIES})
         proved = self._proved({} if units is None else units)
         return Report(proved, (), table, assumptions=self.proof.assumptions)
@@ -164,7 +164,8 @@ def largest_safe_box(
         SafeRange(name, widest.loads[name].low, getattr(load, name), widest.loads[name].high, LOAD[name].unit)
         for name in QUANTITIES
     )
-    return SafeBox(load, ranges, accuracy, prove(widest, tolerance))
+    given = load.given_units.or_else(rod.given_units)
+    return SafeBox(load, ranges, accuracy, prove(widest, tolerance).given_in(given))
 
 
 def _chosen(vary: Iterable[Quantity]) -> tuple[Quantity, ...]:

@@ -271,9 +271,11 @@ class NoisyModel(ModeModel):
         progress: Progress | None,
     ) -> RegionProof:
         """Prove every load of a box of forces at one frequency stable or unstable in mean square."""
+        from floquetrod.rod.answers.rod_box_proof import units_of_box
         from floquetrod.rod.modes.noisy_proof import certify_noisy
 
-        return certify_noisy(self, sides, growth_tolerance, rod, max_boxes, progress)
+        proof = certify_noisy(self, sides, growth_tolerance, rod, max_boxes, progress)
+        return proof.given_in(units_of_box(sides, self.template, self.rod))
 
 
 def _examined(modes: NoisyModes, loads: Loads, growth_tolerance: float, workers: int | None) -> Answers:
