@@ -13,6 +13,7 @@ GALLERY = (
     "friction",
     "simulation",
     "simulation_tubing",
+    "simulation_stepped_load",
     "rod_backbone",
     "helical_buckling",
     "vibration_and_drag",

@@ -28,6 +28,8 @@ _PERIODS = 3  # of the slowest mode over which the swing of a kick is searched f
 _TIMES = 96  # in these periods (a choice)
 
 _AS_BRAKED = 0.5  # of the decay by damping alone, below which something keeps motion up (a choice)
+_CLEARLY_LESS = 0.3  # of motion lost in a quarter, which is enough with any damping (a choice)
+_AS_BEFORE = 0.5  # of the decay a quarter before, below which motion may approach a smaller one (a choice)
 _AS_RUBBED = 0.1  # of motion that dies out against friction, lost in a quarter at least (a choice)
 
 KINDS = ("quiet", "buckled", "at rest", "dying out", "swinging")
@@ -160,7 +162,9 @@ class EarlierMotion(NamedTuple):
             return False
         sizes = np.sqrt([np.mean(part**2) for part in np.split(away[-3 * quarter :], 3)])
         least = _AS_BRAKED * self.damping * seconds - self.friction * math.log1p(-_AS_RUBBED)
-        return bool(np.all(np.log(sizes[:-1] / sizes[1:]) >= least))
+        before, now = np.log(sizes[:-1] / sizes[1:])
+        # What approaches a smaller motion decays ever slower.
+        return bool(min(before, now) >= min(least, -math.log1p(-_CLEARLY_LESS)) and now >= _AS_BEFORE * before)
 
 
 def kick_swing(
@@ -200,8 +204,8 @@ def outcome_of(
 
     Angles are measured from the first frame, at rest; those of a run that starts from another one's state, from where
     the rod rests under its load.  Motion beyond 5 degrees that such a run inherits is dying out while it decays from
-    quarter to quarter at half the rate of free motion or faster, under a load that makes nothing grow; a rod that had
-    buckled is else still buckled, until it is at rest or within 5 degrees.
+    quarter to quarter at half the rate of free motion, or by 30 %, and no slower than before by half, under a load that
+    makes nothing grow; a rod that had buckled is else still buckled, until it is at rest or within 5 degrees.
 
     Parameters
     ----------

@@ -108,13 +108,13 @@ class StartState:
         mine, its = rod.as_dict(), self.rod.as_dict()
         other = [name for name in {**its, **mine} if name not in MAY_DIFFER and mine.get(name) != its.get(name)]
         if other:
-            self._refuse("rod", other, rod, self.rod)
+            self._refuse("of the same rod", other, rod, self.rod)
 
     def require_mesh(self, problem: Any) -> None:
         """Raise ValueError for a rod that is divided or lies on the wall otherwise."""
         other = [name for name in _MESH if getattr(problem, name) != getattr(self, name)]
         if other:
-            self._refuse("simulation", other, problem, self)
+            self._refuse("with the same options", other, problem, self)
         if len(self.record) != problem.mesh.record_type.itemsize:
             raise ValueError(f"start holds {len(self.record)} bytes, which are no state of {self.segments} segments")
 
@@ -128,7 +128,7 @@ class StartState:
         )
         raise validate.wrong_value(
             "start",
-            f"must be a run of the same {subject}, got one with {differ}; load, friction, tool, forces on the ends, "
+            f"must be a run {subject}, got one with {differ}; load, friction, tool, forces on the ends, "
             f"{' and '.join(MAY_DIFFER)} may differ",
         )
 
