@@ -29,9 +29,9 @@ for size in sizes:
     print(f"{size:.3f} Fcr, rest {rod.stability(load).status}: {steps[-1].outcome.words};", alone[-1].outcome.words)
 
 # %%
-# The rod at rest is stable below 0.25 of the critical force, but the large motion lasts at 0.225: in between it
-# depends on the past which of the two is seen.  At 0.3 the kicked rod still grows when its run ends. Angles are measured from the rest on the floor in every run, never from
-# where a run starts.
+# The rod at rest is stable below 0.25 of the critical force, but the large motion lasts at 0.225: in between it depends
+# on the past which of the two is seen. (At 0.3 the kicked rod still grows when its run ends.) Angles are measured from
+# the rest on the floor in every run, never from where a run starts.
 stable = rod.ranges("amplitude", mean=mean, frequency=frequency, bounds=(0.1 * force, 0.5 * force))
 edge = stable.intervals[-1].high / force
 figure, (above, below) = plt.subplots(2, 1, figsize=(7.0, 7.0), layout="constrained")

@@ -140,7 +140,7 @@ class EarlierMotion(NamedTuple):
     friction : bool
         Whether there is friction everywhere.
     grows : bool
-        Whether small motion about rest grows by theory.
+        Whether small motion about rest grows by theory, without friction.
     half_swing : float
         Half the period in s of a swing of the straight rod on the floor.
     """

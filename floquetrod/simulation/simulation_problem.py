@@ -267,7 +267,7 @@ class SimulationProblem:
             buckled=start.buckled,
             damping=self.rod.damping_rate,
             friction=min(friction.values) > 0.0,
-            grows=friction.largest == 0.0 and growing_waves(self.driving, _LONG * half_swing).fastest > 0,
+            grows=growing_waves(self.driving, _LONG * half_swing).fastest > 0,
             half_swing=half_swing,
         )
 
