@@ -127,7 +127,7 @@ def _numbers(model: ModeModel, load: Load, first: _Trial, fewer: int, growth_tol
         if first.fastest is None:  # the second verdict takes as long as the first: the fewer modes the better
             fewer = min(fewer, count - max(2, count // _share(model, count)))
         numbers = fewer, count
-        by_chance = by_chance or not are_nested(model.rod)
+        by_chance = by_chance or _are_added_anew(model, count)
     return {*numbers, sum(numbers) // 2} if by_chance else {*numbers}
 
 
@@ -138,7 +138,8 @@ def _compared(model: ModeModel, trials: Sequence[_Trial]) -> Sequence[_Trial]:
     drive (see `_driven`): two numbers of modes may agree by chance.
     """
     rod = model.rod
-    return trials[-3:-1] if rod.course.breaks or not are_nested(rod) else trials[-2:-1]
+    is_by_chance = rod.course.breaks or _are_added_anew(model, trials[-1].modes.count)
+    return trials[-3:-1] if is_by_chance else trials[-2:-1]
 
 
 def _driven(model: ModeModel, load: Load, trial: _Trial) -> int:
@@ -165,9 +166,15 @@ def _share(model: ModeModel, count: int) -> int:
     More are left out where other functions join the beam functions: growth then hardly changes over a few numbers of
     modes, and goes on changing after them.
     """
-    if not are_nested(model.rod):
+    if _are_added_anew(model, count):
         return 4
     return 6 if count <= _LONG else 10
+
+
+def _are_added_anew(model: ModeModel, count: int) -> bool:
+    """Return whether functions join the modes that differ with the number of modes."""
+    rod = model.rod
+    return are_enriched(rod) and (count <= SEVERAL or not are_nested(rod))
 
 
 def _more_needed(model: ModeModel, load: Load, trial: _Trial, growth_tolerance: float) -> int:
