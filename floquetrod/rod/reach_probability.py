@@ -15,6 +15,7 @@ from floquetrod._util.content import ByContent
 from floquetrod._util.probability_interval import clopper_pearson
 from floquetrod._util.progress import Progress
 from floquetrod._util.result_report import Printed, Report, Table
+from floquetrod.rod.answers.assembly import require_tube
 from floquetrod.rod.answers.mean_force import ASSUMED, drag_of, force_in_newtons
 from floquetrod.rod.answers.pushing import Limits, Pushing, stress_limit
 from floquetrod.rod.answers.string_reach import depths_of
@@ -112,8 +113,7 @@ class _Pushed(NamedTuple):
     def arrives(self, friction: Any, sample: Mapping[str, Any]) -> Bools:
         """Return which depths a string of one sample reaches."""
         pushing = self.string(friction, sample)
-        push = self.push - self.wellhead.added(pushing.rod.section, pushing.drag.motion)
-        limits = Limits(push, stress_limit(pushing.rod, self.yield_share))
+        limits = Limits(self.push, stress_limit(pushing.rod, self.yield_share))
         if pushing.drag.shaking is None:
             return pushing.passes(self.depths, limits)
         # Where it goes without its tool, which need not run before, the stress that its vibration adds does not count.
@@ -211,7 +211,7 @@ def probability_of_reach(
     """
     validate.instance("rod", rod, Rod, "Rod.nitinol(), say")
     path = validate.instance("path", path, WellPath, "fr.WellPath.from_csv reads one from a survey")
-    depths = depths_of(path, np.linspace(path.start, path.end, _DEPTHS + 1)[1:] if depth is None else depth)
+    depths = depths_of(rod, path, depth, _DEPTHS)
     many = validate.integer("samples", samples, 1, _MOST_SAMPLES)
     confidence = validate.confidence(confidence)
     seed = entropy() if seed is None else validate.integer("seed", seed, 0, 2**128 - 1)
@@ -220,7 +220,7 @@ def probability_of_reach(
     stress_limit(rod, yield_share)  # refuses what is wrong
     options = helical, tool, speed
     wellhead = Wellhead.of(wellhead_pressure=wellhead_pressure, stripper=stripper, pressure_inside=pressure_inside)
-    wellhead.require_tube(rod.section)
+    require_tube(wellhead, rod)
     force = force_in_newtons("far_force", far_force)
     pushed = _Pushed(rod, path, depths, force, limit, yield_share, options, wellhead)
     every, coefficients = _friction(friction)

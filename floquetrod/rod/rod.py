@@ -346,8 +346,8 @@ class Rod(RodData):
         from floquetrod.rod.model.wellhead import Wellhead
 
         drag = mean_force.drag_of(self, path, friction, motion, helical, tool, speed)
-        added = Wellhead.of(wellhead_pressure=wellhead_pressure, stripper=stripper).added(self.section, motion)
-        return mean_force.mean_force(drag, far_force, bottom, depth, added)
+        wellhead = Wellhead.of(wellhead_pressure=wellhead_pressure, stripper=stripper)
+        return mean_force.mean_force(self, drag, far_force, bottom, depth, wellhead)
 
     def surface_weights(
         self,

@@ -9,7 +9,8 @@ pushed string has buckled into a helix, else 0.  The string lies on the wall wit
 exceeds the first term of N: there it begins to snake, and at twice that, by energy, a helix is possible.
 
 F = S tan(y) with the critical force S of a level hole is integrated for y, from the lower end up.  Where a helix locks
-up F becomes infinite, and y passes through pi/2 as smoothly as anywhere.
+up F becomes infinite, and y passes through pi/2 as smoothly as anywhere.  Of several sections and bores S is that of
+one pair all along, so that y is continuous where they meet, as the effective force is.
 """
 
 from __future__ import annotations
@@ -23,6 +24,7 @@ import numpy as np
 from floquetrod import units
 from floquetrod._util.arrays import Bools, Floats, Ints
 from floquetrod._util.caching import cached_property
+from floquetrod._util.content import ByContent
 from floquetrod.wells.helix_criteria import HELIX_RATIOS
 from floquetrod.wells.kernels import wall_contact
 from floquetrod.wells.kernels.wall_contact import LOCKED
@@ -52,6 +54,9 @@ FAST, SOUGHT, TRIED = Fineness(1e-8, 1, 12), Fineness(1e-6, 1, 12), Fineness(1e-
 """Of one string, and of the coarser run whose difference is its error; of many strings; of searches for a depth; of
 searches for a force at the lower end."""
 
+OF_SECTIONS = Fineness(1e-10, 1, 12)
+"""Of many strings of several sections, whose forces are those of the chain of their sections to 1e-6."""
+
 _DIVIDED = 300.0  # m (a choice)
 _NEARLY = LOCKED - 1e-13  # to rounding
 
@@ -59,7 +64,7 @@ MOTIONS = {"pushed": 1.0, "standing": 0.0, "pulled": -1.0}
 """Ways in which a string moves, and the sign of friction upwards."""
 
 
-def end_contact_of_bend(rigidity: float, clearance: float, curvature: float) -> float:
+def end_contact_of_bend(rigidity: Any, clearance: Any, curvature: float) -> Any:
     """Return the contact force in N at the lower end of a string that is bent without load, in a straight hole.
 
     Held straight it carries the moment E I kappa_0 all along, without shear and so without contact.  Its free end
@@ -67,21 +72,25 @@ def end_contact_of_bend(rigidity: float, clearance: float, curvature: float) -> 
     ends and, on the other side of the hole, where it leaves the wall: together E I kappa_0^(3/2) / sqrt(3 R)
     (docs/theory/surface_weights.md).
     """
-    return rigidity * curvature * math.sqrt(curvature / (3.0 * clearance))
+    return rigidity * curvature * np.sqrt(curvature / (3.0 * clearance))
 
 
-@dataclass(frozen=True)
-class StringProperties:
-    """A string's rigidity, weight and clearance."""
+@dataclass(frozen=True, eq=False)
+class StringProperties(ByContent):
+    """A string's rigidity, weight and clearance, of one section in one bore or at several places."""
 
-    rigidity: float  # E I in N m^2
-    weight: float  # weight in fluid in N/m
-    clearance: float  # R in m
+    rigidity: Any  # E I in N m^2
+    weight: Any  # weight in fluid in N/m
+    clearance: Any  # R in m
 
     @cached_property
     def scale(self) -> float:
         """S, the critical force in a level hole, in N."""
         return 2.0 * math.sqrt(self.rigidity * self.weight / self.clearance)
+
+    def some(self, i: Ints) -> StringProperties:
+        """Return the properties at the places ``i``."""
+        return StringProperties(self.rigidity[i], self.weight[i], self.clearance[i])
 
     def lying(self, force: Floats, geometry: WellGeometry) -> Floats:
         """Return the contact force in N/m of a lying string under a compression in N."""
@@ -91,6 +100,40 @@ class StringProperties:
     def helix(self, force: Floats) -> Floats:
         """Return the contact force of a helix beyond the lying string's, F^2 R / (4 E I), in N/m."""
         return np.asarray(np.maximum(force, 0.0) ** 2 * self.clearance / (4.0 * self.rigidity))
+
+
+@dataclass(frozen=True, eq=False)
+class StringAssembly(ByContent):
+    """The k sections of a string from its lower end up, in a hole of b bores from its upper end down.
+
+    ``heights`` of the ends of sections are above the lower end of the string.
+    """
+
+    heights: Floats  # (k + 1,), in m, from 0 to the length of the string
+    bores: Floats  # (b,), measured depths in m from which bores begin
+    rigidity: Floats  # (k,), E I in N m^2
+    weight: Floats  # (k,), in fluid in N/m
+    clearance: Floats  # (k, b), R in m
+    reference: StringProperties  # of one section in one bore, whose S is that of F = S tan(y)
+    impedance: Floats  # (k,), of axial waves in N s/m
+    wave_speed: Floats  # (k,), in m/s
+
+    @property
+    def inner(self) -> Floats:
+        """Heights in m above the lower end at which sections meet."""
+        return self.heights[1:-1]
+
+    def section_at(self, depth: Floats, bottom: Floats) -> Ints:
+        """Return the sections at measured depths of strings to others, from the lowest up; on an edge the lower one."""
+        return np.asarray(np.searchsorted(self.inner, bottom - depth))
+
+    def bore_at(self, depth: Floats) -> Ints:
+        """Return the bores at measured depths, on an edge the lower one."""
+        return np.maximum(np.searchsorted(self.bores, depth, side="right") - 1, 0)
+
+    def pipe(self, section: Ints, bore: Ints) -> StringProperties:
+        """Return the properties of sections in bores."""
+        return StringProperties(self.rigidity[section], self.weight[section], self.clearance[section, bore])
 
 
 class WellGeometry(NamedTuple):
@@ -145,8 +188,8 @@ class Shaking:
     amplitude: float  # of its force in N
     frequency: Any  # in rad/s, one for all strings, or (n,)
     above_end: float  # distance of the tool from the lower end of the string in m
-    impedance: float  # Z of the string in N s/m
-    wave_speed: float  # of axial waves in m/s
+    impedance: float  # Z of the string in N s/m, of several sections the smallest
+    wave_speed: float  # of axial waves in m/s, of several sections the slowest
     damping: float  # rate in 1/s at which the string's own damping, without friction, makes waves decay
     speed: float  # v, at which the string slides, in m/s
 
@@ -179,15 +222,47 @@ class Strings(NamedTuple):
 
 @dataclass(frozen=True)
 class Drag:
-    """Mean force along strings of one pipe in one well."""
+    """Mean force along strings of one pipe, or of one assembly of sections, in one well."""
 
     path: WellPath
-    pipe: StringProperties
+    pipe: StringProperties  # of an assembly its reference; as `at` and `within` return the string, those at places
     friction: Friction
     motion: str = "pushed"
     helical: str = "energy"
     shaking: Shaking | None = None
-    end_contact: float = 0.0  # N, concentrated at the lower end
+    residual_curvature: float = 0.0  # in 1/m, without load
+    assembly: StringAssembly | None = None
+
+    @property
+    def scale(self) -> float:
+        """S of F = S tan(y) in N."""
+        return self.pipe.scale if self.assembly is None else self.assembly.reference.scale
+
+    @property
+    def end_contact(self) -> Any:
+        """Contact force in N, concentrated at the lower end, of a string with a residual curvature."""
+        return end_contact_of_bend(self.pipe.rigidity, self.pipe.clearance, self.residual_curvature)
+
+    @cached_property
+    def edges(self) -> Floats:
+        """Measured depths in m at which the well, its friction or its bore changes, increasing, with both ends."""
+        bores = () if self.assembly is None else self.assembly.bores
+        ends = np.unique(np.concatenate([self.path.stations, self.friction.depths, bores]))
+        return np.asarray(ends[(ends >= self.path.start) & (ends <= self.path.end)])
+
+    def at(self, depth: Floats, bottom: Floats) -> Drag:
+        """Return the string at measured depths in m, of strings to depths ``bottom``."""
+        if self.assembly is None:
+            return self
+        return self.within(self.assembly.section_at(depth, bottom), self.assembly.bore_at(depth))
+
+    def within(self, section: Ints, bore: Ints) -> Drag:
+        """Return the string where sections of its assembly, counted from the lower end up, are in bores."""
+        return self if self.assembly is None else replace(self, pipe=self.assembly.pipe(section, bore))
+
+    def some(self, i: Ints) -> Drag:
+        """Return the string at the places ``i`` of those at which it is."""
+        return self if self.assembly is None else replace(self, pipe=self.pipe.some(i))
 
     def above_end(self, far_force: Any, bottom: Floats) -> Floats:
         """Return the compression in N above the contact at the lower end, of strings to measured depths in m.
@@ -195,18 +270,19 @@ class Drag:
         A tool leaves the friction there as it is.
         """
         force = np.broadcast_to(np.asarray(far_force, dtype=float), bottom.shape)
-        if not self.end_contact:
+        if not self.residual_curvature:
             return force
-        return np.asarray(force + MOTIONS[self.motion] * self.friction.at(bottom) * self.end_contact)
+        contact = self.at(bottom, bottom).end_contact
+        return np.asarray(force + MOTIONS[self.motion] * self.friction.at(bottom) * contact)
 
     def force(self, y: Floats) -> Floats:
         """Return the compression in N, infinite from y = pi / 2 on."""
         below = np.minimum(y, _NEARLY)
-        return np.where(y > below, math.inf, self.pipe.scale * np.tan(below))
+        return np.where(y > below, math.inf, self.scale * np.tan(below))
 
     def y_of(self, force: Floats) -> Floats:
         """Return y of a compression in N."""
-        return np.asarray(np.arctan(force / self.pipe.scale))
+        return np.asarray(np.arctan(force / self.scale))
 
     def is_helix(self, geometry: WellGeometry, y: Floats) -> Bools:
         """Return whether strings are wound into a helix."""
@@ -223,10 +299,13 @@ class Drag:
     def sliding(self) -> wall_contact.SlidingString:
         """The string's constants in the equation for y, for kernels."""
         helical = HELICAL[self.helical] if self.motion == "pushed" else math.inf
-        return wall_contact.SlidingString(self.pipe.weight, self.pipe.scale, MOTIONS[self.motion], helical)
+        wound = self.pipe.weight
+        if self.assembly is not None:
+            wound = self.scale**2 * self.pipe.clearance / (4.0 * self.pipe.rigidity)
+        return wall_contact.SlidingString(self.pipe.weight, self.scale, MOTIONS[self.motion], helical, wound)
 
     def helix_excess(self, geometry: WellGeometry, y: Floats) -> Floats:
-        """Return sin y - sqrt(h lying / w), zero or more where a string is a helix; -1 unless it is pushed."""
+        """Return sin y - sqrt(h lying / wound), zero or more where a string is a helix; -1 unless it is pushed."""
         if self.motion != "pushed":
             return np.full(y.shape, -1.0)
         sine = np.sin(y)
@@ -240,7 +319,7 @@ class Drag:
     def lying_across(self, geometry: WellGeometry, y: Floats) -> Floats:
         """Return the contact force in N/m of lying strings, times cos^2 y, as a vector: in the plane, and across."""
         sine, cosine = np.sin(y), np.cos(y)
-        push = self.pipe.scale * sine
+        push = self.scale * sine
         bent = self.pipe.weight * geometry.sine * cosine + push * geometry.kappa_n
         return np.array([cosine * bent, cosine * push * geometry.kappa_b])
 

@@ -2,14 +2,15 @@
 
 By the method of Dormand and Prince with its dense output of order 7 (Hairer, Norsett and Wanner, Solving Ordinary
 Differential Equations I, II.5), with SciPy's coefficients.  A step ends at a station, where friction changes, at the
-upper end, and where the string becomes a helix or ceases to be one: there its equation has another right side.  A helix
-presses harder, so that a short one may grow until it locks the string up: no step passes over one.
+upper end, where sections meet, where the bore changes, and where the string becomes a helix or ceases to be one: there
+its equation has another right side.  A helix presses harder, so that a short one may grow until it locks the string up:
+no step passes over one.
 """
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
@@ -32,11 +33,14 @@ _SECTIONS = 16  # of the bracket of a largest value: to 5e-4 of it
 _TOUCHES = 1e-9  # of the terms of `helix_margin`: so little is rounding
 
 
-def up(drag: Drag, strings: Strings, depths: Floats, fineness: Fineness) -> tuple[Floats, Floats]:
-    """Return y of strings at increasing measured depths in m, (m, n), NaN beyond their ends, and at upper ends (n,)."""
+def up(drag: Drag, strings: Strings, depths: Floats, fineness: Fineness) -> tuple[Floats, Floats, Floats]:
+    """Return y of strings at increasing measured depths in m, (m, n), NaN beyond their ends, and at upper ends (n,).
+
+    And where j + 1 sections meet, from the lowest up, (j, n), NaN where they do not in the well.
+    """
     march = _March(drag, strings, depths, fineness)
     march.go()
-    return march.noted, march.state
+    return march.noted, march.state, march.joint_y
 
 
 class _March:
@@ -51,10 +55,15 @@ class _March:
         self.is_helix = np.zeros(size, bool)
         self.longest = np.full(size, math.inf)  # next step
         self.noted = np.full((wanted.size, size), math.nan)
-        ends = np.unique(np.concatenate([drag.path.stations, drag.friction.depths]))
-        self.ends = ends[(ends >= drag.path.start) & (ends <= drag.path.end)]  # of pieces of one arc and friction
+        self.ends = drag.edges  # of pieces of one arc, friction and bore
         middle = 0.5 * (self.ends[:-1] + self.ends[1:])
         self.arc, self.friction = drag.path.arcs.at(middle).arc, drag.friction.at(middle)
+        self.section, self.meets = np.zeros(size, np.intp), np.full(size, -math.inf)  # depth of its upper end
+        self.joint_y = np.empty((0, size))
+        if drag.assembly is not None:
+            self.bore, inner = drag.assembly.bore_at(middle), drag.assembly.inner
+            self.joints = np.vstack([strings.bottom - inner[:, None], self.meets])
+            self.joint_y = np.full((inner.size, size), math.nan)
 
     def go(self) -> None:
         """March all strings to their upper ends, or until their force is infinite."""
@@ -75,19 +84,30 @@ class _March:
 
     def _enter(self, strings: Ints) -> None:
         """Move strings into the pieces above them, where they may have another shape."""
-        geometry = self._slopes(strings).place(self.depth[strings])
-        self.is_helix[strings] = self.drag.is_helix(geometry, self.state[strings])
+        if self.joint_y.size:
+            section = (self.joints[:, strings] >= self.depth[strings]).sum(axis=0)
+            k, i = np.nonzero(self.joints[:-1, strings] == self.depth[strings])
+            self.joint_y[k, strings[i]] = self.state[strings[i]]
+            self.section[strings], self.meets[strings] = section, self.joints[section, strings]
+        slopes = self._slopes(strings)
+        geometry = slopes.place(self.depth[strings])
+        self.is_helix[strings] = slopes.drag.is_helix(geometry, self.state[strings])
         self.longest[strings] = math.inf
 
     def _slopes(self, strings: Ints) -> _Slopes:
-        piece = self._piece(strings)
-        return _Slopes(self.drag, self.arc[piece], self.friction[piece], self.is_helix[strings])
+        piece, drag = self._piece(strings), self.drag
+        if drag.assembly is not None:
+            drag = drag.within(self.section[strings], self.bore[piece])
+        return _Slopes(drag, self.arc[piece], self.friction[piece], self.is_helix[strings])
 
     def _lock(self, strings: Ints) -> None:
         """Note the states of locked strings, which are the same all the way up."""
         for k in strings.tolist():
             above = (self.wanted >= self.top[k]) & (self.wanted <= self.depth[k])
             self.noted[above, k] = self.state[k]
+            if self.joint_y.size:
+                above = (self.joints[:-1, k] >= self.top[k]) & (self.joints[:-1, k] <= self.depth[k])
+                self.joint_y[above, k] = self.state[k]
 
     def _advance(self, moving: Ints) -> None:
         """Try a step of every string in ``moving``, and take the accurate ones."""
@@ -103,7 +123,7 @@ class _March:
     def _tried(self, moving: Ints) -> _Step:
         """Return the next step of strings."""
         depth, piece = self.depth[moving], self._piece(moving)
-        upper = np.maximum(self.ends[piece], self.top[moving])
+        upper = np.maximum(np.maximum(self.ends[piece], self.top[moving]), self.meets[moving])
         most = (self.ends[piece + 1] - self.ends[piece]) / self.steps[moving]
         length = np.minimum(self.longest[moving], most)
         is_last = length >= (1.0 - 1e-9) * (depth - upper)
@@ -127,7 +147,10 @@ class _March:
             self._note(strings[curved], substep, curve, (np.searchsorted(self.wanted, end[curved]), last[curved]))
         self.depth[strings], self.state[strings] = end, state
         self.is_helix[strings[is_changing]] ^= True
-        self._enter(strings[step.is_last & ~is_changing])
+        enters = step.is_last & ~is_changing
+        if self.joint_y.size:  # where it changes its shape just there, too
+            enters |= end == self.meets[strings]
+        self._enter(strings[enters])
 
     def _note(self, strings: Ints, step: _Step, curve: _Curve, rows: tuple[Ints, Ints]) -> None:
         """Note the states of each string in its own range of rows."""
@@ -149,7 +172,7 @@ class _Slopes(ByContent):
 
     def some(self, i: Ints) -> _Slopes:
         """Return the right side of the strings ``i``."""
-        return replace(self, arc=self.arc[i], friction=self.friction[i], is_helix=self.is_helix[i])
+        return _Slopes(self.drag.some(i), self.arc[i], self.friction[i], self.is_helix[i])
 
     def place(self, depth: Floats) -> WellGeometry:
         """Return the well at measured depths (..., n)."""
@@ -218,7 +241,7 @@ class _Step(ByContent):
 
         By three places, with y in the middle of a cubic.  Between them y and the contact force of the lying string, a
         vector across it, leave their chords by no more than their second differences, eight times as far as a parabola.
-        A lying string becomes no helix where sin^2 y is less than h lying / w, and a helix does not end where it is
+        A lying string becomes no helix where sin^2 y is less than h lying / wound, and a helix does not end where it is
         more.
         """
         drag = self.slopes.drag
@@ -229,7 +252,7 @@ class _Step(ByContent):
         off = np.abs(y[0] - 2.0 * y[1] + y[2]) + np.abs(bulge)
         low, high = y.min(axis=0) - off, y.max(axis=0) + off
         lightest, heaviest = _lying_between(drag.lying_across(self.places, y))
-        helical = drag.sliding.helical / drag.pipe.weight
+        helical = drag.sliding.helical / drag.sliding.wound
         lies_on = np.where(high > 0.0, np.sin(np.minimum(high, LOCKED)) ** 2 < helical * lightest, True)
         winds_on = (low > 0.0) & (np.sin(np.clip(low, 0.0, LOCKED)) ** 2 > helical * heaviest)
         return np.asarray(np.where(self.slopes.is_helix, ~winds_on, ~lies_on | (high >= LOCKED)))
@@ -292,8 +315,9 @@ class _Step(ByContent):
         step = self.some(i)
 
         def wants(end: Floats, j: Ints) -> Floats:
-            geometry = step.slopes.some(j).place(step.depth[j] - (end - 1.0) * step.length[j])
-            return step.slopes.drag.helix_excess(geometry, curve.at(end - 1.0, i[j]))
+            slopes = step.slopes.some(j)
+            geometry = slopes.place(step.depth[j] - (end - 1.0) * step.length[j])
+            return slopes.drag.helix_excess(geometry, curve.at(end - 1.0, i[j]))
 
         # From 1 to 2, so that the beginning is found to rounding of a step and no closer.
         strings, begin, end = np.arange(i.size), 1.0 + lower, 1.0 + upper

@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 
-from floquetrod._util.arrays import Bools, Complexes, Floats
+from floquetrod._util.arrays import Bools, Complexes, Floats, Ints
 from floquetrod._util.compilation import compiled
 from floquetrod.wells.drag import Drag, Fineness, Shaking
 from floquetrod.wells.kernels import shaken_march as kernels
@@ -25,23 +23,21 @@ class ShakenString:
     """
 
     def __init__(self, drag: Drag, shaking: Shaking, top: float, bottom: float, y: float, fineness: Fineness) -> None:
-        """Set pieces and nodes, ``fineness.cells`` to a wave, or to 300 m of a long one."""
+        """Set pieces and nodes, ``fineness.cells`` to a wave, or to 300 m of a long one; nodes where sections meet."""
         self.shaking, self.soft, self.bottom = shaking, fineness.soft, bottom
         self.sliding, self.pieces = drag.sliding, _pieces(drag, shaking, top, bottom, fineness.cells)
         length, size = bottom - top, self.pieces.friction.size
         longest = float(np.minimum(shaking.divided, length)) / fineness.cells
-        below = math.ceil(shaking.above_end / longest)
-        above = max(2, math.ceil((length - shaking.above_end) / longest))
-        self.nodes = np.concatenate(
-            [
-                np.linspace(0.0, shaking.above_end, below + 1)[:-1],
-                np.linspace(shaking.above_end, length, above + 1),
-            ]
-        )
+        meets = np.empty(0) if drag.assembly is None else drag.assembly.inner
+        ends = np.unique(np.concatenate([[0.0, shaking.above_end, length], meets[meets < length]]))
+        number = np.ceil(np.diff(ends) / longest).astype(int)
+        number[-1] = max(2, number[-1])
+        stretches = zip(ends[:-1], ends[1:], number, strict=True)
+        self.nodes = np.append(np.concatenate([np.linspace(a, b, n + 1)[:-1] for a, b, n in stretches]), length)
+        below = int(np.searchsorted(self.nodes, shaking.above_end))
         self.tool = tool_wave.ShakingForce(shaking.amplitude, shaking.speed, shaking.impedance, below)
-        self.cells = _cells(
-            shaking, np.array([shaking.above_end / max(below, 1), (length - shaking.above_end) / above])
-        )
+        self.impedance, self.wave_speed = _along(drag, shaking, bottom, 0.5 * (ends[:-1] + ends[1:]))
+        self.cells = _cells(shaking, number, np.diff(ends) / number, self.impedance, self.wave_speed)
         low, high, helix, pressed = np.zeros((4, size))
         self.marched = kernels.Marched(np.full(size + 1, y), low, high, helix, pressed, np.full(size, fineness.share))
         self.q, self.balance = np.zeros(self.nodes.size, complex), tool_wave.empty_balance(self.nodes.size - 1)
@@ -72,13 +68,15 @@ class ShakenString:
 
     def wave_at(self, depth: Floats) -> Floats:
         """Return the amplitudes of the velocity in m/s and of the force in N at measured depths, (2, m), else NaN."""
-        wavenumber, up, q = self.shaking.frequency / self.shaking.wave_speed, self.bottom - depth, self.q
+        up, q = self.bottom - depth, self.q
         cell = np.clip(np.searchsorted(self.nodes, up, side="right") - 1, 0, self.nodes.size - 2)
+        kind = self.cells.kind[cell]
+        wavenumber = self.shaking.frequency / self.wave_speed[kind]
         low, high = q[cell], q[cell + 1]
         done, whole = wavenumber * (up - self.nodes[cell]), wavenumber * np.diff(self.nodes)[cell]
         left = whole - done
         speed = low * np.sin(left) + high * np.sin(done)
-        force = self.shaking.impedance * (high * np.cos(done) - low * np.cos(left))
+        force = self.impedance[kind] * (high * np.cos(done) - low * np.cos(left))
         lower, upper = self._held
         damped = 1j * (upper[cell] * done - lower[cell] * left) / whole
         amplitudes = np.abs([speed / np.sin(whole), force / np.sin(whole) + damped])
@@ -87,7 +85,7 @@ class ShakenString:
     @property
     def _held(self) -> Complexes:
         """Forces in N by damping in the cells at their lower and upper ends, complex, (2, n)."""
-        kind = np.where(np.arange(self.nodes.size - 1) < self.tool.node, 0, 1)
+        kind = self.cells.kind
         below, above = self.cells.below[kind], self.cells.above[kind]
         within = below * self.q[:-1, None] + above * self.q[1:, None]
         force = (self.balance.damping.reshape(within.shape) + self.cells.loss[kind][:, None]) * within
@@ -99,9 +97,16 @@ class ShakenString:
 
 
 def _pieces(drag: Drag, shaking: Shaking, top: float, bottom: float, cells: int) -> kernels.Pieces:
-    """Return pieces, no longer than three for four cells, that end at stations and where friction changes."""
-    inner = np.concatenate([drag.path.stations, drag.friction.depths])
-    ends = np.unique(np.concatenate([[0.0, bottom - top], bottom - inner[(inner > top) & (inner < bottom)]]))
+    """Return pieces, no longer than three for four cells, that end at stations, where friction or bore changes.
+
+    Those of several sections also end where sections meet.
+    """
+    inner = drag.edges
+    ends = np.concatenate([[0.0, bottom - top], bottom - inner[(inner > top) & (inner < bottom)]])
+    if drag.assembly is not None:
+        meets = drag.assembly.inner
+        ends = np.append(ends, meets[meets < bottom - top])
+    ends = np.unique(ends)
     gaps, longest = np.diff(ends), float(np.minimum(shaking.divided, bottom - top)) / (0.75 * cells)
     number = np.ceil(gaps / longest).astype(int)
     counted = np.arange(number.sum()) - np.repeat(np.cumsum(number) - number, number)  # from 0 in every gap
@@ -110,14 +115,25 @@ def _pieces(drag: Drag, shaking: Shaking, top: float, bottom: float, cells: int)
     arc = arcs.at(middle).arc
     depths = np.stack([bottom - up[:-1], middle, bottom - up[1:]], axis=-1)
     places = np.stack(Points(arcs, arc[:, None], depths - arcs.start[arc][:, None]).seen, axis=-1)
-    return kernels.Pieces(up, drag.friction.at(middle), places)
+    there = drag.at(middle, np.asarray(bottom)).sliding
+    weight, wound = (np.broadcast_to(each, middle.shape).copy() for each in (there.weight, there.wound))
+    return kernels.Pieces(up, drag.friction.at(middle), places, weight, wound)
 
 
-def _cells(shaking: Shaking, length: Floats) -> tool_wave.Cells:
-    """Return cells of two lengths in m."""
-    wavenumber, z = shaking.frequency / shaking.wave_speed, shaking.impedance
+def _along(drag: Drag, shaking: Shaking, bottom: float, up: Floats) -> tuple[Floats, Floats]:
+    """Return impedance in N s/m and speed of axial waves in m/s at heights above the lower end."""
+    if drag.assembly is None:
+        return np.full(up.size, shaking.impedance), np.full(up.size, shaking.wave_speed)
+    section = drag.assembly.section_at(bottom - up, np.asarray(bottom))
+    return drag.assembly.impedance[section], drag.assembly.wave_speed[section]
+
+
+def _cells(shaking: Shaking, number: Ints, length: Floats, z: Floats, wave_speed: Floats) -> tool_wave.Cells:
+    """Return cells of several kinds, a number of each, of a length in m and with an impedance and a wave speed."""
+    wavenumber = shaking.frequency / wave_speed
     damping = max(shaking.damping, _LEAST * shaking.frequency)
-    loss = 2.0 * damping * z / shaking.wave_speed * length / tool_wave.PARTS
+    loss = 2.0 * damping * z / wave_speed * length / tool_wave.PARTS
     parts, phase = (np.arange(tool_wave.PARTS) + 0.5) / tool_wave.PARTS, np.maximum(wavenumber * length, 1e-9)[:, None]
     below, above = np.sin(phase * (1.0 - parts)) / np.sin(phase), np.sin(phase * parts) / np.sin(phase)
-    return tool_wave.Cells(z / np.tan(phase[:, 0]), z / np.sin(phase[:, 0]), below, above, loss)
+    kind = np.repeat(np.arange(number.size), number)
+    return tool_wave.Cells(kind, z / np.tan(phase[:, 0]), z / np.sin(phase[:, 0]), below, above, loss)

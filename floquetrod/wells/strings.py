@@ -26,10 +26,11 @@ _MOST_WAVES = 500  # along a string (a choice): tools make some twenty
 
 
 class Run(NamedTuple):
-    """Y of strings at depths, (m, n), and at their upper ends, (n,).
+    """Y of strings at depths, (m, n), at their upper ends, (n,), and where j + 1 sections meet, (j, n).
 
     Beside these the amplitudes of their tools' waves, of the velocity in m/s and of the force in N, (2, m, n), 0
-    without a tool; and whether forces and waves have settled, (n,), without which y is meaningless.
+    without a tool, and of the force where sections meet; and whether forces and waves have settled, (n,), without
+    which y is meaningless.
     """
 
     depth: Floats
@@ -37,6 +38,8 @@ class Run(NamedTuple):
     top_y: Floats
     wave: Floats
     is_settled: Bools
+    joint_y: Floats
+    joint_vibration: Floats
 
 
 def run(drag: Drag, top: float, bottoms: Floats, far_force: Any, depths: Floats, fineness: Fineness) -> Run:
@@ -48,7 +51,8 @@ def run(drag: Drag, top: float, bottoms: Floats, far_force: Any, depths: Floats,
     start = np.array(drag.y_of(drag.above_end(far_force, bottoms)))
     strings = Strings(np.full(size, top), bottoms, start)
     y, wave = np.empty((depths.size, size)), np.zeros((2, depths.size, size))
-    states = Run(depths, y, np.empty(size), wave, np.ones(size, bool))
+    joints = np.zeros((2, 0 if drag.assembly is None else drag.assembly.inner.size, size))
+    states = Run(depths, y, np.empty(size), wave, np.ones(size, bool), *joints)
     works = np.zeros(size, bool)
     if drag.shaking is not None:
         works = (bottoms - drag.shaking.above_end > top) & (drag.shaking.amplitude > 0.0)
@@ -58,10 +62,12 @@ def run(drag: Drag, top: float, bottoms: Floats, far_force: Any, depths: Floats,
             if is_working and drag.shaking is not None:
                 run_of_group = _shaken(drag, drag.shaking.of(size, i), group, depths, fineness)
             else:
-                group_y, top_y = march.up(drag, group, depths, fineness)
-                run_of_group = Run(depths, group_y, top_y, np.zeros((2, *group_y.shape)), np.ones(i.size, bool))
+                group_y, top_y, joint_y = march.up(drag, group, depths, fineness)
+                still = np.zeros((2, *group_y.shape)), np.ones(i.size, bool), joint_y, np.zeros(joint_y.shape)
+                run_of_group = Run(depths, group_y, top_y, *still)
             states.y[:, i], states.top_y[i] = run_of_group.y, run_of_group.top_y
             states.wave[..., i], states.is_settled[i] = run_of_group.wave, run_of_group.is_settled
+            states.joint_y[:, i], states.joint_vibration[:, i] = run_of_group.joint_y, run_of_group.joint_vibration
     return states
 
 
@@ -73,9 +79,9 @@ def _shaken(drag: Drag, shaking: Shaking, strings: Strings, depths: Floats, fine
         raise validate.wrong_value(
             "tool", f"must make {_MOST_WAVES} waves along the string at most, got {number:.4g}: give a lower frequency"
         )
-    states = Run(
-        depths, np.empty((depths.size, size)), np.empty(size), np.empty((2, depths.size, size)), np.empty(size, bool)
-    )
+    inner = np.empty(0) if drag.assembly is None else drag.assembly.inner
+    y, wave = np.empty((depths.size, size)), np.empty((2, depths.size, size))
+    states = Run(depths, y, np.empty(size), wave, np.empty(size, bool), *np.empty((2, inner.size, size)))
     frequency = np.broadcast_to(shaking.frequency, size).tolist()
 
     def settle(k: int) -> None:
@@ -85,6 +91,9 @@ def _shaken(drag: Drag, shaking: Shaking, strings: Strings, depths: Floats, fine
         states.top_y[k] = string.marched.y[-1]
         if depths.size:
             states.y[:, k], states.wave[..., k] = string.y_at(depths), string.wave_at(depths)
+        if inner.size:
+            joints = bottom - inner
+            states.joint_y[:, k], states.joint_vibration[:, k] = string.y_at(joints), string.wave_at(joints)[1]
 
     in_threads(settle, [(k,) for k in range(size)], cores())
     return states

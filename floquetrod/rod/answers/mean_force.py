@@ -10,17 +10,21 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from floquetrod import units
 from floquetrod._util import validate
 from floquetrod._util.arrays import Bools, Floats
 from floquetrod._util.content import ByContent
+from floquetrod._util.interchange import by_keys
 from floquetrod._util.result_report import Printed, Report
 from floquetrod._util.spans import runs
 from floquetrod.parameter import require_known
+from floquetrod.rod.answers.assembly import assembly_of, at_the_wellhead, numbers_along, require_depth
 from floquetrod.rod.loads.tool import VibrationTool
 from floquetrod.rod.model.data import RodData
 from floquetrod.rod.model.parameters import ROD, friction_coefficient
+from floquetrod.rod.model.wellhead import OPEN, Wellhead
 from floquetrod.units import with_unit
 from floquetrod.wells import strings
 from floquetrod.wells.drag import (
@@ -34,7 +38,6 @@ from floquetrod.wells.drag import (
     Shaking,
     StringProperties,
     WellGeometry,
-    end_contact_of_bend,
 )
 from floquetrod.wells.path import WellPath
 from floquetrod.wells.survey import LENGTHS
@@ -85,6 +88,8 @@ class MeanForce(Printed, ByContent):
     end_contact : float
         Contact force in N concentrated at the lower end, of a string with a residual curvature; ``force`` there is
         that above it.
+    section : ndarray of int (n,) or None
+        Number of the section at each depth, from the upper end of the string; None for a string of one section.
     """
 
     depth: Floats
@@ -101,6 +106,7 @@ class MeanForce(Printed, ByContent):
     vibration_error: float
     wellhead: float = 0.0
     end_contact: float = 0.0
+    section: NDArray[np.intp] | None = None
 
     @property
     def at_top(self) -> float:
@@ -141,6 +147,10 @@ class MeanForce(Printed, ByContent):
             lines.insert(0, ("bend", bend_in_words(with_unit(self.end_contact, "N", 3))))
         return Report(self._in_words, lines, assumptions=ASSUMED)
 
+    def as_dict(self) -> dict[str, Any]:
+        """Return everything as numbers for JSON, units in the keys; ``section`` of a string of several."""
+        return super().as_dict() | ({} if self.section is None else by_keys(self, "section"))
+
     _keys = "motion depth_m force_N contact_N_per_m friction speed_m_per_s vibration_N is_snaking is_helix error_N "
     _keys += "speed_error_m_per_s vibration_error_N wellhead_N injector_N surface_weight_N end_contact_N"
 
@@ -173,24 +183,29 @@ def spans(depth: Floats, is_so: Bools) -> Sequence[tuple[float, float]]:
 def drag_of(
     rod: RodData, path: Any, friction: Any, motion: Any, helical: Any, tool: VibrationTool | None, speed: Any
 ) -> Drag:
-    """Return a string of a rod's section in a well, from what people give."""
+    """Return a string of a rod's section or sections in a well, from what people give."""
     require_known(rod, ROD, "strings")
     path = validate.instance("path", path, WellPath, "fr.WellPath.from_csv reads one from a survey")
-    shaking = None
+    shaking, assembly = None, assembly_of(rod)
     if tool is not None:
         tool = validate.instance("tool", tool, VibrationTool, "such as fr.VibrationTool('5kN', '18Hz', '30m')")
         sliding = units.number("speed", speed, "speed", *_SPEEDS, "give it in m/s")
-        impedance = rod.mass_along * rod.wave_speed
-        along = impedance, rod.wave_speed, rod.damping_rate, sliding
+        waves = (rod.mass_along * rod.wave_speed, rod.wave_speed)
+        if assembly is not None:
+            waves = float(assembly.impedance.min()), float(assembly.wave_speed.min())
+        along = *waves, rod.damping_rate, sliding
         shaking = Shaking(tool.amplitude, tool.frequency, tool.above_end, *along)
     return Drag(
         path,
-        StringProperties(rod.flexural_rigidity, rod.weight_per_length, rod.radial_clearance),
+        StringProperties(rod.flexural_rigidity, rod.weight_per_length, rod.radial_clearance)
+        if assembly is None
+        else assembly.reference,
         friction_along(friction),
         validate.choice("motion", motion, MOTIONS),
         validate.choice("helical", helical, HELICAL),
         shaking,
-        end_contact_of_bend(rod.flexural_rigidity, rod.radial_clearance, rod.residual_curvature),
+        rod.residual_curvature,
+        assembly,
     )
 
 
@@ -219,22 +234,22 @@ def force_in_newtons(name: str, value: Any) -> float:
     return units.number(name, value, "force", -_LARGEST, _LARGEST, "give it in N")
 
 
-def mean_force(drag: Drag, far_force: Any, bottom: Any, depth: Any, wellhead: float = 0.0) -> MeanForce:
-    """Return the mean force along a string; see `floquetrod.Rod.mean_force`.
-
-    ``wellhead`` is the compression in N that the injector gives beyond the effective one.
-    """
+def mean_force(
+    rod: RodData, drag: Drag, far_force: Any, bottom: Any, depth: Any, wellhead: Wellhead = OPEN
+) -> MeanForce:
+    """Return the mean force along a string; see `floquetrod.Rod.mean_force`."""
     path, force, end = drag.path, force_in_newtons("far_force", far_force), lower_end(drag.path, bottom)
-    depths = _answer_depths(path.start, end, depth)
+    require_depth(rod, path, "bottom", end)
+    depths, added = _answer_depths(drag, end, depth), wellhead.added(at_the_wellhead(rod, drag, end), drag.motion)
     run = functools.partial(strings.run, drag, path.start, np.array([end]), force, depths)
     fine, rough = map(run, CHECKED)
     forces, rough_forces = drag.force(fine.y[:, 0]), drag.force(rough.y[:, 0])
     is_free = np.isfinite(forces) & np.isfinite(rough_forces)
     if not (fine.is_settled[0] and rough.is_settled[0]):
-        return _along(drag, fine, 0, (math.inf, math.inf, math.inf), wellhead)
+        return _along(drag, fine, 0, end, (math.inf, math.inf, math.inf), added)
     error = float(np.abs(forces[is_free] - rough_forces[is_free]).max(initial=0.0))
     wave, errors = (fine.wave, (0.0, 0.0)) if drag.shaking is None else _refined_wave(run, fine, rough)
-    return _along(drag, fine._replace(wave=wave), 0, (error, *errors), wellhead)
+    return _along(drag, fine._replace(wave=wave), 0, end, (error, *errors), added)
 
 
 def _refined_wave(
@@ -273,20 +288,26 @@ def mean_forces(drag: Drag, far_force: float, bottoms: Floats, spacing: float) -
     strings_run = strings.run(drag, start, bottoms, far_force, depths, TRIED)
     goes = strings_run.is_settled & np.isfinite(drag.force(strings_run.top_y))
     unknown = math.nan, math.nan, math.nan
-    return [_along(drag, strings_run, k, unknown) if goes[k] else None for k in range(bottoms.size)]
+    every = enumerate(bottoms.tolist())
+    return [_along(drag, strings_run, k, bottom, unknown) if goes[k] else None for k, bottom in every]
 
 
 def _along(
-    drag: Drag, strings_run: strings.Run, k: int, errors: tuple[float, float, float], wellhead: float = 0.0
+    drag: Drag,
+    strings_run: strings.Run,
+    k: int,
+    bottom: float,
+    errors: tuple[float, float, float],
+    wellhead: float = 0.0,
 ) -> MeanForce:
-    """Return the results along string k, with the errors of force, speed and vibration."""
+    """Return the results along string k to a depth, with the errors of force, speed and vibration."""
     there = np.isfinite(strings_run.y[:, k])
     depth, y, (speed, vibration) = strings_run.depth[there], strings_run.y[there, k], strings_run.wave[:, there, k]
     force, positions = drag.force(y), WellGeometry.at(drag.path.arcs.at(depth))
-    finite_force = np.where(np.isfinite(force), force, 0.0)
-    lying = drag.pipe.lying(finite_force, positions)
-    is_helix = drag.is_helix(positions, y) | np.isinf(force)
-    contact = lying + np.where(is_helix, drag.pipe.helix(finite_force), 0.0)
+    finite_force, string = np.where(np.isfinite(force), force, 0.0), drag.at(depth, np.asarray(bottom))
+    lying = string.pipe.lying(finite_force, positions)
+    is_helix = string.is_helix(positions, y) | np.isinf(force)
+    contact = lying + np.where(is_helix, string.pipe.helix(finite_force), 0.0)
     left = np.ones(depth.size) if drag.shaking is None else drag.shaking.left(speed)
     return MeanForce(
         depth=depth,
@@ -295,22 +316,32 @@ def _along(
         friction=left * drag.friction.at(depth),
         speed=speed,
         vibration=vibration,
-        is_snaking=drag.is_snaking(positions, force),
+        is_snaking=string.is_snaking(positions, force),
         is_helix=is_helix,
         motion=drag.motion,
         error=errors[0],
         speed_error=errors[1],
         vibration_error=errors[2],
         wellhead=wellhead,
-        end_contact=drag.end_contact,
+        end_contact=float(drag.at(np.asarray(bottom), np.asarray(bottom)).end_contact),
+        section=numbers_along(drag, depth, bottom),
     )
 
 
-def _answer_depths(top: float, bottom: float, depth: Any) -> Floats:
-    """Return the measured depths of an answer, increasing, with both ends."""
+def _answer_depths(drag: Drag, bottom: float, depth: Any) -> Floats:
+    """Return the measured depths of an answer, increasing, with both ends.
+
+    Where none are given those at which sections meet and bores change are among them, and those just above.
+    """
+    top = drag.path.start
     if depth is None:
         number = int(np.clip((bottom - top) / _SPACING, 50, _MOST))
-        return np.linspace(top, bottom, number + 1)
+        depths = np.linspace(top, bottom, number + 1)
+        if drag.assembly is None:
+            return depths
+        changes = np.append(bottom - drag.assembly.inner, drag.assembly.bores)
+        changes = np.append(changes, np.nextafter(changes, -math.inf))
+        return np.union1d(depths, changes[(changes >= top) & (changes <= bottom)])
     depths = units.array("depth", depth, "length", 0.0, 1e6).ravel()
     outside = (depths < top) | (depths > bottom)
     if outside.any():

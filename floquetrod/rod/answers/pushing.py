@@ -9,6 +9,9 @@ larger force everywhere above.  Between zeros of the bracket the force at every 
 falls.  A string that passes the depths at which it changes sign therefore passes all depths between them.  The largest
 stress at a place, under a push or a pull, is then largest at one end, too; stress that the lower end has at once, where
 it enters a bend, is examined along the well.
+
+Of a string of several sections all joints go deeper with the lower end, each with a share of the change above, so that
+no such bound holds: a hundredth of the path apart, and beside the largest forces seen, it is examined as with a tool.
 """
 
 from __future__ import annotations
@@ -23,15 +26,17 @@ from floquetrod._util import validate
 from floquetrod._util.arrays import Bools, Floats, Ints
 from floquetrod._util.caching import cached_property
 from floquetrod._util.roots import roots
+from floquetrod.rod.answers.assembly import Cells, added_by, cells_of, deepest_of, reference_strength, weakness
 from floquetrod.rod.answers.mean_force import MeanForce, mean_force
 from floquetrod.rod.answers.stress_along import StressAlong, excess_inside, stress_along, stress_of
 from floquetrod.rod.model.data import RodData
 from floquetrod.rod.model.wellhead import OPEN, Wellhead
 from floquetrod.wells import strings
-from floquetrod.wells.drag import CHECKED, FAST, SOUGHT, Drag, Fineness, WellGeometry
+from floquetrod.wells.drag import CHECKED, FAST, OF_SECTIONS, SOUGHT, Drag, Fineness, WellGeometry
 from floquetrod.wells.survey import LENGTHS
 
 LOCK_UP, YIELD, PUSH, END, ASKED = "lock-up", "yield", "push", "end of the well", "deepest asked for"
+LENGTH = "length of the string"
 """What limits a reach."""
 
 ACCURACY = 1e-6, 1e-4
@@ -51,7 +56,7 @@ MOST_FORCE = 10.0  # critical forces, up to which they are tried at the lower en
 
 
 class Limits(NamedTuple):
-    """The largest force in N at the upper end, and the largest stress in Pa; infinite for none."""
+    """The largest force in N at the injector, and the largest stress in Pa; infinite for none."""
 
     push: float = math.inf
     stress: float = math.inf
@@ -62,7 +67,10 @@ STATICS = Limits()
 
 
 class UpperEnds(NamedTuple):
-    """Forces in N at the upper ends of strings, infinite where one is stopped, and the largest stress in Pa along."""
+    """Forces in N at the injector, infinite where a string is stopped, and the largest stress in Pa along.
+
+    Of several sections each stress is times the largest yield strength of them over that of the section.
+    """
 
     force: Floats
     stress: Floats
@@ -88,7 +96,7 @@ class Reached(NamedTuple):
 class Sought(NamedTuple):
     """How deep strings reach, within limits and by statics alone, and what it takes.
 
-    The force in N at the upper ends of strings to all depths, and the greatest that arrives at the lower ends at a few.
+    The force in N at the injector of strings to all depths, and the greatest that arrives at the lower ends at a few.
     """
 
     injector: Floats
@@ -102,7 +110,8 @@ def stress_limit(rod: RodData, yield_share: Any) -> float:
     if yield_share is None:
         return math.inf
     share = validate.within("yield_share", yield_share, 1e-3, 1.0, "a share of the yield strength, or None for none")
-    return math.inf if rod.yield_strength is None else share * rod.yield_strength
+    strength = reference_strength(rod)
+    return math.inf if strength is None else share * strength
 
 
 @dataclass(frozen=True)
@@ -129,7 +138,12 @@ class Pushing:
         """Measured depths in m at which the stress of strings is examined."""
         path = self.drag.path
         number = int(np.clip((path.end - path.start) / _SPACING, 50, _MOST_PLACES))
-        return np.union1d(np.linspace(path.start, path.end, number + 1), path.stations)
+        places = np.union1d(np.linspace(path.start, path.end, number + 1), path.stations)
+        if self.drag.assembly is None:
+            return places
+        bores = self.drag.assembly.bores
+        bores = np.append(bores, np.nextafter(bores, -math.inf))
+        return np.union1d(places, bores[(bores >= path.start) & (bores <= path.end)])
 
     def _curvature(self, depth: Floats) -> Floats:
         """Return the curvature of the well in 1/m, at a station the larger one of both arcs."""
@@ -138,12 +152,20 @@ class Pushing:
         above = np.maximum(np.searchsorted(arcs.start, depth, side="left") - 1, 0)
         return np.maximum(arcs.curvature[below], arcs.curvature[above])
 
-    def _stress(self, depth: Floats, y: Floats, vibration: Any) -> Floats:
-        """Return the stress in Pa of strings at depths, NaN where they are not."""
-        positions, force = WellGeometry.at(self.drag.path.arcs.at(depth)), self.drag.force(y)
-        is_wound = self.drag.is_snaking(positions, force) | self.drag.is_helix(positions, y)
-        excess = excess_inside(self.rod, self.drag.path, depth, self.wellhead)
-        return stress_of(self.rod, self._curvature(depth), force, is_wound, vibration, excess).largest
+    def _stress(self, depth: Floats, y: Floats, vibration: Any, bottom: Floats, section_at: Any = None) -> Floats:
+        """Return the stress in Pa of strings to depths ``bottom`` at depths, NaN where they are not.
+
+        Of the sections there, or of those at the depths ``section_at``.
+        """
+        path, assembly, there = self.drag.path, self.drag.assembly, depth if section_at is None else section_at
+        positions, force, string = WellGeometry.at(path.arcs.at(depth)), self.drag.force(y), self.drag.at(there, bottom)
+        is_wound = string.is_snaking(positions, force) | string.is_helix(positions, y)
+        excess = excess_inside(self.rod, path, depth, self.wellhead)
+        if assembly is None:
+            return stress_of(self.rod, self._curvature(depth), force, is_wound, vibration, excess).largest
+        cells = Cells.at(self.rod, assembly, there, bottom)
+        stress = stress_of(cells.cross_sections, self._curvature(depth), force, is_wound, vibration, excess).largest
+        return np.asarray(weakness(self.rod, cells) * stress)
 
     def run(self, bottoms: Floats, far_force: Any, effort: Fineness, limits: Limits) -> UpperEnds:
         """Return the forces and stresses of strings to measured depths; stresses are 0 where none is limited."""
@@ -151,15 +173,26 @@ class Pushing:
         is_limited = math.isfinite(limits.stress)
         places = self.places[self.places < bottoms.max()] if is_limited else np.empty(0)
         runs = strings.run(drag, drag.path.start, bottoms, far_force, places, effort)
-        force = np.where(runs.is_settled, drag.force(runs.top_y), math.inf)
+        force = np.where(runs.is_settled, drag.force(runs.top_y) + self._added(bottoms), math.inf)
         stress = np.zeros(bottoms.size)
         if is_limited:
             y = drag.y_of(drag.above_end(far_force, bottoms))
-            stress = self._stress(bottoms, y, 0.0)
+            stress = self._stress(bottoms, y, 0.0, bottoms)
             if places.size:
-                along = self._stress(places[:, None], runs.y, runs.wave[1])
+                along = self._stress(places[:, None], runs.y, runs.wave[1], bottoms)
                 stress = np.fmax(stress, np.fmax.reduce(along, axis=0))
+            if drag.assembly is not None and runs.joint_y.size:
+                joints = bottoms - drag.assembly.inner[:, None]
+                for there in (joints, np.nextafter(joints, -math.inf)):
+                    joined = self._stress(
+                        np.maximum(joints, drag.path.start), runs.joint_y, runs.joint_vibration, bottoms, there
+                    )
+                    stress = np.fmax(stress, np.fmax.reduce(joined, axis=0))
         return UpperEnds(force, stress)
+
+    def _added(self, bottoms: Floats) -> Any:
+        """Return the compression in N at the injector beyond the effective one, of strings to depths."""
+        return added_by(self.wellhead, self.rod, self.drag, bottoms)
 
     def pushed(self, bottoms: Floats, effort: Fineness, limits: Limits) -> UpperEnds:
         """Return the ends, as `run`, of strings with the force at their lower ends, whose stress may not count."""
@@ -169,7 +202,7 @@ class Pushing:
     def turning(self, deepest: float) -> Floats:
         """Return the depths of the lower end at which the force above begins to rise or fall as it goes deeper."""
         drag = self.drag
-        ends = np.concatenate([drag.path.stations, drag.friction.depths])
+        ends = drag.edges
         ends = np.unique(np.append(ends[(ends > drag.path.start) & (ends < deepest)], [drag.path.start, deepest]))
         share = (np.arange(_PER_PIECE) + 0.5) / _PER_PIECE
         depth = (ends[:-1, None] + np.diff(ends)[:, None] * share).ravel()
@@ -186,44 +219,92 @@ class Pushing:
 
     def _rise(self, depth: Floats) -> Floats:
         """Return -dy/ds at the lower end of strings."""
-        drag, positions = self.drag, WellGeometry.at(self.drag.path.arcs.at(depth))
-        y = drag.y_of(drag.above_end(self.far_force, depth))
+        drag, positions = self.drag.at(depth, depth), WellGeometry.at(self.drag.path.arcs.at(depth))
+        y = drag.y_of(self.drag.above_end(self.far_force, depth))
         return -drag.slopes(positions, drag.friction.at(depth), y, drag.is_helix(positions, y))
 
     def examined(self, depths: Floats, limits: Limits) -> Floats:
         """Return the depths that a string must pass to reach the last of increasing ones, all of these among them.
 
-        With a tool, whose wave is reflected by the ends, nothing rises or falls with depth alone: no two depths are
-        farther from each other than a hundredth of the path.
+        With a tool, whose wave is reflected by the ends, nothing rises or falls with depth alone, nor does it where
+        several sections go deeper together: no two depths are farther from each other than a hundredth of the path.
         """
         path, deepest = self.drag.path, float(depths[-1])
         begin = np.array([path.start + LENGTHS[0]])
-        if not (self.drag.above_end(self.far_force, begin) > limits.push).any():
+        if not (self.drag.above_end(self.far_force, begin) + self._added(begin) > limits.push).any():
             begin = np.empty(0)  # it takes no more than the push to begin with
-        if self.drag.shaking is not None:
+        every = [begin]
+        if self.drag.shaking is not None or self.drag.assembly is not None:
             before = np.append(path.start, depths[:-1])
             parts = np.ceil((depths - before) * (_TRIED_DEPTHS / (path.end - path.start)) - 1e-9)
             pieces = zip(before, depths, np.maximum(parts, 1.0).astype(int), strict=True)
-            return np.concatenate([begin, *(np.linspace(a, b, n + 1)[1:] for a, b, n in pieces)])
+            every += [np.linspace(a, b, n + 1)[1:] for a, b, n in pieces]
+            if self.drag.assembly is None:
+                return np.concatenate(every)
+            every.append(self._passings(deepest))
+        if self.drag.shaking is not None:
+            return np.unique(np.concatenate(every))
         enters = np.empty(0)
         if math.isfinite(limits.stress):
             places = self.places[(self.places > path.start) & (self.places < deepest)]
             y = self.drag.y_of(self.drag.above_end(self.far_force, places))
-            enters = places[self._stress(places, y, 0.0) > limits.stress][:1]
-        return np.unique(np.concatenate([begin, self.turning(deepest), enters, self._jumps(deepest), depths]))
+            enters = places[self._stress(places, y, 0.0, places) > limits.stress][:1]
+        return np.unique(np.concatenate([*every, self.turning(deepest), enters, self._jumps(deepest), depths]))
+
+    def _passings(self, deepest: float) -> Floats:
+        """Return the depths of the lower end at which a section passes a change of friction or bore, or where it bends.
+
+        There the force above turns; a short section bends in a short bend between two of the depths a hundredth apart.
+        """
+        path, assembly = self.drag.path, self.drag.assembly
+        if assembly is None:
+            return np.empty(0)
+        meets = assembly.heights[np.isfinite(assembly.heights)]
+        changes = np.concatenate([self.drag.friction.depths, assembly.bores])
+        passings = [(changes[:, None] + meets).ravel()]
+        is_short = np.diff(assembly.heights) < (path.end - path.start) / _TRIED_DEPTHS
+        passings.append((path.stations[:, None] + meets[:-1][is_short[: meets.size - 1]]).ravel())
+        every = np.concatenate(passings)
+        return np.asarray(every[(every > path.start) & (every < deepest)])
 
     def _jumps(self, deepest: float) -> Floats:
         """Return depths beside those at which friction at the lower end, and with it the force above, jumps."""
-        if not self.drag.end_contact:
+        if not self.drag.residual_curvature:
             return np.empty(0)
         jumps = np.array(self.drag.friction.depths)
+        if self.drag.assembly is not None:
+            jumps = np.append(jumps, self.drag.assembly.bores)
         jumps = np.concatenate([jumps, np.nextafter(jumps, -math.inf)])
         return np.asarray(jumps[(jumps > self.drag.path.start) & (jumps < deepest)])
 
+    def _ends(self, depths: Floats, effort: Fineness, limits: Limits) -> tuple[Floats, UpperEnds]:
+        """Return the depths `examined`, and the ends of the strings to them.
+
+        Of several sections the depths of the largest forces between them are examined, too.
+        """
+        every = self.examined(depths, limits)
+        ends = self.pushed(every, effort, limits)
+        if self.drag.assembly is None or self.drag.shaking is not None:
+            return every, ends
+        low, middle, high = ends.force[:-2], ends.force[1:-1], ends.force[2:]
+        with np.errstate(invalid="ignore"):
+            k = 1 + np.flatnonzero(np.isfinite(low + middle + high) & (middle >= low) & (middle > high))
+        if not k.size:
+            return every, ends
+        # The summit of a parabola through a largest force and the two beside it.
+        before, after = every[k] - every[k - 1], every[k + 1] - every[k]
+        rise, fall = (ends.force[k] - ends.force[k - 1]) / before, (ends.force[k + 1] - ends.force[k]) / after
+        summits = 0.5 * (every[k - 1] + every[k]) + 0.5 * (before + after) * rise / (rise - fall)
+        new = np.setdiff1d(summits, every)
+        added = self.pushed(new, effort, limits) if new.size else UpperEnds(new, new)
+        order = np.argsort(np.append(every, new))
+        forces, stresses = (np.append(a, b)[order] for a, b in zip(ends, added, strict=True))
+        return np.append(every, new)[order], UpperEnds(forces, stresses)
+
     def passes(self, depths: Floats, limits: Limits) -> Bools:
         """Return to which increasing depths strings are pushed through all depths `examined`."""
-        every = self.examined(depths, limits)
-        goes = np.logical_and.accumulate(self.pushed(every, SOUGHT, limits).within(limits))
+        every, ends = self._ends(depths, SOUGHT, limits)
+        goes = np.logical_and.accumulate(ends.within(limits))
         return np.asarray(goes[np.searchsorted(every, depths)])
 
     def sought(self, depths: Floats, few: Ints, limits: Limits) -> Sought:
@@ -232,8 +313,7 @@ class Pushing:
         Those at the lower ends are sought at a ``few`` of the depths.
         """
         start, deepest = self.drag.path.start, float(depths[-1])
-        every = self.examined(depths, limits)
-        ends = self.pushed(every, FAST, limits)
+        every, ends = self._ends(depths, FAST if self.drag.assembly is None else OF_SECTIONS, limits)
         kinds = (limits,) if limits == STATICS else (limits, STATICS)
         passed = [np.logical_and.accumulate(ends.within(kind)) for kind in kinds]
         rows = np.searchsorted(every, depths)
@@ -251,7 +331,7 @@ class Pushing:
             low, high = self._narrowed(low, high, relieved, np.array([kind == STATICS for kind in of]), limits)
         bit = np.full(few.size, math.nan)
         middle = 0.5 * (low[1] + high[1])[: arrives.size]
-        bit[np.isin(few, arrives)] = self.drag.pipe.scale * np.tan(middle)
+        bit[np.isin(few, arrives)] = self.drag.scale * np.tan(middle)
         reached = [self._ended(deepest)] * len(kinds)
         for (kind, _), a, b in zip(stops, low[0, arrives.size :], high[0, arrives.size :], strict=True):
             if kind == limits or reached[0].limit != LOCK_UP:
@@ -265,7 +345,9 @@ class Pushing:
         return self.sought(np.array([deepest]), np.empty(0, dtype=np.intp), limits).reached
 
     def _ended(self, deepest: float) -> Reached:
-        return Reached(deepest, END if deepest >= self.drag.path.end else ASKED)
+        if deepest >= self.drag.path.end:
+            return Reached(deepest, END)
+        return Reached(deepest, LENGTH if deepest >= deepest_of(self.rod, self.drag.path) else ASKED)
 
     def _narrowed(
         self, low: Floats, high: Floats, relieved: Floats, is_static: Bools, limits: Limits
@@ -278,7 +360,7 @@ class Pushing:
         for k, count in enumerate(_PARTS[self.drag.shaking is not None]):
             steps = np.linspace(low, high, count + 1, axis=1)
             bottoms, y = steps[:, 1:] if k == 0 else steps[:, 1:-1]
-            ends = self.run(bottoms.ravel(), self.drag.pipe.scale * np.tan(y.ravel()), SOUGHT, limits)
+            ends = self.run(bottoms.ravel(), self.drag.scale * np.tan(y.ravel()), SOUGHT, limits)
             stress = np.where(bottoms.ravel() > np.tile(relieved, len(y)), ends.stress, 0.0)
             within = ends._replace(stress=stress).within(limits)
             goes = np.where(np.tile(is_static, len(y)), ends.within(STATICS), within)
@@ -333,9 +415,10 @@ class Pushing:
             bottom = max(reached.depth, path.start + LENGTHS[0])
             if reached.limit == LOCK_UP:
                 bottom = max(bottom - 1e-3 * (bottom - path.start), path.start + LENGTHS[0])
-            along = mean_force(self.drag, self.far_force, bottom, None)
+            along = mean_force(self.rod, self.drag, self.far_force, bottom, None)
             stress = stress_along(self.rod, path, along, along.vibration, self.wellhead)
-            is_within = reached.depth <= self.passed or not (stress.largest > limits.stress).any()
+            largest = weakness(self.rod, cells_of(self.rod, along)) * stress.largest
+            is_within = reached.depth <= self.passed or not (largest > limits.stress).any()
             if is_within or reached.limit == LOCK_UP or reached.depth <= path.start:
                 return reached, along, stress
             reached = Reached(max(reached.depth - step, path.start), YIELD)

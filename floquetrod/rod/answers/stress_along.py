@@ -18,6 +18,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from floquetrod._util.arrays import Bools, Floats
+from floquetrod.rod.answers.assembly import CrossSections, cells_of
 from floquetrod.rod.answers.mean_force import MeanForce
 from floquetrod.rod.model.data import RodData
 from floquetrod.rod.model.wellhead import OPEN, Wellhead
@@ -47,7 +48,8 @@ def stress_along(
     """
     bent = np.hypot(*path.curvature(along.depth))
     is_wound = along.is_snaking | along.is_helix
-    return stress_of(rod, bent, along.force, is_wound, amplitude, excess_inside(rod, path, along.depth, wellhead))
+    excess = excess_inside(rod, path, along.depth, wellhead)
+    return stress_of(cells_of(rod, along).cross_sections, bent, along.force, is_wound, amplitude, excess)
 
 
 def excess_inside(rod: RodData, path: WellPath, depth: Floats, wellhead: Wellhead) -> Floats | None:
@@ -58,7 +60,7 @@ def excess_inside(rod: RodData, path: WellPath, depth: Floats, wellhead: Wellhea
 
 
 def stress_of(
-    rod: RodData, bent: Floats, force: Floats, is_wound: Bools, amplitude: Any, excess: Floats | None
+    rod: RodData | CrossSections, bent: Floats, force: Floats, is_wound: Bools, amplitude: Any, excess: Floats | None
 ) -> StressAlong:
     """Return the stress where a well has a curvature in 1/m, from the force in N and its vibration.
 

@@ -12,11 +12,21 @@ from numpy.typing import NDArray
 
 from floquetrod import units
 from floquetrod._util import validate
-from floquetrod._util.arrays import Bools, Floats
+from floquetrod._util.arrays import Bools, Floats, Ints
 from floquetrod._util.caching import cached_property
 from floquetrod._util.content import ByContent
 from floquetrod._util.interchange import by_keys
 from floquetrod._util.result_report import Printed, Report, Table
+from floquetrod.rod.answers.assembly import (
+    Cells,
+    at_the_wellhead,
+    cells_of,
+    deepest_of,
+    reference_strength,
+    require_depth,
+    require_tube,
+    weakness,
+)
 from floquetrod.rod.answers.growth_along import fastest_along, growth_along
 from floquetrod.rod.answers.mean_force import (
     ASSUMED,
@@ -30,6 +40,7 @@ from floquetrod.rod.answers.mean_force import (
 from floquetrod.rod.answers.pushing import (
     ASKED,
     END,
+    LENGTH,
     LOCK_UP,
     MOST_FORCE,
     PUSH,
@@ -42,6 +53,7 @@ from floquetrod.rod.answers.pushing import (
 from floquetrod.rod.answers.sliding import damping_across, least_speed
 from floquetrod.rod.answers.stress_along import excess_inside
 from floquetrod.rod.loads.tool import VibrationTool, tool_inside
+from floquetrod.rod.model.cross_section import CrossSection
 from floquetrod.rod.model.data import RodData
 from floquetrod.rod.model.stress import Stress
 from floquetrod.rod.model.wellhead import Wellhead
@@ -128,7 +140,7 @@ class Reach(units.InUnits, Printed, ByContent):
         Von Mises' stress there in Pa at the inner or the outer radius, the sum of both where the pressures inside and
         outside are taken as equal.
     yield_strength : float or None
-        That of the string in Pa, None where it is not known.
+        That of the string in Pa, of several sections the largest; None where it is not known.
     weight_per_length : float
         Weight of the string in its fluids in N/m.
     fluids : tuple of float
@@ -209,12 +221,12 @@ class Reach(units.InUnits, Printed, ByContent):
     @property
     def is_stopped(self) -> bool:
         """Whether the string without a tool is stopped before the deepest depth asked for."""
-        return self.limit not in (END, ASKED)
+        return self.limit not in (END, LENGTH, ASKED)
 
     @property
     def is_stopped_shaken(self) -> bool:
         """The same with the tool."""
-        return self.limit_shaken not in (END, ASKED)
+        return self.limit_shaken not in (END, LENGTH, ASKED)
 
     @property
     def speeds(self) -> Floats:
@@ -246,19 +258,31 @@ class Reach(units.InUnits, Printed, ByContent):
     @property
     def stress(self) -> Stress:
         """The stress where it is largest along the string, its ``position`` from the upper end in m."""
-        k = int(np.argmax(self.largest_stress))
+        k, strength = self._most_stressed, self.yield_strength
+        if self.along.section is not None:
+            strength = self.rod.sections[self.along.section[k]].yield_strength
         position = float(self.along.depth[k] - self.along.depth[0])
         parts = float(self.axial_stress[k]), float(self.bending_stress[k])
         excess = excess_inside(self._pushing.rod, self.path, self.along.depth[k : k + 1], self.wellhead)
         if excess is None:
-            return Stress(*parts, position, self.yield_strength)
-        return Stress(*parts, position, self.yield_strength, float(excess[0]), float(self.largest_stress[k]))
+            return Stress(*parts, position, strength)
+        return Stress(*parts, position, strength, float(excess[0]), float(self.largest_stress[k]))
+
+    @property
+    def _most_stressed(self) -> int:
+        """Place along the string whose stress is nearest to yield."""
+        return int(np.argmax(self._referred_stress))
+
+    @property
+    def _referred_stress(self) -> Floats:
+        """Stress along the string in Pa, times the largest yield strength over that of the section there."""
+        return np.asarray(weakness(self.rod, cells_of(self.rod, self.along)) * self.largest_stress)
 
     @property
     def yields(self) -> Bools:
         """Whether the stress exceeds the yield strength at the depths of ``along``; False if that is unknown."""
         strength = math.inf if self.yield_strength is None else self.yield_strength
-        return np.asarray(self.largest_stress > strength)
+        return np.asarray(self._referred_stress > strength)
 
     @property
     def stable_frequencies(self) -> tuple[tuple[float, float], ...]:
@@ -292,7 +316,9 @@ class Reach(units.InUnits, Printed, ByContent):
         if limit in (YIELD, PUSH):
             is_end = math.isinf(lock_up)
             farther = min(lock_up, float(self.depth[-1]))
-            beyond = f"{far(farther, shown.length)}{', the end of the well' * (is_end and farther >= self.path.end)}"
+            ended = ", the length of the string" if farther >= deepest_of(self.rod, self.path) else ""
+            ended = ", the end of the well" if farther >= self.path.end else ended
+            beyond = f"{far(farther, shown.length)}{ended * is_end}"
             why = {
                 YIELD: f", within {self._percent} of yield; not within it: ",
                 PUSH: f", with {shown.force.show(self.push, 4)} at the surface; with more: ",
@@ -301,6 +327,7 @@ class Reach(units.InUnits, Printed, ByContent):
         return {
             LOCK_UP: ", where it locks up",
             END: ", the end of the well",
+            LENGTH: ", the length of the string",
             ASKED: ", the deepest depth asked for",
         }[limit]
 
@@ -338,15 +365,17 @@ class Reach(units.InUnits, Printed, ByContent):
         shown = self._units(force, depth, pressure, frequency)
         unit = shown.length
         lines = [
-            ("string", weight_in_words(self.weight_per_length, self.fluids, shown)),
+            ("string", weight_in_words(self.weight_per_length, self.fluids, shown, is_mean=bool(self.rod.sections))),
             ("limit", self._limit_in_words(shown)),
             ("lock-up", self._lock_up_in_words(shown)),
         ]
         if self.wellhead_force:
-            lines.append(("wellhead", self.wellhead.in_words(self._pushing.rod.section, "pushed", shown)))
+            lines.append(("wellhead", self.wellhead.in_words(self._at_wellhead, "pushed", shown)))
         if self.along.end_contact:
-            rod, pressed = self._pushing.rod, bend_in_words(shown.force.show(self.along.end_contact, 3))
-            bending = shown.pressure.show(rod.youngs_modulus * rod.radius * rod.residual_curvature, 3)
+            pressed = bend_in_words(shown.force.show(self.along.end_contact, 3))
+            sections = self.rod.sections or (self.rod,)
+            bent = max(each.youngs_modulus * each.radius for each in sections) * self.rod.residual_curvature
+            bending = shown.pressure.show(bent, 3)
             lines.append(("bend", f"{pressed}; held straight it adds {bending} of bending stress"))
         lines += [("speed", self._speeds_in_words(shown))] if self.tool else []
         pushed = f"pushed to {far(along.depth[-1], unit)} {unit.name}{' with the tool' * (self.tool is not None)}"
@@ -359,12 +388,19 @@ class Reach(units.InUnits, Printed, ByContent):
         assumptions = self.assumptions_in(shown.speed)
         return Report(self._in_words(shown), lines, self._table(shown), assumptions=assumptions)
 
+    @property
+    def _at_wellhead(self) -> CrossSection:
+        """The section at the upper end of the string, its lower end as deep as it reaches."""
+        return at_the_wellhead(self.rod, self._pushing.drag, float(self.along.depth[-1]))
+
     def _limit_in_words(self, shown: AnswerUnits) -> str:
         """Return the limits of the reach."""
         if self.yield_strength is None:
             stress = "any stress, since no yield strength is given"
         elif self.yield_share is None:
             stress = "any stress"
+        elif self.rod.sections:
+            stress = f"{self._percent} of the yield strength of each section"
         else:
             stress = f"{self._percent} of the yield strength {shown.pressure.show(self.yield_strength, 3)}"
         push = f"{shown.force.show(self.push, 4)}" if math.isfinite(self.push) else "any force"
@@ -551,11 +587,14 @@ def _argument(name: str) -> str:
     return {"length": "depth"}.get(name, name)
 
 
-def weight_in_words(per_length: float, fluids: tuple[float, float], shown: AnswerUnits) -> str:
+def weight_in_words(
+    per_length: float, fluids: tuple[float, float], shown: AnswerUnits, *, is_mean: bool = False
+) -> str:
     """Return what a string weighs per length, in N/m, between fluids of densities in kg/m^3, 0 for none."""
     empty = [name for name, density in zip(("inside", "outside"), fluids, strict=True) if not density]
     between = "in its fluids" + (f", with none {empty[0]}" if empty else "")
-    return f"weighs {shown.per_length.show(per_length, 4)} {between if any(fluids) else 'in air: no fluids given'}"
+    weighs = "weighs on average" if is_mean else "weighs"
+    return f"{weighs} {shown.per_length.show(per_length, 4)} {between if any(fluids) else 'in air: no fluids given'}"
 
 
 def far(depth: float, unit: Unit, *, less: float | None = None) -> str:
@@ -624,10 +663,9 @@ def reach(
         tool_inside(tool, path.end - path.start, "string")
     far_force = force_in_newtons("far_force", ends[0])
     push = math.inf if ends[1] is None else force_in_newtons("push", ends[1])
-    wellhead.require_tube(rod.section)
-    wellhead_force = wellhead.added(rod.section, drag.motion)
-    limits = Limits(push - wellhead_force, stress_limit(rod, yield_share))
-    depths = depths_of(path, depth)
+    require_tube(wellhead, rod)
+    limits = Limits(push, stress_limit(rod, yield_share))
+    depths = depths_of(rod, path, depth)
     few = np.unique(np.linspace(0, depths.size - 1, _BITS).round().astype(int))
     pushing = Pushing(rod, replace(drag, shaking=None), far_force, wellhead=wellhead)
     without = shaken = pushing.sought(depths, few, limits)
@@ -653,16 +691,16 @@ def reach(
     return Reach(
         path=path,
         depth=depths,
-        injector=without.injector + wellhead_force,
-        injector_shaken=shaken.injector + wellhead_force,
+        injector=without.injector,
+        injector_shaken=shaken.injector,
         bit_depth=depths[few],
         bit=without.bit,
         bit_shaken=np.fmax(shaken.bit, without.bit) if tool else without.bit,
-        bit_limit=MOST_FORCE * drag.pipe.scale,
+        bit_limit=MOST_FORCE * drag.scale,
         far_force=far_force,
         push=push,
         wellhead=wellhead,
-        wellhead_force=wellhead_force,
+        wellhead_force=wellhead.added(at_the_wellhead(rod, drag, along.depth[-1]), drag.motion),
         yield_share=None if yield_share is None else float(yield_share),
         reach=by_itself.depth,
         reach_shaken=reached.depth,
@@ -676,7 +714,7 @@ def reach(
         axial_stress=stress.axial,
         bending_stress=stress.bending,
         largest_stress=stress.largest,
-        yield_strength=rod.yield_strength,
+        yield_strength=reference_strength(rod),
         weight_per_length=rod.weight_per_length,
         fluids=(rod.fluid_inside, rod.fluid_outside),
         sliding=sliding,
@@ -698,10 +736,12 @@ def _locks_up(reached: Reached) -> float:
     return reached.depth if reached.limit == LOCK_UP else math.inf
 
 
-def depths_of(path: WellPath, depth: Any) -> Floats:
-    """Return the measured depths of the lower end, increasing, checked."""
+def depths_of(rod: RodData, path: WellPath, depth: Any, number: int = _DEPTHS) -> Floats:
+    """Return the measured depths of the lower end, increasing, checked; a number of them where none are given."""
     if depth is None:
-        return np.linspace(path.start, path.end, _DEPTHS + 1)[1:]
+        depths = np.linspace(path.start, deepest_of(rod, path), number + 1)[1:]
+        require_depth(rod, path, "depth", float(depths[-1]))
+        return depths
     depths = np.unique(units.array("depth", depth, "length", 0.0, 1e6))
     if not depths.size or depths[0] < path.start + 1e-6 or depths[-1] > path.end + 1e-6:
         written = depth[-1] if isinstance(depth, list | tuple) and depth else depth
@@ -712,7 +752,8 @@ def depths_of(path: WellPath, depth: Any) -> Floats:
         raise validate.wrong_value(
             "depth", f"must lie below the start of the path and down to its end, {ends}, got {wrong}"
         )
-    return np.minimum(depths, path.end)
+    require_depth(rod, path, "depth", float(depths[-1]))
+    return np.minimum(depths, deepest_of(rod, path))
 
 
 def _gained(without: float, shaken: float) -> float:
@@ -738,9 +779,9 @@ def _growth_with_tool(rod: RodData, drag: Drag, along: MeanForce, tool: Vibratio
     if tool is None or drag.shaking is None or not chosen.size:
         return growth
     places = _Places.of(rod, drag, along, chosen)
-    growth.free[chosen], growth.half_wave[chosen] = growth_along(
-        rod, places.place, places.force, places.vibration, tool.frequency
-    )
+    for part, there in Cells.of(rod, places.cell).groups():
+        at, i = places.some(there), chosen[there]
+        growth.free[i], growth.half_wave[i] = growth_along(part, at.place, at.force, at.vibration, tool.frequency)
     growth.net[chosen] = np.maximum(growth.free[chosen] - places.lost, 0.0)
     growth.least_speed[chosen] = least_speed(growth.free[chosen], places.pressed, drag.shaking.speed, places.speed)
     return growth
@@ -755,17 +796,24 @@ class _Places(NamedTuple):
     vibration: Floats
     pressed: Floats
     lost: Floats
+    cell: Ints
 
     @classmethod
     def of(cls, rod: RodData, drag: Drag, along: MeanForce, chosen: NDArray[np.intp]) -> _Places:
         """Return some places of a string that slides; mu N is over its mass per length, in m/s^2."""
         depth, speed = along.depth[chosen], along.speed[chosen]
-        contact = np.minimum(along.contact[chosen], MOST_PRESSED * rod.weight_per_length)
-        pressed = drag.friction.at(depth) * contact / rod.mass_per_length
+        cells = Cells.at(rod, drag.assembly, depth, along.depth[-1])
+        contact = np.minimum(along.contact[chosen], MOST_PRESSED * cells.column("weight_per_length"))
+        pressed = drag.friction.at(depth) * contact / cells.column("mass_per_length")
         sliding = 0.0 if drag.shaking is None else drag.shaking.speed
         lost = damping_across(pressed, sliding, speed, np.full(chosen.size, sliding))
         place = WellGeometry.at(drag.path.arcs.at(depth))
-        return cls(place, along.force[chosen], speed, along.vibration[chosen], pressed, lost)
+        return cls(place, along.force[chosen], speed, along.vibration[chosen], pressed, lost, cells.codes)
+
+    def some(self, i: Any) -> _Places:
+        """Return the places ``i``."""
+        place, *others = self
+        return _Places(WellGeometry(*(each[i] for each in place)), *(each[i] for each in others))
 
     @classmethod
     def joined(cls, several: Sequence[_Places]) -> _Places:
@@ -800,9 +848,9 @@ def _other_frequencies(rod: RodData, drag: Drag, far_force: float, depth: Floats
             string.append(np.full(places[-1].force.size, k))
     if places:
         joined, string_numbers = _Places.joined(places), np.concatenate(string)
-        grows = fastest_along(
-            rod, joined.place, joined.force, joined.vibration, frequencies[string_numbers], joined.lost, string_numbers
-        )
-        np.maximum.at(growth, string_numbers, grows)
+        for part, there in Cells.of(rod, joined.cell).groups():
+            at, which = joined.some(there), string_numbers[there]
+            grows = fastest_along(part, at.place, at.force, at.vibration, frequencies[which], at.lost, which)
+            np.maximum.at(growth, which, grows)
     growth, speed = (values.reshape(frequency.size, depth.size) for values in (growth, speed))
     return _OtherFrequencies(frequency, depth, growth.max(axis=1), speed.min(axis=1))

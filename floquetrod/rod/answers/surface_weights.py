@@ -13,6 +13,7 @@ from floquetrod._util.arrays import Floats
 from floquetrod._util.content import ByContent
 from floquetrod._util.interchange import by_keys, plain
 from floquetrod._util.result_report import Printed, Report, Table
+from floquetrod.rod.answers.assembly import added_by, at_the_wellhead
 from floquetrod.rod.answers.mean_force import ASSUMED, drag_of, force_in_newtons
 from floquetrod.rod.answers.pushing import LOCK_UP, STATICS, Pushing
 from floquetrod.rod.answers.string_reach import depths_of, far, weight_in_words
@@ -174,7 +175,7 @@ def surface_weights(
     """Return pick-up and slack-off weights; see `floquetrod.Rod.surface_weights`."""
     factors = factors_of(friction)
     lowered = [drag_of(rod, path, factor, "pushed", helical, None, None) for factor in factors]
-    compression, depths = force_in_newtons("far_force", far_force), depths_of(path, depth)
+    compression, depths = force_in_newtons("far_force", far_force), depths_of(rod, path, depth)
     pushes = [Pushing(rod, drag, compression).reached(float(depths[-1]), STATICS) for drag in lowered]
     lock_up = np.array([reached.depth if reached.limit == LOCK_UP else math.inf for reached in pushes])
 
@@ -182,14 +183,14 @@ def surface_weights(
         """Return the weights and their errors in N at all depths."""
         moved = replace(drag, motion=motion)
         ends = (strings.run(moved, path.start, depths, compression, np.empty(0), effort) for effort in CHECKED)
-        fine, rough = (-moved.force(run.top_y) - wellhead.added(rod.section, motion) for run in ends)
+        fine, rough = (-moved.force(run.top_y) - added_by(wellhead, rod, moved, depths) for run in ends)
         return fine, np.abs(np.subtract(fine, rough, out=np.zeros(depths.size), where=np.isfinite(fine + rough)))
 
     free, free_error = weights(replace(lowered[0], friction=FRICTIONLESS), "standing")
     pick_up, up_error = np.transpose([weights(drag, "pulled") for drag in lowered], (1, 0, 2))
     slack_off, down_error = np.transpose([weights(drag, "pushed") for drag in lowered], (1, 0, 2))
     goes = depths <= lock_up[:, None]
-    given = GivenUnits.of(length=depth, force=far_force)
+    given, section = GivenUnits.of(length=depth, force=far_force), at_the_wellhead(rod, lowered[0], float(depths[-1]))
     return SurfaceWeights(
         path=path,
         depth=depths,
@@ -200,7 +201,7 @@ def surface_weights(
         lock_up=lock_up,
         far_force=compression,
         wellhead=wellhead,
-        wellhead_forces=(wellhead.added(rod.section, "pulled"), wellhead.added(rod.section, "pushed")),
+        wellhead_forces=(wellhead.added(section, "pulled"), wellhead.added(section, "pushed")),
         weight_per_length=rod.weight_per_length,
         fluids=(rod.fluids.inside, rod.fluids.outside),
         error=float(max(free_error.max(), up_error.max(), down_error[goes].max(initial=0.0))),

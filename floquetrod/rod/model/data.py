@@ -296,6 +296,13 @@ class RodData(units.InUnits, TellsAttributes):
             parts.append(UniformPart(start, end, number, self._uniform(changes)))
         return tuple(parts)
 
+    def in_cell(self, section: int, bore: int) -> RodData:
+        """Return a section, numbered from the upper end, in a bore, numbered from the top, as a uniform rod."""
+        own = self.sections[section] if self.sections else self
+        changes = {name: getattr(own, name) for name in OF_A_SECTION}
+        changes |= {"channel_radius": 0.5 * self.bores[bore].diameter} if self.bores else {}
+        return self._uniform(changes)
+
     def _uniform(self, changes: Mapping[str, Any]) -> RodData:
         """Return a uniform rod with some parameters changed, which are not checked."""
         straight = {"path": None, "depth": 0.0, "sections": (), "bores": ()}

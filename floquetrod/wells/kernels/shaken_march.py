@@ -32,6 +32,8 @@ class Pieces(NamedTuple):
     up: Any  # (m + 1,), heights of their ends above the lower end along the string in m
     friction: Any  # (m,), coefficients without vibration
     places: Any  # (m, 3, 4), sine and cosine of the inclination, curvatures in 1/m: at lower ends, middles, upper ends
+    weight: Any  # (m,), of the string in N/m
+    wound: Any  # (m,), of `SlidingString`
 
 
 class Marched(NamedTuple):
@@ -43,6 +45,12 @@ class Marched(NamedTuple):
     helix: Any  # (m,), the share of each that is a helix
     pressed: Any  # (m,), mu N in N/m without vibration in the middle, bounded where the string is locked up
     left: Any  # (m,), the share of friction that is left
+
+
+@kernel
+def _string(sliding: SlidingString, pieces: Pieces, i: int) -> SlidingString:
+    """Return the string within piece i."""
+    return SlidingString(pieces.weight[i], sliding.scale, sliding.sign, sliding.helical, pieces.wound[i])
 
 
 @kernel
@@ -106,18 +114,18 @@ def march(sliding: SlidingString, pieces: Pieces, marched: Marched) -> float:
     """
     moved, places = 0.0, pieces.places
     for i in range(len(pieces.friction)):
-        y, new, low, high = marched.y[i], LOCKED, 0.0, 0.0
-        before = _wants(sliding, places, i, 0, y)
+        y, new, low, high, string = marched.y[i], LOCKED, 0.0, 0.0, _string(sliding, pieces, i)
+        before = _wants(string, places, i, 0, y)
         helix = 1.0 if before >= 0.0 else 0.0
         if y < LOCKED:
             length, mu = pieces.up[i + 1] - pieces.up[i], pieces.friction[i] * marched.left[i]
-            new, low, high = _step(sliding, places, i, length, mu, y, helix)
+            new, low, high = _step(string, places, i, length, mu, y, helix)
             middle = 0.5 * (y + new) + 0.125 * length * (low - high)
-            values = before, _wants(sliding, places, i, 1, middle), _wants(sliding, places, i, 2, new)
+            values = before, _wants(string, places, i, 1, middle), _wants(string, places, i, 2, new)
             share = positive_share(*values)
             if share != helix:
                 helix = share
-                new, low, high = _step(sliding, places, i, length, mu, y, helix)
+                new, low, high = _step(string, places, i, length, mu, y, helix)
             new = min(new, LOCKED)
         moved = max(moved, abs(new - marched.y[i + 1]))
         marched.y[i + 1], marched.low[i], marched.high[i], marched.helix[i] = new, low, high, helix
@@ -130,9 +138,9 @@ def press(sliding: SlidingString, pieces: Pieces, marched: Marched) -> None:
     for i in range(len(pieces.friction)):
         bulge = 0.125 * (pieces.up[i + 1] - pieces.up[i]) * (marched.low[i] - marched.high[i])
         y = min(0.5 * (marched.y[i] + marched.y[i + 1]) + bulge, LOCKED)
-        sine, cosine = math.sin(y), math.cos(y)
-        touching = _touching(sliding, pieces.places, i, 1, sine, cosine)
-        touching = contact(sliding, touching, sine, marched.helix[i])
+        sine, cosine, string = math.sin(y), math.cos(y), _string(sliding, pieces, i)
+        touching = _touching(string, pieces.places, i, 1, sine, cosine)
+        touching = contact(string, touching, sine, marched.helix[i])
         marched.pressed[i] = pieces.friction[i] * touching / max(cosine * cosine, 1.0 / MOST_PRESSED)
 
 
@@ -154,7 +162,7 @@ def means(edges: Any, values: Any, to: Any, out: Any) -> None:
 def friction_left(cells: Cells, tool: ShakingForce, q: Any, left: Any) -> None:
     """Fill in the mean share of friction left in each part of the cells, (2 / pi) asin(v / V)."""
     for c in range(len(q) - 1):
-        kind = 0 if c < tool.node else 1
+        kind = cells.kind[c]
         for p in range(PARTS):
             below, above = cells.below[kind, p], cells.above[kind, p]
             fast = abs(below * q[c] + above * q[c + 1])

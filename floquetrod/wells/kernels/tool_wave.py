@@ -4,8 +4,9 @@ With the velocity v + Re(q exp(i w t)), the vibration P of the compression and Z
 
     dP/ds = -(i w m + 2 m delta + f(V) / V) q,    dq/ds = -i w P / (Z c),    V = abs(q),
 
-upwards; at a tool P falls by its amplitude; the lower end is free, P = 0, and the upper one, which the injector moves
-steadily, held, q = 0.  f is the first harmonic of Coulomb's friction, by harmonic balance:
+upwards; at a tool P falls by its amplitude; where sections of other Z and c meet both are continuous; the lower end is
+free, P = 0, and the upper one, which the injector moves steadily, held, q = 0.  f is the first harmonic of Coulomb's
+friction, by harmonic balance:
 
     f(V) = (4 / pi) mu N sqrt(1 - v^2 / V^2)    where V > v, else 0.
 
@@ -42,13 +43,14 @@ class ShakingForce(NamedTuple):
 
 
 class Cells(NamedTuple):
-    """Cells without friction, of one length below the tool and of one above it, (2, ...)."""
+    """Cells without friction, of k kinds: of one length in one section, below the tool or above it."""
 
-    own: Any  # (2,), force in N s/m at a node, a quarter of a period behind the velocity of the same node
-    beside: Any  # (2,), and of the node at the other end
-    below: Any  # (2, PARTS), basis function of the node below at the midpoints of parts
-    above: Any  # (2, PARTS), of the node above
-    loss: Any  # (2,), of a part by the string's own damping, in N s/m
+    kind: Any  # (n,), of each cell
+    own: Any  # (k,), force in N s/m at a node, a quarter of a period behind the velocity of the same node
+    beside: Any  # (k,), and of the node at the other end
+    below: Any  # (k, PARTS), basis function of the node below at the midpoints of parts
+    above: Any  # (k, PARTS), of the node above
+    loss: Any  # (k,), of a part by the string's own damping, in N s/m
 
 
 class Balance(NamedTuple):
@@ -110,7 +112,7 @@ def residuals(cells: Cells, tool: ShakingForce, soft: float, q: Any, balance: Ba
         residual[c], own[c, 0], own[c, 1] = 0.0, 0.0, 0.0
     elastic = 0.0
     for c in range(size):
-        kind = 0 if c < tool.node else 1
+        kind = cells.kind[c]
         stiff, across = -1j * cells.own[kind], 1j * cells.beside[kind]
         low, high = q[c], q[c + 1]
         residual[c] += stiff * low + across * high

@@ -22,9 +22,10 @@ class SlidingString(NamedTuple):
     """A string that slides along a well."""
 
     weight: float  # in fluid in N/m
-    scale: float  # S, the critical force in a level hole, in N
+    scale: float  # S of F = S tan(y) in N, the critical force in a level hole
     sign: float  # of friction upwards: 1 pushed, 0 standing, -1 pulled
     helical: float  # F^2 R / (4 E I) over the contact force of the lying string, above which it is a helix
+    wound: float  # contact force S^2 R / (4 E I) of a helix under S, in N/m: the weight where S is the critical force
 
 
 @kernel
@@ -37,25 +38,25 @@ def lying(sliding: SlidingString, level: Any, kappa_n: Any, kappa_b: Any, sine: 
 
 @kernel
 def helix_excess(sliding: SlidingString, lying: Any, sine: Any) -> Any:
-    """Return sin y - sqrt(h lying / w), zero or more where a string is a helix, steep at 0 in vertical wells too."""
-    return sine - np.sqrt(sliding.helical * lying / sliding.weight)
+    """Return sin y - sqrt(h lying / wound), 0 or more where a string is a helix, steep at 0 in vertical wells too."""
+    return sine - np.sqrt(sliding.helical * lying / sliding.wound)
 
 
 @kernel
 def helix_margin(sliding: SlidingString, lying: Any, sine: Any) -> Any:
-    """Return W = sin|sin|^3 - (h lying / w)^2, which has the sign of `helix_excess`.
+    """Return W = sin|sin|^3 - (h lying / wound)^2, which has the sign of `helix_excess`.
 
     It is smooth where the string passes from one side of the wall to the other, where `lying` has a corner at 0 and
     `helix_excess` a cusp: its largest value between places is found by sections.
     """
-    bound = sliding.helical * lying / sliding.weight
+    bound = sliding.helical * lying / sliding.wound
     return sine * np.abs(sine) ** 3 - bound * bound
 
 
 @kernel
 def contact(sliding: SlidingString, lying: Any, sine: Any, helix: Any) -> Any:
     """Return the contact force of a string, ``helix`` the share of it that is wound into a helix."""
-    return lying + sliding.weight * helix * sine * sine
+    return lying + sliding.wound * helix * sine * sine
 
 
 @kernel

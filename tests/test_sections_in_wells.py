@@ -1,0 +1,229 @@
+"""Strings of several sections, in several bores, in wells: the chain of uniform ones is the truth."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from typing import Any, NamedTuple
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+import floquetrod as fr
+from conftest import depth as depth_of_draws
+
+STEEL = {"youngs_modulus": 2.07e11, "density": 7850.0}
+WELL = fr.WellPath([0.0, 1000.0, 1450.0, 4000.0], ["0deg", "0deg", "90deg", "90deg"])
+SECTIONS = [
+    fr.Section("2.00x0.156 CT90", length="2000m"),
+    fr.Section("2.00x0.203 CT90", length="1200m"),
+    fr.Section(diameter="2.875in", inner_diameter="1in", length="5m"),
+]
+STRING = fr.Rod(sections=SECTIONS, bores=[("0m", "4.778in"), ("1500m", "6.184in")], fluid_inside=1e3, fluid_outside=1e3)
+
+pytestmark = pytest.mark.filterwarnings("ignore::floquetrod.PlausibilityWarning")
+
+
+class Drawn(NamedTuple):
+    """A string in a well, and how it moves."""
+
+    rod: fr.Rod
+    well: fr.WellPath
+    friction: list[tuple[float, float]]
+    motion: str
+    helical: str
+    far_force: float
+
+    def mean_force(self, bottom: float, **others: Any) -> fr.results.MeanForce:
+        """Return the mean force of the string to a depth."""
+        return self.rod.mean_force(
+            self.well,
+            self.friction,
+            motion=self.motion,
+            helical=self.helical,
+            far_force=self.far_force,
+            bottom=bottom,
+            **others,
+        )
+
+    def cells(self, bottom: float) -> list[tuple[float, float, fr.Rod]]:
+        """Return the uniform parts of the string to a depth, from the lowest up: depths of their ends, and each rod."""
+        parts, lower = [], bottom
+        for section in self.rod.sections[::-1]:
+            upper = max(lower - section.length, self.well.start)
+            edges = [bore.depth for bore in self.rod.bores if upper < bore.depth < lower]
+            for a, b in itertools.pairwise(sorted([upper, *edges, lower])[::-1]):
+                diameters = [bore.diameter for bore in self.rod.bores if bore.depth <= b]
+                diameter = diameters[-1] if diameters else 2.0 * self.rod.channel_radius
+                own = {name: getattr(section, name) for name in ("youngs_modulus", "density", "radius", "inner_radius")}
+                fluids = {name: getattr(self.rod, name) for name in ("fluid_inside", "fluid_outside")}
+                bent = self.rod.residual_curvature if a == bottom else 0.0
+                rod = fr.Rod(**own, **fluids, length=10.0, channel_radius=0.5 * diameter, residual_curvature=bent)
+                parts.append((b, a, rod))
+            lower = upper
+            if lower <= self.well.start:
+                break
+        return parts
+
+    def chain(self, bottom: float) -> dict[float, float]:
+        """Return the force of the string to a depth where its uniform parts meet, one after the other from below."""
+        force, forces = self.far_force, {}
+        for upper, lower, rod in self.cells(bottom):
+            if math.isfinite(force):
+                force = rod.mean_force(
+                    self.well.part(upper, lower),
+                    self.friction,
+                    motion=self.motion,
+                    helical=self.helical,
+                    far_force=force,
+                    depth=[upper],
+                ).at_top
+            forces[upper] = force
+        return forces
+
+
+def drawn(seed: int) -> Drawn:
+    """Return a drawn string of two to six sections in one to three bores of a well that builds, turns and undulates."""
+    rng = np.random.default_rng([51, seed])
+    size = int(rng.integers(3, 7))
+    measured = np.append(0.0, np.cumsum(rng.uniform(150.0, 500.0, size)))
+    inclination = np.concatenate([[0.0, 0.0], np.sort(rng.uniform(0.2, 1.75, size - 1))])
+    well = fr.WellPath(measured, inclination, rng.normal(0.0, 0.15, size + 1))
+    count, bores = int(rng.integers(2, 7)), int(rng.integers(1, 4))
+    lengths = rng.dirichlet(np.ones(count)) * well.end * rng.uniform(1.0, 1.3)
+    sections = [
+        fr.Section(
+            radius=radius,
+            inner_radius=radius * rng.uniform(0.2, 0.85),
+            length=length,
+            youngs_modulus=rng.uniform(0.5, 1.0) * 2.07e11,
+            density=rng.uniform(4500.0, 8000.0),
+            yield_strength=rng.uniform(200e6, 700e6),
+        )
+        for radius, length in zip(rng.uniform(0.012, 0.035, count), np.maximum(lengths, 1.0), strict=True)
+    ]
+    starts = np.append(0.0, np.sort(rng.uniform(0.1, 0.9, bores - 1)) * well.end)
+    rod = fr.Rod(
+        sections=sections,
+        bores=[(start, rng.uniform(0.09, 0.25)) for start in starts.tolist()],
+        fluid_inside=1000.0,
+        fluid_outside=rng.uniform(1000.0, 1400.0),
+        residual_curvature=0.1 * rng.integers(0, 2),
+    )
+    friction = [(0.0, rng.uniform(0.1, 0.6)), (0.5 * well.end, rng.uniform(0.1, 0.6))]
+    motion, helical = ["pushed", "pushed", "pulled", "standing"][seed % 4], ["energy", "loading", "always"][seed % 3]
+    return Drawn(rod, well, friction, motion, helical, rng.uniform(-5e3, 4e3))
+
+
+@pytest.mark.parametrize(
+    "seeds", [range(depth_of_draws(24, 3)), pytest.param(range(24, 500), marks=pytest.mark.slow)], ids=str
+)
+def test_a_string_is_the_chain_of_its_uniform_parts(seeds: range) -> None:
+    for seed in seeds:
+        string = drawn(seed)
+        for bottom in (string.well.end, 0.63 * string.well.end):
+            chain = string.chain(bottom)
+            along = string.mean_force(bottom, depth=list(chain))
+            force = dict(zip(along.depth.tolist(), along.force.tolist(), strict=True))
+            for at, expected in chain.items():
+                assert force[at] == pytest.approx(expected, rel=1e-6, abs=1e-3), (seed, bottom, at)
+
+
+def test_a_string_is_the_solution_of_its_equation() -> None:
+    """By another integrator for the force itself, in one section after the other, of a string that is no helix."""
+    inclination, mu, bottom = 1.2, 0.35, 2500.0
+    well = fr.WellPath.straight(length=3000.0, inclination=inclination)
+    far_force, points = -3e3, np.linspace(100.0, 2400.0, 12)
+    along = STRING.mean_force(well, mu, motion="pulled", far_force=far_force, bottom=bottom, depth=points)
+    edges, weights = [bottom - 5.0, bottom - 1205.0], [part.rod.weight_per_length for part in STRING.uniform_parts]
+
+    def slope(s: float, _: Any) -> float:
+        weight = weights[0] if s < edges[1] else weights[-2] if s < edges[0] else weights[-1]
+        return float(weight * (math.cos(inclination) + mu * math.sin(inclination)))
+
+    force, at = far_force, {}
+    for low, high in itertools.pairwise([bottom, *edges, 0.0]):
+        inside = np.array(sorted([s for s in points if high <= s < low] + [high])[::-1])
+        solved = solve_ivp(
+            lambda s, f: [slope(s - 1e-9, f)], (low, high), [force], method="DOP853", t_eval=inside, rtol=1e-11
+        )
+        at |= dict(zip(inside.tolist(), solved.y[0].tolist(), strict=True))
+        force = solved.y[0, -1]
+    for depth, found in zip(along.depth.tolist(), along.force.tolist(), strict=True):
+        if depth in at:
+            assert found == pytest.approx(at[depth], rel=1e-7)
+
+
+def test_equal_sections_are_a_uniform_rod_to_the_bit() -> None:
+    pipe = {"fluid_inside": 1e3, "fluid_outside": 1e3}
+    halves = [fr.Section("2.00x0.156 CT90", length=length) for length in ("2000m", "3000m")]
+    string = fr.Rod(sections=halves, bores=[("0m", "4.778in"), ("1500m", "4.778in")], **pipe)
+    uniform = fr.Rod.catalogue("2.00x0.156 CT90", bore="4.778in", length="5000m", **pipe)
+    assert string.reach(WELL, 0.3, depth=[2000.0, 4000.0]).as_dict() == (
+        uniform.reach(WELL, 0.3, depth=[2000.0, 4000.0]).as_dict()
+    )
+
+
+@pytest.mark.parametrize(
+    "seeds", [range(1), *(pytest.param(range(a, a + 20), marks=pytest.mark.slow) for a in range(1, 81, 20))], ids=str
+)
+def test_a_reach_is_the_deepest_depth_to_which_a_string_goes_through_all_before(seeds: range) -> None:
+    """Forces at depths by the mean force, and the reach by a search over many depths, for lock-up and the push."""
+    for seed in seeds:
+        string = drawn(4 * seed)  # pushed
+        push = [20e3, None][seed % 2]
+        depths = np.linspace(0.05, 1.0, 12) * string.well.end
+        found = string.rod.reach(
+            string.well,
+            string.friction,
+            far_force=string.far_force,
+            helical=string.helical,
+            push=push,
+            yield_share=None,
+            depth=depths,
+        )
+        tops = np.array([string.mean_force(float(depth), depth=[0.0]).at_top for depth in depths])
+        np.testing.assert_allclose(found.injector, tops, rtol=1e-6, atol=0.01)
+        goes = np.logical_and.accumulate(np.isfinite(tops) & (tops <= (math.inf if push is None else push)))
+        assert (depths[goes] <= found.reach).all()
+        if not goes.all():
+            assert found.is_stopped
+            assert found.reach < depths[~goes][0]
+            step = 2e-6 * string.well.end
+            assert string.mean_force(found.reach, depth=[0.0]).at_top <= found.push
+            beyond = string.mean_force(found.reach + step, depth=[0.0])
+            assert beyond.is_locked or beyond.at_top > found.push * (1.0 - 1e-9)
+        elif not found.is_stopped:
+            assert found.reach == string.well.end
+
+
+def test_a_string_goes_no_deeper_than_it_is_long() -> None:
+    found = STRING.reach(WELL, 0.1, yield_share=None)
+    assert (found.limit, found.reach) == ("length of the string", 3205.0)
+    assert not found.is_stopped
+    assert "To 3,205 m, the length of the string." in repr(found)
+    assert found.depth[-1] == 3205.0
+    with pytest.raises(ValueError, match=r"^depth must be no deeper .* 3205 m long and ends at 3205 m, got 3206 m"):
+        STRING.reach(WELL, 0.1, depth=["3206m"])
+    with pytest.raises(ValueError, match=r"^bottom must be no deeper .* got 4000 m; give longer sections"):
+        STRING.mean_force(WELL, 0.1)
+    with pytest.raises(ValueError, match=r"^depth must be no deeper"):
+        STRING.surface_weights(WELL, 0.1, depth=[3500.0])
+
+
+def test_a_wide_section_passes_all_bores_above_it() -> None:
+    """It fits into the bore where it ends, and not into one on the way, where it is refused only if it goes so deep."""
+    narrow = [("0m", "4.778in"), ("800m", "2.5in"), ("1000m", "4.778in")]
+    with pytest.raises(ValueError, match=r"sections\[2\] from 3203 to 3205 m: channel_radius must exceed"):
+        fr.Rod(sections=SECTIONS, bores=[("0m", "4.778in"), ("3203m", "2.5in")])
+    string = fr.Rod(sections=SECTIONS, bores=narrow)
+    assert string.mean_force(WELL, 0.2, bottom=790.0).at_top < 0.0
+    with pytest.raises(
+        ValueError,
+        match=r"^bores must let every section pass on the way to 1800 m: sections\[2\] \(73.025 mm x 23.81 mm\) has "
+        r"a diameter of 73.025 mm, and the bore from 800 m on 63.5 mm$",
+    ):
+        string.mean_force(WELL, 0.2, bottom=1800.0)
+    with pytest.raises(ValueError, match=r"^bores must let every section pass"):
+        string.reach(WELL, 0.2)
