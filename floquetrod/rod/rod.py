@@ -173,7 +173,7 @@ class Rod(RodData):
     ...     channel_diameter="4.778in", fluid_inside=1000.0, fluid_outside=1000.0, damping_rate=0.2
     ... )
     >>> string.stability(fr.AxialLoad(mean="7.1kN", amplitude="3.84kN", frequency="2.55Hz"))
-    <RodStability: unstable, ...>
+    <unstable: direct resonance of mode 6, order 1; 1.06... 1/s, tenfold in 2.1... s; 23 coupled modes; ...>
     >>> well = fr.WellPath.arc(length=600.0, inclination=("30deg", "90deg"), depth=1000.0)
     >>> round(tubing.replace(path=well, depth=1200.0).critical_force)
     14101

@@ -380,7 +380,7 @@ class CoupledModes(CoupledEquations):
     def are_nested(self) -> bool:
         """Whether the equations of fewer modes are the first of these, as where no other functions are added.
 
-        Of few modes of several sections functions are added anew: growth then depends less on their number.
+        Of few modes of several sections not: functions are added that suit their number, on which growth depends less.
         """
         return are_nested(self.rod) and (not self.rod.varies or self.count > SEVERAL)
 

@@ -81,7 +81,7 @@ class Profile(NamedTuple):
 
     @property
     def slowness(self) -> Floats:
-        """(m / e)^(1/4) of each part: its wavenumber over that of the first."""
+        """(m / e)^(1/4) of each part, its wavenumber over that of the first."""
         return np.asarray(np.divide(self.inertia, self.rigidity) ** 0.25)
 
     @property

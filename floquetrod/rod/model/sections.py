@@ -31,22 +31,30 @@ class Section(units.InUnits, TellsAttributes):
         is not given here but the length; "" for any other section, by default of steel: 207 GPa, 7850 kg/m^3.
     length : float or str
         Length in m, or with a unit such as "1200m"; greater than 0.
-    radius, inner_radius : float or str
-        Outer and inner radius in m, or with a unit; an inner radius of 0, the default, makes a solid section.
+    radius : float or str
+        Outer radius in m, or with a unit.  Give it or ``diameter``.
+    inner_radius : float or str
+        Inner radius in m, or with a unit, by default 0, a solid section.
     youngs_modulus : float or str
         E in Pa, or with a unit.
     density : float or str
         Of the material in kg/m^3, or with a unit.  Give it or ``weight``.
     yield_strength : float or str, optional
         In Pa, or with a unit.
-    diameter, inner_diameter, wall_thickness, weight : float or str, optional
-        In place of radii and density, as for `floquetrod.Rod`.
+    diameter : float or str, optional
+        Outer diameter in m, or with a unit.
+    inner_diameter : float or str, optional
+        Inner diameter in m, or with a unit.
+    wall_thickness : float or str, optional
+        In m, or with a unit, in place of ``inner_radius``.
+    weight : float or str, optional
+        Weight in air per length in N/m, or with a unit such as "22.6lb/ft", joints included.
 
     Examples
     --------
     >>> Section("2.00x0.156 CT90", length="1200m")
     Section('2.00x0.156 CT90', length=1200.0)
-    >>> Section(diameter="2.875in", inner_diameter="1in", length="5m").radius
+    >>> round(Section(diameter="2.875in", inner_diameter="1in", length="5m").radius, 7)
     0.0365125
     """
 

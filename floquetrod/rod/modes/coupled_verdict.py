@@ -127,7 +127,7 @@ def _numbers(model: ModeModel, load: Load, first: _Trial, fewer: int, growth_tol
         if first.fastest is None:  # the second verdict takes as long as the first: the fewer modes the better
             fewer = min(fewer, count - max(2, count // _share(model, count)))
         numbers = fewer, count
-        by_chance = by_chance or _are_added_anew(model, count)
+        by_chance = by_chance or _has_functions_of_its_own(model, count)
     return {*numbers, sum(numbers) // 2} if by_chance else {*numbers}
 
 
@@ -138,7 +138,7 @@ def _compared(model: ModeModel, trials: Sequence[_Trial]) -> Sequence[_Trial]:
     drive (see `_driven`): two numbers of modes may agree by chance.
     """
     rod = model.rod
-    is_by_chance = rod.course.breaks or _are_added_anew(model, trials[-1].modes.count)
+    is_by_chance = rod.course.breaks or _has_functions_of_its_own(model, trials[-1].modes.count)
     return trials[-3:-1] if is_by_chance else trials[-2:-1]
 
 
@@ -166,12 +166,12 @@ def _share(model: ModeModel, count: int) -> int:
     More are left out where other functions join the beam functions: growth then hardly changes over a few numbers of
     modes, and goes on changing after them.
     """
-    if _are_added_anew(model, count):
+    if _has_functions_of_its_own(model, count):
         return 4
     return 6 if count <= _LONG else 10
 
 
-def _are_added_anew(model: ModeModel, count: int) -> bool:
+def _has_functions_of_its_own(model: ModeModel, count: int) -> bool:
     """Return whether functions join the modes that differ with the number of modes."""
     rod = model.rod
     return are_enriched(rod) and (count <= SEVERAL or not are_nested(rod))
