@@ -16,7 +16,8 @@ import floquetrod as fr
 from conftest import depth
 from floquetrod.rod.loads import axial
 from floquetrod.rod.loads.axial_line import AxialLine, LinePiece
-from floquetrod.rod.loads.load import FAR_ENDS
+from floquetrod.rod.loads.load import FAR_ENDS, Load, with_waves
+from floquetrod.rod.modes import sampled_ranges
 
 STRING = fr.Rod(
     sections=[
@@ -79,7 +80,7 @@ def integrated(line: AxialLine, load: fr.AxialWave, frequency: float, s: np.ndar
     return np.asarray(found[0] + share * found[1])
 
 
-def growth_by_finite_elements(rod: fr.Rod, load: fr.AxialWave, elements: int, modes: int) -> float:
+def growth_by_finite_elements(rod: fr.Rod, load: Load, elements: int, modes: int) -> float:
     """Return the growth rate in 1/s of a horizontal rod with hinged ends: Hermite's cubics, their modes, DOP853."""
     cuts = [0.0]
     for part in rod.uniform_parts:
@@ -91,30 +92,34 @@ def growth_by_finite_elements(rod: fr.Rod, load: fr.AxialWave, elements: int, mo
     slope = np.array([6 * t**2 - 6 * t, 1 - 4 * t + 3 * t**2, 6 * t - 6 * t**2, 3 * t**2 - 2 * t])
     curvature = np.array([12 * t - 6, 6 * t - 4, 6 - 12 * t, 6 * t - 2])
     size = 2 * len(cuts)
-    mass, stiff, push, cosine, sine = (np.zeros((size, size)) for _ in range(5))
+    mass, stiff, push = (np.zeros((size, size)) for _ in range(3))
+    cosines, sines = (np.zeros((len(load.harmonics), size, size)) for _ in range(2))
     for i, (start, end) in enumerate(itertools.pairwise(cuts)):
         h, s = end - start, start + (end - start) * t
         part = next(part.rod for part in rod.uniform_parts if part.start <= 0.5 * (start + end) <= part.end)
         scale, at = np.array([1.0, h, 1.0, h])[:, None], np.ix_(range(2 * i, 2 * i + 4), range(2 * i, 2 * i + 4))
         y, dy, ddy = value * scale, slope * scale / h, curvature * scale / h**2
         w = 0.5 * h * weights
-        force = rod.axial_line.profile(load, s, load.frequency)
+        forces = load.amplitude * axial.along(load, rod.axial_line, s, load.frequency)
         mass[at] += part.mass_per_length * (y * w) @ y.T
         stiff[at] += part.flexural_rigidity * (ddy * w) @ ddy.T
         stiff[at] += part.weight_per_length / part.radial_clearance * (y * w) @ y.T
         push[at] += load.mean * (dy * w) @ dy.T
-        cosine[at] += load.amplitude * (dy * (w * np.imag(force))) @ dy.T  # Re(-i P e^(i w t)) = Im P cos + Re P sin
-        sine[at] += load.amplitude * (dy * (w * np.real(force))) @ dy.T
+        for k, force in enumerate(forces):  # Re(f e^(i k w t))
+            cosines[k][at] += (dy * (w * force.real)) @ dy.T
+            sines[k][at] -= (dy * (w * force.imag)) @ dy.T
     free = np.setdiff1d(np.arange(size), [0, size - 2])
-    mass, stiff, push, cosine, sine = (matrix[np.ix_(free, free)] for matrix in (mass, stiff, push, cosine, sine))
+    mass, stiff, push = (matrix[np.ix_(free, free)] for matrix in (mass, stiff, push))
     _, q = eigh(stiff - push, mass, subset_by_index=(0, modes - 1))
-    held, cosine, sine = (q.T @ matrix @ q for matrix in (stiff - push, cosine, sine))
+    held = q.T @ (stiff - push) @ q
+    pushes = [q.T @ matrix[np.ix_(free, free)] @ q for matrix in (*cosines, *sines)]
     period = 2.0 * math.pi / load.frequency
 
     def rate(time: float, x: np.ndarray) -> np.ndarray:
         position, velocity = x.reshape(2, modes, 2 * modes)
-        phase = load.frequency * time
-        pushed = held - math.cos(phase) * cosine - math.sin(phase) * sine
+        phases = load.frequency * time * np.arange(1, len(load.harmonics) + 1)
+        shares = np.concatenate([np.cos(phases), np.sin(phases)])
+        pushed = held - sum(share * push for share, push in zip(shares.tolist(), pushes, strict=True))
         return np.concatenate([velocity, -pushed @ position - 2.0 * rod.damping_rate * velocity]).ravel()
 
     run = solve_ivp(rate, (0.0, period), np.eye(2 * modes).ravel(), method="DOP853", rtol=1e-10, atol=1e-12)
@@ -416,3 +421,101 @@ def test_growth_is_that_of_finite_elements(case: tuple[fr.Rod, tuple[Any, ...]])
     rod, values = case
     load = shaken(rod, *values)
     assert rod.growth_rate(load) == pytest.approx(growth_by_finite_elements(rod, load, 240, 40), abs=1e-5)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("case", CASES)
+def test_growth_is_that_of_finite_elements_to_a_millionth(case: tuple[fr.Rod, tuple[Any, ...]]) -> None:
+    rod, values = case
+    load = shaken(rod, *values)
+    coarse, fine = (growth_by_finite_elements(rod, load, 400, modes) for modes in (60, 100))
+    assert rod.growth_rate(load) == pytest.approx(fine, abs=1e-6 + abs(fine - coarse))
+
+
+def recorded(rod: fr.Rod) -> fr.ForceRecord:
+    """Return the record of a force of two harmonics."""
+    unit, force = rod.axial_line.unit, rod.critical_force
+    time = np.linspace(0.0, 20.0, 8001)
+    angle = 0.3 * unit * time
+    return fr.ForceRecord(time, force * (0.5 + 0.3 * np.sin(angle) + 0.1 * np.cos(2.0 * angle)))
+
+
+@pytest.mark.slow
+def test_a_force_record_grows_as_finite_elements_with_waves_and_without() -> None:
+    rod = WALLS.replace(damping_rate=0.2)
+    record = recorded(rod)
+    for load in (record.load, with_waves(record.load, 2.0)):
+        assert rod.growth_rate(load) == pytest.approx(growth_by_finite_elements(rod, load, 240, 40), abs=2e-5)
+
+
+def test_a_force_record_grows_as_its_load() -> None:
+    rod = WALLS.replace(damping_rate=0.2)
+    record = recorded(rod)
+    verdict = rod.stability(record)
+    assert verdict.growth_rate == pytest.approx(rod.growth_rate(record.load), rel=1e-6)
+    assert verdict.growth_rate > 0.5
+    response = rod.axial_response(with_waves(record.load, 2.0))
+    assert response.factor > 1.01
+    assert response.section in (0, 1)
+
+
+@pytest.mark.parametrize("far_end", FAR_ENDS)
+def test_arrays_of_waves_are_answered_as_single_ones(far_end: str) -> None:
+    rod = TOOL.replace(damping_rate=0.1)
+    load = shaken(rod, 0.4, 0.1, 0.7, far_end, 0.0)
+    (resonance,) = rod.axial_line.resonances(load, np.array([0])).tolist()
+    frequencies = np.array([0.2 * resonance, 0.55 * resonance, resonance, 1.05 * resonance])
+    grown = rod.growth_rate(load, frequency=frequencies)
+    assert np.isnan(grown).tolist() == [False, False, True, False]
+    status = rod.verdicts(load, frequency=frequencies)
+    assert status[2] == -1
+    for i in (0, 1, 3):
+        single = load.varied("frequency", float(frequencies[i]))
+        assert rod.growth_rate(single) == pytest.approx(grown[i], rel=1e-9, abs=1e-12)
+        assert bool(rod.stability(single).stable) == (status[i] == 1)
+    with pytest.raises(ValueError, match=r"is at the axial resonance of the rod at .* far end"):
+        rod.stability(load.varied("frequency", resonance))
+
+
+def test_maps_ranges_and_limits_of_waves_hold_at_single_loads(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(sampled_ranges, "SAMPLES", 9)
+    monkeypatch.setattr(sampled_ranges, "_LEAST_SAMPLES", 3)
+    monkeypatch.setattr(sampled_ranges, "_GROUPS", 2)
+    rod = WALLS.replace(damping_rate=0.2)
+    load = shaken(rod, 0.3, 0.002, 1.0, "held", 0.0)
+    (resonance,) = rod.axial_line.resonances(load, np.array([0])).tolist()
+    ranges = rod.ranges("frequency", load, bounds=(0.97 * resonance, 1.03 * resonance))
+    (gap,) = ranges.not_computed
+    assert gap.low < resonance < gap.high
+    assert rod.axial_line.largest(load, np.array(gap[:2])) == pytest.approx([100.0, 100.0], rel=1e-4)
+    assert gap.resonance.frequency == pytest.approx(resonance, rel=1e-12)
+    for part in ranges:
+        assert rod.is_stable(load, frequency=0.5 * (part.low + part.high))
+    limit = rod.critical("amplitude", load, mean=0.3 * rod.critical_force, frequency=0.8 * resonance)
+    assert 0.0 < limit < rod.critical_force
+    for share, is_stable in ((0.999, True), (1.001, False)):
+        assert rod.is_stable(load, amplitude=share * limit, frequency=0.8 * resonance) == is_stable
+    chart = fr.stability_map(
+        rod,
+        load,
+        mean=(0.0, 0.5 * rod.critical_force, 3),
+        amplitude=load.amplitude,
+        frequency=(0.5 * resonance, 0.8 * resonance, 4),
+    )
+    for i, mean in enumerate(chart.y.values.tolist()):
+        for j, frequency in enumerate(chart.x.values.tolist()):
+            assert chart.stable[i, j] == rod.is_stable(load, mean=mean, frequency=frequency)
+
+
+def test_a_string_driven_at_both_ends_grows_as_its_mirror_image() -> None:
+    mirrored = TOOL.replace(sections=TOOL.sections[::-1])
+    load = shaken(TOOL, 0.3, 0.3, 0.9, "driven", 5.0)
+    assert mirrored.growth_rate(load) == pytest.approx(TOOL.growth_rate(load), rel=1e-6) != 0.0
+
+
+def test_a_bore_that_changes_leaves_waves_as_they_are() -> None:
+    tubing = fr.Rod.catalogue("2.00x0.156 CT90", bore="4.778in", length=60.0)
+    same = tubing.replace(bores=[(0.0, "4.778in"), (30.0, 0.1213612 * (1.0 + 1e-12))])
+    load = shaken(tubing, 0.5, 0.35, 0.45, "held", 0.0)
+    assert same.varies
+    assert same.growth_rate(load) == pytest.approx(tubing.growth_rate(load), rel=1e-6)
