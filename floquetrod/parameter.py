@@ -193,6 +193,12 @@ def require_known(
     for parameter in unknown(parameters, subsystem):
         name, value = parameter.name, getattr(problem, parameter.name, parameter.default)
         if value != parameter.default:
+            if isinstance(value, tuple):
+                raise wrong_value(
+                    name,
+                    f"are not part of {NAMES[subsystem]}, which would ignore all but the first: got {len(value)} of "
+                    f"them; {parameter.remedy}",
+                )
             words = parameter.in_words(value, units.AnswerUnits.named() if shown is None else shown)
             raise wrong_value(
                 name,

@@ -9,7 +9,7 @@ import re
 import shlex
 import sys
 import warnings
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -366,9 +366,24 @@ def _rod(options: argparse.Namespace) -> fr.Rod:
             )
         return fr.Rod.catalogue(options.rod, **changes)
     rod = named_rod("--rod", options.rod)
+    _require_of_the_whole(options, rod, changes)
     if "bore" in changes:
         changes["channel_diameter"] = changes.pop("bore")
     return rod.replace(**changes) if changes else rod
+
+
+def _require_of_the_whole(options: argparse.Namespace, rod: fr.Rod, changes: Iterable[str]) -> None:
+    """Raise ValueError for an option that sets what each section of the rod, or each bore, has for itself."""
+    from floquetrod.rod.model.parameters import INSTEAD
+    from floquetrod.rod.model.sections import OF_A_SECTION
+
+    for name in changes:
+        table = "sections" if INSTEAD.get(name, name) in OF_A_SECTION else "bores" if name == "bore" else ""
+        if table and getattr(rod, table):
+            raise ValueError(
+                f"{option(name)} must not be given for a rod of several {table}, got {getattr(options, name)!r}: each "
+                f"has its own; change it in {options.rod}"
+            )
 
 
 def _require_listed(name: str, missing: Sequence[str]) -> None:

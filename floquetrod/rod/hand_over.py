@@ -33,12 +33,14 @@ from floquetrod.rod.loads.record import ForceRecord
 from floquetrod.rod.model.assumptions import IMMERSED, SHAPE, UniformForceWarning
 from floquetrod.rod.model.data import RodData
 from floquetrod.rod.model.parameters import ROD
+from floquetrod.rod.model.rod_in_words import size_in_words, table_of_parts
 from floquetrod.rod.stability_map import stability_map
 from floquetrod.units import AnswerUnits, Unit, unit
 from floquetrod.wells.path import WellPath
 
 _POINTS = {True: (160, 120), False: (64, 48)}  # of the map, where bands are exact and where loads take milliseconds
 _STEEP = 0.25 * math.pi  # inclination in rad up to which criteria of vertical wells are told (a choice)
+_NO_ROW = ("path", "sections", "bores")  # parameters that are told in words
 _ROOM = 1.25  # about the load, in terms of it
 
 
@@ -233,12 +235,12 @@ def _load(verdict: RodStability, shown: Mapping[str, Unit], options: _Options) -
 
 
 def _rod_data(rod: RodData, units: AnswerUnits) -> Report:
-    """Return what the rod is, parameter by parameter."""
+    """Return what the rod is, parameter by parameter, with its sections in a table."""
     values = rod.as_dict()
-    lines = [_row(name, values[name], units) for name in values if name != "path"]
+    lines = _sections(rod, units) + [_row(name, values[name], units) for name in values if name not in _NO_ROW]
     if rod.path is not None:
         lines.append(("path", rod.path.in_words(units.length)))
-    return Report("Rod", _with_weight(lines, rod, units))
+    return Report("Rod", _with_weight(lines, rod, units), table_of_parts(rod, units))
 
 
 def _string_data(rod: RodData, units: AnswerUnits) -> Report:
@@ -246,9 +248,9 @@ def _string_data(rod: RodData, units: AnswerUnits) -> Report:
     lines = [
         _row(name, value, units)
         for name, value in rod.as_dict().items()
-        if "strings" not in ROD[name].without_effect_on
+        if name not in _NO_ROW and "strings" not in ROD[name].without_effect_on
     ]
-    return Report("String", _with_weight(lines, rod, units))
+    return Report("String", _sections(rod, units) + _with_weight(lines, rod, units), table_of_parts(rod, units))
 
 
 def _with_weight(lines: list[tuple[str, str]], rod: RodData, units: AnswerUnits) -> list[tuple[str, str]]:
@@ -259,6 +261,11 @@ def _with_weight(lines: list[tuple[str, str]], rod: RodData, units: AnswerUnits)
     after = labels.index("density") + 1
     weight = ("weight in air", units.mass_per_length.show(rod.material.density * rod.area, 4))
     return [*lines[:after], weight, *lines[after:]]
+
+
+def _sections(rod: RodData, units: AnswerUnits) -> list[tuple[str, str]]:
+    """Return a line about sections and bores; none of a uniform rod."""
+    return [("sections", size_in_words(rod, units))] if rod.sections or rod.bores else []
 
 
 def _row(name: str, value: Any, units: AnswerUnits) -> tuple[str, str]:
@@ -316,6 +323,8 @@ def _verdict(verdict: RodStability, options: _Options) -> Report:
     """Return what is said of a verdict beside rod, load and assumptions."""
     searched = verdict.has_quick_margins if options.margins is None else options.margins
     report = verdict.report(options.units, verdict.margins(progress=options.progress) if searched else None)
+    if verdict.rod.varies:  # whose sections are among the inputs
+        report = replace(report, table=None)
     large = grown(verdict.rod, verdict.load, verdict)
     if large is not None:
         report = report.with_lines([("grows to", large.in_words)], before="margins" if searched else "checked")
@@ -414,7 +423,7 @@ def _buckling(
 
 def _level(rod: RodData) -> RodData:
     """Return a rod where the well is level, as criteria of buckling are told for a string."""
-    return rod if rod.path is not None else replace(rod, inclination=0.5 * math.pi, curvature=0.0)
+    return rod if rod.path is not None else rod.replace(inclination=0.5 * math.pi, curvature=0.0)
 
 
 def _is_steep(path: WellPath) -> bool:

@@ -14,7 +14,7 @@ from floquetrod.rod.answers.reports import answer_units, load_lines, shown_in
 from floquetrod.rod.answers.rod_stability import RodStability
 from floquetrod.rod.friction.kicks import CriticalKick
 from floquetrod.rod.loads.load import AxialLoad, with_waves
-from floquetrod.rod.model.data import special_parameters
+from floquetrod.rod.model.rod_in_words import special_parameters
 from floquetrod.simulation.growth import GrowthFit
 from floquetrod.simulation.outcome import BUCKLED_ANGLE, DEFINITION
 from floquetrod.units import Unit

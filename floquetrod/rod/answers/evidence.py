@@ -44,6 +44,11 @@ class Shape(NamedTuple):
     deflection: Floats
     envelope: Floats
 
+    @property
+    def position(self) -> float:
+        """Where the motion is largest, in m from the upper end."""
+        return float(self.s[self.envelope.argmax()])
+
 
 class _ModeByMode:
     """Modes with an equation, and a verdict, each."""

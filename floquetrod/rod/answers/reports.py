@@ -14,7 +14,8 @@ from floquetrod.floquet.verdict import Status
 from floquetrod.rod.loads.axial import AxialResonance
 from floquetrod.rod.loads.load import LOAD, QUANTITIES, Load, Quantity
 from floquetrod.rod.model.contact import added_mean
-from floquetrod.rod.model.data import RodData, size_in_words, special_parameters
+from floquetrod.rod.model.data import RodData
+from floquetrod.rod.model.rod_in_words import section_in_words, size_in_words, special_parameters
 from floquetrod.units import AnswerUnits, Unit
 
 ReportLine = tuple[str, str]
@@ -131,8 +132,11 @@ def subject_lines(rod: RodData, load: Load, shown: Mapping[str, Unit]) -> list[R
     critical = units.force.show(rod.critical_force, 4)
     lines = [("rod", size_in_words(rod, units))]
     special = special_parameters(rod, units)
-    lines.append(("", f"critical force {critical}, critical mode {rod.critical_mode:.3g}"))
-    if special:
+    where = f" in {section_in_words(rod, rod.weakest_at, units)}" if rod.varies else ""
+    lines.append(("", f"critical force {critical}{where}, critical mode {rod.critical_mode:.3g}"))
+    if special and rod.varies:
+        lines.append(("", special))
+    elif special:
         mass, weight = units.mass_per_length.show(rod.mass_per_length, 4), units.per_length
         size = f"inertia {mass}, weight in fluid {weight.show(rod.weight_per_length, 4)}"
         half_wave = units.length.show(rod.critical_half_wave, 4)

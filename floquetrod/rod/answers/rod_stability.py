@@ -34,13 +34,21 @@ from floquetrod.rod.answers.evidence import (
     NoisyEvidence,
     Shape,
 )
-from floquetrod.rod.answers.reports import ReportLine, margin_lines, margins_as_dict, shown_in, subject_lines
+from floquetrod.rod.answers.reports import (
+    ReportLine,
+    answer_units,
+    margin_lines,
+    margins_as_dict,
+    shown_in,
+    subject_lines,
+)
 from floquetrod.rod.answers.search_pieces import FEW_MODES, MARGIN_SECONDS, WAYS, in_hundredths
 from floquetrod.rod.loads.axial import AxialResponse
 from floquetrod.rod.loads.load import Load, Quantity
 from floquetrod.rod.mode_equations.modal_systems import ModalSystem
 from floquetrod.rod.model.constants import SLOW_GROWTH
 from floquetrod.rod.model.data import RodData
+from floquetrod.rod.model.rod_in_words import parts_as_dicts, section_in_words, table_of_parts
 
 if TYPE_CHECKING:
     from floquetrod.rod.mode_equations.coupled_systems import CoupledEquations
@@ -48,6 +56,7 @@ if TYPE_CHECKING:
 _OF_ONE_KIND = ("mode_verdicts", "mode_growth_rates", "mode_equations", "whole", "convergence", "shape", "system")
 """Names that are defined for one kind of modes only."""
 
+_QUICK_SHAPE = 150  # functions of coupled modes up to which a report finds the shape, in about two seconds
 _LISTED_RESONANCES = 10  # in a report, the fastest
 _LISTED_MODES = 5  # in a report besides the modes that grow: those next to growth
 
@@ -388,6 +397,9 @@ class RodStability(Reported, Verdict):
             rate = f"{self.growth_rate:.6g} 1/s{_growing_mode(self)}"
             lines.append(("growth", f"{rate}, tenfold in {self.time_to_grow(10.0):.4g} s"))
         lines += _resonance_lines(evidence)
+        if (place := self._place_of_growth) is not None:
+            words = section_in_words(self.rod, place, answer_units(shown))
+            lines.append(("", f"most in {words}, at {shown['length'].show(place, 4)} from the upper end"))
         if margins is not None:
             lines += margin_lines(margins, self.status, shown)
             if not evidence.has_exact_margins:
@@ -399,7 +411,15 @@ class RodStability(Reported, Verdict):
                 lines.append(("damping", f"stable at {rates} above {damping:.6g} 1/s"))
         lines += [("checked", self.cutoff), ("method", _method(self))]
         lines += [("note", self.note)] if self.note else []
-        return Report(_headline(self), lines, _mode_table(evidence), assumptions=self.assumptions)
+        table = table_of_parts(self.rod, answer_units(shown)) if self.rod.varies else _mode_table(evidence)
+        return Report(_headline(self), lines, table, assumptions=self.assumptions)
+
+    @property
+    def _place_of_growth(self) -> float | None:
+        """Where along a string of several sections it grows most, in m; None elsewhere, or where that takes long."""
+        is_short = isinstance(self.evidence, CoupledEvidence) and self.evidence.coupled.size <= _QUICK_SHAPE
+        grows = self.rod.varies and self.status == "unstable" and is_short
+        return self.shape.position if grows else None
 
     def as_dict(self, margins: Mapping[Quantity, Margin] | None = None) -> dict[str, Any]:
         """Return the verdict as numbers for JSON, units in the keys; None for infinite or unknown numbers.
@@ -417,10 +437,13 @@ class RodStability(Reported, Verdict):
                 self,
                 "modes_checked growth_tolerance_per_s critical_force_N=rod.critical_force rod "
                 "mass_per_length_kg_per_m=rod.mass_per_length weight_per_length_N_per_m=rod.weight_per_length "
-                "flexural_rigidity_N_m2=rod.flexural_rigidity assumptions mean_N=load.mean amplitude_N=load.amplitude "
+                f"{'' if rod.varies else 'flexural_rigidity_N_m2=rod.flexural_rigidity'} assumptions "
+                "mean_N=load.mean amplitude_N=load.amplitude "
                 "frequency_rad_per_s=load.frequency",
             ),
             **({} if load.is_uniform else {"axial_response": rod.axial_response(load).as_dict()}),
+            **({"parts": parts_as_dicts(rod)} if rod.varies else {}),
+            **({} if (place := self._place_of_growth) is None else {"grows_most_at_m": place}),
             **({} if rod.yield_strength is None else {"stress": rod.stress(load).as_dict()}),
             **_evidence_as_dict(self),
         }

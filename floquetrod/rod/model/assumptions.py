@@ -144,6 +144,29 @@ def channel_assumptions(rod: RodData) -> tuple[Assumption, ...]:
     return tuple(found)
 
 
+def section_assumptions(rod: RodData) -> tuple[Assumption, ...]:
+    """Return the assumptions about a string of several sections, or in several bores; none of a uniform rod."""
+    if not rod.varies:
+        return ()
+    every = [part.rod for part in rod.uniform_parts]
+    bend = max((each.flexural_rigidity / each.weight_per_length) ** 0.25 for each in every)
+    found = [
+        Assumption(
+            "inertia, weight and E I uniform within each section, one damping rate for all",
+            "connections, which are stiffer over a short length, are counted by their weight alone",
+        )
+    ]
+    if len({each.radial_clearance for each in every}) > 1:
+        found.append(
+            Assumption(
+                "the string lies on the floor right up to where the clearance changes; that it bends there, over some "
+                f"(E I / w)^(1/4) = {bend:.2g} m, is left out",
+                "matters where sections are not many times as long as that",
+            )
+        )
+    return tuple(found)
+
+
 def warn_unless_uniform(rod: RodData, load: Load) -> None:
     """Warn where a force that is taken to be uniform along the rod is not, its harmonics that matter included."""
     sizes = np.abs(load.harmonics)
@@ -186,5 +209,6 @@ def rod_assumptions(rod: RodData, load: Load, varied: Collection[str] = ()) -> t
         *([WEIGHT_NEGLECTED] if is_inclined and load.mean_at is None else []),
         *SHAPE,
         *channel_assumptions(rod),
+        *section_assumptions(rod),
         *(IMMERSED if is_immersed else (WALL,)),
     )

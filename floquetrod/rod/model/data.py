@@ -46,11 +46,13 @@ from floquetrod.rod.model.parameters import (
     ROD,
     friction_coefficient,
     in_si,
+    is_given,
     path_of,
     units_given,
+    units_of_bores,
 )
 from floquetrod.rod.model.plausibility import warn_of_rod
-from floquetrod.rod.model.possible_rod import require_possible
+from floquetrod.rod.model.possible_rod import FITS, require_possible
 from floquetrod.rod.model.rod_file import read_rod
 from floquetrod.rod.model.stress import Stress, stress
 
@@ -138,7 +140,7 @@ class RodData(units.InUnits, TellsAttributes):
     ) -> None:
         """Check and clean the parameters."""
         given = dict(locals())  # every argument by its name, as in the records of `ROD`
-        if sections or bores:
+        if is_given(sections) or is_given(bores):
             from floquetrod.rod.model.sections import at_the_upper_end
 
             given = at_the_upper_end(given)
@@ -148,22 +150,32 @@ class RodData(units.InUnits, TellsAttributes):
         object.__setattr__(self, "path", path_of(given, self.depth, self.length))
         object.__setattr__(self, "sections", given["sections"] or ())
         object.__setattr__(self, "bores", given["bores"] or ())
-        inherited = (each.given_units for each in (*self.sections[:1], *([self.path] if self.path else [])))
-        self.given_in(units_given(given).or_else(*inherited))
-        require_possible(self.parameters)
+        inherited = (each.given_units for each in (*self.sections, *([self.path] if self.path else [])))
+        self.given_in(units_given(given).or_else(units_of_bores(bores), *inherited))
         self._require_possible_parts()
         if self.path is not None:
             self._set_weakest_bend()
         warn_of_rod(self)
 
     def _require_possible_parts(self) -> None:
-        """Raise ValueError, naming section and bore, where a part of the rod is none."""
-        for part in self.uniform_parts if self.varies else ():
+        """Raise ValueError where the rod is none; of several sections it names the first one that is not."""
+        if not (self.sections or self.bores):
+            require_possible(self.parameters)
+            return
+        shown = units.AnswerUnits.named(given=self.given_units)
+        for part in self.uniform_parts:
+            rod, named = part.rod, f"section {part.section + 1}" if self.sections else "the rod"
+            if not FITS.holds(rod.parameters):
+                hole, outer = (shown.across.show(2.0 * radius, 6) for radius in (rod.channel_radius, rod.radius))
+                raise validate.wrong_value(
+                    "bores" if self.bores else "channel_radius",
+                    f"must leave room for every section, got a diameter of {hole} around {named} of {outer}, "
+                    f"{shown.length.show(part.start, 6)} from the upper end; give a wider bore or a thinner section",
+                )
             try:
-                require_possible(part.rod.parameters)
+                require_possible(rod.parameters)
             except ValueError as error:
-                where = f"sections[{part.section}]" if self.sections else "the rod"
-                raise error_in(f"{where} from {part.start:g} to {part.end:g} m", error) from None
+                raise error_in(named, error) from None
 
     def _set_weakest_bend(self) -> None:
         """Set inclination and curvature to those where a push buckles the rod first."""
@@ -184,6 +196,7 @@ class RodData(units.InUnits, TellsAttributes):
         object.__setattr__(self, "inclination", inclination)
         object.__setattr__(self, "curvature", float(place.kappa_n[weakest]))
         object.__setattr__(self, "_least_force", float(forces[weakest]))
+        object.__setattr__(self, "_weakest_at", float(x[weakest] * self.length))
 
     def __repr__(self) -> str:
         """Return the expression that makes this rod."""
@@ -306,7 +319,7 @@ class RodData(units.InUnits, TellsAttributes):
     def _uniform(self, changes: Mapping[str, Any]) -> RodData:
         """Return a uniform rod with some parameters changed, which are not checked."""
         straight = {"path": None, "depth": 0.0, "sections": (), "bores": ()}
-        part = object.__new__(RodData)
+        part = object.__new__(type(self))
         for each in fields(RodData):
             value = straight[each.name] if each.name in straight else changes.get(each.name, getattr(self, each.name))
             object.__setattr__(part, each.name, value)
@@ -343,7 +356,7 @@ class RodData(units.InUnits, TellsAttributes):
         if self.varies:
             raise validate.wrong_value(
                 name,
-                f"differs along a rod of {len(self.uniform_parts)} parts; ask one of uniform_parts, whose rod has it",
+                f"differs along a rod of {len(self.uniform_parts)} parts; ask one of them, uniform_parts[0].rod, say",
             )
 
     def _mean_along(self, name: str) -> float:
@@ -495,6 +508,17 @@ class RodData(units.InUnits, TellsAttributes):
         if self.path is not None:
             return float(self._least_force)  # type: ignore[attr-defined]
         return float(critical_push(np.asarray(self._bend), np.asarray(across))) if self.curvature else 2.0 * across
+
+    @property
+    def weakest_at(self) -> float:
+        """Where a constant push of `critical_force` buckles the rod first, in m from its upper end.
+
+        Of several sections the upper end of the part that is weakest; 0 of a uniform rod in a uniform channel.
+        """
+        self._require_known_to_force()
+        if self.path is not None:
+            return float(self._weakest_at)  # type: ignore[attr-defined]
+        return min(self.uniform_parts, key=lambda part: part.rod.critical_force).start
 
     @property
     def force_unit(self) -> float | None:
@@ -714,31 +738,3 @@ def require_not_of_path(rod: RodData, names: Iterable[str], argument: str) -> No
             argument,
             f"must not name {from_path} of a rod on a path, which determines it; give an inclination instead",
         )
-
-
-def size_in_words(rod: RodData, shown: units.AnswerUnits) -> str:
-    """Return diameter, wall, length and bore of a rod in words.
-
-    >>> from floquetrod.rod.rod import Rod
-    >>> size_in_words(Rod.nitinol(), units.AnswerUnits.named())
-    '1.6 mm rod, 3.1 m, in a 9.4 mm bore'
-    """
-    outer, bore = (shown.across.show(2.0 * radius, 4) for radius in (rod.radius, rod.channel_radius))
-    wall = shown.across.show(rod.radius - rod.inner_radius, 4)
-    section = f"{outer} pipe of {wall} wall" if rod.inner_radius else f"{outer} rod"
-    is_spoken_with_a_vowel = bore.startswith("8") or bore.split()[0].partition(".")[0] in ("11", "18")
-    return f"{section}, {shown.length.show(rod.length, 4)}, in {'an' if is_spoken_with_a_vowel else 'a'} {bore} bore"
-
-
-def special_parameters(rod: RodData, shown: units.AnswerUnits) -> str:
-    """Return in words what differs from a solid rod with hinged ends, horizontal and without fluids; "" if nothing."""
-    special = [
-        " ".join(parameter.in_words(getattr(rod, name), shown))
-        for name, parameter in ROD.items()
-        if parameter.is_echoed
-        and getattr(rod, name) != parameter.default
-        and not (rod.path is not None and name in OF_A_LINE)
-    ]
-    if rod.path is not None:
-        special.append(f"{rod.path.in_words(shown.length)} from {shown.length.show(rod.depth)} on")
-    return ", ".join(special)

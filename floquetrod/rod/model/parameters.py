@@ -32,7 +32,7 @@ ON_A_FLOOR = math.pi**2 / 3.0 - 1.0
 
 _POSITIVE: dict[str, Any] = {"least": _LEAST, "largest": _LARGEST}
 _NOT_NEGATIVE: dict[str, Any] = {"least": 0.0, "largest": _LARGEST}
-_KNOW_SECTIONS: frozenset[Subsystem] = frozenset({"modes", "bends", "critical force", "strings"})
+_KNOW_SECTIONS: frozenset[Subsystem] = frozenset({"modes", "bends", "critical force", "stress", "strings"})
 
 
 def _but(*subsystems: Subsystem) -> dict[str, Any]:
@@ -233,15 +233,16 @@ ROD = by_name(
         kind="",
         known_to=_KNOW_SECTIONS,
         default=(),
-        hint="ask with sections=() and one section",
+        hint="ask about one part alone, rod.uniform_parts[0].rod, say",
     ),
     Parameter(
         name="bores",
         symbol="",
         kind="",
-        known_to=_KNOW_SECTIONS,
+        known_to=_KNOW_SECTIONS - {"stress"},
+        without_effect_on=frozenset({"stress"}),
         default=(),
-        hint="ask with bores=() and one bore",
+        hint="ask about one part alone, rod.uniform_parts[0].rod, say",
     ),
 )
 """Parameters of a rod by their names."""
@@ -293,17 +294,20 @@ def in_si(given: Mapping[str, Any], names: Iterable[str] = tuple(ROD)) -> dict[s
     for name in names:
         value, parameter = given[name], ROD[name]
         if value is None and parameter.default is REQUIRED:
-            raise _missing(name)
+            raise _missing(name, given)
         if parameter.kind:
             numbers[name] = parameter.default if value is None and name in _MAY_BE_NONE else parameter.number(value)
     return numbers
 
 
-def _missing(name: str) -> TypeError:
-    """Return the error for a parameter that is given neither by itself nor by another in its place."""
+def _missing(name: str, given: Mapping[str, Any]) -> TypeError:
+    """Return the error for a parameter that is ``given`` neither by itself nor by another in its place."""
     other = next((f", or {alias}" for alias, replaced in INSTEAD.items() if replaced == name), "")
-    section = ", or sections" if name in ("youngs_modulus", "density", "radius", "length") else ""
-    return wrong_type(name, f"must be given, in {ROD[name].unit}{other}{section}")
+    is_of_a_section = name in ("youngs_modulus", "density", "radius", "length")
+    more = ", or bores" if name == "channel_radius" else ", or sections" if is_of_a_section else ""
+    if "sections" not in given:  # of a section alone
+        more = ', or the name of a pipe such as "2.00x0.156 CT90"'
+    return wrong_type(name, f"must be given, in {ROD[name].unit}{other}{more}")
 
 
 def units_given(given: Mapping[str, Any]) -> GivenUnits:
@@ -316,6 +320,17 @@ def units_given(given: Mapping[str, Any]) -> GivenUnits:
         density=tuple(given.get(name) for name in ("fluid_outside", "fluid_inside")),
         curvature=given.get("curvature"),
     )
+
+
+def is_given(value: Any) -> bool:
+    """Return whether sections or bores are given: not None and not (), the default."""
+    return value is not None and not (isinstance(value, tuple) and not value)
+
+
+def units_of_bores(given: Any) -> GivenUnits:
+    """Return the units in which depths and diameters of bores were written."""
+    depths, diameters = zip(*given, strict=True) if is_given(given) else ((), ())
+    return GivenUnits.of(length=depths, across=diameters)
 
 
 def _density(given: Mapping[str, Any]) -> Any:
@@ -354,7 +369,7 @@ def _radius(given: Mapping[str, Any], name: str) -> Any:
         return 0.5 * size
     radius = _radius(given, "radius")
     if radius is None:
-        raise _missing("radius")
+        raise _missing("radius", given)
     outer = ROD["radius"].number(radius)
     if size >= outer:
         raise wrong_value(

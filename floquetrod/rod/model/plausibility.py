@@ -74,32 +74,17 @@ def _level_of_user() -> int | None:
 
 
 def suspicions_of_rod(rod: Any) -> Iterator[str]:
-    """Yield the suspicions about a rod, each with its numbers and a remedy."""
-    diameter, slenderness = 2.0 * rod.radius, 0.5 * rod.length / rod.radius
-    if is_typed(rod.radius) and _THICKEST < rod.radius <= 1e3 * _THICKEST:
-        yield (
-            f"radius = {rod.radius:g} m makes a rod {diameter:g} m thick; were these millimetres? A number is taken in "
-            f'm: radius="{rod.radius:g}mm"'
-        )
-    elif is_typed(rod.length) and _SLENDEREST < slenderness <= 1e3 * _SLENDEREST:
-        buckled = "" if rod.force_unit is None else f", and the rod would buckle into mode {rod.critical_mode:.0f}"
-        yield (
-            f"length = {rod.length:g} m is {slenderness:.3g} times the diameter of {diameter:g} m{buckled}; were "
-            f'these millimetres? A number is taken in m: length="{rod.length:g}mm"'
-        )
-    elif is_typed(rod.radius) and 1e-3 * _STUBBIEST <= slenderness < _STUBBIEST:
-        yield (
-            f"length = {rod.length:g} m is {slenderness:.3g} times the diameter of {diameter:g} m, which is no slender "
-            f'rod; is the radius of {rod.radius:g} m in another unit? Give it as "{rod.radius:g}mm", say'
-        )
-    elif is_typed(rod.channel_radius) and _WIDEST < rod.channel_radius / rod.radius <= 1e3 * _WIDEST:
-        yield (
-            f"channel_radius = {rod.channel_radius:g} m is {rod.channel_radius / rod.radius:.3g} times the radius of "
-            f"the rod, {rod.radius:g} m; were these millimetres? A number is taken in m: "
-            f'channel_radius="{rod.channel_radius:g}mm"'
-        )
-    yield from _doubled(rod)
-    yield from _material(rod)
+    """Yield the suspicions about a rod, or about each section of one, each with its numbers and a remedy."""
+    for number, section in enumerate(rod.sections, start=1):
+        every = (_thickness(section), _slenderness(section), _doubled(section, "name={!r}"), _material(section))
+        yield from (f"section {number}: {suspicion}" for suspicions in every for suspicion in suspicions)
+    if not rod.sections:
+        sizes = (_thickness, _slenderness, _stubbiness)
+        yield from next(filter(None, ([*suspicions(rod)] for suspicions in sizes)), [])
+        yield from _doubled(rod, "Rod.catalogue({!r}, ...)")
+        yield from _material(rod)
+    yield from _width(rod)
+    yield from _fluids(rod)
     widest = max(part.rod.radial_clearance for part in rod.uniform_parts)
     if not rod.course.is_straight and (sharp := rod.course.sharpest * widest) > _SHARP:
         yield (
@@ -111,8 +96,54 @@ def suspicions_of_rod(rod: Any) -> Iterator[str]:
             yield f"gravity = {rod.gravity:g} m/s^2 looks like {unit}; a number is taken in m/s^2: gravity=9.81"
 
 
-def _doubled(rod: Any) -> Iterator[str]:
-    """Yield the suspicion that diameters were given as radii, where a pipe of the catalogue shows it."""
+def _thickness(rod: Any) -> Iterator[str]:
+    """Yield the suspicion that a radius was given in millimetres."""
+    if is_typed(rod.radius) and _THICKEST < rod.radius <= 1e3 * _THICKEST:
+        yield (
+            f"radius = {rod.radius:g} m makes a rod {2.0 * rod.radius:g} m thick; were these millimetres? A number is "
+            f'taken in m: radius="{rod.radius:g}mm"'
+        )
+
+
+def _slenderness(rod: Any) -> Iterator[str]:
+    """Yield the suspicion that a length was given in millimetres."""
+    slenderness = 0.5 * rod.length / rod.radius
+    if is_typed(rod.length) and _SLENDEREST < slenderness <= 1e3 * _SLENDEREST:
+        is_judged = getattr(rod, "force_unit", None) is not None
+        buckled = f", and the rod would buckle into mode {rod.critical_mode:.0f}" if is_judged else ""
+        yield (
+            f"length = {rod.length:g} m is {slenderness:.3g} times the diameter of {2.0 * rod.radius:g} m{buckled}; "
+            f'were these millimetres? A number is taken in m: length="{rod.length:g}mm"'
+        )
+
+
+def _stubbiness(rod: Any) -> Iterator[str]:
+    """Yield the suspicion that a radius is in another unit than the length."""
+    slenderness = 0.5 * rod.length / rod.radius
+    if is_typed(rod.radius) and 1e-3 * _STUBBIEST <= slenderness < _STUBBIEST:
+        yield (
+            f"length = {rod.length:g} m is {slenderness:.3g} times the diameter of {2.0 * rod.radius:g} m, which is no "
+            f'slender rod; is the radius of {rod.radius:g} m in another unit? Give it as "{rod.radius:g}mm", say'
+        )
+
+
+def _width(rod: Any) -> Iterator[str]:
+    """Yield the suspicion that the size of the channel was given in millimetres, once for several bores."""
+    radius = min(part.rod.radius for part in rod.uniform_parts)
+    name, size, of_rod, as_given = "channel_radius", rod.channel_radius, f"radius of the rod, {radius:g} m", "{}"
+    if rod.bores:
+        name, size, of_rod = "bores", rod.bores[0].diameter, f"diameter of the rod, {2.0 * radius:g} m"
+        radius, as_given = 2.0 * radius, '[("0m", {}), ...]'
+    if is_typed(size) and _WIDEST < size / radius <= 1e3 * _WIDEST:
+        typed = f'"{size:g}mm"'
+        yield (
+            f"{name} = {size:g} m is {size / radius:.3g} times the {of_rod}; were these millimetres? A number is taken "
+            f"in m: {name}={as_given.format(typed)}"
+        )
+
+
+def _doubled(rod: Any, named: str) -> Iterator[str]:
+    """Yield the suspicion that diameters were given as radii, where a pipe of the catalogue, ``named``, shows it."""
     wall = rod.radius - rod.inner_radius
     tubes = [pipe for pipe in pipes() if pipe.wall_thickness] if rod.inner_radius > 0.0 else []
     if any(_alike(2.0 * rod.radius, pipe.diameter) and _alike(wall, pipe.wall_thickness) for pipe in tubes):
@@ -122,7 +153,7 @@ def _doubled(rod: Any) -> Iterator[str]:
         if _alike(rod.radius, pipe.diameter) and any(_alike(wall, each) for each in walls):
             yield (
                 f"radius = {rod.radius:g} m is the diameter of the catalogue's {pipe.name} {pipe.product}, whose wall "
-                f"this rod has too; give diameter={rod.radius:g}, or Rod.catalogue({pipe.name!r}, ...)"
+                f"this rod has too; give diameter={rod.radius:g}, or {named.format(pipe.name)}"
             )
 
 
@@ -131,7 +162,7 @@ def _alike(one: float, other: float) -> bool:
 
 
 def _material(rod: Any) -> Iterator[str]:
-    """Yield the suspicions about Young's modulus, the densities and the yield strength."""
+    """Yield the suspicions about Young's modulus, the density and the yield strength."""
     modulus, density = rod.youngs_modulus, rod.density
     if is_typed(modulus) or modulus > _STIFFEST:
         yield from _modulus(modulus, density)
@@ -146,9 +177,19 @@ def _material(rod: Any) -> Iterator[str]:
             f"yield_strength = {strength:g} Pa is that of no solid; was it in MPa? A number is taken in Pa: "
             f'yield_strength="{strength:g}MPa"'
         )
-    for name in ("density", "fluid_inside", "fluid_outside"):
-        if is_typed(value := getattr(rod, name)) and _HEAVIEST < value <= 1e3 * _HEAVIEST:
-            yield f"{name} = {value:g} kg/m^3 is heavier than any metal; a number is taken in kg/m^3"
+    yield from _heavy("density", density)
+
+
+def _fluids(rod: Any) -> Iterator[str]:
+    """Yield the suspicions about the fluids."""
+    for name in ("fluid_inside", "fluid_outside"):
+        yield from _heavy(name, getattr(rod, name))
+
+
+def _heavy(name: str, value: float) -> Iterator[str]:
+    """Yield the suspicion about a density."""
+    if is_typed(value) and _HEAVIEST < value <= 1e3 * _HEAVIEST:
+        yield f"{name} = {value:g} kg/m^3 is heavier than any metal; a number is taken in kg/m^3"
 
 
 def _modulus(modulus: float, density: float) -> Iterator[str]:

@@ -2,20 +2,25 @@
 
 from __future__ import annotations
 
+import json
 import warnings
-from collections.abc import Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
 
 from floquetrod._util import validate
-from floquetrod._util.arguments import Message, error_in
+from floquetrod._util.arguments import Message, argument_of, error_in
 from floquetrod._util.calling import level_of_caller
 from floquetrod._util.plausibility_warning import SILENCE, PlausibilityWarning
+from floquetrod._util.suggest import short
 from floquetrod._util.tables import read_toml, require_keys
 from floquetrod.bare_numbers import Quantity, bare_numbers
 from floquetrod.parameter import REQUIRED
-from floquetrod.rod.model.parameters import GIVEN, INSTEAD, MEANT, ROD, units_given
+from floquetrod.rod.model.parameters import GIVEN, INSTEAD, MEANT, OF_A_SECTION, ROD, units_given
 from floquetrod.units import InUnits
+
+if TYPE_CHECKING:
+    from floquetrod.rod.model.sections import Section
 
 T = TypeVar("T", bound=InUnits)
 
@@ -48,18 +53,66 @@ def rod_of(table: Mapping[str, Any], kind: type[T], folder: Path) -> T:
     TypeError or ValueError, naming the key, as `read_rod`.
     """
     _require_keys(table)
-    rod = _made({key: _value(key, value, folder) for key, value in table.items()}, kind)
+    rod = _made(_read(table, folder), kind)
     rod.given_in(units_given(table).or_else(rod.given_units))
     _warn_of_bare_numbers(table, kind, folder)
     return rod
 
 
+def _read(table: Mapping[str, Any], folder: Path) -> dict[str, Any]:
+    """Return the arguments of a rod: quantities in SI units, sections as such."""
+    return {key: _value(key, value, folder) for key, value in table.items()}
+
+
 def _made(given: Mapping[str, Any], kind: type[T]) -> T:
     """Return the rod of parameters in SI units."""
     if "catalogue" not in given:
-        return kind(**given)
+        try:
+            return kind(**given)
+        except (TypeError, ValueError) as error:
+            raise _of_a_bore(error) from None
     parameters = {key: value for key, value in given.items() if key != "catalogue"}
     return kind.catalogue(given["catalogue"], **parameters)  # type: ignore[attr-defined,no-any-return]
+
+
+def _of_a_bore(error: TypeError | ValueError) -> TypeError | ValueError:
+    """Return an error that calls a bore by its number from 1, as lines of a file are counted."""
+    about = argument_of(error)
+    if about is None or about.name != "bores" or not about.place:
+        return error
+    return ValueError(about.named(f"bore {int(about.place) + 1}"))
+
+
+class _Written(NamedTuple):
+    """A quantity as a file has it, and where: the keys and numbers of its table, its list and itself."""
+
+    quantity: Quantity
+    at: tuple[str | int, ...]
+
+
+def _written(table: Mapping[str, Any]) -> Iterator[_Written]:
+    """Yield the quantities of a rod file, its sections and bores included."""
+    kinds = {name: parameter.kind for name, parameter in GIVEN.items() if parameter.kind}
+    for key, value in table.items():
+        if key in kinds:
+            yield _Written(Quantity(key, value, kinds[key]), (key,))
+    for i, section in enumerate(table.get("sections", ())):
+        for key, value in section.items():
+            if key in kinds:
+                yield _Written(Quantity(f"section {i + 1}: {key}", value, kinds[key]), ("sections", i, key))
+    for i, pair in enumerate(table.get("bores", ())):
+        for k, what in enumerate(("depth", "diameter")):
+            yield _Written(Quantity(f"bore {i + 1}: {what}", pair[k], "length"), ("bores", i, k))
+
+
+def _with(table: Any, at: tuple[str | int, ...], value: Any) -> Any:
+    """Return a copy of a table, or of a list in it, with another value somewhere."""
+    if not at:
+        return value
+    first, *inside = at
+    changed = dict(table) if isinstance(table, Mapping) else list(table)
+    changed[first] = _with(table[first], tuple(inside), value)  # type: ignore[index]
+    return changed
 
 
 def _warn_of_bare_numbers(table: Mapping[str, Any], kind: type[T], folder: Path) -> None:
@@ -67,11 +120,11 @@ def _warn_of_bare_numbers(table: Mapping[str, Any], kind: type[T], folder: Path)
 
     The rod itself warns of an implausible number.
     """
-    kinds = {name: parameter.kind for name, parameter in GIVEN.items() if parameter.kind}
-    quantities = (Quantity(key, value, kinds[key]) for key, value in table.items() if key in kinds)
-    for number in bare_numbers(quantities):
+    written = {each.quantity.name: each for each in _written(table)}
+    for number in bare_numbers(each.quantity for each in written.values()):
         name, value, _ = number.quantity
-        if all(_is_plausible({**table, name: each}, kind, folder) for each in (value, f"{value}{number.other}")):
+        at = written[name].at
+        if all(_is_plausible(_with(table, at, each), kind, folder) for each in (value, f"{value}{number.other}")):
             text = Message(f"in the file {number.warning}", SILENCE)
             warnings.warn(text, PlausibilityWarning, stacklevel=level_of_caller())
 
@@ -81,7 +134,7 @@ def _is_plausible(table: Mapping[str, Any], kind: type[T], folder: Path) -> bool
     with warnings.catch_warnings():
         warnings.simplefilter("error", PlausibilityWarning)
         try:
-            _made({key: _value(key, value, folder) for key, value in table.items()}, kind)
+            _made(_read(table, folder), kind)
         except (PlausibilityWarning, TypeError, ValueError):
             return False
     return True
@@ -95,9 +148,20 @@ def _require_keys(table: Mapping[str, Any]) -> None:
         needed = ["bore", *(key for key in required if key not in (*_HOLE, *_FROM_THE_PIPE))]
         if any(key in table for key in _HOLE):
             raise ValueError("bore is the key for the hole of a pipe of the catalogue, in place of a channel")
+        if any(key in table for key in ("sections", "bores")):
+            raise ValueError(
+                "catalogue must not be given with sections or bores; write a table [[sections]] with "
+                f"name = {json.dumps(table['catalogue'], default=str)} and a length"
+            )
     else:
         known = [*ROD, *INSTEAD, "catalogue"]
-        needed = required
+        left_out = (*(OF_A_SECTION if "sections" in table else ()), *(_HOLE if "bores" in table else ()))
+        needed = [key for key in required if key not in left_out]
+    _require_these(table, known, needed)
+
+
+def _require_these(table: Mapping[str, Any], known: Collection[str], needed: Iterable[str]) -> None:
+    """Raise ValueError for keys of a table that are not known, and for missing ones."""
     written = next((key for key in table if key in MEANT), None)
     if written is not None:
         raise ValueError(f"unknown key {written!r}; {MEANT[written]}")
@@ -108,6 +172,23 @@ def _require_keys(table: Mapping[str, Any]) -> None:
         raise ValueError(f"{', '.join(missing)}; the keys are {', '.join(known)}")
 
 
+def _sections(tables: Any) -> tuple[Section, ...]:
+    """Return the sections that the tables of a file describe, which messages count from 1."""
+    from floquetrod.rod.model.sections import Section, sections_of
+
+    if not isinstance(tables, list) or not all(isinstance(table, Mapping) for table in tables):
+        raise ValueError(f"sections must be tables [[sections]], got {short(tables)}")
+    made = []
+    for i, table in enumerate(tables):
+        try:
+            needed = ("length",) if "name" in table else ("length", "radius")
+            _require_these(table, ("name", *OF_A_SECTION, *(k for k in INSTEAD if INSTEAD[k] in OF_A_SECTION)), needed)
+            made.append(Section(**table))
+        except (TypeError, ValueError) as error:
+            raise error_in(f"section {i + 1}", error) from None
+    return sections_of(made)
+
+
 def _value(key: str, value: Any, folder: Path) -> Any:
     """Return a quantity in SI units, or the path in a survey; anything else, such as a word, unchanged."""
     if key == "path" and (isinstance(value, str) or (isinstance(value, Mapping) and "file" in value)):
@@ -116,4 +197,6 @@ def _value(key: str, value: Any, folder: Path) -> Any:
         given = {"file": value} if isinstance(value, str) else dict(value)
         require_keys(given, ("file", *SURVEY_KEYS))
         return WellPath.from_csv(folder / given.pop("file"), **given)
+    if key == "sections":
+        return _sections(value)
     return GIVEN[key].quantity(value, key) if key in GIVEN and GIVEN[key].kind else value

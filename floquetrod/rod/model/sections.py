@@ -12,7 +12,7 @@ from floquetrod._util.arguments import error_in, wrong_type, wrong_value
 from floquetrod._util.calling import TellsAttributes, constructor_hints
 from floquetrod._util.suggest import short
 from floquetrod.rod.model.catalogue import DENSITY, YOUNGS_MODULUS, pipe
-from floquetrod.rod.model.parameters import BORE, INSTEAD, MEANT, OF_A_SECTION, ROD, in_si, units_given
+from floquetrod.rod.model.parameters import BORE, INSTEAD, MEANT, OF_A_SECTION, ROD, in_si, is_given, units_given
 from floquetrod.rod.model.possible_rod import HAS_WALL
 
 MOST_SECTIONS = 1000
@@ -155,7 +155,7 @@ class Bore(NamedTuple):
 
 def sections_of(given: Any) -> tuple[Section, ...]:
     """Return sections from the upper end down, neighbours that are alike as one; TypeError or ValueError for others."""
-    if given is None:
+    if not is_given(given):
         return ()
     listed = _listed("sections", given, 'such as [fr.Section("2.00x0.156 CT90", length="1200m"), ...]')
     made: list[Section] = []
@@ -187,11 +187,12 @@ def bores_of(given: Any, top: float) -> tuple[Bore, ...]:
 
     TypeError or ValueError for anything but pairs of increasing depths and diameters that begin at or above that end.
     """
-    if given is None:
+    if not is_given(given):
         return ()
     made: list[Bore] = []
+    listed = _listed("bores", given, 'such as [("0m", "4.778in"), ("1500m", "6.184in")]')
     before = -1.0
-    for i, pair in enumerate(_listed("bores", given, 'such as [("0m", "4.778in"), ("1500m", "6.184in")]')):
+    for i, pair in enumerate(listed):
         if isinstance(pair, str) or not isinstance(pair, Sequence) or len(pair) != 2:
             raise wrong_type(
                 f"bores[{i}]", f'must be a depth and a diameter such as ("0m", "4.778in"), got {short(pair)}'
@@ -199,10 +200,16 @@ def bores_of(given: Any, top: float) -> tuple[Bore, ...]:
         depth = units.number(f"bores[{i}]", pair[0], "length", 0.0, ROD["depth"].largest, hint="give the depth in m")
         diameter = BORE.number(pair[1], f"bores[{i}]")
         if depth <= before:
-            raise wrong_value(f"bores[{i}]", f"must begin below the bore before it, got {depth:g} m after {before:g} m")
+            after = short(listed[i - 1][0])
+            raise wrong_value(
+                f"bores[{i}]",
+                f"must begin below the bore before it, got {short(pair[0])} after {after}; list them from the top down",
+            )
         if not made and depth > top:
             raise wrong_value(
-                "bores", f"must begin at or above the upper end of the rod, at {top:g} m, got {depth:g} m for the first"
+                f"bores[{i}]",
+                f"must begin at or above the upper end of the rod, at {top:g} m, got {short(pair[0])}; give the bore "
+                "there, too",
             )
         before = depth
         if not made or made[-1].diameter != diameter:
@@ -212,10 +219,14 @@ def bores_of(given: Any, top: float) -> tuple[Bore, ...]:
 
 def _listed(name: str, given: Any, such: str) -> list[Any]:
     """Return a list of one to `MOST_SECTIONS`."""
-    if isinstance(given, str | Mapping) or not isinstance(given, Sequence):
+    if isinstance(given, str | bytes | Mapping) or not isinstance(given, Sequence):
         raise wrong_type(name, f"must be a list {such}, got {short(given)}")
-    if not 1 <= len(given) <= MOST_SECTIONS:
-        raise wrong_value(name, f"must be 1 to {MOST_SECTIONS}, got {len(given)}: a list {such}")
+    if not given:
+        raise wrong_value(name, f"must be a list of one or more {such}, got an empty one; leave it out for none")
+    if len(given) > MOST_SECTIONS:
+        raise wrong_value(
+            name, f"must be {MOST_SECTIONS:,} at most, got {len(given):,}; give alike ones that adjoin as one"
+        )
     return list(given)
 
 
@@ -224,19 +235,19 @@ def at_the_upper_end(given: Mapping[str, Any]) -> dict[str, Any]:
 
     ``sections`` and ``bores`` are cleaned, and () where there is one section, or one bore, all along.
     """
-    sections = sections_of(given["sections"] or None)
+    sections = sections_of(given["sections"])
     top = 0.0 if given["path"] is None else ROD["depth"].number(given["depth"])
-    bores = bores_of(given["bores"] or None, top)
+    bores = bores_of(given["bores"], top)
     changed: dict[str, Any] = {}
     if sections:
         own = (*OF_A_SECTION, *(alias for alias, name in INSTEAD.items() if name in OF_A_SECTION))
-        _require_absent(given, own, "sections", "each of which has its own; give it to them")
+        _require_absent(given, own, "sections", "each section has its own")
         upper = sections[0]
         changed = {name: getattr(upper, name) for name in OF_A_SECTION}
         changed["length"] = sum(each.length for each in sections)
     if bores:
         own = ("channel_radius", *(alias for alias, name in INSTEAD.items() if name == "channel_radius"))
-        _require_absent(given, own, "bores", "which have the diameters; give one of them")
+        _require_absent(given, own, "bores", "each bore has its own diameter")
         changed["channel_radius"] = 0.5 * [bore for bore in bores if bore.depth <= top][-1].diameter
     return {
         **given,
@@ -250,7 +261,7 @@ def _require_absent(given: Mapping[str, Any], names: Sequence[str], other: str, 
     """Raise ValueError for an argument that another takes the place of."""
     for name in names:
         if given[name] is not None:
-            raise wrong_value(name, f"must not be given with {other}, {why}; got {short(given[name])}")
+            raise wrong_value(name, f"must not be given with {other}, got {short(given[name])}; {why}")
 
 
 def divided(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -38,6 +38,9 @@ class Stress:
         Pressure inside less that outside at that section in Pa; 0 where they are taken as equal.
     von_mises : float, optional
         Von Mises' stress in Pa at the inner or the outer radius, where the pressures are not taken as equal.
+    section : int, optional
+        Of several sections the number, from 1, of the one where the share of its yield strength is largest; where no
+        strength is known, the stress.
 
     Examples
     --------
@@ -53,6 +56,7 @@ class Stress:
     yield_strength: float | None
     excess_inside: float = 0.0
     von_mises: float | None = None
+    section: int | None = None
 
     @property
     def largest(self) -> float:
@@ -66,7 +70,8 @@ class Stress:
 
     def as_dict(self) -> dict[str, Any]:
         """Return the stresses in Pa, plain numbers; None where they are infinite."""
-        return by_keys(self, "axial_Pa bending_Pa largest_Pa position_m yield_strength_Pa share_of_yield")
+        section = "" if self.section is None else " section"
+        return by_keys(self, f"axial_Pa bending_Pa largest_Pa position_m yield_strength_Pa share_of_yield{section}")
 
     def __str__(self) -> str:
         """Return the stresses in a line, in MPa."""
@@ -75,7 +80,8 @@ class Stress:
     def in_words(self, shown: Unit) -> str:
         """Return the stresses in a line, in a unit."""
         share = "" if self.yield_strength is None else self._of_yield(shown)
-        whole = f"at most {shown.show(self.largest, 3)}{share}"
+        section = "" if self.section is None else f", in section {self.section}"
+        whole = f"at most {shown.show(self.largest, 3)}{share}{section}"
         parts = f": axial {shown.show(self.axial, 3)}, bending {shown.show(self.bending, 3)}"
         if self.von_mises is not None:
             side = "inside" if self.excess_inside >= 0.0 else "outside"
@@ -100,9 +106,19 @@ def stress(rod: Any, load: Load) -> Stress:
         raise wrong_value("frequency", f"must make at most {_MOST_WAVES:,} axial waves along the rod, got {waves:.3g}")
     x = np.union1d(np.linspace(0.0, 1.0, _PLACES + math.ceil(64.0 * waves)), rod.course.samples)
     mean = load.mean + (0.0 if load.mean_at is None else weight_gained(rod, x, load.mean_at))
-    axial = (np.abs(mean) + largest_along(load, rod.axial_line, x * rod.length)) / rod.area
+    every = [part.rod for part in rod.uniform_parts]
+    index = np.searchsorted(rod.edges[1:-1], x, side="right")
+    area = np.array([each.area for each in every])[index]
+    stiffness = np.array([each.youngs_modulus * each.radius for each in every])[index]
+    axial = (np.abs(mean) + largest_along(load, rod.axial_line, x * rod.length)) / area
     place = rod.course.place(x)
     curvature = np.broadcast_to(np.hypot(place.kappa_n, place.kappa_b), x.shape)
-    bending = rod.youngs_modulus * rod.radius * (curvature + rod.residual_curvature)
-    worst = int(np.argmax(axial + bending))
-    return Stress(float(axial[worst]), float(bending[worst]), float(x[worst] * rod.length), rod.yield_strength)
+    bending = stiffness * (curvature + rod.residual_curvature)
+    strengths = [each.yield_strength for each in every]
+    # Where a strength is not known its section is no nearer to yield than any other: the largest share is of the known.
+    known = np.array([math.inf if strength is None else strength for strength in strengths])[index]
+    share = (axial + bending) / known if any(strengths) else axial + bending
+    worst = int(np.argmax(share))
+    number = int(index[worst])
+    found = Stress(float(axial[worst]), float(bending[worst]), float(x[worst] * rod.length), strengths[number])
+    return replace(found, section=rod.uniform_parts[number].section + 1) if rod.varies else found
