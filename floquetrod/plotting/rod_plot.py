@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import shutil
 import tempfile
 from collections.abc import Callable, Sequence
@@ -152,7 +153,10 @@ def _frame_axes(ax: Any, run: Any) -> None:
 
 
 def draw_shape(verdict: Any, shape: Any, name: str, ax: Any = None) -> Any:
-    """Draw the shape in which a rod grows, at one instant and its envelope, and what grows; return the axes."""
+    """Draw the shape in which a rod grows, at one instant and its envelope, and what grows; return the axes.
+
+    Of a string the sections are numbered from the upper end, with lines where sections or bores change.
+    """
     ax = axes_or_new(ax)
     ax.fill_between(shape.s, -shape.envelope, shape.envelope, color=palette.NEUTRAL, alpha=0.35, linewidth=0.0)
     ax.collections[-1].set_label("over a period")
@@ -161,5 +165,20 @@ def draw_shape(verdict: Any, shape: Any, name: str, ax: Any = None) -> Any:
     ax.set_xlim(shape.s[0], shape.s[-1])
     growth = f"{verdict.status}, growth {verdict.growth_rate:.4g} 1/s"
     ax.set_title(f"{growth}: {name}" if name else growth, fontsize="medium", wrap=True)
-    explain(ax, [line, ax.collections[-1]])
+    explain(ax, [line, ax.collections[-1], *_draw_sections(verdict.rod, ax)])
     return ax
+
+
+def _draw_sections(rod: Any, ax: Any) -> list[Any]:
+    """Draw where sections and bores of a string change, and number its sections; return what the legend explains."""
+    parts: Any = rod.uniform_parts
+    drawn: dict[str, Any] = {}
+    for upper, lower in itertools.pairwise(parts):
+        label, style = ("another bore", ":") if upper.section == lower.section else ("another section", "--")
+        drawn[label] = ax.axvline(lower.start, color="0.4", linestyle=style, linewidth=1.0, label=label)
+    if rod.sections:
+        ax.set_ylim(-1.1, 1.35)
+        for number in range(len(rod.sections)):
+            ends = [end for part in parts if part.section == number for end in (part.start, part.end)]
+            ax.text(0.5 * (ends[0] + ends[-1]), 1.22, str(number + 1), ha="center", va="center", fontsize="small")
+    return list(drawn.values())
