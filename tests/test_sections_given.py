@@ -340,7 +340,7 @@ def test_check_says_what_the_string_is_and_where_it_grows(tmp_path: Path, capsys
         "string of 3 sections, 60 m: 2.00x0.156 CT90 30 m, 2.00x0.203 CT90 25 m, 2.875 in pipe of 0.9375 in wall 5 m, "
         "in bores of 4.778 in, 6.184 in from 45 m on"
     ) in text
-    assert "most in section 1, 2.00x0.156 CT90, in the 4.778 in bore, at 4." in text
+    assert "most in section 1, 2.00x0.156 CT90, in the 4.778 in bore, at 4" in text
     assert "of the yield strength 621 MPa, in section 1" in text
     assert "one damping rate for all" in text
     assert "(E I / w)^(1/4)" in text

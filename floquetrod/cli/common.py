@@ -21,7 +21,7 @@ from floquetrod._util.suggest import did_you_mean
 from floquetrod._util.waiting import Waiting, say
 from floquetrod.cli.messages import option
 from floquetrod.cli.parser import Parser, ratio
-from floquetrod.rod.model.parameters import GIVEN, units_given
+from floquetrod.rod.model.parameters import GIVEN, INSTEAD, OF_A_SECTION, units_given
 
 if TYPE_CHECKING:
     from floquetrod.rod.loads import load
@@ -374,9 +374,6 @@ def _rod(options: argparse.Namespace) -> fr.Rod:
 
 def _require_of_the_whole(options: argparse.Namespace, rod: fr.Rod, changes: Iterable[str]) -> None:
     """Raise ValueError for an option that sets what each section of the rod, or each bore, has for itself."""
-    from floquetrod.rod.model.parameters import INSTEAD
-    from floquetrod.rod.model.sections import OF_A_SECTION
-
     for name in changes:
         table = "sections" if INSTEAD.get(name, name) in OF_A_SECTION else "bores" if name == "bore" else ""
         if table and getattr(rod, table):
