@@ -62,7 +62,8 @@ OTHERS: dict[str, Callable[[fr.Rod], Any]] = {
     "stability with a kick": lambda rod: rod.stability(LOAD, friction=0.1, kick=0.05),
     "stability under noise": lambda rod: rod.stability(fr.AxialLoad(0.15, 0.3, 60.0, noise=1e-4)).growth_rate,
     "stability_map": lambda rod: fr.stability_map(rod, LOAD, mean=(0.0, 0.4, 12), frequency=(50.0, 70.0, 12)).stable,
-    "probability_of_reach": lambda rod: fr.probability_of_reach(rod, WELL, 0.2, {"friction": (0.1, 0.3)}, samples=100),
+    "probability_of_reach": lambda rod: fr.probability_of_reach(rod, WELL, 0.2, {"density": (6e3, 7e3)}, samples=100),
+    "probability": lambda rod: fr.probability_of_instability(rod, LOAD, {"youngs_modulus": (6e10, 7e10)}, samples=100),
     "simulate": lambda rod: fr.SimulationProblem(rod, LOAD, duration=1e-3, segments=60, frames=2).mesh,
 }
 UNTOUCHED = {
@@ -73,6 +74,7 @@ UNTOUCHED = {
     "uniform_parts": "the parts themselves",
     "edges": "where they lie, without what they are",
     "along": "takes places",
+    "in_cell": "takes a section",
     "given_in": "units",
     "given_units": "units",
     "bores": "a parameter",
