@@ -107,7 +107,7 @@ def test_forces_are_the_gradient_of_the_energy(ends: str, natural: Any) -> None:
     start, physics = moved(strained), mesh.physics(driving, step)
     axes = tuple(beside(start, FIRST + node)[1] for node in (0, 56))
     rod_step.gradient(start, physics, axes, 0.0, 0.0)
-    rod_step.move_nodes(start, physics.well, None, physics)
+    rod_step.move_nodes(start, physics.well, None, None, physics)
     kicked = np.stack([mesh.nodes(start, f"v{name}") for name in "xyz"], axis=1) / step
     force = mesh.segment_mass * mesh.nodes(start, "share")[:, None] * kicked
     work = -np.sum(force * way)
@@ -123,7 +123,7 @@ def test_the_material_alone_moves_along_and_fluids_with_it_across() -> None:
     frames = mesh.axis.frames(places[:, 0])
     for axis, name in enumerate("xyz"):
         mesh.nodes(record, name)[:] = mesh.cartesian(places)[:, axis]
-    rod_step.move_nodes(record, physics.well, None, physics)
+    rod_step.move_nodes(record, physics.well, None, None, physics)
     fall = np.stack([mesh.nodes(record, f"v{name}") for name in "xyz"], axis=1) / 1e-6
     along, up = (np.einsum("ij,ij->i", fall, axis) for axis in (frames.along, frames.up))
     inclination = SURVEY.inclination_at(0.1 + 0.5 * ROD.length + places[:, 0])

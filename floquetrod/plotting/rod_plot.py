@@ -144,7 +144,7 @@ def save_animation(animation: Any, path: Path, progress: Callable[[int, int], No
 
 def _frame_axes(ax: Any, run: Any) -> None:
     """Set the limits of a top view: the rod's length, and its motion or a tenth of the channel."""
-    gap = 1e3 * run.rod.radial_clearance
+    gap = 1e3 * float(np.max(run.problem.mesh.clearance))
     side = max(0.1 * gap, 1.05e3 * float(np.abs(run.positions[:, :, 1]).max()))
     ax.set_xlim(-0.505 * run.rod.length, 0.505 * run.rod.length)
     ax.set_ylim(-side, side)

@@ -14,11 +14,13 @@ from floquetrod.rod.loads.load import AxialWave, Load, with_waves
 from floquetrod.rod.loads.tool import VibrationTool
 from floquetrod.rod.model.course import weight_gained
 from floquetrod.rod.model.data import RodData
+from floquetrod.simulation.lumping import uniform_rods
 from floquetrod.simulation.rod_record import CLAMPED, FREE, GUIDED, HINGED, End
 from floquetrod.simulation.well_axis import WellAxis
 
 MOST_HARMONICS = 100  # of a simulated force: they are summed in every step
-_ACROSS = {"hinged": HINGED, "clamped": CLAMPED, "guided": GUIDED, "free": FREE}
+ACROSS = {"hinged": HINGED, "clamped": CLAMPED, "guided": GUIDED, "free": FREE}
+"""What the ends of a rod may be across the channel, by the words for them."""
 LARGEST_STRAIN = 0.02  # that a load may cause: beyond it linear elasticity has no meaning
 _FINE = 513  # places at which a wave is examined for its largest force (a choice)
 _NEAR = 1e-4  # of an axial wave or of the length, over which its profile is differentiated (heuristic)
@@ -94,9 +96,9 @@ class Driving:
         """The upper and the lower end."""
         across, means = self.rod.end_conditions, self.mean_forces
         fed = self.feed_speed is not None
-        upper = End(_ACROSS[across.upper], fed, self.feed_speed or 0.0, means[0], 0.0 if fed else 1.0)
+        upper = End(ACROSS[across.upper], fed, self.feed_speed or 0.0, means[0], 0.0 if fed else 1.0)
         lower = End(
-            _ACROSS[across.lower], self.far_end == "held", 0.0, means[1], 1.0 if self.far_end == "driven" else 0.0
+            ACROSS[across.lower], self.far_end == "held", 0.0, means[1], 1.0 if self.far_end == "driven" else 0.0
         )
         return upper, lower
 
@@ -151,7 +153,7 @@ class Driving:
                 profile = self._profile(fine, frequency)
                 s = np.append(s, fine[int(np.argmax(profile))])
                 amplitude = abs(self.harmonics[k]) * np.interp(s, fine, profile)
-            most = LARGEST_STRAIN * self.rod.axial_rigidity
+            most = LARGEST_STRAIN * least_axial_rigidity(self.rod)
             forces.append((frequency, first + (last - first) * s / self.rod.length, np.minimum(amplitude, most)))
         if self.tool is not None:  # of which half goes each way, as far as no end reflects it
             s = np.linspace(0.0, self.rod.length, places)
@@ -177,12 +179,21 @@ def half_waves(rod: RodData, load: Load, tool: VibrationTool | None = None) -> f
     """Return the number of half waves along the rod that a load is likely to excite, not rounded.
 
     Those of the critical mode; more where the force exceeds the critical one, as its square root; and of the free
-    motion at half the frequency of the load, or of a tool, which is in resonance first.
+    motion at half the frequency of the load, or of a tool, which is in resonance first.  Of a rod that varies along, as
+    many as along one that is like the part with the shortest.
     """
     shaken = 0.0 if tool is None else tool.share * tool.amplitude
-    strongest = (abs(load.mean) + load.amplitude + shaken) / rod.critical_force
-    bending = rod.flexural_rigidity / rod.mass_per_length
     fastest = max(load.frequency if load.amplitude > 0.0 else 0.0, tool.frequency if tool is not None else 0.0)
-    rest = max(0.25 * fastest**2 - rod.pendulum_frequency**2, 0.0)
-    resonant = math.sqrt(math.sqrt(rest / bending)) * rod.length / math.pi
-    return max(rod.critical_mode * math.sqrt(max(strongest, 1.0)), resonant)
+    most = 0.0
+    for like in uniform_rods(rod):
+        strongest = (abs(load.mean) + load.amplitude + shaken) / like.critical_force
+        bending = like.flexural_rigidity / like.mass_per_length
+        rest = max(0.25 * fastest**2 - like.pendulum_frequency**2, 0.0)
+        resonant = math.sqrt(math.sqrt(rest / bending)) * rod.length / math.pi
+        most = max(most, like.critical_mode * math.sqrt(max(strongest, 1.0)), resonant)
+    return most
+
+
+def least_axial_rigidity(rod: RodData) -> float:
+    """Return the smallest E A in N along a rod."""
+    return min(like.axial_rigidity for like in uniform_rods(rod))

@@ -95,7 +95,8 @@ def growth_of_motion(
         amplitudes = motion.angle[:, :: math.ceil(nodes / _MOST_NODES)]
         largest = int(np.argmax(np.sum(motion.angle[:longest] ** 2, axis=1)))
         # Of the shape theta(s): k^2 = sum theta''^2 / sum theta'^2.
-        slopes = np.diff(motion.angle[largest]) / segment
+        shape = motion.positions[largest, :, 1] if rod.varies else motion.angle[largest]
+        slopes = np.diff(shape) / segment
         bends = np.diff(slopes) / segment
         wavenumber = math.sqrt(float(np.sum(bends**2) / max(float(np.sum(slopes**2)), _TINY)))
     else:

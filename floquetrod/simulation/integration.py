@@ -222,7 +222,7 @@ class Integration(Generic[Result]):
         step = self.time_steps.size
         far = float(np.hypot(y, z).max())
         stretch = float(np.abs(np.diff(x)).max()) / self.mesh.segment_length
-        inside, whole = far < 2.0 * self.mesh.rod.channel_radius, stretch < 2.0  # both False for NaN
+        inside, whole = far < 2.0 * self.mesh.widest, stretch < 2.0  # both False for NaN
         if inside and whole:
             return
         when = self.done * step

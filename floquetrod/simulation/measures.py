@@ -16,16 +16,16 @@ def contact_force(
 
     By the law of the kernels: k sqrt(d) (d + C d') for the mass in motion across.
     """
-    gap = mesh.rod.radial_clearance
+    gap = mesh.clearance_at(positions[..., 0])
     y, z, vy, vz = (part[..., axis] / gap for part in (positions, velocities) for axis in (1, 2))
     square = y * y + z * z
     depth = np.maximum(0.5 * gap * (square - 1.0), 0.0)
     speed = gap * (y * vy + z * vz)
     push = np.maximum(mesh.contact_stiffness * np.sqrt(depth) * (depth + mesh.contact_time * speed), 0.0)
-    return np.asarray(mesh.rod.mass_per_length * push * np.sqrt(square))
+    return np.asarray(mesh.mass_per_length * push * np.sqrt(square))
 
 
 def axial_force(mesh: DiscreteRod, driving: Driving, positions: NDArray[np.float64]) -> NDArray[np.float64]:
     """Return the compression in N in the middle of every segment of every frame, (frames, segments)."""
     lengths = np.array([np.linalg.norm(mesh.tangents(mesh.cartesian(places), driving), axis=1) for places in positions])
-    return np.asarray(mesh.rod.axial_rigidity * (1.0 - lengths / mesh.segment_length))
+    return np.asarray(mesh.axial_rigidity * (1.0 - lengths / mesh.segment_length))

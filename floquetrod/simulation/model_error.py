@@ -9,6 +9,7 @@ from floquetrod.rod.loads.axial import wave_ratio
 from floquetrod.rod.loads.load import AxialLoad, Load, with_waves
 from floquetrod.rod.model.assumptions import UNIFORM_UP_TO
 from floquetrod.rod.rod import Rod
+from floquetrod.simulation.driving import least_axial_rigidity
 
 _MORE = 1.25  # of the effect of segments, for what one wavenumber leaves out (a choice)
 _AT_THE_ENDS = 4.0  # times more where an end is clamped or free, and shapes change fast (measured: up to 3.5)
@@ -53,7 +54,7 @@ def model_errors(
     (2 sigma / l)^2 (1 + sigma^2 / 3) for the curvature of directions, in place of k and k^2.  Large angles: the cubic
     terms of EI (theta'''' - 6 theta'^2 theta'') and of the weight, averaged over a standing wave.
     """
-    if isinstance(load, AxialLoad) and wave_ratio(rod, load) > UNIFORM_UP_TO:
+    if isinstance(load, AxialLoad) and wave_ratio(rod, load) > UNIFORM_UP_TO and not rod.varies:
         # What an AxialLoad does to a rod of this length.
         load = with_waves(load)
     modes = rod._modes_under(load).showing(load, mode, 0.25 * rate)
@@ -72,7 +73,7 @@ def model_errors(
     squared = math.sin(half) ** 2
     slope = squared * (1.0 + squared / 6.0) ** 2 / half**2
     curvature = squared * (1.0 + squared / 3.0) / half**2
-    strain = (abs(load.mean) + load.amplitude) / rod.axial_rigidity
+    strain = (abs(load.mean) + load.amplitude) / least_axial_rigidity(rod)
     longer = 1.0 / (1.0 - strain)
     ends = rod.end_conditions
     more = _MORE * (_AT_THE_ENDS if {ends.upper, ends.lower} & {"clamped", "free"} else 1.0)

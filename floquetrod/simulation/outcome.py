@@ -12,6 +12,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from floquetrod.simulation.lumping import uniform_rods
 from floquetrod.simulation.rod_mesh import DiscreteRod
 from floquetrod.wells.drag import Friction
 
@@ -108,15 +109,20 @@ class Kick(NamedTuple):
     @classmethod
     def of(cls, mesh: DiscreteRod, friction: Friction, velocities: NDArray[np.float64]) -> Kick:
         """Return the kick of a rod whose nodes start with these speeds across the channel, (nodes,), in m/s."""
-        rod, gravity = mesh.rod, mesh.gravity_on_wall
+        rod, pressed = mesh.rod, np.broadcast_to(mesh.gravity_on_wall, velocities.shape)
         # Coulomb: v / (mu g), by the smallest mu; damping e^(-c t).
-        rubbing = min(friction.values) * gravity
+        rubbing = min(friction.values) * float(pressed.min())
         rubbed = float(np.abs(velocities).max()) / rubbing if rubbing > 0.0 else math.inf
         damped = _LEFT / rod.damping_rate if rod.damping_rate > 0.0 else math.inf
-        swing = kick_swing(
-            velocities, rod.length, rod.flexural_rigidity / rod.mass_per_length, gravity, rod.radial_clearance
-        )
-        return cls(swing, friction.largest, min(rubbed, damped), math.sqrt(gravity * rod.radial_clearance))
+        # Of a rod that varies along, as far as one would turn that is like the part which turns most.
+        swing, slowly = 0.0, math.inf
+        for part, like in zip(rod.uniform_parts, uniform_rods(rod), strict=True):
+            inside = (mesh.places >= part.start) & (mesh.places <= part.end)
+            gravity = float(pressed[inside].min(initial=float(pressed.max())))
+            bending, gap = like.flexural_rigidity / like.mass_per_length, like.radial_clearance
+            swing = max(swing, kick_swing(velocities, rod.length, bending, gravity, gap))
+            slowly = min(slowly, math.sqrt(gravity * gap))
+        return cls(swing, friction.largest, min(rubbed, damped), slowly)
 
     @property
     def clearly_buckled(self) -> float:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+import itertools
 import math
 from typing import NamedTuple
 
@@ -15,6 +16,7 @@ from floquetrod.rod.kernels import independent_modes as rod_modes
 from floquetrod.rod.loads.load import Loads
 from floquetrod.rod.model.constants import ModeConstants, mode_constants
 from floquetrod.simulation.driving import Driving
+from floquetrod.simulation.lumping import uniform_rods
 from floquetrod.simulation.start import LEAST_SEGMENTS
 
 _PLACES = 9  # along the rod at which the force is examined, besides where it vibrates most (a choice)
@@ -55,10 +57,11 @@ def growing_waves(driving: Driving, duration: float) -> GrowingWaves:
 
     Modes are counted in half waves along the rod, and judged by the mode equation of hinged ends under the force at
     several places along the rod, for coupled modes too: waves short beside the rod follow the force where they are.
-    Each harmonic of the force counts alone.
+    Each harmonic of the force counts alone.  A rod that varies along is judged as one like each of its parts.
     """
-    constants, waves = mode_constants(driving.rod), GrowingWaves(0, 0, 0.0)
-    for frequency, mean, amplitude in driving.forces(_PLACES, _HARMONICS):
+    waves, rods = GrowingWaves(0, 0, 0.0), map(mode_constants, uniform_rods(driving.rod))
+    forces = driving.forces(_PLACES, _HARMONICS)
+    for constants, (frequency, mean, amplitude) in itertools.product(rods, forces):
         loads = Loads.of(mean, amplitude, frequency)
         try:
             constants.require_in_reach(loads)

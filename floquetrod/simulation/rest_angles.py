@@ -27,10 +27,10 @@ def rest_angles(mesh: DiscreteRod, driving: Driving, record: Any) -> Floats:
     rest = angles(mesh.recorded(mesh.start(driving, np.zeros(mesh.segments + 1)))[0])
     held = angles(mesh.recorded(record)[0])
     rod, s = mesh.rod, mesh.places
-    stiffness = rod.mass_per_length * mesh.gravity_on_wall / rod.radial_clearance
-    bending = rod.flexural_rigidity
+    along = np.broadcast_to(mesh.mass_per_length * mesh.gravity_on_wall / mesh.clearance, s.shape)
     for node, end, distance in zip((0, -1), driving.ends, (s, rod.length - s), strict=True):
         if end.is_held:
+            stiffness, bending = along[node], mesh.bending_rigidity[node]
             offset = math.remainder(held[node] - rest[node], 2.0 * math.pi)
             # theta = e^(-a s) (cos b s + C sin b s), with theta'' = 0 at a hinge and theta' = 0 at a clamp.
             p = np.clip(end.mean / (2.0 * math.sqrt(bending * stiffness)), -_SOFTEST, _SOFTEST)

@@ -36,7 +36,21 @@ NATURAL = ("b1", "b2", "b3", "shift")
 the lower end, three numbers each: the offset of the ghost node of a naturally curved rod from a straight rod's."""
 
 
-def rod_type(segments: int, *, in_well: bool = False) -> np.dtype[np.void]:
+SECTIONS = (
+    *("mass", "mass_along", "inertia", "gravity", "gravity_along", "outer", "contact", "contact_time"),
+    *("gap", "taper", "mark"),
+    *("stretch", "twist", "bend", "bend_next", "bend_second"),
+)
+"""Of a rod that varies along.
+
+Of nodes: masses of a segment across and along, moment of inertia about its own axis; acceleration by weight towards the
+floor (in a well, along gravity) and towards the lower end; outer radius, k and C of the contact; radial clearance at
+the place ``mark``, and how fast it grows from there.  Of segments: E A / l, G J / l, and what the gradient of the energy
+of bending has of the direction of the segment itself, of the next one and of the second one, over l.
+"""
+
+
+def rod_type(segments: int, *, in_well: bool = False, varies: bool = False) -> np.dtype[np.void]:
     """Return the record that holds a rod of so many segments.
 
     The lengths of its fields are part of its type: compilers then know that fields do not overlap, and vectorise loops
@@ -47,8 +61,9 @@ def rod_type(segments: int, *, in_well: bool = False) -> np.dtype[np.void]:
     size = 512
     while size + 2 < segments:
         size *= 2
-    # Those of a well come first: to numba a record with more fields at its end is one of the shorter kind.
-    fields = (*((*ANCHOR, *NATURAL) if in_well else ()), *NODE, *LOST, *PARTS, *ONCE, *SCRATCH)
+    # What not every rod has comes first: to numba a record with more fields at its end is one of the shorter kind.
+    special = (*(SECTIONS if varies else ()), *((*ANCHOR, *NATURAL) if in_well else ()))
+    fields = (*special, *NODE, *LOST, *PARTS, *ONCE, *SCRATCH)
     return np.dtype([(name, np.float64, (size + 8,)) for name in fields])
 
 
@@ -83,13 +98,22 @@ class ToolForce(NamedTuple):
 class Well(NamedTuple):
     """What `Physics` has of a well: the axis of its channel, and the weight as a vector."""
 
-    gravity: tuple[float, float, float]  # weight over the mass in motion across
+    gravity: tuple[float, float, float]  # weight over the mass in motion across; its direction where the rod varies
     weight_along: float  # 1 where the weight acts along the channel too, else 0
     arcs: NDArray[np.float64]  # a row each: place of its upper end; point, tangent and normal there; curvature
 
 
+class Wall(NamedTuple):
+    """The wall of the channel of a rod that varies along."""
+
+    corners: NDArray[np.float64]  # a row each: a place along the channel, radius there, and how fast it grows from there
+
+
 class Physics(NamedTuple):
-    """Rod, channel, ends, load and time step as the loop uses them, in SI units."""
+    """Rod, channel, ends, load and time step as the loop uses them, in SI units.
+
+    Of a rod that varies along, numbers that its record has are NaN here.
+    """
 
     segments: int
     step: float
@@ -117,3 +141,4 @@ class Physics(NamedTuple):
     steps_before: float = 0.0  # in which the load has acted before the clock of the record began
     tool: Any = None  # a `ToolForce`, or None without
     well: Any = None  # a `Well`, or None in a straight channel
+    wall: Any = None  # a `Wall`, or None of a uniform rod in one bore

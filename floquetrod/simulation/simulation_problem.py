@@ -30,10 +30,11 @@ from floquetrod.rod.loads.tool import VibrationTool, tool_inside
 from floquetrod.rod.model.parameters import ROD
 from floquetrod.rod.rod import Rod
 from floquetrod.simulation.checkpoints import Checkpoint, RunState, other_arithmetic
-from floquetrod.simulation.driving import LARGEST_STRAIN, MOST_HARMONICS, Driving, half_waves
+from floquetrod.simulation.driving import LARGEST_STRAIN, MOST_HARMONICS, Driving, half_waves, least_axial_rigidity
 from floquetrod.simulation.findings import Findings
 from floquetrod.simulation.growth import GrowthFit, growth_of_motion
 from floquetrod.simulation.integration import Integration
+from floquetrod.simulation.lumping import uniform_rods
 from floquetrod.simulation.measures import axial_force, contact_force
 from floquetrod.simulation.outcome import BUCKLED_ANGLE, EarlierMotion, Kick, Outcome, outcome_of, turned
 from floquetrod.simulation.recorded_motion import ENDINGS, EarlyEnd, LastState, RecordedMotion
@@ -258,7 +259,7 @@ class SimulationProblem:
         if start is None:
             return None
         friction = self.wall_friction
-        half_swing = math.pi * math.sqrt(self.rod.radial_clearance / mesh.gravity_on_wall)
+        half_swing = math.pi * math.sqrt(float(np.max(mesh.clearance / mesh.gravity_on_wall)))
         return EarlierMotion(
             rest=rest_angles(
                 mesh, self.driving, mesh.resumed(start.record, self.driving, friction, same_friction=True)
@@ -412,7 +413,8 @@ class SimulationProblem:
         growing = self._growing
         likely = max(half_waves(self.rod, self.load, self.tool), self.perturbation.highest_mode, _LEAST_HALF_WAVES)
         wanted = max(_SEGMENTS_IN_HALF_WAVE * likely, _SEGMENTS_OF_FASTEST * growing.fastest, growing.least_segments)
-        return min(math.ceil(min(wanted, MOST_SEGMENTS)), math.floor(min(self.rod.length / self.rod.radius, 1e18)))
+        widest = max(like.radius for like in uniform_rods(self.rod))
+        return min(math.ceil(min(wanted, MOST_SEGMENTS)), math.floor(min(self.rod.length / widest, 1e18)))
 
     @cached_property
     def _growing(self) -> GrowingWaves:
@@ -458,17 +460,18 @@ class SimulationProblem:
             raise validate.wrong_value(
                 "natural_curvature", f"must not be given with feed_speed, got {natural!r}: it would stay behind"
             )
-        if axis is not None and axis.sharpest * self.rod.radial_clearance > _SHARPEST:
+        gap = max(like.radial_clearance for like in uniform_rods(self.rod))
+        if axis is not None and axis.sharpest * gap > _SHARPEST:
             raise validate.wrong_value(
                 "rod",
                 f"must lie on a path that bends by less than {_SHARPEST:g} of a radian over its radial clearance "
-                f"{self.rod.radial_clearance:g} m, got {axis.sharpest:.4g} 1/m; check the units of the survey",
+                f"{gap:g} m, got {axis.sharpest:.4g} 1/m; check the units of the survey",
             )
 
     def _require_small_strain(self) -> None:
         """Raise ValueError for a load beyond linear elasticity."""
         force = max(map(abs, self.driving.mean_forces)) + self.load.amplitude * np.abs(self.load.harmonics).sum()
-        strain = (force + (0.0 if self.tool is None else self.tool.amplitude)) / self.rod.axial_rigidity
+        strain = (force + (0.0 if self.tool is None else self.tool.amplitude)) / least_axial_rigidity(self.rod)
         if strain > LARGEST_STRAIN:
             raise validate.wrong_value(
                 "load" if self.tool is None else "load with its tool",
@@ -725,7 +728,10 @@ class Simulation(Reported, RecordedMotion):
         Modes of the angle describe a rod that lies on the wall along its whole length.
         """
         radius = np.hypot(*np.moveaxis(self.positions[-self._last_quarter :, :, 1:], -1, 0))
-        off = radius.min(axis=1) < (1.0 - _OFF_THE_WALL) * self.rod.radial_clearance
+        wall = self.problem.mesh.clearance_at(self.positions[-self._last_quarter :, :, 0])
+        if self.rod.varies:  # beside a step of the wall the rod rests off it
+            wall = np.minimum(wall, np.hypot(*self.positions[0, :, 1:].T))
+        off = (radius < (1.0 - _OFF_THE_WALL) * wall).any(axis=1)
         return float(np.mean(off))
 
     @property

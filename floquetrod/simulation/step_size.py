@@ -3,11 +3,17 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
 
 from floquetrod import units
 from floquetrod._util import validate
 from floquetrod._util.arguments import wrong_value
+from floquetrod._util.arrays import Floats
+from floquetrod.simulation.lumping import bending_stencil
 from floquetrod.simulation.rod_mesh import DiscreteRod
 
 SAFETY = 0.9  # of the largest time step of the linearised rod (heuristic: large motion never came near the rest)
@@ -53,7 +59,7 @@ def critical_time_step(mesh: DiscreteRod, impact_speed: float = 0.0) -> tuple[fl
     The fastest motion of the linearised rod in which neighbours move against each other has the frequency w; a step
     below 2 / w is stable.  Stretch: w = (7/6) (2 / l) sqrt(E / rho).  Bending: w^2 = (7/6)^2 (4/3) 16 E I / (m_t l^4).
     Contact adds to bending its stiffness and damping at the depth that ``impact_speed`` (m/s), on top of a fall across
-    the channel, can reach.
+    the channel, can reach.  Of a rod that varies along, every node has its own, and the least counts.
 
     Examples
     --------
@@ -62,20 +68,59 @@ def critical_time_step(mesh: DiscreteRod, impact_speed: float = 0.0) -> tuple[fl
     >>> f"{1e6 * step:.2f} us, set by {limit}"
     '2.96 us, set by stretch'
     """
-    length = mesh.segment_length
-    stretch = (7.0 / 3.0 * mesh.rod.wave_speed / length) ** 2
-    bend = (7.0 / 6.0) ** 2 * (4.0 / 3.0) * 16.0 * mesh.rod.flexural_rigidity
-    bend /= mesh.rod.mass_per_length * length**4
     impact_speed = units.number("impact_speed", impact_speed, "speed", 0.0, hint="in m/s")
-    speed2 = 4.0 * mesh.gravity_on_wall * mesh.rod.radial_clearance + impact_speed**2
-    depth = mesh.depth_at_rest + (1.25 * speed2 / mesh.contact_stiffness) ** 0.4
-    contact = 1.5 * mesh.contact_stiffness * math.sqrt(depth)
-    frequency = math.sqrt(bend + contact)
-    ratio = 0.5 * mesh.contact_stiffness * math.sqrt(depth) * mesh.contact_time / frequency
-    across = 2.0 / frequency * (math.sqrt(1.0 + ratio**2) - ratio)
-    bound = min(2.0 / math.sqrt(stretch), across)
-    limit = "stretch" if bound < across else "contact" if contact > bend else "bend"
+    bound, limit = min(_stable_step(node, impact_speed) for node in _stiffness(mesh))
     return SAFETY * bound, limit
+
+
+class _Stiffness(NamedTuple):
+    """What bounds the step at a node: squares of frequencies of stretch and bending, and its contact."""
+
+    stretch: float
+    bend: float
+    gravity: float
+    clearance: float
+    depth_at_rest: float
+    contact: float
+    contact_time: float
+
+
+def _stiffness(mesh: DiscreteRod) -> Iterable[_Stiffness]:
+    """Return the stiffness of a uniform rod, or of all different nodes of one that varies."""
+    length = mesh.segment_length
+    lumps = mesh.lumps
+    if lumps is None:
+        stretch = (7.0 / 3.0 * mesh.rod.wave_speed / length) ** 2
+        bend = (7.0 / 6.0) ** 2 * (4.0 / 3.0) * 16.0 * mesh.rod.flexural_rigidity
+        bend /= mesh.rod.mass_per_length * length**4
+    else:
+        # Sums of the sizes in a row of the matrix, which bound its eigenvalues (Gershgorin).
+        own, first, second = (np.abs(each) for each in bending_stencil(lumps.bend, lumps.bend_between))
+        rows = own[2:-2] + first[2:-2] + first[1:-3] + second[2:-2] + second[:-4]
+        stretch = (7.0 / 3.0 / length) ** 2 * _largest_near(lumps.stretch) / lumps.mass_along
+        bend = (7.0 / 3.0) ** 2 * _largest_near(rows) / (lumps.mass * length**4)
+    contact = (mesh.gravity_on_wall, mesh.clearance, mesh.depth_at_rest, mesh.contact_stiffness, mesh.contact_time)
+    every = np.broadcast_arrays(stretch, bend, *contact)
+    return {_Stiffness(*map(float, node)) for node in zip(*map(np.ravel, every), strict=True)}
+
+
+def _largest_near(values: Floats) -> Floats:
+    """Return the largest value of the two segments on either side of a node."""
+    least = np.full(2, -math.inf)
+    padded = np.concatenate([least, values, least])
+    return np.asarray(np.lib.stride_tricks.sliding_window_view(padded, 4).max(axis=1))
+
+
+def _stable_step(node: _Stiffness, impact_speed: float) -> tuple[float, str]:
+    """Return the largest stable step in s, and its limit."""
+    speed2 = 4.0 * node.gravity * node.clearance + impact_speed**2
+    depth = node.depth_at_rest + (1.25 * speed2 / node.contact) ** 0.4
+    contact = 1.5 * node.contact * math.sqrt(depth)
+    frequency = math.sqrt(node.bend + contact)
+    ratio = 0.5 * node.contact * math.sqrt(depth) * node.contact_time / frequency
+    across = 2.0 / frequency * (math.sqrt(1.0 + ratio**2) - ratio)
+    bound = min(2.0 / math.sqrt(node.stretch), across)
+    return bound, "stretch" if bound < across else "contact" if contact > node.bend else "bend"
 
 
 def time_steps(mesh: DiscreteRod, duration: float, frames: int, largest: float | None, speed: float) -> TimeSteps:

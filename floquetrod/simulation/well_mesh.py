@@ -11,13 +11,11 @@ from floquetrod._util.arrays import Floats
 from floquetrod._util.caching import cached_property
 from floquetrod.simulation.driving import Driving
 from floquetrod.simulation.kernels.rod_step import ghost_direction
-from floquetrod.simulation.rod_mesh import DiscreteRod, Natural, tangents_between
+from floquetrod.simulation.lumping import bending_stencil
+from floquetrod.simulation.rod_mesh import DiscreteRod, Natural, tangents_between, total_of
 from floquetrod.simulation.rod_record import FIRST, Physics, Well, rod_type
 from floquetrod.simulation.well_axis import WellAxis, dot
 from floquetrod.wells.drag import FRICTIONLESS, Friction
-
-_ROUNDS = 4  # in which nodes are laid so that the segments have the lengths the mean force gives them
-
 
 @dataclass(frozen=True)
 class RodInWell(DiscreteRod):
@@ -39,23 +37,26 @@ class RodInWell(DiscreteRod):
     natural_curvature: float | str = 0.0
 
     @cached_property
-    def gravity_on_wall(self) -> float:
+    def gravity_on_wall(self) -> Any:
         """Largest acceleration with which weight and mean force press the rod to the wall, in m/s^2."""
         x = np.linspace(-0.5, 0.5, 4 * self.segments + 1) * self.rod.length
-        return float(self._pressing(x)[0].max()) / self.rod.mass_per_length
+        return float(self._pressing(x)[0].max()) / self.mass_per_length
 
     def _pressing(self, x: Floats) -> tuple[Floats, Floats]:
         """Return the force per length in N/m that presses to the wall at places of the axis, and to which angle."""
         frames = self.axis.frames(x)
         force = self.driving.mean_force(x + 0.5 * self.rod.length)
         # Pressed against the vector of curvature, and down.
-        outwards = self.rod.weight_per_length * self.axis.gravity - force[:, None] * frames.bend
+        weight = self.rod.weight_per_length
+        if self.rod.varies:
+            weight = self.rod.along(np.clip(x / self.rod.length + 0.5, 0.0, 1.0)).weight[:, None]
+        outwards = weight * self.axis.gravity - force[:, None] * frames.bend
         aside, down = dot(outwards, frames.sideways), -dot(outwards, frames.up)
         return np.hypot(aside, down), np.arctan2(aside, down)
 
     def physics(self, driving: Driving, step: float, friction: Friction = FRICTIONLESS) -> Physics:
         """Return what the kernels compute with."""
-        fall = self.rod.weight_per_length / self.rod.mass_per_length * self.axis.gravity
+        fall = self.axis.gravity if self.rod.varies else self._fall * self.axis.gravity
         has_weight = 0.0 if driving.load.mean_at is None else 1.0
         well = Well(tuple(fall.tolist()), has_weight, self.axis.arcs)
         return super().physics(driving, step, friction)._replace(well=well)
@@ -63,7 +64,12 @@ class RodInWell(DiscreteRod):
     @property
     def record_type(self) -> np.dtype[np.void]:
         """Type of the record that holds it."""
-        return rod_type(self.segments, in_well=True)
+        return rod_type(self.segments, in_well=True, varies=self.rod.varies)
+
+    @property
+    def _fall(self) -> Any:
+        """Acceleration of nodes in m/s^2 by weight, along gravity."""
+        return self.weight_per_length / self.mass_per_length
 
     def _lay(self, rod: Any, driving: Driving, velocities: Floats, wave: tuple[Floats, Floats]) -> None:
         """Write where weight and mean force press the rod to the wall, how it moves, and where its ends are held."""
@@ -95,7 +101,10 @@ class RodInWell(DiscreteRod):
             d[FIRST:-2] = natural.directions[:, axis]
             for end, a, inward, e in zip(driving.ends, (FIRST, FIRST + n - 1), (1, -1), natural.ends, strict=True):
                 ghost_direction(end.across, d, a, inward, e[axis])
-            bent = 2.5 * d[2:-2] - 4.0 / 3.0 * (d[1:-3] + d[3:-1]) + (d[:-4] + d[4:]) / 12.0
+            if self.lumps is None:
+                bent = 2.5 * d[2:-2] - 4.0 / 3.0 * (d[1:-3] + d[3:-1]) + (d[:-4] + d[4:]) / 12.0
+            else:
+                bent = bending_stencil(self.lumps.bend, self.lumps.bend_between).of(d) / self.segment_length
             rod[f"b{axis + 1}"][FIRST : FIRST + n] = bent
         rod["shift"][:6] = natural.shifts.ravel()
 
@@ -151,7 +160,7 @@ class RodInWell(DiscreteRod):
         """Return the energy in J by which weight pulls nodes at recorded places."""
         has_weight = driving.load.mean_at is not None
         fallen = cartesian if has_weight else cartesian - self.axis.frames(places[:, 0]).point
-        return float(-self.rod.weight_per_length * self.segment_length * np.sum(share * (fallen @ self.axis.gravity)))
+        return total_of(-self.weight_per_length * self.segment_length, share * (fallen @ self.axis.gravity))
 
     # --- how it is laid ---
 
@@ -160,26 +169,10 @@ class RodInWell(DiscreteRod):
 
         Its segments have the lengths that the force gives them.
         """
-        n, length = self.segments, self.segment_length
-        force = driving.mean_force(self.places[:-1] + 0.5 * length)
-        wanted = length * (1.0 - force / self.rod.axial_rigidity)
-        first = -0.5 * self.rod.length + 0.25 * sum(driving.mean_forces) * self.rod.length / self.rod.axial_rigidity
-        steps = np.full(n, length)
-        for _ in range(_ROUNDS):
-            x = first + np.concatenate([[0.0], np.cumsum(steps)])
+        def placed(x: Floats) -> Floats:
             pressing, turned = self._pressing(x)
-            radius = self.rod.radial_clearance + self._depth(pressing)
-            places = np.stack([x, radius * np.sin(turned), -radius * np.cos(turned)], axis=1)
-            lengths = np.linalg.norm(self.tangents(self.axis.cartesian(places), driving), axis=1)
-            steps = steps * wanted / lengths
-        return places, turned
+            radius = self._radius_at_rest(driving, pressing)
+            return np.stack([x, radius * np.sin(turned), -radius * np.cos(turned)], axis=1)
 
-    def _depth(self, pressing: Floats) -> Floats:
-        """Return the depth in m to which a force per length in N/m presses the rod into the wall."""
-        share = pressing / (self.rod.mass_per_length * self.gravity_on_wall)
-        gap, depth = self.rod.radial_clearance, self.depth_at_rest * share ** (2.0 / 3.0)
-        scale = self.rod.mass_per_length * self.contact_stiffness
-        for _ in range(4):
-            measured = depth * (1.0 + 0.5 * depth / gap)
-            depth = depth * (pressing / (scale * measured**1.5 * (1.0 + depth / gap) + 1e-300)) ** (2.0 / 3.0)
-        return depth
+        places = self._laid(driving, placed)
+        return places, self._pressing(places[:, 0])[1]

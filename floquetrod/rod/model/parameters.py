@@ -32,7 +32,9 @@ ON_A_FLOOR = math.pi**2 / 3.0 - 1.0
 
 _POSITIVE: dict[str, Any] = {"least": _LEAST, "largest": _LARGEST}
 _NOT_NEGATIVE: dict[str, Any] = {"least": 0.0, "largest": _LARGEST}
-_KNOW_SECTIONS: frozenset[Subsystem] = frozenset({"modes", "bends", "critical force", "stress", "strings"})
+_KNOW_SECTIONS: frozenset[Subsystem] = frozenset(
+    {"modes", "bends", "critical force", "simulation", "stress", "strings"}
+)
 
 
 def _but(*subsystems: Subsystem) -> dict[str, Any]:

@@ -22,6 +22,14 @@ straight channel: numba compiles one branch alone of an `if` on whether an argum
 rod of natural curvature is bent by the difference of its directions from its natural shape's, which stay where
 the rod was laid; ghost cells and stencil being linear, that subtracts a constant from the stencil of every segment.
 
+A rod that varies along has its numbers at nodes and segments in the record, `SECTIONS`, and the radius of its channel
+in ``wall``, `Physics.wall`, which is None for a uniform rod.  With B_i the bending stiffness of node i and E_i that of
+segment i the energy of bending is
+
+    (1 / (2 l)) [sum over nodes B_i |K_i|^2  +  (1 / 12) sum over segments |B_i+1 K_i+1 - B_i K_i|^2 / E_i] ,
+
+see `floquetrod.simulation.lumping`.
+
 Positions are kept half a step ahead of velocities (position Verlet with its half drifts merged), so the result does not
 depend on how a run is divided into calls.  Loops touch few arrays each, so that compilers vectorise them.
 """
@@ -48,11 +56,9 @@ _END = 4355.0 / 31212.0  # -A_01, and what A_11 has more than 1 + 1/12
 _FIRST_END = 19961.0 / 31212.0  # A_00
 
 
-def energy_of_fixed_end(across: int, first: float, both: float, next_one: float) -> float:
-    """Return the squares by which an end that cannot rotate stores bending: of K_0, K_0 K_1 and K_1, as the bulk's."""
-    if across == CLAMPED:
-        return _FIRST_END * first - 2.0 * _END * both + _END * next_one
-    return 0.5 * first + (first - 2.0 * both + next_one) / 12.0
+def energy_of_clamped_end(first: float, both: float, next_one: float) -> float:
+    """Return the squares by which a clamped end stores bending: of K_0, K_0 K_1 and K_1, as the bulk's."""
+    return _FIRST_END * first - 2.0 * _END * both + _END * next_one
 
 
 @kernel
@@ -76,13 +82,30 @@ def grip_at(place: float, p: Any) -> float:
 
 
 @kernel
-def _take_places(rod: Any, well: Any, p: Any) -> None:
+def _take_walls(rod: Any, wall: Any, places: Any, segments: int) -> None:
+    """Give nodes the radial clearance of where they are, how fast it grows down the channel, and the place."""
+    corners, gap, taper, mark, outer = wall.corners, rod["gap"], rod["taper"], rod["mark"], rod["outer"]
+    j = 0
+    for i in range(FIRST, FIRST + segments + 1):
+        place = places[i]
+        while j + 1 < len(corners) and place >= corners[j + 1, 0]:
+            j += 1
+        while j > 0 and place < corners[j, 0]:
+            j -= 1
+        taper[i], mark[i] = corners[j, 2], place
+        gap[i] = corners[j, 1] + taper[i] * (place - corners[j, 0]) - outer[i]
+
+
+@kernel
+def _take_places(rod: Any, well: Any, wall: Any, p: Any) -> None:
     """Give nodes the anchors of where they are, and the friction except at ends whose share is taken apart."""
     if well is None:
         places = rod["x"]
     else:
         follow(rod, p)
         places = rod["place"]
+    if wall is not None:
+        _take_walls(rod, wall, places, p.segments)
     if len(p.grips) > 1:
         grip = rod["grip"]
         first = 1 if p.upper.moved or p.upper.across in (HINGED, CLAMPED) else 0
@@ -238,12 +261,16 @@ def _ghost_forces(rod: Any, across: int, axis: Any, a: int, place: int, push: fl
 
 
 @kernel
-def _directions(rod: Any, p: Any) -> None:
+def _directions(rod: Any, wall: Any, p: Any) -> None:
     """Write direction, length and tension of every segment."""
     x, y, z = rod["x"], rod["y"], rod["z"]
     d1, d2, d3, inverse, tension = rod["d1"], rod["d2"], rod["d3"], rod["inverse"], rod["tension"]
     stretch, rest = p.stretch / p.segment, p.stretch
+    if wall is not None:
+        stretches = rod["stretch"]
     for i in range(p.segments):
+        if wall is not None:
+            stretch, rest = stretches[i + 2], stretches[i + 2] * p.segment
         t1 = NEAR * (x[i + 3] - x[i + 2]) - FAR * (x[i + 4] - x[i + 1])
         t2 = NEAR * (y[i + 3] - y[i + 2]) - FAR * (y[i + 4] - y[i + 1])
         t3 = NEAR * (z[i + 3] - z[i + 2]) - FAR * (z[i + 4] - z[i + 1])
@@ -254,30 +281,42 @@ def _directions(rod: Any, p: Any) -> None:
 
 
 @kernel
-def _torques(rod: Any, segments: int, twist: float) -> None:
-    """Write the torque of every segment, ``twist`` for a radian, and none beyond the ends."""
-    angle, torque = rod["angle"], rod["torque"]
-    for i in range(segments):
+def _torques(rod: Any, wall: Any, p: Any) -> None:
+    """Write the torque of every segment, and none beyond the ends."""
+    angle, torque, twist = rod["angle"], rod["torque"], p.twist / p.segment
+    if wall is not None:
+        twists = rod["twist"]
+    for i in range(p.segments):
+        if wall is not None:
+            twist = twists[i + 2]
         torque[i + 2] = twist * (angle[i + 3] - angle[i + 2])
-    torque[FIRST - 1] = torque[FIRST + segments] = 0.0
+    torque[FIRST - 1] = torque[FIRST + p.segments] = 0.0
 
 
 @kernel
-def _forces(rod: Any, well: Any, p: Any) -> None:
+def _forces(rod: Any, well: Any, wall: Any, p: Any) -> None:
     """Write the gradient of the energy by the tangent of every segment."""
     d1, d2, d3, inverse, tension = rod["d1"], rod["d2"], rod["d3"], rod["inverse"], rod["tension"]
     f1, f2, f3 = rod["f1"], rod["f2"], rod["f3"]
     if well is not None:
         b1, b2, b3 = rod["b1"], rod["b2"], rod["b3"]
+    if wall is not None:
+        own, next_one, second = rod["bend"], rod["bend_next"], rod["bend_second"]
     bend = p.bend / p.segment
     for i in range(p.segments):
         a, b, c = d1[i + 2], d2[i + 2], d3[i + 2]
-        g1 = 2.5 * a - (4.0 / 3.0) * (d1[i + 1] + d1[i + 3]) + (1.0 / 12.0) * (d1[i] + d1[i + 4])
-        g2 = 2.5 * b - (4.0 / 3.0) * (d2[i + 1] + d2[i + 3]) + (1.0 / 12.0) * (d2[i] + d2[i + 4])
-        g3 = 2.5 * c - (4.0 / 3.0) * (d3[i + 1] + d3[i + 3]) + (1.0 / 12.0) * (d3[i] + d3[i + 4])
+        if wall is None:
+            g1 = 2.5 * a - (4.0 / 3.0) * (d1[i + 1] + d1[i + 3]) + (1.0 / 12.0) * (d1[i] + d1[i + 4])
+            g2 = 2.5 * b - (4.0 / 3.0) * (d2[i + 1] + d2[i + 3]) + (1.0 / 12.0) * (d2[i] + d2[i + 4])
+            g3 = 2.5 * c - (4.0 / 3.0) * (d3[i + 1] + d3[i + 3]) + (1.0 / 12.0) * (d3[i] + d3[i + 4])
+        else:
+            k0, k1, k2, k3, k4 = second[i], next_one[i + 1], own[i + 2], next_one[i + 2], second[i + 2]
+            g1 = k2 * a + k1 * d1[i + 1] + k3 * d1[i + 3] + k0 * d1[i] + k4 * d1[i + 4]
+            g2 = k2 * b + k1 * d2[i + 1] + k3 * d2[i + 3] + k0 * d2[i] + k4 * d2[i + 4]
+            g3 = k2 * c + k1 * d3[i + 1] + k3 * d3[i + 3] + k0 * d3[i] + k4 * d3[i + 4]
         if well is not None:
             g1, g2, g3 = g1 - b1[i + 2], g2 - b2[i + 2], g3 - b3[i + 2]
-        scale = bend * inverse[i + 2]
+        scale = bend * inverse[i + 2] if wall is None else inverse[i + 2]
         along = tension[i + 2] - scale * (g1 * a + g2 * b + g3 * c)
         f1[i + 2], f2[i + 2], f3[i + 2] = along * a + scale * g1, along * b + scale * g2, along * c + scale * g3
 
@@ -309,12 +348,13 @@ def rub(
 
 
 @kernel
-def move_nodes(rod: Any, well: Any, friction: Any, p: Any) -> None:
+def move_nodes(rod: Any, well: Any, wall: Any, friction: Any, p: Any) -> None:
     """Give the nodes their new velocities, and move them; their new spins, too, under Coulomb's law, see `rub`.
 
     ``friction`` is None without.
     The indentation is taken as d = (q^2 - R^2) / (2 R) with q the distance from the axis, which is the distance beyond
-    R except for a relative d / (2 R): its gradient q / R costs neither a root nor a quotient.
+    R except for a relative d / (2 R): its gradient q / R costs neither a root nor a quotient.  Where R changes down the
+    channel, the wall pushes along it by the same energy, of which (q^2 / R^2 + 1) / 2 is the part of R.
     """
     x, y, z, vx, vy, vz = rod["x"], rod["y"], rod["z"], rod["vx"], rod["vy"], rod["vz"]
     f1, f2, f3, share, lost = rod["f1"], rod["f2"], rod["f3"], rod["share"], rod["lost_contact"]
@@ -331,7 +371,36 @@ def move_nodes(rod: Any, well: Any, friction: Any, p: Any) -> None:
         c1, c2, c3, t1, t2, t3 = rod["c1"], rod["c2"], rod["c3"], rod["t1"], rod["t2"], rod["t3"]
         k1, k2, k3, weight = rod["k1"], rod["k2"], rod["k3"], well.gravity
         falls, fall_along = (time * weight[0], time * weight[1], time * weight[2]), well.weight_along * lighter - 1.0
+    if wall is not None:
+        masses, masses_along, gaps, tapers, marks = rod["mass"], rod["mass_along"], rod["gap"], rod["taper"], rod["mark"]
+        contacts, contact_times, gravity, gravity_along = (
+            rod["contact"],
+            rod["contact_time"],
+            rod["gravity"],
+            rod["gravity_along"],
+        )
+        outer, inertia = rod["outer"], rod["inertia"]
     for i in range(p.segments + 1):
+        if wall is not None:
+            mass, place = masses[i + 2], x[i + 2] if well is None else beside(rod, i + 2)[0]
+            across, along, lighter = time / mass, time / masses_along[i + 2], mass / masses_along[i + 2]
+            stiffness, damping = time * contacts[i + 2], contact_times[i + 2]
+            gap = gaps[i + 2] + tapers[i + 2] * (place - marks[i + 2])
+            inverse = 1.0 / gap
+            if well is None:
+                fall, slide = time * gravity[i + 2], time * gravity_along[i + 2]
+            else:
+                down = time * gravity[i + 2]
+                falls, fall_along = (
+                    (down * weight[0], down * weight[1], down * weight[2]),
+                    well.weight_along * lighter - 1.0,
+                )
+            if friction is not None:
+                radius, turning, rolling = (
+                    outer[i + 2],
+                    time / inertia[i + 2],
+                    mass * outer[i + 2] / inertia[i + 2],
+                )
         if well is None:
             n2, n3 = inverse * y[i + 2], inverse * z[i + 2]
             square, before = n2 * n2 + n3 * n3, vy[i + 2] * n2 + vz[i + 2] * n3
@@ -358,6 +427,12 @@ def move_nodes(rod: Any, well: Any, friction: Any, p: Any) -> None:
         else:
             u, v, w = pushed(old, (kick * g1, kick * g2, kick * g3), e, n, falls, push, lighter, fall_along)
             twice = before + dot((u, v, w), n)
+        if wall is not None:
+            out = lighter * root * depth * 0.5 * (square + 1.0) * tapers[i + 2]
+            if well is None:
+                u += out
+            else:
+                u, v, w = u + out * e[0], v + out * e[1], w + out * e[2]
         lost[i + 2] += 0.5 * (push - root * depth) * twice
         if friction is not None:
             unit = 1.0 - beyond * (1.0 - beyond * (1.5 - 2.5 * beyond))  # 1 / sqrt(1 + 2 beyond): R / distance
@@ -394,14 +469,18 @@ def move_nodes(rod: Any, well: Any, friction: Any, p: Any) -> None:
 
 
 @kernel
-def _most_friction(rod: Any, well: Any, i: int, p: Any) -> float:
+def _most_friction(rod: Any, well: Any, wall: Any, i: int, p: Any) -> float:
     """Return the impulse per mass by which friction can hold an end node in the coming step: mu times the wall's."""
     place, _, q = _beside(rod, well, i)
-    n = q[0] / p.radial_clearance, q[1] / p.radial_clearance, q[2] / p.radial_clearance
+    gap, stiffness, damping = p.radial_clearance, p.contact, p.contact_damping
+    if wall is not None:
+        gap = rod["gap"][i] + rod["taper"][i] * (place - rod["mark"][i])
+        stiffness, damping = rod["contact"][i], rod["contact_time"][i]
+    n = q[0] / gap, q[1] / gap, q[2] / gap
     beyond = max(0.5 * (dot(n, n) - 1.0), 0.0)
-    depth = p.radial_clearance * beyond
+    depth = gap * beyond
     before = dot((rod["vx"][i], rod["vy"][i], rod["vz"][i]), n)
-    push = p.step * p.contact * math.sqrt(depth) * (depth + p.contact_damping * before)
+    push = p.step * stiffness * math.sqrt(depth) * (depth + damping * before)
     limit: float = grip_at(place, p) * max(push, 0.0) * (1.0 + beyond)
     return limit
 
@@ -491,7 +570,15 @@ def _hold_end(
 
 
 @kernel
-def _decay(rod: Any, well: Any, p: Any) -> None:
+def _masses(rod: Any, wall: Any, i: int, p: Any) -> Any:
+    """Return the masses of a segment at a node, in motion across the channel and along it."""
+    if wall is None:
+        return p.mass, p.mass_along
+    return rod["mass"][i], rod["mass_along"][i]
+
+
+@kernel
+def _decay(rod: Any, well: Any, wall: Any, p: Any) -> None:
     """Damp every velocity for half a step, except at an end moved at a given speed, and add up the energy lost."""
     vx, vy, vz, spin, lost = rod["vx"], rod["vy"], rod["vz"], rod["spin"], rod["lost_damping"]
     if well is not None:
@@ -499,7 +586,11 @@ def _decay(rod: Any, well: Any, p: Any) -> None:
     factor, along, turning, half = p.decay, p.decay_along, p.inertia / p.mass, 0.5 * (p.mass_along / p.mass)
     part, part_along = 0.5 * (1.0 - factor * factor), half * (1.0 - along * along)
     first, last = 1 if p.upper.moved else 0, p.segments - 1 if p.lower.moved else p.segments
+    if wall is not None:
+        masses, masses_along, inertia = rod["mass"], rod["mass_along"], rod["inertia"]
     for i in range(p.segments + 1):
+        if wall is not None:
+            turning, half = inertia[i + 2] / masses[i + 2], 0.5 * (masses_along[i + 2] / masses[i + 2])
         square = vy[i + 2] * vy[i + 2] + vz[i + 2] * vz[i + 2]
         if well is None:
             vy[i + 2], vz[i + 2] = factor * vy[i + 2], factor * vz[i + 2]
@@ -516,6 +607,8 @@ def _decay(rod: Any, well: Any, p: Any) -> None:
         spin[i + 2] *= factor
     if well is None:  # a loop of its own is the faster one here
         for i in range(first, last + 1):
+            if wall is not None:
+                part_along = 0.5 * (masses_along[i + 2] / masses[i + 2]) * (1.0 - along * along)
             lost[i + 2] += part_along * vx[i + 2] * vx[i + 2]
             vx[i + 2] *= along
 
@@ -538,12 +631,12 @@ def gradient(rod: Any, p: Any, axes: Any, upper: float, lower: float) -> None:
     a, b = FIRST, FIRST + p.segments
     _ghost_nodes(rod, p.well, p.upper.across, axes[0], a, 0)
     _ghost_nodes(rod, p.well, p.lower.across, axes[1], b, 1)
-    _directions(rod, p)
+    _directions(rod, p.wall, p)
     if p.friction > 0.0:
-        _torques(rod, p.segments, p.twist / p.segment)
+        _torques(rod, p.wall, p)
     _ghost_directions(rod, p.upper.across, axes[0], a, 0)
     _ghost_directions(rod, p.lower.across, axes[1], b - 1, 1)
-    _forces(rod, p.well, p)
+    _forces(rod, p.well, p.wall, p)
     _ghost_forces(rod, p.upper.across, axes[0], a, 0, upper)
     _ghost_forces(rod, p.lower.across, axes[1], b - 1, 1, lower)
 
@@ -552,19 +645,21 @@ def gradient(rod: Any, p: Any, axes: Any, upper: float, lower: float) -> None:
 def advance(rod: Any, steps: int, p: Any) -> None:
     """Carry a rod whose positions are half a step ahead through ``steps`` steps, and count them on its clock."""
     a, b, vx, vy, vz = FIRST, FIRST + p.segments, rod["vx"], rod["vy"], rod["vz"]
-    damped, lighter = p.decay != 1.0 or p.decay_along != 1.0, p.mass / p.mass_along
+    damped = p.decay != 1.0 or p.decay_along != 1.0
+    first_mass, first_along = _masses(rod, p.wall, a, p)
+    last_mass, last_along = _masses(rod, p.wall, b, p)
     done, earlier = int(rod["clock"][0]), int(p.steps_before)
     # Position Verlet, half drifts merged: with x half a step ahead, v += h F(x, t + h / 2) / m, then x += h v.  Damping
     # is split in halves about it (Strang), so that a step is reversible except for friction and damping.
     for number in range(done, done + steps):
         time = (p.steps_before + number + 0.5) * p.step
         if (number + earlier) % BETWEEN_ANCHORS == 0:
-            _take_places(rod, p.well, p)
+            _take_places(rod, p.well, p.wall, p)
         force = _vibration(rod, time, p.frequency, p.harmonics)
         upper = 0.0 if p.upper.moved else p.upper.mean + p.upper.drive * force
         lower = 0.0 if p.lower.moved else p.lower.mean + p.lower.drive * force
         if damped:
-            _decay(rod, p.well, p)
+            _decay(rod, p.well, p.wall, p)
         axes, first, last = (
             (_beside(rod, p.well, a)[1], _beside(rod, p.well, b)[1]),
             (vx[a], vy[a], vz[a]),
@@ -579,21 +674,22 @@ def advance(rod: Any, steps: int, p: Any) -> None:
         # Ends have half a segment; friction on those held or moved is taken apart from the nodes', with its limit from
         # before anything moves.
         if p.friction > 0.0:
-            first_limit, last_limit = _most_friction(rod, p.well, a, p), _most_friction(rod, p.well, b, p)
-            move_nodes(rod, p.well, p.friction, p)
-            _brake_end(rod, p.well, p.upper, axes[0], a, 1.0, first_limit, first, p.step, lighter)
-            _brake_end(rod, p.well, p.lower, axes[1], b, -1.0, last_limit, last, p.step, lighter)
+            first_limit = _most_friction(rod, p.well, p.wall, a, p)
+            last_limit = _most_friction(rod, p.well, p.wall, b, p)
+            move_nodes(rod, p.well, p.wall, p.friction, p)
+            _brake_end(rod, p.well, p.upper, axes[0], a, 1.0, first_limit, first, p.step, first_mass / first_along)
+            _brake_end(rod, p.well, p.lower, axes[1], b, -1.0, last_limit, last, p.step, last_mass / last_along)
         else:
-            move_nodes(rod, p.well, None, p)
+            move_nodes(rod, p.well, p.wall, None, p)
         # Work of an end force: impulse times the mean of the velocities along before and after the step.
         first_both = first_before + dot((vx[a], vy[a], vz[a]), axes[0])
         last_both = last_before + dot((vx[b], vy[b], vz[b]), axes[1])
         rod["work"][0] += 0.5 * p.step * (upper * first_both - lower * last_both)
         rod["impulse"][0] += p.step * upper
         rod["impulse"][1] += p.step * lower
-        _hold_end(rod, p.well, p.upper, axes[0], a, 0, first_before, p.step, p.mass_along)
-        _hold_end(rod, p.well, p.lower, axes[1], b, 1, last_before, p.step, p.mass_along)
+        _hold_end(rod, p.well, p.upper, axes[0], a, 0, first_before, p.step, first_along)
+        _hold_end(rod, p.well, p.lower, axes[1], b, 1, last_before, p.step, last_along)
         rod["work"][0] += 0.5 * p.step * shaking * (tool_before + _tool_speed(rod, ways, p.tool, b))
         if damped:
-            _decay(rod, p.well, p)
+            _decay(rod, p.well, p.wall, p)
     rod["clock"][0] = done + steps
