@@ -144,6 +144,7 @@ def stiffness(mesh: DiscreteRod, axis: str) -> tuple[np.ndarray, np.ndarray]:
     n, nodes = mesh.segments, slice(FIRST, FIRST + mesh.segments + 1)
     rod, physics = at_start(mesh, 1.0, **FREE_SPACE)
     mesh.nodes(rod, "z")[:] = 0.0
+    mesh.nodes(rod, "x")[:] = mesh.places - 0.5 * mesh.rod.length
     gradient = compiled(rod_step.gradient)
     # Across, the square of a displacement over the radius, which stretching adds, is 1e-12; along, all is linear.
     small = 1e-3 * mesh.segment_length if axis == "x" else 1e-6 * mesh.rod.radius

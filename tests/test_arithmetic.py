@@ -40,6 +40,11 @@ KICKS = fr.Perturbation.modes({3: 0.02, 5: -0.1}) + fr.Perturbation.random(1e-2,
 
 PATH = fr.WellPath.arc(length=4.0, inclination=(1.2, 1.4), azimuth=(0.4, 0.6))
 TOOL = fr.VibrationTool(0.1, 700.0, 1.0)
+SECTIONS = [
+    fr.Section(length=1.7, radius=8e-4, youngs_modulus=68e9, density=6500.0),
+    fr.Section(length=1.4, radius=6e-4, youngs_modulus=180e9, density=7850.0),
+]
+STRING = fr.Rod(sections=SECTIONS, bores=[(0.0, 9.4e-3), (2.2, 10e-3)], damping_rate=3.0)
 
 pytestmark = pytest.mark.filterwarnings("ignore::floquetrod.PlausibilityWarning")  # a laboratory's bend
 
@@ -64,6 +69,9 @@ def problems() -> dict[str, fr.SimulationProblem]:
         "measured": problem(rod, RECORD, friction=0.1),
         "stopped early": problem(rod, LOAD, duration=0.2, frames=101, perturbation=KICKS, stop_early=True),
         "in a well": problem(rod.replace(path=PATH, damping_rate=3.0), LOAD, friction=0.1, tool=TOOL),
+        "of sections": problem(STRING, LOAD, friction=0.1),
+        "of sections, without friction": problem(STRING.replace(ends="clamped"), LOAD),
+        "of sections in a well": problem(STRING.replace(path=PATH), LOAD, tool=TOOL),
         "in a well, clamped": problem(rod.replace(path=PATH, ends="clamped"), wave, natural_curvature=0.3),
     }
 

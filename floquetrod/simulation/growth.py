@@ -44,7 +44,8 @@ class GrowthFit(NamedTuple):
         Estimate in 1/s of the fit's part of the error, from its residual and the disagreement of its halves.
     model_error : float
         Estimate in 1/s, by theory, of the difference of the simulated rod from the linear equations by the segments,
-        the floor indented by the weight, strain, and large angles; `floquetrod.simulation.model_error`.
+        the floor indented by the weight, strain, large angles, and edges of sections and bores;
+        `floquetrod.simulation.model_error`.
     """
 
     rate: float
@@ -64,14 +65,22 @@ class GrowthFit(NamedTuple):
 
 
 def growth_of_motion(
-    motion: RecordedMotion, rod: Rod, load: Load, mode: int | None, duration: float, frames: int, indentation: float
+    motion: RecordedMotion,
+    rod: Rod,
+    load: Load,
+    mode: int | None,
+    duration: float,
+    frames: int,
+    indentation: float,
+    lifted: float = 0.0,
 ) -> GrowthFit:
     """Return the growth rate of a recorded motion while it is linear: of a mode or, with None, of the whole rod.
 
     Of the whole rod it is the rate of its nodes together where modes are coupled; where they are independent, the
     fastest of all modes that hold at least a hundredth of the largest amplitude in the end.
     ``duration`` in s and ``frames`` belong to the whole run.  Raises ValueError where there are fewer than
-    three periods of linear motion, or fewer than 8 frames in each.
+    three periods of linear motion, or fewer than 8 frames in each.  ``lifted`` is the part of the rod that rests off
+    the wall.
     """
     step = duration / (frames - 1)
     vibrates = load.amplitude > 0.0
@@ -118,7 +127,7 @@ def growth_of_motion(
             "perturbation"
         )
     fastest = max(fit.rate for fit in fits.values())
-    errors = model_errors(rod, load, mode, wavenumber, segment, indentation, fastest)
+    errors = model_errors(rod, load, mode, wavenumber, segment, indentation, fastest, lifted)
     with_errors = [fit._replace(model_error=errors.up_to(float(sizes[:count].max()))) for count, fit in fits.items()]
     return min(with_errors, key=lambda fit: fit.error)
 

@@ -94,8 +94,9 @@ def steady_vibration(
 ) -> tuple[Floats, Floats]:
     """Return displacement in m and velocity in m/s of nodes along the channel when a steady vibration begins.
 
-    ``stiffness`` in N/m of segments of the length ``segment``, ``masses`` in kg of the nodes; ``harmonics`` of the force in N that pushes the
-    ends, each times its drive, None for a lower end that is held.  Nothing moves at a resonance.
+    ``stiffness`` in N/m of segments of the length ``segment``, ``masses`` in kg of the nodes; ``harmonics`` of the
+    force in N that pushes the ends, each times its drive, None for a lower end that is held.  Nothing moves at a
+    resonance.
     """
     from scipy.sparse import csc_matrix, eye
     from scipy.sparse.linalg import spsolve
@@ -167,8 +168,7 @@ def _bending(bend: Floats, between: Floats, ends: tuple[int, int]) -> Any:
         if end == CLAMPED:
             # In place of the bulk's energy of its last node and segment.
             first, both, other = (
-                energy_of_clamped_end(*squares)
-                for squares in ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
+                energy_of_clamped_end(*squares) for squares in ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
             )
             weights[place] = joints[place] = 0.0
             own[node, node], own[next_one, next_one] = bend[place] * first, bend[place] * other

@@ -60,6 +60,7 @@ class Natural(NamedTuple):
     shifts: Floats
 
 
+_EVEN = 1e-9  # of the clearance, up to which a wall counts as one without steps
 _LAID = 4  # rounds in which nodes are laid so that the segments have the lengths the mean force gives them
 
 
@@ -386,7 +387,7 @@ class DiscreteRod:
     def _radius_at_rest(self, driving: Driving, pressing: Floats) -> Floats:
         """Return the distance in m of nodes from the channel's axis where a force per length in N/m presses them."""
         lumps = self.lumps
-        if lumps is None or np.ptp(self.clearance) == 0.0:
+        if lumps is None or np.ptp(self.clearance) <= _EVEN * self.clearance.max():
             return np.asarray(self.clearance + self._depth(pressing))
         return resting_radius(
             self.segment_length,

@@ -45,8 +45,8 @@ SECTIONS = (
 
 Of nodes: masses of a segment across and along, moment of inertia about its own axis; acceleration by weight towards the
 floor (in a well, along gravity) and towards the lower end; outer radius, k and C of the contact; radial clearance at
-the place ``mark``, and how fast it grows from there.  Of segments: E A / l, G J / l, and what the gradient of the energy
-of bending has of the direction of the segment itself, of the next one and of the second one, over l.
+the place ``mark``, and how fast it grows from there.  Of segments: E A / l, G J / l, and what the gradient of the
+energy of bending has of the direction of the segment itself, of the next one and of the second one, over l.
 """
 
 
@@ -106,7 +106,9 @@ class Well(NamedTuple):
 class Wall(NamedTuple):
     """The wall of the channel of a rod that varies along."""
 
-    corners: NDArray[np.float64]  # a row each: a place along the channel, radius there, and how fast it grows from there
+    corners: NDArray[
+        np.float64
+    ]  # a row each: a place along the channel, radius there, and how fast it grows from there
 
 
 class Physics(NamedTuple):

@@ -245,6 +245,15 @@ class SimulationProblem:
         steps = time_steps(self.mesh, self.duration, self.frames, self.time_step, speed)
         return steps if self.start is None else self.start.in_its_step(steps)
 
+    @cached_property
+    def lifted(self) -> float:
+        """The part of the rod that rests off the wall, beside steps of the wall or of its radius; 0 for most rods."""
+        if not self.rod.varies:
+            return 0.0
+        mesh = self.mesh
+        places = mesh.recorded(mesh.start(self.driving, np.zeros(self.segments + 1)))[0]
+        return float(np.mean(np.hypot(places[:, 1], places[:, 2]) < mesh.clearance_at(places[:, 0])))
+
     @property
     def start_words(self) -> str:
         """How the rod is set moving, in words."""
@@ -666,7 +675,7 @@ class Simulation(Reported, RecordedMotion):
         if problem.tool is not None:
             raise validate.wrong_value("growth_rate", "needs a run without a tool; with one use mode_amplitudes")
         return growth_of_motion(
-            self, problem.rod, problem.load, mode, problem.duration, problem.frames, problem.indentation
+            self, problem.rod, problem.load, mode, problem.duration, problem.frames, problem.indentation, problem.lifted
         )
 
     @cached_property

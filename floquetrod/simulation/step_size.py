@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -87,8 +87,9 @@ class _Stiffness(NamedTuple):
 
 def _stiffness(mesh: DiscreteRod) -> Iterable[_Stiffness]:
     """Return the stiffness of a uniform rod, or of all different nodes of one that varies."""
-    length = mesh.segment_length
-    lumps = mesh.lumps
+    length, lumps = mesh.segment_length, mesh.lumps
+    stretch: Any
+    bend: Any
     if lumps is None:
         stretch = (7.0 / 3.0 * mesh.rod.wave_speed / length) ** 2
         bend = (7.0 / 6.0) ** 2 * (4.0 / 3.0) * 16.0 * mesh.rod.flexural_rigidity

@@ -17,6 +17,7 @@ from floquetrod.simulation.rod_record import FIRST, Physics, Well, rod_type
 from floquetrod.simulation.well_axis import WellAxis, dot
 from floquetrod.wells.drag import FRICTIONLESS, Friction
 
+
 @dataclass(frozen=True)
 class RodInWell(DiscreteRod):
     """A rod as equal segments between nodes, in a channel about a curved axis.
@@ -47,7 +48,7 @@ class RodInWell(DiscreteRod):
         frames = self.axis.frames(x)
         force = self.driving.mean_force(x + 0.5 * self.rod.length)
         # Pressed against the vector of curvature, and down.
-        weight = self.rod.weight_per_length
+        weight: Any = self.rod.weight_per_length
         if self.rod.varies:
             weight = self.rod.along(np.clip(x / self.rod.length + 0.5, 0.0, 1.0)).weight[:, None]
         outwards = weight * self.axis.gravity - force[:, None] * frames.bend
@@ -169,6 +170,7 @@ class RodInWell(DiscreteRod):
 
         Its segments have the lengths that the force gives them.
         """
+
         def placed(x: Floats) -> Floats:
             pressing, turned = self._pressing(x)
             radius = self._radius_at_rest(driving, pressing)

@@ -372,7 +372,13 @@ def move_nodes(rod: Any, well: Any, wall: Any, friction: Any, p: Any) -> None:
         k1, k2, k3, weight = rod["k1"], rod["k2"], rod["k3"], well.gravity
         falls, fall_along = (time * weight[0], time * weight[1], time * weight[2]), well.weight_along * lighter - 1.0
     if wall is not None:
-        masses, masses_along, gaps, tapers, marks = rod["mass"], rod["mass_along"], rod["gap"], rod["taper"], rod["mark"]
+        masses, masses_along, gaps, tapers, marks = (
+            rod["mass"],
+            rod["mass_along"],
+            rod["gap"],
+            rod["taper"],
+            rod["mark"],
+        )
         contacts, contact_times, gravity, gravity_along = (
             rod["contact"],
             rod["contact_time"],
