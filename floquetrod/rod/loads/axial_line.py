@@ -33,7 +33,7 @@ _SAMPLES = 33  # of frequencies between resonances, among which the force is exa
 _SUMMIT = 0.05  # of the largest force allowed, above which a summit between resonances is examined (a choice)
 _SECTIONS = 40  # of such a summit: to 4e-9 of the distance of samples
 _HALVINGS = 60  # to rounding
-_ULPS = 4.0  # by which the ends of what is refused are moved out, for rounding
+_ULPS = 4.0  # for each piece, by which the ends of what is refused are moved out (rounding of the angle)
 
 
 class LinePiece(NamedTuple):
@@ -64,11 +64,6 @@ class AxialLine:
                 piece = piece._replace(length=joined.pop().length + piece.length)
             joined.append(piece)
         object.__setattr__(self, "pieces", tuple(joined))
-
-    @classmethod
-    def uniform(cls, wave_speed: float, length: float) -> AxialLine:
-        """Return a line of one piece, whose impedance does not matter."""
-        return cls((LinePiece(length, wave_speed, 1.0),))
 
     @property
     def is_uniform(self) -> bool:
@@ -166,7 +161,7 @@ class AxialLine:
         for start, end in cuts.tolist():
             within = resonances[(resonances >= start) & (resonances <= end)]
             near = within[0] if within.size else resonances[np.argmin(np.abs(resonances - 0.5 * (start + end)))]
-            wider = room * (end - start) + _ULPS * float(np.spacing(end))
+            wider = room * (end - start) + _ULPS * len(self.pieces) * float(np.spacing(end))
             spans.append((start - wider, end + wider, float(near)))
         return spans
 
