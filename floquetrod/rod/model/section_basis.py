@@ -45,7 +45,7 @@ _AT_ENDS = {"hinged": 1, "guided": 1, "clamped": 2, "free": 2}
 _NARROWER = 8.0  # k of the highest mode over the rate r at which what is added falls (as in `beam`)
 _MORE_POINTS = 6  # of the quadrature than the degree: products with a force that varies slowly (a choice)
 _SAME = 1e-10  # square of what is left of a function beside others, up to which it is one of them
-_STIFFEST = 3.0  # wavenumber of an added function over that of the highest mode at most (a choice)
+_STIFFEST = 8.0  # wavenumber of an added function over that of the highest mode at most: a force at a point has 4
 _OWN = 1e-3  # square of what is left of a further mode beside added functions, at least
 _SHORTEST = 3e-5  # of the length; of shorter parts elements take the mean compliance (rounding of bending is near)
 
