@@ -15,6 +15,12 @@ def leapfrog_map_fill(alpha: Any, beta: Any, damping: Any, out: Any, wave: Any, 
     The map is the first four numbers times the exponential of the fifth.  A'' = (beta + alpha wave) A - 2 damping A',
     ``wave`` at equal steps over the period.
     """
+    # The leapfrog or Stoermer-Verlet scheme of order 2 (E. Hairer, C. Lubich and G. Wanner, Acta Numerica 12 (2003)
+    # 399, doi:10.1017/S0962492902000144), h = period / count, p_i = beta + alpha wave[i], damping e^-ch on either side:
+    #     v <- e^-ch v + (h / 2) p_i a,    a <- a + h v,    v <- e^-ch (v + (h / 2) p_(i+1) a).
+    # Two motions (a1, v1), (a2, v2) are carried at once: the columns of the map, whose determinant e^(-2 c period) is
+    # exact.  The end of a step shares p with the beginning of the next.  Powers are taken out by logarithms before
+    # doubles end.
     count = len(wave)
     h = period / count
     for point in range(len(alpha)):

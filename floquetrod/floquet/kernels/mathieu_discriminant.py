@@ -28,6 +28,9 @@ _ENOUGH = 2e-13  # relative error of the excess above which the minors are run a
 @kernel
 def _unforced_excess(a: float) -> tuple[int, float, int, float, int]:
     """Return what `discriminant_excess` does where alpha = 0."""
+    # y'' + a y = 0 over its period pi: trace = 2 cos(pi sqrt a) = 2 cos(2 pi root), so (trace - 2) / 4 = -sin^2(pi
+    # root), or with the other sign -cos^2; f is root less the nearest whole number, so that no digits are lost.  For a
+    # < 0 it is sinh^2(pi |root|), beyond 100 as exp(2 pi root) / 4 = 2^power / 4.
     root = 0.5 * math.sqrt(abs(a))
     if a > 0.0:
         f = root - math.floor(root + 0.5)
@@ -69,6 +72,7 @@ def discriminant_excess(alpha: float, beta: float, damping: float) -> tuple[int,
         x = -u * v
         e = eu + ev
         value = math.ldexp(x, e)
+    # Near a boundary of strong forcing the minors lose digits: there both run again in double-double.
     error = ru + rv
     if error > 1e-9 or error * min(1.0, abs(value)) > _ENOUGH * slack(ah, q):
         chain = 2 if cancels else 0
@@ -83,6 +87,7 @@ def discriminant_excess(alpha: float, beta: float, damping: float) -> tuple[int,
         value = math.ldexp(x, e) if e < 60 else math.copysign(1e18, x)
     if cancels:
         return -1, x, e, error, 4 * rows
+    # X by the sign of the trace: (trace - 2) / 4 for a positive one, else -(trace + 2) / 4 = -1 - that.
     if value >= -0.5:
         return 1, x, e, error, 2 * rows
     if e < 60:
@@ -93,6 +98,7 @@ def discriminant_excess(alpha: float, beta: float, damping: float) -> tuple[int,
 @kernel
 def undamped_growth(alpha: float, beta: float, damping: float) -> float:
     """Return the growth rate per unit tau of the equation freed of its damping, (alpha, beta + damping^2)."""
+    # Growth per period 2 asinh(sqrt X), since |D| = 2 + 4 X = 2 cosh; over 2 pi, and by logarithms beyond doubles.
     _, x, e, _, _ = discriminant_excess(alpha, beta, damping)
     if x <= 0.0:
         return 0.0
@@ -136,6 +142,7 @@ def damped_stable_fill(alpha: Any, beta: Any, damping: Any, out: Any) -> None:
 @kernel
 def discriminant_fill(alpha: Any, beta: Any, damping: Any, out: Any) -> None:
     """Fill ``out`` with discriminants (traces of the monodromy matrix), infinite beyond the range of a double."""
+    # D = sign (2 + 4 X) exp(-2 pi c), by its logarithm, 4 X being all of it, where either factor leaves the doubles.
     for i in range(len(alpha)):
         sign, x, e, _, _ = discriminant_excess(alpha[i], beta[i], damping[i])
         decay = 2.0 * math.pi * damping[i]
@@ -149,6 +156,9 @@ def discriminant_fill(alpha: Any, beta: Any, damping: Any, out: Any) -> None:
 @kernel
 def multipliers_fill(alpha: Any, beta: Any, damping: Any, out: Any) -> None:
     """Fill ``out`` (n, 2) complex with multipliers, the larger (or the one of positive rotation) first."""
+    # mu^2 - D mu + exp(-4 pi c) = 0, D = sign (2 + 4 X) exp(-2 pi c).  For X > 0 both are real, sign exp(+-rise -
+    # decay).  For X <= 0 they are a pair of the angle theta, sin^2(theta / 2) = -X (pi - theta where D < 0): half
+    # angles keep the digits of a pair close to 1 or -1.
     for i in range(len(alpha)):
         sign, x, e, _, _ = discriminant_excess(alpha[i], beta[i], damping[i])
         decay = 2.0 * math.pi * damping[i]
@@ -167,6 +177,8 @@ def multipliers_fill(alpha: Any, beta: Any, damping: Any, out: Any) -> None:
 @kernel
 def exponents_fill(alpha: Any, beta: Any, damping: Any, out: Any) -> None:
     """Fill ``out`` (n, 2) complex with Floquet exponents per unit tau, the faster (or of positive rotation) first."""
+    # log(mu) / 2 pi: +-(growth) - c with the imaginary part 0 or 1/2 where X > 0, else +-i theta / 2 pi - c, theta / 2
+    # = asin(sqrt(-X)) (pi - theta where D < 0), as in `multipliers_fill`.  0.0 - x keeps zeros positive.
     for i in range(len(alpha)):
         sign, x, e, _, _ = discriminant_excess(alpha[i], beta[i], damping[i])
         if x > 0.0:

@@ -24,6 +24,10 @@ def displacement_fill(maps: Any, out: Any, periods: int) -> None:
     ``maps`` (n, 5) holds the map over one period as `leapfrog_map_fill` leaves it.  It is raised to the power by
     squaring, and carries the one motion asked for by the binary digits of ``periods``.
     """
+    # M^periods (0, 1) by repeated squaring (D. E. Knuth, The Art of Computer Programming 2, 4.6.3): M^2^j is squared
+    # from bit to bit, and multiplied into the motion (a, v) where the bit is 1; powers of M commute, so bits may come
+    # lowest first.  Matrix and motion are divided by their largest entry each time; ``taken`` and ``total`` are the
+    # logarithms.
     for point in range(len(maps)):
         a1, v1, a2, v2 = maps[point][0], maps[point][1], maps[point][2], maps[point][3]
         a1, v1, a2, v2, taken = _scaled(a1, v1, a2, v2)

@@ -53,9 +53,9 @@ def lane_load(stiffness: Any, amplitudes: Any, period: Any, start: int, used: in
     """Load ``used`` systems in principal axes, the last of them repeated; False if not symmetric or not finite."""
     # K(t) = S + sum_k A_k cos(k t) in time scaled to w = 1, which multiplies K by (T / 2 pi)^2, then in the
     # eigenvectors of S by a Jacobi rotation: s[row, lane] are its eigenvalues, f[k, entry, lane] the four entries of
-    # the turned A_k, g[row, lane] the roots of the rates by which coordinates are balanced, sqrt(|K_ii|) bounded with
-    # 1/16 added. scalars[0, lane] is the relative error that the rotation leaves.  Lanes are the last axis: they become
-    # vectors.
+    # the turned A_k, g[row, lane] the rates sqrt(1/16 + |S_ii| + sum_k |A_k,ii|) by whose roots coordinates are
+    # balanced (`lane_ends` takes the roots).  scalars[0, lane] is the relative error that the rotation leaves.  Lanes
+    # are the last axis: they become vectors.
     _, _, _, s, f, g, _, _, scalars, norms = work
     count = len(norms)
     for lane in range(LANES):
@@ -137,6 +137,7 @@ def lane_series(h: float, terms: int, most: int, shrink: float, work: Any) -> No
                 x[0, (row * 4 + column) * LANES + lane] = 1.0
     for q in range(length):
         y[1, q] = shrink * x[0, q]
+    # x[i + 1] first holds (K x)_i, the mean and then the cosines, and is multiplied by its factor last.
     for i in range(terms - 1):
         cosine = -h * h / ((2.0 * i + 1.0) * (2.0 * i + 2.0))
         sine = -h * h / ((2.0 * i + 2.0) * (2.0 * i + 3.0))
@@ -170,6 +171,11 @@ def lane_series(h: float, terms: int, most: int, shrink: float, work: Any) -> No
 @kernel
 def lane_ends(h: float, terms: int, work: Any) -> None:
     """Fill the maps from 0 to T/4 and from T/4 to T/2 (4 x 4 each), in coordinates balanced by g."""
+    # At the distance h = T/4 from either end values are sum x_i, slopes sum 2i x_i of even solutions and (2i + 1) x_i
+    # of odd ones: rows ``count`` and ``count`` + 1 of c hold these weights, last term first, so that the smallest are
+    # added first; y[0] and y[1] hold the sums, one to four the four blocks of `x`.  In (g u, u' / g) the map from 0 to
+    # T/4 is [[value even, h value odd], [slope even / h, slope odd]], scaled; that from T/4 to T/2 has the blocks of
+    # the end T/2 transposed and a and d exchanged, K being symmetric and even about T/2.
     x, c, y, _, _, g, ends, _, _, norms = work
     count, n, length = len(norms), len(g), x.shape[1]
     for i in range(terms):
@@ -200,6 +206,10 @@ def lane_ends(h: float, terms: int, work: Any) -> None:
 @kernel
 def lane_errors(h: float, terms: int, ratio: float, rounding: float, cut: float, bound: float, work: Any) -> None:
     """Set the errors of the maps from both ends, as `half_period_fill` does; before roots of the rates are taken."""
+    # y[0] holds the squares of `tail`, so that rest = tail^2 bounds the first term left out, and tail / (1 -
+    # ratio^-2)^2 all of them with their weights 2i.  ``factor`` carries it from terms to balanced blocks: sqrt(fast /
+    # slow) bounds g_r / g_j, fast h and 1 / (slow h) the scales of b and c.  scalars[1] adds what rounding, harmonics
+    # cut off and K contribute.
     _, _, y, _, _, g, _, _, scalars, _ = work
     remainder = 1.0 / ((1.0 - ratio**-2.0) * (1.0 - ratio**-2.0))
     for lane in range(LANES):
@@ -215,6 +225,8 @@ def lane_errors(h: float, terms: int, ratio: float, rounding: float, cut: float,
 @kernel
 def lane_product(work: Any) -> None:
     """Set the maps over half a period, products of those from both ends, and their errors."""
+    # total = ends[1] ends[0], 4 x 4 matrices by rows, a lane each.  With the same error e of both factors the product
+    # is off by e (|ends[0]| + |ends[1]| + e), Frobenius norms, and by the rounding of sums of four products.
     ends, total, scalars = work[6], work[7], work[8]
     size = len(total) // 4
     for row in range(size):

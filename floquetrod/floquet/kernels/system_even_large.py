@@ -32,6 +32,15 @@ def half_period_large(
     s: Floats, f: Floats, first: int, omega: float, accuracy: float, reach: float, symmetric: bool, slack: float
 ) -> tuple[Floats, Floats, float]:
     """Return the map (2 n, 2 n) in balanced coordinates, their scales g and the error, as `half_period_fill` does."""
+    # u'' + K(t) u = 0, K = diag(s) + sum_k F_k cos((k + first) w t), f = (F_k) (H, n, n), w = omega: the series of
+    # `end_maps` and `inner_map`, by products of whole matrices.  With x = t / h, h = T / (4 segments), about an end of
+    # the half period
+    #     even u = sum_i u_i x^2i,    odd u = h sum_i u_i x^(2i+1),    u_(i+1) = -h^2 (K u)_i / ((2i+1)(2i+2)),
+    # of odd ones over ((2i+2)(2i+3)); ``even[k, l]`` is the coefficient of x^2l in cos((k + first) w h x).  Maps act on
+    # (g u, u' / g): a, b, c, d are their blocks (n, n).  About T/2 the cosines of odd k change sign; there the series
+    # is that of the transposed equation, whose map inverts the other's, and since K is even and time runs back, the map
+    # from T/2 - h to T/2 is [[d^T, b^T], [c^T, a^T]].  ``maps`` are, first acting first, [0, h], the inner segments,
+    # [T/2 - h, T/2].  ``noise`` sums the errors that all maps share: rounding, harmonics cut off, and that of K itself.
     n = len(s)
     norms = np.array([norm_bound(matrix) for matrix in f])
     g = np.empty(n)
@@ -45,6 +54,7 @@ def half_period_large(
     stop = stop_rule(n, h * h * size, h * h * norms, first, omega * h, (slow * h, fast * h), max(accuracy, noise))
     harmonics = np.arange(first, first + len(f))
     blocks: list[Matrix] = list(f)
+    # Blocks of low rank make products cheaper; what they drop is an error of K at each of `LEVELS` levels.
     if symmetric:
         blocks = [split(matrix, ROUNDING * norm) for matrix, norm in zip(f, norms, strict=True)]
         noise += LEVELS * ROUNDING * float(norms.sum()) / slow * h
@@ -58,6 +68,7 @@ def half_period_large(
         np.hstack([np.ones((len(f), 1)), -(angles**2) / ((2.0 * index[1:] - 1.0) * (2.0 * index[1:]))]), axis=1
     ).astype(float)
     ends = [blocks, [times(matrix, (-1.0) ** k) for matrix, k in zip(transposed, harmonics.tolist(), strict=True)]]
+    # Few equations: both ends as one series (2, n, 2 n), half as many calls of numpy.
     together = (2,) if n <= _TOGETHER else ()
     if together:
         ends = [[np.stack(pair) for pair in zip(*ends, strict=True)]]
@@ -73,6 +84,7 @@ def half_period_large(
             maps.append(np.block([[d.T, b.T], [c.T, a.T]] if maps else [[a, b], [c, d]]))
             errors.append(noise + rest)
 
+    # Inner centres: K is not even there, all powers count, and c[k, i] are those of cos(centre + (k + first) w h x).
     order = 2 * terms
     index = np.arange(order + 1)
     factorials = np.cumprod(np.maximum(index, 1.0))
@@ -92,6 +104,10 @@ def _even_sums(series: TaylorTerms, h: float, terms: int, ratio: float, stop: St
 
     As (ends, 2, n, 2 n), where the terms of the series are (ends, n, 2 n), or (n, 2 n) of a single one.
     """
+    # At x = 1 values are sum u_i and slopes sum 2i u_i (of odd solutions (2i + 1) u_i, which the caller completes).  x
+    # is a ring of the last ``rows`` terms, all that the recurrence reads: before one is overwritten, the terms in it
+    # are added to ``sums``.  The series ends as soon as `Stop` bounds what is left by its tolerance; else Cauchy's
+    # bound holds, the terms beyond falling like ratio^-2i.
     x = series.terms
     rows, n = len(x), x.shape[-2]
     divisors = np.repeat([1.0, 2.0], n)

@@ -27,6 +27,11 @@ NOT_DONE = -1.0
 @kernel
 def pair_fill(stiffness: Any, amplitudes: Any, period: Any, out: Any, accuracy: float, reach: float) -> None:
     """Fill rows of ``out`` (8): Re and Im of both x, then their errors, then their Krein forms; or mark them."""
+    # From half a period P = [[A, B], [C, D]] to both x = mu + 1 / mu: K is even, so the map of the whole period is M =
+    # (R P^-1 R) P with R = diag(1, 1, -1, -1), and M + 1/M = 2 + 4 B^T C in its upper left block where P is symplectic.
+    # Hence x = 2 + 4 y with the two eigenvalues y of the 2 x 2 matrix Y = B^T C. Systems are taken `LANES` at a time
+    # through one plan (`lane_plan`, `lane_series`, ...); where one segment is not enough for a group, its rows are
+    # marked and left to `half_period_fill`.  total (16, LANES) is P of each lane, scalars[2] its error.
     batch, h = len(out), 0.5 * math.pi
     work = lane_workspace(len(amplitudes[0]))
     total, scalars = work[7], work[8]
@@ -75,6 +80,10 @@ def pair_workspace() -> Any:
 @kernel
 def pair_outcome(small: Any, error: float, wrong: float, symmetric: bool, out: Any) -> None:
     """Fill one row of `pair_fill` from the map and, where K is not symmetric, its inverse; their errors are given."""
+    # Y = b c, b = B^T of a symplectic map, and minus the upper right block of the inverse otherwise (P^-1 P = 1 gives
+    # the same x = 2 + 4 y).  r = A^T C is the form in which Y is self-adjoint.  Errors in the Frobenius norm: with
+    # |dB|, |dC| <= error (``wrong`` of the inverse) the product is off by |B| |dC| + |dB| |C| + |dB| |dC|, and by its
+    # rounding.
     total, inverse, y, r, a, b, c = small
     n = len(y)
     for row in range(n):

@@ -78,6 +78,9 @@ def apply_coefficients(
 
     Each half has its own F.
     """
+    # (K u)_i of u'' + K u = 0: the past is first mixed by each cosine (`weighted_sum` into y[0]), then multiplied by
+    # its F, n^2 products for each column instead of n^2 for each lag.  x[i] is (n rows, halves, 2 n columns) in one
+    # line; a harmonic of order 0 is constant and takes the newest term alone.
     width = 2 * n * halves
     for r in range(n):
         factor = s[r]
@@ -252,6 +255,9 @@ def cut_harmonics(
 
     Those left out are a perturbation of K, too small to matter.
     """
+    # cos(k w h x) without its powers from x^2i on is wrong by at most (k w h)^2i / (2i)!, alternating and falling where
+    # angle < i: |K| times that, times h / slow, which a perturbation of K amounts to in balanced coordinates, is
+    # compared with a small share of the accuracy.
     angle = (len(norms) - 1 + first) * omega * h
     term = 2.0 * coefficient_bound(0.0, norms, first, 0.0) * h / slow
     for i in range(1, terms):

@@ -195,6 +195,10 @@ def segment_fill(
 @kernel
 def balance_matrices(a: Any, scaling: Any) -> None:
     """Replace a (m, N, N) by D^-1 a D, D = diag(scaling), powers of two that make rows and columns equally large."""
+    # Osborne's balancing, by powers of two, which round nothing (B. N. Parlett and C. Reinsch, Numerische Mathematik 13
+    # (1969) 293, doi:10.1007/BF02165404), of all coefficient matrices of A(t) at once, since one D serves all times.
+    # Row i sums |a_ij|, column i |a_ji|, j != i; D_i = sqrt(row / column) makes both equal.  Each i changes the sums of
+    # all others: sweeps go on until none changes, ten at most.
     count, n = a.shape[0], a.shape[1]
     for _ in range(10):
         changed = False
@@ -275,6 +279,9 @@ def segment_plan(
 @kernel
 def product_fill(maps: Any, errors: Any, scaling: Any, out: Any) -> None:
     """Fill rows of ``out`` with the product of maps, and its error."""
+    # Maps (count, n, n) go to balanced coordinates, D^-1 M D, in which their errors are given; `chain_error` multiplies
+    # them there, the first acting first, and the product goes back.  A row of ``out`` is the product by rows, then its
+    # error.
     for b in range(len(out)):
         count, n = len(maps[b]), len(scaling[b])
         scaled, total = np.empty((count, n, n)), np.empty((n, n))

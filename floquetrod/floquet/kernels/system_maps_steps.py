@@ -21,6 +21,7 @@ _PLAIN_UP_TO = 64
 @kernel
 def is_companion(a: Any) -> bool:
     """Return whether the upper half of all matrices says q' = E p, E diagonal and constant."""
+    # Upper rows [0, E], E diagonal, of the mean a[0], and zero of all harmonics: x = (q, p) with q' = E p.
     count, n = a.shape[0], a.shape[1]
     half = n // 2
     if n % 2 == 1:
@@ -81,6 +82,11 @@ def part_lags(
 
     ``angle`` is w h; times and rates are in units of h.
     """
+    # The Taylor coefficient l of a harmonic's factor, in units of h, is at most rate^l / l!, rate = k w h: ``powers``
+    # are these times the norms of the matrices.  Without the coefficients from ``lag`` on A is wrong by at most left
+    # x^lag, x = t / h, the geometric series of ratio rate / (lag + 1) included, of integral left / (lag + 1).  A slope
+    # has the coefficient 1 alone.  The smallest number of lags whose integral is below the tolerance is returned, and
+    # that integral.
     powers = norms[1:].copy()
     for lag in range(1, order + 1):
         left = 0.0
@@ -103,6 +109,10 @@ def part_weights(kept: Any, used: int, lags: int, angle: float, h: float, place:
 
     A slope counts from the beginning, ``place`` times h before.
     """
+    # Factors of the matrices: 1 of the mean, cos(k w t) and -sin(k w t) of Re and Im Z_k, t of a slope.  About the
+    # centre, turned by k place / whole of a turn, which is reduced exactly while it is a whole number, (value, other)
+    # are the factor and its derivative over k w, and follow from lag to lag by f_(l+1) = f'_l k w h / (l + 1), two
+    # derivatives changing the sign.
     for lag in range(lags):
         c[lag, 0] = 0.0
     c[0, 0] = 1.0
@@ -127,6 +137,11 @@ def apply_part(
     out: Any,
 ) -> None:  # fmt: skip
     """Set out (rows, n) to a coefficient of A x, from the terms of x that begin with number ``last`` of its array."""
+    # out = sum_lag A_lag x_(i-lag), A_lag = sum_g c[lag, g] M_g, where x_(i-lag) is row last + lag of x (columns j n +
+    # q) and the tables have the entry (r, j) of a matrix at j rows + r.  Directly, A_lag is in ``table``: by loops
+    # while small, else as one product of (rows, lags width) by (lags width, n).  Otherwise the past is mixed first,
+    # mixed_g = sum_lag c[lag, g] x_(i-lag), and out = sum_g M_g mixed_g: fewer multiplications where lags are many and
+    # harmonics few.
     width = x.shape[1] // n
     if direct and width * rows * n <= _PLAIN_UP_TO:
         for r in range(rows):
@@ -167,6 +182,9 @@ def part_work(
 @kernel
 def series_work(a: Any, used: int, angle: float, h: float, order: int, tolerance: float) -> Any:
     """Return the work of `step_map`: both halves of x, the factors of q' = E p where A has this form, and the rest."""
+    # x is cut into halves, ``upper`` and ``lower``, each with its own matrices (columns), tables and lags; of a
+    # companion form only rows from ``top`` on need products, and ``rates`` = E serve the others.  Then arrays of
+    # `step_map`: forces of both halves, signs of the two sums, and three matrices.
     n = a.shape[1]
     half = max(n // 2, 1)
     companion = is_companion(a)
@@ -225,6 +243,7 @@ def step_map(
             x[order, r * n + r] = 1.0
         else:
             z[order, (r - half) * n + r] = 1.0
+    # The recurrence: newest term in row ``last``, the next one goes to row last - 1.
     one, two = force[0], force[1]
     for i in range(order):
         last = order - i
@@ -247,6 +266,7 @@ def step_map(
                 start = (top + r - half) * n
                 for q in range(n):
                     z[last - 1, start + q] = factor * one[r, q]
+    # Horner's rule of `tail`, oldest term first, and the sums of both sides in one product each.
     rest, size, shrink = 0.0, 0.0, ratio**-2.0
     for i in range(order + 1):
         square = np.dot(x[order - i], x[order - i])
@@ -263,6 +283,7 @@ def step_map(
     length = math.sqrt(1.0 * lags_x * half + lags_z * (n - half))
     error = math.sqrt(rest) / (1.0 - 1.0 / ratio) + ROUNDING * (6.0 + length) * (1.0 + phase) * size
     error += (dropped + left_x + left_z) * h * math.exp(phase) * math.sqrt(1.0 * n)
+    # result = forth back^-1.  The error of an inverse is |back^-1|^2 |error|, to all orders over 1 - |back^-1| |error|.
     forth, size_back = spectral_bound(sides[0]), spectral_bound(sides[1])
     invert(sides[1], sides[2])
     multiply(sides[0], sides[2], result)

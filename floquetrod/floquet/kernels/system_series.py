@@ -123,6 +123,11 @@ def plan_segments(
     A series reaches ``whole`` / segments to either side, where its phase is at most ``reach``.  It keeps ``order``
     powers; `tail` may use a radius of ``ratio`` times its reach.  ``segments`` are 0 where there is no such plan.
     """
+    # Two limits: the phase, h times the mean of the rate sqrt(|K|) (or |A|) on the real times and on the circle of
+    # radius h, is at most ``reach``, beyond which a sum of terms that size cancels too many digits; and Cauchy's
+    # estimate must need no more terms than ``most`` (`plan_terms`).  The first number of segments that meets both is
+    # taken, one more at a time: fewer and longer segments cost less.  Beyond 1000 trials the step grows, for the loop
+    # to end.
     least = coefficient_bound(size, norms, first, 0.0)
     least = math.sqrt(least) if squared else least
     for trial in range(_MOST_PLANS):
@@ -151,6 +156,10 @@ def widest_circle(
 
     Off an instant of evenness, or with both parts of a harmonic together, the sum is sqrt(2) times larger.
     """
+    # `tail` needs (ratio h)^2 |K|(ratio h) <= i (i - 1), or ratio h |A|(ratio h) <= i, at the first term left out:
+    # ``there`` is its root, quotient = (order + 1) / there must be 1 or more, and close to 1 for the largest radius.
+    # |K| grows with the radius like exp(growth ratio) at most, which is the power of the correction, a Newton step in
+    # logarithms.  Where even 1.3 h is too wide, more terms are kept.
     growth = (0.5 if squared else 1.0) * (len(norms) - 1 + first) * omega * h
     for tries in range(200):
         there = 1.4143 * coefficient_bound(size, norms, first, omega * h * ratio)
@@ -168,6 +177,10 @@ def widest_circle(
 @kernel
 def weighted_sum(x: Any, last: int, weights: Any, k: int, most: int, length: int, out: Any, target: int) -> None:
     """Set out[target] = sum_l weights[k, l] x[last - l], l = 0..min(last, most), four rows at a time."""
+    # The convolution of a series with a cosine: x (rows, length) are terms, newest in row ``last``, weights[k, l] the
+    # Taylor coefficients of cosine k.  The first one to four lags are set, so that the others come in fours: ``out`` is
+    # read and written once for four products, and the loop over q is all vectors.  Sums within a four are made in
+    # pairs, an order that is the same in interpreted and compiled code.
     count = min(last, most) + 1
     a = weights[k, 0]
     lag = 1
@@ -204,6 +217,8 @@ def tail(x: Any, last: int, shrink: float, length: int, y: Any) -> float:
     The terms x_i h^i are bounded by M (h / rho)^i as far as they were computed.  Where rho^2 |K|(rho) <= i (i - 1), the
     recursion carries this bound to the next one: it holds for all.  ``shrink`` is the ratio of two neighbours' squares.
     """
+    # sum_i |x_i|^2 shrink^(last + 1 - i), by Horner's rule from the oldest term: at least the square of the largest x_i
+    # (h / rho)^(last + 1 - i), which is Cauchy's bound of term last + 1.
     for q in range(length):
         y[0, q] = 0.0
     for i in range(last + 1):
@@ -218,6 +233,7 @@ def tail(x: Any, last: int, shrink: float, length: int, y: Any) -> float:
 @kernel
 def spectral_bound(matrix: Any) -> float:
     """Bound the spectral norm of a matrix from its entries."""
+    # |A|_2 <= min(|A|_F, sqrt(|A|_1 |A|_inf)): the second is better for nearly diagonal matrices.
     rows, columns = matrix.shape
     square, largest_row, largest_column = 0.0, 0.0, 0.0
     for i in range(rows):
@@ -237,6 +253,7 @@ def spectral_bound(matrix: Any) -> float:
 @kernel
 def multiply(a: Any, b: Any, out: Any) -> None:
     """Set out = a b; by BLAS where that is faster."""
+    # Row by row of ``out``, the innermost loop along rows of b and out, which lie in memory one after the other.
     if len(a) > _PLAIN_UP_TO:
         np.dot(a, b, out)
         return
@@ -260,6 +277,9 @@ def copy_to(a: Any, out: Any) -> None:
 @kernel
 def invert(a: Any, out: Any) -> None:
     """Set out to the inverse of a, by elimination with row pivoting; a is destroyed."""
+    # Gauss and Jordan: [a | 1] is reduced to [1 | a^-1], row operations that clear column j above and below its pivot,
+    # the largest entry on or below the diagonal.  Columns before j of ``a`` are done and left alone.  A pivot of zero
+    # makes infinities and NaN of ``out``, which bounds of the caller turn into an infinite error.
     n = len(a)
     for i in range(n):
         for j in range(n):

@@ -276,6 +276,13 @@ def classify_multipliers(
     Where they come in mu, 1 / mu, a disc on the circle apart from all others holds a multiplier exactly on it, if
     ``are_all`` of them are in ``logs``; ``krein`` gives the Krein sign of a cluster on the circle, 0 where mixed.
     """
+    # Discs are about log mu; with ``shift`` = damping times period they are those of the system without its damping,
+    # whose multipliers come in mu, 1 / conj(mu) where ``freed`` is not None.  A cluster of discs is decided by the
+    # first rule that holds: clear of the imaginary axis, inside or outside the circle; a single disc, apart from all
+    # others, that meets its own mirror image: its multiplier and the image are one, on the circle; several of one Krein
+    # sign: all on the circle (V. A. Yakubovich and V. M. Starzhinskii, Linear Differential Equations with Periodic
+    # Coefficients, 1975, chapter III); else open, with a reason.  Multipliers proved on the circle lose the real part
+    # of their logarithm, which is rounding.
     if logs is None:
         return SystemStability.declined(system, method, cost, "the eigenvectors cannot be computed accurately enough")
     freed = undamped_pairs(system) if are_all else None
@@ -347,6 +354,10 @@ def _verdict(
 
     ``highest`` are upper bounds of their real parts.  Exponents of infinite error are not known: NaN.
     """
+    # A cluster's log |mu|, damping included, lies between low and high.  Unstable: one low above 0, or a pair proved
+    # off the circle of an undamped system.  Stable: every high below 0, or the multipliers bounded on the circle
+    # without damping.  What is open is left to rules about the matrices alone.  Exponents are net / period in 1/s, the
+    # fastest first; logarithms of infinite error become NaN, with ``unknown_below`` the bound of what they may hide.
     period = float(system.period)
     damped = damping > 0.0
     # Solutions that keep their norm are bounded; a Hamiltonian matrix next to such a one need not keep it.
@@ -377,6 +388,7 @@ def _verdict(
     lost = np.logical_not(np.isfinite(errors) & np.isfinite(net))
     errors, net = np.where(lost, math.inf, errors), np.where(lost, 0.0, net)
     exponents = np.where(lost, complex(math.nan, math.nan), net / period)
+    # By falling growth, then by rising frequency.
     order = np.lexsort((exponents.imag, -exponents.real))
     known = exponents.real[~lost]
     fastest = max(0.0, float(known.max(initial=0.0))) if known.size else math.nan
