@@ -118,6 +118,13 @@ def shown_fill(alpha: Any, beta: Any, out: Any) -> None:
     The parity of the count is the sign of the product of all pivots, so the three-term recurrence of the leading
     minors decides it without divisions, and the points of a block advance together in vector registers.
     """
+    # Leading minors of the four chains, squares of q in g: M_k = (D_k - a) M_(k-1) - q^2 M_(k-2), the newest in c, s,
+    # e, o, the one before in c0, s0, e0, o0 (c and s of period 2 pi with 1 + q and 1 - q, e and o the even and the odd
+    # chain of period pi), of `_LANES` points each.  The pivots are d_k = M_k / M_(k-1), so that the sign of the last
+    # minor is the parity of the negative pivots, and d_k > q reads M_k > q M_(k-1) for a positive M_(k-1).  Rows are
+    # run to the largest a + 2 q of the block without a test, since no chain may stop before; then pairs of rows until
+    # all points have settled.  ``out`` is 0 for an even number of curves below a and 1 for an odd one, to which 1 is
+    # added near bands thinner than rounding.
     n = len(alpha)
     ab = np.empty(_LANES)
     qs = np.empty(_LANES)
@@ -137,6 +144,7 @@ def shown_fill(alpha: Any, beta: Any, out: Any) -> None:
         for j in range(_LANES):
             a = -4.0 * beta[start + j]
             q = max(2.0 * abs(alpha[start + j]), _TINY_Q)
+            # First minors, of the rows 1 +- q, of the rows 0 and 4 of the even chain, and of the row 4 of the odd one.
             ab[j] = a
             qs[j] = q
             q2[j] = q * q
@@ -156,6 +164,7 @@ def shown_fill(alpha: Any, beta: Any, out: Any) -> None:
                 tops[j] = tops[j] if tops[j] > tops[j + width] else tops[j + width]
             width //= 2
         top = max(tops[0], 0.0)
+        # Rows with k^2 up to a + 2 q: k grows by 2 a row, and two rows are taken at a time.
         last = max(2, int(math.sqrt(top) * 0.5) + 2)
         level = 1
         limit = last + 40
@@ -183,6 +192,7 @@ def shown_fill(alpha: Any, beta: Any, out: Any) -> None:
                     o[j], o0[j] = y * t - g * o[j], t
                 k += 4.0
                 level += 2
+                # Both minors of a chain over the larger one: signs and ratios stay, and doubles suffice for 16 rows.
                 if level % 16 == 1:
                     for j in range(_LANES):
                         f = 1.0 / max(abs(c[j]), abs(c0[j]))
@@ -197,6 +207,7 @@ def shown_fill(alpha: Any, beta: Any, out: Any) -> None:
                         f = 1.0 / max(abs(o[j]), abs(o0[j]))
                         o[j] *= f
                         o0[j] *= f
+            # Settled: d = c / c0 > q in every chain, written without the division.
             unsettled = 0
             for j in range(_LANES):
                 g = qs[j]

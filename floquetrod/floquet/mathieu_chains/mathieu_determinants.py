@@ -21,6 +21,13 @@ def determinant_pair(a: float, q: float, odd_period: bool) -> tuple[float, float
     Values: both mantissas, both binary exponents, both relative errors (first-order estimates), and the last index.
     The error of a determinant close to zero is the error of ``a`` times its logarithmic derivative, carried along.
     """
+    # Two chains of one parity side by side, u and v their pivots, x = D_k - a the diagonal they share from the second
+    # row on:
+    #     u <- x - q^2 / u,    du/da <- -1 + (q / u)^2 du/da,    p_u <- p_u u / k^2,    lu <- lu + (du/da) / u,
+    # p_u 2^eu the determinant over its diagonal at a = q = 0, lu its logarithmic derivative; v likewise.  Downwards,
+    # until both pivots exceed q and the chains no longer resonate: from there the rest, up to infinity, is the same
+    # linear combination of A(kappa) and A(kappa + 1), kappa = k / 2, for both (`tail`; h^2 = a / 4, Q = q^2 / 16).  A
+    # pivot near zero makes its successor large and their product harmless, as long as neither is exactly zero.
     q2 = q * q
     nudge = 1e-20 * (1.0 + abs(a) + q)  # stands in for a pivot of exactly zero: far below the rounding of a
     eu, ev = 0, 0
@@ -77,9 +84,11 @@ def determinant_pair(a: float, q: float, odd_period: bool) -> tuple[float, float
             pv = f
             ev += i
         settled = x >= 2.0 * q and u > q and v > q
+        # Beyond the crest k^2 = a + 2 q pivots settle at once, except where a is an eigenvalue to rounding.
         if kk > top:
             spare += 1.0
             settled = settled or spare > 400.0 + 0.1 * k
+    # The rest couples to the last row k by q^2 / ((k + 2)^2 u), both diagonals scaled.
     here, above, e = tail(0.5 * k, 0.25 * a, q2 * 0.0625)
     r = q2 / ((k + 2.0) * (k + 2.0))
     pu, iu = math.frexp(pu * (here - above * r / u))
@@ -92,6 +101,7 @@ def determinant_pair(a: float, q: float, odd_period: bool) -> tuple[float, float
 @kernel
 def two_sum(x: float, y: float) -> tuple[float, float]:
     """Return x + y rounded and the rounding error (Knuth)."""
+    # x + y = s + e exactly (D. E. Knuth, The Art of Computer Programming 2, 4.2.2), whichever of the two is larger.
     s = x + y
     t = s - x
     return s, (x - (s - t)) + (y - t)
@@ -100,6 +110,8 @@ def two_sum(x: float, y: float) -> tuple[float, float]:
 @kernel
 def two_product(x: float, y: float) -> tuple[float, float]:
     """Return x y rounded and the rounding error (Dekker; magnitudes below 1e290)."""
+    # x y = p + e exactly (T. J. Dekker, Numerische Mathematik 18 (1971) 224, doi:10.1007/BF01397083): 134217729 = 2^27
+    # + 1 cuts each factor into halves of 26 bits, whose products are exact.
     p = x * y
     t = 134217729.0 * x
     xh = t - (t - x)
@@ -115,6 +127,7 @@ def _times_minus_times(
     xh: float, xl: float, ph: float, pl: float, gh: float, gl: float, oh: float, ol: float
 ) -> tuple[float, float]:
     """Return x p - g o, every number in double-double."""
+    # Each product with its rounding error and the cross terms of the low parts; low times low is below the last bit.
     h, low = two_product(xh, ph)
     low += xh * pl + xl * ph
     m, n = two_product(gh, oh)

@@ -34,6 +34,7 @@ def slack(a: float, q: float) -> float:
 @kernel
 def _far_out(h2: float, coupling: float) -> float:
     """Return an index beyond which the series of `_log_tail` is good to `TAIL_ERROR` times slack (measured)."""
+    # Where the terms of order Q^3 h^4 / x^15, Q^4 h^2 / x^17 and Q^5 / x^19 that the series lacks are below its error.
     far = max(30.0, 4.0 * math.sqrt(abs(h2)))
     if coupling > 20.0 or abs(h2) > 36.0:
         # The first terms left out, of third, fourth and fifth order in Q, each against its share of the error.
@@ -51,6 +52,14 @@ def _far_out(h2: float, coupling: float) -> float:
 @kernel
 def _log_tail(kappa: float, h2: float, coupling: float) -> float:
     """Return log A(kappa) for large kappa, by the cumulants of the tail determinant up to fourth order in Q."""
+    # Divided by its diagonal 1 - h^2 / k^2, k = kappa + 1, kappa + 2, ..., the determinant has ones on it and couplings
+    # t_k = Q / ((k^2 - h^2) ((k + 1)^2 - h^2)), of which no two neighbours occur in one product.  The logarithm of such
+    # a sum is
+    #     log A = sum log(1 - h^2 / k^2) - sum t_k - sum (t_k^2 / 2 + t_k t_(k+1)) - (10/3) t^3 - (35/4) t^4 - ...,
+    # the last two for equal neighbours (of log((1 + sqrt(1 - 4 t)) / 2)).  Each sum over k is expanded in even powers
+    # of 1 / m about the centre m of its product, which leaves no odd ones, and `_power_sum` sums m^-s from x = the
+    # first m - 1/2 on: i2 = 1 / x^2, and g and w are coefficients of 1 / (1 - b y + c y^2) and of its square, y = (x /
+    # m)^2.
     x = kappa + 0.5
     i2 = 1.0 / (x * x)
     total = 0.0

@@ -30,6 +30,7 @@ class ChainDeterminant:
         if k:
             here, slope = here / (k * k), slope / (k * k)
         scale = float(k * k or 1)
+        # here and before are M_k and M_(k-1) over the product of D; slope and slope_before their derivatives by a.
         for _ in range(rows - 1):
             k += 2
             d = float(k * k)
@@ -45,6 +46,7 @@ class ChainDeterminant:
                 scaled = (ldexp(x, -power) for x in (here, before, slope, slope_before))
                 here, before, slope, slope_before = scaled
                 self.exponent += power
+        # The last pivot, M_k / M_(k-1) unscaled: beyond q, with rows of at least 2 q to come, the rest is known.
         ratio = here * k * k / before if before else math.inf if here else 0.0
         kappa, h2, big_q = 0.5 * k, 0.25 * a, q * q / 16.0
         self.settled = ratio > q and (k + 2) ** 2 - a >= 2.0 * q
@@ -52,6 +54,7 @@ class ChainDeterminant:
             self.value, self.sensitivity, self.left_out = here, math.inf, math.inf
             return
         self.sensitivity = abs(slope / here) if math.isfinite(slope) else math.inf
+        # value = M (1 - edge) exp(-coupled) times the product of 1 - h^2 / k^2 over the rows left out.
         log_rest, rounding = _log_product(kappa, h2)
         coupled, self.left_out = _coupling(kappa, h2, big_q)
         # The last row kept is coupled to the first left out, a part `edge` of the whole.

@@ -20,6 +20,9 @@ _NUDGE = 1e-30  # stands in for a pivot of exactly zero
 @kernel
 def chain_count(x: float, q: float, first: float, shift: float) -> int:
     """Return how many eigenvalues of the chain with diagonal first^2 + shift, (first + 2)^2, ... lie below ``x``."""
+    # Sturm's count (J. W. Demmel, Applied Numerical Linear Algebra, 5.3.4): as many pivots d_k = k^2 - x - q^2 /
+    # d_(k-1) are negative as eigenvalues lie below x.  The link is q, of the first two rows of the even chain sqrt(2)
+    # q; once d > |q| and the next diagonal is at least 2 |q|, no later pivot is negative (head of `mathieu_counts`).
     size = abs(q)
     k = first
     d = (k * k - x) + shift

@@ -107,6 +107,10 @@ def _crossing(
     line: PlaneLine, target: float, inside: float, at_inside: float, outside: float, at_outside: float
 ) -> float:
     """Return where the squared rate passes ``target``, surplus positive ``inside``: Chandrupatla's method."""
+    # T. R. Chandrupatla, Advances in Engineering Software 28 (1997) 145, doi:10.1016/S0965-9978(96)00051-8.  a is the
+    # newest place, b the other side of the zero, c the place before; fa, fb, fc the surplus there.  The inverse
+    # parabola through the three is used where it is monotone between a and b, xi and phi being the shares of place and
+    # value; else the interval is halved.  The place returned is the one closer to the target.
     a, b, c = inside, outside, inside
     fa, fb, fc = at_inside, at_outside, at_inside
     t = 0.5
@@ -142,6 +146,10 @@ def level_edges(
     They are the tongue's own ends where ``target`` is zero, and both the summit where nothing exceeds it.  Tongue 0
     begins at ``low``.  Of an end not asked for, neither ``lower`` nor ``upper``, any value is returned.
     """
+    # Within a tongue the rate rises from 0 at its own ends to one summit: each end of what exceeds a level lies between
+    # the summit and that end, and is found by its sign change there.  So the tongue's ends come first, then the summit,
+    # unless tongue 0 begins above the level at ``low``; the crossings last, each where the rate at the end is below the
+    # level.
     first = tongue_end(order, True, line, low, high) if lower or target > 0.0 else low
     last = tongue_end(order, False, line, low, high) if upper or target > 0.0 else high
     if target == 0.0:
@@ -179,6 +187,7 @@ def edge_fill(
     out: Any,
 ) -> None:
     """Fill ``out`` (n, 2) with `level_edges`."""
+    # All arguments are arrays (n,): an order, a line, where it is searched, the level, and which ends are asked for.
     for i in range(len(order)):
         line = PlaneLine(slope[i], q0[i], q1[i], w0[i], w1[i])
         out[i, 0], out[i, 1] = level_edges(order[i], line, low[i], high[i], target[i], lower[i], upper[i])
@@ -197,6 +206,7 @@ def ridge_fill(order: Any, slope: Any, q0: Any, q1: Any, w0: Any, w1: Any, low: 
 @kernel
 def summit_fill(slope: Any, q0: Any, q1: Any, w0: Any, w1: Any, low: Any, high: Any, out: Any) -> None:
     """Fill ``out`` (n, 2) with `summit` on pieces of tongues, growth at whose ends is not zero."""
+    # Brent's method never evaluates the ends, and growth on a piece may be largest there.
     for i in range(len(slope)):
         line = PlaneLine(slope[i], q0[i], q1[i], w0[i], w1[i])
         place, value = summit(line, low[i], high[i])

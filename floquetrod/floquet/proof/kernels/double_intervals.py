@@ -49,6 +49,7 @@ def subtract(x: Pair, y: Pair) -> Pair:
 @kernel
 def multiply(x: Pair, y: Pair) -> Pair:
     """Enclose the product of two intervals; NaN where a product of two ends is."""
+    # The extremes of x y over a rectangle lie at its corners.
     a, b = x
     c, d = y
     ac = a * c
@@ -75,6 +76,7 @@ def square(x: Pair) -> Pair:
 @kernel
 def divide(x: Pair, y: Pair) -> Pair:
     """Enclose the quotients of an interval by another, which must not hold zero: else NaN."""
+    # The extremes of x / y, y of one sign, lie at the corners of the rectangle.
     a, b = x
     c, d = y
     if not (c > 0.0 or d < 0.0):
@@ -92,6 +94,7 @@ def divide(x: Pair, y: Pair) -> Pair:
 @kernel
 def exp(x: float) -> Pair:
     """Enclose the exponential of a double between -600 and 600: powers of two and a series."""
+    # exp(x) = 2^n exp(r), n = x / log 2 rounded to a whole number and r = x - n log 2 within 0.35 of zero, enclosed.
     if not -600.0 <= x <= 600.0:
         return math.nan, math.nan
     n = float(math.floor(x / LOG2_LOW + 0.5))
@@ -106,6 +109,8 @@ def exp(x: float) -> Pair:
 @kernel
 def sinh_squared(x: float) -> Pair:
     """Enclose sinh(x)^2 for a double from 0 to 300."""
+    # sinh^2 x = (cosh 2x - 1) / 2 = x^2 (1 + (2x)^2 / (3 4) (1 + (2x)^2 / (5 6) (...))) near zero, where (e^x - e^-x)^2
+    # / 4 would cancel.
     if not 0.0 <= x <= 300.0:
         return math.nan, math.nan
     if x < 0.5:  # the sum of (2 x)^(2 j) / (2 (2 j)!), the rest within a part in 1e18 of the first term

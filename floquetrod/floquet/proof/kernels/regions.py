@@ -74,6 +74,7 @@ def box_search(box: Floats, last: int, max_boxes: int) -> BoxSearch:
 @kernel
 def start_search(boxes: Any, pending: Any, shares: Any, counts: Any, examples: Any, last: int) -> None:
     """Make the first of ``boxes`` the one to be subdivided."""
+    # One box waits, its share of the volume is 1; pending [-1, 1]: all modes from the first on.  No example yet: NaN.
     pending[0, 0] = -1
     pending[0, 1] = 1
     for i in range(3):
@@ -137,6 +138,9 @@ def _side_to_bisect(box: Any, mode: int) -> int:
 @kernel
 def _at(box: Any, along: float, force: float, point: Any) -> None:
     """Fill ``point`` with a point of a box: on the way to the smallest a, and on that to the largest amplitude."""
+    # a = 4 kappa / omega^2 falls along 0 to 1 while bending and swing go from their highest to their lowest, and mean
+    # force, frequency, c2 and h from their lowest to their highest values; ``force`` moves the amplitude up and damping
+    # down, towards growth.
     for row in range(8):
         falls = row in (BENDING, SWING)
         share = 1.0 - along if falls else along
@@ -260,6 +264,7 @@ def certify_box(
         left = 0
         undecided = 0
         first = pending[here, 1]
+        # Modes still open are written over the list while it is read: never ahead of the place read.
         for i in range(listed if listed >= 0 else last - first + 1):
             mode = pending[here, 1 + i] if listed >= 0 else first + i
             status = status_of_mode(box, mode, tolerance_low, tolerance_high)
@@ -276,6 +281,7 @@ def certify_box(
         counts[WAITING] -= 1
         counts[FIRST] = (here + 1) % room
         share = shares[3 + here]
+        # Proved: all of the box grows in mode ``grows``, or all of its modes are stable.
         if grows > 0 or left == 0:
             kind = 1 if grows > 0 else 0
             if counts[STABLE_PARTS + kind] == 0:
@@ -304,6 +310,7 @@ def certify_box(
                 counts[UNSTABLE_PARTS] = 1
                 counts[GROWING_MODE] = undecided
                 _copy(point, examples, 1)
+        # Both halves join at the end of the ring, with the modes left open and half of the volume.
         middle = 0.5 * (box[row, 0] + box[row, 1])
         for half in range(2):
             there = (counts[FIRST] + counts[WAITING]) % room

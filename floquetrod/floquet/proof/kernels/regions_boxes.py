@@ -116,6 +116,8 @@ def tail_bound(box: Any, last: int) -> float:
             room = down(room + min(down(down(2.0 * swing - up(k * k * quarter)) / m4), 0.0))
             if not room > 0.0:
                 break
+            # The first factor with its p: p^2 / pivot = (c2 dF)^2 / (pivot / m^4) for all m at once; the others are p /
+            # pivot at m0.
             bound = up(up(push * push) / room)
             pivot = first
             settled = True

@@ -138,6 +138,9 @@ def _diagonal(k: float, h: Pair) -> Pair:
 @kernel
 def _middle(c: Pair, s: Pair, t: Pair, e: Pair, g2: Pair) -> Pair:
     """Enclose S_c S_s: as a product, and as the squared mean less the square of half their difference t."""
+    # S_c = c - g^2 / e and S_s = s - g^2 / e are strongly correlated: both carry the widths of kappa and e.  With t = c
+    # - s known well, S_c S_s = m^2 - (t / 2)^2, m = S_c - t / 2 = S_s + t / 2, whose enclosure is that of both; the
+    # narrower of the two products counts, end by end.
     beyond = divide(g2, e)
     c = subtract(c, beyond)
     s = subtract(s, beyond)
@@ -153,6 +156,8 @@ def _middle(c: Pair, s: Pair, t: Pair, e: Pair, g2: Pair) -> Pair:
 @kernel
 def _met(enclosure: Pair, middle: Pair, rest: Pair, steps: int) -> Pair:
     """Return the intersection of an enclosure with the product of two others, whose scalings are undone."""
+    # X = middle times rest, rest scaled by `_STEP`^steps: the factors return as powers of two, exactly, except that
+    # what leaves the doubles is replaced by 1e300, still a bound.
     low, high = multiply(middle, rest)
     if not low <= high:
         return enclosure
@@ -173,6 +178,15 @@ def excess(kappa: Pair, p: Pair, omega: Pair, parity: int) -> Pair:
 
     Every row where forward and backward pivots can meet gives an enclosure; the result is their intersection.
     """
+    # Rows k = parity, parity + 2, ... have the diagonal x = k^2 h and the pivots, with v = kappa + g^2 / d (`_taken`),
+    #     forward c, s = x - v of the two chains,    backward e = x - v of both,    t = c - s <- g^2 t / (c s).
+    # A determinant over its diagonal is, for every row r, (product of forward c / x before r) (S_c / x) (product of
+    # backward e / x beyond), S_c = c - g^2 / e (twisted factorisation: I. S. Dhillon and B. N. Parlett, Linear Algebra
+    # Appl.  387 (2004) 1), and likewise with s; X is the product of both.  Backward first, from far out down to
+    # ``inner``: for each row, e of the next one and w, the squared product of all beyond, are kept in ``backward``, its
+    # scaling in ``scales``; then forward up to ``outer``, w the product of all rows before, and at each row on the way
+    # an enclosure (`_middle`, `_met`).  No one row is the best for all of a box, since a pivot that may be zero there
+    # ends a side: hence all rows, and their intersection.
     enclosure = -math.inf, math.inf
     h = square(omega)
     h = 0.25 * h[0], 0.25 * h[1]
@@ -234,6 +248,7 @@ def excess(kappa: Pair, p: Pair, omega: Pair, parity: int) -> Pair:
         t = p
     else:
         w = square((0.5 * PI_LOW, 0.5 * PI_HIGH))
+        # The even chain has the row 0 more, coupled by 2 g^2; it may itself be the row where pivots meet.
         twice = 2.0 * g2[0], 2.0 * g2[1]
         if inner == 0.0 and least == 0:
             v = _taken((backward[0, 0], backward[0, 1]), kappa, twice)
