@@ -88,6 +88,9 @@ def at_the_end(a: Any) -> tuple[Any, Any]:
 @kernel
 def _bracketed_root(q: Any, n: int, low: float, high: float) -> float:
     """Return the zero of the polynomial q of degree n in [low, high], where it falls from positive to not positive."""
+    # Newton's method on q(x) = sum_j q_j x^j, q(low) > 0 >= q(high): f and d are q and its derivative by Horner's rule,
+    # both from one pass; where a step leaves the bracket, its middle is taken.  The start is the zero of a parabola, in
+    # the form 2 q_0 / (sqrt(q_1^2 - 4 q_0 bend) - q_1), which does not cancel for q_1 <= 0.
     x = 0.5 * (low + high)
     if low == 0.0 and high == 1.0 and q[1] <= 0.0:  # from the parabola through both ends with the slope at the first
         end = q[n]
@@ -129,6 +132,7 @@ def first_root(q: Any, n: int, stack: Any) -> float:
         bound += j * abs(q[j])
         end += q[j]
     end += q[1] + q[0]
+    # |q'(x) - q_1| <= sum_(j > 1) j |q_j| on [0, 1]: q is monotone where |q_1| exceeds that.
     if q[1] >= bound or (q[1] <= -bound and end > 0.0):
         return -1.0
     if q[1] <= -bound:
@@ -138,6 +142,7 @@ def first_root(q: Any, n: int, stack: Any) -> float:
         for j in range(i + 1):
             total += _BERNSTEIN[ORDER - n, i, j] * q[j]
         stack[0, i] = total
+    # b_i = sum_(j <= i) C(i, j) / C(n, j) q_j: as many zeros as changes of sign of b, or fewer by an even number.
     depth = 0
     low = 0.0
     width = 1.0

@@ -18,6 +18,10 @@ def _left_vector(cells: Any, begin: int, end: int, decay: float) -> tuple[float,
 
     Rows of M - L I, L the smaller eigenvalue, are multiples of it (Cayley and Hamilton).  ``decay`` is the size of L.
     """
+    # M = product of the matrices of the cells, the first acting first, divided by its largest entry whenever that is
+    # large (``scale``).  (M - L1)(M - L2) = 0, so that rows r of M - L2 obey r (M - L1) = 0: the longer row is the
+    # better one.  L2, the smaller eigenvalue, has the sign of the trace, and is not taken from M, where it would be
+    # lost by cancellation.
     m11, m12, m21, m22 = cells["m11"], cells["m12"], cells["m21"], cells["m22"]
     a, b, c, d = 1.0, 0.0, 0.0, 1.0
     scale = 1.0
@@ -44,6 +48,10 @@ def vectors_fill(begin: Any, end: Any, damping: Any, rate: Any, out: Any, cells:
     An equation's cells are those from ``begin`` to ``end``; ``rate`` is its growth, damping included.  ``out`` is the
     share of psi that is lost in a period.
     """
+    # Left vectors l of the adjoint equation go backwards: l at the beginning of a cell is (l at its end) M_cell, made
+    # 1, with its length kept.  Forwards they decay, so backwards the wanted one grows over the other, by a period's
+    # factor a turn: two turns leave it alone.  begin, end, damping, rate and out are (n,), of equations; vectors and
+    # cells lie in one line.
     m11, m12, m21, m22 = cells["m11"], cells["m12"], cells["m21"], cells["m22"]
     first, second, length = vectors["l1"], vectors["l2"], vectors["length"]
     for i in range(len(begin)):
@@ -64,6 +72,11 @@ def escape_fill(begin: Any, end: Any, shrink: Any, out: Any, vectors: Any, sizes
 
     ``sizes`` holds the integral over each cell for a vector of length 1.  ``out`` is the kick above which all escape.
     """
+    # The test is |l (A, A')| > integral of |psi| over all later time, psi the solution that l belongs to.  From cell to
+    # cell backwards, left = sizes[k] + left / length[k], since a vector of length 1 at the beginning of cell k has 1 /
+    # length[k] at its end.  The first sweep gives the integral over one period; all later ones follow as a geometric
+    # series of the factor 1 - shrink, so dividing by ``shrink`` sums it; the second sweep writes e = l / left.  A kick
+    # is A = 0, A' = kick.
     e1, e2, l1, l2, length = cells["e1"], cells["e2"], vectors["l1"], vectors["l2"], vectors["length"]
     for i in range(len(begin)):
         left = 0.0

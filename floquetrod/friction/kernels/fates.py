@@ -36,6 +36,9 @@ def _range_of_sticking(record: Any) -> tuple[float, float, float]:
 
     The amplitudes are zero where there is no such phase.
     """
+    # ``record`` is a motion over `_WATCHED` periods, sample after sample; at each of `_PHASES` phases of a period,
+    # abs(A) where it sticks then, 0 where it moves.  The phase whose least value is largest sticks in all periods,
+    # farthest out.
     best = -1.0
     phase = 0.0
     low, high = 0.0, 0.0

@@ -64,6 +64,10 @@ def _stick(
 
     It is told only where it sticks for all time unless ``decide``.
     """
+    # Stuck while |p A| <= 1, p = beta + alpha sin tau between -inward and outward.  Rules from the plainest on: never
+    # |p| size > 1, stuck for all time; outward size > 1 and p never below 0, freed and driven outwards; freed so weakly
+    # that it moves too slowly to follow; never freed from this phase on; within an interval known to keep what sticks
+    # in it.  Else `LIMIT`, and the time until |p| size rises above 1 (`_wait`).
     outward = beta + abs(alpha)
     inward = abs(alpha) - beta
     if size * (abs(alpha) + abs(beta)) <= 1.0:
@@ -115,6 +119,13 @@ def run(
     one whose tau is infinite.  A run with rows to record continues when its fate is known, except at rest for all time.
     ``follow_slow``: follow slow outward motion, too; ``findings`` are those on its equation.
     """
+    # A'' = p(tau) A - 2 c A' - s, p = beta + alpha sin tau, s = sign(A'), from cell to cell: k is the cell, offset the
+    # time in it, h its length; x and v are A and A'.  In motion a whole cell is (x, v) <- M (x, v) + s f, where |v| (1
+    # - change_velocity) > |x| change_a + change_forced proves that A' keeps its sign; else A = x from_a + v
+    # from_velocity + s forced is its series in (t - tau) / h, and the first zero of s A' is searched for
+    # (`first_root`).  At a zero, an event: v = 0, the motion sticks while |p x| <= 1 (`_stick`), then goes on with s
+    # the sign of the force, from inside the cell by a series of its own.  Tests of fate come before each step, since
+    # what is decided needs no step: escape in motion, the rest at events.
     alpha, beta, c = float(equation["alpha"]), float(equation["beta"]), float(equation["damping"])
     outward = beta + abs(alpha)  # Q: the largest p
     decide = len(record) == 0
@@ -189,11 +200,14 @@ def run(
                 s = 1.0 if force > 0.0 else -1.0
                 rows = _note(record, rows, k * h + offset + periods * PERIOD, x, 0.0, s)
             # Continue from inside the cell: from rest, or from where the orbit starts.
+            # A series from here to the end of the cell, in units of what is left of it.
             left = h - offset
             root = -1.0
             if left > 0.0:
                 tau = k * h + offset
                 series(alpha * math.sin(tau), alpha * math.cos(tau), beta, c, s, left, x, v * left, p, a)
+                # From rest A' has a zero at x = 0, after a release a double one: divided out, so that the next is
+                # found.
                 zeros = 0 if v != 0.0 else 1  # of A' at the beginning
                 if released:
                     a[2] = 0.0  # the force is what holds it: exactly, not to rounding

@@ -129,6 +129,8 @@ def _modes_of_load(
     constants: Any, mean: float, amplitude: float, omega: float, slowest: float, guess: int
 ) -> tuple[float, float, float, float, float, float, int]:
     """Return A, B, C, D, h and c of a rod under a load, and how many modes show growth of ``slowest`` (1/s)."""
+    # c = lambda / omega, the damping rate per unit tau.  Without damping a mode has beta + c^2, that is D - c^2; it
+    # grows by c + slowest / omega or less exactly when its net growth per second is at most ``slowest``.
     bending, per_newton, restoring, neutral_squared, damping_rate = constants
     c = damping_rate / omega
     forcing, compression, stiffness, gravity, neutral_squared = mode_family(
@@ -171,6 +173,8 @@ def rod_is_stable(
     left out.  ``last`` and ``suspect`` are the answers for a rod and load nearby: neighbours need about as many modes
     and mostly fail in the same one, which is tested first.
     """
+    # Modes 1 to ``last`` decide; later ones grow less than ``slowest`` (`modes_needed`).  The suspect, then the others
+    # from the lowest up, until the first that grows: most unstable rods are decided by one mode.
     forcing, compression, bending, gravity, neutral_squared, c, last = _modes_of_load(
         constants, mean, amplitude, omega, slowest, last
     )

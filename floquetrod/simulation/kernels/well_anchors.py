@@ -21,6 +21,12 @@ from floquetrod.simulation.rod_record import FIRST
 @kernel
 def _follow(rod: Any, first: int, last: int, p: Any) -> None:
     """Move the anchors of nodes to the points of the axis nearest to them."""
+    # A row of arcs: 0 begins at s, 1-3 point, 4-6 tangent t, 7-9 normal n there, 10 curvature b.  On an arc, at
+    # ``below`` = d,
+    #     c = p + (sin bd / b) t + ((1 - cos bd) / b) n,   t' = cos bd t + sin bd n,   k' = b (cos bd n - sin bd t),
+    # c, t' and k' the point, the tangent and the curvature; 1 - cos bd is 2 sin^2(bd / 2), which does not cancel; a
+    # straight piece has b = 0.  One step of Newton's method from the last anchor (head of the file) gives s; the arc
+    # that holds it is next to the last one.
     arcs = p.well.arcs
     x, y, z, c1, c2, c3 = rod["x"], rod["y"], rod["z"], rod["c1"], rod["c2"], rod["c3"]
     t1, t2, t3, k1, k2, k3 = rod["t1"], rod["t2"], rod["t3"], rod["k1"], rod["k2"], rod["k3"]
@@ -53,6 +59,8 @@ def _follow(rod: Any, first: int, last: int, p: Any) -> None:
 @kernel
 def _follow_end(rod: Any, i: int, place: int, p: Any) -> None:
     """Move the anchor of an end, and turn with its tangent where the end is held across."""
+    # The vector h from the axis to the held end, at right angles to the old tangent o, goes with the smallest rotation
+    # that takes o to the new tangent n: h - (h.n) / (1 + o.n) (o + n).  So it does not wind about the axis.
     hold = rod["anchor"]
     o1, o2, o3 = rod["t1"][i], rod["t2"][i], rod["t3"][i]
     _follow(rod, i, i + 1, p)
@@ -134,6 +142,9 @@ def pushed(v: Any, g: Any, e: Any, n: Any, fall: Any, push: float, lighter: floa
 @kernel
 def hold_beside(rod: Any, i: int, place: int) -> None:
     """Return an end that is held across to the curve that its offset describes, which does not wind about the axis."""
+    # The curve c + h + run (t + half k), run = (1 - k.h) along: an arc of the axis's curvature, shifted by h.  The node
+    # goes to its place on it nearest to where it is, to the third order, and its velocity to its component along the
+    # tangent t + along k.
     x, y, z, vx, vy, vz, hold = rod["x"], rod["y"], rod["z"], rod["vx"], rod["vy"], rod["vz"], rod["anchor"]
     t1, t2, t3, k1, k2, k3 = rod["t1"][i], rod["t2"][i], rod["t3"][i], rod["k1"][i], rod["k2"][i], rod["k3"][i]
     h1, h2, h3 = hold[3 * place], hold[3 * place + 1], hold[3 * place + 2]

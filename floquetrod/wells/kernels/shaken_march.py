@@ -78,6 +78,9 @@ def _step(
     sliding: SlidingString, places: Any, i: int, length: float, mu: float, y: float, helix: float
 ) -> tuple[float, float, float]:
     """Return y above a piece, and -dy/ds below and above."""
+    # The classical Runge-Kutta method of order 4 for dy/ds' = f(s', y), s' upwards: y + (h / 6) (k1 + 2 k2 + 2 k3 +
+    # k4), h = ``length``, with the inclination and curvatures at the lower end, the middle (twice) and the upper end of
+    # the piece.
     half = 0.5 * length
     first = _rise(sliding, places, i, 0, mu, y, helix)
     second = _rise(sliding, places, i, 1, mu, y + half * first, helix)
@@ -89,6 +92,8 @@ def _step(
 @kernel
 def positive_share(first: float, middle: float, last: float) -> float:
     """Return the share of an interval in which the parabola through values at its ends and middle is positive."""
+    # The parabola first + rise x + bend x^2, x from 0 to 1.  Between its zeros, clipped to [0, 1], its sign is
+    # constant: at most three intervals, whose sign their midpoints tell.  Without a zero the middle tells all.
     bend, rise = 2.0 * (first - 2.0 * middle + last), 4.0 * middle - 3.0 * first - last
     square = rise * rise - 4.0 * bend * first
     if square <= 0.0:
@@ -112,6 +117,11 @@ def march(sliding: SlidingString, pieces: Pieces, marched: Marched) -> float:
 
     Where it is locked up it is so all the way.
     """
+    # Upwards, piece by piece: y at the upper end by `_step`, with the friction that the wave leaves, mu left.  The
+    # string is a helix where sin y - sqrt(h N / wound) >= 0 (`helix_excess`).  A step is first made as the lower end
+    # is; the excess at the lower end, the middle (y from the cubic through both ends with both slopes) and the upper
+    # end then tells the share of the piece that is a helix, and where that is another share the step is made once more
+    # with it.
     moved, places = 0.0, pieces.places
     for i in range(len(pieces.friction)):
         y, new, low, high, string = marched.y[i], LOCKED, 0.0, 0.0, _string(sliding, pieces, i)
@@ -135,6 +145,8 @@ def march(sliding: SlidingString, pieces: Pieces, marched: Marched) -> float:
 @kernel
 def press(sliding: SlidingString, pieces: Pieces, marched: Marched) -> None:
     """Fill in friction mu N in N/m without vibration, in the middle of pieces."""
+    # mu N in the middle, where y is (y_i + y_(i+1)) / 2 plus h / 8 times the difference of the slopes (Hermite's
+    # cubic), N over cos^2 y, since contact forces are kept times cos^2 y; bounded where the string locks up.
     for i in range(len(pieces.friction)):
         bulge = 0.125 * (pieces.up[i + 1] - pieces.up[i]) * (marched.low[i] - marched.high[i])
         y = min(0.5 * (marched.y[i] + marched.y[i + 1]) + bulge, LOCKED)
@@ -147,6 +159,7 @@ def press(sliding: SlidingString, pieces: Pieces, marched: Marched) -> None:
 @kernel
 def means(edges: Any, values: Any, to: Any, out: Any) -> None:
     """Fill in the means of a step function, constant between edges, between other edges."""
+    # Both sets of edges rise from the same lowest to the same highest: one pass, each value times the length it shares.
     last = len(values) - 1
     i = 0
     for k in range(len(out)):
@@ -161,6 +174,8 @@ def means(edges: Any, values: Any, to: Any, out: Any) -> None:
 @kernel
 def friction_left(cells: Cells, tool: ShakingForce, q: Any, left: Any) -> None:
     """Fill in the mean share of friction left in each part of the cells, (2 / pi) asin(v / V)."""
+    # A point that slides with v + V cos(phase), V > v, has the mean direction (2 / pi) asin(v / V) over a period: that
+    # share of Coulomb's friction resists the mean motion, all of it where V <= v.
     for c in range(len(q) - 1):
         kind = cells.kind[c]
         for p in range(PARTS):

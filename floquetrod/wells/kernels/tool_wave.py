@@ -174,6 +174,11 @@ def newton_step(balance: Balance, size: int) -> None:
 @kernel
 def solve_newton(cells: Cells, tool: ShakingForce, soft: float, q: Any, balance: Balance) -> bool:
     """Fill in the wave by Newton's method with halved steps, from the wave in ``q``; return whether it converged."""
+    # r(q) = 0 for complex velocities q (n + 1,), the last of them 0.  A step is taken in full if the norm of the
+    # residual falls by a share of 1e-4 at least, and else halved until it does (Armijo's rule): the friction has a
+    # corner at V = v, where full steps may jump to and fro.  The first turn, with a share of 0, only evaluates the
+    # residual and its derivatives.  It ends at a residual small against the tool's force, or against the rounding of
+    # the elastic forces that cancel.
     trial, step = balance.trial, balance.step
     size = len(q) - 1
     for c in range(size):
@@ -202,6 +207,9 @@ def find_wave(cells: Cells, tool: ShakingForce, soft: float, q: Any, balance: Ba
 
     From 0 it begins against a nearly linear friction, linearised about the wave that leaves the tool.
     """
+    # Stages 1 and 3 solve the problem itself; 0 and 2 prepare them.  0, from no wave: friction of a corner at the speed
+    # with which a wave leaves the tool, amplitude / Z, rounded fully; 2, after a failure of stage 1: the true corner,
+    # rounded more.  Where an old wave is known stage 1 comes first.  ``soft`` is the rounding of the problem itself.
     leaves = max(tool.amplitude / tool.impedance, tool.speed)
     for stage in range(0 if q[tool.node] == 0.0 else 1, 4):
         speed = leaves if stage == 0 else tool.speed
