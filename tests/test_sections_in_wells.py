@@ -3,15 +3,20 @@
 from __future__ import annotations
 
 import itertools
+import json
 import math
+import re
+from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
+from scipy.optimize import fsolve
 
 import floquetrod as fr
 from conftest import depth as depth_of_draws
+from floquetrod.cli.main import main
 
 STEEL = {"youngs_modulus": 2.07e11, "density": 7850.0}
 WELL = fr.WellPath([0.0, 1000.0, 1450.0, 4000.0], ["0deg", "0deg", "90deg", "90deg"])
@@ -215,15 +220,147 @@ def test_a_string_goes_no_deeper_than_it_is_long() -> None:
 def test_a_wide_section_passes_all_bores_above_it() -> None:
     """It fits into the bore where it ends, and not into one on the way, where it is refused only if it goes so deep."""
     narrow = [("0m", "4.778in"), ("800m", "2.5in"), ("1000m", "4.778in")]
-    with pytest.raises(ValueError, match=r"sections\[2\] from 3203 to 3205 m: channel_radius must exceed"):
+    with pytest.raises(ValueError, match=r"bores must leave room for every section"):
         fr.Rod(sections=SECTIONS, bores=[("0m", "4.778in"), ("3203m", "2.5in")])
     string = fr.Rod(sections=SECTIONS, bores=narrow)
     assert string.mean_force(WELL, 0.2, bottom=790.0).at_top < 0.0
     with pytest.raises(
         ValueError,
-        match=r"^bores must let every section pass on the way to 1800 m: sections\[2\] \(73.025 mm x 23.81 mm\) has "
-        r"a diameter of 73.025 mm, and the bore from 800 m on 63.5 mm$",
+        match=r"^bores must let every section pass on the way to 1800 m: sections\[2\] \(2.875 in x 0.9375 in\) has "
+        r"a diameter of 2.875 in, and the bore from 800 m on 2.5 in$",
     ):
         string.mean_force(WELL, 0.2, bottom=1800.0)
     with pytest.raises(ValueError, match=r"^bores must let every section pass"):
         string.reach(WELL, 0.2)
+
+
+def test_a_tool_shakes_sections_as_force_and_wave_integrated_together_say() -> None:
+    """From the lower end up by another integrator, whose first velocity is sought so that the upper end is at rest."""
+    inclination, mu, v, frequency, bottom, above_end = 1.35, 0.3, 0.05, 110.0, 700.0, 20.0
+    sections = [
+        fr.Section("2.00x0.156", length="500m"),
+        fr.Section(diameter="2.2in", inner_diameter="1.5in", length="300m", youngs_modulus=1.1e11, density=4500.0),
+        fr.Section(diameter="2.875in", inner_diameter="1in", length="15m"),
+    ]
+    string = fr.Rod(
+        sections=sections,
+        bores=[("0m", "4.778in"), ("300m", "6in")],
+        fluid_inside=1e3,
+        fluid_outside=1e3,
+        damping_rate=0.3,
+    )
+    well = fr.WellPath.straight(length=1000.0, inclination=inclination)
+    tool = fr.VibrationTool(6e3, frequency, above_end)
+    points = np.linspace(20.0, 690.0, 14)
+    along = string.mean_force(well, mu, far_force=-2e3, bottom=bottom, tool=tool, speed=v, depth=points)
+    assert not along.is_helix.any()
+
+    def slopes(_: float, state: Any, rod: Any) -> Any:
+        _, p, q = state
+        pressed, fast, m = mu * rod.weight_per_length * math.sin(inclination), abs(q), rod.mass_along
+        left = 2.0 / math.pi * math.asin(v / max(fast, v))
+        rubs = 4.0 / math.pi * pressed * math.sqrt(max(1.0 - (v / max(fast, v)) ** 2, 0.0)) / max(fast, v)
+        damped = 1j * frequency * m + 2.0 * m * string.damping_rate + rubs
+        return [
+            left * pressed - rod.weight_per_length * math.cos(inclination),
+            -damped * q,
+            -1j * frequency * p / (rod.mass_along * rod.wave_speed**2),
+        ]
+
+    heights = [0.0, 15.0, above_end, 315.0, bottom]
+    rods = [string.in_cell(number, 0) for number in (2, 1, 1, 0)]
+
+    def integrated(first: Any) -> tuple[Any, dict[float, Any]]:
+        """Return the velocity at the upper end, and the states at the points."""
+        state, at = np.array([-2e3, 0.0, complex(*first)], complex), {}
+        for (low, high), rod in zip(itertools.pairwise(heights), rods, strict=True):
+            if low == above_end:
+                state = state - np.array([0.0, tool.amplitude, 0.0])
+            up = np.sort(np.append((bottom - points)[(bottom - points > low) & (bottom - points < high)], high))
+            solved = solve_ivp(slopes, (low, high), state, args=(rod,), t_eval=up, rtol=1e-8, atol=1e-10)
+            at |= dict(zip(up.tolist(), solved.y.T, strict=True))
+            state = solved.y[:, -1]
+        return [state[2].real, state[2].imag], at
+
+    k = int(np.argmax(along.depth))
+    first, _, is_found, _ = fsolve(
+        lambda q: integrated(q)[0], [along.speed[k], 0.3 * along.speed[k]], xtol=1e-10, full_output=True
+    )
+    assert is_found == 1
+    true = integrated(first)[1]
+    for depth, force, speed, vibration in zip(along.depth, along.force, along.speed, along.vibration, strict=True):
+        if depth in points:
+            state = true[float(bottom - depth)]
+            assert force == pytest.approx(state[0].real, abs=max(5.0, along.error))
+            assert speed == pytest.approx(abs(state[2]), abs=5e-3 * along.speed.max())
+            assert vibration == pytest.approx(abs(state[1]), abs=5e-3 * along.vibration.max())
+
+
+def test_a_reach_says_which_section_limits_it_and_where() -> None:
+    """The weak one yields, although the other bears more; of helices that of the slender one takes most friction."""
+    thin, thick = (
+        fr.Section(name, length=length) for name, length in (("2.00x0.109", "2600m"), ("2.00x0.224", "600m"))
+    )
+    water = {"fluid_inside": 1e3, "fluid_outside": 1e3}
+    string = fr.Rod(sections=[thin, thick], bores=[("0m", "4.778in"), ("1400m", "6.184in")], **water)
+    found = string.reach(WELL, 0.4, depth=["3000m"])
+    assert found.limit == "lock-up"
+    assert found.limiting_section == found.as_dict()["limiting_section"] == 0
+    assert "where it locks up, most by the helix of sections[0] (2.00x0.109) from " in repr(found)
+    weak = fr.Section(diameter="2in", inner_diameter="1.6in", length="600m", yield_strength="30MPa")
+    strong = fr.Section(diameter="2in", inner_diameter="1.7in", length="2600m", yield_strength="700MPa")
+    found = fr.Rod(sections=[strong, weak], bores=[("0m", "4.778in")], **water).reach(WELL, 0.2, depth=["3000m"])
+    assert (found.limit, found.limiting_section) == ("yield", 1)
+    assert re.search(r"within 80 % of yield of sections\[1\] \(2 in x 0.2 in\) at [\d,.]+ m; not", repr(found))
+    assert re.search(r"at [\d,]+ m in sections\[1\] \(2 in x 0.2 in\) when pushed to", str(found.report()))
+    assert found.stress.yield_strength == 30e6
+    assert found.stress.share_of_yield == pytest.approx(0.8, rel=0.05)
+    assert found.yield_strength == 700e6
+
+
+def test_the_section_at_the_wellhead_bears_its_pressure() -> None:
+    """Which is the lowest while the string goes in."""
+    pressure, areas = 5e6, [math.pi * section.radius**2 for section in SECTIONS]
+    for bottom, area in ((3.0, areas[2]), (900.0, areas[1]), (2000.0, areas[0])):
+        along = STRING.mean_force(WELL, 0.2, bottom=bottom, wellhead_pressure=pressure)
+        assert along.wellhead == pytest.approx(pressure * area, rel=1e-12)
+        weights = STRING.surface_weights(WELL, 0.2, depth=[bottom], wellhead_pressure=pressure)
+        assert -weights.slack_off[0, 0] == pytest.approx(along.injector, rel=1e-6)
+        reach = STRING.reach(WELL, 0.2, depth=[bottom], wellhead_pressure=pressure)
+        assert reach.injector[0] == pytest.approx(along.injector, rel=1e-6)
+        assert reach.wellhead_force == pytest.approx(pressure * area, rel=1e-12)
+
+
+FILE = """\
+fluid_inside = "8.6ppg"
+fluid_outside = "8.6ppg"
+bores = [["0m", "4.778in"], ["1500m", "6.184in"]]
+[[sections]]
+name = "2.00x0.156 CT90"
+length = "1200m"
+[[sections]]
+name = "2.00x0.203 CT90"
+length = "600m"
+[[sections]]
+diameter = "2.875in"
+inner_diameter = "1in"
+length = "5m"
+"""
+
+
+def test_the_terminal_answers_as_python_does(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    file, survey = tmp_path / "string.toml", tmp_path / "survey.csv"
+    file.write_text(FILE)
+    survey.write_text("MD (m),Inc (deg),Azi (deg)\n0,0,0\n500,0,0\n900,90,0\n3000,90,20\n")
+    rod, well = fr.Rod.from_toml(file), fr.WellPath.from_csv(survey)
+    asked = ["--well", str(survey), "--rod", str(file), "--friction", "0.2,0.45@700m", "--depths", "900m,1800m"]
+    friction, depth = [(0.0, 0.2), ("700m", 0.45)], ["900m", "1800m"]
+    for command, answer in (
+        ("reach", rod.reach(well, friction, push="40kN", depth=depth)),
+        ("weights", rod.surface_weights(well, [friction], depth=depth)),
+    ):
+        assert main([command, *asked, *(["--push", "40kN"] if command == "reach" else []), "--json"]) == 0
+        told = json.loads(capsys.readouterr().out)
+        assert {key: told[key] for key in told if key not in ("version", "written")} == answer.as_dict()
+    assert main(["reach", *asked[:-1], "2000m"]) == 2
+    assert "depth must be no deeper than the string reaches: it is 1805 m long" in capsys.readouterr().err

@@ -292,7 +292,9 @@ class Rod(RodData):
     ) -> MeanForce:
         """Return the mean force along a string of this section in a well, from the beginning of its path down.
 
-        The rod's own length and inclination are not used.
+        The rod's own length and inclination are not used.  A string of several sections has their lengths: they are
+        counted from its lower end as it goes in, so that the section at a depth changes; its bores, and friction, are
+        by measured depth.  What does not pass a bore on its way is refused.
 
         Parameters
         ----------
@@ -305,7 +307,8 @@ class Rod(RodData):
         far_force : float or str
             Compression at the lower end in N, negative for a pull.
         bottom : float or str, optional
-            Measured depth of the lower end in m; by default the end of the path.
+            Measured depth of the lower end in m, no deeper than a string of several sections is long; by default the
+            end of the path.
         depth : array_like, optional
             Measured depths in m, or each with a unit, at which the force is wanted, beside both ends; by default every
             10 m or so.
@@ -362,7 +365,8 @@ class Rod(RodData):
     ) -> SurfaceWeights:
         """Return the weights at which a string of this section is picked up and slacked off, over its depth in a well.
 
-        Its ``plot`` is the chart by which measured weights tell the friction of a well.
+        A string of several sections is as in `mean_force`.  The ``plot`` is the chart by which measured weights tell
+        the friction of a well.
 
         Parameters
         ----------
@@ -441,7 +445,10 @@ class Rod(RodData):
         Notes
         -----
         The reach is the greatest depth within ``push`` and ``yield_share``; ``lock_up`` is the one at which no force
-        moves the string, beyond which it does not go however strong it is.
+        moves the string, beyond which it does not go however strong it is.  A string of several sections is as in
+        `mean_force`, each with its own yield strength; it reaches no deeper than it is long, and ``limiting_section``
+        is the one that limits it.  Its joints go deeper together, so that two of the depths examined are a hundredth
+        of the path apart at most, and a string stopped between two and no longer at the second is not seen to be.
 
         Examples
         --------

@@ -94,12 +94,13 @@ def _require_passes(rod: RodData, path: WellPath, depth: float) -> None:
         tight = np.flatnonzero(met & ~(assembly.clearance[k] > 0.0))
         if tight.size:
             bore, number = rod.bores[int(tight[0])], len(assembly.weight) - 1 - k
+            across = _units_of(rod, number).across
             diameter = 2.0 * rod.in_cell(number, 0).radius
             raise wrong_value(
                 "bores",
                 f"must let every section pass on the way to {shown.length.show(depth, 6)}: {name_of(rod, number)} has "
-                f"a diameter of {shown.across.show(diameter, 5)}, and the bore from "
-                f"{shown.length.show(max(bore.depth, path.start), 6)} on {shown.across.show(bore.diameter, 5)}",
+                f"a diameter of {across.show(diameter, 5)}, and the bore from "
+                f"{shown.length.show(max(bore.depth, path.start), 6)} on {across.show(bore.diameter, 5)}",
             )
 
 
@@ -186,23 +187,29 @@ def require_tube(wellhead: Wellhead, rod: RodData) -> None:
         wellhead.require_tube(rod.in_cell(number, 0).section)
 
 
-def name_of(rod: RodData, number: int, shown: AnswerUnits | None = None) -> str:
-    """Return how a section is called, by its number from the upper end, with its size.
+def name_of(rod: RodData, number: int) -> str:
+    """Return how a section is called, by its number from the upper end, with its size in the unit of the question.
 
     >>> from floquetrod import Rod, Section
     >>> sections = [Section(diameter="2in", length=1.0), Section("2.00x0.156 CT90", length=1.0)]
     >>> string = Rod(sections=sections, channel_radius=0.05)
     >>> name_of(string, 0), name_of(string, 1)
-    ('sections[0] (50.8 mm)', 'sections[1] (2.00x0.156 CT90)')
+    ('sections[0] (2 in)', 'sections[1] (2.00x0.156 CT90)')
     """
     if not rod.sections:
         return "the string"
     section = rod.sections[number]
     if section.name:
         return f"sections[{number}] ({section.name})"
-    across = (shown or AnswerUnits.named(given=rod.given_units)).across
+    across = _units_of(rod, number).across
     wall = f" x {across.show(section.radius - section.inner_radius, 4)}" if section.inner_radius else ""
     return f"sections[{number}] ({across.show(2.0 * section.radius, 5)}{wall})"
+
+
+def _units_of(rod: RodData, number: int) -> AnswerUnits:
+    """Return the units in which a section was given, by its number from the upper end, else those of the string."""
+    given = rod.given_units
+    return AnswerUnits.named(given=rod.sections[number].given_units.or_else(given) if rod.sections else given)
 
 
 # --- how strong it is ---

@@ -22,6 +22,7 @@ from floquetrod.rod.answers.assembly import (
     at_the_wellhead,
     cells_of,
     deepest_of,
+    name_of,
     reference_strength,
     require_depth,
     require_tube,
@@ -118,7 +119,8 @@ class Reach(units.InUnits, Printed, ByContent):
         it are not known (measured), and a string that is stopped and goes on again between two of the depths examined,
         which are a hundredth of the path apart at most, is not seen to be.
     limit : str
-        What limits ``reach``: "lock-up", "yield", "push", "end of the well" or "deepest asked for".
+        What limits ``reach``: "lock-up", "yield", "push", "end of the well", "length of the string" or "deepest asked
+        for".
     limit_shaken : str
         The same with the tool.
     lock_up : float
@@ -210,7 +212,7 @@ class Reach(units.InUnits, Printed, ByContent):
 
     @property
     def rod(self) -> RodData:
-        """The rod whose section the string has."""
+        """The rod whose section or sections the string has."""
         return self._pushing.rod
 
     @property
@@ -279,6 +281,33 @@ class Reach(units.InUnits, Printed, ByContent):
         return np.asarray(weakness(self.rod, cells_of(self.rod, self.along)) * self.largest_stress)
 
     @property
+    def limiting_section(self) -> int | None:
+        """Number of the section, from the upper end, that limits how deep the string goes, with the tool if it has one.
+
+        At yield the section whose stress is nearest to it; at lock-up that whose helix takes most friction.  None where
+        neither limits the reach, and of a string of one section.
+        """
+        along, section = self.along, self.along.section
+        if section is None or self.limit_shaken not in (YIELD, LOCK_UP):
+            return None
+        if self.limit_shaken == YIELD:
+            return int(section[self._most_stressed])
+        cells, force = cells_of(self.rod, along), np.where(np.isfinite(along.force), along.force, 0.0)
+        pressed = force**2 * cells.column("radial_clearance") / (4.0 * cells.column("flexural_rigidity"))
+        rubs = np.where(along.is_helix, along.friction * pressed, 0.0) * np.gradient(along.depth)
+        return int(np.argmax(np.bincount(section, rubs)))
+
+    def _limiting_in_words(self, unit: Unit) -> str:
+        """Return the section that limits the reach, and where; "" for none."""
+        number, along = self.limiting_section, self.along
+        if number is None or along.section is None:
+            return ""
+        name = name_of(self.rod, number)
+        if self.limit_shaken == YIELD:
+            return f"{name} at {far(along.depth[self._most_stressed], unit)} {unit.name}"
+        return f"{name} {_listed(along.depth, along.is_helix & (along.section == number), unit, 'from ')}"
+
+    @property
     def yields(self) -> Bools:
         """Whether the stress exceeds the yield strength at the depths of ``along``; False if that is unknown."""
         strength = math.inf if self.yield_strength is None else self.yield_strength
@@ -313,19 +342,21 @@ class Reach(units.InUnits, Printed, ByContent):
 
     def _ended(self, depth: float, limit: str, lock_up: float, shown: AnswerUnits) -> str:
         """Return what limits a reach, and the depth that would be reached whatever the stress and the push."""
+        limiting = self._limiting_in_words(shown.length)
         if limit in (YIELD, PUSH):
             is_end = math.isinf(lock_up)
             farther = min(lock_up, float(self.depth[-1]))
             ended = ", the length of the string" if farther >= deepest_of(self.rod, self.path) else ""
             ended = ", the end of the well" if farther >= self.path.end else ended
             beyond = f"{far(farther, shown.length)}{ended * is_end}"
+            of_section = f" of {limiting}" if limiting and limit == YIELD else ""
             why = {
-                YIELD: f", within {self._percent} of yield; not within it: ",
+                YIELD: f", within {self._percent} of yield{of_section}; not within it: ",
                 PUSH: f", with {shown.force.show(self.push, 4)} at the surface; with more: ",
             }
             return why[limit] + beyond
         return {
-            LOCK_UP: ", where it locks up",
+            LOCK_UP: f", where it locks up{f', most by the helix of {limiting}' if limiting else ''}",
             END: ", the end of the well",
             LENGTH: ", the length of the string",
             ASKED: ", the deepest depth asked for",
@@ -447,6 +478,7 @@ class Reach(units.InUnits, Printed, ByContent):
         stress, depth, unit = self.stress, self.along.depth, shown.length
         share, most = stress.share_of_yield, self.yield_share
         where = f"at {far(depth[0] + stress.position, unit)} {unit.name}"
+        where += self._section_in_words(self._most_stressed)
         text = f"{stress.in_words(shown.pressure)}; {where} when {pushed}"
         if self.tool and self.limit_shaken == YIELD and share is not None and most is not None and share > most:
             text += f"; the tool need not run down to {far(self.reach, unit)} {unit.name}"
@@ -465,9 +497,13 @@ class Reach(units.InUnits, Printed, ByContent):
         k = int(np.argmax(self.growth))
         return (
             f"lateral waves grow {_in_few_words(self.along.depth, grows, unit)}, fastest at "
-            f"{far(self.along.depth[k], unit)} {unit.name}: {self.growth[k]:.3g} 1/s in half waves of "
-            f"{unit.show(self.half_wave[k], 3)}"
+            f"{far(self.along.depth[k], unit)} {unit.name}{self._section_in_words(k)}: {self.growth[k]:.3g} 1/s in "
+            f"half waves of {unit.show(self.half_wave[k], 3)}"
         )
+
+    def _section_in_words(self, k: int) -> str:
+        """Return the section at place k along the string, after a blank; "" for a string of one."""
+        return "" if self.along.section is None else f" in {name_of(self.rod, int(self.along.section[k]))}"
 
     def _held_in_words(self, shown: AnswerUnits) -> str:
         """Which lateral waves friction holds back."""
@@ -475,7 +511,8 @@ class Reach(units.InUnits, Printed, ByContent):
         if not math.isfinite(self.speed_to_grow[k]):
             return "none would, however fast it moves"
         moves, depth = shown.speed.show(self.speed_to_grow[k], 3), far(self.along.depth[k], shown.length)
-        return f"at {depth} {shown.length.name} one would that moves at {moves} or faster"
+        where = f"{shown.length.name}{self._section_in_words(k)}"
+        return f"at {depth} {where} one would that moves at {moves} or faster"
 
     def _frequency_in_words(self, units_of: AnswerUnits) -> str:
         """Return the frequencies with which the tool gains depth while no lateral wave grows."""
@@ -530,6 +567,7 @@ class Reach(units.InUnits, Printed, ByContent):
             **by_keys(with_tool, "bit_with_tool_N=bit_shaken"),
             **by_keys(self, "bit_limit_N far_force_N push_N wellhead wellhead_force_N yield_share"),
             **by_keys(self, "reach_m limit is_stopped lock_up_m"),
+            **({} if self.along.section is None else by_keys(self, "limiting_section")),
             **by_keys(
                 with_tool,
                 "reach_with_tool_m=reach_shaken limit_with_tool=limit_shaken is_stopped_with_tool=is_stopped_shaken "
