@@ -18,6 +18,7 @@ GALLERY = (
     "helical_buckling",
     "vibration_and_drag",
     "well_bends",
+    "tapered_string",
     "ensemble_phase_diagram",
     "ensemble_probability",
     "force_record",

@@ -82,6 +82,7 @@ ABOUT = (
         "Perturbation",
         "Rod",
         "RodStability",
+        "Section",
         "Simulation",
     ),
     *("SimulationProblem", "StabilityIntervals", "ToolMode", "VibrationTool", "WellPath", "ensemble"),

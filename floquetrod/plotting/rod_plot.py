@@ -174,7 +174,7 @@ def _draw_sections(rod: Any, ax: Any) -> list[Any]:
     parts: Any = rod.uniform_parts
     drawn: dict[str, Any] = {}
     for upper, lower in itertools.pairwise(parts):
-        label, style = ("another bore", ":") if upper.section == lower.section else ("another section", "--")
+        label, style = ("another bore", ":") if upper.section == lower.section else ("another section, by number", "--")
         drawn[label] = ax.axvline(lower.start, color="0.4", linestyle=style, linewidth=1.0, label=label)
     if rod.sections:
         ax.set_ylim(-1.1, 1.35)

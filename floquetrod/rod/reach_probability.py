@@ -31,6 +31,7 @@ from floquetrod.rod.distributions import (
     samples_of,
 )
 from floquetrod.rod.loads.tool import VibrationTool, tool_inside
+from floquetrod.rod.model.data import require_free
 from floquetrod.rod.model.parameters import NUMBERS, friction_coefficient
 from floquetrod.rod.model.wellhead import Wellhead
 from floquetrod.rod.rod import Rod
@@ -228,6 +229,7 @@ def probability_of_reach(
     if tool is not None:
         tool_inside(tool, path.end - path.start, "string")
     every |= {} if parameters is None else distributions(parameters, (*_OF_STRING, *SURVEY), path)
+    require_free(rod, every, "parameters")
     if not every:
         raise validate.wrong_value(
             "friction", "or one of the parameters must be distributed, such as (0.2, 0.3); Rod.reach answers without"

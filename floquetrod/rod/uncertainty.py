@@ -19,7 +19,7 @@ from floquetrod.rod.distributions import SURVEY, Sampling, distributions
 from floquetrod.rod.loads.load import QUANTITIES, AnyLoad, require_load
 from floquetrod.rod.model.assumptions import assumptions
 from floquetrod.rod.model.constants import SLOW_GROWTH
-from floquetrod.rod.model.data import require_not_of_path
+from floquetrod.rod.model.data import require_free
 from floquetrod.rod.model.parameters import NUMBERS
 from floquetrod.rod.rod import Rod
 
@@ -233,7 +233,7 @@ def probability_of_instability(
     if not checked:
         raise validate.wrong_value("parameters", "must name at least one number of the rod or the load, got none")
     sampling = Sampling(rod, load, checked, tolerance, workers)
-    require_not_of_path(rod, sampling.parameters, "parameters")
+    require_free(rod, sampling.parameters, "parameters")
     sampling.model.require_varied(parameters)
     samples = samples or (_SAMPLES_ONE_BY_ONE if sampling.is_one_by_one else _SAMPLES)
 

@@ -16,6 +16,7 @@ from floquetrod.units import InUnits
 
 ROD = fr.Rod.nitinol()
 TUBE = ROD.replace(inner_radius=0.4e-3)
+SECTIONS = [fr.Section(radius=0.8e-3, length=1.5), fr.Section(radius=0.6e-3, length=1.0)]
 LOAD = fr.AxialLoad(0.34, 0.34, 150.0)
 _FOLLOWED = {"load": fr.AxialLoad(0.17, 0.51, 110.0), "over": {"frequency": (109.0, 111.0)}, "mode": 2, "steps": 1}
 _FOLLOWED |= {"all_modes": False, "indentation": 1e-4, "longest": 0.3, "progress": None}
@@ -53,7 +54,17 @@ run = {duration = "2ms", segments = 40, frames = 3}
 over = {kick = ["10mm/s", "20mm/s"], seed = {from = 1, to = 3}}
 """
 
-VALUES = (fr.AxialLoad, fr.AxialWave, fr.Perturbation, fr.FiniteTimeCriterion, fr.Rod, fr.Mathieu, fr.Meissner, fr.Hill)
+VALUES = (
+    fr.Section,
+    fr.AxialLoad,
+    fr.AxialWave,
+    fr.Perturbation,
+    fr.FiniteTimeCriterion,
+    fr.Rod,
+    fr.Mathieu,
+    fr.Meissner,
+    fr.Hill,
+)
 VALUES += (
     fr.SimulationProblem,
     fr.DelaySystem,
@@ -146,6 +157,8 @@ LEFT_OUT = {
     **{f"{kind}.kind_as_dict": "takes no argument" for kind in ("AxialLoad", "AxialWave")},
     **{f"{kind}.with_numbers": "for searches" for kind in ("AxialLoad", "AxialWave")},
     "Rod.nitinol": "takes no argument",
+    "Rod.in_cell": "for strings in wells",
+    **{f"Section.{name}": "for the lists of sections of a rod" for name in ("as_dict", "is_alike", "of_length")},
     "Chart.to_xarray": "takes no argument",
     "Simulation.animate": "takes no argument",
     "SimulationProblem.as_dict": "takes no argument",
@@ -529,6 +542,8 @@ def _of_wells() -> dict[str, Call]:
 def _of_rods(place: Path) -> dict[str, Call]:
     load = {"mean": 0.34, "amplitude": 0.34, "frequency": 150.0}
     sheet = {name: getattr(ROD, name) for name in ROD.__dataclass_fields__}
+    section = {"length": 60.0, "radius": 0.03, "inner_radius": 0.02, "youngs_modulus": 2e11, "density": 7850.0}
+    section |= {"yield_strength": 5e8}
     mu, tolerance = {"friction": 0.1}, {"growth_tolerance": 0.1}
     run = {"duration": 0.005, "friction": 0.1, "segments": 40, "time_step": None, "frames": 3}
     run |= {"perturbation": None, "poisson_ratio": 0.33, "indentation": 1e-4, "contact_damping": 0.3, "start": None}
@@ -536,6 +551,15 @@ def _of_rods(place: Path) -> dict[str, Call]:
     judged = {"criterion": None, "friction": None, "kick": None, "workers": 1, "progress": None}
     return {
         "Rod": Call(fr.Rod, sheet),
+        "Rod (sections)": Call(fr.Rod, {"sections": SECTIONS, "bores": [(0.0, 9.4e-3), (1.0, 12e-3)]}),
+        "Section": Call(fr.Section, section),
+        "Section (wall)": Call(
+            fr.Section,
+            {"length": 60.0, "diameter": 0.05, "wall_thickness": 4e-3, "weight": 60.0, "youngs_modulus": 2e11},
+        ),
+        "Section (tube)": Call(fr.Section, {"length": 60.0, "diameter": 0.05, "inner_diameter": 0.04}),
+        "Section (catalogue)": Call(fr.Section, {"name": "2.00x0.156 CT90", "length": 60.0}),
+        "Rod.along": Call(ROD.along, {"x": 0.5}),
         "Rod.from_toml": Call(fr.Rod.from_toml, {"path": str(place / "rod.toml")}),
         "Rod.catalogue": Call(fr.Rod.catalogue, {"name": "2.00x0.156 CT90", "bore": "4.778in", "length": 60.0}),
         "Rod.lock_up": Call(ROD.lock_up, {"friction": 0.3, "far_force": 0.1}),

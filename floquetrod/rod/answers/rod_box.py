@@ -17,7 +17,7 @@ from floquetrod.parameter import REQUIRED, require_known
 from floquetrod.rod.loads.load import LOAD, QUANTITIES, Load, Quantity, load_number
 from floquetrod.rod.mode_equations.coupling import coupling, refusal
 from floquetrod.rod.model.constants import ModeConstants
-from floquetrod.rod.model.data import RodData, require_not_of_path
+from floquetrod.rod.model.data import RodData, require_free
 from floquetrod.rod.model.parameters import DIAMETERS, GIVEN, ROD
 from floquetrod.rod.model.possible_rod import require_known_to_verdicts
 from floquetrod.units import Unit
@@ -171,7 +171,7 @@ def _rod_sides(rod: RodData, given: Mapping[str, Any] | None) -> dict[str, RealI
         raise validate.wrong_type(
             "rod", f'must be a mapping such as {{"length": (3.05, 3.15)}}, got {validate.short(given)}'
         )
-    require_not_of_path(rod, given, "rod")
+    require_free(rod, given, "rod")
     sides: dict[str, RealInterval] = {}
     for word, value in given.items():
         name = DIAMETERS.get(word, word)

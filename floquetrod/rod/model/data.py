@@ -730,11 +730,20 @@ def _modes(mode: Any) -> NDArray[np.float64]:
     return validate.array("mode", mode, least=0.0, largest=10.0 * MOST_MODES)
 
 
-def require_not_of_path(rod: RodData, names: Iterable[str], argument: str) -> None:
-    """Raise ValueError where a parameter to vary is determined by the path of the rod."""
+def require_free(rod: RodData, names: Iterable[str], argument: str) -> None:
+    """Raise ValueError where a parameter to vary is determined by the rod's path, or given section by section."""
+    names = list(names)
     from_path = next((name for name in names if name in OF_A_LINE), None)
     if rod.path is not None and from_path is not None:
         raise validate.wrong_value(
             argument,
             f"must not name {from_path} of a rod on a path, which determines it; give an inclination instead",
         )
+    for table, own in (("sections", OF_A_SECTION), ("bores", ("channel_radius",))):
+        name = next((name for name in names if name in own), None)
+        if getattr(rod, table) and name is not None:
+            raise validate.wrong_value(
+                argument,
+                f"must not name {name} of a rod of several {table}, each of which has its own; what may vary is the "
+                "load, and what the whole rod has, such as fluids and damping",
+            )
