@@ -497,7 +497,15 @@ class DiscreteRod:
             rod[name][: values.size] = values
 
     def nodes(self, rod: Any, name: str) -> Floats:
-        """Return the view of a field of a record that belongs to the nodes."""
+        """Return the view of a field of a record that belongs to the nodes.
+
+        Parameters
+        ----------
+        rod : structured ndarray
+            The record.
+        name : str
+            The field.
+        """
         values: Floats = rod[name][FIRST : FIRST + self.segments + 1]
         return values
 

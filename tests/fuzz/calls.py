@@ -158,7 +158,7 @@ LEFT_OUT = {
     **{f"{kind}.with_numbers": "for searches" for kind in ("AxialLoad", "AxialWave")},
     "Rod.nitinol": "takes no argument",
     "Rod.in_cell": "for strings in wells",
-    **{f"Section.{name}": "for the lists of sections of a rod" for name in ("as_dict", "is_alike", "of_length")},
+    "Section.as_dict": "takes no argument",
     "Chart.to_xarray": "takes no argument",
     "Simulation.animate": "takes no argument",
     "SimulationProblem.as_dict": "takes no argument",

@@ -107,18 +107,6 @@ class Section(units.InUnits, TellsAttributes):
             sheet = {key: value for key, value in sheet.items() if value is not None}
         return ({"name": self.name} if self.name else {}) | {"length": self.length} | sheet
 
-    def is_alike(self, other: Section) -> bool:
-        """Return whether another section differs in its length alone."""
-        return all(getattr(self, name) == getattr(other, name) for name in OF_A_SECTION if name != "length")
-
-    def of_length(self, length: float) -> Section:
-        """Return the same section with another length in m."""
-        made = object.__new__(Section)
-        for each in fields(self):
-            object.__setattr__(made, each.name, getattr(self, each.name))
-        object.__setattr__(made, "length", length)
-        return made.given_in(self.given_units)
-
 
 def _with_defaults(name: str, given: Mapping[str, Any]) -> dict[str, Any]:
     """Return the arguments of a section with what its name gives, or steel."""
@@ -161,11 +149,25 @@ def sections_of(given: Any) -> tuple[Section, ...]:
     made: list[Section] = []
     for i, each in enumerate(listed):
         section = _section(each, f"sections[{i}]")
-        if made and made[-1].is_alike(section):
-            made[-1] = made[-1].of_length(made[-1].length + section.length)
+        if made and _are_alike(made[-1], section):
+            made[-1] = _of_length(made[-1], made[-1].length + section.length)
         else:
             made.append(section)
     return tuple(made)
+
+
+def _are_alike(one: Section, other: Section) -> bool:
+    """Return whether sections differ in their length alone."""
+    return all(getattr(one, name) == getattr(other, name) for name in OF_A_SECTION if name != "length")
+
+
+def _of_length(section: Section, length: float) -> Section:
+    """Return the same section with another length in m."""
+    made = object.__new__(Section)
+    for each in fields(section):
+        object.__setattr__(made, each.name, getattr(section, each.name))
+    object.__setattr__(made, "length", length)
+    return made.given_in(section.given_units)
 
 
 def _section(given: Any, name: str) -> Section:
