@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import math
 from pathlib import Path
 from typing import Any
@@ -13,6 +14,7 @@ from scipy.linalg import eigh
 
 import floquetrod as fr
 from driven import frequencies, stiffness
+from floquetrod.simulation.driving import Driving
 from floquetrod.simulation.kernels import rod_step
 from floquetrod.simulation.kernels.well_anchors import beside
 from floquetrod.simulation.lumping import bending_stencil
@@ -326,3 +328,169 @@ def test_a_run_of_a_string_is_drawn() -> None:
     for axes in (run.plot(), run.plot_energy(), run.plot_growth()):
         assert axes.has_data()
     assert run.plot().get_ylim()[1] >= 0.1e3 * float(np.max(run.problem.mesh.clearance))
+
+
+# --- the judge: growth, static limit, drag ---
+
+TRUTH: list[dict[str, Any]] = json.loads((Path(__file__).parent / "data" / "sections_truth.json").read_text())
+"""Strings under loads, each twice: growing and stable."""
+
+FLUIDS = ("fluid_inside", "fluid_outside")
+
+
+def told(row: int) -> tuple[fr.Rod, fr.AxialLoad]:
+    """Return a string and a load."""
+    case, sections, bores, depth = TRUTH[row], [], [], 0.0
+    for each in case["sections"]:
+        own = {name: value for name, value in each.items() if name not in (*FLUIDS, "channel_diameter")}
+        sections.append(fr.Section(**own))
+        bores.append((depth, each["channel_diameter"]))
+        depth += each["length"]
+    fluids = {name: case["sections"][0][name] for name in FLUIDS}
+    string = fr.Rod(
+        sections=sections, bores=bores, inclination=case["inclination"], damping_rate=case["damping"], **fluids
+    )
+    weight = {"mean_at": 0.0} if case["inclination"] < 1.5 else {}
+    return string, fr.AxialLoad(case["mean"], case["amplitude"], case["frequency"], **weight)
+
+
+EVEN, STEPS = (0, 2, 10), (4, 6, 8)
+"""Growing strings whose radius and bore are the same all along, and others."""
+
+
+def grown(string: fr.Rod, load: fr.AxialLoad, rate: float, folds: float) -> tuple[fr.Simulation, Any]:
+    """Return a run of so many e-foldings of a rate in 1/s, and its growth."""
+    period = 2.0 * math.pi / load.frequency
+    periods = max(12, math.ceil(folds / (rate * period)))
+    kick = fr.Perturbation.random(1e-4, seed=1)
+    run = fr.simulate(string, load, duration=periods * period, frames=16 * periods + 1, perturbation=kick)
+    return run, run.growth_rate()
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("row", [*EVEN, *STEPS])
+def test_growth_is_that_of_the_coupled_modes_within_its_error(row: int) -> None:
+    """With axial waves; without steps of the clearance that error is small."""
+    string, load = told(row)
+    wave = fr.AxialWave(
+        load.mean,
+        load.amplitude,
+        load.frequency,
+        mean_at=load.mean_at,
+        far_end="driven",
+        axial_damping=string.damping_rate,
+    )
+    rate = string.stability(wave).growth_rate
+    assert rate == pytest.approx(TRUTH[row]["growth"], rel=0.05)
+    run, fit = grown(string, load, rate, 14.0 if row == 10 else 7.0)
+    assert abs(fit.rate - rate) < fit.error
+    assert abs(run.energy_error).max() < 1e-4 * abs(run.energy["work"]).max()
+    if row in EVEN:
+        assert run.problem.lifted == 0.0
+        assert abs(fit.rate - rate) < 4e-3 * rate
+        assert fit.error < 0.05 * rate
+    else:
+        assert 0.05 < run.problem.lifted < 0.15
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("row", [1, 3, 7, 9, 11])
+def test_what_is_stable_stays(row: int) -> None:
+    string, load = told(row)
+    assert string.stability(load).status == "stable"
+    run, fit = grown(string, load, 0.3, 7.0)
+    assert fit.rate == 0.0
+    assert run.largest_angle[-1] < 1e-4
+
+
+@pytest.mark.slow
+def test_beside_a_step_of_the_bore_a_string_grows_that_theory_calls_stable() -> None:
+    """It rests off the wall along a tenth of its length, where theory has it pressed to the wall by its weight."""
+    string, load = told(5)
+    assert string.stability(load).status == "stable"
+    run, fit = grown(string, load, 0.3, 7.0)
+    assert 0.1 < run.problem.lifted < 0.15
+    assert 0.4 < fit.rate < fit.model_error
+
+
+@pytest.mark.parametrize("row", [0, 2])
+def test_the_static_limit_is_that_of_the_continuous_string(row: int) -> None:
+    """Where the push times what it shortens takes all of the energy of bending and of the weight."""
+    string, critical = told(row)[0], TRUTH[row]["critical"]
+    mesh, inner = DiscreteRod(string, 96), slice(1, -1)
+    driving, bending = Driving(string, fr.AxialLoad(0.0, 0.0, 1.0)), stiffness(mesh, "y")[0]
+    places = np.zeros((97, 97, 3))
+    places[..., 1] = np.eye(97)  # each node aside by 1 m
+    tangents = np.stack([mesh.tangents(each, driving)[:, 1] for each in places])
+    shortened = (tangents @ tangents.T / mesh.segment_length)[inner, inner]
+    wall = (mesh.weight_per_length / mesh.clearance * mesh.segment_length)[inner]
+    found = 1.0 / eigh(shortened, bending + np.diag(wall), eigvals_only=True)[-1]
+    assert found == pytest.approx(critical, rel=5e-5)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("part", [0.96, 1.04])
+def test_a_constant_push_buckles_it_beyond_the_static_limit(part: float) -> None:
+    run = fr.simulate(told(0)[0], fr.AxialLoad(part * TRUTH[0]["critical"], 0.0, 1.0), duration=30.0)
+    assert run.buckled == (part > 1.0)
+
+
+# --- drag ---
+
+
+def soft(**changes: Any) -> fr.Rod:
+    """Return a string of three sections so soft that it follows a well, a thick one below and a step of the bore."""
+    sections = [
+        fr.Section(length=length, radius=radius, youngs_modulus=3e9, density=density)
+        for length, radius, density in ((1.2, 0.8e-3, 6500.0), (1.2, 0.7e-3, 7850.0), (0.7, 1.0e-3, 6500.0))
+    ]
+    return fr.Rod(sections=sections, bores=[(0.0, 9.4e-3), (1.9, 9.8e-3)], damping_rate=2.0, **changes)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("inclination", "friction", "far_force"),
+    [(90.0, 0.3, 0.05), (70.0, 0.4, 0.1), (80.0, ((0.0, 0.2), (1.0, 0.5), (2.2, 0.1)), 0.05)],
+)
+def test_drag_of_a_string_fed_down_a_channel_is_the_chain_of_its_sections(
+    inclination: float, friction: Any, far_force: float
+) -> None:
+    string = soft(inclination=math.radians(inclination))
+    well = fr.WellPath.straight(length=2.0 * string.length, inclination=math.radians(inclination))
+    # Section after section from the lower end, each with the force below.
+    force, along = far_force, []
+    for part in string.uniform_parts[::-1]:
+        pieces = friction if isinstance(friction, float) else part_of(friction, part.start, part.end)
+        piece = well.part(part.start, part.end)
+        depth = np.linspace(part.start, part.end, 41)
+        theory = fr.Rod(**{**part.rod.as_dict(), "inclination": string.inclination}).mean_force(
+            piece, pieces, bottom=part.end, far_force=force, depth=depth
+        )
+        along.append((depth, theory.force[-depth.size :]))
+        force = theory.at_top
+    run = fr.simulate(
+        string,
+        fr.AxialLoad(force, 0.0, 1.0, mean_at=0.0),
+        far_force=far_force,
+        feed_speed=0.003,
+        friction=friction,
+        duration=1.5,
+        frames=101,
+        segments=200,
+        perturbation=REST,
+    )
+    assert run.end_forces[50:, 0].mean() == pytest.approx(force, rel=0.02)
+    s = (np.arange(200) + 0.5) * string.length / 200
+    depth, expected = (np.concatenate([each[k] for each in along[::-1]]) for k in (0, 1))
+    # Beside an edge it presses to one node what it does not press to those about it.
+    found = run.axial_force[50:].mean(axis=0)
+    np.testing.assert_allclose(found[5:-5], np.interp(s, depth, expected)[5:-5], rtol=0.0, atol=0.04 * force)
+    clear = np.abs(s[:, None] - [part.start for part in string.uniform_parts[1:]]).min(axis=1) > 0.12
+    clear[:5] = clear[-5:] = False
+    np.testing.assert_allclose(found[clear], np.interp(s, depth, expected)[clear], rtol=0.02)
+
+
+def part_of(friction: Any, start: float, end: float) -> Any:
+    """Return the intervals of friction between two depths."""
+    inside = [(depth, value) for depth, value in friction if start < depth < end]
+    return ((0.0, [value for depth, value in friction if depth <= start][-1]), *inside)
