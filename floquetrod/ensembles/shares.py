@@ -94,6 +94,11 @@ def _part(runs: Any, dim: str, places: NDArray[np.intp]) -> Any:
 
 def probability_of(runs: Any, name: str, over: Any, confidence: Any) -> Any:
     """Return what `probability` does for `Runs`, without its warnings."""
+    # The share of runs that are true, over some dimensions, by groups of runs that do not depend on one another: true,
+    # finished and lost are numbers (rows, groups), a row for each place of the dimensions left.  Runs that failed, or
+    # are still to be done along a dimension of chosen values, may have either result: the interval covers both.  Where
+    # each run is a group of its own the interval is that of Clopper and Pearson (Biometrika 26 (1934) 404,
+    # doi:10.1093/biomet/26.4.404), else that of means of groups.
     confidence = validate.confidence(confidence)
     for needed in ("status", validate.choice("name", name, runs.variables)):
         if needed not in runs.variables:

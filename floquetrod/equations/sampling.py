@@ -61,6 +61,12 @@ def smooth(sampled: Callable[[NDArray[Any]], Matrix], period: float, required: f
 
     ``required`` is the part of the largest value that the series may miss; ValueError where it misses more.
     """
+    # Trapezoidal sums of the period, series_k = (1 / count) sum_j values_j exp(-2 pi i j k / count), exponentially
+    # accurate where the function is smooth (L. N. Trefethen and J. A. C. Weideman, SIAM Review 56 (2014) 385,
+    # doi:10.1137/130932132).  Samples are doubled, old ones kept, until the last quarter of the harmonics is
+    # negligible, or no longer falls, and the series meets trial values at times of irregular spacing (golden section),
+    # which aliasing cannot meet.  values (count, n, n), size their largest entry, gap how far the function is from
+    # periodic.
     count = _FIRST_SAMPLES
     values = sampled(np.arange(count) * (period / count))
     size = max(float(np.abs(values).max()), 5e-324)

@@ -151,6 +151,12 @@ def _ends(system: DelaySystem, start: float, stop: float) -> Floats:
 
 def _marched(system: DelaySystem, history: History, rate: Floats | None, ends: Floats, nodes: int) -> _DelayedSteps:
     """Return the solution by steps with so many nodes."""
+    # The method of steps by Gauss-Legendre collocation: x'' = K x + D x' + sum_d M_d x(t - tau_d), or x' = K x + ...
+    # where ``rate`` is None; given holds K, D and M_d at the nodes of a step.  Unknown are the highest derivatives r at
+    # the nodes (nodes, n); x and x' there are q + (t - low) v + half^2 I_2 r and v + half I_1 r, I_k the matrix that
+    # integrates the interpolant k times from -1.  Steps are no longer than the least delay, so that x(t - tau_d) is
+    # known: of the history or of the steps before.  Then (1 - left) r = right, a linear system of nodes n equations.
+    # states (steps + 1, n derivatives) are x and x' at the ends, series the Legendre coefficients of x on each step.
     n, derivatives = system.order, 2 if rate is not None else 1
     count = len(ends) - 1
     places = 0.5 * (rule(nodes)[0] + 1.0)

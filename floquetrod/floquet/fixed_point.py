@@ -111,6 +111,12 @@ def _series(
 
     Returns the even and odd parts of A and of B, and the number of terms; all in fixed point with ``bits`` bits.
     """
+    # The recurrences of `floquetrod.floquet.methods.reference` in the coefficients of t = tan(theta / 2), n from 0 on:
+    #     (n + 1) A_(n+1) = 2 B_n - (n - 1) A_(n-1),    (n + 1) B_(n+1) = 2 (p A - 2 c B)_n - (n - 1) B_(n-1),
+    # and W_k = W_(k-1) + i t (W_(k-1) + W_k).  All are integers times 2^-bits, and of power n times 2^(-shift n), so
+    # that none outgrows the others; ``reach`` is t at the end of the piece times 2^shift.  ``chain`` holds W_k of order
+    # n - 1 and is replaced by order n on the way up in k.  The sum ends after four orders in a row whose terms at the
+    # end of the piece are below a few last bits.
     a_now, b_now = start
     a_old = b_old = 0
     a_all, b_all = [a_now], [b_now]

@@ -44,6 +44,11 @@ def cell_counts(alpha: Floats, beta: Floats, damping: Floats) -> Ints:
 
 def propagators(alpha: Floats, beta: Floats, damping: Floats, rate: Floats, workers: int | None) -> Propagators:
     """Return the cells of equations; ``rate`` is the growth of each, damping included, zero where it is not known."""
+    # The cells of all equations lie in one line, those of equation e from first[e] to first[e + 1], each of h = 2 pi /
+    # count: tau is where a cell begins, sine and cosine are alpha sin tau and alpha cos tau there.  Three passes, each
+    # needing the one before: propagators by Taylor series (all equations); for growing equations the left vectors of
+    # the adjoint equation, backwards through their cells; the integrals of abs(psi) over each cell, from these; and
+    # then the escape tests, whose value at the beginning of the period is the kick above which all escape.
     counts = cell_counts(alpha, beta, damping)
     first = np.append(0, np.cumsum(counts))
     cells, bases = np.zeros(first[-1], CELL), np.empty(first[-1], BASIS)

@@ -255,6 +255,11 @@ def _vertices(
     curves: TongueCurves, ranges: LineRanges, pieces: _OutlinePieces, accuracy: float
 ) -> tuple[Ints, Bools, Floats, Floats, Floats]:
     """Return outline, edge, share, line and place of all vertices."""
+    # Vertices of all outlines side by side: (outline, edge, share, line, place) each, first the four corners of each
+    # piece, both edges at both ends.  A chord from (xa, ya) to (xb, yb) of a bent edge is divided at the middle of its
+    # shares a and b while the edge there is off it by more than the accuracy, in units of the window: twice the area of
+    # the triangle over the chord's length.  The middle becomes a vertex in any case, which quarters the departure:
+    # hence `_SAFE`.
     window = curves.window
     width, height = window.span[1] - window.span[0], window.high - window.low
     n = pieces.j.size

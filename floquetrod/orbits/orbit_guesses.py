@@ -255,6 +255,11 @@ def _rests(motion: Guess) -> bool:
 
 def _marched(system: NonlinearSystem, state: Floats, span: float, when: str, samples: int = _SAMPLES) -> Guess:
     """Return the motion from a state at time 0, by LSODA; ValueError where it flows away."""
+    # x' = f(t, x) with variable order and step: LSODA (L. Petzold, SIAM Journal on Scientific and Statistical Computing
+    # 4 (1983) 136, doi:10.1137/0904010), relative error `_RTOL`, absolute error that part of the size of the motion.  A
+    # guess need not be accurate: Newton's method corrects it.  The size is that of the start, or, from rest at 0, that
+    # of the way which the first velocity goes in the span.  states (samples + 1, n); where the march ends early,
+    # ``reached`` is the last time asked for, and the rows after it are not set.
     from scipy.integrate import odeint
 
     call, given = system.function, dict(system.parameters)

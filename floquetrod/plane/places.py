@@ -59,6 +59,12 @@ class Plane:
         Where growth is known, it is interpolated, inversely so that the boundary may be a root of growth or of its
         square; the bracket itself is of verdicts only.
         """
+        # A place on line k is inside + t (outside - inside), t from 0 to 1, (n,) of them side by side; low is the
+        # largest t known unstable, high the least that is not.  t where growth vanishes is predicted from the last
+        # three unstable places (`_extrapolated`); the next place lies off the prediction by as much as that changed
+        # since the last, on the side whose end has not moved just now, so that both ends close in.  Where that has
+        # failed to halve a bracket twice, it is halved.  It ends when the bracket is shorter than ``vertex`` in the
+        # plane.
         span = outside - inside
         length = np.hypot(*span.T)
         low, high = np.zeros(len(span)), np.ones(len(span))

@@ -145,6 +145,12 @@ def _inside(places: Floats) -> Bools:
 
 def _advance(plane: Plane, outline: RegionRings, some: list[tuple[_Tongue, Floats]], accuracy: float) -> set[int]:
     """Find the cross-sections about places in tongues and append them; return which tongues have come to their end."""
+    # One step of all tongues at once, for the plane to evaluate many places in one call.  Place and direction come from
+    # the middles before; from there rays to both sides end at walls, the boundary on them (reached, ends, walls (2 k,
+    # 2)).  Then tongue by tongue: a wall missing, or a cross-section not joined to the last one through places of the
+    # same colour, or the way between bent by more than the accuracy: a shorter step, until the tongue counts as ended.
+    # The sag of an arc is as the square of its step, hence the factor sqrt(accuracy / sag).  An open way is appended; a
+    # side in the way is joined once the tongue has come close to it.
     across = np.array([tongue.next_across for tongue, _ in some])
     start = np.array([place for _, place in some])
     width = np.array([max(tongue.width, tongue.expected) for tongue, _ in some])

@@ -281,6 +281,11 @@ def sobol_indices(
     SciPy's own intervals, a bootstrap corrected for bias and skewness, take as many passes over the points as there are
     points.  Here they come from `_REPLICATES` independently scrambled Sobol sequences, by Student's distribution.
     """
+    # Saltelli's scheme (Computer Physics Communications 181 (2010) 259, doi:10.1016/j.cpc.2009.09.018): with
+    # independent points A and B, and AB_i equal to A except for quantity i from B, f = 1 where unstable,
+    #     first_i = mean(f_B (f_AB_i - f_A)) / var,    total_i = mean((f_A - f_AB_i)^2) / (2 var).
+    # A and B are the halves of the 2 ``width`` columns of each Sobol sequence; arrays of f are (replicates, each).  The
+    # estimate is from all points, the interval from the spread over replicates.
     from scipy import stats
 
     rows = sampling.rows

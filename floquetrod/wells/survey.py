@@ -180,6 +180,9 @@ def suspicions(
     The columns of a file may be exchanged, have no headings, and hold angles taken ``in_degrees`` without a unit.
     Arrays are often sections of a well.
     """
+    # Three kinds: angles that make sense in radians only; the first that holds of a well that goes up from its first
+    # station, inclination and azimuth exchanged, and columns of another order; a bend that no well has (`_bend`).
+    # Depths in m, angles in rad, (stations,) each.
     at = shown.length.show(depth[0])
     if in_degrees and _in_radians(depth, np.degrees(inclination), np.degrees(azimuth)):
         i = int(np.argmax(inclination))

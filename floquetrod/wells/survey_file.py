@@ -175,6 +175,11 @@ def _require_one_well(table: SurveyTable) -> None:
 
 def _by_positions(table: SurveyTable, given: dict[str, str | None]) -> SurveyFile:
     """Return the stations of a table of positions and measured depths, directions from `directions`."""
+    # Order of work: marks for lost values go, then stations that repeat the one above; what is left must go deeper with
+    # each station, as the measured depth is the length along the well; positions (stations, 3) are north, east, down in
+    # m.  A chord may not exceed the length between its ends, by more than the last digits written (``step``) explain.
+    # Directions at the stations follow from positions and lengths (`directions`), and the path through them is compared
+    # with the positions: ``miss`` says how far apart stations are.
     shown = units_of(table, given)
     stations = numbers_in(table, shown)
     notes = list(table.notes)

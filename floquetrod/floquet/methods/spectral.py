@@ -86,6 +86,11 @@ def _mathieu(equation: Mathieu | MathieuAQ) -> Stability:
 
 
 def _hill(equation: Equation) -> Stability:
+    # First the count, which decides: N(H_K) and N(H_K - C C* / delta) with K = ``cut`` harmonics (head of `spectral`),
+    # K doubled until both agree, from where ((K + 1) W)^2 exceeds the coefficient.  Then the growth: the Floquet
+    # exponent as an eigenvalue of Hill's truncated pencil, for K and K + 4, whose difference is the estimate of the
+    # truncation.  W = ``turn`` = 2 pi / period; mean includes c^2, so that exponents are those of the equation without
+    # damping.
     (piece,) = equation.pieces()
     harmonics = np.array(piece.harmonics, dtype=np.complex128)
     mean = float(piece.start) + equation.damping**2

@@ -163,6 +163,11 @@ def fast_solutions(system: HillSystem, damping: float) -> FastSolutions | None:
     None for other systems, and where the search takes as long as the whole map: where growth hardly exceeds the
     damping, or many solutions grow about as fast as the fastest.
     """
+    # The space V grows until G (head of the file) is below its bound outside a circle: first random columns and six
+    # periods of them (does anything grow faster than the damping?), then six more, which show the window of modes that
+    # the fastest consist of; the growing solutions of these modes alone join the space at once, since blocks of a
+    # Krylov space would need many periods to separate solutions of like growth.  From then on blocks are added, a
+    # period of the march each, and the bound is tried every few of them.
     n, period = system.order, float(system.period)
     more = system.gyroscopic is not None or system.mass is not None or bool(system.pieces)
     if n < _FEWEST or more or system.structure != "hamiltonian":

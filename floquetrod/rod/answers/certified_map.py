@@ -37,6 +37,9 @@ def certified_cells(
     ``axes`` has the quantity to the right, then the one upwards, whose `Axis.cell_edges` bound the cells; ``fixed`` is
     the third one with its value.
     """
+    # Blocks of size x size cells, quartered where nothing is proved: a block proved stable or unstable decides all its
+    # cells, and most of a map lies far from boundaries.  ``left`` (2, blocks) are rows and columns where blocks begin.
+    # Single cells come last and may be subdivided into `_PARTS` boxes by the kernel; what is undecided then stays so.
     (across, x), (up, y) = axes.items()
     edges = {across: x.cell_edges, up: y.cell_edges}
     shape = y.values.size, x.values.size

@@ -173,6 +173,10 @@ def surface_weights(
     rod: RodData, path: Any, friction: Any, far_force: Any, depth: Any, helical: Any, wellhead: Wellhead
 ) -> SurfaceWeights:
     """Return pick-up and slack-off weights; see `floquetrod.Rod.surface_weights`."""
+    # The weight at the wellhead is minus the force at the upper end of a string that hangs to each depth, by one march
+    # of y a motion: pulled, pushed, and standing without friction; once with the fine steps and once with the rough
+    # ones, whose difference is the error.  Pick-up and slack-off (factors, depths) in N. Slack-off is minus infinity
+    # below the depth at which the string locks up.
     factors = factors_of(friction)
     lowered = [drag_of(rod, path, factor, "pushed", helical, None, None) for factor in factors]
     compression, depths = force_in_newtons("far_force", far_force), depths_of(rod, path, depth)

@@ -217,6 +217,11 @@ def fit(
     convex, until a step moves the frequency by ``precision`` of its error at most.  A step moves the phase of the
     highest harmonic at the ends of the record by a radian at most.
     """
+    # Least squares of c_0 + c_1 tau + sum_k (a_k cos k w tau + b_k sin k w tau) to a record, w = omega unknown:
+    # coefficients holds c_0, c_1, all a_k, then all b_k; with omega it is the last unknown.  The first step is linear,
+    # of the coefficients alone: until they are known the frequency has no gradient.  Covariance of a converged fit:
+    # (squares / free) times the inverse of the Gram matrix of all unknowns, ``free`` the samples less the unknowns;
+    # rounding of samples is its least.
     size = 2 * len(numbers) + 2
     free = samples.tau.size - size - trend
     if free < 1:

@@ -75,6 +75,10 @@ def _trials(
     model: ModeModel, load: Load, count: int | None, growth_tolerance: float, progress: Progress | None
 ) -> list[_Trial]:
     """Return the trials made, the fewest modes first."""
+    # The verdict of a truncation must not depend on it: the modes are cut at several numbers, the largest estimated to
+    # suffice first, and smaller ones, which follow from it, to estimate the error by the differences.  If more modes
+    # may change the answer, the number grows by a quarter, a few times at most; last come as many as the bound on modes
+    # left out asks for.
     trials: list[_Trial] = []
 
     def add(modes: int, known: int) -> None:

@@ -45,6 +45,10 @@ def certify_noisy(
     progress: Progress | None,
 ) -> RegionProof:
     """Return the proof in mean square for every load of a box of mean forces and amplitudes at one frequency."""
+    # The box is (mean, amplitude, frequency), the last a number.  Modes 1 to ``last`` may grow under its strongest
+    # load; all others grow by ``left_out`` at most.  First examples: one load stable and one unstable decide "mixed"
+    # without a proof.  Then one proof a mode, in the order of growth at the middle of the box, since the first that is
+    # not stable ends it.
     tolerance = units.tolerance("growth_tolerance", growth_tolerance)
     max_boxes = validate.integer("max_boxes", max_boxes, 1)
     validate.progress(progress)

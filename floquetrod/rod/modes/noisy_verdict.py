@@ -280,6 +280,11 @@ class NoisyModel(ModeModel):
 
 def _examined(modes: NoisyModes, loads: Loads, growth_tolerance: float, workers: int | None) -> Answers:
     """Return status, growth and fastest mode of each load, from the modes that bounds do not exclude."""
+    # Arrays over loads: best is the largest growth known, last the number of modes that may exceed it, from bounds that
+    # fall with the mode.  Modes are examined in groups of growing size, for the loads still going; a mode is computed
+    # only where its bound from above exceeds what is known, or may pass the tolerance.  ``low`` and ``high`` bound the
+    # growth of a mode, in 1/s: where they decide its status nothing is computed.  Each group raises best and so lowers
+    # last.
     bounds = modes.growth_bounds(loads)
     best, fastest = np.full(loads.size, bounds.limit), np.full(loads.size, -1)
     grows, unsure, lost = np.full(loads.size, bounds.limit > growth_tolerance), *np.zeros((2, loads.size), np.bool_)
