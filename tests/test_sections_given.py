@@ -341,3 +341,53 @@ def test_check_says_what_the_string_is_and_where_it_grows(tmp_path: Path, capsys
     assert "of the yield strength 621 MPa, in section 1" in text
     assert "one damping rate for all" in text
     assert "(E I / w)^(1/4)" in text
+
+
+# --- what varies, and what is passed on ---
+
+
+@pytest.mark.parametrize(
+    ("name", "table"), [("density", "sections"), ("length", "sections"), ("channel_radius", "bores")]
+)
+def test_what_a_section_has_for_itself_does_not_vary(name: str, table: str) -> None:
+    well = fr.WellPath([0.0, 1000.0], ["0deg", "80deg"])
+    varied = {name: (0.9 * getattr(STRING, name), getattr(STRING, name))}
+    words = rf"parameters must not name {name} of a rod of several {table}, each of which has its own"
+    with pytest.raises(ValueError, match=words):
+        fr.probability_of_instability(STRING, fr.AxialLoad(6e3, 3e3, 22.0), varied, samples=10)
+    if name != "length":  # which is no parameter of a string in a well
+        with pytest.raises(ValueError, match=words):
+            fr.probability_of_reach(STRING, well, 0.2, varied, samples=10)
+
+
+def test_what_the_whole_string_has_varies() -> None:
+    load = fr.AxialLoad(6e3, 3e3, 22.0)
+    found = fr.probability_of_instability(STRING, load, {"damping_rate": (0.0, 3.0)}, samples=12, seed=1)
+    assert 0.0 < found.probability < 1.0
+
+
+def test_one_file_about_a_string_has_its_sections(tmp_path: Path) -> None:
+    verdict = STRING.stability(fr.AxialLoad("7.1kN", "3.84kN", "2.55Hz"))
+    text = fr.save_report(verdict, tmp_path / "string.html", margins=False).read_text(encoding="utf-8")
+    assert text.count(f"<td>{THICK}</td>") == 2  # in two bores
+    assert "string of 3 sections, 60 m" in text
+    assert "most in section 1, 2.00x0.156 CT90" in text
+    assert "left out" in text
+    numbers = json.loads(json.dumps(verdict.as_dict()))
+    assert [part["section"] for part in numbers["parts"]] == [1, 2, 2, 3]
+    assert numbers["grows_most_at_m"] == verdict.shape.position
+    assert numbers["stress"]["section"] == 1
+
+
+def test_the_section_nearest_to_its_yield_strength_is_named() -> None:
+    """Which is not the one of the largest stress."""
+    load = fr.AxialLoad(0.3, 0.0, 10.0)
+    thick = fr.Section(diameter="2mm", length=1.0, yield_strength="10MPa")
+    thin = fr.Section(diameter="1mm", length=1.0, yield_strength="500MPa")
+    rod = fr.Rod(sections=[thick, thin], channel_diameter="20mm")
+    found = rod.stress(load)
+    every = [part.rod.stress(load) for part in rod.uniform_parts]
+    assert (found.section, found.largest, found.share_of_yield) == (1, every[0].largest, every[0].share_of_yield)
+    assert every[1].largest > found.largest
+    unknown = fr.Rod(sections=[thick.as_dict() | {"yield_strength": None}, thin], channel_diameter="20mm")
+    assert unknown.stress(load).section == 2
