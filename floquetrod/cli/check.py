@@ -97,8 +97,9 @@ def rod_file_in_words() -> str:
         f'as "68GPa", "2.375in", "8.6ppg" or "60deg".  May be given in place of a parameter: {_and(instead)}.  ends is '
         f"{', '.join(map(json.dumps, CONDITIONS))}, or two of them, the upper end first, such "
         'as "clamped-hinged".  A string of several sections has tables [[sections]] from its upper end down, each '
-        'with a length and a name or a diameter, see examples/string.toml, and bores such as [["0m", "4.778in"], ["1500m", '
-        '"6.184in"]].  A steel pipe needs only its name, the bore (the diameter of the hole) and the length:'
+        "with a length and a name or a diameter, see examples/string.toml, and bores such as "
+        '[["0m", "4.778in"], ["1500m", "6.184in"]].  A steel pipe needs only its name, the bore (the diameter of the '
+        "hole) and the length:"
     )
     return "\n".join(textwrap.wrap(text, 119, break_on_hyphens=False))
 
