@@ -61,12 +61,13 @@ def smooth(sampled: Callable[[NDArray[Any]], Matrix], period: float, required: f
 
     ``required`` is the part of the largest value that the series may miss; ValueError where it misses more.
     """
-    # Trapezoidal sums of the period, series_k = (1 / count) sum_j values_j exp(-2 pi i j k / count), exponentially
-    # accurate where the function is smooth (L. N. Trefethen and J. A. C. Weideman, SIAM Review 56 (2014) 385,
-    # doi:10.1137/130932132).  Samples are doubled, old ones kept, until the last quarter of the harmonics is
-    # negligible, or no longer falls, and the series meets trial values at times of irregular spacing (golden section),
-    # which aliasing cannot meet.  values (count, n, n), size their largest entry, gap how far the function is from
-    # periodic.
+    # series_k = (1 / count) sum_j values_j exp(-2 pi i j k / count): the trapezoidal rule, whose error falls
+    # exponentially with count for a smooth function (L. N. Trefethen and J. A. C. Weideman, SIAM Review 56 (2014) 385,
+    # doi:10.1137/130932132).  values (count, n, n) are at equal steps; count doubles, old values kept, until the last
+    # quarter of the harmonics is negligible, or no longer falls (noise), and the series meets the function at
+    # ``shares`` of the period, too.  These are irregular (golden section): a harmonic of order above count / 2 takes
+    # the values of a lower one at all equal steps, and is seen only between them.  size is the largest entry of values,
+    # gap how far the function is from periodic.
     count = _FIRST_SAMPLES
     values = sampled(np.arange(count) * (period / count))
     size = max(float(np.abs(values).max()), 5e-324)

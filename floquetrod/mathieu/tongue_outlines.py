@@ -255,11 +255,13 @@ def _vertices(
     curves: TongueCurves, ranges: LineRanges, pieces: _OutlinePieces, accuracy: float
 ) -> tuple[Ints, Bools, Floats, Floats, Floats]:
     """Return outline, edge, share, line and place of all vertices."""
-    # Vertices of all outlines side by side: (outline, edge, share, line, place) each, first the four corners of each
-    # piece, both edges at both ends.  A chord from (xa, ya) to (xb, yb) of a bent edge is divided at the middle of its
-    # shares a and b while the edge there is off it by more than the accuracy, in units of the window: twice the area of
-    # the triangle over the chord's length.  The middle becomes a vertex in any case, which quarters the departure:
-    # hence `_SAFE`.
+    # Each outline consists of pieces, each between two lines, shares ``first`` and ``last`` of a range, with a lower
+    # and an upper edge.  Of a vertex: its outline, whether it is on the upper edge, its share, the line x and the place
+    # y there.  First the four corners of all pieces; then chords (xa, ya) - (xb, yb) of bent edges are halved in the
+    # share, from a to b: the edge at the middle becomes a vertex in any case, and both halves are divided again where
+    # it was off the chord by more than `_SAFE` times the accuracy.  off = |cross product| / length is that distance, x
+    # and y in units of the window.  A smooth edge is four times closer to the halves than to the chord.  Arrays hold
+    # all chords of one depth.
     window = curves.window
     width, height = window.span[1] - window.span[0], window.high - window.low
     n = pieces.j.size

@@ -126,6 +126,9 @@ def _motion(
     rod: RodData, load: Load, rest: RodStability, shapes: Shapes, orbit_alone: ModeOrbit, indentation: float
 ) -> SteadyMotion:
     """Return the motion near an orbit of one mode, with all modes that matter."""
+    # The orbit of one mode is continued into larger and larger sets of modes (`NEAR`), each orbit the start of the
+    # next; the last one is the answer, and the change of the largest angle from the last set but one its error.
+    # Contact force and shortening are evaluated at `_INSTANTS` of a period, (instants, nodes) and (instants,).
     sets = [chosen(shapes, orbit_alone.mode, *near) for near in NEAR]
     every: list[PeriodicOrbit] = []
     for i, taken in enumerate(sets):

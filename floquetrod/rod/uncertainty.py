@@ -281,11 +281,12 @@ def sobol_indices(
     SciPy's own intervals, a bootstrap corrected for bias and skewness, take as many passes over the points as there are
     points.  Here they come from `_REPLICATES` independently scrambled Sobol sequences, by Student's distribution.
     """
-    # Saltelli's scheme (Computer Physics Communications 181 (2010) 259, doi:10.1016/j.cpc.2009.09.018): with
-    # independent points A and B, and AB_i equal to A except for quantity i from B, f = 1 where unstable,
-    #     first_i = mean(f_B (f_AB_i - f_A)) / var,    total_i = mean((f_A - f_AB_i)^2) / (2 var).
-    # A and B are the halves of the 2 ``width`` columns of each Sobol sequence; arrays of f are (replicates, each).  The
-    # estimate is from all points, the interval from the spread over replicates.
+    # Saltelli's scheme (Computer Physics Communications 181 (2010) 259, doi:10.1016/j.cpc.2009.09.018): f = 1 where the
+    # rod is unstable, else 0; A and B are independent points of all quantities, AB_i is A with quantity i taken from B:
+    #     first_i = mean(f_B (f_AB_i - f_A)) / var f,    total_i = mean((f_A - f_AB_i)^2) / (2 var f).
+    # a and b (width, points) hold the levels of A and B, both halves of Sobol points in 2 width dimensions; quantity i
+    # has the rows rows[i].  f is (replicates, each).  The estimate is from all points, the interval from the spread of
+    # replicates.
     from scipy import stats
 
     rows = sampling.rows

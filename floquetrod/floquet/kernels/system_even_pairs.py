@@ -28,7 +28,7 @@ NOT_DONE = -1.0
 def pair_fill(stiffness: Any, amplitudes: Any, period: Any, out: Any, accuracy: float, reach: float) -> None:
     """Fill rows of ``out`` (8): Re and Im of both x, then their errors, then their Krein forms; or mark them."""
     # From half a period P = [[A, B], [C, D]] to both x = mu + 1 / mu: K is even, so the map of the whole period is M =
-    # (R P^-1 R) P with R = diag(1, 1, -1, -1), and M + 1/M = 2 + 4 B^T C in its upper left block where P is symplectic.
+    # (R P^-1 R) P with R = diag(1, 1, -1, -1), and where P is symplectic M + M^-1 has the upper left block 2 + 4 B^T C.
     # Hence x = 2 + 4 y with the two eigenvalues y of the 2 x 2 matrix Y = B^T C. Systems are taken `LANES` at a time
     # through one plan (`lane_plan`, `lane_series`, ...); where one segment is not enough for a group, its rows are
     # marked and left to `half_period_fill`.  total (16, LANES) is P of each lane, scalars[2] its error.

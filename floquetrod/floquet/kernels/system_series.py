@@ -294,6 +294,7 @@ def invert(a: Any, out: Any) -> None:
             for q in range(n):
                 a[j, q], a[pivot, q] = a[pivot, q], a[j, q]
                 out[j, q], out[pivot, q] = out[pivot, q], out[j, q]
+        # Row j over its pivot, then taken from all other rows, so that column j becomes that of the identity.
         scale = 1.0 / a[j, j] if a[j, j] != 0.0 else math.inf
         for q in range(j, n):
             a[j, q] *= scale

@@ -15,12 +15,13 @@ MOST_ROWS = 20_000  # of a chain, after which nothing is concluded
 @kernel
 def _chain_count(kappa: float, g: float, h: float, first: float, shift: float, doubled: bool) -> int:
     """Return how many eigenvalues of a chain lie below kappa, all numbers exact, or -1 where rounding hides it."""
-    # Negative pivots of d_k = k^2 h - kappa (+ shift in the first row) - g^2 / d_(k-1), first coupling doubled in the
-    # even chain: their number is that of the eigenvalues below kappa.  low <= d_k <= high, every operation rounded
-    # outwards, x and y the ends of the bare diagonal; a pivot whose sign is open ends it.  -g^2 / d rises with d on
-    # either side of zero, so that each end of the next pivot follows from one end of this one, with the end of g^2 that
-    # the sign of d asks for.  Beyond the first row, d_k > g and D_j - kappa >= 2 g for all later rows leave no negative
-    # pivot: the count is then final.
+    # The eigenvalues below kappa are as many as negative pivots (Sylvester's law of inertia)
+    #     d_first = first^2 h - kappa + shift,    d_k = k^2 h - kappa - g^2 / d_(k-2),    k = first + 2, first + 4, ...,
+    # with 2 g^2 in place of the first g^2 in the even chain.  low <= d_k <= high: every operation is rounded outwards;
+    # x and y are the ends of k^2 h - kappa.  A pivot that may be zero ends it with -1.  -g^2 / d rises with d on either
+    # side of zero, so that low follows from low and high from high, with the end of g^2 that the sign of d asks for.
+    # Beyond the first row, d_k > g and k'^2 h - kappa >= 2 g for all later rows k' leave no negative pivot: the count
+    # is final.
     x = down(first * first * h)
     y = up(first * first * h)
     low = down(down(x - kappa) + shift)

@@ -94,6 +94,8 @@ def count_fill(a: Any, q: Any, out: Any) -> None:
 @kernel
 def shown_by_count(alpha: float, beta: float) -> int:
     """Return `STABLE` or `UNSTABLE`, or `NEAR_A_BAND` where an odd count does not show that solutions are bounded."""
+    # a = -4 beta, q = 2 |alpha|; an even number of curves below a means growth, an odd one that a lies between a_m and
+    # b_(m+1).  Far below 2 q these two curves are closer than rounding: there the odd count shows nothing.
     if alpha == 0.0:
         return STABLE if beta < 0.0 else UNSTABLE
     a = -4.0 * beta

@@ -260,6 +260,12 @@ def _classified(
     cost: Cost,
 ) -> SystemStability:
     """Return the verdict that the map over a period allows."""
+    # General systems: discs about the eigenvalues mu of the map over a period.  Where multipliers come in mu, 1 / mu:
+    # discs about the numbers y = (mu + 1 / mu - 2) / 4 = sinh^2(log(mu) / 2), half as many, eigenvalues of the matrix
+    # of pairs, or, for a reversible map S, of (S_11 - 1) / 2, S_11 its upper left block, as S + 1/S is twice its
+    # diagonal blocks.  Multipliers that meet at 1 or -1 are square roots there; y is not, and keeps its digits.  Growth
+    # over a period is |Re 2 asinh(sqrt y)| less damping times period, both in many digits: the difference may be far
+    # smaller than either.
     if problem.kind == "general":
         discs = precise_spectra.eigenvalue_discs(period_map.matrix, error, context)
         return classify_multipliers(system, "reference", _logarithms(discs, context) if discs else None, cost=cost)

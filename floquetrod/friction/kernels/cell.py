@@ -137,12 +137,12 @@ def first_root(q: Any, n: int, stack: Any) -> float:
         return -1.0
     if q[1] <= -bound:
         return _bracketed_root(q, n, 0.0, 1.0)
+    # b_i = sum_(j <= i) C(i, j) / C(n, j) q_j: as many zeros as changes of sign of b, or fewer by an even number.
     for i in range(n + 1):
         total = 0.0
         for j in range(i + 1):
             total += _BERNSTEIN[ORDER - n, i, j] * q[j]
         stack[0, i] = total
-    # b_i = sum_(j <= i) C(i, j) / C(n, j) q_j: as many zeros as changes of sign of b, or fewer by an even number.
     depth = 0
     low = 0.0
     width = 1.0

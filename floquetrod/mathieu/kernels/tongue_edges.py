@@ -60,6 +60,7 @@ def summit(line: PlaneLine, low: float, high: float) -> tuple[float, float]:
             break
         parabola = False
         if abs(before) > least:
+            # Slopes of chords to the second and the third best; top / below is the step to the vertex of the parabola.
             r = (best - second) * (at_third - value)
             s = (best - third) * (at_second - value)
             top = (best - third) * s - (best - second) * r
@@ -75,12 +76,14 @@ def summit(line: PlaneLine, low: float, high: float) -> tuple[float, float]:
                 if place - a < 2.0 * least or b - place < 2.0 * least:
                     step = least if best < middle else -least
         if not parabola:
+            # Golden section of the longer side.
             before = (b if best < middle else a) - best
             step = _GOLDEN * before
         place = best + (step if abs(step) >= least else math.copysign(least, step))
         if not low <= place <= high:
             break
         here = squared_rate(place, line)
+        # A better place becomes the best, and the old one an end of [a, b]; a worse one becomes an end itself.
         if here >= value:
             if place >= best:
                 a = best

@@ -152,6 +152,7 @@ def _mode_stable(
     tolerance: float,
 ) -> bool:
     """Return whether one mode of a family grows no faster than ``tolerance``."""
+    # A'' + 2 c A' = (beta + alpha sin tau) A, c = ``damping``, all per unit tau = omega t.
     alpha, beta = mode_coefficients(forcing, compression, bending, gravity, neutral_squared, mode)
     return is_stable(alpha, beta, damping, tolerance)
 
@@ -208,6 +209,9 @@ def modes_stable_fill(
 
     Rates below ``smallest`` may be left out.
     """
+    # Arrays (n,): a rod and a load each, F and dF in N, omega in rad/s, constants as in `ModeConstants.equation`.  The
+    # number of modes and the suspect go from one to the next: neighbours in an array are alike, and the answers do not
+    # depend on it.
     slowest = max(tolerance, smallest)
     last = 1
     suspect = 1
@@ -221,6 +225,9 @@ def modes_stable_fill(
 @kernel
 def modes_growth_fill(mean: Any, amplitude: Any, frequency: Any, out: Any, constants: Any, smallest: float) -> None:
     """Fill ``out`` (n, 2) with the largest growth rate per second and the mode that has it (0 where none grows)."""
+    # The largest of growth(alpha_m, beta_m, c) omega over the modes m that may grow (`_modes_of_load`).  A mode that
+    # the count of curves shows bounded without its damping, beta + c^2, cannot grow: the determinants of `growth` are
+    # spared.
     last = 1
     for i in range(len(mean)):
         forcing, compression, bending, gravity, neutral_squared, c, last = _modes_of_load(

@@ -221,8 +221,11 @@ class NoisyModes:
         plain = np.minimum(np.maximum(share, 0.0), damped)
         k = per_newton * (x + abs(neutral_squared))
         sizes, turns = np.abs(self.template.harmonics), np.arange(1, self.template.harmonics.size + 1)
+        # waves[n] bounds the n-th derivative of the vibrating part of the stiffness, in 1/s^(2 + n), at a block's first
+        # mode.
         waves = [k * amplitude * frequency**n * float((sizes * turns**n).sum()) for n in range(4)]
         mean_square = 0.5 * np.square(k * amplitude) * float(np.square(sizes).sum())
+        # The stiffness less c^2 without vibration, from below; noise is S k^2 / 2.
         center = bending * x * x - k * np.maximum(0.0, mean) - max(0.0, -restoring) - c * c
         known = center > waves[0]
         center, waves[0] = np.where(known, center, 1.0), np.where(known, waves[0], 0.0)

@@ -75,10 +75,12 @@ def _trials(
     model: ModeModel, load: Load, count: int | None, growth_tolerance: float, progress: Progress | None
 ) -> list[_Trial]:
     """Return the trials made, the fewest modes first."""
-    # The verdict of a truncation must not depend on it: the modes are cut at several numbers, the largest estimated to
-    # suffice first, and smaller ones, which follow from it, to estimate the error by the differences.  If more modes
-    # may change the answer, the number grows by a quarter, a few times at most; last come as many as the bound on modes
-    # left out asks for.
+    # A trial is the verdict with the first M modes, coupled; its error is the difference between trials of different M.
+    # The first trial has ``last`` modes, those that may grow by bounds on uncoupled modes; the others have the numbers
+    # that `_numbers` chooses from it.  Larger M first, since the maps of a smaller M can follow from them
+    # (`with_fewer`).  While modes beyond may change the answer, M grows by a quarter, `_ENLARGEMENTS` times at most.
+    # Last comes the number that the bound on modes left out asks for.  ``trials`` is kept in the order of M, whatever
+    # the order in which they are made.
     trials: list[_Trial] = []
 
     def add(modes: int, known: int) -> None:

@@ -186,6 +186,7 @@ def status_of_mode(box: Any, mode: int, tolerance_low: float, tolerance_high: fl
 
     Nothing is said where the contact force, Omega^2 + c2 h F in these units, may come to zero.
     """
+    # Level = damping + tolerance, between its two ends; kappa and p are those of the mode without damping.
     if box[HELD, 0] != 0.0 or box[HELD, 1] != 0.0:
         bend = multiply(side(box, PUSH), side(box, HELD))
         force = down(box[MEAN, 0] - box[AMPLITUDE, 1]), up(box[MEAN, 1] + box[AMPLITUDE, 1])

@@ -39,6 +39,9 @@ _BIG = 2.0**200  # above which
 @kernel
 def _power_sum(n: float, j: int) -> Pair:
     """Enclose the sum of k^(-2 j) for k = n, n + 2, n + 4, ...: the midpoint rule, errors between two integrals."""
+    # f(x) = x^(-2 j).  Twice f(k) is less than the integral of f from k - 1 to k + 1: by f''(k) / 3 at least and (f''(k
+    # - 1) + f''(k + 1)) / 6 at most, f'' being convex.  Over k = n, n + 2, ... these add up to |f'(n)| / 6 at least,
+    # and to (f''(n - 1) + |f'(n)|) / 6 at most, since f'' falls.  ``whole`` is the integral from n - 1 on.
     power = 2.0 * j
     before = divide((1.0, 1.0), (n - 1.0, n - 1.0))
     here = divide((1.0, 1.0), (n, n))
@@ -182,7 +185,7 @@ def excess(kappa: Pair, p: Pair, omega: Pair, parity: int) -> Pair:
     #     forward c, s = x - v of the two chains,    backward e = x - v of both,    t = c - s <- g^2 t / (c s).
     # A determinant over its diagonal is, for every row r, (product of forward c / x before r) (S_c / x) (product of
     # backward e / x beyond), S_c = c - g^2 / e (twisted factorisation: I. S. Dhillon and B. N. Parlett, Linear Algebra
-    # Appl.  387 (2004) 1), and likewise with s; X is the product of both.  Backward first, from far out down to
+    # Appl. 387 (2004) 1), and likewise with s; X is the product of both.  Backward first, from far out down to
     # ``inner``: for each row, e of the next one and w, the squared product of all beyond, are kept in ``backward``, its
     # scaling in ``scales``; then forward up to ``outer``, w the product of all rows before, and at each row on the way
     # an enclosure (`_middle`, `_met`).  No one row is the best for all of a box, since a pivot that may be zero there

@@ -119,10 +119,12 @@ def mode_status(kappa: Pair, p: Pair, omega: Pair, level: Pair) -> int:
 @kernel
 def _by_excess(kappa: Pair, p: Pair, omega: Pair, level: Pair) -> int:
     """Return `mode_status` from enclosures of the excess: for the parity of the nearest tongue, then for the other."""
-    # Growth over a period 2 pi / omega is 2 asinh(sqrt X), so that growth up to the level means X <= sinh^2(pi level /
-    # omega): ``few`` is that from below for the lower level, ``many`` from above for the upper.  X_even + X_odd = -1,
-    # so the enclosure of one is one of the other, too; one and other are the upper bounds of both.  The tongue of order
-    # n = 2 sqrt(kappa) / omega nearest has the parity of n: its excess comes first, and mostly decides alone.
+    # Growth over a period 2 pi / omega is 2 asinh(sqrt X), X the positive one of both excesses: growth at a
+    # level means X = sinh^2(pi level / omega).  ``few`` is a lower bound of this X at the lower level, ``many`` an
+    # upper bound at the upper one.  a and b enclose the excesses of both parities, whose sum is -1: each bounds the
+    # other, too; one and other are the upper bounds that follow.  Stable where both are negative or below ``few``,
+    # unstable where a lower bound exceeds ``many``.  The order n = 2 sqrt(kappa) / omega of the nearest tongue gives
+    # the parity that is enclosed first: mostly it decides alone, and the second enclosure costs as much.
     few = 0.0
     if level[0] > 0.0:
         few = sinh_squared(min(down(PI_LOW * down(level[0] / omega[1])), 300.0))[0]
