@@ -288,6 +288,12 @@ def located(crossing: Crossing) -> list[SpecialPoint]:
 
     Several where multipliers that were taken together cross one after the other.
     """
+    # A test function has a zero on the arc of the branch between two samples, at ``length``, found to `_ROOT`;
+    # but of a branch point, where the equations are singular, only to near it, and the orbit there interpolated from
+    # both sides.  Then what crosses: of several multipliers together, each by itself where they are apart by more than
+    # their errors; of one, mu, that it is where this kind of point has it (1, -1, the unit circle), or something else
+    # has changed the sign, such as a neutral saddle, and there is no point; and of a turning orbit that is another one
+    # run twice, a period doubling of that one.  The error is that of the zero, in the parameter, with the spread.
     stretch = _BranchArc(crossing)
     branching = crossing.kind == "branch point"
     length = stretch.zero(0.2 * _NEAR * abs(stretch.whole) if branching else _ROOT)

@@ -111,6 +111,7 @@ def growth_of_motion(
     else:
         mode = 1 if mode is None else mode
         amplitudes, wavenumber = motion.mode_amplitudes([mode]), mode * math.pi / rod.length
+    # Motion below each of these angles is fitted: more frames lower the error of a fit, small angles that of linearity.
     least = _LEAST_PERIODS * period / step if vibrates else _LEAST_FRAMES - 1
     counts = {_frames_up_to(angle, sizes) for angle in _LINEAR_UP_TO}
     fits = {
@@ -126,6 +127,7 @@ def growth_of_motion(
             f"{_LEAST_FRAMES} frames where the force is constant, got {have}; simulate longer, or from a smaller "
             "perturbation"
         )
+    # The fit counts whose error is least in all, the error of the model at its largest angle included.
     fastest = max(fit.rate for fit in fits.values())
     errors = model_errors(rod, load, mode, wavenumber, segment, indentation, fastest, lifted)
     with_errors = [fit._replace(model_error=errors.up_to(float(sizes[:count].max()))) for count, fit in fits.items()]

@@ -53,6 +53,12 @@ def uniform_rods(rod: RodData) -> tuple[RodData, ...]:
 
 def lumped(rod: RodData, segments: int, ends: tuple[int, int]) -> Lumps:
     """Return what nodes and segments have of a rod that varies along; ``ends`` are what its ends are across."""
+    # Values that jump along the rod, for nodes 0 to ``segments`` and the segments between; ``edges`` are the jumps, in
+    # segments from the upper end.  Of a node (mass, weight, radius): the first value plus, of each jump, the part of
+    # the node's weight function that lies beyond the edge, 1 - below(edge - node).  The function is cardinal for cubic
+    # interpolation; where that makes a mass too small, or negative, a hat.  Of a segment, or about a node for bending,
+    # pieces in series: length over the integral of 1 / stiffness, since the same moment or force goes through all of
+    # them.
     length = rod.length / segments
     parts = [part.rod for part in rod.uniform_parts]
     edges = np.array([part.start for part in rod.uniform_parts[1:]]) / length
@@ -81,6 +87,8 @@ def lumped(rod: RodData, segments: int, ends: tuple[int, int]) -> Lumps:
     rigidity = of(lambda each: each.flexural_rigidity)
     bend = in_series(rigidity, nodes - 0.5, nodes + 0.5)
     between = in_series(rigidity, nodes[:-1], nodes[1:])
+    # A clamped end: one stiffness for its first nodes and segments, that of the length which its energy of bending
+    # covers.
     for condition, end in zip(ends, (slice(None), slice(None, None, -1)), strict=True):
         if condition == CLAMPED:  # views: the first is the end
             low, high = (0.0, _HELD_ALIKE) if end.step is None else (segments - _HELD_ALIKE, float(segments))

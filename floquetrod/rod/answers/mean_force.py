@@ -301,6 +301,9 @@ def _along(
     wellhead: float = 0.0,
 ) -> MeanForce:
     """Return the results along string k to a depth, with the errors of force, speed and vibration."""
+    # From y of the march, at the depths where string k has one, F = S tan y, the contact force N of the lying string
+    # and, where it is wound, of a helix, and the friction that the wave leaves, mu times the share at its speed.  F is
+    # infinite where the string is locked up: contact forces are computed with F = 0 there, and replaced by infinity.
     there = np.isfinite(strings_run.y[:, k])
     depth, y, (speed, vibration) = strings_run.depth[there], strings_run.y[there, k], strings_run.wave[:, there, k]
     force, positions = drag.force(y), WellGeometry.at(drag.path.arcs.at(depth))

@@ -303,6 +303,10 @@ class IndependentModel(ModeModel):
 
         Those that leave their wall are not decided.
         """
+        # Arrays over samples: F, dF, omega and the constants of the modes, each as `modes_stable_fill` takes them.
+        # Where the channel bends, the side of the wall on which the rod lies (1 or -1) comes first, since the constants
+        # depend on it, 0 where it leaves the wall; then the reach of the formulas; then all samples in threads, in
+        # pieces by the work of the largest.
         from floquetrod.rod.kernels.independent_modes import modes_stable_fill
 
         mean, amplitude, frequency = loads.flat

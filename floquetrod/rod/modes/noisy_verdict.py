@@ -343,6 +343,10 @@ def classify_noisy(
     model: ModeModel, load: Load, chosen: tuple[int, ...] | None, growth_tolerance: float, progress: Progress | None
 ) -> RodStability:
     """Classify the second moments of every mode that matters and put the verdicts together."""
+    # Modes 1, 2, ... are examined in groups of `_STEP`.  ``limit`` is the growth that modes of high number approach
+    # under white noise; bounds on all modes beyond the last one examined fall with its number, and give the number that
+    # may still grow faster than ``best``, the fastest so far, or than the tolerance: the loop ends where as many are
+    # examined.  Rates in 1/s.
     equations = NoisyModes(constants_under(model.rod, load.mean), load)
     examined = _Examined(equations, load)
     limit, left_out = -math.inf, math.inf
