@@ -127,11 +127,11 @@ def test_every_room_is_drawn_once_and_exists() -> None:
 
 
 def missing(text: str) -> list[str]:
-    """Return the files that the rows of a table name and nobody finds; a bare name may be beside the one before it."""
+    """Return the files that a page names and nobody finds; a bare name may be beside the one before it in its line."""
     lost = []
-    for row in (line for line in text.splitlines() if line.startswith("| ")):
+    for line in text.splitlines():
         beside = ROOT / PACKAGE
-        for name in re.findall(r"`([\w/]+\.py)`", row):
+        for name in re.findall(r"`([\w/]+\.py)`", line):
             found = [path for folder in (ROOT / PACKAGE, ROOT, beside) if (path := folder / name).is_file()]
             lost += [] if found else [name]
             beside = found[0].parent if found else beside
@@ -141,7 +141,21 @@ def missing(text: str) -> list[str]:
 def test_every_file_on_the_map_of_the_code_exists() -> None:
     text = (ROOT / "docs" / "architecture.md").read_text(encoding="utf-8")
     assert missing(text) == []
-    assert missing("| a | `rod/rod.py`, `stability_map.py`, `no.py`; `floquet/rod.py` |") == ["no.py", "floquet/rod.py"]
+    assert missing("a: `rod/rod.py`, `stability_map.py`, `no.py`; `floquet/rod.py`") == ["no.py", "floquet/rod.py"]
+
+
+def test_the_map_fits_two_pages_and_contributing_one() -> None:
+    text = (ROOT / "docs" / "architecture.md").read_text(encoding="utf-8")
+    assert len(text.splitlines()) <= 140
+    assert sum(line.startswith("| ") for line in text.splitlines()) <= 40
+    assert len((ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8").splitlines()) <= 60
+
+
+def test_a_row_of_the_map_names_at_least_one_file() -> None:
+    text = (ROOT / "docs" / "architecture.md").read_text(encoding="utf-8")
+    rows = [line for line in text.splitlines() if line.startswith("| ")][2:]
+    assert rows
+    assert not [row for row in rows if not re.search(r"`[\w/]+\.py`", row)]
 
 
 @functools.cache

@@ -1,7 +1,20 @@
 """Compile flags and the choice between interpreted and compiled kernels, in one place.
 
 A kernel is a plain Python function of floats and arrays.  Called directly it is interpreted, which suits a handful of
-scalars and leaves numba unloaded.  ``compiled(kernel)`` is the same function as machine code, cached on disk.
+scalars and leaves numba unloaded.  ``compiled(kernel)`` is the same function as machine code, cached on disk with
+a fingerprint of its code, of the kernels it calls, in whatever file, and of the constants they read; it is compiled
+again where that differs.  For a few scalars, and for the first thousands of loads on a short rod, interpreting takes
+less time than loading numba, which is why a verdict is immediate.
+
+Called kernels are compiled for the types of their arguments, not for each constant they are called with; only a
+parameter annotated `Literal` is, where that pays.  Records have named fields, not numbered columns; kernels that often
+run interpreted take views of the fields.  `fastmath` stays off: NaN and infinity must keep their meaning.  While numba
+compiles, Ctrl-C takes effect at the end of a pass.  The logger `floquetrod.compile` reports at the level INFO what is
+compiled, which the terminal shows, and warns once per process that it takes some seconds.
+
+*Threads.*  `over_chunks` and `in_threads` start with the calling thread alone, estimate the remaining time from the
+chunks that are done, and then start as many threads as have a millisecond of work each.  Chunks do not depend on the
+number of threads, and no thread outlives a call.
 """
 
 from __future__ import annotations

@@ -2,7 +2,11 @@
 
 With c the damping, T the period and A = exp(-c tau) u, the undamped u has multipliers of product 1 and sum D_u.
 Their excess X = (abs(D_u) - 2) / 4 decides: see `floquetrod.floquet.multiplier_pairs`.  Methods hand over X rather
-than D_u because near a boundary X keeps digits that D_u has rounded away.
+than D_u because near a boundary X keeps digits that D_u has rounded away.  `classify` derives the status, damping
+included, says "undecided" when the error covers both answers, and decides constant coefficients by their sign.
+
+Every verdict, on an equation, a system or a rod, has the core `Verdict`; on equations and systems it is a
+`FloquetVerdict`, with what is special to one row in `Stability` and to several in `SystemStability`.
 """
 
 from __future__ import annotations

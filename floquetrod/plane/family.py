@@ -1,4 +1,11 @@
-"""What a chart is of: problems over a plane, told by verdicts on places, and by exact bands where there are any."""
+"""What a chart is of: problems over a plane, told by verdicts on places, and by exact bands where there are any.
+
+Five families are charted: problems returned by a function of the user (`systems/family_charts.py`), Mathieu's equation
+(`mathieu/mathieu_charts.py`), the loads of a rod (`rod/load_plane.py`), the speeds and depths of a cutter
+(`milling/stability_lobes.py`), and verdicts returned by a function.  `floquetrod.plane.charted` makes a `Chart` of any
+of them, with verdicts at points and a source of its bands: `plane/sources.py` uses exact ones, which are polygons
+between the curves of tongues that counts find, or traces them by verdicts and states how narrow a band it may miss.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,9 @@
-"""A box of loads and of rods, checked as `Rod.certify` takes it, and as intervals of the constants of modes."""
+"""A box of loads and of rods, checked as `Rod.certify` takes it, and as intervals of the constants of modes.
+
+Kernels (`floquet/proof/kernels`) bisect the intervals and prove the parts.  The result is in
+`floquet/proof/region_proof.py`, also for boxes of parameters, of Mathieu's equation or of any family, which
+`floquet/proof/family_boxes.py` halves.
+"""
 
 from __future__ import annotations
 
