@@ -37,6 +37,7 @@ DEEP = os.environ.get("FLOQUETROD_TEST_DEPTH") == "deep"
 """Whether to look as deeply as `make slow` does: at many examples, fresh in every run.
 
 `make test` draws few and always the same, so that one tree either passes or fails; `make slow` and `make fuzz` search.
+The report's header tells how to draw them again (`FLOQUETROD_TEST_SEED`, and hypothesis prints a blob).
 """
 
 
