@@ -66,7 +66,7 @@ class StringModel:
         modes: int = 44,
     ) -> None:
         total = sum(p.length for p in parts)
-        numbers = [max(8, round(elements * p.length / total)) for p in parts]
+        numbers = [max(2, round(elements * p.length / total)) for p in parts]
         lengths = np.repeat([p.length / n for p, n in zip(parts, numbers, strict=True)], numbers)
         of = np.repeat(np.arange(len(parts)), numbers)
         begin = np.concatenate([[0.0], np.cumsum(lengths)])
@@ -111,8 +111,8 @@ class StringModel:
 
     def critical(self) -> float:
         """Return the least mean force in N at which the stiffness turns singular."""
-        values = eigh(self.driving, self.still, eigvals_only=True)
-        return float(1.0 / values[-1])
+        values = np.linalg.eigvals(np.linalg.solve(self.still, self.driving)).real  # its own weight may buckle it
+        return float(1.0 / values.max())
 
     def growth(self, mean: float, amplitude: float, frequency: float, damping: float) -> Growth:
         """Return the growth under mean + amplitude sin(frequency t), forces in N, rad/s and 1/s."""
