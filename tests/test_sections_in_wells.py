@@ -364,3 +364,10 @@ def test_the_terminal_answers_as_python_does(tmp_path: Path, capsys: pytest.Capt
         assert {key: told[key] for key in told if key not in ("version", "written")} == answer.as_dict()
     assert main(["reach", *asked[:-1], "2000m"]) == 2
     assert "depth must be no deeper than the string reaches: it is 1805 m long" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("push", ["15kN", "60kN"])
+def test_a_sample_reaches_a_depth_where_the_string_does(push: str) -> None:
+    found = STRING.reach(WELL, 0.4, push=push, depth=[2000.0])
+    share = fr.probability_of_reach(STRING, WELL, (0.4, 0.4 * (1.0 + 1e-12)), push=push, depth=[2000.0], samples=1)
+    assert share.probability[0] == (not found.is_stopped)
