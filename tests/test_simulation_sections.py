@@ -494,3 +494,14 @@ def part_of(friction: Any, start: float, end: float) -> Any:
     """Return the intervals of friction between two depths."""
     inside = [(depth, value) for depth, value in friction if start < depth < end]
     return ((0.0, [value for depth, value in friction if depth <= start][-1]), *inside)
+
+
+@pytest.mark.parametrize("path", [None, fr.WellPath.arc(length=4.0, inclination=(1.2, 1.4))])
+def test_segments_resolve_the_section_with_the_shortest_waves(path: Any) -> None:
+    string = wire(path=path)
+    assert 0.0 < string.critical_force < math.inf
+    problem = fr.SimulationProblem(string, LOAD, duration=0.01)
+    shortest = min(part.rod.critical_half_wave for part in string.uniform_parts)
+    assert problem.segments >= 10.0 * string.length / shortest
+    with pytest.raises(ValueError, match="segments must be at least"):
+        problem.replace(segments=math.floor(5.5 * string.length / shortest))

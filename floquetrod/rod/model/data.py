@@ -504,9 +504,9 @@ class RodData(units.InUnits, TellsAttributes):
         self._require_known_to_force()
         if self.varies and self.path is None:
             return min(part.rod.critical_force for part in self.uniform_parts)
-        across = math.sqrt(self.flexural_rigidity * self.mass_per_length) * self.pendulum_frequency
         if self.path is not None:
             return float(self._least_force)  # type: ignore[attr-defined]
+        across = math.sqrt(self.flexural_rigidity * self.mass_per_length) * self.pendulum_frequency
         return float(critical_push(np.asarray(self._bend), np.asarray(across))) if self.curvature else 2.0 * across
 
     @property
