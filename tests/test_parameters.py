@@ -250,7 +250,8 @@ def require_declared(record: Parameter, subsystem: Subsystem) -> None:
     except ValueError as error:
         refusal = str(error)
     if refusal:  # of a known parameter because it does not go with the rest of the rod
-        assert (f"{record.name} is not part of" in refusal) is (subsystem not in record.known_to), refusal
+        is_unknown = any(f"{record.name} {verb} not part of" in refusal for verb in ("is", "are"))
+        assert is_unknown is (subsystem not in record.known_to), refusal
         return
     assert subsystem in record.known_to | record.without_effect_on, f"{record.name} is ignored in silence"
     if subsystem in record.without_effect_on:
