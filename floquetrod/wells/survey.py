@@ -119,6 +119,9 @@ def fault(depth: Floats, inclination: Floats, azimuth: Floats, shown: SurveyUnit
 
 
 def _faults(columns: dict[str, Floats], shown: SurveyUnits) -> Iterator[Fault]:
+    # Columns (stations,): depth in m, inclination and azimuth in rad.  Every rule yields a fault for each station that
+    # breaks it, stations counted from 1 and values in the units ``shown``; of a step between two stations the second
+    # one is named.
     length, angle = shown.length, shown.angle
     for name, values in columns.items():
         for i in np.flatnonzero(~np.isfinite(values)):

@@ -696,6 +696,11 @@ def reach(
 
     ``ends`` are the force at the lower end and the greatest at the injector.
     """
+    # Two questions, each by marches of the force upwards from many depths of the lower end (`Pushing`): without the
+    # tool, and with it.  ``depths`` are the lower ends asked for, ``few`` the indices of those at which the force on
+    # the bit is sought as well.  The answer without the tool comes first: the search with it takes that depth as
+    # passed.  Forces and stresses along the string, and the growth of lateral waves by the tool, are those of the last
+    # answer; other frequencies of the tool are tried at depths between both answers.
     drag = drag_of(rod, path, friction, "pushed", helical, tool, speed)
     if tool is not None:
         tool_inside(tool, path.end - path.start, "string")

@@ -111,6 +111,7 @@ def _side_to_bisect(box: Any, mode: int) -> int:
         low = box[row, 0]
         high = box[row, 1]
         width = high - low
+        # Too narrow to have a middle of its own between its ends.
         if not width > _FINEST * max(abs(low), abs(high)):
             continue
         if row == MEAN:
