@@ -13,6 +13,7 @@ from hypothesis import given, settings
 
 import floquetrod as fr
 from conftest import JIT, depth, needs_jit
+from floquetrod._util.compilation import compiled
 from floquetrod.floquet.mathieu_chains import mathieu_counts
 from floquetrod.floquet.mathieu_chains.mathieu_counts import count_below
 from floquetrod.floquet.methods.reference import reference
@@ -257,3 +258,19 @@ def test_bad_values(arguments: tuple[object, ...], message: str) -> None:
 def test_bad_types(alpha: object) -> None:
     with pytest.raises((TypeError, ValueError), match=r"alpha|inhomogeneous"):
         fr.mathieu.growth_rate(alpha, 0.1)
+
+
+def test_blocks_of_points_count_as_single_points_do_near_bands_thinner_than_rounding(rng: np.random.Generator) -> None:
+    """2 q - a about where an odd count ceases to show anything: (2 q - a)^2 from 104 q to 130 q."""
+    q = rng.uniform(30.0, 300.0, 1 << 15)
+    alpha, beta = 0.5 * q, -0.25 * (2.0 * q - np.sqrt(rng.uniform(104.0, 130.0, q.size) * q))
+    blocks, single = np.empty(q.size, np.int8), np.empty(q.size, np.int8)
+    mathieu_counts.shown_fill(alpha[:640].tolist(), beta[:640].tolist(), blocks[:640])
+    mathieu_counts.shown_one_by_one(alpha[:640].tolist(), beta[:640].tolist(), single[:640])
+    assert blocks[:640].tolist() == single[:640].tolist()
+    compiled(mathieu_counts.shown_fill)(alpha, beta, blocks)
+    compiled(mathieu_counts.shown_one_by_one)(alpha, beta, single)
+    assert {*blocks.tolist()} <= {-1, 0, 1}
+    assert np.flatnonzero(blocks != single).tolist() == []
+    verdicts = fr.mathieu.is_stable(alpha, beta)
+    assert {*verdicts.view(np.int8).tolist()} <= {0, 1}

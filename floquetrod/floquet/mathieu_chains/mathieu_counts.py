@@ -125,8 +125,8 @@ def shown_fill(alpha: Any, beta: Any, out: Any) -> None:
     # chain of period pi), of `_LANES` points each.  The pivots are d_k = M_k / M_(k-1), so that the sign of the last
     # minor is the parity of the negative pivots, and d_k > q reads M_k > q M_(k-1) for a positive M_(k-1).  Rows are
     # run to the largest a + 2 q of the block without a test, since no chain may stop before; then pairs of rows until
-    # all points have settled.  ``out`` is 0 for an even number of curves below a and 1 for an odd one, to which 1 is
-    # added near bands thinner than rounding.
+    # all points have settled.  ``out`` is 0 for an even number of curves below a and 1 for an odd one, but -1 near
+    # bands thinner than rounding.
     n = len(alpha)
     ab = np.empty(_LANES)
     qs = np.empty(_LANES)
@@ -226,7 +226,7 @@ def shown_fill(alpha: Any, beta: Any, out: Any) -> None:
         for j in range(_LANES):
             odd = ((c[j] < 0.0) != (s[j] < 0.0)) != ((e[j] < 0.0) != (o[j] < 0.0))
             depth = 2.0 * qs[j] - ab[j]
-            out[start + j] = odd + (odd & (depth > 0.0) & (depth * depth > _WIDE * qs[j]))
+            out[start + j] = odd - 2 * (odd & (depth > 0.0) & (depth * depth > _WIDE * qs[j]))  # else `NEAR_A_BAND`
         if unsettled > 0 or tiny > 0:
             # Rare: points on a transition curve to rounding, or forcing so weak that its square is lost.
             for j in range(_LANES):
