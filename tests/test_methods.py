@@ -17,7 +17,7 @@ from floquetrod.floquet.mathieu_chains.truncated_determinant import _log_product
 from floquetrod.floquet.methods.determinant import determinant
 from floquetrod.floquet.methods.reference import discriminant_excess
 from floquetrod.floquet.methods.spectral import spectral
-from floquetrod.floquet.registry import METHODS, applicable, is_approximation
+from floquetrod.floquet.registry import METHODS, applicable, is_approximation, service
 from floquetrod.floquet.verdict import Cost, Interval, Verdict, classify
 from strategies import decades, hills, mathieus, near_boundary_points, numbers, square_waves
 
@@ -207,7 +207,12 @@ def test_intervals_are_numbered_as_in_the_field() -> None:
 THIN = fr.Mathieu(1e-8, -0.25)
 
 
-@pytest.mark.parametrize("method", [m.name for m in applicable(THIN) if not is_approximation(THIN, m.name)])
+def is_fine(method: str) -> bool:
+    """Return whether the error that a method states in its record is below the growth in the thin tongue."""
+    return not is_approximation(THIN, method) and service(THIN, method).accuracy < 1e-9
+
+
+@pytest.mark.parametrize("method", [m.name for m in applicable(THIN) if is_fine(m.name)])
 def test_the_thin_tongue_is_seen_by_every_exact_method(method: str) -> None:
     result = fr.stability(THIN, method=method)
     assert result.status == "unstable"
