@@ -316,6 +316,8 @@ def test_a_page_for_every_command_says_what_its_help_says(tmp_path: Path) -> Non
     command_pages.write(tmp_path)
     _, commands = command_pages.parsers()
     assert {path.stem for path in tmp_path.glob("*.rst")} == {*commands, "index"}
+    table = (DOCS / "start/first_ten_minutes.md").read_text(encoding="utf-8")
+    assert [name for name in commands if f"| `floquetrod {name}` |" not in table] == []
     for name, (_, parser) in commands.items():
         page = (tmp_path / f"{name}.rst").read_text(encoding="utf-8")
         assert max(map(len, re.findall(r"^   .*(?:\\|floquetrod.*)$", page, re.MULTILINE))) <= 120
