@@ -6,6 +6,7 @@ a fingerprint of its code, of the kernels it calls, in whatever file, and of the
 again where that differs.  For a few scalars, and for the first thousands of loads on a short rod, interpreting takes
 less time than loading numba, which is why a verdict is immediate.
 
+Kernels lie in folders `kernels/` beside their subject, one or more to a file, and may call kernels of other files.
 Called kernels are compiled for the types of their arguments, not for each constant they are called with; only a
 parameter annotated `Literal` is, where that pays.  Records have named fields, not numbered columns; kernels that often
 run interpreted take views of the fields.  `fastmath` stays off: NaN and infinity must keep their meaning.  While numba

@@ -5,7 +5,8 @@ Their excess X = (abs(D_u) - 2) / 4 decides: see `floquetrod.floquet.multiplier_
 than D_u because near a boundary X keeps digits that D_u has rounded away.  `classify` derives the status, damping
 included, says "undecided" when the error covers both answers, and decides constant coefficients by their sign.
 
-Every verdict, on an equation, a system or a rod, has the core `Verdict`; on equations and systems it is a
+Every verdict, on an equation, a system or a rod, has the core `Verdict`: status, growth, exponents and multipliers,
+error, cost, note, assumptions; on equations and systems it is a
 `FloquetVerdict`, with what is special to one row in `Stability` and to several in `SystemStability`.
 """
 

@@ -5,6 +5,7 @@ Five families are charted: problems returned by a function of the user (`systems
 (`milling/stability_lobes.py`), and verdicts returned by a function.  `floquetrod.plane.charted` makes a `Chart` of any
 of them, with verdicts at points and a source of its bands: `plane/sources.py` uses exact ones, which are polygons
 between the curves of tongues that counts find, or traces them by verdicts and states how narrow a band it may miss.
+A further kind of chart is a `Family` with `verdicts`, and with `exact_bands` where it knows them.
 """
 
 from __future__ import annotations
