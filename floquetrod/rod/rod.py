@@ -124,7 +124,7 @@ class Rod(RodData):
         the catalogue has that of its grade.
     sections : sequence of Section or mapping, optional
         Sections of a string from its upper end down, see `floquetrod.Section`, in place of ``length``, radii, material
-        and yield strength, which are then those of the first section; neighbours that are alike count as one.  The
+        and yield strength, which the first section then gives; like neighbours count as one.  The
         modes are coupled.
     bores : sequence of (float or str, float or str), optional
         Bores of the hole, each from a depth in m, or with a unit, and with a diameter, in place of ``channel_radius``:

@@ -166,7 +166,7 @@ def bending_stencil(bend: Floats, between: Floats) -> Stencil:
 
 
 def wall_corners(rod: RodData, segment: float) -> Floats:
-    """Return the corners of the wall as `floquetrod.simulation.rod_record.Wall` has them, (n, 3).
+    """Return the corners of the wall as `floquetrod.simulation.rod_record.WallCorners` has them, (n, 3).
 
     Where bores meet, the wall is a cone as long as a segment (a choice): what slides over it is pushed, not thrown.
     """

@@ -28,7 +28,7 @@ from floquetrod.simulation.rod_record import (
     PARTS,
     Physics,
     ToolForce,
-    Wall,
+    WallCorners,
     rod_type,
 )
 from floquetrod.simulation.start import LEAST_SEGMENTS, MOST_SEGMENTS
@@ -242,9 +242,9 @@ class DiscreteRod:
         return self.rod.channel.gravity_across / self.rod.gravity
 
     @cached_property
-    def wall(self) -> Wall | None:
+    def wall(self) -> WallCorners | None:
         """The wall of the channel of a rod that varies along, None of a uniform one."""
-        return Wall(wall_corners(self.rod, self.segment_length)) if self.rod.varies else None
+        return WallCorners(wall_corners(self.rod, self.segment_length)) if self.rod.varies else None
 
     def clearance_at(self, x: Floats) -> Any:
         """Return the radial clearance in m of nodes (..., nodes) at places ``x`` along the channel."""

@@ -103,7 +103,7 @@ class Well(NamedTuple):
     arcs: NDArray[np.float64]  # a row each: place of its upper end; point, tangent and normal there; curvature
 
 
-class Wall(NamedTuple):
+class WallCorners(NamedTuple):
     """The wall of the channel of a rod that varies along."""
 
     corners: NDArray[
@@ -143,4 +143,4 @@ class Physics(NamedTuple):
     steps_before: float = 0.0  # in which the load has acted before the clock of the record began
     tool: Any = None  # a `ToolForce`, or None without
     well: Any = None  # a `Well`, or None in a straight channel
-    wall: Any = None  # a `Wall`, or None of a uniform rod in one bore
+    wall: Any = None  # a `WallCorners`, or None of a uniform rod in one bore

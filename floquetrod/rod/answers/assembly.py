@@ -119,7 +119,7 @@ class CrossSections(NamedTuple):
     residual_curvature: Any  # in 1/m
 
 
-class Cells(NamedTuple):
+class StringCells(NamedTuple):
     """Sections in bores at places along strings: their codes, uniform rods, and which of these is at each place."""
 
     codes: Ints
@@ -127,7 +127,7 @@ class Cells(NamedTuple):
     order: Ints
 
     @classmethod
-    def of(cls, rod: RodData, codes: Ints) -> Cells:
+    def of(cls, rod: RodData, codes: Ints) -> StringCells:
         """Return the cells with codes, the number of the section times that of bores and the number of the bore."""
         if not (rod.sections or rod.bores):
             return cls(codes, [rod], codes)
@@ -136,7 +136,7 @@ class Cells(NamedTuple):
         return cls(codes, rods, index.reshape(codes.shape))
 
     @classmethod
-    def at(cls, rod: RodData, assembly: StringAssembly | None, depth: Any, bottom: Any) -> Cells:
+    def at(cls, rod: RodData, assembly: StringAssembly | None, depth: Any, bottom: Any) -> StringCells:
         """Return the cells at measured depths in m of strings to depths ``bottom``."""
         depth, bottom = np.broadcast_arrays(depth, bottom)
         if assembly is None:
@@ -158,9 +158,9 @@ class Cells(NamedTuple):
         return [(rod, np.asarray(self.order == k)) for k, rod in enumerate(self.rods)]
 
 
-def cells_of(rod: RodData, along: Any) -> Cells:
+def cells_of(rod: RodData, along: Any) -> StringCells:
     """Return the uniform rods along a string, from its mean force."""
-    return Cells.at(rod, assembly_of(rod), along.depth, along.depth[-1])
+    return StringCells.at(rod, assembly_of(rod), along.depth, along.depth[-1])
 
 
 def numbers_along(drag: Drag, depth: Floats, bottom: float) -> Ints | None:
@@ -172,17 +172,17 @@ def numbers_along(drag: Drag, depth: Floats, bottom: float) -> Ints | None:
 
 def at_the_wellhead(rod: RodData, drag: Drag, bottom: float) -> CrossSection:
     """Return the section at the upper end of a string to a measured depth in m."""
-    return Cells.at(rod, drag.assembly, drag.path.start, bottom).rods[0].section
+    return StringCells.at(rod, drag.assembly, drag.path.start, bottom).rods[0].section
 
 
 def added_by(wellhead: Wellhead, rod: RodData, drag: Drag, bottoms: Floats) -> Any:
     """Return the compression in N at the injector beyond the effective one, of strings to measured depths in m."""
-    cells = Cells.at(rod, drag.assembly, drag.path.start, bottoms)
+    cells = StringCells.at(rod, drag.assembly, drag.path.start, bottoms)
     return np.array([wellhead.added(cell.section, drag.motion) for cell in cells.rods])[cells.order]
 
 
 def require_tube(wellhead: Wellhead, rod: RodData) -> None:
-    """Raise ValueError for a pressure inside a string of which a section is solid."""
+    """Raise ValueError for a pressure inside a string with a solid section."""
     for number in range(max(len(rod.sections), 1)):
         wellhead.require_tube(rod.in_cell(number, 0).section)
 
@@ -207,7 +207,7 @@ def name_of(rod: RodData, number: int) -> str:
 
 
 def _units_of(rod: RodData, number: int) -> AnswerUnits:
-    """Return the units in which a section was given, by its number from the upper end, else those of the string."""
+    """Return the units in which a section was given, by its number from the upper end, else the string's."""
     given = rod.given_units
     return AnswerUnits.named(given=rod.sections[number].given_units.or_else(given) if rod.sections else given)
 
@@ -221,7 +221,7 @@ def reference_strength(rod: RodData) -> float | None:
     return max((strength for strength in strengths if strength is not None), default=None)
 
 
-def weakness(rod: RodData, cells: Cells) -> Any:
+def weakness(rod: RodData, cells: StringCells) -> Any:
     """Return the reference strength over the yield strength at places, 0 where it is not known; 1 of one section."""
     reference = reference_strength(rod)
     if not rod.sections or reference is None:

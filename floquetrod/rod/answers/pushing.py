@@ -26,7 +26,7 @@ from floquetrod._util import validate
 from floquetrod._util.arrays import Bools, Floats, Ints
 from floquetrod._util.caching import cached_property
 from floquetrod._util.roots import roots
-from floquetrod.rod.answers.assembly import Cells, added_by, cells_of, deepest_of, reference_strength, weakness
+from floquetrod.rod.answers.assembly import StringCells, added_by, cells_of, deepest_of, reference_strength, weakness
 from floquetrod.rod.answers.mean_force import MeanForce, mean_force
 from floquetrod.rod.answers.stress_along import StressAlong, excess_inside, stress_along, stress_of
 from floquetrod.rod.model.data import RodData
@@ -163,7 +163,7 @@ class Pushing:
         excess = excess_inside(self.rod, path, depth, self.wellhead)
         if assembly is None:
             return stress_of(self.rod, self._curvature(depth), force, is_wound, vibration, excess).largest
-        cells = Cells.at(self.rod, assembly, there, bottom)
+        cells = StringCells.at(self.rod, assembly, there, bottom)
         stress = stress_of(cells.cross_sections, self._curvature(depth), force, is_wound, vibration, excess).largest
         return np.asarray(weakness(self.rod, cells) * stress)
 

@@ -18,7 +18,7 @@ from floquetrod._util.content import ByContent
 from floquetrod._util.interchange import by_keys
 from floquetrod._util.result_report import Printed, Report, Table
 from floquetrod.rod.answers.assembly import (
-    Cells,
+    StringCells,
     at_the_wellhead,
     cells_of,
     deepest_of,
@@ -822,7 +822,7 @@ def _growth_with_tool(rod: RodData, drag: Drag, along: MeanForce, tool: Vibratio
     if tool is None or drag.shaking is None or not chosen.size:
         return growth
     places = _Places.of(rod, drag, along, chosen)
-    for part, there in Cells.of(rod, places.cell).groups():
+    for part, there in StringCells.of(rod, places.cell).groups():
         at, i = places.some(there), chosen[there]
         growth.free[i], growth.half_wave[i] = growth_along(part, at.place, at.force, at.vibration, tool.frequency)
     growth.net[chosen] = np.maximum(growth.free[chosen] - places.lost, 0.0)
@@ -845,7 +845,7 @@ class _Places(NamedTuple):
     def of(cls, rod: RodData, drag: Drag, along: MeanForce, chosen: NDArray[np.intp]) -> _Places:
         """Return some places of a string that slides; mu N is over its mass per length, in m/s^2."""
         depth, speed = along.depth[chosen], along.speed[chosen]
-        cells = Cells.at(rod, drag.assembly, depth, along.depth[-1])
+        cells = StringCells.at(rod, drag.assembly, depth, along.depth[-1])
         contact = np.minimum(along.contact[chosen], MOST_PRESSED * cells.column("weight_per_length"))
         pressed = drag.friction.at(depth) * contact / cells.column("mass_per_length")
         sliding = 0.0 if drag.shaking is None else drag.shaking.speed
@@ -891,7 +891,7 @@ def _other_frequencies(rod: RodData, drag: Drag, far_force: float, depth: Floats
             string.append(np.full(places[-1].force.size, k))
     if places:
         joined, string_numbers = _Places.joined(places), np.concatenate(string)
-        for part, there in Cells.of(rod, joined.cell).groups():
+        for part, there in StringCells.of(rod, joined.cell).groups():
             at, which = joined.some(there), string_numbers[there]
             grows = fastest_along(part, at.place, at.force, at.vibration, frequencies[which], at.lost, which)
             np.maximum.at(growth, which, grows)

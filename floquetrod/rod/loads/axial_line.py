@@ -57,7 +57,7 @@ class AxialLine:
     pieces: tuple[LinePiece, ...]
 
     def __post_init__(self) -> None:
-        """Join neighbours that are alike."""
+        """Join like neighbours."""
         joined: list[LinePiece] = []
         for piece in self.pieces:
             if joined and joined[-1][1:] == piece[1:]:

@@ -197,7 +197,7 @@ class CoupledModes(CoupledEquations):
 
     @cached_property
     def _weight_over_clearance(self) -> Floats:
-        """w_e / R at the nodes over that of the upper end."""
+        """w_e / R at the nodes, relative to the upper end."""
         along, upper = self.rod.along(self.basis.nodes), self.rod.along(0.0)
         return np.asarray(along.weight / along.clearance / (upper.weight / upper.clearance))
 

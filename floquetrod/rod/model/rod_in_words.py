@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 
 def size_in_words(rod: RodData, shown: units.AnswerUnits) -> str:
-    """Return diameter, wall, length and bore of a rod in words; of a string those of each section.
+    """Return diameter, wall, length and bore of a rod in words; of a string for each section.
 
     >>> from floquetrod.rod.rod import Rod
     >>> size_in_words(Rod.nitinol(), units.AnswerUnits.named())

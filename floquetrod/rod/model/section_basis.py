@@ -1,6 +1,6 @@
 """Functions along a rod of several sections, in which its modes are written: its free vibrations without axial force.
 
-They solve (e y'')'' = k^4 m y, e and m the rigidity and inertia of each part over those of the first, 0 <= x <= 1, and
+They solve (e y'')'' = k^4 m y, e and m the rigidity and inertia of each part relative to the first, 0 <= x <= 1, and
 are orthonormal with the weight m, so that inertia and damping couple none of them.  y, y', e y'' and (e y'')' are
 continuous.  They are computed by the p-version of finite elements: on each element the cubics of Hermite and integrated
 Legendre polynomials (Babuska, Szabo & Katz, SIAM J. Numer. Anal. 18 (1981) 515, DOI 10.1137/0718033), whose second
@@ -55,7 +55,7 @@ Product: TypeAlias = Callable[[Floats, Floats], Floats]
 
 
 class Profile(NamedTuple):
-    """A rod's ends, and its parts: edges from 0 to 1, rigidity and inertia of each over those of the first."""
+    """A rod's ends, and its parts: edges from 0 to 1, rigidity and inertia of each relative to the first."""
 
     ends: EndConditions
     edges: tuple[float, ...]
@@ -65,7 +65,7 @@ class Profile(NamedTuple):
 
     @classmethod
     def of(cls, rod: RodData) -> Profile:
-        """Return the profile of a rod; parts that are too short are taken together with what follows."""
+        """Return the profile of a rod; a part that is too short is joined to the next one."""
         parts = [part.rod for part in rod.uniform_parts]
         rigidity, inertia = ([getattr(p, name) for p in parts] for name in ("flexural_rigidity", "mass_per_length"))
         compliance, mass = (np.divide(1.0, np.divide(rigidity, rigidity[0])), np.divide(inertia, inertia[0]))
@@ -81,7 +81,7 @@ class Profile(NamedTuple):
 
     @property
     def slowness(self) -> Floats:
-        """(m / e)^(1/4) of each part, its wavenumber over that of the first."""
+        """(m / e)^(1/4) of each part, its wavenumber relative to the first."""
         return np.asarray(np.divide(self.inertia, self.rigidity) ** 0.25)
 
     @property
@@ -101,7 +101,7 @@ class Profile(NamedTuple):
 
 
 def _coarse(edges: tuple[float, ...]) -> tuple[float, ...]:
-    """Return the edges from 0 to 1 that are `_SHORTEST` apart at least, from the upper end down."""
+    """Return edges from 0 to 1, `_SHORTEST` apart at least, from the upper end down."""
     kept = [0.0]
     for start, end in itertools.pairwise(edges):
         if start > kept[-1] and end - start >= _SHORTEST:  # what is too short lies before a part that is not
@@ -122,7 +122,7 @@ def _overlaps(edges: tuple[float, ...], coarse: tuple[float, ...]) -> Floats:
 
 @dataclass(frozen=True, eq=False)
 class SectionBasis(Basis):
-    """Functions along a rod of several sections, the added ones first, so that those of fewer modes are the first.
+    """Functions along a rod of several sections, the added ones first: of fewer modes they are the first of these.
 
     ``transform`` has their coefficients in the functions of the elements.
     """
@@ -178,7 +178,7 @@ class Elements:
         return self.stride * self.part.size + 2
 
     def unknowns(self, i: int) -> NDArray[np.intp]:
-        """Return the numbers of the unknowns of element i: those of its nodes, then its bubbles."""
+        """Return the numbers of the unknowns of element i, at its nodes, then its bubbles."""
         first = i * self.stride
         return np.concatenate(
             [first + np.array([0, 1, self.stride, self.stride + 1]), np.arange(2, self.stride) + first]
@@ -195,7 +195,7 @@ class Elements:
         return place * self.stride * self.part.size
 
     def fixed(self, ends: EndConditions) -> list[int]:
-        """Return the unknowns that are zero where the ends are held."""
+        """Return the unknowns held at zero by the ends."""
         zero: list[int] = []
         for node, end in ((self.end(0), ends.upper), (self.end(1), ends.lower)):
             zero += [node] * (end in ("hinged", "clamped")) + [node + 1] * (end in ("clamped", "guided"))
@@ -331,8 +331,8 @@ def _integrals(elements: Elements, weighted: Floats, table: Floats) -> Floats:
 def _orthonormal(rows: Floats, modes: Floats, count: int, inner: Product, bent: Product) -> Floats:
     """Return functions added to the first ``count`` modes, orthogonal to them and each other, then those modes.
 
-    ``inner`` and ``bent`` are the products of inertia and of bending.  Functions that are nearly combinations of
-    others, or that bend far more than the modes, give way to further modes.
+    ``inner`` and ``bent`` are the products of inertia and of bending.  Near combinations of others, and
+    functions that bend far more than the modes, give way to further modes.
     """
     for _ in range(2):
         modes = modes / np.sqrt(np.diagonal(inner(modes, modes)))[:, None]
@@ -366,7 +366,7 @@ def are_enriched(rod: RodData) -> bool:
 
 
 def are_nested(rod: RodData) -> bool:
-    """Return whether the functions of fewer modes are the first of those of more."""
+    """Return whether the functions of fewer modes are the first among those for more modes."""
     return rod.varies or not beam.are_enriched(rod.end_conditions)
 
 

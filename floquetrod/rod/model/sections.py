@@ -142,7 +142,7 @@ class Bore(NamedTuple):
 
 
 def sections_of(given: Any) -> tuple[Section, ...]:
-    """Return sections from the upper end down, neighbours that are alike as one; TypeError or ValueError for others."""
+    """Return sections from the upper end down, like neighbours joined; TypeError or ValueError for others."""
     if not is_given(given):
         return ()
     listed = _listed("sections", given, 'such as [fr.Section("2.00x0.156 CT90", length="1200m"), ...]')
@@ -233,7 +233,7 @@ def _listed(name: str, given: Any, such: str) -> list[Any]:
 
 
 def at_the_upper_end(given: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the arguments of a rod with those of its upper section and bore in place of sections and bores.
+    """Return the arguments of a rod, its upper section and bore in place of sections and bores.
 
     ``sections`` and ``bores`` are cleaned, and () where there is one section, or one bore, all along.
     """
