@@ -10,6 +10,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 import floquetrod as fr
+from floquetrod.plotting import palette
 
 rod = fr.Rod.nitinol().replace(damping_rate=8.0)
 force = rod.critical_force
@@ -35,10 +36,10 @@ for size in sizes:
 stable = rod.ranges("amplitude", mean=mean, frequency=frequency, bounds=(0.1 * force, 0.5 * force))
 edge = stable.intervals[-1].high / force
 figure, (above, below) = plt.subplots(2, 1, figsize=(7.0, 7.0), layout="constrained")
-above.axvspan(0.13, edge, color="0.9", label="rod at rest stable")
+above.axvspan(edge, 0.47, color=palette.UNSEEN, label="rod at rest unstable")
 for runs, colour, marker, label in (
     (steps, "black", "o", "from the run before"),
-    (alone, "tab:blue", "s", "kicked on the floor"),
+    (alone, palette.NEUTRAL, "s", "kicked on the floor"),
 ):
     angles = [np.degrees(run.outcome.angle) for run in runs]
     above.plot(sizes, angles, color=colour, marker=marker, linestyle=":", label=label)

@@ -138,7 +138,7 @@ def test_ctrl_c_ends_a_long_command_and_leaves_no_half_file(command: str, tmp_pa
 
 
 EXAMPLES = Path(__file__).parents[1] / "examples"
-READ = {"path", "well", "study", "store", "checkpoint", "tool", "earlier"}
+READ = {"path", "well", "study", "store", "checkpoint", "tool", "earlier", "start"}
 """Options and arguments of which each names one file that is read, or is kept up to date."""
 
 WRITING = ["check", "map", "explore", "ranges", "simulate", "ensemble", "report", "reach", "weights", "lobes"]

@@ -216,6 +216,7 @@ def test_the_table_knows_every_physical_argument() -> None:
         *("max_boxes", "steps", "longest", "accuracy", "samples", "confidence", "factor", "size", "noises", "x", "y"),
         "stiffness",
         "yield_share",
+        *("sections", "bores"),
     }
     assert set(with_units()) >= SLOW | ARRAYS
     for name, call in table().items():

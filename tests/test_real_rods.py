@@ -25,8 +25,8 @@ from floquetrod import cli
 from floquetrod.rod.friction.mode_friction import mode_friction
 from floquetrod.rod.model.course import Channel
 from floquetrod.rod.model.cross_section import CrossSection, Fluids
-from floquetrod.rod.model.data import special_parameters
 from floquetrod.rod.model.parameters import ON_A_FLOOR
+from floquetrod.rod.model.rod_in_words import special_parameters
 from floquetrod.units import AnswerUnits
 
 ROOT = Path(__file__).parents[1]
@@ -270,10 +270,10 @@ SIZED = {**STEEL, "radius": 0.0254, "length": 60.0, "channel_radius": 0.062}
         ({"inner_radius": 0.02, "inner_diameter": 0.04}, ValueError, "inner_diameter must not .* with inner_radius"),
         ({"inner_radius": 0.0, "wall_thickness": 0.004}, ValueError, "wall_thickness must not .* with inner_radius"),
         ({"inner_diameter": 0.04, "wall_thickness": 0.0054}, ValueError, "wall_thickness must not .* inner_diameter"),
-        ({"radius": None}, TypeError, "radius must be given, in m, or diameter$"),
-        ({"radius": None, "wall_thickness": 1e-4}, TypeError, "radius must be given, in m, or diameter$"),
-        ({"length": None}, TypeError, "length must be given, in m$"),
-        ({"channel_radius": None}, TypeError, "channel_radius must be given, in m, or channel_diameter$"),
+        ({"radius": None}, TypeError, "radius must be given, in m, or diameter, or sections$"),
+        ({"radius": None, "wall_thickness": 1e-4}, TypeError, "radius must be given, in m, or diameter, or sections$"),
+        ({"length": None}, TypeError, "length must be given, in m, or sections$"),
+        ({"channel_radius": None}, TypeError, "channel_radius must be given, in m, or channel_diameter, or bores$"),
         ({"radius": None, "diameter": 0.0}, ValueError, "^diameter must be greater than zero"),
         ({"fluid_inside": -1.0}, ValueError, "fluid_inside must be zero or more"),
         ({"fluid_outside": math.nan}, ValueError, "fluid_outside must be finite"),

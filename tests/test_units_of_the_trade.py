@@ -189,5 +189,5 @@ def test_a_wrong_weight_is_refused(change: dict[str, object], message: str) -> N
 
 
 def test_without_density_or_weight_both_are_named() -> None:
-    with pytest.raises(TypeError, match=r"^density must be given, in kg/m3, or weight$"):
+    with pytest.raises(TypeError, match=r"^density must be given, in kg/m3, or weight, or sections$"):
         fr.Rod(207e9, **TUBE)  # type: ignore[arg-type]

@@ -218,8 +218,7 @@ def _damping(q: rods.Question) -> Iterator[str]:
 def _terminal(q: rods.Question) -> Iterator[str]:
     """Compare `check`, `ranges` and `map` with the library."""
     place = folder() / "consistent.toml"
-    values = {name: getattr(q.rod, name) for name in q.rod.__dataclass_fields__}
-    sheet = "\n".join(f"{name} = {value!r}" for name, value in values.items() if value is not None)
+    sheet = "\n".join(f"{name} = {value!r}" for name, value in q.rod.as_dict().items())
     place.write_text(sheet, encoding="utf-8")
     rod = ["--rod", str(place), "--growth-tolerance", repr(q.tolerance)]
     load = {name: f"--{name}={value!r}" for name, value in _load(q).items()}

@@ -337,7 +337,7 @@ class RodData(units.InUnits, TellsAttributes):
 
     def along(self, x: Any) -> PropertiesAlong:
         """Return what the mode equations need of the rod at places x = s / L, at an edge of the part below it."""
-        x = np.asarray(x, dtype=float)
+        x = validate.array("x", x)
         index = np.searchsorted(self.edges[1:-1], x, side="right")
         every = [part.rod for part in self.uniform_parts]
 

@@ -25,6 +25,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from floquetrod._util.arrays import Floats
+from floquetrod._util.content import ByContent
 from floquetrod.equations.matrices import mirrored
 from floquetrod.rod.model import beam
 from floquetrod.rod.model.beam import Basis, EndConditions
@@ -140,7 +141,7 @@ class SectionBasis(Basis):
 
 
 @dataclass(frozen=True, eq=False)
-class Elements:
+class Elements(ByContent):
     """Elements between the nodes of a ``grid``, each with the degree ``degree``, and the part in which each lies.
 
     The unknowns are value and slope at the first node, the bubbles of the first element, value and slope at the second
