@@ -116,7 +116,8 @@ def kind_of(name: str, argument: str) -> str | None:
     plain = name.removesuffix(" (coupled)").removesuffix(" (arrays)")
     if (plain, argument) in SPECIAL:
         return SPECIAL[plain, argument]
-    return PHYSICAL.get(argument) if plain.partition(".")[0] in ABOUT and plain not in COLUMNS else None
+    about = plain.partition(" ")[0].partition(".")[0]
+    return PHYSICAL.get(argument) if about in ABOUT and plain not in COLUMNS else None
 
 
 def changed(value: Any, change: Callable[[float], Any], *, last: bool = True) -> Any:
