@@ -226,7 +226,7 @@ def test_a_wide_section_passes_all_bores_above_it() -> None:
     assert string.mean_force(WELL, 0.2, bottom=790.0).at_top < 0.0
     with pytest.raises(
         ValueError,
-        match=r"^bores must let every section pass on the way to 1800 m: sections\[2\] \(2.875 in x 0.9375 in\) has "
+        match=r"^bores must let every section pass on the way to 1800 m: section 3 \(2.875 in x 0.9375 in\) has "
         r"a diameter of 2.875 in, and the bore from 800 m on 2.5 in$",
     ):
         string.mean_force(WELL, 0.2, bottom=1800.0)
@@ -306,13 +306,13 @@ def test_a_reach_says_which_section_limits_it_and_where() -> None:
     found = string.reach(WELL, 0.4, depth=["3000m"])
     assert found.limit == "lock-up"
     assert found.limiting_section == found.as_dict()["limiting_section"] == 0
-    assert "where it locks up, most by the helix of sections[0] (2.00x0.109) from " in repr(found)
+    assert "where it locks up, most by the helix of section 1 (2.00x0.109) from " in repr(found)
     weak = fr.Section(diameter="2in", inner_diameter="1.6in", length="600m", yield_strength="30MPa")
     strong = fr.Section(diameter="2in", inner_diameter="1.7in", length="2600m", yield_strength="700MPa")
     found = fr.Rod(sections=[strong, weak], bores=[("0m", "4.778in")], **water).reach(WELL, 0.2, depth=["3000m"])
     assert (found.limit, found.limiting_section) == ("yield", 1)
-    assert re.search(r"within 80 % of yield of sections\[1\] \(2 in x 0.2 in\) at [\d,.]+ m; not", repr(found))
-    assert re.search(r"at [\d,]+ m in sections\[1\] \(2 in x 0.2 in\) when pushed to", str(found.report()))
+    assert re.search(r"within 80 % of yield of section 2 \(2 in x 0.2 in\) at [\d,.]+ m; not", repr(found))
+    assert re.search(r"at [\d,]+ m in section 2 \(2 in x 0.2 in\) when pushed to", str(found.report()))
     assert found.stress.yield_strength == 30e6
     assert found.stress.share_of_yield == pytest.approx(0.8, rel=0.05)
     assert found.yield_strength == 700e6

@@ -378,7 +378,7 @@ def test_sections_become_pieces() -> None:
 def test_the_response_names_the_section() -> None:
     held = STRING.axial_response(fr.AxialWave(0.0, 10.0, 60.0))
     assert (held.position, held.section) == (60.0, 2)
-    assert "at 60 m, in sections[2]" in held.in_words
+    assert "at 60 m, in section 3" in held.in_words
     assert held.as_dict()["section"] == 2
     assert STRING.axial_response(fr.AxialLoad(0.0, 10.0, 60.0)).section == 0
     at_resonance = STRING.axial_response(fr.AxialWave(0.0, 10.0, held.resonances[0].frequency))

@@ -194,16 +194,16 @@ def name_of(rod: RodData, number: int) -> str:
     >>> sections = [Section(diameter="2in", length=1.0), Section("2.00x0.156 CT90", length=1.0)]
     >>> string = Rod(sections=sections, channel_radius=0.05)
     >>> name_of(string, 0), name_of(string, 1)
-    ('sections[0] (2 in)', 'sections[1] (2.00x0.156 CT90)')
+    ('section 1 (2 in)', 'section 2 (2.00x0.156 CT90)')
     """
     if not rod.sections:
         return "the string"
     section = rod.sections[number]
     if section.name:
-        return f"sections[{number}] ({section.name})"
+        return f"section {number + 1} ({section.name})"
     across = _units_of(rod, number).across
     wall = f" x {across.show(section.radius - section.inner_radius, 4)}" if section.inner_radius else ""
-    return f"sections[{number}] ({across.show(2.0 * section.radius, 5)}{wall})"
+    return f"section {number + 1} ({across.show(2.0 * section.radius, 5)}{wall})"
 
 
 def _units_of(rod: RodData, number: int) -> AnswerUnits:

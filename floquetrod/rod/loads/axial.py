@@ -115,7 +115,7 @@ class AxialResponse:
     @property
     def in_section(self) -> str:
         """The section at ``position`` in words, "" for a rod of one section."""
-        return "" if self.section is None else f", in sections[{self.section}]"
+        return "" if self.section is None else f", in section {self.section + 1}"
 
     def __repr__(self) -> str:
         """Return the numbers as a sentence."""
