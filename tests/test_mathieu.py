@@ -260,17 +260,26 @@ def test_bad_types(alpha: object) -> None:
         fr.mathieu.growth_rate(alpha, 0.1)
 
 
-def test_blocks_of_points_count_as_single_points_do_near_bands_thinner_than_rounding(rng: np.random.Generator) -> None:
-    """2 q - a about where an odd count ceases to show anything: (2 q - a)^2 from 104 q to 130 q."""
-    q = rng.uniform(30.0, 300.0, 1 << 15)
-    alpha, beta = 0.5 * q, -0.25 * (2.0 * q - np.sqrt(rng.uniform(104.0, 130.0, q.size) * q))
-    blocks, single = np.empty(q.size, np.int8), np.empty(q.size, np.int8)
-    mathieu_counts.shown_fill(alpha[:640].tolist(), beta[:640].tolist(), blocks[:640])
-    mathieu_counts.shown_one_by_one(alpha[:640].tolist(), beta[:640].tolist(), single[:640])
-    assert blocks[:640].tolist() == single[:640].tolist()
-    compiled(mathieu_counts.shown_fill)(alpha, beta, blocks)
-    compiled(mathieu_counts.shown_one_by_one)(alpha, beta, single)
+def around_the_widest_bands_that_counts_decide(points: int, rng: np.random.Generator) -> list[np.ndarray]:
+    """Return alpha and beta where (2 q - a)^2 is 104 q to 130 q: an odd count ceases to show anything there."""
+    q = rng.uniform(30.0, 300.0, points)
+    return [0.5 * q, -0.25 * (2.0 * q - np.sqrt(rng.uniform(104.0, 130.0, points) * q))]
+
+
+def test_blocks_count_as_single_points_do_where_they_run_interpreted(rng: np.random.Generator) -> None:
+    points = [values.tolist() for values in around_the_widest_bands_that_counts_decide(640, rng)]
+    blocks, single = np.empty(640, np.int8), np.empty(640, np.int8)
+    mathieu_counts.shown_fill(*points, blocks)
+    mathieu_counts.shown_one_by_one(*points, single)
+    assert blocks.tolist() == single.tolist()
+
+
+@needs_jit
+def test_blocks_count_as_single_points_do_near_bands_thinner_than_rounding(rng: np.random.Generator) -> None:
+    points = around_the_widest_bands_that_counts_decide(1 << 15, rng)
+    blocks, single = np.empty(1 << 15, np.int8), np.empty(1 << 15, np.int8)
+    compiled(mathieu_counts.shown_fill)(*points, blocks)
+    compiled(mathieu_counts.shown_one_by_one)(*points, single)
     assert {*blocks.tolist()} <= {-1, 0, 1}
     assert np.flatnonzero(blocks != single).tolist() == []
-    verdicts = fr.mathieu.is_stable(alpha, beta)
-    assert {*verdicts.view(np.int8).tolist()} <= {0, 1}
+    assert {*fr.mathieu.is_stable(*points).view(np.int8).tolist()} <= {0, 1}
