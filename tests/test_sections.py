@@ -150,3 +150,14 @@ def test_the_basis_is_orthonormal_and_holds_its_ends(ends: str, count: int) -> N
         assert end not in ("hinged", "clamped") or np.abs(shapes[:, i]).max() < 1e-9
     waves = np.sqrt(np.sqrt(np.maximum(np.linalg.eigvalsh(basis.bending), 0.0)))
     assert waves[-1] < 3.5 * math.pi * count
+
+
+@pytest.mark.parametrize("beside", [0.0, 1e-13, 1e-9, 1e-4])
+def test_sections_may_meet_next_to_a_station(beside: float) -> None:
+    well = fr.WellPath([0.0, 700.0, 730.0, 760.0, 1000.0], ["30deg", "40deg", "43deg", "45deg", "50deg"], "10deg")
+    first = fr.Section("2.00x0.156 CT90", length=30.0 + beside)
+    string = STRING.replace(sections=[first, THICK], path=well, depth=700.0)
+    growth = string.stability(fr.AxialLoad(0.6 * UNIT, 0.4 * UNIT, 16.0))
+    known = STRING.replace(sections=[fr.Section("2.00x0.156 CT90", length=29.99), THICK], path=well, depth=700.0)
+    assert growth.growth_rate == pytest.approx(known.growth_rate(fr.AxialLoad(0.6 * UNIT, 0.4 * UNIT, 16.0)), rel=5e-3)
+    assert growth.error < 1e-3

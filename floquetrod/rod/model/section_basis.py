@@ -81,6 +81,15 @@ class Profile(NamedTuple):
         )
 
     @property
+    def cuts(self) -> Floats:
+        """Places from 0 to 1 at which elements end in any case; breaks next to others are left to the quadrature."""
+        cuts = list(self.edges)
+        for place in self.breaks:
+            if min(abs(place - cut) for cut in cuts) >= _SHORTEST:
+                cuts.append(place)
+        return np.sort(cuts)
+
+    @property
     def slowness(self) -> Floats:
         """(m / e)^(1/4) of each part, its wavenumber relative to the first."""
         return np.asarray(np.divide(self.inertia, self.rigidity) ** 0.25)
@@ -156,7 +165,7 @@ class Elements(ByContent):
     def of(cls, profile: Profile, count: int) -> Elements:
         """Return elements fine enough for so many modes."""
         phase, degree = _PHASES_AND_DEGREES[count >= _MANY]
-        k, cuts = profile.wavenumber(count), np.union1d(profile.edges, profile.breaks)
+        k, cuts = profile.wavenumber(count), profile.cuts
         part = np.searchsorted(profile.edges[1:-1], 0.5 * (cuts[:-1] + cuts[1:]))
         number = np.maximum(1, np.ceil(k * profile.slowness[part] * np.diff(cuts) / phase)).astype(int)
         spans = zip(cuts[:-1], cuts[1:], number, strict=True)
