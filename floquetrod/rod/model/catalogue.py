@@ -12,6 +12,7 @@ from __future__ import annotations
 import functools
 import math
 import re
+from collections.abc import Collection
 from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any, NamedTuple
@@ -348,6 +349,19 @@ def pipe(name: str) -> CataloguePipe:
     return of_grade[0]._replace(grade=grade, yield_strength=_YIELD[grade] * _KSI)
 
 
+def of_pipe(row: CataloguePipe, given: Collection[str]) -> dict[str, Any]:
+    """Return what a pipe gives besides the arguments ``given`` by name: size, steel and yield strength."""
+    size: dict[str, Any] = {}
+    if not {"radius", "diameter"} & set(given):
+        size["diameter"] = row.diameter
+    if row.wall_thickness and not {"inner_radius", "inner_diameter", "wall_thickness"} & set(given):
+        size["wall_thickness"] = row.wall_thickness
+    if not {"density", "weight"} & set(given):
+        size |= {"density": DENSITY} if row.weight is None else {"weight": row.weight}
+    steel = {"youngs_modulus": YOUNGS_MODULUS, "yield_strength": row.yield_strength, **size}
+    return {name: value for name, value in steel.items() if name not in given}
+
+
 def pipe_in_a_hole(name: str, bore: float | str, length: float | str, changes: dict[str, Any]) -> dict[str, Any]:
     """Return the arguments of the rod that is a pipe of the catalogue; strings are quantities with their unit."""
     steel_pipe = pipe(name)
@@ -358,21 +372,14 @@ def pipe_in_a_hole(name: str, bore: float | str, length: float | str, changes: d
             raise validate.wrong_value(
                 other, f"must not be given with bore, got {validate.short(changes[other])}; drop it"
             )
-    size: dict[str, Any] = {}
-    if not {"radius", "diameter"} & given.keys():
-        size["diameter"] = steel_pipe.diameter
-        if hole <= steel_pipe.diameter:
-            raise validate.wrong_value(
-                "bore",
-                f"must exceed the outer diameter of the pipe, got {hole:g} m for {steel_pipe.diameter:g} m; it is the "
-                'inner diameter of the hole in m, or a string with a unit such as "4.778in"',
-            )
-    if steel_pipe.wall_thickness and not {"inner_radius", "inner_diameter", "wall_thickness"} & given.keys():
-        size["wall_thickness"] = steel_pipe.wall_thickness
-    if not {"density", "weight"} & given.keys():
-        size |= {"density": DENSITY} if steel_pipe.weight is None else {"weight": steel_pipe.weight}
-    steel = {"youngs_modulus": YOUNGS_MODULUS, "yield_strength": steel_pipe.yield_strength}
-    return {**steel, **size, "channel_diameter": bore} | given
+    own = of_pipe(steel_pipe, given.keys())
+    if "diameter" in own and hole <= steel_pipe.diameter:
+        raise validate.wrong_value(
+            "bore",
+            f"must exceed the outer diameter of the pipe, got {hole:g} m for {steel_pipe.diameter:g} m; it is the "
+            'inner diameter of the hole in m, or a string with a unit such as "4.778in"',
+        )
+    return {**own, "channel_diameter": bore} | given
 
 
 def _inches(size: str) -> float:

@@ -274,13 +274,16 @@ def section_basis(profile: Profile, count: int) -> SectionBasis:
     heavy = (weights * inertia[:, None]).ravel()
     stiff = (weights * rigidity[:, None]).ravel()
 
+    def size(a: Floats) -> Floats:
+        return np.asarray(np.sqrt(elements.tabulated(a, tables[0], 0) ** 2 @ heavy)[:, None])
+
     def inner(a: Floats, b: Floats) -> Floats:
         return np.asarray((elements.tabulated(a, tables[0], 0) * heavy) @ elements.tabulated(b, tables[0], 0).T)
 
     def bent(a: Floats, b: Floats) -> Floats:
         return np.asarray((elements.tabulated(a, tables[2], 2) * stiff) @ elements.tabulated(b, tables[2], 2).T)
 
-    rows = _orthonormal(driven, modes, count, inner, bent)
+    rows = _orthonormal(driven, modes, count, size, inner, bent)
     values, slopes = (elements.tabulated(rows, tables[d], d) for d in (0, 1))
     given, energy = (values, slopes), mirrored(bent(rows, rows))
     for part in (rows, energy, values, slopes):
@@ -338,17 +341,18 @@ def _integrals(elements: Elements, weighted: Floats, table: Floats) -> Floats:
     return integrals
 
 
-def _orthonormal(rows: Floats, modes: Floats, count: int, inner: Product, bent: Product) -> Floats:
+def _orthonormal(
+    rows: Floats, modes: Floats, count: int, size: Callable[[Floats], Floats], inner: Product, bent: Product
+) -> Floats:
     """Return functions added to the first ``count`` modes, orthogonal to them and each other, then those modes.
 
-    ``inner`` and ``bent`` are the products of inertia and of bending.  Near combinations of others, and
-    functions that bend far more than the modes, give way to further modes.
+    ``size`` is their norm with the inertia, ``inner`` and ``bent`` the products of inertia and of
+    bending.  Near combinations of others, and functions that bend far more than the modes, give way to further modes.
     """
     for _ in range(2):
-        modes = modes / np.sqrt(np.diagonal(inner(modes, modes)))[:, None]
-        rows = rows / np.sqrt(np.diagonal(inner(rows, rows)))[:, None]
+        modes, rows = modes / size(modes), rows / size(rows)
         rows = rows - inner(rows, modes[:count]) @ modes[:count]
-    rows = rows / np.sqrt(np.diagonal(inner(rows, rows)))[:, None]
+    rows = rows / size(rows)
     sizes, directions = np.linalg.eigh(inner(rows, rows))
     apart = sizes > _SAME
     functions = (directions[:, apart] / np.sqrt(sizes[apart])).T @ rows
@@ -361,9 +365,9 @@ def _orthonormal(rows: Floats, modes: Floats, count: int, inner: Product, bent: 
         beside = mode
         for _ in range(2):
             beside = beside - inner(beside, functions) @ functions
-        size = float(inner(beside, beside)[0, 0])
-        if size > _OWN:
-            functions = np.concatenate([functions, beside / math.sqrt(size)])
+        left = size(beside)
+        if left[0, 0] ** 2 > _OWN:
+            functions = np.concatenate([functions, beside / left])
     for _ in range(2):  # rounding of combinations that nearly cancel
         functions = functions - inner(functions, modes[:count]) @ modes[:count]
         functions = np.linalg.solve(np.linalg.cholesky(inner(functions, functions)), functions)

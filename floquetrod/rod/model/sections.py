@@ -11,7 +11,7 @@ from floquetrod import units
 from floquetrod._util.arguments import error_in, wrong_type, wrong_value
 from floquetrod._util.calling import TellsAttributes, constructor_hints
 from floquetrod._util.suggest import short
-from floquetrod.rod.model.catalogue import DENSITY, YOUNGS_MODULUS, pipe
+from floquetrod.rod.model.catalogue import DENSITY, YOUNGS_MODULUS, of_pipe, pipe
 from floquetrod.rod.model.parameters import BORE, INSTEAD, MEANT, OF_A_SECTION, ROD, in_si, is_given, units_given
 from floquetrod.rod.model.possible_rod import HAS_WALL
 
@@ -110,26 +110,11 @@ class Section(units.InUnits, TellsAttributes):
 
 def _with_defaults(name: str, given: Mapping[str, Any]) -> dict[str, Any]:
     """Return the arguments of a section with what its name gives, or steel."""
-    size: dict[str, Any] = {}
-    material: dict[str, Any] = {"density": DENSITY}
-    strength = None
+    own = {key for key, value in given.items() if value is not None}
     if name:
-        of_catalogue = pipe(name)
-        strength = of_catalogue.yield_strength
-        if not _any_given(given, "radius", "diameter"):
-            size["diameter"] = of_catalogue.diameter
-        if of_catalogue.wall_thickness and not _any_given(given, "inner_radius", "inner_diameter", "wall_thickness"):
-            size["wall_thickness"] = of_catalogue.wall_thickness
-        if of_catalogue.weight is not None:
-            material = {"weight": of_catalogue.weight}
-    if _any_given(given, "density", "weight"):
-        material = {}
-    default = {"youngs_modulus": YOUNGS_MODULUS, "yield_strength": strength, **size, **material}
-    return {**given, **{key: value for key, value in default.items() if given.get(key) is None}}
-
-
-def _any_given(given: Mapping[str, Any], *names: str) -> bool:
-    return any(given.get(name) is not None for name in names)
+        return {**given, **of_pipe(pipe(name), own)}
+    steel = {"youngs_modulus": YOUNGS_MODULUS} | ({} if {"density", "weight"} & own else {"density": DENSITY})
+    return {**given, **{key: value for key, value in steel.items() if key not in own}}
 
 
 class Bore(NamedTuple):
