@@ -31,14 +31,13 @@ from floquetrod.rod.model import beam
 from floquetrod.rod.model.beam import Basis, EndConditions
 from floquetrod.rod.model.data import RodData
 
-_PHASES_AND_DEGREES = (24.0, 20), (48.0, 32)
-"""Largest phase k h of the highest mode in an element, and the degree there, of few and of many modes.
+_PHASES_AND_DEGREES = (24.0, 20), (48.0, 32), (124.0, 64)
+"""Largest phase k h of the highest mode in an element, and the degree there; those with the fewest unknowns are taken.
 
 Coefficients of a sine fall like Bessel functions J_p(k h / 2), and errors of frequencies like their squares: to 1e-11
 at 0.7 of the highest wavenumber.  Above it functions need not be vibrations, but complete the others.
 """
 
-_MANY = 200  # modes from which elements are long: fewer unknowns, with more in each (a choice)
 _AT_EDGES = 2  # functions added at each edge
 _AT_ENDS = {"hinged": 1, "guided": 1, "clamped": 2, "free": 2}
 """Functions added at an end; of a free one besides a force across: an axial force F bends it by (e y'')' = -F y'."""
@@ -164,10 +163,13 @@ class Elements(ByContent):
     @classmethod
     def of(cls, profile: Profile, count: int) -> Elements:
         """Return elements fine enough for so many modes."""
-        phase, degree = _PHASES_AND_DEGREES[count >= _MANY]
-        k, cuts = profile.wavenumber(count), profile.cuts
+        cuts = profile.cuts
         part = np.searchsorted(profile.edges[1:-1], 0.5 * (cuts[:-1] + cuts[1:]))
-        number = np.maximum(1, np.ceil(k * profile.slowness[part] * np.diff(cuts) / phase)).astype(int)
+        phases = profile.wavenumber(count) * profile.slowness[part] * np.diff(cuts)
+        choices = [
+            (np.maximum(1, np.ceil(phases / phase)).astype(int), degree) for phase, degree in _PHASES_AND_DEGREES
+        ]
+        number, degree = min(choices, key=lambda choice: int(choice[0].sum()) * (choice[1] - 1))
         spans = zip(cuts[:-1], cuts[1:], number, strict=True)
         grid = np.concatenate([*(np.linspace(a, b, n, endpoint=False) for a, b, n in spans), [1.0]])
         return cls(grid, np.repeat(part, number), degree)
