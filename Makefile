@@ -61,9 +61,9 @@ slow: $(DOCS_READY)  ## every test, with many more random examples, and those to
 bite: $(READY)  ## how often each property was checked and its examples discarded; one that is hardly checked fails
 	$(PYTEST) -m "not slow" --bite
 
-# The attack on the package, from fresh seeds; `python -m fuzz --help` tells of the options that FUZZ may hold.
+# The attack on the package, from fresh seeds; `python -m tests.fuzz --help` tells of the options that FUZZ may hold.
 fuzz: $(READY)  ## attacks from fresh seeds: SEEDS=5 WORKERS=4 FUZZ="--minutes 60"
-	PYTHONPATH=tests $(BIN)/python -m fuzz --seeds $(SEEDS) --workers $(WORKERS) $(FUZZ)
+	$(BIN)/python -m tests.fuzz --seeds $(SEEDS) --workers $(WORKERS) $(FUZZ)
 
 # Lines of machine code cannot be counted: what reaches the kernels runs interpreted first, then everything quick.
 coverage: $(READY)  ## lines the suite reaches, kernels interpreted: at least 95 %

@@ -11,7 +11,7 @@ from pathlib import Path
 
 import sphinx.application
 
-WIDTH = 116  # columns of a console block, so that it fits the column of text (tests/test_docs.py)
+WIDTH = 116  # columns of a console block, so that it fits the column of text (tests/project/test_docs.py)
 
 
 def parsers() -> tuple[argparse.ArgumentParser, dict[str, tuple[str, argparse.ArgumentParser]]]:

@@ -88,9 +88,10 @@ def pytest_collection(session: pytest.Session) -> Generator[None, object, object
     """
     gc.disable()
     if getattr(session.config, "workerinput", {}).get("backwards"):
-        for path in sorted(Path(__file__).parent.glob("test_*.py"), reverse=True):
+        for path in sorted(Path(__file__).parent.rglob("test_*.py"), reverse=True):
+            name = ".".join(path.relative_to(Path(__file__).parents[1]).with_suffix("").parts)
             with contextlib.suppress(Exception, pytest.skip.Exception):  # told when pytest collects the file
-                importlib.import_module(path.stem)
+                importlib.import_module(name)
     try:
         return (yield)
     finally:
@@ -106,8 +107,13 @@ def pytest_report_header(config: pytest.Config) -> str:
 
 @pytest.fixture
 def rng(request: pytest.FixtureRequest) -> np.random.Generator:
-    """Random numbers of this run and this test; set FLOQUETROD_TEST_SEED to the printed value to draw them again."""
-    return np.random.default_rng([int(os.environ[SEED]), zlib.crc32(request.node.nodeid.encode())])
+    """Random numbers of this run and this test; set FLOQUETROD_TEST_SEED to the printed value to draw them again.
+
+    A test draws the same in whichever folder its file lies.
+    """
+    path, colons, test = request.node.nodeid.partition("::")
+    name = f"tests/{Path(path).name}{colons}{test}"
+    return np.random.default_rng([int(os.environ[SEED]), zlib.crc32(name.encode())])
 
 
 @pytest.fixture(autouse=True)

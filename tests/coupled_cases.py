@@ -7,8 +7,8 @@ import math
 from itertools import product
 from typing import Any, NamedTuple
 
-import finite_differences as fd
 import floquetrod as fr
+from tests import finite_differences as fd
 
 WIRE = fr.Rod.nitinol()
 FORCE = WIRE.critical_force

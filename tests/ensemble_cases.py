@@ -131,16 +131,15 @@ def script(body: str, *arguments: object, **options: Any) -> subprocess.Popen[st
     """Start another Python that has imported what is in this file and runs a script."""
     start = (
         "import sys, numpy as np, floquetrod as fr\n"
-        "from ensemble_cases import *\n"
+        "from tests.ensemble_cases import *\n"
         "from floquetrod.ensembles import stores\n"
         "stores._SECONDS_BETWEEN = 0.02\n"
         "if __name__ == '__main__':\n"
     )
     text = start + "".join(f"    {line}\n" for line in body.strip().splitlines())
-    path = os.pathsep.join([str(ROOT), str(ROOT / "tests")])
     return subprocess.Popen(
         [sys.executable, "-c", text, *map(str, arguments)],
-        env={**os.environ, "PYTHONPATH": path},
+        env={**os.environ, "PYTHONPATH": str(ROOT)},
         text=True,
         **options,
     )

@@ -24,7 +24,7 @@ import floquetrod as fr
 from benchmarks import drag
 from floquetrod.rod.model import beam
 from floquetrod.rod.model.beam import EndConditions
-from system_cases import blade, coupled
+from tests.system_cases import blade, coupled
 
 
 @dataclass(frozen=True)

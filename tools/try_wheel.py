@@ -20,7 +20,12 @@ from pathlib import Path
 from typing import TextIO
 
 ROOT = Path(__file__).parents[1]
-SMOKE = ["tests/test_units.py", "tests/test_equations.py", "tests/test_methods.py", "tests/test_system_kernels.py"]
+SMOKE = [
+    "tests/units/test_units.py",
+    "tests/equations/test_equations.py",
+    "tests/floquet/test_methods.py",
+    "tests/floquet/test_system_kernels.py",
+]
 """Tests that reach values, methods and compiled kernels, and need no extra."""
 
 FIRST = """

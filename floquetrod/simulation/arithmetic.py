@@ -11,8 +11,8 @@ import numpy as np
 VERSION = 4
 """Of the arithmetic of a simulation: of all that makes its frames, and the results of an ensemble, from a problem.
 
-Raised by hand with every change after which some problem comes out in other bits; `tests/test_arithmetic.py` keeps the
-code that computes and notices when it changes.
+Raised by hand with every change after which some problem comes out in other bits; `tests/simulation/test_arithmetic.py`
+keeps the code that computes and notices when it changes.
 """
 
 

@@ -13,7 +13,7 @@ import threading
 import time
 from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
 
-from fuzz.core import ATTACKS, Tally, load, run
+from tests.fuzz.core import ATTACKS, Tally, load, run
 
 _LONGEST = 1800.0  # seconds that one attack may take from one seed: beyond, it hangs
 
@@ -33,7 +33,7 @@ def main(argv: list[str] | None = None) -> int:
 
 
 def _parser() -> argparse.ArgumentParser:
-    parser = argparse.ArgumentParser(prog="python -m fuzz", description=__doc__)
+    parser = argparse.ArgumentParser(prog="python -m tests.fuzz", description=__doc__)
     parser.add_argument("--only", action="append", choices=ATTACKS, help="an attack; repeatable (default: all)")
     parser.add_argument("--seed", type=int, help="the first seed (default: a fresh one)")
     parser.add_argument("--seeds", type=int, default=1, help="how many seeds (default 1)")
@@ -106,7 +106,7 @@ class Campaign:
         """Run one attack from one seed in a process of its own: a hang or a crash is a failure like others."""
         if self.stopped:
             return
-        command = [sys.executable, "-m", "fuzz", "--record", "--only", attack, "--seed", str(seed)]
+        command = [sys.executable, "-m", "tests.fuzz", "--record", "--only", attack, "--seed", str(seed)]
         command += [] if self.cases is None else ["--cases", str(self.cases)]
         tally = self.tallies[attack]
         before = tally.cases, tally.answers, len(tally.failures)
@@ -127,7 +127,7 @@ class Campaign:
         alarm.cancel()
         told = status == 1 and len(tally.failures) > before[2]  # without a failure 1 is Python's own, of an exception
         if status != 0 and not told and not self.stopped:
-            line = f"python -m fuzz --only {attack} --seed {seed} --case {cases}  # ended with status {status}"
+            line = f"python -m tests.fuzz --only {attack} --seed {seed} --case {cases}  # ended with status {status}"
             tally.add(Tally(attack, 1, 0, 0.0, [line]))
             print(line, flush=True)
         self.processes.discard(process)

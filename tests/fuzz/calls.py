@@ -85,8 +85,8 @@ RESULTS += (fr.results.SpecialPoint,)
 """Classes that only the package constructs, and whose methods people call with arguments."""
 
 LEFT_OUT = {
-    "to_json": "takes results: attacked in tests/test_interchange.py",
-    "to_pandas": "takes results: attacked in tests/test_interchange.py",
+    "to_json": "takes results: attacked in tests/public/test_interchange.py",
+    "to_pandas": "takes results: attacked in tests/public/test_interchange.py",
     "NonlinearSystem.rates": "for the equations of an orbit, which hand over arrays of floats",
     "NonlinearSystem.jacobians": "for the equations of an orbit, which hand over arrays of floats",
     "NonlinearSystem.require_parameter": "raises",
@@ -175,8 +175,8 @@ LEFT_OUT = {
     "SafeKick": "constructed by Rod.safe_kick",
     "SteadyMotion": "constructed by Rod.steady_motion",
     "RodBranches": "constructed by Rod.follow",
-    "RodBranches.at": "of branches that take seconds: attacked in tests/test_rod_branches.py",
-    "RodBranches.plot": "of branches that take seconds: attacked in tests/test_rod_branches.py",
+    "RodBranches.at": "of branches that take seconds: attacked in tests/rod/test_rod_branches.py",
+    "RodBranches.plot": "of branches that take seconds: attacked in tests/rod/test_rod_branches.py",
     **dict.fromkeys(("RodBranches.report", "RodBranches.as_dict", "RodBranches.to_xarray"), "takes no argument"),
     "VibrationTool.as_dict": "takes no argument",
     "VibrationTool.in_words": "takes units, which are values",

@@ -18,9 +18,9 @@ import matplotlib as mpl
 import numpy as np
 
 import floquetrod as fr
-from fuzz import apart, runs
-from fuzz.calls import CLAMPED, FIRST_ORDER, LOAD, ROD, SYSTEM, oscillators, simulation, table
-from fuzz.core import Found, told
+from tests.fuzz import apart, runs
+from tests.fuzz.calls import CLAMPED, FIRST_ORDER, LOAD, ROD, SYSTEM, oscillators, simulation, table
+from tests.fuzz.core import Found, told
 
 CASES = 60
 QUICK = 8

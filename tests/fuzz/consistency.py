@@ -16,9 +16,9 @@ from numpy.typing import NDArray
 
 import floquetrod as fr
 from floquetrod import cli
-from fuzz import rods, system_answers
-from fuzz.calls import folder
-from fuzz.core import Found, limit
+from tests.fuzz import rods, system_answers
+from tests.fuzz.calls import folder
+from tests.fuzz.core import Found, limit
 
 CASES = 60
 QUICK = 2

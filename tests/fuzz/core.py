@@ -68,7 +68,7 @@ class Tally:
 
 def load(attack: str) -> Any:
     """Return the module of an attack."""
-    return importlib.import_module(f"fuzz.{attack}")
+    return importlib.import_module(f"tests.fuzz.{attack}")
 
 
 def numbers(attack: str, seed: int, case: int) -> np.random.Generator:
@@ -86,7 +86,7 @@ def run(attack: str, seed: int, cases: range) -> Iterator[Tally]:
                 found = check(numbers(attack, seed, case))
             except (Exception, TookTooLong) as error:
                 found = Found(1, [f"raised {told(error)}"])
-        again = f"python -m fuzz --only {attack} --seed {seed} --case {case}"
+        again = f"python -m tests.fuzz --only {attack} --seed {seed} --case {case}"
         lines = [f"{again}  # {line}" for line in found.failures]
         yield Tally(attack, 1, found.answers, time.perf_counter() - started, lines)
 

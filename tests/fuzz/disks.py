@@ -16,8 +16,8 @@ from typing import Any
 import numpy as np
 
 import floquetrod as fr
-from fuzz import apart, runs
-from fuzz.core import Found
+from tests.fuzz import apart, runs
+from tests.fuzz.core import Found
 
 CASES = 40
 QUICK = 4

@@ -19,9 +19,9 @@ import floquetrod as fr
 from floquetrod.ensembles import Runs
 from floquetrod.ensembles.runs import require_runs
 from floquetrod.equations.system_files import read_system
-from fuzz import runs
-from fuzz.calls import SYSTEM, folder, oscillators, system_files
-from fuzz.core import Found, TookTooLong, limit, told
+from tests.fuzz import runs
+from tests.fuzz.calls import SYSTEM, folder, oscillators, system_files
+from tests.fuzz.core import Found, TookTooLong, limit, told
 
 CASES = 300
 QUICK = 50

@@ -16,8 +16,8 @@ import numpy as np
 
 import floquetrod as fr
 from floquetrod.floquet.verdict import FloquetVerdict
-from fuzz.calls import CLAMPED, LOAD, ROD, Call, folder, table
-from fuzz.core import Found, TookTooLong, limit, own_warnings, told
+from tests.fuzz.calls import CLAMPED, LOAD, ROD, Call, folder, table
+from tests.fuzz.core import Found, TookTooLong, limit, own_warnings, told
 
 CASES = 2000
 QUICK = 120

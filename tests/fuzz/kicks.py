@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 import floquetrod as fr
-from fuzz import oracle, rods
-from fuzz.core import Found, limit
+from tests.fuzz import oracle, rods
+from tests.fuzz.core import Found, limit
 
 CASES = 12
 QUICK = 1

@@ -14,8 +14,8 @@ import numpy as np
 import xarray
 
 from floquetrod.ensembles import Runs
-from fuzz import apart, runs
-from fuzz.core import Found, told
+from tests.fuzz import apart, runs
+from tests.fuzz.core import Found, told
 
 CASES = 40
 QUICK = 3

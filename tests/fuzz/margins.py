@@ -8,13 +8,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-import coupled_cases
-import finite_differences as fd
 import floquetrod as fr
-from fuzz import real_rods
-from fuzz.core import Found, limit
-from fuzz.real_rods import Question
-from fuzz.rods import decades
+from tests import coupled_cases
+from tests import finite_differences as fd
+from tests.fuzz import real_rods
+from tests.fuzz.core import Found, limit
+from tests.fuzz.real_rods import Question
+from tests.fuzz.rods import decades
 
 CASES = 40
 QUICK = 1

@@ -11,8 +11,8 @@ import numpy as np
 
 import floquetrod as fr
 from floquetrod.floquet.registry import applicable
-from fuzz.core import limit
-from fuzz.system_draws import decades
+from tests.fuzz.core import limit
+from tests.fuzz.system_draws import decades
 
 _ROUNDING = 1e-14  # of exponents times the period: they are doubles
 

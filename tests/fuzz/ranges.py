@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 import floquetrod as fr
-from fuzz import rods
-from fuzz.core import Found, limit
+from tests.fuzz import rods
+from tests.fuzz.core import Found, limit
 
 CASES = 20
 QUICK = 1

@@ -8,11 +8,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-import coupled_cases
-import finite_differences as fd
 import floquetrod as fr
-from fuzz.core import Found, limit
-from fuzz.rods import decades
+from tests import coupled_cases
+from tests import finite_differences as fd
+from tests.fuzz.core import Found, limit
+from tests.fuzz.rods import decades
 
 CASES = 300
 QUICK = 2

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 import floquetrod as fr
-from fuzz import oracle
+from tests.fuzz import oracle
 
 UNSEEN = 1e-11
 """Growth per unit tau below which a mode is left to the package: the oracle could not see it."""

@@ -13,10 +13,10 @@ import numpy as np
 
 import floquetrod as fr
 from floquetrod import cli
-from fuzz import system_draws, systems
-from fuzz.calls import folder
-from fuzz.core import limit
-from fuzz.system_draws import System
+from tests.fuzz import system_draws, systems
+from tests.fuzz.calls import folder
+from tests.fuzz.core import limit
+from tests.fuzz.system_draws import System
 
 _SLACK = 1e-7  # of growth over a period, beside the errors stated: that of a double multiplier on a batch's coarser map
 

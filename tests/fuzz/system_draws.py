@@ -13,7 +13,7 @@ from scipy.integrate import solve_ivp
 
 import floquetrod as fr
 from floquetrod.equations import Varying
-from fuzz.rods import decades
+from tests.fuzz.rods import decades
 
 System = fr.HillSystem | fr.PeriodicSystem
 Array = NDArray[np.float64]

@@ -12,9 +12,9 @@ import numpy as np
 import floquetrod as fr
 from floquetrod.equations import Varying
 from floquetrod.floquet.registry import applicable
-from fuzz import neutral, system_draws
-from fuzz.core import LONGEST, Found, limit
-from fuzz.system_draws import System
+from tests.fuzz import neutral, system_draws
+from tests.fuzz.core import LONGEST, Found, limit
+from tests.fuzz.system_draws import System
 
 CASES = 60
 QUICK = 3

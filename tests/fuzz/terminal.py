@@ -15,8 +15,8 @@ import sys
 import numpy as np
 
 from floquetrod import cli
-from fuzz.calls import folder, table
-from fuzz.core import Found, TookTooLong, limit, told
+from tests.fuzz.calls import folder, table
+from tests.fuzz.core import Found, TookTooLong, limit, told
 
 CASES = 400
 QUICK = 25

@@ -10,8 +10,8 @@ import numpy as np
 
 import floquetrod as fr
 from floquetrod.floquet.registry import applicable, is_approximation
-from fuzz import oracle, precise, rods
-from fuzz.core import Found, limit
+from tests.fuzz import oracle, precise, rods
+from tests.fuzz.core import Found, limit
 
 CASES = 40
 QUICK = 2

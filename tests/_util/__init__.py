@@ -1,0 +1,1 @@
+"""What no part of the package owns: caches, files, locks, compiling, equality."""

@@ -1,0 +1,1 @@
+"""Ensembles of simulations: runs, stores, workers, statistics."""

@@ -1,0 +1,1 @@
+"""Verdicts: every method, its kernels, its errors, and proofs."""

@@ -1,0 +1,95 @@
+"""Growing solutions are named as the literature names them."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+import floquetrod as fr
+from tests.system_cases import beam, coupled, wide
+
+FLUTTER = np.array([[2.0, -1.0], [-1.0, 1.0]]), np.array([[1.0, -0.5], [0.0, 0.5]])
+
+
+def follower(force: float) -> fr.HillSystem:
+    """Return a double pendulum under a follower force that hardly pulsates."""
+    stiffness, load = FLUTTER
+    return fr.HillSystem(stiffness - force * load, [-0.1 * load], mass=[[3.0, 1.0], [1.0, 1.0]], period=2.0)
+
+
+def pair(w: float, forcing: list[list[float]], frequencies: tuple[float, float] = (1.0, 3.0)) -> fr.HillSystem:
+    return fr.HillSystem(np.diag(np.square(frequencies)), [forcing], period=2.0 * math.pi / w)
+
+
+@pytest.mark.parametrize(
+    ("system", "name"),
+    [
+        (coupled(3.0), "sum resonance of modes 1 and 2, order 1"),
+        (coupled(2.0), "direct resonance of mode 1, order 1"),
+        (coupled(4.0), "direct resonance of mode 2, order 1"),
+        (coupled(3.0, (0.01, 0.01)), "sum resonance of modes 1 and 2, order 1"),
+        (beam(40.0), "direct resonance of mode 1, order 1"),
+        (beam(136.25), "sum resonance of modes 1 and 3, order 1"),
+        # 2 w_1 = w_2 - w_1 = w: the forcing couples either the first mode to itself, or one mode to the other.
+        (pair(2.0, [[0.3, 0.0], [0.0, 0.3]]), "direct resonance of mode 1, order 1"),
+        (pair(2.0, [[0.0, 0.3], [-0.3, 0.0]]), "difference resonance of modes 1 and 2, order 1"),
+        (pair(1.0, [[0.0, 0.3], [-0.3, 0.0]], (1.0, 2.0)), "difference resonance of modes 1 and 2, order 1"),
+        (follower(1.5), "buckling of mode 1"),
+        (follower(2.5), "flutter of modes 1 and 2"),
+        (wide(), "buckling of mode 1"),
+    ],
+    ids=str,
+)
+def test_names(system: fr.HillSystem, name: str) -> None:
+    result = fr.stability(system)
+    assert result.status == "unstable"
+    assert str(result.resonances[0]) == name
+    assert result.resonances[0].growth_rate == pytest.approx(result.growth_rate, rel=1e-12)
+
+
+def test_a_stable_system_has_none() -> None:
+    assert fr.stability(coupled(1.0)).resonances == ()
+
+
+def test_every_growing_solution_is_named_once() -> None:
+    both = fr.HillSystem(np.diag([1.0, 2.25]), [np.diag([0.3, 0.9])], period=2.0 * math.pi / 2.0)
+    two = fr.HillSystem(np.diag([1.0, 9.0]), [np.diag([0.3, 0.0])], [], period=math.pi)
+    assert [str(found) for found in fr.stability(two).resonances] == ["direct resonance of mode 1, order 1"]
+    names = fr.stability(both).resonances
+    assert len(names) == len(set(names)) >= 1
+
+
+def test_many_modes_are_left_unnamed() -> None:
+    n = 210
+    system = fr.HillSystem(np.diag(np.linspace(1.0, 2.0, n)), [np.diag([0.5] + [0.0] * (n - 1))], period=math.pi)
+    result = fr.stability(system)
+    assert result.status == "unstable"
+    assert result.resonances == ()
+
+
+def test_what_is_lost_in_rounding_has_no_name() -> None:
+    """Beside solutions that grow by e^95 in a period others are known with errors larger than their growth."""
+    rod = fr.Rod(
+        youngs_modulus=206e9,
+        density=7850.0,
+        radius=0.0259012,
+        inner_radius=0.022016,
+        channel_radius=0.06,
+        length=100.0,
+        path=fr.WellPath.arc(length=150.0, inclination=(1.14161, 1.06841)),
+        depth=20.0,
+        ends="hinged-clamped",
+        damping_rate=0.05,
+    )
+    load = fr.AxialLoad(70400.8, 9171.78, 5.76391)
+    found = rod.stability(load)
+    whole = found.evidence.whole
+    certain = [
+        rate.real for rate, error in zip(whole.exponents, whole.exponent_errors, strict=True) if rate.real > error
+    ]
+    assert len(certain) < sum(rate.real > 0.0 for rate in whole.exponents)
+    assert {r.growth_rate for r in found.resonances} <= set(certain)
+    nearby = rod.stability(load.varied("mean", load.mean * (1.0 + 1e-14)))
+    assert nearby.unstable_modes == found.unstable_modes

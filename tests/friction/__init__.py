@@ -1,0 +1,1 @@
+"""An equation with friction: kicks and criteria."""

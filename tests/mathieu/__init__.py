@@ -1,0 +1,1 @@
+"""Mathieu's equation: arrays, tongues, curves, solutions."""

@@ -1,0 +1,1 @@
+"""Milling cutters."""

@@ -1,0 +1,273 @@
+"""A milling cutter: the tables of the literature, its equations, critical depths and lobes."""
+
+from __future__ import annotations
+
+import functools
+import math
+import pickle
+import re
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+import pytest
+from matplotlib import pyplot
+
+import floquetrod as fr
+from floquetrod.milling import read_depth, read_speed
+from floquetrod.milling.stability_lobes import critical_depths, judged
+from tests.conftest import DEEP, depth
+
+MODE = fr.ToolMode("922Hz", 0.011, mass="39.93g")
+
+
+def cutter(immersion: float = 1.0, direction: str = "up", teeth: int = 2) -> fr.Milling:
+    """Return the cutter of the tables, with one mode along the feed."""
+    return fr.Milling(
+        x=[MODE], teeth=teeth, tangential="600MPa", radial="200MPa", immersion=immersion, direction=direction
+    )
+
+
+@pytest.mark.parametrize(
+    ("immersion", "direction", "speed", "depth", "modulus"),
+    [
+        (1.0, "up", "5000rpm", "0.2mm", 0.819742784),
+        (1.0, "up", "5000rpm", "0.5mm", 1.073975587),
+        (1.0, "down", "5000rpm", "1mm", 1.406473525),
+        (0.5, "up", "8000rpm", "0.6mm", 1.165651146),
+        (0.5, "down", "8000rpm", "0.6mm", 0.931173893),
+    ],
+)
+def test_largest_moduli_are_those_of_the_table(
+    immersion: float, direction: str, speed: str, depth: str, modulus: float
+) -> None:
+    """Converged values, not the coarse 0.8192, 1.0726 and 1.4040 that are often printed."""
+    mill = cutter(immersion, direction)
+    found = mill.stability(speed, depth)
+    assert abs(found.multipliers[0]) == pytest.approx(modulus, abs=6e-10)
+    assert found.error < 1e-8
+    assert found.status == ("unstable" if modulus > 1.0 else "stable")
+    place = (np.array([read_speed(speed)]), np.array([read_depth(depth)]))
+    log = judged(mill, *place, growth=True).growth[0]
+    assert math.exp(log) == pytest.approx(modulus, abs=1e-8)
+
+
+def test_critical_depth_is_that_of_the_table() -> None:
+    mill = cutter()
+    depth = mill.critical_depth("5000rpm")
+    assert f"{1e3 * depth:.5f}" == "0.40863"
+    assert mill.stability("5000rpm", depth * (1.0 - 1e-7)).status == "stable"
+    assert mill.stability("5000rpm", depth * (1.0 + 1e-7)).status == "unstable"
+    assert mill.critical_depth("5000rpm", most="0.4mm") == math.inf
+
+
+@pytest.mark.slow
+def test_rows_of_the_table_by_the_second_method() -> None:
+    mill = cutter()
+    found = fr.stability(mill.system("5000rpm", "0.5mm"), "semi_discretisation")
+    assert abs(found.multipliers[0]) == pytest.approx(1.073975587, abs=found.multiplier_errors[0])
+    assert found.multiplier_errors[0] < 1e-3
+
+
+@pytest.mark.parametrize("teeth", [1, 2, 3, 4])
+def test_equations_and_quick_verdicts_agree(teeth: int) -> None:
+    """Three teeth have a force whose frequency is no harmonic of the time between teeth."""
+    modes = {"x": [MODE], "y": [fr.ToolMode("1.1kHz", "1.2%", stiffness="2.4N/um")]}
+    mill = fr.Milling(**modes, teeth=teeth, tangential="600MPa", radial="200MPa", immersion=0.3, direction="down")
+    speed, depth = 950.0, 1.1e-3
+    verdict = mill.stability(speed, depth)
+    log = judged(mill, np.array([speed]), np.array([depth]), growth=True).growth[0]
+    assert log / verdict.period == pytest.approx(verdict.exponents[0].real, abs=1e-6 / verdict.period)
+
+
+def test_cutting_is_that_of_one_tooth_after_another() -> None:
+    mill = cutter(0.5, "up", teeth=3)
+    angles = np.linspace(0.0, mill.pitch, 50, endpoint=False)
+    expected = np.where(angles < 0.5 * math.pi, np.sin(angles) * (6e8 * np.cos(angles) + 2e8 * np.sin(angles)), 0.0)
+    assert mill.cutting(angles)[:, 0, 0] == pytest.approx(expected, abs=1e-3)
+    assert mill.jumps == pytest.approx((0.0, 0.5 * math.pi))
+    whole = cutter(1.0, teeth=4).cutting(angles)
+    assert np.ptp(whole) < 1e-6 * np.abs(whole).max()  # two of four teeth cut, and make up for each other
+
+
+def test_no_depth_leaves_the_free_vibration() -> None:
+    found = cutter().stability("5000rpm", 0.0)
+    assert found.exponents[0].real == pytest.approx(-0.011 * MODE.frequency, rel=1e-9)
+
+
+def test_lobes_are_named_and_agree_with_single_verdicts() -> None:
+    mill = cutter()
+    lobes = mill.lobes(("14000rpm", "22000rpm", 16), ("0.1mm", "3.5mm", 8))
+    assert {lobe.kind for lobe in lobes.lobes} == {"Hopf", "flip"}
+    first = max(lobes.lobes, key=lambda lobe: lobe.speeds[1] - lobe.speeds[0])
+    assert str(first) == "Hopf lobe 1"
+    assert lobes.report().table is not None
+    assert pickle.loads(pickle.dumps(lobes)) == lobes
+    rng = np.random.default_rng(5)
+    for i, j in zip(rng.integers(0, 8, 4), rng.integers(0, 16, 4), strict=True):
+        verdict = mill.stability(float(lobes.speeds[j]), 1e-3 * float(lobes.chart.y.values[i]))
+        assert (verdict.status == "stable") == bool(lobes.chart.stable[i, j])
+
+
+@pytest.mark.slow
+def test_lobes_agree_with_single_verdicts_at_many_places() -> None:
+    rng = np.random.default_rng(17)
+    for mill in (cutter(), cutter(0.2, "down"), cutter(0.5, "up", teeth=3)):
+        lobes = mill.lobes(("4000rpm", "24000rpm", 120), ("0.05mm", "6mm", 80))
+        assert lobes.chart.undecided == 0
+        for i, j in zip(rng.integers(0, 80, 60), rng.integers(0, 120, 60), strict=True):
+            verdict = mill.stability(float(lobes.speeds[j]), 1e-3 * float(lobes.chart.y.values[i]))
+            assert verdict.status == "undecided" or (verdict.status == "stable") == bool(lobes.chart.stable[i, j])
+
+
+@pytest.mark.slow
+def test_bands_lie_on_the_boundary() -> None:
+    mill = cutter()
+    chart = mill.lobes(("8000rpm", "20000rpm", 60), ("0mm", "4mm", 40)).chart
+    (band,) = chart.bands.bands
+    inside = (band.y < 3.999) & (band.y > 0.0) & (band.x > 8001.0) & (band.x < 19999.0)
+    speeds, depths = math.pi / 30.0 * band.x[inside], 1e-3 * band.y[inside]
+    logs = judged(mill, speeds, depths, growth=True).growth
+    assert np.abs(logs).max() < 1e-4
+
+
+def test_critical_depths_of_many_speeds_are_those_of_each() -> None:
+    mill = cutter(0.5, "up")
+    speeds = np.array([700.0, 900.0])
+    assert critical_depths(mill, speeds) == pytest.approx([mill.critical_depth(s) for s in speeds], rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        (lambda: fr.ToolMode("922Hz", 0.011), "mass or stiffness must be given"),
+        (lambda: fr.ToolMode("922Hz", 0.011, mass=1.0, stiffness=1.0), "mass or stiffness must be given"),
+        (lambda: fr.ToolMode("922Hz", 1.5, mass=1.0), "damping_ratio must lie between"),
+        (lambda: fr.ToolMode("922mm", 0.1, mass=1.0), "frequency must be a number with a frequency unit"),
+        (lambda: fr.Milling(teeth=2, tangential=6e8, radial=2e8), "x or y must hold a ToolMode"),
+        (lambda: fr.Milling(x=[1.0], teeth=2, tangential=6e8, radial=2e8), r"x\[0\] must be"),
+        (lambda: fr.Milling(x=MODE, teeth=0, tangential=6e8, radial=2e8), "teeth must"),
+        (lambda: fr.Milling(x=MODE, teeth=2, tangential=6e8, radial=2e8, immersion=1.2), "immersion must lie between"),
+        (lambda: fr.Milling(x=MODE, teeth=2, tangential=6e8, radial=2e8, direction="left"), "direction must be"),
+        (lambda: cutter().stability(0.0, "1mm"), "speed must be greater than zero"),
+        (lambda: cutter().stability("5000rpm", "-1mm"), "depth must be zero or more"),
+        (lambda: cutter().lobes(("5000rpm", "4000rpm", 5), ("0mm", "1mm", 5)), "speed must be"),
+        (lambda: cutter().lobes("5000rpm", ("0mm", "1mm", 5)), "speed must be"),
+    ],
+)
+def test_bad_input_has_one_clear_error(call: object, message: str) -> None:
+    assert callable(call)
+    with pytest.raises((TypeError, ValueError), match=message):
+        call()
+
+
+def drawn_cutter(rng: np.random.Generator) -> fr.Milling:
+    modes = [
+        fr.ToolMode(f"{rng.uniform(400, 1500)}Hz", rng.uniform(0.008, 0.04), mass=f"{rng.uniform(20, 200)}g")
+        for _ in range(rng.integers(1, 3))
+    ]
+    return fr.Milling(
+        x=modes[:1],
+        y=modes[1:],
+        teeth=int(rng.integers(1, 5)),
+        tangential="600MPa",
+        radial="200MPa",
+        immersion=float(rng.choice([1.0, 0.5, 0.1])),
+        direction=str(rng.choice(["up", "down"])),
+    )
+
+
+@functools.cache
+def drawn_lobes(seed: int) -> Any:
+    rng = np.random.default_rng(seed)
+    cutter = drawn_cutter(rng)
+    beat = min(mode.frequency for mode in cutter.modes) / cutter.teeth
+    low = beat * rng.uniform(0.15, 0.5)
+    high = low * rng.uniform(1.1, 4.0)
+    deep = 20.0 * min(2.0 * mode.damping_ratio * mode.stiffness for mode in cutter.modes) / 6e8
+    return cutter.lobes((low, high, int(rng.integers(12, 24 * DEEP + 16))), (0.0, deep * rng.uniform(0.2, 1.5), 12))
+
+
+@pytest.mark.parametrize("seed", range(depth(60, 1)))
+def test_names_in_a_chart_of_lobes_are_led_to_the_least_depths_of_the_widest(seed: int) -> None:
+    lobes = drawn_lobes(seed)
+    ax = lobes.plot()
+    ax.figure.canvas.draw()
+    if not lobes.lobes:
+        assert [text.get_text().replace("\n", " ") for text in ax.texts] == [lobes.none_in_range]
+        pyplot.close(ax.figure)
+        return
+    (artist,) = (each for each in ax.artists if hasattr(each, "points"))
+    rpm, named = 30.0 / math.pi, set()
+    for text, (x, y) in zip(artist.texts, artist.points, strict=True):
+        owners = [
+            lobe
+            for lobe in lobes.lobes
+            if f"{lobe.kind} {lobe.number}" == text.get_text() and rpm * lobe.speeds[0] <= x <= rpm * lobe.speeds[1]
+        ]
+        assert len(owners) == 1
+        assert y == pytest.approx(1e3 * owners[0].depth)
+        named.add(id(owners[0]))
+    wide = sorted((lobe.speeds[1] - lobe.speeds[0] for lobe in lobes.lobes), reverse=True)
+    narrowest = min(lobe.speeds[1] - lobe.speeds[0] for lobe in lobes.lobes if id(lobe) in named)
+    assert len(named) == min(12, len(wide))
+    assert narrowest == wide[len(named) - 1]
+    pyplot.close(ax.figure)
+
+
+def test_no_name_in_the_chart_of_the_slot_covers_a_lobe() -> None:
+    lobes = cutter().lobes(("5000rpm", "25000rpm", depth(120, 60)), ("0mm", "4mm", depth(60, 30)))
+    ax = lobes.plot()
+    ax.figure.canvas.draw()
+    (artist,) = (each for each in ax.artists if hasattr(each, "points"))
+    x, y = np.meshgrid(lobes.chart.x.values, lobes.chart.y.values)
+    unstable = ax.transData.transform(np.column_stack([x[~lobes.chart.stable], y[~lobes.chart.stable]]))
+    named = [text.get_text() for text in artist.texts if text.get_visible()]
+    assert {f"Hopf {number}" for number in range(1, 5)} <= set(named)
+    for text in (text for text in artist.texts if text.get_visible()):
+        box = text.get_window_extent()
+        covered = (unstable > [box.x0, box.y0]) & (unstable < [box.x1, box.y1])
+        assert not covered.all(axis=1).any(), text.get_text()
+    pyplot.close(ax.figure)
+
+
+@pytest.mark.parametrize("seed", range(depth(60, 2)))
+def test_the_table_of_lobes_names_each_once_and_no_neighbours_are_one_lobe(seed: int) -> None:
+    lobes = drawn_lobes(seed)
+    table = lobes.report().table
+    if table is None:
+        assert "no lobe in range" in lobes.report().headline
+        return
+    names = [row[0] for row in table.rows if row[0]]
+    assert len(names) == len(set(names)) == len(set(map(str, lobes.lobes)))
+    assert len(table.rows) == len(lobes.lobes)
+    for one, other in pairwise(lobes.lobes):
+        first, last = np.searchsorted(lobes.speeds, [other.speeds[0], one.speeds[1]])
+        assert str(one) != str(other) or first > last + 1
+
+
+def test_the_lobes_of_the_slot_are_numbered_downwards_and_named_near_its_mode() -> None:
+    lobes = cutter().lobes(("5000rpm", "25000rpm", depth(120, 60)), ("0mm", "4mm", depth(60, 30)))
+    wide = [lobe for lobe in lobes.lobes if lobe.depth < 1e-3]
+    assert list(map(str, wide)) == [f"Hopf lobe {number}" for number in (5, 4, 3, 2, 1)]
+    flips = [lobe.number for lobe in lobes.lobes if lobe.kind == "flip"]
+    assert flips == sorted(flips, reverse=True)
+    assert all(0.8 < lobe.frequency / (2.0 * math.pi * 922.0) < 1.2 for lobe in lobes.lobes)
+
+
+def test_where_no_lobe_is_in_range_a_range_is_told_that_has_one() -> None:
+    def asked(speed: tuple[str, str], low: str, high: str) -> Any:
+        return cutter().lobes((*speed, 6), (low, high, 5))
+
+    none = asked(("9000rpm", "11000rpm"), "0mm", "0.1mm")
+    found = re.search(r"in range: nothing chatters up to 0.1 mm .* take depths up to ([\d.]+) mm", none.none_in_range)
+    assert found is not None
+    assert none.report().headline.endswith(none.none_in_range)
+    ax = none.plot()
+    assert [text.get_text().replace("\n", " ") for text in ax.texts] == [none.none_in_range]
+    pyplot.close(ax.figure)
+    some = asked(("9000rpm", "11000rpm"), "0mm", f"{found[1]}mm")
+    assert some.lobes
+    assert some.none_in_range == ""
+    below = asked(("14500rpm", "18000rpm"), "3mm", "4mm")
+    assert "no lobe in range: chatter begins below 3 mm; let the depths begin at 0 mm" in str(below.report())

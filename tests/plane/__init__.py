@@ -1,0 +1,1 @@
+"""Charts and bands over a plane of two parameters."""

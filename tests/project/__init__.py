@@ -1,0 +1,1 @@
+"""The repository: layers, words, site, examples in prose, release, the suite itself."""

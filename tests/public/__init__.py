@@ -1,0 +1,1 @@
+"""What holds for every public callable and every result."""

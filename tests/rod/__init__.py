@@ -1,0 +1,1 @@
+"""The rod: what it is asked, and its large motion."""

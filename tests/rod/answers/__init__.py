@@ -1,0 +1,1 @@
+"""Ranges, stress, sliding of a rod."""

@@ -1,0 +1,1 @@
+"""Loads on a rod: waves, records, resonances."""

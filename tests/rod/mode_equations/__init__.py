@@ -1,0 +1,1 @@
+"""Equations of the modes at finite angles."""

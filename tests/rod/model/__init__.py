@@ -1,0 +1,1 @@
+"""What a rod is made of: beams, pipes, sizes, formulas."""

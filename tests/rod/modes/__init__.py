@@ -1,0 +1,1 @@
+"""Kinds of modes: coupled, bent, noisy, of several sections."""

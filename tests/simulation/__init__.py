@@ -1,0 +1,1 @@
+"""The simulated rod: its physics, its runs, its files."""

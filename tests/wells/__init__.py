@@ -1,0 +1,1 @@
+"""Wells: surveys, paths, drag, reach, surface weights."""
