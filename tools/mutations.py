@@ -16,6 +16,7 @@ import json
 import os
 import random
 import re
+import resource
 import shutil
 import signal
 import subprocess
@@ -33,8 +34,8 @@ ALWAYS = ("agreement/test_equation_and_system.py", "agreement/test_agreement.py"
 LEFT_OUT = ("project/", "studies/", "simulation/test_arithmetic.py", "_util/test_compile.py")
 """Tests of the text of the code, which any change fails; of the study; and slow ones of compiling."""
 
-SECONDS = 40.0
-"""Processor time of the tests of a mutation; a process that takes three times as long on the clock is stopped."""
+SECONDS = 30.0
+"""Processor time of the tests of a mutation; a process that takes three times as long, or waits so long, is stopped."""
 
 FLIPPED: dict[type, type] = {
     ast.Lt: ast.Gt, ast.Gt: ast.Lt, ast.LtE: ast.GtE, ast.GtE: ast.LtE, ast.Eq: ast.NotEq, ast.NotEq: ast.Eq,
@@ -161,8 +162,13 @@ def likely(mutation: Mutation, root: Path) -> list[str]:
     return [f"tests/{file}" for file in dict.fromkeys([*best, *ALWAYS])]
 
 
+def pytest_configure() -> None:
+    """Stop this process, whatever it computes, when it has taken too long (this module is a plugin where tests run)."""
+    resource.setrlimit(resource.RLIMIT_CPU, (round(3 * SECONDS), round(3 * SECONDS) + 1))
+
+
 def pytest_collection_modifyitems(items: list[Any]) -> None:
-    """Let the files take turns of ten tests, the likelier ones more (this module is a plugin where tests run)."""
+    """Let the files take turns of ten tests, the likelier ones more."""
     rank = {path: number for number, path in enumerate(dict.fromkeys(item.path for item in items), 3)}
     count = dict.fromkeys(rank, 0)
     turn = {}
@@ -196,7 +202,7 @@ def tried(mutation: Mutation, tree: Path) -> dict[str, Any]:
         with log.open("wb") as file:
             run = subprocess.Popen(command, cwd=copy, env=environment, stdout=file, stderr=file, start_new_session=True)
             try:
-                status = run.wait(3 * SECONDS)
+                status = run.wait(20 * SECONDS)
             except subprocess.TimeoutExpired:
                 status = -1
             with contextlib.suppress(ProcessLookupError):
@@ -208,7 +214,9 @@ def tried(mutation: Mutation, tree: Path) -> dict[str, Any]:
                 os.link(kept, own)
     passed = re.findall(r"(\d+) passed", said[-300:])
     noticed = re.findall(r"^(?:FAILED|ERROR) (.+?)(?: - |$)", said, re.MULTILINE)
-    outcome = "timed out" if status == -1 else "killed" if noticed or status not in (0, 2) else "survived"
+    outcome = (
+        "timed out" if status in (-1, -signal.SIGXCPU) else "killed" if noticed or status not in (0, 2) else "survived"
+    )
     by = noticed[0] if noticed else said[-300:] if outcome == "killed" else ""
     seconds = round(time.monotonic() - begun, 1)
     return {"outcome": outcome, "by": by, "passed": int(passed[0]) if passed else 0, "seconds": seconds}
