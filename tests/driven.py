@@ -10,12 +10,12 @@ import numpy as np
 
 import floquetrod as fr
 from floquetrod._util.compilation import compiled
-from floquetrod.rod.answers.mean_force import friction_along
 from floquetrod.simulation.driving import Driving
 from floquetrod.simulation.kernels import rod_step
 from floquetrod.simulation.rod_mesh import DiscreteRod
 from floquetrod.simulation.rod_record import FIRST, Physics
 from floquetrod.simulation.step_size import critical_time_step
+from tests.inside import friction_along
 
 SHORT = fr.Rod(youngs_modulus=68e9, density=6500.0, radius=0.8e-3, length=0.4, channel_radius=4.7e-3)
 """A piece of the reference rod, shorter than half a wave of its critical mode."""

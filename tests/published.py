@@ -22,8 +22,8 @@ from scipy.optimize import brentq
 
 import floquetrod as fr
 from benchmarks import drag
+from floquetrod.rod import EndConditions
 from floquetrod.rod.model import beam
-from floquetrod.rod.model.beam import EndConditions
 from tests.system_cases import blade, coupled
 
 

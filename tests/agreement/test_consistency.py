@@ -10,7 +10,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 import floquetrod as fr
-from floquetrod.rod.answers.stability_intervals import StabilityInterval
+from floquetrod.rod import StabilityInterval
 from tests.fuzz import consistency, rods
 from tests.strategies import decades, numbers
 

@@ -21,7 +21,7 @@ import pytest
 import floquetrod as fr
 from floquetrod import cli
 from floquetrod.ensembles import stores_disk, stores_zarr
-from floquetrod.rod.answers.stability_intervals import StabilityInterval
+from floquetrod.rod import StabilityInterval
 from tests.conftest import SEED
 from tests.fuzz import (
     apart,

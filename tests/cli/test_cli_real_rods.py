@@ -15,9 +15,8 @@ import pytest
 from matplotlib import pyplot
 
 import floquetrod as fr
-from floquetrod import cli
+from floquetrod import AxialWave, cli
 from floquetrod.floquet.multipliers import resonance_names
-from floquetrod.rod.loads.load import AxialWave
 from tests.conftest import DEEP
 
 mpl.use("Agg")

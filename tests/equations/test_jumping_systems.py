@@ -207,10 +207,7 @@ def test_certified(name: str) -> None:
 @pytest.mark.parametrize("name", ["square", "ramps", pytest.param("waves", marks=pytest.mark.slow), "first order"])
 def test_enclosed_maps_hold_the_true_one(name: str) -> None:
     """The trace does not depend on the coordinates that a proof chooses."""
-    from floquetrod.floquet.proof.balls import Doubles
-    from floquetrod.floquet.proof.integers import Integers
-    from floquetrod.floquet.proof.system_flow import monodromy
-    from floquetrod.floquet.proof.system_numbers import system_problem
+    from tests.inside import Doubles, Integers, monodromy, system_problem
 
     system = MADE[name]
     with mpmath.workdps(40):

@@ -25,7 +25,7 @@ from floquetrod.explorer.view import View
 from floquetrod.floquet.margins import Margin
 from floquetrod.floquet.status import STATUS_CODES
 from floquetrod.plotting import explorer_panels as panels
-from floquetrod.rod.loads.load import Loads
+from tests.inside import Loads
 
 mpl.use("Agg")
 ROD = fr.Rod.nitinol()

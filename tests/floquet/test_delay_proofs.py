@@ -12,10 +12,9 @@ import pytest
 import floquetrod as fr
 from floquetrod.equations.pieces import Varying
 from floquetrod.floquet.proof import delay_counts
-from floquetrod.floquet.proof.balls import Doubles
-from floquetrod.floquet.proof.integers import Integers
 from tests.conftest import depth
 from tests.floquet.test_delays import delayed_mathieu, hayes
+from tests.inside import Doubles, Integers
 
 SLOT = fr.Milling(x=[fr.ToolMode("922Hz", 0.011, "39.93g")], teeth=2, tangential="600MPa", radial="200MPa")
 

@@ -10,12 +10,10 @@ import numpy as np
 import pytest
 
 import floquetrod as fr
-from floquetrod.floquet.proof.balls import Doubles
 from floquetrod.floquet.proof.family_boxes import corners
-from floquetrod.floquet.proof.system_flow import monodromy
-from floquetrod.floquet.proof.system_numbers import system_problem
 from tests.conftest import depth
 from tests.equations.test_new_equation import Trapezoid
+from tests.inside import Doubles, monodromy, system_problem
 
 
 def coupled(stiffness: float, forcing: float, damping: float = 0.0, period: float = 5.0) -> fr.HillSystem:

@@ -9,12 +9,12 @@ import numpy as np
 import pytest
 
 import floquetrod as fr
-from floquetrod.floquet.methods.system_monodromy import solved_many
 from floquetrod.floquet.multipliers import fastest_solutions
 from floquetrod.floquet.multipliers.fastest_solutions import FastSolutions, fast_solutions
 from floquetrod.rod.modes import coupled_verdict
 from tests.conftest import depth
 from tests.coupled_cases import TUBING
+from tests.inside import solved_many
 
 
 def many(seed: int, damping: float, strongest: float = 0.3, n: int = 220) -> fr.HillSystem:

@@ -10,9 +10,9 @@ from hypothesis import assume, given, settings
 
 import floquetrod as fr
 from floquetrod._util.compilation import compiled
-from floquetrod.floquet.kernels.leapfrog_map import leapfrog_map_fill
-from floquetrod.floquet.methods.leapfrog import leapfrog
+from floquetrod.methods import leapfrog
 from tests.conftest import JIT, depth
+from tests.inside import leapfrog_map_fill
 from tests.strategies import decades, hills, mathieus, square_waves
 
 EQUATIONS = [

@@ -13,11 +13,9 @@ from hypothesis import strategies as st
 
 import floquetrod as fr
 from floquetrod.floquet.mathieu_chains.truncated_determinant import _log_product
-from floquetrod.floquet.methods.determinant import determinant
-from floquetrod.floquet.methods.reference import discriminant_excess
-from floquetrod.floquet.methods.spectral import spectral
 from floquetrod.floquet.registry import METHODS, applicable, is_approximation, service
 from floquetrod.floquet.verdict import Cost, Interval, Verdict, classify
+from floquetrod.methods import determinant, discriminant_excess, spectral
 from tests.conftest import depth
 from tests.strategies import decades, hills, mathieus, near_boundary_points, numbers, square_waves
 

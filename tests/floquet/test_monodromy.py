@@ -16,9 +16,9 @@ from hypothesis import strategies as st
 
 import floquetrod as fr
 from floquetrod._util.compilation import compiled
-from floquetrod.floquet.kernels.taylor import advance
-from floquetrod.floquet.methods.monodromy import monodromy, monodromy_matrix
+from floquetrod.methods import monodromy, monodromy_matrix
 from tests.conftest import depth, needs_jit
+from tests.inside import advance
 from tests.strategies import hills, mathieus, square_waves
 
 pytestmark = pytest.mark.kernels

@@ -16,14 +16,14 @@ from hypothesis import assume, example, given, settings
 from hypothesis import strategies as st
 
 from floquetrod.equations import Equation, FrictionalMathieu, Hill, HillSystem, Mathieu, Meissner
-from floquetrod.floquet.methods.reference import discriminant_excess, reference
 from floquetrod.floquet.proof import certify
 from floquetrod.floquet.proof.exact_equation import problem_of
-from floquetrod.floquet.proof.many_digits import arithmetic, cosh_sinhc, pi
 from floquetrod.floquet.proof.scalar import by_trace
 from floquetrod.floquet.proof.trace import enclose_trace
 from floquetrod.floquet.verdict import Interval
+from floquetrod.methods import discriminant_excess, reference
 from tests.conftest import depth
+from tests.inside import arithmetic, cosh_sinhc, pi
 from tests.strategies import (
     hills,
     mathieu_points,

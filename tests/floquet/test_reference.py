@@ -15,7 +15,8 @@ from hypothesis import strategies as st
 
 import floquetrod as fr
 from floquetrod.equations import Equation, Hill, Mathieu, Meissner
-from floquetrod.floquet.methods.reference import DiscriminantExcess, TooMuchWork, discriminant_excess, reference
+from floquetrod.floquet.methods.reference import DiscriminantExcess, TooMuchWork
+from floquetrod.methods import discriminant_excess, reference
 from tests.conftest import depth
 from tests.strategies import hills, mathieus, near_boundary_points, numbers, square_waves
 

@@ -19,11 +19,10 @@ from hypothesis import strategies as st
 import floquetrod as fr
 from floquetrod import methods
 from floquetrod._util.interval import PI, RealInterval
-from floquetrod.floquet.proof.region_proof import RegionProof
-from floquetrod.rod.answers.rod_box import RodBox
-from floquetrod.rod.loads.load import kind
+from floquetrod.results import RegionProof
 from tests.conftest import depth
 from tests.coupled_cases import by_name
+from tests.inside import RodBox, kind
 
 ROD = fr.Rod.nitinol()
 FORCE = ROD.critical_force

@@ -17,14 +17,13 @@ import floquetrod as fr
 from floquetrod._util.compilation import compiled
 from floquetrod.floquet.kernels import mathieu_discriminant
 from floquetrod.floquet.kernels.mathieu_discriminant import undamped_growth
-from floquetrod.floquet.mathieu_chains.mathieu_counts import count_below
-from floquetrod.floquet.methods.reference import discriminant_excess
 from floquetrod.floquet.proof.kernels import double_intervals, regions, regions_boxes, regions_excess, regions_modes
 from floquetrod.floquet.proof.kernels.double_intervals import Pair
 from floquetrod.floquet.status import STABLE, UNDECIDED, UNSTABLE
-from floquetrod.rod.model.constants import mode_constants
+from floquetrod.methods import discriminant_excess
 from tests.conftest import JIT, depth, needs_jit
 from tests.coupled_cases import by_name
+from tests.inside import count_below, mode_constants
 
 pytestmark = pytest.mark.kernels
 in_python_anyway = pytest.mark.skipif(not JIT, reason="calls kernels as the Python they are with the compiler, too")

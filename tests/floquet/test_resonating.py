@@ -13,8 +13,8 @@ from floquetrod.equations.hill_system import restricted
 from floquetrod.equations.matrices import mirrored
 from floquetrod.floquet.multipliers.resonating_modes import resonating
 from floquetrod.floquet.status import STATUS_CODES
-from floquetrod.rod.loads.load import Load, Loads
 from tests.coupled_cases import TUBING
+from tests.inside import Load, Loads
 
 FREQUENCIES = np.concatenate([[1.0, 2.0, 3.0], np.linspace(7.0, 8.0, 9)])
 COUNT = len(FREQUENCIES)

@@ -9,8 +9,7 @@ import pytest
 from hypothesis import given, settings
 
 import floquetrod as fr
-from floquetrod.floquet.methods.monodromy import monodromy
-from floquetrod.floquet.methods.square_wave import square_wave
+from floquetrod.methods import monodromy, square_wave
 from tests.conftest import depth
 from tests.strategies import square_waves
 

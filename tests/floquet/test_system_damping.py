@@ -9,7 +9,6 @@ import pytest
 
 import floquetrod as fr
 from floquetrod.floquet.multipliers import stabilising_damping as search
-from floquetrod.floquet.multipliers.system_stability import SystemStability
 from floquetrod.mathieu.tongue_intervals import damping_to_stabilise as exactly
 from tests.conftest import depth
 
@@ -59,7 +58,7 @@ def test_coupled_equations_grow_below_and_decay_above(w: float, rates: tuple[flo
 def test_mass_damping_and_rotation_count(period: float) -> None:
     mass, damping = np.array([[2.0, 0.5], [0.5, 1.0]]), np.diag([0.01, 0.0])
 
-    def at(more: float) -> SystemStability:
+    def at(more: float) -> fr.results.Stability:
         turning = [[0.0, 0.4], [-0.4, 0.0]]
         total = damping + 2.0 * more * mass
         stiffness, waves = np.diag([1.0, 3.0]), [4.0 * FORCING]

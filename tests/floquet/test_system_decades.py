@@ -136,7 +136,7 @@ def test_a_number_beyond_its_error_is_a_contradiction(monkeypatch: pytest.Monkey
 
     compute = comparison.run
 
-    def off(method: str, problem: fr.PeriodicSystem) -> fr.SystemStability:
+    def off(method: str, problem: fr.PeriodicSystem) -> fr.results.Stability:
         result = compute(method, problem)
         moved = tuple(exponent + 1e-3 for exponent in result.exponents)
         return replace(result, exponents=moved) if method == "segmented" else result

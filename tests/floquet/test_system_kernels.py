@@ -13,9 +13,9 @@ from numpy.typing import NDArray
 
 from floquetrod._util import compilation
 from floquetrod.floquet.kernels import system_even, system_maps, system_series
-from floquetrod.floquet.kernels.system_even import half_period_map, pair_numbers
 from floquetrod.floquet.kernels.system_maps import product, segment_maps
 from tests.conftest import depth, needs_jit
+from tests.inside import half_period_map, pair_numbers
 
 pytestmark = pytest.mark.kernels
 

@@ -9,10 +9,10 @@ from scipy.integrate import solve_ivp
 
 import floquetrod as fr
 from floquetrod.floquet.kernels import system_even_large, system_large
-from floquetrod.floquet.kernels.system_even import half_period_map
 from floquetrod.floquet.kernels.system_maps_large import period_map_large
 from floquetrod.floquet.multipliers import spectra
 from floquetrod.floquet.registry import methods_for
+from tests.inside import half_period_map
 
 
 def string(

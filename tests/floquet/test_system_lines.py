@@ -11,11 +11,10 @@ import floquetrod as fr
 from floquetrod._util.arrays import norms
 from floquetrod.floquet.multipliers import verdicts_along_lines
 from floquetrod.floquet.multipliers.verdicts_along_lines import SystemLine, maps_along, verdicts_along
-from floquetrod.rod.loads.load import Loads, Quantity
-from floquetrod.rod.mode_equations.coupled_matrices import CoupledModes
 from floquetrod.systems.batch_verdicts import verdicts
 from tests.conftest import depth
 from tests.coupled_cases import known
+from tests.inside import CoupledModes, Loads, Quantity
 from tests.system_cases import beam
 
 PERIOD = 3.0

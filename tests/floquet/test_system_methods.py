@@ -21,12 +21,10 @@ from floquetrod.floquet.methods.system_reference import reference
 from floquetrod.floquet.methods.system_segmented import segmented
 from floquetrod.floquet.methods.system_spectral import spectral
 from floquetrod.floquet.multipliers import precise_maps
-from floquetrod.floquet.proof.balls import Doubles
-from floquetrod.floquet.proof.system_counts import Counts, angles_between, count
-from floquetrod.floquet.proof.system_numbers import system_problem
 from floquetrod.floquet.registry import applicable, methods_for, service
 from tests.conftest import depth
 from tests.fuzz import neutral
+from tests.inside import Counts, Doubles, angles_between, count, system_problem
 from tests.strategies import numbers, systems
 from tests.system_cases import CASES, coupled, wide
 

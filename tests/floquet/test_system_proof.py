@@ -18,19 +18,15 @@ from scipy.linalg import expm
 
 import floquetrod as fr
 from floquetrod.equations import HillSystem, PeriodicSystem
-from floquetrod.floquet.proof.balls import Doubles
 from floquetrod.floquet.proof.inertia import inertia
-from floquetrod.floquet.proof.integers import Integers
 from floquetrod.floquet.proof.krein import krein_sums
-from floquetrod.floquet.proof.many_digits import TooMuchWork, Unresolved
-from floquetrod.floquet.proof.proof import Proof
-from floquetrod.floquet.proof.system_counts import _last, _matrix, _truncation, count
+from floquetrod.floquet.proof.system_counts import _last, _matrix, _truncation
 from floquetrod.floquet.proof.system_discs import enclose_eigenvalues
-from floquetrod.floquet.proof.system_flow import monodromy
-from floquetrod.floquet.proof.system_numbers import system_problem
 from floquetrod.floquet.proof.system_problem import canonical_form
 from floquetrod.floquet.proof.systems import _attempt, certify_system
+from floquetrod.results import Proof
 from tests.conftest import depth
+from tests.inside import Doubles, Integers, TooMuchWork, Unresolved, count, monodromy, system_problem
 
 ARITHMETICS = [Doubles(), Integers(12), Integers(40)]
 by_arithmetic = pytest.mark.parametrize("arithmetic", ARITHMETICS, ids=["doubles", "12 digits", "40 digits"])

@@ -14,10 +14,10 @@ from hypothesis import given, settings
 import floquetrod as fr
 from floquetrod._util.compilation import compiled
 from floquetrod.floquet.mathieu_chains import mathieu_counts
-from floquetrod.floquet.mathieu_chains.mathieu_counts import count_below
-from floquetrod.floquet.methods.reference import reference
 from floquetrod.mathieu import array_functions
+from floquetrod.methods import reference
 from tests.conftest import JIT, depth, needs_jit
+from tests.inside import count_below
 from tests.strategies import mathieu_points, near_boundary_points
 
 pytestmark = pytest.mark.kernels

@@ -15,10 +15,11 @@ from hypothesis import strategies as st
 
 import floquetrod as fr
 from floquetrod import units
-from floquetrod.floquet.multipliers.resonance_names import Resonance
 from floquetrod.mathieu.tongue_intervals import damping_to_stabilise
-from floquetrod.rod.answers.stability_intervals import ListedRanges, UnstableBand, last_digit
+from floquetrod.rod import UnstableBand
+from floquetrod.rod.answers.stability_intervals import ListedRanges, last_digit
 from tests.conftest import depth
+from tests.inside import Resonance
 
 ROD = fr.Rod.nitinol()
 FCR = ROD.critical_force

@@ -17,8 +17,8 @@ from floquetrod._util import compilation
 from floquetrod.mathieu import chart
 from floquetrod.plane import Band, Bands, Chart
 from floquetrod.rod.kernels import independent_modes as rod_modes
-from floquetrod.rod.model.constants import SLOW_GROWTH, mode_constants
 from tests.conftest import depth
+from tests.inside import SLOW_GROWTH, mode_constants
 
 Floats = NDArray[np.float64]
 

@@ -21,8 +21,8 @@ import pytest
 import sympy
 
 import floquetrod as fr
-from floquetrod.floquet.methods.monodromy import monodromy_matrix
 from floquetrod.floquet.verdict import FloquetVerdict
+from floquetrod.methods import monodromy_matrix
 from tests.conftest import depth
 from tests.fuzz.junk import LONGEST_MESSAGE, Endless, Raising, loop, objects, tree
 

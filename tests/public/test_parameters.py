@@ -22,14 +22,12 @@ from floquetrod.cli.main import main
 from floquetrod.ensembles.varied_axes import names_of
 from floquetrod.milling.cutter import CUTTER, TOOL_MODE
 from floquetrod.parameter import NAMES, REQUIRED, Parameter, Subsystem, require_known
-from floquetrod.rod.answers.rod_box import RodBox
-from floquetrod.rod.loads.load import LOAD
 from floquetrod.rod.loads.tool import TOOL
 from floquetrod.rod.model import parameters
-from floquetrod.rod.model.parameters import GIVEN, INSTEAD, NUMBERS, ROD
 from floquetrod.rod.model.wellhead import WELLHEAD, Wellhead
 from floquetrod.units import units_of
 from tests.conftest import needs_jit
+from tests.inside import GIVEN, INSTEAD, LOAD, NUMBERS, ROD, RodBox
 
 TABLES: dict[type, Mapping[str, Parameter]] = {
     fr.Rod: ROD,

@@ -15,10 +15,9 @@ import pytest
 
 import floquetrod as fr
 from floquetrod import units
-from floquetrod.rod.loads.load import LOAD, QUANTITIES
-from floquetrod.rod.model.parameters import GIVEN
 from floquetrod.units import units_of
 from tests.fuzz.calls import Call, table
+from tests.inside import GIVEN, LOAD, QUANTITIES
 from tests.units.test_quantities import Measured
 
 HAS_PINT = importlib.util.find_spec("pint") is not None

@@ -11,9 +11,8 @@ import numpy as np
 import pytest
 
 import floquetrod as fr
-from floquetrod.rod.loads.axial import wave_ratio
 from floquetrod.rod.model.course import weight_gained
-from floquetrod.rod.model.data import wavenumber
+from tests.inside import wave_ratio, wavenumber
 
 pytestmark = [
     pytest.mark.slow,

@@ -10,7 +10,7 @@ import pytest
 
 import floquetrod as fr
 from floquetrod.rod import kicked_motion
-from floquetrod.rod.mode_equations.one_mode import Orbit
+from tests.inside import Orbit
 
 ROD = fr.Rod.nitinol().replace(damping_rate=3.0)
 CRITICAL = ROD.critical_force

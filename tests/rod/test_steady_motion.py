@@ -12,9 +12,8 @@ from benchmarks.large_motion import largest_simulated
 from floquetrod.rod import kicked_motion, large_orbits
 from floquetrod.rod import motion as motions
 from floquetrod.rod.large_orbits import orbits_of
-from floquetrod.rod.loads.load import with_waves
 from floquetrod.rod.mode_equations import many_orbits
-from floquetrod.rod.mode_equations.large_motion import LargeMotion, Shapes
+from tests.inside import LargeMotion, Shapes, with_waves
 
 ROD = fr.Rod.nitinol().replace(damping_rate=3.0)
 SHORT = ROD.replace(length=1.2)

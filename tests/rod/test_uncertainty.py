@@ -14,9 +14,9 @@ from scipy import special, stats
 
 import floquetrod as fr
 from floquetrod.rod.distributions import Sampling, quantiles
-from floquetrod.rod.model.constants import ModeConstants
 from floquetrod.rod.uncertainty import SobolIndex, sobol_indices
 from tests.conftest import depth
+from tests.inside import ModeConstants
 
 ROD = fr.Rod.nitinol()
 UNIT = ROD.critical_force

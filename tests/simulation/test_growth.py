@@ -9,9 +9,9 @@ import pytest
 from scipy.integrate import solve_ivp
 
 import floquetrod as fr
-from floquetrod.rod.loads.axial import wave_ratio
 from floquetrod.simulation.growth import fit_growth
 from floquetrod.simulation.model_error import model_errors
+from tests.inside import wave_ratio
 
 ROD = fr.Rod.nitinol()
 LOAD = fr.AxialLoad(mean=0.2 * ROD.critical_force, amplitude=0.2 * ROD.critical_force, frequency=150.0)

@@ -15,12 +15,12 @@ from scipy.linalg import eigh
 import floquetrod as fr
 from floquetrod.simulation.driving import Driving
 from floquetrod.simulation.kernels import rod_step
-from floquetrod.simulation.kernels.well_anchors import beside
 from floquetrod.simulation.lumping import bending_stencil
 from floquetrod.simulation.rod_mesh import DiscreteRod
 from floquetrod.simulation.rod_record import FIRST
 from floquetrod.simulation.step_size import SAFETY, critical_time_step
 from tests.driven import frequencies, stiffness
+from tests.inside import beside
 
 Floats = NDArray[np.float64]
 

@@ -15,9 +15,9 @@ import floquetrod as fr
 from floquetrod._util.compilation import compiled
 from floquetrod.simulation.growth import fit_growth
 from floquetrod.simulation.kernels import rod_step
-from floquetrod.simulation.kernels.well_anchors import beside
 from floquetrod.simulation.rod_record import FIRST
 from floquetrod.wells.path import WellPath
+from tests.inside import beside
 
 ROD = fr.Rod.nitinol()
 UNIT = ROD.critical_force

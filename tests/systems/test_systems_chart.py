@@ -13,8 +13,8 @@ import pytest
 from matplotlib import pyplot
 
 import floquetrod as fr
-from floquetrod.floquet.methods.system_half_period import half_period
 from floquetrod.systems import batch_verdicts
+from tests.inside import half_period
 
 mpl.use("Agg")
 

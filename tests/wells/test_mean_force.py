@@ -12,10 +12,10 @@ from hypothesis import strategies as st
 
 import floquetrod as fr
 from benchmarks import drag
-from floquetrod.rod.answers.mean_force import drag_of
 from floquetrod.wells import strings
 from floquetrod.wells.drag import CHECKED, FAST, SOUGHT
 from tests.conftest import depth
+from tests.inside import drag_of
 
 pytestmark = pytest.mark.filterwarnings("ignore::floquetrod.PlausibilityWarning")
 

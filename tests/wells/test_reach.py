@@ -20,13 +20,11 @@ from floquetrod import units
 from floquetrod.plotting.reach_plot import draw_lower_end, draw_wall, draw_well
 from floquetrod.rod.answers import pushing, string_reach
 from floquetrod.rod.answers.growth_along import growth_along
-from floquetrod.rod.answers.mean_force import drag_of
-from floquetrod.rod.answers.sliding import damping_across
-from floquetrod.rod.answers.stress_along import stress_along
 from floquetrod.rod.answers.string_reach import far
 from floquetrod.units import AnswerUnits
 from floquetrod.wells.drag import Drag, WellGeometry
 from tests.conftest import depth as depth_of_draws
+from tests.inside import damping_across, drag_of, stress_along
 
 TUBING = fr.Rod.catalogue("2.00x0.156", bore="4.778in", length=1.0, fluid_inside=1e3, fluid_outside=1e3)
 WELL = fr.WellPath([0.0, 1000.0, 1450.0, 4000.0], ["0deg", "0deg", "90deg", "90deg"])

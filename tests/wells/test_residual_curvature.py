@@ -13,8 +13,8 @@ from scipy.optimize import lsq_linear
 
 import floquetrod as fr
 from floquetrod import cli
-from floquetrod.rod.answers.mean_force import drag_of
 from tests.conftest import depth
+from tests.inside import drag_of
 
 PIPE = fr.Rod.catalogue("2.00x0.156 CT90", bore="4.778in", length=1.0, fluid_inside=1e3, fluid_outside=1e3)
 BENT = PIPE.replace(residual_curvature=0.1)

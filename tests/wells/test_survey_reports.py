@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 
 import floquetrod as fr
 from floquetrod.cli.main import main
-from floquetrod.rod.model.rod_file import SURVEY_KEYS
+from tests.inside import SURVEY_KEYS
 
 FILES = Path(__file__).parents[1] / "data" / "surveys"
 WELL = fr.WellPath([0.0, 500.0, 800.0, 1400.0], ["0deg", "0.4deg", "24deg", "88deg"], np.radians([40, 40, 42, 47]))

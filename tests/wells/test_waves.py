@@ -10,12 +10,12 @@ import pytest
 
 import floquetrod as fr
 from floquetrod._util.compilation import compiled
-from floquetrod.rod.answers.mean_force import drag_of
 from floquetrod.wells import strings
 from floquetrod.wells.drag import CHECKED, FAST, TRIED, Fineness
 from floquetrod.wells.kernels import shaken_march, tool_wave
 from floquetrod.wells.kernels.wall_contact import LOCKED
 from floquetrod.wells.shaken_string import ShakenString
+from tests.inside import drag_of
 
 TUBING = fr.Rod.catalogue("2.00x0.156", bore="4.778in", length=1.0, fluid_inside=1e3, fluid_outside=1e3)
 WEIGHT = TUBING.weight_per_length

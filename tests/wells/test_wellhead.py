@@ -15,9 +15,9 @@ from hypothesis import strategies as st
 
 import floquetrod as fr
 from floquetrod import cli
-from floquetrod.rod.answers.stress_along import stress_of
 from floquetrod.wells.drag import MOTIONS
 from tests.conftest import depth
+from tests.inside import stress_of
 
 pytestmark = pytest.mark.filterwarnings("ignore::floquetrod.PlausibilityWarning")
 

@@ -11,14 +11,13 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import floquetrod as fr
-from floquetrod.floquet.methods.reference import reference
 from floquetrod.mathieu import tongue_intervals
 from floquetrod.mathieu.tongue_intervals import along_amplitude
-from floquetrod.rod.model.constants import SLOW_GROWTH
-from floquetrod.rod.model.data import wavenumber
+from floquetrod.methods import reference
 from tests.conftest import depth
 from tests.fuzz import ranges as ranges_attack
 from tests.fuzz import rods
+from tests.inside import SLOW_GROWTH
 
 ROD = fr.Rod.nitinol()
 FCR = ROD.critical_force
@@ -315,7 +314,7 @@ def test_critical_values() -> None:
 
 def _static(mode: int) -> float:
     """Mean force that buckles a mode without vibration."""
-    w = wavenumber(ROD, mode)
+    w = mode * math.pi / ROD.length
     return ROD.flexural_rigidity * w**2 + ROD.mass_per_length * ROD.pendulum_frequency**2 / w**2
 
 

@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from floquetrod.rod.answers.sliding import damping_across, least_speed
+from tests.inside import damping_across, least_speed
 
 SLIDING = 0.05
 

@@ -17,11 +17,10 @@ import floquetrod as fr
 from floquetrod import cli
 from floquetrod._util import waiting
 from floquetrod.rod.loads import axial
-from floquetrod.rod.loads.load import FAR_ENDS, Loads
 from floquetrod.rod.mode_equations import coupled_matrices as coupled
-from floquetrod.rod.mode_equations.coupled_matrices import CoupledModes, modes_needed, up_to_resonance
 from floquetrod.rod.modes import coupled_verdict as coupled_stability
 from floquetrod.rod.modes import sampled_ranges
+from tests.inside import FAR_ENDS, CoupledModes, Loads, modes_needed, up_to_resonance
 
 TUBING = fr.Rod.catalogue("2.00x0.156 CT90", bore="4.778in", length=60.0)
 LONG = TUBING.replace(length=600.0)

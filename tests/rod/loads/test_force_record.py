@@ -20,8 +20,8 @@ from scipy.optimize import least_squares
 import floquetrod as fr
 from floquetrod import units
 from floquetrod.rod.loads import record_file, record_fit, record_period
-from floquetrod.rod.model.plausibility import suspicions_of_record
 from tests.conftest import depth
+from tests.inside import suspicions_of_record
 
 OMEGA = 100.0
 PERIOD = 2.0 * math.pi / OMEGA

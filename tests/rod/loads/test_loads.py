@@ -15,8 +15,8 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 import floquetrod as fr
-from floquetrod.rod.loads.load import Load
 from floquetrod.rod.model.contact import added_mean
+from tests.inside import Load
 
 ROD = fr.Rod.nitinol()
 TUBING = fr.Rod(

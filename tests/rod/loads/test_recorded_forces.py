@@ -10,10 +10,9 @@ import numpy as np
 import pytest
 
 import floquetrod as fr
-from floquetrod.rod.modes.coupled import CoupledModel
-from floquetrod.rod.modes.mode_model import Answers
 from tests.conftest import depth
 from tests.coupled_cases import by_name
+from tests.inside import Answers, CoupledModel
 
 pytestmark = pytest.mark.filterwarnings("ignore::floquetrod.UniformForceWarning")  # third harmonics of fast loads
 

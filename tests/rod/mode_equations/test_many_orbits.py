@@ -10,9 +10,9 @@ import pytest
 
 import floquetrod as fr
 from floquetrod.rod.large_orbits import alone, orbits_alone
-from floquetrod.rod.mode_equations.large_motion import Shapes
 from floquetrod.rod.mode_equations.many_orbits import ModeLoads, smallest_stable
 from tests.conftest import depth
+from tests.inside import Shapes
 
 ROD = fr.Rod.nitinol().replace(damping_rate=3.0)
 UNIT = ROD.critical_force

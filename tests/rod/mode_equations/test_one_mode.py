@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 
 import floquetrod as fr
-from floquetrod.rod.mode_equations.large_motion import LargeMotion, Shapes
-from floquetrod.rod.mode_equations.one_mode import OneMode
+from tests.inside import LargeMotion, OneMode, Shapes
 
 ROD = fr.Rod.nitinol().replace(damping_rate=1.0)
 

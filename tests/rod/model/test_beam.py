@@ -17,10 +17,10 @@ from numpy.typing import NDArray
 from scipy.integrate import quad
 from scipy.linalg import eigh
 
+from floquetrod.rod import EndConditions
 from floquetrod.rod.model import beam
-from floquetrod.rod.model.beam import CONDITIONS, EndConditions
 
-PAIRS = [EndConditions(*pair) for pair in itertools.product(CONDITIONS, repeat=2)]
+PAIRS = [EndConditions(*pair) for pair in itertools.product(beam.CONDITIONS, repeat=2)]
 RIGID = {"free-free": 2, "free-hinged": 1, "free-guided": 1, "guided-guided": 1}
 VANISHING = {"hinged": (0, 2), "clamped": (0, 1), "guided": (1, 3), "free": (2, 3)}
 BUCKLING = {

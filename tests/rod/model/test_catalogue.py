@@ -12,8 +12,7 @@ import pytest
 
 import floquetrod as fr
 from floquetrod.cli.main import main
-from floquetrod.rod.model.catalogue import CataloguePipe, pipe, pipes, weight_in_air
-from floquetrod.rod.model.rod_file import read_rod
+from tests.inside import CataloguePipe, pipe, pipes, read_rod, weight_in_air
 
 ROOT = Path(__file__).parents[3]
 INCH = 0.0254

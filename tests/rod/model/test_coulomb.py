@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 import floquetrod as fr
-from floquetrod.rod.friction.mode_friction import mode_friction
 from tests.conftest import depth
+from tests.inside import mode_friction
 
 ROD = fr.Rod.nitinol()
 KICK = {"friction": 0.1, "kick": 0.05}

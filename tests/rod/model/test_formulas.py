@@ -12,7 +12,7 @@ import pytest
 
 import floquetrod as fr
 from floquetrod._util.interval import PI, RealInterval
-from floquetrod.rod.model.constants import ModeConstants, mode_constants
+from tests.inside import ModeConstants, mode_constants
 
 
 def random_rods(count: int, seed: int) -> list[fr.Rod]:

@@ -15,9 +15,8 @@ from hypothesis import strategies as st
 
 import floquetrod as fr
 from floquetrod.cli.main import main
-from floquetrod.rod.model.catalogue import pipes
-from floquetrod.rod.model.plausibility import may_be_hertz, suspicions_of_load, suspicions_of_rod
 from tests.conftest import depth
+from tests.inside import may_be_hertz, pipes, suspicions_of_load, suspicions_of_rod
 
 NITINOL = {"youngs_modulus": 68e9, "density": 6500, "radius": 0.8e-3, "length": 3.1, "channel_radius": 4.7e-3}
 TUBING = {"youngs_modulus": 207e9, "density": 7850, "diameter": 0.0508, "wall_thickness": 0.00396} | {

@@ -20,14 +20,12 @@ from scipy.integrate import solve_ivp
 
 import floquetrod as fr
 from floquetrod import cli
-from floquetrod.rod.friction.mode_friction import mode_friction
-from floquetrod.rod.model.course import Channel
-from floquetrod.rod.model.cross_section import CrossSection, Fluids
-from floquetrod.rod.model.parameters import ON_A_FLOOR
+from floquetrod.rod import Channel, CrossSection, Fluids
 from floquetrod.rod.model.rod_in_words import special_parameters
 from floquetrod.units import AnswerUnits
 from tests.conftest import depth
 from tests.coupled_cases import solid_like
+from tests.inside import ON_A_FLOOR, mode_friction
 
 ROOT = Path(__file__).parents[3]
 ROD = fr.Rod.nitinol()

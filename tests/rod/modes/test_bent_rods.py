@@ -15,9 +15,8 @@ from scipy.linalg import eigh, expm
 
 import floquetrod as fr
 from floquetrod import mathieu
-from floquetrod.rod.loads.load import Loads
-from floquetrod.rod.model.constants import mode_constants
 from tests.conftest import depth
+from tests.inside import Loads, mode_constants
 
 Floats = NDArray[np.float64]
 

@@ -14,13 +14,10 @@ import pytest
 import floquetrod as fr
 from floquetrod.floquet.multipliers import resonance_names
 from floquetrod.floquet.multipliers.many_verdicts import ManyVerdicts
-from floquetrod.floquet.multipliers.resonance_names import Resonance
-from floquetrod.rod.loads.load import Load, Loads
 from floquetrod.rod.mode_equations import coupled_samples
-from floquetrod.rod.mode_equations.coupled_matrices import CoupledModes, modes_needed
-from floquetrod.rod.modes.coupled import CoupledModel
 from tests.conftest import depth
 from tests.coupled_cases import by_name
+from tests.inside import CoupledModel, CoupledModes, Load, Loads, Resonance, modes_needed
 
 PLAIN = fr.Rod(207e9, 7850.0, 0.01, 9.0, 0.05)
 """A rod of few modes, m_cr = 2.4."""

@@ -12,11 +12,11 @@ import pytest
 from scipy.integrate import solve_ivp
 
 import floquetrod as fr
-from floquetrod.rod.model.data import wavenumber
 from floquetrod.rod.modes import coupled_verdict as coupled_stability
 from tests import coupled_cases as cases
 from tests import finite_differences as fd
 from tests.coupled_cases import ENDS, FORCE, TUBING, WIRE, by_name
+from tests.inside import wavenumber
 from tests.published import hanging
 
 KNOWN = cases.known()

@@ -12,10 +12,9 @@ import numpy as np
 import pytest
 
 import floquetrod as fr
-from floquetrod.rod.loads.load import Load
-from floquetrod.rod.modes.coupled import CoupledModel
 from tests.conftest import depth
 from tests.fuzz.rods import decades
+from tests.inside import CoupledModel, Load
 
 SLOW = 1e-6
 """Growth in 1/s up to which a load counts as stable, that of critical loads, ranges and margins."""

@@ -9,13 +9,11 @@ import numpy as np
 import pytest
 
 import floquetrod as fr
-from floquetrod.floquet.methods.system_half_period import half_period, solved_pairs
-from floquetrod.floquet.methods.system_monodromy import monodromy, solved_many
-from floquetrod.rod.loads.load import Load, Loads
-from floquetrod.rod.mode_equations.coupled_systems import CoupledEquations
+from floquetrod.floquet.methods.system_monodromy import monodromy
 from floquetrod.rod.modes import coupled_verdict, fewer_modes
 from floquetrod.rod.modes.fewer_modes import Fastest
 from tests.coupled_cases import TUBING
+from tests.inside import CoupledEquations, Load, Loads, half_period, solved_many, solved_pairs
 
 STRING = TUBING.replace(length=100.0, damping_rate=0.3, ends="hinged")
 UNIT = STRING.critical_force

@@ -17,11 +17,8 @@ import floquetrod as fr
 from floquetrod.explorer import maps, mode_panels
 from floquetrod.explorer.view import View
 from floquetrod.plotting.explorer_panels import UNKNOWN
-from floquetrod.rod.loads.load import AnyLoad, Load, Loads, kind
-from floquetrod.rod.mode_equations.coupled_systems import CoupledEquations
-from floquetrod.rod.model.data import wavenumber
-from floquetrod.rod.modes.coupled import CoupledModel
 from floquetrod.rod.modes.coupled_verdict import classify_coupled
+from tests.inside import AnyLoad, CoupledEquations, CoupledModel, Load, Loads, kind
 
 Floats = NDArray[np.float64]
 
@@ -109,7 +106,7 @@ def free(rod: fr.Rod) -> Floats:
 
 def per_newton(rod: fr.Rod) -> Floats:
     """Return what a newton of compression takes from them."""
-    return np.diag(wavenumber(rod, np.array([1, 2])) ** 2 / rod.mass_per_length)
+    return np.diag((np.array([1, 2]) * np.pi / rod.length) ** 2 / rod.mass_per_length)
 
 
 ROD = SprungRod(68e9, 6500.0, 0.8e-3, 0.8, 4.7e-3)

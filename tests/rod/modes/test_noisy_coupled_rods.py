@@ -9,10 +9,9 @@ import numpy as np
 import pytest
 
 import floquetrod as fr
-from floquetrod.rod.loads.load import Loads
-from floquetrod.rod.modes.mode_model import Answers, ModeModel
 from floquetrod.rod.modes.noisy_coupled import NoisyCoupledModel
 from tests.conftest import depth
+from tests.inside import Answers, Loads, ModeModel
 
 ROD = fr.Rod.nitinol().replace(damping_rate=1.0)
 CLAMPED = ROD.replace(ends="clamped")

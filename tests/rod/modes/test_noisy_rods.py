@@ -15,11 +15,11 @@ import pytest
 import floquetrod as fr
 from floquetrod.cli import main
 from floquetrod.equations.batches import pick
-from floquetrod.rod.loads.load import Loads, load_from_dict, scaled_noise
 from floquetrod.rod.mode_equations.noisy_equations import NoisyModes
 from floquetrod.rod.modes.noisy_verdict import NoisyModel
 from tests.conftest import depth
 from tests.coupled_cases import by_name
+from tests.inside import Loads, load_from_dict, scaled_noise
 
 ROD = fr.Rod.nitinol().replace(damping_rate=1.0)
 FCR = ROD.critical_force

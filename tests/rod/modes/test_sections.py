@@ -13,8 +13,8 @@ import numpy as np
 import pytest
 
 import floquetrod as fr
-from floquetrod.rod.mode_equations.coupled_matrices import CoupledModes
 from floquetrod.rod.model.section_basis import Profile, section_basis
+from tests.inside import CoupledModes
 
 TRUTH: list[dict[str, Any]] = json.loads((Path(__file__).parents[2] / "data" / "sections_truth.json").read_text())
 IDS = [f"{i}-{each['name']}".replace(" ", "-") for i, each in enumerate(TRUTH)]

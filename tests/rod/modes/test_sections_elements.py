@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 import floquetrod as fr
-from floquetrod.rod.model.contact import LeavesWallError
+from floquetrod import LeavesWallError
 from tests.string_elements import StringModel, part
 
 ROUNDING = 1e-11  # 1/s, of a rate that is 0 without damping

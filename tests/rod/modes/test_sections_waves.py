@@ -15,9 +15,9 @@ from scipy.optimize import brentq
 import floquetrod as fr
 from floquetrod.rod.loads import axial
 from floquetrod.rod.loads.axial_line import AxialLine, LinePiece
-from floquetrod.rod.loads.load import FAR_ENDS, Load, with_waves
 from floquetrod.rod.modes import sampled_ranges
 from tests.conftest import depth
+from tests.inside import FAR_ENDS, Load, with_waves
 
 STRING = fr.Rod(
     sections=[
