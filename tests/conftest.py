@@ -12,8 +12,9 @@ import secrets
 import signal
 import sys
 import threading
+import time
 import zlib
-from collections.abc import Generator
+from collections.abc import Callable, Generator
 from pathlib import Path
 from typing import Any
 
@@ -114,6 +115,66 @@ def rng(request: pytest.FixtureRequest) -> np.random.Generator:
     path, colons, test = request.node.nodeid.partition("::")
     name = f"tests/{Path(path).name}{colons}{test}"
     return np.random.default_rng([int(os.environ[SEED]), zlib.crc32(name.encode())])
+
+
+@pytest.fixture
+def tuned(monkeypatch: pytest.MonkeyPatch) -> Callable[..., None]:
+    """Set constants of the package for a test, by their names in `tests/seams.py`."""
+    from tests.seams import CONSTANTS
+
+    def tune(**values: Any) -> None:
+        for name, value in values.items():
+            for place in CONSTANTS[name]:
+                module, _, attribute = place.rpartition(".")
+                monkeypatch.setattr(importlib.import_module(f"floquetrod.{module}"), attribute, value)
+
+    return tune
+
+
+@pytest.fixture
+def forbidden(monkeypatch: pytest.MonkeyPatch) -> Callable[[Any, str], None]:
+    """Let a test fail that calls a function of a module or class."""
+
+    def forbid(owner: Any, name: str) -> None:
+        monkeypatch.setattr(owner, name, lambda *_, **__: pytest.fail(f"{name} was called"))
+
+    return forbid
+
+
+@pytest.fixture
+def heard(monkeypatch: pytest.MonkeyPatch) -> Callable[[Any, str], list[tuple[Any, ...]]]:
+    """Listen to a function of a module or class: return the list of the arguments of its calls, which grows."""
+
+    def hear(owner: Any, name: str) -> list[tuple[Any, ...]]:
+        calls: list[tuple[Any, ...]] = []
+        function = getattr(owner, name)
+
+        def listening(*arguments: Any, **named: Any) -> Any:
+            calls.append(arguments)
+            return function(*arguments, **named)
+
+        monkeypatch.setattr(owner, name, listening)
+        return calls
+
+    return hear
+
+
+@pytest.fixture
+def clock(monkeypatch: pytest.MonkeyPatch) -> list[float]:
+    """Stop the clock by which progress and saves go: a list of its seconds, which a test sets."""
+    seconds = [0.0]
+    monkeypatch.setattr(time, "monotonic", lambda: seconds[0])
+    return seconds
+
+
+@pytest.fixture
+def saved(monkeypatch: pytest.MonkeyPatch) -> list[Any]:
+    """Let the terminal save no figure, and return the list of those that it would have saved."""
+    from floquetrod.plotting import chart_plot
+
+    figures: list[Any] = []
+    monkeypatch.setattr(chart_plot, "save_figure", lambda figure, path: figures.append(figure))
+    return figures
 
 
 @pytest.fixture(autouse=True)

@@ -26,9 +26,9 @@ from floquetrod._util import compilation, interrupt, kernel_cache
 from floquetrod.cli import common
 from floquetrod.floquet.kernels import powers
 from floquetrod.floquet.mathieu_chains import mathieu_counts
-from floquetrod.rod.mode_equations import modal_systems
 from floquetrod.simulation import integration
 from tests.conftest import needs_jit
+from tests.seams import Tuned
 
 ROOT = Path(__file__).parents[2]
 
@@ -444,8 +444,8 @@ def test_processes_that_start_together_compile_once(tmp_path: Path) -> None:
     assert len(kept(tmp_path)) == 1
 
 
-def test_nobody_waits_for_ever_for_a_process_that_compiles(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(kernel_cache, "_LONGEST", 0.3)
+def test_nobody_waits_for_ever_for_a_process_that_compiles(tmp_path: Path, tuned: Tuned) -> None:
+    tuned(seconds_for_another_to_compile=0.3)
     asked: list[None] = []
     other = kernel_cache._locked(tmp_path / "kernel.nbc", lambda: None)
     assert other is not None
@@ -458,9 +458,9 @@ def test_nobody_waits_for_ever_for_a_process_that_compiles(tmp_path: Path, monke
 
 
 @pytest.fixture
-def willing(monkeypatch: pytest.MonkeyPatch) -> None:
+def willing(tuned: Tuned) -> None:
     """Let any work be worth a thread."""
-    monkeypatch.setattr(compilation, "_WORTH_A_THREAD", 1e-12)
+    tuned(seconds_worth_a_thread=1e-12)
 
 
 @pytest.mark.parametrize(("seconds", "workers", "shared"), [(1e-5, 8, 0), (4e-4, 8, 3), (1.0, 8, 8), (1.0, 1, 0)])
@@ -638,9 +638,9 @@ def test_the_clock_of_a_simulation_starts_when_all_is_compiled(monkeypatch: pyte
 # --- interpreted or compiled
 
 
-def test_small_work_and_little_work_are_interpreted(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_small_work_and_little_work_are_interpreted(monkeypatch: pytest.MonkeyPatch, tuned: Tuned) -> None:
     monkeypatch.setattr(compilation, "compiled", lambda function: "machine code")
-    monkeypatch.setattr(compilation, "_INTERPRETED", {})
+    tuned(interpreted_work={})
 
     def chosen(size: int, **options: int) -> str:
         return "machine code" if compilation.runner(len, size, **options) == "machine code" else "interpreted"
@@ -656,13 +656,15 @@ def test_small_work_and_little_work_are_interpreted(monkeypatch: pytest.MonkeyPa
 # --- one compilation for a kernel ------------------------------------------------------------------------------------
 
 
-def test_first_loads_of_a_rod_are_interpreted_unless_they_take_long(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_first_loads_of_a_rod_are_interpreted_unless_they_take_long(
+    monkeypatch: pytest.MonkeyPatch, tuned: Tuned
+) -> None:
     rod, rng, asked = fr.Rod.nitinol(), np.random.default_rng(1), []
     mean, amplitude = rod.critical_force * rng.uniform(0.0, 1.0, (2, 100))
-    monkeypatch.setattr(compilation, "_INTERPRETED", {})
+    tuned(interpreted_work={})
     monkeypatch.setattr(compilation, "compiled", lambda kernel: asked.append(kernel.__name__) or kernel)
-    monkeypatch.setattr(modal_systems, "is_at_hand", lambda kernel: False)
-    monkeypatch.setattr(modal_systems, "_LOADING", 100.0)
+    tuned(is_modes_kernel_on_disk=lambda kernel: False)
+    tuned(milliseconds_to_load_numba=100.0)
     rod.is_stable(mean=mean, amplitude=amplitude, frequency=150.0)
     assert not asked
     for _ in range(4):
@@ -675,13 +677,13 @@ def test_first_loads_of_a_rod_are_interpreted_unless_they_take_long(monkeypatch:
 
 @pytest.mark.slow
 @needs_jit
-def test_first_loads_of_a_rod_have_the_bits_of_machine_code(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_first_loads_of_a_rod_have_the_bits_of_machine_code(tuned: Tuned) -> None:
     rod, rng = fr.Rod.nitinol(), np.random.default_rng(1)
     mean, amplitude, frequency = np.array([[1.0], [0.6], [150.0]]) * rng.uniform(0.2, 1.0, (3, 1000))
-    monkeypatch.setattr(compilation, "_INTERPRETED", {})
+    tuned(interpreted_work={})
     answers = []
     for at_hand in (False, True):
-        monkeypatch.setattr(modal_systems, "is_at_hand", lambda kernel, answer=at_hand: answer)
+        tuned(is_modes_kernel_on_disk=lambda kernel, answer=at_hand: answer)
         answers.append(rod.growth_rate(mean=mean, amplitude=amplitude, frequency=frequency, return_mode=True))
         assert np.count_nonzero(answers[-1][0])
     assert all(map(np.array_equal, *answers))

@@ -26,6 +26,7 @@ from floquetrod.ensembles.variables import Variable
 from floquetrod.equations.system_files import read_system
 from tests.conftest import DEEP, depth
 from tests.damages import damaged, sealed, shuffled, unpacked
+from tests.seams import Forbidden, Tuned
 
 ROD = fr.Rod.nitinol()
 FCR = ROD.critical_force
@@ -231,16 +232,13 @@ def test_what_is_write_protected_is_not_replaced(tmp_path: Path, monkeypatch: py
 
 @pytest.mark.parametrize("command", ["map", "simulate", "studies"])
 def test_the_terminal_checks_before_it_computes(
-    tmp_path: Path, command: str, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+    tmp_path: Path, command: str, capsys: pytest.CaptureFixture[str], forbidden: Forbidden
 ) -> None:
     from studies import __main__, reproduction
 
-    def computed(*_: object, **__: object) -> None:
-        pytest.fail("it computed before it looked at the path")
-
-    monkeypatch.setattr(fr, "stability_map", computed)
-    monkeypatch.setattr(fr.SimulationProblem, "run", computed)
-    monkeypatch.setattr(reproduction.figures, "figure_2", computed)
+    forbidden(fr, "stability_map")
+    forbidden(fr.SimulationProblem, "run")
+    forbidden(reproduction.figures, "figure_2")
     where = tmp_path / "report.html"
     where.mkdir()
     (tmp_path / "a.npz").mkdir()
@@ -444,13 +442,13 @@ def test_headers_that_claim_terabytes_take_no_memory(tmp_path: Path, header: str
     assert peak < 10_000_000
 
 
-def test_files_that_unfold_beyond_measure_are_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_files_that_unfold_beyond_measure_are_refused(tmp_path: Path, tuned: Tuned) -> None:
     path = tmp_path / "chart.npz"
     with path.open("wb") as file:
         file.truncate(sealed_files._LARGEST + 1)
     with pytest.raises(ValueError, match=r"it has 8,589,934,593 bytes, at most"):
         fr.Chart.load(path)
-    monkeypatch.setattr(sealed_files, "_LARGEST", 1 << 20)
+    tuned(bytes_of_a_sealed_file=1 << 20)
     bomb(path, "{'descr': '|b1', 'fortran_order': False, 'shape': (4000000,)}", bytes(4_000_000))
     assert path.stat().st_size < 10_000
     with pytest.raises(ValueError, match="it holds more than 1,048,576 bytes"):

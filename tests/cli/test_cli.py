@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import io
 import json
 import math
@@ -13,6 +14,7 @@ import sys
 import threading
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import matplotlib as mpl
 import pytest
@@ -23,7 +25,7 @@ from floquetrod import cli
 from floquetrod._util import waiting
 from floquetrod.cli.main import _parser as parser
 from floquetrod.floquet.registry import applicable
-from floquetrod.plotting import chart_plot
+from tests.seams import Forbidden
 
 mpl.use("Agg")
 
@@ -459,16 +461,13 @@ def test_kicks_are_answered_in_the_unit_of_the_kick(capsys: pytest.CaptureFixtur
 
 
 def test_a_map_speaks_the_units_of_its_ranges(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], saved: list[Any]
 ) -> None:
-
-    drawn = []
-    monkeypatch.setattr(chart_plot, "save_figure", lambda axes, path: drawn.append(axes))
     load = ["--mean", "0:1.1Fcr", "--amplitude", "0.3N", "--frequency", "5:30Hz", "--mark", "0.5Fcr,10Hz"]
     out = ["--out", str(tmp_path / "map.png"), "--out", str(tmp_path / "map.npz")]
     for extra, right, top, unit in (([], 30.0, 1.1, "Hz"), (["--unit", "rpm,N"], 1800.0, 1.1 * 1.696030137, "rpm")):
         assert cli.main(["map", "--rod", "nitinol", *load, "--points", "6x5", "--pixels", *out, *extra]) == 0
-        axes = drawn.pop()
+        axes = saved.pop()
         assert axes.collections[0].get_coordinates()[-1, -1].tolist() == pytest.approx([right * 13 / 12, top * 9 / 8])
         assert axes.get_xlabel().endswith(f" / {unit}")
         (mark,) = axes.lines
@@ -546,11 +545,12 @@ def test_junk_is_one_line_that_names_option_and_value(
     text: str,
     tmp_path: Path,
     monkeypatch: pytest.MonkeyPatch,
+    forbidden: Forbidden,
     capsys: pytest.CaptureFixture[str],
 ) -> None:
     monkeypatch.chdir(tmp_path)
     Path("folder.png").mkdir()
-    monkeypatch.setattr(fr.Rod, "growth_rate", lambda *_: pytest.fail("computed before the input was checked"))
+    forbidden(fr.Rod, "growth_rate")
     line = [command, *(f"{name}={value}" for name, value in {**given, option: text}.items())]
     assert cli.main(line) == 2
     captured = capsys.readouterr()
@@ -561,7 +561,7 @@ def test_junk_is_one_line_that_names_option_and_value(
     assert list(tmp_path.iterdir()) == [tmp_path / "folder.png"]
 
 
-def test_a_word_while_a_question_takes_its_time(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_word_while_a_question_takes_its_time(clock: list[float]) -> None:
     class Screen(io.StringIO):
         def isatty(self) -> bool:
             return True
@@ -580,12 +580,10 @@ def test_a_word_while_a_question_takes_its_time(monkeypatch: pytest.MonkeyPatch)
             clock[0] += timeout or 0.0
             return len(self.seconds) == 3
 
-    clock, screen, pauses = [100.0], Screen(), Pauses()
-    monkeypatch.setattr(sys, "stderr", screen)
-    monkeypatch.setattr(waiting.time, "monotonic", lambda: clock[0])
+    clock[0], screen, pauses = 100.0, Screen(), Pauses()
     progress = waiting.Waiting("searching", "points")
     progress._left = pauses
-    with progress:
+    with contextlib.redirect_stderr(screen), progress:
         progress(1000, 4000)
         pauses.counted.set()
     assert pauses.seconds == [waiting.FIRST, waiting.EVERY, waiting.EVERY]
@@ -595,10 +593,9 @@ def test_a_word_while_a_question_takes_its_time(monkeypatch: pytest.MonkeyPatch)
     assert not any("_speak" in thread.name for thread in threading.enumerate())
 
 
-def test_no_word_in_a_file_for_the_first_seconds(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_no_word_in_a_file_for_the_first_seconds() -> None:
     silent = io.StringIO()
-    monkeypatch.setattr(sys, "stderr", silent)
-    with waiting.Waiting("searching"):
+    with contextlib.redirect_stderr(silent), waiting.Waiting("searching"):
         pass
     assert silent.getvalue() == ""
     assert not any("_speak" in thread.name for thread in threading.enumerate())

@@ -19,10 +19,10 @@ import pytest
 import floquetrod as fr
 from floquetrod import cli, units
 from floquetrod._util import waiting
-from floquetrod.cli import ensemble
 from floquetrod.ensembles.runs import Runs
 from floquetrod.ensembles.study import _INTEGERS
 from floquetrod.ensembles.varied_axes import VARIED_KINDS, names_of
+from tests.seams import Forbidden, Tuned
 
 ROOT = Path(__file__).parents[2]
 TABLES = {
@@ -184,7 +184,7 @@ def test_without_samples_there_are_no_probabilities(tmp_path: Path, capsys: pyte
 
 
 def test_a_figure_without_draws_is_refused_before_anything_runs(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], forbidden: Forbidden
 ) -> None:
     chosen = written(tmp_path, over='kick = ["10mm/s", "0.9m/s"]', run='duration = "1h"\nsegments = 60')
     store, figure, table = (str(tmp_path / name) for name in ("runs.npz", "buckling.png", "runs.csv"))
@@ -193,15 +193,13 @@ def test_a_figure_without_draws_is_refused_before_anything_runs(
     assert "or write a .csv file" in said
     assert not any(Path(name).exists() for name in (store, figure, table))
     for over in ('kick = ["10mm/s"]\nseed = [1, 2]', 'kick = {distribution = "uniform", low = 0.1, high = 0.2}'):
-        monkeypatch.setattr(fr.Study, "run", lambda *_, **__: pytest.fail("reached"))
-        with pytest.raises(pytest.fail.Exception, match="reached"):
+        forbidden(fr.Study, "run")
+        with pytest.raises(pytest.fail.Exception, match="run was called"):
             cli.main(["ensemble", written(tmp_path, over=over), "--out", figure])
 
 
-def test_long_tables_are_cut(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(ensemble, "_ROWS", 1)
+def test_long_tables_are_cut(tmp_path: Path, capsys: pytest.CaptureFixture[str], tuned: Tuned) -> None:
+    tuned(rows_of_a_printed_table=1)
     assert cli.main(["ensemble", written(tmp_path)]) == 0
     assert capsys.readouterr().out.endswith("\n  and 1 more: --json lists them all\n")
 
@@ -299,7 +297,11 @@ def test_interrupted_before_the_first_run(
 
 
 def test_progress_tells_the_time_left(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+    tmp_path: Path,
+    capsys: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
+    clock: list[float],
+    tuned: Tuned,
 ) -> None:
     """In a log there is a line after ten seconds, and one a minute at last."""
     seen: list[waiting.Waiting] = []
@@ -316,9 +318,8 @@ def test_progress_tells_the_time_left(
 
     monkeypatch.setattr(fr.Study, "run", run)
     assert cli.main(["ensemble", written(tmp_path)]) == 130
-    clock, pauses, (progress,) = [0.0], [], seen
-    monkeypatch.setattr(waiting.time, "monotonic", lambda: clock[0])
-    monkeypatch.setattr(waiting, "PLAIN", 10.0)
+    pauses, (progress,) = [], seen
+    tuned(seconds_between_plain_lines=10.0)
     monkeypatch.setattr(progress._left, "wait", wait)
     progress._start = 0.0
     progress(1, 26)

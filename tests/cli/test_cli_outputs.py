@@ -64,9 +64,8 @@ class OneBand:
 
 
 def test_a_map_is_drawn_as_bands_or_as_pixels(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, saved: list[Any]
 ) -> None:
-    drawn = []
     stability_map = fr.stability_map
 
     def map_with_a_band(*args: Any, **load: Any) -> fr.Chart:
@@ -74,7 +73,6 @@ def test_a_map_is_drawn_as_bands_or_as_pixels(
         return replace(chart, source=OneBand(chart.x.ends, chart.y.ends))
 
     monkeypatch.setattr(fr, "stability_map", map_with_a_band)
-    monkeypatch.setattr(chart_plot, "save_figure", lambda axes, path: drawn.append(axes))
     over = ["--mean", "0:1.1Fcr", "--amplitude", "0.2Fcr", "--frequency", "5:30Hz", "--points", "8x6"]
     names = {kind: str(tmp_path / f"map.{kind}") for kind in ("png", "csv", "npz")}
     out = [part for name in names.values() for part in ("--out", name)]
@@ -82,7 +80,7 @@ def test_a_map_is_drawn_as_bands_or_as_pixels(
         assert cli.main(["map", "--rod", "nitinol", *over, *out, *asked]) == 0
         said = capsys.readouterr().out
         assert "1 unstable band; 12 negligible tongues left out\n" in said
-        assert "1 unstable band; 12 negligible tongues left out" in note(drawn.pop())
+        assert "1 unstable band; 12 negligible tongues left out" in note(saved.pop())
     head, first, *_ = Path(names["csv"]).read_text(encoding="utf-8").splitlines()  # in the units of the question
     assert head == "band,mode,partner,tongue,largest growth [1/s],frequency [Hz],mean force [Fcr]"
     assert first.startswith("1,7,,1,2.5,15.9154")
@@ -94,7 +92,7 @@ def test_a_map_is_drawn_as_bands_or_as_pixels(
 
     assert cli.main(["map", "--rod", "nitinol", *over, "--pixels", "--out", names["png"], "--out", names["npz"]]) == 0
     assert "unstable band" not in capsys.readouterr().out
-    assert "points stable" in note(drawn.pop())
+    assert "points stable" in note(saved.pop())
     with pytest.raises(ValueError, match="bands must be computed before"):
         fr.Chart.load(names["npz"]).find_bands()
     for wrong, message in (

@@ -16,8 +16,8 @@ from matplotlib import pyplot
 
 import floquetrod as fr
 from floquetrod import AxialWave, cli
-from floquetrod.floquet.multipliers import resonance_names
 from tests.conftest import DEEP
+from tests.seams import Tuned
 
 mpl.use("Agg")
 ROOT = Path(__file__).parents[2]
@@ -275,10 +275,8 @@ def test_ranges_name_resonances_and_their_resolution(record: str, capsys: pytest
 
 
 @pytest.mark.slow
-def test_ranges_say_where_a_resonance_has_no_name(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    monkeypatch.setattr(resonance_names, "_MOST_MODES", 2)  # in place of 200
+def test_ranges_say_where_a_resonance_has_no_name(tuned: Tuned, capsys: pytest.CaptureFixture[str]) -> None:
+    tuned(modes_whose_resonances_are_named=2)  # in place of 200
     question = ["ranges", "--rod", WIRE, "--amplitude", "0.2Fcr", "--frequency", "20Hz", "--mean", "0:0.6Fcr"]
     found = answer(capsys, *question)
     assert (found["stable"][0]["low_end"], found["stable"][0]["high_end"]) == (None, "unnamed")

@@ -17,7 +17,7 @@ import floquetrod as fr
 from floquetrod import cli
 from floquetrod._util import waiting
 from floquetrod.cli import simulate
-from floquetrod.simulation import checkpoints, step_size
+from tests.seams import Tuned
 
 LOAD = ["--mean", "0.2Fcr", "--amplitude", "0.2Fcr", "--frequency", "150"]
 SHORT = ["simulate", "--rod", "nitinol", *LOAD, "--segments", "60", "--duration", "0.2s"]
@@ -285,10 +285,8 @@ def test_control_c_keeps_what_there_is(
     assert np.array_equal(fr.Simulation.load(path).positions, fr.Simulation.load(whole).positions)
 
 
-def test_divergence_keeps_the_frames_before(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(step_size, "SAFETY", 1.3)
+def test_divergence_keeps_the_frames_before(tmp_path: Path, capsys: pytest.CaptureFixture[str], tuned: Tuned) -> None:
+    tuned(share_of_the_critical_step=1.3)
     path = tmp_path / "run.npz"
     assert cli.main([*SHORT, "--out", str(path)]) == 2
     error = capsys.readouterr().err
@@ -347,9 +345,7 @@ def test_mp4_needs_ffmpeg(capsys: pytest.CaptureFixture[str], monkeypatch: pytes
     assert "run.mp4 needs the program ffmpeg" in capsys.readouterr().err
 
 
-def test_progress_tells_rate_and_time_left(monkeypatch: pytest.MonkeyPatch) -> None:
-    clock = [0.0]
-    monkeypatch.setattr(waiting.time, "monotonic", lambda: clock[0])
+def test_progress_tells_rate_and_time_left(clock: list[float]) -> None:
     progress = waiting.Waiting("simulating", "steps")
     assert progress._line() == "simulating: 0 s (Ctrl-C ends it)"
     for clock[0], done, told in (
@@ -369,10 +365,8 @@ def test_progress_tells_rate_and_time_left(monkeypatch: pytest.MonkeyPatch) -> N
     ],
 )
 def test_a_long_run_says_so_at_its_beginning(
-    steps: int, total: int, told: str, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+    steps: int, total: int, told: str, capsys: pytest.CaptureFixture[str], clock: list[float]
 ) -> None:
-    clock = [0.0]
-    monkeypatch.setattr(waiting.time, "monotonic", lambda: clock[0])
     progress = simulate._Forewarning("simulating", "steps")
     for turn in range(4):
         clock[0] = 0.5 * turn
@@ -436,9 +430,9 @@ def test_a_full_disk_at_the_end_loses_nothing(
 
 
 def test_a_checkpoint_that_cannot_be_written_is_told_at_once(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, tuned: Tuned
 ) -> None:
-    monkeypatch.setattr(checkpoints, "_SECONDS_BETWEEN", 0.0)
+    tuned(seconds_between_checkpoints=0.0)
     told: list[str] = []
     monkeypatch.setattr(waiting.Waiting, "__call__", lambda *_: told.append(capsys.readouterr().err))
     FullDisk(monkeypatch, tmp_path)

@@ -14,8 +14,8 @@ import pytest
 
 import floquetrod as fr
 from floquetrod import cli
-from floquetrod.equations import system_files
 from floquetrod.equations.system_files import read_system
+from tests.seams import Tuned
 
 ROOT = Path(__file__).parents[2]
 EXAMPLE = ROOT / "examples/system.toml"
@@ -256,7 +256,7 @@ def test_bad_files_are_one_line_and_status_2(
     assert re.search(message, captured.err)
 
 
-def test_files_of_other_kinds(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_files_of_other_kinds(tmp_path: Path, tuned: Tuned) -> None:
     def refused(name: str, message: str) -> None:
         with pytest.raises(ValueError, match=f"system file .*{re.escape(name)}.*{message}"):
             read_system(tmp_path / name)
@@ -285,7 +285,7 @@ def test_files_of_other_kinds(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -
     (tmp_path / "flipped.npz").write_bytes(content[:400] + bytes([content[400] ^ 255]) + content[401:])
     refused("flipped.npz", "cannot be read: Bad CRC-32")
     np.savez_compressed(tmp_path / "bomb.npz", stiffness=np.zeros((300, 300)))
-    monkeypatch.setattr(system_files, "_LARGEST", {".toml": 10, ".npz": 100_000})
+    tuned(bytes_of_a_system_file={".toml": 10, ".npz": 100_000})
     refused("bomb.npz", "cannot be read: it holds 720,128 bytes, at most 100,000 are read")
     (tmp_path / "long.toml").write_text(COUPLED)
     refused("long.toml", "cannot be read: it has 76 bytes, at most 10 are read")

@@ -22,6 +22,7 @@ from floquetrod.ensembles.stores import RESULTS, chunk_shape
 from floquetrod.ensembles.variables import Variable
 from floquetrod.simulation import outcome
 from tests.ensemble_cases import LOAD, OVER, PROBLEM, assert_same, depth, fails_at_150, in_memory, undisturbed
+from tests.seams import Heard, Tuned
 
 
 def test_every_run_is_the_simulation_of_its_values() -> None:
@@ -228,12 +229,11 @@ def axes_layout(shape: tuple[int, ...], chunk: tuple[int, ...]) -> Any:
 
 
 @pytest.mark.parametrize("is_shown", [True, False])
-def test_a_terminal_shows_how_far_it_is(is_shown: bool, monkeypatch: pytest.MonkeyPatch) -> None:
-    lines: list[tuple[int, int]] = []
-    monkeypatch.setattr(waiting, "can_redraw", lambda: is_shown)
-    monkeypatch.setattr(waiting.Waiting, "__call__", lambda self, *done: lines.append(done))
+def test_a_terminal_shows_how_far_it_is(is_shown: bool, tuned: Tuned, heard: Heard) -> None:
+    tuned(can_redraw_a_line=lambda: is_shown)
+    lines = heard(waiting.Waiting, "__call__")
     fr.ensemble(PROBLEM, {"seed": range(3)})
-    assert lines == ([(1, 3), (2, 3), (3, 3)] if is_shown else [])
+    assert [done for _, *done in lines] == ([[1, 3], [2, 3], [3, 3]] if is_shown else [])
 
 
 def test_progress_counts_every_run() -> None:

@@ -15,7 +15,7 @@ import pytest
 import xarray
 
 import floquetrod as fr
-from floquetrod.ensembles import Runs, stores, stores_zarr, workers
+from floquetrod.ensembles import Runs, stores_zarr, workers
 from floquetrod.simulation import checkpoints
 from tests.ensemble_cases import (
     OVER,
@@ -29,14 +29,14 @@ from tests.ensemble_cases import (
     stored,
     undisturbed,
 )
+from tests.seams import Tuned
 
 KINDS = ("runs.npz", "runs.zarr")
 
 
 @pytest.fixture(autouse=True)
-def _saved_at_once(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(stores, "_SECONDS_BETWEEN", 0.0)
-    monkeypatch.setattr(stores, "_LONGER", 0.0)
+def _saved_at_once(tuned: Tuned) -> None:
+    tuned(seconds_between_saves_of_stores=0.0, durations_between_saves_of_stores=0.0)
 
 
 def test_a_full_disk_loses_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -114,7 +114,7 @@ def test_a_disk_that_stays_full_costs_one_warning_and_no_results(
 
 
 def test_frames_that_neither_disk_nor_memory_holds_cost_no_other_results(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, tuned: Tuned
 ) -> None:
     place, whole = tmp_path / "runs.zarr", undisturbed()
     replace = stores_zarr.replace
@@ -125,7 +125,7 @@ def test_frames_that_neither_disk_nor_memory_holds_cost_no_other_results(
         replace(path, content)
 
     monkeypatch.setattr(stores_zarr, "replace", full)
-    monkeypatch.setattr(stores, "MOST_MEMORY", 40_000)  # the frames of four runs
+    tuned(bytes_of_frames_in_memory=40_000)  # the frames of four runs
     with pytest.warns(checkpoints.CheckpointWarning) as heard:
         found = fr.ensemble(PROBLEM, OVER, frames=True, store=place)
     assert len(heard) == 1
@@ -194,9 +194,7 @@ def test_a_store_whose_chunks_are_damaged_is_refused(old: str, new: str, tmp_pat
 
 
 @pytest.mark.parametrize("kind", KINDS)
-def test_a_store_of_an_earlier_version_is_read_and_not_continued(
-    kind: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_store_of_an_earlier_version_is_read_and_not_continued(kind: str, tmp_path: Path, tuned: Tuned) -> None:
     """`data/ensembles.zip` has stores that commit 8ea4ce4 left when it was interrupted after four of six runs."""
     with zipfile.ZipFile(Path(__file__).parents[1] / "data" / "ensembles.zip") as archive:
         archive.extractall(tmp_path)
@@ -206,7 +204,7 @@ def test_a_store_of_an_earlier_version_is_read_and_not_continued(
     assert np.bincount(before["status"].ravel()).tolist() == [2, 2, 2]
     assert fr.ensembles.probability(before, over="seed")["done"].tolist() == [2, 0]
     made_with = json.loads(before.attrs["study"])["arithmetic"]
-    monkeypatch.setattr(stores, "arithmetic", lambda: made_with)  # another version of numba is another study
+    tuned(arithmetic_of_stores=lambda: made_with)  # another version of numba is another study
     with pytest.raises(ValueError, match=r"another rule for which rods have buckled; it can be read, .* another path"):
         fr.ensemble(problem, {"friction": [0.1, -1.0], "seed": range(3)}, store=place, summary=depth, frames=True)
     assert {path: path.read_bytes() for path in tmp_path.rglob("*") if path.is_file()} == content

@@ -16,18 +16,18 @@ import pytest
 import xarray
 
 import floquetrod as fr
-from floquetrod.ensembles import Runs, stores, stores_disk, stores_zarr, workers
+from floquetrod.ensembles import Runs, stores_disk, stores_zarr, workers
 from floquetrod.simulation import checkpoints
 from floquetrod.simulation.arithmetic import arithmetic
 from tests.ensemble_cases import OVER, PROBLEM, RUNS, Stopped, assert_same, depth, script, stored, undisturbed
+from tests.seams import Tuned
 
 KINDS = ("runs.npz", "runs.zarr")
 
 
 @pytest.fixture(autouse=True)
-def _saved_at_once(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(stores, "_SECONDS_BETWEEN", 0.0)
-    monkeypatch.setattr(stores, "_LONGER", 0.0)
+def _saved_at_once(tuned: Tuned) -> None:
+    tuned(seconds_between_saves_of_stores=0.0, durations_between_saves_of_stores=0.0)
 
 
 @pytest.mark.parametrize("kind", KINDS)
@@ -81,10 +81,10 @@ def test_a_store_of_another_study_is_refused(kind: str, changed: dict[str, Any],
 
 
 @pytest.mark.parametrize("kind", KINDS)
-def test_another_version_is_refused(kind: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_another_version_is_refused(kind: str, tmp_path: Path, tuned: Tuned) -> None:
     fr.ensemble(PROBLEM, {"seed": [1]}, store=tmp_path / kind)
     other = arithmetic() | {"numba": "7.5"}
-    monkeypatch.setattr(stores, "arithmetic", lambda: other)
+    tuned(arithmetic_of_stores=lambda: other)
     with pytest.raises(ValueError, match=r"was made with numba .*; continue it where that is installed"):
         fr.ensemble(PROBLEM, {"seed": [1]}, store=tmp_path / kind)
 
@@ -314,8 +314,8 @@ def test_an_npz_store_is_runs(tmp_path: Path) -> None:
     assert_same(Runs.load(tmp_path / "runs.npz"), found)
 
 
-def test_too_many_frames_for_memory_are_refused(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(stores, "MOST_MEMORY", 10_000)
+def test_too_many_frames_for_memory_are_refused(monkeypatch: pytest.MonkeyPatch, tuned: Tuned) -> None:
+    tuned(bytes_of_frames_in_memory=10_000)
     monkeypatch.setattr(workers, "simulate_runs", None)
     with pytest.raises(ValueError, match=r"bytes of memory, at most 10,000; give a store that ends in \.zarr"):
         fr.ensemble(PROBLEM, OVER, frames=True)

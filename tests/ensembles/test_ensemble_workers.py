@@ -33,6 +33,7 @@ from tests.ensemble_cases import (
     undisturbed,
     waits_at_140_dies_at_150,
 )
+from tests.seams import Tuned
 
 LONG = "PROBLEM.replace(duration=1000.0)"
 
@@ -56,9 +57,11 @@ def test_a_process_pool_that_is_given_is_not_shut_down() -> None:
 
 
 @pytest.mark.slow
-def test_a_worker_that_dies_costs_the_others_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_worker_that_dies_costs_the_others_nothing(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, tuned: Tuned
+) -> None:
     """It is replaced, a run that kills its workers has failed, and a run in progress meanwhile is made once."""
-    monkeypatch.setattr(workers, "_DEATHS", 2)
+    tuned(deaths_of_workers_in_a_run=2)
     monkeypatch.setenv("ENSEMBLE_CASES", str(tmp_path))
     over = {"frequency": [120.0, 140.0, 150.0]}
     found = fr.ensemble(PROBLEM, over, summary=waits_at_140_dies_at_150, workers=2)
@@ -95,7 +98,9 @@ def test_workers_that_are_killed_while_idle_or_busy_are_replaced() -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("which", [0, 1])
-def test_workers_that_are_killed_while_they_start_are_replaced(which: int, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_workers_that_are_killed_while_they_start_are_replaced(
+    which: int, monkeypatch: pytest.MonkeyPatch, tuned: Tuned
+) -> None:
     started, pools = workers._Pool.started, []
 
     def killed(alive: Any) -> Any:
@@ -106,7 +111,7 @@ def test_workers_that_are_killed_while_they_start_are_replaced(which: int, monke
         return pools[-1]
 
     monkeypatch.setattr(workers._Pool, "started", killed)
-    monkeypatch.setattr(workers, "_DEATHS", 1)
+    tuned(deaths_of_workers_in_a_run=1)
     assert_same(fr.ensemble(PROBLEM, OVER, workers=2), undisturbed())
     assert len(pools) == 3
 

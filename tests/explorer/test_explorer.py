@@ -18,7 +18,7 @@ from matplotlib.backend_bases import ResizeEvent
 
 import floquetrod as fr
 from floquetrod import cli, units
-from floquetrod.explorer import commands, limits, maps, mode_panels, portions
+from floquetrod.explorer import commands, limits, portions
 from floquetrod.explorer.background import Background, Stale, ViewParts
 from floquetrod.explorer.verdict_words import margin_words
 from floquetrod.explorer.view import View
@@ -26,6 +26,7 @@ from floquetrod.floquet.margins import Margin
 from floquetrod.floquet.status import STATUS_CODES
 from floquetrod.plotting import explorer_panels as panels
 from tests.inside import Loads
+from tests.seams import Tuned
 
 mpl.use("Agg")
 ROD = fr.Rod.nitinol()
@@ -57,12 +58,14 @@ def explorer() -> fr.Explorer:
 
 
 @pytest.fixture
-def coarse(monkeypatch: pytest.MonkeyPatch) -> None:
+def coarse(tuned: Tuned) -> None:
     """Look at fewer loads of coupled modes."""
-    monkeypatch.setattr(maps, "_MAP", (8, 8))
-    monkeypatch.setattr(maps, "_COARSENINGS", (4, 1))
-    monkeypatch.setattr(mode_panels, "_LINE", (3, 5))
-    monkeypatch.setattr("floquetrod.rod.answers.rod_stability.FEW_MODES", 0)
+    tuned(
+        cells_of_a_growing_map=(8, 8),
+        coarsenings_of_a_growing_map=(4, 1),
+        frequencies_of_a_line=(3, 5),
+        modes_told_as_few=0,
+    )
 
 
 def pixels(explorer: fr.Explorer) -> np.ndarray:

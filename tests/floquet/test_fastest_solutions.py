@@ -15,6 +15,7 @@ from floquetrod.rod.modes import coupled_verdict
 from tests.conftest import depth
 from tests.coupled_cases import TUBING
 from tests.inside import solved_many
+from tests.seams import Tuned
 
 
 def many(seed: int, damping: float, strongest: float = 0.3, n: int = 220) -> fr.HillSystem:
@@ -75,12 +76,9 @@ def test_the_fastest_of_a_few_is_found_among_many() -> None:
 
 
 @pytest.mark.parametrize("columns", [2, 6])
-def test_a_random_subspace_meets_every_direction_as_often_as_stated(
-    columns: int, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_random_subspace_meets_every_direction_as_often_as_stated(columns: int, tuned: Tuned) -> None:
     rows, each = 400, 0.02  # the chance for one vector; stated for rows / 2 of them
-    monkeypatch.setattr(fastest_solutions, "_COLUMNS", columns)
-    monkeypatch.setattr(fastest_solutions, "_CHANCE", each * rows / 2.0)
+    tuned(columns_drawn_at_random=columns, chance_of_a_short_projection=each * rows / 2.0)
     rng = np.random.default_rng(7)
     drawn = np.concatenate([np.linalg.qr(rng.standard_normal((rows, columns)))[0] for _ in range(25)])
     real = float(np.mean(np.linalg.norm(drawn, axis=1) < math.sqrt(2.0) * fastest_solutions._shortest_projection(rows)))

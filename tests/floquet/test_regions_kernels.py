@@ -24,6 +24,7 @@ from floquetrod.methods import discriminant_excess
 from tests.conftest import JIT, depth, needs_jit
 from tests.coupled_cases import by_name
 from tests.inside import count_below, mode_constants
+from tests.seams import Tuned
 
 pytestmark = pytest.mark.kernels
 in_python_anyway = pytest.mark.skipif(not JIT, reason="calls kernels as the Python they are with the compiler, too")
@@ -73,9 +74,8 @@ def test_operations_enclose_the_exact_result(name: str) -> None:
 
 
 @pytest.mark.parametrize("name", OPERATIONS)
-def test_without_the_outward_step_they_would_not(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(double_intervals, "ULP", 0.0)
-    monkeypatch.setattr(double_intervals, "TINY", 0.0)
+def test_without_the_outward_step_they_would_not(name: str, tuned: Tuned) -> None:
+    tuned(unit_of_rounding=0.0, smallest_step_outwards=0.0)
     assert misses(name) > 100
 
 
@@ -272,10 +272,9 @@ def test_beside_a_boundary_nothing_is_misjudged() -> None:
 
 @pytest.mark.slow
 @in_python_anyway
-def test_broken_rounding_is_caught(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_broken_rounding_is_caught(tuned: Tuned) -> None:
     """Without the outward step the doubles beside boundaries are judged, and some of them wrongly."""
-    monkeypatch.setattr(double_intervals, "ULP", 0.0)
-    monkeypatch.setattr(double_intervals, "TINY", 0.0)
+    tuned(unit_of_rounding=0.0, smallest_step_outwards=0.0)
     wrong, judged = wrong_beside_boundaries()
     assert judged > 500
     assert wrong > 20
@@ -283,7 +282,7 @@ def test_broken_rounding_is_caught(monkeypatch: pytest.MonkeyPatch) -> None:
 
 @pytest.mark.slow
 @in_python_anyway
-def test_rounding_of_the_excess_is_needed(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_rounding_of_the_excess_is_needed(tuned: Tuned) -> None:
     """The excess alone, at doubles beside boundaries of period pi: its sign is right only with rounding outwards."""
 
     def wrong() -> int:
@@ -300,8 +299,7 @@ def test_rounding_of_the_excess_is_needed(monkeypatch: pytest.MonkeyPatch) -> No
         return missed
 
     assert wrong() == 0
-    monkeypatch.setattr(double_intervals, "ULP", 0.0)
-    monkeypatch.setattr(double_intervals, "TINY", 0.0)
+    tuned(unit_of_rounding=0.0, smallest_step_outwards=0.0)
     assert wrong() > 5
 
 
@@ -486,7 +484,7 @@ def test_cells_are_proved() -> None:
             assert (stable == bool(out[cell])).all()
 
 
-def test_more_pending_modes_than_are_listed(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_more_pending_modes_than_are_listed(monkeypatch: pytest.MonkeyPatch, tuned: Tuned) -> None:
     """Modes that are not listed one by one are asked again; the answer is the same."""
     rng = np.random.default_rng(23)
     rod = fr.Rod.nitinol().replace(damping_rate=1.0)
@@ -497,7 +495,7 @@ def test_more_pending_modes_than_are_listed(monkeypatch: pytest.MonkeyPatch) -> 
         high = low * np.array([1.1, 1.2, 1.02])
         monkeypatch.undo()
         status, search = answer(rod, low, high, 1e-3)
-        monkeypatch.setattr(regions, "_LISTED", 2)
+        tuned(pending_modes_listed=2)
         again, searched = answer(rod, low, high, 1e-3)
         assert status == again
         np.testing.assert_array_equal(search.counts, searched.counts)

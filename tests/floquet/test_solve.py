@@ -15,8 +15,8 @@ from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
 import floquetrod as fr
-from floquetrod.floquet import solve as module
 from tests.conftest import depth
+from tests.seams import Tuned
 
 HILL = fr.HillSystem(
     [[1.0, 0.1], [0.1, 2.0]],
@@ -168,8 +168,8 @@ def test_bad_input(arguments: Any, message: str) -> None:
         fr.solve(*arguments)
 
 
-def test_too_long(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(module, "_MOST_STEPS", 12)
+def test_too_long(tuned: Tuned) -> None:
+    tuned(steps_of_a_solution=12)
     with pytest.raises(ValueError, match="span takes more than 10 steps"):
         fr.solve(fr.Mathieu(0.5, -1.0), (1.0, 0.0), 1e3)
     solution = fr.solve(fr.Mathieu(0.5, -1.0), (1.0, 0.0), 3.0)

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 import floquetrod as fr
-from floquetrod.floquet.multipliers import stabilising_damping as search
 from floquetrod.mathieu.tongue_intervals import damping_to_stabilise as exactly
 from tests.conftest import depth
+from tests.seams import Tuned
 
 FORCING = 0.2 * np.array([[0.5, 1.0], [1.0, 0.8]])
 
@@ -79,10 +79,10 @@ def test_of_first_order_it_is_the_growth_rate() -> None:
     assert fr.stability(shifted).status == "stable"
 
 
-def test_none_is_needed_none_suffices_or_none_is_known(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_none_is_needed_none_suffices_or_none_is_known(tuned: Tuned) -> None:
     assert fr.stability(coupled(3.1)).damping_to_stabilise == 0.0
     assert fr.stability(fr.HillSystem(np.diag([-1.0, 1.0]), [FORCING])).damping_to_stabilise == math.inf
     free = np.array([[1.0, -1.0], [-1.0, 1.0]])  # which no damping lets decay
     assert math.isnan(fr.stability(fr.HillSystem(free, [0.1 * free])).damping_to_stabilise)
-    monkeypatch.setattr(search, "_MOST_SECONDS", 0.0)
+    tuned(seconds_of_a_damping_search=0.0)
     assert math.isnan(fr.stability(coupled(3.0)).damping_to_stabilise)

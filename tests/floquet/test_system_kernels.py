@@ -16,15 +16,14 @@ from floquetrod.floquet.kernels import system_even, system_maps, system_series
 from floquetrod.floquet.kernels.system_maps import product, segment_maps
 from tests.conftest import depth, needs_jit
 from tests.inside import half_period_map, pair_numbers
+from tests.seams import Tuned
 
 pytestmark = pytest.mark.kernels
 
 
 @pytest.fixture(autouse=True)
-def compiled_at_once(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(system_series, "is_at_hand", lambda function: False)
-    for module in (system_even, system_maps):
-        monkeypatch.setattr(module, "_COMPILE_AFTER", 0.0)
+def compiled_at_once(tuned: Tuned) -> None:
+    tuned(is_series_kernel_on_disk=lambda function: False, maps_compiled_after=0.0)
 
 
 Floats = NDArray[np.float64]
@@ -98,14 +97,14 @@ def balanced(found: system_even.HalfPeriodMap, true: Floats) -> tuple[Floats, Fl
     ],
 )
 def test_the_half_period_map_is_within_its_error(
-    rng: np.random.Generator, n: int, count: int, symmetric: bool, monkeypatch: pytest.MonkeyPatch
+    rng: np.random.Generator, n: int, count: int, symmetric: bool, tuned: Tuned
 ) -> None:
     for forcing, largest in [(0.5, 4.0), (0.05, 1.0), (0.1, 30.0)][: depth(3, 1) if n == 3 else 3]:
         system = random_system(rng, n, count, forcing, largest, symmetric)
         true = true_map(system[0][0], system[1][0], float(system[2][0]), 0.5)
         for accuracy in (1e-6, 1e-10, 1e-13):
             for small in (20, 0):
-                monkeypatch.setattr(system_even, "_EXPLICIT_UP_TO", small)
+                tuned(equations_of_an_explicit_map=small)
                 found = half_period_map(*system, accuracy)
                 computed, expected = balanced(found, true)
                 assert np.linalg.norm(computed - expected) <= found.error[0]
@@ -246,10 +245,9 @@ BAD = (np.nan, np.inf, -np.inf, 1e300, 1e149, 0.0)
 @pytest.mark.parametrize("compile_after", [0.0, 500.0])
 @pytest.mark.parametrize("bad", BAD)
 def test_unusable_coefficients_lose_only_their_own_system(
-    rng: np.random.Generator, bad: float, compile_after: float, monkeypatch: pytest.MonkeyPatch
+    rng: np.random.Generator, bad: float, compile_after: float, tuned: Tuned
 ) -> None:
-    for module in (system_even, system_maps):
-        monkeypatch.setattr(module, "_COMPILE_AFTER", compile_after)
+    tuned(maps_compiled_after=compile_after)
     systems = [random_system(rng, 2, 1, 0.2, 1.0, True) for _ in range(5)]
     stiffness, amplitudes, period = (np.concatenate(parts) for parts in zip(*systems, strict=True))
     good = np.arange(5) != 3
@@ -286,9 +284,8 @@ def as_first_order(stiffness: Floats, amplitudes: Floats) -> tuple[Floats, NDArr
 
 @pytest.mark.parametrize("compile_after", [0.0, 500.0])
 @pytest.mark.parametrize("n", [1, 2, 3])
-def test_free_coordinates_drift(n: int, compile_after: float, monkeypatch: pytest.MonkeyPatch) -> None:
-    for module in (system_even, system_maps):
-        monkeypatch.setattr(module, "_COMPILE_AFTER", compile_after)
+def test_free_coordinates_drift(n: int, compile_after: float, tuned: Tuned) -> None:
+    tuned(maps_compiled_after=compile_after)
     stiffness, amplitudes, period = np.zeros((3, n, n)), np.zeros((3, 1, n, n)), np.array([2.0, 1e-3, 1e4])
     amplitudes[2] = 1e-300
     half = half_period_map(stiffness, amplitudes, period)
@@ -311,16 +308,13 @@ def test_free_coordinates_drift(n: int, compile_after: float, monkeypatch: pytes
 @pytest.mark.parametrize("n", [1, 2, 3, 5])
 @pytest.mark.parametrize("symmetric", [True, False])
 def test_small_work_is_done_without_the_compiler_to_the_same_bits(
-    n: int, symmetric: bool, rng: np.random.Generator, monkeypatch: pytest.MonkeyPatch
+    n: int, symmetric: bool, rng: np.random.Generator, tuned: Tuned
 ) -> None:
     """What a process has asked for before, on which compiling depends, changes no digit of an answer."""
     system = random_system(rng, n, 2, 0.3, 3.0, symmetric)
 
     def answers(compile_after: float) -> list[Floats]:
-        for module in (system_even, system_maps):
-            monkeypatch.setattr(module, "_COMPILE_AFTER", compile_after)
-        monkeypatch.setattr(system_series, "OFTEN_ASKED", set())
-        monkeypatch.setattr(compilation, "_INTERPRETED", {})
+        tuned(maps_compiled_after=compile_after, often_asked_kernels=set(), interpreted_work={})
         whole = product(segment_maps(*as_first_order(*system[:2]), system[2], least_segments=2))
         pairs = pair_numbers(*system) if n == 2 else ()
         return [*half_period_map(*system)[:6], *pairs, *whole]
@@ -331,15 +325,14 @@ def test_small_work_is_done_without_the_compiler_to_the_same_bits(
 
 @needs_jit
 def test_machine_code_that_loads_sooner_than_python_answers_is_taken(
-    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+    monkeypatch: pytest.MonkeyPatch, tuned: Tuned, tmp_path: Path
 ) -> None:
-    monkeypatch.setattr(system_series, "is_at_hand", compilation.is_at_hand)
+    tuned(is_series_kernel_on_disk=compilation.is_at_hand)
     maps = system_maps.segment_fill
     segment_maps(np.zeros((1, 2, 2)), np.zeros((1, 0, 2, 2)), np.ones(1))  # compiled, and kept
 
     def chosen(milliseconds: float) -> bool:
-        monkeypatch.setattr(system_series, "OFTEN_ASKED", set())
-        monkeypatch.setattr(compilation, "_INTERPRETED", {})
+        tuned(often_asked_kernels=set(), interpreted_work={})
         return system_series.run_of(maps, 1000.0, lambda: milliseconds) is not maps
 
     assert [chosen(work) for work in (10.0, 40.0, 60.0, 900.0, 1100.0)] == [False, False, True, True, True]

@@ -13,6 +13,7 @@ from floquetrod.floquet.kernels.system_maps_large import period_map_large
 from floquetrod.floquet.multipliers import spectra
 from floquetrod.floquet.registry import methods_for
 from tests.inside import half_period_map
+from tests.seams import Tuned
 
 
 def string(
@@ -144,13 +145,11 @@ def test_a_full_stiffness_gives_the_multipliers_of_its_diagonal_form() -> None:
 
 
 @pytest.mark.parametrize("frequency", [15.0, 100.0])
-def test_a_stopped_series_is_within_the_error_of_one_that_is_not(
-    monkeypatch: pytest.MonkeyPatch, frequency: float
-) -> None:
+def test_a_stopped_series_is_within_the_error_of_one_that_is_not(tuned: Tuned, frequency: float) -> None:
     form = string(110, length=240.0, frequency=frequency).even_form
     arrays = form.stiffness[None], form.amplitudes[None], np.array([2.0 * np.pi / frequency])
     stopped = half_period_map(*arrays)
-    monkeypatch.setattr(system_large, "_WORTH_STOPPING", 10**9)
+    tuned(segments_worth_stopping=10**9)
     whole = half_period_map(*arrays)
     for name in "abcd":
         gap = getattr(stopped, name) - getattr(whole, name)
@@ -173,16 +172,14 @@ def test_a_split_matrix_multiplies_as_the_matrix_does(n: int) -> None:
 
 
 @pytest.mark.parametrize("symmetric", [True, False])
-def test_both_ends_of_a_half_period_are_one_series_where_equations_are_few(
-    symmetric: bool, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_both_ends_of_a_half_period_are_one_series_where_equations_are_few(symmetric: bool, tuned: Tuned) -> None:
     system = string(30, length=100.0)
     cosines = np.stack([system.cosines[0], 0.3 * system.cosines[0]])
     if not symmetric:
         cosines[1, 0, 5] *= 1.5
     arrays = system.stiffness[None], cosines[None], [float(system.period)]
     together = half_period_map(*arrays)
-    monkeypatch.setattr(system_even_large, "_TOGETHER", 0)
+    tuned(equations_of_both_ends_at_once=0)
     apart = half_period_map(*arrays)
     assert together.symmetric == symmetric
     for name in "abcd":

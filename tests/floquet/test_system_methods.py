@@ -25,6 +25,7 @@ from floquetrod.floquet.registry import applicable, methods_for, service
 from tests.conftest import depth
 from tests.fuzz import neutral
 from tests.inside import Counts, Doubles, angles_between, count, system_problem
+from tests.seams import Tuned
 from tests.strategies import numbers, systems
 from tests.system_cases import CASES, coupled, wide
 
@@ -289,11 +290,13 @@ def test_a_collision_of_unlike_signs_is_never_stable(method: str) -> None:
     assert max(abs(e.real) for e in result.exponents) < 1e-6
 
 
-def test_reference_keeps_what_it_has_when_more_digits_are_too_much_work(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_reference_keeps_what_it_has_when_more_digits_are_too_much_work(
+    monkeypatch: pytest.MonkeyPatch, tuned: Tuned
+) -> None:
     system = fr.HillSystem([[2.0]], [[[0.5]]], damping=[[2e-9]])
     wanted = reference(system, digits=30)
     module = sys.modules["floquetrod.floquet.methods.system_reference"]
-    monkeypatch.setattr(module, "_SETTLED", 0.0)  # never content
+    tuned(relative_error_that_is_settled=0.0)  # never content
     work = iter([0.0, math.inf])
     monkeypatch.setattr(module, "_work", lambda problem, planned: next(work))
     result = reference(system, digits=30)

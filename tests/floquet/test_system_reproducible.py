@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 import floquetrod as fr
-from floquetrod._util import compilation
 from floquetrod.floquet.kernels import system_series
 from tests.conftest import depth
+from tests.seams import Tuned
 
 _CALLS = depth(200, 20)  # of which two in five once differed from the others
 
@@ -45,10 +45,9 @@ def bits(result: Any) -> list[bytes]:
     return [np.asarray(getattr(result, name)).tobytes() for name in names]
 
 
-def as_new(monkeypatch: pytest.MonkeyPatch) -> None:
+def as_new(tuned: Tuned) -> None:
     """Let the process forget what it was asked, so that it interprets kernels before it takes compiled ones."""
-    monkeypatch.setattr(compilation, "_INTERPRETED", {})
-    monkeypatch.setattr(system_series, "is_at_hand", lambda function: False)
+    tuned(interpreted_work={}, is_series_kernel_on_disk=lambda function: False)
     system_series.OFTEN_ASKED.clear()
 
 
@@ -66,19 +65,15 @@ def asked(question: Callable[[], list[bytes]], rng: np.random.Generator, calls: 
 
 @pytest.mark.parametrize("n", [1, 2, *(pytest.param(n, marks=pytest.mark.slow) for n in (3, 8))])
 @pytest.mark.parametrize("kind", SYSTEMS)
-def test_the_same_input_has_the_same_bits(
-    kind: str, n: int, monkeypatch: pytest.MonkeyPatch, rng: np.random.Generator
-) -> None:
-    as_new(monkeypatch)
+def test_the_same_input_has_the_same_bits(kind: str, n: int, tuned: Tuned, rng: np.random.Generator) -> None:
+    as_new(tuned)
     assert len(asked(lambda: bits(fr.stability(SYSTEMS[kind](n))), rng, _CALLS if n < 8 else depth(60, 15))) == 1
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("kind", ["undamped", "damped"])
-def test_every_method_and_arrays_have_the_same_bits(
-    kind: str, monkeypatch: pytest.MonkeyPatch, rng: np.random.Generator
-) -> None:
-    as_new(monkeypatch)
+def test_every_method_and_arrays_have_the_same_bits(kind: str, tuned: Tuned, rng: np.random.Generator) -> None:
+    as_new(tuned)
 
     def every() -> list[bytes]:
         system = SYSTEMS[kind](2)
@@ -89,7 +84,7 @@ def test_every_method_and_arrays_have_the_same_bits(
         return [np.asarray(ask(several)).tobytes() for ask in (fr.systems.growth_rate, fr.systems.multipliers)]
 
     assert len(asked(every, rng, depth(15, 6))) == 1
-    as_new(monkeypatch)
+    as_new(tuned)
     assert len(asked(arrays, rng, _CALLS)) == 1
     rates, values = fr.systems.growth_rate(SYSTEMS[kind](2)), fr.systems.multipliers(SYSTEMS[kind](2))
     assert arrays() == [np.full(3, rates).tobytes(), np.tile(values, (3, 1)).tobytes()]
@@ -131,10 +126,10 @@ QUESTIONS: dict[str, Callable[[], Any]] = {
 
 
 @pytest.mark.parametrize("name", QUESTIONS)
-def test_answers_do_not_depend_on_what_numpy_raises(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    as_new(monkeypatch)
+def test_answers_do_not_depend_on_what_numpy_raises(name: str, tuned: Tuned) -> None:
+    as_new(tuned)
     expected = QUESTIONS[name]()
-    as_new(monkeypatch)
+    as_new(tuned)
     with np.errstate(all="raise"):
         found = QUESTIONS[name]()
     assert found == expected

@@ -14,10 +14,10 @@ from hypothesis import given, settings
 import floquetrod as fr
 from floquetrod._util.compilation import compiled
 from floquetrod.floquet.mathieu_chains import mathieu_counts
-from floquetrod.mathieu import array_functions
 from floquetrod.methods import reference
 from tests.conftest import JIT, depth, needs_jit
 from tests.inside import count_below
+from tests.seams import Tuned
 from tests.strategies import mathieu_points, near_boundary_points
 
 pytestmark = pytest.mark.kernels
@@ -222,12 +222,10 @@ def test_calls_from_threads() -> None:
 
 @pytest.mark.parametrize("alpha", [0.0, 1e-300, 1e-160, 1e-30, 1.0, 1e6, 1e9][:: depth(1, 3)])
 @pytest.mark.parametrize("beta", [-1e9, -1e6, -1.0, -0.25, -1e-300, 0.0, 1e-300, 1.0, 1e6, 1e9][:: depth(1, 3)])
-def test_extreme_parameters_neither_crash_nor_loop(alpha: float, beta: float, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_extreme_parameters_neither_crash_nor_loop(alpha: float, beta: float, tuned: Tuned) -> None:
     if os.environ.get("NUMBA_DISABLE_JIT") == "1" and max(alpha, abs(beta)) > 1e5:
         pytest.skip("a minute each when interpreted; run compiled")
-    monkeypatch.setattr(
-        array_functions, "_COMPILE_AFTER", 0
-    )  # interpreted, a hundred of the hardest points take ten seconds
+    tuned(functions_compiled_after=0)  # interpreted, a hundred of the hardest points take ten seconds
     many = np.full(depth(100, 65), alpha)
     stable = fr.mathieu.is_stable(many, beta)
     assert stable.all() or not stable.any()

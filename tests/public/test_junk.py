@@ -7,7 +7,6 @@ import datetime
 import functools
 import inspect
 import math
-import sys
 import types
 import zlib
 from collections.abc import Callable
@@ -25,6 +24,7 @@ from floquetrod.floquet.verdict import FloquetVerdict
 from floquetrod.methods import monodromy_matrix
 from tests.conftest import depth
 from tests.fuzz.junk import LONGEST_MESSAGE, Endless, Raising, loop, objects, tree
+from tests.seams import Tuned
 
 ROD = fr.Rod.nitinol()
 TUBE = ROD.replace(inner_radius=0.4e-3)
@@ -591,9 +591,9 @@ def numbers_in(result: Any) -> list[np.ndarray]:
 
 @pytest.mark.parametrize(("call", "given", "name"), CASES, ids=[f"{named(c)}-{n}" for c, _, n in CASES])
 def test_junk_is_refused_by_name_or_answered(
-    call: Callable[..., Any], given: dict[str, Any], name: str, monkeypatch: pytest.MonkeyPatch
+    call: Callable[..., Any], given: dict[str, Any], name: str, tuned: Tuned
 ) -> None:
-    monkeypatch.setattr(sys.modules["floquetrod.floquet.solve"], "_MOST_STEPS", 1000)  # of spans without end
+    tuned(steps_of_a_solution=1000)  # of spans without end
     faults = []
     stride = depth(1, 18)  # every argument is given some of it, and all of it comes in turn
     for junk in JUNK[zlib.crc32(f"{named(call)}-{name}".encode()) % stride :: stride]:

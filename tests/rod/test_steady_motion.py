@@ -9,11 +9,11 @@ import pytest
 
 import floquetrod as fr
 from benchmarks.large_motion import largest_simulated
-from floquetrod.rod import kicked_motion, large_orbits
+from floquetrod.rod import large_orbits
 from floquetrod.rod import motion as motions
 from floquetrod.rod.large_orbits import orbits_of
-from floquetrod.rod.mode_equations import many_orbits
 from tests.inside import LargeMotion, Shapes, with_waves
+from tests.seams import Tuned
 
 ROD = fr.Rod.nitinol().replace(damping_rate=3.0)
 SHORT = ROD.replace(length=1.2)
@@ -45,12 +45,11 @@ def beyond(seed: int) -> tuple[fr.Rod, fr.AxialLoad]:
     return rod, fr.AxialLoad(mean, amplitude, float(rng.uniform(0.5, 4.0)) * swing)
 
 
-def test_angles_beyond_the_limit_are_refused_and_not_answered(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_angles_beyond_the_limit_are_refused_and_not_answered(tuned: Tuned) -> None:
     under = load(0.1, 0.3, 110.0)
     moves = SHORT.steady_motion(under)
     size = np.degrees(moves.amplitude)
-    for module in (motions, large_orbits, kicked_motion, many_orbits):
-        monkeypatch.setattr(module, "LIMIT", 0.9 * moves.amplitude)
+    tuned(largest_angle=0.9 * moves.amplitude)
     text = f"makes the rod move by {size:.4g} degrees in mode 2, further than {0.9 * size:.0f} degrees"
     with pytest.raises(ValueError, match=text):
         SHORT.steady_motion(under)

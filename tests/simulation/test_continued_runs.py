@@ -13,8 +13,8 @@ from hypothesis import strategies as st
 
 import floquetrod as fr
 from floquetrod import cli
-from floquetrod.simulation import checkpoints
 from tests.conftest import depth
+from tests.seams import Tuned
 
 LOAD = fr.AxialLoad(0.3, 0.3, 150.0)
 PATH = fr.WellPath.arc(length=4.0, inclination=(1.2, 1.4), azimuth=(0.4, 0.6))
@@ -102,7 +102,7 @@ def test_a_run_that_stopped_early_goes_on() -> None:
     assert run.continued() == replace(problem, stop_early=False).run()
 
 
-def test_what_cannot_be_continued_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_what_cannot_be_continued_is_refused(tuned: Tuned) -> None:
     run = fr.simulate(fr.Rod.nitinol(), LOAD, duration=0.01, segments=60, frames=5)
     with pytest.raises(ValueError, match=r"^duration must be positive for a run that is complete, got 0 s; give"):
         run.continued()
@@ -116,7 +116,7 @@ def test_what_cannot_be_continued_is_refused(monkeypatch: pytest.MonkeyPatch) ->
     before[8 * 3] ^= 1
     with pytest.raises(ValueError, match=r"cannot be continued bit for bit here: its last .* come out otherwise"):
         replace(run, last_state=state._replace(before=before)).continued(1.0)
-    monkeypatch.setattr(checkpoints, "arithmetic", lambda: {**state.arithmetic, "numba": "0.1"})
+    tuned(arithmetic_of_checkpoints=lambda: {**state.arithmetic, "numba": "0.1"})
     with pytest.raises(ValueError, match=r"cannot be continued bit for bit here: it was computed with numba "):
         run.continued(1.0)
 

@@ -15,6 +15,7 @@ from floquetrod import cli
 from floquetrod.simulation import outcome
 from floquetrod.simulation.outcome import Kick, outcome_of
 from tests.conftest import depth
+from tests.seams import Tuned
 
 ROD = fr.Rod.nitinol()
 FORCE = ROD.critical_force
@@ -170,8 +171,8 @@ def test_the_terminal_says_what_buckled_means(tmp_path: Path, capsys: pytest.Cap
     assert f"buckled   means {outcome.DEFINITION}" in out
 
 
-def test_buckling_under_a_load_that_theory_calls_stable_is_noted(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(outcome, "_GROWN", 0.1)  # as if swinging on were growth
+def test_buckling_under_a_load_that_theory_calls_stable_is_noted(tuned: Tuned) -> None:
+    tuned(swings_that_are_growth=0.1)  # as if swinging on were growth
     found = kicked(STABLE, 0.16, range(3), friction=0.0)
     assert found.buckled.all()
     with pytest.warns(fr.OutcomeWarning, match="3 runs buckled, but by theory nothing grows under this load"):

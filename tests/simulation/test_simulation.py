@@ -11,9 +11,9 @@ import numpy as np
 import pytest
 
 import floquetrod as fr
-from floquetrod.simulation import checkpoints, integration, step_size
 from floquetrod.simulation.growth import fit_growth
 from floquetrod.simulation.recorded_motion import angles
+from tests.seams import Tuned
 
 ROD = fr.Rod.nitinol()
 LOAD = fr.AxialLoad(0.2 * ROD.critical_force, 0.2 * ROD.critical_force, 150.0)
@@ -165,16 +165,16 @@ def test_resumes_to_the_bit(tmp_path: Path, calls: int) -> None:
     assert finished.complete
 
 
-def test_resumes_within_a_frame(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(integration, "_ELEMENT_STEPS", 60_000)
+def test_resumes_within_a_frame(tmp_path: Path, tuned: Tuned) -> None:
+    tuned(element_steps_of_a_call=60_000)
     path = tmp_path / "run.ckpt"
     long_frames = {"frames": 3, "checkpoint": path}
     assert run(**long_frames, progress=Stop(4)).time.size == 1
     assert run(**long_frames) == run(frames=3)
 
 
-def test_checkpoints_are_written_on_the_way(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(checkpoints, "_SECONDS_BETWEEN", 0.0)
+def test_checkpoints_are_written_on_the_way(tmp_path: Path, tuned: Tuned) -> None:
+    tuned(seconds_between_checkpoints=0.0)
     path = tmp_path / "run.ckpt"
 
     def killed(done: int, total: int) -> None:
@@ -214,8 +214,8 @@ def test_a_damaged_checkpoint_is_refused(tmp_path: Path, damage: str) -> None:
         run(checkpoint=path)
 
 
-def test_divergence_names_time_and_cause_and_keeps_the_frames_before(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(step_size, "SAFETY", 1.3)
+def test_divergence_names_time_and_cause_and_keeps_the_frames_before(tuned: Tuned) -> None:
+    tuned(share_of_the_critical_step=1.3)
     with pytest.raises(fr.SimulationDiverged, match=r"diverged before t = .* s; likely cause: ") as caught:
         run(frames=301, friction=0.0)
     kept = caught.value.simulation

@@ -18,6 +18,7 @@ import floquetrod as fr
 from floquetrod._util import sealed_files
 from floquetrod.simulation import checkpoints, integration, rod_record, simulation_problem
 from tests.damages import unpacked
+from tests.seams import Forbidden, Tuned
 from tests.simulation.test_simulation import ROD, Stop, run
 
 HERE = Path(__file__).parent
@@ -91,7 +92,7 @@ def test_a_file_system_without_locks_costs_a_warning(tmp_path: Path, monkeypatch
 class Disk:
     """A disk whose saves fail while it is full."""
 
-    def __init__(self, monkeypatch: pytest.MonkeyPatch, number: int = errno.ENOSPC) -> None:
+    def __init__(self, monkeypatch: pytest.MonkeyPatch, tuned: Tuned, number: int = errno.ENOSPC) -> None:
         self.full, self.saves = True, 0
         flush = os.fsync
 
@@ -102,7 +103,7 @@ class Disk:
             flush(handle)
 
         monkeypatch.setattr(os, "fsync", fsync)
-        monkeypatch.setattr(checkpoints, "_SECONDS_BETWEEN", 0.0)
+        tuned(seconds_between_checkpoints=0.0)
 
 
 @pytest.mark.parametrize(
@@ -110,10 +111,10 @@ class Disk:
     [errno.ENOSPC, errno.EACCES, *(pytest.param(each, marks=pytest.mark.slow) for each in (errno.EIO, errno.EDQUOT))],
 )
 def test_a_save_that_fails_warns_and_costs_nothing(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, number: int
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, tuned: Tuned, number: int
 ) -> None:
     path, expected = tmp_path / "run.ckpt", run()
-    disk = Disk(monkeypatch, number)
+    disk = Disk(monkeypatch, tuned, number)
     with pytest.warns(fr.CheckpointWarning) as caught:
         result = run(checkpoint=path)
     assert result == expected
@@ -129,9 +130,11 @@ def test_a_save_that_fails_warns_and_costs_nothing(
     assert list(tmp_path.iterdir()) == [path]
 
 
-def test_a_disk_that_has_room_again_gets_its_checkpoint(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_disk_that_has_room_again_gets_its_checkpoint(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, tuned: Tuned
+) -> None:
     path, expected = tmp_path / "run.ckpt", run()
-    disk = Disk(monkeypatch)
+    disk = Disk(monkeypatch, tuned)
 
     def relieve(done: int, total: int) -> None:
         disk.full = done < total // 2
@@ -148,10 +151,10 @@ def test_a_disk_that_has_room_again_gets_its_checkpoint(tmp_path: Path, monkeypa
 
 
 def test_where_warnings_are_errors_the_run_is_still_carried_to_its_end(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, tuned: Tuned
 ) -> None:
     expected = run()
-    Disk(monkeypatch)
+    Disk(monkeypatch, tuned)
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         with pytest.raises(fr.CheckpointWarning, match="has not been brought up to date") as caught:
@@ -159,8 +162,8 @@ def test_where_warnings_are_errors_the_run_is_still_carried_to_its_end(
     assert caught.value.simulation == expected
 
 
-def test_a_folder_that_goes_away_costs_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(checkpoints, "_SECONDS_BETWEEN", 0.0)
+def test_a_folder_that_goes_away_costs_nothing(tmp_path: Path, tuned: Tuned) -> None:
+    tuned(seconds_between_checkpoints=0.0)
     expected, folder = run(), tmp_path / "folder"
     folder.mkdir()
 
@@ -173,7 +176,7 @@ def test_a_folder_that_goes_away_costs_nothing(tmp_path: Path, monkeypatch: pyte
         assert run(checkpoint=folder / "run.ckpt", progress=remove) == expected
 
 
-def test_control_c_during_a_save_keeps_the_run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_control_c_during_a_save_keeps_the_run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, tuned: Tuned) -> None:
     path, expected, calls = tmp_path / "run.ckpt", run(), [0]
     flush = os.fsync
 
@@ -187,7 +190,7 @@ def test_control_c_during_a_save_keeps_the_run(tmp_path: Path, monkeypatch: pyte
     stop = 1  # the save at the end, the only one
     with pytest.warns(fr.CheckpointWarning, match="KeyboardInterrupt"):
         assert run(checkpoint=path) == expected
-    monkeypatch.setattr(checkpoints, "_SECONDS_BETWEEN", 0.0)
+    tuned(seconds_between_checkpoints=0.0)
     calls[0], stop = 0, 5  # one on the way
     cut_short = run(checkpoint=path)
     assert not cut_short.complete
@@ -195,11 +198,12 @@ def test_control_c_during_a_save_keeps_the_run(tmp_path: Path, monkeypatch: pyte
     assert list(tmp_path.iterdir()) == [path]
 
 
-def test_slow_saves_become_rare(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_slow_saves_become_rare(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, clock: list[float], tuned: Tuned
+) -> None:
     """Of a run whose saves take long, saving is a small part."""
-    clock, saves = [0.0], [0]
-    monkeypatch.setattr(checkpoints.time, "monotonic", lambda: clock[0])
-    monkeypatch.setattr(integration, "_ELEMENT_STEPS", 0)
+    saves = [0]
+    tuned(element_steps_of_a_call=0)
 
     def save(self: checkpoints.Checkpoint, state: object) -> None:
         clock[0] += 10.0
@@ -214,12 +218,8 @@ def test_slow_saves_become_rare(tmp_path: Path, monkeypatch: pytest.MonkeyPatch)
     assert 10.0 * saves[0] < 0.1 * clock[0] + 20.0
 
 
-def test_a_path_where_nothing_can_be_written_is_refused_before_the_run(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(
-        integration.Integration, "run", lambda *_: pytest.fail("it computed before it looked at the path")
-    )
+def test_a_path_where_nothing_can_be_written_is_refused_before_the_run(tmp_path: Path, forbidden: Forbidden) -> None:
+    forbidden(integration.Integration, "run")
     for path in (tmp_path / "no" / "run.ckpt", tmp_path, Path("/dev/full")):
         with pytest.raises(ValueError, match=r"there is no folder|is a folder|is a device"):
             run(checkpoint=path)
@@ -314,9 +314,9 @@ def test_a_clock_that_cannot_be_is_refused(tmp_path: Path) -> None:
     ],
 )
 def test_absurd_runs_are_refused_before_anything_is_allocated(
-    changes: dict[str, Any], message: str, monkeypatch: pytest.MonkeyPatch
+    changes: dict[str, Any], message: str, forbidden: Forbidden
 ) -> None:
-    monkeypatch.setattr(simulation_problem, "Integration", lambda *_: pytest.fail("it began"))
+    forbidden(simulation_problem, "Integration")
     with pytest.raises(ValueError, match=message):
         run(**changes)
 

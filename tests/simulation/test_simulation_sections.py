@@ -21,6 +21,7 @@ from floquetrod.simulation.rod_record import FIRST
 from floquetrod.simulation.step_size import SAFETY, critical_time_step
 from tests.driven import frequencies, stiffness
 from tests.inside import beside
+from tests.seams import Tuned
 
 Floats = NDArray[np.float64]
 
@@ -278,11 +279,8 @@ def test_the_error_of_the_energy_balance_is_of_second_order(path: Any, friction:
 
 
 @pytest.mark.parametrize("path", [None, SURVEY])
-def test_resumes_saves_continues_and_starts_again_to_the_bit(
-    path: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr("floquetrod.simulation.integration._ELEMENT_STEPS", 300 * 64)
-    monkeypatch.setattr("floquetrod.simulation.integration._LEAST_STEPS", 300)
+def test_resumes_saves_continues_and_starts_again_to_the_bit(path: Any, tmp_path: Path, tuned: Tuned) -> None:
+    tuned(element_steps_of_a_call=300 * 64, least_steps_of_a_call=300)
     string = wire(bores=STEPPED, path=path, damping_rate=0.5)
     load = fr.AxialLoad(0.3, 0.2, 130.0, mean_at=0.0)
     problem = fr.SimulationProblem(string, load, duration=0.01, segments=64, frames=3, friction=0.1, perturbation=KICK)

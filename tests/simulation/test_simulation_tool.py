@@ -12,6 +12,7 @@ import pytest
 import floquetrod as fr
 from floquetrod.ensembles.study import Study
 from floquetrod.ensembles.varied_axes import varied
+from tests.seams import Tuned
 
 ROD = fr.Rod.nitinol()
 WELL = fr.WellPath([0.0, 1.2, 2.0, 3.5], np.radians([60.0, 75.0, 80.0, 84.0]), np.radians([10.0, 20.0, 18.0, 40.0]))
@@ -108,8 +109,8 @@ def both(**options: Any) -> fr.SimulationProblem:
     return fr.SimulationProblem(ROD, STILL, **{"tool": fr.VibrationTool(0.4, 700.0, 1.0), **given})
 
 
-def test_resumes_saves_and_loads_to_the_bit(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("floquetrod.simulation.integration._ELEMENT_STEPS", 1000 * 60)
+def test_resumes_saves_and_loads_to_the_bit(tmp_path: Path, tuned: Tuned) -> None:
+    tuned(element_steps_of_a_call=1000 * 60)
 
     def stop(done: int, of: int) -> None:
         if done >= 2000:

@@ -18,6 +18,7 @@ from floquetrod.simulation.kernels import rod_step
 from floquetrod.simulation.rod_record import FIRST
 from floquetrod.wells.path import WellPath
 from tests.inside import beside
+from tests.seams import Tuned
 
 ROD = fr.Rod.nitinol()
 UNIT = ROD.critical_force
@@ -183,8 +184,8 @@ def test_a_run_does_not_depend_on_how_it_is_divided(friction: float) -> None:
     assert whole.rod.tobytes() == parts.rod.tobytes()
 
 
-def test_resumes_saves_and_loads_to_the_bit(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("floquetrod.simulation.integration._ELEMENT_STEPS", 1000 * 60)
+def test_resumes_saves_and_loads_to_the_bit(tmp_path: Path, tuned: Tuned) -> None:
+    tuned(element_steps_of_a_call=1000 * 60)
     problem = fr.SimulationProblem(
         on_path(SURVEY), push(0.5, 0.3, 130.0), duration=0.03, segments=60, frames=3, natural_curvature="path"
     )

@@ -16,6 +16,7 @@ from floquetrod.equations.batches import in_batches, pick
 from floquetrod.floquet.status import STABLE
 from floquetrod.systems import batch_verdicts
 from tests.conftest import depth
+from tests.seams import Heard
 from tests.strategies import systems
 
 OMEGA, EPSILON = np.linspace(0.6, 5.0, 23), np.linspace(0.0, 0.8, 9)
@@ -107,15 +108,9 @@ def test_larger_systems_of_every_path() -> None:
         check(fr.HillSystem(stiffness, [forcing], period=2.3, gyroscopic=0.3 * skew))
 
 
-def test_what_the_quick_rules_leave_open_is_judged_alone(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_what_the_quick_rules_leave_open_is_judged_alone(heard: Heard) -> None:
     same = fr.HillSystem(np.eye(2), [np.array([0.1, 0.2])[:, None, None] * np.eye(2)], period=2.0)
-    asked, judge = [], batch_verdicts.judge
-
-    def counted(system: Any, **options: Any) -> Any:
-        asked.append(system)
-        return judge(system, **options)
-
-    monkeypatch.setattr(batch_verdicts, "judge", counted)
+    asked = heard(batch_verdicts, "judge")
     found = batch_verdicts.verdicts(same)
     assert found.status.tolist() == [STABLE, STABLE]  # two pairs of equal multipliers, of one Krein sign
     assert len(asked) == 2
@@ -138,21 +133,14 @@ def test_what_the_quick_rules_leave_open_is_judged_alone(monkeypatch: pytest.Mon
     ids=["triangular", "triangular of first order", "commuting", "damped with drift"],
 )
 def test_what_no_digits_decide_costs_arrays_no_more_than_sixty(
-    system: fr.HillSystem | fr.PeriodicSystem, monkeypatch: pytest.MonkeyPatch
+    system: fr.HillSystem | fr.PeriodicSystem, heard: Heard
 ) -> None:
-    module, digits = importlib.import_module("floquetrod.floquet.methods.system_reference"), []
-    attempt = module._attempt  # type: ignore[attr-defined]
-
-    def counted(system: Any, context: Any, now: int, before: int) -> Any:
-        digits.append(now)
-        return attempt(system, context, now, before)
-
-    monkeypatch.setattr(module, "_attempt", counted)
+    attempts = heard(importlib.import_module("floquetrod.floquet.methods.system_reference"), "_attempt")
     with pytest.warns(fr.UndecidedWarning, match="1 of 1 systems .* count as not stable"):
         assert fr.systems.is_stable(system) is False
-    assert digits == [30, 60]
+    assert [digits for _, _, digits, _ in attempts] == [30, 60]
     result = fr.stability(system)
-    assert digits == [30, 60, 30, 60, 120]
+    assert [digits for _, _, digits, _ in attempts] == [30, 60, 30, 60, 120]
     assert result.status == "undecided"
     assert result.note.endswith("computed to 120 digits")
 

@@ -25,6 +25,7 @@ from floquetrod.units import AnswerUnits
 from floquetrod.wells.drag import Drag, WellGeometry
 from tests.conftest import depth as depth_of_draws
 from tests.inside import damping_across, drag_of, stress_along
+from tests.seams import Heard
 
 TUBING = fr.Rod.catalogue("2.00x0.156", bore="4.778in", length=1.0, fluid_inside=1e3, fluid_outside=1e3)
 WELL = fr.WellPath([0.0, 1000.0, 1450.0, 4000.0], ["0deg", "0deg", "90deg", "90deg"])
@@ -252,16 +253,9 @@ def test_where_it_never_gets_nothing_arrives_at_the_bit() -> None:
     assert "locked" in str(found.report())
 
 
-def test_strings_are_marched_side_by_side(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_strings_are_marched_side_by_side(heard: Heard) -> None:
     """Sixty strings, which end and buckle at depths of their own, take hardly more steps than the longest alone."""
-    calls = []
-    slopes = Drag.slopes
-
-    def counted(self: Drag, *args: object) -> np.ndarray:
-        calls.append(1)
-        return slopes(self, *args)
-
-    monkeypatch.setattr(Drag, "slopes", counted)
+    calls = heard(Drag, "slopes")
     numbers = []
     for depths in ([2900.0], np.linspace(50.0, 2900.0, 60)):
         calls.clear()

@@ -16,6 +16,7 @@ from floquetrod.wells.kernels import shaken_march, tool_wave
 from floquetrod.wells.kernels.wall_contact import LOCKED
 from floquetrod.wells.shaken_string import ShakenString
 from tests.inside import drag_of
+from tests.seams import Tuned
 
 TUBING = fr.Rod.catalogue("2.00x0.156", bore="4.778in", length=1.0, fluid_inside=1e3, fluid_outside=1e3)
 WEIGHT = TUBING.weight_per_length
@@ -167,17 +168,17 @@ def test_the_error_is_that_of_the_wave(frequency: str, above_end: float, bottom:
     np.testing.assert_allclose(found.force, drag.force(fine.y[:, 0]), atol=2.0 * found.error)
 
 
-def test_what_has_not_settled_is_said(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_what_has_not_settled_is_said(tuned: Tuned) -> None:
     tool = fr.VibrationTool("8kN", "18Hz", 30.0)
-    monkeypatch.setattr(strings, "_TURNS", 2)
+    tuned(rounds_of_a_shaken_string=2)
     assert math.isinf(TUBING.mean_force(WELL, 0.3, bottom=2500.0, tool=tool, depth=[0.0]).error)
 
 
 @pytest.mark.slow
-def test_a_string_that_has_not_settled_is_taken_as_stopped(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_string_that_has_not_settled_is_taken_as_stopped(tuned: Tuned) -> None:
     tool = fr.VibrationTool("8kN", "18Hz", 30.0)
     assert np.isfinite(TUBING.reach(WELL, 0.3, tool=tool, depth=[2500.0]).injector_shaken[0])
-    monkeypatch.setattr(strings, "_TURNS", 2)
+    tuned(rounds_of_a_shaken_string=2)
     cut = TUBING.reach(WELL, 0.3, tool=tool, depth=[2500.0])
     assert np.isinf(cut.injector_shaken[0])
     assert cut.is_stopped_shaken

@@ -18,6 +18,7 @@ from tests.conftest import depth
 from tests.fuzz import ranges as ranges_attack
 from tests.fuzz import rods
 from tests.inside import SLOW_GROWTH
+from tests.seams import Heard
 
 ROD = fr.Rod.nitinol()
 FCR = ROD.critical_force
@@ -244,14 +245,12 @@ def test_no_range_at_all_is_said() -> None:
     )
 
 
-def test_the_cost_follows_the_question(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_cost_follows_the_question(heard: Heard) -> None:
     # More than a thousand tongues lie below, and are not resolved, since nothing grows in them.
-    asked = []
-    real = tongue_intervals._growth
-    monkeypatch.setattr(tongue_intervals, "_growth", lambda *inputs: asked.append(inputs[0].size) or real(*inputs))
+    asked = heard(tongue_intervals, "_growth")
     ranges = ROD.ranges("frequency", mean=0.3, amplitude=0.3, bounds=(2.0, 60.0))
     assert ranges.tongues_left_out > 1000
-    assert sum(asked) < 10 * ranges.tongues_left_out
+    assert sum(first.size for first, *_ in asked) < 10 * ranges.tongues_left_out
 
 
 def test_progress_is_told_by_modes() -> None:

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
+import contextlib
 import io
 import json
 import math
 import re
-import sys
 import threading
 from typing import Any
 
@@ -17,10 +17,9 @@ import floquetrod as fr
 from floquetrod import cli
 from floquetrod._util import waiting
 from floquetrod.rod.loads import axial
-from floquetrod.rod.mode_equations import coupled_matrices as coupled
 from floquetrod.rod.modes import coupled_verdict as coupled_stability
-from floquetrod.rod.modes import sampled_ranges
 from tests.inside import FAR_ENDS, CoupledModes, Loads, modes_needed, up_to_resonance
+from tests.seams import Forbidden, Heard, Tuned
 
 TUBING = fr.Rod.catalogue("2.00x0.156 CT90", bore="4.778in", length=60.0)
 LONG = TUBING.replace(length=600.0)
@@ -153,11 +152,9 @@ def test_verdicts_tell_the_largest_force() -> None:
 
 
 @pytest.mark.parametrize("beside", [0.0, 1e-5, -5e-3])
-def test_a_resonance_is_refused_by_its_name_before_anything_is_computed(
-    beside: float, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(coupled_stability, "stability", lambda *_: pytest.fail("a system was judged"))
-    monkeypatch.setattr(coupled_stability, "ModalSystems", lambda *_: pytest.fail("modes were judged"))
+def test_a_resonance_is_refused_by_its_name_before_anything_is_computed(beside: float, forbidden: Forbidden) -> None:
+    forbidden(coupled_stability, "stability")
+    forbidden(coupled_stability, "ModalSystems")
     rod = LONG.replace(damping_rate=0.3)
     load = fr.AxialWave(0.0, "2kN", 0.1 * HELD * (1.0 + beside))
     with pytest.raises(
@@ -168,8 +165,8 @@ def test_a_resonance_is_refused_by_its_name_before_anything_is_computed(
     assert "coupled modes" not in str(told.value)
 
 
-def test_a_resonance_with_little_damping_is_refused_by_its_name(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(coupled_stability, "ModalSystems", lambda *_: pytest.fail("modes were judged"))
+def test_a_resonance_with_little_damping_is_refused_by_its_name(forbidden: Forbidden) -> None:
+    forbidden(coupled_stability, "ModalSystems")
     for rate in (3e-3, 1e-5):
         load = fr.AxialWave(0.0, "2kN", 0.1 * HELD, axial_damping=rate)
         with pytest.raises(
@@ -179,8 +176,8 @@ def test_a_resonance_with_little_damping_is_refused_by_its_name(monkeypatch: pyt
         assert "damping_rate" not in str(told.value)
 
 
-def test_too_many_modes_for_other_reasons_are_told_with_remedies_that_are_left(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(coupled, "MOST_COUPLED", 5)
+def test_too_many_modes_for_other_reasons_are_told_with_remedies_that_are_left(tuned: Tuned) -> None:
+    tuned(most_coupled_modes=5)
     load = fr.AxialWave(0.5 * TUBING.critical_force, 0.3 * TUBING.critical_force, 25.0)
     with pytest.raises(ValueError, match=r"load needs \d+ coupled modes.*its damping_rate, a growth_tolerance"):
         modes_needed(TUBING, load, Loads.single(load), 0.0)
@@ -190,12 +187,8 @@ def test_too_many_modes_for_other_reasons_are_told_with_remedies_that_are_left(m
     assert not re.search("damping_rate|growth_tolerance|resonance of", str(told.value))
 
 
-def test_the_damping_that_stabilises_takes_few_evaluations(monkeypatch: pytest.MonkeyPatch) -> None:
-    evaluated = []
-    growth = CoupledModes.growth_without_decay
-    monkeypatch.setattr(
-        CoupledModes, "growth_without_decay", lambda self, loads: evaluated.append(1) or growth(self, loads)
-    )
+def test_the_damping_that_stabilises_takes_few_evaluations(heard: Heard) -> None:
+    evaluated = heard(CoupledModes, "growth_without_decay")
     load = fr.AxialWave(0.5 * TUBING.critical_force, 0.3 * TUBING.critical_force, 40.0)
     for rod, tolerance in ((TUBING, 0.0), (TUBING.replace(damping_rate=0.2), 0.3)):
         evaluated.clear()
@@ -210,23 +203,13 @@ def test_the_damping_that_stabilises_takes_few_evaluations(monkeypatch: pytest.M
 
 
 @pytest.fixture
-def few(monkeypatch: pytest.MonkeyPatch) -> list[np.ndarray]:
-    """Let ranges take few samples, and return the frequencies that are judged."""
-    asked: list[np.ndarray] = []
-    answers = CoupledModes.answers
-
-    def heard(self: CoupledModes, loads: Loads, *others: Any, **named: Any) -> Any:
-        asked.append(loads.frequency)
-        return answers(self, loads, *others, **named)
-
-    monkeypatch.setattr(CoupledModes, "answers", heard)
-    monkeypatch.setattr(sampled_ranges, "SAMPLES", 17)
-    monkeypatch.setattr(sampled_ranges, "_LEAST_SAMPLES", 3)
-    monkeypatch.setattr(sampled_ranges, "_GROUPS", 4)
-    return asked
+def few(tuned: Tuned, heard: Heard) -> list[Any]:
+    """Let ranges take few samples, and return what is judged: modes, loads and so on."""
+    tuned(samples_of_ranges=17, least_samples_of_a_group=3, groups_of_frequencies=4)
+    return heard(CoupledModes, "answers")
 
 
-def test_ranges_go_round_a_resonance(few: list[np.ndarray]) -> None:
+def test_ranges_go_round_a_resonance(few: list[Any]) -> None:
     bounds = (0.8 * HELD, 1.2 * HELD)
     reports: list[tuple[int, int]] = []
     like = fr.AxialWave(0.0, 0.0, 1.0)
@@ -237,9 +220,9 @@ def test_ranges_go_round_a_resonance(few: list[np.ndarray]) -> None:
     assert gap.resonance.frequency == pytest.approx(HELD)
     for end in gap[:2]:
         assert abs(math.cos(end / UNIT)) == pytest.approx(0.01, rel=1e-4)
-    assert all(not ((gap.low < asked) & (asked < gap.high)).any() for asked in few)
-    assert min(asked.min() for asked in few) == bounds[0]
-    assert max(asked.max() for asked in few) == bounds[1]
+    asked = np.concatenate([loads.frequency for _, loads, *_ in few])
+    assert not ((gap.low < asked) & (asked < gap.high)).any()
+    assert (asked.min(), asked.max()) == bounds
     assert HELD not in found
     assert all(part.high <= gap.low or part.low >= gap.high for part in (*found, *found.unstable))
     assert {part.high_end for part in found if part.high == gap.low} <= {"axial resonance"}
@@ -252,12 +235,12 @@ def test_ranges_go_round_a_resonance(few: list[np.ndarray]) -> None:
 
 
 @pytest.mark.slow
-def test_pieces_of_a_search_join(few: list[np.ndarray], monkeypatch: pytest.MonkeyPatch) -> None:
+def test_pieces_of_a_search_join(few: list[Any], tuned: Tuned) -> None:
     # Without resonance within: the same intervals, in one piece and in four.
     like = fr.AxialWave(0.3 * TUBING.critical_force, 0.2 * TUBING.critical_force, 1.0)
     bounds = (0.3 * HELD, 0.34 * HELD)
     found = TUBING.ranges("frequency", like, bounds)
-    monkeypatch.setattr(sampled_ranges, "_GROUPS", 1)
+    tuned(groups_of_frequencies=1)
     whole = TUBING.ranges("frequency", like, bounds)
     assert [(p.low_end, p.high_end) for p in found].count((None, None)) == [
         (p.low_end, p.high_end) for p in whole
@@ -267,11 +250,9 @@ def test_pieces_of_a_search_join(few: list[np.ndarray], monkeypatch: pytest.Monk
 
 
 @pytest.mark.slow
-def test_ranges_go_round_a_damped_resonance_that_needs_too_many_modes(
-    few: list[np.ndarray], monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_ranges_go_round_a_damped_resonance_that_needs_too_many_modes(few: list[Any], tuned: Tuned) -> None:
     like = fr.AxialWave(0.0, 0.0, 1.0, axial_damping=0.01)
-    monkeypatch.setattr(coupled, "MOST_COUPLED", 40)
+    tuned(most_coupled_modes=40)
     found = TUBING.ranges(
         "frequency", like, mean=0.0, amplitude=10.0, bounds=(0.97 * HELD, 1.03 * HELD), growth_tolerance=5.0
     )
@@ -381,22 +362,21 @@ def test_check_tells_the_largest_force(tmp_path: Any, capsys: pytest.CaptureFixt
 
 
 def test_ranges_list_what_is_not_computed(
-    few: list[np.ndarray], tmp_path: Any, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+    few: list[Any], tmp_path: Any, capsys: pytest.CaptureFixture[str], heard: Heard
 ) -> None:
     path = tmp_path / "tubing.toml"
     path.write_text('catalogue = "2.00x0.156 CT90"\nbore = "4.778in"\nlength = "60m"\n')
-    calls: list[tuple[str, tuple[int, int]]] = []
-    monkeypatch.setattr(waiting.Waiting, "__call__", lambda self, *done: calls.append((self.what, done)))
+    calls = heard(waiting.Waiting, "__call__")
     given = ["ranges", "--rod", str(path), "--mean", "0N", "--amplitude", "10N", "--frequency", "20:23Hz"]
     assert cli.main([*given, "--wave", "held", "--json"]) == 0
     found = json.loads(capsys.readouterr().out)
     (gap,) = found["not_computed"]
     assert gap["axial_resonance_rad_per_s"] == pytest.approx(HELD)
     assert gap["low_rad_per_s"] < HELD < gap["high_rad_per_s"]
-    assert any(what == "searching along the frequency" for what, _ in calls)
+    assert any(waited.what == "searching along the frequency" for waited, *_ in calls)
 
 
-def test_lines_of_progress_where_stderr_is_no_terminal(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_lines_of_progress_where_stderr_is_no_terminal(monkeypatch: pytest.MonkeyPatch, tuned: Tuned) -> None:
     class Pipe(io.StringIO):
         said = threading.Event()
 
@@ -407,16 +387,15 @@ def test_lines_of_progress_where_stderr_is_no_terminal(monkeypatch: pytest.Monke
             return count
 
     pipe = Pipe()
-    monkeypatch.setattr(sys, "stderr", pipe)
-    monkeypatch.setattr(waiting, "PLAIN", 0.001)
-    with waiting.Waiting("searching", "loads") as progress:
+    tuned(seconds_between_plain_lines=0.001)
+    with contextlib.redirect_stderr(pipe), waiting.Waiting("searching", "loads") as progress:
         progress(3, 4)
         assert pipe.said.wait(60.0)
     assert re.match(r"floquetrod: searching: \d+ s(, 3 of 4 loads.*)? \(Ctrl-C ends it\)\n", pipe.getvalue())
     assert "\r" not in pipe.getvalue()
 
 
-def test_pauses_between_lines_of_progress_double(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_pauses_between_lines_of_progress_double(monkeypatch: pytest.MonkeyPatch, tuned: Tuned) -> None:
     pauses: list[float] = []
 
     def wait(pause: float) -> bool:
@@ -424,10 +403,10 @@ def test_pauses_between_lines_of_progress_double(monkeypatch: pytest.MonkeyPatch
         return len(pauses) > 4
 
     pipe = io.StringIO()
-    monkeypatch.setattr(sys, "stderr", pipe)
-    monkeypatch.setattr(waiting, "PLAIN", 10.0)
+    tuned(seconds_between_plain_lines=10.0)
     progress = waiting.Waiting("searching")
     monkeypatch.setattr(progress._left, "wait", wait)
-    progress._speak()
+    with contextlib.redirect_stderr(pipe):
+        progress._speak()
     assert pauses == [10.0, 20.0, 40.0, 80.0, 160.0]
     assert pipe.getvalue().count("\n") == 4

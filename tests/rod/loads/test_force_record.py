@@ -22,6 +22,7 @@ from floquetrod import units
 from floquetrod.rod.loads import record_file, record_fit, record_period
 from tests.conftest import depth
 from tests.inside import suspicions_of_record
+from tests.seams import Forbidden, Heard
 
 OMEGA = 100.0
 PERIOD = 2.0 * math.pi / OMEGA
@@ -252,27 +253,21 @@ def long_record(rng: np.random.Generator, fundamental: float, size: float) -> tu
     ("fundamental", "size"), [(0.1, 1.0), *(pytest.param(2.0, size, marks=pytest.mark.slow) for size in (0.01, 1.0))]
 )
 def test_a_long_record_is_fitted_by_some_of_its_samples_first(
-    fundamental: float, size: float, rng: np.random.Generator, monkeypatch: pytest.MonkeyPatch
+    fundamental: float, size: float, rng: np.random.Generator, monkeypatch: pytest.MonkeyPatch, heard: Heard
 ) -> None:
     """With the same answer as by all of them, also where few know too little; the last words are those of all."""
     case = long_record(rng, fundamental, size)
     monkeypatch.setattr(record_fit.Samples, "is_long", False)
     every = fr.ForceRecord(*case)
     monkeypatch.undo()
-    whole = []
-    sums = record_fit._sums
-
-    def counted(samples: record_fit.Samples, omega: float, numbers: tuple[int, ...], coefficients: Any) -> Any:
-        whole.append(samples.tau.size == case[0].size and len(numbers) > 3)
-        return sums(samples, omega, numbers, coefficients)
-
-    monkeypatch.setattr(record_fit, "_sums", counted)
+    sums = heard(record_fit, "_sums")
     record = fr.ForceRecord(*case)
     assert record.harmonic_numbers == every.harmonic_numbers
     assert abs(record.frequency - every.frequency) < 0.1 * every.frequency_error
     assert np.abs(record.harmonics - every.harmonics).max() < 0.1 * every.harmonic_errors.min()
     assert record.frequency_error == pytest.approx(every.frequency_error, rel=1e-3)
     if size == 1.0:
+        whole = [samples.tau.size == case[0].size and len(numbers) > 3 for samples, _, numbers, _ in sums]
         assert sum(whole) <= 10  # of 20 harmonics: one climb, or two where the fundamental is not the strongest
 
 
@@ -290,17 +285,13 @@ def test_some_samples_of_a_long_record_fold_nothing_down(rng: np.random.Generato
     assert other is None or abs(other.amplitudes[0]) < 0.1
 
 
-def test_the_spectrum_of_even_samples_is_their_transform(
-    rng: np.random.Generator, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_the_spectrum_of_even_samples_is_their_transform(rng: np.random.Generator, heard: Heard) -> None:
     """Padded to four times their number, and no longer."""
     time = 0.01 * np.arange(200)
     samples = record_fit.Samples.of(time, rng.standard_normal(time.size))
-    sizes: list[int] = []
-    rfft = scipy.fft.rfft
-    monkeypatch.setattr(scipy.fft, "rfft", lambda values, size: (sizes.append(size), rfft(values, size))[1])
+    transforms = heard(scipy.fft, "rfft")
     found = record_period.power_spectrum(samples, samples.values)
-    assert 4 * (time.size - 1) <= sizes[0] <= 4 * time.size + 8
+    assert 4 * (time.size - 1) <= transforms[0][1] <= 4 * time.size + 8
     at = math.pi * found.step * np.arange(1, found.power.size + 1)
     direct = np.abs(np.exp(-1j * np.outer(at, samples.tau)) @ samples.values) ** 2 / time.size
     assert found.power == pytest.approx(direct, rel=1e-9, abs=1e-12)
@@ -644,10 +635,10 @@ def test_what_is_no_number_is_none_among_many_lines(cell: str, delimiter: str, t
         fr.ForceRecord.from_csv(path)
 
 
-def test_regular_lines_are_never_read_one_by_one(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_regular_lines_are_never_read_one_by_one(tmp_path: Path, forbidden: Forbidden) -> None:
     path = tmp_path / "force.csv"
     path.write_text("time,force\n" + "\n".join(f"{t},{f}" for t, f in pairs()), encoding="utf-8")
-    monkeypatch.setattr(record_file._Rows, "_row", lambda *_: pytest.fail("read line by line"))
+    forbidden(record_file._Rows, "_row")
     assert right(fr.ForceRecord.from_csv(path))
 
 

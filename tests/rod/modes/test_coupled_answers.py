@@ -12,12 +12,12 @@ import numpy as np
 import pytest
 
 import floquetrod as fr
-from floquetrod.floquet.multipliers import resonance_names
 from floquetrod.floquet.multipliers.many_verdicts import ManyVerdicts
 from floquetrod.rod.mode_equations import coupled_samples
 from tests.conftest import depth
 from tests.coupled_cases import by_name
 from tests.inside import CoupledModel, CoupledModes, Load, Loads, Resonance, modes_needed
+from tests.seams import Heard, Tuned
 
 PLAIN = fr.Rod(207e9, 7850.0, 0.01, 9.0, 0.05)
 """A rod of few modes, m_cr = 2.4."""
@@ -214,10 +214,10 @@ def test_ranges_are_those_of_a_scan(kind: str, quantity: str) -> None:
 
 
 @pytest.mark.slow
-def test_ends_whose_cause_cannot_be_named_are_ends_of_unstable_parts(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_ends_whose_cause_cannot_be_named_are_ends_of_unstable_parts(tuned: Tuned) -> None:
     bounds = (0.0, 0.6 * UNIT)
     named = ROD.ranges("amplitude", KINDS["sine"], bounds, mean=MEAN, frequency=FREQUENCY, growth_tolerance=0.01)
-    monkeypatch.setattr(resonance_names, "_MOST_MODES", 2)  # in place of 200
+    tuned(modes_whose_resonances_are_named=2)  # in place of 200
     found = ROD.ranges("amplitude", KINDS["sine"], bounds, mean=MEAN, frequency=FREQUENCY, growth_tolerance=0.01)
     assert [part[:2] for part in found] == [part[:2] for part in named]
     assert isinstance(named.intervals[0].high_end, Resonance)
@@ -349,19 +349,13 @@ def test_a_margin_reports_within_each_piece_of_its_search() -> None:
 
 
 @pytest.mark.slow
-def test_a_change_is_located_in_few_verdicts(monkeypatch: pytest.MonkeyPatch) -> None:
-    whole = CoupledModes.answers
-    asked: list[int] = []
-
-    def counted(self: CoupledModes, loads: Any, *others: Any, **named: Any) -> ManyVerdicts:
-        asked.append(loads.size)
-        return whole(self, loads, *others, **named)
-
-    monkeypatch.setattr(CoupledModes, "answers", counted)
+def test_a_change_is_located_in_few_verdicts(heard: Heard) -> None:
+    asked = heard(CoupledModes, "answers")
     found = ROD.replace(damping_rate=0.1).stability(fr.AxialLoad(MEAN, 0.02 * UNIT, 1.4 * SWING), growth_tolerance=0.01)
     margin = found.margin("mean")
     assert math.isfinite(margin.above)
-    assert sum(asked) <= 80  # of ten pieces; where each was sampled and halved it took 150
+    # Of ten pieces; where each was sampled and halved it took 150.
+    assert sum(loads.size for _, loads, *_ in asked) <= 80
 
 
 @pytest.mark.slow

@@ -3,17 +3,17 @@
 from __future__ import annotations
 
 import math
-import sys
 
 import numpy as np
 import pytest
 
 import floquetrod as fr
 from floquetrod.floquet.methods.system_monodromy import monodromy
-from floquetrod.rod.modes import coupled_verdict, fewer_modes
+from floquetrod.rod.modes import coupled_verdict
 from floquetrod.rod.modes.fewer_modes import Fastest
 from tests.coupled_cases import TUBING
-from tests.inside import CoupledEquations, Load, Loads, half_period, solved_many, solved_pairs
+from tests.inside import Loads, half_period, solved_many, solved_pairs
+from tests.seams import Heard, Tuned
 
 STRING = TUBING.replace(length=100.0, damping_rate=0.3, ends="hinged")
 UNIT = STRING.critical_force
@@ -22,11 +22,8 @@ COUNT, FEWER = 44, 36
 
 
 @pytest.fixture(autouse=True)
-def _few_are_many(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(sys.modules[solved_many.__module__], "_MANY", 20)
-    monkeypatch.setattr(coupled_verdict, "_LONG", 20)
-    monkeypatch.setattr(coupled_verdict, "SEVERAL", 20)
-    monkeypatch.setattr(fewer_modes, "_WORTH", 1.0)
+def _few_are_many(tuned: Tuned) -> None:
+    tuned(equations_of_many=20, modes_of_a_long_rod=20, modes_judged_together=20, modes_worth_following=1.0)
 
 
 @pytest.fixture(scope="module")
@@ -59,25 +56,18 @@ def test_nothing_is_followed_where_nothing_is_certain_to_grow(many: fr.HillSyste
     assert solved_many(few) is None
 
 
-def test_long_rods_are_judged_once_and_followed_once(monkeypatch: pytest.MonkeyPatch) -> None:
-    asked: list[int] = []
-    of = coupled_verdict._Trial.of
-
-    def counted(modes: CoupledEquations, load: Load, larger: fr.HillSystem | None) -> coupled_verdict._Trial:
-        asked.append(modes.count)
-        return of(modes, load, larger)
-
-    monkeypatch.setattr(coupled_verdict._Trial, "of", counted)
+def test_long_rods_are_judged_once_and_followed_once(monkeypatch: pytest.MonkeyPatch, heard: Heard) -> None:
+    asked = heard(coupled_verdict._Trial, "of")
     found = STRING.stability(LOAD)
     (fewer, first), (count, last) = found.convergence
-    assert asked == [count]
+    assert [modes.count for modes, *_ in asked] == [count]
     assert fewer < count
     assert first == pytest.approx(last, abs=found.error)
     assert found.status == "unstable"
     monkeypatch.setattr(coupled_verdict._Trial, "with_fewer", lambda self, modes: None)
     asked.clear()
     whole = STRING.stability(LOAD)
-    assert asked == [count, fewer]
+    assert [modes.count for modes, *_ in asked] == [count, fewer]
     assert whole.growth_rate == found.growth_rate
     assert whole.convergence[0][1] == pytest.approx(first, abs=1e-9)
 

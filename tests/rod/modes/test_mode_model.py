@@ -14,11 +14,11 @@ import pytest
 from numpy.typing import NDArray
 
 import floquetrod as fr
-from floquetrod.explorer import maps, mode_panels
 from floquetrod.explorer.view import View
 from floquetrod.plotting.explorer_panels import UNKNOWN
 from floquetrod.rod.modes.coupled_verdict import classify_coupled
 from tests.inside import AnyLoad, CoupledEquations, CoupledModel, Load, Loads, kind
+from tests.seams import Tuned
 
 Floats = NDArray[np.float64]
 
@@ -212,12 +212,10 @@ def test_the_terminal_prints_its_report() -> None:
 
 
 @pytest.mark.parametrize("prompt", [False, pytest.param(True, marks=pytest.mark.slow)])
-def test_the_explorer_shows_what_the_model_tells(prompt: bool, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_explorer_shows_what_the_model_tells(prompt: bool, monkeypatch: pytest.MonkeyPatch, tuned: Tuned) -> None:
     """The map follows the sliders where verdicts are prompt; neither kind has bands or a place among the tongues."""
     monkeypatch.setattr(SpringModel, "prompt", prompt)
-    monkeypatch.setattr(maps, "_POINTS", (24, 24))
-    monkeypatch.setattr(maps, "_MAP", (24, 24))
-    monkeypatch.setattr(mode_panels, "_LINE", (3, 5))
+    tuned(points_of_a_chart=(24, 24), cells_of_a_growing_map=(24, 24), frequencies_of_a_line=(3, 5))
     found = ROD.stability(LOAD)
     shown = View(ROD, LOAD, {"mean": (0.0, 1.0), "amplitude": (0.0, 1.0), "frequency": (0.5 * SLOW, 2.0 * FAST)})
     assert shown.panels == ("line", "shape")

@@ -12,6 +12,7 @@ import floquetrod as fr
 from floquetrod.rod.modes.noisy_coupled import NoisyCoupledModel
 from tests.conftest import depth
 from tests.inside import Answers, Loads, ModeModel
+from tests.seams import Heard
 
 ROD = fr.Rod.nitinol().replace(damping_rate=1.0)
 CLAMPED = ROD.replace(ends="clamped")
@@ -101,21 +102,15 @@ def test_margins_pass_over_growth_within_their_tolerance(monkeypatch: pytest.Mon
     assert force.amplitude + margin.above == pytest.approx(3.0 * force.amplitude, rel=1e-5)
 
 
-def test_a_search_for_a_margin_keeps_to_its_time(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_search_for_a_margin_keeps_to_its_time(heard: Heard) -> None:
     """By an estimate of what a verdict takes; a part that is begun takes seven of them at least."""
-    verdict, asked = CLAMPED.stability(load(CLAMPED, 0.4 * HIGH_MODES, 0.05)), []
-    status = NoisyCoupledModel.status
-
-    def counted(self: NoisyCoupledModel, loads: Loads, *rest: Any) -> Any:
-        asked.append(loads.size)
-        return status(self, loads, *rest)
-
-    monkeypatch.setattr(NoisyCoupledModel, "status", counted)
+    verdict = CLAMPED.stability(load(CLAMPED, 0.4 * HIGH_MODES, 0.05))
+    asked = heard(NoisyCoupledModel, "status")
     each = verdict.evidence.seconds
     assert verdict.margin("mean", seconds=2.0 * each).searched == (0.0, 0.0)
     assert not asked
     assert 0.0 < verdict.margin("mean", seconds=16.0 * each).above < np.inf
-    assert sum(asked) <= 4 * 7
+    assert sum(loads.size for _, loads, *_ in asked) <= 4 * 7
 
 
 def test_progress_counts_all_loads() -> None:

@@ -15,9 +15,9 @@ from scipy.optimize import brentq
 import floquetrod as fr
 from floquetrod.rod.loads import axial
 from floquetrod.rod.loads.axial_line import AxialLine, LinePiece
-from floquetrod.rod.modes import sampled_ranges
 from tests.conftest import depth
 from tests.inside import FAR_ENDS, Load, with_waves
+from tests.seams import Tuned
 
 STRING = fr.Rod(
     sections=[
@@ -479,10 +479,8 @@ def test_arrays_of_waves_are_answered_as_single_ones(far_end: str) -> None:
         rod.stability(load.varied("frequency", resonance))
 
 
-def test_maps_ranges_and_limits_of_waves_hold_at_single_loads(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(sampled_ranges, "SAMPLES", 9)
-    monkeypatch.setattr(sampled_ranges, "_LEAST_SAMPLES", 3)
-    monkeypatch.setattr(sampled_ranges, "_GROUPS", 2)
+def test_maps_ranges_and_limits_of_waves_hold_at_single_loads(tuned: Tuned) -> None:
+    tuned(samples_of_ranges=9, least_samples_of_a_group=3, groups_of_frequencies=2)
     rod = WALLS.replace(damping_rate=0.2)
     load = shaken(rod, 0.3, 0.002, 1.0, "held", 0.0)
     (resonance,) = rod.axial_line.resonances(load, np.array([0])).tolist()
