@@ -394,6 +394,9 @@ def test_nothing_is_cut_off_or_overlaps_on_a_screen_or_a_phone(size: tuple[float
     figure.set_size_inches(*size)
     figure.canvas.callbacks.process("resize_event", ResizeEvent("resize_event", figure.canvas))
     figure.canvas.draw()
+    (modes,) = (ax for ax in window._areas if ax.get_title() == "modes among resonance tongues")
+    low, high = modes.get_xlim()
+    assert sum(low <= tick <= high for tick in modes.get_xticks()) == len(modes.get_xticks()) > 2
     renderer = figure.canvas.get_renderer()
     boxes = {name: text.get_window_extent(renderer) for name, text in window._texts.items() if text.get_text()}
     for number, ax in enumerate(window._areas):

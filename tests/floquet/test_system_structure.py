@@ -128,6 +128,12 @@ def test_a_stiffness_that_pushes_is_not_overdamped_to_rest() -> None:
     assert proved(system) != "stable"
 
 
+def test_a_damping_that_drives_is_not_overdamped_to_rest() -> None:
+    system = fr.HillSystem([[1.35, 0.05], [0.05, 1.35]], [0.2 * np.eye(2)], damping=-1e8 * np.eye(2), period=1.0)
+    assert every_door(system) == {"unstable"}
+    assert proved(system) == "unstable"
+
+
 # --- norms that are kept ---------------------------------------------------------------------------------------------
 
 

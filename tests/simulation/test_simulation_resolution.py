@@ -42,6 +42,14 @@ def test_what_hardly_grows_in_the_time_simulated_needs_no_segments() -> None:
     assert growing_waves(Driving(ROD, load), 2.0).highest == 7
 
 
+def test_waves_that_grow_slowly_count_in_a_long_time() -> None:
+    load = fr.AxialLoad(0.2 * FORCE, 0.063 * FORCE, 150.0)
+    verdict, waves = ROD.stability(load), growing_waves(Driving(ROD, load), 60.0)
+    assert 0.1 < verdict.growth_rate < 1.0
+    assert waves.rate == pytest.approx(verdict.growth_rate, abs=0.01)
+    assert waves.fastest == verdict.fastest_mode
+
+
 @pytest.mark.parametrize("ends", ["hinged", "clamped"])
 def test_segments_follow_the_force_that_a_wave_makes_along_the_rod(ends: str) -> None:
     """Near a resonance of the held rod the force inside is several times that at the end that is driven."""
