@@ -51,8 +51,9 @@ def are_diagonal(matrices: NDArray[Any]) -> bool:
 
 def norms(matrices: NDArray[Any]) -> NDArray[np.float64]:
     """Return the Frobenius norms of matrices (..., m, n), infinite where squares overflow, 0 where they underflow."""
+    sizes = np.abs(matrices) if matrices.dtype.kind == "c" else matrices
     with np.errstate(over="ignore", under="ignore"):
-        return np.asarray(np.sqrt(np.square(matrices).sum(axis=(-2, -1))))
+        return np.asarray(np.sqrt(np.square(sizes).sum(axis=(-2, -1))))
 
 
 def inverses(matrices: NDArray[Any]) -> NDArray[Any]:

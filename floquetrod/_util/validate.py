@@ -244,6 +244,31 @@ def array(name: str, values: Any, *, least: float = -LARGEST, largest: float = L
     return result
 
 
+def complex_array(name: str, values: Any, largest: float = LARGEST) -> NDArray[Any]:
+    """Return ``values`` as an array of finite numbers whose parts are up to ``largest``: float64 where all are real."""
+    raw = values if type(values) is np.ndarray and values.dtype == np.float64 else untyped(name, values)
+    if raw.dtype.kind == "O" and any(isinstance(value, complex | np.complexfloating) for value in raw.flat):
+        parts = [np.array([_part(value, part) for value in raw.flat], dtype=object) for part in ("real", "imag")]
+        real, imaginary = (part.reshape(raw.shape) for part in parts)
+    elif raw.dtype.kind == "c":
+        real, imaginary = raw.real, raw.imag
+    else:
+        return array(name, values, least=-largest, largest=largest)
+    real, imaginary = (array(name, part, least=-largest, largest=largest) for part in (real, imaginary))
+    if not imaginary.any():
+        return np.array(real)
+    joined = np.empty(real.shape, dtype=np.complex128)
+    joined.real, joined.imag = real, imaginary
+    return joined
+
+
+def _part(value: Any, part: str) -> Any:
+    """Return the real or the imaginary part of a number, a real one of any kind as it is."""
+    if isinstance(value, complex | np.complexfloating):
+        return getattr(value, part)
+    return value if part == "real" else 0.0
+
+
 def integer_array(name: str, values: Any, least: int, most: int = MOST_NUMBERS, hint: str = "") -> NDArray[np.int64]:
     """Return ``values`` as an int64 array of integers from ``least`` to ``most``."""
     raw = untyped(name, values)

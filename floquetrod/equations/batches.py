@@ -135,7 +135,8 @@ def in_batches(systems: Sequence[System], call: Callable[[System], Sequence[Any]
     groups: dict[Any, list[int]] = {}
     for i, system in enumerate(systems):
         damping = system.uniform_damping if isinstance(system, HillSystem) else None
-        groups.setdefault((type(system), system.order, system.structure, damping, len(system.pieces)), []).append(i)
+        kind = type(system), system.order, system.structure, damping, len(system.pieces)
+        groups.setdefault((*kind, isinstance(system, PeriodicSystem) and system.is_complex), []).append(i)
     answers: list[tuple[Any, ...]] = [()] * len(systems)
     for members in groups.values():
         columns = call(stack([systems[i] for i in members]))

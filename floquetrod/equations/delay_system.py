@@ -232,6 +232,11 @@ class DelaySystem(ByContent):
         ):
             if coefficient.shape:
                 raise ValueError(f"{name} must be of a single system, got a batch of shape {coefficient.shape}")
+            if getattr(coefficient, "is_complex", False):
+                raise ValueError(
+                    f"{name} must be real in a system with delays, got complex matrices; give those of the real parts "
+                    "and of the imaginary parts of x, [[P, -Q], [Q, P]] for P + i Q"
+                )
         vars(self).update(present=present, delayed=delayed)
 
     @property

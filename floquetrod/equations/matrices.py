@@ -15,6 +15,7 @@ from floquetrod._util.caching import cached_property
 from floquetrod._util.content import ByContent
 
 Matrix = NDArray[np.float64]
+"""Of float64; of a complex `PeriodicSystem` also of complex128."""
 Structure = Literal["hamiltonian", "reversible", "unitary", "damped", "general"]
 
 LARGEST_ENTRY = 1e30
@@ -77,6 +78,11 @@ class PeriodicMatrixSystem(ByContent):
         return harmonic_amplitudes(self.cosines, self.sines, self.shape, self.order)
 
     @property
+    def _waves(self) -> int:
+        """Number of harmonics."""
+        return int(self.harmonics.shape[-3])
+
+    @property
     def is_smooth(self) -> bool:
         """Whether the matrix is one Fourier series all over the period."""
         return not self.pieces
@@ -85,14 +91,14 @@ class PeriodicMatrixSystem(ByContent):
     def is_constant(self) -> bool:
         """Whether nothing depends on time."""
         if not self.pieces:
-            return bool(self.harmonics.shape[-3] == 0)
+            return self._waves == 0
         first = self.pieces[0][1]
         return all(value.is_constant and np.array_equal(value.start, first.start) for _, value in self.pieces)
 
     @property
     def variation(self) -> str:
         """How the matrix varies, in words."""
-        count = len(self.pieces) or self.harmonics.shape[-3]
+        count = len(self.pieces) or self._waves
         what = "piece" if self.pieces else "harmonic"
         return f"{count} {what}{'' if count == 1 else 's'}" if count else "constant coefficients"
 
@@ -156,15 +162,34 @@ def flat(array: Any, shape: tuple[int, ...], tail: int) -> NDArray[Any]:
     return np.ascontiguousarray(whole).reshape(math.prod(shape), *inner)
 
 
-def square(name: str, value: Any, order: int | None = None, reference: str = "", most: int = MOST_EQUATIONS) -> Matrix:
-    """Return matrices of shape (..., n, n), n up to ``most``; ``order`` is the required n, as of ``reference``."""
+def square(
+    name: str,
+    value: Any,
+    order: int | None = None,
+    reference: str = "",
+    most: int = MOST_EQUATIONS,
+    *,
+    complex_too: bool = False,
+) -> Matrix:
+    """Return matrices of shape (..., n, n), n up to ``most``; ``order`` is the required n, as of ``reference``.
+
+    With ``complex_too`` they may be complex; where all imaginary parts are zero they are real.
+    """
     if isinstance(value, np.ndarray):  # before its entries are read
         _require_square(name, value, most)
-    array = validate.array(name, value, least=-LARGEST_ENTRY, largest=LARGEST_ENTRY)
+    if complex_too:
+        array = validate.complex_array(name, value, LARGEST_ENTRY)
+    else:
+        array = validate.array(name, value, least=-LARGEST_ENTRY, largest=LARGEST_ENTRY)
     _require_square(name, array, most)
     if order is not None and array.shape[-1] != order:
         raise ValueError(f"{name} must be {order} x {order} as {reference} is, got shape {array.shape}")
-    _require_unrounded(name, np.asarray(value), array)
+    given = np.asarray(value)
+    if given.dtype.kind == "c":
+        _require_unrounded(name, given.real, array.real)
+        _require_unrounded(name, given.imag, array.imag)
+    else:
+        _require_unrounded(name, given, array)
     return np.array(array)  # a copy of our own
 
 
@@ -174,7 +199,7 @@ def _require_unrounded(name: str, given: NDArray[Any], array: Floats) -> None:
         return
     doubtful = np.abs(array) >= 2.0**53 if given.dtype.kind in "iu" else np.ones(array.shape, dtype=bool)
     for index in map(tuple, np.argwhere(doubtful).tolist()):
-        if given.item(index) != float(array[index]):
+        if given.item(index) != array[index].item():
             entry = f"{name}[{', '.join(map(str, index))}]" if index else name
             raise ValueError(
                 f"{entry} = {validate.short(given.item(index))} is not a binary number of 53 digits; round it with "
@@ -194,7 +219,7 @@ def _require_square(name: str, array: NDArray[Any], most: int) -> None:
         raise ValueError(f"{name} must hold at most {_MOST_ENTRIES:,} entries, got shape {shape}; take fewer systems")
 
 
-def by_harmonic(name: str, values: Any, order: int, reference: str) -> tuple[Matrix, ...]:
+def by_harmonic(name: str, values: Any, order: int, reference: str, *, complex_too: bool = False) -> tuple[Matrix, ...]:
     """Return the matrices of a sequence, one for each harmonic."""
     if isinstance(values, np.ndarray) and values.ndim and not validate.is_masked(values):
         listed = list(values[: MOST_HARMONICS + 1])
@@ -209,7 +234,10 @@ def by_harmonic(name: str, values: Any, order: int, reference: str) -> tuple[Mat
         return tuple(stacked)
     if listed and all(_is_flat(value) for value in listed):
         raise ValueError(f"{name} must be a sequence of matrices, one for each harmonic; for one give {name}=[matrix]")
-    return tuple(square(f"{name}[{k}]", value, order, reference, 2 * MOST_EQUATIONS) for k, value in enumerate(listed))
+    return tuple(
+        square(f"{name}[{k}]", value, order, reference, 2 * MOST_EQUATIONS, complex_too=complex_too)
+        for k, value in enumerate(listed)
+    )
 
 
 def _stacked(listed: list[Any], order: int) -> NDArray[np.float64] | None:

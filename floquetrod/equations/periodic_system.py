@@ -10,11 +10,12 @@ from typing import Any, ClassVar
 import numpy as np
 
 from floquetrod._util import validate
-from floquetrod._util.arrays import Floats
+from floquetrod._util.arrays import Complexes
 from floquetrod._util.caching import cached_property
 from floquetrod._util.calling import constructor_hints
 from floquetrod.equations import matrices, sampling
 from floquetrod.equations import pieces as by_pieces
+from floquetrod.equations.complex_form import real_matrix
 from floquetrod.equations.matrices import Matrix, Structure
 
 
@@ -24,7 +25,8 @@ class PeriodicSystem(matrices.PeriodicMatrixSystem):
     """The system x' = A(t) x of N equations with A(t) = mean + sum_k cosines[k-1] cos k w t + sines[k-1] sin k w t.
 
     w = 2 pi / period.  Any matrix may be an array of matrices with a leading shape, and ``period`` an array: together
-    they are then a batch of systems, for `floquetrod.systems`.
+    they are then a batch of systems, for `floquetrod.systems`.  Matrices may be complex, as A = -i H of a Hamiltonian H
+    in units of hbar: there are then N complex solutions, whose multipliers need not come in conjugate pairs.
 
     Parameters
     ----------
@@ -46,6 +48,13 @@ class PeriodicSystem(matrices.PeriodicMatrixSystem):
     --------
     >>> PeriodicSystem([[0.0, 1.0], [-1.0, -0.1]], cosines=[[[0.0, 0.0], [-0.2, 0.0]]]).order
     2
+
+    A two-level atom, H = sigma_z / 2 + cos(t) sigma_x / 4:
+
+    >>> import numpy as np
+    >>> atom = PeriodicSystem(-0.5j * np.diag([1, -1]), cosines=[-0.25j * np.array([[0, 1], [1, 0]])])
+    >>> atom.structure
+    'unitary'
     """
 
     MEAN: ClassVar[str] = "mean"
@@ -68,17 +77,22 @@ class PeriodicSystem(matrices.PeriodicMatrixSystem):
         pieces: Any = (),
     ) -> None:
         """Check and copy the parameters."""
-        average = matrices.square("mean", mean, most=2 * matrices.MOST_EQUATIONS)
+        average = matrices.square("mean", mean, most=2 * matrices.MOST_EQUATIONS, complex_too=True)
         order = average.shape[-1]
         values: dict[str, Any] = {
             "mean": average,
-            "cosines": matrices.by_harmonic("cosines", cosines, order, "mean"),
-            "sines": matrices.by_harmonic("sines", sines, order, "mean"),
+            "cosines": matrices.by_harmonic("cosines", cosines, order, "mean", complex_too=True),
+            "sines": matrices.by_harmonic("sines", sines, order, "mean", complex_too=True),
             "period": matrices.periods(period),
             "coefficient_error": validate.nonnegative("coefficient_error", coefficient_error),
         }
         values["pieces"] = by_pieces.checked(pieces, values, self.MEAN)
         self._take(values)
+        if self.is_complex and order > matrices.MOST_EQUATIONS:
+            raise ValueError(
+                f"mean must be at most {matrices.MOST_EQUATIONS} x {matrices.MOST_EQUATIONS} where "
+                f"matrices are complex, got shape {average.shape}"
+            )
 
     @classmethod
     def from_pieces(cls, pieces: Any, *, coefficient_error: float = 0.0) -> PeriodicSystem:
@@ -112,7 +126,7 @@ class PeriodicSystem(matrices.PeriodicMatrixSystem):
         Parameters
         ----------
         function : callable (t) -> array_like (N, N)
-            A, periodic and smooth except for its jumps.
+            A, real or complex, periodic and smooth except for its jumps.
         period : float
             Its period.
         jumps : sequence of float
@@ -135,7 +149,7 @@ class PeriodicSystem(matrices.PeriodicMatrixSystem):
         >>> len(PeriodicSystem.from_function(saw, 2.0, jumps=[0.0]).pieces)
         2
         """
-        expansion = sampling.expanded(function, period, jumps, 2 * matrices.MOST_EQUATIONS)
+        expansion = sampling.expanded(function, period, jumps, 2 * matrices.MOST_EQUATIONS, complex_too=True)
         return cls.from_pieces(expansion.pieces, coefficient_error=expansion.error)
 
     @cached_property
@@ -144,22 +158,63 @@ class PeriodicSystem(matrices.PeriodicMatrixSystem):
 
         "hamiltonian" where J A(t) is symmetric, J = [[0, I], [-I, 0]], x = (q, p); "reversible" where R A(-t) R = -A(t)
         with R = diag(I, -I), x = (q, q'), and A is one Fourier series; "unitary" where ``keeps_norm``; else "general".
-        Of a batch: of all its systems.
+        A complex A is "unitary" or "general".  Of a batch: of all its systems.
         """
         return self._paired_structure or ("unitary" if self.keeps_norm else "general")
 
     @cached_property
     def keeps_norm(self) -> bool:
-        """Whether A(t) is minus its transpose, entry by entry, so that every solution keeps its norm.
+        """Whether A(t) is minus its conjugate transpose, entry by entry, so that every solution keeps its norm.
 
-        The ``coefficient_error`` of such an A is taken to be skew-symmetric, too.  Of a batch: whether all A are.
+        The ``coefficient_error`` of such an A is taken to be skew-Hermitian, too.  Of a batch: whether all A are.
         """
-        return all(np.array_equal(matrix, -np.swapaxes(matrix, -1, -2)) for matrix in self.every_matrix)
+        return all(np.array_equal(matrix, -np.swapaxes(matrix, -1, -2).conj()) for matrix in self.every_matrix)
+
+    @cached_property
+    def is_complex(self) -> bool:
+        """Whether a matrix has entries that are not real; of a batch: of any of its systems."""
+        return any(matrix.dtype.kind == "c" for matrix in self.every_matrix)
+
+    @property
+    def real_form(self) -> PeriodicSystem:
+        """The real system of (u, v), 2 N equations, of which x = u + i v is the complex solution; a real system itself.
+
+        Its multipliers are those of the complex system and their conjugates.
+
+        Examples
+        --------
+        >>> PeriodicSystem([[-0.1 + 2.0j]]).real_form.mean.tolist()
+        [[-0.1, -2.0], [2.0, -0.1]]
+        """
+        return self.doubled if self.is_complex else self
+
+    @cached_property
+    def doubled(self) -> PeriodicSystem:
+        """The system of the real and imaginary parts of x, 2 N real equations, of a real system two copies of it."""
+        changes: dict[str, Any] = {name: tuple(map(real_matrix, getattr(self, name))) for name in ("cosines", "sines")}
+        pieces = tuple((duration, value.mapped(real_matrix, real_matrix)) for duration, value in self.pieces)
+        doubled: PeriodicSystem = matrices.remade(self, mean=real_matrix(self.mean), pieces=pieces, **changes)
+        return doubled
+
+    @cached_property
+    def harmonics(self) -> Complexes:
+        """Amplitudes Z, complex (..., H, N, N), of mean + sum_k Re(Z_k exp(i k w t)); trailing zeros dropped.
+
+        Raises TypeError for a system in pieces, which has no finite Fourier series, and for a complex one, whose
+        ``real_form`` has them.
+        """
+        if self.is_complex:
+            raise TypeError("system must be real to be the real part of a series; take its real_form")
+        return super().harmonics
+
+    @property
+    def _waves(self) -> int:
+        return int(self.real_form.harmonics.shape[-3])
 
     @property
     def _paired_structure(self) -> Structure | None:
         """Structure by which multipliers come in mu, 1 / mu; None without one."""
-        if self.order % 2:
+        if self.order % 2 or self.is_complex:
             return None
         half = self.order // 2
         blocks = self.every_matrix
@@ -185,6 +240,9 @@ class PeriodicSystem(matrices.PeriodicMatrixSystem):
         """
         return by_pieces.draw(self, ax)
 
-    def coefficient(self, t: Any) -> Floats:
-        """Return A(t), of shape ``(*t.shape, N, N)``, the mean of both sides at a jump; of one system."""
+    def coefficient(self, t: Any) -> Any:
+        """Return A(t), of shape ``(*t.shape, N, N)``, the mean of both sides at a jump; of one system.
+
+        Complex where the system is.
+        """
         return by_pieces.value_at(self, t)

@@ -16,6 +16,7 @@ from floquetrod._util.arrays import EPS, Bools, Complexes, Floats
 from floquetrod._util.calling import constructor_hints
 from floquetrod._util.content import ByContent
 from floquetrod.equations import matrices
+from floquetrod.equations.complex_form import complex_matrix
 from floquetrod.equations.matrices import Matrix
 
 System = TypeVar("System")
@@ -50,7 +51,7 @@ class Varying(ByContent):
     """A matrix that varies over a piece of the period, for ``from_pieces`` of `HillSystem` and `PeriodicSystem`.
 
     start + slope (t - b) + sum_k cosines[k-1] cos k w t + sines[k-1] sin k w t, b the time at which the piece begins,
-    w = 2 pi / period of the whole period, and t from its beginning.
+    w = 2 pi / period of the whole period, and t from its beginning.  Complex matrices are for `PeriodicSystem` alone.
 
     Parameters
     ----------
@@ -85,15 +86,15 @@ class Varying(ByContent):
         """Check and copy the matrices."""
         most = 2 * matrices.MOST_EQUATIONS
         name, value = one_of_mean_and_start(mean, start)
-        beginning = matrices.square(name, value, most=most)
+        beginning = matrices.square(name, value, most=most, complex_too=True)
         order = beginning.shape[-1]
-        ramp = None if slope is None else matrices.square("slope", slope, order, name, most)
+        ramp = None if slope is None else matrices.square("slope", slope, order, name, most, complex_too=True)
         if ramp is not None and not ramp.any():
             ramp = None
         if ramp is not None and name == "mean":
             refuse_mean_with_slope("duration")
         series = {
-            series_name: matrices.by_harmonic(series_name, values, order, name)
+            series_name: matrices.by_harmonic(series_name, values, order, name, complex_too=True)
             for series_name, values in (("cosines", cosines), ("sines", sines))
         }
         self.__setstate__({"start": beginning, "slope": ramp, **series})
@@ -212,7 +213,7 @@ def read(pieces: Any) -> Pieces:
     for i, pair in enumerate(validate.listed("pieces", pieces, MOST_PIECES, "pieces")):
         if not isinstance(pair, tuple | list) or len(pair) != 2:
             raise TypeError(f"{example}, got {validate.short(pair)} as pieces[{i}]")
-        value = pair[1] if isinstance(pair[1], Varying) else Varying(matrices.square(f"pieces[{i}][1]", pair[1]))
+        value = pair[1] if isinstance(pair[1], Varying) else Varying(_constant(f"pieces[{i}][1]", pair[1]))
         if checked_pieces and value.start.shape[-1] != checked_pieces[0][1].start.shape[-1]:
             order = checked_pieces[0][1].start.shape[-1]
             raise ValueError(f"pieces[{i}][1] must be {order} x {order} as pieces[0][1] is, got {value.start.shape}")
@@ -220,6 +221,11 @@ def read(pieces: Any) -> Pieces:
     if not checked_pieces:
         raise ValueError(f"{example}, one at least, got none")
     return tuple(checked_pieces)
+
+
+def _constant(name: str, value: Any) -> Matrix:
+    """Return the constant matrix of a piece."""
+    return matrices.square(name, value, complex_too=True)
 
 
 def _duration(name: str, value: Any) -> Any:
@@ -285,8 +291,9 @@ def average(pieces: Pieces, period: Any) -> Matrix:
 
 
 def in_time(system: Any) -> tuple[TimedPiece, ...]:
-    """Return the pieces of one system, a single one for a Fourier series."""
+    """Return the pieces of one system, a single one for a Fourier series; of a complex one those of its real form."""
     matrices.require_one(system)
+    system = real_form(system)
     if not system.pieces:
         mean = np.asarray(getattr(system, system.MEAN))
         return (TimedPiece(Fraction(0), Fraction(system.period), mean, None, system.harmonics, Fraction(0)),)
@@ -333,6 +340,11 @@ def arrays_of(pieces: tuple[TimedPiece, ...], period: Fraction) -> PieceArrays:
     return PieceArrays(mean, slope if slope.any() else None, harmonics, length, np.asarray([float(period)]))
 
 
+def real_form(system: Any) -> Any:
+    """Return the real system of twice the order that a complex system of first order is; a real one as it is."""
+    return getattr(system, "real_form", system)
+
+
 def from_instant(system: Any, start: Fraction, length: Fraction) -> tuple[PieceArrays, float]:
     """Return the pieces of one first-order system between two instants, and the error of their entries."""
     if not system.pieces and not start and length == system.period:
@@ -345,7 +357,8 @@ def from_instant(system: Any, start: Fraction, length: Fraction) -> tuple[PieceA
 
 
 def of_batch(system: Any) -> PieceArrays:
-    """Return the pieces of one system or of a batch, flat in the order of C."""
+    """Return the pieces of one system or of a batch, flat in the order of C; of complex ones those of the real form."""
+    system = real_form(system)
     if system.pieces and not system.shape:
         return arrays_of(in_time(system), exact_period(system))
     size, order, flat = math.prod(system.shape), system.order, functools.partial(matrices.flat, shape=system.shape)
@@ -376,6 +389,7 @@ def fourier(system: Any, count: int) -> Complexes:
 
     By Gauss's rule on each piece, with enough nodes for ten digits: they name resonances, no more.
     """
+    system = real_form(system)
     if not system.pieces:
         return np.asarray(system.harmonics)
     period = float(system.period)
@@ -391,6 +405,8 @@ def fourier(system: Any, count: int) -> Complexes:
 
 def value_at(system: Any, times: Any) -> Floats:
     """Return the coefficient of one system at times, (*times.shape, n, n); at a jump the mean of both sides."""
+    if real_form(system) is not system:
+        return complex_matrix(value_at(real_form(system), times))
     pieces, period = in_time(system), float(system.period)
     times = validate.array("t", times, least=-1e14 * period, largest=1e14 * period)
     if not system.pieces:
@@ -456,22 +472,31 @@ def draw(system: Any, ax: Any) -> Any:
     """Draw the entries of the periodic matrix of one system over one period, and return the axes."""
     from floquetrod.plotting.coefficient_plot import CoefficientPiece, draw_coefficients, instants
 
-    pieces, mean = in_time(system), getattr(system, system.MEAN)
+    # Of a complex system the left half of the real form, its real parts and its imaginary parts.
+    is_complex = real_form(system) is not system
+    pieces, mean = in_time(system), getattr(real_form(system), system.MEAN)
+    shown = mean.shape[-1] // 2 if is_complex else mean.shape[-1]
     curves = []
     for piece in pieces:
         into = float(piece.length) * instants(len(piece.harmonics))
-        curves.append((float(piece.begin) + into, piece.at(into, float(system.period))))
+        curves.append((float(piece.begin) + into, piece.at(into, float(system.period))[..., :shown]))
     first = curves[0][1][0]
     varies = np.array([np.abs(values - first).max(axis=0) for _, values in curves]).max(axis=0) > 0.0
     chosen = varies if varies.any() else np.ones_like(varies)
-    if all(matrices.symmetric(values) for _, values in curves):
+    if not is_complex and all(matrices.symmetric(values) for _, values in curves):
         chosen = np.triu(chosen)
     rows, columns = np.nonzero(chosen)
     symbol = {"stiffness": "K", "mean": "A"}[system.MEAN]
     form = r"$M\ddot{q} + (C + G)\dot{q} + K(t) q = 0$" if symbol == "K" else r"$\dot{x} = A(t) x$"
+
+    def label(i: int, j: int) -> str:
+        part, row = ("Re" if i < shown else "Im", i % shown) if is_complex else ("", i)
+        entry = f"{symbol}_{{{row + 1}{',' if system.order > 9 else ''}{j + 1}}}"
+        return rf"$\mathrm{{{part}}}\,{entry}$" if part else f"${entry}$"
+
     return draw_coefficients(
         [CoefficientPiece(time, values[:, rows, columns]) for time, values in curves],
-        [f"${symbol}_{{{i + 1}{',' if system.order > 9 else ''}{j + 1}}}$" for i, j in zip(rows, columns, strict=True)],
+        [label(int(i), int(j)) for i, j in zip(rows, columns, strict=True)],
         time="$t$",
         axis=f"${symbol}(t)$",
         title=f"{form}, {system.variation}",

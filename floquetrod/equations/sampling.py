@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from floquetrod._util import validate
 from floquetrod._util.arrays import EPS
 from floquetrod.equations import matrices
+from floquetrod.equations.complex_form import complex_matrix, real_matrix
 from floquetrod.equations.matrices import Matrix
 from floquetrod.equations.pieces import MOST_PIECES, Pieces, Varying
 
@@ -39,8 +40,11 @@ class Sampled(NamedTuple):
     error: float
 
 
-def expanded(function: Any, period: Any, jumps: Any, most: int) -> Sampled:
-    """Return a function's matrix, at most ``most`` rows, in pieces that end at its ``jumps``; without any in one."""
+def expanded(function: Any, period: Any, jumps: Any, most: int, *, complex_too: bool = False) -> Sampled:
+    """Return a function's matrix, at most ``most`` rows, in pieces that end at its ``jumps``; without any in one.
+
+    With ``complex_too`` it may be complex.
+    """
     validate.function("function", function)
     period = float(matrices.periods(validate.positive("period", period)))
     instants = [validate.finite(f"jumps[{i}]", t) for i, t in enumerate(validate.sequence("jumps", jumps))]
@@ -48,12 +52,35 @@ def expanded(function: Any, period: Any, jumps: Any, most: int) -> Sampled:
         if not 0.0 <= t < period:
             raise ValueError(f"jumps[{i}] must lie within a period, from 0 to below {period:g}, got {t!r}")
     start = 0.5 * min(filter(None, instants), default=0.0)  # where it does not jump
-    first = matrices.square(f"function({start:g})", function(start), most=most)
+    first = matrices.square(f"function({start:g})", function(start), most=most, complex_too=complex_too)
     if first.ndim != 2:
         raise ValueError(f"function must return one square matrix, got shape {first.shape}")
+    if not (complex_too and _is_complex(function, [start, start + _GOLDEN * period])):
+        return _of_real(function, period, instants, first.shape)
+    n = len(first)
+    sampled = _of_real(lambda t: _real_form(function, t, n), period, instants, (2 * n, 2 * n))
+    pieces = tuple((duration, value.mapped(complex_matrix, complex_matrix)) for duration, value in sampled.pieces)
+    return sampled._replace(pieces=pieces)
+
+
+def _is_complex(function: Function, instants: list[float]) -> bool:
+    """Return whether a function returns complex numbers, be they real at one instant."""
+    return any(np.asarray(function(t)).dtype.kind == "c" for t in instants)
+
+
+def _real_form(function: Function, t: float, order: int) -> Matrix:
+    """Return the real form of a complex matrix at an instant, checked."""
+    value = matrices.square(f"function({t:g})", function(t), most=2 * matrices.MOST_EQUATIONS, complex_too=True)
+    if value.shape != (order, order):
+        raise ValueError(f"function must always return shape {(order, order)}, got {value.shape} at t = {t:g}")
+    return real_matrix(value)
+
+
+def _of_real(function: Function, period: float, instants: list[float], shape: tuple[int, ...]) -> Sampled:
+    """Return a real matrix in pieces that end at instants, without any in one."""
     if instants:
-        return _in_pieces(function, period, instants, first.shape)
-    return smooth(lambda times: _samples(function, times, first.shape), period)
+        return _in_pieces(function, period, instants, shape)
+    return smooth(lambda times: _samples(function, times, shape), period)
 
 
 def smooth(sampled: Callable[[NDArray[Any]], Matrix], period: float, required: float = _REQUIRED_DECAY) -> Sampled:
@@ -200,9 +227,11 @@ def _columns(local: NDArray[Any], turns: NDArray[Any], count: int) -> Matrix:
 
 
 def _tidy(*samples: Matrix) -> Callable[[Matrix], Matrix]:
-    """Return the function that symmetrises matrices where all samples are symmetric, else leaves them."""
+    """Return the function that symmetrises matrices where all samples are symmetric, or skew; else leaves them."""
     if all(matrices.symmetric(values) for values in samples):
         return lambda values: 0.5 * (values + np.swapaxes(values, -1, -2))
+    if all(np.array_equal(values, -np.swapaxes(values, -1, -2)) for values in samples):
+        return lambda values: 0.5 * (values - np.swapaxes(values, -1, -2))
     return np.asarray
 
 

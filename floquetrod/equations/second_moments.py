@@ -196,6 +196,10 @@ def of_first_order(system: Any) -> PeriodicSystem:
     if not isinstance(system, HillSystem | PeriodicSystem):
         kinds = "an Equation, such as Mathieu, Meissner or Hill, or a HillSystem or PeriodicSystem"
         raise TypeError(f"system must be {kinds}, got {validate.short(system)}")
+    if isinstance(system, PeriodicSystem) and system.is_complex:
+        raise ValueError(
+            "system must be real under noise, got complex matrices; give its real_form, and noise for that"
+        )
     unknowns = states(system)
     if unknowns > MOST_UNKNOWNS:
         raise ValueError(

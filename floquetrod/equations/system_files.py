@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 import tomllib
 import zipfile
 from collections.abc import Mapping
@@ -32,6 +33,9 @@ _OF_A_DELAYED_PIECE = ("duration", "matrix", "matrix_start", "slope", "cosines",
 _OF_A_PIECE = ("duration", "stiffness", "stiffness_start", "mean", "matrix_start", "slope", "cosines", "sines")
 _KEYS = tuple(dict.fromkeys((*_SECOND_ORDER, *_FIRST_ORDER)))
 _MATRICES = (*_OF_A_PIECE[1:], "mass", "damping", "gyroscopic", "delayed", "delayed_cosines", "delayed_sines")
+_COMPLEX = ("mean", "matrix_start", "slope", "cosines", "sines")
+_REAL = r"(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?"
+_NUMBER = re.compile(rf"(?P<real>[+-]?{_REAL}(?![\d.eE]*[ij]))?(?:(?P<imaginary>[+-]?(?:{_REAL})?)[ij])?")
 _SMALL = 1 << 20  # entries of an array that is read unchecked (a choice)
 _LARGEST = {".toml": 1 << 26, ".npz": 1 << 32}  # bytes that are read, in npz files unpacked (a choice)
 
@@ -53,6 +57,9 @@ def read_system(path: str | Path) -> HillSystem | PeriodicSystem | DelaySystem:
     ``cosines`` and ``sines``, or with tables [[system.delayed.pieces]] of ``duration`` and ``matrix``, or
     ``matrix_start`` and ``slope``.  In npz files they are arrays with the terms as their first axis: ``delays``,
     ``delayed``, ``delayed_cosines`` and ``delayed_sines``.
+
+    In first order without delays entries may be complex: in TOML files texts such as "-0.1+2i", "0.5i" or "-i", among
+    numbers; in npz files arrays are complex.
 
     Raises
     ------
@@ -136,6 +143,31 @@ def _by_piece(table: dict[str, Any]) -> Mapping[str, Any]:
     }
 
 
+def _with_complex(table: Any, key: str = "") -> Any:
+    """Return a table with texts such as "-0.1+2i" in matrices of first order as complex numbers."""
+    if isinstance(table, dict):
+        return {name: _with_complex(value, name) for name, value in table.items()}
+    if isinstance(table, list) and key == "pieces":
+        return [_with_complex(piece) for piece in table]
+    if key not in _COMPLEX:
+        return table
+    if isinstance(table, list):
+        return [_with_complex(entry, key) for entry in table]
+    return _complex(table, key) if isinstance(table, str) else table
+
+
+def _complex(text: str, key: str) -> complex:
+    """Return the complex number of a text; ValueError names the key."""
+    compact = re.sub(r"\s", "", text)
+    parts = _NUMBER.fullmatch(compact)
+    if parts is None or not compact:
+        raise ValueError(f'{key} must hold numbers, or texts such as "-0.1+2i" for complex ones, got {text!r}')
+    imaginary = parts["imaginary"]
+    if imaginary is None:
+        return complex(float(parts["real"]))
+    return complex(float(parts["real"] or 0.0), float(f"{imaginary}1" if imaginary in ("", "+", "-") else imaginary))
+
+
 def _system(table: Mapping[str, Any]) -> HillSystem | PeriodicSystem | DelaySystem:
     """Return the system of a table; ValueError or TypeError names the key."""
     require_keys(table, _KEYS)
@@ -153,6 +185,7 @@ def _system(table: Mapping[str, Any]) -> HillSystem | PeriodicSystem | DelaySyst
     if "delayed" in table:
         given["delayed"] = [_delayed(f"delayed[{i}]", term) for i, term in enumerate(_tables(table, "delayed"))]
         return DelaySystem.first_order(**given) if first_order else DelaySystem(**given)
+    given = _with_complex(given) if first_order else given
     system = PeriodicSystem(**given) if first_order else HillSystem(**given)
     matrices.require_one(system)
     return system
@@ -187,6 +220,8 @@ def _delayed(name: str, table: Mapping[str, Any], *, pieces: bool = False) -> tu
 def _in_pieces(table: Mapping[str, Any]) -> HillSystem | PeriodicSystem | DelaySystem:
     """Return the system of a table with tables of pieces."""
     listed = _tables(table, "pieces")
+    if "delayed" not in table and any(key in piece for piece in listed for key in ("mean", _STARTS["mean"])):
+        listed = _with_complex(listed, "pieces")
     misplaced = [key for key in ("stiffness", "mean", *_SERIES) if key in table]
     if misplaced:
         raise ValueError(f"key {misplaced[0]!r} belongs to the pieces; their durations make the period")

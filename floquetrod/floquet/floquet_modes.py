@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from floquetrod._util import validate
-from floquetrod._util.arrays import EPS, Complexes, Floats, shaped
+from floquetrod._util.arrays import EPS, Complexes, shaped
 from floquetrod._util.content import ByContent
-from floquetrod.equations import Equation, HillSystem
+from floquetrod.equations import Equation, HillSystem, PeriodicSystem
 from floquetrod.equations.hill_system import states
 from floquetrod.floquet.multipliers import spectra
 from floquetrod.floquet.problems import Problem, require_problem, require_without_delays
@@ -24,9 +26,12 @@ _LARGEST_RESIDUAL = 1e-6  # of a solution, relative (a choice)
 
 
 class MonodromyMatrix(NamedTuple):
-    """The matrix (N, N) that maps a state over one period, and an estimate of the largest error of an entry."""
+    """The matrix (N, N) that maps a state over one period, and an estimate of the largest error of an entry.
 
-    matrix: Floats
+    Complex for a complex system.
+    """
+
+    matrix: NDArray[Any]
     error: float
 
 
@@ -48,7 +53,7 @@ def _states(problem: Problem) -> int:
     return 2 if isinstance(problem, Equation) else states(problem)
 
 
-def _marched(problem: Problem, state: Floats, span: tuple[float, float]) -> Solution:
+def _marched(problem: Problem, state: NDArray[Any], span: tuple[float, float]) -> Solution:
     """Return the solution from a state at the beginning of a span."""
     start = state.reshape(2, -1) if isinstance(problem, HillSystem) else state
     try:
@@ -66,7 +71,8 @@ class FloquetMode(ByContent):
     ----------
     equation : Equation, HillSystem or PeriodicSystem
     exponent : complex
-        Its real part is the growth rate; the imaginary one lies between -pi / period and pi / period.
+        Its real part is the growth rate; the imaginary one lies between -pi / period and pi / period, of a system that
+        is "unitary" minus the quasienergy.
     period : float
     error : float
         Estimate of the largest error of a state, as a fraction of the largest state within a period, of both
@@ -78,7 +84,7 @@ class FloquetMode(ByContent):
     exponent: complex
     period: float
     error: float
-    _parts: tuple[Solution, Solution]
+    _parts: tuple[Solution, ...]
 
     def __call__(self, time: Any, derivative: int = 0) -> Any:
         """Return the solution at times (array_like), or its first derivative.
@@ -88,9 +94,9 @@ class FloquetMode(ByContent):
         times = validate.array("time", time, least=-_LATEST * self.period, largest=_LATEST * self.period)
         periods = np.floor(times / self.period)
         phase = np.clip(times - periods * self.period, 0.0, self.period)
-        real, imaginary = (np.asarray(part(phase, derivative)) for part in self._parts)
+        state = _joined([np.asarray(part(phase, derivative)) for part in self._parts])
         with np.errstate(over="ignore", under="ignore", invalid="ignore"):
-            values = _times(np.exp(self.exponent * self.period * periods), real + 1j * imaginary)
+            values = _times(np.exp(self.exponent * self.period * periods), state)
         return shaped(values, values.shape)
 
     def periodic(self, time: Any) -> Any:
@@ -105,6 +111,11 @@ class FloquetMode(ByContent):
         return f"<Floquet solution of {type(self.equation).__name__}, exponent {self.exponent:.6g}, {self.error:.1g}>"
 
 
+def _joined(parts: Sequence[NDArray[Any]]) -> Complexes:
+    """Return the sum of a real part and an imaginary one, or the one complex part."""
+    return parts[0] if len(parts) == 1 else np.asarray(parts[0] + 1j * parts[1])
+
+
 def _times(factors: Any, states: Complexes) -> Complexes:
     """Return factors times states, whose components are in a last axis where they have several."""
     several = np.asarray(factors)
@@ -116,8 +127,9 @@ def floquet_solutions(equation: Problem) -> tuple[FloquetMode, ...]:
     """Return the Floquet solutions exp(exponent t) p(t) of any equation or system, the faster growing first.
 
     As many as the equation has multipliers, 2 of a scalar equation, independent of each other.  Each begins with a
-    state of norm 1: an eigenvector of the map over a period, marched by `floquetrod.solve`, backwards
-    where it decays.  For Mathieu's equation `floquetrod.mathieu.floquet_solutions` has Fourier series.
+    state of norm 1: an eigenvector of the map over a period, marched by `floquetrod.solve`, backwards where it decays.
+    Where a system is "unitary" they are orthogonal at all times.  For Mathieu's equation
+    `floquetrod.mathieu.floquet_solutions` has Fourier series.
 
     Parameters
     ----------
@@ -170,9 +182,11 @@ def _independent(equation: Problem, most: int, *, backward: bool) -> list[_Eigen
     ValueError where there may be fewer vectors than eigenvalues.
     """
     matrix, error = monodromy_over_period(equation, backward=backward)
-    discs = spectra.diagonalised_discs(matrix, error * len(matrix))
+    unitary = isinstance(equation, PeriodicSystem) and equation.keeps_norm
+    discs = (spectra.normal_discs if unitary else spectra.diagonalised_discs)(matrix, error * len(matrix))
     if discs is None:
         raise _indistinct(equation, "some")
+    values = discs.values / np.abs(discs.values) if unitary else discs.values
     eigenpairs = []
     for cluster in discs.clusters:
         if float(np.abs(discs.values[cluster]).max()) < _DECAYS and not backward:
@@ -182,9 +196,7 @@ def _independent(equation: Problem, most: int, *, backward: bool) -> list[_Eigen
             vectors = spectra.basis_of(discs, cluster)
             block = vectors.conj().T @ matrix @ vectors - np.mean(discs.values[cluster]) * np.eye(len(cluster))
             angle = angle if float(np.abs(block).max()) <= 8.0 * discs.error else math.inf
-        eigenpairs += [
-            _Eigenpair(complex(discs.values[i]), vectors[:, k], angle, backward) for k, i in enumerate(cluster)
-        ]
+        eigenpairs += [_Eigenpair(complex(values[i]), vectors[:, k], angle, backward) for k, i in enumerate(cluster)]
     eigenpairs = sorted(eigenpairs, key=lambda pair: -abs(pair.multiplier))[:most]
     unsure = [pair.multiplier for pair in eigenpairs if not pair.angle < _SURE]
     if unsure:
@@ -204,15 +216,19 @@ def _mode(equation: Problem, pair: _Eigenpair) -> FloquetMode:
     period, factor = float(equation.period), pair.multiplier
     span = (period, 0.0) if pair.backward else (0.0, period)
     vector, mu = (pair.vector / factor, 1.0 / factor) if pair.backward else (pair.vector, factor)
-    real, imaginary = (_marched(equation, np.ascontiguousarray(part), span) for part in (vector.real, vector.imag))
-    begin, end = (real.states[i] + 1j * imaginary.states[i] for i in (0, -1))
-    size = max(float(np.abs(part.states).max()) for part in (real, imaginary))
+    is_complex = isinstance(equation, PeriodicSystem) and equation.is_complex
+    starts = [vector] if is_complex else [vector.real, vector.imag]
+    parts = tuple(_marched(equation, np.ascontiguousarray(start), span) for start in starts)
+    begin, end = (_joined([part.states[i] for part in parts]) for i in (0, -1))
+    size = max(float(np.abs(part.states).max()) for part in parts)
     residual = float(np.abs(end - factor * begin).max()) / size
     if not residual < _LARGEST_RESIDUAL:
         raise ValueError(
             f"equation must have multipliers that a double can hold beside each other, got {validate.short(equation)}, "
             f"whose Floquet solution of multiplier {mu:.6g} misses its end by {residual:.1g}"
         )
-    error = max(real.error, imaginary.error, residual) + (pair.angle + EPS) * float(np.abs(vector).max()) / size
+    error = max(residual, *(part.error for part in parts)) + (pair.angle + EPS) * float(np.abs(vector).max()) / size
     exponent = complex(np.log(complex(mu.real, mu.imag + 0.0))) / period  # of -x + 0i, whatever the sign of zero
-    return FloquetMode(equation, exponent, period, error, (real, imaginary))
+    if isinstance(equation, PeriodicSystem) and equation.keeps_norm:
+        exponent = complex(0.0, exponent.imag)
+    return FloquetMode(equation, exponent, period, error, parts)

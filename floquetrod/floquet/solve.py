@@ -14,9 +14,11 @@ from numpy.typing import NDArray
 
 from floquetrod._util import validate
 from floquetrod._util.arrays import EPS, Complexes, Floats, shaped
+from floquetrod._util.caching import cached_property
 from floquetrod._util.content import ByContent
 from floquetrod.equations import DelaySystem, HillSystem, PeriodicSystem
 from floquetrod.equations.base import Equation, require
+from floquetrod.equations.complex_form import complex_vector, real_vector
 from floquetrod.equations.matrices import mass_matrix, velocity_matrix
 from floquetrod.equations.pieces import exact_period, in_time
 from floquetrod.floquet.references import SOLUTIONS, references
@@ -104,7 +106,8 @@ class Solution(ByContent):
     time : ndarray (steps + 1,)
         Where the steps begin and end.
     states : ndarray (steps + 1, N)
-        There: A and A' of a scalar equation; q and then q' of a `HillSystem`; x of a `PeriodicSystem`.
+        There: A and A' of a scalar equation; q and then q' of a `HillSystem`; x of a `PeriodicSystem`, complex where
+        the system is.
     error : float
         Estimate of the largest error of a state, as a fraction of the largest state until then: twice the difference
         from a solution with another order and other steps, whose coefficient is changed by its error, and rounding.
@@ -112,7 +115,7 @@ class Solution(ByContent):
 
     equation: Any
     time: Floats
-    states: Floats
+    states: NDArray[Any]
     error: float
     _course: _Course = field(compare=False)
     _exact: tuple[Fraction, ...] = field(compare=False)
@@ -138,20 +141,20 @@ class Solution(ByContent):
             return shaped(states[:, 0], times.shape)
         return shaped(states, (*times.shape, states.shape[1]))
 
-    def _state(self, times: Floats, derivative: int = 0) -> Floats:
+    def _state(self, times: Floats, derivative: int = 0) -> NDArray[Any]:
         """Return the states at times within the interval, or their derivative, (times, N)."""
         sign = 1.0 if self.time[-1] >= self.time[0] else -1.0
         steps = np.searchsorted(sign * self.time, sign * times, side="right") - 1
         steps = np.clip(steps, 0, len(self.time) - 2)
-        states = np.empty((times.size, self.states.shape[1]))
+        states = np.empty((times.size, self._begins.shape[1]))
         for step in np.unique(steps):
             here = steps == step
             late = float(self._exact[step] - Fraction(float(self.time[step])))
             states[here] = _evaluate(self._series(step, sign), times[here] - self.time[step] - late, derivative)
-        return states
+        return complex_vector(states) if self._is_complex else states
 
     def _state_at(self, time: Fraction) -> Floats:
-        """Return the state at an exact time within the interval, (N,)."""
+        """Return the state at an exact time within the interval, (N,), of a complex system its real form's."""
         sign = 1.0 if self.time[-1] >= self.time[0] else -1.0
         step = (
             bisect_right(self._exact, int(sign) * time, hi=len(self._exact) - 1, key=lambda start: int(sign) * start)
@@ -163,7 +166,16 @@ class Solution(ByContent):
     def _series(self, step: int, sign: float) -> Floats:
         """Return the Taylor coefficients of a step, (order, N)."""
         start = self._exact[step]
-        return self._course.taylor(start, *self._course.place(start, sign), self.states[step], _ORDERS[0])
+        return self._course.taylor(start, *self._course.place(start, sign), self._begins[step], _ORDERS[0])
+
+    @property
+    def _is_complex(self) -> bool:
+        return bool(np.iscomplexobj(self.states))
+
+    @cached_property
+    def _begins(self) -> Floats:
+        """States at the beginnings of steps, of a complex system its real form's."""
+        return real_vector(self.states) if self._is_complex else self.states
 
     @property
     def _second_order(self) -> bool:
@@ -185,7 +197,8 @@ def solve(equation: Any, initial: Any, span: Any) -> Any:
     equation : Mathieu, Meissner, Hill or another Equation, HillSystem, PeriodicSystem, DelaySystem
         One, not a batch.
     initial : array_like
-        (A, A') of a scalar equation, (q, q') of shape (2, n) of a `HillSystem`, x (N,) of a `PeriodicSystem`.
+        (A, A') of a scalar equation, (q, q') of shape (2, n) of a `HillSystem`, x (N,) of a `PeriodicSystem`, which
+        may be complex.
         Of a `DelaySystem` the history: a function of the time before the start, or the one vector that it is; where it
         is of second order, (history, q').
     span : float or (float, float)
@@ -222,14 +235,18 @@ def solve(equation: Any, initial: Any, span: Any) -> Any:
 
         return solve_delayed(equation, initial, start, stop)
     state = _initial(equation, initial)
-    course = _course(equation)
+    is_complex = isinstance(equation, PeriodicSystem) and (equation.is_complex or bool(np.iscomplexobj(state)))
+    course = _course(equation.doubled if is_complex else equation)
+    state = real_vector(state) if is_complex else state
     one, other = (
         list(_steps(of, start, stop, state, order, tolerance))
         for of, order, tolerance in zip((course, course.moved()), _ORDERS, _TOLERANCES, strict=True)
     )
     exact, states = tuple(time for time, _ in one), np.array([state for _, state in one])
+    states = complex_vector(states) if is_complex else states
     solution = Solution(equation, np.array(exact, dtype=float), states, 0.0, course, exact)
-    return replace(solution, error=2.0 * _disagreement(solution, other) + _ROUNDING)
+    both = math.sqrt(2.0) if is_complex else 1.0  # errors of the real and of the imaginary part
+    return replace(solution, error=2.0 * both * _disagreement(solution, other) + _ROUNDING)
 
 
 def _span(span: Any) -> tuple[float, float]:
@@ -246,9 +263,10 @@ def _span(span: Any) -> tuple[float, float]:
     return start, stop
 
 
-def _initial(equation: Any, initial: Any) -> Floats:
+def _initial(equation: Any, initial: Any) -> NDArray[Any]:
     """Return the state that initial values make."""
-    values = validate.array("initial", initial)
+    take = validate.complex_array if isinstance(equation, PeriodicSystem) else validate.array
+    values = take("initial", initial)
     if isinstance(equation, Equation):
         shape: tuple[int, ...] = (2,)
         example = "(A, A')"
@@ -261,7 +279,7 @@ def _initial(equation: Any, initial: Any) -> Floats:
         shape, example = ((2, equation.order), "(q, q')") if second else ((equation.order,), "x")
     if values.shape != shape:
         raise ValueError(f"initial must be {example} of shape {shape}, got shape {values.shape}")
-    return values.ravel().astype(np.float64)
+    return values.ravel()
 
 
 def _course(equation: Any) -> _Course:

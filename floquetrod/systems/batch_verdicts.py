@@ -235,7 +235,7 @@ class _FirstOrderBatch(_Batch):
     def __init__(self, system: PeriodicSystem, damping: float, *, paired: bool) -> None:
         self.pieces, self.period = by_pieces.of_batch(system), flat(system.period, system.shape, 0)
         self.uncertainty, self.paired, self.damping = system.coefficient_error, paired, damping
-        self.order, self.keeps_norm = system.order, system.keeps_norm
+        self.order, self.keeps_norm, self.is_complex = system.order, system.keeps_norm, system.is_complex
 
     def _maps(self, chunk: slice) -> PeriodMaps:
         """Return the maps over a period, with infinite error where they would take too long."""
@@ -247,7 +247,8 @@ class _FirstOrderBatch(_Batch):
             slope=None if pieces.slope is None else _without(long, pieces.slope),
             harmonics=_without(long, pieces.harmonics),
         )
-        return whole_period_maps.period_maps(pieces, uncertainty, _ACCURACY, paired=self.paired)
+        maps = whole_period_maps.period_maps(pieces, uncertainty, _ACCURACY, paired=self.paired)
+        return whole_period_maps.of_complex(maps) if self.is_complex else maps
 
     def multipliers(self, chunk: slice) -> Complexes:
         maps = self._maps(chunk)
@@ -272,7 +273,7 @@ class _FirstOrderBatch(_Batch):
         return many_verdicts.multiplier_verdicts(discs, self.period[chunk], paired=self.paired, damping=self.damping)
 
 
-def _eigenvalues(matrices: Floats) -> Complexes:
+def _eigenvalues(matrices: NDArray[Any]) -> Complexes:
     """Return the eigenvalues of matrices (b, n, n), NaN where one is not finite."""
     lost = np.logical_not(np.isfinite(matrices).all(axis=(1, 2)))
     values = np.linalg.eigvals(_without(lost, matrices)).astype(np.complex128)

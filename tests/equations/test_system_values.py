@@ -562,7 +562,6 @@ def test_functions_that_are_refused(function: Any, message: str) -> None:
     ("function", "period", "message"),
     [
         (1.0, 1.0, "function must be a function"),
-        (lambda t: [[1j]], 1.0, r"function\(0\) must hold real numbers"),
         (lambda t: None, 1.0, r"function\(0\) must be a single real number"),
         (lambda t: [["1"]], 1.0, r"function\(0\) must hold real numbers"),
         (lambda t: [[1.0]], "1", "period must be a"),

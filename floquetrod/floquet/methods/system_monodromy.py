@@ -14,7 +14,13 @@ from floquetrod.equations import pieces as by_pieces
 from floquetrod.equations.hill_system import in_first_order
 from floquetrod.floquet.kernels.system_maps_large import large_seconds, period_map_large
 from floquetrod.floquet.multipliers import spectra, symplectic, whole_period_maps
-from floquetrod.floquet.multipliers.classification import LogDiscs, classify_multipliers, classify_pairs, too_long
+from floquetrod.floquet.multipliers.classification import (
+    LogDiscs,
+    classify_multipliers,
+    classify_pairs,
+    classify_unitary,
+    too_long,
+)
 from floquetrod.floquet.multipliers.system_stability import SystemStability
 from floquetrod.floquet.problems import undamped_pairs
 from floquetrod.floquet.verdict import Cost
@@ -34,7 +40,9 @@ def monodromy(system: HillSystem | PeriodicSystem, *, rtol: float = 1e-12) -> Sy
     Where multipliers come in mu, 1 / mu, the numbers mu + 1/mu are computed, each once, which keeps digits where
     multipliers meet at 1 or -1: of a symplectic map S by reducing S + S^-1 to block triangular form, of a reversible
     one as the eigenvalues of a block.  Of 48 equations q'' + K(t) q = 0 or more, K symmetric, the multipliers
-    themselves are: some of so many pairs may be so close that the reduction would lose most digits.
+    themselves are: some of so many pairs may be so close that the reduction would lose most digits.  A complex system
+    is integrated as the real one of twice the order; its map is then a complex matrix, with the multipliers of the
+    system alone.  Where the norm is kept, the map is unitary, and eigenvalues have no error but the map's.
 
     Parameters
     ----------
@@ -62,11 +70,17 @@ def monodromy(system: HillSystem | PeriodicSystem, *, rtol: float = 1e-12) -> Sy
     refused = too_long(system, "monodromy", float(whole_period_maps.seconds_needed(pieces)[0]))
     if refused is not None:
         return refused
-    if pairs is not None and not reversible and _are_oscillators(first, _SEVERAL):
+    unitary = isinstance(system, PeriodicSystem) and system.keeps_norm
+    if pairs is not None and not unitary and not reversible and _are_oscillators(first, _SEVERAL):
         full, error, _ = _map_of_many(first, rtol)
     else:
-        maps = whole_period_maps.period_maps(pieces, uncertainty, rtol, paired=pairs is not None)
+        maps = whole_period_maps.period_maps(pieces, uncertainty, rtol, paired=pairs is not None and not unitary)
+        maps = whole_period_maps.of_complex(maps) if first.is_complex else maps
+        # In coordinates in which the norm is kept; rows and columns of such an A are balanced as they are.
+        maps = whole_period_maps.in_scaling(maps, np.ones(maps.scaling.shape)) if unitary else maps
         full, error = maps.matrix[0], float(maps.error[0])
+    if unitary:
+        return classify_unitary(system, "monodromy", spectra.normal_discs(full, error), cost=_COST)
     if pairs is None:
         discs = spectra.eigenvalue_discs(full, error)
         return classify_multipliers(system, "monodromy", LogDiscs.of(*discs[:3]) if discs else None, cost=_COST)

@@ -20,6 +20,7 @@ from floquetrod._util import validate
 from floquetrod._util.arrays import Floats
 from floquetrod.equations import HillSystem, PeriodicSystem
 from floquetrod.equations import pieces as by_pieces
+from floquetrod.equations.complex_form import complex_matrix
 from floquetrod.equations.hill_system import states
 from floquetrod.equations.pieces import TimedPiece
 from floquetrod.floquet.multipliers import independent_solutions, precise_maps, precise_spectra
@@ -118,7 +119,8 @@ def _attempt(
 ) -> tuple[SystemStability | None, int, bool]:
     """Return the verdict (None: too much work), the terms, and whether more digits would make the error smaller."""
     waves = sum(len(piece.harmonics) for piece in by_pieces.in_time(system))
-    if _FEWEST_PRODUCTS * states(system) ** 3 > _LARGEST_WORK or 2 * waves * states(system) ** 2 > _MOST_ENTRIES:
+    rows = states(by_pieces.real_form(system))
+    if _FEWEST_PRODUCTS * rows**3 > _LARGEST_WORK or 2 * waves * rows**2 > _MOST_ENTRIES:
         return None, 0, True
     context.dps = 2 * digits + 40
     more, total = 0.0, 0
@@ -266,6 +268,8 @@ def _classified(
     # diagonal blocks.  Multipliers that meet at 1 or -1 are square roots there; y is not, and keeps its digits.  Growth
     # over a period is |Re 2 asinh(sqrt y)| less damping times period, both in many digits: the difference may be far
     # smaller than either.
+    if isinstance(system, PeriodicSystem) and system.is_complex:
+        period_map = period_map._replace(matrix=complex_matrix(period_map.matrix))
     if problem.kind == "general":
         discs = precise_spectra.eigenvalue_discs(period_map.matrix, error, context)
         return classify_multipliers(system, "reference", _logarithms(discs, context) if discs else None, cost=cost)

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import functools
 import math
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from floquetrod._util import validate
 from floquetrod._util.arrays import Floats, norms
@@ -15,7 +17,13 @@ from floquetrod.equations.hill_system import in_first_order
 from floquetrod.floquet.multipliers import cyclic_matrix, independent_solutions
 from floquetrod.floquet.multipliers.classification import classify_multipliers
 from floquetrod.floquet.multipliers.system_stability import SystemStability
-from floquetrod.floquet.multipliers.whole_period_maps import balanced_maps, error_stretch
+from floquetrod.floquet.multipliers.whole_period_maps import (
+    PeriodMaps,
+    balanced_maps,
+    error_stretch,
+    in_scaling,
+    of_complex,
+)
 from floquetrod.floquet.problems import undamped_pairs
 from floquetrod.floquet.verdict import Cost
 
@@ -69,7 +77,7 @@ def segmented(system: HillSystem | PeriodicSystem, *, rtol: float = 1e-12) -> Sy
             continue
         excess = math.log(condition) / math.log(_LARGEST_CONDITION)
         if excess <= 1.0:
-            solutions = cyclic_matrix.solutions(maps, errors, scales)
+            solutions = cyclic_matrix.solutions(maps, errors, scales, keeps_norm=first.keeps_norm)
             break
         count = parts * math.ceil(1.1 * excess * count / parts)
     else:
@@ -79,7 +87,7 @@ def segmented(system: HillSystem | PeriodicSystem, *, rtol: float = 1e-12) -> Sy
         return SystemStability.declined(
             system, "segmented", cost, "the eigenvectors cannot be computed accurately enough"
         )
-    logs = independent_solutions.log_discs(solutions, damping * float(system.period))
+    logs = independent_solutions.log_discs(solutions, damping * float(system.period), are_real=not first.is_complex)
     hamiltonian = freed is not None and first.structure == "hamiltonian"
     krein = functools.partial(independent_solutions.krein_sign, solutions) if hamiltonian else None
     return classify_multipliers(system, "segmented", logs, krein=krein, cost=cost)
@@ -97,16 +105,21 @@ def _phase(system: PeriodicSystem) -> float:
     return float(system.period) * float(np.linalg.norm(sizes * scales[None, :] / scales[:, None], 2))
 
 
-def _segments(system: PeriodicSystem, count: int, rtol: float) -> tuple[Floats, Floats, Floats]:
-    """Return the maps over ``count`` segments of each piece, balanced, their errors in the 2-norm, and the scales."""
+def _segments(system: PeriodicSystem, count: int, rtol: float) -> tuple[NDArray[Any], Floats, Floats]:
+    """Return the maps over ``count`` segments of each piece, balanced, their errors in the 2-norm, and the scales.
+
+    Where the norm is kept they are not balanced.
+    """
     arrays = by_pieces.of_batch(system)
     balanced = balanced_maps(arrays, rtol, count, exact=system.coefficient_error == 0.0)
-    maps, scales = balanced.maps[0], balanced.scaling[0]
-    stretch = float(error_stretch(arrays.mean, scales[None])[0])
+    stretch = float(error_stretch(arrays.mean, balanced.scaling)[0])
+    segments = len(balanced.maps[0])
+    maps = PeriodMaps(balanced.maps[0], balanced.errors[0], np.repeat(balanced.scaling, segments, axis=0))
+    if system.keeps_norm:
+        maps = in_scaling(maps, np.ones(maps.scaling.shape))
+    if system.is_complex:
+        maps = of_complex(maps)
     length = np.repeat(arrays.length[0] / count, count)
     with np.errstate(over="ignore", invalid="ignore"):  # of maps that overflow
-        return (
-            maps,
-            balanced.errors[0] + system.coefficient_error * system.order * stretch * length * norms(maps),
-            scales,
-        )
+        change = system.coefficient_error * system.real_form.order * stretch * length * norms(maps.matrix)
+        return maps.matrix, maps.error + change, maps.scaling[0]

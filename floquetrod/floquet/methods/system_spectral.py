@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from floquetrod._util import validate
 from floquetrod._util.arrays import Complexes, Floats
 from floquetrod.equations import HillSystem, PeriodicSystem
+from floquetrod.equations.complex_form import complex_matrix
 from floquetrod.equations.hill_system import in_first_order
 from floquetrod.floquet.multipliers import independent_solutions, spectra
 from floquetrod.floquet.multipliers.classification import classify_multipliers
@@ -28,13 +29,17 @@ _MOST_ROWS = 1000  # of Hill's matrix (a choice: about ten seconds)
 
 
 class _Harmonics(NamedTuple):
-    """A system in first order and balanced coordinates: mean, half amplitudes of its harmonics, and the scales.
+    """A system in first order and balanced coordinates, and the scales of these.
 
-    ``stretch`` is by how much errors of the coefficients are larger there.
+    A(t) = mean + sum_k halves_k exp(i k w t) + behind_k exp(-i k w t), behind_k = conj(halves_k) where A is real.
+    ``stretch`` is by how much errors of the coefficients are larger there.  ``keeps_norm``: coordinates are as given,
+    and Hill's matrix is skew-Hermitian.
     """
 
-    mean: Floats
+    mean: NDArray[Any]
     halves: Complexes
+    behind: Complexes
+    keeps_norm: bool
     scales: Floats
     stretch: float
     period: float
@@ -78,7 +83,7 @@ def spectral(system: HillSystem | PeriodicSystem, *, rtol: float = 1e-12) -> Sys
     if solutions is None:
         note = f"needs Hill matrices of more than {_MOST_ROWS} rows, or its solutions cannot be distinguished"
         return SystemStability.declined(system, "spectral", cost, note)
-    logs = independent_solutions.log_discs(solutions, damping * balanced.period)
+    logs = independent_solutions.log_discs(solutions, damping * balanced.period, are_real=not first.is_complex)
     hamiltonian = freed is not None and first.structure == "hamiltonian"
     turns = solutions.logs.imag / (2.0 * math.pi)
     counted = _counted(system, turns) if hamiltonian and isinstance(system, HillSystem) else None
@@ -104,17 +109,22 @@ def _counted(system: HillSystem, turns: Floats) -> Counts | None:
 
 def _balanced(system: PeriodicSystem) -> _Harmonics:
     """Return a system in balanced coordinates, powers of two times those it has."""
-    sizes = np.abs(system.mean) + np.abs(system.harmonics).sum(axis=0)
-    scales = independent_solutions.balance(sizes)
+    waves = system.real_form.harmonics
+    ahead, behind = waves, waves.conj()
+    if system.is_complex:
+        ahead, behind = complex_matrix(ahead), complex_matrix(behind)
+    sizes = np.abs(system.mean) + np.maximum(np.abs(ahead), np.abs(behind)).sum(axis=0)
+    scales = np.ones(system.order) if system.keeps_norm else independent_solutions.balance(sizes)
     ratio = scales[None, :] / scales[:, None]
     stretch = float(error_stretch(system.mean[None, None], scales[None])[0])
-    return _Harmonics(system.mean * ratio, 0.5 * system.harmonics * ratio, scales, stretch, float(system.period))
+    harmonics = 0.5 * ahead * ratio, 0.5 * behind * ratio
+    return _Harmonics(system.mean * ratio, *harmonics, system.keeps_norm, scales, stretch, float(system.period))
 
 
 def _solutions(system: _Harmonics, rtol: float, coefficient_error: float) -> tuple[Solutions | None, int]:
     """Return independent Floquet solutions in the system's own coordinates, and the rows of the last matrix."""
     w = 2.0 * math.pi / system.period
-    norms = [float(np.linalg.norm(z, 2)) for z in system.halves]
+    norms = [max(float(np.linalg.norm(z, 2)) for z in pair) for pair in zip(system.halves, system.behind, strict=True)]
     rate = float(np.linalg.norm(system.mean, 2)) + 2.0 * sum(norms)
     fastest = float(np.abs(np.linalg.eigvals(system.mean).imag).max())
     cut = math.ceil(min(fastest / w, 1e9)) + min(len(norms), 4) + 6
@@ -144,7 +154,8 @@ def _truncated(
 ) -> tuple[Solutions, float] | None:
     """Return the solutions of a truncated matrix and the largest residual that truncation leaves, None where few."""
     order, count = len(system.mean), 2 * cut + 1
-    discs = spectra.diagonalised_discs(_hill_matrix(system, cut), coefficient_error * order * system.stretch)
+    discs_of = spectra.normal_discs if system.keeps_norm else spectra.diagonalised_discs
+    discs = discs_of(_hill_matrix(system, cut), coefficient_error * order * system.stretch)
     if discs is None:
         return None
     harmonics = discs.right.reshape(count, order, -1)
@@ -173,7 +184,8 @@ def _hill_matrix(system: _Harmonics, cut: int) -> Complexes:
     result = np.zeros((2 * cut + 1, order, 2 * cut + 1, order), dtype=np.complex128)
     for j in range(2 * cut + 1):
         result[j, :, j] = system.mean - 1j * w * (j - cut) * np.eye(order)
-        for m, half in enumerate(system.halves[: 2 * cut - j], start=1):
-            result[j + m, :, j] = half
-            result[j, :, j + m] = half.conj()
+        for m, (half, behind) in enumerate(zip(system.halves, system.behind, strict=True), start=1):
+            if j + m <= 2 * cut:
+                result[j + m, :, j] = half
+                result[j, :, j + m] = behind
     return result.reshape((2 * cut + 1) * order, (2 * cut + 1) * order)

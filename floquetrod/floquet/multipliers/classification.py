@@ -206,6 +206,22 @@ def _named(y: complex) -> str:
     return f"exp(+-{angle:.4g} i)"
 
 
+def classify_unitary(system: System, method: str, discs: Discs | None, *, cost: Cost) -> SystemStability:
+    """Return the verdict on a system that keeps the norm, from `spectra.normal_discs` of its map over a period.
+
+    Every multiplier is on the circle, and within the error of the one computed for it, also where several meet.
+    """
+    if discs is None:
+        return SystemStability.declined(system, method, cost, "the map over a period is not finite")
+    hamiltonian = system.structure == "hamiltonian"
+    clusters = discs.clusters if hamiltonian else tuple(np.arange(len(discs.values))[:, None])
+    sizes = np.abs(discs.values)
+    radii = discs.radii + float(np.abs(sizes - 1.0).max())  # onto the circle, where both matrices are unitary
+    logs = LogDiscs.of(discs.values / sizes, radii, clusters)
+    krein = spectra.Signs(discs, krein_form, 1.0, 0.0) if hamiltonian else None
+    return classify_multipliers(system, method, logs, krein=krein, cost=cost)
+
+
 class LogDiscs(NamedTuple):
     """Logarithms of multipliers with errors."""
 
@@ -367,7 +383,7 @@ def _verdict(
     if isinstance(system, PeriodicSystem) and system.keeps_norm and are_all:
         verdicts, net = (
             [verdict._replace(low=0.0, high=0.0, bounded=True, reason="") for verdict in verdicts],
-            np.asarray(1j * net.imag),
+            np.asarray(0.0 + 1j * net.imag),
         )
     status: Status
     strongly: bool | None
@@ -449,7 +465,7 @@ def _status_of_matrices(system: System) -> Status | None:
 
 def _expands(system: System) -> bool:
     """Return whether the mean trace of A is positive, so that the product of all multipliers exceeds 1 (Liouville)."""
-    first = in_first_order(system)
+    first = in_first_order(system).real_form
     if first.pieces:
         return False
     values = np.diag(first.mean)
@@ -513,7 +529,7 @@ def _without_variation(system: System) -> Status | None:
         return _status_of_turning(system.gyroscopic)
     if isinstance(system, HillSystem) and system.gyroscopic is None and system.is_symmetric and system.undamped:
         return _static_status(system, *system.undamped)
-    mean = in_first_order(system)
+    mean = in_first_order(system).real_form
     discs = spectra.eigenvalue_discs(mean.mean, mean.coefficient_error * mean.order)
     if discs is None:
         return None

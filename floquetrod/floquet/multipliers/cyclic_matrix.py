@@ -7,23 +7,28 @@ beside 1e-16, it holds 100 beside 0.01 with m = 8.
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
+from numpy.typing import NDArray
 
 from floquetrod._util.arrays import Floats
 from floquetrod.floquet.multipliers import independent_solutions, spectra
 from floquetrod.floquet.multipliers.independent_solutions import Solutions
 
 
-def solutions(maps: Floats, errors: Floats, scales: Floats) -> Solutions | None:
+def solutions(maps: NDArray[Any], errors: Floats, scales: Floats, *, keeps_norm: bool = False) -> Solutions | None:
     """Return independent Floquet solutions from the maps (m, n, n) over segments of a period, without multiplying them.
 
     Parameters
     ----------
     maps : ndarray (m, n, n)
-        Of x / scales.
+        Of x / scales; real or complex.
     errors : ndarray (m,)
         Bounds of their errors in the 2-norm.
     scales : ndarray (n,)
+    keeps_norm : bool
+        Whether the maps are unitary, and with them the cyclic matrix.
 
     Returns
     -------
@@ -31,10 +36,11 @@ def solutions(maps: Floats, errors: Floats, scales: Floats) -> Solutions | None:
         None where eigenvectors cannot be computed accurately enough.
     """
     count, order, _ = maps.shape
-    cyclic = np.zeros((count, order, count, order))
+    cyclic = np.zeros((count, order, count, order), dtype=maps.dtype)
     for j, segment in enumerate(maps):
         cyclic[(j + 1) % count, :, j] = segment
-    discs = spectra.diagonalised_discs(cyclic.reshape(count * order, count * order), float(errors.max()))
+    discs_of = spectra.normal_discs if keeps_norm else spectra.diagonalised_discs
+    discs = discs_of(cyclic.reshape(count * order, count * order), float(errors.max()))
     if discs is None:
         return None
     states = discs.right[:order]

@@ -64,15 +64,15 @@ def principal(logs: Complexes) -> Complexes:
     return np.asarray(logs.real + 1j * (math.pi - np.remainder(math.pi - logs.imag, 2.0 * math.pi)))
 
 
-def log_discs(solutions: Solutions, shift: float) -> LogDiscs:
+def log_discs(solutions: Solutions, shift: float, *, are_real: bool = True) -> LogDiscs:
     """Return discs about logarithms less ``shift``, touching ones in clusters.
 
-    A multiplier of a real system whose disc meets the real axis and no other disc is real.
+    A multiplier of a real system (``are_real``) whose disc meets the real axis and no other disc is real.
     """
     logs, radii = solutions.logs, solutions.radii
     clusters = touching(log_distances(logs, logs), radii)
     values = logs - shift
-    for i in (int(cluster[0]) for cluster in clusters if len(cluster) == 1):
+    for i in (int(cluster[0]) for cluster in clusters if len(cluster) == 1 and are_real):
         if abs(logs[i].imag) <= radii[i]:
             values[i] = values[i].real
         elif math.pi - abs(logs[i].imag) <= radii[i]:

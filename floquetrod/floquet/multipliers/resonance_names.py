@@ -75,7 +75,8 @@ def name(system: HillSystem | PeriodicSystem | DelaySystem, exponents: Sequence[
     growing = [exponent for exponent in exponents if exponent.real > 0.0 and exponent.imag >= lowest]
     if isinstance(system, DelaySystem):
         return _by_multipliers(system, growing)
-    if system.MEANING:  # its frequencies are sums and differences of the natural ones
+    # The frequencies of second moments are sums and differences of the natural ones; complex modes have no conjugates.
+    if system.MEANING or (isinstance(system, PeriodicSystem) and system.is_complex):
         return ()
     equations = system.order if isinstance(system, HillSystem) else 0.5 * system.order
     modes = _mean_modes(system) if growing and equations <= _MOST_MODES else None

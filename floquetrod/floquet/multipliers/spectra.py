@@ -99,6 +99,28 @@ def diagonalised_discs(matrix: NDArray[Any], error: float) -> Discs | None:
     return _discs_of_vectors(matrix, error, None)
 
 
+def normal_discs(matrix: NDArray[Any], error: float) -> Discs | None:
+    """Return discs for the eigenvalues of a nearly normal matrix, with orthonormal eigenvectors; None if not finite.
+
+    Schur's form A = Q (D + N) Q^H is at the distance abs(N) of the normal matrix Q D Q^H, whose eigenvalues move by no
+    more than a change of it (F. L. Bauer and C. T. Fike, Numer. Math. 2 (1960) 137, doi:10.1007/BF01386217): every disc
+    has the radius abs(N) + ``error``.  The eigenvalues of two unitary matrices can even be paired one to one within
+    their distance: R. Bhatia and C. Davis, Linear Multilinear Algebra 15 (1984) 71, doi:10.1080/03081088408817578.
+    """
+    from scipy.linalg import schur
+
+    n = len(matrix)
+    if not (np.isfinite(matrix).all() and np.isfinite(error)):
+        return None
+    triangle, vectors = schur(matrix.astype(np.complex128), output="complex")
+    values = np.diag(triangle).copy()
+    off = float(np.linalg.norm(np.triu(triangle, 1)))
+    total = error + off + 4.0 * n * EPS * float(np.abs(values).max())
+    radii = np.full(n, total)
+    gaps = np.abs(values[:, None] - values[None, :])
+    return Discs(values, radii, touching(gaps, radii), vectors, vectors.conj().T, total, matrix, 1.0)
+
+
 @np.errstate(over="ignore", invalid="ignore")  # an overflow is then not finite
 def _discs_of_vectors(matrix: NDArray[Any], error: float, known: Eigen | None) -> Discs | None:
     """Return Gershgorin's discs in the coordinates of the eigenvectors."""

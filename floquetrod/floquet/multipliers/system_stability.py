@@ -12,6 +12,7 @@ from floquetrod._util.caching import cached_property
 from floquetrod._util.result_report import Report, Table, number
 from floquetrod.equations import DelaySystem, PeriodicSystem
 from floquetrod.equations.matrices import Structure
+from floquetrod.equations.pieces import real_form
 from floquetrod.floquet.multipliers import resonance_names
 from floquetrod.floquet.multipliers.resonance_names import Resonance
 from floquetrod.floquet.verdict import FloquetVerdict
@@ -91,6 +92,38 @@ class SystemStability(FloquetVerdict):
         return found
 
     @property
+    def quasienergies(self) -> tuple[float, ...]:
+        """Quasienergies e of a system that is "unitary", ascending: solutions exp(-i e t) u(t), u of the period.
+
+        In units of an angular frequency (of hbar), above -w / 2 and up to w / 2, w = 2 pi / period: minus the imaginary
+        parts of the exponents.  Empty where the system is not unitary or nothing is known.
+
+        Examples
+        --------
+        A two-level atom, H = sigma_z / 2 + cos(t) sigma_x / 4, and A = -i H:
+
+        >>> import floquetrod as fr
+        >>> atom = fr.PeriodicSystem([[-0.5j, 0], [0, 0.5j]], cosines=[[[0, -0.25j], [-0.25j, 0]]])
+        >>> [round(e, 11) for e in fr.stability(atom).quasienergies]
+        [-0.37524727817, 0.37524727817]
+        """
+        return tuple(energy for energy, _ in self._energies)
+
+    @property
+    def quasienergy_errors(self) -> tuple[float, ...]:
+        """Error of each of ``quasienergies``."""
+        return tuple(error for _, error in self._energies)
+
+    @property
+    def _energies(self) -> list[tuple[float, float]]:
+        """Quasienergies with their errors."""
+        if not isinstance(self.system, PeriodicSystem) or not self.system.keeps_norm:
+            return []
+        half = math.pi / self.period
+        known = [(e.imag, error) for e, error in zip(self.exponents, self.exponent_errors, strict=True) if e == e]
+        return sorted((half if rate >= half else 0.0 - rate, error) for rate, error in known)
+
+    @property
     def largest_multiplier_less_1(self) -> float:
         """Magnitude of the largest multiplier less 1; 0 where all lie on the circle, NaN where not known."""
         rate = super()._slowest
@@ -116,7 +149,8 @@ class SystemStability(FloquetVerdict):
         """Return the verdict in lines and a table of multipliers; with the ``damping`` that stabilises, a search."""
         system = self.system
         form = "second order" if _second_order(system) else "first order"
-        equations = f"{system.order} equation{'' if system.order == 1 else 's'} of {form}"
+        kind = "complex equation" if isinstance(system, PeriodicSystem) and system.is_complex else "equation"
+        equations = f"{system.order} {kind}{'' if system.order == 1 else 's'} of {form}"
         equations += ", of second moments" if system.MEANING else ""
         turns = f"period {self.period:.6g} (angular frequency {2.0 * math.pi / self.period:.6g})"
         lines = [("system", f"{equations}, {self.structure}, {system.variation}, {turns}")]
@@ -128,6 +162,9 @@ class SystemStability(FloquetVerdict):
         for i, resonance in enumerate(self.resonances):
             nearest = "" if i or not resonance.modes else " (the nearest combination of frequencies)"
             lines.append(("" if i else "named", f"{resonance}, growth {resonance.growth_rate:.6g}{nearest}"))
+        if self.structure == "unitary" and 0 < len(self.exponents) <= _LISTED:
+            energies = ", ".join(f"{energy:.12g}" for energy in self.quasienergies)
+            lines.append(("energies", f"quasienergies {energies}, in angular frequency"))
         lines.append(("margin", self._margin))
         lines += self._damping_lines() if damping else []
         known = math.isfinite(self.error)
@@ -224,7 +261,8 @@ class SystemStability(FloquetVerdict):
             ],
             "equations": self.system.order,
             "structure": self.structure,
-            "harmonics": 0 if self.system.pieces else int(self.system.harmonics.shape[-3]),
+            **({"quasienergies": [*self.quasienergies]} if self.structure == "unitary" else {}),
+            "harmonics": 0 if self.system.pieces else int(real_form(self.system).harmonics.shape[-3]),
             **({"pieces": len(self.system.pieces)} if self.system.pieces else {}),
             **({"delays": [*map(float, self.system.delays)]} if isinstance(self.system, DelaySystem) else {}),
             "period": self.period,

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from floquetrod._util.arrays import Complexes, Floats, norms
+from floquetrod.equations.complex_form import complex_matrix
 from floquetrod.equations.pieces import PieceArrays
 from floquetrod.floquet.kernels.system_maps import SegmentMaps, product, segment_maps
 
@@ -20,7 +21,7 @@ _FAST = 9.0  # logarithm of the norm of a map above which it matters how errors 
 class PeriodMaps(NamedTuple):
     """Maps (b, N, N) over a period in coordinates x / scaling, and their errors (b,) in the 2-norm there."""
 
-    matrix: Floats
+    matrix: NDArray[Any]
     error: Floats
     scaling: Floats
 
@@ -120,6 +121,23 @@ def period_maps(
         for whole, refined in zip(maps, again, strict=True):
             whole[fast] = refined
     return maps
+
+
+def of_complex(maps: PeriodMaps) -> PeriodMaps:
+    """Return the maps of complex systems from the maps of their real forms.
+
+    Real and imaginary parts get one scale; balancing may have given them two that differ a little.
+    """
+    scaling = maps.scaling[:, : maps.scaling.shape[-1] // 2]
+    matrix, error, _ = in_scaling(maps, np.concatenate([scaling, scaling], axis=-1))
+    return PeriodMaps(complex_matrix(matrix), error, scaling)
+
+
+def in_scaling(maps: PeriodMaps, scaling: Floats) -> PeriodMaps:
+    """Return maps in coordinates x / scaling for other scales."""
+    ratio = maps.scaling / scaling
+    matrix = maps.matrix * ratio[:, :, None] / ratio[:, None, :]
+    return PeriodMaps(matrix, maps.error * _spread(ratio), scaling)
 
 
 def _in_segments(

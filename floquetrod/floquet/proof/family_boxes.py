@@ -17,14 +17,17 @@ import numpy as np
 
 from floquetrod._util import validate
 from floquetrod.equations import Equation, HillSystem, PeriodicSystem
+from floquetrod.equations.complex_form import real_forms
 from floquetrod.floquet.dispatch import stability
 from floquetrod.floquet.problems import Problem, member, require_problem, require_without_delays
+from floquetrod.floquet.proof.matrices_alone import norm_kept
 from floquetrod.floquet.proof.proof import Proof
 from floquetrod.floquet.proof.region_equation import concluded
 from floquetrod.floquet.proof.region_proof import RegionProof, Shares, Side, side_ends
 from floquetrod.floquet.proof.system_numbers import NotAffine, bounds_of, require_affine, system_problem
 from floquetrod.floquet.proof.systems import status_of_all
 from floquetrod.floquet.registry import proof_sources
+from floquetrod.floquet.verdict import Status
 
 _MOST_SIDES = 6  # 64 corners (a choice)
 _CHECKED = 5  # points within the box at which the coefficients are checked (a choice)
@@ -58,8 +61,8 @@ class _Family(NamedTuple):
         return problem.as_system() if isinstance(problem, Equation) else problem
 
     def corners(self, box: Box) -> list[HillSystem | PeriodicSystem]:
-        """Return the systems at the corners of a box."""
-        return [self.system(point) for point in corners(box)]
+        """Return the systems at the corners of a box; where one is complex, their real forms."""
+        return real_forms([self.system(point) for point in corners(box)])
 
 
 def corners(box: Box) -> Iterator[dict[str, float]]:
@@ -98,7 +101,8 @@ def _require_affine(family: _Family, box: Box) -> None:
         point = {n: low + s * (high - low) for s, (n, (low, high)) in zip(share.tolist(), box.items(), strict=True)}
         weights = {key: _weight(key, point, box) for key in systems}
         try:
-            require_affine(family.system(point), [(weights[key], system) for key, system in systems.items()])
+            inner, *outer = real_forms([family.system(point), *systems.values()])
+            require_affine(inner, [(weights[key], system) for key, system in zip(systems, outer, strict=True)])
         except NotAffine as reason:
             where = ", ".join(f"{name} = {value:.6g}" for name, value in point.items())
             raise ValueError(
@@ -157,9 +161,12 @@ class _Subdivision:
                 self.example[proof.status] = proof
                 if len(self.example) == 2:
                     return
-        status = status_of_all(
-            system_problem(*self.family.corners(part)), np.array([mu for mu in verdict.multipliers if mu == mu])
-        )
+        outer = self.family.corners(part)
+        if all(norm_kept(system) for system in outer):  # and, since they are affine, by all systems between them
+            status: Status | None = "stable"
+        else:
+            multipliers = np.array([mu for mu in verdict.multipliers if mu == mu])
+            status = status_of_all(system_problem(*outer), multipliers)
         if status is not None:
             self.share[status] -= negative
             return

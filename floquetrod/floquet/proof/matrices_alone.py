@@ -16,10 +16,11 @@ _MOST_ROWS = 24  # of matrices in exact arithmetic: a tenth of a second (a choic
 
 
 def norm_kept(system: HillSystem | PeriodicSystem) -> str | None:
-    """Return that A(t) is minus its transpose; None where it is not, entry by entry, or its coefficients are off."""
+    """Return that A(t) is minus its conjugate transpose; None where it is not, entry by entry, or known to an error."""
     if isinstance(system, HillSystem) or system.coefficient_error or not system.keeps_norm:
         return None
-    return "A(t) is minus its transpose at all times, so every solution keeps its norm"
+    turned = "conjugate transpose" if system.is_complex else "transpose"
+    return f"A(t) is minus its {turned} at all times, so every solution keeps its norm"
 
 
 def overdamped(system: HillSystem | PeriodicSystem) -> str | None:
@@ -76,7 +77,8 @@ def expanding(system: HillSystem | PeriodicSystem) -> str | None:
     if isinstance(system, HillSystem):
         trace, off = -_trace(system.damping), Fraction(0)
     else:
-        trace, off = _trace(system.mean), system.order * Fraction(system.coefficient_error)
+        real = system.real_form
+        trace, off = _trace(real.mean), real.order * Fraction(system.coefficient_error)
     if not trace > off:
         return None
     return "the mean trace of A(t) is positive, so the product of all multipliers exceeds 1, and a solution grows"

@@ -17,6 +17,7 @@ from typing import NamedTuple
 import numpy as np
 
 from floquetrod.equations import HillSystem, PeriodicSystem
+from floquetrod.equations import pieces as by_pieces
 from floquetrod.floquet.proof.balls import Array, Doubles, up
 from floquetrod.floquet.proof.digits import balls, settled
 from floquetrod.floquet.proof.krein import krein_sums
@@ -47,7 +48,7 @@ def certify_system(system: HillSystem | PeriodicSystem, max_digits: int) -> Proo
     kept = norm_kept(system)
     if kept is not None and system.structure == "unitary":
         return Proof(system, "stable", None, 0, kept)
-    problem = system_problem(system)
+    problem = system_problem(by_pieces.real_form(system))
     if problem.error:
         max_digits = min(max_digits, _MOST_DIGITS_OF_INEXACT)
 
