@@ -11,8 +11,6 @@ from floquetrod.plotting.chart_plot import NAMES
 from floquetrod.plotting.explorer_panels import GrowthBars, GrowthLine, Map, Modes, ShapeOf
 from floquetrod.units import Unit, label
 
-QUANTITIES = ("mean", "amplitude", "frequency")
-
 _TICK = 80  # milliseconds between two looks for what has been found meanwhile
 _DIGITS = 12  # of a slider's value: what it is meant to be, without rounding
 _NARROW = 8.0  # inches: side by side in less, titles overlap
@@ -51,9 +49,9 @@ class ExplorerWindow:
         """Open the window.
 
         ``moved`` is asked for what to show when a quantity has been moved, to a value in SI units; ``begin`` is called
-        when a live window has been drawn first, and then ``found`` is called repeatedly for the results found
-        since.  Limits, ``numbers`` to begin with and panels are in SI units, on
-        the screen in ``units``; ``steps`` of the sliders are in these.
+        when a live window has been drawn first, and then ``fetch`` is called repeatedly for the results found since.
+        Limits, ``numbers`` to begin with and panels are in SI units, on the screen in ``units``, which has a slider for
+        each of its names; ``steps`` of the sliders are in these.
         """
         import matplotlib as mpl
         from matplotlib import pyplot
@@ -62,14 +60,13 @@ class ExplorerWindow:
         self._moved, self._begin, self._fetch, self._units = moved, begin, fetch, units
         areas = self.figure.subplots(1, 3)
         self._areas = list(areas)
-        self._map = Map(areas[0], limits, units)
         kinds: dict[str, Callable[[Any], Any]] = {
             "modes": Modes,
             "rates": GrowthBars,
             "line": lambda ax: GrowthLine(ax, limits["frequency"], units["frequency"]),
             "shape": lambda ax: ShapeOf(ax, length),
         }
-        self._panels: dict[str, Any] = {"map": self._map}
+        self._panels: dict[str, Any] = {"map": Map(areas[0], limits, units)}
         self._panels |= {name: kinds[name](ax) for name, ax in zip(panels, areas[1:], strict=True)}
         place: dict[str, Any] = {"transform": self.figure.transFigure, "clip_on": False, "va": "center"}
         self._texts = {
@@ -81,7 +78,7 @@ class ExplorerWindow:
         if mpl.get_backend().lower().endswith("inline"):
             self.figure.text(0.98, 0.955, _INLINE, fontsize="x-small", ha="right", va="center", color="0.35")
         self.sliders: dict[str, Any] = {}
-        for name in QUANTITIES:
+        for name in units:
             self._add_slider(name, limits[name], numbers[name], steps[name])
         self._moving = [artist for panel in self._panels.values() for artist in panel.moving]
         for slider in self.sliders.values():

@@ -79,13 +79,14 @@ class Pages:
     def __init__(self) -> None:
         self.figures: list[Figure] = []
         self.closed: list[Figure] = []
+        self.words = {"verdict": "stable", "command": "x"}
 
     def opened(self) -> web.Shown:
         """Open another figure."""
         figure = Figure()
         figure.canvas.mpl_connect("close_event", lambda _: self.closed.append(figure))
         self.figures.append(figure)
-        return web.Shown(figure, lambda: {"verdict": "stable", "command": "x"})
+        return web.Shown(figure, lambda: self.words)
 
 
 def talked(talk: Callable[[Pages, Callable[[str], Awaitable[Any]], str], Awaitable[None]]) -> Pages:
@@ -175,6 +176,27 @@ def test_a_page_has_a_title_and_is_told_which_sizes_it_did_not_ask_for() -> None
     sizes = [(each["size"][0], each["forward"]) for each in told if each["type"] == "resize"]
     assert [forward for _, forward in sizes] == [True, False]
     assert sizes[1][0] == 370
+
+
+def test_verdict_and_command_come_with_every_picture() -> None:
+    """A slider that moves redraws parts only, and the command that is copied then is that of the picture."""
+
+    async def talk(pages: Pages, connect: Callable[[str], Awaitable[Any]], address: str) -> None:
+        socket = await connect("one")
+        await answered(socket)
+        canvas = pages.figures[0].canvas
+        canvas.draw()
+        for verdict, show in (("unstable", canvas.blit), ("undecided", canvas.draw)):
+            pages.words = {"verdict": verdict, "command": "y"}
+            show()
+            heard: dict[str, str] = {}
+            while heard.get("verdict") != verdict:
+                message = await asyncio.wait_for(socket.read_message(), 60.0)
+                if isinstance(message, str) and json.loads(message)["type"] == "words":
+                    heard = json.loads(message)
+            assert heard["command"] == "y"
+
+    talked(talk)
 
 
 @given(st.floats(1.0, 1e300) | st.sampled_from([0.0, -1.0]), st.floats(1.0, 1e300), st.floats(*web._RATIOS))
