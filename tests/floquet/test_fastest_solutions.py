@@ -71,6 +71,8 @@ def test_the_fastest_of_a_few_is_found_among_many() -> None:
     assert found.status == expected.status == "unstable"
     assert abs(found.growth_rate - expected.growth_rate) <= found.exponent_errors[0] + expected.exponent_errors[0]
     assert found.exponent_errors[0] < 1e-5
+    multipliers = np.exp(np.array(expected.exponents) * few.period)  # their signs and angles too
+    assert np.abs(multipliers / np.exp(found.exponents[0] * few.period) - 1.0).min() < 1e-4
     slower = [e.real for e in expected.exponents if e.real > fast.rest / float(few.period)]
     assert len(found.exponents) == 2 * len(slower) + 2  # their inverses, and two that stand for all others
 

@@ -536,6 +536,16 @@ def test_inertia_of_a_matrix_that_doubles_cannot_tell_from_a_singular_one() -> N
     assert inertia(Integers(40), matrix, np.ones(2)).negative == 1
 
 
+@pytest.mark.parametrize("digits", [12, 40])
+def test_only_real_balls_without_zero_have_reciprocals(digits: int) -> None:
+    balls = Integers(digits).exact(np.array([4.0, -0.5, 1e-3]))
+    found = balls.inverse()
+    assert np.abs(found.centre() - [0.25, -2.0, 1000.0]).max() <= found.offset().max() < 1e-3
+    for wrong in (Integers(digits).exact(np.array([1.0, 0.0])), balls.times_i()):
+        with pytest.raises(Unresolved, match="cannot be distinguished from zero"):
+            wrong.inverse()
+
+
 @pytest.mark.parametrize("arithmetic", [Doubles(), Integers(25)], ids=["doubles", "25 digits"])
 @pytest.mark.parametrize("seed", range(depth(8, 2)))
 def test_counts_are_those_of_a_larger_dense_matrix(arithmetic: Any, seed: int) -> None:

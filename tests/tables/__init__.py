@@ -1,0 +1,1 @@
+"""Tables of instruments in text files: their heads."""
