@@ -4,8 +4,8 @@ A mutation changes one comparison, sign, number, `and`, condition or returned va
 equally often, and places within a kind.  Each is tried in a copy of the tree.  The test files likeliest to reach it,
 from what they import and name and from their folder, and those of `ALWAYS` take turns until a test fails or `SECONDS`
 are over.  A survivor is a missing test, a place that only slower tests reach, or a change without effect.  `--again
-FILE` repeats the mutations of a record on this tree, by the same test files.  The tests that noticed a mutation run
-without any at the end.
+FILE` repeats the mutations of a record on this tree, by the same test files, first what noticed them.  The tests that
+noticed a mutation run without any at the end.
 """
 
 from __future__ import annotations
@@ -37,6 +37,9 @@ LEFT_OUT = ("project/", "studies/", "simulation/test_arithmetic.py", "_util/test
 
 SECONDS = 30.0
 """Processor time of the tests of a mutation; a process that takes three times as long, or waits so long, is stopped."""
+
+FIRST = "FLOQUETROD_FIRST_TEST"
+"""The variable with the test that noticed a mutation before."""
 
 FLIPPED: dict[type, type] = {
     ast.Lt: ast.Gt, ast.Gt: ast.Lt, ast.LtE: ast.GtE, ast.GtE: ast.LtE, ast.Eq: ast.NotEq, ast.NotEq: ast.Eq,
@@ -177,9 +180,12 @@ def pytest_collection_modifyitems(items: list[Any]) -> None:
     rank = {path: number for number, path in enumerate(dict.fromkeys(item.path for item in items), 3)}
     count = dict.fromkeys(rank, 0)
     turn = {}
+    first = os.environ.get(FIRST, "")
     for item in items:
         count[item.path] += 1
         turn[item] = (count[item.path] + 9) // 10 * rank[item.path], rank[item.path]
+        if first and item.nodeid.split("[")[0] == first.split("[")[0]:
+            turn[item] = 0, rank[item.path]
     items.sort(key=turn.__getitem__)
 
 
@@ -189,7 +195,7 @@ def pytest_runtest_teardown(item: Any) -> None:
         item.session.shouldstop = "the time is over"
 
 
-def tried(mutation: Mutation, tree: Path, tests: list[str]) -> dict[str, Any]:
+def tried(mutation: Mutation, tree: Path, tests: list[str], first: str = "") -> dict[str, Any]:
     """Return what tests say of a mutation, in a copy of a tree that shares its files."""
     with tempfile.TemporaryDirectory(prefix="mutation", dir=tree.parent) as name:
         copy, log = Path(name) / "tree", Path(name) / "log"
@@ -202,7 +208,7 @@ def tried(mutation: Mutation, tree: Path, tests: list[str]) -> dict[str, Any]:
             kept.unlink()
         options = ["-q", "-x", "--no-header", "-p", "no:cacheprovider", "-p", "tools.mutations", "-m", "not slow"]
         command = [sys.executable, "-m", "pytest", *options, *tests]
-        environment = os.environ | {"PYTHONPATH": str(copy)}
+        environment = os.environ | {"PYTHONPATH": str(copy), FIRST: first}
         begun = time.monotonic()
         with log.open("wb") as file:
             run = subprocess.Popen(command, cwd=copy, env=environment, stdout=file, stderr=file, start_new_session=True)
@@ -254,7 +260,7 @@ def main() -> None:
                 place = {key: getattr(mutation, key) for key in ("file", "function", "kind", "before", "after")}
                 line = {"line": mutation.start[0], "which": same.index(mutation)}
                 tests = [file for file in row.get("tests", []) if (tree / file).exists()] or likely(mutation, tree)
-                record.append(place | line | tried(mutation, tree, tests) | {"tests": tests})
+                record.append(place | line | tried(mutation, tree, tests, row.get("by", "")) | {"tests": tests})
             options.out.write_text(json.dumps(record, indent=1), encoding="utf-8")
             row = record[-1]
             print(f"{number:4d} {row['outcome']:10s} {row['file']}:{row['line']} {row['before'][:50]}", flush=True)
