@@ -4,7 +4,7 @@ A mutation changes one comparison, sign, number, `and`, condition or returned va
 equally often, and places within a kind.  Each is tried in a copy of the tree.  The test files likeliest to reach it,
 from what they import and name and from their folder, and those of `ALWAYS` take turns until a test fails or `SECONDS`
 are over.  A survivor is a missing test, a place that only slower tests reach, or a change without effect.  `--again
-FILE` repeats the mutations of a record on this tree, by the same test files, first what noticed them.  The tests that
+FILE` repeats the mutations of a record on this tree, by the same test files and more, first what noticed them.  The tests that
 noticed a mutation run without any at the end.
 """
 
@@ -259,7 +259,8 @@ def main() -> None:
                 same = [other for other in every if other.name == mutation.name]
                 place = {key: getattr(mutation, key) for key in ("file", "function", "kind", "before", "after")}
                 line = {"line": mutation.start[0], "which": same.index(mutation)}
-                tests = [file for file in row.get("tests", []) if (tree / file).exists()] or likely(mutation, tree)
+                tests = [file for file in row.get("tests", []) if (tree / file).exists()]
+                tests = [*dict.fromkeys([*tests, *likely(mutation, tree)])]
                 record.append(place | line | tried(mutation, tree, tests, row.get("by", "")) | {"tests": tests})
             options.out.write_text(json.dumps(record, indent=1), encoding="utf-8")
             row = record[-1]
