@@ -4,8 +4,8 @@ A mutation changes one comparison, sign, number, `and`, condition or returned va
 equally often, and places within a kind.  Each is tried in a copy of the tree.  The test files likeliest to reach it,
 from what they import and name and from their folder, and those of `ALWAYS` take turns until a test fails or `SECONDS`
 are over.  A survivor is a missing test, a place that only slower tests reach, or a change without effect.  `--again
-FILE` repeats the mutations of a record on this tree, by the same test files and more, first what noticed them.  The tests that
-noticed a mutation run without any at the end.
+FILE` repeats the mutations of a record on this tree, by the same test files and more, first by what noticed them.  The
+tests that noticed a mutation run without any at the end.
 """
 
 from __future__ import annotations
