@@ -38,7 +38,6 @@ if TYPE_CHECKING:
     from floquetrod.equations.second_moments import second_moments as second_moments
     from floquetrod.explorer import Explorer as Explorer
     from floquetrod.floquet.almost_sure import almost_sure_exponent as almost_sure_exponent
-    from floquetrod.floquet.comparison import compare as compare
     from floquetrod.floquet.critical_noise import critical_noise as critical_noise
     from floquetrod.floquet.dispatch import stability as stability
     from floquetrod.floquet.filtered_noise import filtered_growth as filtered_growth
@@ -55,6 +54,8 @@ if TYPE_CHECKING:
     from floquetrod.orbits import follow as follow
     from floquetrod.orbits import periodic_orbit as periodic_orbit
     from floquetrod.plane import Chart as Chart
+    from floquetrod.responses.comparison import compare as compare
+    from floquetrod.responses.steady_response import response as response
     from floquetrod.rod.hand_over import save_report as save_report
     from floquetrod.rod.loads.load import AxialLoad as AxialLoad
     from floquetrod.rod.loads.load import AxialWave as AxialWave
@@ -99,7 +100,6 @@ _NAMES = {
     "equations.second_moments": ("second_moments",),
     "explorer": ("Explorer",),
     "floquet.almost_sure": ("almost_sure_exponent",),
-    "floquet.comparison": ("compare",),
     "floquet.critical_noise": ("critical_noise",),
     "floquet.dispatch": ("stability",),
     "floquet.filtered_noise": ("filtered_growth",),
@@ -112,6 +112,8 @@ _NAMES = {
     "milling": ("Milling", "ToolMode"),
     "orbits": ("Branch", "NoOrbitError", "follow", "periodic_orbit"),
     "plane": ("Chart",),
+    "responses.comparison": ("compare",),
+    "responses.steady_response": ("response",),
     "rod.hand_over": ("save_report",),
     "rod.loads.load": ("AxialLoad", "AxialWave"),
     "rod.loads.record": ("ForceRecord",),

@@ -26,6 +26,8 @@ if TYPE_CHECKING:
     from floquetrod.orbits import PeriodicOrbit as PeriodicOrbit
     from floquetrod.orbits import SpecialPoint as SpecialPoint
     from floquetrod.plane import Bands as Bands
+    from floquetrod.responses.comparison import ResponseComparison as ResponseComparison
+    from floquetrod.responses.steady_response import Response as Response
     from floquetrod.rod.answers.mean_force import MeanForce as MeanForce
     from floquetrod.rod.answers.rod_branches import RodBranches as RodBranches
     from floquetrod.rod.answers.rod_stability import RodStability as RodStability
@@ -55,6 +57,8 @@ __all__ = [
     "Reach",
     "ReachProbability",
     "RegionProof",
+    "Response",
+    "ResponseComparison",
     "RodBranches",
     "RodStability",
     "SafeBox",
@@ -84,6 +88,8 @@ __getattr__, __dir__ = names_of(
         "floquet.verdict": ("Stability",),
         "orbits": ("PeriodicOrbit", "SpecialPoint"),
         "plane": ("Bands",),
+        "responses.comparison": ("ResponseComparison",),
+        "responses.steady_response": ("Response",),
         "rod.answers.mean_force": ("MeanForce",),
         "rod.answers.rod_branches": ("RodBranches",),
         "rod.answers.rod_stability": ("RodStability",),

@@ -1,4 +1,4 @@
-"""`fr.compare`: every method that applies, side by side."""
+"""Verdicts of every method that applies, side by side, for `fr.compare`."""
 
 from __future__ import annotations
 
@@ -163,15 +163,8 @@ def _growth_band(result: Stability | SystemStability) -> tuple[float, float]:
     return low, max(high, result.unknown_below) if isinstance(result, SystemStability) else high
 
 
-def compare(equation: Problem) -> Comparison:
-    """Classify an equation or a system by every method that applies, and report where they agree and where not.
-
-    Examples
-    --------
-    >>> from floquetrod.equations import Mathieu
-    >>> compare(Mathieu(alpha=0.5, beta=-0.25)).agree
-    True
-    """
+def compare_verdicts(equation: Problem) -> Comparison:
+    """Classify an equation or a system by every method that applies; see `floquetrod.compare`."""
     results, seconds = [], []
     require_problem(equation)
     for method in applicable(equation):

@@ -183,7 +183,7 @@ def _marched(system: DelaySystem, history: History, rate: Floats | None, ends: F
             right = right + np.einsum("fij,fj->fi", matrix[0], _earlier(known, history, times - float(delay)))
         size = nodes * n
         rates = np.linalg.solve(np.eye(size) - left.reshape(size, size), right.ravel()).reshape(nodes, n)
-        series[i] = _as_series(rates, half, states[i].reshape(derivatives, n))
+        series[i] = as_series(rates, half, states[i].reshape(derivatives, n))
         ended = [half * whole[0] @ rates + (v if derivatives == 2 else q)]
         if derivatives == 2:
             ended.insert(0, q + 2.0 * half * v + half**2 * whole[1] @ rates)
@@ -191,7 +191,7 @@ def _marched(system: DelaySystem, history: History, rate: Floats | None, ends: F
     return _DelayedSteps(ends, series, states)
 
 
-def _as_series(rates: Floats, half: float, state: Floats) -> Floats:
+def as_series(rates: Floats, half: float, state: Floats) -> Floats:
     """Return Legendre coefficients of the solution on a step from the values of its highest derivative."""
     series: NDArray[Any] = rule(len(rates))[1] @ rates
     for value in state[::-1]:

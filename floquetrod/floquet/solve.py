@@ -236,7 +236,7 @@ def solve(equation: Any, initial: Any, span: Any) -> Any:
         return solve_delayed(equation, initial, start, stop)
     state = _initial(equation, initial)
     is_complex = isinstance(equation, PeriodicSystem) and (equation.is_complex or bool(np.iscomplexobj(state)))
-    course = _course(equation.doubled if is_complex else equation)
+    course = first_order_course(equation.doubled if is_complex else equation)
     state = real_vector(state) if is_complex else state
     one, other = (
         list(_steps(of, start, stop, state, order, tolerance))
@@ -282,7 +282,7 @@ def _initial(equation: Any, initial: Any) -> NDArray[Any]:
     return values.ravel()
 
 
-def _course(equation: Any) -> _Course:
+def first_order_course(equation: Any) -> _Course:
     """Return the equation in first order, in smooth pieces of its period."""
     if isinstance(equation, Equation):
         return _of_equation(equation)

@@ -53,6 +53,8 @@ MADE: dict[str, Callable[[], Any]] = {
     "Stability": lambda: fr.stability(EQUATION),
     "Stability, infinite": lambda: fr.stability(fr.Mathieu(1.0, 1e6)),
     "Comparison": lambda: fr.compare(EQUATION),
+    "Response": lambda: fr.response(fr.Mathieu(0.3, -0.6, 0.01), 1.0),
+    "ResponseComparison": lambda: fr.compare(fr.Mathieu(0.3, -0.6, 0.01), force=1.0),
     "Proof": lambda: fr.certify(EQUATION),
     "Chart": small_map,
     "Chart of verdicts": lambda: small_map(False),

@@ -31,6 +31,7 @@ WAVE = [[0.1, 0.2], [0.2, 0.16]]
 SYSTEM = fr.HillSystem([[1.0, 0.0], [0.0, 4.0]], [WAVE], period=2.0)
 FIRST_ORDER = fr.PeriodicSystem([[0.0, 1.0], [-1.0, -0.1]], [WAVE], period=2.0)
 NOISY = fr.HillSystem([[1.2]], [[[0.5]]], damping=[[0.2]])
+DRIVEN = {"force": 1.0, "cosines": (0.3,), "sines": (0.1,), "unstable": True}
 NOISE = {"noise": [([[1.0]], 0.3)], "interpretation": "stratonovich"}
 
 QUIET = ROD.replace(damping_rate=0.5)
@@ -100,6 +101,8 @@ LEFT_OUT = {
     "ForceRecord.in_words": "takes units, which are values",
     "ForceRecord.spectrum": "takes no argument",
     "Comparison": "constructed by compare",
+    "Response": "constructed by response",
+    "ResponseComparison": "constructed by compare",
     "Proof": "constructed by certify",
     "RegionProof": "constructed by certify and Rod.certify",
     "SafeBox": "constructed by Rod.largest_safe_box",
@@ -403,6 +406,11 @@ def _of_equations() -> dict[str, Call]:
             {"system": NOISY, **NOISE, "paths": 10, "time": 20.0, "confidence": 0.9, "seed": 1, "progress": None},
         ),
         "compare": Call(fr.compare, {"equation": EQUATION}),
+        "compare (of responses)": Call(fr.compare, {"equation": EQUATION, **DRIVEN}),
+        "response": Call(fr.response, {"equation": EQUATION, **DRIVEN, "method": "hill"}),
+        "response (at a frequency)": Call(
+            fr.response, {"equation": EQUATION, "force": 1.0, "frequency": 0.8, "unstable": True}
+        ),
         "certify": Call(fr.certify, {"equation": EQUATION, "max_digits": 50}),
         "ForceRecord": Call(fr.ForceRecord, {"time": TIME, "force": FORCE, "harmonics": 3, "frequency": 40.0}),
         "ForceRecord.force": Call(fr.ForceRecord(TIME, FORCE).force, {"t": 0.5}),

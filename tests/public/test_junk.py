@@ -144,6 +144,16 @@ CALLS: list[tuple[Callable[..., Any], dict[str, Any]]] = [
     (fr.stability, UNDER_NOISE),
     (fr.certify, UNDER_NOISE),
     (fr.compare, {"equation": MATHIEU}),
+    (fr.compare, {"equation": MATHIEU, "force": 1.0, "frequency": 0.3, "unstable": True}),
+    (
+        fr.compare,
+        {"equation": MATHIEU, "force": 1.0, "cosines": (0.5,), "sines": (0.1,), "jumps": (), "unstable": True},
+    ),
+    (
+        fr.response,
+        {"equation": MATHIEU, "force": 1.0, "cosines": (0.5,), "sines": (0.1,), "method": "hill", "unstable": True},
+    ),
+    (fr.response, {"equation": MATHIEU, "force": math.cos, "jumps": (0.0,), "frequency": None, "unstable": True}),
     (fr.certify, {"equation": MATHIEU, "max_digits": 30, "growth_tolerance": 0.0, "max_boxes": 10, "seconds": 5.0}),
     (
         lambda **given: fr.certify(fr.Mathieu, **given),
@@ -733,6 +743,8 @@ def test_the_table_has_every_public_function_and_every_argument() -> None:
         "SecondMoments",
         "SpecialPoint",
         "SteadyMotion",
+        "Response",
+        "ResponseComparison",
         "RodBranches",
         "Proof",
         "Reach",

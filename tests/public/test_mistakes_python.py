@@ -157,7 +157,7 @@ def test_there_are_forty_of_them() -> None:
 
 def test_what_tells_remedies_is_otherwise_invisible() -> None:
     assert list(inspect.signature(fr.Mathieu).parameters) == ["alpha", "beta", "damping"]
-    assert inspect.signature(fr.compare).return_annotation == "Comparison"
+    assert inspect.signature(fr.compare).return_annotation == "Comparison | ResponseComparison"
     for value in (ROD, LOAD, EQUATION, fr.stability(EQUATION)):
         assert pickle.loads(pickle.dumps(value)) == value == copy.deepcopy(value)
         assert not hasattr(value, "__array__")

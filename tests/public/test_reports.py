@@ -29,6 +29,8 @@ RESULTS = {
     "equation": lambda: fr.stability(fr.Mathieu(0.5, -0.3, 0.01)),
     "comparison": lambda: fr.compare(fr.Meissner(0.5, -0.3)),
     "comparison of systems": lambda: fr.compare(SYSTEM),
+    "response": lambda: fr.response(SYSTEM, [1.0, 0.5], frequency=0.7, unstable=True),
+    "comparison of responses": lambda: fr.compare(fr.Mathieu(0.3, -0.6, 0.01), force=1.0),
     "system": lambda: fr.stability(SYSTEM),
     "proof": lambda: fr.certify(fr.Mathieu(0.5, -0.3)),
     "proof of a box": lambda: ROD.replace(damping_rate=0.5).certify(**SAFE),

@@ -53,17 +53,18 @@ class PeriodPieces(NamedTuple):
         return mesh(self.breaks, count, 2 if system.is_second_order else 1, self.delays(system), self.active)
 
 
-def period_pieces(system: DelaySystem) -> PeriodPieces:
+def period_pieces(system: DelaySystem, jumps: set[Fraction] | None = None) -> PeriodPieces:
     """Return the pieces of a system: between the jumps of its coefficients and the images of these under delays.
 
     A jump at t bends the solution there, less so at t + tau, and less again with every further delay.  Where nothing
-    varies the period is the longest delay.
+    varies the period is the longest delay, except for the solutions under a force, whose ``jumps``, parts of the
+    period, may be none: then it is the system's own.
     """
-    fixed = system.is_constant and bool(system.delayed)
+    fixed = system.is_constant and bool(system.delayed) and jumps is None
     exact = max(Fraction(delay) for delay in system.delays) if fixed else by_pieces.exact_period(system.present)
     matrices = () if fixed else (system.present, *(term.coefficient for term in system.delayed))
-    jumps = {piece.begin / exact for matrix in matrices if matrix.pieces for piece in by_pieces.in_time(matrix)}
-    breaks = _with_images(jumps, [Fraction(delay) / exact for delay in system.delays])
+    own = {piece.begin / exact for matrix in matrices if matrix.pieces for piece in by_pieces.in_time(matrix)}
+    breaks = _with_images(own | (jumps or set()), [Fraction(delay) / exact for delay in system.delays])
     edges = _apart(sorted(map(float, breaks | {Fraction(0)})))
     turn = rate(system) * float(exact)
     fine = [0.0]
@@ -137,11 +138,19 @@ def coefficients(system: DelaySystem, period: float, nodes: Floats) -> Coefficie
     return Coefficients((square @ present)[None], moving, tuple((square @ matrix)[None] for matrix in delayed))
 
 
-def period_maps(mesh: Mesh, coefficients: Coefficients) -> Floats:
-    """Return the maps over a period, (b, S, S), of systems with coefficients at the nodes of a mesh.
+class PeriodMap(NamedTuple):
+    """Maps over a period with what they are made of: the unknowns, the highest derivatives at the nodes, as rows.
 
     A state holds, of each equation, q and q', or x, at the beginning, then the values kept of the last periods.
     """
+
+    maps: Floats  # (b, S, S)
+    unknowns: Floats  # (b, F n, S), over the state
+    left: Floats  # (b, F n, F n), whose solution for the forces at the nodes is what these add to the unknowns
+
+
+def period_map(mesh: Mesh, coefficients: Coefficients) -> PeriodMap:
+    """Return the maps over a period of systems with coefficients at the nodes of a mesh, and their unknowns."""
     batch, count, n, _ = coefficients.value.shape
     derivatives = mesh.value_state.shape[1]
     kept = len(mesh.end) - derivatives
@@ -168,7 +177,12 @@ def period_maps(mesh: Mesh, coefficients: Coefficients) -> Floats:
     companion[:, :made] = new
     older = np.arange(made, total)
     companion[:, older, older - kept * n] = 1.0
-    return companion
+    return PeriodMap(companion, unknowns, left)
+
+
+def period_maps(mesh: Mesh, coefficients: Coefficients) -> Floats:
+    """Return the maps over a period, (b, S, S), of systems with coefficients at the nodes of a mesh."""
+    return period_map(mesh, coefficients).maps
 
 
 def _times(coefficient: Floats, rows: Floats) -> Floats:

@@ -1,0 +1,1 @@
+"""Compiled code of responses: Hill's matrix as a band, and extremes of Fourier series."""

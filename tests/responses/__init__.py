@@ -1,0 +1,1 @@
+"""Tests of steady motions under a force."""
