@@ -126,6 +126,8 @@ def test_a_saved_chart_loads_identically(tmp_path: Path, growth: bool) -> None:
     assert loaded == chart
     assert (loaded.subject, loaded.caption, loaded.version) == (chart.subject, chart.caption, fr.__version__)
     assert [path.name for path in tmp_path.iterdir()] == ["map.npz"]
+    tolerant = fr.mathieu.chart((0.0, 3.0, 6), (-2.0, 0.5, 5), growth_tolerance=0.3)
+    assert fr.Chart.load(tolerant.save(tmp_path / "tolerant.npz")) == tolerant
 
 
 def test_a_save_that_fails_leaves_the_old_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
