@@ -159,7 +159,8 @@ class Parameter:
     def in_words(self, value: Any, shown: units.AnswerUnits | None = None) -> tuple[str, str]:
         """Return name and value in the units of an answer, by default in SI units."""
         if not self.kind or not isinstance(value, float):
-            return self.words, str(value)
+            in_words = getattr(value, "in_words", None)  # of values with units of their own
+            return self.words, str(value) if in_words is None or shown is None else in_words(shown)
         if shown is None:
             return self.words, units.unit("", self.name, self.kind).show(value)
         if self.is_shown_as_diameter:

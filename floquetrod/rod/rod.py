@@ -119,6 +119,12 @@ class Rod(RodData):
         Curvature of the rod without load in 1/m, or with a unit such as "0.1rad/m", as of coiled tubing from its reel;
         0, straight, by default.  The channel holds it straight, which bends it, and presses its lower end to the wall
         (docs/theory/surface_weights.md); for strings in wells and stresses.
+    natural_shape : mapping or sequence of (float or str), optional
+        Deflection of the rod across its channel without load, by default none: ``{5: "0.1mm"}``, amplitudes of sines by
+        their half waves; deflections in m, or with a unit, at equal distances from the upper to the lower end;
+        ``{"curvature": "0.1rad/m", "direction": "90deg"}``, a bend in a plane at an angle from the vertical one; or
+        ``{"rms": "0.1mm", "correlation_length": "0.5m"}``, a random one.  It moves a rod that is stable, see
+        `response`, and changes no verdict.
     yield_strength : float or str, optional
         Yield strength of the material in Pa, or with a unit such as "620MPa", to which `stress` is compared; a pipe of
         the catalogue has that of its grade.

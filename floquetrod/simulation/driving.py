@@ -17,6 +17,7 @@ from floquetrod.rod.model.data import RodData
 from floquetrod.simulation.lumping import uniform_rods
 from floquetrod.simulation.rod_record import CLAMPED, FREE, GUIDED, HINGED, End
 from floquetrod.simulation.well_axis import WellAxis
+from floquetrod.wells.path import WellPath
 
 MOST_HARMONICS = 100  # of a simulated force: they are summed in every step
 ACROSS = {"hinged": HINGED, "clamped": CLAMPED, "guided": GUIDED, "free": FREE}
@@ -77,9 +78,11 @@ class Driving:
 
     @cached_property
     def axis(self) -> WellAxis | None:
-        """The axis of the channel of a rod on a path, else None."""
-        path = self.rod.path
-        return None if path is None else WellAxis(path, self.rod.depth, self.rod.length)
+        """The axis of the channel of a rod on a path, or of a straight channel with a rod that is not; else None."""
+        rod = self.rod
+        if rod.path is None and rod.natural_shape is not None and rod.course.is_straight:
+            return WellAxis(WellPath.straight(length=rod.length, inclination=rod.inclination), 0.0, rod.length)
+        return None if rod.path is None else WellAxis(rod.path, rod.depth, rod.length)
 
     @property
     def far_end(self) -> str:

@@ -461,6 +461,17 @@ class SimulationProblem:
                 "must have a path to be simulated where its channel bends: a curvature alone does not determine how "
                 "the inclination changes; give path=WellPath.arc(...)",
             )
+        shape = self.rod.natural_shape
+        if shape is not None and shape.is_random:
+            raise validate.wrong_value(
+                "rod",
+                f"must have a shape that is known to be simulated, got one {shape}; draw its deflection, and give that "
+                "as natural_shape",
+            )
+        if shape is not None and self.feed_speed is not None:
+            raise validate.wrong_value(
+                "feed_speed", f"must not be given with a natural_shape, got {self.feed_speed!r}: it would stay behind"
+            )
         if natural != 0.0 and axis is None:
             raise validate.wrong_value(
                 "natural_curvature", f"is that of a rod with a path, got {natural!r} without one"

@@ -111,7 +111,7 @@ class RodInWell(DiscreteRod):
 
     @cached_property
     def _natural(self) -> Natural:
-        """The natural shape, laid along the axis."""
+        """The natural shape, laid along the axis, with the deflection of the rod to its side."""
         length = self.segment_length
         nodes = self.places - 0.5 * self.rod.length
         frames = self.axis.frames(nodes)
@@ -120,13 +120,23 @@ class RodInWell(DiscreteRod):
             ends = frames.point[[0, -1]]
             shifts = outer - 2.0 * ends + frames.point[[1, -2]]
             tangents = tangents_between(np.vstack([outer[0], frames.point, outer[1]]))
-            return Natural(tangents / np.linalg.norm(tangents, axis=1)[:, None], frames.along[[0, -1]], shifts)
-        bend = float(self.natural_curvature) * frames.up
-        turns = length * np.cumsum(bend[:-1], axis=0)
-        directions = frames.along[0] - 0.5 * length * bend[0] + turns
-        return Natural(
-            directions, np.array([frames.along[0], directions[-1] + 0.5 * length * bend[-1]]), length**2 * bend[[0, -1]]
-        )
+            directions, at_ends = tangents / np.linalg.norm(tangents, axis=1)[:, None], frames.along[[0, -1]]
+        else:
+            bend = float(self.natural_curvature) * frames.up
+            directions = frames.along[0] - 0.5 * length * bend[0] + length * np.cumsum(bend[:-1], axis=0)
+            at_ends = np.array([frames.along[0], directions[-1] + 0.5 * length * bend[-1]])
+            shifts = length**2 * bend[[0, -1]]
+        shape = self.rod.natural_shape
+        if shape is None:
+            return Natural(directions, at_ends, shifts)
+        # Slopes dy_0/ds turn directions to the side, and y_0'' l^2 shifts ghosts; terms of the square of the slope are
+        # left out.
+        middles = (np.arange(self.segments) + 0.5) / self.segments
+        between, outer_ends = (shape.patterns(x, self.rod.length) for x in (middles, np.array([0.0, 1.0])))
+        side = self.axis.frames((middles - 0.5) * self.rod.length).sideways, frames.sideways[[0, -1]]
+        slopes, slopes_at_ends = (each.slope[0][:, None] / self.rod.length for each in (between, outer_ends))
+        bends = outer_ends.bend[0][:, None] / self.segments**2
+        return Natural(directions + slopes * side[0], at_ends + slopes_at_ends * side[1], shifts + bends * side[1])
 
     # --- what frames hold, and energies ---
 

@@ -102,7 +102,7 @@ class Basis(ByContent):
     nodes: Floats  # (q,), of the quadrature, as the weights
     weights: Floats
     transform: Floats  # from plain beam functions and those added to these
-    given: tuple[Floats, Floats] | None = None  # (n, q), phi and phi' at the nodes; of sines and cosines when needed
+    given: tuple[Floats, Floats, Floats] | None = None  # (n, q), phi, phi', phi'' at the nodes; of waves when needed
 
     @property
     def size(self) -> int:
@@ -118,6 +118,11 @@ class Basis(ByContent):
     def slopes(self) -> Floats:
         """Phi' at the nodes, (n, q)."""
         return self.given[1] if self.given else self._waves(1)
+
+    @property
+    def bends(self) -> Floats:
+        """Phi'' at the nodes, (n, q)."""
+        return self.given[2] if self.given else self._waves(2)
 
     def _waves(self, derivative: int) -> Floats:
         """Return sines or cosines at the nodes, or a derivative of them."""
@@ -258,9 +263,10 @@ def _basis(ends: EndConditions, count: int, breaks: tuple[float, ...] = ()) -> B
     bending[:count, count:] = bending[count:, :count].T
     bending = mirrored(bending)
     bending[np.arange(count), np.arange(count)] = waves**4
-    for part in (nodes, weights, bending, values, slopes, transform):
+    curvatures = parts[2]
+    for part in (nodes, weights, bending, values, slopes, curvatures, transform):
         part.flags.writeable = False
-    return Basis(ends, count, bending, nodes, weights, transform, (values, slopes))
+    return Basis(ends, count, bending, nodes, weights, transform, (values, slopes, curvatures))
 
 
 _small_basis = functools.lru_cache(maxsize=16)(_basis)

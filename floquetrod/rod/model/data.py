@@ -56,8 +56,9 @@ from floquetrod.rod.model.possible_rod import FITS, require_possible
 from floquetrod.rod.model.rod_file import read_rod
 from floquetrod.rod.model.stress import Stress, stress
 
-# Loaded by a rod of several sections alone.
+# Loaded by a rod of several sections, or one that is not straight, alone.
 if TYPE_CHECKING:
+    from floquetrod.rod.model.natural_shape import NaturalShape
     from floquetrod.rod.model.sections import Bore, Section
     from floquetrod.wells.path import WellPath
 
@@ -105,6 +106,7 @@ class RodData(units.InUnits, TellsAttributes):
     path: WellPath | None = None
     depth: float = 0.0
     residual_curvature: float = 0.0
+    natural_shape: NaturalShape | None = None
     yield_strength: float | None = None
     sections: tuple[Section, ...] = ()
     bores: tuple[Bore, ...] = ()
@@ -129,6 +131,7 @@ class RodData(units.InUnits, TellsAttributes):
         path: WellPath | Mapping[str, Any] | None = None,
         depth: float | str = 0.0,
         residual_curvature: float | str = 0.0,
+        natural_shape: NaturalShape | Mapping[Any, Any] | Sequence[float | str] | None = None,
         yield_strength: float | str | None = None,
         sections: Sequence[Section | Mapping[str, Any]] = (),
         bores: Sequence[tuple[float | str, float | str]] = (),
@@ -148,6 +151,11 @@ class RodData(units.InUnits, TellsAttributes):
             object.__setattr__(self, name, number)
         object.__setattr__(self, "ends", str(EndConditions.of(ends)))
         object.__setattr__(self, "path", path_of(given, self.depth, self.length))
+        if natural_shape is not None:
+            from floquetrod.rod.model.natural_shape import NaturalShape
+
+            natural_shape = NaturalShape.of(natural_shape)
+        object.__setattr__(self, "natural_shape", natural_shape)
         object.__setattr__(self, "sections", given["sections"] or ())
         object.__setattr__(self, "bores", given["bores"] or ())
         inherited = (each.given_units for each in (*self.sections, *([self.path] if self.path else [])))
@@ -279,6 +287,8 @@ class RodData(units.InUnits, TellsAttributes):
         if self.sections:
             usual |= {name: sheet[name] for name in OF_A_SECTION}
             sheet["sections"] = [section.as_dict() for section in self.sections]
+        if self.natural_shape is not None:
+            sheet["natural_shape"] = self.natural_shape.as_dict()
         if self.bores:
             usual |= {"channel_radius": self.channel_radius}
             sheet["bores"] = [tuple(bore) for bore in self.bores]
@@ -318,7 +328,7 @@ class RodData(units.InUnits, TellsAttributes):
 
     def _uniform(self, changes: Mapping[str, Any]) -> RodData:
         """Return a uniform rod with some parameters changed, which are not checked."""
-        straight = {"path": None, "depth": 0.0, "sections": (), "bores": ()}
+        straight = {"path": None, "depth": 0.0, "sections": (), "bores": (), "natural_shape": None}
         part = object.__new__(type(self))
         for each in fields(RodData):
             value = straight[each.name] if each.name in straight else changes.get(each.name, getattr(self, each.name))

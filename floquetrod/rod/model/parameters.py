@@ -221,6 +221,15 @@ ROD = by_name(
         ),
     ),
     Parameter(
+        name="natural_shape",
+        symbol="y_0",
+        kind="",
+        default=None,
+        known_to=frozenset({"simulation"}),
+        without_effect_on=frozenset({"modes", "bends", "proofs", "critical force"}),
+        is_echoed=True,
+    ),
+    Parameter(
         name="yield_strength",
         symbol="",
         kind="pressure",

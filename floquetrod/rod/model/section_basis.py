@@ -286,9 +286,9 @@ def section_basis(profile: Profile, count: int) -> SectionBasis:
         return np.asarray((elements.tabulated(a, tables[2], 2) * stiff) @ elements.tabulated(b, tables[2], 2).T)
 
     rows = _orthonormal(driven, modes, count, size, inner, bent)
-    values, slopes = (elements.tabulated(rows, tables[d], d) for d in (0, 1))
-    given, energy = (values, slopes), mirrored(bent(rows, rows))
-    for part in (rows, energy, values, slopes):
+    values, slopes, bends = (elements.tabulated(rows, tables[d], d) for d in range(3))
+    given, energy = (values, slopes, bends), mirrored((bends * stiff) @ bends.T)
+    for part in (rows, energy, *given):
         part.flags.writeable = False
     return SectionBasis(profile.ends, count, energy, nodes.ravel(), weights.ravel(), rows, given, elements=elements)
 
