@@ -15,6 +15,7 @@ GALLERY = (
     "simulation_tubing",
     "simulation_stepped_load",
     "rod_backbone",
+    "rod_not_straight",
     "helical_buckling",
     "vibration_and_drag",
     "well_bends",

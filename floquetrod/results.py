@@ -30,6 +30,7 @@ if TYPE_CHECKING:
     from floquetrod.responses.steady_response import Response as Response
     from floquetrod.rod.answers.mean_force import MeanForce as MeanForce
     from floquetrod.rod.answers.rod_branches import RodBranches as RodBranches
+    from floquetrod.rod.answers.rod_response import RodResponse as RodResponse
     from floquetrod.rod.answers.rod_stability import RodStability as RodStability
     from floquetrod.rod.answers.safe_box import SafeBox as SafeBox
     from floquetrod.rod.answers.safe_kick import SafeKick as SafeKick
@@ -95,6 +96,7 @@ __getattr__, __dir__ = names_of(
         "rod.answers.rod_stability": ("RodStability",),
         "rod.answers.safe_box": ("SafeBox",),
         "rod.answers.safe_kick": ("SafeKick",),
+        "rod.answers.rod_response": ("RodResponse",),
         "rod.answers.steady_motion": ("SteadyMotion",),
         "rod.answers.string_reach": ("Reach",),
         "rod.answers.surface_weights": ("SurfaceWeights",),

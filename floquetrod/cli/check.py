@@ -167,6 +167,9 @@ def _check(options: argparse.Namespace) -> Output:
     if said.margins is None and options.margins is None:
         said = said._replace(not_searched=[("margins", _NOT_SEARCHED)])
     said.lines.extend(undrawn)
+    moved, sizes = _moved(question, result)
+    said.lines.extend(moved)
+    said.numbers.update(sizes)
     status = _STATUS[result.status] if options.exit_code else 0
     return output(options, lambda: said.report(question.shown), said.record, status, written=written)
 
@@ -248,6 +251,19 @@ def _grown(
     if found is None:
         return [], {}
     return [("grows to", found.in_words)], {"grows_to_about_rad": None if found.is_beyond else found.orbit.amplitude}
+
+
+def _moved(
+    asked: _Question, result: RodStability | fr.results.FrictionalRodStability
+) -> tuple[list[tuple[str, str]], dict[str, Any]]:
+    """Return how much a stable rod moves because it is not straight."""
+    if asked.rod.natural_shape is None or asked.mu_and_kick is not None or result.status != "stable":
+        return [], {}
+    try:
+        response = asked.rod.response(asked.load)
+    except ValueError as error:
+        return [("moves", f"unknown: {error}")], {"moves_m": None}
+    return [("moves", f"{response.in_words(asked.shown)}, because of its natural shape")], {"moves_m": response.largest}
 
 
 def _sine_beside(asked: _Question) -> tuple[list[tuple[str, str]], dict[str, Any]]:

@@ -67,6 +67,11 @@ def add(chart: Parser) -> None:
         help="hatch where the rod at rest is stable and a large motion of one mode was found, too",
     )
     chart.add_argument(
+        "--response",
+        action="store_true",
+        help="draw lines of the largest deflection of a rod with a natural_shape where it is stable",
+    )
+    chart.add_argument(
         "--paper-criterion",
         choices=("exact", "leapfrog"),
         help="the paper's test (a millionfold growth in 100 periods) in place of stability, computed in this way",
@@ -112,6 +117,7 @@ def _map(options: argparse.Namespace) -> Output:
             friction=None if mu_and_kick is None else mu_and_kick[0],
             kick=None if mu_and_kick is None else mu_and_kick[1],
             large_motion=options.large_motion,
+            response=options.response,
             progress=progress,
         )
     prompt = chart.source is not None and chart.source.prompt

@@ -19,7 +19,8 @@ from floquetrod.plane.bands import Bands
 from floquetrod.plane.plane_axes import Axis
 
 _FORMAT = "floquetrod chart 3"
-_OPTIONAL = {"growth_rate": np.float64, "first_mode": np.int64, "cells": np.int8, "large_motion": np.float64}  # arrays
+_OPTIONAL = {"growth_rate": np.float64, "first_mode": np.int64, "cells": np.int8}
+_OPTIONAL |= {"large_motion": np.float64, "response": np.float64}  # arrays
 _ENTRIES = {
     "growth_unit": str,
     "subject": dict,
@@ -94,6 +95,9 @@ class Chart(units.InUnits, NoTruthValue, ByContent):
     large_motion : ndarray (ny, nx) or None
         Where the rod at rest is stable: about the largest angle in rad of a large motion that it carries, too, 0 where
         a search finds none on the wall; NaN elsewhere.  None unless asked for.
+    response : ndarray (ny, nx) or None
+        Of a rod with a natural shape: its largest deflection in m where it is stable, NaN elsewhere.  None unless
+        asked for.
     """
 
     ask = ".stable, an array"
@@ -112,6 +116,7 @@ class Chart(units.InUnits, NoTruthValue, ByContent):
     source: BandSource | None = field(default=None, compare=False)
     cells: NDArray[np.int8] | None = None
     large_motion: Floats | None = None
+    response: Floats | None = None
 
     @cached_property
     def bands(self) -> Bands:
@@ -166,6 +171,9 @@ class Chart(units.InUnits, NoTruthValue, ByContent):
             text += "; cells: " + ", ".join(f"{n} {name}" for name, n in zip(CELLS, counts, strict=True) if n)
         if self.large_motion is not None:
             text += f"; a large motion found, too, at {int(self.carries_large_motion.sum())} stable points"
+        if self.response is not None and np.isfinite(self.response).any():
+            least, most = (1e3 * float(limit(self.response)) for limit in (np.nanmin, np.nanmax))
+            text += f"; the shape moves it by {least:.3g} to {most:.3g} mm where it is stable"
         return text + (f"; {self.criterion}" if self.criterion else "")
 
     @property

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import textwrap
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -31,6 +32,8 @@ NAMES = {
 FIGURES = (".png", ".pdf", ".svg")
 """Kinds of file a figure is written to."""
 
+_LINES_OF_RESPONSE = 8  # of equal deflection, about
+
 
 def draw_chart(chart: Any, ax: Any = None) -> Any:
     """Draw a `floquetrod.plane.Chart`: white where stable, orange where not, darker with growth where it is known."""
@@ -47,6 +50,7 @@ def draw_chart(chart: Any, ax: Any = None) -> Any:
     if chart.cells is None and chart.stable.any() and not chart.stable.all():
         ax.contour(x, y, chart.stable, levels=[0.5], colors="black", linewidths=0.6)
     draw_large_motion(chart, ax)
+    draw_response_lines(chart, ax)
     finish(ax, chart, title(chart), chart.caption, areas(chart))
     return ax
 
@@ -57,6 +61,21 @@ def draw_large_motion(chart: Any, ax: Any, zorder: float = 1.0) -> None:
         area = chart.carries_large_motion.astype(float)
         hatch = [palette.LARGE["hatch"]]
         ax.contourf(chart.x.values, chart.y.values, area, [0.5, 1.5], colors="none", hatches=hatch, zorder=zorder)
+
+
+def draw_response_lines(chart: Any, ax: Any) -> None:
+    """Draw lines of equal largest deflection, in mm, of a rod that is not straight, where it is stable."""
+    if chart.response is None or not np.isfinite(chart.response).any():
+        return
+    sizes = 1e3 * chart.response
+    least, most = (math.log10(float(limit(sizes))) for limit in (np.nanmin, np.nanmax))
+    decades = np.arange(math.floor(least), math.ceil(most) + 1.0)
+    levels = np.array([step * 10.0**decade for decade in decades for step in (1.0, 2.0, 5.0)])
+    levels = levels[(levels > 10.0**least) & (levels < 10.0**most)]
+    levels = levels[:: max(1, math.ceil(len(levels) / _LINES_OF_RESPONSE))]
+    if levels.size:
+        lines = ax.contour(chart.x.values, chart.y.values, sizes, levels, colors="0.35", linewidths=0.7)
+        ax.clabel(lines, fmt=lambda value: f"{value:.3g}", fontsize="x-small")
 
 
 def finish(ax: Any, plane: Any, heading: str, note: str, handles: Sequence[Any]) -> None:
@@ -105,7 +124,16 @@ def areas(chart: Any) -> list[Any]:
         if chart.carries_large_motion.any()
         else []
     )
-    return [*_verdicts(chart), *large]
+    return [*_verdicts(chart), *large, *_lines_of_response(chart)]
+
+
+def _lines_of_response(chart: Any) -> list[Any]:
+    """Return what the lines of equal deflection mean, where there are some."""
+    if chart.response is None or not np.isfinite(chart.response).any():
+        return []
+    from matplotlib.lines import Line2D
+
+    return [Line2D([], [], color="0.35", linewidth=0.7, label="largest deflection / mm")]
 
 
 def _verdicts(chart: Any) -> list[Any]:

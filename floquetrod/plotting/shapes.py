@@ -13,6 +13,7 @@ from floquetrod.plotting.chart_plot import (
     axes_or_new,
     colours,
     draw_large_motion,
+    draw_response_lines,
     filled,
     finish,
     growth_label,
@@ -55,6 +56,7 @@ def draw_banded_chart(chart: Any, ax: Any = None) -> Any:
         image.set_visible(len(bands) > 0)
         ax.figure.colorbar(image, ax=ax, label=growth_label(chart.growth_unit))
     draw_large_motion(chart, ax, 0.5)
+    draw_response_lines(chart, ax)
     undecided = f"{chart.undecided} of {chart.stable.size} points undecided" if chart.undecided else ""
 
     def note(explanation: str) -> str:

@@ -34,6 +34,7 @@ if TYPE_CHECKING:
     from floquetrod.rod.answers.critical_value import CriticalValue
     from floquetrod.rod.answers.mean_force import MeanForce
     from floquetrod.rod.answers.rod_branches import RodBranches
+    from floquetrod.rod.answers.rod_response import RodResponse
     from floquetrod.rod.answers.rod_stability import RodStability
     from floquetrod.rod.answers.safe_box import SafeBox
     from floquetrod.rod.answers.safe_kick import SafeKick
@@ -907,6 +908,48 @@ class Rod(RodData):
         template, loads, _ = replaced_loads(load, mean, amplitude, frequency)
         growth, mode = self._modes_under(template).fastest(loads, workers, progress)
         return (shaped(growth, loads.shape), shaped(mode, loads.shape)) if return_mode else shaped(growth, loads.shape)
+
+    # --- a rod that is not straight ---
+
+    @_one_load_hints
+    def response(self, load: AnyLoad, *, unstable: bool = False) -> RodResponse:
+        """Return how much a stable rod with a ``natural_shape`` moves under a load: with the period of the load.
+
+        Parameters
+        ----------
+        load : AxialLoad or AxialWave
+        unstable : bool
+            Whether to answer under a load that makes motion grow, beside which nobody sees this one.
+
+        Returns
+        -------
+        RodResponse
+            Largest deflection in m and angle in rad, where and when, bending moment and stress, contact force, and the
+            deflection along the rod over a period, in harmonics of the load.  Of a random shape standard deviations.
+
+        Raises
+        ------
+        ValueError
+            For a straight rod, for loads under which it is unstable, on a resonance, with the distance of the nearest
+            multiplier from 1, under noise, and for strings that need more than 250 coupled modes.
+
+        Notes
+        -----
+        The shape is a constant force on each mode, E I k_m^4 a_m per length for the part a_m sin(k_m s), so that the
+        motion grows without bound towards static buckling and towards tongues of even order, where a multiplier is 1,
+        and crosses the principal tongue's edge unaffected (docs/theory/response.md).  Small angles; modes and coupling
+        as in `stability`.
+
+        Examples
+        --------
+        >>> import floquetrod as fr
+        >>> rod = fr.Rod.nitinol().replace(damping_rate=0.5, natural_shape={5: "0.1mm"})
+        >>> rod.response(fr.AxialLoad(mean="0.3N", amplitude="0.3N", frequency=60.0))
+        <moves by up to ...>
+        """
+        from floquetrod.rod import shape_response
+
+        return shape_response.response(self._modes_under(require_load("load", load)), load, unstable)
 
     # --- after the onset ---
 

@@ -22,6 +22,7 @@ from floquetrod.rod.loads.template import replaced
 from floquetrod.rod.model.assumptions import warn_unless_uniform
 from floquetrod.rod.modes.mode_model import ModeModel
 from floquetrod.rod.rod import Rod
+from floquetrod.rod.shape_response import require_shape, responses
 
 
 def stability_map(
@@ -39,6 +40,7 @@ def stability_map(
     kick: float | None = None,
     certified: bool = False,
     large_motion: bool = False,
+    response: bool = False,
     workers: int | None = None,
     progress: Progress | None = None,
 ) -> Chart:
@@ -78,6 +80,10 @@ def stability_map(
         find: `Chart.large_motion`, hatched in its picture, NaN where the rod at rest is not stable.  In each mode
         alone, on the wall, to some percent of the angle; a search, in some milliseconds a point.  For stability for all
         time without friction.
+    response : bool
+        Whether to compute, too, how much a rod with a ``natural_shape`` moves where it is stable: `Chart.response`, the
+        largest deflection in m to half a percent, as lines in its picture.  Coupled modes take some ten milliseconds a
+        point.
     workers : int, optional
         Threads; by default one for each core when there is enough to do.
     progress : callable, optional
@@ -129,6 +135,9 @@ def stability_map(
     if validate.flag("large_motion", large_motion):
         _require_plain("large_motion", criterion=criterion, friction=mu_and_kick)
         require_possible(rod, model.template)
+    if validate.flag("response", response):
+        _require_plain("response", criterion=criterion, friction=mu_and_kick)
+        require_shape(rod)
     chart = charted(plane, x, y, growth=growth, progress=progress)
     if certified:
         from floquetrod.rod.answers.certified_map import certified_cells
@@ -136,12 +145,14 @@ def stability_map(
         edges = {across: x, up: y}
         cells = certified_cells(rod, model.template, edges, (fixed[0], value), tolerance, workers, progress)
         chart = replace(chart, cells=cells)
-    if not large_motion:
-        return chart.given_in(in_units)
     given = {across: x.values, up: y.values[:, None], fixed[0]: np.array(value)}
     loads = Loads.of(*(given[name] for name in QUANTITIES))
-    angles = motion_map.large_motion(rod, model.template, loads, chart.stable, progress)
-    return replace(chart, large_motion=angles).given_in(in_units)
+    if large_motion:
+        angles = motion_map.large_motion(rod, model.template, loads, chart.stable, progress)
+        chart = replace(chart, large_motion=angles)
+    if response:
+        chart = replace(chart, response=responses(model, loads, chart.stable, progress, workers))
+    return chart.given_in(in_units)
 
 
 def _require_plain(argument: str, **others: Any) -> None:

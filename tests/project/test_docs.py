@@ -108,6 +108,7 @@ LONG = {
     "theory/orbits.md",
     "how_to/limit_cycle.md",
     "how_to/how_large.md",
+    "how_to/not_straight.md",
     "theory/simulator.md",
     "theory/simulated_wells.md",
     "theory/real_rods.md",

@@ -128,6 +128,7 @@ ALTERED: dict[str, Any] = {
     "depth": {"path": WELL, "depth": 1200.0},
     "yield_strength": 600e6,
     "residual_curvature": 2.0,
+    "natural_shape": {3: 1e-4},
     "sections": [fr.Section(radius=8e-4, length=0.5), fr.Section(radius=1e-3, length=0.7)],
     "bores": [(0.0, 9.4e-3), (0.4, 12e-3)],
 }

@@ -120,6 +120,11 @@ class Basis(ByContent):
         return self.given[1] if self.given else self._waves(1)
 
     @property
+    def points_per_panel(self) -> int:
+        """Number of nodes in each panel of the quadrature."""
+        return _POINTS
+
+    @property
     def bends(self) -> Floats:
         """Phi'' at the nodes, (n, q)."""
         return self.given[2] if self.given else self._waves(2)

@@ -26,15 +26,15 @@ from floquetrod._util.arguments import error_in, wrong_type, wrong_value
 from floquetrod._util.arrays import Floats
 
 FORMS = (
-    '{5: "0.1mm"} for sines of so many half waves, a list of deflections at equal distances from the upper to the lower '
-    'end, {"curvature": "0.1rad/m", "direction": "90deg"} for a bend of the reel, or {"rms": "0.1mm", '
+    '{5: "0.1mm"} for sines of so many half waves, a list of deflections at equal distances from the upper to the '
+    'lower end, {"curvature": "0.1rad/m", "direction": "90deg"} for a bend of the reel, or {"rms": "0.1mm", '
     '"correlation_length": "0.5m"} for a random shape'
 )
 """The forms in which a shape may be given, as messages name them."""
 
 _MOST_HALF_WAVES = 2000  # of a sine (a choice: as many as coupled modes)
 _FEWEST_SAMPLES = 6  # of a deflection: a spline of the fifth degree goes through them
-_SMALL = 1e-4  # of the variance of a random shape that sines left out may have
+_MOST_RANDOM = 200  # sines of a random shape (a choice)
 
 
 class Patterns(NamedTuple):
@@ -177,15 +177,21 @@ class NaturalShape:
         curve = make_interp_spline(np.linspace(0.0, 1.0, len(self.deflection)), self.deflection, k=5)
         return Patterns(*(np.asarray(curve(x, nu))[None] for nu in range(3)))
 
+    def highest(self, length: float) -> int:
+        """Return the largest number of half waves of the sines it is made of, 1 of other shapes."""
+        if self.is_random:
+            return int(self._random(length)[0][-1])
+        return self.sines[-1][0] if self.sines else 1
+
     def _random(self, length: float) -> tuple[Floats, Floats]:
         """Return numbers of half waves and standard deviations in m of the sines of a random shape."""
         # The density falls like exp(-(k l)^2 / 2): beyond k l = 4 it has 6e-5 of the variance.
         last = max(8, math.ceil(4.0 * length / (math.pi * self.correlation_length)))
-        if last > _MOST_HALF_WAVES:
+        if last > _MOST_RANDOM:
             raise wrong_value(
                 "natural_shape",
                 f"has a correlation_length of {self.correlation_length:g} m on a rod of {length:g} m, which takes "
-                f"{last} sines, more than {_MOST_HALF_WAVES}; give a longer one",
+                f"{last} sines, more than {_MOST_RANDOM}; give a longer one",
             )
         numbers = np.arange(1.0, last + 1.0)
         k, correlated = numbers * math.pi / length, self.correlation_length

@@ -142,6 +142,12 @@ class SectionBasis(Basis):
     def _is_of_many_waves(self) -> bool:
         return False
 
+    @property
+    def points_per_panel(self) -> int:
+        """Number of nodes in each panel of the quadrature, an element."""
+        assert self.elements is not None  # noqa: S101
+        return len(self.nodes) // self.elements.part.size
+
     def shapes(self, x: Floats) -> Floats:
         """Return the functions at points, (n, len(x))."""
         assert self.elements is not None  # noqa: S101

@@ -1,0 +1,140 @@
+"""Motion of the modes of a rod that is not straight: which force its natural shape is, and the periodic response to it.
+
+With y = sum q_j phi_j, phi_j orthonormal functions of x = s / L, bending that the natural shape y_0 does not bend is
+
+    q'' + 2 c q' + K(t) q = f,    f_j = (1 / m L^4) int E I (d^2 y_0 / dx^2) phi_j'' dx,
+
+E I relative to its value at the upper end where the rod has several sections.  Of hinged ends the amplitudes a_j of y_0
+itself have f_j = (E I k_j^4 / m L^4) a_j, and y = y_0 + sum (q_j - a_j) phi_j converges like n^-5, which sums of q_j of
+a bend with a moment at its ends do not.  The response is found in harmonics of the load: `floquetrod.responses`.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from floquetrod._util.arrays import Bools, Complexes, Floats
+from floquetrod._util.content import ByContent
+from floquetrod.responses.harmonic_balance import balanced
+from floquetrod.responses.hill_arrays import HillArrays, hill_arrays
+from floquetrod.rod.loads.load import Load, Loads
+from floquetrod.rod.mode_equations.coupled_matrices import CoupledModes
+from floquetrod.rod.model.natural_shape import NaturalShape
+
+_ROUNDING = 1e-13  # part of the largest amplitude of a shape up to which others are rounding
+
+
+@dataclass(frozen=True, eq=False)
+class ForcedModes(ByContent):
+    """The periodic motion of a rod in some modes, and its natural shape, at the nodes of their quadrature.
+
+    Amplitudes are complex, of exp(i k w t), k from -K to K; patterns are those of the natural shape, of which a random
+    one has several.
+
+    Attributes
+    ----------
+    modes : CoupledModes
+    shape : NaturalShape
+    amplitudes : ndarray (patterns, 2 K + 1, n)
+        Of the functions of the modes, in m.
+    straight : ndarray (patterns, n)
+        Amplitudes a_j of the natural shape that y_0 stands for, zero where it does not.
+    error : float
+        Estimate of the error of the amplitudes over the largest one, without modes left out.
+    """
+
+    modes: CoupledModes
+    shape: NaturalShape
+    amplitudes: Complexes
+    straight: Floats
+    error: float
+
+    @classmethod
+    def of(cls, modes: CoupledModes, load: Load, shape: NaturalShape) -> ForcedModes:
+        """Return the response of some modes under a load."""
+        forces, straight = shape_force(modes, shape)
+        system = modes.system(Loads.single(load))
+        if are_independent(modes):
+            arrays = _one_by_one(system)
+            response = balanced(arrays, np.ones((modes.size, 1, 1), dtype=complex), np.zeros(modes.size))
+            unit = np.swapaxes(response.values[..., 0], 0, 1)  # (2 K + 1, n)
+            amplitudes = forces[:, None, :] * unit
+            error = float(response.error[is_driven(straight)].max(initial=0.0))
+        else:
+            response = balanced(hill_arrays(system), forces[:, None, :].astype(complex), np.zeros(len(forces)))
+            amplitudes, error = response.values, float(response.error.max())
+        return cls(modes, shape, amplitudes, straight, error)
+
+    @property
+    def middle(self) -> int:
+        """Index of the harmonic 0."""
+        return self.amplitudes.shape[1] // 2
+
+    @property
+    def _moved(self) -> Complexes:
+        """Amplitudes of what is added to the shape that is not in the sum."""
+        moved = self.amplitudes.copy()
+        moved[:, self.middle] -= self.straight
+        return moved
+
+    def along(self, functions: Floats, base: Floats) -> Complexes:
+        """Return the amplitudes (patterns, 2 K + 1, p) of a sum of functions (n, p) and a shape (patterns, p)."""
+        series = self._moved @ functions
+        if self.straight.any():
+            series[:, self.middle] += base
+        return np.asarray(series)
+
+    def deflection(self, x: Floats) -> Complexes:
+        """Return the amplitudes of the deflection in m at places x = s / L."""
+        return self.along(self.modes.shapes(x), self.shape.patterns(x, self.modes.rod.length).deflection)
+
+    def bending(self) -> Complexes:
+        """Return the amplitudes of d^2 (y - y_0) / dx^2 in m at the nodes."""
+        bends = self._moved @ self.modes.basis.bends
+        if not self.straight.any():
+            bends[:, self.middle] -= self.shape.patterns(self.modes.basis.nodes, self.modes.rod.length).bend
+        return np.asarray(bends)
+
+
+def are_independent(modes: CoupledModes) -> bool:
+    """Return whether the equations of modes are independent: uniform rods with hinged ends under a uniform force."""
+    rod = modes.rod
+    is_uniform = not rod.varies and rod.path is None and modes.template.is_uniform
+    return is_uniform and rod.end_conditions.are_hinged and not modes._added.any()
+
+
+def shape_force(modes: CoupledModes, shape: NaturalShape) -> tuple[Floats, Floats]:
+    """Return the forces f_j in m/s^2 (patterns, n), and the amplitudes a_j in m of y_0 for hinged ends, else zeros."""
+    rod, basis = modes.rod, modes.basis
+    patterns = shape.patterns(basis.nodes, rod.length)
+    rigidity: Any = 1.0
+    if rod.varies:
+        rigidity = rod.along(basis.nodes).rigidity / rod.along(0.0).rigidity
+    integrals = (patterns.bend * (basis.weights * rigidity)) @ basis.bends.T
+    forces = modes.constants.bending / math.pi**4 * integrals
+    if rod.varies or not rod.end_conditions.are_hinged:
+        return forces, np.zeros_like(forces)
+    return forces, integrals / np.diagonal(basis.bending)
+
+
+def is_driven(straight: Floats) -> Bools:
+    """Return which functions a natural shape with amplitudes (patterns, n) in these drives, beyond rounding."""
+    sizes = np.abs(straight).max(axis=0)
+    return np.asarray(sizes > _ROUNDING * sizes.max(initial=0.0))
+
+
+def _one_by_one(system: Any) -> HillArrays:
+    """Return the equations of a system whose matrices are diagonal as problems of one coordinate."""
+    whole = hill_arrays(system)
+
+    def diagonal(array: Any) -> Any:
+        entries = np.diagonal(array, axis1=-2, axis2=-1)
+        return np.ascontiguousarray(np.moveaxis(entries[0], -1, 0)[..., None, None])
+
+    n = whole.mass.shape[-1]
+    parts = (diagonal(array) for array in (whole.mass, whole.rates, whole.means, whole.halves))
+    return HillArrays(*parts, whole.delays, np.repeat(whole.omega, n), np.repeat(whole.error, n))
