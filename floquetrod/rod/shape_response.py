@@ -266,7 +266,7 @@ def _contact(motion: ForcedModes, load: Load, series: Complexes) -> tuple[float,
 def orders_of(series: Complexes) -> Floats:
     """Return the numbers k of the harmonics of a series (..., 2 K + 1, p)."""
     count = series.shape[-2]
-    return np.arange(count) - float(count // 2)
+    return np.asarray(np.arange(count) - float(count // 2))
 
 
 def _along_panels(values: Floats, x: Floats, points: int) -> Floats:

@@ -160,7 +160,7 @@ def test_motion_is_linear_in_the_shape(mode: int, size: float, mean: float, freq
 
 
 def test_sections_that_are_alike_move_as_a_uniform_rod() -> None:
-    material = {"youngs_modulus": ROD.youngs_modulus, "density": ROD.density}
+    material: dict[str, Any] = {"youngs_modulus": ROD.youngs_modulus, "density": ROD.density}
     halves = [fr.Section(length=0.5 * ROD.length, radius=radius, **material) for radius in (8e-4, 8e-4 * (1 + 1e-9))]
     string = fr.Rod(sections=halves, channel_radius=4.7e-3, damping_rate=1.0, natural_shape={5: 1e-4})
     assert string.varies
@@ -177,7 +177,7 @@ def test_deviations_of_a_random_shape_are_those_of_its_sines() -> None:
     next_to_ends = math.sqrt(math.tau) * 0.5 * 1e-8 / (2.0 * ROD.length)
     assert np.sum(deviations**2) / 2.0 + next_to_ends == pytest.approx(1e-8, rel=1e-3)
     time = np.array([0.01, 0.05])
-    squares = 0.0
+    squares: Any = 0.0
     for number, deviation in zip(numbers.astype(int).tolist(), deviations.tolist(), strict=True):
         alone = shaped({number: deviation}).response(LOAD, unstable=True)
         at = [np.interp(response.positions, alone.positions, y) for y in alone.deflection(time)]
@@ -192,7 +192,8 @@ def test_it_grows_without_bound_towards_an_even_tongue_and_not_towards_an_odd_on
         """Return the response at a frequency in rad/s."""
         return rod.response(fr.AxialLoad(0.2 * UNIT, 0.1 * UNIT, frequency), unstable=True)
 
-    free = math.sqrt(-rod.modal_system(LOAD.varied("amplitude", 0.0), (6,)).beta[0]) * LOAD.frequency
+    at_rest: Any = rod.modal_system(LOAD.varied("amplitude", 0.0), (6,))
+    free = math.sqrt(-at_rest.beta[0]) * LOAD.frequency
     even, odd = at(free), at(2.0 * free)
     assert even.distance < 0.1 < odd.distance
     assert even.largest > 20.0 * odd.largest

@@ -100,7 +100,13 @@ class RodResponse(ByContent, Printed, NoTruthValue):
         return _together(np.sqrt((np.abs(self.harmonics) ** 2).sum(axis=1)))
 
     def deflection(self, time: Any) -> Floats:
-        """Return the deflection in m at the positions at times in s, (..., p); of a random shape its deviation."""
+        """Return the deflection in m at the positions, (..., p); of a random shape its standard deviation.
+
+        Parameters
+        ----------
+        time : array_like
+            In s after the load begins a period.
+        """
         times = validate.array("time", time)
         turns = np.arange(-self._middle, self._middle + 1) * self.load.frequency
         waves = np.exp(1j * times[..., None] * turns)
@@ -108,10 +114,16 @@ class RodResponse(ByContent, Printed, NoTruthValue):
 
     @property
     def _middle(self) -> int:
-        return self.harmonics.shape[1] // 2
+        return int(self.harmonics.shape[1]) // 2
 
     def in_words(self, units: Mapping[str, str] | None = None) -> str:
-        """Return how far it moves, and where, without a verb."""
+        """Return how far it moves, and where, without a verb.
+
+        Parameters
+        ----------
+        units : mapping, optional
+            Units in which to show lengths: ``{"length": "ft"}``.
+        """
         shown = answer_units(shown_in(units, self.rod, self.load))
         size, where = shown.across.show(self.largest, 4), shown.length.show(self.largest_at, 4)
         if self.is_random:
@@ -123,7 +135,13 @@ class RodResponse(ByContent, Printed, NoTruthValue):
         return f"moves {self.in_words(units)}{unstable}"
 
     def report(self, units: Mapping[str, str] | None = None) -> Report:
-        """Return deflection, bending and contact in lines; ``units`` in which to show them: ``{"length": "ft"}``."""
+        """Return deflection, bending and contact in lines.
+
+        Parameters
+        ----------
+        units : mapping, optional
+            Units in which to show forces and lengths: ``{"force": "lbf", "length": "ft"}``.
+        """
         names = shown_in(units, self.rod, self.load)
         shown = answer_units(names)
         deviation = "standard deviation of " if self.is_random else ""

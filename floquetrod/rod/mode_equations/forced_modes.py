@@ -72,7 +72,7 @@ class ForcedModes(ByContent):
     @property
     def middle(self) -> int:
         """Index of the harmonic 0."""
-        return self.amplitudes.shape[1] // 2
+        return int(self.amplitudes.shape[1]) // 2
 
     @property
     def _moved(self) -> Complexes:
@@ -136,5 +136,5 @@ def _one_by_one(system: Any) -> HillArrays:
         return np.ascontiguousarray(np.moveaxis(entries[0], -1, 0)[..., None, None])
 
     n = whole.mass.shape[-1]
-    parts = (diagonal(array) for array in (whole.mass, whole.rates, whole.means, whole.halves))
-    return HillArrays(*parts, whole.delays, np.repeat(whole.omega, n), np.repeat(whole.error, n))
+    mass, rates, means, halves = map(diagonal, whole[:4])
+    return HillArrays(mass, rates, means, halves, whole.delays, np.repeat(whole.omega, n), np.repeat(whole.error, n))

@@ -48,6 +48,7 @@ QUESTIONS: dict[str, Callable[[fr.Rod], Any]] = {
     "natural_frequency": lambda rod: rod.natural_frequency(1),
     "ranges": lambda rod: rod.ranges("amplitude", LOAD, bounds=(0.0, 1.0)),
     "reach": lambda rod: rod.reach(WELL, 0.2, depth=[580.0]).force,
+    "response": lambda rod: rod.replace(natural_shape={3: 1e-4}).response(LOAD, unstable=True).largest,
     "safe_kick": lambda rod: rod.safe_kick(LOAD),
     "stability": lambda rod: rod.stability(LOAD).growth_rate,
     "steady_motion": lambda rod: rod.steady_motion(LOAD),
