@@ -44,6 +44,7 @@ if TYPE_CHECKING:
     from floquetrod.floquet.floquet_modes import floquet_solutions as floquet_solutions
     from floquetrod.floquet.margins import margin as margin
     from floquetrod.floquet.proof import certify as certify
+    from floquetrod.floquet.quasiperiodic import quasiperiodic_growth as quasiperiodic_growth
     from floquetrod.floquet.solve import solve as solve
     from floquetrod.floquet.status import UndecidedWarning as UndecidedWarning
     from floquetrod.mathieu.paper_criterion import FiniteTimeCriterion as FiniteTimeCriterion
@@ -106,6 +107,7 @@ _NAMES = {
     "floquet.margins": ("margin",),
     "floquet.proof": ("certify",),
     "floquet.floquet_modes": ("floquet_solutions",),
+    "floquet.quasiperiodic": ("quasiperiodic_growth",),
     "floquet.solve": ("solve",),
     "floquet.status": ("UndecidedWarning",),
     "mathieu.paper_criterion": ("FiniteTimeCriterion",),

@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from floquetrod.floquet.comparison import Comparison as Comparison
     from floquetrod.floquet.critical_noise import CriticalNoise as CriticalNoise
     from floquetrod.floquet.filtered_noise import FilteredGrowth as FilteredGrowth
+    from floquetrod.floquet.quasiperiodic import QuasiperiodicGrowth as QuasiperiodicGrowth
     from floquetrod.floquet.floquet_modes import FloquetMode as FloquetMode
     from floquetrod.floquet.margins import Margin as Margin
     from floquetrod.floquet.proof import Proof as Proof
@@ -55,12 +56,14 @@ __all__ = [
     "MeanForce",
     "PeriodicOrbit",
     "Proof",
+    "QuasiperiodicGrowth",
     "Reach",
     "ReachProbability",
     "RegionProof",
     "Response",
     "ResponseComparison",
     "RodBranches",
+    "RodResponse",
     "RodStability",
     "SafeBox",
     "SafeKick",
@@ -81,6 +84,7 @@ __getattr__, __dir__ = names_of(
         "floquet.comparison": ("Comparison",),
         "floquet.critical_noise": ("CriticalNoise",),
         "floquet.filtered_noise": ("FilteredGrowth",),
+        "floquet.quasiperiodic": ("QuasiperiodicGrowth",),
         "floquet.floquet_modes": ("FloquetMode",),
         "floquet.margins": ("Margin",),
         "floquet.proof": ("Proof",),

@@ -121,6 +121,7 @@ LEFT_OUT = {
     "AlmostSureExponent": "constructed by almost_sure_exponent",
     "CriticalNoise": "constructed by critical_noise",
     "FilteredGrowth": "constructed by filtered_growth",
+    "QuasiperiodicGrowth": "constructed by quasiperiodic_growth",
     "SecondMoments": "constructed by second_moments",
     "Margin": "constructed by margin and RodStability.margin",
     "Solution": "constructed by solve",
@@ -396,6 +397,17 @@ def _of_equations() -> dict[str, Call]:
         "filtered_growth": Call(
             fr.filtered_growth,
             {"system": NOISY, "matrix": [[1.0]], "filter": ([[-2.0]], [1.0], [0.3]), "accuracy": 1e-6, "most": 8},
+        ),
+        "quasiperiodic_growth": Call(
+            fr.quasiperiodic_growth,
+            {
+                "equation": EQUATION,
+                "frequency": 1.7,
+                "cosines": (0.1,),
+                "sines": (0.0, 0.1),
+                "tolerance": 1e-3,
+                "most": 20,
+            },
         ),
         **{
             f"methods.{name}": Call(getattr(fr.methods, name), {"equation": EQUATION, **METHOD_OPTIONS.get(name, {})})

@@ -127,6 +127,7 @@ LONG = {
     "theory/surface_weights.md",
     "how_to/noisy_force.md",
     "theory/noise.md",
+    "theory/two_frequencies.md",
     "theory/mean_force.md",
     "theory/large_motion.md",
     "how_to/well.md",

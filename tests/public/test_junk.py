@@ -202,6 +202,10 @@ CALLS: list[tuple[Callable[..., Any], dict[str, Any]]] = [
         {"system": DAMPED, "matrix": [[1.0]], "filter": ([[-1.0]], [0.1], [1.0]), "accuracy": 1e-4, "most": 6},
     ),
     (
+        fr.quasiperiodic_growth,
+        {"equation": DAMPED, "frequency": 1.7, "cosines": [[[0.1]]], "sines": (), "tolerance": 1e-2, "most": 10},
+    ),
+    (
         fr.follow,
         {"orbit": DRIVEN_ORBIT, "over": {"rate": (0.9, 1.1)}, "steps": 2, "longest": 0.04, "tolerance": 1e-8}
         | {"until": None, "progress": None},
@@ -739,6 +743,7 @@ def test_the_table_has_every_public_function_and_every_argument() -> None:
         "Branch",
         "CriticalNoise",
         "FilteredGrowth",
+        "QuasiperiodicGrowth",
         "PeriodicOrbit",
         "SafeKick",
         "SecondMoments",

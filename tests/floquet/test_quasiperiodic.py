@@ -1,0 +1,155 @@
+"""Guards growth under two frequencies: truth, long integrations, equations and systems alike, stated errors."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+
+import floquetrod as fr
+
+GOLDEN = (1.0 + math.sqrt(5.0)) / 2.0
+
+
+def hill(d: float, e: float, damping: float = 0.0) -> fr.Hill:
+    """Return x'' + 2 c x' + (d + e cos t) x = 0."""
+    return fr.Hill(-d, cosines=(-e,), damping=damping)
+
+
+@pytest.mark.parametrize(
+    ("d", "e1", "e2", "ratio", "rate", "digits"),
+    [
+        (0.25, 0.2, 0.2, GOLDEN, 0.098139189, 5e-10),
+        (0.66, 0.2, 0.3, GOLDEN, 0.09154450, 5e-9),
+        (1.72, 0.4, 0.6, GOLDEN, 0.02103344, 5e-9),
+        (0.095, 0.3, 0.3, GOLDEN, 0.09792258, 5e-9),
+        (0.25, 0.2, 0.2, math.sqrt(2.0), 0.09887709, 5e-9),
+    ],
+)
+def test_growth_is_that_of_the_shared_truth(
+    d: float, e1: float, e2: float, ratio: float, rate: float, digits: float
+) -> None:
+    growth = fr.quasiperiodic_growth(hill(d, e1), ratio, cosines=(-e2,))
+    assert growth.status == "unstable"
+    assert abs(growth.rate - rate) < digits + growth.error
+    assert growth.error < 1e-7
+
+
+def test_what_does_not_grow_is_never_simply_stable() -> None:
+    growth = fr.quasiperiodic_growth(hill(0.85, 0.25), GOLDEN, cosines=(-0.25,))
+    assert growth.status == "stable"
+    assert repr(growth).startswith("<does not grow faster than 0.0001 per unit of time")
+    finest = growth.approximants[-1][0]
+    assert growth.error >= abs(float(finest) - GOLDEN)
+    finer = fr.quasiperiodic_growth(hill(0.85, 0.25), GOLDEN, cosines=(-0.25,), tolerance=1e-9)
+    assert finer.status == "undecided"  # a thinner tongue may be there
+
+
+def integrated(d: float, e1: float, e2: float, ratio: float, periods: int) -> float:
+    """Return the mean rate of growth over many periods by the classical method of Runge and Kutta, weighted.
+
+    The rate over the whole is an average of the growth of each period, with weights that vanish smoothly at both ends
+    (S. Das and others, Nonlinearity 30 (2017) 4111, DOI 10.1088/1361-6544/aa84c2), which takes out the oscillation.
+    """
+    steps = 64
+    h = 2.0 * math.pi / steps
+    state, logs = np.array([1.0, 0.3]), np.empty(periods)
+    for period in range(periods):
+        for i in range(steps):
+            t = (period * steps + i) * h
+            k0, k1, k2 = (-(d + e1 * math.cos(u) + e2 * math.cos(ratio * u)) for u in (t, t + 0.5 * h, t + h))
+            x, v = state
+            a1 = (v, k0 * x)
+            a2 = (v + 0.5 * h * a1[1], k1 * (x + 0.5 * h * a1[0]))
+            a3 = (v + 0.5 * h * a2[1], k1 * (x + 0.5 * h * a2[0]))
+            a4 = (v + h * a3[1], k2 * (x + h * a3[0]))
+            state = state + h / 6.0 * np.array([a1[j] + 2.0 * a2[j] + 2.0 * a3[j] + a4[j] for j in (0, 1)])
+        size = math.hypot(*state)
+        logs[period], state = math.log(size), state / size
+    u = (np.arange(periods) + 0.5) / periods
+    weights = np.exp(-1.0 / (u * (1.0 - u)))
+    return float(weights @ logs / weights.sum()) / (2.0 * math.pi)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_growth_is_that_of_a_long_integration(seed: int) -> None:
+    agree(seed, 600)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", range(3, 103))
+def test_growth_is_that_of_long_integrations(seed: int) -> None:
+    agree(seed, 3000)
+
+
+def agree(seed: int, periods: int) -> None:
+    """Compare one pair of frequencies; growth below 1e-3 over so many periods counts as none."""
+    rng = np.random.default_rng(seed)
+    d, e1, e2 = rng.uniform(0.05, 2.0), rng.uniform(0.05, 0.5), rng.uniform(0.05, 0.5)
+    ratio = rng.uniform(0.4, 3.0)
+    growth = fr.quasiperiodic_growth(hill(d, e1), ratio, cosines=(-e2,))
+    expected = integrated(d, e1, e2, ratio, periods)
+    assert abs(growth.rate - expected) < growth.error + 0.5 / periods + 2e-4 * abs(expected)
+
+
+def test_damping_takes_its_rate() -> None:
+    # x = exp(-c t) u, and u obeys the equation with d - c^2.
+    equations = hill(0.66 - 0.05**2, 0.2), hill(0.66, 0.2, 0.05)
+    free, damped = (fr.quasiperiodic_growth(equation, GOLDEN, cosines=(-0.3,)) for equation in equations)
+    assert damped.rate == pytest.approx(free.rate - 0.05, abs=1e-8)
+    assert fr.quasiperiodic_growth(hill(0.66, 0.2, 0.2), GOLDEN, cosines=(-0.3,)).status == "stable"
+
+
+def test_equations_and_systems_of_both_orders_grow_alike() -> None:
+    one = fr.quasiperiodic_growth(hill(0.66, 0.2), GOLDEN, cosines=(-0.3,), sines=(0.0, 0.05))
+    second = fr.HillSystem([[0.66]], cosines=[[[0.2]]])
+    other = fr.quasiperiodic_growth(second, GOLDEN, cosines=[[[0.3]]], sines=[[[0.0]], [[-0.05]]])
+    zero = np.zeros((2, 2))
+
+    def lower(value: float) -> Any:
+        return [[0.0, 0.0], [value, 0.0]]
+
+    first = fr.PeriodicSystem([[0.0, 1.0], [-0.66, 0.0]], cosines=[lower(-0.2)])
+    third = fr.quasiperiodic_growth(first, GOLDEN, cosines=[lower(-0.3)], sines=[zero, lower(0.05)])
+    assert one.rate == pytest.approx(other.rate, abs=1e-10)
+    assert one.rate == pytest.approx(third.rate, abs=1e-9)
+
+
+def test_frequencies_may_be_exchanged() -> None:
+    one = fr.quasiperiodic_growth(hill(0.66, 0.2), GOLDEN, cosines=(-0.3,))
+    turned = fr.Hill(-0.66, cosines=(-0.3,), period=2.0 * math.pi / GOLDEN)
+    other = fr.quasiperiodic_growth(turned, 1.0, cosines=(-0.2,))
+    assert abs(one.rate - other.rate) < one.error + other.error + 1e-9
+
+
+def test_slow_beats_are_not_decided() -> None:
+    growth = fr.quasiperiodic_growth(hill(0.25, 0.2), 3.00001, cosines=(-0.2,))
+    assert growth.status == "undecided"
+    assert "tolerance" in repr(growth)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        ({"frequency": 0.0}, "frequency must be greater than zero"),
+        ({"frequency": 1e9}, "frequency must be within 1e-6 and 1e6 times"),
+        ({"frequency": math.nan}, "frequency"),
+        ({"cosines": ()}, "cosines or sines of the second frequency must be given"),
+        ({"cosines": ([[1.0, 0.0]],)}, r"cosines\[0\] must be 1 x 1, got shape"),
+        ({"cosines": (math.inf,)}, r"cosines\[0\]"),
+        ({"cosines": 0.2}, "cosines"),
+        ({"tolerance": 0.0}, "tolerance must be greater than zero.*tongues are everywhere"),
+        ({"most": 5}, "most must be"),
+        ({"equation": fr.SquareWave(0.5, -0.2)}, "equation must be one Fourier series"),
+        ({"equation": fr.DelaySystem([[1.0]], delayed=[(1.0, [[0.1]])])}, "without delays for two frequencies"),
+        ({"equation": 3}, "equation must be"),
+        ({"frequency": 2000.1}, "exchange the two"),
+    ],
+)
+def test_wrong_input_is_refused_in_one_line(arguments: dict[str, Any], words: str) -> None:
+    given: dict[str, Any] = {"equation": hill(0.66, 0.2), "frequency": GOLDEN, "cosines": (-0.3,), **arguments}
+    with pytest.raises((TypeError, ValueError), match=words) as error:
+        fr.quasiperiodic_growth(**given)
+    assert "\n" not in str(error.value)
