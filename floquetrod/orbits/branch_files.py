@@ -36,6 +36,7 @@ def save(branch: Any, path: str | Path) -> Path:
         "tolerance": branch.tolerance,
         "notes": list(branch.notes),
         "turns": first.turns,
+        "winding": list(first.winding),
         "parameters": dict(branch.system.parameters),
         "kinds": [point.kind for point in points],
         "after": [point.after for point in points],
@@ -141,7 +142,8 @@ def _orbits(meta: dict[str, Any], arrays: sealed_files.Arrays, system: Nonlinear
     for value, period, period_error, error, trace, trace_error, count, degree, steps in columns:
         mesh, nodes = taken["meshes"].next(count + 1), taken["nodes"].next(count, n)
         point = Point(nodes, taken["stages"].next(count, degree, n), period, value)
-        collocation = Collocation(system, mesh, degree, turns, parameter)
+        winding = tuple(float(each) for each in meta.get("winding", ()))
+        collocation = Collocation(system, mesh, degree, turns, parameter, winding)
         missed = float((np.abs(collocation.residual(point)) / point.scale).max())
         if not missed <= max(_OTHER, 10.0 * error):
             raise ValueError(f"an orbit in it misses the equations of this system by {missed:.1g} of its states")

@@ -123,6 +123,7 @@ class Collocation(ByContent):
     degree: int  # Gauss points in each interval
     turns: int | None  # periods of the system in one of the orbit; None where the system is autonomous
     parameter: str | None = None  # name of a parameter that is unknown
+    winding: tuple[float, ...] = ()  # by how much each state grows in a period (n,), such as 2 pi; () where none does
 
     @property
     def scalars(self) -> tuple[str, ...]:
@@ -194,6 +195,8 @@ class Collocation(ByContent):
         moved = lengths[:, None, None] * (method.integrals @ rates)
         missed[:, :-1] = point.stages - point.nodes[:, None] - moved
         ends = np.roll(point.nodes, -1, axis=0)
+        if self.winding:
+            ends[-1] += self.winding
         missed[:, -1] = ends - point.nodes - lengths[:, None] * np.einsum("k,ikn->in", method.weights, rates)
         return missed
 

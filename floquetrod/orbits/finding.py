@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import math
+from collections.abc import Mapping
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -30,7 +31,12 @@ _TRIALS = np.array([0.08, 0.29, 0.5, 0.71, 0.92])  # of an interval, where the t
 
 
 def periodic_orbit(
-    system: NonlinearSystem, start: Any, period: float | None = None, *, tolerance: float = 1e-10
+    system: NonlinearSystem,
+    start: Any,
+    period: float | None = None,
+    *,
+    winding: Mapping[int, float] | None = None,
+    tolerance: float = 1e-10,
 ) -> PeriodicOrbit:
     """Return the periodic orbit near a start, stable or not, with its error and the verdict on it.
 
@@ -47,6 +53,9 @@ def periodic_orbit(
     period : float, optional
         Of a forced system a whole multiple of its own, which is the default.  Of an autonomous one about the orbit's;
         if it is left out, it is estimated from motion that returns.
+    winding : mapping of int to float, optional
+        By how much states grow in every period of a motion that rotates, by their numbers from 0: ``{0: 2 * math.pi}``
+        of a pendulum whose angle, state 0, turns once.  The rates must not change with such a shift.
     tolerance : float
         Error of the states to aim at, from 1e-12 to 1e-3 of the largest of each.
 
@@ -70,13 +79,25 @@ def periodic_orbit(
     ('stable', 6.6632868593)
     >>> [f"{mu.real:.8g}" for mu in orbit.stability.multipliers]
     ['0.00085969506']
+
+    A pendulum that a torque turns over and over:
+
+    >>> def pendulum(t, x):
+    ...     return x[1], 1.2 - 0.5 * x[1] - np.sin(x[0])
+    >>> turning = fr.periodic_orbit(fr.NonlinearSystem(pendulum), [0.0, 2.0], winding={0: 2 * math.pi})
+    >>> turning.status, round(turning.period, 9)
+    ('stable', 2.657832159)
     """
     validate.instance("system", system, NonlinearSystem)
     tolerance = validate.within("tolerance", tolerance, 1e-12, 1e-3)
     period = None if period is None else validate.positive("period", period)
     turns = _turns(system, period)
     if isinstance(start, PeriodicOrbit):
+        if winding is not None:
+            raise TypeError("winding is that of the orbit given as start; leave it out")
         return orbit_of(*_from_orbit(system, start, turns), tolerance)
+    if winding is not None:
+        return _rotating(system, start, period, turns, winding, tolerance)
     length = period if turns is None else turns * float(system.period or math.nan)
     try:
         return _near(system, orbit_guesses.guessed(system, start, length), turns, tolerance)
@@ -85,6 +106,43 @@ def periodic_orbit(
             with contextlib.suppress(ValueError):  # what the given period led to is the better message
                 return _returning(system, start, period, tolerance)
         raise error
+
+
+def _rotating(
+    system: NonlinearSystem, start: Any, period: float | None, turns: int | None, winding: Any, tolerance: float
+) -> PeriodicOrbit:
+    """Return the orbit of a motion that rotates: its states grow by ``winding`` in every period."""
+    state = validate.array("start", start)
+    if state.ndim != 1 or not state.size:
+        raise ValueError(f"start must be a state with winding, one number for each equation, got shape {state.shape}")
+    growth = _growth(winding, state.size)
+    system.evaluated.start(0.0, state, system.parameters)
+    orbit_guesses.require_invariant(system, state, growth)
+    length = period if turns is None else turns * float(system.period or math.nan)
+    guess = orbit_guesses.rotating(system, state, length, growth)
+    lost: NoOrbitError | None = None
+    for intervals in _FIRST:
+        try:
+            return orbit_of(*_discretised(system, guess, turns, intervals, growth), tolerance)
+        except NoOrbitError as error:
+            lost = lost or error
+    raise lost or NoOrbitError("no periodic orbit was found")
+
+
+def _growth(winding: Any, order: int) -> Floats:
+    """Return by how much each state grows in a period (n,)."""
+    if not isinstance(winding, Mapping) or not winding:
+        raise TypeError(
+            f"winding must be a mapping of states by their number to their growth in a period, such as "
+            f"{{0: 2 * math.pi}}, got {validate.short(winding)}"
+        )
+    growth = np.zeros(order)
+    for number, amount in winding.items():
+        index = validate.integer("winding (the number of a state)", number, 0, order - 1)
+        growth[index] = validate.finite(f"winding[{index}]", amount)
+    if not growth.any():
+        raise ValueError("winding must not be 0; leave it out for motion that returns")
+    return growth
 
 
 def _returning(system: NonlinearSystem, start: Any, period: float, tolerance: float) -> PeriodicOrbit:
@@ -136,21 +194,26 @@ def _from_orbit(system: NonlinearSystem, start: PeriodicOrbit, turns: int | None
     if start.system.is_autonomous != system.is_autonomous:
         raise ValueError("start must be an orbit of a system that is forced, or autonomous, as this one is")
     given = start.collocation
-    collocation = Collocation(system, given.mesh, given.degree, turns)
+    collocation = Collocation(system, given.mesh, given.degree, turns, winding=given.winding)
     point = start.point._replace(value=0.0)
     return collocation, point._replace(period=collocation.period_at(point))
 
 
 def _discretised(
-    system: NonlinearSystem, guess: orbit_guesses.Guess, turns: int | None, intervals: int
+    system: NonlinearSystem,
+    guess: orbit_guesses.Guess,
+    turns: int | None,
+    intervals: int,
+    growth: Floats | None = None,
 ) -> tuple[Collocation, Point]:
-    """Return the equations on a first mesh, and a guess there."""
+    """Return the equations on a first mesh, and a guess there; ``growth`` (n,) is that of states in a period."""
     n = guess.states.shape[1]
     shares = guess.times / guess.period
     density = _density(guess, shares)
-    collocation = Collocation(system, orbit_mesh.of_density(shares, density, intervals), _degree(n), turns)
-    stages = guess.at(collocation.shares.ravel()).reshape(*collocation.shares.shape, n)
-    point = Point(guess.at(collocation.mesh[:-1]), stages, guess.period)
+    mesh, winding = orbit_mesh.of_density(shares, density, intervals), () if growth is None else tuple(growth.tolist())
+    collocation = Collocation(system, mesh, _degree(n), turns, winding=winding)
+    stages = guess.at(collocation.shares.ravel(), growth).reshape(*collocation.shares.shape, n)
+    point = Point(guess.at(collocation.mesh[:-1], growth), stages, guess.period)
     system.evaluated.require_derivatives(guess.times[::20], guess.states[::20], system.parameters)
     return collocation, point
 
@@ -335,7 +398,8 @@ def _finished(finer: Any, steps: int) -> PeriodicOrbit:
 def as_orbit(finer: Compared, steps: int) -> PeriodicOrbit:
     """Return the orbit as a result, its parameter, where that was unknown, as it was found."""
     collocation, point = finer.collocation.with_value(finer.point.value), finer.point._replace(value=0.0)
-    times, states = point.period * collocation.mesh, np.concatenate([point.nodes, point.nodes[:1]])
+    last = point.nodes[:1] + collocation.winding if collocation.winding else point.nodes[:1]
+    times, states = point.period * collocation.mesh, np.concatenate([point.nodes, last])
     for array in (times, states):
         array.flags.writeable = False
     return PeriodicOrbit(

@@ -44,7 +44,8 @@ class PeriodicOrbit(ByContent, Printed, NoTruthValue):
     times : ndarray (N + 1,)
         Instants of the mesh, from 0 to the period.
     states : ndarray (N + 1, n)
-        There; the last is the first.  Extremes lie between them: ``least`` and ``largest``.
+        There; the last is the first, plus the growth of a motion that rotates.  Extremes lie between them: ``least``
+        and ``largest``.
     error : float
         Estimate of the largest error of a state at any instant, as a fraction of the largest magnitude of its component
         over the period: twice the difference from the orbit with two points less in each interval of the mesh, and the
@@ -71,6 +72,8 @@ class PeriodicOrbit(ByContent, Printed, NoTruthValue):
         times = validate.array("time", time, least=-_LATEST * self.period, largest=_LATEST * self.period)
         shares = times / self.period
         states = evaluated(self.collocation, self.point, (shares - np.floor(shares)).ravel())
+        if self.collocation.winding:
+            states = states + np.floor(shares).reshape(-1, 1) * np.array(self.collocation.winding)
         return shaped(states, (*times.shape, states.shape[1]))
 
     @property
@@ -144,9 +147,13 @@ class PeriodicOrbit(ByContent, Printed, NoTruthValue):
     def harmonics(self) -> Complexes:
         """Amplitudes Z, complex (H + 1, n), of x(t) = Re sum_k Z_k exp(i k w t), w = 2 pi / period; Z_0 is the mean.
 
-        As many as exceed rounding, 2,047 at most; each is as accurate as the states.
+        Of a motion that rotates, of what it has beside its steady growth.  As many as exceed rounding, 2,047 at most;
+        each is as accurate as the states.
         """
-        values = self(np.arange(_SAMPLES) * (self.period / _SAMPLES))
+        shares = np.arange(_SAMPLES) / _SAMPLES
+        values = self(shares * self.period)
+        if self.collocation.winding:
+            values = values - shares[:, None] * np.array(self.collocation.winding)
         series = np.fft.rfft(values, axis=0)[: _SAMPLES // 2] / _SAMPLES
         series[1:] *= 2.0
         sizes = (np.abs(series) / self.point.scale).max(axis=1)

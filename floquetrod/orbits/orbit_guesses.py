@@ -26,6 +26,7 @@ _MOST_CHUNKS = 18  # each twice as long as the one before, in which motion witho
 _MOST_SLOW_CHUNKS = 40  # where it has not turned back yet
 _FEW_TURNS = 8  # of motion that has hardly turned back (a choice)
 _GROWN = 1e3  # of a motion since its beginning: where it cannot be followed any more, it flows away (a choice)
+_INVARIANT = 1e-9  # of the rates, up to which they do not depend on a shift
 _LARGEST = 1e100  # of a state, beyond which a motion has flown away
 
 
@@ -48,8 +49,11 @@ class Guess(NamedTuple):
         """By how much it does not close, as a fraction of the motion."""
         return _gap(self.states)
 
-    def at(self, shares: Floats) -> Floats:
-        """Return states (k, n) at shares of the period, closed by a drift that takes out the gap."""
+    def at(self, shares: Floats, growth: Floats | None = None) -> Floats:
+        """Return states (k, n) at shares of the period, closed by a drift that takes out the gap.
+
+        Closed means that the last state is the first, or differs from it by the growth (n,) of a motion that rotates.
+        """
         times = shares * self.period
         place = np.clip(np.searchsorted(self.times, times, side="right") - 1, 0, len(self.times) - 2)
         steps = np.diff(self.times)[place][:, None]
@@ -60,7 +64,8 @@ class Guess(NamedTuple):
             + s**2 * (3.0 - 2.0 * s) * self.states[place + 1]
             + s**2 * (s - 1.0) * steps * self.rates[place + 1]
         )
-        return np.asarray(states - shares[:, None] * (self.states[-1] - self.states[0]))
+        gap = self.states[-1] - self.states[0]
+        return np.asarray(states - shares[:, None] * (gap if growth is None else gap - growth))
 
 
 def guessed(system: NonlinearSystem, start: Any, period: float | None) -> Guess:
@@ -76,6 +81,55 @@ def guessed(system: NonlinearSystem, start: Any, period: float | None) -> Guess:
     system.evaluated.start(0.0, state, system.parameters)
     guess = _autonomous(system, state) if period is None else _settled(system, state, period)
     return _resolved(system, guess)
+
+
+def require_invariant(system: NonlinearSystem, state: Floats, growth: Floats) -> None:
+    """Raise ValueError where the rates at a state change with the growth of states in a period."""
+    here = system.rates([0.0, 0.0], np.stack([state, state + growth]))
+    change = float(np.abs(here[1] - here[0]).max())
+    if not change <= _INVARIANT * max(float(np.abs(here).max()), 1e-300):
+        raise ValueError(
+            f"winding must leave the rates as they are: from start they change by {change:.3g} with that shift of the "
+            "states"
+        )
+
+
+def rotating(system: NonlinearSystem, state: Floats, period: float | None, growth: Floats) -> Guess:
+    """Return about one period of a motion that rotates, after it has settled: its states grow by ``growth``."""
+    chief = int(np.argmax(np.abs(growth)))
+    if period is not None:
+        for turn in range(_MOST_PERIODS):
+            motion = _marched(system, state, period, f"in period {turn + 1}, each of {period:.6g},")
+            gap = np.abs(motion.states[-1] - motion.states[0] - growth) / sizes(motion.states)
+            if float(gap.max()) <= 0.1 * CLOSE:
+                break
+            state = motion.states[-1]
+        return motion
+    size = float(np.abs(system.rates([0.0], state[None])[0, chief]))
+    span = 4.0 * abs(float(growth[chief])) / max(size, 1e-300)
+    before: Floats | None = None
+    for turn in range(_MOST_PERIODS):
+        motion = _marched(system, state, span, f"in period {turn + 1}", samples=4 * _SAMPLES)
+        grown = (motion.states[:, chief] - motion.states[0, chief]) * math.copysign(1.0, growth[chief])
+        ahead = np.flatnonzero(grown >= abs(float(growth[chief])))
+        if not ahead.size:
+            span *= 2.0
+            if span > 1e6 * abs(float(growth[chief])) / max(size, 1e-300):
+                break
+            continue
+        i = int(ahead[0])
+        share = (abs(float(growth[chief])) - grown[i - 1]) / (grown[i] - grown[i - 1])
+        length = float(motion.times[i - 1] + share * (motion.times[i] - motion.times[i - 1]))
+        motion = _marched(system, state, length, "")
+        after = motion.states[-1] - growth
+        close = float((np.abs(after - motion.states[0]) / sizes(motion.states)).max())
+        if before is not None and close <= 0.1 * CLOSE:
+            return motion
+        before, state, span = state, after, 1.5 * length
+    raise ValueError(
+        f"start leads to motion that does not rotate by {growth[chief]:.6g} of state {chief} again and again; give a "
+        "closer start"
+    )
 
 
 def _resolved(system: NonlinearSystem, guess: Guess) -> Guess:

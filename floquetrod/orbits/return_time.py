@@ -86,10 +86,8 @@ def _cause(angles: list[int], free: list[int], growth: Floats, period: float) ->
     ]
     ways = [f"leave state {j} out, nothing depends on it" for j in free]
     if len(free) < len(angles):
-        ways.append(
-            "write the angle x as c = cos x and s = sin x, with c' = -s x' + (1 - c^2 - s^2) c and s' = c x' + (1 - "
-            "c^2 - s^2) s"
-        )
+        given = ", ".join(f"{j}: {turns[k]} * 2 * math.pi" for k, j in enumerate(angles) if j not in free)
+        ways.append(f"give winding={{{given}}}")
     return (
         f"start leads to motion that rotates: {', '.join(grown)} in every period of about {period:.6g}, so that it is "
         f"no periodic orbit; {'; '.join(ways)}"

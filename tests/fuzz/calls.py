@@ -499,7 +499,9 @@ def _of_orbits(place: Path) -> dict[str, Call]:
         "Branch.plot": Call(branch.plot, {"ax": None, "state": 0, "quantity": "amplitude"}),
         "Branch.save": Call(branch.save, {"path": str(place / "again.npz")}),
         "Branch.load": Call(fr.Branch.load, {"path": str(place / "branch.npz"), "system": forked}),
-        "periodic_orbit": Call(fr.periodic_orbit, {"system": system, "start": [2.0, 0.0], "tolerance": 1e-8}),
+        "periodic_orbit": Call(
+            fr.periodic_orbit, {"system": system, "start": [2.0, 0.0], "winding": None, "tolerance": 1e-8}
+        ),
     }
 
 

@@ -314,7 +314,8 @@ TURN = 2.0 * math.pi
 @pytest.mark.parametrize("period", [None, 2.66])
 def test_motion_that_rotates_is_refused_with_its_cause(start: list[float], period: float | None) -> None:
     system = fr.NonlinearSystem(lambda t, x: (x[1], 1.2 - 0.5 * x[1] - np.sin(x[0])))
-    with pytest.raises(ValueError, match=r"state 0 grows by 2 pi in every period of about 2\.65.*write the angle x as"):
+    words = r"state 0 grows by 2 pi in every period of about 2\.65.*give winding=\{0: 1 \* 2 \* math\.pi\}"
+    with pytest.raises(ValueError, match=words):
         fr.periodic_orbit(system, start, period)
 
 

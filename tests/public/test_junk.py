@@ -210,7 +210,7 @@ CALLS: list[tuple[Callable[..., Any], dict[str, Any]]] = [
         {"orbit": DRIVEN_ORBIT, "over": {"rate": (0.9, 1.1)}, "steps": 2, "longest": 0.04, "tolerance": 1e-8}
         | {"until": None, "progress": None},
     ),
-    (fr.periodic_orbit, {"system": DRIVEN, "start": [1.0], "period": 2.0, "tolerance": 1e-6}),
+    (fr.periodic_orbit, {"system": DRIVEN, "start": [1.0], "period": 2.0, "winding": None, "tolerance": 1e-6}),
     (fr.solve, {"equation": fr.Mathieu(0.5, -0.3), "initial": (1.0, 0.0), "span": 2.0}),
     (fr.floquet_solutions, {"equation": fr.Meissner(0.5, -0.3)}),
     (

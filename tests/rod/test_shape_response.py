@@ -357,7 +357,7 @@ def test_the_simulated_rod_comes_to_rest_as_statics_says() -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("mode", "frequency", "damping"),
-    [(5, 60.0, 1.0), (6, 60.0, 1.0), (7, 75.0, 2.0), (8, 92.0, 2.0), (4, 40.0, 1.0), (6, 110.0, 2.0)],
+    [(5, 60.0, 1.0), (6, 60.0, 1.0), (7, 75.0, 2.0), (8, 92.0, 2.0), (4, 40.0, 1.0), (3, 45.0, 1.0)],
 )
 def test_simulations_move_as_far_within_a_percent(mode: int, frequency: float, damping: float) -> None:
     unit = WIDE.critical_force
