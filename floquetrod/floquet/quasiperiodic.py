@@ -18,7 +18,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from floquetrod._util import validate
-from floquetrod._util.arrays import Complexes, Floats
+from floquetrod._util.arrays import Floats
 from floquetrod.equations import Equation, Hill, HillSystem, PeriodicSystem, matrices
 from floquetrod.floquet.dispatch import stability
 from floquetrod.floquet.problems import Problem, require_problem, require_without_delays
@@ -142,7 +142,7 @@ def quasiperiodic_growth(
     rates: list[_Rate] = []
     found = QuasiperiodicGrowth(math.nan, math.inf, tolerance, ())
     for fraction in _fractions(ratio, most):
-        if max(fraction.numerator * len(second), fraction.denominator * len(own)) > matrices.MOST_HARMONICS:
+        if max(fraction.numerator * second.shape[1], fraction.denominator * own.shape[1]) > matrices.MOST_HARMONICS:
             break
         verdict: Any = stability(_approximant(equation, own, second, fraction))
         if not verdict.exponents:
@@ -231,31 +231,38 @@ def _fractions(ratio: float, most: int) -> Iterator[Fraction]:
         rest = 1 / (rest - whole)
 
 
-def _series(problem: Any) -> Complexes:
-    """Return the harmonics (H, n, n) of a problem of one Fourier series."""
+def _series(problem: Any) -> Any:
+    """Return cosines and sines (2, H, n, n) of a problem of one Fourier series."""
     if not problem.is_smooth:
         raise ValueError(
             "equation must be one Fourier series beside a second frequency, and this one has several pieces"
         )
     if isinstance(problem, Equation):
-        return np.array(problem.pieces()[0].harmonics, dtype=complex).reshape(-1, 1, 1)
-    return np.asarray(problem.harmonics, dtype=complex)
+        harmonics = np.array(problem.pieces()[0].harmonics, dtype=complex).reshape(-1, 1, 1)
+        return np.stack([harmonics.real, -harmonics.imag])
+    return _side_by_side(list(problem.cosines), list(problem.sines), problem.order)
 
 
-def _second(problem: Any, cosines: Any, sines: Any) -> Complexes:
-    """Return the harmonics (H, n, n) of the second frequency."""
+def _second(problem: Any, cosines: Any, sines: Any) -> Any:
+    """Return cosines and sines (2, H, n, n) of the second frequency."""
     order = 1 if isinstance(problem, Equation) else problem.order
-    parts: list[list[Floats]] = []
+    parts: list[list[Any]] = []
     for name, given in (("cosines", cosines), ("sines", sines)):
         listed = validate.listed(name, validate.sequence(name, given), matrices.MOST_HARMONICS, "harmonics")
         parts.append([_matrix(f"{name}[{k}]", value, order) for k, value in enumerate(listed)])
-    harmonics = np.zeros((max(map(len, parts)), order, order), dtype=complex)
-    for values, factor in zip(parts, (1.0, -1j), strict=True):
-        for k, value in enumerate(values):
-            harmonics[k] += factor * value
-    if not harmonics.any():
+    series = _side_by_side(parts[0], parts[1], order)
+    if not series.any():
         raise ValueError("cosines or sines of the second frequency must be given, got none; without, use stability")
-    return harmonics
+    return series
+
+
+def _side_by_side(cosines: list[Any], sines: list[Any], order: int) -> Any:
+    """Return two lists of matrices, the shorter one filled up with zeros, (2, H, n, n)."""
+    series = np.zeros((2, max(len(cosines), len(sines)), order, order), dtype=np.result_type(0.0, *cosines, *sines))
+    for row, values in zip(series, (cosines, sines), strict=True):
+        for k, value in enumerate(values):
+            row[k] = value
+    return series
 
 
 def _matrix(name: str, value: Any, order: int) -> Floats:
@@ -266,26 +273,18 @@ def _matrix(name: str, value: Any, order: int) -> Floats:
     return np.asarray(array, dtype=float).reshape(order, order)
 
 
-def _approximant(problem: Any, own: Complexes, second: Complexes, fraction: Fraction) -> Any:
+def _approximant(problem: Any, own: Any, second: Any, fraction: Fraction) -> Any:
     """Return the problem with a fraction p / q in place of the ratio of the frequencies, of q periods."""
-    p, q = fraction.numerator, fraction.denominator
-    series = np.zeros((max(p * len(second), q * len(own), 1), *second.shape[1:]), dtype=complex)
-    series[q - 1 : q * len(own) : q] += own
-    series[p - 1 : p * len(second) : p] += second
-    period = q * float(problem.period)
+    p, q, period = fraction.numerator, fraction.denominator, fraction.denominator * float(problem.period)
+    count = max(p * second.shape[1], q * own.shape[1], 1)
+    series = np.zeros((2, count, *second.shape[2:]), dtype=np.result_type(own, second))
+    series[:, q - 1 : q * own.shape[1] : q] += own
+    series[:, p - 1 : p * second.shape[1] : p] += second
+    cosines, sines = list(series[0]), list(series[1])
     if isinstance(problem, Equation):
-        mean = float(problem.pieces()[0].start)
-        waves = series[:, 0, 0]
-        return Hill(mean, tuple(waves.real.tolist()), tuple((-waves.imag).tolist()), period, problem.damping)
-    cosines, sines = list(series.real), list(-series.imag)
+        even, odd = (tuple(float(matrix[0, 0]) for matrix in each) for each in (cosines, sines))
+        return Hill(float(problem.pieces()[0].start), even, odd, period, problem.damping)
     if isinstance(problem, PeriodicSystem):
         return PeriodicSystem(problem.mean, cosines, sines, period=period)
-    return HillSystem(
-        problem.stiffness,
-        cosines,
-        sines,
-        mass=problem.mass,
-        damping=None if problem.damping is None else problem.damping,
-        gyroscopic=problem.gyroscopic,
-        period=period,
-    )
+    others = {"mass": problem.mass, "damping": problem.damping, "gyroscopic": problem.gyroscopic}
+    return HillSystem(problem.stiffness, cosines, sines, **others, period=period)

@@ -117,6 +117,15 @@ def test_equations_and_systems_of_both_orders_grow_alike() -> None:
     assert one.rate == pytest.approx(third.rate, abs=1e-9)
 
 
+def test_a_complex_system_grows_as_its_real_form() -> None:
+    a, b = np.array([[-0.05, 0.3j], [0.4, 0.1j]]), np.array([[0.0, 0.3], [0.2j, 0.0]])
+    system = fr.PeriodicSystem(a, cosines=[b])
+    one = fr.quasiperiodic_growth(system, GOLDEN, cosines=[[[0.0, 0.2], [0.3, 0.0]]])
+    second = np.kron(np.eye(2), [[0.0, 0.2], [0.3, 0.0]])
+    other = fr.quasiperiodic_growth(system.doubled, GOLDEN, cosines=[second])
+    assert one.rate == pytest.approx(other.rate, abs=1e-10)
+
+
 def test_frequencies_may_be_exchanged() -> None:
     one = fr.quasiperiodic_growth(hill(0.66, 0.2), GOLDEN, cosines=(-0.3,))
     turned = fr.Hill(-0.66, cosines=(-0.3,), period=2.0 * math.pi / GOLDEN)
