@@ -17,11 +17,11 @@ if TYPE_CHECKING:
     from floquetrod.floquet.comparison import Comparison as Comparison
     from floquetrod.floquet.critical_noise import CriticalNoise as CriticalNoise
     from floquetrod.floquet.filtered_noise import FilteredGrowth as FilteredGrowth
-    from floquetrod.floquet.quasiperiodic import QuasiperiodicGrowth as QuasiperiodicGrowth
     from floquetrod.floquet.floquet_modes import FloquetMode as FloquetMode
     from floquetrod.floquet.margins import Margin as Margin
     from floquetrod.floquet.proof import Proof as Proof
     from floquetrod.floquet.proof.region_proof import RegionProof as RegionProof
+    from floquetrod.floquet.quasiperiodic import QuasiperiodicGrowth as QuasiperiodicGrowth
     from floquetrod.floquet.solve import Solution as Solution
     from floquetrod.floquet.verdict import Stability as Stability
     from floquetrod.orbits import PeriodicOrbit as PeriodicOrbit

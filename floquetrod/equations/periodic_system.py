@@ -172,7 +172,7 @@ class PeriodicSystem(matrices.PeriodicMatrixSystem):
 
     @cached_property
     def is_complex(self) -> bool:
-        """Whether a matrix has entries that are not real; of a batch: of any of its systems."""
+        """Whether a matrix has entries that are not real, in a batch that of any of its systems."""
         return any(matrix.dtype.kind == "c" for matrix in self.every_matrix)
 
     @property

@@ -86,7 +86,7 @@ def periodic_orbit(
     ...     return x[1], 1.2 - 0.5 * x[1] - np.sin(x[0])
     >>> turning = fr.periodic_orbit(fr.NonlinearSystem(pendulum), [0.0, 2.0], winding={0: 2 * math.pi})
     >>> turning.status, round(turning.period, 9)
-    ('stable', 2.657832159)
+    ('stable', 2.657435879)
     """
     validate.instance("system", system, NonlinearSystem)
     tolerance = validate.within("tolerance", tolerance, 1e-12, 1e-3)

@@ -286,7 +286,7 @@ def response(
     >>> import floquetrod as fr
     >>> steady = fr.response(fr.Mathieu(alpha=0.3, beta=-0.6, damping=0.01), 1.0)
     >>> f"{steady.mean:.9f}, {steady.largest:.8f}", steady.error < 1e-12
-    ('1.400370874, 2.51484499', True)
+    ('1.400370874, 2.51484507', True)
 
     A signal and its idler near a degenerate parametric amplifier's resonance:
 
