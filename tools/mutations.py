@@ -222,6 +222,7 @@ def tried(mutation: Mutation, tree: Path, tests: list[str], first: str = "") -> 
         said = log.read_text(encoding="utf-8", errors="replace")
         for kept in copy.rglob("*.nbc"):  # compiled for types that no mutation met before; digests say what of it holds
             if not (own := tree / kept.relative_to(copy)).exists():
+                own.parent.mkdir(exist_ok=True)
                 os.link(kept, own)
     passed = re.findall(r"(\d+) passed", said[-300:])
     noticed = re.findall(r"^(?:FAILED|ERROR) (.+?)(?: - |$)", said, re.MULTILINE)
