@@ -172,10 +172,15 @@ def is_masked(value: Any) -> bool:
     return "numpy.ma" in sys.modules and isinstance(value, np.ma.MaskedArray)
 
 
-def require_dense(name: str, value: Any) -> None:
-    """Raise TypeError for a sparse matrix; none exists until scipy.sparse is imported."""
+def is_sparse(value: Any) -> bool:
+    """Return whether ``value`` is a sparse matrix; none exists until scipy.sparse is imported."""
     sparse = sys.modules.get("scipy.sparse")
-    if sparse is not None and sparse.issparse(value):
+    return sparse is not None and bool(sparse.issparse(value))
+
+
+def require_dense(name: str, value: Any) -> None:
+    """Raise TypeError for a sparse matrix, where numbers or a sequence are meant."""
+    if is_sparse(value):
         raise wrong_type(name, f"must be a dense array, got a sparse one of shape {value.shape}; give {name}.toarray()")
 
 

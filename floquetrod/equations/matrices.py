@@ -175,8 +175,9 @@ def square(
 
     With ``complex_too`` they may be complex; where all imaginary parts are zero they are real.
     """
-    if isinstance(value, np.ndarray):  # before its entries are read
+    if isinstance(value, np.ndarray) or validate.is_sparse(value):  # before its entries are read, or it is filled
         _require_square(name, value, most)
+    value = dense(value)
     if complex_too:
         array = validate.complex_array(name, value, LARGEST_ENTRY)
     else:
@@ -191,6 +192,11 @@ def square(
     else:
         _require_unrounded(name, given, array)
     return np.array(array)  # a copy of our own
+
+
+def dense(value: Any) -> Any:
+    """Return a sparse matrix as an array, anything else as it is."""
+    return value.toarray() if validate.is_sparse(value) else value
 
 
 def _require_unrounded(name: str, given: NDArray[Any], array: Floats) -> None:
@@ -223,10 +229,14 @@ def by_harmonic(name: str, values: Any, order: int, reference: str, *, complex_t
     """Return the matrices of a sequence, one for each harmonic."""
     if isinstance(values, np.ndarray) and values.ndim and not validate.is_masked(values):
         listed = list(values[: MOST_HARMONICS + 1])
+    elif validate.is_sparse(values):
+        raise TypeError(f"{name} must be a sequence of matrices, one for each harmonic; for one give {name}=[matrix]")
     else:
         listed = validate.sequence(name, values, "[matrix]")
     for k, value in enumerate(listed):
-        validate.require_dense(f"{name}[{k}]", value)
+        if validate.is_sparse(value):
+            _require_square(f"{name}[{k}]", value, 2 * MOST_EQUATIONS)
+    listed = [dense(value) for value in listed]
     if len(listed) > MOST_HARMONICS:
         raise ValueError(f"{name} must hold at most {MOST_HARMONICS} harmonics, got more")
     stacked = _stacked(listed, order)

@@ -152,16 +152,27 @@ def test_multipliers_that_would_take_too_long_are_nan() -> None:
         assert fr.systems.is_stable(batch).tolist() == [True, False]
 
 
-def test_sparse_matrices_are_asked_for_dense() -> None:
+def test_sparse_matrices_are_filled() -> None:
     from scipy import sparse
 
-    for made in (sparse.eye(2), sparse.csr_array(np.eye(2)), sparse.eye(2).tocoo()):
-        for name, call in (
-            ("mean", lambda m: fr.PeriodicSystem(m)),
-            ("cosines", lambda m: fr.PeriodicSystem(np.eye(2), m)),
-            (r"cosines\[0\]", lambda m: fr.PeriodicSystem(np.eye(2), [m])),
-            ("stiffness", lambda m: fr.HillSystem(m)),
-            ("mass", lambda m: fr.HillSystem(np.eye(2), mass=m)),
+    one = np.array([[1.0, 0.0], [0.3, 2.0]])
+    for kind in (sparse.csr_array, sparse.coo_matrix, sparse.lil_array):
+        made = kind(one)
+        assert fr.PeriodicSystem(-made, [made], [made]) == fr.PeriodicSystem(-one, [one], [one])
+        assert fr.HillSystem(made, [made], mass=kind(np.eye(2)), damping=made) == fr.HillSystem(
+            one, [one], mass=np.eye(2), damping=one
+        )
+        pieces, filled = ([(1.0, each), (0.5, 2.0 * each)] for each in (made, one))
+        assert fr.HillSystem.from_pieces(pieces) == fr.HillSystem.from_pieces(filled)
+        delayed = fr.DelaySystem(made, delayed=[(1.0, made, [made])])
+        assert delayed == fr.DelaySystem(one, delayed=[(1.0, one, [one])])
+        for call, words in (
+            (lambda m: fr.PeriodicSystem(one, m), r"cosines must be a sequence.*cosines=\[matrix\]"),
+            (lambda m: fr.PeriodicSystem(np.eye(3), [m]), r"cosines\[0\] must be 3 x 3"),
+            (lambda m: fr.HillSystem(sparse.eye(3, 2)), "square matrix"),
+            (lambda m: fr.HillSystem(sparse.eye(10**6)), "at most 2000 x 2000"),
+            (lambda m: fr.HillSystem(one, [sparse.eye(10**6)]), r"cosines\[0\] must be at most"),
+            (lambda m: fr.Hill(0.0, m), "must be a dense array"),
         ):
-            with pytest.raises(TypeError, match=rf"{name} must be a dense array.*give {name}\.toarray\(\)"):
+            with pytest.raises((TypeError, ValueError), match=words):
                 call(made)
