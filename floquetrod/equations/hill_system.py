@@ -19,6 +19,7 @@ from floquetrod.equations import matrices, sampling
 from floquetrod.equations import pieces as by_pieces
 from floquetrod.equations.matrices import Matrix, Structure
 from floquetrod.equations.periodic_system import PeriodicSystem
+from floquetrod.equations.sampled_tables import series_of
 
 
 class EvenForm(NamedTuple):
@@ -219,6 +220,45 @@ class HillSystem(matrices.PeriodicMatrixSystem):
         expansion = sampling.expanded(function, period, jumps, matrices.MOST_EQUATIONS)
         others = {"mass": mass, "damping": damping, "gyroscopic": gyroscopic}
         return cls.from_pieces(expansion.pieces, **others, coefficient_error=expansion.error)
+
+    @classmethod
+    def from_samples(
+        cls,
+        times: Any,
+        values: Any,
+        period: float,
+        *,
+        mass: Any = None,
+        damping: Any = None,
+        gyroscopic: Any = None,
+    ) -> HillSystem:
+        """Return the system whose K(t) goes through a table of matrices, as `PeriodicSystem.from_samples` does.
+
+        Parameters
+        ----------
+        times : array_like (N,)
+            Instants within one period, increasing, at least 5; of phases give the period 2 pi.
+        values : array_like (N, n, n)
+            K there.
+        period : float
+            Its period.
+        mass : array_like (n, n), optional
+            M, as of the system.
+        damping : array_like (n, n), optional
+            C, as of the system.
+        gyroscopic : array_like (n, n), optional
+            G, as of the system.
+
+        Examples
+        --------
+        >>> azimuths = np.arange(36) * (2.0 * math.pi / 36)
+        >>> system = HillSystem.from_samples(azimuths, [[[2.0 + math.exp(math.sin(t))]] for t in azimuths], 2 * math.pi)
+        >>> len(system.cosines), system.coefficient_error < 1e-9
+        (17, True)
+        """
+        table = series_of(times, values, period, matrices.MOST_EQUATIONS)
+        others = {"mass": mass, "damping": damping, "gyroscopic": gyroscopic}
+        return cls(table.mean, table.cosines, table.sines, **others, period=period, coefficient_error=table.error)
 
     @cached_property
     def is_symmetric(self) -> bool:

@@ -17,6 +17,7 @@ from floquetrod.equations import matrices, sampling
 from floquetrod.equations import pieces as by_pieces
 from floquetrod.equations.complex_form import real_matrix
 from floquetrod.equations.matrices import Matrix, Structure
+from floquetrod.equations.sampled_tables import series_of
 
 
 @constructor_hints(frequency="period is 2 pi / frequency")
@@ -151,6 +152,41 @@ class PeriodicSystem(matrices.PeriodicMatrixSystem):
         """
         expansion = sampling.expanded(function, period, jumps, 2 * matrices.MOST_EQUATIONS, complex_too=True)
         return cls.from_pieces(expansion.pieces, coefficient_error=expansion.error)
+
+    @classmethod
+    def from_samples(cls, times: Any, values: Any, period: float) -> PeriodicSystem:
+        """Return the system whose A(t) goes through a table of matrices: a Fourier series of (N - 1) // 2 harmonics.
+
+        At equal distances it is the trigonometric interpolation, at others that of a periodic cubic spline.
+        ``coefficient_error`` estimates its error, which verdicts include, from how fast harmonics fall; where noise of
+        the values keeps them from falling it is the sum of those in the upper third.  A table with jumps has large
+        errors: give pieces.
+
+        Parameters
+        ----------
+        times : array_like (N,)
+            Instants within one period, increasing, at least 5; of phases give the period 2 pi.
+        values : array_like (N, n, n)
+            A there, real or complex.
+        period : float
+            Its period.
+
+        Raises
+        ------
+        ValueError
+            For instants that do not increase or lie further apart than a period, and for shapes that do not fit.
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> t = np.linspace(0.0, 2.0, 24, endpoint=False)
+        >>> table = [[[0.0, 1.0], [-2.0 - np.cos(np.pi * s), -0.1]] for s in t]
+        >>> system = PeriodicSystem.from_samples(t, table, 2.0)
+        >>> round(float(system.cosines[0][1, 0]), 12), system.coefficient_error < 1e-14
+        (-1.0, True)
+        """
+        table = series_of(times, values, period, 2 * matrices.MOST_EQUATIONS, complex_too=True)
+        return cls(table.mean, table.cosines, table.sines, period=period, coefficient_error=table.error)
 
     @cached_property
     def structure(self) -> Structure:

@@ -821,6 +821,14 @@ def _of_systems() -> dict[str, Call]:
         "HillSystem.from_function": Call(
             fr.HillSystem.from_function, others | {"function": swing, "period": 2.0, "jumps": [0.0, 1.0]}
         ),
+        "HillSystem.from_samples": Call(
+            fr.HillSystem.from_samples,
+            others
+            | {"times": np.arange(8.0), "values": [[[1.0 + k % 2, 0.1], [0.1, 4.0]] for k in range(8)], "period": 8.0},
+        ),
+        "PeriodicSystem.from_samples": Call(
+            fr.PeriodicSystem.from_samples, {"times": np.arange(8.0), "values": [matrix] * 8, "period": 8.0}
+        ),
         "Hill.from_function": Call(
             fr.Hill.from_function, {"function": math.cos, "period": 2.0 * math.pi, "damping": 0.1, "jumps": [1.0]}
         ),

@@ -93,7 +93,7 @@ class SystemStability(FloquetVerdict):
 
     @property
     def quasienergies(self) -> tuple[float, ...]:
-        """Quasienergies e of a system that is "unitary", ascending: solutions exp(-i e t) u(t), u of the period.
+        """Quasienergies e of a "unitary" system, ascending, of its solutions exp(-i e t) u(t) with u of the period.
 
         In units of an angular frequency (of hbar), above -w / 2 and up to w / 2, w = 2 pi / period: minus the imaginary
         parts of the exponents.  Empty where the system is not unitary or nothing is known.
