@@ -139,7 +139,7 @@ class Response(ByContent, NoTruthValue, Reported):
 
     @property
     def letter(self) -> str:
-        """Symbol of the coordinates in figures: A, q or x."""
+        """Symbol of the coordinates in figures, A, q or x."""
         present = getattr(self.equation, "present", self.equation)
         return "A" if self._scalar else "x" if isinstance(present, PeriodicSystem) else "q"
 
