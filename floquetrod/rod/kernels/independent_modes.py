@@ -179,8 +179,10 @@ def rod_is_stable(
     forcing, compression, bending, gravity, neutral_squared, c, last = _modes_of_load(
         constants, mean, amplitude, omega, slowest, last
     )
+    # In tau = omega t: alpha_m = forcing (m^2 - h), beta_m = compression m^2 - bending m^4 - gravity, and damping c.
     level = tolerance / omega
     suspect = min(suspect, last)
+    # Each verdict is a count of one tridiagonal matrix, see `_mode_stable`.
     if not _mode_stable(forcing, compression, bending, gravity, neutral_squared, suspect, c, level):
         return False, last, suspect
     for mode in range(1, last + 1):

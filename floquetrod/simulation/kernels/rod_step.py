@@ -586,6 +586,11 @@ def _masses(rod: Any, wall: Any, i: int, p: Any) -> Any:
 @kernel
 def _decay(rod: Any, well: Any, wall: Any, p: Any) -> None:
     """Damp every velocity for half a step, except at an end moved at a given speed, and add up the energy lost."""
+    # v' = -c v over half a step, exactly: factors f = exp(-c dt / 2) across and of spin, a = exp(-c_a dt / 2) along.
+    # Of a node's mass m, with m_a along and the inertia I of its spin, the energy lost over m is
+    #     (1 - f^2) (v_across^2 + (I / m) spin^2) / 2  +  (m_a / m) (1 - a^2) v_along^2 / 2 .
+    # In a well v = u t + across with the tangent t, so that f v + (a - f) u t damps both parts; ends that are moved
+    # keep u.  Nodes lie from index 2 on, behind two ghosts.
     vx, vy, vz, spin, lost = rod["vx"], rod["vy"], rod["vz"], rod["spin"], rod["lost_damping"]
     if well is not None:
         t1, t2, t3 = rod["t1"], rod["t2"], rod["t3"]
