@@ -95,7 +95,7 @@ def stability(
     most_digits : int, optional
         Of reference, for systems.
     above : float, optional
-        Of collocation and semi_discretisation: modulus above which multipliers are found.
+        Of collocation, winding and semi_discretisation: modulus above which multipliers are found.
 
     Returns
     -------

@@ -45,6 +45,18 @@ def _even(system: HillSystem | PeriodicSystem) -> str | None:
     )
 
 
+def _whole_steps(system: DelaySystem) -> str | None:
+    from floquetrod.floquet.multipliers import whole_steps  # when asked: it takes long to import
+
+    return whole_steps.hindrance(system)
+
+
+def _is_long(system: DelaySystem) -> bool:
+    from floquetrod.floquet.multipliers import whole_steps  # when asked: it takes long to import
+
+    return whole_steps.is_long(system)
+
+
 def _never(_: Any) -> bool:
     return False
 
@@ -154,6 +166,15 @@ METHODS = (
         ),
     ),
     Method(
+        "winding",
+        delays=Service(
+            "zeros of the determinant of one period, counted by a winding number",
+            (references.SIEBER,),
+            _whole_steps,
+            accuracy=1e-9,
+        ),
+    ),
+    Method(
         "semi_discretisation",
         delays=Service("short steps with constant coefficients, extrapolated", (references.INSPERGER,), accuracy=1e-5),
     ),
@@ -230,7 +251,8 @@ def require(equation: Any, method: str) -> None:
 def in_turn(problem: Problem) -> tuple[str, ...]:
     """Return the methods that "auto" tries one after another, the fastest trustworthy one first."""
     if isinstance(problem, DelaySystem):
-        return ("collocation",)
+        long = _is_long(problem) and BY_NAME["winding"].refusal(problem) is None
+        return ("winding", "collocation") if long else ("collocation",)
     if isinstance(problem, Mathieu | MathieuAQ):
         return "spectral", "reference"
     if isinstance(problem, Meissner):

@@ -60,6 +60,7 @@ OPTIONS: list[tuple[Any, str, dict[str, Any]]] = [
     (MATHIEU, "reference", {"digits": 20}),
     (MATHIEU.as_system(), "reference", {"most_digits": 30}),
     (fr.DelaySystem([[1.0]], delayed=[(1.0, [[0.1]])]), "collocation", {"above": 0.2}),
+    (fr.DelaySystem([[1.0]], delayed=[(1.0, [[0.1]])]), "winding", {"above": 0.2}),
 ]
 
 CALLS: list[tuple[Callable[..., Any], dict[str, Any]]] = [
