@@ -31,6 +31,7 @@ GALLERY = (
     "systems_coupled",
     "systems_damping",
     "systems_noise",
+    "parametric_amplifier",
     "systems_beam",
     "systems_blade",
     "systems_ground",

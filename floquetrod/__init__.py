@@ -56,6 +56,8 @@ if TYPE_CHECKING:
     from floquetrod.orbits import periodic_orbit as periodic_orbit
     from floquetrod.plane import Chart as Chart
     from floquetrod.responses.comparison import compare as compare
+    from floquetrod.responses.gain import gain as gain
+    from floquetrod.responses.output_noise import output_noise as output_noise
     from floquetrod.responses.steady_response import response as response
     from floquetrod.rod.hand_over import save_report as save_report
     from floquetrod.rod.loads.load import AxialLoad as AxialLoad
@@ -115,6 +117,8 @@ _NAMES = {
     "orbits": ("Branch", "NoOrbitError", "follow", "periodic_orbit"),
     "plane": ("Chart",),
     "responses.comparison": ("compare",),
+    "responses.gain": ("gain",),
+    "responses.output_noise": ("output_noise",),
     "responses.steady_response": ("response",),
     "rod.hand_over": ("save_report",),
     "rod.loads.load": ("AxialLoad", "AxialWave"),

@@ -28,6 +28,8 @@ if TYPE_CHECKING:
     from floquetrod.orbits import SpecialPoint as SpecialPoint
     from floquetrod.plane import Bands as Bands
     from floquetrod.responses.comparison import ResponseComparison as ResponseComparison
+    from floquetrod.responses.gain import Gain as Gain
+    from floquetrod.responses.output_noise import OutputNoise as OutputNoise
     from floquetrod.responses.steady_response import Response as Response
     from floquetrod.rod.answers.mean_force import MeanForce as MeanForce
     from floquetrod.rod.answers.rod_branches import RodBranches as RodBranches
@@ -51,9 +53,11 @@ __all__ = [
     "FilteredGrowth",
     "FloquetMode",
     "FrictionalRodStability",
+    "Gain",
     "InstabilityProbability",
     "Margin",
     "MeanForce",
+    "OutputNoise",
     "PeriodicOrbit",
     "Proof",
     "QuasiperiodicGrowth",
@@ -94,6 +98,8 @@ __getattr__, __dir__ = names_of(
         "orbits": ("PeriodicOrbit", "SpecialPoint"),
         "plane": ("Bands",),
         "responses.comparison": ("ResponseComparison",),
+        "responses.gain": ("Gain",),
+        "responses.output_noise": ("OutputNoise",),
         "responses.steady_response": ("Response",),
         "rod.answers.mean_force": ("MeanForce",),
         "rod.answers.rod_branches": ("RodBranches",),

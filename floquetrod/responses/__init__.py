@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from floquetrod.responses.forces import Force
+from floquetrod.responses.gain import Gain, gain
+from floquetrod.responses.output_noise import OutputNoise, output_noise
 from floquetrod.responses.steady_response import Response, response
 
-__all__ = ["Force", "Response", "response"]
+__all__ = ["Force", "Gain", "OutputNoise", "Response", "gain", "output_noise", "response"]

@@ -18,6 +18,7 @@ from floquetrod._util.content import ByContent
 from floquetrod.responses.kernels.extremes import largest_fill
 
 _NEGLIGIBLE = 1e-17  # part of the largest amplitude below which harmonics are left out
+_LEAST = 2  # harmonics that are kept, negligible or not
 _MOST_HARMONICS = 64  # of a motion with jumps in a derivative, whose amplitudes fall slowly (a choice)
 _NODES, _PARTS = 40, 16  # of Gauss's rule on a part of the period, and parts: exp(i k W t) turns by 25 radians on one
 _ROUNDS = 11  # of the search for an extreme: each makes its bracket four times smaller
@@ -163,7 +164,7 @@ def trimmed(amplitudes: Complexes) -> Complexes:
     sizes = np.abs(amplitudes)
     top = np.maximum(sizes.max(axis=0), 1e-300)
     seen = np.flatnonzero((sizes > _NEGLIGIBLE * top).any(axis=1))
-    most = int(np.abs(seen - middle).max(initial=0))
+    most = min(middle, int(np.abs(seen - middle).max(initial=_LEAST)))
     return amplitudes[middle - most : middle + most + 1]
 
 

@@ -54,6 +54,8 @@ MADE: dict[str, Callable[[], Any]] = {
     "Stability, infinite": lambda: fr.stability(fr.Mathieu(1.0, 1e6)),
     "Comparison": lambda: fr.compare(EQUATION),
     "Response": lambda: fr.response(fr.Mathieu(0.3, -0.6, 0.01), 1.0),
+    "Gain": lambda: fr.gain(fr.HillSystem([[1.0]], damping=[[0.1]]), frequency=(0.9, 1.1)),
+    "OutputNoise": lambda: fr.output_noise(fr.Mathieu(0.3, -0.6, 0.1), 1.0),
     "ResponseComparison": lambda: fr.compare(fr.Mathieu(0.3, -0.6, 0.01), force=1.0),
     "Proof": lambda: fr.certify(EQUATION),
     "Chart": small_map,

@@ -102,6 +102,8 @@ LEFT_OUT = {
     "ForceRecord.spectrum": "takes no argument",
     "Comparison": "constructed by compare",
     "Response": "constructed by response",
+    "Gain": "constructed by gain",
+    "OutputNoise": "constructed by output_noise",
     "ResponseComparison": "constructed by compare",
     "Proof": "constructed by certify",
     "RegionProof": "constructed by certify and Rod.certify",
@@ -420,6 +422,8 @@ def _of_equations() -> dict[str, Call]:
         ),
         "compare": Call(fr.compare, {"equation": EQUATION}),
         "compare (of responses)": Call(fr.compare, {"equation": EQUATION, **DRIVEN}),
+        "gain": Call(fr.gain, {"equation": NOISY, "at": 0, "out": 0, "frequency": (0.5, 1.5), "waves": (0, -1)}),
+        "output_noise": Call(fr.output_noise, {"equation": NOISY, "intensity": [0.3], "method": "lyapunov"}),
         "response": Call(fr.response, {"equation": EQUATION, **DRIVEN, "method": "hill"}),
         "response (at a frequency)": Call(
             fr.response, {"equation": EQUATION, "force": 1.0, "frequency": 0.8, "unstable": True}

@@ -161,6 +161,8 @@ CALLS: list[tuple[Callable[..., Any], dict[str, Any]]] = [
         {"equation": MATHIEU, "force": 1.0, "cosines": (0.5,), "sines": (0.1,), "method": "hill", "unstable": True},
     ),
     (fr.response, {"equation": MATHIEU, "force": math.cos, "jumps": (0.0,), "frequency": None, "unstable": True}),
+    (fr.gain, {"equation": DAMPED, "at": 0, "out": 0, "frequency": (0.5, 1.5), "waves": (0, -1)}),
+    (fr.output_noise, {"equation": DAMPED, "intensity": [0.3], "density": None, "method": "auto"}),
     (fr.certify, {"equation": MATHIEU, "max_digits": 30, "growth_tolerance": 0.0, "max_boxes": 10, "seconds": 5.0}),
     (
         lambda **given: fr.certify(fr.Mathieu, **given),
@@ -757,6 +759,8 @@ def test_the_table_has_every_public_function_and_every_argument() -> None:
         "SpecialPoint",
         "RodResponse",
         "SteadyMotion",
+        "Gain",
+        "OutputNoise",
         "Response",
         "ResponseComparison",
         "RodBranches",

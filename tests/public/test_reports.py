@@ -30,6 +30,8 @@ RESULTS = {
     "comparison": lambda: fr.compare(fr.Meissner(0.5, -0.3)),
     "comparison of systems": lambda: fr.compare(SYSTEM),
     "response": lambda: fr.response(SYSTEM, [1.0, 0.5], frequency=0.7, unstable=True),
+    "gain": lambda: fr.gain(fr.HillSystem([[1.0]], damping=[[0.1]]), frequency=(0.9, 1.1)),
+    "output noise": lambda: fr.output_noise(fr.Mathieu(0.3, -0.6, 0.1), 1.0),
     "comparison of responses": lambda: fr.compare(fr.Mathieu(0.3, -0.6, 0.01), force=1.0),
     "system": lambda: fr.stability(SYSTEM),
     "proof": lambda: fr.certify(fr.Mathieu(0.5, -0.3)),
