@@ -36,6 +36,7 @@ GALLERY = (
     "systems_blade",
     "systems_ground",
     "systems_trap",
+    "systems_bands",
     "milling_lobes",
     "orbit_van_der_pol",
     "orbit_duffing",

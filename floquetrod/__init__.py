@@ -79,6 +79,7 @@ if TYPE_CHECKING:
     from floquetrod.simulation.simulation_problem import Simulation as Simulation
     from floquetrod.simulation.simulation_problem import SimulationProblem as SimulationProblem
     from floquetrod.simulation.start import Perturbation as Perturbation
+    from floquetrod.systems.energy_bands import bands as bands
     from floquetrod.systems.family_charts import chart as chart
     from floquetrod.wells.path import WellPath as WellPath
 
@@ -137,6 +138,7 @@ _NAMES = {
     "simulation.resolution": ("ResolutionWarning",),
     "simulation.simulate": ("simulate",),
     "simulation.start": ("Perturbation",),
+    "systems.energy_bands": ("bands",),
     "systems.family_charts": ("chart",),
     "wells.path": ("WellPath",),
 }

@@ -44,12 +44,14 @@ if TYPE_CHECKING:
     from floquetrod.rod.friction.kicks import FrictionalRodStability as FrictionalRodStability
     from floquetrod.rod.reach_probability import ReachProbability as ReachProbability
     from floquetrod.rod.uncertainty import InstabilityProbability as InstabilityProbability
+    from floquetrod.systems.energy_bands import EnergyBands as EnergyBands
 
 __all__ = [
     "AlmostSureExponent",
     "Bands",
     "Comparison",
     "CriticalNoise",
+    "EnergyBands",
     "FilteredGrowth",
     "FloquetMode",
     "FrictionalRodStability",
@@ -114,5 +116,6 @@ __getattr__, __dir__ = names_of(
         "rod.answers.stability_intervals": ("StabilityIntervals",),
         "rod.reach_probability": ("ReachProbability",),
         "rod.uncertainty": ("InstabilityProbability",),
+        "systems.energy_bands": ("EnergyBands",),
     },
 )

@@ -126,6 +126,7 @@ LEFT_OUT = {
     "QuasiperiodicGrowth": "constructed by quasiperiodic_growth",
     "SecondMoments": "constructed by second_moments",
     "Margin": "constructed by margin and RodStability.margin",
+    "EnergyBands": "constructed by bands",
     "Solution": "constructed by solve",
     "Stability": "constructed by every method",
     "mathieu.FloquetSolution": "constructed by characteristic_function and floquet_solutions",
@@ -731,6 +732,10 @@ def _of_mathieu() -> dict[str, Call]:
         "margin": Call(
             lambda **given: fr.margin(fr.Mathieu, alpha=0.1, beta=-0.5, **given),
             {"along": "beta", "within": (-1.0, 0.0), "samples": 5},
+        ),
+        "bands": Call(fr.bands, {"potential": fr.Meissner(0.5, 0.0), "phase": [0.0, 1.0], "below": 2.0}),
+        "bands (function)": Call(
+            fr.bands, {"potential": math.cos, "phase": 0.5, "below": 2.0, "period": 2.0 * math.pi, "jumps": ()}
         ),
         "floquet_solutions": Call(fr.floquet_solutions, {"equation": fr.Meissner(0.5, -0.3)}),
         "solve": Call(fr.solve, {"equation": fr.Mathieu(0.5, -0.3), "initial": (1.0, 0.0), "span": 2.0}),

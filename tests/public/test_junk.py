@@ -222,6 +222,7 @@ CALLS: list[tuple[Callable[..., Any], dict[str, Any]]] = [
     (fr.periodic_orbit, {"system": DRIVEN, "start": [1.0], "period": 2.0, "winding": None, "tolerance": 1e-6}),
     (fr.solve, {"equation": fr.Mathieu(0.5, -0.3), "initial": (1.0, 0.0), "span": 2.0}),
     (fr.floquet_solutions, {"equation": fr.Meissner(0.5, -0.3)}),
+    (fr.bands, {"potential": math.cos, "phase": [0.0, 1.0], "below": 2.0, "period": 6.0 * math.pi, "jumps": [1.0]}),
     (
         functools.partial(fr.margin, fr.Mathieu, alpha=0.1, beta=-0.5),
         {"along": "beta", "within": (-1.0, 0.0), "samples": 5},

@@ -34,6 +34,7 @@ RESULTS = {
     "output noise": lambda: fr.output_noise(fr.Mathieu(0.3, -0.6, 0.1), 1.0),
     "comparison of responses": lambda: fr.compare(fr.Mathieu(0.3, -0.6, 0.01), force=1.0),
     "system": lambda: fr.stability(SYSTEM),
+    "bands": lambda: fr.bands(fr.Hill(0.0, cosines=(1.0,)), phase=[0.0, 1.0], below=2.0),
     "proof": lambda: fr.certify(fr.Mathieu(0.5, -0.3)),
     "proof of a box": lambda: ROD.replace(damping_rate=0.5).certify(**SAFE),
     "proof of parameters": lambda: fr.certify(fr.Mathieu, alpha=(0.1, 0.6), beta=-0.25, damping=0.0),
