@@ -17,14 +17,14 @@ from floquetrod.floquet.multipliers import delay_maps
 from floquetrod.floquet.multipliers.delay_maps import PeriodPieces
 from floquetrod.responses.forces import Force
 from floquetrod.responses.motions import PiecewiseMotion
-from floquetrod.responses.period_maps import Marched
+from floquetrod.responses.period_maps import MarchedResponse
 
 _NODES = (20, 26)  # in each piece, the second number to learn the error of the first (heuristic)
 _MOST_STATES = 3000  # rows of a map (a choice: seconds)
 _FACTOR = 2.0  # error over the change between the two numbers of nodes
 
 
-def marched_delayed(system: DelaySystem, force: Force) -> Marched:
+def marched_delayed(system: DelaySystem, force: Force) -> MarchedResponse:
     """Return the response of a system with delays by collocation, with an error from two numbers of nodes."""
     pieces = _pieces(system, force)
     coarse, _ = _collocated(system, force, pieces, _NODES[0])
@@ -34,7 +34,7 @@ def marched_delayed(system: DelaySystem, force: Force) -> Marched:
     largest = float(np.abs(values).max())
     change = float(np.abs(coarse.values(grid, 0) - values).max())
     error = (_FACTOR * change + rounding) / largest if largest > 0.0 else 0.0
-    return Marched(fine, error if error == error else np.inf)
+    return MarchedResponse(fine, error if error == error else np.inf)
 
 
 def _pieces(system: DelaySystem, force: Force) -> PeriodPieces:

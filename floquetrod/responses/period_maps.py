@@ -121,14 +121,14 @@ def _joined(a: TimedPiece, b: TimedPiece, scale: float, frequency: float | None)
     return TimedPiece(a.begin, a.length, mean, slope, harmonics, a.begin)
 
 
-class Marched(NamedTuple):
+class MarchedResponse(NamedTuple):
     """A forced motion, its error as a fraction of the largest coordinate, and the multipliers' map."""
 
     motion: PiecewiseMotion
     error: float
 
 
-def marched(problem: Equation | HillSystem | PeriodicSystem, force: Force) -> Marched:
+def marched(problem: Equation | HillSystem | PeriodicSystem, force: Force) -> MarchedResponse:
     """Return the response by maps over segments of the period, the force a state of its own."""
     system = forced_system(problem, force)
     pieces = by_pieces.arrays_of(system.pieces, system.period)
@@ -166,7 +166,7 @@ def marched(problem: Equation | HillSystem | PeriodicSystem, force: Force) -> Ma
                                      * system.scale))  # fmt: skip
         still = largest == 0.0 and force.largest == 0.0
         relative = 0.0 if still else seen / largest if largest > 0.0 else math.inf
-    return Marched(motion, relative if relative == relative else math.inf)
+    return MarchedResponse(motion, relative if relative == relative else math.inf)
 
 
 def _carried(maps: Floats, first: float, added: Floats) -> float:
