@@ -80,7 +80,7 @@ class OutputNoise(ByContent, NoTruthValue, Reported):
     method : str
         "lyapunov", the periodic Lyapunov equation, for white noise; or "transfer", the sum over transfer functions.
     period : float
-        T.
+        T, that of the coefficients.
     error : float
         Estimate of the error of the covariance as a fraction of the largest variance.
     """
