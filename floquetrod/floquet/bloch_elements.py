@@ -120,16 +120,15 @@ class BlochElements:
 
 def grid_of(system: HillSystem, highest: float, finer: int = 1) -> Grid:
     """Return elements in which waves of energies up to ``highest`` turn by a few rad, ``finer`` times as many."""
-    mass, period = mass_matrix(system), float(system.period)
+    period = float(system.period)
     low, high = potential_range(system)
-    lightest = float(np.linalg.eigvalsh(mass)[0])
     rate = math.sqrt(max(highest - low, high - low, 0.0)) + 2.0 * math.pi / period
     begins: list[float] = []
     lengths: list[float] = []
     places: list[int] = []
     for j, piece in enumerate(in_time(system)):
         length = float(piece.length)
-        fastest = max(rate, len(piece.harmonics) * 2.0 * math.pi / period * min(1.0, lightest + 1.0))
+        fastest = max(rate, len(piece.harmonics) * 2.0 * math.pi / period)
         count = finer * math.ceil(length * fastest / _PHASE)
         begins += [length * k / count for k in range(count)]
         lengths += [length / count] * count
