@@ -45,10 +45,8 @@ def _even(system: HillSystem | PeriodicSystem) -> str | None:
     )
 
 
-def _whole_steps(system: DelaySystem) -> str | None:
-    from floquetrod.floquet.multipliers import whole_steps  # when asked: it takes long to import
-
-    return whole_steps.hindrance(system)
+def _delayed(system: DelaySystem) -> str | None:
+    return None if system.delayed else "system must have delays for winding; method='collocation' takes any"
 
 
 def _is_long(system: DelaySystem) -> bool:
@@ -170,7 +168,7 @@ METHODS = (
         delays=Service(
             "zeros of the determinant of one period, counted by a winding number",
             (references.SIEBER,),
-            _whole_steps,
+            _delayed,
             accuracy=1e-9,
         ),
     ),
@@ -251,8 +249,7 @@ def require(equation: Any, method: str) -> None:
 def in_turn(problem: Problem) -> tuple[str, ...]:
     """Return the methods that "auto" tries one after another, the fastest trustworthy one first."""
     if isinstance(problem, DelaySystem):
-        long = _is_long(problem) and BY_NAME["winding"].refusal(problem) is None
-        return ("winding", "collocation") if long else ("collocation",)
+        return ("winding", "collocation") if _is_long(problem) else ("collocation",)
     if isinstance(problem, Mathieu | MathieuAQ):
         return "spectral", "reference"
     if isinstance(problem, Meissner):

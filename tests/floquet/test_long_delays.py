@@ -225,12 +225,39 @@ def test_a_delay_that_misses_the_period_by_rounding_is_a_whole_one() -> None:
     assert one.multipliers[0] == pytest.approx(other.multipliers[0], abs=1e-13)
 
 
+def test_delays_of_no_whole_steps_have_the_multipliers_of_collocation() -> None:
+    """Of e and of 2.7 periods, and an error of the coefficients moves the multipliers by no more than is said."""
+    terms = [(math.e * TURN, [[-0.2]]), (2.7 * TURN, [[0.1]])]
+    named: dict[str, Any] = {"damping": [[0.05]], "delayed": terms}
+    system = fr.DelaySystem([[1.2]], [[[0.5]]], **named)
+    one, other = fr.stability(system, "winding"), fr.stability(system, "collocation")
+    least = max(0.5 ** (1.0 / math.e), min(map(abs, other.multipliers)))
+    sizes = [sum(abs(mu) > 1.001 * least for mu in found.multipliers) for found in (one, other)]
+    assert sizes[0] == sizes[1] > 0
+    assert max(min(abs(mu - nu) for nu in other.multipliers) for mu in one.multipliers) < 1e-11
+    vague = fr.stability(fr.DelaySystem([[1.2]], [[[0.5]]], **named, coefficient_error=1e-6), "winding")
+    near = fr.stability(fr.DelaySystem([[1.2 + 1e-6]], [[[0.5]]], **named), "winding")
+    assert abs(near.multipliers[0] - vague.multipliers[0]) < vague.multiplier_errors[0] < 1e-4
+
+
+def test_three_equations_with_three_long_delays() -> None:
+    rng = np.random.default_rng(3)
+
+    def matrix(size: float) -> Any:
+        return size * rng.normal(size=(3, 3))
+
+    mean, wave = -0.5 * np.eye(3) + matrix(0.2), [matrix(0.2)]
+    terms = [(38.0, matrix(0.15), [matrix(0.05)]), (46.0, matrix(0.15)), (51.0, matrix(0.15))]
+    found = fr.stability(fr.DelaySystem.first_order(mean, wave, period=8.6, delayed=terms))
+    assert (found.method, found.status, len(found.multipliers)) == ("winding", "unstable", 19)
+    assert abs(found.multipliers[0]) == pytest.approx(1.39967560745969, abs=1e-10)  # as by collocation
+
+
 def test_what_is_not_served_is_said() -> None:
-    for delays in ([(math.e, [[0.1]])], []):
-        system = fr.DelaySystem([[1.0]], [[[0.5]]], damping=[[0.1]], period=1.0, delayed=delays)
-        with pytest.raises(TypeError, match="these and the period must be whole numbers of a step"):
-            fr.stability(system, "winding")
-        assert "winding" in dict(fr.compare(system).left_out)
-        assert fr.stability(system).method == "collocation"
+    system = fr.DelaySystem([[1.0]], [[[0.5]]], damping=[[0.1]], period=1.0, delayed=[])
+    with pytest.raises(TypeError, match="system must have delays for winding"):
+        fr.stability(system, "winding")
+    assert "winding" in dict(fr.compare(system).left_out)
+    assert fr.stability(system).method == "collocation"
     with pytest.raises(ValueError, match="above must lie between"):
         fr.stability(delayed_mathieu(3.0, 2.0, 0.1, 0.2, 10), "winding", above=2.0)

@@ -6,12 +6,23 @@ J. Sieber and R. Szalai, SIAM J. Appl. Dyn. Syst. 10 (2011) 129, doi:10.1137/100
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 
 from floquetrod._util import validate
+from floquetrod._util.arrays import Complexes, Floats
 from floquetrod.equations import DelaySystem
-from floquetrod.floquet.multipliers import delay_roots, delay_series, delay_steps, spectra
+from floquetrod.floquet import registry
+from floquetrod.floquet.multipliers import (
+    delay_blocks,
+    delay_maps,
+    delay_roots,
+    delay_series,
+    delay_steps,
+    spectra,
+    whole_steps,
+)
 from floquetrod.floquet.multipliers.classification import LogDiscs, classify_multipliers
 from floquetrod.floquet.multipliers.delay_series import DelaySeries, Zeros
 from floquetrod.floquet.multipliers.system_stability import SystemStability
@@ -22,6 +33,8 @@ _FURTHER = 2.0  # times as far, where there is none yet
 _NEARER = (1.5, 1.05)  # the same, where solutions grow too fast for what is asked
 _BESIDE = (1.0, 1.11, 1.23)  # of the bound of |mu|^-r: circles tried until none of their points is a multiplier
 
+_NODES = (8, 12, 18, 24, 32, 44)  # in a piece, where a period is collocated (a choice)
+_UNCHANGED, _USABLE = 1e-11, 1e-6  # changes of logarithms at which refinement ends, and that are taken (a choice)
 _LEFT_OUT = "multipliers of modulus below {:.3g} are left out"
 
 
@@ -30,13 +43,15 @@ def winding(system: DelaySystem, *, above: float = 0.5) -> SystemStability:
 
     A solution with x(t + T) = mu x(t) has x(t - r T) = mu^-r x(t).  Phi is entire in s: its Taylor series comes from
     maps on a circle, which take no longer for long delays than for short ones.  A winding number counts the multipliers
-    above a modulus, and Newton's method finds as many.
+    above a modulus, and Newton's method finds as many.  Delays that are no whole numbers of a step, a part of the
+    period with at most 24 unknowns in all parts, take collocation of one period instead of maps, with the unknowns of
+    earlier periods as powers of 1 / mu.
 
     Parameters
     ----------
     system : DelaySystem
-        One whose delays are whole multiples of the period, or of a part of it: at most 24 unknowns in all parts.  Of
-        constant coefficients the delays may be whole multiples of any step.
+        One with delays, not longer than 4,000 steps; collocation takes at most 240 rows a period.  Else the result is
+        undecided.
     above : float
         Modulus above which multipliers are found, the largest in any case, over the period or the longest delay,
         whichever is longer; from 1e-4 to 0.9.
@@ -44,7 +59,9 @@ def winding(system: DelaySystem, *, above: float = 0.5) -> SystemStability:
     Returns
     -------
     SystemStability
-        Its errors hold the truncation and the rounding of the maps, over the derivative of the determinant.
+        Its errors hold the truncation and the rounding of the maps, over the derivative of the determinant; by
+        collocation they are estimates, twice the change to fewer nodes and twice that by coefficients off by their
+        error.
 
     Examples
     --------
@@ -55,7 +72,12 @@ def winding(system: DelaySystem, *, above: float = 0.5) -> SystemStability:
     ('unstable', 20, '1.003148769600')
     """
     above = validate.within("above", above, 1e-4, 0.9)
-    pieces = delay_steps.step_pieces(system)
+    if needed := registry.refusal(system, "winding"):
+        raise TypeError(f"{needed}, got {validate.short(system)}")
+    laid = whole_steps.steps(system)
+    if laid is None:
+        return _by_collocation(system, above)
+    pieces = delay_steps.step_pieces(system, laid)
     points = 0
     for reach in (1.0 / above, *_NEARER):
         while reach <= max(_FURTHEST, 1.0 / above):
@@ -75,6 +97,87 @@ def winding(system: DelaySystem, *, above: float = 0.5) -> SystemStability:
             reach *= _FURTHER
     note = "solutions grow too fast within a period, or multipliers cannot be distinguished from each other"
     return SystemStability.declined(system, "winding", Cost(points, "coefficients"), note)
+
+
+class _Refined(NamedTuple):
+    """Zeros on a mesh, and their changes from a coarser one."""
+
+    nodes: int  # in a piece
+    series: DelaySeries
+    values: Complexes
+    changes: Floats
+
+
+def _by_collocation(system: DelaySystem, above: float) -> SystemStability:
+    """Classify by collocation of one period, with more nodes until multipliers stay as they are."""
+    laid = delay_maps.period_pieces(system)
+    values: Complexes | None = None
+    best: _Refined | None = None
+    reach, rows = 1.0, 0
+    for count in _NODES:
+        series = delay_blocks.series(system, laid, count)
+        if series is None:
+            break
+        before, rows = values, series.matrices.shape[-1]
+        if before is None:
+            reach, zeros = _largest(series, above)
+            values = None if zeros is None else zeros.values
+        else:
+            values = delay_series.followed(series, before)
+        if values is None or (best is None and before is not None and not _are_all(series, values, reach)):
+            break
+        if before is not None:
+            changes = np.abs(values - before)
+            if best is not None and changes.max() >= best.changes.max():
+                break
+            best = _Refined(count, series, values, changes)
+            if changes.max() <= _UNCHANGED:
+                break
+    cost = Cost(rows, "rows")
+    if best is None or not best.changes.max() <= _USABLE:
+        note = "needs collocation of too many rows, or its multipliers cannot be distinguished from each other"
+        return SystemStability.declined(system, "winding", cost, note)
+    series, changes = best.series, best.changes
+    if system.coefficient_error:
+        power = 2 if system.is_second_order else 1
+        inverse = float(np.abs(delay_maps.inverse_mass(system)).sum(axis=1).max())
+        off = laid.period**power * system.coefficient_error * inverse
+        shifted = delay_blocks.series(system, laid, best.nodes, off)
+        moved = None if shifted is None else delay_series.followed(shifted, best.values)
+        changes = changes + (math.inf if moved is None else np.abs(moved - best.values))
+    zeros = delay_series.discs(series, best.values)
+    zeros = zeros._replace(radii=zeros.radii + 2.0 * changes)
+    logs, least = _logarithms(series, zeros), reach ** (-1.0 / series.longest)
+    if system.is_constant:
+        logs = delay_roots.per_period(system, logs, laid.period)
+        least **= float(system.period) / laid.period
+    return classify_multipliers(system, "winding", logs, cost=cost, note=_LEFT_OUT.format(least))
+
+
+def _largest(series: DelaySeries, above: float) -> tuple[float, Zeros | None]:
+    """Return the zeros of multipliers above a modulus, one at least, and how far they reach; None without any."""
+    for reach in (1.0 / above, *_NEARER):
+        while reach <= max(_FURTHEST, 1.0 / above):
+            zeros = _within(series, reach)
+            if zeros is None:
+                break
+            if zeros.values.size:
+                return reach, zeros
+            reach *= _FURTHER
+    return 1.0, None
+
+
+def _are_all(series: DelaySeries, values: Complexes, reach: float) -> bool:
+    """Return whether a finer series has as many zeros as have been followed."""
+    upper = (values.imag > 0.0) & (values.imag < series.half_turn)
+    farthest = float(values.real.max())
+    for beside in (_BESIDE[0], *_BESIDE):
+        radius = math.log(reach * beside) / series.longest
+        if radius >= farthest:
+            count = delay_series.outside(series, radius)
+            if count is not None:
+                return count == int(np.where(upper, 2, 1).sum())
+    return False
 
 
 def _within(series: DelaySeries, reach: float) -> Zeros | None:

@@ -17,7 +17,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from floquetrod._util.arrays import EPS, Bools, Complexes, Floats
+from floquetrod._util.arrays import EPS, Bools, Complexes, Floats, inverses
 
 _ENTRIES = 1 << 20  # of matrices at once (a choice)
 _CLEAR = 1.4  # radians, less than a right angle
@@ -27,7 +27,8 @@ _FINEST = 1e-13  # arc, in radians over those of the longest delay
 _CELL = 0.5  # size of a cell that begins with Newton's method, in radians of the longest delay (a choice)
 _INNERMOST = 1.0 / 8.0, 1.0 / 512.0, 1e-6  # |v|^p of the innermost cells, by rounds: there a delayed term hardly acts
 _ROUNDS = 60  # of Newton's method
-_ALONG = 12  # points of a circle about a zero (a choice)
+_ALONG, _FEW = 12, 4  # points of a circle about a zero, and of large matrices (a choice)
+_LARGE = 24  # rows from which on singular values take much longer than inverses (a choice)
 _WIDENED, _WIDER = 60, 1.5  # times that such a circle is widened, and by how much (a choice)
 
 
@@ -86,12 +87,21 @@ def _local(series: DelaySeries, logs: Complexes) -> _Local:
     for some in series.chunks(logs):
         value, derivative = series.values(some)
         phase = np.linalg.slogdet(value)[0]
-        value[phase == 0.0] += EPS * np.eye(value.shape[-1])
-        inverse = np.linalg.inv(value)
+        inverse = inverses(value)
         slope = inverse @ derivative
         size = np.linalg.norm(slope, axis=(1, 2))
         found.append((phase, np.trace(slope, axis1=1, axis2=2), size, np.linalg.norm(inverse, axis=(1, 2))))
     return _Local(*(np.concatenate(part) for part in zip(*found, strict=True)))
+
+
+def _traces(series: DelaySeries, logs: Complexes) -> Complexes:
+    """Return tr G at logarithms of v, infinite where K is singular."""
+    found = []
+    for some in series.chunks(logs):
+        value, derivative = series.values(some)
+        trace = np.einsum("mij,mji->m", inverses(value), derivative)
+        found.append(np.where(np.isnan(trace) & np.isfinite(value).all(axis=(1, 2)), np.inf, trace))
+    return np.concatenate(found)
 
 
 @np.errstate(all="ignore")  # what overflows is not clear
@@ -124,6 +134,23 @@ def outside(series: DelaySeries, log_radius: float) -> int | None:
     return round(float(np.angle(closed[1:] / closed[:-1]).sum()) / math.pi)
 
 
+@np.errstate(all="ignore")  # as above
+def followed(series: DelaySeries, coarse: Complexes) -> Complexes | None:
+    """Return the zeros near those of another series; None where one is lost."""
+    real = (coarse.imag == 0.0) | (coarse.imag == series.half_turn)
+    done, values = _by_newton(series, coarse.copy(), float(coarse.real.max()) + 1.0)
+    if not done.all():
+        return None
+    values.imag[real] = coarse.imag[real]
+    return values
+
+
+@np.errstate(all="ignore")  # as above
+def discs(series: DelaySeries, values: Complexes) -> Zeros:
+    """Return zeros with the radii of their discs."""
+    return Zeros(values, _radii(series, values))
+
+
 @np.errstate(all="ignore")  # iterates that leave the circle are dropped
 def zeros(series: DelaySeries, log_radius: float, count: int) -> Zeros | None:
     """Return the zeros within a circle of v, as many as counted, those of conjugates once; None where some are missed.
@@ -153,15 +180,20 @@ def _iterated(series: DelaySeries, log_radius: float, cell: float, innermost: fl
     depth = log_radius - math.log(innermost) / series.longest
     radii = log_radius - size * np.arange(math.ceil(depth / size) + 1)
     points = (radii[:, None] + 1j * angles[None, :]).ravel()
-    step = -1.0 / _local(series, points).trace
+    step = -1.0 / _traces(series, points)
     near = np.abs(step) < 1.5 * max(size, half_turn / (len(angles) - 1))
     alone = np.linalg.eigvals(series.matrices[0]) if series.exponents[0] == 1 else np.zeros(0)
     alone = -np.log(alone[np.abs(alone) > 0.0].astype(complex))
     logs = np.concatenate([(points + step)[near], alone[alone.imag >= 0.0]])
+    return _by_newton(series, logs, log_radius)[1]
+
+
+def _by_newton(series: DelaySeries, logs: Complexes, log_radius: float) -> tuple[Bools, Complexes]:
+    """Return which iterations of Newton's method end at zeros, and where those end."""
     left, done = np.arange(len(logs)), np.zeros(len(logs), dtype=np.bool_)
     last = np.full(len(logs), math.inf)
     for _ in range(_ROUNDS):
-        step = -1.0 / _local(series, logs[left]).trace
+        step = -1.0 / _traces(series, logs[left])
         logs[left] += step
         width = np.abs(step)
         ended = (width <= 4.0 * EPS) | ((width < 1e-9 / series.longest) & (width >= 0.75 * last[left]))
@@ -172,7 +204,7 @@ def _iterated(series: DelaySeries, log_radius: float, cell: float, innermost: fl
         if not left.size:
             break
     done[left[last[left] < 1e-9 / series.longest]] = True
-    return np.asarray(logs[done])
+    return done, np.asarray(logs[done])
 
 
 def _distinct(series: DelaySeries, logs: Complexes) -> Complexes:
@@ -195,9 +227,9 @@ def _on_axis(series: DelaySeries, logs: Complexes, radii: Floats) -> Bools:
     return np.asarray(np.minimum(logs.imag, series.half_turn - logs.imag) <= radii)
 
 
-def _circles(logs: Complexes, radii: Floats) -> Complexes:
-    """Return points (m, _ALONG) on circles."""
-    turned = np.exp(2j * math.pi / _ALONG * (np.arange(_ALONG) + 0.25))
+def _circles(logs: Complexes, radii: Floats, count: int) -> Complexes:
+    """Return points (m, count) on circles."""
+    turned = np.exp(2j * math.pi / count * (np.arange(count) + 0.25))
     return np.asarray(logs[:, None] + radii[:, None] * turned)
 
 
@@ -210,10 +242,10 @@ def _radii(series: DelaySeries, logs: Complexes) -> Floats:
     slope = np.abs(np.einsum("mi,mij,mj->m", left[:, :, -1].conj(), derivative, right[:, -1].conj()))
     rounding = 8.0 * EPS * (1.0 + np.abs(logs))
     radii: Floats = 1.01 * (series.error + sizes[:, -1]) / slope + rounding
-    open_ones = np.arange(len(logs))
+    open_ones, count = np.arange(len(logs)), _ALONG if value.shape[-1] < _LARGE else _FEW
     for _ in range(_WIDENED):
-        edge = series.values(_circles(logs[open_ones], radii[open_ones]).ravel())[0]
-        least = np.linalg.svd(edge, compute_uv=False)[:, -1].reshape(-1, _ALONG).min(axis=1)
+        edge = series.values(_circles(logs[open_ones], radii[open_ones], count).ravel())[0]
+        least = _smallest(edge).reshape(-1, count).min(axis=1)
         open_ones = open_ones[~(least > series.error)]
         if not open_ones.size:
             return radii
@@ -222,11 +254,18 @@ def _radii(series: DelaySeries, logs: Complexes) -> Floats:
     return radii
 
 
+def _smallest(matrices: Complexes) -> Floats:
+    """Return the smallest singular values (m,), of large matrices bounds from below."""
+    if matrices.shape[-1] < _LARGE:
+        return np.asarray(np.linalg.svd(matrices, compute_uv=False)[:, -1])
+    return np.asarray(1.0 / np.linalg.norm(inverses(matrices), axis=(1, 2)))
+
+
 def _multiplicities(series: DelaySeries, logs: Complexes, radii: Floats) -> NDArray[np.intp]:
     """Return how many zeros each circle of a thousandth of a cell holds, or of ten radii."""
     if not logs.size:
         return np.zeros(0, dtype=np.intp)
     wide = np.maximum(10.0 * radii, 1e-4 / series.longest)
-    points = _circles(logs, wide)
-    trace = _local(series, points.ravel()).trace.reshape(points.shape)
+    points = _circles(logs, wide, _ALONG)
+    trace = _traces(series, points.ravel()).reshape(points.shape)
     return np.asarray(np.rint(((points - logs[:, None]) * trace).mean(axis=1).real).astype(np.intp))

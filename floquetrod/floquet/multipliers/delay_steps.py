@@ -15,7 +15,6 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from floquetrod._util import validate
 from floquetrod._util.arrays import EPS, Complexes, Floats
 from floquetrod.equations import DelaySystem, HillSystem
 from floquetrod.equations import pieces as by_pieces
@@ -24,7 +23,7 @@ from floquetrod.equations.pieces import PieceArrays, TimedPiece
 from floquetrod.floquet.multipliers import delay_maps, whole_period_maps
 from floquetrod.floquet.multipliers.delay_series import DelaySeries
 from floquetrod.floquet.multipliers.independent_solutions import balance
-from floquetrod.floquet.multipliers.whole_steps import Steps, hindrance, steps
+from floquetrod.floquet.multipliers.whole_steps import Steps
 
 _MOST_POINTS = 4096  # of the circle on which maps are taken (a choice: a second)
 _LEFT_OUT = 1e-16  # of a map: what the points are chosen for
@@ -53,11 +52,8 @@ class StepPieces(NamedTuple):
         return int(self.present.mean.shape[-1])
 
 
-def step_pieces(system: DelaySystem) -> StepPieces:
-    """Return the coefficients of all parts over a step; TypeError for a system that is not taken."""
-    laid = steps(system)
-    if laid is None:
-        raise TypeError(f"{hindrance(system)}, got {validate.short(system)}")
+def step_pieces(system: DelaySystem, laid: Steps) -> StepPieces:
+    """Return the coefficients of all parts over a step."""
     inverse = delay_maps.inverse_mass(system)
     first = [_first_order(system, system.present, inverse, present=True)]
     first += [_first_order(system, term.coefficient, inverse, present=False) for term in system.delayed]

@@ -16,7 +16,7 @@ _MOST_STATES = 24  # of all parts together (a choice: tens of milliseconds for a
 _MOST_STEPS = 4000  # of the longest delay (a choice: seconds)
 _ROUNDED = 4.0 * EPS  # part of a delay by which it may miss a whole number of steps
 _TURN = 1.0  # radians that solutions of constant coefficients turn by in a step, about (a choice)
-_LONG, _LONG_PHASE = 8.0, 100.0  # periods, or radians of constant coefficients, from which a delay is long (measured)
+_LONG, _LONG_PHASE = 5.0, 100.0  # periods, or radians of constant coefficients, from which a delay is long (measured)
 
 
 class Steps(NamedTuple):
@@ -27,20 +27,12 @@ class Steps(NamedTuple):
     delays: tuple[int, ...]  # p_j
 
 
-def hindrance(system: DelaySystem) -> str | None:
-    """Return why a system is not taken, None where it is."""
-    if steps(system) is not None:
-        return None
-    most = f"at most {_MOST_STEPS} a delay, {_MOST_STATES} unknowns in all steps of a period"
-    return f"system must have delays, and these and the period must be whole numbers of a step, {most}, for winding"
-
-
 def is_long(system: DelaySystem) -> bool:
-    """Return whether delays are so long that maps over a step take less time than a map of the history."""
+    """Return whether delays are so long that maps of a period take less time than a map of the history."""
     if not system.delayed:
         return False
     if system.is_constant:
-        return delay_maps.rate(system) * system.longest_delay > _LONG_PHASE
+        return delay_maps.rate(system) * system.longest_delay > _LONG_PHASE and steps(system) is not None
     return system.longest_delay > _LONG * system.period
 
 
