@@ -666,6 +666,8 @@ class RodData(units.InUnits, TellsAttributes):
     def stress(self, load: AnyLoad) -> Stress:
         """Return the largest stress along the rod under a load, axial and of bending with the channel, in Pa.
 
+        The bending of a rod with a natural shape is part of its `response`.
+
         Parameters
         ----------
         load : AxialLoad, AxialWave or ForceRecord

@@ -226,7 +226,7 @@ ROD = by_name(
         kind="",
         default=None,
         known_to=frozenset({"simulation"}),
-        without_effect_on=frozenset({"modes", "bends", "proofs", "critical force"}),
+        without_effect_on=frozenset({"modes", "bends", "proofs", "critical force", "stress"}),
         is_echoed=True,
     ),
     Parameter(
