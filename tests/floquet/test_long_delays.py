@@ -240,6 +240,17 @@ def test_delays_of_no_whole_steps_have_the_multipliers_of_collocation() -> None:
     assert abs(near.multipliers[0] - vague.multipliers[0]) < vague.multiplier_errors[0] < 1e-4
 
 
+def test_parts_of_a_period_may_be_of_different_sizes() -> None:
+    """Couplings of both halves differ a hundredfold, in opposite directions; a delay is one period and a half."""
+    pieces = [(0.5, [[-1.0, 40.0], [0.2, -1.5]]), (0.5, [[-1.2, 0.3], [-30.0, -1.0]])]
+    terms = [(1.5, [(0.5, [[0.1, 3.0], [0.0, 0.2]]), (0.5, [[0.2, 0.0], [2.0, -0.1]])])]
+    system = fr.DelaySystem.first_order_from_pieces(pieces, delayed=terms)
+    one, other = fr.stability(system, "winding"), fr.stability(system, "collocation")
+    gaps = [min(abs(mu - nu) for nu in other.multipliers) for mu in one.multipliers]
+    assert max(gaps) < 1e-9 * abs(one.multipliers[0])
+    assert one.status == other.status
+
+
 def test_three_equations_with_three_long_delays() -> None:
     rng = np.random.default_rng(3)
 

@@ -66,7 +66,9 @@ def step_pieces(system: DelaySystem, laid: Steps) -> StepPieces:
         for pieces, back in zip(first, (0, *laid.delays), strict=True)
     ]
     total = np.asarray(sum(each.sizes.max(axis=1)[0] for each in (present, *delayed)))
-    scales = balance(total)[None]
+    # The end of a part is the beginning of the next: all have the same coordinates.
+    n = total.shape[0] // laid.parts
+    scales = np.tile(balance(total.reshape(laid.parts, n, laid.parts, n).sum(axis=(0, 2))), laid.parts)[None]
     present, *delayed = [each.scaled(scales) for each in (present, *delayed)]
     stretch = float(scales.max() / scales.min())
     size = max(float(each.sizes.max()) for each in (present, *delayed))
