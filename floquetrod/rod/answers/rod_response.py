@@ -162,7 +162,7 @@ class RodResponse(ByContent, Printed, NoTruthValue):
             lost = "; lost where it is negative: simulate it" if least < 0.0 else ""
             lines.append(("contact", f"{least:.4g} to {most:.4g} {pressed.name}{lost}"))
         lines.append(
-            ("distance", f"{self.distance:.3g} of the nearest multiplier from 1, where it would not be bounded")
+            ("distance", f"{self.distance:.3g} from the nearest multiplier to 1, where motion is infinite")
         )
         if self.angle > _LARGE:
             lines.append(("note", "small angles are assumed, and this one is large; simulate it"))
