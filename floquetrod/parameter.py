@@ -152,9 +152,9 @@ class Parameter:
         """Return what was written, with a unit or without, in the SI unit; options as there."""
         return units.quantity(text, name, self.kind, **options)
 
-    def within_limits(self, text: Any) -> float:
+    def within_limits(self, text: Any, name: str | None = None) -> float:
         """Return what was written, with a unit or without, in the SI unit and within the limits."""
-        return units.quantity(text, self.name, self.kind, least=self.least, largest=self.largest)
+        return units.quantity(text, name or self.name, self.kind, least=self.least, largest=self.largest)
 
     def in_words(self, value: Any, shown: units.AnswerUnits | None = None) -> tuple[str, str]:
         """Return name and value in the units of an answer, by default in SI units."""

@@ -1,4 +1,4 @@
-"""A milling cutter as a value: modes, teeth, immersion and cutting coefficients.
+"""A milling cutter as a value: modes, teeth with their pitch, helix and runout, immersion and cutting coefficients.
 
 Y. Altintas, Manufacturing Automation, Cambridge 2012, doi:10.1017/CBO9780511843723; T. Insperger and G. Stepan,
 Semi-Discretization for Time-Delay Systems, Springer 2011, doi:10.1007/978-1-4614-0335-7.
@@ -6,6 +6,7 @@ Semi-Discretization for Time-Delay Systems, Springer 2011, doi:10.1007/978-1-461
 
 from __future__ import annotations
 
+import functools
 import math
 import warnings
 from dataclasses import dataclass
@@ -25,10 +26,14 @@ from floquetrod._util.plausibility_warning import SILENCE, PlausibilityWarning, 
 from floquetrod.equations import DelaySystem, PeriodicSystem, Varying
 from floquetrod.floquet.dispatch import stability
 from floquetrod.floquet.multipliers.system_stability import SystemStability
+from floquetrod.milling import teeth as of_teeth
+from floquetrod.milling.teeth import Arc
 from floquetrod.parameter import Parameter, by_name
 
 _SOFTEST = 1e5  # Pa: foam takes ten times as much to cut (a choice)
 _EDGE = 1e-12  # rad: a tooth so close to entering or leaving counts as beyond
+_WHOLE_TURN = math.radians(1e-3)  # by which pitches may miss it, rounded as on drawings (a choice)
+_MOST_TURNS = 4  # of a helix over the depth of cut (a choice)
 
 MOST_TEETH = 64
 """Most teeth of a cutter (a choice)."""
@@ -55,6 +60,11 @@ CUTTER = by_name(
     Parameter(name="radial", symbol="K_r", kind="pressure", least=-1e15, largest=1e15),
     Parameter(name="immersion", symbol="a / D", kind="ratio", least=1e-6, largest=1.0, default=1.0),
     Parameter(name="direction", symbol="", kind="", default="up"),
+    Parameter(name="pitch", symbol="psi_j", kind="angle", least=1e-3, largest=2.0 * math.pi, default=()),
+    Parameter(name="helix", symbol="eta", kind="angle", least=0.0, largest=math.radians(80.0), default=0.0),
+    Parameter(name="diameter", symbol="D", kind="length", least=1e-6, largest=1e3, default=None),
+    Parameter(name="runout", symbol="r_j", kind="length", least=-0.01, largest=0.01, default=()),
+    Parameter(name="feed_per_tooth", symbol="f_z", kind="length", least=1e-9, largest=1.0, default=None),
 )
 """Parameters of a cutter by their names."""
 
@@ -117,6 +127,11 @@ class Cutter(ByContent):
     radial: float
     immersion: float
     direction: Literal["up", "down"]
+    pitch: tuple[float, ...]
+    helix: float
+    diameter: float | None
+    runout: tuple[float, ...]
+    feed_per_tooth: float | None
 
     def __init__(
         self,
@@ -128,19 +143,36 @@ class Cutter(ByContent):
         radial: Any,
         immersion: Any = 1.0,
         direction: Literal["up", "down"] = "up",
+        pitch: Any = (),
+        helix: Any = 0.0,
+        diameter: Any = None,
+        runout: Any = (),
+        feed_per_tooth: Any = None,
     ) -> None:
         """Check the parameters and bring them into SI units."""
         modes = {name: tuple(_modes(name, given)) for name, given in (("x", x), ("y", y))}
         if not modes["x"] and not modes["y"]:
             raise ValueError("x or y must hold a ToolMode, got none")
+        count = validate.integer("teeth", teeth, 1, MOST_TEETH)
+        given = {"diameter": diameter, "feed_per_tooth": feed_per_tooth}
         vars(self).update(
             **modes,
-            teeth=validate.integer("teeth", teeth, 1, MOST_TEETH),
+            teeth=count,
             tangential=CUTTER["tangential"].within_limits(tangential),
             radial=CUTTER["radial"].within_limits(radial),
             immersion=CUTTER["immersion"].within_limits(immersion),
             direction=validate.choice("direction", direction, ("up", "down")),
+            pitch=_pitch(pitch, count),
+            helix=CUTTER["helix"].within_limits(helix),
+            runout=_runout(runout, count),
+            **{name: None if each is None else CUTTER[name].within_limits(each) for name, each in given.items()},
         )
+        if self.helix > 0.0 and self.diameter is None:
+            raise ValueError('diameter must be given with a helix, which winds around it: diameter="12mm"')
+        if any(self.runout) and self.feed_per_tooth is None:
+            raise ValueError(
+                'feed_per_tooth must be given with runout: chips thinner than it are not cut; feed_per_tooth="0.1mm"'
+            )
         _warn_of_soft(self.tangential)
 
     def in_words(self) -> str:
@@ -152,7 +184,19 @@ class Cutter(ByContent):
             for mode in listed
         ]
         coefficients = f"tangential {1e-6 * self.tangential:.4g} N/mm2, radial {1e-6 * self.radial:.4g} N/mm2"
-        return "; ".join([coefficients, *modes])
+        return "; ".join([coefficients, *self._teeth_in_words(), *modes])
+
+    def _teeth_in_words(self) -> list[str]:
+        """Return pitch, helix and runout, as far as the teeth are not straight, evenly spaced and of one length."""
+        words = []
+        if self.has_variable_pitch:
+            words.append(f"pitch {', '.join(f'{math.degrees(angle):.6g}' for angle in self.pitch)} deg")
+        if self.helix > 0.0 and self.diameter is not None:
+            words.append(f"helix {math.degrees(self.helix):.4g} deg on a diameter of {1e3 * self.diameter:.6g} mm")
+        if any(self.runout) and self.feed_per_tooth is not None:
+            radii = ", ".join(f"{1e6 * radius:.6g}" for radius in self.runout)
+            words.append(f"runout {radii} um, feed {1e3 * self.feed_per_tooth:.4g} mm a tooth")
+        return words
 
     @property
     def modes(self) -> tuple[ToolMode, ...]:
@@ -167,43 +211,61 @@ class Cutter(ByContent):
         return math.acos(2.0 * self.immersion - 1.0), math.pi
 
     @property
-    def pitch(self) -> float:
-        """Angle between teeth, in rad."""
-        return 2.0 * math.pi / self.teeth
+    def has_variable_pitch(self) -> bool:
+        """Whether the angles between teeth differ."""
+        return len(set(self.pitch)) > 1
 
     @cached_property
+    def cycle(self) -> float:
+        """Angle after which the teeth repeat, in rad: the one between teeth that are evenly spaced and alike."""
+        return 2.0 * math.pi / (self.teeth // of_teeth.teeth_that_repeat(self.pitch, self.runout))
+
+    @cached_property
+    def arcs(self) -> tuple[Arc, ...]:
+        """Angles over which each tooth cuts, and how much earlier the surface was left that it cuts."""
+        return of_teeth.arcs(self.pitch, self.runout, self.teeth * (self.feed_per_tooth or 0.0), self.angles)
+
+    @cached_property
+    def delays(self) -> tuple[float, ...]:
+        """Angles, from the smallest on, by which the cutter turned since the surface was left that a tooth cuts."""
+        ascending = sorted({arc.delay for arc in self.arcs})
+        return tuple(of_teeth.apart([*ascending, math.inf])[:-1])
+
+    @property
     def jumps(self) -> tuple[float, ...]:
-        """Angles within a pitch, from 0 on, at which a tooth enters or leaves the cut."""
-        entry, leave = self.angles
-        if abs(entry) < 1e-12 and abs(leave - math.pi) < 1e-12 and self.teeth % 2 == 0:
-            return ()  # as one tooth leaves another enters, and neither cuts there
-        jumps: list[float] = []
-        for angle in sorted(angle % self.pitch for angle in (entry, leave)):
-            at = 0.0 if self.pitch - angle < 1e-9 else angle
-            jumps += [] if any(abs(at - other) < 1e-9 for other in jumps) else [at]
-        return tuple(jumps)
+        """Angles within a cycle, from 0 on, at which a tooth's tip enters or leaves the cut, or the surface changes."""
+        return jumps(self)
+
+    def lag(self, depth: float) -> float:
+        """Return by how much the upper end of a tooth lags behind its tip, in rad, at a depth of cut in m.
+
+        ValueError for a depth over which the helix winds around the cutter more than four times.
+        """
+        if self.helix == 0.0 or self.diameter is None:
+            return 0.0
+        lag = 2.0 * math.tan(self.helix) / self.diameter * depth
+        if lag > 2.0 * math.pi * _MOST_TURNS:
+            raise validate.wrong_value(
+                "depth",
+                f"must be at most {self.deepest:.4g} m, over which the helix winds around the cutter {_MOST_TURNS} "
+                f"times, got {depth:.4g} m",
+            )
+        return lag
+
+    @property
+    def deepest(self) -> float:
+        """The largest depth of cut taken, in m: a helix winds around the cutter four times, infinite without one."""
+        if self.helix == 0.0 or self.diameter is None:
+            return math.inf
+        return math.pi * self.diameter * _MOST_TURNS / math.tan(self.helix)
 
     def cutting(self, angle: Any) -> Floats:
-        """Return H, in Pa, of the modes, with a tooth at angles in rad (array_like): of shape (..., n, n).
+        """Return H, in Pa, of the modes at the tip, with a tooth at angles in rad (array_like): shape (..., n, n).
 
         ValueError or TypeError for angles other than finite numbers.
         """
         angle = units.array("angle", angle, "angle", -validate.LARGEST, validate.LARGEST)
-        entry, leave = self.angles
-        teeth = angle[..., None] + self.pitch * np.arange(self.teeth)
-        teeth = teeth - 2.0 * math.pi * np.floor(teeth / (2.0 * math.pi))
-        cuts = ((teeth >= entry - _EDGE) & (teeth < leave - _EDGE)).astype(float)
-        sine, cosine = np.sin(teeth), np.cos(teeth)
-        forces = self.tangential * cosine + self.radial * sine, self.radial * cosine - self.tangential * sine
-        along = [[(cuts * force * thick).sum(axis=-1) for thick in (sine, cosine)] for force in forces]
-        axis = [0] * len(self.x) + [1] * len(self.y)
-        rows = [np.stack([along[i][j] for j in axis], axis=-1) for i in axis]
-        return np.stack(rows, axis=-2)
-
-    @cached_property
-    def _pieces(self) -> PeriodicSystem:
-        """H over the angle between teeth, in pieces."""
-        return PeriodicSystem.from_function(self.cutting, self.pitch, self.jumps)
+        return np.asarray(cutting_by_delay(self, angle).sum(axis=0))
 
     def system(self, speed: Any, depth: Any) -> DelaySystem:
         """Return the equations in kg, N and m at a spindle speed and an axial depth of cut.
@@ -222,29 +284,37 @@ class Cutter(ByContent):
         1
         """
         turn, deep = read_speed(speed), read_depth(depth)
-        cut = self._pieces
+        cut, by_delay, shift = _expanded(self, self.lag(deep))
         stiffness = np.diag([mode.stiffness for mode in self.modes])
         others: dict[str, Any] = {
             "mass": np.diag([mode.mass for mode in self.modes]),
             "damping": np.diag([2.0 * mode.damping_ratio * mode.frequency * mode.mass for mode in self.modes]),
-            "coefficient_error": deep * cut.coefficient_error,
+            "coefficient_error": deep * max(cut.coefficient_error, *(each.coefficient_error for each in by_delay)),
         }
         if not cut.pieces:
             cosines, sines = ([deep * each for each in part] for part in (cut.cosines, cut.sines))
             mean, period = deep * cut.mean, float(cut.period) / turn
             delayed = [(period, -mean, [-each for each in cosines], [-each for each in sines])]
             return DelaySystem(stiffness + mean, cosines, sines, period=period, delayed=delayed, **others)
-        lengths = [float(duration) / turn for duration, _ in cut.pieces]
-        values = [_scaled(value, deep, turn) for _, value in cut.pieces]
         now = [
             (length, value.mapped(lambda constant: stiffness + constant, np.asarray))
-            for length, value in zip(lengths, values, strict=True)
+            for length, value in _over_time(cut, deep, turn, shift, exactly=len(by_delay) > 1)
         ]
-        back = [(length, value.mapped(np.negative, np.negative)) for length, value in zip(lengths, values, strict=True)]
-        return DelaySystem.from_pieces(now, delayed=[(sum(map(Fraction, lengths)), back)], **others)
+        period = sum(Fraction(length) for length, _ in now)
+        delayed = [
+            (
+                of_teeth.part(delay, self.cycle) * period,
+                [
+                    (length, value.mapped(np.negative, np.negative))
+                    for length, value in _over_time(each, deep, turn, shift, exactly=len(by_delay) > 1)
+                ],
+            )
+            for delay, each in zip(self.delays, by_delay, strict=True)
+        ]
+        return DelaySystem.from_pieces(now, delayed=delayed, **others)
 
     def stability(self, speed: Any, depth: Any) -> SystemStability:
-        """Return the verdict at a spindle speed and an axial depth of cut; its period is the time between teeth.
+        """Return the verdict at a spindle speed and an axial depth of cut; its period is the time until teeth repeat.
 
         Parameters
         ----------
@@ -258,9 +328,15 @@ class Cutter(ByContent):
 
     def __repr__(self) -> str:
         """Return what the cutter is."""
+        uneven = [
+            *(["variable pitch"] if self.has_variable_pitch else []),
+            *([f"helix {math.degrees(self.helix):.4g} deg"] if self.helix else []),
+            *(["runout"] if any(self.runout) else []),
+        ]
+        teeth = ", ".join([f"{self.teeth} teeth", *uneven])
         kind = "slot" if self.immersion == 1.0 else f"{self.direction} milling, immersion {self.immersion:g}"
         plural = "s" * (len(self.modes) > 1)
-        return f"<Milling: {self.teeth} teeth, {kind}, {len(self.modes)} mode{plural}>"
+        return f"<Milling: {teeth}, {kind}, {len(self.modes)} mode{plural}>"
 
 
 def _warn_of_soft(tangential: float) -> None:
@@ -288,8 +364,136 @@ def _modes(name: str, given: Any) -> list[ToolMode]:
     return [validate.instance(f"{name}[{i}]", mode, ToolMode) for i, mode in enumerate(listed)]
 
 
-def _scaled(value: Varying, depth: float, speed: float) -> Varying:
-    """Return H over angles as depth H over time."""
+def _scaled(value: Varying, depth: float, speed: float, shift: float) -> Varying:
+    """Return H over angles, less a shift of its entries, as depth H over time."""
     slope = None if value.slope is None else depth * speed * value.slope
     cosines, sines = ([depth * m for m in series] for series in (value.cosines, value.sines))
-    return Varying(None, slope, cosines, sines, start=depth * value.start)
+    return Varying(None, slope, cosines, sines, start=depth * (value.start - shift))
+
+
+def _over_time(
+    cut: PeriodicSystem, depth: float, speed: float, shift: float, *, exactly: bool
+) -> list[tuple[Any, Varying]]:
+    """Return durations and depth H of pieces; exact durations, which add up to one period however H is cut."""
+    return [
+        (Fraction(length) / Fraction(speed) if exactly else float(length) / speed, _scaled(value, depth, speed, shift))
+        for length, value in cut.pieces
+    ]
+
+
+def _pitch(given: Any, teeth: int) -> tuple[float, ...]:
+    """Return the angle in rad from each tooth to the one before it, equal ones where none are given."""
+    equal = 2.0 * math.pi / teeth
+    angles = _of_each_tooth("pitch", given, teeth, '["70deg", "110deg", "70deg", "110deg"]')
+    if not angles:
+        return (equal,) * teeth
+    total = math.fsum(angles)
+    if abs(total - 2.0 * math.pi) > _WHOLE_TURN:
+        raise validate.wrong_value(
+            "pitch",
+            f"must add up to 360 deg, got {math.degrees(total):.6g} deg; a number alone is in rad, "
+            f"write {_in_degrees(given)}",
+        )
+    angles = [angle * (2.0 * math.pi / total) for angle in angles]
+    return (equal,) * teeth if max(abs(angle - equal) for angle in angles) < _WHOLE_TURN / teeth else (*angles,)
+
+
+def _in_degrees(given: Any) -> str:
+    """Return how the first pitch is written in degrees."""
+    first = next(iter(given))
+    return f'"{first:g}deg"' if isinstance(first, int | float) else '"90deg"'
+
+
+def _runout(given: Any, teeth: int) -> tuple[float, ...]:
+    """Return the radii of teeth beyond the shortest one, in m."""
+    radii = _of_each_tooth("runout", given, teeth, '["0um", "10um"]') or [0.0] * teeth
+    return tuple(radius - min(radii) for radius in radii)
+
+
+def _of_each_tooth(name: str, given: Any, teeth: int, example: str) -> list[float]:
+    """Return a quantity of every tooth in the SI unit, none where none is given."""
+    values = validate.sequence(name, given, example)
+    if values and len(values) != teeth:
+        raise validate.wrong_value(name, f"must have one value for each of {teeth} teeth, got {len(values)}")
+    return [CUTTER[name].within_limits(value, f"{name}[{i}]") for i, value in enumerate(values)]
+
+
+def cutting_by_delay(cutter: Cutter, angle: Floats, lag: float = 0.0) -> Floats:
+    """Return the part of H, in Pa, of surfaces left by each of the delays, at angles in rad: (D, ..., n, n).
+
+    With a lag the mean over the edge of helical teeth, whose upper ends come by so many rad later.
+    """
+    before = np.cumsum([0.0, *cutter.pitch[:-1]]) if cutter.has_variable_pitch else None
+    ahead = cutter.pitch[0] * np.arange(cutter.teeth) if before is None else before
+    teeth = angle[..., None] + ahead
+    teeth = teeth - 2.0 * math.pi * np.floor(teeth / (2.0 * math.pi))
+    # Means of sin^2, sin cos and cos^2 over each tooth's edge, where it cuts: of straight teeth the products there.
+    sine, cosine = np.sin(teeth), np.cos(teeth)
+    delays = np.asarray(cutter.delays)
+    cuts = np.zeros((delays.size, 3 if lag > 0.0 else 1, *teeth.shape))
+    for arc in cutter.arcs:
+        total = cuts[int(np.abs(delays - arc.delay).argmin()), ..., arc.tooth]
+        own = teeth[..., arc.tooth]
+        if lag > 0.0:
+            total += np.stack(of_teeth.means_of_products(own, lag, arc.start, arc.end))
+        else:
+            total += (own >= arc.start - _EDGE) & (own < arc.end - _EDGE)
+    tangential, radial = cutter.tangential, cutter.radial
+    if lag > 0.0:
+        squares, products, others = (cuts[:, i].sum(axis=-1) for i in range(3))
+        along = [
+            [tangential * products + radial * squares, tangential * others + radial * products],
+            [radial * products - tangential * squares, radial * others - tangential * products],
+        ]
+    else:
+        forces = tangential * cosine + radial * sine, radial * cosine - tangential * sine
+        along = [[(cuts[:, 0] * force * thick).sum(axis=-1) for thick in (sine, cosine)] for force in forces]
+    axis = [0] * len(cutter.x) + [1] * len(cutter.y)
+    rows = [np.stack([along[i][j] for j in axis], axis=-1) for i in axis]
+    return np.stack(rows, axis=-2)
+
+
+@functools.lru_cache(maxsize=256)
+def jumps(cutter: Cutter, lag: float = 0.0) -> tuple[float, ...]:
+    """Return the angles within a cycle, from 0 on, at which H jumps, or with a lag has a kink."""
+    entry, leave = cutter.angles
+    alike = not cutter.has_variable_pitch and not any(cutter.runout)
+    if alike and lag == 0.0 and abs(entry) < 1e-12 and abs(leave - math.pi) < 1e-12 and cutter.teeth % 2 == 0:
+        return ()  # as one tooth leaves another enters, and neither cuts there
+    repeated = round(cutter.teeth * cutter.cycle / (2.0 * math.pi))
+    ahead = np.cumsum([0.0, *cutter.pitch])
+    ends = [
+        end - float(ahead[arc.tooth]) + late
+        for arc in cutter.arcs
+        if arc.tooth < repeated
+        for end in (arc.start, arc.end)
+        for late in ((0.0, lag) if lag > 0.0 else (0.0,))
+    ]
+    listed: list[float] = []
+    for angle in sorted(end % cutter.cycle for end in ends):
+        at = 0.0 if cutter.cycle - angle < 1e-9 else angle
+        listed += [] if any(abs(at - other) < 1e-9 for other in listed) else [at]
+    return tuple(sorted(listed))
+
+
+@functools.lru_cache(maxsize=32)
+def _expanded(cutter: Cutter, lag: float) -> tuple[PeriodicSystem, tuple[PeriodicSystem, ...], float]:
+    """Return H over a cycle in pieces, its part of each delay, and by how much their entries are shifted.
+
+    Shifted, a piece over which H rises from zero is expanded as precisely as H is large elsewhere.
+    """
+    at = jumps(cutter, lag)
+    alike = lag == 0.0 and len(cutter.delays) == 1
+    shift = 0.0 if alike else max(cutter.tangential, abs(cutter.radial))
+
+    @functools.cache
+    def by_delay(angle: float) -> Floats:
+        return cutting_by_delay(cutter, np.asarray(angle), lag)
+
+    def sum_of(chosen: slice) -> PeriodicSystem:
+        return PeriodicSystem.from_function(lambda angle: by_delay(angle)[chosen].sum(axis=0) + shift, cutter.cycle, at)
+
+    total = sum_of(slice(None))
+    if len(cutter.delays) == 1:
+        return total, (total,), shift
+    return total, tuple(sum_of(slice(i, i + 1)) for i in range(len(cutter.delays))), shift

@@ -17,7 +17,7 @@ from floquetrod.milling.tool_file import read_tool
 
 @dataclass(frozen=True, eq=False, repr=False, init=False)
 class Milling(Cutter):
-    """A cutter with straight teeth, evenly spaced, fed along x, whose tip vibrates in modes along x and y.
+    """A cutter, fed along x, whose tip vibrates in modes along x and y.
 
     The chip of a tooth at the angle phi from y has a thickness given by the feed and by the tip's vibration now, q(t),
     and one tooth earlier, q(t - tau); its force is depth times (tangential, radial) times that.  About the periodic
@@ -25,7 +25,10 @@ class Milling(Cutter):
 
         M q'' + C q' + K q = -depth H(t) (q(t) - q(t - tau)),   tau = 2 pi / (teeth speed),
 
-    with H of period tau, zero where no tooth is within the immersion.
+    with H of period tau, zero where no tooth is within the immersion.  That is of teeth evenly spaced, straight and of
+    one length.  Of others it is depth sum_j H_j(t) (q(t) - q(t - tau_j)), of a term for each time since the surface
+    was left that a tooth cuts: the pitch before it, or of a tooth behind one that stood out several; the period is the
+    time until teeth repeat.  The edge of a helical tooth lags behind its tip, and H_j is the mean over it.
 
     Parameters
     ----------
@@ -43,6 +46,20 @@ class Milling(Cutter):
         Width of cut as a fraction of the cutter's diameter, above 0 and up to 1, a slot.
     direction : {"up", "down"}
         Whether a tooth enters where the chip is thin ("up") or thick; of a slot it does not matter.
+    pitch : sequence of str or float
+        Angle from each tooth to the one that cuts before it, such as ["70deg", "110deg", "70deg", "110deg"], which add
+        up to 360 degrees within 0.001; numbers are in rad.  By default all are equal.
+    helix : str or float
+        Helix angle, of either hand, such as "30deg", up to 80 degrees; a number is in rad.  0, straight teeth, by
+        default.
+    diameter : str or float, optional
+        Of the cutter, such as "12mm"; a number is in m.  Needed with a helix.
+    runout : sequence of str or float
+        Radius of each tooth, as measured from any zero, in the order of ``pitch``, such as ["0um", "10um"]; numbers
+        are in m.  By default all are equal.
+    feed_per_tooth : str or float, optional
+        Feed between two teeth on average, such as "0.1mm"; a number is in m.  Needed with runout: where a tooth stands
+        back by more than the chip it cuts nothing, and the next one cuts what two pitches left.
 
     Examples
     --------

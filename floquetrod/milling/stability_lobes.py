@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import functools
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any, Literal, NamedTuple
@@ -22,13 +23,16 @@ from floquetrod.floquet.multipliers.delay_maps import Coefficients, period_maps
 from floquetrod.floquet.multipliers.delay_mesh import Mesh, mesh
 from floquetrod.floquet.multipliers.many_verdicts import ManyVerdicts
 from floquetrod.floquet.status import STABLE, UNSTABLE
-from floquetrod.milling.cutter import Cutter, read_depth, read_speed
+from floquetrod.milling.cutter import Cutter, cutting_by_delay, jumps, read_depth, read_speed
+from floquetrod.milling.teeth import apart, part
 from floquetrod.plane import Axis, Chart, Family, Verdicts, axis_values, charted
 
+_MOST_BREAKS = 24  # of the cycle, beyond which kinks of delayed values are not among them (a choice)
 _PHASE = 36.0  # rad that solutions turn by in a piece, at most (a choice)
 _RESOLVED = 8, 0.5  # nodes with which some radians are resolved to about 1e-6: so many, and for each radian (measured)
+_FEW = 4  # the first of these where kinks of uneven teeth cut the cycle into many short pieces (measured)
 _STEPS, _REACH = 4, 50.0  # depths tried up to the least critical depth, and how many of these deep (a choice)
-_MOST_VIBRATIONS = 120  # between two teeth: a critical depth then takes a quarter of a minute (measured)
+_MOST_VIBRATIONS = 120  # until teeth repeat: a critical depth then takes a quarter of a minute (measured)
 _FARTHEST = 500.0  # times that depth up to which is searched (a choice)
 _AT_ONCE = 16  # depths tried before deeper ones are (a choice)
 _PRECISE = 1e-11  # of a critical depth, relative
@@ -42,7 +46,7 @@ Kind = Literal["Hopf", "flip", "fold"]
 
 
 class _Cut(NamedTuple):
-    """A mesh for one number of pieces and nodes, and H at its nodes."""
+    """A mesh for one number of pieces and nodes, and at its nodes H by delay (D, F, n, n)."""
 
     mesh: Mesh
     cutting: Floats
@@ -55,9 +59,9 @@ class Lobe(NamedTuple):
     ----------
     kind : {"Hopf", "flip", "fold"}
         How the vibration begins: with a frequency near a mode's, with twice the time between teeth as its period,
-        or with that time.
+        or with that time; of uneven teeth the time until they repeat.
     number : int
-        Whole vibrations between two teeth.
+        Whole vibrations between two teeth, on average of uneven ones.
     speeds : (float, float)
         Spindle speeds between which, in rad/s.
     depth : float
@@ -188,57 +192,85 @@ class CuttingPlane(Family):
         """Return verdicts, and growth rates in 1/s where they must be known or were needed."""
         speeds, depths = np.broadcast_arrays(x, y)
         verdicts = judged(self.milling, speeds.ravel(), depths.ravel(), growth=growth)
-        periods = self.milling.pitch / speeds
+        periods = self.milling.cycle / speeds
         rates = np.maximum(verdicts.growth, 0.0).reshape(speeds.shape) / periods
         return Verdicts(verdicts.status.reshape(speeds.shape), rates)
 
 
 def judged(milling: Cutter, speeds: Floats, depths: Floats, *, growth: bool = False) -> ManyVerdicts:
-    """Return verdicts at speeds and depths (b,), growth between teeth, where it was needed."""
+    """Return verdicts at speeds and depths (b,), growth until teeth repeat, where it was needed."""
     pieces, counts = _resolution(milling, speeds, depths)
     status, logs = np.zeros(speeds.size, dtype=np.int8), np.empty(speeds.size)
-    for each in np.unique(pieces):
-        some = np.flatnonzero(pieces == each)
+    for each, some in _of_one_size(milling, depths, pieces):
 
-        def maps(which: NDArray[np.intp], count: int, some: NDArray[np.intp] = some, each: int = int(each)) -> Floats:
+        def maps(which: NDArray[np.intp], count: int, some: NDArray[np.intp] = some, each: int = each) -> Floats:
             return _maps(milling, speeds[some[which]], depths[some[which]], each, count)
 
         status[some], logs[some] = delay_many.judged(maps, counts[some], growth=growth)
     return ManyVerdicts(status, logs)
 
 
+def _lags(milling: Cutter, depths: Floats) -> Floats:
+    """Return the lag of upper ends of teeth at depths, in rad."""
+    return np.asarray([milling.lag(depth) for depth in depths.tolist()]) if milling.helix else np.zeros(depths.size)
+
+
+def _of_one_size(milling: Cutter, depths: Floats, pieces: NDArray[np.intp]) -> Iterator[tuple[int, NDArray[np.intp]]]:
+    """Yield numbers of pieces, and the places (b,) of which maps with as many have as many rows."""
+    lags = _lags(milling, depths)
+    layouts: dict[tuple[int, float], int] = {}
+    for key in {*zip(pieces.tolist(), lags.tolist(), strict=True)}:
+        layouts[key] = _cut(milling, key[0], 4, key[1]).mesh.size if milling.helix else 0
+    sizes = np.array([layouts[key] for key in zip(pieces.tolist(), lags.tolist(), strict=True)])
+    for each, size in sorted({*zip(pieces.tolist(), sizes.tolist(), strict=True)}):
+        yield each, np.flatnonzero((pieces == each) & (sizes == size))
+
+
 def _resolution(milling: Cutter, speeds: Floats, depths: Floats) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
     """Return into how many pieces the longest part between jumps is cut, and the nodes in each, of places (b,)."""
     stiffest = max(mode.frequency for mode in milling.modes)
     lightest = min(mode.mass for mode in milling.modes)
-    longest = max(np.diff(_breaks(milling, 1))) * milling.pitch
+    lags, inverse = np.unique(_lags(milling, depths), return_inverse=True)
+    longest = np.array([np.diff(_breaks(milling, 1, lag)).max() for lag in lags.tolist()])[inverse] * milling.cycle
     phase = longest / speeds * np.sqrt(stiffest**2 + depths * _largest_cutting(milling) / lightest)
     pieces = np.ceil(phase / _PHASE).astype(np.intp)
-    nodes = _RESOLVED[0] + _RESOLVED[1] * phase / pieces
-    return pieces, (4 * np.ceil(0.25 * nodes)).astype(np.intp)
+    alike = len(milling.delays) == 1 and milling.helix == 0.0
+    nodes = (_RESOLVED[0] if alike else _FEW) + _RESOLVED[1] * phase / pieces
+    return pieces, (4 * np.ceil(0.25 * nodes) if alike else 2 * np.ceil(0.5 * nodes)).astype(np.intp)
 
 
 def _require_fast(milling: Cutter, speed: float) -> None:
     """Raise ValueError for a spindle so slow that a critical depth would take long."""
-    turns = max(mode.frequency for mode in milling.modes) * milling.pitch / (2.0 * math.pi)
+    turns = max(mode.frequency for mode in milling.modes) * milling.cycle / (2.0 * math.pi)
     slowest = turns / _MOST_VIBRATIONS
     if speed < slowest:
         raise validate.wrong_value(
             "speed",
             f"must be at least {30.0 * slowest / math.pi:.4g} rpm, {slowest:.4g} rad/s, got {speed:.4g} rad/s: slower, "
-            f"the tool vibrates more than {_MOST_VIBRATIONS} times between two teeth, and a depth takes minutes",
+            f"the tool vibrates more than {_MOST_VIBRATIONS} times {_until(milling)}, and a depth takes minutes",
         )
+
+
+def _until(milling: Cutter) -> str:
+    """Return the time over which the cutter is judged, in words."""
+    return "between two teeth" if milling.cycle == milling.pitch[0] else "until its teeth repeat"
 
 
 @functools.lru_cache(maxsize=16)
 def _largest_cutting(milling: Cutter) -> float:
     """Return about the largest norm of H, in Pa."""
-    return float(np.linalg.norm(milling.cutting(np.linspace(0.0, milling.pitch, 65)), 2, axis=(1, 2)).max())
+    count = 64 * round(milling.cycle * milling.teeth / (2.0 * math.pi)) + 1
+    return float(np.linalg.norm(milling.cutting(np.linspace(0.0, milling.cycle, count)), 2, axis=(1, 2)).max())
 
 
-def _breaks(milling: Cutter, pieces: int) -> tuple[float, ...]:
-    """Return the ends of pieces as parts of the time between teeth, the longest part between jumps cut into some."""
-    edges = sorted({0.0, *(angle / milling.pitch for angle in milling.jumps), 1.0})
+@functools.lru_cache(maxsize=1024)
+def _breaks(milling: Cutter, pieces: int, lag: float = 0.0) -> tuple[float, ...]:
+    """Return the ends of pieces as parts of the cycle, the longest part between jumps cut into some."""
+    at = {0.0, *(angle / milling.cycle for angle in jumps(milling, lag)), 1.0}
+    edges = sorted(at)
+    images = _images(milling, at, lag)
+    if images and len(at) + len(images) <= _MOST_BREAKS:
+        edges = apart(sorted(at | images))
     longest = max(high - low for low, high in pairwise(edges))
     breaks = [0.0]
     for low, high in pairwise(edges):
@@ -246,26 +278,52 @@ def _breaks(milling: Cutter, pieces: int) -> tuple[float, ...]:
     return tuple(breaks)
 
 
+def _images(milling: Cutter, at: set[float], lag: float) -> set[float]:
+    """Return where delayed values have a kink, as parts of the cycle: one delay after H jumps, while they are cut."""
+    images: set[float] = set()
+    for i, delay in enumerate(milling.delays):
+        share = part(delay, milling.cycle)
+        if share.denominator == 1:
+            continue
+        after = sorted((edge + float(share)) % 1.0 for edge in at - {1.0})
+        there = cutting_by_delay(milling, np.array(after) * milling.cycle, lag)[i]
+        images |= {image for image, value in zip(after, there, strict=True) if value.any()}
+    return {image for image in images if min(abs(image - edge) for edge in at) > 1e-9}
+
+
 @functools.lru_cache(maxsize=32)
-def _cut(milling: Cutter, pieces: int, count: int) -> _Cut:
-    breaks = _breaks(milling, pieces)
+def _cut(milling: Cutter, pieces: int, count: int, lag: float = 0.0) -> _Cut:
+    breaks = _breaks(milling, pieces, lag)
     middles = 0.5 * (np.asarray(breaks[1:]) + np.asarray(breaks[:-1]))
-    active = tuple((milling.cutting(middles * milling.pitch) != 0.0).any(axis=(1, 2)).tolist())
-    on = mesh(breaks, count, 2, (1.0,), (active,))
-    return _Cut(on, milling.cutting(on.nodes * milling.pitch))
+    active = (cutting_by_delay(milling, middles * milling.cycle, lag) != 0.0).any(axis=(2, 3))
+    delays = tuple(float(part(delay, milling.cycle)) for delay in milling.delays)
+    on = mesh(breaks, count, 2, delays, tuple(map(tuple, active.tolist())))
+    return _Cut(on, cutting_by_delay(milling, on.nodes * milling.cycle, lag))
 
 
 def _maps(milling: Cutter, speeds: Floats, depths: Floats, pieces: int, count: int) -> Floats:
-    """Return the maps over the time between teeth, (b, S, S)."""
-    on, cutting = _cut(milling, pieces, count)
+    """Return the maps until teeth repeat, (b, S, S), of places whose maps have as many rows."""
+    lags, inverse = np.unique(_lags(milling, depths), return_inverse=True)
+    if lags.size == 1:
+        return _maps_with_lag(milling, speeds, depths, pieces, count, float(lags[0]))
+    of_lag = [np.flatnonzero(inverse == i) for i in range(lags.size)]
+    made = [
+        _maps_with_lag(milling, speeds[some], depths[some], pieces, count, lag)
+        for some, lag in zip(of_lag, lags.tolist(), strict=True)
+    ]
+    return np.asarray(np.concatenate(made)[np.argsort(np.concatenate(of_lag))])
+
+
+def _maps_with_lag(milling: Cutter, speeds: Floats, depths: Floats, pieces: int, count: int, lag: float) -> Floats:
+    on, cutting = _cut(milling, pieces, count, lag)
     n = len(milling.modes)
     omega, ratio, mass = (np.array(column) for column in zip(*map(_numbers, milling.modes), strict=True))
-    period = milling.pitch / speeds
-    force = (period**2 * depths)[:, None, None, None] * (cutting / mass[:, None])
+    period = milling.cycle / speeds
+    forces = [(period**2 * depths)[:, None, None, None] * (each / mass[:, None]) for each in cutting]
     free = (period**2)[:, None, None, None] * np.diag(omega**2)
     damping = -period[:, None, None, None] * np.diag(2.0 * ratio * omega)
     rate = np.broadcast_to(damping, (speeds.size, len(on.nodes), n, n))
-    return period_maps(on, Coefficients(-free - force, rate, (force,)))
+    return period_maps(on, Coefficients(-free - functools.reduce(np.add, forces), rate, tuple(forces)))
 
 
 def _numbers(mode: Any) -> tuple[float, float, float]:
@@ -277,7 +335,8 @@ def critical_depths(milling: Cutter, speeds: Floats, most: float | None = None) 
     _require_fast(milling, float(speeds.min()))
     softest = min(2.0 * mode.damping_ratio * (1.0 + mode.damping_ratio) * mode.stiffness for mode in milling.modes)
     least = softest / _largest_cutting(milling)
-    limit = _REACH * least if most is None else most
+    limit = min(_REACH * least, milling.deepest) if most is None else most
+    milling.lag(limit * (1.0 - 1e-12))
     if limit > _FARTHEST * least:
         raise validate.wrong_value(
             "most",
@@ -335,10 +394,11 @@ def _logs(milling: Cutter, speeds: Floats, depths: Floats) -> Floats:
     """Return the logarithms of the largest moduli (b,), with nodes enough for some ten digits."""
     pieces, counts = _resolution(milling, speeds, depths)
     logs = np.empty(speeds.size)
-    for each, count in {*zip(pieces.tolist(), counts.tolist(), strict=True)}:
-        some = np.flatnonzero((pieces == each) & (counts == count))
-        maps = _maps(milling, speeds[some], depths[some], each, count + _ENOUGH)
-        logs[some] = np.log(delay_growth.moduli(maps))
+    for each, alike in _of_one_size(milling, depths, pieces):
+        for count in np.unique(counts[alike]).tolist():
+            some = alike[counts[alike] == count]
+            maps = _maps(milling, speeds[some], depths[some], each, count + _ENOUGH)
+            logs[some] = np.log(delay_growth.moduli(maps))
     return logs
 
 
@@ -363,7 +423,7 @@ def _axis(name: str, given: Any, read: Any) -> Floats:
 
 
 class _Onset(NamedTuple):
-    """How chatter begins at a speed: the angle of the multiplier, and vibrations between teeth."""
+    """How chatter begins at a speed: the angle of the multiplier, and vibrations until teeth repeat."""
 
     kind: Kind
     angle: float
@@ -372,12 +432,16 @@ class _Onset(NamedTuple):
 
 def _named(milling: Cutter, speeds: Floats, depths: Floats) -> list[Lobe]:
     """Return the lobes between critical depths: neighbours that begin in one way, with as many whole vibrations."""
+    between = 2.0 * math.pi / milling.teeth / milling.cycle  # two teeth, on average
     there = np.flatnonzero(np.isfinite(depths) & (depths > 0.0)).tolist()
     onsets = {i: _onset(milling, speeds[i], depths[i]) for i in there}
     groups: list[list[int]] = []
     for i in there:
         one, last = onsets[i], onsets.get(i - 1)
-        if last is None or (one.kind, math.floor(one.turns)) != (last.kind, math.floor(last.turns)):
+        if last is None or (one.kind, math.floor(one.turns * between)) != (
+            last.kind,
+            math.floor(last.turns * between),
+        ):
             groups.append([])
         groups[-1].append(i)
     lobes = []
@@ -385,8 +449,8 @@ def _named(milling: Cutter, speeds: Floats, depths: Floats) -> list[Lobe]:
         lowest = min(members, key=lambda i: float(depths[i]))
         onset, speed = onsets[lowest], float(speeds[lowest])
         ends = float(speeds[members[0]]), float(speeds[members[-1]])
-        frequency = onset.turns * 2.0 * math.pi * speed / milling.pitch
-        lobes.append(Lobe(onset.kind, math.floor(onset.turns), ends, float(depths[lowest]), speed, frequency))
+        frequency = onset.turns * 2.0 * math.pi * speed / milling.cycle
+        lobes.append(Lobe(onset.kind, math.floor(onset.turns * between), ends, float(depths[lowest]), speed, frequency))
     return lobes
 
 
@@ -395,33 +459,32 @@ def _onset(milling: Cutter, speed: float, depth: float) -> _Onset:
     speeds, depths = np.array([speed]), np.array([depth])
     pieces, count = (int(each[0]) for each in _resolution(milling, speeds, depths))
     count += _ENOUGH
+    lag = milling.lag(depth)
     values, vectors = np.linalg.eig(_maps(milling, speeds, depths, pieces, count)[0])
     leading = int(np.abs(values).argmax())
     angle = abs(float(np.angle(values[leading])))
     kind: Kind = "fold" if angle < _NOT_REAL else "flip" if math.pi - angle < _NOT_REAL else "Hopf"
     vector = vectors[:, leading] if values[leading].imag >= 0.0 else vectors[:, leading].conj()
-    return _Onset(kind, angle, abs(_turns(milling, vector, angle, speed, pieces, count)))
+    return _Onset(kind, angle, abs(_turns(milling, vector, angle, speed, _cut(milling, pieces, count, lag).mesh)))
 
 
-def _turns(milling: Cutter, vector: Complexes, angle: float, speed: float, pieces: int, count: int) -> float:
-    """Return how often a solution vibrates between teeth: of angle / 2 pi + k one that is strong in it.
+def _turns(milling: Cutter, vector: Complexes, angle: float, speed: float, on: Mesh) -> float:
+    """Return how often a solution vibrates until teeth repeat: of angle / 2 pi + k one that is strong in it.
 
     In deep cuts, which vary stiffness as much as the tool has, several are about as strong.  The one nearest to a
     natural frequency names the lobe, so that lobes of neighbouring speeds are numbered one after the other.
     """
-    on, _ = _cut(milling, pieces, count)
-    n, kept = len(milling.modes), count + 2
-    values = vector[2 * n :].reshape(-1, kept, n)
-    breaks = np.asarray(_breaks(milling, pieces))
-    middles = 0.5 * (breaks[1:] + breaks[:-1]) * milling.pitch
-    touched = np.flatnonzero((milling.cutting(middles) != 0.0).any(axis=(1, 2)))
+    n, touched = len(milling.modes), np.asarray(on.kept, dtype=np.intp)
+    count = len(on.nodes) // (len(on.breaks) - 1)
+    kept, breaks = count + 2, np.asarray(on.breaks)
+    values = vector[2 * n :][: touched.size * kept * n].reshape(-1, kept, n)
     times = breaks[touched, None] + np.diff(breaks)[touched, None] * (0.5 + 0.5 * chebyshev_points(kept))
     weights = np.sin(math.pi * np.arange(kept) / (kept - 1)) * np.diff(breaks)[touched, None]
     most = math.ceil(0.3 * len(on.nodes))  # more turns the nodes would not resolve
     tried = angle / (2.0 * math.pi) + np.arange(-most, most)
     waves = np.exp(-2j * math.pi * tried[:, None, None] * times)
     strength = np.square(np.abs(np.einsum("kpt,pt,ptn->kn", waves, weights, values))).sum(axis=1)
-    natural = np.array([mode.frequency for mode in milling.modes]) * milling.pitch / (2.0 * math.pi * speed)
+    natural = np.array([mode.frequency for mode in milling.modes]) * milling.cycle / (2.0 * math.pi * speed)
     away = np.abs(np.abs(tried)[:, None] - natural).min(axis=1)
     return float(tried[int(np.where(strength >= _STRONG * strength.max(), away, math.inf).argmin())])
 

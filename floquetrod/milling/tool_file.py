@@ -51,7 +51,12 @@ _USUAL = {"pressure": "N/mm2", "length": "mm", "mass": "g", "stiffness": "N/um"}
 def _require_units(given: dict[str, Any]) -> None:
     """Raise ValueError for a number without a unit where others have theirs; spindle speeds are in rpm without one."""
     kinds = _RANGES | {key: parameter.kind for key, parameter in CUTTER.items()}
-    quantities = [Quantity(key, given[key], kind) for key, kind in kinds.items() if kind and key in given]
+    quantities = [
+        Quantity(name, value, kind)
+        for key, kind in kinds.items()
+        if kind and key in given
+        for name, value in _each(key, given[key])
+    ]
     quantities += [
         Quantity(f"{axis}[{i}]: {parameter.name}", mode[parameter.name], parameter.kind)
         for axis in ("x", "y")
@@ -61,6 +66,11 @@ def _require_units(given: dict[str, Any]) -> None:
     ]
     for number in bare_numbers(quantities, _USUAL):
         raise ValueError(f"{number.quantity.name} {number.problem}")
+
+
+def _each(key: str, value: Any) -> list[tuple[str, Any]]:
+    """Return a value by its name, of a list of one for each tooth every one."""
+    return [(f"{key}[{i}]", each) for i, each in enumerate(value)] if isinstance(value, list) else [(key, value)]
 
 
 def spindle_speed(text: str, name: str, least: float = 0.0) -> float:

@@ -70,3 +70,19 @@ def test_bad_files_are_refused(
     path.write_text(TOOL.read_text(encoding="utf-8").replace(old, new), encoding="utf-8")
     assert cli.main(["lobes", str(path), "--at", "5000rpm"]) == 2
     assert message in capsys.readouterr().err
+
+
+def test_uneven_teeth_are_read_from_a_file(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = tmp_path / "uneven.toml"
+    uneven = 'teeth = 2\npitch = ["170deg", "190deg"]\nhelix = "30deg"\ndiameter = "12mm"\n'
+    text = TOOL.read_text(encoding="utf-8").replace("teeth = 2\n", uneven)
+    path.write_text(text, encoding="utf-8")
+    mill = fr.Milling.from_toml(path)
+    assert [math.degrees(angle) for angle in mill.pitch] == pytest.approx([170.0, 190.0])
+    assert cli.main(["lobes", str(path), "--at", "15000rpm"]) == 0
+    answer = capsys.readouterr().out
+    assert "pitch 170, 190 deg; helix 30 deg on a diameter of 12 mm" in answer
+    assert f"{1e3 * mill.critical_depth('15000rpm'):.6g} mm" in answer
+    path.write_text(text.replace('"190deg"', "3.316"), encoding="utf-8")
+    assert cli.main(["lobes", str(path), "--at", "15000rpm"]) == 2
+    assert "pitch[1] must have a unit" in capsys.readouterr().err

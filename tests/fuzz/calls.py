@@ -778,7 +778,12 @@ def _of_milling() -> dict[str, Call]:
     place = {"speed": "9000rpm", "depth": "0.5mm"}
     return {
         "ToolMode": Call(fr.ToolMode, {"frequency": "922Hz", "damping_ratio": 0.011, "mass": 0.04, "stiffness": None}),
-        "Milling": Call(fr.Milling, cutter | {"direction": "down"}),
+        "Milling": Call(
+            fr.Milling,
+            cutter
+            | {"direction": "down", "pitch": ["170deg", "190deg"], "helix": "30deg", "diameter": "12mm"}
+            | {"runout": ["0um", "10um"], "feed_per_tooth": "0.1mm"},
+        ),
         "Milling.from_toml": Call(fr.Milling.from_toml, {"path": Path(__file__).parents[2] / "examples/tool.toml"}),
         "Milling.cutting": Call(mill.cutting, {"angle": 0.3}),
         "Milling.system": Call(mill.system, place),

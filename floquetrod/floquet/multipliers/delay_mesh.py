@@ -38,6 +38,8 @@ class Mesh(NamedTuple):
     end: Floats  # (r + H, F), the state at the end of the period and the values kept
     end_state: Floats  # (r + H, r)
     periods: int  # how many periods back delays reach, 1 or more
+    breaks: tuple[float, ...]  # ends of the pieces
+    kept: tuple[int, ...]  # the pieces whose values are kept
 
     @property
     def size(self) -> int:
@@ -141,7 +143,7 @@ def mesh(
     kept = count + derivatives
     rows = tuple(_delayed(pieces, source, touched, kept, periods) for source in sources)
     end, end_state = _end(pieces, touched, kept)
-    return Mesh(nodes, value, value_state, rate, rate_state, rows, end, end_state, periods)
+    return Mesh(nodes, value, value_state, rate, rate_state, rows, end, end_state, periods, breaks, tuple(touched))
 
 
 _Source = tuple[Floats, NDArray[np.intp], NDArray[np.intp], Bools]
