@@ -38,6 +38,7 @@ GALLERY = (
     "systems_trap",
     "systems_bands",
     "milling_lobes",
+    "milling_variable_pitch",
     "orbit_van_der_pol",
     "orbit_duffing",
     "orbit_period_doubling",

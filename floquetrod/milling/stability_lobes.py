@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import functools
 import math
-from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any, Literal, NamedTuple
@@ -201,7 +200,8 @@ def judged(milling: Cutter, speeds: Floats, depths: Floats, *, growth: bool = Fa
     """Return verdicts at speeds and depths (b,), growth until teeth repeat, where it was needed."""
     pieces, counts = _resolution(milling, speeds, depths)
     status, logs = np.zeros(speeds.size, dtype=np.int8), np.empty(speeds.size)
-    for each, some in _of_one_size(milling, depths, pieces):
+    for each in np.unique(pieces).tolist():
+        some = np.flatnonzero(pieces == each)
 
         def maps(which: NDArray[np.intp], count: int, some: NDArray[np.intp] = some, each: int = each) -> Floats:
             return _maps(milling, speeds[some[which]], depths[some[which]], each, count)
@@ -213,17 +213,6 @@ def judged(milling: Cutter, speeds: Floats, depths: Floats, *, growth: bool = Fa
 def _lags(milling: Cutter, depths: Floats) -> Floats:
     """Return the lag of upper ends of teeth at depths, in rad."""
     return np.asarray([milling.lag(depth) for depth in depths.tolist()]) if milling.helix else np.zeros(depths.size)
-
-
-def _of_one_size(milling: Cutter, depths: Floats, pieces: NDArray[np.intp]) -> Iterator[tuple[int, NDArray[np.intp]]]:
-    """Yield numbers of pieces, and the places (b,) of which maps with as many have as many rows."""
-    lags = _lags(milling, depths)
-    layouts: dict[tuple[int, float], int] = {}
-    for key in {*zip(pieces.tolist(), lags.tolist(), strict=True)}:
-        layouts[key] = _cut(milling, key[0], 4, key[1]).mesh.size if milling.helix else 0
-    sizes = np.array([layouts[key] for key in zip(pieces.tolist(), lags.tolist(), strict=True)])
-    for each, size in sorted({*zip(pieces.tolist(), sizes.tolist(), strict=True)}):
-        yield each, np.flatnonzero((pieces == each) & (sizes == size))
 
 
 def _resolution(milling: Cutter, speeds: Floats, depths: Floats) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
@@ -302,7 +291,7 @@ def _cut(milling: Cutter, pieces: int, count: int, lag: float = 0.0) -> _Cut:
 
 
 def _maps(milling: Cutter, speeds: Floats, depths: Floats, pieces: int, count: int) -> Floats:
-    """Return the maps until teeth repeat, (b, S, S), of places whose maps have as many rows."""
+    """Return the maps until teeth repeat, (b, S, S); smaller ones have zeros in more rows, and multipliers 0 more."""
     lags, inverse = np.unique(_lags(milling, depths), return_inverse=True)
     if lags.size == 1:
         return _maps_with_lag(milling, speeds, depths, pieces, count, float(lags[0]))
@@ -311,7 +300,11 @@ def _maps(milling: Cutter, speeds: Floats, depths: Floats, pieces: int, count: i
         _maps_with_lag(milling, speeds[some], depths[some], pieces, count, lag)
         for some, lag in zip(of_lag, lags.tolist(), strict=True)
     ]
-    return np.asarray(np.concatenate(made)[np.argsort(np.concatenate(of_lag))])
+    rows = max(maps.shape[1] for maps in made)
+    result = np.zeros((speeds.size, rows, rows))
+    for some, maps in zip(of_lag, made, strict=True):
+        result[some, : maps.shape[1], : maps.shape[1]] = maps
+    return result
 
 
 def _maps_with_lag(milling: Cutter, speeds: Floats, depths: Floats, pieces: int, count: int, lag: float) -> Floats:
@@ -394,11 +387,10 @@ def _logs(milling: Cutter, speeds: Floats, depths: Floats) -> Floats:
     """Return the logarithms of the largest moduli (b,), with nodes enough for some ten digits."""
     pieces, counts = _resolution(milling, speeds, depths)
     logs = np.empty(speeds.size)
-    for each, alike in _of_one_size(milling, depths, pieces):
-        for count in np.unique(counts[alike]).tolist():
-            some = alike[counts[alike] == count]
-            maps = _maps(milling, speeds[some], depths[some], each, count + _ENOUGH)
-            logs[some] = np.log(delay_growth.moduli(maps))
+    for each, count in {*zip(pieces.tolist(), counts.tolist(), strict=True)}:
+        some = np.flatnonzero((pieces == each) & (counts == count))
+        maps = _maps(milling, speeds[some], depths[some], each, count + _ENOUGH)
+        logs[some] = np.log(delay_growth.moduli(maps))
     return logs
 
 
