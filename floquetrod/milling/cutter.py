@@ -294,16 +294,16 @@ class Cutter(ByContent):
         if not cut.pieces:
             cosines, sines = ([deep * each for each in part] for part in (cut.cosines, cut.sines))
             mean, period = deep * cut.mean, float(cut.period) / turn
-            delayed = [(period, -mean, [-each for each in cosines], [-each for each in sines])]
-            return DelaySystem(stiffness + mean, cosines, sines, period=period, delayed=delayed, **others)
+            one = [(period, -mean, [-each for each in cosines], [-each for each in sines])]
+            return DelaySystem(stiffness + mean, cosines, sines, period=period, delayed=one, **others)
         now = [
             (length, value.mapped(lambda constant: stiffness + constant, np.asarray))
             for length, value in _over_time(cut, deep, turn, shift, exactly=len(by_delay) > 1)
         ]
-        period = sum(Fraction(length) for length, _ in now)
+        whole = sum((Fraction(length) for length, _ in now), Fraction(0))
         delayed = [
             (
-                of_teeth.part(delay, self.cycle) * period,
+                of_teeth.part(delay, self.cycle) * whole,
                 [
                     (length, value.mapped(np.negative, np.negative))
                     for length, value in _over_time(each, deep, turn, shift, exactly=len(by_delay) > 1)

@@ -82,7 +82,7 @@ def test_equations_and_quick_verdicts_agree(teeth: int) -> None:
 
 def test_cutting_is_that_of_one_tooth_after_another() -> None:
     mill = cutter(0.5, "up", teeth=3)
-    angles = np.linspace(0.0, mill.pitch, 50, endpoint=False)
+    angles = np.linspace(0.0, mill.cycle, 50, endpoint=False)
     expected = np.where(angles < 0.5 * math.pi, np.sin(angles) * (6e8 * np.cos(angles) + 2e8 * np.sin(angles)), 0.0)
     assert mill.cutting(angles)[:, 0, 0] == pytest.approx(expected, abs=1e-3)
     assert mill.jumps == pytest.approx((0.0, 0.5 * math.pi))
