@@ -138,7 +138,7 @@ def coefficients(system: DelaySystem, period: float, nodes: Floats) -> Coefficie
     return Coefficients((square @ present)[None], moving, tuple((square @ matrix)[None] for matrix in delayed))
 
 
-class PeriodMap(NamedTuple):
+class HistoryMap(NamedTuple):
     """Maps over a period with what they are made of: the unknowns, the highest derivatives at the nodes, as rows.
 
     A state holds, of each equation, q and q', or x, at the beginning, then the values kept of the last periods.
@@ -149,7 +149,7 @@ class PeriodMap(NamedTuple):
     left: Floats  # (b, F n, F n), whose solution for the forces at the nodes is what these add to the unknowns
 
 
-def period_map(mesh: Mesh, coefficients: Coefficients) -> PeriodMap:
+def period_map(mesh: Mesh, coefficients: Coefficients) -> HistoryMap:
     """Return the maps over a period of systems with coefficients at the nodes of a mesh, and their unknowns."""
     batch, count, n, _ = coefficients.value.shape
     derivatives = mesh.value_state.shape[1]
@@ -177,7 +177,7 @@ def period_map(mesh: Mesh, coefficients: Coefficients) -> PeriodMap:
     companion[:, :made] = new
     older = np.arange(made, total)
     companion[:, older, older - kept * n] = 1.0
-    return PeriodMap(companion, unknowns, left)
+    return HistoryMap(companion, unknowns, left)
 
 
 def period_maps(mesh: Mesh, coefficients: Coefficients) -> Floats:
