@@ -27,6 +27,7 @@ for i, w in enumerate(frequency):
         largest[i] = 1e3 * rod.response(load.varied("frequency", w)).largest
     except ValueError:  # unstable
         continue
+print(rod.response(load))
 
 # %%
 # Unstable frequencies, of any mode, are shaded.  The motion is large next to the band in which mode 6 grows with the

@@ -18,6 +18,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from floquetrod._util.arrays import Floats
+from floquetrod._util.content import ByContent
 from floquetrod.equations import HillSystem
 from floquetrod.equations.matrices import mass_matrix
 from floquetrod.equations.pieces import in_time
@@ -41,8 +42,8 @@ class Grid(NamedTuple):
     pieces: list[int]
 
 
-@dataclass(frozen=True)
-class BlochElements:
+@dataclass(frozen=True, eq=False)
+class BlochElements(ByContent):
     """The matrices of one system in elements of one degree, before the ends of the period are joined.
 
     ``energy`` is the matrix of y's energy less ``lowest`` times ``mass``, so that both are positive definite.

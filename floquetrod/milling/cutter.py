@@ -217,7 +217,7 @@ class Cutter(ByContent):
 
     @cached_property
     def cycle(self) -> float:
-        """Angle after which the teeth repeat, in rad: the one between teeth that are evenly spaced and alike."""
+        """Angle in rad after which the teeth repeat; from each tooth to the next where all are alike."""
         return 2.0 * math.pi / (self.teeth // of_teeth.teeth_that_repeat(self.pitch, self.runout))
 
     @cached_property
@@ -236,11 +236,17 @@ class Cutter(ByContent):
         """Angles within a cycle, from 0 on, at which a tooth's tip enters or leaves the cut, or the surface changes."""
         return jumps(self)
 
-    def lag(self, depth: float) -> float:
-        """Return by how much the upper end of a tooth lags behind its tip, in rad, at a depth of cut in m.
+    def lag(self, depth: Any) -> float:
+        """Return by how much the upper end of a tooth lags behind its tip, in rad, at a depth of cut.
 
         ValueError for a depth over which the helix winds around the cutter more than four times.
+
+        Parameters
+        ----------
+        depth : str or float
+            Such as "0.5mm"; a number is in m.
         """
+        depth = read_depth(depth)
         if self.helix == 0.0 or self.diameter is None:
             return 0.0
         lag = 2.0 * math.tan(self.helix) / self.diameter * depth
@@ -254,7 +260,7 @@ class Cutter(ByContent):
 
     @property
     def deepest(self) -> float:
-        """The largest depth of cut taken, in m: a helix winds around the cutter four times, infinite without one."""
+        """The largest depth of cut in m, over which a helix winds around the cutter four times; else infinite."""
         if self.helix == 0.0 or self.diameter is None:
             return math.inf
         return math.pi * self.diameter * _MOST_TURNS / math.tan(self.helix)

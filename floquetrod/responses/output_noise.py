@@ -183,7 +183,7 @@ class OutputNoise(ByContent, NoTruthValue, Reported):
         variances = np.diagonal(whole, axis1=1, axis2=2)
         lines = [
             ("equation", repr(self.equation)),
-            ("noise", "white" if self._density is None else "of a given density"),
+            ("noise", "white, the same density at all frequencies" if self._density is None else "of a given density"),
         ]
         for i, row in enumerate(variances.T[:6]):
             lines.append(("variance", f"{_mean(self.variance, i):.6g}, from {row.min():.6g} to {row.max():.6g}"))

@@ -786,6 +786,7 @@ def _of_milling() -> dict[str, Call]:
         ),
         "Milling.from_toml": Call(fr.Milling.from_toml, {"path": Path(__file__).parents[2] / "examples/tool.toml"}),
         "Milling.cutting": Call(mill.cutting, {"angle": 0.3}),
+        "Milling.lag": Call(mill.lag, {"depth": "0.5mm"}),
         "Milling.system": Call(mill.system, place),
         "Milling.stability": Call(mill.stability, place),
         "Milling.critical_depth": Call(mill.critical_depth, {"speed": "9000rpm", "most": "2mm"}),

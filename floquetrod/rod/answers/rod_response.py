@@ -161,9 +161,7 @@ class RodResponse(ByContent, Printed, NoTruthValue):
             least, most = (pressed.of(value) for value in self.contact)
             lost = "; lost where it is negative: simulate it" if least < 0.0 else ""
             lines.append(("contact", f"{least:.4g} to {most:.4g} {pressed.name}{lost}"))
-        lines.append(
-            ("distance", f"{self.distance:.3g} from the nearest multiplier to 1, where motion is infinite")
-        )
+        lines.append(("distance", f"{self.distance:.3g} from the nearest multiplier to 1, where motion is infinite"))
         if self.angle > _LARGE:
             lines.append(("note", "small angles are assumed, and this one is large; simulate it"))
         return Report(self._headline(units), lines)
