@@ -246,15 +246,15 @@ class Cutter(ByContent):
         depth : str or float
             Such as "0.5mm"; a number is in m.
         """
-        depth = read_depth(depth)
+        deep = read_depth(depth)
         if self.helix == 0.0 or self.diameter is None:
             return 0.0
-        lag = 2.0 * math.tan(self.helix) / self.diameter * depth
+        lag = 2.0 * math.tan(self.helix) / self.diameter * deep
         if lag > 2.0 * math.pi * _MOST_TURNS:
             raise validate.wrong_value(
                 "depth",
                 f"must be at most {self.deepest:.4g} m, over which the helix winds around the cutter {_MOST_TURNS} "
-                f"times, got {depth:.4g} m",
+                f"times, got {deep:.4g} m",
             )
         return lag
 
