@@ -259,8 +259,11 @@ def _moved(
     """Return how much a stable rod moves because it is not straight."""
     if asked.rod.natural_shape is None or asked.mu_and_kick is not None or result.status != "stable":
         return [], {}
+    from floquetrod.rod.shape_response import response as response_to
+
+    known = result.linear if asked.modes is None and asked.tolerance == 0.0 and asked.force is None else None
     try:
-        response = asked.rod.response(asked.load)
+        response = response_to(asked.rod._modes_under(asked.load), asked.load, verdict=known)
     except ValueError as error:
         return [("moves", f"unknown: {error}")], {"moves_m": None}
     return [("moves", f"{response.in_words(asked.shown)}, because of its natural shape")], {"moves_m": response.largest}

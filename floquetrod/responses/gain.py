@@ -104,11 +104,15 @@ class Gain(ByContent, NoTruthValue, Reported):
 
     def _signal(self, frequency: float) -> float:
         """Return the magnitude of the signal at one frequency."""
-        n = 1 if isinstance(self.equation, Equation) else self.equation.order
-        force = np.zeros((1, 1, n), dtype=complex)
+        force = np.zeros((1, 1, self._arrays.mass.shape[-1]), dtype=complex)
         force[0, 0, self.force_at] = 1.0
-        values, _ = balanced(hill_arrays(self.equation), force, np.array([frequency]))
+        values, _ = balanced(self._arrays, force, np.array([frequency]))
         return float(abs(values[0, values.shape[1] // 2, self.response_of]))
+
+    @cached_property
+    def _arrays(self) -> HillArrays:
+        """The coefficients for Hill's matrix."""
+        return hill_arrays(self.equation)
 
     @cached_property
     def width(self) -> float:

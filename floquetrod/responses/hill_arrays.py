@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from floquetrod._util.arrays import Complexes, Floats
-from floquetrod.equations import DelaySystem, Equation, HillSystem, PeriodicSystem
+from floquetrod.equations import DelaySystem, Equation, HillSystem, PeriodicSystem, matrices
 from floquetrod.equations.matrices import mass_matrix, velocity_matrix
 from floquetrod.floquet.problems import Problem
 
@@ -45,26 +45,50 @@ def _norms(array: Any) -> Floats:
 
 
 def hill_arrays(problem: Problem) -> HillArrays:
-    """Return the arrays of one problem whose coefficients are Fourier series, in a batch of one."""
-    omega = np.array([2.0 * math.pi / float(problem.period)])
+    """Return the arrays of a problem of Fourier series, or of a batch of such systems, flat in the order of C."""
     if isinstance(problem, Equation):
         (piece,) = problem.pieces()
-        halves: Any = np.array(piece.harmonics, dtype=complex).reshape(1, 1, -1, 1, 1) * -0.5
-        rates, mean = np.array([[[2.0 * problem.damping]]]), np.array([[[[-float(piece.start)]]]])
-        return HillArrays(np.ones((1, 1, 1)), rates, mean, halves, np.zeros((1, 1)), omega, np.zeros(1))
+        harmonics = np.array(piece.harmonics, dtype=complex)[None]
+        return scalar_arrays(float(piece.start), harmonics, problem.damping, 2.0 * math.pi / float(problem.period))
     present = problem.present if isinstance(problem, DelaySystem) else problem
     delayed = problem.delayed if isinstance(problem, DelaySystem) else ()
-    sign = 1.0 if isinstance(present, HillSystem) else -1.0
+    sign, n, size = 1.0 if isinstance(present, HillSystem) else -1.0, present.order, math.prod(present.shape)
     terms: list[HillSystem | PeriodicSystem] = [present, *(term.coefficient for term in delayed)]
-    means = sign * np.array([getattr(term, term.MEAN) for term in terms])
-    count = max(len(term.harmonics) for term in terms)
-    parts: Complexes = np.zeros((len(terms), count, present.order, present.order), dtype=complex)
+
+    def flat(array: Any, tail: int = 2) -> Any:
+        return matrices.flat(array, present.shape, tail)
+
+    means = sign * np.stack([flat(getattr(term, term.MEAN)) for term in terms], axis=1)
+    count = max(term.harmonics.shape[-3] for term in terms)
+    halves: Complexes = np.zeros((size, len(terms), count, n, n), dtype=complex)
     for j, term in enumerate(terms):
-        parts[j, : len(term.harmonics)] = 0.5 * sign * term.harmonics
+        halves[:, j, : term.harmonics.shape[-3]] = 0.5 * sign * flat(term.harmonics, 3)
     if isinstance(present, HillSystem):
-        mass, rates = mass_matrix(present), velocity_matrix(present)
+        mass, rates = flat(mass_matrix(present)), flat(velocity_matrix(present))
     else:
-        mass, rates = np.zeros((present.order,) * 2), np.eye(present.order)
-    delays = np.array([0.0, *(float(term.delay) for term in delayed)])
-    error = np.array([len(terms) * float(np.max(getattr(present, "error_norm", present.coefficient_error)))])
-    return HillArrays(mass[None], rates[None], means[None], parts[None], delays[None], omega, error)
+        mass, rates = np.zeros((size, n, n)), np.tile(np.eye(n), (size, 1, 1))
+    delays = np.tile([0.0, *(float(term.delay) for term in delayed)], (size, 1))
+    omega = 2.0 * math.pi / flat(np.asarray(present.period, dtype=float), 0)
+    error = np.full(size, len(terms) * float(np.max(getattr(present, "error_norm", present.coefficient_error))))
+    return HillArrays(mass, rates, means, halves, delays, omega, error)
+
+
+def scalar_arrays(mean: Any, harmonics: Any, damping: Any, omega: Any) -> HillArrays:
+    """Return the arrays of A'' + 2 c A' = (mean + sum_k Re(Z_k exp(i k W t))) A + f, with W = ``omega``.
+
+    ``harmonics`` are Z_k (b, H); ``mean``, ``damping`` and ``omega`` (b,) broadcast.
+    """
+    waves = np.asarray(harmonics, dtype=complex)
+    numbers = (np.asarray(value, dtype=float) for value in (mean, damping, omega))
+    mean, damping, omega, _ = (np.array(each) for each in np.broadcast_arrays(*numbers, np.empty(len(waves))))
+    batch = len(mean)
+    halves: Any = -0.5 * np.broadcast_to(waves, (batch, waves.shape[-1])).reshape(batch, 1, -1, 1, 1)
+    return HillArrays(
+        np.ones((batch, 1, 1)),
+        2.0 * damping.reshape(batch, 1, 1),
+        -mean.reshape(batch, 1, 1, 1),
+        halves,
+        np.zeros((batch, 1)),
+        omega,
+        np.zeros(batch),
+    )

@@ -14,9 +14,9 @@ from floquetrod._util.arguments import Mention, wrong_value
 from floquetrod._util.arrays import Bools, Complexes, Floats, Ints
 from floquetrod._util.progress import Progress
 from floquetrod.floquet.dispatch import stability
-from floquetrod.responses.harmonic_balance import balanced
-from floquetrod.responses.hill_arrays import HillArrays
+from floquetrod.responses.many import scalar_responses
 from floquetrod.rod.answers.rod_response import RodResponse
+from floquetrod.rod.answers.rod_stability import RodStability
 from floquetrod.rod.loads.load import AnyLoad, Load, Loads, LoadSource, require_load
 from floquetrod.rod.mode_equations.coupled_matrices import CoupledModes
 from floquetrod.rod.mode_equations.forced_modes import ForcedModes, are_independent, is_driven, shape_force
@@ -31,6 +31,7 @@ _MORE = 12  # modes besides (a choice)
 _FEWER = 0.8  # part of the modes of the second answer, with which the first is compared (a choice)
 _MOST_COUPLED = 250  # functions: Hill's matrix of more takes minutes
 _TURNS = 16  # instants for every harmonic that matters
+_RESONANT = 0.1  # error of the motion, as a fraction of it, from which there is no answer (a choice)
 _MATTERS = 1e-12  # part of the largest amplitude up to which a harmonic does not
 
 
@@ -53,7 +54,7 @@ class Field(NamedTuple):
         series = self.trimmed
         last = series.shape[1] // 2
         angles = 2.0 * math.pi * np.arange(_TURNS * (last + 1)) / (_TURNS * (last + 1))
-        waves = np.exp(1j * angles[:, None] * np.arange(-last, last + 1))
+        waves = np.exp(1j * angles[:, None] * _orders(series.shape[1]))
         if len(series) == 1:
             return angles, (waves @ series[0]).real
         squares = np.zeros((len(angles), series.shape[2]))
@@ -73,8 +74,7 @@ class Field(NamedTuple):
             return size, int(where), angle
         size, angle = _peak(self.series[0, :, where], angle)
         near = slice(max(0, int(where) - 2), int(where) + 3)
-        orders = np.arange(self.series.shape[1]) - self.series.shape[1] // 2
-        heights = np.abs((np.exp(1j * orders * angle) @ self.series[0, :, near]).real)
+        heights = np.abs((np.exp(1j * _orders(self.series.shape[1]) * angle) @ self.series[0, :, near]).real)
         middle, width = 0.5 * (x[near][0] + x[near][-1]), 0.5 * float(np.ptp(x[near]))
         fine = np.linspace(-1.0, 1.0, 201)
         inner = fine[np.abs(fine - (x[where] - middle) / width) <= 0.6]
@@ -82,12 +82,17 @@ class Field(NamedTuple):
         return max(size, float(curve(inner).max(initial=0.0))), int(where), angle
 
 
-def response(model: ModeModel, given: AnyLoad, unstable: bool) -> RodResponse:
-    """Return the motion under a load that the natural shape causes; see `floquetrod.Rod.response`."""
+def response(
+    model: ModeModel, given: AnyLoad, unstable: bool = False, verdict: RodStability | None = None
+) -> RodResponse:
+    """Return the motion under a load that the natural shape causes; see `floquetrod.Rod.response`.
+
+    A verdict under the load that is known is not computed again.
+    """
     load, rod = require_load("load", given), model.rod
     shape = require_shape(rod)
     _require_sines(given, load)
-    verdict = model.verdict(load, None, 0.0, None)
+    verdict = model.verdict(load, None, 0.0, None) if verdict is None else verdict
     if verdict.status == "unstable" and not validate.flag("unstable", unstable):
         raise wrong_value(
             "load",
@@ -98,7 +103,7 @@ def response(model: ModeModel, given: AnyLoad, unstable: bool) -> RodResponse:
     modes = _modes_of(rod, load, count)
     motion = ForcedModes.of(modes, load, shape)
     distance = _distance(motion, load, verdict)
-    if not motion.error < 0.1:
+    if not motion.error < _RESONANT:
         raise wrong_value(
             "load",
             f"is on a resonance of the rod's shape: 1 is {distance:.3g} from the nearest multiplier, and the error of "
@@ -114,8 +119,7 @@ def response(model: ModeModel, given: AnyLoad, unstable: bool) -> RodResponse:
     along = rod.along(nodes)
     bending = Field(motion.bending() / rod.length**2)
     moment = Field(bending.series * along.rigidity).largest(nodes)[0]
-    fibre = _of_parts(rod, nodes, lambda part: part.youngs_modulus * part.radius)
-    stress, stressed_at, _ = Field(bending.series * fibre).largest(nodes)
+    stress, stressed_at, _ = Field(bending.series * along.fibre).largest(nodes)
     series = motion.along(modes.basis.values, shape.patterns(nodes, rod.length).deflection)
     angle = largest / rod.radial_clearance if not rod.varies else Field(series / along.clearance).largest(nodes)[0]
     return RodResponse(
@@ -201,7 +205,7 @@ def _largest(motion: ForcedModes) -> tuple[float, float, float]:
 
 def _peak(series: Complexes, angle: float) -> tuple[float, float]:
     """Return the extreme of a real series next to an angle, by Newton's method, and where it is."""
-    orders = np.arange(len(series)) - len(series) // 2
+    orders = _orders(len(series))
     step = 2.0 * math.pi / (_TURNS * (1 + len(series) // 2))
     at = angle
     for _ in range(6):
@@ -214,12 +218,6 @@ def _peak(series: Complexes, angle: float) -> tuple[float, float]:
     heights = [abs(float((series * np.exp(1j * orders * each)).sum().real)) for each in ends]
     best = int(heights[1] >= heights[0])
     return heights[best], ends[best]
-
-
-def _of_parts(rod: RodData, x: Floats, value: Any) -> Floats:
-    """Return a number of the uniform parts of a rod at places x = s / L."""
-    every = np.array([value(part.rod) for part in rod.uniform_parts])
-    return np.asarray(every[np.searchsorted(rod.edges[1:-1], x, side="right")])
 
 
 def _contact(motion: ForcedModes, load: Load, series: Complexes) -> tuple[float, float] | None:
@@ -238,14 +236,13 @@ def _contact(motion: ForcedModes, load: Load, series: Complexes) -> tuple[float,
     patterns = shape.patterns(nodes, length)
     angles, y = Field(series).on_grid()
     last = Field(series).trimmed.shape[1] // 2
-    orders = np.arange(-last, last + 1)
-    waves = np.exp(1j * angles[:, None] * orders)
+    waves = np.exp(1j * angles[:, None] * _orders(2 * last + 1))
     kept = slice(motion.middle - last, motion.middle + last + 1)
 
     def over_time(amplitudes: Complexes) -> Floats:
         return np.asarray((waves @ amplitudes[0, kept]).real)
 
-    speed = over_time(1j * orders_of(series)[:, None] * load.frequency * series)
+    speed = over_time(1j * _orders(series.shape[1])[:, None] * load.frequency * series)
     first = over_time(motion.along(basis.slopes, patterns.slope)) / length
     second = over_time(motion.along(basis.bends, patterns.bend)) / length**2
     third = _along_panels(second, nodes * length, points)
@@ -263,9 +260,8 @@ def _contact(motion: ForcedModes, load: Load, series: Complexes) -> tuple[float,
     return float(pressing.min()), float(pressing.max())
 
 
-def orders_of(series: Complexes) -> Floats:
-    """Return the numbers k of the harmonics of a series (..., 2 K + 1, p)."""
-    count = series.shape[-2]
+def _orders(count: int) -> Floats:
+    """Return the numbers k of 2 K + 1 harmonics, from -K to K."""
     return np.asarray(np.arange(count) - float(count // 2))
 
 
@@ -317,7 +313,8 @@ def responses(
     if not model.prompt:
         for done, i in enumerate(wanted.tolist(), start=1):
             load = model.template.with_numbers(*(float(values[i]) for values in loads.flat))
-            sizes[i] = response(model, load, unstable=True).largest
+            motion = ForcedModes.of(_modes_of(model.rod, load, _modes_for(model, load, shape)), load, shape)
+            sizes[i] = _largest(motion)[0] if motion.error < _RESONANT else math.nan
             if progress is not None:
                 progress(done, len(wanted))
         return sizes.reshape(loads.shape)
@@ -345,32 +342,19 @@ def _largest_under(
     mean, amplitude, frequency = loads.flat
     count, n = loads.size, len(m)
     softened = c.per_newton * (m**2 - c.neutral_squared)
-    means = (c.bending * m**4 + c.restoring) - mean[:, None] * softened
-    halves = -0.5 * (amplitude[:, None] * softened)[..., None] * modes.template.harmonics
-    every = count * n
-    arrays = HillArrays(
-        np.ones((every, 1, 1)),
-        np.full((every, 1, 1), 2.0 * c.damping_rate),
-        means.reshape(every, 1, 1, 1),
-        halves.reshape(every, 1, -1, 1, 1),
-        np.zeros((every, 1)),
-        np.repeat(frequency, n),
-        np.zeros(every),
-    )
-    force = np.tile(c.bending * m**4, count).astype(complex)[:, None, None]
-    found = balanced(arrays, force, np.zeros(every), workers=workers)
-    unit = np.moveaxis(found.values[..., 0].reshape(count, n, -1), 1, 2)
-    unit = np.where(found.error.reshape(count, 1, n) < 0.1, unit, np.nan)
-    largest = np.empty(count)
-    for i in range(count):
-        largest[i] = _largest_of(unit[i], m, straight, shape, modes.rod.length)
-    return largest
+    stiffness = (c.bending * m**4 + c.restoring) - mean[:, None] * softened
+    waves = (amplitude[:, None] * softened)[..., None] * modes.template.harmonics
+    force, omega = np.tile(c.bending * m**4, count), np.repeat(frequency, n)
+    every = scalar_responses(-stiffness.ravel(), waves.reshape(count * n, -1), c.damping_rate, omega, force, workers)
+    unit = np.moveaxis(every.amplitudes[..., 0].reshape(count, n, -1), 1, 2)
+    unit = np.where(every.error.reshape(count, 1, n) < _RESONANT, unit, np.nan)
+    return np.array([_largest_of(each, m, straight, shape, modes.rod.length) for each in unit])
 
 
 def _largest_of(unit: Complexes, m: Floats, straight: Floats, shape: NaturalShape, length: float) -> float:
     """Return the largest deflection in m of sum_m a_m unit_m(t) phi_m, unit (2 K + 1, n), a = straight (patterns, n).
 
-    It is y_0 + sum_m a_m (unit_m(t) - 1) phi_m, of which modes converge like n^-5.
+    It is y_0 + sum_m a_m (unit_m(t) - 1) phi_m, whose terms fall like m^-5.
     Waves that are small are left out, and those that are not large followed at fewer instants and places.
     """
     factors, middle = np.abs(straight).max(axis=0), len(unit) // 2
@@ -386,7 +370,7 @@ def _largest_of(unit: Complexes, m: Floats, straight: Floats, shape: NaturalShap
     unit, straight = unit[middle - last : middle + last + 1, among], straight[:, among]
     instants = max(_PER_WAVE * fine, _PER_WAVE // 4 * last, 1)
     angles = np.arange(instants) * (2.0 * math.pi / instants)
-    moving = (np.exp(1j * angles[:, None] * np.arange(-last, last + 1)) @ unit).real  # (q, n)
+    moving = (np.exp(1j * angles[:, None] * _orders(2 * last + 1)) @ unit).real  # (q, n)
     half_waves = max(_PER_WAVE / 2 * m[tall].max(initial=1.0), _PER_WAVE / 8 * m[among].max(initial=1.0))
     m = m[among]
     places = 1 if len(shape.sines) == 1 else int(half_waves) + 1

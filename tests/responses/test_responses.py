@@ -12,7 +12,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import floquetrod as fr
-from floquetrod.responses.many import respond_to_many, scalar_responses, system_arrays
+from floquetrod.responses.hill_arrays import hill_arrays
+from floquetrod.responses.many import respond_to_many, scalar_responses
 from tests.conftest import depth
 from tests.forced_problems import by_dop853, drawn
 
@@ -252,7 +253,7 @@ def test_many_equations_are_single_ones(seed: int) -> None:
 def test_many_systems_are_single_ones() -> None:
     listed = [drawn(seed).equation for seed in range(1, 60, 3) if drawn(seed).order == 2][:3]
     batch = fr.equations.stack(listed)
-    many = respond_to_many(system_arrays(batch), np.tile([[1.0 + 0j, -2.0]], (3, 1))[:, None], np.full(3, 0.7))
+    many = respond_to_many(hill_arrays(batch), np.tile([[1.0 + 0j, -2.0]], (3, 1))[:, None], np.full(3, 0.7))
     for i, system in enumerate(listed):
         single = fr.response(system, [1.0, -2.0], frequency=0.7)
         assert many.largest[i] == pytest.approx(single.largest, rel=1e-11)

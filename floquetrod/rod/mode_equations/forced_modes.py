@@ -19,8 +19,8 @@ import numpy as np
 
 from floquetrod._util.arrays import Bools, Complexes, Floats
 from floquetrod._util.content import ByContent
-from floquetrod.responses.harmonic_balance import balanced
-from floquetrod.responses.hill_arrays import HillArrays, hill_arrays
+from floquetrod.responses.hill_arrays import hill_arrays
+from floquetrod.responses.many import respond_to_many, scalar_responses
 from floquetrod.rod.loads.load import Load, Loads
 from floquetrod.rod.mode_equations.coupled_matrices import CoupledModes
 from floquetrod.rod.model.natural_shape import NaturalShape
@@ -32,8 +32,8 @@ _ROUNDING = 1e-13  # part of the largest amplitude of a shape up to which others
 class ForcedModes(ByContent):
     """The periodic motion of a rod in some modes, and its natural shape, at the nodes of their quadrature.
 
-    Amplitudes are complex, of exp(i k w t), k from -K to K; patterns are those of the natural shape, of which a random
-    one has several.
+    Amplitudes are complex, of exp(i k w t), k from -K to K; the natural shape is one pattern, a
+    random one several.
 
     Attributes
     ----------
@@ -59,14 +59,15 @@ class ForcedModes(ByContent):
         forces, straight = shape_force(modes, shape)
         system = modes.system(Loads.single(load))
         if are_independent(modes):
-            arrays = _one_by_one(system)
-            response = balanced(arrays, np.ones((modes.size, 1, 1), dtype=complex), np.zeros(modes.size))
-            unit = np.swapaxes(response.values[..., 0], 0, 1)  # (2 K + 1, n)
-            amplitudes = forces[:, None, :] * unit
-            error = float(response.error[is_driven(straight)].max(initial=0.0))
+            stiffness, waves = (
+                np.diagonal(each, axis1=-2, axis2=-1).T for each in (system.stiffness, system.harmonics)
+            )
+            one_by_one = scalar_responses(-stiffness, -waves, modes.damping_rate, load.frequency, 1.0)
+            amplitudes = forces[:, None, :] * one_by_one.amplitudes[..., 0].T
+            error = float(one_by_one.error[is_driven(straight)].max(initial=0.0))
         else:
-            response = balanced(hill_arrays(system), forces[:, None, :].astype(complex), np.zeros(len(forces)))
-            amplitudes, error = response.values, float(response.error.max())
+            together = respond_to_many(hill_arrays(system), forces[:, None, :].astype(complex))
+            amplitudes, error = together.amplitudes, float(together.error.max())
         return cls(modes, shape, amplitudes, straight, error)
 
     @property
@@ -76,7 +77,7 @@ class ForcedModes(ByContent):
 
     @property
     def _moved(self) -> Complexes:
-        """Amplitudes of what is added to the shape that is not in the sum."""
+        """Amplitudes q - a of the functions that are added to the natural shape."""
         moved = self.amplitudes.copy()
         moved[:, self.middle] -= self.straight
         return moved
@@ -125,16 +126,3 @@ def is_driven(straight: Floats) -> Bools:
     """Return which functions a natural shape with amplitudes (patterns, n) in these drives, beyond rounding."""
     sizes = np.abs(straight).max(axis=0)
     return np.asarray(sizes > _ROUNDING * sizes.max(initial=0.0))
-
-
-def _one_by_one(system: Any) -> HillArrays:
-    """Return the equations of a system whose matrices are diagonal as problems of one coordinate."""
-    whole = hill_arrays(system)
-
-    def diagonal(array: Any) -> Any:
-        entries = np.diagonal(array, axis1=-2, axis2=-1)
-        return np.ascontiguousarray(np.moveaxis(entries[0], -1, 0)[..., None, None])
-
-    n = whole.mass.shape[-1]
-    mass, rates, means, halves = map(diagonal, whole[:4])
-    return HillArrays(mass, rates, means, halves, whole.delays, np.repeat(whole.omega, n), np.repeat(whole.error, n))

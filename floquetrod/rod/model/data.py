@@ -359,6 +359,7 @@ class RodData(units.InUnits, TellsAttributes):
             column("mass_per_length"),
             column("weight_per_length"),
             column("radial_clearance"),
+            column("youngs_modulus") * column("radius"),
         )
 
     def _require_uniform(self, name: str) -> None:
@@ -706,6 +707,7 @@ class PropertiesAlong(NamedTuple):
     inertia: NDArray[np.float64]  # m_t in kg/m
     weight: NDArray[np.float64]  # w_e in N/m
     clearance: NDArray[np.float64]  # R in m
+    fibre: NDArray[np.float64]  # E r_o in N/m, the stress of the outer fibre over curvature
 
 
 def _section_number(rod: RodData, s: float) -> int | None:
