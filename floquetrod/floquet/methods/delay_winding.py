@@ -6,6 +6,7 @@ J. Sieber and R. Szalai, SIAM J. Appl. Dyn. Syst. 10 (2011) 129, doi:10.1137/100
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
@@ -78,25 +79,12 @@ def winding(system: DelaySystem, *, above: float = 0.5) -> SystemStability:
     if laid is None:
         return _by_collocation(system, above)
     pieces = delay_steps.step_pieces(system, laid)
-    points = 0
-    for reach in (1.0 / above, *_NEARER):
-        while reach <= max(_FURTHEST, 1.0 / above):
-            series = delay_steps.series(pieces, _BESIDE[-1] * reach)
-            zeros = None if series is None else _within(series, reach)
-            points += 0 if series is None else len(series.exponents)
-            if series is None or zeros is None:
-                break
-            if zeros.values.size:
-                logs = _logarithms(series, zeros)
-                least = reach ** -(pieces.parts / pieces.slowest)
-                if system.is_constant:
-                    logs = delay_roots.per_period(system, logs, float(pieces.period))
-                    least **= float(system.period) / float(pieces.period)
-                cost, note = Cost(points, "coefficients"), _LEFT_OUT.format(least)
-                return classify_multipliers(system, "winding", logs, cost=cost, note=note)
-            reach *= _FURTHER
-    note = "solutions grow too fast within a period, or multipliers cannot be distinguished from each other"
-    return SystemStability.declined(system, "winding", Cost(points, "coefficients"), note)
+    found, points = _largest(lambda reach: delay_steps.series(pieces, _BESIDE[-1] * reach), above)
+    cost = Cost(points, "coefficients")
+    if found is None:
+        note = "solutions grow too fast within a period, or multipliers cannot be distinguished from each other"
+        return SystemStability.declined(system, "winding", cost, note)
+    return _classified(system, found, float(pieces.period), cost)
 
 
 class _Refined(NamedTuple):
@@ -120,8 +108,9 @@ def _by_collocation(system: DelaySystem, above: float) -> SystemStability:
             break
         before, rows = values, series.matrices.shape[-1]
         if before is None:
-            reach, zeros = _largest(series, above)
-            values = None if zeros is None else zeros.values
+            largest, _ = _largest(_at_any_reach(series), above)
+            if largest is not None:
+                reach, values = largest.reach, largest.zeros.values
         else:
             values = delay_series.followed(series, before)
         if values is None or (best is None and before is not None and not _are_all(series, values, reach)):
@@ -147,24 +136,51 @@ def _by_collocation(system: DelaySystem, above: float) -> SystemStability:
         changes = changes + (math.inf if moved is None else np.abs(moved - best.values))
     zeros = delay_series.discs(series, best.values)
     zeros = zeros._replace(radii=zeros.radii + 2.0 * changes)
-    logs, least = _logarithms(series, zeros), reach ** (-1.0 / series.longest)
-    if system.is_constant:
-        logs = delay_roots.per_period(system, logs, laid.period)
-        least **= float(system.period) / laid.period
-    return classify_multipliers(system, "winding", logs, cost=cost, note=_LEFT_OUT.format(least))
+    return _classified(system, _Largest(series, zeros, reach), laid.period, cost)
 
 
-def _largest(series: DelaySeries, above: float) -> tuple[float, Zeros | None]:
-    """Return the zeros of multipliers above a modulus, one at least, and how far they reach; None without any."""
+def _at_any_reach(series: DelaySeries) -> Callable[[float], DelaySeries]:
+    """Return a series as a function of the reach, on which it does not depend."""
+    return lambda _: series
+
+
+class _Largest(NamedTuple):
+    """The zeros of the largest multipliers, those with |mu|^-r up to ``reach``, r the longest delay in periods."""
+
+    series: DelaySeries
+    zeros: Zeros
+    reach: float
+
+
+def _largest(series_to: Callable[[float], DelaySeries | None], above: float) -> tuple[_Largest | None, int]:
+    """Return the zeros of multipliers above a modulus, one at least, and how many coefficients were computed.
+
+    ``series_to`` gives a series that holds up to a reach; without one, or without any zeros, None is returned.
+    """
+    coefficients = 0
     for reach in (1.0 / above, *_NEARER):
         while reach <= max(_FURTHEST, 1.0 / above):
+            series = series_to(reach)
+            if series is None:
+                break
+            coefficients += len(series.exponents)
             zeros = _within(series, reach)
             if zeros is None:
                 break
             if zeros.values.size:
-                return reach, zeros
+                return _Largest(series, zeros, reach), coefficients
             reach *= _FURTHER
-    return 1.0, None
+    return None, coefficients
+
+
+def _classified(system: DelaySystem, found: _Largest, period: float, cost: Cost) -> SystemStability:
+    """Return the verdict from the zeros of multipliers over a period, which of constant coefficients is a step."""
+    series = found.series
+    logs, least = _logarithms(series, found.zeros), found.reach ** -(series.parts / max(series.parts, series.longest))
+    if system.is_constant:
+        logs = delay_roots.per_period(system, logs, period)
+        least **= float(system.period) / period
+    return classify_multipliers(system, "winding", logs, cost=cost, note=_LEFT_OUT.format(least))
 
 
 def _are_all(series: DelaySeries, values: Complexes, reach: float) -> bool:
