@@ -75,9 +75,10 @@ def series_of(times: Any, values: Any, period: Any, most: int, *, complex_too: b
     mean = 0.5 * cosines[0]
     error = 2.0 * float(left_out.max(initial=0.0)) + _left_out(np.abs(cosines) + np.abs(sines))
     error = max(error, missed)
-    symmetric = all(matrices.symmetric(matrix) for matrix in table)
-    parts = [_mirrored(each, symmetric) for each in (mean, *cosines[1:], *sines[1:])]
-    return TableSeries(parts[0], parts[1 : last + 1], parts[last + 1 :], error)
+    parts = np.concatenate([mean[None], cosines[1:], sines[1:]])
+    if matrices.symmetric(table):  # as the series is except for rounding
+        parts = matrices.mirrored(parts)
+    return TableSeries(parts[0], list(parts[1 : last + 1]), list(parts[last + 1 :]), error)
 
 
 def _spline(instants: Floats, values: Any, period: float) -> Any:
@@ -96,8 +97,3 @@ def _left_out(sizes: Floats) -> float:
     ratio = top / before if before > 0.0 else 1.0
     following = top * (ratio / (1.0 - ratio) if ratio < 0.5 else 1.0)
     return 2.0 * following + 8.0 * EPS * float(sizes.max(initial=0.0))
-
-
-def _mirrored(matrix: Floats, symmetric: bool) -> Any:
-    """Return a matrix, symmetric bit for bit where it is so except for rounding."""
-    return matrices.mirrored(matrix) if symmetric else matrix

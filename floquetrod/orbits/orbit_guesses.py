@@ -26,6 +26,7 @@ _MOST_CHUNKS = 18  # each twice as long as the one before, in which motion witho
 _MOST_SLOW_CHUNKS = 40  # where it has not turned back yet
 _FEW_TURNS = 8  # of motion that has hardly turned back (a choice)
 _GROWN = 1e3  # of a motion since its beginning: where it cannot be followed any more, it flows away (a choice)
+_SLOWEST = 1e6  # times as long as at the speed of the start, in which a rotation must be complete (a choice)
 _INVARIANT = 1e-9  # of the rates, up to which they do not depend on a shift
 _LARGEST = 1e100  # of a state, beyond which a motion has flown away
 
@@ -105,27 +106,26 @@ def rotating(system: NonlinearSystem, state: Floats, period: float | None, growt
                 break
             state = motion.states[-1]
         return motion
-    size = float(np.abs(system.rates([0.0], state[None])[0, chief]))
-    span = 4.0 * abs(float(growth[chief])) / max(size, 1e-300)
-    before: Floats | None = None
+    amount, sign = abs(float(growth[chief])), math.copysign(1.0, growth[chief])
+    turn_time = amount / max(float(np.abs(system.rates([0.0], state[None])[0, chief])), 1e-300)
+    span, has_turned = 4.0 * turn_time, False
     for turn in range(_MOST_PERIODS):
         motion = _marched(system, state, span, f"in period {turn + 1}", samples=4 * _SAMPLES)
-        grown = (motion.states[:, chief] - motion.states[0, chief]) * math.copysign(1.0, growth[chief])
-        ahead = np.flatnonzero(grown >= abs(float(growth[chief])))
+        grown = sign * (motion.states[:, chief] - motion.states[0, chief])
+        ahead = np.flatnonzero(grown >= amount)
         if not ahead.size:
             span *= 2.0
-            if span > 1e6 * abs(float(growth[chief])) / max(size, 1e-300):
+            if span > _SLOWEST * turn_time:
                 break
             continue
         i = int(ahead[0])
-        share = (abs(float(growth[chief])) - grown[i - 1]) / (grown[i] - grown[i - 1])
+        share = (amount - grown[i - 1]) / (grown[i] - grown[i - 1])
         length = float(motion.times[i - 1] + share * (motion.times[i] - motion.times[i - 1]))
         motion = _marched(system, state, length, "")
         after = motion.states[-1] - growth
-        close = float((np.abs(after - motion.states[0]) / sizes(motion.states)).max())
-        if before is not None and close <= 0.1 * CLOSE:
+        if has_turned and float((np.abs(after - motion.states[0]) / sizes(motion.states)).max()) <= 0.1 * CLOSE:
             return motion
-        before, state, span = state, after, 1.5 * length
+        has_turned, state, span = True, after, 1.5 * length
     raise ValueError(
         f"start leads to motion that does not rotate by {growth[chief]:.6g} of state {chief} again and again; give a "
         "closer start"

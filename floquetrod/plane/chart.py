@@ -19,8 +19,12 @@ from floquetrod.plane.bands import Bands
 from floquetrod.plane.plane_axes import Axis
 
 _FORMAT = "floquetrod chart 3"
-_OPTIONAL = {"growth_rate": np.float64, "first_mode": np.int64, "cells": np.int8}
-_OPTIONAL |= {"large_motion": np.float64, "response": np.float64}  # arrays
+_OPTIONAL = {
+    **dict.fromkeys(("growth_rate", "large_motion", "response"), np.float64),
+    "first_mode": np.int64,
+    "cells": np.int8,
+}
+"""Arrays that a chart may have, by the types of their elements."""
 _ENTRIES = {
     "growth_unit": str,
     "subject": dict,

@@ -136,7 +136,7 @@ class SectionBasis(Basis):
     ``transform`` has their coefficients in the functions of the elements.
     """
 
-    elements: Elements | None = field(default=None, kw_only=True)
+    elements: Elements = field(kw_only=True)
 
     @property
     def _is_of_many_waves(self) -> bool:
@@ -145,12 +145,10 @@ class SectionBasis(Basis):
     @property
     def points_per_panel(self) -> int:
         """Number of nodes in each panel of the quadrature, an element."""
-        assert self.elements is not None  # noqa: S101
         return len(self.nodes) // self.elements.part.size
 
     def shapes(self, x: Floats) -> Floats:
         """Return the functions at points, (n, len(x))."""
-        assert self.elements is not None  # noqa: S101
         return self.elements.values_at(self.transform, x)
 
 
