@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import time
+from abc import abstractmethod
 from dataclasses import dataclass, field
 from itertools import combinations
 from typing import Any
@@ -19,8 +20,46 @@ from floquetrod.floquet.registry import METHODS, applicable, is_approximation
 from floquetrod.floquet.verdict import Stability
 
 
+class SideBySide(Reported, NoTruthValue):
+    """Results of every method that applies, and the seconds that each took: what comparisons of any kind have."""
+
+    results: tuple[Any, ...]
+    seconds: tuple[float, ...]
+
+    @property
+    @abstractmethod
+    def disagreements(self) -> tuple[tuple[Any, ...], ...]:
+        """Pairs of methods that contradict each other, with the reason or the difference."""
+
+    @property
+    def agree(self) -> bool:
+        """Whether no two methods contradict each other, within their stated errors."""
+        return not self.disagreements
+
+    @property
+    def references(self) -> tuple[str, ...]:
+        """Publications to cite, in plain text with DOI, floquetrod first, then the sources of the methods used."""
+        return united(*(result.references for result in self.results))
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return the results as numbers for JSON, with the seconds that each took."""
+        return {
+            "agree": self.agree,
+            "disagreements": [list(pair) for pair in self.disagreements],
+            "methods": [
+                {**result.as_dict(), "seconds": seconds}
+                for result, seconds in zip(self.results, self.seconds, strict=True)
+            ],
+        }
+
+    def __repr__(self) -> str:
+        """Return the table."""
+        report = self.report()
+        return f"{report.headline}\n{report.table}"
+
+
 @dataclass(frozen=True, repr=False)
-class Comparison(Reported, NoTruthValue):
+class Comparison(SideBySide):
     """Results of several methods for one equation or system.
 
     Attributes
@@ -55,11 +94,6 @@ class Comparison(Reported, NoTruthValue):
         return tuple(contradictions)
 
     @property
-    def agree(self) -> bool:
-        """Whether no two methods contradict each other, within their stated errors."""
-        return not self.disagreements
-
-    @property
     def approximations(self) -> tuple[str, ...]:
         """Methods that solve an equation near this one, as their notes say, and judge that one."""
         return tuple(result.method for result in self.results if is_approximation(self.equation, result.method))
@@ -69,11 +103,6 @@ class Comparison(Reported, NoTruthValue):
         """The methods that do not apply, each with the reason."""
         refusals = ((method.name, method.refusal(self.equation)) for method in METHODS)
         return tuple((name, refusal) for name, refusal in refusals if refusal is not None)
-
-    @property
-    def references(self) -> tuple[str, ...]:
-        """Publications to cite, in plain text with DOI, floquetrod first, then the sources of the methods used."""
-        return united(*(result.references for result in self.results))
 
     def report(self) -> Report:
         """Return the table of methods, and whether they agree."""
@@ -93,9 +122,8 @@ class Comparison(Reported, NoTruthValue):
             )
             for r, seconds in zip(self.results, self.seconds, strict=True)
         ]
-        widths = [str(max(len(row[i]) for row in (head, *rows))) for i in range(len(head))]
         rest = "\n".join([*(f"  {r.method}: {r.note}" for r in self.results if r.note), *self._agreement()])
-        return Report(repr(self.equation), (), Table(list(zip(head, widths, strict=True)), rows, rest))
+        return Report(repr(self.equation), (), Table([(title, "<") for title in head], rows, rest))
 
     def _agreement(self) -> list[str]:
         if self.agree:
@@ -127,20 +155,9 @@ class Comparison(Reported, NoTruthValue):
 
     def as_dict(self) -> dict[str, Any]:
         """Return the results as numbers for JSON, with the seconds that each took."""
-        return {
-            "agree": self.agree,
-            "disagreements": list(self.disagreements),
-            "approximations": list(self.approximations),
-            "methods": [
-                {**result.as_dict(), "seconds": seconds}
-                for result, seconds in zip(self.results, self.seconds, strict=True)
-            ],
-        }
-
-    def __repr__(self) -> str:
-        """Return the table."""
-        report = self.report()
-        return f"{report.headline}\n{report.table}"
+        whole = super().as_dict()
+        methods = whole.pop("methods")
+        return {**whole, "approximations": list(self.approximations), "methods": methods}
 
 
 def _contradict(one: Stability | SystemStability, other: Stability | SystemStability) -> bool:

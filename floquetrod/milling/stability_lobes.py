@@ -132,8 +132,7 @@ class Lobes(Reported, NoTruthValue, ByContent):
             for before, lobe in zip(begins, listed, strict=True)
         ]
         head = ("lobe", "speeds / rpm", "least depth / mm", "at / rpm", "chatter / Hz")
-        widths = [f"<{max(len(row[i]) for row in (head, *rows))}" for i in range(len(head))]
-        return Report(repr(self.milling).strip("<>"), (), Table(list(zip(head, widths, strict=True)), rows))
+        return Report(repr(self.milling).strip("<>"), (), Table([(title, "<") for title in head], rows))
 
     @cached_property
     def none_in_range(self) -> str:

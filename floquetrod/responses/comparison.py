@@ -10,11 +10,9 @@ from typing import Any, overload
 import numpy as np
 
 from floquetrod._util import validate
-from floquetrod._util.content import NoTruthValue
-from floquetrod._util.result_report import Report, Reported, Table
-from floquetrod.floquet.comparison import Comparison, compare_verdicts
+from floquetrod._util.result_report import Report, Table
+from floquetrod.floquet.comparison import Comparison, SideBySide, compare_verdicts
 from floquetrod.floquet.problems import Problem, require_problem
-from floquetrod.floquet.references import united
 from floquetrod.responses.forces import Force, force_of, is_empty
 from floquetrod.responses.methods import METHODS
 from floquetrod.responses.steady_response import Response, respond
@@ -23,7 +21,7 @@ _INSTANTS = 97  # of the period at which responses are compared
 
 
 @dataclass(frozen=True, repr=False)
-class ResponseComparison(Reported, NoTruthValue):
+class ResponseComparison(SideBySide):
     """Responses of one equation or system to one force by every method that applies.
 
     Attributes
@@ -57,20 +55,10 @@ class ResponseComparison(Reported, NoTruthValue):
         )
 
     @property
-    def agree(self) -> bool:
-        """Whether all motions agree within their stated errors."""
-        return not self.disagreements
-
-    @property
     def left_out(self) -> tuple[tuple[str, str], ...]:
         """The methods that do not apply, each with the reason."""
         refusals = ((method.name, method.refusal(self.equation, self.force)) for method in METHODS)
         return tuple((name, refusal) for name, refusal in refusals if refusal is not None)
-
-    @property
-    def references(self) -> tuple[str, ...]:
-        """Publications to cite, in plain text with DOI, floquetrod first, then the sources of the methods used."""
-        return united(*(result.references for result in self.results))
 
     def report(self) -> Report:
         """Return the table of methods, and whether they agree."""
@@ -89,22 +77,6 @@ class ResponseComparison(Reported, NoTruthValue):
         rest = "\n".join(apart or ["all methods agree" if len(rows) > 1 else "no other method applies"])
         table = Table([(title, "<" if title == "method" else ">") for title in head], rows, rest)
         return Report(f"{self.equation!r} under {self.force}", (), table)
-
-    def as_dict(self) -> dict[str, Any]:
-        """Return the responses as numbers for JSON, with the seconds that each took."""
-        return {
-            "agree": self.agree,
-            "disagreements": [list(pair) for pair in self.disagreements],
-            "methods": [
-                {**result.as_dict(), "seconds": seconds}
-                for result, seconds in zip(self.results, self.seconds, strict=True)
-            ],
-        }
-
-    def __repr__(self) -> str:
-        """Return the table."""
-        report = self.report()
-        return f"{report.headline}\n{report.table}"
 
 
 def _difference(one: Response, other: Response) -> float:

@@ -75,6 +75,8 @@ def test_a_result_says_itself(name: str) -> None:
     assert reader.words.split()[:3] == str(report).split()[:3]
     for label, text in report.lines:
         assert f"{label:<8}  {text}" in str(report).splitlines()
+    for _, layout in [] if report.table is None else report.table.columns:
+        assert layout[:1] in ("<", ">", "^", "")  # a number alone would fill columns with its first digit
     assert json.loads(json.dumps(result.as_dict(), allow_nan=False))
 
 
