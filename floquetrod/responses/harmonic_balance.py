@@ -22,6 +22,14 @@ _INTERPRETED_UP_TO = 4000  # multiplications, about, that take less time interpr
 _CHUNK = 256
 
 
+class TooManyRows(ValueError):
+    """Hill's matrix would take more rows than `MOST_ROWS`."""
+
+    def __init__(self, message: str, rows: float) -> None:
+        super().__init__(message)
+        self.rows = rows
+
+
 class Amplitudes(NamedTuple):
     """Amplitudes (b, 2 K + 1, n) of exp(i (w + k W) t), k from -K to K, and their errors (b,).
 
@@ -55,11 +63,12 @@ def balanced(
     harmonics = arrays.halves.shape[2]
     cuts = np.ceil((np.abs(frequency) + reach) / omega) + force.shape[1] // 2 + min(harmonics, 4) + _MARGIN
     largest = float(cuts.max(initial=0.0))
-    if not (2.0 * largest + 1.0) * n <= MOST_ROWS:
-        raise ValueError(
-            f"equation would take {(2.0 * largest + 1.0) * n:.3g} rows of Hill's matrix, above the limit of "
-            f"{MOST_ROWS:,}: its period is too long beside its other times, or the frequency too high; "
-            "method='monodromy' may take it"
+    rows = (2.0 * largest + 1.0) * n
+    if not rows <= MOST_ROWS:
+        raise TooManyRows(
+            f"equation would take {rows:.3g} rows of Hill's matrix, above the limit of {MOST_ROWS:,}: its period is "
+            "too long beside its other times, or the frequency too high; method='monodromy' may take it",
+            rows,
         )
     unknown = np.stack([np.broadcast_to(arrays.error, batch), np.full(batch, force_error)], axis=1)
     whole = int(largest)

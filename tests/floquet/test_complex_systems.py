@@ -61,7 +61,11 @@ def map_over_period(system: fr.PeriodicSystem) -> NDArray[Any]:
     for duration, value in system.pieces or [(system.period, None)]:
         rates: Any = system.coefficient if value is None else lambda t, value=value: value.start
         span = (begin, begin + float(duration))
-        right = lambda t, x, rates=rates: (rates(t) @ x.reshape(n, n)).ravel()  # noqa: E731
+
+        def right(t: float, x: Any, rates: Any = rates) -> Any:
+            """Return dx/dt of the map, flat."""
+            return (rates(t) @ x.reshape(n, n)).ravel()
+
         total = solve_ivp(right, span, total.ravel(), method="DOP853", rtol=1e-12, atol=1e-13).y[:, -1].reshape(n, n)
         begin = span[1]
     return total

@@ -371,3 +371,11 @@ def test_simulations_move_as_far_within_a_percent(mode: int, frequency: float, d
     sine = np.sin(mode * math.pi * np.linspace(0.0, 1.0, run.positions.shape[1]))
     last = run.positions[-129:, :, 1] @ sine / (sine @ sine)
     assert np.abs(last).max() == pytest.approx(rod.response(load, unstable=True).largest, rel=1e-2)
+
+
+@pytest.mark.parametrize(("ends", "frequency"), [("hinged", 0.01), ("clamped", 0.1)])
+def test_a_load_too_slow_for_a_response_names_the_least_frequency(ends: str, frequency: float) -> None:
+    rod = shaped({"curvature": 0.05}, ends=ends, length=2.0)
+    with pytest.raises(ValueError, match=r"frequency must be at least about [\d.]+ rad/s for the response of") as error:
+        rod.response(fr.AxialLoad(0.2 * UNIT, 0.1 * UNIT, frequency))
+    assert "method=" not in str(error.value)

@@ -17,8 +17,10 @@ from typing import Any
 
 import numpy as np
 
+from floquetrod._util.arguments import wrong_value
 from floquetrod._util.arrays import Bools, Complexes, Floats
 from floquetrod._util.content import ByContent
+from floquetrod.responses.harmonic_balance import MOST_ROWS, TooManyRows
 from floquetrod.responses.hill_arrays import hill_arrays
 from floquetrod.responses.many import respond_to_many, scalar_responses
 from floquetrod.rod.loads.load import Load, Loads
@@ -55,7 +57,19 @@ class ForcedModes(ByContent):
 
     @classmethod
     def of(cls, modes: CoupledModes, load: Load, shape: NaturalShape) -> ForcedModes:
-        """Return the response of some modes under a load."""
+        """Return the response of some modes under a load; ValueError where its period is too long beside theirs."""
+        try:
+            return cls._of(modes, load, shape)
+        except TooManyRows as error:
+            least = load.frequency * error.rows / MOST_ROWS
+            raise wrong_value(
+                "frequency",
+                f"must be at least about {least:.2g} rad/s for the response of {modes.size} modes, got "
+                f"{load.frequency:.4g} rad/s: the highest mode swings too often in a period of the load",
+            ) from error
+
+    @classmethod
+    def _of(cls, modes: CoupledModes, load: Load, shape: NaturalShape) -> ForcedModes:
         forces, straight = shape_force(modes, shape)
         system = modes.system(Loads.single(load))
         if are_independent(modes):
