@@ -211,87 +211,91 @@ class _Question(NamedTuple):
     margins: bool | None
 
 
-def _verdict(asked: _Question) -> RodStability | fr.results.FrictionalRodStability:
+def _verdict(question: _Question) -> RodStability | fr.results.FrictionalRodStability:
     """Return the verdict on a rod, with friction where that was asked for."""
-    if asked.mu_and_kick is not None:
-        mu, speed = asked.mu_and_kick
+    if question.mu_and_kick is not None:
+        mu, speed = question.mu_and_kick
         with Waiting("deciding stability"):
-            return asked.rod.stability(
-                asked.load, modes=asked.modes, growth_tolerance=asked.tolerance, friction=mu, kick=speed
+            return question.rod.stability(
+                question.load, modes=question.modes, growth_tolerance=question.tolerance, friction=mu, kick=speed
             )
     # A record as it is, so that its noise counts; its fit where options say more about the load.
-    force = asked.force if asked.force is not None and asked.record_alone else asked.load
+    force = question.force if question.force is not None and question.record_alone else question.load
     with Waiting("deciding stability", "verdicts") as progress:
-        return asked.rod.stability(force, modes=asked.modes, growth_tolerance=asked.tolerance, progress=progress)
+        return question.rod.stability(
+            force, modes=question.modes, growth_tolerance=question.tolerance, progress=progress
+        )
 
 
 def _margins(
-    asked: _Question, result: RodStability | fr.results.FrictionalRodStability
+    question: _Question, result: RodStability | fr.results.FrictionalRodStability
 ) -> dict[Quantity, Margin] | None:
     """Return the margins, where they were asked for, else where they take some seconds, not of a record; None without.
 
     The verdict is said while the search takes its time.
     """
-    unasked = asked.force is None and result.has_quick_margins
-    if not (unasked if asked.margins is None else asked.margins):
+    unasked = question.force is None and result.has_quick_margins
+    if not (unasked if question.margins is None else question.margins):
         return None
     with Waiting(f"{result.status}; searching the margins", "percent") as progress:
         return result.margins(progress=progress)
 
 
 def _grown(
-    asked: _Question, result: RodStability | fr.results.FrictionalRodStability
+    question: _Question, result: RodStability | fr.results.FrictionalRodStability
 ) -> tuple[list[tuple[str, str]], dict[str, Any]]:
     """Return about how far the mode that grows fastest moves in the end, by a tenth of a second's estimate."""
-    if asked.mu_and_kick is not None or result.status != "unstable":
+    if question.mu_and_kick is not None or result.status != "unstable":
         return [], {}
     from floquetrod.rod.large_orbits import grown
 
-    found = grown(asked.rod, asked.load, result.linear)
+    found = grown(question.rod, question.load, result.linear)
     if found is None:
         return [], {}
     return [("grows to", found.in_words)], {"grows_to_about_rad": None if found.is_beyond else found.orbit.amplitude}
 
 
 def _moved(
-    asked: _Question, result: RodStability | fr.results.FrictionalRodStability
+    question: _Question, result: RodStability | fr.results.FrictionalRodStability
 ) -> tuple[list[tuple[str, str]], dict[str, Any]]:
     """Return how much a stable rod moves because it is not straight."""
-    if asked.rod.natural_shape is None or asked.mu_and_kick is not None or result.status != "stable":
+    if question.rod.natural_shape is None or question.mu_and_kick is not None or result.status != "stable":
         return [], {}
     from floquetrod.rod.shape_response import response as response_to
 
-    known = result.linear if asked.modes is None and asked.tolerance == 0.0 and asked.force is None else None
+    known = result.linear if question.modes is None and question.tolerance == 0.0 and question.force is None else None
     try:
-        response = response_to(asked.rod._modes_under(asked.load), asked.load, verdict=known)
+        response = response_to(question.rod._modes_under(question.load), question.load, verdict=known)
     except ValueError as error:
         return [("moves", f"unknown: {error}")], {"moves_m": None}
-    return [("moves", f"{response.in_words(asked.shown)}, because of its natural shape")], {"moves_m": response.largest}
+    return [("moves", f"{response.in_words(question.shown)}, because of its natural shape")], {
+        "moves_m": response.largest
+    }
 
 
-def _sine_beside(asked: _Question) -> tuple[list[tuple[str, str]], dict[str, Any]]:
+def _sine_beside(question: _Question) -> tuple[list[tuple[str, str]], dict[str, Any]]:
     """Return what a measured force adds: its fit, and the verdict on a sine of the same amplitude."""
-    if asked.force is None or asked.mu_and_kick is not None:
+    if question.force is None or question.mu_and_kick is not None:
         return [], {}
     with Waiting("comparing with a sine"):
-        sine = _sine(asked)
-    shown = shown_in(asked.shown, asked.rod)
-    left_out = "" if asked.record_alone else "; the error leaves out its noise, because options change the load"
+        sine = _sine(question)
+    shown = shown_in(question.shown, question.rod)
+    left_out = "" if question.record_alone else "; the error leaves out its noise, because options change the load"
     lines = [
         ("sine", f"of the same mean, amplitude and frequency: {sine.status}{_growing(sine)}"),
-        ("record", f"{asked.force.in_words(shown['force'], shown['frequency'])}{left_out}"),
+        ("record", f"{question.force.in_words(shown['force'], shown['frequency'])}{left_out}"),
     ]
     numbers = {
-        "force_record": asked.force.as_dict() | {"noise_in_error": asked.record_alone},
+        "force_record": question.force.as_dict() | {"noise_in_error": question.record_alone},
         "sine_of_the_same_amplitude": {"status": sine.status, "growth_rate_per_s": sine.growth_rate},
     }
     return lines, numbers
 
 
-def _sine(asked: _Question) -> RodStability:
+def _sine(question: _Question) -> RodStability:
     """Return the verdict on the load without its higher harmonics."""
-    sine: Load = replace(asked.load, waveform="sine")
-    return asked.rod.stability(sine, growth_tolerance=asked.tolerance)
+    sine: Load = replace(question.load, waveform="sine")
+    return question.rod.stability(sine, growth_tolerance=question.tolerance)
 
 
 def _growing(verdict: RodStability) -> str:
@@ -299,14 +303,14 @@ def _growing(verdict: RodStability) -> str:
 
 
 def _draw(
-    asked: _Question, result: RodStability | fr.results.FrictionalRodStability, paths: Sequence[Path]
+    question: _Question, result: RodStability | fr.results.FrictionalRodStability, paths: Sequence[Path]
 ) -> tuple[list[str], list[tuple[str, str]]]:
     """Draw a measured force and the shape that grows into files; return their names, or why there is no shape."""
     if not paths:
         return [], []
     from floquetrod.plotting.record_plot import draw_record, draw_record_and_shape
 
-    record, force = asked.force, shown_in(asked.shown, asked.rod)["force"]
+    record, force = question.force, shown_in(question.shown, question.rod)["force"]
     try:
         drawn = result.plot() if record is None else draw_record_and_shape(record, result, force)
     except ValueError as error:

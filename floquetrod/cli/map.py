@@ -88,14 +88,14 @@ def _map(options: argparse.Namespace) -> Output:
     if options.pixels and (vertices := next((path for path in options.out if path.suffix == ".csv"), None)):
         raise ValueError(f"--out {vertices}: a .csv file holds the vertices of bands; leave out --pixels")
     columns, rows = read_points(options.points)
-    asked, mu_and_kick = read_ranges(options), read_friction(options)
-    rod, like, values, tolerance, shown = asked
-    varied = asked.varied
+    ranges, mu_and_kick = read_ranges(options), read_friction(options)
+    rod, like, values, tolerance, shown = ranges
+    varied = ranges.varied
     if len(varied) != 2:
         raise ValueError(
-            f"two of --mean, --amplitude, --frequency must be ranges such as 0:1.1Fcr, got {asked.varied_in_words}"
+            f"two of --mean, --amplitude, --frequency must be ranges such as 0:1.1Fcr, got {ranges.varied_in_words}"
         )
-    asked.warn_of_hertz(options)
+    ranges.warn_of_hertz(options)
     across = "frequency" if "frequency" in varied else "mean"
     load: dict[str, Any] = {
         name: (*ends, columns if name == across else rows) if name in varied else ends[0]

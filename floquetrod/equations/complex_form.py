@@ -1,7 +1,7 @@
 """Complex matrices as real ones of twice the order, and back.
 
 x = u + i v solves x' = (P + i Q) x where (u, v) solves the real system with the matrix [[P, -Q], [Q, P]], whose
-multipliers are those of the complex system and their conjugates.  Matrices of this form commute with
+multipliers are the complex system's and their conjugates.  Matrices of this form commute with
 J = [[0, -1], [1, 0]], as do their sums and products, so that every map of the real system is [[F, -G], [G, F]] with the
 map F + i G of the complex one.  With the isometry U = [1; -i] / sqrt(2) it is U^H M U: the nearest such map where M is
 rounded, no farther in the 2-norm than M is.

@@ -213,9 +213,9 @@ class PeriodicSystem(matrices.PeriodicMatrixSystem):
 
     @property
     def real_form(self) -> PeriodicSystem:
-        """The real system of (u, v), 2 N equations, of which x = u + i v is the complex solution; a real system itself.
+        """The real system of 2 N equations for (u, v), where x = u + i v solves the complex one; a real system itself.
 
-        Its multipliers are those of the complex system and their conjugates.
+        Its multipliers are the complex system's and their conjugates.
 
         Examples
         --------

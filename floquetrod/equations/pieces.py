@@ -291,7 +291,7 @@ def average(pieces: Pieces, period: Any) -> Matrix:
 
 
 def in_time(system: Any) -> tuple[TimedPiece, ...]:
-    """Return the pieces of one system, a single one for a Fourier series; of a complex one those of its real form."""
+    """Return the pieces of a system, or of its real form if it is complex; a single one for a Fourier series."""
     matrices.require_one(system)
     system = real_form(system)
     if not system.pieces:
@@ -357,7 +357,7 @@ def from_instant(system: Any, start: Fraction, length: Fraction) -> tuple[PieceA
 
 
 def of_batch(system: Any) -> PieceArrays:
-    """Return the pieces of one system or of a batch, flat in the order of C; of complex ones those of the real form."""
+    """Return the pieces of a system or of a batch, of the real form if complex, flat in the order of C."""
     system = real_form(system)
     if system.pieces and not system.shape:
         return arrays_of(in_time(system), exact_period(system))

@@ -68,7 +68,7 @@ def series_of(times: Any, values: Any, period: Any, most: int, *, complex_too: b
         fine = curve(instants[0] + np.arange(size) * (period / size))
         amplitudes = np.fft.fft(fine, axis=0)[: count // 2 + 1], np.fft.ifft(fine, axis=0)[: count // 2 + 1] * size
         missed = 0.5 * max(_missed(instants, table, period, first) for first in (0, 1))
-    # sum_t value exp(-+ i k t) / size, of which cosines and sines follow; instants begin at times[0].
+    # sum_t value exp(-+ i k t) / size, then cosines and sines; instants begin at times[0].
     left_out = np.abs(amplitudes[0][last + 1 :] / size).sum(axis=0)  # of an even number the one that alternates
     down, up = (each[: last + 1] / size for each in amplitudes)
     turn = np.exp(-2j * math.pi * np.arange(last + 1) * (instants[0] / period))[:, None, None]

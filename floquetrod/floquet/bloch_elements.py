@@ -2,7 +2,7 @@
 
 Elements end at the jumps of V, so that y is smooth on each and errors fall exponentially with the degree.  Energies are
 the least values of y's energy among the functions of all elements (Ritz): upper bounds, except for rounding, whose
-errors are the squares of those of y.
+errors are the squares of the errors of y.
 
 The functions on an element are two linear ones and integrals of Legendre's polynomials, N_j = (P_j - P_(j-2)) /
 sqrt(4 j - 2), j >= 2, whose derivatives are orthonormal (B. Szabo and I. Babuska, Finite Element Analysis, 1991).

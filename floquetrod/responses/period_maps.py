@@ -199,7 +199,7 @@ def _segments(system: ForcedSystem) -> int:
 
 
 def _moved(system: ForcedSystem, maps: SegmentMaps, lengths: Floats) -> Floats:
-    """Return the errors of the maps of segments by those of the coefficients and the force."""
+    """Return the errors of the maps of segments that errors of the coefficients and the force cause."""
     if not (system.error or system.force_error):
         return np.zeros(len(lengths))
     stretch = float(error_stretch(np.stack([piece.mean for piece in system.pieces])[None], maps.scaling)[0])
@@ -244,7 +244,7 @@ def _dense(system: ForcedSystem, force: Force, states: Complexes, segments: int)
 
 @functools.cache
 def _to_legendre() -> Floats:
-    """Return the matrix from terms of a power series from 0 to 1 to those of Legendre's polynomials from -1 to 1."""
+    """Return the matrix from a power series on 0 to 1 to Legendre's polynomials on -1 to 1."""
     columns = np.zeros((_ORDER, _ORDER))
     power: Any = np.ones(1)
     for j in range(_ORDER):

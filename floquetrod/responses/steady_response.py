@@ -254,7 +254,7 @@ def response(
     equation : Equation, HillSystem, PeriodicSystem or DelaySystem
         The problem, one and not a batch.
     force : float, array_like (n,) or callable
-        A constant force; the mean of a Fourier series; a function f(t) of the period, of which every value is a number,
+        A constant force; the mean of a Fourier series; a function f(t) of the period, each value a number,
         or n of a system; with a ``frequency`` its complex amplitude, one for each coordinate, of exp(i w t).
     frequency : float, optional
         w, any frequency, in radians per unit of time; none by default, where the force has the period of the

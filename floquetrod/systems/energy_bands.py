@@ -125,9 +125,9 @@ class EnergyBands(Reported, NoTruthValue, ByContent):
         return shaped(self._waves.density(energies.ravel()).reshape(energies.shape), energies.shape)
 
     def at(self, energy: float) -> Any:
-        """Return the equation whose solutions at an energy are those of the potential, for `fr.stability` and others.
+        """Return the equation that the wave function obeys at an energy, for `fr.stability` and others.
 
-        Of an equation p - energy in place of p, of a system K + energy M in place of K, rounded to doubles.
+        An equation has p - energy in place of p, a system K + energy M in place of K, rounded to doubles.
 
         Parameters
         ----------

@@ -31,7 +31,7 @@ from floquetrod.floquet.verdict import Cost
 
 _FURTHEST = 1e4  # |mu|^-r, r the longest delay in periods, up to which the largest multiplier is sought (a choice)
 _FURTHER = 2.0  # times as far, where there is none yet
-_NEARER = (1.5, 1.05)  # the same, where solutions grow too fast for what is asked
+_NEARER = (1.5, 1.05)  # the same, where solutions grow too fast for the accuracy wanted
 _BESIDE = (1.0, 1.11, 1.23)  # of the bound of |mu|^-r: circles tried until none of their points is a multiplier
 
 _NODES = (8, 12, 18, 24, 32, 44)  # in a piece, where a period is collocated (a choice)

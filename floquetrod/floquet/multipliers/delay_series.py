@@ -23,12 +23,12 @@ _ENTRIES = 1 << 20  # of matrices at once (a choice)
 _CLEAR = 1.4  # radians, less than a right angle
 _CONTRACTS = 0.5  # largest |E| on an arc
 _MOST_ARCS = 1 << 15  # in one round (a choice)
-_FINEST = 1e-13  # arc, in radians over those of the longest delay
+_FINEST = 1e-13  # arc, in radians over the radians of the longest delay
 _CELL = 0.5  # size of a cell that begins with Newton's method, in radians of the longest delay (a choice)
 _INNERMOST = 1.0 / 8.0, 1.0 / 512.0, 1e-6  # |v|^p of the innermost cells, by rounds: there a delayed term hardly acts
 _ROUNDS = 60  # of Newton's method
 _ALONG, _FEW = 12, 4  # points of a circle about a zero, and of large matrices (a choice)
-_LARGE = 24  # rows from which on singular values take much longer than inverses (a choice)
+_LARGE = 24  # more rows make singular values much slower than inverses (a choice)
 _WIDENED, _WIDER = 60, 1.5  # times that such a circle is widened, and by how much (a choice)
 
 
@@ -44,7 +44,7 @@ class DelaySeries(NamedTuple):
 
     exponents: NDArray[np.intp]  # (E,)
     matrices: Floats  # (E, N, N)
-    error: float  # of K in the 2-norm, within the circle that holds all v asked for
+    error: float  # of K in the 2-norm, within the circle that holds all v wanted
     parts: int  # q, mu = v^-q
     longest: int  # power of v that the longest delay is
 
@@ -136,7 +136,7 @@ def outside(series: DelaySeries, log_radius: float) -> int | None:
 
 @np.errstate(all="ignore")  # as above
 def followed(series: DelaySeries, coarse: Complexes) -> Complexes | None:
-    """Return the zeros near those of another series; None where one is lost."""
+    """Return the zeros near the zeros of another series; None where one is lost."""
     real = (coarse.imag == 0.0) | (coarse.imag == series.half_turn)
     done, values = _by_newton(series, coarse.copy(), float(coarse.real.max()) + 1.0)
     if not done.all():
@@ -153,7 +153,7 @@ def discs(series: DelaySeries, values: Complexes) -> Zeros:
 
 @np.errstate(all="ignore")  # iterates that leave the circle are dropped
 def zeros(series: DelaySeries, log_radius: float, count: int) -> Zeros | None:
-    """Return the zeros within a circle of v, as many as counted, those of conjugates once; None where some are missed.
+    """Return the zeros within a circle of v, as many as counted, conjugate pairs once; None where some are missed.
 
     The radius of a disc is such that K is nowhere on its edge as near to a singular matrix as its error.
     """

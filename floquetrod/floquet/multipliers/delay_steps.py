@@ -1,4 +1,4 @@
-"""Systems with delays as ordinary ones over a step of which period and delays are whole numbers, to powers of 1 / nu.
+"""Systems with delays as ordinary ones over a step that divides period and delays, to powers of 1 / nu.
 
 A period holds q steps h, delay j holds p_j.  A solution with x(t + T) = mu x(t), mu = nu^q, is x(k h + s) = nu^k z_k(s)
 with z_(k+q) = z_k, so that z' = (A + sum_j nu^-p_j B_j) z for all q parts together, where B_j reads part k - p_j mod q

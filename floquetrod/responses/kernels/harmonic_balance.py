@@ -125,7 +125,7 @@ def solve_adjoint(band: Any, width: int, pivots: Any, x: Any) -> None:
 def inverse_norm(band: Any, width: int, pivots: Any, columns: Any, rows: Any, start: Any) -> float:
     """Return an estimate of the 1-norm of D^-1 A^-1 S^-1, D = diag(columns) and S = diag(rows), from a solution."""
     # N. J. Higham, ACM Trans. Math. Software 14 (1988) 381, doi:10.1145/50063.214386: the columns that a sign vector
-    # names, from the signs of a solution on, which near a resonance are those of the resonance.  B = D^-1 A^-1 S^-1:
+    # names, beginning with a solution, which near a resonance has the signs of the resonant one.  B = D^-1 A^-1 S^-1:
     #     z = B^H sign(y),  j the largest of |z|,  y = B e_j,  |B| is at least |y|_1,
     # until j repeats or |y|_1 no longer grows.  ``x`` holds z, then y before it is divided by the columns.
     count = len(band)
