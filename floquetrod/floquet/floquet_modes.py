@@ -128,7 +128,8 @@ def floquet_solutions(equation: Problem) -> tuple[FloquetMode, ...]:
 
     As many as the equation has multipliers, 2 of a scalar equation, independent of each other.  Each begins with a
     state of norm 1: an eigenvector of the map over a period, marched by `floquetrod.solve`, backwards where it decays.
-    Where a system is "unitary" they are orthogonal at all times.  For Mathieu's equation
+    Where a system is "unitary" they are orthogonal at all times; where two of its quasienergies nearly coincide,
+    `FloquetMode.error` includes the angle by which their solutions may be mixed.  For Mathieu's equation
     `floquetrod.mathieu.floquet_solutions` has Fourier series.
 
     Parameters
@@ -145,8 +146,9 @@ def floquet_solutions(equation: Problem) -> tuple[FloquetMode, ...]:
     TypeError
         For anything else.
     ValueError
-        Where multipliers cannot be distinguished and need not have as many solutions, as on a boundary of stability,
-        where they span too many decades, and where a solution grows beyond the range of `floquetrod.solve`.
+        Where multipliers of a system that is not "unitary" cannot be distinguished and need not have as many solutions,
+        as on a boundary of stability, where they span too many decades, and where a solution grows beyond the range of
+        `floquetrod.solve`.
 
     Examples
     --------
@@ -196,9 +198,16 @@ def _independent(equation: Problem, most: int, *, backward: bool) -> list[_Eigen
             vectors = spectra.basis_of(discs, cluster)
             block = vectors.conj().T @ matrix @ vectors - np.mean(discs.values[cluster]) * np.eye(len(cluster))
             angle = angle if float(np.abs(block).max()) <= 8.0 * discs.error else math.inf
-        eigenpairs += [_Eigenpair(complex(values[i]), vectors[:, k], angle, backward) for k, i in enumerate(cluster)]
+        angles = [angle] * len(cluster)
+        if unitary and not angle < _SURE:
+            # A unitary map has N orthonormal eigenvectors, whatever its eigenvalues: Schur's, each as sure as its gap.
+            vectors = discs.right[:, cluster]
+            angles = [min(1.0, spectra.subspace_error(discs, np.array([i]))) for i in cluster]
+        eigenpairs += [
+            _Eigenpair(complex(values[i]), vectors[:, k], angles[k], backward) for k, i in enumerate(cluster)
+        ]
     eigenpairs = sorted(eigenpairs, key=lambda pair: -abs(pair.multiplier))[:most]
-    unsure = [pair.multiplier for pair in eigenpairs if not pair.angle < _SURE]
+    unsure = [pair.multiplier for pair in eigenpairs if not (pair.angle < _SURE or unitary)]
     if unsure:
         raise _indistinct(equation, f"{1.0 / unsure[0] if backward else unsure[0]:.6g}")
     return eigenpairs

@@ -375,3 +375,17 @@ def test_plots() -> None:
 def test_what_is_refused(call: Any, message: str) -> None:
     with pytest.raises((TypeError, ValueError), match=message):
         call()
+
+
+@pytest.mark.parametrize("detuning", [1e-3, 1e-8, 1e-11, 1e-13, 0.0])
+def test_nearly_equal_quasienergies_leave_orthogonal_solutions(detuning: float) -> None:
+    """Two equal spins in one field: an eigensolver of general matrices returns modes that are not orthogonal."""
+    half_z, half_x, one = np.diag([0.5, -0.5]), np.array([[0.0, 0.5], [0.5, 0.0]]), np.eye(2)
+    energy = np.kron(half_z, one) + (1.0 + detuning) * np.kron(one, half_z)
+    field = 0.7 * (np.kron(half_x, one) + np.kron(one, half_x))
+    solutions = fr.floquet_solutions(fr.PeriodicSystem(-1j * energy, [-1j * field], period=2.0 * math.pi / 1.3))
+    states = np.array([solution([0.0, 1.0, 5.0]) for solution in solutions])
+    assert len(solutions) == 4
+    assert np.abs(np.einsum("itk,jtk->tij", states.conj(), states) - np.eye(4)).max() < 1e-13
+    unsure = 0.0 < detuning < 1e-10  # quasienergies that differ, by so little that their solutions may be mixed
+    assert (max(solution.error for solution in solutions) > 1e-4) == unsure
