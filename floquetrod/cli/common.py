@@ -410,6 +410,37 @@ def _on_path(options: argparse.Namespace) -> dict[str, Any]:
     return {"path": read_survey(options, path), "depth": start}
 
 
+def add_picture(command: Parser, points: str, default: str) -> None:
+    """Add the options that say how a chart is drawn and where it is written."""
+    shape = command.add_mutually_exclusive_group()
+    shape.add_argument(
+        "--bands",
+        action="store_true",
+        help="draw the unstable bands as shapes (the default where they take about as long as the points)",
+    )
+    shape.add_argument("--pixels", action="store_true", help="draw the points in place of bands")
+    help_points = f"columns x rows (default {points})"
+    command.add_argument("--points", metavar="COLUMNSxROWS", default=points, help=help_points)
+    command.add_argument("--growth", action="store_true", help="shade by growth rate")
+    command.add_output("--out", chart_files, "file to write", default=default)
+
+
+def require_bands_of_csv(options: argparse.Namespace) -> None:
+    """Raise ValueError for a .csv file of a chart drawn by its points."""
+    if options.pixels and (vertices := next((path for path in options.out if path.suffix == ".csv"), None)):
+        raise ValueError(f"--out {vertices}: a .csv file holds the vertices of bands; leave out --pixels")
+
+
+def find_bands(options: argparse.Namespace, chart: fr.Chart) -> bool:
+    """Find the bands of a chart where they are to be drawn, and return whether they are."""
+    prompt = chart.source is not None and chart.source.prompt
+    if not (options.bands or (prompt and not options.pixels)):
+        return False
+    with Waiting("finding bands", "steps along boundaries") as progress:
+        chart.find_bands(progress=progress)
+    return True
+
+
 def read_points(text: str) -> tuple[int, int]:
     """Return columns and rows."""
     match = re.fullmatch(r"(\d{1,6})x(\d{1,6})", text, re.ASCII)

@@ -66,7 +66,7 @@ def _run(argv: Sequence[str]) -> int:
             telling = warnings.showwarning = _Telling(options)
             require_writable(options)
             answer = options.run(options)
-        if options.command not in ("compare", "lobes", "catalogue"):  # which know no rods
+        if options.command not in ("chart", "compare", "lobes", "catalogue"):  # which know no rods
             for warning in bare_numbers_typed(options):
                 say(f"floquetrod: warning: {warning}")
         telling.rest()
@@ -185,6 +185,7 @@ _COMMANDS = {
     "certify": "prove stability for every load of a box",
     "ranges": "list every stability interval of one quantity of the load",
     "map": "draw stability over two quantities of the load",
+    "chart": "draw the stability of a family of systems over two of its parameters",
     "explore": "show stability while sliders move the load",
     "compare": "compare all methods on one equation",
     "simulate": "simulate a rod and compare it with theory",

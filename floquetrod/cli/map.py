@@ -9,11 +9,13 @@ import floquetrod as fr
 from floquetrod._util.waiting import Waiting
 from floquetrod.cli.common import (
     ROD_AND_LOAD,
-    chart_files,
+    add_picture,
     describe_command,
+    find_bands,
     read_friction,
     read_points,
     read_quantity,
+    require_bands_of_csv,
     write_charts,
 )
 from floquetrod.cli.loads import add_question, read_ranges, warn_of_hertz
@@ -52,15 +54,7 @@ def add(chart: Parser) -> None:
     """Add help and options of the command to its parser."""
     describe_command(chart, _HELP, _map, (*ROD_AND_LOAD, "out"))
     add_question(chart, friction=True, ranges=True)
-    shape = chart.add_mutually_exclusive_group()
-    shape.add_argument(
-        "--bands",
-        action="store_true",
-        help="draw the unstable bands as shapes (the default where they take about as long as the points)",
-    )
-    shape.add_argument("--pixels", action="store_true", help="draw the points in place of bands")
-    chart.add_argument("--points", metavar="COLUMNSxROWS", default="400x300", help="columns x rows (default 400x300)")
-    chart.add_argument("--growth", action="store_true", help="shade by growth rate")
+    add_picture(chart, "400x300", "map.png")
     chart.add_argument(
         "--large-motion",
         action="store_true",
@@ -79,14 +73,12 @@ def add(chart: Parser) -> None:
     chart.add_argument(
         "--mark", help="a point to mark: both varied quantities, in the order mean, amplitude, frequency"
     )
-    chart.add_output("--out", chart_files, "file to write", default="map.png")
 
 
 def _map(options: argparse.Namespace) -> Output:
     from floquetrod.plotting import chart_plot
 
-    if options.pixels and (vertices := next((path for path in options.out if path.suffix == ".csv"), None)):
-        raise ValueError(f"--out {vertices}: a .csv file holds the vertices of bands; leave out --pixels")
+    require_bands_of_csv(options)
     columns, rows = read_points(options.points)
     ranges, mu_and_kick = read_ranges(options), read_friction(options)
     rod, like, values, tolerance, shown = ranges
@@ -120,11 +112,7 @@ def _map(options: argparse.Namespace) -> Output:
             response=options.response,
             progress=progress,
         )
-    prompt = chart.source is not None and chart.source.prompt
-    bands = options.bands or (prompt and not options.pixels)
-    if bands:
-        with Waiting("finding bands", "steps along boundaries") as progress:
-            chart.find_bands(progress=progress)
+    bands = find_bands(options, chart)
     drawn = chart.in_units(**{name: shown[name] for name in ("kick", *QUANTITIES)[mu_and_kick is None :]})
 
     def draw() -> Any:

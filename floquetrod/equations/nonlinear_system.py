@@ -2,13 +2,10 @@
 
 from __future__ import annotations
 
-import ast
-import functools
 import inspect
-import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from types import CodeType, MappingProxyType
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -18,25 +15,13 @@ from floquetrod._util.arrays import Floats
 from floquetrod._util.caching import cached_property
 from floquetrod._util.calling import constructor_hints
 from floquetrod._util.content import ByContent
+from floquetrod._util.formulas import Formula
 from floquetrod._util.suggest import did_you_mean
 from floquetrod.equations.hill_system import HillSystem
 from floquetrod.equations.rates import RateFunction
 
 _ALL_AT_ONCE = ("p", "params", "parameters")  # names of an argument that takes all parameters
 _TIMES = ("t", "time")  # names of the first argument
-_FUNCTIONS = {name: getattr(math, name) for name in ("pi", "sqrt", "exp", "log", "sin", "cos", "tan")}
-_ALLOWED = (
-    ast.Expression,
-    ast.BinOp,
-    ast.UnaryOp,
-    ast.Call,
-    ast.Name,
-    ast.Constant,
-    ast.operator,
-    ast.unaryop,
-    ast.Load,
-)
-_LONGEST_FORMULA = 1000  # characters of a formula of the period (a choice)
 
 
 @constructor_hints(frequency="period is 2 pi / frequency, as in period='2*pi/frequency'")
@@ -341,41 +326,10 @@ def _require_names(argument: str, function: Any, given: Mapping[str, float], oth
 
 def _formula(text: str, parameters: Mapping[str, float]) -> Any:
     """Return the value of a formula of parameters."""
-    known = _FUNCTIONS | dict(parameters)
     try:
-        code, names = _parsed(text)
-        unknown = [name for name in names if name not in known]
-        if not unknown:
-            return eval(code, {"__builtins__": {}}, known)
-    except (SyntaxError, TypeError, ValueError, ArithmeticError, RecursionError, MemoryError) as error:
-        reason = "its value is beyond 1e308" if isinstance(error, OverflowError) else str(error)
-        raise ValueError(
-            f"period must be a number or a formula such as '2*pi/omega', got {validate.short(text)}: {reason[:80]}"
-        ) from None
-    hint = did_you_mean(unknown[0], list(known))
-    raise ValueError(f"period {validate.short(text)} has {validate.short(unknown[0])}, which is no parameter{hint}")
-
-
-class _Doubles(ast.NodeTransformer):
-    """Numbers of a formula as doubles: powers of integers take any memory and time, powers of doubles overflow."""
-
-    def visit_Constant(self, node: ast.Constant) -> ast.Constant:
-        """Return the number as a double; SyntaxError for a text or another constant."""
-        if isinstance(node.value, bool) or not isinstance(node.value, int | float):
-            raise SyntaxError("not a formula")
-        return ast.copy_location(ast.Constant(float(node.value)), node)
-
-
-@functools.lru_cache(64)
-def _parsed(text: str) -> tuple[CodeType, list[str]]:
-    """Return a formula compiled, and the names in it; SyntaxError for other text."""
-    if len(text) > _LONGEST_FORMULA:
-        raise SyntaxError(f"it has {len(text)} characters, at most {_LONGEST_FORMULA} are read")
-    tree = ast.parse(text, mode="eval")
-    if not all(isinstance(node, _ALLOWED) for node in ast.walk(tree)):
-        raise SyntaxError("not a formula")
-    names = [node.id for node in ast.walk(tree) if isinstance(node, ast.Name)]
-    return compile(_Doubles().visit(tree), "period", "eval"), names
+        return Formula.read(text).value(parameters)
+    except ValueError as error:
+        raise ValueError(f"period must be a number or a formula such as '2*pi/omega', got {error}") from None
 
 
 def _is_number(value: Any) -> bool:

@@ -1,4 +1,4 @@
-"""Systems read from files: TOML tables, and npz files of arrays."""
+"""Systems and families of systems read from files: TOML tables, and npz files of arrays."""
 
 from __future__ import annotations
 
@@ -6,16 +6,17 @@ import math
 import re
 import tomllib
 import zipfile
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from floquetrod import units
 from floquetrod._util import validate
+from floquetrod._util.formulas import WORDS, Formula
 from floquetrod._util.sealed_files import Arrays, require_regular
-from floquetrod._util.tables import require_keys
+from floquetrod._util.tables import read_toml, require_keys
 from floquetrod.equations import matrices
 from floquetrod.equations.delay_system import DelaySystem
 from floquetrod.equations.hill_system import HillSystem
@@ -37,7 +38,15 @@ _COMPLEX = ("mean", "matrix_start", "slope", "cosines", "sines")
 _REAL = r"(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?"
 _NUMBER = re.compile(rf"(?P<real>[+-]?{_REAL}(?![\d.eE]*[ij]))?(?:(?P<imaginary>[+-]?(?:{_REAL})?)[ij])?")
 _SMALL = 1 << 20  # entries of an array that is read unchecked (a choice)
+_QUANTITIES = ("period", "frequency", "delay", "duration")  # keys whose texts may have a unit
 _LARGEST = {".toml": 1 << 26, ".npz": 1 << 32}  # bytes that are read, in npz files unpacked (a choice)
+
+
+class SystemFamily(NamedTuple):
+    """A family of systems in a file: the function of two parameters, and the ends of their ranges."""
+
+    system: Callable[..., HillSystem | PeriodicSystem | DelaySystem]
+    over: dict[str, tuple[float, float]]
 
 
 def read_system(path: str | Path) -> HillSystem | PeriodicSystem | DelaySystem:
@@ -82,12 +91,37 @@ def read_system(path: str | Path) -> HillSystem | PeriodicSystem | DelaySystem:
         raise ValueError(f"system file {path}: {error}") from None
 
 
+def read_family(path: str | Path) -> SystemFamily:
+    """Read a family of systems from a TOML file: [system] as of `read_system`, and [parameters].
+
+    Two parameters have a range, a text such as "1.5:4.5", the first one along the columns of a chart; others have a
+    number.  In place of any number of the system there may be a formula of them, a text such as "0.5*epsilon**2": with
+    + - * / **, brackets, pi, sqrt, exp, log, sin, cos and tan, and in first order without delays with i.
+
+    Raises
+    ------
+    ValueError
+        Naming file and key: for files that cannot be read, for other than two ranges, for texts that are no formula,
+        and for parameters that no formula names.
+    """
+    path = validate.path("path", path)
+    if path.suffix != ".toml":
+        raise ValueError(f"system file {path} must end in .toml: a family of systems has formulas")
+    text = read_toml(path, "system file")
+    try:
+        return _family(text, path.stem)
+    except (TypeError, ValueError) as error:
+        raise ValueError(f"system file {path}: {error}") from None
+
+
 def _toml(path: Path) -> Mapping[str, Any]:
     """Return the table [system] of a TOML file."""
     text = tomllib.loads(path.read_text(encoding="utf-8"))
     table = text.pop("system", None)
     if not isinstance(table, dict):
         raise ValueError("it has no table [system]")
+    if "parameters" in text:
+        raise ValueError("it holds 'parameters' beside [system], a family of systems, which floquetrod chart draws")
     if text:
         raise ValueError(f"it holds {', '.join(map(repr, text))} outside of [system]")
     return table
@@ -189,6 +223,75 @@ def _system(table: Mapping[str, Any]) -> HillSystem | PeriodicSystem | DelaySyst
     system = PeriodicSystem(**given) if first_order else HillSystem(**given)
     matrices.require_one(system)
     return system
+
+
+def _family(text: Mapping[str, Any], name: str) -> SystemFamily:
+    """Return the family of a file's tables."""
+    require_keys(text, ("system", "parameters"))
+    for key in ("system", "parameters"):
+        if not isinstance(text.get(key), dict):
+            raise ValueError(f"it has no table [{key}]" + " with two ranges" * (key == "parameters"))
+    constants: dict[str, float] = {}
+    over: dict[str, tuple[float, float]] = {}
+    for key, value in text["parameters"].items():
+        if not key.isidentifier() or key in WORDS:
+            raise ValueError(
+                f"parameters must have names of letters such as omega, none of {', '.join(WORDS)}: {key!r}"
+            )
+        ends = [_constant(end, key) for end in (value.split(":") if isinstance(value, str) else [value])]
+        if len(ends) == 1:
+            constants[key] = ends[0]
+        elif len(ends) == 2 and ends[0] < ends[1]:
+            over[key] = ends[0], ends[1]
+        else:
+            raise ValueError(f'{key} must be a number or a range from less to more such as "1.5:4.5", got {value!r}')
+    if len(over) != 2:
+        raise ValueError(f'two parameters must have ranges such as "1.5:4.5", got {", ".join(over) or "none"}')
+    named: set[str] = set()
+    table = _with_formulas(text["system"], {*constants, *over}, named)
+    if unused := [key for key in (*over, *constants) if key not in named]:
+        raise ValueError(f"no formula of the system has the parameter {unused[0]!r}")
+
+    def system(**point: float) -> HillSystem | PeriodicSystem | DelaySystem:
+        return _system(_with_values(table, constants | point))
+
+    system.__name__ = name
+    return SystemFamily(system, over)
+
+
+def _constant(value: Any, key: str) -> float:
+    """Return the number of a parameter, which may be a formula without names."""
+    try:
+        number = Formula.read(value).value({}) if isinstance(value, str) else value
+    except ValueError as error:
+        raise ValueError(f"{key} must be a number, or a formula of numbers such as 2*pi, got {error}") from None
+    return validate.finite(key, number)
+
+
+def _with_formulas(table: Any, parameters: set[str], named: set[str], key: str = "") -> Any:
+    """Return a table with formulas in place of texts, and enter the parameters that these name."""
+    if isinstance(table, dict):
+        return {name: _with_formulas(value, parameters, named, name) for name, value in table.items()}
+    if isinstance(table, list):
+        return [_with_formulas(entry, parameters, named, key) for entry in table]
+    if not isinstance(table, str) or (key in _QUANTITIES and units.unit_of(table)):
+        return table
+    try:
+        formula = Formula.read(table, imaginary=key in _COMPLEX)
+        formula.require(parameters)
+    except ValueError as error:
+        raise ValueError(f"{key} must hold numbers or formulas such as '0.5*epsilon', got {error}") from None
+    named.update(formula.names)
+    return formula
+
+
+def _with_values(table: Any, numbers: Mapping[str, float]) -> Any:
+    """Return a table with numbers in place of formulas."""
+    if isinstance(table, dict):
+        return {name: _with_values(value, numbers) for name, value in table.items()}
+    if isinstance(table, list):
+        return [_with_values(entry, numbers) for entry in table]
+    return table.value(numbers) if isinstance(table, Formula) else table
 
 
 def _tables(table: Mapping[str, Any], key: str) -> list[Any]:

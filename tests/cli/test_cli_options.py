@@ -12,7 +12,10 @@ from floquetrod.cli.main import _parser
 _COMMANDS = next(a for a in _parser()._actions if isinstance(a, argparse._SubParsersAction)).choices
 
 # Options that mean something else in some commands, which their help says.
-_OTHERWISE = {"--out", "--kick", "--friction", "--mu", "--exit-code", "--speed", "--depth", "--unit"}
+_OTHERWISE = {
+    "--out", "--kick", "--friction", "--mu", "--exit-code", "--speed", "--depth", "--unit",
+    "--system", "--growth-tolerance",  # of a family of systems, which have no seconds
+}  # fmt: skip
 
 
 def _options() -> dict[str, list[tuple[str, argparse.Action]]]:

@@ -139,7 +139,7 @@ EXAMPLES = Path(__file__).parents[2] / "examples"
 READ = {"path", "well", "study", "store", "checkpoint", "tool", "earlier", "start"}
 """Options and arguments of which each names one file that is read, or is kept up to date."""
 
-WRITING = ["check", "map", "explore", "ranges", "simulate", "ensemble", "report", "reach", "weights", "lobes"]
+WRITING = ["check", "map", "chart", "explore", "ranges", "simulate", "ensemble", "report", "reach", "weights", "lobes"]
 """Commands that write files."""
 
 
@@ -161,6 +161,7 @@ def asked(folder: Path) -> dict[str, list[str]]:
     return {
         "check": [*rod, "--force", str(record), "--no-margins"],
         "map": [*rod, "--amplitude", "0.2Fcr", *ranged],
+        "chart": ["--system", str(EXAMPLES / "family.toml"), "--points", "5x4"],
         "explore": [*rod, *LOAD],
         "ranges": [*rod, "--mean", "0.3Fcr", "--amplitude", "0.2Fcr", "--frequency", "100:120"],
         "simulate": [*rod, *LOAD, "--duration", "10ms", "--segments", "60", "--no-theory"],
