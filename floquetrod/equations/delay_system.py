@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import contextlib
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from fractions import Fraction
-from typing import Any, ClassVar, NamedTuple
+from typing import Any, ClassVar, NamedTuple, TypeVar
 
 import numpy as np
 
@@ -18,12 +20,16 @@ from floquetrod.equations.matrices import Structure
 from floquetrod.equations.periodic_system import PeriodicSystem
 from floquetrod.equations.pieces import mapped
 
+Present = TypeVar("Present", HillSystem, PeriodicSystem)
+
 MOST_DELAYS = 64
 """Most delayed terms of a system (a choice)."""
 
 _LONGEST = 1e100
 _SERIES = "(delay, matrix), (delay, matrix, cosines) or (delay, matrix, cosines, sines)"
 _PIECES = "(delay, pieces), pieces a sequence of (duration, matrix)"
+_FUNCTIONS = "(delay, function) or (delay, matrix)"
+_TABLES = "(delay, table of matrices) or (delay, matrix)"
 
 
 class DelayedTerm(NamedTuple):
@@ -46,7 +52,8 @@ class DelayedTerm(NamedTuple):
 class DelaySystem(ByContent):
     """The system M q'' + (C + G) q' + K(t) q + sum_j D_j(t) q(t - tau_j) = 0 of n equations, K and D_j periodic.
 
-    `from_pieces` takes coefficients that jump, `first_order` the form x' = A(t) x + sum_j B_j(t) x(t - tau_j).  Delays
+    `from_pieces` takes coefficients that jump, `from_function` and `from_samples` take them as functions and tables,
+    `first_order` and its kin take the form x' = A(t) x + sum_j B_j(t) x(t - tau_j).  Delays
     may be any positive numbers, shorter or longer than the period, commensurate with it or not; terms without a delay
     belong to the stiffness.
 
@@ -159,6 +166,96 @@ class DelaySystem(ByContent):
         return cls._made(present, _by_pieces(delayed, present))
 
     @classmethod
+    def from_function(
+        cls,
+        function: Callable[[float], Any],
+        period: float,
+        jumps: Any = (),
+        *,
+        mass: Any = None,
+        damping: Any = None,
+        gyroscopic: Any = None,
+        delayed: Any = (),
+    ) -> DelaySystem:
+        """Return the system whose K(t) and D_j(t) are functions, expanded as by `PeriodicSystem.from_function`.
+
+        Its ``coefficient_error`` is the largest error of these expansions, estimated; verdicts include it.
+
+        Parameters
+        ----------
+        function : callable (t) -> array_like (n, n)
+            K, periodic and smooth except for its jumps.
+        period : float
+            Period of K and of all D_j.
+        jumps : sequence of float
+            Instants from 0 up to the period at which K or a D_j jumps, or has a kink; none by default.
+        mass : array_like (n, n), optional
+            M, as of the system.
+        damping : array_like (n, n), optional
+            C, as of the system.
+        gyroscopic : array_like (n, n), optional
+            G, as of the system.
+        delayed : sequence of (delay, function) or (delay, matrix)
+            Of each term its delay and D_j, a function of t as K, or a constant matrix.
+
+        Examples
+        --------
+        >>> def cut(t):
+        ...     return [[0.2 * math.exp(math.cos(t))]]
+        >>> system = DelaySystem.from_function(lambda t: [[1.2 + cut(t)[0][0]]], 2.0 * math.pi, delayed=[(9.0, cut)])
+        >>> system.delays, system.coefficient_error < 1e-13
+        ((9.0,), True)
+        """
+        others = {"mass": mass, "damping": damping, "gyroscopic": gyroscopic}
+        present = HillSystem.from_function(function, period, jumps, **others)
+        return cls._made(*_by_functions(delayed, present, jumps))
+
+    @classmethod
+    def from_samples(
+        cls,
+        times: Any,
+        values: Any,
+        period: float,
+        *,
+        mass: Any = None,
+        damping: Any = None,
+        gyroscopic: Any = None,
+        delayed: Any = (),
+    ) -> DelaySystem:
+        """Return the system whose K(t) and D_j(t) go through tables of matrices, as by `PeriodicSystem.from_samples`.
+
+        Its ``coefficient_error`` is the largest error of these series, estimated; verdicts include it.
+
+        Parameters
+        ----------
+        times : array_like (N,)
+            Instants of all tables within one period, increasing, at least 5; of phases give the period 2 pi.
+        values : array_like (N, n, n)
+            K there.
+        period : float
+            Period of K and of all D_j.
+        mass : array_like (n, n), optional
+            M, as of the system.
+        damping : array_like (n, n), optional
+            C, as of the system.
+        gyroscopic : array_like (n, n), optional
+            G, as of the system.
+        delayed : sequence of (delay, table) or (delay, matrix)
+            Of each term its delay and D_j, a table (N, n, n) at the same instants, or a constant matrix.
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> t = np.linspace(0.0, 2.0 * np.pi, 24, endpoint=False)
+        >>> stiffness = (1.2 + 0.5 * np.cos(t))[:, None, None]
+        >>> DelaySystem.from_samples(t, stiffness, 2.0 * np.pi, delayed=[(9.0, [[0.2]])]).coefficient_error < 1e-14
+        True
+        """
+        others = {"mass": mass, "damping": damping, "gyroscopic": gyroscopic}
+        present = HillSystem.from_samples(times, values, period, **others)
+        return cls._made(*_by_samples(delayed, present, times))
+
+    @classmethod
     def first_order(
         cls,
         mean: Any,
@@ -217,6 +314,58 @@ class DelaySystem(ByContent):
         """
         present = PeriodicSystem.from_pieces(pieces, coefficient_error=coefficient_error)
         return cls._made(present, _by_pieces(delayed, present))
+
+    @classmethod
+    def first_order_from_function(
+        cls, function: Callable[[float], Any], period: float, jumps: Any = (), *, delayed: Any = ()
+    ) -> DelaySystem:
+        """Return the system x' = A(t) x + sum_j B_j(t) x(t - tau_j) whose matrices are functions of time.
+
+        Parameters
+        ----------
+        function : callable (t) -> array_like (N, N)
+            A, as of `PeriodicSystem.from_function`.
+        period : float
+            Period of A and of all B_j.
+        jumps : sequence of float
+            Instants from 0 up to the period at which A or a B_j jumps, or has a kink; none by default.
+        delayed : sequence of (delay, function) or (delay, matrix)
+            Of each term its delay and B_j, a function of t as A, or a constant matrix.
+
+        Examples
+        --------
+        >>> system = DelaySystem.first_order_from_function(
+        ...     lambda t: [[-1.0 / (1.5 + math.cos(t))]], 2.0 * math.pi, delayed=[(20.0, [[0.3]])]
+        ... )
+        >>> system.is_second_order, system.coefficient_error < 1e-13
+        (False, True)
+        """
+        return cls._made(*_by_functions(delayed, PeriodicSystem.from_function(function, period, jumps), jumps))
+
+    @classmethod
+    def first_order_from_samples(cls, times: Any, values: Any, period: float, *, delayed: Any = ()) -> DelaySystem:
+        """Return the system x' = A(t) x + sum_j B_j(t) x(t - tau_j) whose matrices go through tables.
+
+        Parameters
+        ----------
+        times : array_like (N,)
+            Instants of all tables, as of `PeriodicSystem.from_samples`.
+        values : array_like (N, n, n)
+            A there.
+        period : float
+            Period of A and of all B_j.
+        delayed : sequence of (delay, table) or (delay, matrix)
+            Of each term its delay and B_j, a table (N, n, n) at the same instants, or a constant matrix.
+
+        Examples
+        --------
+        >>> t = [0.0, 0.2, 0.4, 0.6, 0.8]
+        >>> rates = [[[math.cos(2.0 * math.pi * s) - 1.0]] for s in t]
+        >>> system = DelaySystem.first_order_from_samples(t, rates, 1.0, delayed=[(7.5, [[0.5]])])
+        >>> [round(float(wave[0, 0]), 12) for wave in system.present.cosines]
+        [1.0, 0.0]
+        """
+        return cls._made(*_by_samples(delayed, PeriodicSystem.from_samples(times, values, period), times))
 
     @classmethod
     def _made(cls, present: HillSystem | PeriodicSystem, delayed: tuple[DelayedTerm, ...]) -> DelaySystem:
@@ -349,6 +498,47 @@ def _by_pieces(delayed: Any, present: HillSystem | PeriodicSystem) -> tuple[Dela
             raise ValueError(f"{name}[1] must add up to the period {present.period!r}, got {coefficient.period!r}")
         terms.append(DelayedTerm(_delay(f"{name}[0]", delay), coefficient))
     return tuple(terms)
+
+
+def _by_functions(delayed: Any, present: Present, jumps: Any) -> tuple[Present, tuple[DelayedTerm, ...]]:
+    """Return a system and its delayed terms whose coefficients are functions, with the largest of their errors."""
+
+    def expanded(function: Any) -> PeriodicSystem | None:
+        return PeriodicSystem.from_function(function, present.period, jumps) if callable(function) else None
+
+    return _with_errors(delayed, present, _FUNCTIONS, expanded)
+
+
+def _by_samples(delayed: Any, present: Present, times: Any) -> tuple[Present, tuple[DelayedTerm, ...]]:
+    """Return the same of coefficients in tables, (N, n, n) each."""
+
+    def interpolated(values: Any) -> PeriodicSystem | None:
+        with contextlib.suppress(ValueError):  # of rows of different lengths, which are refused below
+            if np.ndim(values) == 2:
+                return None
+        return PeriodicSystem.from_samples(times, values, present.period)
+
+    return _with_errors(delayed, present, _TABLES, interpolated)
+
+
+def _with_errors(
+    delayed: Any, present: Present, example: str, varying: Callable[[Any], PeriodicSystem | None]
+) -> tuple[Present, tuple[DelayedTerm, ...]]:
+    """Return a system and its delayed terms; ``varying`` makes a coefficient, or None of a constant matrix."""
+    terms, error = [], present.coefficient_error
+    for name, (delay, value) in _listed(delayed, (2,), example):
+        try:
+            coefficient = varying(value)
+        except (TypeError, ValueError) as refusal:
+            raise type(refusal)(f"{name}[1]: {refusal}") from None
+        if coefficient is None:
+            matrix = matrices.square(f"{name}[1]", value, present.order, present.MEAN)
+            coefficient = PeriodicSystem(matrix, period=present.period)
+        if coefficient.order != present.order:
+            raise ValueError(f"{name}[1] must be {present.order} x {present.order} as {present.MEAN} is")
+        error = max(error, coefficient.coefficient_error)
+        terms.append(DelayedTerm(_delay(f"{name}[0]", delay), replace(coefficient, coefficient_error=0.0)))
+    return replace(present, coefficient_error=error), tuple(terms)
 
 
 def _listed(delayed: Any, lengths: tuple[int, ...], example: str) -> list[tuple[str, Any]]:

@@ -41,7 +41,8 @@ def series_of(times: Any, values: Any, period: Any, most: int, *, complex_too: b
     """Return the series through matrices (N, n, n) at instants (N,) within a period, n up to ``most``."""
     period = float(matrices.periods(validate.positive("period", period)))
     instants = validate.array("times", times)
-    table = matrices.square("values", values, most=most, complex_too=complex_too)
+    listed = [matrices.dense(value) for value in values] if isinstance(values, list | tuple) else values
+    table = matrices.square("values", listed, most=most, complex_too=complex_too)
     if instants.ndim != 1 or table.ndim != 3 or len(instants) != len(table):
         raise ValueError(
             f"times and values must be of the shapes (N,) and (N, n, n), a matrix for each instant, got "

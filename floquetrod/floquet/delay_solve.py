@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from itertools import pairwise
@@ -25,6 +25,7 @@ from floquetrod.floquet.references import DELAYED_SOLUTIONS, references
 History = Callable[[float], Any]
 
 _NODES = (16, 22)  # of a step, the second number to learn the error of the first (heuristic)
+_INSIDE = np.linspace(-0.9, 0.9, 5)  # of a step from -1 to 1, where its error is learned, beside its end (a choice)
 _RADIANS = 4.0  # that solutions turn by in a step, about (a choice)
 _GENERATIONS = 12  # of the images of a jump under delays that end a step (a choice)
 _MOST_STEPS = 20_000  # (a choice: some seconds)
@@ -74,6 +75,10 @@ class DelaySolution(ByContent):
         values = _values(_DelayedSteps(self.time, self.series, self.states), times.ravel(), derivative)
         return shaped(values, (*times.shape, self.equation.order))
 
+    def conjugate(self) -> DelaySolution:
+        """Return the conjugate of a complex solution."""
+        return replace(self, states=self.states.conj(), series=self.series.conj())
+
     def __repr__(self) -> str:
         """Return what was solved."""
         span = f"from {self.time[0]:g} to {self.time[-1]:g}"
@@ -88,7 +93,10 @@ def solve_delayed(system: DelaySystem, initial: Any, start: float, stop: float) 
     ends = _ends(system, start, stop)
     one, other = (_marched(system, history, rate, ends, nodes) for nodes in _NODES)
     largest = np.maximum.accumulate(np.abs(other.states).max(axis=1))
-    gaps = np.abs(one.states - other.states).max(axis=1) / np.maximum(largest, 1e-300)
+    inside = [legendre.legval(_INSIDE, np.moveaxis(each.series, 1, 0)) for each in (one, other)]
+    gaps = np.abs(one.states - other.states).max(axis=1)
+    gaps[1:] = np.maximum(gaps[1:], np.abs(inside[0] - inside[1]).max(axis=(1, 2)))
+    gaps /= np.maximum(largest, 1e-300)
     solution = DelaySolution(system, one.ends, one.states, 0.0, one.series)
     return replace(solution, error=2.0 * float(gaps.max()) + _ROUNDING * len(ends))
 
@@ -139,7 +147,9 @@ def _ends(system: DelaySystem, start: float, stop: float) -> Floats:
             break
         images |= fresh
     edges = [*sorted(map(float, images)), stop]
-    longest = min([_RADIANS / max(delay_maps.rate(system), 1e-300), stop - start, *map(float, system.delays)])
+    waves = max(piece.harmonics.shape[-3] for part in parts for piece in by_pieces.in_time(part))
+    turning = delay_maps.rate(system) + 2.0 * math.pi * waves / system.period
+    longest = min([_RADIANS / max(turning, 1e-300), stop - start, *map(float, system.delays)])
     least = 1e-13 * max(abs(start), abs(stop))
     edges = [t for t, later in pairwise(edges) if later - t > least] + [stop]
     counts = [math.ceil((high - low) / longest * (1.0 - 1e-12)) for low, high in pairwise(edges)]
@@ -200,6 +210,23 @@ def as_series(rates: Floats, half: float, state: Floats) -> Floats:
     return np.asarray(series)
 
 
+def joined_series(rates: Any, breaks: Sequence[float], state: Any) -> tuple[Any, Any]:
+    """Return Legendre coefficients on all pieces from highest derivatives, and the states at the ends.
+
+    Of rates (pieces, nodes, n) and the state (derivatives, n) at the beginning, q and q' or x: series
+    (pieces, nodes + derivatives, n) and states (pieces + 1, derivatives n).
+    """
+    series, states = [], [state]
+    for values, (low, high) in zip(rates, pairwise(breaks), strict=True):
+        series.append(as_series(values, 0.5 * (high - low), states[-1]))
+        ends = [series[-1].sum(axis=0)]  # P_k(1) = 1, P_k'(1) = k (k + 1) / 2
+        if len(state) == 2:
+            k = np.arange(len(series[-1]))
+            ends.append((0.5 * k * (k + 1)) @ series[-1] * (2.0 / (high - low)))
+        states.append(np.array(ends))
+    return np.array(series), np.array(states).reshape(len(states), -1)
+
+
 def _earlier(known: _DelayedSteps, history: History, times: Floats) -> Floats:
     """Return values at times before the step, of the history too."""
     before = times <= known.ends[0]
@@ -211,10 +238,10 @@ def _earlier(known: _DelayedSteps, history: History, times: Floats) -> Floats:
     return values
 
 
-def _values(steps: _DelayedSteps, times: Floats, derivative: int) -> Floats:
+def _values(steps: _DelayedSteps, times: Floats, derivative: int) -> Any:
     """Return the solution at times of the steps, or its derivative, (times, n)."""
     place = np.clip(np.searchsorted(steps.ends, times, side="right") - 1, 0, len(steps.series) - 1)
-    values = np.empty((times.size, steps.series.shape[2]))
+    values: Any = np.empty((times.size, steps.series.shape[2]), dtype=steps.series.dtype)
     for step in np.unique(place):
         here = place == step
         low, high = steps.ends[step], steps.ends[step + 1]

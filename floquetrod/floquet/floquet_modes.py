@@ -1,4 +1,4 @@
-"""The map over a period and the Floquet solutions of any equation or system, marched by `solve`."""
+"""The Floquet solutions of any equation or system, marched by `solve`; with delays, by collocation of a period."""
 
 from __future__ import annotations
 
@@ -13,54 +13,19 @@ from numpy.typing import NDArray
 from floquetrod._util import validate
 from floquetrod._util.arrays import EPS, Complexes, shaped
 from floquetrod._util.content import ByContent
-from floquetrod.equations import Equation, HillSystem, PeriodicSystem
-from floquetrod.equations.hill_system import states
+from floquetrod.equations import DelaySystem, PeriodicSystem
+from floquetrod.floquet.delay_modes import ExponentialSolution, delayed_solutions
+from floquetrod.floquet.delay_solve import DelaySolution
+from floquetrod.floquet.dispatch import stability
+from floquetrod.floquet.monodromy_matrix import marched, monodromy_over_period, states_of
 from floquetrod.floquet.multipliers import spectra
-from floquetrod.floquet.problems import Problem, require_problem, require_without_delays
-from floquetrod.floquet.solve import Solution, solve
+from floquetrod.floquet.problems import Problem, require_problem
+from floquetrod.floquet.solve import Solution
 
 _LATEST = 1e6  # periods (a choice: beyond it rounding of the phase costs more than ten digits)
 _DECAYS = 1.0 - 1e-6  # magnitudes of multipliers below it are found from the map backwards (a choice)
 _SURE = 1e-3  # rad that the error of the map may turn an eigenvector by (a choice)
 _LARGEST_RESIDUAL = 1e-6  # of a solution, relative (a choice)
-
-
-class MonodromyMatrix(NamedTuple):
-    """The matrix (N, N) that maps a state over one period, and an estimate of the largest error of an entry.
-
-    Complex for a complex system.
-    """
-
-    matrix: NDArray[Any]
-    error: float
-
-
-def monodromy_over_period(problem: Problem, *, backward: bool = False) -> MonodromyMatrix:
-    """Return the matrix that maps (A, A'), (q, q') or x from the beginning of a period to its end, or back.
-
-    Each column is a solution with unit initial values; its error is the estimate of `floquetrod.solve`.
-    """
-    require_without_delays(problem, "a monodromy matrix, whose map is one of histories")
-    span = (float(problem.period), 0.0) if backward else (0.0, float(problem.period))
-    order = _states(problem)
-    columns = [_marched(problem, unit, span) for unit in np.eye(order)]
-    matrix = np.stack([column.states[-1] for column in columns], axis=1)
-    return MonodromyMatrix(matrix, max(column.error * float(np.abs(column.states).max()) for column in columns))
-
-
-def _states(problem: Problem) -> int:
-    """Return how many numbers make a state."""
-    return 2 if isinstance(problem, Equation) else states(problem)
-
-
-def _marched(problem: Problem, state: NDArray[Any], span: tuple[float, float]) -> Solution:
-    """Return the solution from a state at the beginning of a span."""
-    start = state.reshape(2, -1) if isinstance(problem, HillSystem) else state
-    try:
-        solution: Solution = solve(problem, start, span)
-    except ValueError as error:
-        raise ValueError(f"equation must be one that can be solved over its period, and {error}") from None
-    return solution
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -69,22 +34,23 @@ class FloquetMode(ByContent):
 
     Attributes
     ----------
-    equation : Equation, HillSystem or PeriodicSystem
+    equation : Equation, HillSystem, PeriodicSystem or DelaySystem
     exponent : complex
         Its real part is the growth rate; the imaginary one lies between -pi / period and pi / period, of a system that
-        is "unitary" minus the quasienergy.
+        is "unitary" minus the quasienergy.  With delays and constant coefficients it is a characteristic root.
     period : float
     error : float
         Estimate of the largest error of a state, as a fraction of the largest state within a period, of both
         parts, by how much the state at the end of the period differs from exp(exponent period) times that at its start,
-        and the angle by which the error of the map may turn the start.
+        and the angle by which the error of the map may turn the start.  With delays it is twice the change to fewer
+        nodes of collocation, and rounding.
     """
 
     equation: Any
     exponent: complex
     period: float
     error: float
-    _parts: tuple[Solution, ...]
+    _parts: tuple[Solution | DelaySolution | ExponentialSolution, ...]
 
     def __call__(self, time: Any, derivative: int = 0) -> Any:
         """Return the solution at times (array_like), or its first derivative.
@@ -132,9 +98,12 @@ def floquet_solutions(equation: Problem) -> tuple[FloquetMode, ...]:
     `FloquetMode.error` includes the angle by which their solutions may be mixed.  For Mathieu's equation
     `floquetrod.mathieu.floquet_solutions` has Fourier series.
 
+    A system with delays has infinitely many: those of the multipliers that `floquetrod.stability` lists are returned,
+    by collocation of one period, in which values k periods back are 1 / multiplier^k times those of the period itself.
+
     Parameters
     ----------
-    equation : Equation, HillSystem or PeriodicSystem
+    equation : Equation, HillSystem, PeriodicSystem or DelaySystem
         One, not a batch.
 
     Returns
@@ -148,7 +117,8 @@ def floquet_solutions(equation: Problem) -> tuple[FloquetMode, ...]:
     ValueError
         Where multipliers of a system that is not "unitary" cannot be distinguished and need not have as many solutions,
         as on a boundary of stability, where they span too many decades, and where a solution grows beyond the range of
-        `floquetrod.solve`.
+        `floquetrod.solve`; with delays where a period has too many turns for collocation, or its solutions begin with a
+        state of zero.
 
     Examples
     --------
@@ -156,10 +126,40 @@ def floquet_solutions(equation: Problem) -> tuple[FloquetMode, ...]:
     >>> growing, decaying = floquet_solutions(fr.Meissner(alpha=0.5, beta=-0.25))
     >>> f"{growing.exponent:.9f}", growing.error < 1e-12
     ('0.270847649+0.500000000j', True)
+
+    Of a delay of 20 periods, the history and what follows from it are one function:
+
+    >>> delayed = fr.DelaySystem([[3.0]], [[[2.0]]], damping=[[0.1]], delayed=[(40.0 * math.pi, [[0.2]])])
+    >>> mode = floquet_solutions(delayed)[0]
+    >>> error = mode(1.0 + 2.0 * math.pi) - mode(1.0) * np.exp(2.0 * math.pi * mode.exponent)
+    >>> abs(error[0]) < 1e-12, mode.error < 1e-9
+    (True, True)
     """
     require_problem(equation)
+    if isinstance(equation, DelaySystem):
+        return _in_order(_delayed_modes(equation))
     modes = [_mode(equation, pair) for pair in _eigenpairs(equation)]
+    return _in_order(modes)
+
+
+def _in_order(modes: list[FloquetMode]) -> tuple[FloquetMode, ...]:
     return tuple(sorted(modes, key=lambda mode: (-mode.exponent.real, -mode.exponent.imag)))
+
+
+def _delayed_modes(system: DelaySystem) -> list[FloquetMode]:
+    """Return the Floquet solutions of the multipliers that a verdict lists."""
+    verdict: Any = stability(system)
+    solutions = delayed_solutions(system, verdict) if verdict.exponents else None
+    if solutions is None:
+        raise _indistinct(system, "some")
+    largest = max(solution.error for _, solution in solutions)
+    if not largest < _LARGEST_RESIDUAL:
+        raise ValueError(
+            "equation must be one whose solutions collocation of a period resolves, none of a state of zero at the "
+            f"beginning, got {validate.short(system)}, whose solutions are off by up to {largest:.1g}"
+        )
+    period = float(system.period)
+    return [FloquetMode(system, exponent, period, solution.error, (solution,)) for exponent, solution in solutions]
 
 
 class _Eigenpair(NamedTuple):
@@ -173,7 +173,7 @@ class _Eigenpair(NamedTuple):
 
 def _eigenpairs(equation: Problem) -> list[_Eigenpair]:
     """Return the multipliers; those that decay from the map backwards, in which they are the largest."""
-    order = _states(equation)
+    order = states_of(equation)
     growing = _independent(equation, order, backward=False)
     return growing + (_independent(equation, order - len(growing), backward=True) if len(growing) < order else [])
 
@@ -227,7 +227,7 @@ def _mode(equation: Problem, pair: _Eigenpair) -> FloquetMode:
     vector, mu = (pair.vector / factor, 1.0 / factor) if pair.backward else (pair.vector, factor)
     is_complex = isinstance(equation, PeriodicSystem) and equation.is_complex
     starts = [vector] if is_complex else [vector.real, vector.imag]
-    parts = tuple(_marched(equation, np.ascontiguousarray(start), span) for start in starts)
+    parts = tuple(marched(equation, np.ascontiguousarray(start), span) for start in starts)
     begin, end = (_joined([part.states[i] for part in parts]) for i in (0, -1))
     size = max(float(np.abs(part.states).max()) for part in parts)
     residual = float(np.abs(end - factor * begin).max()) / size

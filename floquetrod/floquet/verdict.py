@@ -30,7 +30,7 @@ from floquetrod.floquet.status import Status as Status
 from floquetrod.floquet.status import status_between, status_of
 
 if TYPE_CHECKING:
-    from floquetrod.floquet.floquet_modes import MonodromyMatrix
+    from floquetrod.floquet.monodromy_matrix import MonodromyMatrix
 
 _STATUS: dict[int, Status] = {1: "unstable", -1: "stable"}
 
@@ -194,7 +194,7 @@ class FloquetVerdict(ByContent, Reported, Verdict):
         >>> f"{matrix[0, 0] + matrix[1, 1]:.9f}", error < 1e-12
         ('-4.396667735', True)
         """
-        from floquetrod.floquet.floquet_modes import monodromy_over_period
+        from floquetrod.floquet.monodromy_matrix import monodromy_over_period
 
         return monodromy_over_period(self.equation)
 

@@ -3,16 +3,14 @@
 from __future__ import annotations
 
 from fractions import Fraction
-from itertools import pairwise
 from typing import Any
 
 import numpy as np
-from numpy.polynomial import legendre
 
 from floquetrod._util.arrays import EPS, Complexes, Floats, norms
 from floquetrod.equations import DelaySystem
 from floquetrod.equations import pieces as by_pieces
-from floquetrod.floquet.delay_solve import as_series
+from floquetrod.floquet.delay_solve import joined_series
 from floquetrod.floquet.multipliers import delay_maps
 from floquetrod.floquet.multipliers.delay_maps import PeriodPieces
 from floquetrod.responses.forces import Force
@@ -43,11 +41,7 @@ def _pieces(system: DelaySystem, force: Force) -> PeriodPieces:
     pieces = delay_maps.period_pieces(system, {piece.begin / exact for piece in force.pieces})
     turns = abs(force.frequency or 0.0) * pieces.period + 6.0 * len(force.harmonics)
     count = int(np.ceil(max(1.0, turns * pieces.longest / 12.0)))
-    if count == 1:
-        return pieces
-    parts = [np.linspace(low, high, count + 1)[:-1] for low, high in pairwise(pieces.breaks)]
-    active = tuple(tuple(np.repeat(on, count).tolist()) for on in pieces.active)
-    return pieces._replace(breaks=(*np.concatenate(parts).tolist(), 1.0), active=active)
+    return pieces.cut(count) if count > 1 else pieces
 
 
 def _collocated(system: DelaySystem, force: Force, pieces: PeriodPieces, count: int) -> tuple[PiecewiseMotion, float]:
@@ -75,14 +69,7 @@ def _collocated(system: DelaySystem, force: Force, pieces: PeriodPieces, count: 
         state, norm = np.full(total, np.nan + 0j), np.inf
     rounding = norm * EPS * (4.0 * float(norms(made.maps[0])) + total**0.5) * float(np.linalg.norm(state))
     unknowns = (made.unknowns[0] @ state + added).reshape(len(pieces.breaks) - 1, count, n)
-    series, start = [], state[: derivatives * n].reshape(derivatives, n).copy()
-    for rates, (low, high) in zip(unknowns, pairwise(pieces.breaks), strict=True):
-        series.append(as_series(rates, 0.5 * (high - low), start))
-        ends = [legendre.legval(1.0, series[-1])]
-        if derivatives == 2:
-            ends.append(legendre.legval(1.0, legendre.legder(series[-1])) * (2.0 / (high - low)))
-        start = np.array(ends)
-    whole: Any = np.array(series)
+    whole: Any = joined_series(unknowns, pieces.breaks, state[: derivatives * n].reshape(derivatives, n))[0]
     if force.frequency is None:
         whole = whole.real.copy()
     own = Fraction(period)

@@ -827,6 +827,24 @@ def _of_systems() -> dict[str, Call]:
         "DelaySystem.first_order_from_pieces": Call(
             fr.DelaySystem.first_order_from_pieces, {"pieces": pieces, "delayed": [(0.7, pieces)]}
         ),
+        "DelaySystem.from_function": Call(
+            fr.DelaySystem.from_function,
+            others | {"function": swing, "period": 2.0, "jumps": [0.0, 1.0], "delayed": [(0.7, swing), (3.0, matrix)]},
+        ),
+        "DelaySystem.from_samples": Call(
+            fr.DelaySystem.from_samples,
+            others
+            | {"times": np.arange(8.0), "values": [matrix] * 8, "period": 8.0}
+            | {"delayed": [(0.7, [matrix] * 8), (3.0, matrix)]},
+        ),
+        "DelaySystem.first_order_from_function": Call(
+            fr.DelaySystem.first_order_from_function,
+            {"function": swing, "period": 2.0, "jumps": [0.5], "delayed": [(0.7, swing)]},
+        ),
+        "DelaySystem.first_order_from_samples": Call(
+            fr.DelaySystem.first_order_from_samples,
+            {"times": np.arange(8.0), "values": [matrix] * 8, "period": 8.0, "delayed": [(0.7, matrix)]},
+        ),
         "DelaySystem.damped": Call(fr.DelaySystem(matrix, delayed=[(0.7, matrix)]).damped, {"rate": 0.1}),
         "HillSystem": Call(fr.HillSystem, hill | {"gyroscopic": [[0.0, 1.0], [-1.0, 0.0]]}),
         "HillSystem.coefficient": Call(SYSTEM.coefficient, {"t": 0.3}),

@@ -115,6 +115,16 @@ CALLS: list[tuple[Callable[..., Any], dict[str, Any]]] = [
         {"times": [0.0, 1.0, 2.0, 3.0, 4.0], "values": [[[1.0]]] * 5, "period": 5.0}
         | {"mass": [[1.0]], "damping": [[0.1]], "gyroscopic": [[0.0]]},
     ),
+    (
+        fr.DelaySystem.from_function,
+        {"function": lambda t: [[1.0]], "period": 6.0, "jumps": [1.0], "delayed": [(1.0, lambda t: [[0.1]])]}
+        | {"mass": [[1.0]], "damping": [[0.1]], "gyroscopic": [[0.0]]},
+    ),
+    (
+        fr.DelaySystem.from_samples,
+        {"times": [0.0, 1.0, 2.0, 3.0, 4.0], "values": [[[1.0]]] * 5, "period": 5.0}
+        | {"mass": [[1.0]], "damping": [[0.1]], "gyroscopic": [[0.0]], "delayed": [(1.0, [[0.1]])]},
+    ),
     (fr.PeriodicSystem.from_pieces, {"pieces": [(1.0, [[1.0]])], "coefficient_error": 0.0}),
     (
         fr.HillSystem.from_pieces,

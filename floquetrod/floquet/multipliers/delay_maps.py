@@ -40,6 +40,12 @@ class PeriodPieces(NamedTuple):
         """The longest piece as part of the period."""
         return float(np.diff(self.breaks).max())
 
+    def cut(self, count: int) -> PeriodPieces:
+        """Return as many pieces of each."""
+        parts = [np.linspace(low, high, count + 1)[:-1] for low, high in pairwise(self.breaks)]
+        active = tuple(tuple(np.repeat(on, count).tolist()) for on in self.active)
+        return self._replace(breaks=(*np.concatenate(parts).tolist(), 1.0), active=active)
+
     def smallest_modulus(self, system: DelaySystem, above: float) -> float:
         """Return the modulus over the map's period that ``above`` is over the longest delay, where that is longer."""
         return float(above ** min(1.0, self.period / max(system.longest_delay, self.period)))

@@ -131,19 +131,64 @@ def mesh(
     active : tuple of tuple of bool
         Of each delay, on which pieces its term is not zero.
     """
+    pieces, period = _one_period(breaks, count, derivatives)
+    own = np.repeat(np.arange(len(breaks) - 1), count)
+    where = [np.asarray(on)[own] for on in active]
+    sources = [_source(pieces, period.nodes, delay, on) for delay, on in zip(delays, where, strict=True)]
+    touched = sorted({int(p) for _, turn, piece, on in sources for p in piece[on & (turn > 0)]})
+    periods = max([1, *(int(turn[on].max(initial=1)) for _, turn, _, on in sources)])
+    kept = count + derivatives
+    rows = tuple(_delayed(pieces, source, touched, kept, periods) for source in sources)
+    end, end_state = _end(pieces, touched, kept)
+    return Mesh(*period[:5], rows, end, end_state, periods, breaks, tuple(touched))
+
+
+class PeriodRows(NamedTuple):
+    """As of a `Mesh` the rows of one period, without a history: ``end`` of its state alone."""
+
+    nodes: Floats
+    value: Floats
+    value_state: Floats
+    rate: Floats
+    rate_state: Floats
+    end: Floats  # (r, F)
+    end_state: Floats  # (r, r)
+
+
+class EarlierRows(NamedTuple):
+    """The solution at the nodes less a delay, moved into the period, as rows."""
+
+    periods: NDArray[np.intp]  # (F,), by which it was moved
+    active: Bools  # (F,), where the delayed term is not zero
+    value: Floats  # (F, F)
+    state: Floats  # (F, r)
+
+
+def _one_period(breaks: tuple[float, ...], count: int, derivatives: int) -> tuple[_Collocation, PeriodRows]:
     pieces = _collocation(np.asarray(breaks), count, derivatives)
     length = np.diff(pieces.breaks)
     nodes = (pieces.breaks[:-1, None] + length[:, None] * 0.5 * (rule(count)[0] + 1.0)).ravel()
     own = np.repeat(np.arange(len(length)), count)
     value, value_state = pieces.rows(nodes, own)
     rate, rate_state = pieces.rows(nodes, own, rate=True) if derivatives == 2 else (value, value_state)
-    sources = [_source(pieces, nodes, delay, np.asarray(on)[own]) for delay, on in zip(delays, active, strict=True)]
-    touched = sorted({int(p) for _, turn, piece, on in sources for p in piece[on & (turn > 0)]})
-    periods = max([1, *(int(turn[on].max(initial=1)) for _, turn, _, on in sources)])
-    kept = count + derivatives
-    rows = tuple(_delayed(pieces, source, touched, kept, periods) for source in sources)
-    end, end_state = _end(pieces, touched, kept)
-    return Mesh(nodes, value, value_state, rate, rate_state, rows, end, end_state, periods, breaks, tuple(touched))
+    return pieces, PeriodRows(nodes, value, value_state, rate, rate_state, *_end(pieces, [], 0))
+
+
+def one_period(
+    breaks: tuple[float, ...],
+    count: int,
+    derivatives: int,
+    delays: tuple[float, ...],
+    active: tuple[tuple[bool, ...], ...],
+) -> tuple[PeriodRows, list[EarlierRows]]:
+    """Return the rows of a period and, of each delay, where it reads within this period; arguments as of `mesh`."""
+    pieces, period = _one_period(breaks, count, derivatives)
+    own = np.repeat(np.arange(len(breaks) - 1), count)
+    earlier = []
+    for delay, on in zip(delays, active, strict=True):
+        there, turn, piece, here = _source(pieces, period.nodes, delay, np.asarray(on)[own])
+        earlier.append(EarlierRows(turn, here, *pieces.rows(there, piece)))
+    return period, earlier
 
 
 _Source = tuple[Floats, NDArray[np.intp], NDArray[np.intp], Bools]

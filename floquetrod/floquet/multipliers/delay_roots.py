@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
 
@@ -41,14 +42,19 @@ def _root(system: DelaySystem, log: complex, period: float) -> complex:
     return root.conjugate() if log.imag < 0.0 < root.imag or root.imag < 0.0 < log.imag else root
 
 
-def characteristic(system: DelaySystem, roots: Complexes) -> Complexes:
-    """Return s^2 M + s (C + G) + K + sum_j D_j exp(-s tau_j), or s I - A - sum_j B_j exp(-s tau_j), (m, n, n)."""
+def characteristic(system: DelaySystem, roots: Complexes, rate: bool = False) -> Any:
+    """Return s^2 M + s (C + G) + K + sum_j D_j exp(-s tau_j), or s I - A - sum_j B_j exp(-s tau_j), (m, n, n).
+
+    With ``rate`` also its derivative by s.
+    """
     present, s = system.present, roots[:, None, None]
     if isinstance(present, HillSystem):
-        matrix = s**2 * mass_matrix(present) + s * velocity_matrix(present) + present.coefficient(0.0)
-        sign = 1.0
+        mass, velocity = mass_matrix(present), velocity_matrix(present)
+        matrix, slope, sign = s**2 * mass + s * velocity + present.coefficient(0.0), 2.0 * s * mass + velocity, 1.0
     else:
-        matrix, sign = s * np.eye(system.order) - present.coefficient(0.0), -1.0
+        one = np.eye(system.order)
+        matrix, slope, sign = s * one - present.coefficient(0.0), one + 0.0 * s, -1.0
     for delay, coefficient in system.delayed:
-        matrix = matrix + sign * np.exp(-s * float(delay)) * coefficient.coefficient(0.0)
-    return np.asarray(matrix)
+        term = sign * np.exp(-s * float(delay)) * coefficient.coefficient(0.0)
+        matrix, slope = matrix + term, slope - float(delay) * term
+    return (matrix, slope) if rate else np.asarray(matrix)
