@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from floquetrod.floquet.quasiperiodic import QuasiperiodicGrowth as QuasiperiodicGrowth
     from floquetrod.floquet.solve import Solution as Solution
     from floquetrod.floquet.verdict import Stability as Stability
+    from floquetrod.orbits import BifurcationCurve as BifurcationCurve
     from floquetrod.orbits import PeriodicOrbit as PeriodicOrbit
     from floquetrod.orbits import SpecialPoint as SpecialPoint
     from floquetrod.plane import Bands as Bands
@@ -49,6 +50,7 @@ if TYPE_CHECKING:
 __all__ = [
     "AlmostSureExponent",
     "Bands",
+    "BifurcationCurve",
     "Comparison",
     "CriticalNoise",
     "EnergyBands",
@@ -97,7 +99,7 @@ __getattr__, __dir__ = names_of(
         "floquet.proof.region_proof": ("RegionProof",),
         "floquet.solve": ("Solution",),
         "floquet.verdict": ("Stability",),
-        "orbits": ("PeriodicOrbit", "SpecialPoint"),
+        "orbits": ("BifurcationCurve", "PeriodicOrbit", "SpecialPoint"),
         "plane": ("Bands",),
         "responses.comparison": ("ResponseComparison",),
         "responses.gain": ("Gain",),

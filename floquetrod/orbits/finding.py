@@ -14,7 +14,7 @@ from floquetrod._util.arrays import EPS, Floats
 from floquetrod.equations import NonlinearSystem
 from floquetrod.orbits import orbit_guesses, orbit_mesh
 from floquetrod.orbits.collocation import BorderRow, Collocation, Condensed, Point, gauss
-from floquetrod.orbits.newton import NoOrbitError, corrected
+from floquetrod.orbits.newton import Corrected, NoOrbitError, corrected
 from floquetrod.orbits.orbit import PeriodicOrbit
 from floquetrod.orbits.orbit_multipliers import Segments
 
@@ -321,13 +321,32 @@ def compared(collocation: Collocation, point: Point, condensed: Condensed, rows:
     """Return the orbit of a degree two higher on the same mesh where rows hold, with errors from the difference."""
     fine, start = orbit_mesh.carried(collocation, point, collocation.mesh, collocation.degree + MORE)
     finer = corrected(fine, start, rows)
+    gaps = rounding_gaps(fine, finer.point)
+    targets = np.zeros((len(rows), gaps.shape[2]))
+    nodes, scalars = fine.responses(finer.condensed, rows, finer.point.scale, gaps, targets)
+    rounding = 2.0 * float((np.abs(nodes) / finer.point.scale[:, None]).max())
+    largest = (2.0 * np.abs(scalars).max(axis=1)).tolist()
+    return comparison(
+        collocation, point, condensed, fine, finer, rounding, dict(zip(fine.scalars, largest, strict=True))
+    )
+
+
+def comparison(
+    collocation: Collocation,
+    point: Point,
+    condensed: Condensed,
+    fine: Collocation,
+    finer: Corrected,
+    rounding: float,
+    of_scalars: dict[str, float],
+) -> Compared:
+    """Return an orbit of a degree two higher on the same mesh, with errors from the difference and from rounding."""
     shares = (collocation.mesh[:-1, None] + collocation.steps[:, None] * _TRIALS).ravel()
     gaps = np.abs(orbit_mesh.evaluated(fine, finer.point, shares) - orbit_mesh.evaluated(collocation, point, shares))
     nodes = np.abs(finer.point.nodes - point.nodes)
     scale = finer.point.scale
     errors = np.maximum((gaps / scale).reshape(-1, len(_TRIALS) * len(scale)).max(axis=1), (nodes / scale).max(axis=1))
-    rounding, of_scalars = _rounding(fine, finer.point, finer.condensed, rows)
-    doubt, moved = _doubts(fine, finer.point, rounding)
+    doubt, moved = doubts(fine, finer.point, rounding)
     trace, before = _trace(fine, fine.jacobians(finer.point)), _trace(collocation, collocation.jacobians(point))
     before *= point.period / finer.point.period
     segments = Segments(
@@ -350,19 +369,13 @@ def compared(collocation: Collocation, point: Point, condensed: Condensed, rows:
     )
 
 
-def _rounding(
-    collocation: Collocation, point: Point, condensed: Condensed, rows: list[BorderRow]
-) -> tuple[float, dict[str, float]]:
-    """Return about what rounding of the equations does to the states, relative, and to the free scalars by name."""
+def rounding_gaps(collocation: Collocation, point: Point) -> Floats:
+    """Return about the gaps (N, n, 3) that rounding leaves in the equations, with three patterns of signs."""
     rates, jacobians = collocation.rates(point), np.abs(collocation.jacobians(point))
     terms = np.abs(rates) + np.einsum("ikab,ikb->ika", jacobians, np.abs(point.stages))
     size = np.abs(point.nodes) + (point.period * collocation.steps)[:, None] * terms.max(axis=1)
     waves = np.cos(np.arange(size.size).reshape(size.shape) * np.array([[[2.399]], [[0.731]], [[1.117]]]))
-    gaps = np.moveaxis(2.0 * EPS * size * np.sign(waves), 0, -1)
-    nodes, scalars = collocation.responses(condensed, rows, point.scale, gaps, np.zeros((len(rows), len(waves))))
-    states = float((np.abs(nodes) / point.scale[:, None]).max())
-    largest = (2.0 * np.abs(scalars).max(axis=1)).tolist()
-    return 2.0 * states, dict(zip(collocation.scalars, largest, strict=True))
+    return np.moveaxis(2.0 * EPS * size * np.sign(waves), 0, -1)
 
 
 def _trace(collocation: Collocation, matrices: Floats) -> float:
@@ -371,7 +384,7 @@ def _trace(collocation: Collocation, matrices: Floats) -> float:
     return float((weights * np.trace(matrices, axis1=2, axis2=3)).sum())
 
 
-def _doubts(collocation: Collocation, point: Point, rounding: float) -> tuple[Floats, Floats]:
+def doubts(collocation: Collocation, point: Point, rounding: float) -> tuple[Floats, Floats]:
     """Return the errors of the derivatives along the orbit, and what they make of the maps, entry by entry."""
     jacobians = collocation.jacobians(point)
     moved = point._replace(stages=point.stages + 1e-6 * point.scale)

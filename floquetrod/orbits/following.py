@@ -4,16 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import replace
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, overload
 
 import numpy as np
 
 from floquetrod._util import validate
 from floquetrod._util.progress import Progress
-from floquetrod.orbits import arclength, finding, orbit_mesh
+from floquetrod.orbits import arclength, critical_curves, finding, orbit_mesh
 from floquetrod.orbits.arclength import Measure
+from floquetrod.orbits.bifurcation_curve import BifurcationCurve
 from floquetrod.orbits.branch import Branch
 from floquetrod.orbits.continuation import Continuation, Ended, Sample, Task, lowered, sampled, started
+from floquetrod.orbits.critical_orbits import Values
 from floquetrod.orbits.locating_special_points import Watch
 from floquetrod.orbits.newton import NoOrbitError
 from floquetrod.orbits.orbit import PeriodicOrbit
@@ -25,6 +27,7 @@ _CLOSED = "the branch closes on itself"
 _INTERRUPTED = "interrupted; fr.follow(branch) continues"
 
 
+@overload
 def follow(
     orbit: PeriodicOrbit | Branch,
     over: Mapping[str, tuple[float, float]] | None = None,
@@ -34,8 +37,35 @@ def follow(
     tolerance: float = 1e-10,
     until: Callable[[PeriodicOrbit, PeriodicOrbit], str] | None = None,
     progress: Progress | None = None,
-) -> Branch:
+) -> Branch: ...
+
+
+@overload
+def follow(
+    orbit: SpecialPoint,
+    over: Mapping[str, tuple[float, float]] | None = None,
+    *,
+    steps: int = 400,
+    longest: float = 0.04,
+    tolerance: float = 1e-10,
+    until: Callable[[PeriodicOrbit, PeriodicOrbit], str] | None = None,
+    progress: Progress | None = None,
+) -> BifurcationCurve: ...
+
+
+def follow(
+    orbit: PeriodicOrbit | Branch | SpecialPoint,
+    over: Mapping[str, tuple[float, float]] | None = None,
+    *,
+    steps: int = 400,
+    longest: float = 0.04,
+    tolerance: float = 1e-10,
+    until: Callable[[PeriodicOrbit, PeriodicOrbit], str] | None = None,
+    progress: Progress | None = None,
+) -> Branch | BifurcationCurve:
     """Return the branch of periodic orbits on which one lies, over a range of a parameter, with its special points.
+
+    Of a special point, return the curve of such points over two parameters.
 
     By pseudo-arclength, so that the branch is followed round folds, too: from the orbit to both sides, until it leaves
     the range, closes on itself, shrinks to a state of rest, or cannot be continued; `Branch.ends` says which.  Meshes
@@ -44,17 +74,22 @@ def follow(
     kind within a step, one in and one out, cancel and are not seen: make steps shorter.  Ctrl-C ends the search and
     returns the orbits so far.
 
+    The curve of a special point is followed by pseudo-arclength in the orbit and both parameters, round folds and past
+    cusps: the multiplier stays on the unit circle, and at a Neimark-Sacker point its angle is another unknown.  Points
+    at which several multipliers cross together have no such curve, nor have branch points that neither a symmetry nor
+    an invariant plane keeps.
+
     Parameters
     ----------
-    orbit : PeriodicOrbit or Branch
+    orbit : PeriodicOrbit, Branch or SpecialPoint
         Where to begin; a branch is continued from each of its ends that can be continued.
     over : mapping of str to (float, float)
-        Name of the parameter, and the range; of a branch its own by default.  The period of the forcing may depend on
-        the parameter.
+        Name of the parameter, and the range; of a branch its own by default; of a special point two parameters, each
+        with its range.  The period of the forcing may depend on the parameters.
     steps : int
         Largest number of orbits on each side.
     longest : float
-        Length of the longest step, in units of the range and of the largest magnitudes of the states.
+        Length of the longest step, in units of the ranges and of the largest magnitudes of the states.
     tolerance : float
         Error of the states for which the meshes are chosen, from 1e-12 to 1e-3 of the largest of each.
     until : callable, optional
@@ -63,12 +98,17 @@ def follow(
     progress : callable, optional
         Called with the number of orbits found and the most there can be.
 
+    Returns
+    -------
+    Branch or BifurcationCurve
+
     Raises
     ------
     ValueError
-        Where there is no parameter of the name, and where the orbit is not within the range.
+        Where there is no parameter of the name, where the orbit is not within the range, and where a special point does
+        not lie on a curve.
     TypeError
-        For anything but an orbit or a branch.
+        For anything but an orbit, a branch or a special point.
 
     Examples
     --------
@@ -81,15 +121,35 @@ def follow(
     [('period doubling', 2.832445028)]
     >>> round(branch.special_points[0].switch().period / orbit.period, 1)
     2.0
+
+    The curve of a special point: a pair of multipliers leaves the unit circle where p = q.
+
+    >>> import numpy as np
+    >>> def spiral(t, x, p, q):
+    ...     u, v = x[0] - np.cos(t), x[1]
+    ...     growth = p - q - u**2 - v**2
+    ...     return -np.sin(t) + growth * u - 0.3 * v, growth * v + 0.3 * u
+    >>> system = fr.NonlinearSystem(spiral, period=2.0 * np.pi, parameters={"p": 0.3, "q": 0.5})
+    >>> (point,) = fr.follow(fr.periodic_orbit(system, [1.0, 0.0]), {"p": (0.2, 1.0)}, longest=0.3).special_points
+    >>> curve = fr.follow(point, {"p": (0.2, 1.0), "q": (0.4, 0.8)}, longest=0.3)
+    >>> curve.kind, bool(np.allclose(curve.values[:, 0], curve.values[:, 1], rtol=0.0, atol=1e-12))
+    ('Neimark-Sacker', True)
     """
-    if not isinstance(orbit, Branch):
-        validate.instance("orbit", orbit, PeriodicOrbit, "find one with fr.periodic_orbit, or give a Branch")
-    name, low, high = _range(orbit, over)
+    if not isinstance(orbit, Branch | SpecialPoint):
+        hint = "find one with fr.periodic_orbit, or give a Branch or a SpecialPoint"
+        validate.instance("orbit", orbit, PeriodicOrbit, hint)
     steps = validate.integer("steps", steps, 1, 100_000)
     longest = validate.within("longest", longest, 1e-5, 1.0)
+    tolerance = validate.within("tolerance", tolerance, 1e-12, 1e-3)
     until = None if until is None else validate.function("until", until)
-    task = Task(name, low, high, validate.within("tolerance", tolerance, 1e-12, 1e-3), longest, until)
     validate.progress(progress)
+    if isinstance(orbit, SpecialPoint):
+        names, ranges = _plane(orbit, over)
+        return critical_curves.followed(
+            orbit, critical_curves.CurveTask(names, ranges, tolerance, longest, until), steps, progress
+        )
+    name, low, high = _range(orbit, over)
+    task = Task(name, low, high, tolerance, longest, until)
     if isinstance(orbit, Branch):
         return _extended(orbit, task, steps, progress)
     for parts in (2, 3):
@@ -129,6 +189,26 @@ def _range(orbit: PeriodicOrbit | Branch, over: Any) -> tuple[str, float, float]
             "within the range"
         )
     return name, low, high
+
+
+def _plane(point: SpecialPoint, over: Any) -> tuple[tuple[str, str], tuple[Values, Values]]:
+    """Return the names of two parameters and their ranges, checked."""
+    if not isinstance(over, Mapping) or len(over) != 2:
+        raise TypeError(
+            "over must be two parameters with their ranges for a special point, such as {'omega': (0.5, 2.0), 'force': "
+            f"(0.0, 1.0)}}, got {validate.short(over)}"
+        )
+    if point.count > 1:
+        raise ValueError(f"orbit must be a point at which one multiplier, or one pair, crosses by itself, got {point}")
+    system = point.orbit.system
+    for name in over:
+        system.require_parameter(name, "over")
+    (first, second), ranges = over, [validate.interval(f"over[{name!r}]", ends) for name, ends in over.items()]
+    for name, (low, high) in zip(over, ranges, strict=True):
+        value = system.parameters[name]
+        if not low <= value <= high:
+            raise ValueError(f"over[{name!r}] must contain the point's value, {value:.9g}, got ({low:g}, {high:g})")
+    return (first, second), (ranges[0], ranges[1])
 
 
 class _Way(NamedTuple):

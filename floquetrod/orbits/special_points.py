@@ -131,8 +131,7 @@ def _switched(special: SpecialPoint, side: int, distance: float) -> PeriodicOrbi
     if special.kind == "period doubling" and returns_after(orbit.collocation, orbit.point, 2):  # of doubled orbits
         return finding.periodic_orbit(orbit.system, orbit.states[0], 0.5 * orbit.period)
     collocation, point, direction = _at(special)
-    scale = special.measure.scale
-    measure = special.measure._replace(scale=np.where(scale <= _ZERO * scale.max(), scale.max(), scale))
+    measure = special.measure._replace(scale=deviation_scale(special.measure.scale))
     across = _across(collocation, point, direction, measure)
     for share in _SHORTER:
         found = _out(collocation, point, across, measure, side * share * distance)
@@ -140,6 +139,11 @@ def _switched(special: SpecialPoint, side: int, distance: float) -> PeriodicOrbi
             return found
     where = f"{special.parameter} = {special.value:.9g}"
     raise NoOrbitError(f"no orbit was found on the branch that crosses at {where}; try another distance")
+
+
+def deviation_scale(scale: Floats) -> Floats:
+    """Return magnitudes (n,) of deviations from an orbit: of a state that is zero along it, the largest of all."""
+    return np.where(scale <= _ZERO * scale.max(), scale.max(), scale)
 
 
 def _at(special: SpecialPoint) -> tuple[Collocation, Point, Step]:

@@ -1,4 +1,4 @@
-"""Pictures of branches of periodic orbits."""
+"""Pictures of branches of periodic orbits, and of curves of their special points."""
 
 from __future__ import annotations
 
@@ -20,9 +20,11 @@ _LINES: dict[str, dict[str, Any]] = {
     "unstable": {"color": palette.UNSTABLE, "linewidth": 1.4},
     "undecided": {"color": "0.5", "linewidth": 1.4},
 }
+_MARKS = 8  # of its kind along a curve of special points
 _FINE = 12  # parts between two orbits of a rod
 _OFF_WALL: dict[str, Any] = {"color": "black", "marker": "x", "linestyle": "none", "markersize": 7, "zorder": 6}
 _MARKERS = {"fold": "^", "branch point": "D", "period doubling": "s", "Neimark-Sacker": "o"}
+_BESIDE = {"stable": "", "unstable": ", of unstable orbits", "undecided": ", other multipliers undecided"}
 _NAMES = {1: "stable", 0: "unstable", -1: "undecided"}
 
 
@@ -33,6 +35,27 @@ def draw_branch(branch: Any, ax: Any, state: int, quantity: str) -> Any:
     draw_over_parameter(ax, branch, *heights)
     ax.set_xlabel(branch.parameter)
     ax.set_ylabel("period" if quantity == "period" else f"{quantity} of x[{state}]")
+    return finished(ax)
+
+
+def draw_bifurcation_curve(curve: Any, ax: Any) -> Any:
+    """Draw a `floquetrod.results.BifurcationCurve` in the plane of its parameters, and the point it was begun with."""
+    ax = axes_or_new(ax)
+    x, y = curve.values.T
+    names = ["stable" if k == 0 else "undecided" if k < 0 else "unstable" for k in curve.outside]
+    first = 0
+    marks = {"marker": _MARKERS[curve.kind], "markersize": 3.5, "markevery": max(1, len(x) // _MARKS)}
+    for i in range(1, len(x)):
+        if i + 1 < len(x) and names[i + 1] == names[i]:
+            continue
+        label = _new(ax, f"{curve.kind}{_BESIDE[names[i]]}")
+        style = {"color": "black", "linestyle": STYLES[names[i]], "linewidth": 1.4, **marks}
+        ax.plot(x[first : i + 1], y[first : i + 1], label=label, **style)
+        first = i
+    style = {**palette.POINT, "marker": _MARKERS[curve.kind], "linestyle": "none", "markersize": 6, "zorder": 5}
+    ax.plot(x[curve.start], y[curve.start], label=_new(ax, f"{curve.kind} on the branch"), **style)
+    ax.set_xlabel(curve.parameters[0])
+    ax.set_ylabel(curve.parameters[1])
     return finished(ax)
 
 

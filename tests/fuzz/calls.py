@@ -82,7 +82,7 @@ VALUES += (
 
 RESULTS = (fr.Chart, fr.results.RodStability, fr.results.StabilityIntervals, fr.Simulation, fr.mathieu.TransitionCurves)
 RESULTS += (fr.results.Bands, fr.results.SafeBox, fr.systems.FirstOrderTongue, fr.Branch, fr.results.RodBranches)
-RESULTS += (fr.results.SpecialPoint,)
+RESULTS += (fr.results.SpecialPoint, fr.results.BifurcationCurve)
 """Classes that only the package constructs, and whose methods people call with arguments."""
 
 LEFT_OUT = {
@@ -98,6 +98,10 @@ LEFT_OUT = {
         ("Branch.report", "Branch.as_dict", "Branch.to_xarray", "SpecialPoint.as_dict"), "takes no argument"
     ),
     "SpecialPoint": "constructed by follow",
+    "BifurcationCurve": "constructed by follow",
+    **dict.fromkeys(
+        ("BifurcationCurve.report", "BifurcationCurve.as_dict", "BifurcationCurve.to_xarray"), "takes no argument"
+    ),
     "ForceRecord.in_words": "takes units, which are values",
     "ForceRecord.spectrum": "takes no argument",
     "Comparison": "constructed by compare",
@@ -471,9 +475,9 @@ def _van_der_pol(t: Any, x: Any, mu: float) -> Any:
     return x[1], mu * (1 - x[0] ** 2) * x[1] - x[0]
 
 
-def _pitchfork(t: Any, x: Any, p: float) -> Any:
+def _pitchfork(t: Any, x: Any, p: float, q: float) -> Any:
     y = x[0] - np.sin(t)
-    return (np.cos(t) + p * y - y**3,)
+    return (np.cos(t) + p * y - q * y**3,)
 
 
 def _of_orbits(place: Path) -> dict[str, Call]:
@@ -483,10 +487,11 @@ def _of_orbits(place: Path) -> dict[str, Call]:
     parameters = {"mu": 0.5}
     system = fr.NonlinearSystem(_van_der_pol, parameters=parameters)
     given = {"function": _van_der_pol, "jacobian": None, "period": None, "parameters": parameters}
-    forked = fr.NonlinearSystem(_pitchfork, period=2.0 * math.pi, parameters={"p": -0.2})
+    forked = fr.NonlinearSystem(_pitchfork, period=2.0 * math.pi, parameters={"p": -0.2, "q": 1.0})
     orbit = fr.periodic_orbit(forked, [0.0])
     branch = fr.follow(orbit, {"p": (-0.3, 0.3)}, longest=0.3)
     branch.save(place / "branch.npz")
+    curve = fr.follow(branch.special_points[0], {"p": (-0.3, 0.3), "q": (0.5, 1.5)}, longest=0.3, steps=2)
     over = {"over": {"p": (-0.3, 0.3)}, "steps": 1, "longest": 0.3, "tolerance": 1e-8}
     over |= {"until": None, "progress": None}
     return {
@@ -501,6 +506,7 @@ def _of_orbits(place: Path) -> dict[str, Call]:
         ),
         "follow": Call(fr.follow, {"orbit": orbit, **over}),
         "SpecialPoint.switch": Call(branch.special_points[0].switch, {"side": 1, "distance": 0.1}),
+        "BifurcationCurve.plot": Call(curve.plot, {"ax": None}),
         "Branch.plot": Call(branch.plot, {"ax": None, "state": 0, "quantity": "amplitude"}),
         "Branch.save": Call(branch.save, {"path": str(place / "again.npz")}),
         "Branch.load": Call(fr.Branch.load, {"path": str(place / "branch.npz"), "system": forked}),
