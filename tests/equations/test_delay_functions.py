@@ -72,7 +72,7 @@ def test_first_order_with_jumps_is_that_of_the_pieces() -> None:
     assert one.multipliers[0] == pytest.approx(other.multipliers[0], abs=1e-12)
 
 
-@pytest.mark.parametrize("delay", [0.7, 40.0])
+@pytest.mark.parametrize("delay", [0.7, 40.0, 20.0 * TURN])
 def test_the_error_of_a_coarse_table_is_in_the_verdict(delay: float) -> None:
     """Of each coefficient alone: the stated error is the larger one, and covers what the table misses."""
     t = np.arange(13) * (TURN / 13)

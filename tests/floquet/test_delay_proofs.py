@@ -14,6 +14,7 @@ from floquetrod.equations.pieces import Varying
 from floquetrod.floquet.proof import delay_counts
 from tests.conftest import depth
 from tests.floquet.test_delays import delayed_mathieu, hayes
+from tests.floquet.test_long_delays import TABLE
 from tests.inside import Doubles, Integers
 
 SLOT = fr.Milling(x=[fr.ToolMode("922Hz", 0.011, "39.93g")], teeth=2, tangential="600MPa", radial="200MPa")
@@ -133,7 +134,8 @@ def test_errors_of_coefficients_leave_undecided_what_they_may_change() -> None:
     [
         (fr.DelaySystem([[1.0]], [[[2.0]]], delayed=[(1.0, [[1.0]])]), "not implemented for incommensurate delays"),
         (fr.DelaySystem([[1.0]], delayed=[(1.0, [[1.0]]), (math.pi, [[1.0]])]), "incommensurate delays"),
-        (fr.DelaySystem([[1.0]], [[[2.0]]], period=1.0, delayed=[(100.0, [[1.0]])]), "at most 32"),
+        (fr.DelaySystem([[1.0]], [[[2.0]]], period=1.0, delayed=[(100.0, [[1.0]]), (7.0, [[1.0]])]), "at most 32"),
+        (fr.DelaySystem([[1.0]], [[[2.0]]], period=1.0, delayed=[(2000.0, [[1.0]])]), "more than 1000 periods"),
         (fr.DelaySystem(np.eye(13), delayed=[(1.0, np.eye(13))]), "more than 24 states"),
         (hayes(800.0, 1e4), "more than 512 points"),
         (hayes(0.0, 0.0), "cannot be distinguished from one on the unit circle"),
@@ -159,6 +161,74 @@ def test_proofs_never_contradict_verdicts_and_count_what_they_find() -> None:
             sizes = np.abs(verdict.multipliers)
             assert (sizes > 1.0).sum() == min(count, len(sizes)), system
     assert min(found["stable"], found["unstable"]) > 4 * found["undecided"], found
+
+
+@pytest.mark.parametrize("numbers", TABLE)
+def test_long_delays_of_the_table_are_counted(numbers: tuple[float, float, float, float]) -> None:
+    p, q, c, b = numbers
+    for periods, (outside, _) in TABLE[numbers].items():
+        delay = periods * Fraction(2.0 * math.pi)
+        proof = fr.certify(fr.DelaySystem([[p]], [[[q]]], damping=[[c]], delayed=[(delay, [[b]])]))
+        assert proof.status == ("unstable" if outside else "stable")
+        assert not outside or proof.statement.startswith(f"{outside} multipliers")
+
+
+def test_coefficients_of_powers_hold_the_closed_form() -> None:
+    """Of x' = a x + b x(t - 3 T): det(I - w Phi(w^3)) = 1 - w exp(a + b w^3); of matrices det(I - w M)."""
+    a, b = -0.4, 1.1
+    system = fr.DelaySystem.first_order([[a]], [[[1e-200]]], period=1.0, delayed=[(3.0, [[b]])])
+    problem = delay_counts._problem(Doubles(), system)
+    assert problem.common == 3
+    u = cmath.exp(0.25j * math.pi)
+    value = delay_counts._map(Doubles(), problem, Fraction(1, 8))[0, 0]
+    assert abs(value.centre() - cmath.exp(a + b * u)) <= value.offset() + 1e-15
+    matrix = np.random.default_rng(2).normal(size=(4, 4)).astype(complex)
+    for arithmetic in (Doubles(), Integers(30)):
+        found = delay_counts._by_powers(arithmetic, arithmetic.exact(matrix))
+        assert np.all(np.abs(found.centre() - np.poly(matrix)[1:]) <= found.offset() + 1e-13)
+
+
+def long_and_drawn(rng: np.random.Generator) -> fr.DelaySystem:
+    """Return a random system of one or two equations, its one or two delays multiples of up to 150 periods."""
+    n, common, period = int(rng.integers(1, 3)), int(rng.integers(2, 60)), float(rng.integers(2, 24)) / 8.0
+    delays = [common * period] + ([2 * common * period] if rng.random() < 0.4 else [])
+    size = 10.0 ** rng.uniform(-1.5, 0.0)
+    terms = [(delay, size * rng.normal(size=(n, n)), [0.5 * size * rng.normal(size=(n, n))]) for delay in delays]
+    waves = [0.3 * rng.normal(size=(n, n))]
+    if rng.random() < 0.5:
+        mean = -rng.uniform(0.3, 1.0) * np.eye(n)
+        return fr.DelaySystem.first_order(mean, waves, period=period, delayed=terms)
+    damping = rng.uniform(0.1, 0.5) * np.eye(n)
+    return fr.DelaySystem(np.diag(rng.uniform(0.5, 4.0, n)), waves, damping=damping, period=period, delayed=terms)
+
+
+def check_long(count: int, seed: int) -> dict[str, int]:
+    """Compare counts of drawn systems with their verdicts; return how many have which proof."""
+    rng, statuses = np.random.default_rng(seed), {"stable": 0, "unstable": 0, "undecided": 0}
+    for number in range(count):
+        system = long_and_drawn(rng)
+        proof, verdict = fr.certify(system), fr.stability(system, "winding")
+        statuses[proof.status] += 1
+        if proof.status != "undecided":
+            assert verdict.status in (proof.status, "undecided"), (number, system)
+        if proof.status == "unstable" and verdict.status == "unstable":
+            sure = np.abs(verdict.multipliers) - np.array(verdict.multiplier_errors) > 1.0
+            assert sure.sum() <= int(proof.statement.split()[0]), (number, system)
+            if not (np.abs(np.abs(verdict.multipliers) - 1.0) <= verdict.multiplier_errors).any():
+                assert sure.sum() == int(proof.statement.split()[0]), (number, system)
+    return statuses
+
+
+def test_long_delays_drawn_are_counted_as_they_are_found() -> None:
+    statuses = check_long(8, 3)
+    assert statuses["undecided"] <= 2
+
+
+@pytest.mark.slow
+def test_many_long_delays_drawn() -> None:
+    count = depth(200, 200)
+    statuses = check_long(count, 4)
+    assert min(statuses["stable"], statuses["unstable"]) > statuses["undecided"], statuses
 
 
 def drawn(rng: np.random.Generator) -> fr.DelaySystem:

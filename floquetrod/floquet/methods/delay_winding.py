@@ -61,8 +61,8 @@ def winding(system: DelaySystem, *, above: float = 0.5) -> SystemStability:
     -------
     SystemStability
         Its errors hold the truncation and the rounding of the maps, over the derivative of the determinant; by
-        collocation they are estimates, twice the change to fewer nodes and twice that by coefficients off by their
-        error.
+        collocation they are estimates, twice the change to fewer nodes.  In both cases twice the change by coefficients
+        off by their error is added.
 
     Examples
     --------
@@ -84,7 +84,17 @@ def winding(system: DelaySystem, *, above: float = 0.5) -> SystemStability:
     if found is None:
         note = "solutions grow too fast within a period, or multipliers cannot be distinguished from each other"
         return SystemStability.declined(system, "winding", cost, note)
+    if error := system.coefficient_error:
+        shifted = delay_steps.series(delay_steps.step_pieces(system, laid, error), _BESIDE[-1] * found.reach)
+        found = found._replace(zeros=_moved(found.zeros, shifted))
     return _classified(system, found, float(pieces.period), cost)
+
+
+def _moved(zeros: Zeros, shifted: DelaySeries | None) -> Zeros:
+    """Return zeros whose discs hold twice the change to those of another series as well."""
+    values = None if shifted is None else delay_series.followed(shifted, zeros.values)
+    changes = math.inf if values is None else np.abs(values - zeros.values)
+    return zeros._replace(radii=zeros.radii + 2.0 * changes)
 
 
 class _Refined(NamedTuple):
@@ -126,17 +136,14 @@ def _by_collocation(system: DelaySystem, above: float) -> SystemStability:
     if best is None or not best.changes.max() <= _USABLE:
         note = "needs collocation of too many rows, or its multipliers cannot be distinguished from each other"
         return SystemStability.declined(system, "winding", cost, note)
-    series, changes = best.series, best.changes
+    zeros = delay_series.discs(best.series, best.values)
+    zeros = zeros._replace(radii=zeros.radii + 2.0 * best.changes)
     if system.coefficient_error:
         power = 2 if system.is_second_order else 1
         inverse = float(np.abs(delay_maps.inverse_mass(system)).sum(axis=1).max())
         off = laid.period**power * system.coefficient_error * inverse
-        shifted = delay_blocks.series(system, laid, best.nodes, off)
-        moved = None if shifted is None else delay_series.followed(shifted, best.values)
-        changes = changes + (math.inf if moved is None else np.abs(moved - best.values))
-    zeros = delay_series.discs(series, best.values)
-    zeros = zeros._replace(radii=zeros.radii + 2.0 * changes)
-    return _classified(system, _Largest(series, zeros, reach), laid.period, cost)
+        zeros = _moved(zeros, delay_blocks.series(system, laid, best.nodes, off))
+    return _classified(system, _Largest(best.series, zeros, reach), laid.period, cost)
 
 
 def _at_any_reach(series: DelaySeries) -> Callable[[float], DelaySeries]:

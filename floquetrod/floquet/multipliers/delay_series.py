@@ -6,7 +6,8 @@ K(v) = I - sum_e C_e v^e is singular at the v = 1 / nu, mu = nu^q a multiplier. 
 
 where |R| <= |K^-1| (d^2 / 2 max |d^2 K/dl^2| + error of K).  Along an arc of a circle of v the argument changes by less
 than a right angle where |tr E| + |E|^2 / (2 - 2 |E|), in Frobenius's norm, is less: arcs are halved until it is, and
-then no matrix within the error is singular on the circle.  Newton's method finds the zeros within, as many as counted.
+then no matrix within the error is singular on the circle.  |K^-1| is the 2-norm, at most 1 + |K^-1 - I|, or Frobenius's
+in |tr R|.  Newton's method finds the zeros within, as many as counted.
 """
 
 from __future__ import annotations
@@ -21,7 +22,7 @@ from floquetrod._util.arrays import EPS, Bools, Complexes, Floats, inverses
 
 _ENTRIES = 1 << 20  # of matrices at once (a choice)
 _CLEAR = 1.4  # radians, less than a right angle
-_CONTRACTS = 0.5  # largest |E| on an arc
+_CONTRACTS = 0.75  # largest |E| on an arc
 _MOST_ARCS = 1 << 15  # in one round (a choice)
 _FINEST = 1e-13  # arc, in radians over the radians of the longest delay
 _CELL = 0.5  # size of a cell that begins with Newton's method, in radians of the longest delay (a choice)
@@ -58,9 +59,9 @@ class DelaySeries(NamedTuple):
         order = self.matrices.shape[-1]
         flat = self.matrices.reshape(len(self.exponents), -1)
         terms: Complexes = np.exp(np.multiply.outer(logs, self.exponents))
-        value: Complexes = np.eye(order) - (terms @ flat).reshape(-1, order, order)
-        derivative: Complexes = -((terms * self.exponents) @ flat).reshape(-1, order, order)
-        return value, derivative
+        value = _combined(-terms, flat).reshape(-1, order, order)
+        value += np.eye(order)
+        return value, _combined(-terms * self.exponents, flat).reshape(-1, order, order)
 
     def curvature(self, log_radius: float) -> float:
         """Return a bound of the norm of d^2 K/dl^2 on a circle."""
@@ -73,13 +74,22 @@ class DelaySeries(NamedTuple):
         return [logs[k : k + size] for k in range(0, len(logs), size)]
 
 
+def _combined(factors: Complexes, rows: Floats) -> Complexes:
+    """Return the product of complex factors (m, E) and real rows (E, k), without complex copies of these."""
+    total = np.empty((len(factors), rows.shape[1]), dtype=np.complex128)
+    np.matmul(factors.real, rows, out=total.real)
+    np.matmul(factors.imag, rows, out=total.imag)
+    return total
+
+
 class _Local(NamedTuple):
-    """Of points: the argument of det K, tr G, and the norms of G and of K^-1, (m,) each."""
+    """Of points: the argument of det K, tr G, the norms of G and of K^-1, and a bound of the latter's 2-norm, (m,)."""
 
     phase: Complexes
     trace: Complexes
     slope: Floats
     inverse: Floats
+    largest: Floats
 
 
 def _local(series: DelaySeries, logs: Complexes) -> _Local:
@@ -89,9 +99,17 @@ def _local(series: DelaySeries, logs: Complexes) -> _Local:
         phase = np.linalg.slogdet(value)[0]
         inverse = inverses(value)
         slope = inverse @ derivative
-        size = np.linalg.norm(slope, axis=(1, 2))
-        found.append((phase, np.trace(slope, axis1=1, axis2=2), size, np.linalg.norm(inverse, axis=(1, 2))))
+        size, norm = (_frobenius(each) for each in (slope, inverse))
+        inverse[:, np.arange(len(inverse[0])), np.arange(len(inverse[0]))] -= 1.0
+        largest = np.minimum(norm, 1.0 + _frobenius(inverse))
+        found.append((phase, np.trace(slope, axis1=1, axis2=2), size, norm, largest))
     return _Local(*(np.concatenate(part) for part in zip(*found, strict=True)))
+
+
+def _frobenius(matrices: Complexes) -> Floats:
+    """Return Frobenius's norms (m,)."""
+    flat = matrices.reshape(len(matrices), -1).view(np.float64)
+    return np.asarray(np.sqrt(np.einsum("mk,mk->m", flat, flat)))
 
 
 def _traces(series: DelaySeries, logs: Complexes) -> Complexes:
@@ -112,7 +130,7 @@ def outside(series: DelaySeries, log_radius: float) -> int | None:
     """
     order, longest = series.matrices.shape[-1], series.longest
     curvature = series.curvature(log_radius)
-    number = max(8, math.ceil(2.0 * series.half_turn * longest))
+    number = max(8, math.ceil(4.0 * series.half_turn * longest))
     arcs, places, phases = np.arange(number), [], []
     while arcs.size:
         half = 0.5 * series.half_turn / number
@@ -120,9 +138,10 @@ def outside(series: DelaySeries, log_radius: float) -> int | None:
             return None
         centres = series.half_turn * (arcs + 0.5) / number
         local = _local(series, np.asarray(log_radius + 1j * centres, dtype=np.complex128))
-        rest = local.inverse * (0.5 * half * half * curvature + series.error)
-        size = local.slope * half + rest
-        turn = np.abs(local.trace) * half + math.sqrt(order) * rest + size * size / (2.0 - 2.0 * size)
+        bend = 0.5 * half * half * curvature
+        size = local.slope * half + local.largest * (bend + math.sqrt(order) * series.error)
+        rest = local.inverse * (bend + math.sqrt(order) * series.error)
+        turn = np.abs(local.trace) * half + rest + size * size / (2.0 - 2.0 * size)
         clear = (size < _CONTRACTS) & (turn < _CLEAR)
         places.append(centres[clear])
         phases.append(local.phase[clear])

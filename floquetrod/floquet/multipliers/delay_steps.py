@@ -38,7 +38,7 @@ class StepPieces(NamedTuple):
     parts: int
     present: PieceArrays
     delayed: tuple[tuple[int, PieceArrays], ...]  # steps of each delay, and B_j
-    uncertainty: float  # of every entry, as of a system with each B_j times 1
+    rounding: float  # of every entry, as of a system with each B_j times 1
     missed: tuple[float, ...]  # by which entries of each B_j stand for a delay of another length
 
     @property
@@ -52,11 +52,11 @@ class StepPieces(NamedTuple):
         return int(self.present.mean.shape[-1])
 
 
-def step_pieces(system: DelaySystem, laid: Steps) -> StepPieces:
-    """Return the coefficients of all parts over a step."""
+def step_pieces(system: DelaySystem, laid: Steps, change: float = 0.0) -> StepPieces:
+    """Return the coefficients of all parts over a step, K or A larger by ``change``, D_j or B_j smaller."""
     inverse = delay_maps.inverse_mass(system)
-    first = [_first_order(system, system.present, inverse, present=True)]
-    first += [_first_order(system, term.coefficient, inverse, present=False) for term in system.delayed]
+    first = [_first_order(system, system.present, inverse, change, present=True)]
+    first += [_first_order(system, term.coefficient, inverse, -change, present=False) for term in system.delayed]
     if system.is_constant:
         first = [(piece[0]._replace(begin=Fraction(0), length=laid.period, origin=Fraction(0)),) for piece in first]
     step = laid.period / laid.parts
@@ -70,22 +70,22 @@ def step_pieces(system: DelaySystem, laid: Steps) -> StepPieces:
     n = total.shape[0] // laid.parts
     scales = np.tile(balance(total.reshape(laid.parts, n, laid.parts, n).sum(axis=(0, 2))), laid.parts)[None]
     present, *delayed = [each.scaled(scales) for each in (present, *delayed)]
-    stretch = float(scales.max() / scales.min())
     size = max(float(each.sizes.max()) for each in (present, *delayed))
     rounding = 4.0 * EPS * size if system.is_second_order and not np.array_equal(inverse, np.eye(len(inverse))) else 0.0
-    off = system.coefficient_error * float(np.abs(inverse).sum(axis=1).max()) * stretch
     rate = delay_maps.rate(system)
     missed = tuple(
         rate * float(abs(Fraction(delay) - back * step)) * float(each.sizes.max())
         for delay, back, each in zip(system.delays, laid.delays, delayed, strict=True)
     )
     terms = tuple(zip(laid.delays, delayed, strict=True))
-    return StepPieces(laid.period, laid.parts, present, terms, off + rounding, missed)
+    return StepPieces(laid.period, laid.parts, present, terms, rounding, missed)
 
 
-def _first_order(system: DelaySystem, coefficient: Any, inverse: Floats, *, present: bool) -> tuple[TimedPiece, ...]:
+def _first_order(
+    system: DelaySystem, coefficient: Any, inverse: Floats, change: float, *, present: bool
+) -> tuple[TimedPiece, ...]:
     """Return the pieces of a coefficient in the equations of first order, for q and q' where they are of second."""
-    pieces = by_pieces.in_time(coefficient)
+    pieces = tuple(piece._replace(mean=piece.mean + change) for piece in by_pieces.in_time(coefficient))
     if not isinstance(system.present, HillSystem):
         return pieces
     n = system.order
@@ -167,7 +167,7 @@ def series(pieces: StepPieces, reach: float) -> DelaySeries | None:
     if float(whole_period_maps.seconds_needed(real).sum()) > _MOST_SECONDS:
         return None
     sizes = [float(np.abs(factor[0])) for factor in factors]
-    uncertainty = pieces.uncertainty * (1.0 + sum(sizes)) + sum(
+    uncertainty = pieces.rounding * (1.0 + sum(sizes)) + sum(
         size * missed for size, missed in zip(sizes, pieces.missed, strict=True)
     )
     maps = whole_period_maps.period_maps(real, uncertainty, _ACCURACY, paired=False)
@@ -177,14 +177,16 @@ def series(pieces: StepPieces, reach: float) -> DelaySeries | None:
         return None
     n = pieces.order
     values = 0.5 * (matrix[:, :n, :n] + matrix[:, n:, n:] + 1j * (matrix[:, n:, :n] - matrix[:, :n, n:]))
-    taylor = np.fft.hfft(values, count, axis=0) / count / radius ** np.arange(count)[:, None, None]
+    at_reach = np.fft.hfft(values, count, axis=0) / count  # coefficients times powers of the radius
     # A polynomial through values at roots of unity is off by their errors times Lebesgue's constant, within the circle.
     error = float(errors.max()) * (1.0 + 2.0 / math.pi * math.log(count)) + left_out
-    sizes_at_reach = np.linalg.norm(taylor, axis=(1, 2)) * radius ** np.arange(count)
+    sizes_at_reach = np.linalg.norm(at_reach, axis=(1, 2))
     kept = sizes_at_reach > 0.01 * error / count
     error += float(sizes_at_reach[~kept].sum())
-    moved = np.roll(taylor[kept], n // pieces.parts, axis=1)
-    exponents = common * np.flatnonzero(kept) + 1
+    powers_kept = np.flatnonzero(kept)
+    taylor = at_reach[kept] * radius ** -powers_kept.astype(float)[:, None, None]
+    moved = np.roll(taylor, n // pieces.parts, axis=1)
+    exponents = common * powers_kept + 1
     return DelaySeries(exponents, moved, error * reach ** (1.0 / pieces.slowest), pieces.parts, longest)
 
 

@@ -11,6 +11,9 @@ is an entire function of w with f(0) = 1, and its zeros are the 1 / z, as often 
 matrices of J. Sieber and R. Szalai, SIAM J. Appl. Dyn. Syst. 10 (2011) 129, doi:10.1137/100796455, here without poles.
 The multipliers outside the circle are the zeros inside it, which the turns of f along it count.
 
+Where all delays are multiples of c > 1 periods, Phi depends on u = w^c alone, and f is a polynomial in w whose n + 1
+coefficients are entire functions of u: these are enclosed in place of f, so that long delays take no more points.
+
 f is enclosed at N points of the circle.  Its Taylor coefficients are at most M(R) / R^k, M(R) a bound of |f| on the
 circle of radius R (Gronwall, Hadamard), which bounds what the polynomial through these values is off by.  The
 polynomial is enclosed on arcs so short that on each f stays in a disc that does not reach zero.
@@ -45,13 +48,15 @@ from floquetrod.floquet.proof.system_problem import (
 )
 
 _MOST_STATES = 24  # of all parts together (a choice: seconds)
-_MOST_PERIODS = 32  # that a delay may last (a choice)
+_MOST_PERIODS = 32  # that a delay may last, or as many times what all delays are multiples of (a choice)
+_LONGEST = 1000  # periods of a delay (a choice: a minute)
 _MOST_POINTS = 512, 128  # of the circle, in doubles and with more digits (a choice)
 _LEFT_OUT = 1e-15  # of f, which the points are chosen for
 _CLEAR = 0.7  # part of its centre's modulus that a disc about f may have as radius; the turn is then below 90 degrees
 _FIRST_ARCS = 128
 _TERMS = 10  # of Taylor's series on an arc (a choice)
-_MOST_ARCS = 2**12  # examined in one round (a choice)
+_MOST_ARCS = 2**12  # examined in one round, or some times the largest power (a choice)
+_AT_ONCE = 2**12  # arcs (a choice)
 _FINEST = 2**34  # arcs of a circle
 
 
@@ -76,6 +81,7 @@ class _StepSystem(NamedTuple):
     parts: int  # of a period
     intervals: list[_StepPiece]
     states: int
+    common: int  # the map is a function of w to this power; powers in pieces are of that
 
 
 def hindrance(system: DelaySystem) -> str:
@@ -90,7 +96,9 @@ def hindrance(system: DelaySystem) -> str:
             "not implemented for incommensurate delays: exactly, these and the period are no whole numbers of a step "
             f"of which a period has at most {most}"
         )
-    if any(share > _MOST_PERIODS for share in shares):
+    if any(share > _MOST_PERIODS * _common(shares) or share > _LONGEST for share in shares):
+        if _common(shares) > 1:
+            return f"not implemented for delays of more than {_LONGEST} periods"
         whole = "of a step of which the longest has" if system.is_constant else "of periods,"
         return f"not implemented for incommensurate delays, that are not whole numbers {whole} at most {_MOST_PERIODS}"
     return ""
@@ -102,6 +110,12 @@ def _size(system: DelaySystem, shares: list[Fraction]) -> tuple[int, int]:
     return parts, parts * system.order * (1 + system.is_second_order)
 
 
+def _common(shares: list[Fraction]) -> int:
+    """Return of how many periods, or whole parts of all delays, every delay is a multiple; 1 of parts of periods."""
+    whole = all(share.denominator == 1 for share in shares)
+    return math.gcd(*(int(share) for share in shares)) if whole and shares else 1
+
+
 def outside(arithmetic: Arithmetic, system: DelaySystem) -> int:
     """Return how many multipliers lie outside the unit circle, none of them on it.
 
@@ -109,23 +123,41 @@ def outside(arithmetic: Arithmetic, system: DelaySystem) -> int:
     """
     problem = _problem(arithmetic, system)
     count, left_out = _points(problem, arithmetic.digits)
-    values = arithmetic.zeros((count // 2 + 1,), real=False)
+    if problem.common == 1:
+        values = arithmetic.zeros((count // 2 + 1,), real=False)
+        for j in range(count // 2 + 1):
+            values[j] = _value(arithmetic, problem, Fraction(j, count))
+        return _turns(arithmetic, np.arange(count), _polynomial(arithmetic, values, count), left_out)
+    terms = arithmetic.zeros((count // 2 + 1, problem.states), real=False)
     for j in range(count // 2 + 1):
-        values[j] = _value(arithmetic, problem, Fraction(j, count))
-    return _turns(arithmetic, _polynomial(arithmetic, values, count), left_out)
+        terms[j] = _by_powers(arithmetic, _map(arithmetic, problem, Fraction(j, count)))
+    polynomial = arithmetic.zeros((problem.states * count + 1,), real=True)
+    polynomial[0] = arithmetic.exact(np.ones(()))
+    for k in range(problem.states):
+        polynomial[1 + k * count : 1 + (k + 1) * count] = _polynomial(arithmetic, terms[:, k], count)
+    exponents = np.add.outer(np.arange(1, problem.states + 1), problem.common * np.arange(count)).ravel()
+    exponents = np.concatenate([[0], exponents])
+    # Small terms, at most as large as their coefficients, are left out, too.
+    sizes = polynomial.upper()
+    order = np.argsort(sizes)
+    dropped = np.cumsum(sizes[order]) <= 16.0 * (left_out + len(sizes) * float(sizes.min()))
+    left_out = float(up(left_out + up(sizes[order[dropped]].sum() * (1.0 + 1e-12))))
+    kept = np.sort(order[~dropped])
+    return _turns(arithmetic, exponents[kept], polynomial[kept], left_out)
 
 
 def _problem(arithmetic: Arithmetic, system: DelaySystem) -> _StepSystem:
     period, shares = _shares(system)
     parts, states = _size(system, shares)
-    steps = [0, *(int(share * parts) for share in shares)]
+    common = _common(shares)
+    steps = [0, *(int(share * parts) // common for share in shares)]
     terms = list(map(_Term, steps, _coefficients(arithmetic, system, period)))
     ends = {piece.begin % Fraction(1, parts) for term in terms for piece in term.pieces}
     intervals = [
         _interval(arithmetic, terms, parts, low, high)
         for low, high in pairwise(sorted(ends | {Fraction(0), Fraction(1, parts)}))
     ]
-    return _StepSystem(parts, intervals, states)
+    return _StepSystem(parts, intervals, states, common)
 
 
 def _shares(system: DelaySystem) -> tuple[Fraction, list[Fraction]]:
@@ -234,15 +266,34 @@ def _symmetric(matrix: Matrix) -> Array:
     return up(0.5 * (np.abs(centre + centre.T) + offset + offset.T))
 
 
+def _map(arithmetic: Arithmetic, problem: _StepSystem, turns: Fraction) -> Matrix:
+    """Enclose Phi where w, or its power that Phi depends on, is exp(2 pi i turns)."""
+    n = problem.states
+    real = monodromy(arithmetic, Flow([_real_stretch(arithmetic, each, turns) for each in problem.intervals], None))
+    return real[:n, :n] + real[n:, :n].times_i()
+
+
 def _value(arithmetic: Arithmetic, problem: _StepSystem, turns: Fraction) -> Matrix:
     """Enclose f at exp(2 pi i turns)."""
-    flow = Flow([_real_stretch(arithmetic, each, turns) for each in problem.intervals], None)
     n = problem.states
-    real = monodromy(arithmetic, flow)
-    moved = (real[:n, :n] + real[n:, :n].times_i()).each(lambda a: np.roll(a, n // problem.parts, axis=0))
+    moved = _map(arithmetic, problem, turns).each(lambda a: np.roll(a, n // problem.parts, axis=0))
     first = slice(0, n // problem.parts)
     moved[first] = moved[first] * _turned(arithmetic, turns)
     return _determinant(arithmetic, arithmetic.exact(np.eye(n, dtype=complex)) - moved)
+
+
+def _by_powers(arithmetic: Arithmetic, matrix: Matrix) -> Matrix:
+    """Enclose the coefficients of w, w^2, ... of det(I - w matrix), by Faddeev's and Leverrier's recursion."""
+    n = matrix.shape[0]
+    one, product = arithmetic.exact(np.eye(n, dtype=complex)), matrix
+    found = arithmetic.zeros((n,), real=False)
+    for k in range(1, n + 1):
+        trace = arithmetic.zeros((), real=False)
+        for i in range(n):
+            trace = trace + product[i, i]
+        found[k - 1] = -trace.over(k)
+        product = matrix @ (product + one * found[k - 1])
+    return found
 
 
 def _real_stretch(arithmetic: Arithmetic, interval: _StepPiece, turns: Fraction) -> BallPiece:
@@ -303,28 +354,33 @@ def _cosines(arithmetic: Arithmetic, numerators: Array, denominator: int) -> tup
     return cosine, sine
 
 
-def _turns(arithmetic: Arithmetic, polynomial: Matrix, left_out: float) -> int:
-    """Return how often f turns about zero along the circle."""
-    k = np.arange(polynomial.shape[0])
-    chosen = np.array([[float(math.comb(int(each), m)) for m in range(_TERMS + 1)] for each in k])
-    sizes = up(chosen * polynomial.upper()[:, None]).sum(0)
+def _turns(arithmetic: Arithmetic, exponents: Array, polynomial: Matrix, left_out: float) -> int:
+    """Return how often f turns about zero along the circle, of its coefficients of powers of w."""
+    chosen = np.array([[float(math.comb(int(each), m)) for m in range(_TERMS + 1)] for each in exponents])
+    sizes = up(up(chosen * polynomial.upper()[:, None]).sum(0) * (1.0 + 1e-12))
     terms = polynomial[:, None] * arithmetic.exact(chosen[:, :_TERMS])
-    arcs, number, places, values = np.arange(_FIRST_ARCS), _FIRST_ARCS, [], []
+    longest = 2 ** math.ceil(math.log2(max(int(exponents.max()), 1)))
+    number, most = max(_FIRST_ARCS, longest), max(_MOST_ARCS, 4 * longest)
+    arcs, places, values = np.arange(number), [], []
     while arcs.size:
         arithmetic.check_work(float(arcs.size * terms.shape[0] * _TERMS))
-        cosine, sine = _cosines(arithmetic, np.outer(2 * arcs + 1, k), 2 * number)
-        taylor = (cosine + sine.times_i()) @ terms
-        centres, half = taylor.centre()[:, 0], math.pi / number * (1.0 + 1e-15)
-        # Taylor's series about the centre, its last term for any place; binomials were rounded.
-        steps = half ** np.arange(1, _TERMS + 1)
-        bounds = np.concatenate([taylor.upper()[:, 1:], np.zeros((len(arcs), 1))], 1) + 2.0**-52 * sizes[1:]
-        bounds[:, -1] = sizes[-1]
-        radius = up(taylor.offset()[:, 0] + left_out + up(bounds @ steps))
-        clear = radius < _CLEAR * np.abs(centres)
-        places.append((2.0 * arcs[clear] + 1.0) / number)
-        values.append(centres[clear])
-        arcs, number = np.concatenate([2 * arcs[~clear], 2 * arcs[~clear] + 1]), 2 * number
-        if arcs.size > _MOST_ARCS or number > _FINEST:
+        open_arcs = []
+        for some in np.array_split(arcs, math.ceil(arcs.size / _AT_ONCE)):
+            cosine, sine = _cosines(arithmetic, np.outer(2 * some + 1, exponents), 2 * number)
+            taylor = (cosine + sine.times_i()) @ terms
+            centres, half = taylor.centre()[:, 0], math.pi / number * (1.0 + 1e-15)
+            # Taylor's series about the centre, its last term for any place; binomials were rounded.
+            steps = half ** np.arange(1, _TERMS + 1)
+            bounds = np.concatenate([taylor.upper()[:, 1:], np.zeros((len(some), 1))], 1) + 2.0**-52 * sizes[1:]
+            bounds[:, -1] = sizes[-1]
+            radius = up(taylor.offset()[:, 0] + left_out + up(bounds @ steps))
+            clear = radius < _CLEAR * np.abs(centres)
+            places.append((2.0 * some[clear] + 1.0) / number)
+            values.append(centres[clear])
+            open_arcs.append(some[~clear])
+        arcs = np.concatenate(open_arcs)
+        arcs, number = np.concatenate([2 * arcs, 2 * arcs + 1]), 2 * number
+        if arcs.size > most or number > _FINEST:
             raise Unresolved("a multiplier cannot be distinguished from one on the unit circle")
     along = np.concatenate(values)[np.argsort(np.concatenate(places))]
     return round(float(np.angle(np.roll(along, -1) / along).sum()) / (2.0 * math.pi))
