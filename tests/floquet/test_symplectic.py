@@ -155,3 +155,27 @@ def test_the_error_covers_the_true_numbers() -> None:
         for cluster in discs.clusters:
             near = np.abs(true[None, :] - discs.values[cluster][:, None]) <= discs.radii[cluster][:, None]
             assert near.any(axis=0).sum() == 2 * len(cluster)
+
+
+def test_the_error_of_a_precise_subspace_covers_how_far_it_turns(rng: np.random.Generator) -> None:
+    context = mpmath.MPContext()
+    context.prec = 200
+    for _ in range(20):
+        n, error = 5, 1e-12
+        apart = 10.0 ** rng.uniform(-4.0, -1.0)  # of two eigenvalues far from zero
+        values = np.array([2.0, 2.0 + apart, -1.0, 0.5, 3.0])
+        vectors = np.eye(n) + 0.4 * rng.standard_normal((n, n))
+        matrix = vectors @ np.diag(values) @ np.linalg.inv(vectors)
+        change = rng.standard_normal((n, n))
+        change *= 1e-8 / np.linalg.norm(change)
+        discs = precise_spectra.eigenvalue_discs(np.array(matrix.tolist(), dtype=object), error, context)
+        assert discs is not None
+        member = int(np.argmin([abs(complex(value) - 2.0) for value in discs.values]))
+        bound = precise_spectra._subspace_error(discs, np.array([member])) / discs.error
+        # For each unit of a small change the vector of 2 turns by at most the bound, which is not far too large.
+        w, v = np.linalg.eig(matrix + change)
+        one, other = vectors[:, 0] / np.linalg.norm(vectors[:, 0]), v[:, np.abs(w - 2.0).argmin()]
+        turned = np.linalg.norm(other - one * (one @ other)) / 1e-8
+        assert turned <= bound * 1.01
+        assert bound <= 20.0 * np.linalg.cond(vectors) ** 2 / apart
+    assert precise_spectra._subspace_error(discs, np.arange(n)) == 0.0
