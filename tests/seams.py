@@ -43,6 +43,9 @@ CONSTANTS = {
     "arithmetic_of_stores": ("ensembles.stores.arithmetic",),
     "arithmetic_of_checkpoints": ("simulation.checkpoints.arithmetic",),
     "deaths_of_workers_in_a_run": ("ensembles.workers._DEATHS",),
+    # orbits
+    "orbit_kernels": ("orbits.collocation.machine_code",),
+    "equations_of_orbit_kernels": ("orbits.kernels.MOST_EQUATIONS",),
     # equations and systems
     "steps_of_a_solution": ("floquet.solve._MOST_STEPS",),
     "equations_of_an_explicit_map": ("floquet.kernels.system_even._EXPLICIT_UP_TO",),

@@ -233,15 +233,15 @@ def by_harmonic(name: str, values: Any, order: int, reference: str, *, complex_t
         raise TypeError(f"{name} must be a sequence of matrices, one for each harmonic; for one give {name}=[matrix]")
     else:
         listed = validate.sequence(name, values, "[matrix]")
-    for k, value in enumerate(listed):
-        if validate.is_sparse(value):
-            _require_square(f"{name}[{k}]", value, 2 * MOST_EQUATIONS)
-    listed = [dense(value) for value in listed]
     if len(listed) > MOST_HARMONICS:
         raise ValueError(f"{name} must hold at most {MOST_HARMONICS} harmonics, got more")
     stacked = _stacked(listed, order)
     if stacked is not None:
         return tuple(stacked)
+    for k, value in enumerate(listed):
+        if validate.is_sparse(value):
+            _require_square(f"{name}[{k}]", value, 2 * MOST_EQUATIONS)
+    listed = [dense(value) for value in listed]
     if listed and all(_is_flat(value) for value in listed):
         raise ValueError(f"{name} must be a sequence of matrices, one for each harmonic; for one give {name}=[matrix]")
     return tuple(

@@ -184,10 +184,10 @@ class RateFunction:
         shape = (n,) if name == "function" else (n, n)
         if isinstance(returned, np.ndarray) and returned.dtype != object:
             values = np.broadcast_to(returned if returned.ndim > len(shape) else returned[..., None], (*shape, count))
-        else:
-            values = np.empty((*shape, count), dtype=states.dtype)
-            _fill(values, returned, len(shape))
-        return np.ascontiguousarray(np.moveaxis(values, -1, 0))
+            return np.ascontiguousarray(np.moveaxis(values, -1, 0))
+        values = np.empty((count, *shape), dtype=states.dtype)
+        _fill(values.transpose((*range(1, len(shape) + 1), 0)), returned, len(shape))
+        return values
 
     def _singly(self, name: str, call: Any, times: Floats, states: NDArray[Any], parameters: Parameters) -> Any:
         """Return the values of a function called at one instant after the other."""

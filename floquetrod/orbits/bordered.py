@@ -8,11 +8,13 @@ Stat. Comput. 13 (1992) 742); the cost is O(N n^3).
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from collections.abc import Callable
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from floquetrod._util.arrays import Floats
+from floquetrod.orbits.kernels import interval_cycle
 
 _FAMILY = 1e-10  # of the largest singular value: one below it is zero, and orbits form a family (a choice)
 
@@ -75,11 +77,45 @@ def solve(
         unknowns = _filled_in(level, unknowns)
     core = np.empty((n + scalars, n + scalars))
     core[:n, :n], core[:n, n:] = before[0] + after[0], -rest[0, :, :scalars]
-    tied = np.einsum("sin,inc->sc", rows, unknowns)
+    tied = rows.reshape(scalars, rows.shape[1] * n) @ unknowns.reshape(-1, n + scalars + count)
     core[n:, :n], core[n:, n:] = tied[:, :n], tied[:, n : n + scalars] + corner
-    answer, kernel = _least(core, np.concatenate([rest[0, :, scalars:], targets - tied[:, n + scalars :]]))
-    nodes = unknowns[:, :, : n + scalars] @ answer + unknowns[:, :, n + scalars :]
-    return BorderedSolution(nodes, answer[n:], core, (unknowns[:, :, : n + scalars] @ kernel, kernel[n:]))
+    known = np.concatenate([rest[0, :, scalars:], targets - tied[:, n + scalars :]])
+    return _of_core(unknowns, core, known)
+
+
+def solve_by(
+    run: Callable[..., Any],
+    maps: Floats,
+    columns: Floats,
+    right: Floats,
+    rows: Floats,
+    corner: Floats,
+    targets: Floats,
+    scale: Floats,
+) -> tuple[Floats, Floats]:
+    """Return the unknowns (N, n, q) and the scalars (S, q) by the kernel, which scales the states by ``scale`` (n,).
+
+    The other arguments are those of `solve`.
+    """
+    n, scalars, count = maps.shape[1], columns.shape[2], right.shape[2]
+    equations, border = np.concatenate([maps, columns, right], axis=2), np.concatenate([corner, targets], axis=1)
+    states, left, units = np.empty(equations.shape), np.empty((n + scalars, equations.shape[2])), np.empty(scalars)
+    nodes, free = np.empty(right.shape), np.empty((scalars, count))
+    outcome = run(equations, rows, border, scale, states, left, units, nodes, free)
+    if outcome == interval_cycle.SINGULAR:
+        raise np.linalg.LinAlgError("singular")
+    if outcome == interval_cycle.NEARLY_SINGULAR:
+        solution = _of_core(states, left[:, : n + scalars], -left[:, n + scalars :])
+        return solution.nodes * scale[:, None], solution.scalars * units[:, None]
+    return nodes, free
+
+
+def _of_core(unknowns: Floats, core: Floats, known: Floats) -> BorderedSolution:
+    """Return the solution from what is left of the equations in x_0 and the scalars."""
+    answer, kernel = _least(core, known)
+    n, free = unknowns.shape[1], len(core)
+    nodes = unknowns[:, :, :free] @ answer + unknowns[:, :, free:]
+    return BorderedSolution(nodes, answer[n:], core, (unknowns[:, :, :free] @ kernel, kernel[n:]))
 
 
 def _least(core: Floats, right: Floats) -> tuple[Floats, Floats]:
@@ -88,10 +124,10 @@ def _least(core: Floats, right: Floats) -> tuple[Floats, Floats]:
     Where orbits form a family, as in a conservative system, the shortest step leads to the nearest.
     """
     left, sizes, turned = np.linalg.svd(core)
-    kept = sizes > _FAMILY * sizes[0]
-    if not kept.any() or not np.isfinite(sizes).all():
+    if not (0.0 < sizes[0] < np.inf):
         raise np.linalg.LinAlgError("singular")
-    return np.asarray(turned[kept].T @ ((left[:, kept].T @ right) / sizes[kept][:, None])), turned[-1]
+    kept = int(np.count_nonzero(sizes > _FAMILY * sizes[0]))
+    return np.asarray(turned[:kept].T @ ((left[:, :kept].T @ right) / sizes[:kept, None])), turned[-1]
 
 
 def _eliminated(before: Floats, after: Floats, rest: Floats) -> tuple[_Level, Floats, Floats, Floats]:

@@ -29,15 +29,20 @@ from __future__ import annotations
 import functools
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
-from floquetrod._util.arrays import Floats
+from floquetrod._util.arrays import EPS, Floats
+from floquetrod._util.caching import cached_property
 from floquetrod._util.content import ByContent
 from floquetrod.equations.nonlinear_system import NonlinearSystem
-from floquetrod.orbits import bordered
+from floquetrod.orbits import bordered, kernels
+from floquetrod.orbits.kernels import gauss_points, interval_cycle, machine_code, machine_code_in_use
 
+_MOST_ITERATIONS = 8
+_FEW = 8  # systems with other values of the parameter that are kept
 _PARAMETER_STEP = 1e-5  # of central differences in a parameter, relative: good to about 10 digits
 
 
@@ -82,7 +87,14 @@ class Point(NamedTuple):
     @property
     def scale(self) -> Floats:
         """What errors of each component are compared with, its largest magnitude, not less than 1e-6 of them all."""
-        sizes = np.maximum(np.abs(self.nodes).max(axis=0), np.abs(self.stages).max(axis=(0, 1)))
+        n = self.nodes.shape[1]
+        run = machine_code_in_use(gauss_points.largest_fill)
+        if run is not None:
+            sizes = np.empty(n)
+            run(self.nodes, self.stages, sizes)
+        else:
+            every = np.concatenate([self.nodes, self.stages.reshape(-1, n)])
+            sizes = np.maximum(every.max(axis=0), -every.min(axis=0))
         return np.asarray(np.maximum(sizes, max(1e-6 * float(sizes.max()), 1e-150)))
 
 
@@ -104,6 +116,10 @@ class Condensed(NamedTuple):
     columns: Floats  # (N, n, S), of the free scalars
     inner: Floats  # (N, m, n, n + 1 + S), changes at the Gauss points: factors of dx_i, the constant, factors of ds
     residual: Floats  # (N, m + 1, n), at the Gauss points, and at the ends of the intervals
+    rates: Floats  # (N, m, n), f at the Gauss points
+    jacobians: Floats  # (N, m, n, n), its derivatives
+    matrices: Floats  # (N, m n, m n), of the equations at the Gauss points of each interval, factored or not
+    pivots: NDArray[np.int64] | None  # (N, m n), rows exchanged in factored matrices; None where they are not factored
 
 
 class Step(NamedTuple):
@@ -130,24 +146,36 @@ class Collocation(ByContent):
         """Names of the free scalars, in their order, such as "period", "parameter"."""
         return (*(() if self.turns else ("period",)), *(() if self.parameter is None else ("parameter",)))
 
-    @property
+    @cached_property
     def steps(self) -> Floats:
         """Lengths of the intervals (N,)."""
         return np.diff(self.mesh)
 
-    @property
+    @cached_property
     def shares(self) -> Floats:
         """Places of the Gauss points in the period (N, m)."""
         return self.mesh[:-1, None] + self.steps[:, None] * gauss(self.degree).points
 
-    @property
+    @cached_property
     def weights(self) -> Floats:
         """Weights (N,) of the mesh in means over the period, which sum to 1."""
         return np.asarray(0.5 * (self.steps + np.roll(self.steps, 1)))
 
     def system_at(self, value: float) -> NonlinearSystem:
         """Return the system with this value of the unknown parameter."""
-        return self.system if self.parameter is None else self.system.with_parameters(**{self.parameter: value})
+        if self.parameter is None:
+            return self.system
+        system = self._systems.get(value)
+        if system is None:
+            if len(self._systems) >= _FEW:
+                self._systems.clear()
+            system = self._systems[value] = self.system.with_parameters(**{self.parameter: value})
+        return system
+
+    @cached_property
+    def _systems(self) -> dict[float, NonlinearSystem]:
+        """The systems that were asked for last, by the value of the parameter."""
+        return {}
 
     def with_value(self, value: float) -> Collocation:
         """Return the equations with this value of the parameter, which is known then."""
@@ -180,46 +208,133 @@ class Collocation(ByContent):
     def by_parameter(self, point: Point) -> Floats:
         """Return the derivative of period times f with the parameter, per period, at the Gauss points (N, m, n)."""
         step = _PARAMETER_STEP * max(abs(point.value), 1e-3)
-        values = []
-        for share in (-1.0, 1.0):
-            other = point._replace(value=point.value + share * step)
-            other = other._replace(period=self.period_at(other))
-            values.append(other.period * self.rates(other))
-        return np.asarray((values[1] - values[0]) / (2.0 * step * point.period))
+        states = point.stages.reshape(-1, point.nodes.shape[1])
+        evaluated, known = self.system.evaluated, self.system.parameters
+        sides: list[Floats] = []
+        for value in (point.value - step, point.value + step):
+            period = self.period_at(point._replace(value=value)) if self.turns else point.period
+            parameters = {**known, str(self.parameter): value}
+            sides.append(period * evaluated.values((period * self.shares).ravel(), states, parameters))
+        return np.asarray((sides[1] - sides[0]).reshape(point.stages.shape) / (2.0 * step * point.period))
 
     def residual(self, point: Point, rates: Floats | None = None) -> Floats:
         """Return by how much the equations are missed, at the Gauss points and the ends of intervals (N, m + 1, n)."""
         method, rates = gauss(self.degree), self.rates(point) if rates is None else rates
         lengths = point.period * self.steps
         missed = np.empty((len(point.nodes), self.degree + 1, point.nodes.shape[1]))
+        run = self._kernel(gauss_points.residual_fill, point)
+        if run is not None:
+            growth = np.array(self.winding or (0.0,) * point.nodes.shape[1])
+            run(lengths, method.integrals, method.weights, point.nodes, point.stages, rates, growth, missed)
+            return missed
         moved = lengths[:, None, None] * (method.integrals @ rates)
         missed[:, :-1] = point.stages - point.nodes[:, None] - moved
         ends = np.roll(point.nodes, -1, axis=0)
         if self.winding:
             ends[-1] += self.winding
-        missed[:, -1] = ends - point.nodes - lengths[:, None] * np.einsum("k,ikn->in", method.weights, rates)
+        missed[:, -1] = ends - point.nodes - lengths[:, None] * (method.weights @ rates)
         return missed
 
-    def linearised(self, point: Point, rates: Floats | None = None) -> Condensed:
+    def linearised(self, point: Point, rates: Floats | None = None, residual: Floats | None = None) -> Condensed:
         """Return the residual and the Jacobian matrix, condensed to the mesh."""
-        method, jacobians = gauss(self.degree), self.jacobians(point)
+        jacobians = self.jacobians(point)
         rates = self.rates(point) if rates is None else rates
-        count, m, n = rates.shape
-        residual = self.residual(point, rates)
-        lengths = point.period * self.steps
-        inner = -(lengths[:, None, None, None, None] * np.einsum("jk,ikab->ijakb", method.integrals, jacobians))
-        inner = inner.reshape(count, m * n, m * n)
-        inner[:, np.arange(m * n), np.arange(m * n)] += 1.0
+        residual = self.residual(point, rates) if residual is None else residual
         drives = self._drives(point, rates)  # (N, m, n, S), of the right side of x' = f per unit of physical time
-        right = np.empty((count, m, n, n + 1 + drives.shape[3]))
+        run = self._kernel(gauss_points.condense_fill, point)
+        way = self._condensed_together if run is None else functools.partial(self._condensed_by, run)
+        return way(point.period * self.steps, residual, rates, jacobians, drives)
+
+    def _condensed_by(
+        self,
+        run: Callable[..., Any],
+        lengths: Floats,
+        residual: Floats,
+        rates: Floats,
+        jacobians: Floats,
+        drives: Floats,
+    ) -> Condensed:
+        """Return the equations condensed by the kernel, interval by interval."""
+        method, (count, m, n, scalars) = gauss(self.degree), drives.shape
+        matrices, pivots = np.empty((count, m * n, m * n)), np.empty((count, m * n), dtype=np.int64)
+        inner, ends = np.empty((count, m * n, n + 1 + scalars)), np.empty((count, n, n + 1 + scalars))
+        if run(lengths, method.integrals, method.weights, jacobians, drives, residual, matrices, pivots, inner, ends):
+            raise np.linalg.LinAlgError("singular")
+        maps, gaps, columns = ends[:, :, :n].copy(), ends[:, :, n].copy(), ends[:, :, n + 1 :].copy()
+        changes = inner.reshape(count, m, n, n + 1 + scalars)
+        return Condensed(maps, gaps, columns, changes, residual, rates, jacobians, matrices, pivots)
+
+    def _condensed_together(
+        self, lengths: Floats, residual: Floats, rates: Floats, jacobians: Floats, drives: Floats
+    ) -> Condensed:
+        """Return the equations condensed by LAPACK, all intervals at once."""
+        method, (count, m, n, scalars) = gauss(self.degree), drives.shape
+        lengths = lengths[:, None, None]
+        shares = (-lengths * method.integrals)[:, :, None, :, None]
+        matrices: Floats = (shares * jacobians.transpose(0, 2, 1, 3)[:, None]).reshape(count, m * n, m * n)
+        matrices[:, np.arange(m * n), np.arange(m * n)] += 1.0
+        right = np.empty((count, m, n, n + 1 + scalars))
         right[..., :n] = np.eye(n)
         right[..., n] = -residual[:, :-1]
-        right[..., n + 1 :] = lengths[:, None, None, None] * np.einsum("jk,ikas->ijas", method.integrals, drives)
-        changes = np.linalg.solve(inner, right.reshape(count, m * n, -1)).reshape(right.shape)
-        bent = lengths[:, None, None] * np.einsum("k,ikab,ikbc->iac", method.weights, jacobians, changes, optimize=True)
-        bent[:, :, n + 1 :] += lengths[:, None, None] * np.einsum("k,ikas->ias", method.weights, drives)
+        flat = drives.reshape(count, m, n * scalars)
+        right[..., n + 1 :] = (lengths * (method.integrals @ flat)).reshape(drives.shape)
+        changes = np.linalg.solve(matrices, right.reshape(count, m * n, -1))
+        weighed = (method.weights[:, None, None] * jacobians).transpose(0, 2, 1, 3).reshape(count, n, m * n)
+        bent = lengths * (weighed @ changes)
+        bent[:, :, n + 1 :] += lengths * (method.weights @ flat).reshape(count, n, scalars)
         maps = bent[:, :, :n] + np.eye(n)
-        return Condensed(maps, bent[:, :, n] - residual[:, -1], bent[:, :, n + 1 :], changes, residual)
+        gaps = bent[:, :, n] - residual[:, -1]
+        inner = np.asarray(changes.reshape(right.shape), dtype=np.float64)
+        return Condensed(maps, gaps, bent[:, :, n + 1 :], inner, residual, rates, jacobians, matrices, None)
+
+    def settled(self, point: Point) -> Point:
+        """Return a point whose states at the Gauss points satisfy the equations from its states at the mesh.
+
+        By iteration, as far as it contracts: where intervals are short enough, it does so by several digits a time.
+        """
+        method, lengths = gauss(self.degree), (point.period * self.steps)[:, None, None]
+        before, scale = np.inf, point.scale
+        with np.errstate(all="ignore"):
+            for _ in range(_MOST_ITERATIONS):
+                stages = point.nodes[:, None] + lengths * (method.integrals @ self.rates(point))
+                change = float((np.abs(stages - point.stages) / scale).max())
+                if not change < 0.3 * before:
+                    break
+                point, before = point._replace(stages=stages), change
+                if change <= EPS:
+                    break
+        return point
+
+    def recondensed(self, condensed: Condensed, point: Point, rates: Floats, residual: Floats) -> Condensed:
+        """Return the equations with the residual at another point, all else as it was: those of the chord method."""
+        method, (count, m, n) = gauss(self.degree), rates.shape
+        lengths, inner = point.period * self.steps, condensed.inner.copy()
+        run = None if condensed.pivots is None else machine_code(gauss_points.constants_fill)
+        if run is None or condensed.pivots is None:
+            changes = np.linalg.solve(condensed.matrices, -residual[:, :-1].reshape(count, m * n, 1))
+            weighed = (
+                (method.weights[:, None, None] * condensed.jacobians).transpose(0, 2, 1, 3).reshape(count, n, m * n)
+            )
+            gaps = (lengths[:, None, None] * (weighed @ changes))[:, :, 0] - residual[:, -1]
+        else:
+            changes, gaps = np.empty((count, m * n, 1)), np.empty((count, n))
+            run(
+                lengths,
+                method.weights,
+                condensed.jacobians,
+                residual,
+                condensed.matrices,
+                condensed.pivots,
+                changes,
+                gaps,
+            )
+        inner[..., n] = changes.reshape(count, m, n)
+        return condensed._replace(gaps=gaps, inner=inner, residual=residual, rates=rates)
+
+    def _kernel(self, function: Callable[..., Any], point: Point) -> Callable[..., Any] | None:
+        """Return the machine code of a kernel for a branch of few equations; None where LAPACK does its work."""
+        few = self.parameter is not None and point.nodes.shape[1] <= kernels.MOST_EQUATIONS
+        return machine_code(function) if few else None
 
     def _drives(self, point: Point, rates: Floats) -> Floats:
         """Return how each free scalar changes the rates of change in physical time (N, m, n, S)."""
@@ -236,19 +351,25 @@ class Collocation(ByContent):
         scale = reference.scale if scale is None else scale
         nodes = self.weights[:, None] * self.rates_at_mesh(reference) / scale**2
         nodes = nodes / np.linalg.norm(nodes * scale)
-        return BorderRow(nodes, np.zeros(len(self.scalars)), float((nodes * reference.nodes).sum()))
+        return BorderRow(nodes, np.zeros(len(self.scalars)), float(np.vdot(nodes, reference.nodes)))
 
     def values(self, point: Point) -> Floats:
         """Return the free scalars of a point (S,)."""
         every = {"period": point.period, "parameter": point.value}
         return np.array([every[name] for name in self.scalars])
 
-    def solved(self, condensed: Condensed, rows: Sequence[BorderRow], point: Point) -> Step:
-        """Return the step of Newton's method at a point; `numpy.linalg.LinAlgError` where there is none."""
-        missed = [
-            row.target - float((row.nodes * point.nodes).sum() + row.scalars @ self.values(point)) for row in rows
-        ]
-        return self._step(condensed, rows, point.scale, condensed.gaps, np.array(missed), 1.0)
+    def solved(
+        self, condensed: Condensed, rows: Sequence[BorderRow], point: Point, scale: Floats | None = None
+    ) -> Step:
+        """Return the step of Newton's method at a point; `numpy.linalg.LinAlgError` where there is none.
+
+        ``scale`` (n,) is that of the point, if it is known.
+        """
+        scalars = self.values(point)
+        missed = [row.target - float(np.vdot(row.nodes, point.nodes) + row.scalars @ scalars) for row in rows]
+        return self._step(
+            condensed, rows, point.scale if scale is None else scale, condensed.gaps, np.array(missed), 1.0
+        )
 
     def tangent(self, condensed: Condensed, rows: Sequence[BorderRow], scale: Floats) -> Step:
         """Return the solution of the linearised equations on which the last row grows at rate 1, the others not."""
@@ -263,6 +384,10 @@ class Collocation(ByContent):
 
         Gaps (N, n, q) in the unit of the states, targets (S, q).
         """
+        run = machine_code(interval_cycle.bordered_fill) if condensed.pivots is not None else None
+        if run is not None:
+            ties, corner = self._border(condensed, rows)
+            return bordered.solve_by(run, condensed.maps, condensed.columns, gaps, ties, corner, targets, scale)
         solution, units = self._bordered(condensed, rows, scale, gaps, targets)
         return solution.nodes * scale[:, None], solution.scalars * units[:, None]
 
@@ -273,14 +398,17 @@ class Collocation(ByContent):
         nodes, scalars = solution.kernel
         return self._with_stages(condensed, nodes * scale, scalars * units, 0.0)
 
+    def _border(self, condensed: Condensed, rows: Sequence[BorderRow]) -> tuple[Floats, Floats]:
+        """Return the factors of the states (S, N, n) and of the scalars (S, S) in rows."""
+        ties = np.array([row.nodes for row in rows]).reshape(len(rows), *condensed.gaps.shape)
+        return ties, np.array([row.scalars for row in rows]).reshape(len(rows), len(self.scalars))
+
     def _bordered(
         self, condensed: Condensed, rows: Sequence[BorderRow], scale: Floats, gaps: Floats, targets: Floats
     ) -> tuple[bordered.BorderedSolution, Floats]:
         """Return the solution in components, scalars and rows of size 1, and the units of the scalars."""
-        count, n = gaps.shape[:2]
-        ties = np.array([row.nodes * scale for row in rows]).reshape(len(rows), count, n)
-        corner = np.array([row.scalars for row in rows]).reshape(len(rows), len(self.scalars))
-        columns = condensed.columns / scale[:, None]
+        ties, corner = self._border(condensed, rows)
+        ties, columns = ties * scale, condensed.columns / scale[:, None]
         # Where an orbit does not depend on the parameter its column is rounding; the rows tell its unit then.
         ends = np.abs(corner).max(axis=0, initial=0.0)
         units = 1.0 / np.maximum(np.maximum(np.abs(columns).sum(axis=(0, 1)), ends), 1e-300)
@@ -312,8 +440,15 @@ class Collocation(ByContent):
     def _with_stages(condensed: Condensed, nodes: Floats, scalars: Floats, constant: float) -> Step:
         """Return a step at the Gauss points, too, from that at the mesh."""
         n, factors = nodes.shape[1], condensed.inner
-        stages = np.einsum("ijab,ib->ija", factors[..., :n], nodes) + constant * factors[..., n]
-        return Step(nodes, stages + factors[..., n + 1 :] @ scalars, scalars)
+        run = machine_code(gauss_points.stages_fill) if condensed.pivots is not None else None
+        if run is not None:
+            changes = np.empty(factors.shape[:3])
+            run(factors, nodes, constant, scalars, changes)
+            return Step(nodes, changes, scalars)
+        shares = np.empty((len(nodes), factors.shape[3], 1))
+        shares[:, :n, 0], shares[:, n, 0], shares[:, n + 1 :, 0] = nodes, constant, scalars
+        stages = factors.reshape(len(nodes), -1, factors.shape[3]) @ shares
+        return Step(nodes, stages.reshape(factors.shape[:3]), scalars)
 
     def moved(self, point: Point, step: Step, share: float = 1.0) -> Point:
         """Return the point after a share of a step."""
@@ -324,4 +459,4 @@ class Collocation(ByContent):
             point.period + scalars.get("period", 0.0),
             point.value + scalars.get("parameter", 0.0),
         )
-        return there._replace(period=self.period_at(there))
+        return there._replace(period=self.period_at(there)) if self.turns else there

@@ -183,7 +183,7 @@ class Continuation:
         """Return the place on a mesh that resolves it, and is not much finer."""
         for _ in range(_MOST_MESHES):
             given, errors = place.collocation, orbit_mesh.interior_errors(place.collocation, place.point)
-            jacobians = place.point.period * given.jacobians(place.point)
+            jacobians = place.point.period * place.condensed.jacobians
             least = orbit_mesh.least_density(given, jacobians, self.task.tolerance)
             mesh = orbit_mesh.equidistributed(given, errors, 0.3 * self.task.tolerance, least)
             rough = float(errors.max()) > self.task.tolerance or float((least * given.steps).max()) > finding.FOLLOWED
@@ -203,15 +203,14 @@ class Continuation:
     def _require_motion(self, sample: Sample) -> None:
         """Raise Ended where an orbit of an autonomous system has shrunk to a state of rest, or passed through one."""
         place, before = sample.place, self.sample.place
-        if place.collocation.turns:
+        was, now = self.sample.compared.segments.flow, sample.compared.segments.flow
+        if was is None or now is None:
             return
         moves = float((np.ptp(place.point.nodes, axis=0) / self.measure.scale).max())
-        shares = place.collocation.mesh[:-1]
-        was = before.collocation.rates_at_mesh(before.point)
-        old = np.stack(
-            [np.interp(shares, before.collocation.mesh[:-1], column, period=1.0) for column in was.T], axis=1
-        )
-        along = float((old * place.collocation.rates_at_mesh(place.point) / self.measure.scale**2).sum())
+        mesh, shares = before.collocation.mesh, place.collocation.mesh
+        if mesh is not shares:
+            was = np.stack([np.interp(shares[:-1], mesh[:-1], column, period=1.0) for column in was.T], axis=1)
+        along = float((was * now / self.measure.scale**2).sum())
         if moves < _REST or along < 0.0:
             where = f"{self.task.parameter} = {self._rest(sample):.6g}"
             raise Ended(f"the orbit shrinks to a state of rest ({HOPF}) near {where}")

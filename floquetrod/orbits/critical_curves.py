@@ -333,10 +333,10 @@ def _sampled(equations: CriticalEquations, solved: Solved, pinned: tuple[str, fl
     fine = finer.orbit
     if pinned is not None:  # Newton's last step may miss it by rounding
         fine = critical_orbits.with_values(fine, fine.point, {pinned[0]: pinned[1]})
-    gaps = finding.rounding_gaps(fine.collocation, fine.point)
+    gaps = finding.rounding_gaps(fine.collocation, fine.point, finer.linear.condensed)
     n, maps = len(equations.scale), finer.linear.condensed.maps
     states, _ = _moved(equations, finer, gaps, 0.0)
-    _, doubted = finding.doubts(fine.collocation, fine.point, states)
+    _, doubted = finding.doubts(fine.collocation, fine.point, finer.linear.condensed, states)
     doubted = doubted + 8.0 * n * EPS * np.abs(maps)
     blur = float((finer.linear.blur * doubted / equations.scale[:, None] * equations.scale).sum())
     states, scalars = _moved(equations, finer, gaps, blur)

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import math
 from typing import NamedTuple
 
 import numpy as np
 
-from floquetrod._util.arrays import Complexes, Floats
+from floquetrod._util.arrays import EPS, Complexes, Floats
 from floquetrod.orbits.orbit import PeriodicOrbit
 
 
@@ -34,13 +35,25 @@ Test = str | Ranks
 
 
 def multipliers_of(orbit: PeriodicOrbit) -> OrbitMultipliers:
-    """Return the multipliers of an orbit, from the verdict on it."""
-    stability = orbit.stability
-    own = 1 if orbit.system.is_autonomous else 0
-    if not stability.exponents:
-        missing = np.full(orbit.states.shape[1] - own, np.nan)
+    """Return the multipliers of an orbit, the largest first; those near the unit circle as the verdict has them."""
+    logs = orbit.spectrum.logs
+    if logs is None:
+        missing = np.full(orbit.states.shape[1] - (1 if orbit.system.is_autonomous else 0), np.nan)
         return OrbitMultipliers(missing.astype(complex), missing)
-    return OrbitMultipliers(np.array(stability.multipliers), np.array(stability.multiplier_errors))
+    if orbit.spectrum.status is None:
+        stability = orbit.stability
+        return OrbitMultipliers(np.array(stability.multipliers), np.array(stability.multiplier_errors))
+    growth, angles, errors = logs.values.real, logs.values.imag, logs.errors
+    known, turned = np.isfinite(errors), np.abs(angles) >= math.pi * (1.0 - EPS)
+    with np.errstate(over="ignore"):
+        sizes = np.exp(growth)
+    values = np.empty(len(sizes), dtype=np.complex128)
+    values.real = np.where(turned, -sizes, sizes * np.cos(angles))  # the half turn is exact, its sine is not
+    values.imag = np.where(turned | (angles == 0.0), 0.0, sizes * np.sin(angles))
+    values[~known] = np.nan
+    errors = np.where(known, sizes * np.expm1(np.minimum(errors + 4.0 * EPS * np.abs(logs.values), 700.0)), np.inf)
+    order = np.lexsort((angles, np.where(known, -growth, np.inf)))
+    return OrbitMultipliers(values[order], errors[order])
 
 
 def tests(multipliers: OrbitMultipliers, turning: float) -> Tests:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import functools
 import math
 from collections.abc import Mapping
 from typing import Any, NamedTuple
@@ -27,7 +28,7 @@ _LEAST_STEPS = 0.1  # of the mean density of an integrator's steps that there is
 _MOST_MESHES = 10
 _SAME = 0.1  # of a period that was given, by which the one of motion that returns may differ (a choice)
 _MOST_TURNS = 1000  # of the forcing in an orbit (a choice)
-_TRIALS = np.array([0.08, 0.29, 0.5, 0.71, 0.92])  # of an interval, where the two are compared
+_TRIALS = (0.08, 0.29, 0.5, 0.71, 0.92)  # of an interval, where the two are compared
 
 
 def periodic_orbit(
@@ -251,7 +252,7 @@ def orbit_of(collocation: Collocation, point: Point, tolerance: float = 1e-10) -
         steps += coarse.steps
         _require_motion(collocation, coarse.point)
         errors = orbit_mesh.interior_errors(collocation, coarse.point)
-        jacobians = point.period * collocation.jacobians(coarse.point)
+        jacobians = point.period * coarse.condensed.jacobians
         least = orbit_mesh.least_density(collocation, jacobians, tolerance)
         last = turn == _MOST_MESHES - 1 or len(errors) >= orbit_mesh.MOST
         followed = float((least * collocation.steps).max()) <= FOLLOWED
@@ -320,11 +321,11 @@ class Compared(NamedTuple):
 def compared(collocation: Collocation, point: Point, condensed: Condensed, rows: list[BorderRow]) -> Compared:
     """Return the orbit of a degree two higher on the same mesh where rows hold, with errors from the difference."""
     fine, start = orbit_mesh.carried(collocation, point, collocation.mesh, collocation.degree + MORE)
-    finer = corrected(fine, start, rows)
-    gaps = rounding_gaps(fine, finer.point)
-    targets = np.zeros((len(rows), gaps.shape[2]))
-    nodes, scalars = fine.responses(finer.condensed, rows, finer.point.scale, gaps, targets)
-    rounding = 2.0 * float((np.abs(nodes) / finer.point.scale[:, None]).max())
+    finer = corrected(fine, fine.settled(start), rows)
+    gaps = rounding_gaps(fine, finer.point, finer.condensed)
+    targets, scale = np.zeros((len(rows), gaps.shape[2])), finer.point.scale
+    nodes, scalars = fine.responses(finer.condensed, rows, scale, gaps, targets)
+    rounding = 2.0 * float((np.abs(nodes) / scale[:, None]).max())
     largest = (2.0 * np.abs(scalars).max(axis=1)).tolist()
     return comparison(
         collocation, point, condensed, fine, finer, rounding, dict(zip(fine.scalars, largest, strict=True))
@@ -341,13 +342,12 @@ def comparison(
     of_scalars: dict[str, float],
 ) -> Compared:
     """Return an orbit of a degree two higher on the same mesh, with errors from the difference and from rounding."""
-    shares = (collocation.mesh[:-1, None] + collocation.steps[:, None] * _TRIALS).ravel()
-    gaps = np.abs(orbit_mesh.evaluated(fine, finer.point, shares) - orbit_mesh.evaluated(collocation, point, shares))
+    gaps = np.abs(orbit_mesh.evaluated_within(finer.point, _TRIALS) - orbit_mesh.evaluated_within(point, _TRIALS))
     nodes = np.abs(finer.point.nodes - point.nodes)
     scale = finer.point.scale
-    errors = np.maximum((gaps / scale).reshape(-1, len(_TRIALS) * len(scale)).max(axis=1), (nodes / scale).max(axis=1))
-    doubt, moved = doubts(fine, finer.point, rounding)
-    trace, before = _trace(fine, fine.jacobians(finer.point)), _trace(collocation, collocation.jacobians(point))
+    errors = np.maximum((gaps / scale).max(axis=(1, 2)), (nodes / scale).max(axis=1))
+    doubt, moved = doubts(fine, finer.point, finer.condensed, rounding)
+    trace, before = _trace(fine, finer.condensed.jacobians), _trace(collocation, condensed.jacobians)
     before *= point.period / finer.point.period
     segments = Segments(
         finer.condensed.maps,
@@ -369,13 +369,18 @@ def comparison(
     )
 
 
-def rounding_gaps(collocation: Collocation, point: Point) -> Floats:
+def rounding_gaps(collocation: Collocation, point: Point, condensed: Condensed) -> Floats:
     """Return about the gaps (N, n, 3) that rounding leaves in the equations, with three patterns of signs."""
-    rates, jacobians = collocation.rates(point), np.abs(collocation.jacobians(point))
-    terms = np.abs(rates) + np.einsum("ikab,ikb->ika", jacobians, np.abs(point.stages))
+    terms = np.abs(condensed.rates) + np.einsum("ikab,ikb->ika", np.abs(condensed.jacobians), np.abs(point.stages))
     size = np.abs(point.nodes) + (point.period * collocation.steps)[:, None] * terms.max(axis=1)
-    waves = np.cos(np.arange(size.size).reshape(size.shape) * np.array([[[2.399]], [[0.731]], [[1.117]]]))
-    return np.moveaxis(2.0 * EPS * size * np.sign(waves), 0, -1)
+    return np.asarray(2.0 * EPS * size[:, :, None] * _signs(size.shape))
+
+
+@functools.lru_cache(32)
+def _signs(shape: tuple[int, ...]) -> Floats:
+    """Return three patterns of signs (N, n, 3)."""
+    waves = np.cos(np.arange(math.prod(shape)).reshape(*shape, 1) * np.array([2.399, 0.731, 1.117]))
+    return np.asarray(np.sign(waves))
 
 
 def _trace(collocation: Collocation, matrices: Floats) -> float:
@@ -384,10 +389,9 @@ def _trace(collocation: Collocation, matrices: Floats) -> float:
     return float((weights * np.trace(matrices, axis1=2, axis2=3)).sum())
 
 
-def doubts(collocation: Collocation, point: Point, rounding: float) -> tuple[Floats, Floats]:
+def doubts(collocation: Collocation, point: Point, condensed: Condensed, rounding: float) -> tuple[Floats, Floats]:
     """Return the errors of the derivatives along the orbit, and what they make of the maps, entry by entry."""
-    jacobians = collocation.jacobians(point)
-    moved = point._replace(stages=point.stages + 1e-6 * point.scale)
+    jacobians, moved = condensed.jacobians, point._replace(stages=point.stages + 1e-6 * point.scale)
     change = np.abs(collocation.jacobians(moved) - jacobians) * (rounding / 1e-6)
     doubt = change + collocation.system.evaluated.derivatives_error * np.abs(jacobians)
     lengths = (point.period * collocation.steps)[:, None, None]

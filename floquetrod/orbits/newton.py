@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from typing import NamedTuple
 
@@ -14,6 +15,9 @@ _MOST_STEPS = 40
 _ENOUGH = 1e-10  # of a step, relative: what the next one would change is rounding
 _NEARLY = 1e-7  # of a step, from which on one that does not shrink any more is rounding
 _SMALL = 2e-2  # of a step, up to which it is made whole where steps contract, whatever the residual (a choice)
+_CLOSE = 1e-4  # of a step, from which on matrices are kept: the next ones shrink by about as much (a choice)
+_CONTRACTED = 1e-2  # of the step before, beyond which they are computed again (a choice)
+_ROUNDING = 1e-14  # of a step that changes nothing
 _LEAST_SHARE = 2.0**-12  # of a step, below which there is none that leads on
 
 
@@ -41,65 +45,85 @@ def corrected(
     collocation: Collocation, point: Point, rows: Sequence[BorderRow], most_steps: int = _MOST_STEPS
 ) -> Corrected:
     """Return the solution of the equations and rows near a point; `NoOrbitError` where Newton's method finds none."""
-    before, rates = np.inf, None
+    before, rates, residual, chord = np.inf, None, None, False
+    condensed: Condensed | None = None
     with np.errstate(all="ignore"):
         for count in range(1, most_steps + 1):
-            condensed = collocation.linearised(point, rates)
-            step = _step(collocation, condensed, rows, point, count)
-            size = step_size(step, point)
+            if chord and condensed is not None and rates is not None and residual is not None:
+                condensed = collocation.recondensed(condensed, point, rates, residual)
+            else:
+                condensed = collocation.linearised(point, rates, residual)
+            scale = point.scale
+            step = _step(collocation, condensed, rows, point, scale, count)
+            size = step_size(step, point, scale)
             sure = _NEARLY < size <= _SMALL and size < 0.5 * before
-            point, rates = _followed(collocation, point, step, condensed, count, sure)
-            if size <= _ENOUGH or (size <= _NEARLY and size > 0.3 * before):
-                return Corrected(point, collocation.linearised(point, rates), count)
+            start = point
+            point, rates, residual = _followed(collocation, point, step, condensed, scale, count, sure)
+            rest = size / before * size if chord else 0.0  # of the chord method, whose steps shrink by one factor
+            if (size <= _ENOUGH and rest <= _ROUNDING) or (size <= _NEARLY and size > 0.3 * before):
+                if chord or stage_size(step, start, scale) > _ROUNDING:
+                    condensed = collocation.linearised(point, rates, residual)
+                return Corrected(point, condensed, count)
+            chord = size <= _CLOSE and (size < _CONTRACTED * before or not chord)
             before = size
     raise _lost(collocation, point, f"after {most_steps} steps, the last one of {before:.1g} of the states")
 
 
-def step_size(step: Step, point: Point) -> float:
+def step_size(step: Step, point: Point, scale: Floats) -> float:
     """Return the size of a step, as a fraction of the states and of the free scalars."""
-    scalars = np.abs(step.scalars).max(initial=0.0) / max(point.period, 1e-300)
-    return max(float((np.abs(step.nodes) / point.scale).max()), float(scalars) if len(step.scalars) == 1 else 0.0)
+    size = float((np.abs(step.nodes) / scale).max())
+    return max(size, abs(float(step.scalars[0])) / max(point.period, 1e-300)) if len(step.scalars) == 1 else size
 
 
-def _step(collocation: Collocation, condensed: Condensed, rows: Sequence[BorderRow], point: Point, count: int) -> Step:
+def stage_size(step: Step, point: Point, scale: Floats) -> float:
+    """Return the size of a step, that at the Gauss points included."""
+    return max(step_size(step, point, scale), float((np.abs(step.stages) / scale).max()))
+
+
+def _step(
+    collocation: Collocation, condensed: Condensed, rows: Sequence[BorderRow], point: Point, scale: Floats, count: int
+) -> Step:
     """Return the whole step."""
     try:
-        step = collocation.solved(condensed, rows, point)
+        step = collocation.solved(condensed, rows, point, scale)
     except np.linalg.LinAlgError:
         raise _lost(collocation, point, f"in step {count}, where the equations are singular") from None
-    if not (np.isfinite(step.nodes).all() and np.isfinite(step.scalars).all()):
+    if not (math.isfinite(np.abs(step.nodes).max()) and np.isfinite(step.scalars).all()):
         raise _lost(collocation, point, f"in step {count}, where the function is not finite")
     return step
 
 
 def _followed(
-    collocation: Collocation, point: Point, step: Step, condensed: Condensed, count: int, sure: bool
-) -> tuple[Point, Floats]:
-    """Return the point after as much of a step as makes the residual smaller, after all of a ``sure`` one, and rates.
+    collocation: Collocation, point: Point, step: Step, condensed: Condensed, scale: Floats, count: int, sure: bool
+) -> tuple[Point, Floats, Floats]:
+    """Return the point after as much of a step as makes the residual smaller, after all of a ``sure`` one.
 
-    Where motion jumps, a residual of 1e-8 may mean a step of 1e-2: it says less than steps that contract.
+    With the rates and the residual there.  Where motion jumps, a residual of 1e-8 may mean a step of 1e-2: it says less
+    than steps that contract.
     """
-    missed = _missed(condensed.residual, point)
+    missed = _missed(condensed.residual, scale)
     share = 1.0
     while share >= _LEAST_SHARE:
         trial = collocation.moved(point, step, share)
         if trial.period > 0.0 and np.isfinite(trial.nodes).all():
             rates = collocation.rates(trial)
-            missed_there = _missed(collocation.residual(trial, rates), point)
+            residual = collocation.residual(trial, rates)
+            missed_there = _missed(residual, scale)
             if sure or missed_there <= (1.0 - 0.25 * share) * missed or missed_there <= 1e-11:
-                return trial, rates
+                return trial, rates, residual
         share *= 0.5
     raise _lost(collocation, point, f"in step {count}, which makes the residual larger however short it is")
 
 
-def _missed(residual: Floats, point: Point) -> float:
+def _missed(residual: Floats, scale: Floats) -> float:
     """Return the size of a residual, as a fraction of the states."""
-    return float(np.sqrt(np.square(residual / point.scale).mean()))
+    relative = residual / scale
+    return math.sqrt(float(np.vdot(relative, relative)) / relative.size)
 
 
 def _lost(collocation: Collocation, point: Point, how: str) -> NoOrbitError:
     """Return the error that says where Newton's method stood."""
-    missed = _missed(collocation.residual(point), point)
+    missed = _missed(collocation.residual(point), point.scale)
     state = ", ".join(f"{value:.6g}" for value in point.nodes[0, :6])
     error = NoOrbitError(
         f"no periodic orbit was found: Newton's method ended {how}; its last point has the period {point.period:.6g} "

@@ -20,7 +20,7 @@ from floquetrod.floquet.status import Status
 from floquetrod.orbits.collocation import Collocation, Point
 from floquetrod.orbits.orbit_extent import Extremes, extremes
 from floquetrod.orbits.orbit_mesh import evaluated
-from floquetrod.orbits.orbit_multipliers import OrbitVerdict, Segments, judged
+from floquetrod.orbits.orbit_multipliers import OrbitSpectrum, Segments, spectrum
 
 _LATEST = 1e6  # periods (a choice: beyond it rounding of the phase costs more than ten digits)
 _SAMPLES = 4096  # of a period, for harmonics
@@ -116,22 +116,23 @@ class PeriodicOrbit(ByContent, Printed, NoTruthValue):
         return 2.0 * change + self.system.evaluated.derivatives_error * float(np.abs(exact).max())
 
     @cached_property
-    def _verdict(self) -> OrbitVerdict:
-        return judged(self.linearised, self.segments)
+    def spectrum(self) -> OrbitSpectrum:
+        """Logarithms of the multipliers, and the verdict that follows from them alone."""
+        return spectrum(self.segments, lambda: self.linearised.structure == "hamiltonian")
 
-    @property
+    @cached_property
     def stability(self) -> SystemStability:
         """The verdict of `floquetrod.stability` on the linearised system, from maps over the mesh.
 
         For an autonomous system, without the multiplier 1 of a shift along the orbit; "stable" then refers to the
         orbit, not to the phase on it.  The errors of the multipliers include the effect of the orbit's.
         """
-        return self._verdict.stability
+        return self.spectrum.verdict(self.linearised)
 
     @property
     def status(self) -> Status:
         """The verdict in ``stability``."""
-        return self.stability.status
+        return self.spectrum.status or self.stability.status
 
     @property
     def multipliers(self) -> tuple[complex, ...]:
@@ -141,7 +142,7 @@ class PeriodicOrbit(ByContent, Printed, NoTruthValue):
     @property
     def trivial_multiplier_less_1(self) -> float | None:
         """Distance from 1 of the computed multiplier of a shift along the orbit; None for a forced system."""
-        return self._verdict.trivial
+        return self.spectrum.trivial
 
     @cached_property
     def harmonics(self) -> Complexes:

@@ -33,9 +33,22 @@ def evaluated(collocation: Collocation, point: Point, shares: Floats) -> Floats:
     return np.asarray(np.einsum("kj,kjn->kn", factors, values[place]))
 
 
+def evaluated_within(point: Point, shares: tuple[float, ...]) -> Floats:
+    """Return the states (N, k, n) at the same shares of every interval."""
+    values = np.concatenate([point.nodes[:, None], point.stages], axis=1)
+    return np.asarray(_factors(point.stages.shape[1], shares) @ values)
+
+
+@functools.lru_cache(64)
+def _factors(degree: int, shares: tuple[float, ...]) -> Floats:
+    return weights_at(degree, np.array(shares))
+
+
 def carried(collocation: Collocation, point: Point, mesh: Floats, degree: int) -> tuple[Collocation, Point]:
     """Return the equations on another mesh or of another degree, and a point there with the same states."""
     other = replace(collocation, mesh=mesh, degree=degree)
+    if mesh is collocation.mesh:
+        return other, point._replace(stages=evaluated_within(point, tuple(gauss(degree).points.tolist())))
     stages = evaluated(collocation, point, other.shares.ravel()).reshape(*other.shares.shape, -1)
     return other, point._replace(nodes=evaluated(collocation, point, mesh[:-1]), stages=stages)
 

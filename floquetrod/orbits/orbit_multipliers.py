@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import functools
 import math
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
@@ -14,6 +15,7 @@ from floquetrod.floquet.multipliers import cyclic_matrix, independent_solutions
 from floquetrod.floquet.multipliers.classification import LogDiscs, classify_multipliers
 from floquetrod.floquet.multipliers.independent_solutions import Solutions
 from floquetrod.floquet.multipliers.system_stability import SystemStability
+from floquetrod.floquet.status import Status
 from floquetrod.floquet.verdict import Cost
 from floquetrod.orbits import split_maps
 
@@ -35,46 +37,61 @@ class Segments(NamedTuple):
     trace_error: float
 
 
-class OrbitVerdict(NamedTuple):
-    """The verdict, and how far from 1 the multiplier of an autonomous orbit's own motion is; None of a forced one."""
+class OrbitSpectrum(NamedTuple):
+    """Logarithms of the multipliers of an orbit from the maps over its intervals, its own motion's set aside.
 
-    stability: SystemStability
-    trivial: float | None
+    Where all discs are clear of the unit circle they decide by themselves, and the matrix along the orbit, whose
+    structure decides about multipliers on the circle, need not be expanded.
+    """
+
+    logs: LogDiscs | None  # None where the eigenvectors cannot be computed accurately enough
+    solutions: Solutions | None  # of the cyclic matrix, whose Krein signs tell which multipliers stay on the circle
+    trivial: float | None  # how far from 1 the multiplier of an autonomous orbit's own motion is; None of a forced one
+    intervals: int
+
+    @property
+    def status(self) -> Status | None:
+        """Verdict where every multiplier is inside the unit circle, or one outside; None where the circle is near."""
+        if self.logs is None:
+            return None
+        if bool((self.logs.lowest > 0.0).any()):
+            return "unstable"
+        return "stable" if bool((self.logs.highest < 0.0).all()) else None
+
+    def verdict(self, linearised: PeriodicSystem) -> SystemStability:
+        """Return the verdict on the orbit, whose linearised system tells how multipliers come in pairs."""
+        note, logs = "", self.logs
+        if self.trivial is not None:
+            note = f"the multiplier 1 of a shift along the orbit is left out, computed to within {self.trivial:.1g}"
+            if logs is not None and bool(((np.abs(logs.values) <= logs.radii) & (logs.radii < _ROUNDED)).any()):
+                note += "; another one is 1 to rounding, as where orbits form a family with one energy each"
+        krein = None
+        if self.trivial is None and self.solutions is not None and linearised.structure == "hamiltonian":
+            krein = functools.partial(independent_solutions.krein_sign, self.solutions)
+        cost = Cost(self.intervals, "intervals")
+        return classify_multipliers(
+            linearised, "segmented", logs, krein=krein, cost=cost, note=note, are_all=self.trivial is None
+        )
 
 
-def judged(linearised: PeriodicSystem, segments: Segments) -> OrbitVerdict:
-    """Return the verdict on an orbit from the maps over its intervals.
+def spectrum(segments: Segments, is_hamiltonian: Callable[[], bool]) -> OrbitSpectrum:
+    """Return the multipliers of an orbit from the maps over its intervals.
 
     For an autonomous system the frames move with the orbit, one axis along its motion.  Without this axis the maps act
     across the motion: their multipliers are all but the trivial one, however close to 1 another one is.
+    ``is_hamiltonian`` tells the structure of the linearised system, of a forced one with large errors.
     """
     scales, maps, errors, trivial = _scaled(segments)
-    krein, logs = None, None
+    logs, solutions = None, None
     if maps.shape[1] == 1:
         logs = independent_solutions.log_discs(_alone(segments), 0.0)
     elif np.isfinite(maps).all():
         solutions = cyclic_matrix.solutions(*_merged(maps, errors), scales)
         logs = None if solutions is None else independent_solutions.log_discs(solutions, 0.0)
-        if segments.flow is None and solutions is not None and linearised.structure == "hamiltonian":
-            krein = functools.partial(independent_solutions.krein_sign, solutions)
-        elif solutions is None or float(solutions.radii.max()) >= _SURE:
+        rough = solutions is None or float(solutions.radii.max()) >= _SURE
+        if rough and not (trivial is None and solutions is not None and is_hamiltonian()):
             logs = _least_doubtful(logs, _split(maps, errors))
-    cost = Cost(len(segments.maps), "intervals")
-    note = ""
-    if trivial is not None:
-        note = f"the multiplier 1 of a shift along the orbit is left out, computed to within {trivial:.1g}"
-        if logs is not None and bool(((np.abs(logs.values) <= logs.radii) & (logs.radii < _ROUNDED)).any()):
-            note += "; another one is 1 to rounding, as where orbits form a family with one energy each"
-    stability = classify_multipliers(
-        linearised,
-        "segmented",
-        logs,
-        krein=krein,
-        cost=cost,
-        note=note,
-        are_all=trivial is None,
-    )
-    return OrbitVerdict(stability, trivial)
+    return OrbitSpectrum(logs, solutions, trivial, len(segments.maps))
 
 
 def maps_across(segments: Segments) -> tuple[Floats, Floats]:
