@@ -205,6 +205,33 @@ def test_identical_oscillators_lose_all_but_one_multiplier_together() -> None:
     assert point.as_dict()["count"] == 2
 
 
+@pytest.mark.slow
+@pytest.mark.parametrize("count", [2, 3, 4])
+def test_identical_oscillators_with_default_steps(count: int) -> None:
+    orbit = fr.periodic_orbit(coupled_by_sympy(count, 1.0, 3.0, -1.0, 1.5), [1.0, 0.0] * count, math.pi)
+    branch = fr.follow(orbit, {"K": (1.0, 3.0)})
+    (point,) = branch.special_points
+    assert (point.kind, point.count) == ("branch point", count - 1)
+    assert abs(point.value - 2.0) <= point.error < 1e-7
+    assert branch.notes == ()
+
+
+@pytest.mark.slow
+def test_two_uncoupled_helmholtz_oscillators_have_the_points_of_one_twice() -> None:
+    def rates(t: Any, x: Any, force: float) -> Any:
+        u, v, found = x[0::2], x[1::2], np.empty_like(x)
+        found[0::2] = v
+        found[1::2] = force * np.cos(0.85 * t) - 0.1 * v - u + u**2
+        return found
+
+    system = fr.NonlinearSystem(rates, period=2.0 * math.pi / 0.85, parameters={"force": 0.02})
+    one, two = (fr.follow(fr.periodic_orbit(system, [0.0, 0.0] * n), {"force": (0.01, 0.2)}) for n in (1, 2))
+    assert [point.kind for point in one.special_points] == ["fold", "fold", "period doubling"]
+    for single, double in zip(one.special_points, two.special_points, strict=True):
+        assert (double.kind, double.count) == (single.kind, 2)
+        assert abs(double.value - single.value) < 1e-11
+
+
 def coupled_by_sympy(count: int, w: float, c: float, b: float, coupling: float) -> fr.NonlinearSystem:
     """Return the identical oscillators as expressions, whose derivatives are exact."""
     strength, states = sympy.Symbol("K"), sympy.symbols(f"x:{2 * count}")
