@@ -264,6 +264,17 @@ def test_three_equations_with_three_long_delays() -> None:
     assert abs(found.multipliers[0]) == pytest.approx(1.39967560745969, abs=1e-10)  # as by collocation
 
 
+def test_charts_of_long_delays_have_the_verdicts_of_their_points() -> None:
+    def family(p: float, b: float) -> fr.DelaySystem:
+        return delayed_mathieu(p, 2.0, 0.1, b, 30)
+
+    chart = fr.chart(family, over={"p": (2.0, 4.0, 3), "b": (0.02, 0.3, 3)}, workers=1)
+    assert {True, False} <= set(np.ravel(chart.stable).tolist())
+    for i, p in enumerate(np.linspace(2.0, 4.0, 3)):
+        for j, b in enumerate(np.linspace(0.02, 0.3, 3)):
+            assert bool(chart.stable[j, i]) == (fr.stability(family(p, b)).status == "stable")
+
+
 def test_what_is_not_served_is_said() -> None:
     system = fr.DelaySystem([[1.0]], [[[0.5]]], damping=[[0.1]], period=1.0, delayed=[])
     with pytest.raises(TypeError, match="system must have delays for winding"):

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from floquetrod._util.arrays import Floats
 from floquetrod.equations import DelaySystem
-from floquetrod.floquet.multipliers import delay_growth, delay_maps
+from floquetrod.floquet.multipliers import delay_growth, delay_maps, delay_series, delay_steps, whole_steps
 from floquetrod.floquet.multipliers.many_verdicts import ManyVerdicts
 from floquetrod.floquet.status import STABLE, UNDECIDED, UNSTABLE
 
@@ -53,12 +53,17 @@ def judged(maps: Maps, counts: NDArray[np.intp], *, growth: bool = False) -> Man
 def of_systems(systems: Sequence[DelaySystem], *, growth: bool = False) -> ManyVerdicts:
     """Return verdicts on systems, growth where it must be known or was needed.
 
-    Systems whose pieces and delays are the same parts of their periods are judged together.
+    Systems whose pieces and delays are the same parts of their periods are judged together; long delays, of which only
+    the status is wanted, by the number of multipliers outside the unit circle.
     """
-    verdicts = ManyVerdicts(np.empty(len(systems), dtype=np.int8), np.empty(len(systems)))
+    verdicts = ManyVerdicts(np.empty(len(systems), dtype=np.int8), np.full(len(systems), np.nan))
     pieces = [delay_maps.period_pieces(system) for system in systems]
     groups: dict[Any, list[int]] = {}
     for i, (system, layout) in enumerate(zip(systems, pieces, strict=True)):
+        counted = None if growth else _by_count(system)
+        if counted is not None:
+            verdicts.status[i] = counted
+            continue
         key = (layout.breaks, layout.active, layout.delays(system), system.order, system.is_second_order)
         groups.setdefault(key, []).append(i)
     for group in groups.values():
@@ -71,6 +76,16 @@ def of_systems(systems: Sequence[DelaySystem], *, growth: bool = False) -> ManyV
         verdicts.status[group] = judged_group.status
         verdicts.growth[group] = judged_group.growth / np.array([layout.period for layout in group_pieces])
     return verdicts
+
+
+def _by_count(system: DelaySystem) -> int | None:
+    """Return the status of a system whose long delays are whole numbers of a step; None of other systems."""
+    laid = whole_steps.steps(system) if whole_steps.is_long(system) and not system.coefficient_error else None
+    series = None if laid is None else delay_steps.series(delay_steps.step_pieces(system, laid), 1.0)
+    if series is None:
+        return None
+    outside = delay_series.outside(series, 0.0)
+    return UNDECIDED if outside is None else UNSTABLE if outside else STABLE
 
 
 def _maps_of(systems: Sequence[DelaySystem], pieces: Sequence[delay_maps.PeriodPieces]) -> Maps:
