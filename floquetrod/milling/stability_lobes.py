@@ -18,8 +18,8 @@ from floquetrod._util.content import ByContent, NoTruthValue
 from floquetrod._util.interpolation import chebyshev_points
 from floquetrod._util.result_report import Report, Reported, Table
 from floquetrod.floquet.multipliers import delay_growth, delay_many
-from floquetrod.floquet.multipliers.delay_maps import Coefficients, period_maps
-from floquetrod.floquet.multipliers.delay_mesh import Mesh, mesh
+from floquetrod.floquet.multipliers.delay_maps import Coefficients, maps_by_piece, period_maps
+from floquetrod.floquet.multipliers.delay_mesh import Mesh, PieceMesh, mesh, piece_mesh
 from floquetrod.floquet.multipliers.many_verdicts import ManyVerdicts
 from floquetrod.floquet.status import STABLE, UNSTABLE
 from floquetrod.milling.cutter import Cutter, cutting_by_delay, jumps, read_depth, read_speed
@@ -47,7 +47,7 @@ Kind = Literal["Hopf", "flip", "fold"]
 class _Cut(NamedTuple):
     """A mesh for one number of pieces and nodes, and at its nodes H by delay (D, F, n, n)."""
 
-    mesh: Mesh
+    mesh: Mesh | PieceMesh
     cutting: Floats
 
 
@@ -222,9 +222,14 @@ def _resolution(milling: Cutter, speeds: Floats, depths: Floats) -> tuple[NDArra
     longest = np.array([np.diff(_breaks(milling, 1, lag)).max() for lag in lags.tolist()])[inverse] * milling.cycle
     phase = longest / speeds * np.sqrt(stiffest**2 + depths * _largest_cutting(milling) / lightest)
     pieces = np.ceil(phase / _PHASE).astype(np.intp)
-    alike = len(milling.delays) == 1 and milling.helix == 0.0
+    alike = _has_equal_teeth(milling)
     nodes = (_RESOLVED[0] if alike else _FEW) + _RESOLVED[1] * phase / pieces
     return pieces, (4 * np.ceil(0.25 * nodes) if alike else 2 * np.ceil(0.5 * nodes)).astype(np.intp)
+
+
+def _has_equal_teeth(milling: Cutter) -> bool:
+    """Return whether teeth are straight and cut the surface of one delay, so that the cycle has few pieces."""
+    return len(milling.delays) == 1 and milling.helix == 0.0
 
 
 def _require_fast(milling: Cutter, speed: float) -> None:
@@ -285,7 +290,8 @@ def _cut(milling: Cutter, pieces: int, count: int, lag: float = 0.0) -> _Cut:
     middles = 0.5 * (np.asarray(breaks[1:]) + np.asarray(breaks[:-1]))
     active = (cutting_by_delay(milling, middles * milling.cycle, lag) != 0.0).any(axis=(2, 3))
     delays = tuple(float(part(delay, milling.cycle)) for delay in milling.delays)
-    on = mesh(breaks, count, 2, delays, tuple(map(tuple, active.tolist())))
+    make = mesh if _has_equal_teeth(milling) else piece_mesh
+    on = make(breaks, count, 2, delays, tuple(map(tuple, active.tolist())))
     return _Cut(on, cutting_by_delay(milling, on.nodes * milling.cycle, lag))
 
 
@@ -315,7 +321,8 @@ def _maps_with_lag(milling: Cutter, speeds: Floats, depths: Floats, pieces: int,
     free = (period**2)[:, None, None, None] * np.diag(omega**2)
     damping = -period[:, None, None, None] * np.diag(2.0 * ratio * omega)
     rate = np.broadcast_to(damping, (speeds.size, len(on.nodes), n, n))
-    return period_maps(on, Coefficients(-free - functools.reduce(np.add, forces), rate, tuple(forces)))
+    coefficients = Coefficients(-free - functools.reduce(np.add, forces), rate, tuple(forces))
+    return maps_by_piece(on, coefficients) if isinstance(on, PieceMesh) else period_maps(on, coefficients)
 
 
 def _numbers(mode: Any) -> tuple[float, float, float]:
@@ -459,7 +466,7 @@ def _onset(milling: Cutter, speed: float, depth: float) -> _Onset:
     return _Onset(kind, angle, abs(_turns(milling, vector, angle, speed, _cut(milling, pieces, count, lag).mesh)))
 
 
-def _turns(milling: Cutter, vector: Complexes, angle: float, speed: float, on: Mesh) -> float:
+def _turns(milling: Cutter, vector: Complexes, angle: float, speed: float, on: Mesh | PieceMesh) -> float:
     """Return how often a solution vibrates until teeth repeat: of angle / 2 pi + k one that is strong in it.
 
     In deep cuts, which vary stiffness as much as the tool has, several are about as strong.  The one nearest to a

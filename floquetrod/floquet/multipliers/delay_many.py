@@ -23,6 +23,7 @@ Maps = Callable[[NDArray[np.intp], int], Floats]
 
 _SQUARINGS = 9
 _ENTRIES = 1 << 18  # of maps at once (a choice: two megabytes)
+_AT_FIRST = 8  # maps before their size is known (a choice: with 1,000 rows 64 megabytes)
 _MARGINS = (0.05, 3e-3)  # of the logarithm of the radius, beyond which its bounds decide (a choice)
 _WORTH = 400  # systems of as many nodes from which on bounds take less time than eigenvalues (measured)
 _TRIED = 12  # systems of as many nodes with which their resolution is tested
@@ -148,10 +149,11 @@ def _resolved(maps: Maps, members: NDArray[np.intp], count: int, accuracy: float
 
 
 def _chunks(maps: Maps, members: NDArray[np.intp], count: int) -> Iterator[Floats]:
-    """Yield the maps of systems, a chunk at a time."""
-    size = maps(members[:1], count).shape[1]
-    step = max(1, _ENTRIES // size**2)
-    for start in range(0, members.size, step):
+    """Yield the maps of systems, a chunk at a time: a few, and then as many as their size allows."""
+    first = maps(members[:_AT_FIRST], count)
+    yield first
+    step = max(1, _ENTRIES // first.shape[1] ** 2)
+    for start in range(_AT_FIRST, members.size, step):
         yield maps(members[start : start + step], count)
 
 

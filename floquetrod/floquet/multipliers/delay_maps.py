@@ -13,7 +13,7 @@ from floquetrod._util.arrays import Floats
 from floquetrod.equations import DelaySystem, HillSystem
 from floquetrod.equations import pieces as by_pieces
 from floquetrod.equations.matrices import mass_matrix, velocity_matrix
-from floquetrod.floquet.multipliers.delay_mesh import Mesh, mesh
+from floquetrod.floquet.multipliers.delay_mesh import Mesh, PieceMesh, mesh
 
 _MOST_BREAKS = 10  # breaks beyond the jumps of coefficients, their images under delays (a choice)
 _SMALLEST = 1e-12  # part of the period: breaks closer together than this are one
@@ -177,18 +177,76 @@ def period_map(mesh: Mesh, coefficients: Coefficients) -> HistoryMap:
     unknowns = np.linalg.solve(left, right)
     new = np.kron(mesh.end, np.eye(n)) @ unknowns
     new[:, :, : derivatives * n] += np.kron(mesh.end_state, np.eye(n))
-    # The square map: new values in its first rows; below them the values kept, which become a period older.
-    made, total = new.shape[1:]
-    companion = np.zeros((batch, total, total))
-    companion[:, :made] = new
+    return HistoryMap(_square(np.asarray(new), kept * n), unknowns, left)
+
+
+def _square(new: Floats, kept: int) -> Floats:
+    """Return square maps (b, S, S): new values, and below them the ``kept`` ones, which become a period older."""
+    batch, made, total = new.shape
+    square = np.zeros((batch, total, total))
+    square[:, :made] = new
     older = np.arange(made, total)
-    companion[:, older, older - kept * n] = 1.0
-    return HistoryMap(companion, unknowns, left)
+    square[:, older, older - kept] = 1.0
+    return square
 
 
 def period_maps(mesh: Mesh, coefficients: Coefficients) -> Floats:
     """Return the maps over a period, (b, S, S), of systems with coefficients at the nodes of a mesh."""
     return period_map(mesh, coefficients).maps
+
+
+def maps_by_piece(mesh: PieceMesh, coefficients: Coefficients) -> Floats:
+    """Return the maps of `period_maps`, found from piece to piece: for many pieces.
+
+    The unknowns u of a piece, with the state x at its beginning, are
+
+        (1 - C_u) u = C_x x + sum_j delayed[j] z_j,   C = value V + rate R,
+
+    with rows V = (V_x, V_u) and R of the mesh, and z_j from earlier pieces and periods; of the same piece they belong
+    to the left side.  Of P pieces this takes 1 / P^2 of the work of all unknowns at once.
+    """
+    batch, _, n, _ = coefficients.value.shape
+    count, r = mesh.value.shape[1], mesh.end.shape[1]
+    columns = mesh.size * n
+    state = np.zeros((batch, r, n, columns))
+    state.reshape(batch, r * n, columns)[:, :, : r * n] = np.eye(r * n)
+    solutions: list[Floats] = []  # of each piece, its first state and its unknowns (b, r + N, n, S)
+    for p, sources in enumerate(mesh.sources):
+        own = slice(p * count, (p + 1) * count)
+        value, rate = coefficients.value[:, own], None if coefficients.rate is None else coefficients.rate[:, own]
+        left = _times(value, mesh.value[p, :, r:])
+        right = _applied(value, _rows_of(mesh.value[p, :, :r], state))
+        if rate is not None:
+            left += _times(rate, mesh.rate[p, :, r:])
+            right += _applied(rate, _rows_of(mesh.rate[p, :, :r], state))
+        for source in sources:
+            delayed = coefficients.delayed[source.delay][:, own][:, source.nodes]
+            if source.piece is None:
+                history = _times(delayed, source.rows)
+                right[:, source.nodes, :, r * n :] += history.reshape(batch, -1, n, columns - r * n)
+            elif source.piece == p:
+                left[:, source.nodes] += _times(delayed, source.rows[:, r:])
+                right[:, source.nodes] += _applied(delayed, _rows_of(source.rows[:, :r], state))
+            else:
+                right[:, source.nodes] += _applied(delayed, _rows_of(source.rows, solutions[source.piece]))
+        size = count * n
+        unknowns = np.linalg.solve(np.eye(size) - left.reshape(batch, size, size), right.reshape(batch, size, columns))
+        solutions.append(np.concatenate([state, unknowns.reshape(batch, count, n, columns)], axis=1))
+        state = _rows_of(mesh.end[p], solutions[p])
+    kept = [_rows_of(rows, solutions[p]) for p, rows in zip(mesh.kept, mesh.kept_values, strict=True)]
+    new = np.concatenate([state, *kept], axis=1).reshape(batch, -1, columns)
+    return _square(new, new.shape[1] - r * n)
+
+
+def _applied(matrices: Floats, values: Floats) -> Floats:
+    """Return matrices (b, f, n, n) times values (b, f, n, S)."""
+    return np.asarray(matrices * values if matrices.shape[-1] == 1 else matrices @ values)
+
+
+def _rows_of(rows: Floats, solution: Floats) -> Floats:
+    """Return rows (f, g) of solutions (b, g, n, S), (b, f, n, S)."""
+    batch, parts, n, columns = solution.shape
+    return np.asarray(rows @ solution.reshape(batch, parts, n * columns)).reshape(batch, -1, n, columns)
 
 
 def _times(coefficient: Floats, rows: Floats) -> Floats:

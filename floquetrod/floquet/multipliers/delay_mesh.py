@@ -8,6 +8,7 @@ that delays reach back to, and the state at the end.  Time is counted in periods
 from __future__ import annotations
 
 import functools
+from collections.abc import Iterator
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -46,6 +47,34 @@ class Mesh(NamedTuple):
         """Rows of the map over a period, of one equation."""
         kept = len(self.end) - self.value_state.shape[1]
         return int(self.value_state.shape[1] + self.periods * kept)
+
+
+class Source(NamedTuple):
+    """Where delayed values at nodes of a piece come from: a piece of this period, or the values kept."""
+
+    delay: int  # its number
+    nodes: NDArray[np.intp]  # (k,), within the piece
+    piece: int | None  # of this period; None where they come from earlier ones
+    rows: Floats  # (k, r + N) over the first state of that piece and its unknowns, or (k, H) over values kept
+
+
+class PieceMesh(NamedTuple):
+    """Rows, of one equation, over the state at the beginning of each of P pieces and the unknowns at its N nodes."""
+
+    nodes: Floats  # (P N,), Gauss's nodes, as parts of the period
+    value: Floats  # (P, N, r + N), the solution at the nodes
+    rate: Floats  # (P, N, r + N), its first derivative there, where equations are of second order
+    end: Floats  # (P, r, r + N), the state at the end of the piece
+    sources: tuple[tuple[Source, ...], ...]  # of each piece
+    kept_values: Floats  # (kept pieces, N + r, r + N), the values kept of a piece
+    periods: int  # how many periods back delays reach, 1 or more
+    breaks: tuple[float, ...]  # ends of the pieces
+    kept: tuple[int, ...]  # the pieces whose values are kept
+
+    @property
+    def size(self) -> int:
+        """Rows of the map over a period, of one equation."""
+        return int(self.end.shape[1] + self.periods * self.kept_values.shape[0] * self.kept_values.shape[1])
 
 
 @functools.lru_cache(maxsize=64)
@@ -135,8 +164,7 @@ def mesh(
     own = np.repeat(np.arange(len(breaks) - 1), count)
     where = [np.asarray(on)[own] for on in active]
     sources = [_source(pieces, period.nodes, delay, on) for delay, on in zip(delays, where, strict=True)]
-    touched = sorted({int(p) for _, turn, piece, on in sources for p in piece[on & (turn > 0)]})
-    periods = max([1, *(int(turn[on].max(initial=1)) for _, turn, _, on in sources)])
+    touched, periods = _reached(sources)
     kept = count + derivatives
     rows = tuple(_delayed(pieces, source, touched, kept, periods) for source in sources)
     end, end_state = _end(pieces, touched, kept)
@@ -191,6 +219,73 @@ def one_period(
     return period, earlier
 
 
+@functools.lru_cache(maxsize=16)
+def piece_mesh(
+    breaks: tuple[float, ...],
+    count: int,
+    derivatives: int,
+    delays: tuple[float, ...],
+    active: tuple[tuple[bool, ...], ...],
+) -> PieceMesh:
+    """Return the rows of a mesh of many pieces, see `mesh`."""
+    edges, kept = np.asarray(breaks), count + derivatives
+    pieces = _Collocation(edges, count, derivatives, np.empty((len(edges), 2, 0)))
+    length, gauss = np.diff(edges), rule(count)[0]
+    nodes = (edges[:-1, None] + length[:, None] * 0.5 * (gauss + 1.0)).ravel()
+    own = np.repeat(np.arange(len(length)), count)
+    sources = [_source(pieces, nodes, delay, np.asarray(on)[own]) for delay, on in zip(delays, active, strict=True)]
+    touched, periods = _reached(sources)
+    chebyshev, one = chebyshev_points(kept), np.array([1.0])
+
+    def rows(x: Floats, rate: bool = False) -> Floats:
+        return np.stack([_rows_within(float(part), count, derivatives, x, rate=rate) for part in length])
+
+    ends = [rows(one, bool(order)) for order in range(derivatives)]
+    return PieceMesh(
+        nodes,
+        rows(gauss),
+        rows(gauss, derivatives == 2),
+        np.concatenate(ends, axis=1),
+        tuple(tuple(_sources_of(pieces, sources, touched, p, periods)) for p in range(len(length))),
+        rows(chebyshev)[touched],
+        periods,
+        breaks,
+        tuple(touched),
+    )
+
+
+def _rows_within(length: float, count: int, derivatives: int, x: Floats, *, rate: bool = False) -> Floats:
+    """Return the solution at places -1 to 1 of a piece, or its rate, as rows over its first state and unknowns."""
+    times = 1 if rate else derivatives
+    state = np.ones((len(x), derivatives))
+    if derivatives == 2:
+        state[:, 0], state[:, 1] = (0.0, 1.0) if rate else (1.0, 0.5 * length * (x + 1.0))
+    return np.concatenate([state, (0.5 * length) ** times * integral(count, x, times)], axis=1)
+
+
+def _sources_of(
+    pieces: _Collocation, sources: list[_Source], touched: list[int], p: int, periods: int
+) -> Iterator[Source]:
+    """Yield where the delayed values at the nodes of piece ``p`` come from."""
+    kept, length = pieces.nodes + pieces.derivatives, np.diff(pieces.breaks)
+    own = slice(p * pieces.nodes, (p + 1) * pieces.nodes)
+    for delay, source in enumerate(sources):
+        there, turn, piece, on = source[0][own], source[1][own], source[2][own], source[3][own]
+        for q in np.unique(piece[on & (turn == 0)]).tolist():
+            some = np.flatnonzero(on & (turn == 0) & (piece == q))
+            x = 2.0 * (there[some] - pieces.breaks[q]) / length[q] - 1.0
+            yield Source(delay, some, q, _rows_within(float(length[q]), pieces.nodes, pieces.derivatives, x))
+        before = np.flatnonzero(on & (turn > 0))
+        if before.size:
+            yield Source(delay, before, None, _past_rows(pieces, source, touched, kept, periods)[own][before])
+
+
+def _reached(sources: list[_Source]) -> tuple[list[int], int]:
+    """Return the pieces whose values are kept, and how many periods back they are needed."""
+    touched = sorted({int(p) for _, turn, piece, on in sources for p in piece[on & (turn > 0)]})
+    return touched, max([1, *(int(turn[on].max(initial=1)) for _, turn, _, on in sources)])
+
+
 _Source = tuple[Floats, NDArray[np.intp], NDArray[np.intp], Bools]
 
 
@@ -204,14 +299,21 @@ def _source(pieces: _Collocation, nodes: Floats, delay: float, on: Bools) -> _So
 
 def _delayed(pieces: _Collocation, source: _Source, touched: list[int], kept: int, periods: int) -> DelayRows:
     there, turn, piece, on = source
-    now, before = on & (turn == 0), np.flatnonzero(on & (turn > 0))
+    now = on & (turn == 0)
     value, state = pieces.rows(there, piece)
+    return DelayRows(value * now[:, None], state * now[:, None], _past_rows(pieces, source, touched, kept, periods))
+
+
+def _past_rows(pieces: _Collocation, source: _Source, touched: list[int], kept: int, periods: int) -> Floats:
+    """Return the delayed values that come from earlier periods as rows over the values kept."""
+    there, turn, piece, on = source
+    before = np.flatnonzero(on & (turn > 0))
     past = np.zeros((len(there), periods, len(touched), kept))
     column = np.searchsorted(touched, piece[before])
     length = np.diff(pieces.breaks)[piece[before]]
     weights = chebyshev_weights(kept, 2.0 * (there[before] - pieces.breaks[piece[before]]) / length - 1.0)
     past[before, turn[before] - 1, column] = weights
-    return DelayRows(value * now[:, None], state * now[:, None], past.reshape(len(there), -1))
+    return past.reshape(len(there), -1)
 
 
 def _end(pieces: _Collocation, touched: list[int], kept: int) -> tuple[Floats, Floats]:
