@@ -34,6 +34,7 @@ if TYPE_CHECKING:
     from floquetrod.equations import NonlinearSystem as NonlinearSystem
     from floquetrod.equations import PeriodicSystem as PeriodicSystem
     from floquetrod.equations import SquareWave as SquareWave
+    from floquetrod.equations import TwoFrequencies as TwoFrequencies
     from floquetrod.equations import conventions as conventions
     from floquetrod.equations.second_moments import second_moments as second_moments
     from floquetrod.explorer import Explorer as Explorer
@@ -100,6 +101,7 @@ _NAMES = {
         "NonlinearSystem",
         "PeriodicSystem",
         "SquareWave",
+        "TwoFrequencies",
     ),
     "equations.second_moments": ("second_moments",),
     "explorer": ("Explorer",),

@@ -13,6 +13,7 @@ from floquetrod.equations.nonlinear_system import NonlinearSystem
 from floquetrod.equations.periodic_system import PeriodicSystem
 from floquetrod.equations.pieces import Varying
 from floquetrod.equations.second_moments import SecondMoments, second_moments
+from floquetrod.equations.two_frequencies import TwoFrequencies
 
 __all__ = [
     "DelaySystem",
@@ -29,6 +30,7 @@ __all__ = [
     "Piece",
     "SecondMoments",
     "SquareWave",
+    "TwoFrequencies",
     "Varying",
     "in_batches",
     "in_tau",

@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 from typing import Any, NamedTuple
 
 from floquetrod._util import validate
-from floquetrod.equations import DelaySystem, Equation, HillSystem, PeriodicSystem, matrices
+from floquetrod.equations import DelaySystem, Equation, HillSystem, PeriodicSystem, TwoFrequencies, matrices
 from floquetrod.equations import require as require_equation
 from floquetrod.floquet import references
 
@@ -40,6 +40,11 @@ def kind_of(problem: Any) -> ProblemKind:
 
 def require_problem(problem: Any) -> None:
     """Raise TypeError for anything but an equation or a system, ValueError for a batch."""
+    if isinstance(problem, TwoFrequencies):
+        raise TypeError(
+            "equation must be periodic, got one with a second frequency; give it to fr.quasiperiodic_growth, or charts "
+            "of it to fr.chart with a growth_tolerance"
+        )
     if isinstance(problem, HillSystem | PeriodicSystem | DelaySystem):
         matrices.require_one(problem, "equation")
     else:
@@ -61,14 +66,36 @@ def undamped_pairs(system: System | DelaySystem) -> tuple[System, float] | None:
 
 
 def member(
-    family: Callable[..., Any], point: Mapping[str, Any], like: Problem | None = None, argument: str = "family"
+    family: Callable[..., Any],
+    point: Mapping[str, Any],
+    like: Problem | TwoFrequencies | None = None,
+    argument: str = "family",
 ) -> Problem:
     """Return the member of a family at a point, checked, and of the kind of ``like``; messages name the point."""
+    problem = any_member(family, point, like, argument)
+    if isinstance(problem, TwoFrequencies):
+        require_problem(problem)
+    return problem  # type: ignore[return-value]
+
+
+def any_member(
+    family: Callable[..., Any],
+    point: Mapping[str, Any],
+    like: Problem | TwoFrequencies | None = None,
+    argument: str = "family",
+) -> Problem | TwoFrequencies:
+    """Return the member of a family at a point, as `member` does; it may have a second frequency."""
     at = f"{argument}({', '.join(f'{name}={_written(value)}' for name, value in point.items())})"
     try:
         problem: Any = family(**point)
     except Exception as error:
         raise ValueError(f"{at} raised {type(error).__name__}: {error}") from error
+    if isinstance(problem, TwoFrequencies):
+        if like is not None and not isinstance(like, TwoFrequencies):
+            raise TypeError(f"{at} must return one without a second frequency, as at other points, got {problem!r}")
+        return problem
+    if isinstance(like, TwoFrequencies):
+        raise TypeError(f"{at} must return a TwoFrequencies, as at other points, got {validate.short(problem)}")
     if not isinstance(problem, Problem):
         wanted = "a HillSystem, a PeriodicSystem, a DelaySystem or an Equation"
         raise TypeError(f"{at} must return {wanted}, got {validate.short(problem)}")

@@ -1,35 +1,45 @@
 """Two frequencies that are not commensurate: growth as the limit of periodic approximants.
 
-With coefficients of the frequencies w_1 and w_2 the ratio phi = w_2 / w_1 is replaced by fractions p / q, so that the
-coefficients have the period 2 pi q / w_1.  Growth depends smoothly on the ratio inside a tongue: a polynomial in
+With coefficients of the frequencies w_1 and w_2 the maps over a period of the first depend on the phase y of the
+second, and y advances by 2 pi phi from one period to the next, phi = w_2 / w_1.  Where phi is replaced by a fraction
+p / q the maps repeat after q periods.  Growth depends smoothly on the fraction inside a tongue: a polynomial in
 p / q - phi through the last fractions, at 0, is the answer, and its change from one fraction to the next the error.
-Next to an edge growth is no smooth function of the ratio, and the error says so.  A tongue about phi that no fraction
-meets is narrower than their distance from phi, and so is the growth in it: where no approximant grows, the error is
-w_1 abs(p / q - phi).
+Next to an edge growth is no smooth function of the fraction, and the error says so.  A tongue about phi that no
+fraction meets is narrower than their distance from phi, and so is the growth in it: where no approximant grows, the
+error is w_1 abs(p / q - phi).
+
+Maps over the phase are a Fourier series, from maps at equally spaced phases: all fractions share it.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from fractions import Fraction
 from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from floquetrod._util import validate
-from floquetrod._util.arrays import Floats
-from floquetrod.equations import Equation, Hill, HillSystem, PeriodicSystem, matrices
-from floquetrod.floquet.dispatch import stability
-from floquetrod.floquet.problems import Problem, require_problem, require_without_delays
-from floquetrod.floquet.status import Status
+from floquetrod._util.arrays import EPS, Bools, Complexes, Floats
+from floquetrod._util.compilation import over_chunks
+from floquetrod.equations import Equation, HillSystem, TwoFrequencies
+from floquetrod.equations.matrices import mass_matrix, velocity_matrix
+from floquetrod.floquet.kernels.phase_maps import orbit_products_fill, phase_maps_fill
+from floquetrod.floquet.status import STABLE, UNDECIDED, UNSTABLE, Status
 
 _FIRST = 4  # smallest denominator that counts: of smaller ones the polynomial is not one yet (a choice)
 _DEGREE = 3  # of the polynomial at most
 _SHARE = 1e-7  # error over the growth, or the tolerance, at which it is enough (a choice)
 _FACTOR = 2.0  # error over the change from the fraction before (a choice)
-_RATIO = 1e6  # of the two frequencies at most, either way
 _LONGEST = 2000  # denominator at most
+_MOST = 144  # denominator at most, by default
+_ACCURACY = 1e-11  # last terms of the series of a step, relative to the map (a choice)
+_FEW_PHASES, _MOST_PHASES = 24, 768  # of the maps over a period
+_NEGLIGIBLE = 1e-10  # last harmonics of the maps over the phase, relative (a choice)
+_ROUNDED = 8.0 * EPS  # of a ratio, up to which it is a fraction: both frequencies are rounded
+_FLAT = 1e-6  # logarithm of a multiplier up to which an approximant does not grow: the root of the rounding (a choice)
 
 
 class QuasiperiodicGrowth(NamedTuple):
@@ -74,44 +84,29 @@ class QuasiperiodicGrowth(NamedTuple):
 
 
 def quasiperiodic_growth(
-    equation: Problem,
-    frequency: float,
-    cosines: Any = (),
-    sines: Any = (),
-    *,
-    tolerance: float = 1e-4,
-    most: int = 144,
+    equation: TwoFrequencies, *, tolerance: float = 1e-4, most: int = _MOST
 ) -> QuasiperiodicGrowth:
-    """Return how fast solutions grow whose coefficients have a second frequency, not commensurate with the first.
-
-    Of A'' + 2 c A' = (p(tau) + sum_k a_k cos(k w tau) + b_k sin(k w tau)) A for a scalar equation; a_k and b_k are
-    matrices, added to K(t) of a `HillSystem` and to A(t) of a `PeriodicSystem`.
+    """Return how fast solutions grow whose coefficients have two frequencies that are not commensurate.
 
     Parameters
     ----------
-    equation : Equation, HillSystem or PeriodicSystem
-        The equation with its own frequency, one Fourier series.
-    frequency : float
-        w, the second one, in radians per unit of time; within 1e-6 and 1e6 times the first.
-    cosines : sequence of float or array_like (n, n)
-        a_k, from the first harmonic on.
-    sines : sequence of float or array_like (n, n)
-        b_k, likewise.
+    equation : TwoFrequencies
+        An equation or a system with a second frequency.
     tolerance : float
         Growth rate per unit of time up to which solutions count as not growing, greater than 0.
     most : int
-        Largest denominator q of a fraction, 10 to 2,000: the time it takes grows like its square.
+        Largest denominator q of a fraction, 10 to 2,000: the error where nothing grows falls like its square.
 
     Returns
     -------
     QuasiperiodicGrowth
-        Rate, its estimated error, and the approximants.
+        Rate, its estimated error, and the approximants.  Where the frequencies are commensurate, with a denominator
+        that small, the last approximant is exact, for the phases given; elsewhere phases do not matter.
 
     Raises
     ------
     TypeError, ValueError
-        For delays, for coefficients in several pieces, for matrices that do not fit, and for frequencies whose
-        fractions have too many harmonics.
+        For anything else, and tolerances of zero.
 
     Notes
     -----
@@ -124,82 +119,244 @@ def quasiperiodic_growth(
     x'' + (1/4 + 0.2 cos t + 0.2 cos(phi t)) x = 0, phi the golden ratio:
 
     >>> import floquetrod as fr
-    >>> fr.quasiperiodic_growth(fr.Hill(-0.25, cosines=(-0.2,)), (1.0 + math.sqrt(5.0)) / 2.0, cosines=(-0.2,))
+    >>> golden = (1.0 + math.sqrt(5.0)) / 2.0
+    >>> fr.quasiperiodic_growth(fr.TwoFrequencies(fr.Hill(-0.25, cosines=(-0.2,)), golden, cosines=(-0.2,)))
     <grows at 0.09813918... +- ... per unit of time; ratio of frequencies up to ...>
     """
-    require_problem(equation)
-    require_without_delays(equation, "two frequencies")
-    tolerance = validate.positive("tolerance", tolerance, "0 has no answer: tongues are everywhere")
+    validate.instance("equation", equation, TwoFrequencies, "give fr.TwoFrequencies(equation, frequency, cosines=...)")
+    tolerance = require_tolerance("tolerance", tolerance)
     most = validate.integer("most", most, 10, _LONGEST)
-    first = 2.0 * math.pi / float(equation.period)
-    ratio = validate.positive("frequency", frequency) / first
-    if not 1.0 / _RATIO <= ratio <= _RATIO:
-        raise ValueError(
-            f"frequency must be within 1e-6 and 1e6 times that of the equation, {first:g}, got {frequency:g}"
-        )
-    own = _series(equation)
-    second = _second(equation, cosines, sines)
-    rates: list[_Rate] = []
-    found = QuasiperiodicGrowth(math.nan, math.inf, tolerance, ())
-    for fraction in _fractions(ratio, most):
-        if max(fraction.numerator * second.shape[1], fraction.denominator * own.shape[1]) > matrices.MOST_HARMONICS:
+    return growth_of_many([equation], tolerance, most).single(0)
+
+
+def require_tolerance(name: str, value: Any) -> float:
+    """Return a growth rate that counts as none, greater than zero."""
+    return validate.positive(name, value, "0 has no answer under two frequencies: tongues are everywhere")
+
+
+class ManyGrowths(NamedTuple):
+    """Growth rates of many problems with two frequencies, and their errors, per unit of time.
+
+    Attributes
+    ----------
+    rate, error : ndarray (b,)
+        As of `QuasiperiodicGrowth`; an infinite error where nothing is known.
+    tolerance : ndarray (b,)
+        Growth per unit of time up to which it counts as none.
+    fractions : list of list of Fraction
+        Of each problem, those used.
+    values : ndarray (b, r)
+        Growth with each.
+    """
+
+    rate: Floats
+    error: Floats
+    tolerance: Floats
+    fractions: list[list[Fraction]]
+    values: Floats
+
+    @property
+    def status(self) -> NDArray[np.int8]:
+        """1 where growth is at most the tolerance, 0 where it is more, -1 where that is undecided."""
+        status = np.full(self.rate.shape, UNDECIDED, dtype=np.int8)
+        with np.errstate(invalid="ignore"):
+            status[self.rate - self.error > self.tolerance] = UNSTABLE
+            status[self.rate + self.error <= self.tolerance] = STABLE
+        return status
+
+    def single(self, i: int) -> QuasiperiodicGrowth:
+        """Return one of them."""
+        approximants = tuple(zip(self.fractions[i], self.values[i].tolist(), strict=False))
+        return QuasiperiodicGrowth(float(self.rate[i]), float(self.error[i]), float(self.tolerance[i]), approximants)
+
+
+def growth_of_many(
+    problems: Sequence[TwoFrequencies],
+    tolerance: Any,
+    most: int = _MOST,
+    *,
+    precise: bool = True,
+    workers: int | None = None,
+) -> ManyGrowths:
+    """Return the growth of each problem; unless ``precise``, with as many fractions as the verdict needs.
+
+    The tolerance is one number, or of each problem (b,).
+    """
+    count = len(problems)
+    tolerance = np.broadcast_to(np.asarray(tolerance, dtype=float), (count,))
+    ratio = np.array([problem.frequency / problem.first for problem in problems])
+    first = np.array([problem.first for problem in problems])
+    listed = {value: list(_fractions(value, most)) for value in set(ratio.tolist())}
+    apart = {value: [float(each - Fraction(value)) for each in listed[value]] for value in listed}
+    fractions = [listed[value] for value in ratio.tolist()]
+    longest = max(map(len, fractions), default=0)
+    series = _phase_series(problems, ratio, workers)
+    x, values = np.full((count, longest), np.nan), np.full((count, longest), np.nan)
+    counted, flat = np.zeros((count, longest), dtype=np.bool_), np.zeros((count, longest), dtype=np.bool_)
+    rate, error = np.full(count, np.nan), np.full(count, np.inf)
+    used, left = np.zeros(count, dtype=np.intp), np.ones(count, dtype=np.bool_)
+    for k in range(longest):
+        here = np.flatnonzero(left & np.array([len(each) > k for each in fractions]))
+        if not here.size:
             break
-        verdict: Any = stability(_approximant(equation, own, second, fraction))
-        if not verdict.exponents:
-            break
-        slowest = max(range(len(verdict.exponents)), key=lambda i: verdict.exponents[i].real)
-        error = 0.0 if verdict.status == "stable" else float(verdict.exponent_errors[slowest])
-        rates.append(_Rate(fraction, float(verdict.exponents[slowest].real), error, verdict.status == "stable"))
-        found = _limit(ratio, first, rates, tolerance)
-        if (
-            len(rates) > _DEGREE
-            and found.error < _SHARE * max(abs(found.rate), tolerance)
-            and found.status != "undecided"
-        ):
-            break
-    if len(rates) < 2:
-        raise ValueError(
-            f"frequency must leave fractions with at most {matrices.MOST_HARMONICS} harmonics, got {frequency:g} "
-            f"beside {first:g}; exchange the two, or give fewer harmonics"
-        )
-    return found
+        chosen = [fractions[i][k] for i in here]
+        q = np.array([each.denominator for each in chosen])
+        logarithm = _logarithms(series, here, chosen, workers)
+        values[here, k] = logarithm * first[here] / (2.0 * math.pi * q)
+        flat[here, k] = logarithm < _FLAT
+        counted[here, k] = q >= _FIRST
+        x[here, k] = [apart[value][k] for value in ratio[here].tolist()]
+        rate[here] = _at_zero(x[here, : k + 1], values[here, : k + 1], counted[here, : k + 1])
+        change = np.full(here.size, np.inf)
+        if k:
+            change = np.abs(rate[here] - _at_zero(x[here, :k], values[here, :k], counted[here, :k]))
+        recent = flat[here, max(0, k - _DEGREE) : k + 1].any(axis=1)
+        distance = np.abs(x[here, k])
+        change = np.where(recent, np.maximum(change, first[here] * distance), change)
+        exact = distance <= _ROUNDED * ratio[here]
+        rate[here] = np.where(exact, values[here, k], rate[here])
+        change = np.where(exact, 0.0, change)
+        error[here] = _FACTOR * change + _FLAT * first[here] / (2.0 * math.pi * q) * np.where(recent, 1.0, 1e-6)
+        error[here[np.isnan(rate[here])]] = np.inf
+        used[here] = k + 1
+        enough = error[here] < _SHARE * np.maximum(np.abs(rate[here]), tolerance[here]) if precise else True
+        decided = np.abs(rate[here] - tolerance[here]) > error[here]
+        left[here] &= ~((k >= _DEGREE) & decided & enough & (counted[here, : k + 1].sum(axis=1) > _DEGREE))
+    return ManyGrowths(rate, error, tolerance, [f[:n] for f, n in zip(fractions, used, strict=True)], values)
 
 
-class _Rate(NamedTuple):
-    """Growth of an approximant and its error, both per unit of time."""
+def _at_zero(x: Floats, values: Floats, counted: Bools) -> Floats:
+    """Return polynomials through the last values that count (b, k), at x = 0, by Neville's scheme.
 
-    fraction: Fraction
-    value: float
-    error: float
-    is_stable: bool
-
-
-def _limit(ratio: float, first: float, rates: list[_Rate], tolerance: float) -> QuasiperiodicGrowth:
-    """Return the growth at the ratio from those at the fractions."""
-    limits = []
-    for end in (len(rates) - 1, len(rates)):
-        kept = [each for each in rates[:end] if each.fraction.denominator >= _FIRST][-_DEGREE - 1 :]
-        limits.append(_at_zero(kept or rates[:end][-1:], ratio))
-    last = rates[-_DEGREE - 1 :]
-    change = abs(limits[1] - limits[0]) if limits[0] == limits[0] else math.inf
-    if any(each.is_stable for each in last):
-        change = max(change, first * abs(float(last[-1].fraction - Fraction(ratio))))
-    approximants = tuple((each.fraction, each.value) for each in rates)
-    error = _FACTOR * change + max(each.error for each in last)
-    return QuasiperiodicGrowth(limits[1], error, tolerance, approximants)
+    Of none that counts, the last value.
+    """
+    x, values, counted = x[:, -_DEGREE - 1 :], values[:, -_DEGREE - 1 :].copy(), counted[:, -_DEGREE - 1 :]
+    for step in range(1, x.shape[1]):
+        for i in range(x.shape[1] - step):
+            apart = x[:, i + step] - x[:, i]
+            with np.errstate(divide="ignore", invalid="ignore"):
+                joined = (x[:, i + step] * values[:, i] - x[:, i] * values[:, i + 1]) / apart
+            values[:, i] = np.where(counted[:, i] & (apart != 0.0), joined, values[:, i + 1])
+    return np.asarray(values[:, 0])
 
 
-def _at_zero(rates: list[_Rate], ratio: float) -> float:
-    """Return the polynomial through growth over p / q - phi, at 0, by Neville's scheme; NaN of none."""
-    if not rates:
-        return math.nan
-    values = [each.value for each in rates]
-    x = [float(each.fraction - Fraction(ratio)) for each in rates]
-    for step in range(1, len(x)):
-        for i in range(len(x) - step):
-            apart = x[i + step] - x[i]
-            values[i] = (x[i + step] * values[i] - x[i] * values[i + 1]) / apart if apart else values[i + 1]
-    return values[0]
+class _FirstOrder(NamedTuple):
+    """x' = A x in time scaled to a first frequency of 1: mean (N, N), waves (2, H, N, N) of both frequencies.
+
+    Waves have rows from ``top`` and columns below ``right`` alone.
+    """
+
+    mean: Floats
+    own: Floats
+    second: Floats
+    top: int
+    right: int
+
+
+def _first_order(problem: TwoFrequencies) -> _FirstOrder:
+    """Return a problem in first order, velocities over the root of the largest stiffness."""
+    subject: Any = problem.equation
+    second = _side_by_side(problem.cosines, problem.sines, problem.order)
+    if not isinstance(subject, Equation | HillSystem):
+        if subject.is_complex:
+            subject, second = subject.doubled, np.asarray(np.kron(np.eye(2), second), dtype=float)
+        own = _side_by_side(subject.cosines, subject.sines, subject.order)
+        mean, own, second = (each / problem.first for each in (subject.mean, own, second))
+        return _FirstOrder(mean, own, second, 0, subject.order)
+    n = problem.order
+    if isinstance(subject, Equation):
+        piece = subject.pieces()[0]
+        harmonics = np.array(piece.harmonics, dtype=complex).reshape(-1, 1, 1)
+        force, own = np.array([[float(piece.start)]]), np.stack([harmonics.real, -harmonics.imag])
+        drag = np.array([[-2.0 * subject.damping]])
+    else:
+        inverse = np.linalg.inv(mass_matrix(subject))
+        drag = -inverse @ velocity_matrix(subject)
+        own = -inverse @ _side_by_side(subject.cosines, subject.sines, n)
+        force, second = -inverse @ subject.stiffness, -inverse @ second
+    strongest = sum(float(np.abs(each).sum(axis=-1).max(initial=0.0)) for each in (force, own, second))
+    scale = math.sqrt(strongest) or 1.0
+
+    def lower(block: Floats) -> Floats:
+        whole = np.zeros((*block.shape[:-2], 2 * n, 2 * n))
+        whole[..., n:, :n] = block / (scale * problem.first)
+        return whole
+
+    mean = lower(force)
+    mean[:n, n:], mean[n:, n:] = np.eye(n) * (scale / problem.first), drag / problem.first
+    return _FirstOrder(mean, lower(own), lower(second), n, n)
+
+
+def _side_by_side(cosines: Sequence[Any], sines: Sequence[Any], order: int) -> Floats:
+    """Return two lists of matrices, the shorter one filled up with zeros, (2, H, n, n)."""
+    series = np.zeros((2, max(len(cosines), len(sines)), order, order), dtype=np.result_type(0.0, *cosines, *sines))
+    for row, values in zip(series, (cosines, sines), strict=True):
+        for k, value in enumerate(values):
+            row[k] = value
+    return series
+
+
+def _phase_series(problems: Sequence[TwoFrequencies], ratio: Floats, workers: int | None) -> list[Complexes]:
+    """Return of each problem the maps over a period of the first frequency, a Fourier series (K, N, N) in the phase.
+
+    Empty where more than `_MOST_PHASES` harmonics would be needed, or the maps overflow.
+    """
+    forms = [_first_order(problem) for problem in problems]
+    series: list[Complexes] = [np.zeros((0, *form.mean.shape), dtype=complex) for form in forms]
+    groups: dict[tuple[int, int], list[int]] = {}
+    for i, form in enumerate(forms):
+        groups.setdefault((len(form.mean), form.top), []).append(i)
+    for (n, top), members in groups.items():
+        phases, left = _FEW_PHASES, np.array(members)
+        while left.size and phases <= _MOST_PHASES:
+            out = np.empty((left.size, phases * n * n + 1))
+            waves = (_padded([getattr(forms[i], name) for i in left]) for name in ("own", "second"))
+            inputs = [np.array([forms[i].mean for i in left]), *waves, ratio[left]]
+            constants = phases, top, forms[left[0]].right, _ACCURACY
+            over_chunks(phase_maps_fill, inputs, out, *constants, workers=workers, chunk=16, interpret_up_to=0)
+            maps = out[:, :-1].reshape(-1, n, n, phases)
+            harmonics = np.moveaxis(np.fft.rfft(maps, axis=-1) / phases, -1, 1)
+            sizes = np.abs(harmonics).max(axis=(2, 3))
+            with np.errstate(invalid="ignore"):
+                ends = sizes[:, -4:].max(axis=1) < _NEGLIGIBLE * sizes.max(axis=1)
+            known = np.isfinite(out[:, -1])
+            harmonics[:, 1:] *= 2.0
+            for place in np.flatnonzero(ends & known):
+                series[left[place]] = harmonics[place, :-1]
+            left, phases = left[~ends & known], 2 * phases
+    return series
+
+
+def _padded(arrays: Sequence[Floats]) -> Floats:
+    """Return series (2, H, N, N) as one array, the shorter ones filled up with zeros."""
+    longest = max(each.shape[1] for each in arrays)
+    out = np.zeros((len(arrays), 2, longest, *arrays[0].shape[2:]))
+    for row, each in zip(out, arrays, strict=True):
+        row[:, : each.shape[1]] = each
+    return out
+
+
+def _logarithms(
+    series: Sequence[Complexes], places: NDArray[np.intp], fractions: Sequence[Fraction], workers: int | None
+) -> Floats:
+    """Return the logarithm of the largest multiplier of approximants of some problems; NaN where it is not known."""
+    logarithms = np.full(places.size, np.nan)
+    groups: dict[tuple[int, ...], list[int]] = {}
+    for at, i in enumerate(places.tolist()):
+        if len(series[i]):
+            groups.setdefault(series[i].shape, []).append(at)
+    for (_, n, _), members in groups.items():
+        waves = np.array([series[places[at]] for at in members])
+        pairs = np.array([[fractions[at].numerator, fractions[at].denominator] for at in members], dtype=float)
+        out = np.empty((len(members), n * n + 1))
+        inputs = [waves.real.copy(), waves.imag.copy(), pairs]
+        over_chunks(orbit_products_fill, inputs, out, n, workers=workers, chunk=64, interpret_up_to=0)
+        products, taken = out[:, :-1].reshape(-1, n, n), out[:, -1]
+        known = np.isfinite(taken) & np.isfinite(products).all(axis=(1, 2))
+        radius = np.abs(np.linalg.eigvals(np.where(known[:, None, None], products, 0.0))).max(axis=1)
+        with np.errstate(divide="ignore"):
+            logarithms[members] = np.where(known, np.log(radius) + taken, np.nan)
+    return logarithms
 
 
 def _fractions(ratio: float, most: int) -> Iterator[Fraction]:
@@ -212,13 +369,15 @@ def _fractions(ratio: float, most: int) -> Iterator[Fraction]:
     last = 0
     while True:
         whole = math.floor(rest)
-        for j in sorted({max(1, whole // 2), max(1, whole - 1), whole} if whole > 1 else {whole}):
+        for j in sorted({max(1, whole // 2), max(1, whole - 1), whole} if whole > 1 and q else {whole}):
             numerator, denominator = p_before + j * p, q_before + j * q
             if denominator > most:
                 break
             if numerator > 0 and denominator > last:
                 last = denominator
                 yield Fraction(numerator, denominator)
+                if abs(Fraction(numerator, denominator) - Fraction(ratio)) <= _ROUNDED * ratio:
+                    return  # the ratio itself
         if q_before + whole * q > most:
             # The largest denominator that is left: two frequencies nearly commensurate beat slowly.
             j = (most - q_before) // q if q else 0
@@ -229,62 +388,3 @@ def _fractions(ratio: float, most: int) -> Iterator[Fraction]:
         if rest == whole:
             return
         rest = 1 / (rest - whole)
-
-
-def _series(problem: Any) -> Any:
-    """Return cosines and sines (2, H, n, n) of a problem of one Fourier series."""
-    if not problem.is_smooth:
-        raise ValueError(
-            "equation must be one Fourier series beside a second frequency, and this one has several pieces"
-        )
-    if isinstance(problem, Equation):
-        harmonics = np.array(problem.pieces()[0].harmonics, dtype=complex).reshape(-1, 1, 1)
-        return np.stack([harmonics.real, -harmonics.imag])
-    return _side_by_side(list(problem.cosines), list(problem.sines), problem.order)
-
-
-def _second(problem: Any, cosines: Any, sines: Any) -> Any:
-    """Return cosines and sines (2, H, n, n) of the second frequency."""
-    order = 1 if isinstance(problem, Equation) else problem.order
-    parts: list[list[Any]] = []
-    for name, given in (("cosines", cosines), ("sines", sines)):
-        listed = validate.listed(name, validate.sequence(name, given), matrices.MOST_HARMONICS, "harmonics")
-        parts.append([_matrix(f"{name}[{k}]", value, order) for k, value in enumerate(listed)])
-    series = _side_by_side(parts[0], parts[1], order)
-    if not series.any():
-        raise ValueError("cosines or sines of the second frequency must be given, got none; without, use stability")
-    return series
-
-
-def _side_by_side(cosines: list[Any], sines: list[Any], order: int) -> Any:
-    """Return two lists of matrices, the shorter one filled up with zeros, (2, H, n, n)."""
-    series = np.zeros((2, max(len(cosines), len(sines)), order, order), dtype=np.result_type(0.0, *cosines, *sines))
-    for row, values in zip(series, (cosines, sines), strict=True):
-        for k, value in enumerate(values):
-            row[k] = value
-    return series
-
-
-def _matrix(name: str, value: Any, order: int) -> Floats:
-    """Return a matrix of the order of a problem, or the number of a scalar equation."""
-    array = validate.array(name, value)
-    if array.shape not in ((order, order), *(((),) if order == 1 else ())):
-        raise ValueError(f"{name} must be {order} x {order}, got shape {array.shape}")
-    return np.asarray(array, dtype=float).reshape(order, order)
-
-
-def _approximant(problem: Any, own: Any, second: Any, fraction: Fraction) -> Any:
-    """Return the problem with a fraction p / q in place of the ratio of the frequencies, of q periods."""
-    p, q, period = fraction.numerator, fraction.denominator, fraction.denominator * float(problem.period)
-    count = max(p * second.shape[1], q * own.shape[1], 1)
-    series = np.zeros((2, count, *second.shape[2:]), dtype=np.result_type(own, second))
-    series[:, q - 1 : q * own.shape[1] : q] += own
-    series[:, p - 1 : p * second.shape[1] : p] += second
-    cosines, sines = list(series[0]), list(series[1])
-    if isinstance(problem, Equation):
-        even, odd = (tuple(float(matrix[0, 0]) for matrix in each) for each in (cosines, sines))
-        return Hill(float(problem.pieces()[0].start), even, odd, period, problem.damping)
-    if isinstance(problem, PeriodicSystem):
-        return PeriodicSystem(problem.mean, cosines, sines, period=period)
-    others = {"mass": problem.mass, "damping": problem.damping, "gyroscopic": problem.gyroscopic}
-    return HillSystem(problem.stiffness, cosines, sines, **others, period=period)

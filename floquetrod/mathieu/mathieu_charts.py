@@ -12,7 +12,7 @@ from floquetrod import equations
 from floquetrod._util import validate
 from floquetrod._util.arrays import Floats
 from floquetrod._util.progress import Progress
-from floquetrod.equations import Equation, Mathieu
+from floquetrod.equations import Equation, Mathieu, TwoFrequencies
 from floquetrod.mathieu.array_functions import growth_rate, is_stable
 from floquetrod.mathieu.paper_criterion import FiniteTimeCriterion
 from floquetrod.mathieu.tongue_bands import tongue_bands
@@ -29,7 +29,7 @@ def chart(
     beta: Any,
     damping: float = 0.0,
     *,
-    equation: Callable[[float, float, float], Equation] = Mathieu,
+    equation: Callable[[float, float, float], Equation | TwoFrequencies] = Mathieu,
     growth: bool = False,
     growth_tolerance: float = 0.0,
     criterion: FiniteTimeCriterion | None = None,
@@ -46,14 +46,14 @@ def chart(
         Rows.
     damping : float
         c, one value for the whole chart.
-    equation : callable (alpha, beta, damping) -> Equation
+    equation : callable (alpha, beta, damping) -> Equation or TwoFrequencies
         The family charted: `Mathieu`, `Meissner`, or any function that returns an equation, such as
         ``lambda a, b, c: Hill(b, sines=(a, 0.3 * a), damping=c)``.  Mathieu's is a thousand times faster than others,
         which `floquetrod.stability` classifies one by one.
     growth : bool
         Whether to compute growth rates too, which costs about fifty times a verdict of Mathieu's equation.
     growth_tolerance : float
-        Growth per unit tau up to which a point counts as stable.
+        Growth per unit tau up to which a point counts as stable; with two frequencies greater than 0.
     criterion : FiniteTimeCriterion, optional
         The paper's test in place of stability for all time; Mathieu's equation only.
     workers : int, optional
@@ -73,7 +73,8 @@ def chart(
     growth, workers = validate.flag("growth", growth), validate.workers(workers)
     validate.progress(progress)
     example = validate.function("equation", equation)(0.0, 0.0, 0.0)
-    equations.require(example)
+    if not isinstance(example, TwoFrequencies):
+        equations.require(example)
     if criterion is not None:
         validate.instance("criterion", criterion, FiniteTimeCriterion)
         criterion.require_alone(growth_tolerance=tolerance)
@@ -93,10 +94,10 @@ def _fixed(damping: float) -> tuple[str, float, str]:
 class _Damped:
     """A family of equations with one damping."""
 
-    equation: Callable[[float, float, float], Equation]
+    equation: Callable[[float, float, float], Equation | TwoFrequencies]
     damping: float
 
-    def __call__(self, alpha: float, beta: float) -> Equation:
+    def __call__(self, alpha: float, beta: float) -> Equation | TwoFrequencies:
         return self.equation(alpha, beta, self.damping)
 
 

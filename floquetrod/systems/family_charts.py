@@ -15,12 +15,13 @@ from numpy.typing import NDArray
 from floquetrod._util import validate
 from floquetrod._util.arrays import Floats
 from floquetrod._util.progress import Progress
-from floquetrod.equations import DelaySystem, Equation, PeriodicSystem
+from floquetrod.equations import DelaySystem, Equation, PeriodicSystem, TwoFrequencies
 from floquetrod.equations.batches import in_batches
 from floquetrod.floquet.dispatch import stability
 from floquetrod.floquet.multipliers import delay_many
 from floquetrod.floquet.multipliers.system_stability import SystemStability
-from floquetrod.floquet.problems import Problem, member
+from floquetrod.floquet.problems import Problem, any_member
+from floquetrod.floquet.quasiperiodic import growth_of_many, require_tolerance
 from floquetrod.floquet.status import STABLE, STATUS_CODES, UNDECIDED, UNSTABLE
 from floquetrod.floquet.verdict import tolerated
 from floquetrod.plane import Axis, Chart, Family, Verdicts, axis_values, charted
@@ -34,7 +35,7 @@ _GREEK = re.compile(
 
 
 def chart(
-    family: Callable[..., Problem],
+    family: Callable[..., Problem | TwoFrequencies],
     over: Mapping[str, Any],
     *,
     growth: bool = False,
@@ -46,7 +47,7 @@ def chart(
 
     Parameters
     ----------
-    family : callable (keywords) -> HillSystem, PeriodicSystem or Equation
+    family : callable (keywords) -> HillSystem, PeriodicSystem, Equation or TwoFrequencies
         Called with the two parameters as keywords, once for each point.
     over : mapping of str to (low, high, number) or increasing array
         The two parameters, by the names of the keywords: first the columns (x), then the rows (y).
@@ -54,7 +55,7 @@ def chart(
         Whether to keep the growth rates: per unit of time, the unit of the periods, and per unit tau for equations, or
         per unit z for those of `Mathieu.from_aq`.
     growth_tolerance : float
-        Growth, in the same unit, up to which a point counts as stable.
+        Growth, in the same unit, up to which a point counts as stable; with two frequencies greater than 0.
     workers : int, optional
         Threads; by default one for each core when there is enough to do.
     progress : callable, optional
@@ -82,7 +83,7 @@ def chart(
     growth, workers = validate.flag("growth", growth), validate.workers(workers)
     validate.progress(progress)
     corner = {axis.name: float(axis.values[0]) for axis in (x, y)}
-    members = Members(family, (x.name, y.name), member(family, corner), tolerance, workers)
+    members = Members(family, (x.name, y.name), any_member(family, corner), tolerance, workers)
     return charted(members, x, y, growth=growth, progress=progress)
 
 
@@ -90,24 +91,39 @@ def chart(
 class Members(Family):
     """A user's family: a function that returns the equation or system at a point of the plane."""
 
-    function: Callable[..., Problem]
+    function: Callable[..., Problem | TwoFrequencies]
     names: tuple[str, str]  # the keywords, of x and of y
-    sample: Problem  # a member: charts of equations are per unit of their time, of systems per their own unit of time
+    sample: (
+        Problem | TwoFrequencies
+    )  # a member: charts of equations are per unit of their time, of systems per their own unit of time
     growth_tolerance: float  # as in `chart`
     workers: int | None = None
     fixed: tuple[tuple[str, float, str], ...] = ()  # (name, value, unit) of the function's other arguments
     argument: str = "family"  # name of the function in errors
     kinds: set[str] = field(default_factory=set, compare=False)  # kinds of the members judged so far, in words
 
+    def __post_init__(self) -> None:
+        """Refuse a tolerance of zero for two frequencies."""
+        if isinstance(self.sample, TwoFrequencies):
+            require_tolerance("growth_tolerance", self.growth_tolerance)
+
     @property
     def growth_unit(self) -> str:  # type: ignore[override]
         """Growth per unit of their time for equations, tau or z; per unit of time, as of the period, for systems."""
-        return f"per {self.sample.time}" if isinstance(self.sample, Equation) else "per unit time"
+        sample = self.sample.equation if isinstance(self.sample, TwoFrequencies) else self.sample
+        return f"per {sample.time}" if isinstance(sample, Equation) else "per unit time"
 
     @property
     def vertex(self) -> float:
         """Closer to a boundary than this verdicts on systems are slow (a choice)."""
+        if isinstance(self.sample, TwoFrequencies):
+            return 1e-5
         return VERTEX if isinstance(self.sample, Equation) else 1e-8
+
+    @property
+    def prompt(self) -> bool:
+        """Whether bands are found about as fast as the chart; not with two frequencies."""
+        return not isinstance(self.sample, TwoFrequencies)
 
     @property
     def points_at_once(self) -> int:
@@ -120,10 +136,10 @@ class Members(Family):
         named = {"name": name} if name.isidentifier() else {}  # as "<lambda>" is not
         return {"kind": ", ".join(sorted(self.kinds)), "fixed": [list(entry) for entry in self.fixed]} | named
 
-    def members(self, x: Floats, y: Floats) -> list[Problem]:
+    def members(self, x: Floats, y: Floats) -> list[Problem | TwoFrequencies]:
         """Return the members at places x, y (n,)."""
         points = (dict(zip(self.names, point, strict=True)) for point in zip(x.tolist(), y.tolist(), strict=True))
-        problems = [member(self.function, point, self.sample, self.argument) for point in points]
+        problems = [any_member(self.function, point, self.sample, self.argument) for point in points]
         self.kinds.update(map(_kind, problems))
         return problems
 
@@ -131,8 +147,12 @@ class Members(Family):
         """Return status and growth rate at places x, y; the rates are part of every verdict."""
         x, y = np.broadcast_arrays(x, y)
         members = self.members(x.ravel(), y.ravel())
-        systems = [problem for problem in members if not isinstance(problem, Equation | DelaySystem)]
-        if len(systems) == len(members):
+        quasiperiodic = [problem for problem in members if isinstance(problem, TwoFrequencies)]
+        systems = [problem for problem in members if not isinstance(problem, Equation | DelaySystem | TwoFrequencies)]
+        if quasiperiodic:
+            found = growth_of_many(quasiperiodic, self.growth_tolerance, precise=growth, workers=self.workers)
+            status, rate = found.status, np.maximum(found.rate, 0.0)
+        elif len(systems) == len(members):
             answers = in_batches(
                 systems, lambda batch: batch_verdicts.verdicts(batch, workers=self.workers, quick=quick)
             )
@@ -150,7 +170,7 @@ class Members(Family):
         Buckling is not named: a region of it may hold the buckling of several modes.
         """
         (problem,) = self.members(np.array([x]), np.array([y]))
-        verdict = None if isinstance(problem, Equation) else stability(problem)
+        verdict = None if isinstance(problem, Equation | TwoFrequencies) else stability(problem)
         if not isinstance(verdict, SystemStability) or not verdict.resonances:
             return None, None, None
         resonance = verdict.resonances[0]
@@ -172,7 +192,7 @@ def _delayed(systems: Sequence[Any], *, growth: bool) -> tuple[NDArray[np.int8],
     return status, np.maximum(rate, 0.0)
 
 
-def _one_by_one(equations: Sequence[Problem]) -> tuple[NDArray[np.int8], Floats]:
+def _one_by_one(equations: Sequence[Any]) -> tuple[NDArray[np.int8], Floats]:
     """Return status and growth rate of equations; as one batch of systems they would take twice to seventy times."""
     importlib.import_module("numba")  # once it is loaded, scalar methods run as machine code
     verdicts = [stability(equation) for equation in equations]
@@ -193,8 +213,10 @@ def _parameters(over: Any) -> list[tuple[str, Floats]]:
     return [(name, axis_values(f"over[{name!r}]", values)) for name, values in over.items()]
 
 
-def _kind(problem: Problem) -> str:
+def _kind(problem: Problem | TwoFrequencies) -> str:
     """Return the kind of a problem, in words."""
+    if isinstance(problem, TwoFrequencies):
+        return f"{_kind(problem.equation)} with a second frequency"
     if isinstance(problem, Equation):
         return problem.title
     plural = "" if problem.order == 1 else "s"

@@ -407,14 +407,10 @@ def _of_equations() -> dict[str, Call]:
         ),
         "quasiperiodic_growth": Call(
             fr.quasiperiodic_growth,
-            {
-                "equation": EQUATION,
-                "frequency": 1.7,
-                "cosines": (0.1,),
-                "sines": (0.0, 0.1),
-                "tolerance": 1e-3,
-                "most": 20,
-            },
+            {"equation": fr.TwoFrequencies(EQUATION, 1.7, (0.1,), (0.0, 0.1)), "tolerance": 1e-3, "most": 20},
+        ),
+        "TwoFrequencies": Call(
+            fr.TwoFrequencies, {"equation": EQUATION, "frequency": 1.7, "cosines": (0.1,), "sines": (0.0, 0.1)}
         ),
         **{
             f"methods.{name}": Call(getattr(fr.methods, name), {"equation": EQUATION, **METHOD_OPTIONS.get(name, {})})

@@ -222,7 +222,11 @@ CALLS: list[tuple[Callable[..., Any], dict[str, Any]]] = [
     ),
     (
         fr.quasiperiodic_growth,
-        {"equation": DAMPED, "frequency": 1.7, "cosines": [[[0.1]]], "sines": (), "tolerance": 1e-2, "most": 10},
+        {"equation": fr.TwoFrequencies(DAMPED, 1.7, [[[0.1]]]), "tolerance": 1e-2, "most": 10},
+    ),
+    (
+        fr.TwoFrequencies,
+        {"equation": DAMPED, "frequency": 1.7, "cosines": [[[0.1]]], "sines": ()},
     ),
     (
         fr.follow,
