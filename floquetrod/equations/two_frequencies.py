@@ -16,7 +16,6 @@ from floquetrod.equations import matrices
 from floquetrod.equations.base import Equation, require
 from floquetrod.equations.delay_system import DelaySystem
 from floquetrod.equations.hill_system import HillSystem
-from floquetrod.equations.matrices import Matrix
 from floquetrod.equations.periodic_system import PeriodicSystem
 
 _RATIO = 1e6  # of the two frequencies at most, either way
@@ -57,8 +56,8 @@ class TwoFrequencies(TellsAttributes, ByContent):
 
     equation: Equation | HillSystem | PeriodicSystem
     frequency: float
-    cosines: tuple[Matrix, ...] = ()
-    sines: tuple[Matrix, ...] = ()
+    cosines: Any = ()
+    sines: Any = ()
 
     def __post_init__(self) -> None:
         """Check and copy the parameters."""

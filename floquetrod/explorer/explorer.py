@@ -65,7 +65,7 @@ class Explorer:
         self._units = _units(rod, {} if units is None else units)
         self.load: Load = scale.first_load(self._units) if load is None else require_load("load", load)
         scale.require(self.load)
-        if self.load.noise:
+        if self.load.noise or self.load.second is not None:
             raise rod._modes_under(self.load).refusal("load")
         self._options = options
         limits = _rounded(scale.limits(self.load), self._units)

@@ -11,7 +11,7 @@ import numpy as np
 from floquetrod._util import validate
 from floquetrod.parameter import require_known
 from floquetrod.rod.answers.rod_stability import RodStability
-from floquetrod.rod.loads.load import Load
+from floquetrod.rod.loads.load import Load, require_one_sine
 from floquetrod.rod.mode_equations.large_motion import LargeMotion, Shapes
 from floquetrod.rod.mode_equations.one_mode import LIMIT, OneMode, Orbit
 from floquetrod.rod.model.data import RodData
@@ -56,6 +56,7 @@ def require_possible(rod: RodData, load: Load) -> None:
     """Raise ValueError for rods whose large motion is not known here, with the remedy."""
     require_known(rod, ROD, "large motion")
     ends = rod.end_conditions
+    require_one_sine(load, "large motion")
     if load.noise:
         raise validate.wrong_value("load", "must be without noise, which leads to no periodic motion; leave it out")
     if "free" in (ends.upper, ends.lower):

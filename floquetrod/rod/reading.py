@@ -31,7 +31,7 @@ ArgumentName: TypeAlias = Callable[[str], str]
 RECORD_OPTIONS = ("time_column", "force_column", "time_unit", "force_unit")
 """What says how to read a measured force."""
 
-LOAD_OPTIONS = ("mean_at", "wave", "axial_damping", "noise", "force", *RECORD_OPTIONS)
+LOAD_OPTIONS = ("mean_at", "wave", "axial_damping", "noise", "second", "force", *RECORD_OPTIONS)
 """What says of which kind a load is."""
 
 _LARGEST = 1e12  # of an axial damping in 1/s: a typing error lies beyond
@@ -120,12 +120,23 @@ def read_kind(given: Mapping[str, Any], record: ForceRecord | None, named: Argum
     load = replace(kind(record), mean_at=at)
     if given["noise"] is not None:
         load = replace(load, noise=_noise(given["noise"], record, named))
+    if given["second"] is not None:
+        load = replace(load, second=_second_sine(given["second"], named("second")))
     if wave is None:
         return load
     rate = units.quantity(
         "0" if damping is None else damping, named("axial_damping"), "rate", least=0.0, largest=_LARGEST
     )
     return AxialWave(**load.as_dict(), far_end=wave, axial_damping=rate)
+
+
+def _second_sine(text: str, name: str) -> Any:
+    """Return amplitude, frequency and perhaps a phase of a text such as 0.1N@37Hz or 0.1N@37Hz@90deg."""
+    parts = text.split("@")
+    if len(parts) not in (2, 3):
+        raise ValueError(f"{name} must be such as 0.1N@37Hz or, with a phase, 0.1N@37Hz@90deg, got {short(text)}")
+    kinds = ("force", "frequency", "angle")
+    return tuple(units.quantity(part, name, unit) for part, unit in zip(parts, kinds, strict=False))
 
 
 def _noise(text: str, record: ForceRecord | None, named: ArgumentName) -> Any:

@@ -50,6 +50,10 @@ if TYPE_CHECKING:
 def _model(rod: RodData, like: Load) -> ModeModel:
     """Return what the modes are; of a rod with hinged ends under a sine nothing else is loaded."""
     require_known_to_verdicts(rod)
+    if like.second is not None:
+        from floquetrod.rod.modes.two_frequencies import TwoFrequencyModel
+
+        return TwoFrequencyModel(rod, like)
     coupled = coupling(rod, like)
     if not coupled and not like.noise:
         return IndependentModel(rod, like)
@@ -512,7 +516,9 @@ class Rod(RodData):
         """Return the verdict on the rod under a load: stable when every mode is.
 
         Under a load with noise it is the verdict in mean square, and growth is the rate of second moments, twice the
-        rate of amplitudes (docs/theory/noise.md); `critical` finds the largest noise that is stable.
+        rate of amplitudes (docs/theory/noise.md); `critical` finds the largest noise that is stable.  Under a load of
+        two frequencies "stable" means that nothing grows faster than the tolerance, which damping or a
+        ``growth_tolerance`` makes possible (docs/theory/two_frequencies.md).
 
         Parameters
         ----------

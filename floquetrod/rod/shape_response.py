@@ -17,7 +17,7 @@ from floquetrod.floquet.dispatch import stability
 from floquetrod.responses.many import scalar_responses
 from floquetrod.rod.answers.rod_response import RodResponse
 from floquetrod.rod.answers.rod_stability import RodStability
-from floquetrod.rod.loads.load import AnyLoad, Load, Loads, LoadSource, require_load
+from floquetrod.rod.loads.load import AnyLoad, Load, Loads, LoadSource, require_load, require_one_sine
 from floquetrod.rod.mode_equations.coupled_matrices import CoupledModes
 from floquetrod.rod.mode_equations.forced_modes import ForcedModes, are_independent, is_driven, shape_force
 from floquetrod.rod.mode_equations.modal_systems import ModalSystem
@@ -142,6 +142,7 @@ def require_shape(rod: RodData) -> NaturalShape:
 
 def _require_sines(given: AnyLoad, load: Load) -> None:
     """Raise ValueError for noise, which a periodic motion leaves out."""
+    require_one_sine(load, "large motion")
     if load.noise or isinstance(given, LoadSource):
         raise wrong_value("load", "must be periodic without noise for a response; give an AxialLoad or an AxialWave")
 

@@ -25,7 +25,15 @@ from floquetrod._util.result_report import Report, Reported
 from floquetrod._util.version import __version__
 from floquetrod.parameter import require_known
 from floquetrod.rod.answers.mean_force import friction_along
-from floquetrod.rod.loads.load import QUANTITIES, Load, load_from_dict, load_number, noise_in_words, require_load
+from floquetrod.rod.loads.load import (
+    QUANTITIES,
+    Load,
+    load_from_dict,
+    load_number,
+    noise_in_words,
+    require_load,
+    require_one_sine,
+)
 from floquetrod.rod.loads.tool import VibrationTool, tool_inside
 from floquetrod.rod.model.parameters import ROD
 from floquetrod.rod.rod import Rod
@@ -163,6 +171,7 @@ class SimulationProblem:
         """Check and clean the parameters; the derived numbers raise for what they cannot be computed from."""
         require_known(validate.instance("rod", self.rod, Rod), ROD, "simulation")
         load = require_load("load", self.load)
+        require_one_sine(load, "simulation")
         if load.noise:
             raise validate.wrong_value(
                 "load",

@@ -446,7 +446,9 @@ def _of_equations() -> dict[str, Call]:
             },
         ),
         "AxialLoad": Call(
-            fr.AxialLoad, {**PUSH, "mean_at": 0.3, "waveform": (0.5 - 1j, 0.2), "noise": ((1.0, 0.02), (9.0, 0.01))}
+            fr.AxialLoad,
+            {**PUSH, "mean_at": 0.3, "waveform": (0.5 - 1j, 0.2), "noise": ((1.0, 0.02), (9.0, 0.01))}
+            | {"second": None},
         ),
         "AxialWave": Call(
             fr.AxialWave, {**PUSH, "far_end": "free", "axial_damping": 0.5, "mean_at": None, "waveform": "sine"}

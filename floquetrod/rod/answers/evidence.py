@@ -14,10 +14,11 @@ from numpy.typing import NDArray
 
 from floquetrod._util.arrays import Floats
 from floquetrod._util.caching import cached_property
-from floquetrod.equations import HillSystem, Mathieu
+from floquetrod.equations import HillSystem, Mathieu, TwoFrequencies
 from floquetrod.floquet.multipliers.resonance_names import Resonance
 from floquetrod.floquet.multipliers.system_stability import SystemStability
-from floquetrod.floquet.references import NOISE, references, united
+from floquetrod.floquet.quasiperiodic import QuasiperiodicGrowth
+from floquetrod.floquet.references import NOISE, THEORY, references, united
 from floquetrod.floquet.verdict import Stability, Status, tolerated
 from floquetrod.rod.mode_equations.modal_systems import ModalSystem
 
@@ -184,6 +185,61 @@ class NoisyEvidence(_ModeByMode):
         return self.modes[fastest] if rate > 0.0 and rate >= growth_rate else None
 
 
+@dataclass(frozen=True)
+class TwoFrequencyEvidence(_ModeByMode):
+    """Independent modes under two frequencies: the growth of each, from periodic approximants.
+
+    Attributes
+    ----------
+    modes : tuple of int
+        Modes examined.
+    mode_verdicts : tuple of QuasiperiodicGrowth
+        Growth of each mode, in the time tau = omega t of the first frequency.
+    mode_growth_rates : ndarray
+        Growth rate of each mode in 1/s, negative where it decays.
+    mode_growth_errors : ndarray
+        Their errors in 1/s.
+    left_out_bound : float
+        Bound in 1/s on the growth of every other mode, infinite where the modes were chosen by the caller.
+    mode_equations : tuple of TwoFrequencies
+        Equation of each mode, in the time tau.
+    """
+
+    kind: ClassVar[str] = "modes under two frequencies"
+    has_exact_margins: ClassVar[bool] = False
+
+    modes: tuple[int, ...]
+    mode_verdicts: tuple[QuasiperiodicGrowth, ...]
+    mode_growth_rates: Floats = field(compare=False)
+    mode_growth_errors: Floats = field(compare=False)
+    left_out_bound: float
+    mode_equations: tuple[TwoFrequencies, ...] = field(compare=False)
+
+    @property
+    def references(self) -> tuple[str, ...]:
+        """Publications to cite for the methods used."""
+        return references(THEORY)
+
+    @property
+    def cutoff(self) -> str:
+        """Why these modes and no others."""
+        if math.isinf(self.left_out_bound):
+            return f"the {len(self.modes)} modes requested; others were not checked"
+        if self.left_out_bound > 0.0:
+            growth = f"every higher mode grows at less than {self.left_out_bound:.1g} per second"
+            return f"modes 1 to {self.modes[-1]}, two frequencies: {growth}"
+        return f"modes 1 to {self.modes[-1]}, two frequencies: no higher mode can grow"
+
+    @property
+    def resonances(self) -> tuple[Resonance, ...]:
+        """No resonance: tongues of two frequencies have two orders."""
+        return ()
+
+    def fastest_mode(self, growth_rate: float) -> int | None:
+        """Return the mode that grows fastest, None when none grows."""
+        return self.modes[int(self.mode_growth_rates.argmax())] if growth_rate > 0.0 else None
+
+
 class _SharedGrowth:
     """Coupled modes, as many as two numbers of them agree upon, with one growth rate."""
 
@@ -340,7 +396,7 @@ class NoisyCoupledEvidence(_SharedGrowth):
         return ()
 
 
-Evidence = IndependentEvidence | CoupledEvidence | NoisyEvidence | NoisyCoupledEvidence
+Evidence = IndependentEvidence | CoupledEvidence | NoisyEvidence | NoisyCoupledEvidence | TwoFrequencyEvidence
 
 
 def _order(verdict: Stability, equation: Mathieu) -> int:

@@ -33,6 +33,7 @@ from floquetrod.rod.answers.evidence import (
     NoisyCoupledEvidence,
     NoisyEvidence,
     Shape,
+    TwoFrequencyEvidence,
 )
 from floquetrod.rod.answers.reports import (
     ReportLine,
@@ -97,7 +98,9 @@ class RodStability(Reported, Verdict):
     of the fastest solution, within the tolerance or not; the exponents belong to all modes, or, of more than 60 coupled
     ones, to the modes that may resonate.  Where modes are independent ``error`` is the largest error of a discriminant;
     where they are coupled the error of the growth rate in 1/s, from the multipliers and, estimated, from the modes left
-    out.  Of independent modes under noise it is the error of the growth rate in 1/s, with a bound on all other modes.
+    out.  Of independent modes under noise it is the error of the growth rate in 1/s, with a bound on all other modes;
+    under two frequencies the largest error of a mode's growth rate in 1/s, and "stable" means no more than that nothing
+    grows faster than the tolerance.
 
     Attributes
     ----------
@@ -105,7 +108,7 @@ class RodStability(Reported, Verdict):
         The modes of the rod under the load.
     growth_tolerance : float
         Growth in 1/s up to which a mode counts as stable.
-    evidence : IndependentEvidence, CoupledEvidence, NoisyEvidence or NoisyCoupledEvidence
+    evidence : IndependentEvidence, CoupledEvidence, NoisyEvidence, NoisyCoupledEvidence or TwoFrequencyEvidence
         Basis of the verdict: the equations of the modes, and the verdict on each or on all together.
 
     Modes are numbered as the modes of the rod without axial force, between the same ends.  Attributes of one kind of
@@ -459,7 +462,7 @@ class RodStability(Reported, Verdict):
 def growing_in_words(verdict: RodStability) -> str:
     """Return the fastest mode or resonance in words, to stand before "at so many 1/s"."""
     match verdict.evidence:
-        case IndependentEvidence():
+        case IndependentEvidence() | TwoFrequencyEvidence():
             return f"mode {verdict.fastest_mode} grows"
         case CoupledEvidence():
             return f"{verdict.resonances[0]}," if verdict.resonances else "growth"
@@ -476,13 +479,15 @@ def _headline(verdict: RodStability) -> str:
     is_noisy = isinstance(evidence, NoisyEvidence | NoisyCoupledEvidence)
     subject = f"{status.upper()}{' in mean square' if is_noisy else ''}"
     tenfold = f"tenfold in {verdict.time_to_grow():.3g} s"
+    if status == "stable" and isinstance(evidence, TwoFrequencyEvidence):
+        return f"{subject}: {_within(verdict)}"
     if status == "stable":
         slow = f"growth of {verdict.growth_rate:.3g} 1/s is within the tolerance of {verdict.growth_tolerance:g} 1/s"
         return f"{subject}: {slow if verdict.growth_rate > 0.0 else _nothing_grows(evidence)}"
     if status == "undecided":
         return f"{subject}: {_undecided(evidence)}"
     match evidence:
-        case IndependentEvidence():
+        case IndependentEvidence() | TwoFrequencyEvidence():
             modes = verdict.unstable_modes
             fastest = f"; mode {verdict.fastest_mode} fastest" if len(modes) > 1 else ""
             return f"{subject}: {_modes_grow(modes)}{fastest}, {tenfold}"
@@ -494,6 +499,14 @@ def _headline(verdict: RodStability) -> str:
             return f"{subject}: {_noisy_modes_grow(verdict, evidence)}; {tenfold}"
         case NoisyCoupledEvidence():
             return f"{subject}: coupled modes grow, {tenfold}"
+
+
+def _within(verdict: RodStability) -> str:
+    """Return up to which rate no mode grows under two frequencies, and which modes are meant."""
+    modes = "none of the modes checked" if math.isinf(verdict.left_out_bound) else "no mode"
+    if verdict.growth_tolerance:
+        return f"{modes} grows faster than the tolerance of {verdict.growth_tolerance:g} 1/s"
+    return f"{modes} grows: damping exceeds what approximants leave open, {verdict.error:.1g} 1/s"
 
 
 def _nothing_grows(evidence: Evidence) -> str:
@@ -510,8 +523,8 @@ def _nothing_grows(evidence: Evidence) -> str:
 def _undecided(evidence: Evidence) -> str:
     """Return why a verdict is undecided."""
     match evidence:
-        case IndependentEvidence() | NoisyEvidence():
-            rows = zip(evidence.modes, evidence.mode_verdicts, strict=True)
+        case IndependentEvidence() | NoisyEvidence() | TwoFrequencyEvidence():
+            rows: Any = zip(evidence.modes, evidence.mode_verdicts, strict=True)
             modes = [mode for mode, verdict in rows if verdict.status == "undecided"]
             if modes:
                 lies = f"modes {listed(modes)} lie" if len(modes) > 1 else f"mode {modes[0]} lies"
@@ -528,9 +541,11 @@ def _sentence(verdict: RodStability) -> str:
         case IndependentEvidence() if status == "stable":
             slow = f", growth {verdict.growth_rate:.3g} 1/s within the tolerance" if verdict.growth_rate > 0.0 else ""
             return f"stable{slow}"
-        case IndependentEvidence() if status == "undecided":
+        case TwoFrequencyEvidence() if status == "stable":
+            return f"stable: {_within(verdict)}"
+        case IndependentEvidence() | TwoFrequencyEvidence() if status == "undecided":
             return "undecided"
-        case IndependentEvidence():
+        case IndependentEvidence() | TwoFrequencyEvidence():
             return f"unstable: {_modes_grow(verdict.unstable_modes)}; mode {verdict.fastest_mode} at {growth}"
         case CoupledEvidence():
             wave = f"; {verdict.axial.in_words}" if not verdict.load.is_uniform and verdict.load.amplitude else ""
@@ -564,7 +579,7 @@ def _noisy_modes_grow(verdict: RodStability, evidence: NoisyEvidence) -> str:
 def _growing_mode(verdict: RodStability) -> str:
     """Return, to stand behind the growth rate, in which mode; "" where that is said elsewhere."""
     match verdict.evidence:
-        case IndependentEvidence():
+        case IndependentEvidence() | TwoFrequencyEvidence():
             return f" in mode {verdict.fastest_mode}"
         case CoupledEvidence():
             return ""
@@ -586,6 +601,8 @@ def _method(verdict: RodStability) -> str:
             return f"second moments, {methods}; growth good to {error} 1/s"
         case CoupledEvidence():
             method = f"{evidence.whole.method}, {verdict.cost}"
+        case TwoFrequencyEvidence():
+            method = f"periodic approximants, {verdict.cost}"
         case NoisyCoupledEvidence():
             method = "second moments of coupled modes"
     return method + (f"; growth good to {error} 1/s" if math.isfinite(verdict.error) else "")
@@ -639,6 +656,21 @@ def _mode_table(evidence: Evidence) -> Table | None:
                         f"{evidence.mode_intensities[i]:.5g}",
                         evidence.mode_verdicts[i].status,
                         f"{evidence.mode_growth_rates[i]:.5g}",
+                    )
+                    for i in sorted(fastest.tolist())
+                ],
+            )
+        case TwoFrequencyEvidence():
+            fastest = np.argsort(-evidence.mode_growth_rates, kind="stable")[: 2 * _LISTED_MODES]
+            return Table(
+                [("mode", ">4"), ("where", "<10"), ("growth 1/s", ">10"), ("error 1/s", ">9"), ("ratio up to", ">11")],
+                [
+                    (
+                        str(evidence.modes[i]),
+                        evidence.mode_verdicts[i].status,
+                        f"{evidence.mode_growth_rates[i]:.5g}",
+                        f"{evidence.mode_growth_errors[i]:.1g}",
+                        str(evidence.mode_verdicts[i].approximants[-1][0]),
                     )
                     for i in sorted(fastest.tolist())
                 ],
@@ -711,6 +743,29 @@ def _evidence_as_dict(verdict: RodStability) -> dict[str, Any]:
                 ],
                 "note": verdict.note,
             }
+        case TwoFrequencyEvidence():
+            return {
+                **growth_error,
+                "left_out_growth_bound_per_s": number(evidence.left_out_bound),
+                "load": verdict.load.kind_as_dict(),
+                "modes": [
+                    {
+                        "mode": mode,
+                        "status": growth.status,
+                        "growth_rate_per_s": number(float(rate)),
+                        "growth_rate_error_per_s": number(float(error)),
+                        "ratio_of_frequencies_up_to": str(growth.approximants[-1][0]),
+                    }
+                    for mode, growth, rate, error in zip(
+                        evidence.modes,
+                        evidence.mode_verdicts,
+                        evidence.mode_growth_rates,
+                        evidence.mode_growth_errors,
+                        strict=True,
+                    )
+                ],
+                "note": verdict.note,
+            }
         case NoisyCoupledEvidence():
             return {
                 "in_mean_square": True,
@@ -729,12 +784,12 @@ def _drawn_shape(verdict: RodStability) -> tuple[Shape, str]:
     match evidence:
         case CoupledEvidence():
             return evidence.shape, str(next(iter(evidence.resonances), ""))
-        case IndependentEvidence() if verdict.growth_rate > 0.0:
+        case IndependentEvidence() | TwoFrequencyEvidence() if verdict.growth_rate > 0.0:
             mode = evidence.modes[int(evidence.mode_growth_rates.argmax())]
             s = np.linspace(0.0, verdict.rod.length, 24 * mode + 1)
             sine = np.sin(math.pi * mode * s / s[-1])
             return Shape(s, sine, np.abs(sine)), f"mode {mode}"
-        case IndependentEvidence():
+        case IndependentEvidence() | TwoFrequencyEvidence():
             missing = "draws the shape in which the rod grows, and of these modes none does"
         case NoisyEvidence():
             missing = "draws the shape in which coupled modes grow, and these modes are independent"

@@ -138,7 +138,7 @@ def wave_ratio(rod: Any, load: Load) -> float:
 def axial_response(load: Load, line: AxialLine, critical_force: float) -> AxialResponse:
     """Return what `Rod.axial_response` does."""
     if not isinstance(load, AxialWave):
-        largest = load.amplitude * _over_a_period(load.harmonics[:, None])[0]
+        largest = load.amplitude * _over_a_period(load.harmonics[:, None])[0] + _of_second(load)
         return AxialResponse(largest, largest, 0.0, 1.0, largest / critical_force, ())
     amplitude = load.amplitude * float(_over_a_period(load.harmonics[:, None])[0])
     near = gaps(load, line, (load.frequency, load.frequency), 0.0)
@@ -162,7 +162,12 @@ def along(load: Load, line: AxialLine, s: NDArray[np.float64], frequency: float)
 
 def largest_along(load: Load, line: AxialLine, s: NDArray[np.float64]) -> NDArray[np.float64]:
     """Return the largest size over a period of the vibration at places along the rod, in N."""
-    return load.amplitude * _over_a_period(along(load, line, s, load.frequency))
+    return load.amplitude * _over_a_period(along(load, line, s, load.frequency)) + _of_second(load)
+
+
+def _of_second(load: Load) -> float:
+    """Return the amplitude in N of a second sine, 0 without one: sometime the two push together."""
+    return 0.0 if load.second is None else load.second[0]
 
 
 def bound(load: Load, line: AxialLine, frequency: float) -> float:

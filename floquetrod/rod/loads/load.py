@@ -18,7 +18,7 @@ from floquetrod._util.arguments import Mention
 from floquetrod._util.arrays import broadcast
 from floquetrod._util.calling import TellsAttributes, constructor_hints
 from floquetrod._util.progress import Progress
-from floquetrod.parameter import EVERYWHERE, Option, Parameter, by_name
+from floquetrod.parameter import EVERYWHERE, NAMES, Option, Parameter, Subsystem, by_name
 
 Quantity: TypeAlias = Literal["mean", "amplitude", "frequency"]
 """A quantity of `AxialLoad`."""
@@ -98,6 +98,19 @@ LOAD = by_name(
             "one-sided spectral density of the random part of the force, such as 0.02N^2/Hz, or spectrum, that of the "
             "residual of --force; verdicts are then in mean square",
             "DENSITY",
+        ),
+    ),
+    Parameter(
+        name="second",
+        symbol="dF_2, omega_2",
+        kind="",
+        default=None,
+        hint="give (amplitude, frequency), or with a phase (amplitude, frequency, phase)",
+        known_to=frozenset({"modes", "stress"}),
+        option=Option(
+            "a second sine of another frequency, that of a second tool, such as 0.1N@37Hz, or 0.1N@37Hz@90deg with a "
+            "phase; verdicts then need a growth tolerance or damping",
+            "FORCE@FREQUENCY",
         ),
     ),
     Parameter(
@@ -222,6 +235,9 @@ Waveform: TypeAlias = str | tuple[complex, ...]
 Noise: TypeAlias = float | str | tuple[tuple[float, float], ...]
 """A density in N^2/Hz, with a unit before it is checked, or pairs of a frequency in Hz and the density there."""
 
+Second: TypeAlias = tuple[Any, ...]
+"""Amplitude in N, frequency in rad/s, and a phase in rad where it is not 0, of a second sine; with units before."""
+
 _MOST_HARMONICS = 1000  # of a waveform (a choice)
 RESONANT = 1e-6  # denominator of an axial wave below which rounding leaves it too few digits (a choice)
 
@@ -245,6 +261,8 @@ class Load(units.InUnits, TellsAttributes, ABC):
         sin(omega t), or h_1, h_2, ...: the amplitude times Re(h_1 e^(i omega t) + h_2 e^(2 i omega t) + ...).
     noise : float, str or sequence of (float, float)
         One-sided spectral density of the random part of the force, see `AxialLoad`; waves have none.
+    second : tuple of float or str
+        A second sine, see `AxialLoad`; waves have none.
     """
 
     mean: float
@@ -253,6 +271,7 @@ class Load(units.InUnits, TellsAttributes, ABC):
     mean_at: float | None = field(default=0.5, kw_only=True)
     waveform: Waveform = field(default="sine", kw_only=True)
     noise: Noise = field(default=0.0, kw_only=True)
+    second: Second | None = field(default=None, kw_only=True)
 
     def __post_init__(self) -> None:
         """Check and clean the parameters."""
@@ -263,6 +282,13 @@ class Load(units.InUnits, TellsAttributes, ABC):
             object.__setattr__(self, "mean_at", validate.within("mean_at", self.mean_at, 0.0, 1.0, _POSITION))
         object.__setattr__(self, "waveform", _waveform(self.waveform))
         object.__setattr__(self, "noise", noise_density("noise", self.noise))
+        object.__setattr__(self, "second", _second(self.second))
+        if self.second is not None and self.noise:
+            raise validate.wrong_value(
+                "second",
+                f"goes without noise, got {second_in_words(self.second)} and {noise_in_words(self.noise)}; leave one "
+                "of them out",
+            )
 
     @property
     def harmonics(self) -> NDArray[np.complex128]:
@@ -304,6 +330,8 @@ class Load(units.InUnits, TellsAttributes, ABC):
             features.append(f"mean force at {self.mean_at:g} of the length")
         if self.noise:
             features.append(noise_in_words(self.noise))
+        if self.second is not None:
+            features.append(second_in_words(self.second))
         return ", ".join(features)
 
     def kind_as_dict(self) -> dict[str, Any]:
@@ -311,6 +339,8 @@ class Load(units.InUnits, TellsAttributes, ABC):
         values = {f.name: getattr(self, f.name) for f in fields(self) if f.name not in QUANTITIES}
         if not self.noise:
             del values["noise"]
+        if self.second is None:
+            del values["second"]
         if self.waveform != "sine":
             values["waveform"] = [[h.real, h.imag] for h in self.harmonics.tolist()]
         return {"type": type(self).__name__, **values}
@@ -351,6 +381,10 @@ class AxialLoad(Load):
         square of the force in a band is S times its width in Hz.  Or pairs of a frequency in Hz and the density there,
         linear in between, the first one below the first frequency, and none above the last.  0, none, by default.
         Verdicts are then those in mean square, see `floquetrod.Rod.stability`.
+    second : tuple of float or str, optional
+        Amplitude in N and frequency in rad/s, or each with a unit, ``("0.1N", "37Hz")``, of a second sine, as of a
+        second tool; with a phase in rad as a third number it is amplitude sin(frequency t + phase).  The phase matters
+        only where the ratio of both frequencies is a fraction of small numbers.  None by default.
 
     Examples
     --------
@@ -390,6 +424,8 @@ def load_from_dict(data: Mapping[str, Any]) -> Load:
     load = kinds[values.pop("type")]
     if values.get("waveform", "sine") != "sine":
         values["waveform"] = tuple(complex(*pair) for pair in values["waveform"])
+    if values.get("second") is not None:
+        values["second"] = tuple(values["second"])
     if isinstance(values.get("noise"), list):
         values["noise"] = tuple(tuple(pair) for pair in values["noise"])
     return load(**values)
@@ -440,6 +476,8 @@ class AxialWave(Load):
         As in `AxialLoad`, by default "sine".
     noise : float
         None but 0: random waves are not computed.
+    second : None
+        Waves of two frequencies are not computed.
     far_end : {"held", "free", "driven"}
         The lower end, s = L: held against axial motion, the default; free of axial vibration; driven by the same force,
         as both ends are in the paper.
@@ -470,6 +508,13 @@ class AxialWave(Load):
                 "noise",
                 f"is taken to be the same all along the rod, got {noise_in_words(self.noise)} with waves; give an ",
                 Mention("wave", "AxialLoad", "no --wave"),
+            )
+        if self.second is not None:
+            raise validate.wrong_value(
+                "second",
+                f"is taken to be the same all along the rod, got {second_in_words(self.second)} with waves; leave ",
+                Mention("second"),
+                " out, or give a load without waves",
             )
         validate.choice("far_end", self.far_end, FAR_ENDS)
         object.__setattr__(self, "axial_damping", LOAD["axial_damping"].number(self.axial_damping))
@@ -592,6 +637,38 @@ def noise_in_words(noise: Noise) -> str:
     if not isinstance(noise, tuple):
         return f"noise of {float(noise):.4g} N^2/Hz"
     return f"noise of up to {max(density for _, density in noise):.4g} N^2/Hz below {noise[-1][0]:.4g} Hz"
+
+
+def _second(value: Any) -> Second | None:
+    """Return a second sine, checked, without a phase of zero."""
+    if value is None:
+        return None
+    if isinstance(value, str) or not validate.iterable(value) or len(parts := tuple(value)) not in (2, 3):
+        raise validate.wrong_type(
+            "second", f"must be (amplitude, frequency), or these and a phase, got {validate.short(value)}"
+        )
+    amplitude = load_number("amplitude", parts[0], "second[0]")
+    frequency = load_number("frequency", parts[1], "second[1]")
+    phase = units.number("second[2]", parts[2], "angle", hint="give it in rad") if len(parts) == 3 else 0.0
+    return (amplitude, frequency, phase) if phase else (amplitude, frequency)
+
+
+def second_in_words(second: Second) -> str:
+    """Return a second sine in words."""
+    amplitude, frequency, *phase = second
+    ahead = f" of phase {phase[0]:.4g} rad" if phase else ""
+    return f"a second sine of {amplitude:.4g} N at {frequency:.6g} rad/s{ahead}"
+
+
+def require_one_sine(load: Load, subsystem: Subsystem) -> None:
+    """Raise ValueError for a second sine where a subsystem would ignore it."""
+    if load.second is not None and subsystem not in LOAD["second"].known_to:
+        raise validate.wrong_value(
+            "second",
+            f"is not part of {NAMES[subsystem]}, which would ignore it: got {second_in_words(load.second)}; leave ",
+            Mention("second"),
+            " out",
+        )
 
 
 def _waveform(value: Any) -> Waveform:

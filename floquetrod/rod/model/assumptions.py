@@ -170,7 +170,9 @@ def section_assumptions(rod: RodData) -> tuple[Assumption, ...]:
 def warn_unless_uniform(rod: RodData, load: Load) -> None:
     """Warn where a force that is taken to be uniform along the rod is not, its harmonics that matter included."""
     sizes = np.abs(load.harmonics)
-    highest = 1 + int(np.flatnonzero(sizes >= _MATTERS * sizes.max())[-1])
+    highest: float = 1 + int(np.flatnonzero(sizes >= _MATTERS * sizes.max())[-1])
+    if load.second is not None:
+        highest = max(highest, load.second[1] / load.frequency)
     ratio, fast = highest * wave_ratio(rod, load), highest * load.frequency
     if load.amplitude > 0.0 and load.is_uniform and ratio > UNIFORM_UP_TO:
         warnings.warn(

@@ -33,8 +33,8 @@ from floquetrod.rod.model.constants import mode_constants
 from floquetrod.rod.model.contact import constants_under, require_on_wall
 from floquetrod.rod.modes.coupled import CoupledModel, chosen_count
 from floquetrod.rod.modes.mode_model import Answers, ModeModel, Statuses
-from floquetrod.rod.modes.noisy_samples import VerdictCounts
 from floquetrod.rod.modes.noisy_verdict import HIGH_MODES_GROW, NEAREST, NoisyModel, unstable_without_noise
+from floquetrod.rod.modes.verdict_samples import VerdictCounts
 
 _LEFT_OUT = 5.0  # error over the change from 5/6 of the modes, as of modes without noise
 _ENLARGEMENTS = 3  # times that more modes are taken while two numbers of them disagree (a choice)

@@ -15,23 +15,20 @@ from floquetrod._util.arrays import Bools
 from floquetrod._util.progress import Progress
 from floquetrod.equations.batches import pick
 from floquetrod.floquet.dispatch import run, stability
-from floquetrod.floquet.first_change import FirstChange, bracket, root_below, separation
+from floquetrod.floquet.first_change import root_below, separation
 from floquetrod.floquet.multipliers.system_stability import SystemStability
 from floquetrod.floquet.status import STABLE, STATUS_CODES, UNDECIDED, UNSTABLE
 from floquetrod.floquet.verdict import Cost, Status, tolerated
 from floquetrod.rod.answers.critical_value import CriticalValue
 from floquetrod.rod.answers.evidence import NoisyEvidence
 from floquetrod.rod.answers.rod_stability import RodStability
-from floquetrod.rod.answers.stability_intervals import Search, StabilityIntervals, UnstableBand, intervals_along
-from floquetrod.rod.loads.load import Load, Loads, Quantity, largest_density, noise_in_words, scaled_noise
-from floquetrod.rod.mode_equations.coupled_samples import SampledInterval, unstable_intervals
+from floquetrod.rod.loads.load import Load, Loads, largest_density, noise_in_words, scaled_noise
 from floquetrod.rod.mode_equations.noisy_equations import ASSUMED, ModeCoefficients, NoisyModes
 from floquetrod.rod.model.assumptions import assumptions
 from floquetrod.rod.model.constants import mode_constants
-from floquetrod.rod.model.contact import constants_under, require_on_wall, up_to_wall
+from floquetrod.rod.model.contact import constants_under, require_on_wall
 from floquetrod.rod.modes.mode_model import Answers, ModeModel
-from floquetrod.rod.modes.noisy_samples import AT_ONCE, HALVINGS, NoisySamples, VerdictCounts
-from floquetrod.rod.modes.sampled_ranges import SampledPiece, joined_intervals, pieces_of
+from floquetrod.rod.modes.sampled_model import SampledModel
 
 if TYPE_CHECKING:
     from floquetrod.floquet.multipliers.many_verdicts import ManyVerdicts
@@ -40,13 +37,10 @@ if TYPE_CHECKING:
 
 _AT_ONCE = 1 << 11  # loads that are judged at once (a choice)
 _STEP = 16  # modes that are examined before the bounds on others are asked again, then twice as many (a choice)
-_CLOSER = 17  # places in a band at which growth is examined (a choice)
-_STRONGEST = 10.0  # damping rate that is tried, in terms of the frequency of the load (a choice)
 _LARGEST = 1e9  # density that is tried, in terms of the limit of high modes (a choice)
 NEAREST = 1e-10  # of verdicts on both sides of a critical factor, relative (a choice)
 _MOST_AGAIN = 64  # modes that a batch leaves undecided, judged one by one in some milliseconds each (a choice)
 _MOST_DECISIVE = 256  # modes that a verdict next to a critical factor may need: a closer one would take long (a choice)
-_MARGIN_SAMPLES = 65  # of each piece of a search for a margin (a choice)
 _PARTS = 2  # of a search for a critical factor that are to come, at least
 
 
@@ -57,17 +51,13 @@ HIGH_MODES_GROW = (
 
 
 @dataclass(frozen=True)
-class NoisyModel(ModeModel):
+class NoisyModel(SampledModel):
     """Independent modes of hinged ends under a force that is uniform along the rod and has noise.
 
     Growth is the growth of second moments, twice the growth of amplitudes.
     """
 
     loads_at_once: ClassVar[int | None] = 2000
-    samples: ClassVar[int] = 257
-    """Samples of each piece of a search."""
-    at_once: ClassVar[int] = AT_ONCE
-    """Samples that are examined before a change is searched for."""
     damping_source: ClassVar[str] = "that of the load whose growth in mean square is worst"
 
     @property
@@ -148,100 +138,11 @@ class NoisyModel(ModeModel):
 
     # --- margins ---
 
-    def damping_to_stabilise(self, verdict: RodStability) -> float:
-        """Return a damping rate in 1/s above which this load is stable in mean square, to nine digits."""
-        return self.damping_required(self.template, verdict.growth_tolerance)
-
-    def margin_edge(
-        self,
-        verdict: RodStability,
-        quantity: Quantity,
-        piece: tuple[float, float],
-        seconds: float,
-        progress: Progress | None,
-    ) -> FirstChange:
-        """Return where the verdict first changes from ``piece[0]`` to ``piece[1]``, by samples."""
-        load = self.template
-        piece = up_to_wall(self.rod, load, quantity, piece)
-        longest = max(1.0, load.frequency / min(piece)) if quantity == "frequency" else 1.0
-        counts = self.margin_counts(verdict, seconds, longest)
-        if piece[0] == piece[1] or not counts.samples:
-            return FirstChange(None, piece[0], 0.0)
-        search = Search(quantity, load, piece, verdict.margin_tolerance)
-        change = NoisySamples(self, search, counts.halvings).first_change(
-            counts.samples,
-            verdict.status == "stable",
-            known=piece[0] == getattr(load, quantity),
-            at_once=self.at_once,
-            refused=ValueError,  # too many modes, or loads too large or too slow: nothing is known of them
-            progress=progress,
-        )
-        return change._replace(seconds=counts.seconds)
-
-    def margin_counts(self, verdict: RodStability, seconds: float, longest: float) -> VerdictCounts:
-        """Return how many verdicts a piece of a search for a margin takes.
-
-        ``longest`` is the longest period of its loads over the period of the load of the verdict.
-        """
-        return VerdictCounts(_MARGIN_SAMPLES, HALVINGS)
-
-    # --- along a quantity ---
-
-    def ranges(self, search: Search, progress: Progress | None) -> StabilityIntervals:
-        """Return the stability intervals of one quantity of the load, sampled; ``resolution`` is their distance."""
-        self.require_on_wall(search)
-        samples = NoisySamples(self, search)
-
-        def unstable(piece: tuple[float, float], progress: Progress | None) -> tuple[list[SampledInterval], float]:
-            values = np.linspace(*piece, self.samples)
-            stable = samples.stable(values, progress)
-            return unstable_intervals(values, stable, samples.locate, piece), float(values[1] - values[0])
-
-        pieces = [SampledPiece(*ends, self.samples, unstable) for ends in pieces_of(search, self.rod.critical_force)]
-        intervals, resolution = joined_intervals(search.bounds, pieces, progress)
-        places = np.linspace(*search.bounds, self.samples)
-        modes = self.count_for(Loads.along(search.load, search.varied, places), search.growth_tolerance)
-        return intervals_along(self, search, intervals, modes, resolution)
-
-    def first_growth(self, search: Search, progress: Progress | None) -> FirstChange:
-        """Return where something first grows in mean square within bounds, from the low one up, by samples."""
-        known = search.bounds[0] > 0.0
-        return NoisySamples(self, search).first_change(
-            self.samples, True, known=known, at_once=self.at_once, progress=progress
-        )
-
-    def unstable_bands(
-        self, search: Search, modes: int, bands: Sequence[tuple[float, float]], progress: Progress | None
-    ) -> tuple[UnstableBand, ...]:
-        """Return the growth in each band in mean square, sampled, and the damping that the fastest growth requires."""
-        unstable, model = [], self.under(search.load)
-        for done, (low, high) in enumerate(bands, start=1):
-            places = np.linspace(low, high, _CLOSER)
-            growth = model.answers(Loads.along(search.load, search.varied, places)).growth
-            worst = int(np.nan_to_num(growth).argmax())
-            at = float(places[worst])
-            damping = model.damping_required(search.load.varied(search.varied, at), search.growth_tolerance)
-            unstable.append(UnstableBand(low, high, float(np.nan_to_num(growth)[worst]), at, "unnamed", damping))
-            if progress is not None:
-                progress(done, len(bands))
-        return tuple(unstable)
-
-    def damping_required(self, load: Load, growth_tolerance: float) -> float:
-        """Return the least damping rate in 1/s, to nine digits, above which a load is stable, as far as tried.
-
-        Infinite where the mean force alone buckles a mode, and where none up to ten times the frequency of the load is.
-        """
+    def buckles(self, load: Load, growth_tolerance: float) -> bool:
+        """Return whether the mean force alone buckles a mode."""
         modes = self.under(load)._modes(load.mean)
         last, _ = modes.constants.modes_needed(load, growth_tolerance)
-        if modes.parts(Loads((1,), *Loads.single(load).flat), range(1, last + 1)).squared.min() <= 0.0:
-            return math.inf
-
-        def is_stable(rate: float) -> bool:
-            return replace(self, rod=self.rod.replace(damping_rate=rate))._is_stable(load, growth_tolerance)
-
-        if is_stable(0.0):
-            return 0.0
-        return bracket(is_stable, 1e-6 * load.frequency, _STRONGEST * load.frequency, 1e-9)[1]
+        return bool(modes.parts(Loads((1,), *Loads.single(load).flat), range(1, last + 1)).squared.min() <= 0.0)
 
     def critical_noise(self, load: Load, growth_tolerance: float, progress: Progress | None = None) -> CriticalValue:
         """Return the largest factor of the noise of a load at which it is stable in mean square, and its error.
@@ -251,16 +152,15 @@ class NoisyModel(ModeModel):
         """
         require_on_wall(self.rod, load)
         search = _FactorSearch(self, load, growth_tolerance, progress)
-        if not self._is_stable(replace(load, noise=0.0), growth_tolerance):
+        if not self.is_stable(replace(load, noise=0.0), growth_tolerance):
             raise unstable_without_noise()
         return search.critical()
 
-    def _is_stable(self, load: Load, growth_tolerance: float) -> bool:
+    def is_stable(self, load: Load, growth_tolerance: float) -> bool:
         """Return whether a rod is seen to be stable in mean square under one load."""
-        there = self.under(load)
-        if there.growth_beyond(load) > growth_tolerance:
+        if self.under(load).growth_beyond(load) > growth_tolerance:
             return False
-        return bool(there.status(Loads((1,), *Loads.single(load).flat), growth_tolerance)[0] == STABLE)
+        return super().is_stable(load, growth_tolerance)
 
     def certify(
         self,

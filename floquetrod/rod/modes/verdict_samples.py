@@ -1,4 +1,4 @@
-"""Samples of a rod under noise along a quantity of the load, and where verdicts in mean square change between them."""
+"""Verdicts on a rod at samples along a quantity of the load, and where they change between them."""
 
 from __future__ import annotations
 
@@ -33,8 +33,8 @@ class VerdictCounts(NamedTuple):
         return (self.samples + self.halvings) * self.seconds_each
 
 
-class NoisySamples(NamedTuple):
-    """Verdicts in mean square along one quantity of the load."""
+class VerdictSamples(NamedTuple):
+    """Verdicts along one quantity of the load."""
 
     model: ModeModel
     search: Search
