@@ -72,8 +72,8 @@ def rows_of(case: Case) -> list[Row]:
     points = call()
     theirs = best_of(call, repeats=5)
     far = [point for point in points if abs(point.parameters[0] - points[0].parameters[0]) > 0.2 * abs(case.value)]
-    near = [min(branch.orbits, key=lambda each, v=p.parameters[0]: abs(each.system.parameters["p"] - v)) for p in far]
-    known = [(one, p.parameters[0], p.parameters[1]) for one, p in zip(near, far, strict=True)]
+    nearest = [int(abs(branch.values - point.parameters[0]).argmin()) for point in far]
+    known = [(branch.orbits[k], p.parameters[0], p.parameters[1]) for k, p in zip(nearest, far, strict=True)]
     worst = max(missed(*each) for each in known[:: max(1, len(known) // 4)])
     return [
         Row(name, 1e3 * seconds, "ms", f"AUTO-07p, {len(points)}", 1e3 * theirs),
@@ -100,7 +100,17 @@ def continuation(case: Case) -> Callable[[], Any]:
     auto: Any = importlib.import_module("bifpy.auto")
     low, high = case.over
     n = len(case.start)
-    settings = {"ndim": n, "npar": 1, "ntst": 50, "ncol": 4, "iad": 3, "ilp": 1, "isp": 2, "iads": 1, "itmx": 9}
+    settings: dict[str, Any] = {
+        "ndim": n,
+        "npar": 1,
+        "ntst": 50,
+        "ncol": 4,
+        "iad": 3,
+        "ilp": 1,
+        "isp": 2,
+        "iads": 1,
+        "itmx": 9,
+    }
     settings |= {"itnw": 7, "nwtn": 3, "jac": 0, "dsmin": 1e-4, "nmx": 200, "a0": -1e300, "a1": 1e300}
     settings |= {"epsl": 1e-7, "epsu": 1e-7, "epss": 1e-5}
     rest = settings | {"ips": auto.IPS_EQUILIBRIUM, "ds": 0.02, "dsmax": 0.1, "rl0": 0.5 * low, "rl1": 1.2 * high}
