@@ -40,7 +40,7 @@ extensions = [
     "parameters",
     "search_excerpts",
 ]
-exclude_patterns = ["_build", "gallery/*.ipynb"]  # the gallery offers its notebooks for download
+exclude_patterns = ["_build", "gallery/*.ipynb", "paper"]  # notebooks are for download, the paper is for a journal
 
 # --- look -------------------------------------------------------------------------------------------------------------
 # Furo: one column that fits a phone, light and dark, search on the spot, no fonts or scripts from elsewhere.
@@ -104,7 +104,6 @@ sphinx_gallery_conf = {
     "show_memory": False,
     "show_signature": False,
     "write_computation_times": False,
-    "copyfile_regex": r".*\.toml",
     "matplotlib_animations": False,
     "image_scrapers": ("thumbnails.scraper",),
     "thumbnail_size": (600, 420),

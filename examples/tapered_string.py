@@ -6,14 +6,14 @@ Tubing of two walls with a tool at its end, in casing above and open hole below.
 lateral vibration grow, and does one of the sections alone tell?
 """
 
-import sys
-from pathlib import Path
+from importlib.resources import files
 
 import matplotlib.pyplot as plt
 
 import floquetrod as fr
 
-string = fr.Rod.from_toml(Path(sys.argv[0]).with_name("string.toml"))
+here = files("floquetrod") / "examples"  # `floquetrod example` writes these files
+string = fr.Rod.from_toml(here / "string.toml")
 for part in string.uniform_parts:
     print(f"section {part.section + 1}, {part.start:g} to {part.end:g} m: F_cr {part.rod.critical_force / 1e3:.2f} kN")
 

@@ -6,8 +6,7 @@ Where a well builds, compression presses the string onto its floor; where it dro
 force buckles a string in a bend, and how far can it be pushed into a well, without and with a vibration tool?
 """
 
-import sys
-from pathlib import Path
+from importlib.resources import files
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -15,9 +14,9 @@ import numpy as np
 import floquetrod as fr
 from floquetrod.plotting import palette
 
-here = Path(sys.argv[0])
-tubing = fr.Rod.from_toml(here.with_name("tubing.toml"))
-well = fr.WellPath.from_csv(here.with_name("survey.csv"))
+here = files("floquetrod") / "examples"  # `floquetrod example` writes these files
+tubing = fr.Rod.from_toml(here / "tubing.toml")
+well = fr.WellPath.from_csv(here / "survey.csv")
 print(well)
 
 # %%

@@ -54,7 +54,13 @@ told(chart.to_xarray, "xarray")
 told(chart.bands.to_xarray, "xarray")
 """
 
-COMMANDS = ["--version", "--help", "check --rod nitinol --mean 0.2Fcr --amplitude 0.02Fcr --frequency 150"]
+COMMANDS = [
+    "--version",
+    "--help",
+    "check --rod nitinol --mean 0.2Fcr --amplitude 0.02Fcr --frequency 150",
+    "example --all --out tried",
+    "check --rod tried/my_rod.toml --mean 4N --amplitude 2N --frequency 16Hz",
+]
 
 
 def main(arguments: list[str]) -> int:

@@ -27,6 +27,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from floquetrod._util import validate
+from floquetrod._util.example_files import where_to_get
 
 Result = TypeVar("Result")
 
@@ -66,7 +67,7 @@ def require_regular(path: Path, largest: int | None = None) -> None:
     try:
         about = path.stat()
     except FileNotFoundError:
-        raise ValueError("there is no such file") from None
+        raise ValueError(f"there is no such file{where_to_get(path.name)}") from None
     if not stat.S_ISREG(about.st_mode):
         raise ValueError("it is a folder or a device, or a pipe; name a file")
     if largest is not None and about.st_size > largest:

@@ -8,6 +8,7 @@ from itertools import islice
 from pathlib import Path
 from typing import Any
 
+from floquetrod._util.example_files import where_to_get
 from floquetrod._util.sealed_files import require_regular
 from floquetrod._util.suggest import did_you_mean
 
@@ -49,7 +50,7 @@ def require_file(name: str, path: Path, wanted: str, others: Sequence[str] = ())
     beside: list[str] = []
     with suppress(OSError):
         beside = [file.name for file in islice(path.parent.iterdir(), _LOOKED_AT)]
-    hint = did_you_mean(path.name, [*others, *beside])
+    hint = where_to_get(path.name) or did_you_mean(path.name, [*others, *beside])
     folder = "" if path.parent.is_dir() else f"; there is no folder {str(path.parent)!r}"
     raise ValueError(f"{name} must be {wanted}, got {str(path)!r}: there is no such file{folder or hint}")
 

@@ -27,12 +27,13 @@ Prove that a rod is stable, or unstable, under every load of a box and for every
 or that a system of equations is.
 
 examples:
+  floquetrod example my_rod.toml system.toml
   floquetrod certify --rod nitinol --mean 0.33:0.35Fcr --amplitude 0.2Fcr --frequency 150rad/s --growth-tolerance 0.05
   floquetrod certify --rod my_rod.toml --mean 3.5N:4.5N --amplitude 2N --frequency 14Hz:15Hz --vary length=5.95:6.05
   floquetrod certify --rod nitinol --mean 0.34Fcr --amplitude 0.2Fcr --frequency 150rad/s --growth-tolerance 0.05
   floquetrod certify --rod my_rod.toml --mean 4N --amplitude 2N --frequency 14.5Hz --largest --vary length=5.95:6.05
   floquetrod certify --rod nitinol --mean 0.2Fcr --amplitude 0.2Fcr --frequency 149:151rad/s --json --exit-code
-  floquetrod certify --system my_system.toml
+  floquetrod certify --system system.toml
 
 stable: no mode of any rod grows faster than --growth-tolerance under any load of the box; the default is 1e-6 1/s,
 tenfold in a month.  unstable: some mode grows faster under every load.  mixed: some loads are stable and some are

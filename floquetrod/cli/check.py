@@ -43,15 +43,16 @@ Decide whether a rod is stable under an axial load, which modes grow and how fas
 of the verdict; or whether a system of periodic equations from a file is stable, with its multipliers.
 
 examples:
+  floquetrod example my_rod.toml wire.toml well.toml record.csv system.toml
   floquetrod check --rod nitinol --mean 0.2Fcr --amplitude 0.2Fcr --frequency 150rad/s
   floquetrod check --rod my_rod.toml --mean 12N --amplitude 3N --frequency 24Hz
   floquetrod check --rod nitinol --mean 0.3Fcr --amplitude 0.2Fcr --frequency 85rad/s --growth-tolerance 0.7 --json
   floquetrod check --rod nitinol --mean 0.825Fcr --amplitude 0.7Fcr --frequency 150rad/s --friction 0.1 --kick 50mm/s
   floquetrod check --rod my_rod.toml --mean 12N --amplitude 3N --frequency 24Hz --unit Fcr,rpm --exit-code
-  floquetrod check --rod examples/wire.toml --mean 0.3Fcr --amplitude 0.2Fcr --frequency 20Hz --out shape.png
-  floquetrod check --rod examples/well.toml --mean 0.5Fcr --amplitude 0.3Fcr --frequency 4Hz --wave held
+  floquetrod check --rod wire.toml --mean 0.3Fcr --amplitude 0.2Fcr --frequency 20Hz --out shape.png
+  floquetrod check --rod well.toml --mean 0.5Fcr --amplitude 0.3Fcr --frequency 4Hz --wave held
   floquetrod check --rod my_rod.toml --force record.csv --mean 12N --out fit.png
-  floquetrod check --system my_system.toml --exit-code
+  floquetrod check --system system.toml --exit-code
 
 The answer is in the units of the question or of --unit; --json is in N, rad/s and m/s.
 margins: how far each quantity may fall or rise, with the others unchanged, until the verdict changes.
@@ -97,7 +98,7 @@ def rod_file_in_words() -> str:
         f'as "68GPa", "2.375in", "8.6ppg" or "60deg".  May be given in place of a parameter: {_and(instead)}.  ends is '
         f"{', '.join(map(json.dumps, CONDITIONS))}, or two of them, the upper end first, such "
         'as "clamped-hinged".  A string of several sections has tables [[sections]] from its upper end down, each '
-        "with a length and a name or a diameter, see examples/string.toml, and bores such as "
+        "with a length and a name or a diameter, see floquetrod example string.toml, and bores such as "
         '[["0m", "4.778in"], ["1500m", "6.184in"]].  A steel pipe needs only its name, the bore (the diameter of the '
         "hole) and the length:"
     )

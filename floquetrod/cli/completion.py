@@ -65,6 +65,8 @@ class _Print(argparse.Action):
                 action.complete = shtab.glob(*_PATTERNS[action.dest])  # type: ignore[attr-defined]
             elif action.metavar == "FILE":
                 action.complete = shtab.FILE  # type: ignore[attr-defined]
+            elif action.metavar == "FOLDER":
+                action.complete = shtab.DIRECTORY  # type: ignore[attr-defined]
         print(shtab.complete(parser, shell=shell))
         parser.exit()
 

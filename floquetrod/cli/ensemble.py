@@ -29,6 +29,7 @@ _HELP = """\
 Simulate a rod many times, with other loads, kicks, seeds or data each time, and count how often it buckles.
 
 examples:
+  floquetrod example study.toml
   floquetrod ensemble study.toml
   floquetrod ensemble study.toml --store runs.zarr --workers 8
   floquetrod ensemble study.toml --out buckling.png --out runs.csv

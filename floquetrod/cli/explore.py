@@ -31,10 +31,11 @@ _HELP = """\
 Open a window with a slider for mean force, amplitude and frequency; map, modes, growth and verdict are updated.
 
 examples:
+  floquetrod example my_rod.toml well.toml record.csv
   floquetrod explore --rod nitinol
   floquetrod explore --rod my_rod.toml --mean 6N --amplitude 2N --frequency 24Hz
   floquetrod explore --rod nitinol --unit Fcr,Hz --out explorer.png
-  floquetrod explore --rod examples/well.toml --wave held --web
+  floquetrod explore --rod well.toml --wave held --web
   floquetrod explore --rod my_rod.toml --force record.csv
 
 The explorer accepts every rod and load of floquetrod check.  Slow results, such as those of coupled modes, appear

@@ -20,9 +20,10 @@ _HELP = """\
 Draw the stability lobes of a milling cutter: at which spindle speeds and depths of cut it chatters.
 
 examples:
-  floquetrod lobes examples/tool.toml
-  floquetrod lobes examples/tool.toml --speed 5000rpm:10000rpm --depth 0mm:4mm --points 400x200 --out lobes.png
-  floquetrod lobes examples/tool.toml --at 5000rpm --json
+  floquetrod example tool.toml
+  floquetrod lobes tool.toml
+  floquetrod lobes tool.toml --speed 5000rpm:10000rpm --depth 0mm:4mm --points 400x200 --out lobes.png
+  floquetrod lobes tool.toml --at 5000rpm --json
 
 The file has the cutter's modes, teeth, immersion and cutting coefficients, and may have the ranges of speed and depth.
 On a "Hopf" lobe the frequency of chatter is near that of a mode, on a "flip" lobe its period is twice the time between

@@ -66,7 +66,7 @@ def _run(argv: Sequence[str]) -> int:
             telling = warnings.showwarning = _Telling(options)
             require_writable(options)
             answer = options.run(options)
-        if options.command not in ("chart", "compare", "lobes", "catalogue"):  # which know no rods
+        if options.command not in ("chart", "compare", "lobes", "catalogue", "example"):  # which know no rods
             for warning in bare_numbers_typed(options):
                 say(f"floquetrod: warning: {warning}")
         telling.rest()
@@ -168,6 +168,7 @@ def _attached(arguments: Sequence[str]) -> list[str]:
 _EPILOG = """\
 examples:
   floquetrod check --rod nitinol --mean 0.2Fcr --amplitude 0.2Fcr --frequency 150rad/s
+  floquetrod example
   floquetrod check --help
   floquetrod check --help-all
 
@@ -196,6 +197,7 @@ _COMMANDS = {
     "report": "write a rod under a load into one file, a page or a PDF",
     "lobes": "draw the stability lobes of a milling cutter",
     "catalogue": "list the steel pipes and rods that are known by their size",
+    "example": "write the files that the examples of the other commands use",
 }
 """The commands in the order of the help, each with its line there."""
 
@@ -224,17 +226,15 @@ def _parser(only: str | None = None) -> Parser:
     return parser
 
 
-_OUT = "--out"
-"""The option of every command that names the file of a figure, a chart or a report."""
-
-_MEANT_OUT = ("--output", "--figure", "--plot", "--plot-force")
-"""What is typed for it, and what earlier versions called it."""
+_MEANT = {"--out": ("--output", "--figure", "--plot", "--plot-force"), "--overwrite": ("--force", "--replace")}
+"""Options, and what is typed for them, words of other programs among them."""
 
 
 def _elsewhere(name: str, option: str) -> str:
     """Return what to say of an unknown option: the command's own that does the same, or another command that has it."""
-    if option in _MEANT_OUT and _OUT in _options(name):
-        return f"; did you mean {_OUT}?"
+    own = _options(name)
+    if meant := next((right for right, typed in _MEANT.items() if option in typed and right in own), None):
+        return f"; did you mean {meant}?"
     commands = (other for other in _COMMANDS if other != name and option in _options(other))
     return next((f"; floquetrod {other} has it" for other in commands), "")
 

@@ -28,6 +28,7 @@ _HELP = """\
 Draw a rod's stability over two of mean force, amplitude and frequency; the third is fixed.
 
 examples:
+  floquetrod example my_rod.toml wire.toml well.toml
   floquetrod map --rod nitinol --amplitude 0.2Fcr --mean 0:1.1Fcr --frequency 20:200rad/s --out map.png
   floquetrod map --rod nitinol --frequency 150rad/s --mean 0:1.1Fcr --amplitude 0:0.5Fcr --growth --out map.npz
   floquetrod map --rod nitinol --amplitude 0.2Fcr --mean 0:1.1Fcr --frequency 20:200rad/s --growth-tolerance 1
@@ -35,8 +36,8 @@ examples:
   floquetrod map --rod my_rod.toml --amplitude 2N --mean 0:12N --frequency 5Hz:60Hz --mark 6N,24Hz
   floquetrod map --rod nitinol --amplitude 0.2Fcr --mean 0:1.1Fcr --frequency 20:200rad/s --paper-criterion exact
   floquetrod map --rod nitinol --amplitude 0.7Fcr --mean 0:1.1Fcr --frequency 20:200rad/s --friction 0.1 --kick 50mm/s
-  floquetrod map --rod examples/wire.toml --frequency 20Hz --mean 0:1Fcr --amplitude 0:0.5Fcr --points 60x40
-  floquetrod map --rod examples/well.toml --frequency 4Hz --mean 0:1Fcr --amplitude 0:0.5Fcr --wave free --points 40x30
+  floquetrod map --rod wire.toml --frequency 20Hz --mean 0:1Fcr --amplitude 0:0.5Fcr --points 60x40
+  floquetrod map --rod well.toml --frequency 4Hz --mean 0:1Fcr --amplitude 0:0.5Fcr --wave free --points 40x30
 
 The unstable bands are drawn as shapes between their boundaries; a label 7·1 says mode 7, tongue 1.  With --pixels the
 verdicts at the --points are drawn instead.

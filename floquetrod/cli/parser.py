@@ -106,9 +106,10 @@ class Parser(argparse.ArgumentParser):
     def _check_value(self, action: argparse.Action, value: Any) -> None:
         """Refuse what is not among the choices of an option, or is no command."""
         known = list(action.choices or ())
-        if known and value not in known:
-            wrong = f"must be one of {', '.join(known)}, got {value!r}{did_you_mean(value, known)}"
-            raise argparse.ArgumentError(action, wrong)
+        for word in value if isinstance(value, list) else [value]:  # the list is empty: of any number of words, none
+            if known and word not in known:
+                wrong = f"must be one of {', '.join(known)}, got {word!r}{did_you_mean(word, known)}"
+                raise argparse.ArgumentError(action, wrong)
 
     def _is_own(self, word: str) -> bool:
         """Return whether a word is for this parser: what follows the name of a command is for that of the command."""

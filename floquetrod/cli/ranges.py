@@ -16,11 +16,12 @@ _HELP = """\
 List the stable and unstable intervals of one quantity of the load: give a range for it, and values for the others.
 
 examples:
+  floquetrod example my_rod.toml wire.toml well.toml record.csv
   floquetrod ranges --rod nitinol --amplitude 0.2Fcr --frequency 150rad/s --mean 0:1.2Fcr
   floquetrod ranges --rod nitinol --mean 0.34Fcr --amplitude 0.2Fcr --frequency 10Hz:60Hz --out ranges.png
   floquetrod ranges --rod my_rod.toml --mean 12N --frequency 24Hz --amplitude 0:5N
-  floquetrod ranges --rod examples/wire.toml --amplitude 0.2Fcr --frequency 20Hz --mean 0:1Fcr
-  floquetrod ranges --rod examples/well.toml --mean 0.5Fcr --frequency 4Hz --amplitude 0:0.5Fcr --wave held
+  floquetrod ranges --rod wire.toml --amplitude 0.2Fcr --frequency 20Hz --mean 0:1Fcr
+  floquetrod ranges --rod well.toml --mean 0.5Fcr --frequency 4Hz --amplitude 0:0.5Fcr --wave held
   floquetrod ranges --rod my_rod.toml --force record.csv --mean 0:12N
 
 The ends of the intervals are the boundaries of resonance tongues, computed without a grid.  Tongues that grow no faster

@@ -43,11 +43,12 @@ _HELP = """\
 Compute how far a string of this section can be pushed into a well, without and with a vibration tool.
 
 examples:
-  floquetrod reach --well examples/survey.csv --rod examples/tubing.toml --friction 0.3
-  floquetrod reach --well examples/survey.csv --rod examples/tubing.toml --mu 0.3 --tool 5kN@18Hz@30m --speed 0.2m/s
-  floquetrod reach --well examples/survey.csv --rod examples/tubing.toml --friction 0.25,0.35@1500m --push 50kN
-  floquetrod reach --well examples/survey.csv --rod examples/tubing.toml --friction 0.3 --out reach.png
-  floquetrod reach --well examples/survey.csv --rod examples/tubing.toml --mu 0.3 --depths 9000:9900ft --unit ft,lbf
+  floquetrod example survey.csv tubing.toml
+  floquetrod reach --well survey.csv --rod tubing.toml --friction 0.3
+  floquetrod reach --well survey.csv --rod tubing.toml --mu 0.3 --tool 5kN@18Hz@30m --speed 0.2m/s
+  floquetrod reach --well survey.csv --rod tubing.toml --friction 0.25,0.35@1500m --push 50kN
+  floquetrod reach --well survey.csv --rod tubing.toml --friction 0.3 --out reach.png
+  floquetrod reach --well survey.csv --rod tubing.toml --mu 0.3 --depths 9000:9900ft --unit ft,lbf
 
 The survey has columns such as MD (m), Inc (deg) and Azi (deg).  The string is pushed at the first station; its length
 and inclination follow from the well.  It reaches the greatest depth at which no stress exceeds --yield-share of the

@@ -28,9 +28,10 @@ _HELP = """\
 Write a report on a rod under a load into one file: a page with its figures, or a PDF.
 
 examples:
+  floquetrod example tubing.toml survey.csv
   floquetrod report --rod nitinol --mean 0.2Fcr --amplitude 0.2Fcr --frequency 150rad/s --out nitinol.html
-  floquetrod report --rod examples/tubing.toml --mean 3kN --amplitude 2kN --frequency 4Hz --out tubing.pdf
-  floquetrod report --rod examples/tubing.toml --mean 3kN --amplitude 2kN --frequency 4Hz --well survey.csv --mu 0.3
+  floquetrod report --rod tubing.toml --mean 3kN --amplitude 2kN --frequency 4Hz --out tubing.pdf
+  floquetrod report --rod tubing.toml --mean 3kN --amplitude 2kN --frequency 4Hz --well survey.csv --mu 0.3
 
 It holds what was asked about, the verdict with growth and margins, a map of mean forces and frequencies about the load,
 the constant forces at which the rod buckles by the literature, the stress and its share of yield where the grade is

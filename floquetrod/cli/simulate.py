@@ -35,6 +35,7 @@ _HELP = """\
 Simulate the whole nonlinear rod in its channel, with or without friction, and compare it with the theory.
 
 examples:
+  floquetrod example my_rod.toml well.toml record.csv
   floquetrod simulate --rod nitinol --mean 0.2Fcr --amplitude 0.2Fcr --frequency 150rad/s --out run.png --out run.npz
   floquetrod simulate --rod nitinol --mean 0.825Fcr --amplitude 0.7Fcr --frequency 150rad/s --mu 0.1 --kick 9:50mm/s
   floquetrod simulate --rod nitinol --mean 0.42Fcr --amplitude 0.7Fcr --frequency 150rad/s --mu 0.1 --case C:10 --seed 2
@@ -42,8 +43,8 @@ examples:
   floquetrod simulate --rod my_rod.toml --mean 6N --amplitude 2N --frequency 24Hz --duration 60s --checkpoint run.ckpt
   floquetrod simulate --continue run.npz --duration 2s --out longer.npz
   floquetrod simulate --start run.npz --rod nitinol --mean 0.1Fcr --amplitude 0.1Fcr --frequency 150rad/s --duration 2s
-  floquetrod simulate --rod examples/well.toml --mean 0.5Fcr --amplitude 0.3Fcr --frequency 4Hz --wave held
-  floquetrod simulate --rod examples/well.toml --mean 0.3Fcr --amplitude 0N --frequency 4Hz --tool 2kN@4Hz@1m
+  floquetrod simulate --rod well.toml --mean 0.5Fcr --amplitude 0.3Fcr --frequency 4Hz --wave held
+  floquetrod simulate --rod well.toml --mean 0.3Fcr --amplitude 0N --frequency 4Hz --tool 2kN@4Hz@1m
   floquetrod simulate --rod my_rod.toml --force record.csv --mean 12N --duration 5s
   floquetrod simulate --rod nitinol --mean 0N --amplitude 0N --frequency 1Hz --mu 0.2 --feed-speed 20mm/s --far-force 1N
 

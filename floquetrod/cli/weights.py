@@ -33,10 +33,11 @@ _HELP = """\
 Draw pick-up and slack-off weights of a string over the depth of its lower end, for several factors of friction.
 
 examples:
-  floquetrod weights --well examples/survey.csv --rod examples/tubing.toml --friction 0.2,0.3,0.4
-  floquetrod weights --well examples/survey.csv --rod examples/tubing.toml --friction 0.2,0.3@1500m,0.25,0.4@1500m
-  floquetrod weights --well examples/survey.csv --rod examples/tubing.toml --mu 0.2,0.3 --out weights.png --unit ft,lbf
-  floquetrod weights --well examples/survey.csv --rod examples/tubing.toml --mu 0.3 --wellhead-pressure 3000psi \\
+  floquetrod example survey.csv tubing.toml
+  floquetrod weights --well survey.csv --rod tubing.toml --friction 0.2,0.3,0.4
+  floquetrod weights --well survey.csv --rod tubing.toml --friction 0.2,0.3@1500m,0.25,0.4@1500m
+  floquetrod weights --well survey.csv --rod tubing.toml --mu 0.2,0.3 --out weights.png --unit ft,lbf
+  floquetrod weights --well survey.csv --rod tubing.toml --mu 0.3 --wellhead-pressure 3000psi \\
       --stripper 2kip
 
 The weight is what the hook or the injector carries, negative where it has to push: the weight in fluid, less the push

@@ -492,7 +492,7 @@ def test_names_of_files_are_printable_in_the_terminal(
     monkeypatch.chdir(tmp_path)
     if not DEEP:  # pictures take seconds
         monkeypatch.setattr("floquetrod.plotting.chart_plot.save_figure", lambda drawn, path: path)
-    name, examples = f"a{code}b", Path(__file__).parents[2] / "examples"
+    name, examples = f"a{code}b", Path(__file__).parents[2] / "floquetrod/examples"
     Path(f"{name}.csv").write_bytes((examples / "survey.csv").read_bytes())
     Path(f"{name}.toml").write_text("length = 3", encoding="utf-8")
     reach = ["reach", "--rod", str(examples / "tubing.toml"), "--friction", "0.3", "--depths", "300m"]

@@ -73,7 +73,7 @@ def test_a_study_is_what_the_library_would_be_given(tmp_path: Path) -> None:
 
 
 def test_rods_by_file_by_table_and_from_the_catalogue(tmp_path: Path) -> None:
-    wire = (ROOT / "examples/wire.toml").read_text(encoding="utf-8")
+    wire = (ROOT / "floquetrod/examples/wire.toml").read_text(encoding="utf-8")
     (tmp_path / "wire.toml").write_text(wire, encoding="utf-8")
     tables = {"run": 'duration = "1ms"', "start": None}
     by_name = fr.Study.from_toml(Path(written(tmp_path, **{"": 'rod = "wire.toml"'}, **tables))).problem
@@ -134,7 +134,7 @@ def test_everything_that_can_be_varied_has_a_kind(tmp_path: Path) -> None:
 
 
 def test_the_example_is_a_study() -> None:
-    study = fr.Study.from_toml(ROOT / "examples/study.toml")
+    study = fr.Study.from_toml(ROOT / "floquetrod/examples/study.toml")
     assert study.problem.friction == 0.1
     assert len(study.over["seed"]) == 20
 

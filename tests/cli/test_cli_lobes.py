@@ -11,7 +11,7 @@ import pytest
 import floquetrod as fr
 from floquetrod import cli
 
-TOOL = Path(__file__).parents[2] / "examples/tool.toml"
+TOOL = Path(__file__).parents[2] / "floquetrod/examples/tool.toml"
 
 
 def test_it_says_the_critical_depth(capsys: pytest.CaptureFixture[str]) -> None:

@@ -135,9 +135,9 @@ def test_ctrl_c_ends_a_long_command_and_leaves_no_half_file(command: str, tmp_pa
     assert not [path for path in tmp_path.rglob("*") if path.is_file() and path.suffix != ".png"]
 
 
-EXAMPLES = Path(__file__).parents[2] / "examples"
-READ = {"path", "well", "study", "store", "checkpoint", "tool", "earlier", "start"}
-"""Options and arguments of which each names one file that is read, or is kept up to date."""
+EXAMPLES = Path(__file__).parents[2] / "floquetrod/examples"
+READ = {"path", "well", "study", "store", "checkpoint", "tool", "earlier", "start", "folder"}
+"""Options and arguments of which each names one file that is read, or is kept up to date, or a folder."""
 
 WRITING = ["check", "map", "chart", "explore", "ranges", "simulate", "ensemble", "report", "reach", "weights", "lobes"]
 """Commands that write files."""

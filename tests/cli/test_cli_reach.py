@@ -12,7 +12,7 @@ import floquetrod as fr
 from floquetrod import cli
 from tests.conftest import depth
 
-EXAMPLES = Path(__file__).parents[2] / "examples"
+EXAMPLES = Path(__file__).parents[2] / "floquetrod/examples"
 SURVEY = "MD (m),Inc (deg),Azi (deg)\n0,0,0\n1000,0,0\n1450,90,0\n2000,90,0\n"
 
 

@@ -21,7 +21,7 @@ from tests.seams import Tuned
 
 mpl.use("Agg")
 ROOT = Path(__file__).parents[2]
-WIRE, WELL = (str(ROOT / f"examples/{name}.toml") for name in ("wire", "well"))
+WIRE, WELL = (str(ROOT / f"floquetrod/examples/{name}.toml") for name in ("wire", "well"))
 PUSH = ["--mean", "0.3Fcr", "--amplitude", "0.2Fcr", "--frequency", "20Hz"]
 SHAKE = ["--mean", "0.5Fcr", "--amplitude", "0.3Fcr", "--frequency", "4Hz"]
 HERTZ = 2.0 * np.pi
@@ -424,7 +424,7 @@ def test_other_refusals(record: str, capsys: pytest.CaptureFixture[str]) -> None
         capsys, "ranges", "--rod", WIRE, "--amplitude", "0:1Fcr"
     )
     assert "must be a range" in refused(capsys, "ranges", "--rod", WIRE, "--force", record)
-    system = str(ROOT / "examples/system.toml")
+    system = str(ROOT / "floquetrod/examples/system.toml")
     for option in (["--wave", "held"], ["--mean-at", "0"], ["--force", record], ["--margins"], ["--out", "x.png"]):
         assert f"{option[0]} belongs to --rod" in refused(capsys, "check", "--system", system, *option)
 
@@ -441,7 +441,7 @@ def test_help_teaches_real_rods(capsys: pytest.CaptureFixture[str]) -> None:
         (
             "check",
             (
-                "examples/wire.toml",
+                "wire.toml",
                 "--wave held",
                 'ends = "clamped-hinged"',
                 "catalogue = ",
@@ -449,8 +449,8 @@ def test_help_teaches_real_rods(capsys: pytest.CaptureFixture[str]) -> None:
                 "--force record",
             ),
         ),
-        ("ranges", ("examples/wire.toml", "--wave held", "--force record.csv")),
-        ("map", ("examples/wire.toml", "--wave free")),
+        ("ranges", ("wire.toml", "--wave held", "--force record.csv")),
+        ("map", ("wire.toml", "--wave free")),
     ):
         with pytest.raises(SystemExit):
             cli.main([command, "--help-all"])

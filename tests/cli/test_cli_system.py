@@ -18,7 +18,7 @@ from floquetrod.equations.system_files import read_system
 from tests.seams import Tuned
 
 ROOT = Path(__file__).parents[2]
-EXAMPLE = ROOT / "examples/system.toml"
+EXAMPLE = ROOT / "floquetrod/examples/system.toml"
 
 COUPLED = """\
 [system]
@@ -337,7 +337,7 @@ def test_the_file_in_the_help_is_a_system(tmp_path: Path, capsys: pytest.Capture
     assert found is not None
     system = read_system(written(tmp_path, found[0].replace("  [", "[", 1)))
     assert system == read_system(EXAMPLE)
-    assert "floquetrod check --system my_system.toml" in shown
+    assert "floquetrod check --system system.toml" in shown
 
 
 def test_certify_proves_the_system(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -48,7 +48,7 @@ def terminal(command: str) -> Any:
 
     out, err = io.StringIO(), io.StringIO()
     with tempfile.TemporaryDirectory() as folder:
-        shutil.copytree(ROOT / "examples", Path(folder) / "examples")
+        shutil.copytree(ROOT / "floquetrod/examples", Path(folder) / "examples")
         with contextlib.chdir(folder), contextlib.redirect_stdout(out), contextlib.redirect_stderr(err):
             status = main(shlex.split(command))
     return {"exit": status, "json": _kept(json.loads(out.getvalue() or "null"))}

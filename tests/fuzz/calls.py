@@ -788,7 +788,9 @@ def _of_milling() -> dict[str, Call]:
             | {"direction": "down", "pitch": ["170deg", "190deg"], "helix": "30deg", "diameter": "12mm"}
             | {"runout": ["0um", "10um"], "feed_per_tooth": "0.1mm"},
         ),
-        "Milling.from_toml": Call(fr.Milling.from_toml, {"path": Path(__file__).parents[2] / "examples/tool.toml"}),
+        "Milling.from_toml": Call(
+            fr.Milling.from_toml, {"path": Path(__file__).parents[2] / "floquetrod/examples/tool.toml"}
+        ),
         "Milling.cutting": Call(mill.cutting, {"angle": 0.3}),
         "Milling.lag": Call(mill.lag, {"depth": "0.5mm"}),
         "Milling.system": Call(mill.system, place),

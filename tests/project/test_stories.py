@@ -105,8 +105,8 @@ def test_my_rod_is_stable_in_its_windows_alone(ran: Ran) -> None:
     for band in windows.unstable:
         found = rates(rod, names["mean"], names["amplitude"], band.at, range(1, 13)).max()
         assert abs(found - band.worst_growth) < 1e-6
-    assert windows.table("Hz") == windows.table("Hz", 2.0 * math.pi)
-    assert windows.table() == windows.table("rad/s", 1.0)
+    assert windows.table() == windows.table("Hz") == windows.table("Hz", 2.0 * math.pi)  # in the unit of the question
+    assert windows.table("rad/s") == windows.table("rad/s", 1.0)
     with pytest.raises(ValueError, match=r"unit must be a unit of frequency \(rad/s, .*, rpm\), got 'N'"):
         windows.table("N")
 
@@ -126,7 +126,7 @@ def test_the_damping_that_the_band_of_my_rod_needs(ran: Ran) -> None:
 
 def test_the_window_of_my_rod_is_safe_wherever_it_is_tried(ran: Ran) -> None:
     names, _ = ran("my_rod")
-    rod, mean, amplitude, hertz = (names[name] for name in ("rod", "mean", "amplitude", "Hz"))
+    rod, mean, amplitude, hertz = names["rod"], names["mean"], names["amplitude"], 2.0 * math.pi
     window = {"mean": (0.95 * mean, 1.05 * mean), "amplitude": (0.0, amplitude)}
     window["frequency"] = (14.0 * hertz, 15.0 * hertz)
     assert rod.certify(**window, rod={"length": (12.16, 12.22)}).status == "stable"

@@ -174,8 +174,10 @@ def test_the_terminal(tmp_path: Path, capsys: pytest.CaptureFixture[str], monkey
 def test_of_tubing_in_a_well_reach_is_told_and_drawn(tmp_path: Path) -> None:
     path = tmp_path / "tubing.html"
     load = ["--mean", "3kN", "--amplitude", "2kN", "--frequency", "4Hz", "--no-margins"]
-    well = ["--well", str(ROOT / "examples/survey.csv"), "--friction", "0.3", "--tool", "5kN@18Hz@30m"]
-    assert main(["report", "--rod", str(ROOT / "examples/tubing.toml"), *load, *well, "--out", str(path)]) == 0
+    well = ["--well", str(ROOT / "floquetrod/examples/survey.csv"), "--friction", "0.3", "--tool", "5kN@18Hz@30m"]
+    assert (
+        main(["report", "--rod", str(ROOT / "floquetrod/examples/tubing.toml"), *load, *well, "--out", str(path)]) == 0
+    )
     page = path.read_text()
     assert "How far does the string go?" in words(page)
     captions = re.findall(r"<figcaption>Figure (\d+)\. ", page)
@@ -217,8 +219,17 @@ def test_units_are_checked_before_anything_is_computed(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.setattr(fr.Rod, "reach", None)
-    load = ["--rod", str(ROOT / "examples/tubing.toml"), "--mean", "3kN", "--amplitude", "0", "--frequency", "4Hz"]
-    well = ["--well", str(ROOT / "examples/survey.csv"), "--friction", "0.3"]
+    load = [
+        "--rod",
+        str(ROOT / "floquetrod/examples/tubing.toml"),
+        "--mean",
+        "3kN",
+        "--amplitude",
+        "0",
+        "--frequency",
+        "4Hz",
+    ]
+    well = ["--well", str(ROOT / "floquetrod/examples/survey.csv"), "--friction", "0.3"]
     assert main(["report", *load, *well, "--unit", "ft,parsec"]) == 2
     assert "--unit must name units such as Hz,Fcr or ft,lbf, got 'parsec'" in capsys.readouterr().err
 
@@ -242,7 +253,7 @@ def test_a_reach_is_written_in_the_units_asked_for_and_others_refuse_them(tmp_pa
 @pytest.mark.slow
 def test_one_report_whichever_command_writes_it(tmp_path: Path) -> None:
     """What is said of a string and its well by `report` is said by `reach`, in the same words; inputs come first."""
-    rod, survey = str(ROOT / "examples/tubing.toml"), str(ROOT / "examples/survey.csv")
+    rod, survey = str(ROOT / "floquetrod/examples/tubing.toml"), str(ROOT / "floquetrod/examples/survey.csv")
     well = ["--rod", rod, "--well", survey, "--friction", "0.3", "--project", "a <job>"]
     load = ["--mean", "3kN", "--amplitude", "0", "--frequency", "4Hz", "--no-margins", "--unit", "m,kN"]
     files = tmp_path / "report.html", tmp_path / "reach.html"

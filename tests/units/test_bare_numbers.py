@@ -18,7 +18,7 @@ from floquetrod.bare_numbers import Quantity, bare_numbers
 from floquetrod.rod.reading import read_tool
 from tests.conftest import depth
 
-EXAMPLES = Path(__file__).parents[2] / "examples"
+EXAMPLES = Path(__file__).parents[2] / "floquetrod/examples"
 TOOL = (EXAMPLES / "tool.toml").read_text(encoding="utf-8")
 WELL = ["--well", str(EXAMPLES / "survey.csv"), "--rod", str(EXAMPLES / "tubing.toml"), "--friction", "0.3"]
 

@@ -228,7 +228,7 @@ def test_bad_wells(change: dict[str, Any], error: type[Exception], message: str)
 
 
 def test_the_example_of_a_well() -> None:
-    rod = fr.Rod.from_toml(ROOT / "examples/well.toml")
+    rod = fr.Rod.from_toml(ROOT / "floquetrod/examples/well.toml")
     fluids: dict[str, Any] = {"fluid_inside": "8.6ppg", "fluid_outside": "8.6ppg"}
     assert rod == fr.Rod.catalogue("2x.156 CT90", bore="4.778in", length="200ft", inclination="60deg", **fluids)
 

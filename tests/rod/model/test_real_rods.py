@@ -350,7 +350,7 @@ def test_files_of_simulations_hold_rods_as_before() -> None:
 
 
 def test_the_example_file(capsys: pytest.CaptureFixture[str]) -> None:
-    path = ROOT / "examples/tubing.toml"
+    path = ROOT / "floquetrod/examples/tubing.toml"
     rod = fr.Rod.from_toml(path)
     water = 8.345 * 0.45359237 / 3.785411784e-3
     expected = fr.Rod(
