@@ -13,7 +13,7 @@ from floquetrod.cli.common import compiling_told
 from floquetrod.cli.main import drop_unwritten
 from floquetrod.cli.output import Output, output
 from studies.report import verdict
-from studies.reproduction import FULL, QUICK, reproduce
+from studies.reproduction import FULL, QUICK, draw_one, reproduce
 
 _HELP = """\
 Recompute the figures and check the claims of the published study (DOI 10.1115/1.4031710).
@@ -22,11 +22,13 @@ examples:
   python -m studies --quick
   python -m studies --out my_folder
   python -m studies --simulations --out my_folder
+  python -m studies --only 3b
 
 Writes the figures (PNG), claims.md, claims.json and report.html, which holds everything.  --quick takes coarser maps
 and some seconds.  --simulations adds Figures 4 and 7 and claims F4, F7 and E by simulating the whole rod 89 times, some
 two minutes of processor time shared among all processors; with --quick 65 times.  The exit status is 1 if the verdict
-on a claim differs from the one that this version expects, 2 for input it cannot use and 130 after Ctrl-C.
+on a claim differs from the one that this version expects, 2 for input it cannot use and 130 after Ctrl-C.  --only draws
+one figure, or one panel of it, as PNG and PDF with its data as CSV, and checks no claim.
 """
 
 
@@ -34,6 +36,12 @@ def _reproduce(options: argparse.Namespace) -> Output:
     if options.out.exists() and not options.out.is_dir():
         raise ValueError(f"--out must be a folder, and {str(options.out)!r} is a file")
     detail = QUICK if options.quick else FULL
+    if options.only is not None:
+        if options.simulations:
+            raise ValueError(f"--simulations is for the whole study, got it beside --only {options.only}; leave it out")
+        paths = draw_one(options.out, options.only, detail=detail, progress=_progress())
+        names = [str(path) for path in paths]
+        return output(options, lambda: f"written: {', '.join(names)}", lambda: {"written": names})
     result = reproduce(options.out, detail=detail, simulations=options.simulations, progress=_progress())
     status = 1 if result.lost else 0
     written = [str(path) for path in result.written]
@@ -59,6 +67,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     parser.add_argument("--json", action="store_true", help="print JSON")
     parser.add_argument("--quick", action="store_true", help="coarser maps, in seconds")
     parser.add_argument("--simulations", action="store_true", help="simulate the rods of Figures 4 and 7, too")
+    parser.add_argument("--only", metavar="FIGURE", help="one figure with its data: 3, its panel 3b, or kick")
     parser.add_argument(
         "--out", metavar="FOLDER", type=Path, default=Path("reproduction"), help="folder (default: reproduction)"
     )

@@ -1,4 +1,4 @@
-"""The study's figures, in its layout; the data come computed."""
+"""The study's figures, in its layout; the data come computed, and what is drawn of them has a label with its name."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ def draw_plane(
 
 def draw_exact_plane(ax: Any, bands: Any, curves: Any) -> None:
     """Draw the unstable bands of the (alpha, beta) plane under the transition curves."""
-    fill(ax, bands, palette.UNSTABLE)
+    fill(ax, bands, palette.UNSTABLE, label="unstable band")
     _draw_curves(ax, curves)
     _frame(ax, bands.x.values, bands.y.values, r"$\alpha$", r"$\beta$")
 
@@ -55,15 +55,16 @@ def draw_outlines(ax: Any, bands: Any) -> None:
         for part in np.split(np.arange(len(hidden)), np.flatnonzero(np.diff(hidden)) + 1):
             if not hidden[part[0]]:
                 chosen = np.append(part, part[-1] + 1)
-                ax.plot(*line[chosen].T, color="black", linewidth=0.8)
+                ax.plot(*line[chosen].T, color="black", linewidth=0.8, label="boundary")
 
 
 def draw_modes(ax: Any, alpha: NDArray[np.float64], beta: NDArray[np.float64], unstable: NDArray[np.bool_]) -> None:
     """Mark modes 1, 2, ... at (alpha, beta): filled where unstable, numbered where there is room."""
-    ax.plot(alpha, beta, color="black", linewidth=0.5)
+    ax.plot(alpha, beta, color="black", linewidth=0.5, label="_all modes")
     for i, (x, y) in enumerate(zip(alpha, beta, strict=True)):
         style = palette.POINT | ({"markerfacecolor": "black"} if unstable[i] else {})
-        ax.plot(x, y, **style, markersize=5, zorder=3)
+        said = "unstable" if unstable[i] else "stable"
+        ax.plot(x, y, **style, markersize=5, zorder=3, label=f"mode {i + 1}, {said}")
     box = palette.BOX | {"boxstyle": "round,pad=0.1", "edgecolor": "none"}
     last = None
     for i, place in enumerate(zip(alpha, beta, strict=True)):
@@ -92,7 +93,7 @@ def draw_map(
     colour: str,
 ) -> None:
     """Draw a map over frequency (rad/s) and mean force (F_cr): bands in a colour, over them what fails a test."""
-    fill(ax, bands, colour)
+    fill(ax, bands, colour, label="unstable band")
     if failing is not None:
         _shade(ax, omega, force, failing)
     _frame(ax, (omega[0], omega[-1]), (force[0], force[-1]), r"$\omega$ / (rad/s)", r"$F_\mathrm{ave} / F_\mathrm{cr}$")
@@ -102,8 +103,10 @@ def draw_intervals(ax: Any, intervals: list[UnstableForces], upto: float) -> Non
     """Draw the unstable intervals of the mean force, a row for each mode."""
     for low, high, mode, seen in intervals:
         colour = palette.UNSTABLE if seen else palette.UNSEEN
-        ax.broken_barh([(low, high - low)], (mode - 0.4, 0.8), facecolor=colour, edgecolor="none")
-        ax.plot([low, low], [mode - 0.4, mode + 0.4], color=colour, linewidth=1.0)  # however thin
+        name = f"unstable interval of mode {mode}" + ("" if seen else ", below the threshold")
+        ax.broken_barh([(low, high - low)], (mode - 0.4, 0.8), facecolor=colour, edgecolor="none", label=name)
+        edge = [low, low], [mode - 0.4, mode + 0.4]
+        ax.plot(*edge, color=colour, linewidth=1.0, label="_edge")  # however thin the bar
     top = max((interval.mode for interval in intervals), default=1) + 0.6
     _frame(ax, (0.0, upto), (0.4, top), r"$F_\mathrm{ave} / F_\mathrm{cr}$", "unstable mode $m$")
     ax.yaxis.get_major_locator().set_params(integer=True)
@@ -119,7 +122,8 @@ def draw_kicks(ax: Any, force: NDArray[np.float64], kicks: dict[int, NDArray[np.
     inner = (force > 0.04 * force[-1]) & (force < 0.96 * force[-1])
     taken: list[Any] = []
     for mode, values in kicks.items():
-        ax.plot(force, np.where(np.isfinite(values), values, np.nan), color="black", linewidth=0.9)
+        finite = np.where(np.isfinite(values), values, np.nan)
+        ax.plot(force, finite, color="black", linewidth=0.9, label=f"mode {mode}")
         seen = np.where(inner & np.isfinite(values) & (values < 900.0), values, np.inf)
         at = int(seen.argmin())
         here = ax.transData.transform((force[at], seen[at]))
@@ -129,7 +133,7 @@ def draw_kicks(ax: Any, force: NDArray[np.float64], kicks: dict[int, NDArray[np.
         where = {"xytext": (0, -6), "textcoords": "offset points", "ha": "center", "va": "center"}
         clear = [withStroke(linewidth=2.0, foreground=palette.STABLE)]  # of lines that cross it
         ax.annotate(str(mode), (force[at], seen[at]), fontsize="x-small", path_effects=clear, zorder=3.0, **where)
-    ax.axhline(applied, color="0.4", linestyle="--", linewidth=0.9)
+    ax.axhline(applied, color="0.4", linestyle="--", linewidth=0.9, label="_applied kick")
     ax.set_xlabel(r"$F_\mathrm{ave} / F_\mathrm{cr}$")
     ax.set_ylabel("critical kick $v_c$ / (mm/s)")
 
@@ -141,7 +145,9 @@ def draw_kick_map(ax: Any, omega: NDArray[np.float64], force: NDArray[np.float64
     ax.patch.set(**palette.NO_KICK)
     shown = np.ma.masked_where(~np.isfinite(kick), kick)
     shades = palette.shades(darkest_first=True)
-    mesh = ax.pcolormesh(omega, force, shown, cmap=shades, norm=LogNorm(15.0, 300.0), rasterized=True)
+    mesh = ax.pcolormesh(
+        omega, force, shown, cmap=shades, norm=LogNorm(15.0, 300.0), rasterized=True, label="critical kick"
+    )
     ticks = [20.0, 50.0, 100.0, 200.0]
     bar = ax.figure.colorbar(mesh, ax=ax, label="critical kick $v_c$ / (mm/s)", extend="both", ticks=ticks, format="%g")
     bar.minorticks_off()
@@ -159,7 +165,8 @@ def draw_strip(run: Any, ax: Any, title: str) -> None:
     widest = int(quarter[run.largest_angle[quarter].argmax()])
     for frame in (*np.linspace(quarter[0], last, 4).astype(int), widest):
         x, y = run.positions[frame, :, 0], 1e3 * run.positions[frame, :, 1]
-        ax.plot(x, y, color="black" if frame == widest else "0.7", linewidth=1.0 if frame == widest else 0.6)
+        style = {"color": "black", "linewidth": 1.0} if frame == widest else {"color": "0.7", "linewidth": 0.6}
+        ax.plot(x, y, **style, label=f"rod at {run.time[frame]:.6g} s")
     ax.set_title(title, fontsize="x-small", pad=4.0)
 
 
@@ -198,8 +205,9 @@ def caption(figure: Any, text: str, width: int) -> None:
 
 
 def _draw_curves(ax: Any, curves: Any) -> None:
-    for values in (*curves.even, *curves.odd):
-        ax.plot(curves.alpha, values, color="black", linewidth=0.7)
+    for name, family in (("even", curves.even), ("odd", curves.odd)):
+        for values in family:
+            ax.plot(curves.alpha, values, color="black", linewidth=0.7, label=f"{name} transition curve")
 
 
 def _frame(ax: Any, across: Sequence[float], up: Sequence[float], right: str, above: str) -> None:
@@ -212,4 +220,4 @@ def _frame(ax: Any, across: Sequence[float], up: Sequence[float], right: str, ab
 
 def _shade(ax: Any, x: NDArray[np.float64], y: NDArray[np.float64], where: NDArray[np.bool_]) -> None:
     shown = np.ma.masked_where(~where, np.ones(where.shape))
-    ax.pcolormesh(x, y, shown, cmap=palette.verdicts(), vmin=0.0, vmax=1.0, rasterized=True)
+    ax.pcolormesh(x, y, shown, cmap=palette.verdicts(), vmin=0.0, vmax=1.0, rasterized=True, label="unstable point")

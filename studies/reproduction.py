@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import functools
+import io
+import itertools
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, NamedTuple
 
 from floquetrod._util.sealed_files import atomic_file, writable
-from studies import figures, friction_figures, simulation_claims, simulation_figures
+from studies import figures, friction_figures, one_figure, simulation_claims, simulation_figures
 from studies.claims import Claim, frictionless_claims
 from studies.friction_claims import friction_claims
 from studies.report import FILES, Picture, write_report
@@ -117,6 +119,56 @@ def reproduce(
     return Reproduction(tuple(claims), (*(picture.path for picture in pictures.values()), *reports))
 
 
+def draw_one(
+    folder: Path, name: str, *, detail: Detail = FULL, progress: Callable[[str, int, int], None] | None = None
+) -> tuple[Path, ...]:
+    """Draw a figure, or one panel of it, into a folder, and return the files: PNG, PDF and the data as CSV.
+
+    Parameters
+    ----------
+    folder : Path
+        Where the files go; it is made if it is not there.
+    name : str
+        A figure such as "3" or "kick", or a panel such as "3b".  Figures 4 and 7 are simulated first.
+    detail, progress
+        As `reproduce` takes them.
+    """
+    say = progress or (lambda what, done, total: None)
+    runs = itertools.count()
+    total = simulation_claims.runs(detail.few_runs)
+    study = functools.cache(
+        lambda: simulation_claims.make_study(detail.few_runs, lambda what: say(what, next(runs), total))
+    )
+    drawings = {
+        file.removeprefix("figure_").removesuffix(".png"): (title, draw)
+        for title, file, draw in sorted([*_drawings(detail), *_simulated(study)], key=lambda drawing: drawing[1])
+    }
+    figure_name, letter = (name, "") if name in drawings else (name[:-1], name[-1:])
+    if figure_name not in drawings:
+        raise ValueError(f"--only must name a figure, {', '.join(drawings)}, or a panel such as 3b, got {name!r}")
+    paths = tuple(folder / f"figure_{name}.{kind}" for kind in ("png", "pdf", "csv"))
+    folder.mkdir(parents=True, exist_ok=True)
+    for path in paths:
+        writable(path)
+    title, draw = drawings[figure_name]
+    say(title, 0, 1)
+    figure = draw()
+    if letter:
+        letters = [each for each in one_figure.panels_of(figure) if each.isalpha()]
+        if letter not in letters:
+            there = f"it has {', '.join(letters)}" if letters else "it has no letters"
+            raise ValueError(f"--only must name a panel of figure {figure_name}, got {name!r}; {there}")
+        one_figure.keep_panel(figure, letter)
+    for path in paths[:2]:
+        _save(figure, path)
+    with atomic_file(paths[2]) as file:
+        text = io.StringIO()
+        one_figure.write_data(figure, text)
+        file.write(text.getvalue().encode())
+    say("Done", 1, 1)
+    return paths
+
+
 def _drawings(detail: Detail) -> list[tuple[str, str, Callable[[], Any]]]:
     """Return title, file and function of each figure."""
     chart = detail.chart
@@ -144,5 +196,5 @@ def _simulated(study: Callable[[], simulation_claims.SimulationStudy]) -> list[t
 
 def _save(figure: Any, path: Path) -> Picture:
     with atomic_file(path) as file:
-        figure.savefig(file, dpi=_DPI, format="png")
+        figure.savefig(file, dpi=_DPI, format=path.suffix[1:])
     return Picture(figure, path)

@@ -69,7 +69,9 @@ def draw_banded_chart(chart: Any, ax: Any = None) -> Any:
     return ax
 
 
-def fill(ax: Any, bands: Collection[Any], colour: str, *, line: float = _LINE, zorder: float = 1.0) -> None:
+def fill(
+    ax: Any, bands: Collection[Any], colour: str, *, line: float = _LINE, zorder: float = 1.0, label: str = ""
+) -> None:
     """Fill bands with a colour; unless ``line``, in points, is 0, they are seen however thin they are."""
     from matplotlib.collections import PolyCollection
 
@@ -81,6 +83,7 @@ def fill(ax: Any, bands: Collection[Any], colour: str, *, line: float = _LINE, z
         joinstyle="round",
         rasterized=sum(band.x.size for band in bands) > _MOST_VERTICES,
         zorder=zorder,
+        label=label,
     )
     ax.add_collection(shapes, autolim=False)
 
