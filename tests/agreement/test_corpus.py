@@ -109,7 +109,17 @@ def test_the_interface_is_as_it_was() -> None:
     assert not broken
 
 
-@pytest.mark.parametrize("name", ["floquetrod.stability", "floquetrod.Rod.stability(load)", "floquetrod check --kick"])
+@pytest.mark.parametrize(
+    "name",
+    [
+        "floquetrod.stability",
+        "floquetrod.Rod.stability(load)",
+        "floquetrod.rod.Stress.share_of_yield",
+        "floquetrod check --kick",
+        "floquetrod ensemble STUDY",
+        "rod file damping_rate",
+    ],
+)
 def test_a_removed_name_is_found(name: str) -> None:
     kept = snapshot.stored()["interface"]
     broken, more = snapshot.changes(kept, {n: what for n, what in kept.items() if n != name})
@@ -122,6 +132,10 @@ def test_a_changed_default_is_found_and_an_option_more_is_told() -> None:
     kept = snapshot.stored()["interface"]
     parameter = "floquetrod.Rod.stability(growth_tolerance)"
     broken, _ = snapshot.changes(kept, kept | {parameter: "by name = 1.0"})
+    assert len(broken) == 1
+    option = "floquetrod map --points"
+    assert kept[option] == "COLUMNSxROWS = 400x300"
+    broken, _ = snapshot.changes(kept, kept | {option: "COLUMNSxROWS, required"})
     assert len(broken) == 1
     broken, more = snapshot.changes(kept, kept | {"floquetrod.stability(new)": "by name = None"})
     assert (len(broken), len(more)) == (0, 1)

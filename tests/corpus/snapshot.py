@@ -1,18 +1,23 @@
-"""The public interface as a table of names, and ratios of speed; both kept in snapshot.json."""
+"""The public interface as a table of names, and ratios of speed; both kept in snapshot.json.
+
+Of Python it has every name of `floquetrod` and of its public modules, and every other name that the reference lists,
+with methods, fields, parameters and defaults; of the terminal the commands with their arguments and options, what these
+take and their defaults; of files the keys.
+"""
 
 from __future__ import annotations
 
-import contextlib
+import argparse
 import dataclasses
 import importlib
 import inspect
-import io
 import json
 import math
 import os
 import re
 import subprocess
 import sys
+import tempfile
 import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -21,9 +26,11 @@ from typing import Any
 import numpy as np
 
 import floquetrod as fr
-from floquetrod.cli import main as terminal
+from floquetrod.cli.main import _parser
+from floquetrod.cli.system import read_system
 
 SNAPSHOT = Path(__file__).parent / "snapshot.json"
+ROOT = Path(__file__).parents[2]
 MODULES = (
     "conventions",
     "ensembles",
@@ -55,6 +62,13 @@ CONSTRUCTED |= {
     "Perturbation",
     "SimulationProblem",
     "Explorer",
+    "DelaySystem",
+    "Milling",
+    "NonlinearSystem",
+    "Section",
+    "ToolMode",
+    "VibrationTool",
+    "WellPath",
 }
 """Classes that people construct: of all others the arguments are the package's own business."""
 
@@ -76,7 +90,7 @@ RESULTS = {
 
 def interface() -> dict[str, str]:
     """Return every public name with what it is: of parameters place and default, of options their values."""
-    table = dict(_terminal())
+    table = dict(_terminal()) | dict(_files())
     for name in fr.__all__:
         table |= _of(f"floquetrod.{name}", getattr(fr, name))
     for path in MODULES:
@@ -86,6 +100,10 @@ def interface() -> dict[str, str]:
         ]
         for name in public:
             table |= _of(f"floquetrod.{path}.{name}", getattr(module, name))
+    for path in _documented():
+        if path not in table:
+            owner, _, name = path.rpartition(".")
+            table |= _of(path, getattr(importlib.import_module(owner), name))
     rod = fr.Rod.nitinol()
     load = fr.AxialLoad(0.34, 0.34, 150.0)
     known = {
@@ -97,6 +115,13 @@ def interface() -> dict[str, str]:
     for name, question in RESULTS.items():
         table |= _of(f"result {name}", type(eval(question, known)))
     return dict(sorted(table.items()))
+
+
+def _documented() -> list[str]:
+    """Return the functions and classes that the reference lists, by their full names."""
+    pages = sorted((ROOT / "docs/reference").glob("*.rst"))
+    text = "".join(page.read_text(encoding="utf-8") for page in pages)
+    return re.findall(r"(?m)^\.\. auto(?:function|class|exception):: (floquetrod[\w.]+)", text)
 
 
 def _is_own(value: Any, module: str) -> bool:
@@ -142,26 +167,56 @@ def _parameters(path: str, function: Any) -> dict[str, str]:
 
 
 def _terminal() -> Iterator[tuple[str, str]]:
-    """Yield the commands of the terminal, and their options with what they take, as their help lists them."""
-    for command in re.findall(r"(?m)^    ([a-z][a-z-]+)  ", _help([])):
-        yield f"floquetrod {command}", "command"
-        for words in re.findall(r"(?m)^  (-\S.*?)(?:  |$)", _whole_help(command)):
-            value = re.search(r"--[\w-]+ (\{.*?\}|[^\s,]+)", words)
-            for name in re.findall(r"(?<![\w-])--[\w-]+", words):
-                yield f"floquetrod {command} {name}", value[1] if value else "flag"
+    """Yield the commands of the terminal, and their arguments and options with what they take and their defaults."""
+    parser = _parser()
+    for action in parser._actions:
+        if isinstance(action, argparse._SubParsersAction):
+            for name, command in action.choices.items():
+                yield f"floquetrod {name}", "command"
+                for each in command._actions:
+                    yield from _option(f"floquetrod {name}", each)
+        else:
+            yield from _option("floquetrod", action)
 
 
-def _whole_help(command: str) -> str:
-    """Return the help of a command with all its options."""
-    shown = _help([command])
-    return _help([command], "--help-all") if "--help-all" in shown else shown
+def _option(command: str, action: argparse.Action) -> Iterator[tuple[str, str]]:
+    """Yield every name of an option, or of an argument, with what it takes and its default."""
+    choices = "" if action.choices is None or action.metavar else "{" + ",".join(map(str, action.choices)) + "}"
+    what = "flag" if action.nargs == 0 else choices or str(action.metavar or action.dest.upper())
+    given = action.default if isinstance(action.default, list) else [action.default]
+    said = ", ".join(str(value) for value in given if value not in (None, False, "", argparse.SUPPRESS))
+    default = f" = {said}" if said else ""
+    if action.required and action.nargs not in ("?", "*"):
+        default = ", required"
+    for name in action.option_strings or [what]:
+        yield f"{command} {name}", f"{what if action.option_strings else 'argument'}{default}"
 
 
-def _help(words: list[str], option: str = "--help") -> str:
-    out = io.StringIO()
-    with contextlib.redirect_stdout(out), contextlib.suppress(SystemExit):
-        terminal([*words, option])
-    return out.getvalue()
+def _files() -> Iterator[tuple[str, str]]:
+    """Yield the keys of files, which errors about an unknown key list."""
+    asked: dict[str, tuple[Callable[[Path], Any], str, str]] = {
+        "rod file": (fr.Rod.from_toml, "my_rod.toml", ""),
+        "rod file [[sections]]": (fr.Rod.from_toml, "string.toml", "[[sections]]"),
+        "tool file [tool]": (fr.Milling.from_toml, "tool.toml", "[tool]"),
+        "tool file [[tool.x]]": (fr.Milling.from_toml, "tool.toml", "[[tool.x]]"),
+        "system file [system]": (read_system, "system.toml", "[system]"),
+        "study file": (fr.Study.from_toml, "study.toml", ""),
+        "study file [load]": (fr.Study.from_toml, "study.toml", "[load]"),
+        "study file [run]": (fr.Study.from_toml, "study.toml", "[run]"),
+        "study file [start]": (fr.Study.from_toml, "study.toml", "[start]"),
+        "study file [over]": (fr.Study.from_toml, "study.toml", "[over]"),
+    }
+    for where, (read, name, table) in asked.items():
+        text = (ROOT / "floquetrod/examples" / name).read_text(encoding="utf-8")
+        wrong = text.replace(table, f"{table}\nno_such_key = 1\n#", 1) if table else f"no_such_key = 1\n{text}"
+        with tempfile.TemporaryDirectory() as folder:
+            path = Path(folder) / name
+            path.write_text(wrong, encoding="utf-8")
+            try:
+                read(path)
+            except ValueError as error:
+                keys = str(error).partition("keys are ")[2].split(", ")
+        yield from ((f"{where} {key}", "key") for key in keys)
 
 
 def changes(old: dict[str, str], new: dict[str, str]) -> tuple[list[str], list[str]]:
@@ -221,9 +276,9 @@ def _seconds(question: Callable[[], Any]) -> float:
     return time.process_time() - start + children
 
 
-def write() -> None:
-    """Keep the interface and the speed of today."""
-    kept = {"interface": interface(), "speed": speed()}
+def write(*, timed: bool = True) -> None:
+    """Keep the interface of today and, ``timed``, its speed."""
+    kept = {"interface": interface(), "speed": speed() if timed else stored()["speed"]}
     SNAPSHOT.write_text(json.dumps(kept, indent=0, ensure_ascii=False) + "\n", encoding="utf-8")
 
 
