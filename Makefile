@@ -4,7 +4,7 @@ WORKERS ?= 2
 # `make fuzz SEEDS=5`: how many seeds every attack is run from.
 SEEDS ?= 1
 # `make compatibility PYTHONS="python3.12 python3.13" WHOLE=--whole`: those not found are left out; the whole quick suite.
-PYTHONS ?= python3.11 python3.12 python3.13
+PYTHONS ?= python3.11 python3.12 python3.13 python3.14
 WHOLE ?=
 
 VENV := .venv

@@ -8,5 +8,7 @@ entry of `CHANGELOG.md` with today's date instead of "unreleased", and in `CITAT
     git tag -a vVERSION -m "floquetrod VERSION"
     python -m twine upload dist/*
 
+`docs/paper/paper.md` is the paper on the package, in the form of the Journal of Open Source Software.
+
 Then the next version gets its entry, "unreleased", and `CITATION.cff` loses its date.
 """
