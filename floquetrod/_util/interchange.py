@@ -43,6 +43,11 @@ def to_json(result: Any, *, indent: int | None = None) -> str:
     indent : int, optional
         Spaces of indentation; by default the text is one line.
 
+    Returns
+    -------
+    str
+        One JSON object.
+
     Raises
     ------
     TypeError
@@ -80,6 +85,11 @@ def to_pandas(result: Any) -> Any:
     result
         A result with a table: `Reach`, `MeanForce`, `StabilityIntervals`, `Comparison`, `WellPath`, `Chart`, `Bands`,
         `Branch`, ensembles, and so on.
+
+    Returns
+    -------
+    pandas.DataFrame
+        The table.
 
     Raises
     ------

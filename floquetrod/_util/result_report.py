@@ -116,7 +116,13 @@ class Reported:
         """Return the result in words."""
 
     def as_dict(self) -> dict[str, Any]:
-        """Return the result as numbers for JSON, units in the keys; None for infinite and unknown numbers."""
+        """Return the result as numbers for JSON, units in the keys; None for infinite and unknown numbers.
+
+        Returns
+        -------
+        dict of str
+            Numbers, texts and lists by name.
+        """
         return by_keys(self, self._keys)
 
     def _at_hand(self) -> Report:

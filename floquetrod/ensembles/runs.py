@@ -105,6 +105,11 @@ class Runs(NoTruthValue, ByContent):
         figure : matplotlib.figure.Figure or SubFigure, optional
             Figure to draw into; by default a new one.
 
+        Returns
+        -------
+        matplotlib.figure.Figure or SubFigure
+            The figure drawn into.
+
         Raises
         ------
         ValueError
@@ -118,6 +123,18 @@ class Runs(NoTruthValue, ByContent):
         """Write a table with one row for each run: its varied quantities and its results, units in the headings.
 
         What has dimensions of its own, such as frames, is left out.
+
+        Returns
+        -------
+        Path
+            Of the file written.
+
+        Raises
+        ------
+        TypeError, ValueError
+            For a path that is no text or path.
+        OSError
+            Where the file cannot be written.
         """
         dims = self.variables["status"].dims if "status" in self.variables else tuple(self.dims)
         shape = tuple(self.dims[dim] for dim in dims)
@@ -138,14 +155,31 @@ class Runs(NoTruthValue, ByContent):
         return path
 
     def to_xarray(self) -> Any:
-        """Return an xarray.Dataset (needs xarray, an extra: pip install floquetrod[ensemble])."""
+        """Return an xarray.Dataset (needs xarray, an extra: pip install floquetrod[ensemble]).
+
+        Returns
+        -------
+        xarray.Dataset
+            Results and quantities by name.
+
+        Raises
+        ------
+        ImportError
+            Without xarray.
+        """
         xarray = extras.xarray("ensemble")
         variables, coords = dict(self.variables), dict(self.coords)
         return xarray.Dataset(variables, coords, self.attrs)
 
     @classmethod
     def from_xarray(cls, dataset: Any) -> Runs:
-        """Return the content of an xarray.Dataset, loaded into memory."""
+        """Return the content of an xarray.Dataset, loaded into memory.
+
+        Returns
+        -------
+        Runs
+            With all results and frames.
+        """
 
         def content(of: Any) -> dict[str, Variable]:
             every = of.items()
@@ -155,12 +189,29 @@ class Runs(NoTruthValue, ByContent):
 
     @classmethod
     def of_each_run(cls, dataset: Any) -> Runs:
-        """Return what an xarray.Dataset has of each run, loaded into memory; frames stay where they are."""
+        """Return what an xarray.Dataset has of each run, loaded into memory; frames stay where they are.
+
+        Returns
+        -------
+        Runs
+            Without frames.
+        """
         dims = set(dataset["status"].dims)
         return cls.from_xarray(dataset[[name for name, v in dataset.data_vars.items() if set(v.dims) <= dims]])
 
     def save(self, path: str | Path) -> Path:
-        """Write everything to an npz file; an older file of that name is kept until the new one is complete."""
+        """Write everything to an npz file; an older file of that name is kept until the new one is complete.
+
+        Returns
+        -------
+        Path
+            Of the file written.
+
+        Raises
+        ------
+        OSError
+            Where the file cannot be written.
+        """
         kinds = {"variables": self.variables, "coords": self.coords}
         meta = {
             "format": _FORMAT,
@@ -172,7 +223,18 @@ class Runs(NoTruthValue, ByContent):
 
     @classmethod
     def load(cls, path: str | Path) -> Runs:
-        """Read runs that `save` wrote; ValueError for a file that is damaged, if only in one bit, or foreign."""
+        """Read runs that `save` wrote.
+
+        Returns
+        -------
+        Runs
+            Equal to the runs saved.
+
+        Raises
+        ------
+        ValueError
+            For a file that is damaged, if only in one bit, or foreign.
+        """
         if validate.path("path", path).is_dir():
             raise ValueError(
                 f"{path} is a folder; Runs.load reads .npz files, xarray.open_zarr the stores that end in .zarr"

@@ -117,6 +117,11 @@ class Study:
         Its tables are [rod], which may also be nitinol or the name of a rod file, [load], [run], [start], [over] and
         [ensemble]; ``floquetrod ensemble --help-all`` shows one.  Files that it names lie beside it.
 
+        Returns
+        -------
+        Study
+            Checked: each of its runs can begin.
+
         Raises
         ------
         TypeError, ValueError
@@ -170,7 +175,15 @@ class Study:
         Where ``layout``, ``samples``, ``seed`` and ``frames`` are None the file's are used.  Other arguments as
         in `ensemble`.
 
-        Raises the same errors; ValueError names file and table where the file is the cause.
+        Returns
+        -------
+        xarray.Dataset, or Runs where xarray is not installed
+            As `ensemble` returns.
+
+        Raises
+        ------
+        TypeError, ValueError
+            As `ensemble`; ValueError names file and table where the file is the cause.
         """
         options = {"layout": layout, "samples": samples, "seed": seed, "frames": frames}
         given = {name: value for name, value in options.items() if value is not None}

@@ -99,12 +99,23 @@ class Equation(TellsAttributes, ABC):
 
     @abstractmethod
     def pieces(self) -> tuple[Piece, ...]:
-        """Return the coefficient over one period from tau = 0, in pieces whose shares add up to 1."""
+        """Return the coefficient over one period from tau = 0, in pieces whose shares add up to 1.
+
+        Returns
+        -------
+        tuple of Piece
+            From tau = 0 on.
+        """
 
     def half(self) -> tuple[Piece, ...] | None:
         """Return the coefficient over half a period from an instant about which it is even; None if none is known.
 
         Time and the phase of harmonics count from that instant.
+
+        Returns
+        -------
+        tuple of Piece or None
+            Shares of them add up to 1/2.
         """
         return None
 
@@ -131,6 +142,11 @@ class Equation(TellsAttributes, ABC):
 
         Its period is the double ``period``.  Where the start or the slope of a piece is no double it is rounded, which
         the system's ``coefficient_error`` bounds.
+
+        Returns
+        -------
+        HillSystem
+            Of one equation.
         """
         damping = [[2.0 * self.damping]] if self.damping else None
         period, pieces, errors = Fraction(self.period), [], [Fraction(0)]
@@ -147,7 +163,13 @@ class Equation(TellsAttributes, ABC):
         return HillSystem.from_pieces(pieces, damping=damping, coefficient_error=error)
 
     def coefficient(self, tau: Any) -> Any:
-        """Return p(tau), its mean value at a jump; broadcasts over ``tau``."""
+        """Return p(tau), its mean value at a jump; broadcasts over ``tau``.
+
+        Returns
+        -------
+        float or ndarray
+            In the shape of ``tau``.
+        """
         tau, period = times(tau, self.period), self.period
         phase = tau - period * np.floor(tau / period)
         total, weight, end = np.zeros(phase.shape), np.zeros(phase.shape), Fraction(0)
@@ -163,6 +185,11 @@ class Equation(TellsAttributes, ABC):
 
     def plot(self, ax: Any = None) -> Any:
         r"""Draw p(tau) over one period, its jumps and its mean, on ``ax`` or on new axes; return the axes.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+            The axes drawn into.
 
         Examples
         --------

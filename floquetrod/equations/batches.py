@@ -29,6 +29,11 @@ def stack(systems: Sequence[System]) -> System:
     systems : sequence of HillSystem, or of PeriodicSystem
         At least one, all of the same order.
 
+    Returns
+    -------
+    HillSystem or PeriodicSystem
+        One batch; ``shape`` is (m,).
+
     Raises
     ------
     TypeError, ValueError

@@ -37,6 +37,18 @@ def other_forms(owner: str, verb: str = "returns alpha and beta") -> dict[str, s
 def to_aq(alpha: Any, beta: Any) -> tuple[Any, Any]:
     """Return (a, q) = (-4 beta, 2 alpha), the parameters of y'' + (a - 2 q cos 2 z) y = 0.
 
+    Returns
+    -------
+    tuple of two floats or ndarrays
+        a and q, in the shape of ``beta`` and of ``alpha``.
+
+    Raises
+    ------
+    TypeError, ValueError
+        For anything but finite numbers.
+
+    Examples
+    --------
     >>> to_aq(0.5, -0.25)
     (1.0, 1.0)
     """
@@ -46,6 +58,18 @@ def to_aq(alpha: Any, beta: Any) -> tuple[Any, Any]:
 def from_aq(a: Any, q: Any) -> tuple[Any, Any]:
     """Return (alpha, beta) = (q / 2, -a / 4) for y'' + (a - 2 q cos 2 z) y = 0 (DLMF 28.2.1).
 
+    Returns
+    -------
+    tuple of two floats or ndarrays
+        alpha and beta, in the shape of ``q`` and of ``a``.
+
+    Raises
+    ------
+    TypeError, ValueError
+        For anything but finite numbers.
+
+    Examples
+    --------
     >>> from_aq(1.0, 1.0)
     (0.5, -0.25)
     """
@@ -57,6 +81,18 @@ def to_delta_epsilon(alpha: Any, beta: Any) -> tuple[Any, Any]:
 
     With tau = t - pi/2, sin tau = -cos t, so A'' = (beta + alpha sin tau) A reads x'' + (-beta + alpha cos t) x = 0.
 
+    Returns
+    -------
+    tuple of two floats or ndarrays
+        delta and epsilon, in the shape of ``beta`` and of ``alpha``.
+
+    Raises
+    ------
+    TypeError, ValueError
+        For anything but finite numbers.
+
+    Examples
+    --------
     >>> to_delta_epsilon(0.5, -0.25)
     (0.25, 0.5)
     """
@@ -66,6 +102,18 @@ def to_delta_epsilon(alpha: Any, beta: Any) -> tuple[Any, Any]:
 def from_delta_epsilon(delta: Any, epsilon: Any) -> tuple[Any, Any]:
     """Return (alpha, beta) = (epsilon, -delta) for x'' + (delta + epsilon cos t) x = 0.
 
+    Returns
+    -------
+    tuple of two floats or ndarrays
+        alpha and beta, in the shape of ``epsilon`` and of ``delta``.
+
+    Raises
+    ------
+    TypeError, ValueError
+        For anything but finite numbers.
+
+    Examples
+    --------
     >>> from_delta_epsilon(0.25, 0.5)
     (0.5, -0.25)
     """

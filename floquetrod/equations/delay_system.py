@@ -152,6 +152,17 @@ class DelaySystem(ByContent):
         coefficient_error : float
             As of the system.
 
+        Returns
+        -------
+        DelaySystem
+            Of n equations of second order.
+
+        Raises
+        ------
+        TypeError, ValueError
+            For durations that are not positive or do not add up to one period, for delays that are not positive,
+            and for matrices of other shapes.
+
         Examples
         --------
         A delayed force that acts in half of the period only:
@@ -283,6 +294,16 @@ class DelaySystem(ByContent):
         coefficient_error : float
             Of A(t) and of each B_j(t).
 
+        Returns
+        -------
+        DelaySystem
+            Of N equations of first order.
+
+        Raises
+        ------
+        TypeError, ValueError
+            For a period or delays that are not positive, and for matrices of other shapes.
+
         Examples
         --------
         Hayes' equation x' = a x + b x(t - 1), on the stable side of its boundary:
@@ -306,6 +327,17 @@ class DelaySystem(ByContent):
             Of each term its delay and the pieces of B_j, whose durations add up to the same period.
         coefficient_error : float
             Of A(t) and of each B_j(t).
+
+        Returns
+        -------
+        DelaySystem
+            Of N equations of first order.
+
+        Raises
+        ------
+        TypeError, ValueError
+            For durations that are not positive or do not add up to one period, for delays that are not positive,
+            and for matrices of other shapes.
 
         Examples
         --------
@@ -444,7 +476,18 @@ class DelaySystem(ByContent):
         return self.present.harmonics
 
     def damped(self, rate: float) -> DelaySystem:
-        """Return the system with uniform damping added: C + 2 rate M, or A - rate I; per unit of time."""
+        """Return the system with uniform damping added: C + 2 rate M, or A - rate I; per unit of time.
+
+        Returns
+        -------
+        DelaySystem
+            With the same period and delays.
+
+        Raises
+        ------
+        TypeError, ValueError
+            For a rate that is negative or too large for doubles.
+        """
         present = self.present
         unit = matrices.mass_matrix(present) if isinstance(present, HillSystem) else np.eye(self.order)
         largest = 0.25 * matrices.LARGEST_ENTRY / max(1.0, float(np.abs(unit).max()))

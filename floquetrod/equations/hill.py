@@ -41,6 +41,11 @@ class Hill(Equation):
     damping : float
         c, the decay rate per unit tau of the free motion; zero or more.
 
+    Raises
+    ------
+    TypeError, ValueError
+        For coefficients that are not finite numbers, a period that is not positive, and negative damping.
+
     Examples
     --------
     >>> Hill(-0.25, cosines=(0.1,), sines=(0.5, 0.2)).coefficient(0.0)
@@ -68,9 +73,8 @@ class Hill(Equation):
     ) -> Hill | JumpingHill:
         """Return the equation whose coefficient a function computes: a Fourier series, or pieces between its jumps.
 
-        Every value is within 1e-12 of the largest value of the function; where that cannot be reached, as with a jump
-        that is not named, ValueError says so.  ``HillSystem.from_function``, of one equation, allows larger errors, and
-        includes them in its verdicts.
+        Every value is within 1e-12 of the largest value of the function.  ``HillSystem.from_function``, of one
+        equation, allows larger errors, and includes them in its verdicts.
 
         Parameters
         ----------
@@ -82,6 +86,17 @@ class Hill(Equation):
             Damping c, as of the equation.
         jumps : sequence of float
             Instants from 0 up to the period at which p jumps, or has a kink; none by default.
+
+        Returns
+        -------
+        Hill or JumpingHill
+            The second where the function jumps.
+
+        Raises
+        ------
+        TypeError, ValueError
+            For a function whose series does not come within 1e-12 of it, as with a jump that is not named; for a
+            period that is not positive, and negative damping.
 
         Examples
         --------
@@ -110,7 +125,18 @@ class Hill(Equation):
         return cls(float(value.start[0, 0]), cosines, sines, period, damping)
 
     def coefficient(self, tau: Any) -> Any:
-        """Return p(tau); broadcasts over ``tau``."""
+        """Return p(tau); broadcasts over ``tau``.
+
+        Returns
+        -------
+        float or ndarray
+            In the shape of ``tau``.
+
+        Raises
+        ------
+        TypeError, ValueError
+            For instants that are not finite numbers.
+        """
         phase = (2.0 * math.pi / self.period) * times(tau, self.period)
         total = np.full(phase.shape, self.mean)
         for k, value in enumerate(self.cosines, start=1):
@@ -143,7 +169,13 @@ class Hill(Equation):
         return None if amplitudes is None else (Piece(Fraction(1, 2), self.mean, amplitudes),)
 
     def as_hill(self) -> Hill:
-        """Return this equation."""
+        """Return this equation.
+
+        Returns
+        -------
+        Hill
+            The equation itself.
+        """
         return self
 
 

@@ -169,6 +169,17 @@ class HillSystem(matrices.PeriodicMatrixSystem):
         coefficient_error : float
             Of K(t), as of the system.
 
+        Returns
+        -------
+        HillSystem
+            One system, or a batch.
+
+        Raises
+        ------
+        TypeError, ValueError
+            For durations that are not positive, matrices whose shapes do not fit, and a mass that is not positive
+            definite.
+
         Examples
         --------
         Two coupled equations of Meissner, a square wave of period 2:
@@ -211,6 +222,17 @@ class HillSystem(matrices.PeriodicMatrixSystem):
         gyroscopic : array_like (n, n), optional
             G, as of the system.
 
+        Returns
+        -------
+        HillSystem
+            Its ``coefficient_error`` is estimated.
+
+        Raises
+        ------
+        TypeError, ValueError
+            Where K a period later differs, and where it is not smooth between the jumps; for matrices whose shapes
+            do not fit.
+
         Examples
         --------
         >>> system = HillSystem.from_function(lambda t: [[2.0 + math.exp(math.sin(t))]], 2.0 * math.pi)
@@ -248,6 +270,16 @@ class HillSystem(matrices.PeriodicMatrixSystem):
             C, as of the system.
         gyroscopic : array_like (n, n), optional
             G, as of the system.
+
+        Returns
+        -------
+        HillSystem
+            Its ``coefficient_error`` is estimated.
+
+        Raises
+        ------
+        TypeError, ValueError
+            For instants that do not increase or lie further apart than a period, and for shapes that do not fit.
 
         Examples
         --------
@@ -360,6 +392,11 @@ class HillSystem(matrices.PeriodicMatrixSystem):
 
         Where the system is Hamiltonian, x = (u, p) with p = u' + G u / 2, in which it is Hamiltonian too.  Its
         ``coefficient_error`` includes the error of the system and the rounding.
+
+        Returns
+        -------
+        PeriodicSystem
+            Of N = 2 n equations.
         """
         inverse = None if self.mass is None else np.linalg.inv(np.linalg.cholesky(self.mass))
         canonical = self.structure == "hamiltonian"
@@ -393,7 +430,17 @@ class HillSystem(matrices.PeriodicMatrixSystem):
     def plot(self, ax: Any = None) -> Any:
         """Draw the varying entries of the matrix of one system over one period, on ``ax`` or on new axes.
 
-        Of a symmetric matrix only entries on and above the diagonal; of a constant one all.  Return the axes.
+        Of a symmetric matrix only entries on and above the diagonal; of a constant one all.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+            The axes drawn into.
+
+        Raises
+        ------
+        ValueError
+            For a batch of systems.
 
         Examples
         --------
@@ -403,7 +450,18 @@ class HillSystem(matrices.PeriodicMatrixSystem):
         return by_pieces.draw(self, ax)
 
     def coefficient(self, t: Any) -> Floats:
-        """Return K(t), of shape ``(*t.shape, n, n)``, the mean of both sides at a jump; of one system."""
+        """Return K(t), of shape ``(*t.shape, n, n)``, the mean of both sides at a jump; of one system.
+
+        Returns
+        -------
+        ndarray
+            (..., n, n), behind the shape of ``t``.
+
+        Raises
+        ------
+        TypeError, ValueError
+            For instants that are not finite numbers, and for a batch.
+        """
         return by_pieces.value_at(self, t)
 
 

@@ -31,6 +31,11 @@ class Mathieu(Alternating):
     damping : float
         c, the decay rate per unit tau of the free motion; zero or more.
 
+    Raises
+    ------
+    TypeError, ValueError
+        For numbers out of these ranges.
+
     Notes
     -----
     Eqs. (3)-(4) of DOI 10.1115/1.4031710.
@@ -48,6 +53,18 @@ class Mathieu(Alternating):
         ``a`` and ``q`` are numbers of magnitude up to 4e9 and 2e9; ``damping`` is k, the decay rate per unit z.  Growth
         rates are per unit z and the period is pi; `MathieuAQ.in_tau` is the same equation in tau.
 
+        Returns
+        -------
+        MathieuAQ
+            The equation, in z.
+
+        Raises
+        ------
+        TypeError, ValueError
+            For numbers out of these ranges.
+
+        Examples
+        --------
         >>> equation = Mathieu.from_aq(a=1.0, q=1.0)
         >>> equation, equation.in_tau
         (Mathieu.from_aq(a=1.0, q=1.0, damping=0.0), Mathieu(alpha=0.5, beta=-0.25, damping=0.0))
@@ -61,6 +78,18 @@ class Mathieu(Alternating):
         ``delta`` and ``epsilon`` are numbers of magnitude up to 1e9, and beta = -delta; ``damping`` is c, the decay
         rate per unit t.
 
+        Returns
+        -------
+        Mathieu
+            The equation, in tau.
+
+        Raises
+        ------
+        TypeError, ValueError
+            For numbers out of these ranges.
+
+        Examples
+        --------
         >>> Mathieu.from_delta_epsilon(delta=0.25, epsilon=0.5)
         Mathieu(alpha=0.5, beta=-0.25, damping=0.0)
         """
@@ -81,12 +110,29 @@ class Mathieu(Alternating):
         return (Piece(Fraction(1, 2), self.beta, (complex(self.alpha, 0.0),) if self.alpha else ()),)
 
     def coefficient(self, tau: Any) -> Any:
-        """Return p(tau) = beta + alpha sin tau; broadcasts over ``tau``."""
+        """Return p(tau) = beta + alpha sin tau; broadcasts over ``tau``.
+
+        Returns
+        -------
+        float or ndarray
+            In the shape of ``tau``.
+
+        Raises
+        ------
+        TypeError, ValueError
+            For instants that are not finite numbers.
+        """
         tau = times(tau, self.period)
         return shaped(self.beta + self.alpha * np.sin(tau), tau.shape)
 
     def as_hill(self) -> Hill:
-        """Return the same equation as a `Hill` value."""
+        """Return the same equation as a `Hill` value.
+
+        Returns
+        -------
+        Hill
+            With one sine.
+        """
         return Hill(self.beta, sines=(self.alpha,), damping=self.damping)
 
 
@@ -153,12 +199,24 @@ class MathieuAQ(Equation):
         return (Piece(Fraction(1, 2), 0.0 - self.a, (complex(2.0 * self.q, 0.0),) if self.q else ()),)
 
     def coefficient(self, z: Any) -> Any:
-        """Return 2 q cos 2 z - a; broadcasts over ``z``."""
+        """Return 2 q cos 2 z - a; broadcasts over ``z``.
+
+        Returns
+        -------
+        float or ndarray
+            In the shape of ``z``.
+        """
         z = times(z, self.period, "z")
         return shaped(2.0 * self.q * np.cos(2.0 * z) - self.a, z.shape)
 
     def as_hill(self) -> Hill:
-        """Return the same equation as a `Hill` value, of period pi."""
+        """Return the same equation as a `Hill` value, of period pi.
+
+        Returns
+        -------
+        Hill
+            With one cosine.
+        """
         return Hill(0.0 - self.a, cosines=(2.0 * self.q,), period=math.pi, damping=self.damping)
 
 
@@ -185,6 +243,11 @@ class FrictionalMathieu:
         Friction force over inertia, zero or more.
     damping : float
         c, the decay rate per unit tau of the free motion; zero or more.
+
+    Raises
+    ------
+    TypeError, ValueError
+        For numbers out of these ranges.
 
     Notes
     -----

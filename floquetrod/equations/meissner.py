@@ -29,6 +29,11 @@ class Meissner(Alternating):
     damping : float
         c, the decay rate per unit tau of the free motion; zero or more.
 
+    Raises
+    ------
+    TypeError, ValueError
+        For numbers out of these ranges.
+
     Notes
     -----
     The square-wave problem behind Eq. (A4) of DOI 10.1115/1.4031710.
@@ -53,7 +58,18 @@ class Meissner(Alternating):
         return tuple(Piece(Fraction(1, 4), level) for level in self.levels)
 
     def coefficient(self, tau: Any) -> Any:
-        """Return p(tau) = beta + alpha sign(sin tau); broadcasts over ``tau``."""
+        """Return p(tau) = beta + alpha sign(sin tau); broadcasts over ``tau``.
+
+        Returns
+        -------
+        float or ndarray
+            In the shape of ``tau``.
+
+        Raises
+        ------
+        TypeError, ValueError
+            For instants that are not finite numbers.
+        """
         tau = times(tau, self.period)
         return shaped(self.beta + self.alpha * np.sign(np.sin(tau)), tau.shape)
 

@@ -46,6 +46,12 @@ class NonlinearSystem(ByContent):
     parameters : mapping of str to float
         Values of the parameters, by the names with which f takes them.
 
+    Raises
+    ------
+    TypeError, ValueError
+        For a function that does not take its arguments, a period that is not positive, and parameters that are not
+        numbers.
+
     Examples
     --------
     >>> def duffing(t, x, omega):
@@ -103,6 +109,16 @@ class NonlinearSystem(ByContent):
         parameters : mapping of sympy symbols or str to float
             Values of all other symbols.
 
+        Returns
+        -------
+        NonlinearSystem
+            With the jacobian that sympy derives.
+
+        Raises
+        ------
+        TypeError, ValueError
+            For symbols without a value, and where the rates are not as many as the states.
+
         Examples
         --------
         >>> import sympy
@@ -140,6 +156,17 @@ class NonlinearSystem(ByContent):
             and the force does not depend on time either.
         parameters : mapping of str to float
             Of the force.
+
+        Returns
+        -------
+        NonlinearSystem
+            Of 2 n equations of first order.
+
+        Raises
+        ------
+        TypeError, ValueError
+            For anything but a system, a force that does not take its arguments, and parameters that are not
+            numbers.
 
         Examples
         --------
@@ -188,6 +215,16 @@ class NonlinearSystem(ByContent):
     def with_parameters(self, **parameters: float) -> NonlinearSystem:
         """Return the same system with other values of some parameters.
 
+        Returns
+        -------
+        NonlinearSystem
+            With the same function.
+
+        Raises
+        ------
+        TypeError, ValueError
+            For a name that is no parameter, and for values that are not numbers.
+
         Examples
         --------
         >>> system = NonlinearSystem(lambda t, x, a: (-a * x[0],), parameters={"a": 1.0})
@@ -209,11 +246,23 @@ class NonlinearSystem(ByContent):
             raise ValueError(f"{argument} has {validate.short(name)}, which is no parameter{hint}")
 
     def rates(self, times: Any, states: Any) -> Floats:
-        """Return f at k instants, times (k,) and states (k, n), as an array (k, n)."""
+        """Return f at k instants, times (k,) and states (k, n), as an array (k, n).
+
+        Returns
+        -------
+        ndarray
+            (k, n).
+        """
         return self.evaluated.values(np.asarray(times, float), np.asarray(states, float), self.parameters)
 
     def jacobians(self, times: Any, states: Any) -> Floats:
-        """Return the derivatives of f at k instants, (k, n, n)."""
+        """Return the derivatives of f at k instants, (k, n, n).
+
+        Returns
+        -------
+        ndarray
+            df_i / dx_j in row i and column j.
+        """
         return self.evaluated.derivatives(np.asarray(times, float), np.asarray(states, float), self.parameters)
 
     def __getstate__(self) -> dict[str, Any]:

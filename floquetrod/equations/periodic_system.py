@@ -45,6 +45,11 @@ class PeriodicSystem(matrices.PeriodicMatrixSystem):
     pieces : sequence of (duration, matrix)
         The argument of `from_pieces`, with the ``mean`` and the ``period`` that follow from it; none by default.
 
+    Raises
+    ------
+    TypeError, ValueError
+        For matrices whose shapes do not fit, entries that are not finite, and a period that is not positive.
+
     Examples
     --------
     >>> PeriodicSystem([[0.0, 1.0], [-1.0, -0.1]], cosines=[[[0.0, 0.0], [-0.2, 0.0]]]).order
@@ -107,6 +112,16 @@ class PeriodicSystem(matrices.PeriodicMatrixSystem):
         coefficient_error : float
             Of A(t), as of the system.
 
+        Returns
+        -------
+        PeriodicSystem
+            One system, or a batch.
+
+        Raises
+        ------
+        TypeError, ValueError
+            For durations that are not positive, and matrices whose shapes do not fit.
+
         Examples
         --------
         >>> PeriodicSystem.from_pieces([(0.5, [[0.0, 1.0], [-4.0, 0.0]]), (1.5, [[0.0, 1.0], [-1.0, 0.0]])]).period
@@ -132,6 +147,11 @@ class PeriodicSystem(matrices.PeriodicMatrixSystem):
             Its period.
         jumps : sequence of float
             Instants from 0 up to the period at which A jumps, or has a kink; none by default.
+
+        Returns
+        -------
+        PeriodicSystem
+            Its ``coefficient_error`` is estimated.
 
         Raises
         ------
@@ -170,6 +190,11 @@ class PeriodicSystem(matrices.PeriodicMatrixSystem):
             A there, real or complex.
         period : float
             Its period.
+
+        Returns
+        -------
+        PeriodicSystem
+            Its ``coefficient_error`` is estimated.
 
         Raises
         ------
@@ -267,7 +292,17 @@ class PeriodicSystem(matrices.PeriodicMatrixSystem):
     def plot(self, ax: Any = None) -> Any:
         """Draw the varying entries of the matrix of one system over one period, on ``ax`` or on new axes.
 
-        Of a symmetric matrix only entries on and above the diagonal; of a constant one all.  Return the axes.
+        Of a symmetric matrix only entries on and above the diagonal; of a constant one all.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+            The axes drawn into.
+
+        Raises
+        ------
+        ValueError
+            For a batch of systems.
 
         Examples
         --------
@@ -280,5 +315,15 @@ class PeriodicSystem(matrices.PeriodicMatrixSystem):
         """Return A(t), of shape ``(*t.shape, N, N)``, the mean of both sides at a jump; of one system.
 
         Complex where the system is.
+
+        Returns
+        -------
+        ndarray
+            (..., N, N), behind the shape of ``t``.
+
+        Raises
+        ------
+        TypeError, ValueError
+            For instants that are not finite numbers, and for a batch.
         """
         return by_pieces.value_at(self, t)

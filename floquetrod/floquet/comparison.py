@@ -105,7 +105,13 @@ class Comparison(SideBySide):
         return tuple((name, refusal) for name, refusal in refusals if refusal is not None)
 
     def report(self) -> Report:
-        """Return the table of methods, and whether they agree."""
+        """Return the table of methods, and whether they agree.
+
+        Returns
+        -------
+        Report
+            Its text is ``str(report)``; a notebook shows it as a table.
+        """
         what, unit = (
             ("discriminant", self.equation.time) if isinstance(self.equation, Equation) else ("structure", "unit time")
         )
@@ -154,7 +160,13 @@ class Comparison(SideBySide):
         return text
 
     def as_dict(self) -> dict[str, Any]:
-        """Return the results as numbers for JSON, with the seconds that each took."""
+        """Return the results as numbers for JSON, with the seconds that each took.
+
+        Returns
+        -------
+        dict of str
+            Among them ``methods``, a list with a dict for each.
+        """
         whole = super().as_dict()
         methods = whole.pop("methods")
         return {**whole, "approximations": list(self.approximations), "methods": methods}

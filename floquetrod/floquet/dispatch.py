@@ -102,6 +102,13 @@ def stability(
     Stability or SystemStability
         Verdict, growth rate, multipliers, error and cost.
 
+    Raises
+    ------
+    TypeError
+        For anything but a problem, and for options that the method does not take.
+    ValueError
+        For a method that is unknown or not for the problem, and for options out of range.
+
     Examples
     --------
     >>> from floquetrod.equations import HillSystem, Mathieu

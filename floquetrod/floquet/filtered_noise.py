@@ -2,7 +2,7 @@
 
 x' = (A(t) + G d.z) x with z' = F z + b xi.  Of the Hermite functions h_a of the filter's states, scaled to be
 independent and of variance one, the moments M_a = E[x x^T h_a] obey a linear periodic system in which each asks for one
-of higher order.  Those beyond an order are left out, and a higher order tells what that does (docs/theory/noise.md).
+of higher order.  Those beyond an order are left out, and a higher order tells what that does (page `theory/noise`).
 """
 
 from __future__ import annotations

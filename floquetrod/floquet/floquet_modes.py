@@ -66,7 +66,18 @@ class FloquetMode(ByContent):
         return shaped(values, values.shape)
 
     def periodic(self, time: Any) -> Any:
-        """Return the periodic part p at times, exp(-exponent t) x(t)."""
+        """Return the periodic part p at times, exp(-exponent t) x(t).
+
+        Returns
+        -------
+        ndarray
+            (..., n), behind the shape of ``time``.
+
+        Raises
+        ------
+        TypeError, ValueError
+            For times that are not finite numbers.
+        """
         times = validate.array("time", time, least=-_LATEST * self.period, largest=_LATEST * self.period)
         phase = times - np.floor(times / self.period) * self.period
         values = _times(np.exp(-self.exponent * phase), np.asarray(self(phase)))

@@ -47,7 +47,13 @@ class Interval(NamedTuple):
 
     @classmethod
     def from_count(cls, below: int) -> Interval:
-        """Return the interval with ``below`` transition curves under it (0: tongue 0, 1: stability interval 0, ...)."""
+        """Return the interval with ``below`` transition curves under it (0: tongue 0, 1: stability interval 0, ...).
+
+        Returns
+        -------
+        Interval
+            Its kind and its number.
+        """
         return cls("stability", (below - 1) // 2) if below % 2 else cls("tongue", below // 2)
 
     def __str__(self) -> str:

@@ -2,7 +2,7 @@
 
 Every motion starts at A(0) = 0 with A'(0) = kick (epsilon in the paper).  Its fate is to stay bounded or to grow in the
 end like the growing Floquet solution; it is decided for all time and not for some number of periods.  The equation is
-Eq. (14) of DOI 10.1115/1.4031710; derivations and proofs are in docs/theory/friction.md.
+Eq. (14) of DOI 10.1115/1.4031710; derivations and proofs are on the page `theory/friction`.
 """
 
 from __future__ import annotations

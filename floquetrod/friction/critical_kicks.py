@@ -83,9 +83,9 @@ def critical_kick(
 
     Notes
     -----
-    A range of escaping kicks that lies lower and between two kicks tried is missed; how often is
-    in docs/theory/friction.md.  ``smallest_found`` is NaN where a motion grows without friction, too slowly for a kick
-    tried to be seen to escape.
+    A range of escaping kicks that lies lower and between two kicks tried is missed; the page
+    `theory/friction` says how often.  ``smallest_found`` is NaN where a motion grows without friction, too slowly for a
+    kick tried to be seen to escape.
 
     Examples
     --------

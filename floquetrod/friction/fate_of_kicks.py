@@ -66,10 +66,20 @@ def fates(
     workers : int, optional
         Threads; by default all cores.
 
+    Returns
+    -------
+    int or ndarray of int8
+        In the broadcast shape.
+
+    Raises
+    ------
+    TypeError, ValueError
+        For numbers out of these ranges, and for shapes that do not broadcast.
+
     Notes
     -----
     Without friction an orbit escapes where Mathieu's equation is unstable and the kick is not zero.  Where it is
-    stable no kick escapes: proved except for exact resonances, which no double hits (docs/theory/friction.md).
+    stable no kick escapes: proved except for exact resonances, which no double hits (page `theory/friction`).
 
     Examples
     --------
@@ -110,6 +120,16 @@ def escapes(
     workers: int | None = None,
 ) -> Any:
     """Return whether each kick escapes for good, as bool; arguments as in `fates`.
+
+    Returns
+    -------
+    bool or ndarray of bool
+        In the broadcast shape.
+
+    Raises
+    ------
+    TypeError, ValueError
+        As `fates`.
 
     Warns
     -----
@@ -203,6 +223,16 @@ _REASONS: dict[int, tuple[Literal["bounded", "escapes", "undecided"], str]] = {
 
 def fate(equation: FrictionalMathieu, kick: float, *, max_steps: int = MAX_STEPS) -> Fate:
     """Return the fate of one kick A(0) = 0, A'(0) = kick, and how it is known.
+
+    Returns
+    -------
+    Fate
+        Status, and what proves it.
+
+    Raises
+    ------
+    TypeError, ValueError
+        For another equation, a kick that is not finite, and fewer steps than 1.
 
     Examples
     --------

@@ -82,6 +82,16 @@ def escape_ranges(
     samples : int
         Number of kicks followed, 2 or more.
 
+    Returns
+    -------
+    EscapeRanges
+        The ranges, in increasing order, and the proved kicks on both sides.
+
+    Raises
+    ------
+    TypeError, ValueError
+        For another equation, and for numbers out of these ranges.
+
     Examples
     --------
     >>> escape_ranges(FrictionalMathieu(alpha=0.0, beta=0.25, gamma=1.0))

@@ -44,6 +44,16 @@ def leapfrog_escapes(
     limit : float
         Ratio abs(A) / kick at which a motion counts as escaped, greater than 0.
 
+    Returns
+    -------
+    bool or ndarray of bool
+        In the broadcast shape.
+
+    Raises
+    ------
+    TypeError, ValueError
+        For numbers out of these ranges, for shapes that do not broadcast, and for more steps than can be taken.
+
     Examples
     --------
     >>> leapfrog_escapes(1.0, 0.3, 1.0, [0.5, 2.0], step=0.01).tolist()

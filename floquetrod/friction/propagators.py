@@ -1,6 +1,6 @@
 """A period of the motion against friction, divided into cells: made once for an equation, of many at a time.
 
-By homogeneity gamma = 1.  docs/theory/friction.md derives the escape test and the proved kicks.
+By homogeneity gamma = 1.  The page `theory/friction` derives the escape test and the proved kicks.
 """
 
 from __future__ import annotations

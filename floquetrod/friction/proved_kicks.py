@@ -1,4 +1,4 @@
-"""Kicks whose fate is proved: up to which none escapes, above which every one does (docs/theory/friction.md)."""
+"""Kicks whose fate is proved: up to which none escapes, above which every one does (page `theory/friction`)."""
 
 from __future__ import annotations
 
@@ -39,7 +39,17 @@ class CertainKicks(NamedTuple):
 def certain_kicks(equation: FrictionalMathieu) -> CertainKicks:
     """Return the kick up to which none escapes, and that above which every one does: both proved.
 
-    The second is infinite where nothing grows without friction.  docs/theory/friction.md derives them.
+    The second is infinite where nothing grows without friction; the page `theory/friction` derives them.
+
+    Returns
+    -------
+    CertainKicks
+        Both, per unit tau.
+
+    Raises
+    ------
+    TypeError
+        For another equation.
 
     Examples
     --------
@@ -66,7 +76,7 @@ def _no_kick_escapes_up_to(prepared: Prepared) -> Floats:
     """Return a kick up to which none escapes: the first stop is within ``safe``, and none moves farther out from there.
 
     Up to the first stop A = kick S + F, S and F the motions from A' = 1 without friction and from rest with it; the
-    kick g = -F' / S' stops at tau, at A = g S + F.  Both grow with tau until A is ``safe`` (docs/theory/friction.md);
+    kick g = -F' / S' stops at tau, at A = g S + F.  Both grow with tau until A is ``safe`` (page `theory/friction`);
     the kick that stops there is returned, or g at the time where S' is so steep that g equals its limit to rounding.
     """
     alpha, beta = prepared.coefficients["alpha"], prepared.coefficients["beta"]

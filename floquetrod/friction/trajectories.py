@@ -63,6 +63,16 @@ def trajectory(equation: FrictionalMathieu, kick: float, *, periods: int = 20) -
     periods : int
         Periods 2 pi of the coefficient followed, 1 or more.
 
+    Returns
+    -------
+    Trajectory
+        ``tau``, ``A`` and ``velocity``, at equal steps and at every stop and release.
+
+    Raises
+    ------
+    TypeError, ValueError
+        For another equation, a kick that is not finite, and for more periods than a record can hold.
+
     Examples
     --------
     >>> motion = trajectory(FrictionalMathieu(alpha=0.0, beta=0.25, gamma=1.0), 1.9)

@@ -49,6 +49,11 @@ def is_stable(alpha: Any, beta: Any, damping: Any = 0.0, *, workers: int | None 
         In the broadcast shape; a Python bool for numbers alone.  A point on a transition curve to rounding may fall
         either way: `floquetrod.stability` says so, `floquetrod.certify` proves the side.
 
+    Raises
+    ------
+    TypeError, ValueError
+        For numbers out of these ranges, and for shapes that do not broadcast.
+
     Examples
     --------
     >>> is_stable(0.5, [-0.3, -0.6])
@@ -98,6 +103,16 @@ def growth_rate(alpha: Any, beta: Any, damping: Any = 0.0, *, workers: int | Non
 
     Arguments as in `is_stable`.  Relative accuracy 1e-8 or better where the undamped rate exceeds 1e-9.
 
+    Returns
+    -------
+    float or ndarray of float
+        In the broadcast shape.
+
+    Raises
+    ------
+    TypeError, ValueError
+        As `is_stable`.
+
     Examples
     --------
     >>> growth_rate(1e-8, -0.25)
@@ -130,6 +145,16 @@ def discriminant(alpha: Any, beta: Any, damping: Any = 0.0, *, workers: int | No
 
     Arguments as in `is_stable`.  Without damping the equation is stable where its magnitude is below 2.
 
+    Returns
+    -------
+    float or ndarray of float
+        In the broadcast shape.
+
+    Raises
+    ------
+    TypeError, ValueError
+        As `is_stable`.
+
     Examples
     --------
     >>> round(discriminant(0.0, -1.0 / 16.0), 12) + 0.0
@@ -146,6 +171,16 @@ def multipliers(alpha: Any, beta: Any, damping: Any = 0.0, *, workers: int | Non
     """Return both Floquet multipliers, the larger first, in a last axis of length 2 (complex).
 
     Arguments as in `is_stable`.  Their product is exp(-4 pi c); the small one keeps its digits beside a huge one.
+
+    Returns
+    -------
+    ndarray of complex
+        (..., 2), behind the broadcast shape.
+
+    Raises
+    ------
+    TypeError, ValueError
+        As `is_stable`.
 
     Examples
     --------
@@ -167,6 +202,16 @@ def exponents(alpha: Any, beta: Any, damping: Any = 0.0, *, per: str = "tau", wo
     in [0, 1/2] first and in [-1/2, 0] second, but both are 1/2 where multipliers are negative.  ``per`` is "tau", or
     "z" for the exponents of y'' + (a - 2 q cos 2 z) y = 0, which are twice as large; their imaginary part is the order
     nu up to its sign and an even number.
+
+    Returns
+    -------
+    ndarray of complex
+        (..., 2), behind the broadcast shape.
+
+    Raises
+    ------
+    TypeError, ValueError
+        As `is_stable`, and for another ``per``.
 
     Examples
     --------

@@ -38,6 +38,12 @@ def characteristic_values(order: Any, q: Any, kind: str, *, workers: int | None 
     float or ndarray of float
         Absolute error within a few units of rounding of max(1, abs(a), abs(q)).
 
+    Raises
+    ------
+    TypeError, ValueError
+        For orders that are no whole numbers or too low for the kind, for numbers out of these ranges, and for
+        shapes that do not broadcast.
+
     Examples
     --------
     >>> round(characteristic_values(3, 15.5, "a"), 10)
@@ -56,6 +62,16 @@ def tongue_widths(order: Any, q: Any, *, workers: int | None = None) -> Any:
     """Return the width abs(a_m(q) - b_m(q)) of tongue m, accurate relative to itself however thin.
 
     Arguments as in `characteristic_values`, orders from 1.
+
+    Returns
+    -------
+    float or ndarray of float
+        In the broadcast shape, in the unit of a.
+
+    Raises
+    ------
+    TypeError, ValueError
+        As `characteristic_values`.
 
     Examples
     --------
@@ -94,12 +110,29 @@ class TransitionCurves(ByContent):
     width: Floats
 
     def period(self, order: int) -> float:
-        """Return the period of the solution on the curves of ``order``: 2 pi when even, 4 pi when odd."""
+        """Return the period of the solution on the curves of ``order``: 2 pi when even, 4 pi when odd.
+
+        Returns
+        -------
+        float
+            In the unit of tau.
+
+        Raises
+        ------
+        TypeError, ValueError
+            For anything but a whole number from 0.
+        """
         order = validate.integer("order", order, 0)
         return 2.0 * math.pi if order % 2 == 0 else 4.0 * math.pi
 
     def plot(self, ax: Any = None) -> Any:
-        """Draw the curves, each with its name, into matplotlib axes (new ones by default), which are returned."""
+        """Draw the curves, each with its name, into matplotlib axes, new ones by default.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+            The axes drawn into.
+        """
         from floquetrod.plotting.chart_plot import draw_curves
 
         return draw_curves(self, ax)
@@ -118,6 +151,16 @@ def transition_curves(alpha: Any, orders: Any) -> TransitionCurves:
         Amplitude of the coefficient.
     orders : int or sequence of int
         An int n means the orders 0 to n.
+
+    Returns
+    -------
+    TransitionCurves
+        beta of both curves of each order, at each alpha.
+
+    Raises
+    ------
+    TypeError, ValueError
+        For orders that are no whole numbers from 0, and for ``alpha`` in more than one dimension.
 
     Examples
     --------

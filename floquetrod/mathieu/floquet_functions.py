@@ -98,6 +98,11 @@ def real_order_values(order: Any, q: Any) -> Any:
     float or ndarray of float
         Absolute error within some units of rounding of max(1, abs(a), abs(q)).
 
+    Raises
+    ------
+    TypeError, ValueError
+        For whole numbers, for numbers out of these ranges, and for shapes that do not broadcast.
+
     Notes
     -----
     DLMF 28.12.
@@ -139,6 +144,11 @@ def characteristic_function(order: float, q: float, kind: str = "floquet") -> Fl
         Normalised and signed as DLMF 28.2(vi) and 28.12(ii): the integral of ce^2 or se^2 over 2 pi is pi, ce(0) > 0,
         se'(0) > 0; the integral of me_nu(z) me_nu(-z) over pi is pi, me_nu(0) > 0.
 
+    Raises
+    ------
+    TypeError, ValueError
+        For an order that the kind does not have, and for numbers out of these ranges.
+
     Examples
     --------
     >>> round(characteristic_function(50, 2000.0, "b")(1.0), 10)
@@ -178,7 +188,19 @@ def floquet_solutions(equation: Mathieu | MathieuAQ, *, per: str | None = None) 
     solutions there (but with alpha = 0).  Each is scaled so that the squares of its coefficients add up to one, and is
     real where its multiplier is.  ``per`` is "tau", or "z" for the solutions, and exponents, of
     y'' + 2 k y' + (a - 2 q cos 2 z) y = 0 as functions of z, where tau = 2 z + pi / 2; by default the time of the
-    equation.  TypeError for another equation, ValueError for abs(alpha) above 5e6.
+    equation.
+
+    Returns
+    -------
+    tuple of FloquetSolution
+        One or two.
+
+    Raises
+    ------
+    TypeError
+        For another equation.
+    ValueError
+        For abs(alpha) above 5e6, and for another ``per``.
 
     Examples
     --------

@@ -61,6 +61,17 @@ def chart(
     progress : callable, optional
         Called with the numbers of points done and to do.
 
+    Returns
+    -------
+    Chart
+        ``stable`` at every point, rows over beta.
+
+    Raises
+    ------
+    TypeError, ValueError
+        For axes that do not increase, numbers out of these ranges, a function that returns no equation, and a
+        criterion for other equations than Mathieu's.
+
     Examples
     --------
     >>> chart((0.0, 2.0, 5), (-1.0, 0.0, 3)).stable.sum().item()

@@ -36,6 +36,11 @@ class FiniteTimeCriterion:
     step : float
         Longest step in tau of the leapfrog.
 
+    Raises
+    ------
+    TypeError, ValueError
+        For fewer periods than 1, a limit of 1 or less, a step that is not positive, and another ``by``.
+
     Notes
     -----
     Eq. (6) and section 3.2 of DOI 10.1115/1.4031710.  The scheme is linear and its coefficient periodic, so that its
@@ -81,7 +86,18 @@ class FiniteTimeCriterion:
         return f"stable means growth below {self.limit:g} in {self.periods} periods, computed {carried}"
 
     def growth(self, alpha: Any, beta: Any, damping: Any = 0.0, *, workers: int | None = None) -> Any:
-        """Return log10 of abs(A(end)) / A'(0) for Mathieu's equation; arguments broadcast as in `mathieu.is_stable`."""
+        """Return log10 of abs(A(end)) / A'(0) for Mathieu's equation; arguments broadcast as in `mathieu.is_stable`.
+
+        Returns
+        -------
+        float or ndarray of float
+            In the broadcast shape.
+
+        Raises
+        ------
+        TypeError, ValueError
+            As `mathieu.is_stable`.
+        """
         shape, inputs = broadcast(
             alpha=validate.array("alpha", alpha),
             beta=validate.array("beta", beta),
@@ -102,5 +118,16 @@ class FiniteTimeCriterion:
         return shaped(out, shape)
 
     def is_stable(self, alpha: Any, beta: Any, damping: Any = 0.0, *, workers: int | None = None) -> Any:
-        """Return whether the motion passes the test; arguments as in `growth`."""
+        """Return whether the motion passes the test; arguments as in `growth`.
+
+        Returns
+        -------
+        bool or ndarray of bool
+            In the broadcast shape.
+
+        Raises
+        ------
+        TypeError, ValueError
+            As `growth`.
+        """
         return self.growth(alpha, beta, damping, workers=workers) < math.log10(self.limit)

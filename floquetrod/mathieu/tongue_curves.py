@@ -2,7 +2,7 @@
 
 A family of equations u'' = (-kappa + p sin(omega t)) u, its damping removed, with kappa = stiffness - gain * mean and
 p = gain * amplitude: a mode of a rod, or Mathieu's equation itself with gain 1 and frequency 1.  Lines go along the
-mean or along the frequency, where the part of a tongue above a level is one interval (docs/theory/ranges.md); what
+mean or along the frequency, where the part of a tongue above a level is one interval (page `theory/ranges`); what
 tells one line from the next is the frequency or the amplitude.
 """
 

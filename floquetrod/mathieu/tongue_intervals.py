@@ -2,7 +2,7 @@
 
 Damping is removed from the equations: u'' = (b + alpha sin tau) u with b = beta + c^2, whose growth rate is compared
 with c and a tolerance.  Every function takes arrays with an entry for each pair of equation and range, and returns the
-unstable intervals for all pairs.  docs/theory/ranges.md derives which searches are complete.
+unstable intervals for all pairs.  The page `theory/ranges` derives which searches are complete.
 """
 
 from __future__ import annotations

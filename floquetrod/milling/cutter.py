@@ -85,6 +85,11 @@ class ToolMode:
     stiffness : str or float, optional
         Modal stiffness in place of the mass, such as "1.34N/um"; a number is in N/m.
 
+    Raises
+    ------
+    TypeError, ValueError
+        For numbers out of these ranges, for another unit, and unless exactly one of mass and stiffness is given.
+
     Examples
     --------
     >>> mode = ToolMode("922Hz", 0.011, mass="39.93g")
@@ -176,7 +181,13 @@ class Cutter(ByContent):
         _warn_of_soft(self.tangential)
 
     def in_words(self) -> str:
-        """Return cutting coefficients and modes in usual units."""
+        """Return cutting coefficients and modes in usual units.
+
+        Returns
+        -------
+        str
+            On one line.
+        """
         modes = [
             f"along {axis} {mode.frequency / (2.0 * math.pi):.6g} Hz, {100.0 * mode.damping_ratio:.4g} %, "
             f"{mode.mass:.4g} kg"
@@ -239,12 +250,21 @@ class Cutter(ByContent):
     def lag(self, depth: Any) -> float:
         """Return by how much the upper end of a tooth lags behind its tip, in rad, at a depth of cut.
 
-        ValueError for a depth over which the helix winds around the cutter more than four times.
-
         Parameters
         ----------
         depth : str or float
             Such as "0.5mm"; a number is in m.
+
+        Returns
+        -------
+        float
+            In rad; 0 without a helix.
+
+        Raises
+        ------
+        TypeError, ValueError
+            For another unit, a negative depth, and one over which the helix winds around the cutter more than four
+            times.
         """
         deep = read_depth(depth)
         if self.helix == 0.0 or self.diameter is None:
@@ -268,7 +288,15 @@ class Cutter(ByContent):
     def cutting(self, angle: Any) -> Floats:
         """Return H, in Pa, of the modes at the tip, with a tooth at angles in rad (array_like): shape (..., n, n).
 
-        ValueError or TypeError for angles other than finite numbers.
+        Returns
+        -------
+        ndarray
+            (..., n, n), in Pa.
+
+        Raises
+        ------
+        TypeError, ValueError
+            For angles other than finite numbers.
         """
         angle = units.array("angle", angle, "angle", -validate.LARGEST, validate.LARGEST)
         return np.asarray(cutting_by_delay(self, angle).sum(axis=0))
@@ -282,6 +310,16 @@ class Cutter(ByContent):
             Such as "5000rpm"; a number is in rad/s.
         depth : str or float
             Such as "0.5mm"; a number is in m.
+
+        Returns
+        -------
+        DelaySystem
+            Its ``delayed`` terms are of the times between teeth.
+
+        Raises
+        ------
+        TypeError, ValueError
+            For another unit, and for a speed or depth out of range.
 
         Examples
         --------
@@ -328,6 +366,16 @@ class Cutter(ByContent):
             As of `system`.
         depth : str or float
             As of `system`.
+
+        Returns
+        -------
+        SystemStability
+            Growth is per s.
+
+        Raises
+        ------
+        TypeError, ValueError
+            As `system`.
         """
         verdict: SystemStability = stability(self.system(speed, depth))
         return verdict

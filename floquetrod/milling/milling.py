@@ -61,6 +61,12 @@ class Milling(Cutter):
         Feed between two teeth on average, such as "0.1mm"; a number is in m.  Needed with runout: where a tooth stands
         back by more than the chip it cuts nothing, and the next one cuts what two pitches left.
 
+    Raises
+    ------
+    TypeError, ValueError
+        For numbers out of these ranges or in other units, without a mode, and where pitches do not add up to a
+        turn.
+
     Examples
     --------
     >>> from floquetrod import ToolMode
@@ -81,6 +87,11 @@ class Milling(Cutter):
         Parameters
         ----------
         path : str or Path
+
+        Returns
+        -------
+        Milling
+            The cutter.
 
         Raises
         ------
@@ -105,6 +116,16 @@ class Milling(Cutter):
             As of `system`; the tool may vibrate up to 120 times between two teeth.
         most : str or float, optional
             Depth up to which is searched; by default fifty times that smallest one, and 500 times at most.
+
+        Returns
+        -------
+        float
+            In m.
+
+        Raises
+        ------
+        TypeError, ValueError
+            For another unit, and for a speed or depth out of range.
         """
         limit = None if most is None else read_depth(most, "most")
         return float(stability_lobes.critical_depths(self, np.array([read_speed(speed)]), limit)[0])
@@ -120,6 +141,16 @@ class Milling(Cutter):
             Likewise: ("0mm", "4mm", 200).
         growth : bool
             Whether to keep growth rates, in 1/s, too, which takes several times as long.
+
+        Returns
+        -------
+        Lobes
+            Chart, critical depths and lobes by name.
+
+        Raises
+        ------
+        TypeError, ValueError
+            For ranges that do not increase, and for other units.
 
         Examples
         --------

@@ -109,13 +109,25 @@ class Lobes(Reported, NoTruthValue, ByContent):
     lobes: tuple[Lobe, ...]
 
     def plot(self, ax: Any = None) -> Any:
-        """Draw the chart with its bands, lobes named where they are lowest; return the matplotlib axes."""
+        """Draw the chart with its bands, lobes named where they are lowest.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+            The axes drawn into.
+        """
         from floquetrod.plotting.lobes_plot import draw_lobes
 
         return draw_lobes(self, ax)
 
     def report(self) -> Report:
-        """Return the lobes as a table, grouped by name; where there are none, why."""
+        """Return the lobes as a table, grouped by name; where there are none, why.
+
+        Returns
+        -------
+        Report
+            Its text is ``str(report)``; a notebook shows it as a table.
+        """
         if not self.lobes:
             return Report(f"{repr(self.milling).strip('<>')}: {self.none_in_range}")
         names = list(dict.fromkeys(map(str, self.lobes)))
@@ -155,7 +167,13 @@ class Lobes(Reported, NoTruthValue, ByContent):
         )
 
     def as_dict(self) -> dict[str, Any]:
-        """Return the lobes for JSON, in rad/s and m."""
+        """Return the lobes for JSON, in rad/s and m.
+
+        Returns
+        -------
+        dict of str
+            Numbers and lists by name, units in the keys.
+        """
         return {
             "lobes": [{"name": str(lobe), **lobe._asdict()} for lobe in self.lobes],
             "speeds_rad_per_s": self.speeds.tolist(),

@@ -113,6 +113,16 @@ class Branch(ByContent, Printed, NoTruthValue):
             Which state, counted from 0.
         quantity : {"amplitude", "largest", "least", "period"}
             The quantity drawn over the parameter.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+            The axes drawn into.
+
+        Raises
+        ------
+        TypeError, ValueError
+            For a state or a quantity that is not there.
         """
         from floquetrod._util import validate
         from floquetrod.plotting.branch_plot import draw_branch
@@ -122,7 +132,13 @@ class Branch(ByContent, Printed, NoTruthValue):
         return draw_branch(self, ax, state, quantity)
 
     def report(self) -> Report:
-        """Return the branch in lines, and a table of its special points."""
+        """Return the branch in lines, and a table of its special points.
+
+        Returns
+        -------
+        Report
+            Its text is ``str(report)``; a notebook shows it as a table.
+        """
         counts = [f"{int((self.status == code).sum())} {name}" for name, code in STATUS_CODES.items()]
         low, high = float(self.values.min()), float(self.values.max())
         lines = [
@@ -171,7 +187,18 @@ class Branch(ByContent, Printed, NoTruthValue):
     _keys = "parameter over values status period largest least special_points ends notes"
 
     def to_xarray(self) -> Any:
-        """Return an xarray.Dataset over the orbits and the special points (needs xarray, an extra)."""
+        """Return an xarray.Dataset over the orbits and the special points (needs xarray, an extra).
+
+        Returns
+        -------
+        xarray.Dataset
+            Status, period, least and largest states and multipliers of each orbit.
+
+        Raises
+        ------
+        ImportError
+            Without xarray.
+        """
         xarray = extras.xarray()
         data: dict[str, Any] = {"status": ("orbit", self.status), "period": ("orbit", self.period)}
         data |= {name: (("orbit", "state"), getattr(self, name)) for name in ("largest", "least", "amplitude")}
@@ -189,6 +216,18 @@ class Branch(ByContent, Printed, NoTruthValue):
         """Write everything but the function of the system to an npz file.
 
         An older file of that name is kept until the new one is complete.
+
+        Returns
+        -------
+        Path
+            Of the file written.
+
+        Raises
+        ------
+        TypeError, ValueError
+            For a path that is no text or path.
+        OSError
+            Where the file cannot be written.
         """
         return save(self, path)
 
@@ -196,7 +235,15 @@ class Branch(ByContent, Printed, NoTruthValue):
     def load(cls, path: str | Path, system: NonlinearSystem) -> Branch:
         """Read a branch that `save` wrote, of a system that is not in the file, because it is a function.
 
-        Raises ValueError for a file that is damaged, if only in one bit, or foreign, or of another system.
+        Returns
+        -------
+        Branch
+            Equal to the branch saved.
+
+        Raises
+        ------
+        TypeError, ValueError
+            For a file that is damaged, if only in one bit, or foreign, or of another system.
         """
         return cls(**load(path, system))
 

@@ -101,6 +101,7 @@ def follow(
     Returns
     -------
     Branch or BifurcationCurve
+        Orbits in order along the branch, or points in order along the curve.
 
     Raises
     ------

@@ -178,13 +178,24 @@ class PeriodicOrbit(ByContent, Printed, NoTruthValue):
         ----------
         ax : matplotlib Axes, optional
             Axes to draw into; a new figure by default.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+            The axes drawn into.
         """
         from floquetrod.plotting.orbit_plot import draw_orbit
 
         return draw_orbit(self, ax)
 
     def report(self) -> Report:
-        """Return the orbit in lines, and the verdict with its table of multipliers."""
+        """Return the orbit in lines, and the verdict with its table of multipliers.
+
+        Returns
+        -------
+        Report
+            Its text is ``str(report)``; a notebook shows it as a table.
+        """
         verdict = self.stability.report()
         n, kind = self.states.shape[1], "autonomous" if self.system.is_autonomous else "forced"
         period = f"{self.period:.12g}" + (f" +- {self.period_error:.1g}" if self.period_error else "")

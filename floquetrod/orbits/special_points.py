@@ -96,6 +96,11 @@ class SpecialPoint(ByContent):
             How far away, as a fraction of the largest magnitudes of the states, from 1e-4 to 1; less where there is no
             orbit so far out.  A state that is zero along this branch counts as the largest of all.
 
+        Returns
+        -------
+        PeriodicOrbit
+            On the other branch.
+
         Raises
         ------
         ValueError
@@ -105,7 +110,13 @@ class SpecialPoint(ByContent):
         return _switched(self, side, distance)
 
     def as_dict(self) -> dict[str, Any]:
-        """Return the point as numbers for JSON."""
+        """Return the point as numbers for JSON.
+
+        Returns
+        -------
+        dict of str
+            Kind, value, error, multiplier and the orbit that it follows.
+        """
         mu = [self.multiplier.real, self.multiplier.imag]
         numbers = {"kind": self.kind, "value": self.value, "error": self.error, "multiplier": mu, "after": self.after}
         return numbers | {"count": self.count}

@@ -88,7 +88,7 @@ class Bands(NoTruthValue, ByContent):
         each axis.
     resolution : tuple of float
         Bands, and stable gaps in and between them, narrower than this along x and y may have been missed; (0, 0) where
-        tongues are found by counts and not among points of the plane (docs/theory/maps.md says which part of that is
+        tongues are found by counts and not among points of the plane (the page `theory/maps` says which part of that is
         proved, and which observed).
 
     Iterating gives the bands.
@@ -153,6 +153,18 @@ class Bands(NoTruthValue, ByContent):
         """Write a table of all vertices to a file, one per line: band, mode, partner, tongue, growth, x, y.
 
         Units stand in the first line.  An older file of that name is kept until the new one is complete.
+
+        Returns
+        -------
+        Path
+            Of the file written.
+
+        Raises
+        ------
+        TypeError, ValueError
+            For a path that is no text or path.
+        OSError
+            Where the file cannot be written.
         """
         path = validate.path("path", path)
         text = io.StringIO(newline="")
@@ -172,6 +184,16 @@ class Bands(NoTruthValue, ByContent):
 
         The dimensions are "band" and "vertex", to which ``vertex_band`` gives the band, counted from 0; a mode or
         tongue that is not known is -1, and a partner 0.
+
+        Returns
+        -------
+        xarray.Dataset
+            Of bands and vertices.
+
+        Raises
+        ------
+        ImportError
+            Without xarray.
         """
         xarray = extras.xarray()
         arrays = self.as_arrays()
@@ -189,7 +211,13 @@ class Bands(NoTruthValue, ByContent):
         return xarray.Dataset(data, attrs={name: getattr(self, name) for name in names})
 
     def plot(self, ax: Any = None) -> Any:
-        """Draw the bands as shapes, orange, thin ones as lines, named where there is room; return the axes."""
+        """Draw the bands as shapes, orange, thin ones as lines, named where there is room.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+            The axes drawn into.
+        """
         from floquetrod.plotting.shapes import draw_bands
 
         return draw_bands(self, ax)

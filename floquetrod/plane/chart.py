@@ -139,6 +139,11 @@ class Chart(units.InUnits, NoTruthValue, ByContent):
         progress : callable, optional
             Called with the work done and the work to do.
 
+        Returns
+        -------
+        Bands
+            In the units of the chart.
+
         Raises
         ------
         ValueError
@@ -193,6 +198,11 @@ class Chart(units.InUnits, NoTruthValue, ByContent):
         Each quantity goes by the first word of its name: ``chart.in_units(mean="Fcr", frequency="Hz")``.  "Fcr" is the
         critical force of the rod.
 
+        Returns
+        -------
+        Chart
+            The same points and verdicts.
+
         Raises
         ------
         ValueError
@@ -234,9 +244,9 @@ class Chart(units.InUnits, NoTruthValue, ByContent):
         return f"<{self.y.name} over {self.x.name}; {self.caption}>"
 
     def plot(self, ax: Any = None, *, bands: bool | None = None) -> Any:
-        """Draw the chart, orange where unstable (darker the faster, if growth is known); return the matplotlib axes.
+        """Draw the chart, orange where unstable (darker the faster, if growth is known).
 
-        These are in the units in which the ranges of the chart were given, such as ``frequency=("10Hz", "40Hz", 40)``.
+        Axes are in the units in which the ranges of the chart were given, such as ``frequency=("10Hz", "40Hz", 40)``.
 
         Parameters
         ----------
@@ -246,6 +256,11 @@ class Chart(units.InUnits, NoTruthValue, ByContent):
             Whether to draw `bands`, shapes named by mode and tongue where there is room, or the chart's points as
             pixels; by default bands, where they have been found or are found about as fast as the chart, and no `cells`
             have been proved.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+            The axes drawn into.
 
         Raises
         ------
@@ -276,6 +291,18 @@ class Chart(units.InUnits, NoTruthValue, ByContent):
         """Write everything to an npz file, bands if they have been computed.
 
         An older file of that name is kept until the new one is complete.
+
+        Returns
+        -------
+        Path
+            Of the file written.
+
+        Raises
+        ------
+        TypeError, ValueError
+            For a path that is no text or path.
+        OSError
+            Where the file cannot be written.
         """
         arrays = {"x": self.x.values, "y": self.y.values} | self._over_points()
         axes = {name: [axis.name, axis.symbol, axis.unit] for name, axis in (("x", self.x), ("y", self.y))}
@@ -289,7 +316,15 @@ class Chart(units.InUnits, NoTruthValue, ByContent):
     def load(cls, path: str | Path) -> Chart:
         """Read a chart that `save` wrote.
 
-        Raises ValueError for a file that is damaged, if only in one bit, or foreign.
+        Returns
+        -------
+        Chart
+            Equal to the chart saved.
+
+        Raises
+        ------
+        TypeError, ValueError
+            For a file that is damaged, if only in one bit, or foreign.
         """
         return sealed_files.read_npz(path, _FORMAT, "a chart", _chart)
 
@@ -298,7 +333,18 @@ class Chart(units.InUnits, NoTruthValue, ByContent):
         return {name: found for name in ("stable", *_OPTIONAL) if (found := getattr(self, name)) is not None}
 
     def to_xarray(self) -> Any:
-        """Return an xarray.Dataset (needs xarray, an extra: pip install floquetrod[xarray])."""
+        """Return an xarray.Dataset (needs xarray, an extra: pip install floquetrod[xarray]).
+
+        Returns
+        -------
+        xarray.Dataset
+            Over both axes.
+
+        Raises
+        ------
+        ImportError
+            Without xarray.
+        """
         xarray = extras.xarray()
         coords = {axis.name: (axis.name, axis.values, {"units": axis.unit}) for axis in (self.x, self.y)}
         data = {name: ((self.y.name, self.x.name), values) for name, values in self._over_points().items()}

@@ -61,7 +61,13 @@ class ResponseComparison(SideBySide):
         return tuple((name, refusal) for name, refusal in refusals if refusal is not None)
 
     def report(self) -> Report:
-        """Return the table of methods, and whether they agree."""
+        """Return the table of methods, and whether they agree.
+
+        Returns
+        -------
+        Report
+            Its text is ``str(report)``; a notebook shows it as a table.
+        """
         head = ("method", "largest", "rms", "error", "ms")
         rows = [
             (
@@ -128,6 +134,11 @@ def compare(
     -------
     Comparison
         Of verdicts; with a force a `floquetrod.results.ResponseComparison`.
+
+    Raises
+    ------
+    TypeError, ValueError
+        For anything but a problem, for arguments of a force without one, and as `floquetrod.response`.
 
     Examples
     --------

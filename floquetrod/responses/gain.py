@@ -81,6 +81,16 @@ class Gain(ByContent, NoTruthValue, Reported):
         ----------
         wave : int
             k, one of ``waves``: 0 for the signal, -1 for the first idler.
+
+        Returns
+        -------
+        ndarray
+            (m,), in the order of the frequencies.
+
+        Raises
+        ------
+        TypeError, ValueError
+            For a wave that was not computed.
         """
         chosen = validate.integer("wave", wave, -_MOST_WAVES, _MOST_WAVES)
         if chosen not in self.waves:
@@ -145,7 +155,12 @@ class Gain(ByContent, NoTruthValue, Reported):
         return Slowest(-exponent.real, min(candidates, key=lambda w: abs(w - where)))
 
     def plot(self, ax: Any = None) -> Any:
-        """Draw the magnitudes of signal and idlers over frequency, on ``ax`` or on new axes; return the axes.
+        """Draw the magnitudes of signal and idlers over frequency, on ``ax`` or on new axes.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+            The axes drawn into.
 
         Examples
         --------

@@ -107,6 +107,16 @@ class OutputNoise(ByContent, NoTruthValue, Reported):
         ----------
         time : array_like
             Any times, in the unit of the equation.
+
+        Returns
+        -------
+        float or ndarray
+            In the shape of ``time``, of a system (..., n, n).
+
+        Raises
+        ------
+        TypeError, ValueError
+            For times that are not finite numbers.
         """
         limit = 1e14 * self.period
         times = validate.array("time", time, least=-limit, largest=limit)
@@ -140,6 +150,16 @@ class OutputNoise(ByContent, NoTruthValue, Reported):
             w, zero or more, in radians per unit of time.
         out : int
             The coordinate, from 0.
+
+        Returns
+        -------
+        float or ndarray
+            In the shape of ``frequency``.
+
+        Raises
+        ------
+        TypeError, ValueError
+            For negative frequencies, a coordinate that is not there, and an equation given in pieces.
         """
         largest = 1e9 / self.period
         w = validate.array("frequency", frequency, least=0.0, largest=largest)
@@ -164,7 +184,12 @@ class OutputNoise(ByContent, NoTruthValue, Reported):
         return BY_NAME["hill"].refusal(self.equation, force_of(self.equation, np.zeros(len(self.sources)))) is None
 
     def plot(self, ax: Any = None) -> Any:
-        """Draw the variances over a period, and their means, on ``ax`` or on new axes; return the axes.
+        """Draw the variances over a period, and their means, on ``ax`` or on new axes.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+            The axes drawn into.
 
         Examples
         --------

@@ -91,6 +91,16 @@ class Response(ByContent, NoTruthValue, Reported):
             Any times, in the unit of the equation.
         derivative : int
             1 for the first derivative.
+
+        Returns
+        -------
+        float, complex or ndarray
+            In the shape of ``time``, of a system (..., n).
+
+        Raises
+        ------
+        TypeError, ValueError
+            For times that are not finite numbers, and for a derivative other than 0 and 1.
         """
         limit = _LATEST * self.period
         times = validate.array("time", time, least=-limit, largest=limit)
@@ -153,7 +163,10 @@ class Response(ByContent, NoTruthValue, Reported):
     def plot(self, ax: Any = None) -> Any:
         """Draw the motion over a period, and its mean, on ``ax`` or on new axes; with a frequency its modulus.
 
-        Return the axes.
+        Returns
+        -------
+        matplotlib.axes.Axes
+            The axes drawn into.
 
         Examples
         --------

@@ -83,7 +83,13 @@ class ReachProbability(Printed, ByContent):
         )
 
     def report(self) -> Report:
-        """Return the probability by depth."""
+        """Return the probability by depth.
+
+        Returns
+        -------
+        Report
+            Its text is ``str(report)``; a notebook shows it as a table.
+        """
         table = zip(self.depth, self.probability, self.low, self.high, strict=True)
         columns = [("depth m", ">9"), ("probability", ">11"), ("from", ">6"), ("to", ">6")]
         rows = [[f"{depth:.6g}", *(f"{share:.3f}" for share in others)] for depth, *others in table]

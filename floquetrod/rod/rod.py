@@ -123,7 +123,7 @@ class Rod(RodData):
     residual_curvature : float or str
         Curvature of the rod without load in 1/m, or with a unit such as "0.1rad/m", as of coiled tubing from its reel;
         0, straight, by default.  The channel holds it straight, which bends it, and presses its lower end to the wall
-        (docs/theory/surface_weights.md); for strings in wells and stresses.
+        (page `theory/surface_weights`); for strings in wells and stresses.
     natural_shape : mapping or sequence of (float or str), optional
         Deflection of the rod across its channel without load, by default none: ``{5: "0.1mm"}``, amplitudes of sines by
         their half waves; deflections in m, or with a unit, at equal distances from the upper to the lower end;
@@ -152,6 +152,12 @@ class Rod(RodData):
         Weight in air per length in N/m, or with a unit such as "22.6lb/ft" or "33.6kg/m", in place of ``density``; it
         includes the joints, spread over the length.  The density is chosen to give this mass per length; the body
         alone displaces fluid.
+
+    Raises
+    ------
+    TypeError, ValueError
+        For numbers out of these ranges, other units, arguments that are missing or exclude each other, and a rod
+        that floats; the message names the argument and the way out.
 
     Warns
     -----
@@ -280,6 +286,16 @@ class Rod(RodData):
         fixed q and mode a larger mean lowers a, a larger amplitude raises q, and both raise every factor of the bound;
         a, q and c^2 go like 1 / omega^2, so a higher frequency leaves fewer evanescent factors q / (a - k^2 - q), each
         larger, before a rate that in 1/s does not depend on it.
+
+        Returns
+        -------
+        tuple of (int, float)
+            The number M, and the bound in 1/s.
+
+        Raises
+        ------
+        TypeError, ValueError
+            For anything but a load, and a negative tolerance.
         """
         load, tolerance = require_load("load", load), units.tolerance("growth_tolerance", growth_tolerance)
         return self._modes_under(load).modes_needed(load, tolerance)
@@ -338,6 +354,11 @@ class Rod(RodData):
         stripper : float or str
             Friction of the stripper in N, or with a unit; against the motion.
 
+        Returns
+        -------
+        MeanForce
+            Force, contact and buckling at each depth; its ``at_top`` in N is the force at the upper end.
+
         Raises
         ------
         TypeError, ValueError
@@ -346,7 +367,7 @@ class Rod(RodData):
         Notes
         -----
         dF/ds = w cos(phi) - mu N with the contact force N = hypot(w sin(phi) + F kappa_n, F kappa_b), plus
-        F^2 R / (4 E I) of a helix (docs/theory/mean_force.md).
+        F^2 R / (4 E I) of a helix (page `theory/mean_force`).
 
         Examples
         --------
@@ -395,6 +416,11 @@ class Rod(RodData):
             Pressure around the string below the stripper in Pa, as in `mean_force`.
         stripper : float or str
             Friction of the stripper in N.
+
+        Returns
+        -------
+        SurfaceWeights
+            ``pick_up`` and ``slack_off`` in N, a row for each factor of friction.
 
         Raises
         ------
@@ -452,6 +478,16 @@ class Rod(RodData):
             Mises' stress with the hoop and radial stress of a thick wall; ``wellhead_pressure`` is the pressure around
             it there, and both grow downwards with the weight of the fluids at rest.  By default both are taken as
             equal all along, which leaves axial and bending stress.
+
+        Returns
+        -------
+        Reach
+            Its ``reach`` and ``lock_up`` in m, ``reach_shaken`` with a tool, and the force at each depth.
+
+        Raises
+        ------
+        TypeError, ValueError
+            For numbers out of range, and for a string that does not pass a bore; the message names the argument.
 
         Notes
         -----
@@ -516,9 +552,9 @@ class Rod(RodData):
         """Return the verdict on the rod under a load: stable when every mode is.
 
         Under a load with noise it is the verdict in mean square, and growth is the rate of second moments, twice the
-        rate of amplitudes (docs/theory/noise.md); `critical` finds the largest noise that is stable.  Under a load of
+        rate of amplitudes (page `theory/noise`); `critical` finds the largest noise that is stable.  Under a load of
         two frequencies "stable" means that nothing grows faster than the tolerance, which damping or a
-        ``growth_tolerance`` makes possible (docs/theory/two_frequencies.md).
+        ``growth_tolerance`` makes possible (page `theory/two_frequencies`).
 
         Parameters
         ----------
@@ -544,6 +580,12 @@ class Rod(RodData):
         RodStability or FrictionalRodStability
             The second where a kick is given.  Modes are coupled by ends other than hinged, and by a force that varies
             along the rod or is no pure sine.
+
+        Raises
+        ------
+        TypeError, ValueError
+            For anything but a load, modes that are no whole numbers from 1, a negative tolerance, friction without
+            a kick or a kick without friction, and friction where modes are coupled.
 
         Warns
         -----
@@ -580,6 +622,16 @@ class Rod(RodData):
         Every mode is assumed to have the same kick; infinite where nothing grows even without friction.  The result
         also has the mode that the kick destabilises, and the proved kick up to which none buckles the rod; of arrays of
         loads, given as in `is_stable`, it has arrays, and mode 0 for none.
+
+        Returns
+        -------
+        CriticalKick
+            ``kick`` and ``none_up_to`` in m/s, and ``mode``.
+
+        Raises
+        ------
+        TypeError, ValueError
+            For friction that is negative, where modes are coupled, and as `is_stable`.
 
         Examples
         --------
@@ -620,7 +672,7 @@ class Rod(RodData):
         are found, with damping and tolerance too: inside a tongue growth is concave in the mean force, and growth per
         period in 1 / omega^2.  Of the amplitude all are found of modes that the mean force alone would buckle.
         Elsewhere, and where modes are coupled, loads are sampled, and unstable parts narrower than the ``resolution``
-        of the result may be missed (docs/theory/ranges.md).
+        of the result may be missed (page `theory/ranges`).
 
         Parameters
         ----------
@@ -642,6 +694,16 @@ class Rod(RodData):
             there are thousands, at low frequencies.
         progress : callable, optional
             Called with the numbers of modes searched and to search.
+
+        Returns
+        -------
+        StabilityIntervals
+            ``intervals`` and ``unstable`` bands, in N or rad/s.
+
+        Raises
+        ------
+        TypeError, ValueError
+            For another quantity, bounds that do not increase, numbers out of range, and a frequency without bounds.
 
         Examples
         --------
@@ -723,6 +785,11 @@ class Rod(RodData):
         progress : callable, optional
             Called with the numbers of parts of the search done and of all.  An exception that it raises ends the
             search, with a note up to which force nothing grows.
+
+        Returns
+        -------
+        CriticalValue
+            A float, in N or a factor on the noise.
 
         Raises
         ------
@@ -816,6 +883,12 @@ class Rod(RodData):
         bool or ndarray
             In the shape that the quantities broadcast to.
 
+        Raises
+        ------
+        TypeError, ValueError
+            For numbers out of range, shapes that do not broadcast, and a quantity that neither the load nor an
+            argument gives.
+
         Examples
         --------
         >>> import floquetrod as fr
@@ -862,6 +935,18 @@ class Rod(RodData):
 
         Arguments as in `is_stable`.  Undecided are some kicks against friction, and coupled modes on a boundary.
 
+        Returns
+        -------
+        int or ndarray of int8
+            In the shape that the quantities broadcast to.
+
+        Raises
+        ------
+        TypeError, ValueError
+            As `is_stable`.
+
+        Examples
+        --------
         >>> Rod.nitinol().verdicts(mean=[0.2, 0.72], amplitude=1.187, frequency=150.0, friction=0.1, kick="50mm/s")
         array([1, 0], dtype=int8)
         """
@@ -900,6 +985,16 @@ class Rod(RodData):
         return_mode : bool
             Whether to return (growth, mode), with the number of the fastest mode: 0 where nothing grows, and -1 where
             modes are coupled, which `stability` names.
+
+        Returns
+        -------
+        float or ndarray of float
+            In 1/s, in the shape that the quantities broadcast to; with ``return_mode`` a pair, the second of int.
+
+        Raises
+        ------
+        TypeError, ValueError
+            As `is_stable`.
 
         Examples
         --------
@@ -943,7 +1038,7 @@ class Rod(RodData):
         -----
         The shape is a constant force on each mode, E I k_m^4 a_m per length for the part a_m sin(k_m s), so that the
         motion grows without bound towards static buckling and towards tongues of even order, where a multiplier is 1,
-        and crosses the principal tongue's edge unaffected (docs/theory/response.md).  Small angles; modes and coupling
+        and crosses the principal tongue's edge unaffected (page `theory/response`).  Small angles; modes and coupling
         as in `stability`.
 
         Examples
@@ -986,7 +1081,7 @@ class Rod(RodData):
         Notes
         -----
         Lagrange's equations at finite angles and small slopes, with the inertia of shortening
-        (docs/theory/large_motion.md), in the modes next to ``mode`` and modes three times as short.  They agree with
+        (page `theory/large_motion`), in the modes next to ``mode`` and modes three times as short.  They agree with
         the simulator, whose force travels in axial waves, within half a percent of the angle with clamped ends, and one
         percent with hinged ends.
 
@@ -1126,7 +1221,7 @@ class Rod(RodData):
         """Prove every load of a box stable or unstable, on this rod or on every rod within tolerances.
 
         Interval arithmetic, rounded outwards, over boxes that are halved until they are decided; all modes, those
-        beyond a number by a bound (docs/theory/regions.md).
+        beyond a number by a bound (page `theory/regions`).
 
         Parameters
         ----------
@@ -1209,6 +1304,11 @@ class Rod(RodData):
             How closely sides are found, as a fraction of the width of the box, 1e-4 to 0.5.
         progress : callable, optional
             Called with the numbers of sides moved and of those to move at most.
+
+        Returns
+        -------
+        SafeBox
+            ``ranges``, one for each quantity, and their ``proof``.
 
         Raises
         ------

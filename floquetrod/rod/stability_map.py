@@ -89,6 +89,17 @@ def stability_map(
     progress : callable, optional
         Called with the numbers of points, then of cells, then of stable points, done and to do.
 
+    Returns
+    -------
+    Chart
+        ``stable`` at every point; the first quantity that varies is along x, the second along y.
+
+    Raises
+    ------
+    TypeError, ValueError
+        For anything but a rod and a load, numbers out of range, axes that do not increase, unless exactly one
+        quantity is a single number, and for friction or a criterion where they do not apply.
+
     Examples
     --------
     >>> import floquetrod as fr

@@ -125,8 +125,17 @@ class RecordedMotion(NoTruthValue, ByContent):
     def mode_amplitudes(self, modes: Iterable[int]) -> NDArray[np.float64]:
         """Return A_m of theta = sum_m A_m sin(m pi s / L) in rad, (frames, modes).
 
-        Raises ValueError for a mode that has fewer than 2 segments in half a wave; with fewer than 6 it moves
-        like a rod 5 % or more too soft.
+        A mode with fewer than 6 segments in half a wave moves like a rod 5 % or more too soft.
+
+        Returns
+        -------
+        ndarray
+            (frames, modes), in rad.
+
+        Raises
+        ------
+        TypeError, ValueError
+            For a mode that has fewer than 2 segments in half a wave.
         """
         return self._amplitudes(validate.integers("modes", modes, 1, self._most_modes, self._why_no_more))
 

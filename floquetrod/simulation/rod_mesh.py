@@ -247,7 +247,13 @@ class DiscreteRod:
         return WallCorners(wall_corners(self.rod, self.segment_length)) if self.rod.varies else None
 
     def clearance_at(self, x: Floats) -> Any:
-        """Return the radial clearance in m of nodes (..., nodes) at places ``x`` along the channel."""
+        """Return the radial clearance in m of nodes (..., nodes) at places ``x`` along the channel.
+
+        Returns
+        -------
+        float or ndarray
+            In m.
+        """
         if self.wall is None or self.lumps is None:
             return self.rod.radial_clearance
         places, radii, slopes = self.wall.corners.T
@@ -505,6 +511,11 @@ class DiscreteRod:
             The record.
         name : str
             The field.
+
+        Returns
+        -------
+        ndarray
+            (segments + 1, ...), a view.
         """
         values: Floats = rod[name][FIRST : FIRST + self.segments + 1]
         return values
@@ -522,6 +533,11 @@ class DiscreteRod:
         """Return the energies in J of a record with positions and velocities at one time; see `ENERGIES`.
 
         Gravity and contact count from the rod at rest: straight on the floor, in a well along its axis.
+
+        Returns
+        -------
+        dict of str to float
+            By the names in `ENERGIES`.
         """
         node = {name: self.nodes(rod, name) for name in (*NODE, *LOST, *PARTS)}
         places, moving = self.recorded(rod)

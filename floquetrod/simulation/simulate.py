@@ -84,6 +84,13 @@ def simulate(
     -------
     Simulation
 
+    Raises
+    ------
+    TypeError, ValueError
+        As `SimulationProblem`, and for a checkpoint as `SimulationProblem.run`.
+    SimulationDiverged
+        Where the motion leaves the range of doubles.
+
     Examples
     --------
     >>> rod = Rod.nitinol()

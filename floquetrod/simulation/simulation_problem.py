@@ -138,7 +138,7 @@ class SimulationProblem:
 
     Notes
     -----
-    The model of section 3.3 of DOI 10.1115/1.4031710, for any rod; docs/theory/simulator.md says how it is discretised.
+    The model of section 3.3 of DOI 10.1115/1.4031710, for any rod; the page `theory/simulator` discretises it.
 
     Examples
     --------
@@ -306,7 +306,18 @@ class SimulationProblem:
         )
 
     def replace(self, **changes: Any) -> SimulationProblem:
-        """Return a copy with some parameters changed, checked again; a default number of segments is chosen again."""
+        """Return a copy with some parameters changed, checked again; a default number of segments is chosen again.
+
+        Returns
+        -------
+        SimulationProblem
+            Checked.
+
+        Raises
+        ------
+        TypeError, ValueError
+            As `SimulationProblem`.
+        """
         if self.segments == self._fair_segments():
             changes = {"segments": None, **changes}
         return replace(self, **changes)
@@ -334,7 +345,7 @@ class SimulationProblem:
             When the rod leaves the range of the model; its ``simulation`` holds the frames before.
         ValueError
             Before anything is computed, for a checkpoint that cannot be written, is damaged, belongs to another run, is
-            in use by one under way, or cannot be continued bit for bit here (docs/theory/simulator.md says when).
+            in use by one under way, or cannot be continued bit for bit here (the page `theory/simulator` says when).
         """
         place = None if checkpoint is None else validate.path("checkpoint", checkpoint)
         validate.progress(progress)
@@ -620,7 +631,7 @@ class Simulation(Reported, RecordedMotion):
         ------
         ValueError
             For a run without a last state, or whose last state cannot be continued bit for bit here, by the rule of
-            checkpoints (docs/theory/simulator.md); for a duration of 0 of a run that is complete.
+            checkpoints (page `theory/simulator`); for a duration of 0 of a run that is complete.
 
         Examples
         --------
@@ -673,9 +684,18 @@ class Simulation(Reported, RecordedMotion):
         by `floquetrod.simulation.growth.fit_growth`; best when frames fall on equal parts of the forcing period.
 
         The error estimates the distance from Floquet theory with the axial wave kept, which is ``AxialWave(...,
-        far_end="driven")`` for an `AxialLoad`: the error of the fit, and of the simulated rod, by theory.  Raises
-        ValueError when there is too little to fit: fewer than three forcing periods or 8 frames a period, or friction,
-        with which nothing grows exponentially.
+        far_end="driven")`` for an `AxialLoad`: the error of the fit, and of the simulated rod, by theory.
+
+        Returns
+        -------
+        GrowthFit
+            ``rate`` in 1/s, with its error.
+
+        Raises
+        ------
+        TypeError, ValueError
+            For a mode that the segments cannot resolve, and where there is too little to fit: fewer than three
+            forcing periods or 8 frames a period, a tool, or friction, with which nothing grows exponentially.
 
         Examples
         --------
@@ -726,15 +746,42 @@ class Simulation(Reported, RecordedMotion):
         """Return the fitted and the theoretical growth as `Findings`, which can be read as a report.
 
         Without ``theory`` only the simulation; theory takes half a minute for coupled modes of a kilometre.
+
+        Returns
+        -------
+        Findings
+            Its ``report()`` compares them.
+
+        Raises
+        ------
+        TypeError
+            For a ``theory`` other than True and False.
         """
         return Findings.of(self, theory=validate.flag("theory", theory))
 
     def report(self, units: Mapping[str, str] | None = None) -> Report:
-        """Return the simulation in lines, without theory; `findings` compares."""
+        """Return the simulation in lines, without theory; `findings` compares.
+
+        Returns
+        -------
+        Report
+            Its text is ``str(report)``; a notebook shows it as a table.
+
+        Raises
+        ------
+        TypeError, ValueError
+            For another unit.
+        """
         return self.findings(theory=False).report(units)
 
     def as_dict(self) -> dict[str, Any]:
-        """Return the simulation as numbers for JSON, without theory, units in the keys; `findings` compares."""
+        """Return the simulation as numbers for JSON, without theory, units in the keys; `findings` compares.
+
+        Returns
+        -------
+        dict of str
+            Numbers, texts and lists by name.
+        """
         return self.findings(theory=False).as_dict()
 
     @cached_property
@@ -808,37 +855,65 @@ class Simulation(Reported, RecordedMotion):
         )
 
     def plot(self, ax: Any = None) -> Any:
-        """Draw the rod from above at five times of the last quarter, the last one black; return the axes."""
+        """Draw the rod from above at five times of the last quarter, the last one black.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+            The axes drawn into.
+        """
         from floquetrod.plotting.rod_plot import draw_top_view
 
         return draw_top_view(self, ax)
 
     def plot_energy(self, ax: Any = None) -> Any:
-        """Draw the energies over time; return the axes."""
+        """Draw the energies over time.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+            The axes drawn into.
+        """
         from floquetrod.plotting.rod_plot import draw_energy
 
         return draw_energy(self, ax)
 
     def plot_growth(self, ax: Any = None) -> Any:
-        """Draw the leading modes over time, dashed the growth that `Rod.stability` predicts; return the axes.
+        """Draw the leading modes over time, dashed the growth that `Rod.stability` predicts.
 
         With friction nothing is predicted: growth is not exponential.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+            The axes drawn into.
         """
         from floquetrod.plotting.rod_plot import draw_growth
 
         return draw_growth(self, self.leading_modes, self._predicted_rates, ax)
 
     def plot_run(self, figure: Any = None) -> Any:
-        """Draw the rod from above over the growth of its leading modes; return the figure, a new one by default.
+        """Draw the rod from above over the growth of its leading modes, in a new figure by default.
 
         ``figure`` may be a figure or subfigure of matplotlib.
+
+        Returns
+        -------
+        matplotlib.figure.Figure or SubFigure
+            The figure drawn into.
         """
         from floquetrod.plotting.rod_plot import draw_run
 
         return draw_run(self, self.leading_modes, self._predicted_rates, figure)
 
     def animate(self) -> Any:
-        """Return a matplotlib animation of the rod from above, of at most 200 pictures."""
+        """Return a matplotlib animation of the rod from above, of at most 200 pictures.
+
+        Returns
+        -------
+        matplotlib.animation.FuncAnimation
+            Keep it as long as it is shown.
+        """
         from floquetrod.plotting.rod_plot import animate_top_view
 
         return animate_top_view(self)
@@ -853,7 +928,20 @@ class Simulation(Reported, RecordedMotion):
         return self.rod._modes_under(load).growth_of_modes(load, modes)
 
     def save(self, path: str | Path) -> Path:
-        """Write everything to an npz file; an older file of that name is kept until the new one is complete."""
+        """Write everything to an npz file; an older file of that name is kept until the new one is complete.
+
+        Returns
+        -------
+        Path
+            Of the file written.
+
+        Raises
+        ------
+        TypeError, ValueError
+            For a path that is no text or path.
+        OSError
+            Where the file cannot be written.
+        """
         meta = {
             "format": _FORMAT,
             "version": self.version,
@@ -875,7 +963,15 @@ class Simulation(Reported, RecordedMotion):
     def load(cls, path: str | Path) -> Simulation:
         """Read a simulation that `save` wrote.
 
-        Raises ValueError for a file that is damaged, if only in one bit, or foreign.
+        Returns
+        -------
+        Simulation
+            Equal to the simulation saved.
+
+        Raises
+        ------
+        TypeError, ValueError
+            For a file that is damaged, if only in one bit, or foreign.
         """
         return sealed_files.read_npz(path, _FORMAT, "a simulation", _simulation)
 

@@ -32,6 +32,11 @@ class Perturbation:
     noises : tuple of (float, int)
         (speed in m/s, seed): adds to every inner node its own speed, uniform in [-speed, speed].
 
+    Raises
+    ------
+    TypeError, ValueError
+        For modes and seeds that are no whole numbers, and speeds that are not finite.
+
     Notes
     -----
     The cases A to D of DOI 10.1115/1.4031710 come from `Perturbation.case`.
@@ -69,6 +74,18 @@ class Perturbation:
     def modes(cls, speeds: Mapping[int, float]) -> Perturbation:
         """Return the sum of modes: {mode: speed in m/s}.
 
+        Returns
+        -------
+        Perturbation
+            The sum.
+
+        Raises
+        ------
+        TypeError, ValueError
+            For anything but a mapping of whole numbers from 1 to speeds.
+
+        Examples
+        --------
         >>> Perturbation.modes({8: 0.05}).highest_mode
         8
         """
@@ -80,7 +97,18 @@ class Perturbation:
 
     @classmethod
     def random(cls, speed: float, seed: int) -> Perturbation:
-        """Return a perturbation that gives every inner node its own speed, uniform in [-speed, speed] m/s."""
+        """Return a perturbation that gives every inner node its own speed, uniform in [-speed, speed] m/s.
+
+        Returns
+        -------
+        Perturbation
+            The same for the same seed.
+
+        Raises
+        ------
+        TypeError, ValueError
+            For a speed that is not finite, and a seed that is no whole number from 0.
+        """
         return cls(noises=((speed, seed),))
 
     @classmethod
@@ -100,6 +128,16 @@ class Perturbation:
             Of C and D.
         highest : int
             The last mode of C, which the paper does not state.
+
+        Returns
+        -------
+        Perturbation
+            The case.
+
+        Raises
+        ------
+        TypeError, ValueError
+            For another name, and for numbers as in `modes` and `random`.
         """
         name = validate.choice("name", name, tuple("ABCD"))
         speed, mode, seed = _speed("speed", speed), _mode("mode", mode), validate.integer("seed", seed, 0)
@@ -140,7 +178,15 @@ class Perturbation:
     def velocities(self, segments: int) -> NDArray[np.float64]:
         """Return the speed across the channel of every node of a rod of so many segments, in m/s; held ends rest.
 
-        Raises ValueError when a mode has fewer than 6 segments in half a wave.
+        Returns
+        -------
+        ndarray
+            (segments + 1,), in m/s.
+
+        Raises
+        ------
+        TypeError, ValueError
+            For fewer segments than 2, and where a mode has fewer than 6 segments in half a wave.
         """
         segments = validate.integer("segments", segments, 2)
         if segments > MOST_SEGMENTS:

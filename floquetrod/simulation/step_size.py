@@ -61,6 +61,16 @@ def critical_time_step(mesh: DiscreteRod, impact_speed: float = 0.0) -> tuple[fl
     Contact adds to bending its stiffness and damping at the depth that ``impact_speed`` (m/s), on top of a fall across
     the channel, can reach.  Of a rod that varies along, every node has its own, and the least counts.
 
+    Returns
+    -------
+    tuple of (float, str)
+        The step in s, and what limits it.
+
+    Raises
+    ------
+    TypeError, ValueError
+        For a negative speed.
+
     Examples
     --------
     >>> from floquetrod.rod.rod import Rod

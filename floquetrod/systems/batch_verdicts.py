@@ -55,6 +55,11 @@ def is_stable(systems: System, *, workers: int | None = None, progress: Progress
     bool or ndarray of bool
         In the leading shape; a Python bool for a single system.
 
+    Raises
+    ------
+    TypeError, ValueError
+        For anything but systems, and fewer workers than 1.
+
     Warns
     -----
     UndecidedWarning
@@ -79,6 +84,16 @@ def growth_rate(systems: System, *, workers: int | None = None, progress: Progre
 
     Arguments as in `is_stable`.  NaN for systems that would take too long.
 
+    Returns
+    -------
+    float or ndarray of float
+        In the leading shape.
+
+    Raises
+    ------
+    TypeError, ValueError
+        As `is_stable`.
+
     Examples
     --------
     >>> forcing = [[0.1, 0.2], [0.2, 0.16]]
@@ -95,6 +110,16 @@ def multipliers(systems: System, *, workers: int | None = None, progress: Progre
     Arguments as in `is_stable`.  NaN, and last, are multipliers lost in the rounding of the largest one, which
     `floquetrod.stability` of one system returns, and multipliers whose squares may be beyond doubles; all are NaN of
     systems that would take too long.
+
+    Returns
+    -------
+    ndarray of complex
+        (..., N), behind the leading shape.
+
+    Raises
+    ------
+    TypeError, ValueError
+        As `is_stable`.
     """
     workers = validate.workers(workers)
     validate.progress(progress)

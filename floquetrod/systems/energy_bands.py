@@ -120,6 +120,16 @@ class EnergyBands(Reported, NoTruthValue, ByContent):
         ----------
         energy : float or array_like
             In the unit of the potential.
+
+        Returns
+        -------
+        float or ndarray of float
+            In the shape of ``energy``.
+
+        Raises
+        ------
+        TypeError, ValueError
+            For energies that are not finite numbers.
         """
         energies = validate.array("energy", energy)
         return shaped(self._waves.density(energies.ravel()).reshape(energies.shape), energies.shape)
@@ -133,6 +143,16 @@ class EnergyBands(Reported, NoTruthValue, ByContent):
         ----------
         energy : float
             In the unit of the potential.
+
+        Returns
+        -------
+        Equation or HillSystem
+            Of the kind of the potential.
+
+        Raises
+        ------
+        TypeError, ValueError
+            For an energy that is no finite number.
 
         Examples
         --------
@@ -152,6 +172,11 @@ class EnergyBands(Reported, NoTruthValue, ByContent):
         ----------
         within : float, optional
             Half of the width of the interval about each edge.
+
+        Returns
+        -------
+        tuple of EdgeProof
+            From the lowest edge on.
 
         Raises
         ------
@@ -273,7 +298,7 @@ def bands(
     Notes
     -----
     Ritz's method with polynomials of degree 12 to 16 on parts of the period that end at the jumps of V
-    (docs/theory/bands.md).
+    (page `theory/bands`).
 
     Examples
     --------

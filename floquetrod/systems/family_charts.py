@@ -61,6 +61,11 @@ def chart(
     progress : callable, optional
         Called with the numbers of points done and to do after every row.
 
+    Returns
+    -------
+    Chart
+        ``stable`` at every point.
+
     Raises
     ------
     TypeError

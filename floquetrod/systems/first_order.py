@@ -89,6 +89,11 @@ class FirstOrderTongue:
         -------
         float or ndarray
             Of the shape of ``frequency``; negative where both solutions decay.
+
+        Raises
+        ------
+        TypeError, ValueError
+            For frequencies that are not finite numbers.
         """
         w = validate.array("frequency", frequency)
         ci, cj = self.damping

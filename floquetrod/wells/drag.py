@@ -70,7 +70,7 @@ def end_contact_of_bend(rigidity: Any, clearance: Any, curvature: float) -> Any:
     Held straight it carries the moment E I kappa_0 all along, without shear and so without contact.  Its free end
     springs across the clearance, over the length l = sqrt(12 R / kappa_0), and presses with E I kappa_0 / l where it
     ends and, on the other side of the hole, where it leaves the wall: together E I kappa_0^(3/2) / sqrt(3 R)
-    (docs/theory/surface_weights.md).
+    (page `theory/surface_weights`).
     """
     return rigidity * curvature * np.sqrt(curvature / (3.0 * clearance))
 

@@ -5,5 +5,5 @@ HELIX_RATIOS = {"energy": 2.0, "loading": 1.83**2, "alone": 8.0}
 
 In a straight channel the compression F is then sqrt(2) (Chen, Lin & Cheatham 1990), 1.83 (Wu & Juvkam-Wold 1993) or
 2 sqrt(2) (Mitchell 1996) times the critical force.  The first follows by energy in bends too
-(docs/theory/mean_force.md), the other two are taken to keep their ratio to it.
+(page `theory/mean_force`), the other two are taken to keep their ratio to it.
 """

@@ -141,6 +141,18 @@ class WellPath(units.InUnits, Reported, ByContent, TellsAttributes):
     def straight(cls, *, length: Any, inclination: Any, azimuth: Any = 0.0, depth: Any = 0.0) -> Self:
         """Return a straight path, ``depth`` at its upper end.
 
+        Returns
+        -------
+        WellPath
+            Of two stations.
+
+        Raises
+        ------
+        TypeError, ValueError
+            As `arc`.
+
+        Examples
+        --------
         >>> WellPath.straight(length=300.0, inclination="60deg").position(300.0).round(6).tolist()
         [259.807621, 0.0, 150.0]
         """
@@ -160,6 +172,16 @@ class WellPath(units.InUnits, Reported, ByContent, TellsAttributes):
             In rad; one for a plane path, or two, at both ends.
         depth : float or str
             Measured depth of the upper end in m.
+
+        Returns
+        -------
+        WellPath
+            Of two stations.
+
+        Raises
+        ------
+        TypeError, ValueError
+            For other units, a length that is not positive, and unless there are two inclinations.
 
         Examples
         --------
@@ -220,6 +242,11 @@ class WellPath(units.InUnits, Reported, ByContent, TellsAttributes):
         to : float or str, optional
             Measured depth of TD in m, to which the well goes on straight from the last station; see `projected`.
 
+        Returns
+        -------
+        WellPath
+            As `WellPath` of the stations.
+
         Raises
         ------
         TypeError, ValueError
@@ -277,17 +304,50 @@ class WellPath(units.InUnits, Reported, ByContent, TellsAttributes):
         return self.depth
 
     def position(self, depth: Any) -> Floats:
-        """Return north, east and true vertical depth in m from the first station, (..., 3), at measured depths."""
+        """Return north, east and true vertical depth in m from the first station, (..., 3), at measured depths.
+
+        Returns
+        -------
+        ndarray
+            (..., 3), in m.
+
+        Raises
+        ------
+        TypeError, ValueError
+            For depths beyond the ends of the path, and for other units.
+        """
         shape, points = self._points(depth)
         return np.asarray((self._corners[points.arc] + points.moved).reshape(*shape, 3))
 
     def inclination_at(self, depth: Any) -> Any:
-        """Return the inclination from the vertical in rad at measured depths in m."""
+        """Return the inclination from the vertical in rad at measured depths in m.
+
+        Returns
+        -------
+        float or ndarray
+            In rad, in the shape of ``depth``.
+
+        Raises
+        ------
+        TypeError, ValueError
+            For depths beyond the ends of the path, and for other units.
+        """
         shape, points = self._points(depth)
         return shaped(points.inclination, shape)
 
     def azimuth_at(self, depth: Any) -> Any:
-        """Return the azimuth in rad at measured depths in m."""
+        """Return the azimuth in rad at measured depths in m.
+
+        Returns
+        -------
+        float or ndarray
+            In rad, in the shape of ``depth``.
+
+        Raises
+        ------
+        TypeError, ValueError
+            For depths beyond the ends of the path, and for other units.
+        """
         shape, points = self._points(depth)
         return shaped(points.azimuth, shape)
 
@@ -296,6 +356,16 @@ class WellPath(units.InUnits, Reported, ByContent, TellsAttributes):
 
         With inclination phi and azimuth psi, kappa_n = d phi / ds in the vertical plane, positive where the well
         builds, and kappa_b = sin(phi) d psi / ds sideways; on a station of the interval below it.
+
+        Returns
+        -------
+        tuple of two floats or ndarrays
+            kappa_n and kappa_b in 1/m, in the shape of ``depth``.
+
+        Raises
+        ------
+        TypeError, ValueError
+            For depths beyond the ends of the path, and for other units.
         """
         shape, points = self._points(depth)
         build, side = points.curvature
@@ -307,7 +377,18 @@ class WellPath(units.InUnits, Reported, ByContent, TellsAttributes):
         return np.degrees(30.0 * self.arcs.curvature)
 
     def part(self, start: Any, end: Any) -> Self:
-        """Return the part of the path between two measured depths in m; depths stay the same."""
+        """Return the part of the path between two measured depths in m; depths stay the same.
+
+        Returns
+        -------
+        WellPath
+            With a station at both ends.
+
+        Raises
+        ------
+        TypeError, ValueError
+            For depths beyond the ends of the path, and unless the end lies below the start.
+        """
         ends = np.array(
             [
                 self._inside(np.array([units.number(name, value, "length")]), name)[0]
@@ -335,6 +416,16 @@ class WellPath(units.InUnits, Reported, ByContent, TellsAttributes):
         ----------
         to : float or str
             In m, below the last station.
+
+        Returns
+        -------
+        WellPath
+            With one more station; its ``note`` says so.
+
+        Raises
+        ------
+        TypeError, ValueError
+            For a depth that does not lie below the last station, and for other units.
 
         Examples
         --------
@@ -372,6 +463,11 @@ class WellPath(units.InUnits, Reported, ByContent, TellsAttributes):
         azimuth : float, str or array_like (n,)
             Likewise; of any size, as directions repeat after a turn.
 
+        Returns
+        -------
+        WellPath
+            Of the same depths.
+
         Raises
         ------
         TypeError, ValueError
@@ -405,7 +501,13 @@ class WellPath(units.InUnits, Reported, ByContent, TellsAttributes):
         return units.AnswerUnits.named(given=self.given_units).length
 
     def in_words(self, length: units.Unit) -> str:
-        """Return stations, depths, inclinations and doglegs in words, lengths in a unit."""
+        """Return stations, depths, inclinations and doglegs in words, lengths in a unit.
+
+        Returns
+        -------
+        str
+            On one line.
+        """
         lowest, highest = np.degrees([self.inclination.min(), self.inclination.max()])
         angles = f"{lowest:.4g}" if lowest == highest else f"{lowest:.4g} to {highest:.4g}"
         doglegs, per = self._doglegs(length)
@@ -424,7 +526,13 @@ class WellPath(units.InUnits, Reported, ByContent, TellsAttributes):
         return self.dogleg_severity, "deg/30 m"
 
     def report(self) -> Report:
-        """Return the path in words and its stations as a table."""
+        """Return the path in words and its stations as a table.
+
+        Returns
+        -------
+        Report
+            Its text is ``str(report)``; a notebook shows it as a table.
+        """
         length = self._length
         bends, per = self._doglegs(length)
         severity = ["", *(f"{row:.2f}" for row in bends)]
@@ -445,7 +553,13 @@ class WellPath(units.InUnits, Reported, ByContent, TellsAttributes):
         return Report(self.in_words(length), [*lines, *([("note", self.note)] if self.note else [])], table)
 
     def as_dict(self) -> dict[str, list[float]]:
-        """Return the stations in m and rad, the arguments of an equal path."""
+        """Return the stations in m and rad, the arguments of an equal path.
+
+        Returns
+        -------
+        dict of str to list of float
+            ``depth`` in m, ``inclination`` and ``azimuth`` in rad.
+        """
         return {name: getattr(self, name).tolist() for name in ("depth", "inclination", "azimuth")}
 
     # --- arcs ---

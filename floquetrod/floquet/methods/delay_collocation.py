@@ -48,6 +48,11 @@ def collocation(system: DelaySystem, *, rtol: float = 1e-12, above: float = 0.1)
         Its errors are estimates: twice the change to fewer nodes, twice that by coefficients off by their error, and
         the condition of the invariant subspace times rounding.
 
+    Raises
+    ------
+    TypeError, ValueError
+        For numbers out of these ranges.
+
     Examples
     --------
     >>> import math

@@ -46,6 +46,11 @@ def semi_discretisation(system: DelaySystem, *, above: float = 0.3) -> SystemSta
     SystemStability
         Its errors are estimates, three times the difference of the extrapolations.
 
+    Raises
+    ------
+    TypeError, ValueError
+        For ``above`` outside 0.01 to 0.9.
+
     Examples
     --------
     >>> import math

@@ -64,6 +64,11 @@ def winding(system: DelaySystem, *, above: float = 0.5) -> SystemStability:
         collocation they are estimates, twice the change to fewer nodes.  In both cases twice the change by coefficients
         off by their error is added.
 
+    Raises
+    ------
+    TypeError, ValueError
+        For a system without delays, and for ``above`` outside 1e-4 to 0.9.
+
     Examples
     --------
     >>> import math

@@ -37,6 +37,11 @@ def determinant(equation: Mathieu | MathieuAQ, *, terms: int | None = None) -> S
         ``error`` is an estimate from the first terms left out.  "undecided" where the truncation cuts rows off that
         could still change a sign.
 
+    Raises
+    ------
+    TypeError, ValueError
+        For another equation, and for ``terms`` other than a whole number from 2.
+
     Examples
     --------
     >>> determinant(Mathieu(alpha=0.5, beta=-0.25), terms=40).status

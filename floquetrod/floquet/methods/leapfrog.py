@@ -47,6 +47,12 @@ def leapfrog(equation: Equation, *, step: float = 5e-4, periods: int = 100, limi
         the scheme's own map over a period, ``error`` its estimate from steps twice and four times as long. "undecided"
         when the run would take too many steps.
 
+    Raises
+    ------
+    TypeError, ValueError
+        For anything but an equation, a step or limit that is not positive, a limit up to 1, and fewer periods than
+        1.
+
     Notes
     -----
     Growth slower than about ln(limit) / (periods period), 0.022 per unit tau by default, cannot be seen.  "About": the

@@ -58,6 +58,11 @@ def monodromy(equation: Equation, *, rtol: float = 1e-12) -> Stability:
     -------
     Stability
         ``error`` is an estimate: the change on halving the steps, and rounding.
+
+    Raises
+    ------
+    TypeError, ValueError
+        For anything but an equation, and an accuracy that is not positive.
     """
     equations.require(equation)
     rtol = validate.positive("rtol", rtol)

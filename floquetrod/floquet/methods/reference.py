@@ -69,6 +69,11 @@ def reference(equation: Equation, *, digits: int = 50) -> Stability:
         Its ``error`` is an estimate: the difference of two computations, and Liouville's formula (see the module).
         "undecided" when X is zero within the digits allowed, or when the work would take more than a few seconds.
 
+    Raises
+    ------
+    TypeError, ValueError
+        For anything but an equation, and for ``digits`` other than a whole number from 10 to 20,000.
+
     Examples
     --------
     >>> from floquetrod.equations import Mathieu
@@ -103,9 +108,27 @@ def reference(equation: Equation, *, digits: int = 50) -> Stability:
 def discriminant_excess(equation: Equation, digits: int = 50) -> DiscriminantExcess:
     """Return the undamped excess X of an equation with its sign and error, as numbers of mpmath.
 
-    Raises `TooMuchWork` when even a first attempt would take more than a few seconds, TypeError for anything
-    but an equation, and ValueError or TypeError unless ``digits`` is an integer from 10 to 20,000.
+    Parameters
+    ----------
+    equation : Equation
+        The parameters are taken as the exact binary numbers they are.
+    digits : int
+        Decimal digits of X relative to max(1, abs(X)), 10 to 20,000.
 
+    Returns
+    -------
+    DiscriminantExcess
+        Its ``sign``, ``excess``, ``error`` and ``terms``.
+
+    Raises
+    ------
+    TooMuchWork
+        When even a first attempt would take more than a few seconds.
+    TypeError, ValueError
+        For anything but an equation, and for ``digits`` other than a whole number from 10 to 20,000.
+
+    Examples
+    --------
     >>> from floquetrod.equations import Mathieu
     >>> found = discriminant_excess(Mathieu(alpha=0.0, beta=1.0), 30)  # X = sinh(pi)^2
     >>> str(found.excess)[:14], found.error < 1e-27

@@ -48,6 +48,11 @@ def spectral(equation: Equation) -> Stability:
     Stability
         ``error`` is a first-order estimate of rounding for Mathieu; for Hill the change from K to K + 4.
 
+    Raises
+    ------
+    TypeError
+        For an equation whose coefficient is no Fourier series.
+
     Examples
     --------
     >>> spectral(Mathieu(alpha=1e-8, beta=-0.25)).growth_rate

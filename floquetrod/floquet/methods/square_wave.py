@@ -34,6 +34,11 @@ def square_wave(equation: Meissner | Mathieu | MathieuAQ) -> Stability:
     Stability
         ``error`` is a first-order bound on rounding; for Mathieu it does not include the replacement.
 
+    Raises
+    ------
+    TypeError
+        For another equation.
+
     Examples
     --------
     >>> square_wave(Meissner(alpha=0.0, beta=-0.16)).status

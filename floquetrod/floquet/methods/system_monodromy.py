@@ -56,6 +56,11 @@ def monodromy(system: HillSystem | PeriodicSystem, *, rtol: float = 1e-12) -> Sy
     SystemStability
         Errors follow from a bound on the map's truncation and an estimate of its rounding, times the condition numbers
         of the eigenvalues.
+
+    Raises
+    ------
+    TypeError, ValueError
+        For an accuracy outside 1e-15 to 0.1.
     """
     rtol = validate.within("rtol", rtol, 1e-15, 0.1)
     many = solved_many(system, rtol)

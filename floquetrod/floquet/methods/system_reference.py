@@ -79,6 +79,11 @@ def reference(
         each other, with all these digits, whose number is in ``note``, and where the work would take more than about
         ten seconds.
 
+    Raises
+    ------
+    TypeError, ValueError
+        For digits other than whole numbers from 10 to 1000.
+
     Examples
     --------
     >>> reference(HillSystem([[1.0, 0.0], [0.0, 4.0]], cosines=[[[0.1, 0.2], [0.2, 0.16]]])).strongly_stable

@@ -51,6 +51,11 @@ def segmented(system: HillSystem | PeriodicSystem, *, rtol: float = 1e-12) -> Sy
     SystemStability
         Its errors are bounds for all maps within the errors of the segments' maps, which are estimates.
 
+    Raises
+    ------
+    TypeError, ValueError
+        For an accuracy outside 1e-15 to 1e-3.
+
     Examples
     --------
     >>> system = HillSystem([[-36.0, 0.0], [0.0, 1.0]], cosines=[[[0.3, 0.3], [0.3, 0.3]]])

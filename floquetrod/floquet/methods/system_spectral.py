@@ -68,6 +68,11 @@ def spectral(system: HillSystem | PeriodicSystem, *, rtol: float = 1e-12) -> Sys
         Its errors are estimates: condition numbers of the eigenvalues times rounding and truncation, and the change to
         a longer truncation.
 
+    Raises
+    ------
+    TypeError, ValueError
+        For a system in several pieces, and an accuracy outside 1e-15 to 1e-3.
+
     Examples
     --------
     >>> spectral(HillSystem([[1.0, 0.0], [0.0, 4.0]], cosines=[[[0.1, 0.2], [0.2, 0.16]]])).strongly_stable

@@ -5,7 +5,7 @@ of A' the equation is linear with the forcing -s, s = sign(A'), so a cell is a 2
 all orbits.  Only a cell that a bound cannot clear of reversals is looked into: the motion in it is one Taylor series,
 the sign changes of its Bernstein coefficients tell whether A' has a zero, and bracketed Newton finds the first.
 
-How the fate of an orbit is decided for all time (proofs in docs/theory/friction.md; p lies between -P and Q):
+How the fate of an orbit is decided for all time (proofs on the page `theory/friction`; p lies between -P and Q):
 
 *Escape.*  E = A' psi - A (psi' - 2 c psi) obeys E' = -s psi, psi the decaying solution of psi'' - 2 c psi' = p psi.
 Where abs(E) exceeds the integral of abs(psi) over all later time, E keeps its sign for good and the motion grows like

@@ -71,7 +71,13 @@ class CriticalValue(InUnits, float):
         return f"<{size}; {missed}>" if self.resolution else f"<{size}>"
 
     def as_dict(self) -> dict[str, Any]:
-        """Return the number with its resolution or error for JSON, units in the keys; None for infinite."""
+        """Return the number with its resolution or error for JSON, units in the keys; None for infinite.
+
+        Returns
+        -------
+        dict of str
+            Numbers by name.
+        """
         if self.quantity == "noise":
             return {
                 "critical_noise_factor": plain(float(self)),

@@ -137,7 +137,13 @@ class MeanForce(Printed, ByContent):
         return f"{where} needs {size} of {'push' if self.injector >= 0.0 else 'pull'} at {self.depth[0]:.6g} m"
 
     def report(self) -> Report:
-        """Return the force and the buckled depths."""
+        """Return the force and the buckled depths.
+
+        Returns
+        -------
+        Report
+            Its text is ``str(report)``; a notebook shows it as a table.
+        """
         lines = [("snaking", _depths(self.depth, self.is_snaking)), ("helix", _depths(self.depth, self.is_helix))]
         if self.wellhead:
             added = with_unit(abs(self.wellhead), "N", 4)
@@ -148,7 +154,13 @@ class MeanForce(Printed, ByContent):
         return Report(self._in_words, lines, assumptions=ASSUMED)
 
     def as_dict(self) -> dict[str, Any]:
-        """Return everything as numbers for JSON, units in the keys; ``section`` of a string of several."""
+        """Return everything as numbers for JSON, units in the keys; ``section`` of a string of several.
+
+        Returns
+        -------
+        dict of str
+            Numbers and lists by name.
+        """
         return super().as_dict() | ({} if self.section is None else by_keys(self, "section"))
 
     _keys = "motion depth_m force_N contact_N_per_m friction speed_m_per_s vibration_N is_snaking is_helix error_N "

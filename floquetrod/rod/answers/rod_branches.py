@@ -153,6 +153,16 @@ class RodBranches(ByContent, Printed, NoTruthValue):
         ----------
         value : float or str
             In rad/s or N, or with a unit, such as "23.5Hz".
+
+        Returns
+        -------
+        list of (float, str)
+            Angle and status.
+
+        Raises
+        ------
+        TypeError, ValueError
+            For a value that is no number, or in another unit.
         """
         value = load_number(self.parameter, value, "value")
         names = {code: name for name, code in STATUS_CODES.items()}
@@ -178,6 +188,16 @@ class RodBranches(ByContent, Printed, NoTruthValue):
             Axes to draw into; a new figure by default.
         unit : str
             Of the parameter: "Hz", "Fcr"; by default the SI unit.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+            The axes drawn into.
+
+        Raises
+        ------
+        TypeError, ValueError
+            For another unit.
         """
         from floquetrod.plotting.branch_plot import draw_rod_branches
 
@@ -190,7 +210,13 @@ class RodBranches(ByContent, Printed, NoTruthValue):
         return f"{count} of motion in mode {self.mode}, up to {math.degrees(self.amplitude.max()):.3g} degrees"
 
     def report(self) -> Report:
-        """Return the branches in a table, with their ends, and the limits of the equations."""
+        """Return the branches in a table, with their ends, and the limits of the equations.
+
+        Returns
+        -------
+        Report
+            Its text is ``str(report)``; a notebook shows it as a table.
+        """
         lines = []
         for i, part in enumerate(self.parts):
             lines += [(f"{i}", f"begins: {part.ends[0]}"), ("", f"ends: {part.ends[1]}")]
@@ -204,7 +230,13 @@ class RodBranches(ByContent, Printed, NoTruthValue):
         return Report(self._in_words, lines, Table(_COLUMNS, [_row(i, part) for i, part in enumerate(self.parts)]))
 
     def as_dict(self) -> dict[str, Any]:
-        """Return the branches as numbers for JSON, units in the keys."""
+        """Return the branches as numbers for JSON, units in the keys.
+
+        Returns
+        -------
+        dict of str
+            Among them ``branches``, a list with a dict for each.
+        """
         of_each = (
             "values=branch.values amplitude_rad status=branch.status contact_N_per_m slope turns "
             "special_points=branch.special_points ends"
@@ -213,7 +245,18 @@ class RodBranches(ByContent, Printed, NoTruthValue):
         return by_keys(self, "mode modes parameter unit over") | {"branches": branches}
 
     def to_xarray(self) -> Any:
-        """Return an xarray.Dataset over the orbits of all branches (needs xarray, an extra)."""
+        """Return an xarray.Dataset over the orbits of all branches (needs xarray, an extra).
+
+        Returns
+        -------
+        xarray.Dataset
+            Amplitude, status, contact and slope of each orbit.
+
+        Raises
+        ------
+        ImportError
+            Without xarray.
+        """
         xarray = extras.xarray()
         names = {"amplitude": "rad", "status": "", "contact": "N/m", "slope": "", "number": ""}
         data = {name: ("orbit", getattr(self, name), {"units": unit}) for name, unit in names.items()}

@@ -106,6 +106,16 @@ class RodResponse(ByContent, Printed, NoTruthValue):
         ----------
         time : array_like
             In s after the load begins a period.
+
+        Returns
+        -------
+        ndarray
+            (..., p), behind the shape of ``time``, in m.
+
+        Raises
+        ------
+        TypeError, ValueError
+            For times that are not finite numbers.
         """
         times = validate.array("time", time)
         turns = np.arange(-self._middle, self._middle + 1) * self.load.frequency
@@ -123,6 +133,16 @@ class RodResponse(ByContent, Printed, NoTruthValue):
         ----------
         units : mapping, optional
             Units in which to show lengths: ``{"length": "ft"}``.
+
+        Returns
+        -------
+        str
+            On one line.
+
+        Raises
+        ------
+        TypeError, ValueError
+            For another unit.
         """
         shown = answer_units(shown_in(units, self.rod, self.load))
         size, where = shown.across.show(self.largest, 4), shown.length.show(self.largest_at, 4)
@@ -141,6 +161,16 @@ class RodResponse(ByContent, Printed, NoTruthValue):
         ----------
         units : mapping, optional
             Units in which to show forces and lengths: ``{"force": "lbf", "length": "ft"}``.
+
+        Returns
+        -------
+        Report
+            Its text is ``str(report)``; a notebook shows it as a table.
+
+        Raises
+        ------
+        TypeError, ValueError
+            For another unit.
         """
         names = shown_in(units, self.rod, self.load)
         shown = answer_units(names)
@@ -173,7 +203,13 @@ class RodResponse(ByContent, Printed, NoTruthValue):
     )
 
     def plot(self, ax: Any = None) -> Any:
-        """Draw mean and range of the deflection along the rod; return the axes."""
+        """Draw mean and range of the deflection along the rod.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+            The axes drawn into.
+        """
         from floquetrod.plotting.response_along import draw_rod_response
 
         return draw_rod_response(self, ax)

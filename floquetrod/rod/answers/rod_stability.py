@@ -250,23 +250,62 @@ class RodStability(Reported, Verdict):
         return self.rod.axial_response(self.load)
 
     def growth_of(self, mode: int) -> float:
-        """Return the growth rate of a mode in 1/s, of the rod where modes are coupled."""
+        """Return the growth rate of a mode in 1/s, of the rod where modes are coupled.
+
+        Returns
+        -------
+        float
+            In 1/s; 0 where the mode does not grow.
+
+        Raises
+        ------
+        TypeError, ValueError
+            For anything but a whole number from 1.
+        """
         mode = validate.integer("mode", mode, 1, validate.MOST_NUMBERS)
         return self.growth_rate if self.evidence.shares_growth else self.model.growth_of_modes(self.load, (mode,))[0]
 
     def is_fastest(self, mode: int | None) -> bool:
-        """Return whether a mode has the growth rate of the rod, as all coupled modes have."""
+        """Return whether a mode has the growth rate of the rod, as all coupled modes have.
+
+        Returns
+        -------
+        bool
+            False for None.
+        """
         return self.evidence.shares_growth or mode == self.fastest_mode
 
     def plot(self, ax: Any = None) -> Any:
-        """Draw the `shape` in which the rod grows; return the axes.  ValueError where independent modes do not."""
+        """Draw the `shape` in which the rod grows.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+            The axes drawn into.
+
+        Raises
+        ------
+        ValueError
+            Where modes are independent and none grows.
+        """
         shape, name = _drawn_shape(self)
         from floquetrod.plotting.rod_plot import draw_shape
 
         return draw_shape(self, shape, name, ax)
 
     def time_to_grow(self, factor: float = 10.0) -> float:
-        """Return the time in s in which the fastest mode grows by ``factor``, infinite when none grows."""
+        """Return the time in s in which the fastest mode grows by ``factor``, infinite when none grows.
+
+        Returns
+        -------
+        float
+            In s.
+
+        Raises
+        ------
+        TypeError, ValueError
+            For a factor that is not greater than 1.
+        """
         if not validate.finite("factor", factor) > 1.0:
             raise validate.wrong_value("factor", f"must be greater than 1, got {factor!r}")
         return math.log(factor) / self.growth_rate if self.growth_rate > 0.0 else math.inf
@@ -341,6 +380,11 @@ class RodStability(Reported, Verdict):
         progress : callable, optional
             Called with the numbers of hundredths done and of all, 100.
 
+        Returns
+        -------
+        dict of str to Margin
+            By "mean", "amplitude" and "frequency".
+
         Raises
         ------
         ValueError
@@ -393,6 +437,11 @@ class RodStability(Reported, Verdict):
         -------
         Report
             Its text is ``str(report)``; a notebook shows it as a table.
+
+        Raises
+        ------
+        TypeError, ValueError
+            For another unit.
         """
         evidence, shown = self.evidence, shown_in(units, self.rod, self.load)
         lines = subject_lines(self.rod, self.load, shown)
@@ -428,6 +477,16 @@ class RodStability(Reported, Verdict):
         """Return the verdict as numbers for JSON, units in the keys; None for infinite or unknown numbers.
 
         With ``margins``, which `margins` returns, these and the damping that stabilises.
+
+        Returns
+        -------
+        dict of str
+            Numbers, texts and lists by name.
+
+        Raises
+        ------
+        TypeError, ValueError
+            For margins that `margins` does not return.
         """
         rod, load, near = self.rod, self.load, {}
         if margins is not None:

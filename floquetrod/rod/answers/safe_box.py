@@ -79,7 +79,18 @@ class SafeBox(Reported, NoTruthValue):
         return self.proof.box[3:]
 
     def in_units(self, **names: str) -> tuple[SafeRange, ...]:
-        """Return the ranges in other units: ``in_units(mean="Fcr", frequency="Hz")``; ValueError for unknown ones."""
+        """Return the ranges in other units: ``in_units(mean="Fcr", frequency="Hz")``.
+
+        Returns
+        -------
+        tuple of SafeRange
+            Low end, working point and high end of each quantity.
+
+        Raises
+        ------
+        TypeError, ValueError
+            For a quantity that is not of the load, and for another unit.
+        """
         wanted = dict(names)
         found = []
         for each in self.ranges:
@@ -96,6 +107,16 @@ class SafeBox(Reported, NoTruthValue):
         """Return a table for an operator, in units as for `in_units`.
 
         Ends are rounded inwards to six digits, so that the printed box is proved, too.
+
+        Returns
+        -------
+        str
+            The table and what is proved.
+
+        Raises
+        ------
+        TypeError, ValueError
+            As `in_units`.
         """
         table = self._table(dict(names))
         return f"{table}\n{self._proved({})}"
@@ -116,10 +137,20 @@ class SafeBox(Reported, NoTruthValue):
         return Table(list(zip(titles, layout, strict=True)), rows)
 
     def report(self, units: Mapping[str, str] | None = None) -> Report:
-        """Return the `table` and what is proved; its text is ``str(report)``, a notebook shows a table.
+        """Return the `table` and what is proved.
 
         ``units`` in which to show mean, amplitude, frequency and the lengths and pressures of rods: ``{"mean": "Fcr",
         "frequency": "Hz", "length": "ft"}``; by default as in the question, see `floquetrod.units.AnswerUnits`.
+
+        Returns
+        -------
+        Report
+            Its text is ``str(report)``; a notebook shows it as a table.
+
+        Raises
+        ------
+        TypeError, ValueError
+            For another unit.
         """
         shown = shown_in(units, self.proof.subject, self.proof)
         table = self._table({name: shown[name].name for name in QUANTITIES})
@@ -127,7 +158,13 @@ class SafeBox(Reported, NoTruthValue):
         return Report(proved, (), table, assumptions=self.proof.assumptions)
 
     def as_dict(self) -> dict[str, Any]:
-        """Return the proof and the ranges for JSON, in SI units."""
+        """Return the proof and the ranges for JSON, in SI units.
+
+        Returns
+        -------
+        dict of str
+            Among them ``safe``, a list with a dict for each quantity.
+        """
         return self.proof.as_dict() | {"safe": [each._asdict() for each in self.ranges]}
 
     def __repr__(self) -> str:

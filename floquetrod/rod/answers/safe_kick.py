@@ -67,7 +67,13 @@ class SafeKick(Printed):
         )
 
     def report(self) -> Report:
-        """Return the kicks in lines."""
+        """Return the kicks in lines.
+
+        Returns
+        -------
+        Report
+            Its text is ``str(report)``; a notebook shows it as a table.
+        """
         lines = [("searched", f"orbits of one mode alone up to {math.degrees(LARGEST):.0f} degrees; nothing is proved")]
         if self.tried:
             lines.append(("tried", f"{self.tried:,} kicks, each of one mode alone that carries such an orbit"))

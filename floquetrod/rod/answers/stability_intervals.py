@@ -258,7 +258,7 @@ class StabilityIntervals(units.InUnits, Reported, NoTruthValue):
         """The bands between the stability intervals, with the fastest growth and the damping required; computed once.
 
         Where modes are independent, growth is evaluated at 17 loads in every tongue of a band and refined about the
-        largest: along the mean force this is the maximum, since growth in a tongue is concave (docs/theory/ranges.md);
+        largest: along the mean force this is the maximum, since growth in a tongue is concave (page `theory/ranges`);
         along amplitude or frequency a second, narrower maximum in a tongue may be passed over.  The damping is sampled
         at the same loads, and in all modes at the ends and in the middle of each band, refined about the largest.
 
@@ -268,7 +268,18 @@ class StabilityIntervals(units.InUnits, Reported, NoTruthValue):
         return self.find_unstable()
 
     def find_unstable(self, progress: Progress | None = None) -> tuple[UnstableBand, ...]:
-        """Return `unstable`; ``progress`` is called with the numbers of bands looked into and to look into."""
+        """Return `unstable`; ``progress`` is called with the numbers of bands looked into and to look into.
+
+        Returns
+        -------
+        tuple of UnstableBand
+            From the lowest on.
+
+        Raises
+        ------
+        TypeError
+            For a ``progress`` that cannot be called.
+        """
         validate.progress(progress)
         known: tuple[UnstableBand, ...] | None = self.__dict__.get("unstable")
         if known is None:
@@ -297,7 +308,18 @@ class StabilityIntervals(units.InUnits, Reported, NoTruthValue):
         return str(self._report(self._shown, (), full=False))
 
     def table(self, unit: str | None = None, size: float | None = None, *, full: bool = False) -> str:
-        """Return the `report` as text."""
+        """Return the `report` as text.
+
+        Returns
+        -------
+        str
+            The lines and the table.
+
+        Raises
+        ------
+        TypeError, ValueError
+            As `report`.
+        """
         return str(self.report(unit, size, full=full))
 
     def report(self, unit: str | None = None, size: float | None = None, *, full: bool = False) -> Report:
@@ -310,11 +332,21 @@ class StabilityIntervals(units.InUnits, Reported, NoTruthValue):
         Parameters
         ----------
         unit : str, optional
-            Such as "Hz"; by default that of the bounds.  ValueError for one that is unknown.
+            Such as "Hz"; by default that of the bounds.
         size : float, optional
             Of a unit of your own in `unit`.
         full : bool
             Whether to list every interval and every band, with nine digits, and what ends them.
+
+        Returns
+        -------
+        Report
+            Its text is ``str(report)``; a notebook shows it as a table.
+
+        Raises
+        ------
+        TypeError, ValueError
+            For another unit, and for a size that is not positive.
         """
         wanted = self._shown.name if unit is None else unit
         if not isinstance(wanted, str):
@@ -326,9 +358,19 @@ class StabilityIntervals(units.InUnits, Reported, NoTruthValue):
         return self._report(units.Unit(wanted, size), self.unstable, full=validate.flag("full", full))
 
     def plot(self, ax: Any = None, *, unit: str | None = None) -> Any:
-        """Draw the stability intervals along the quantity and the growth in unstable bands; return the axes.
+        """Draw the stability intervals along the quantity and the growth in unstable bands.
 
-        In a unit such as "Hz", by default the unit of the bounds.  ValueError for an unknown unit.
+        In a unit such as "Hz", by default the unit of the bounds.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+            The axes drawn into.
+
+        Raises
+        ------
+        TypeError, ValueError
+            For another unit.
         """
         from floquetrod.plotting.ranges_plot import draw_ranges
 
@@ -434,7 +476,13 @@ class StabilityIntervals(units.InUnits, Reported, NoTruthValue):
         return [texts for _, texts in sorted(rows)]
 
     def as_dict(self) -> dict[str, Any]:
-        """Return the stability intervals and `unstable` as numbers for JSON, units in the keys; None for infinite."""
+        """Return the stability intervals and `unstable` as numbers for JSON, units in the keys; None for infinite.
+
+        Returns
+        -------
+        dict of str
+            Among them ``stable`` and ``unstable``, lists with a dict for each interval.
+        """
         unit = "N" if self.unit == "N" else "rad_per_s"
         ends = f"low_{unit} high_{unit}"
         grows = f"{ends} worst_growth_rate_per_s=worst_growth worst_at_{unit}=at"

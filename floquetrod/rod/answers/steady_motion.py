@@ -84,6 +84,11 @@ class SteadyMotion(ByContent, Printed, NoTruthValue):
         """Return amplitude, contact force, shortening and verdict in lines.
 
         ``units`` in which to show forces and lengths: ``{"force": "lbf", "length": "ft"}``.
+
+        Returns
+        -------
+        Report
+            Its text is ``str(report)``; a notebook shows it as a table.
         """
         if self.orbit is None:
             return Report(self._in_words, [("note", self.note)] if self.note else [])

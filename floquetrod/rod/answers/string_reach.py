@@ -387,6 +387,11 @@ class Reach(units.InUnits, Printed, ByContent):
         frequency : str, optional
             Unit of the tool's frequencies.
 
+        Returns
+        -------
+        Report
+            Its text is ``str(report)``; a notebook shows it as a table.
+
         Raises
         ------
         ValueError
@@ -554,11 +559,23 @@ class Reach(units.InUnits, Printed, ByContent):
         return Table(columns, list(zip(where, *texts, strict=True)), "\n".join(rest))
 
     def is_limited(self, force: Any) -> NDArray[np.bool_]:
-        """Return whether forces in N at the lower end are the largest that was tried, so that more may arrive there."""
+        """Return whether forces in N at the lower end are the largest that was tried, so that more may arrive there.
+
+        Returns
+        -------
+        ndarray of bool
+            In the shape of ``force``.
+        """
         return np.asarray(units.si(force, "force", "force")) >= (1.0 - 1e-9) * self.bit_limit
 
     def as_dict(self) -> dict[str, Any]:
-        """Return everything as numbers for JSON, units in the keys; None where a force is infinite."""
+        """Return everything as numbers for JSON, units in the keys; None where a force is infinite.
+
+        Returns
+        -------
+        dict of str
+            Numbers, texts and lists by name.
+        """
         with_tool = self if self.tool else None
         return {
             **by_keys(self, "depth_m injector_N"),
@@ -594,7 +611,7 @@ class Reach(units.InUnits, Printed, ByContent):
         pressure: str | None = None,
         frequency: str | None = None,
     ) -> Any:
-        """Draw the force at the injector over the depth, and force and stress along the string; return the figure.
+        """Draw the force at the injector over the depth, and force and stress along the string.
 
         Parameters
         ----------
@@ -608,6 +625,16 @@ class Reach(units.InUnits, Printed, ByContent):
             Unit of stresses, as in `report`.
         frequency : str, optional
             Unit of frequencies in the title, as in `report`.
+
+        Returns
+        -------
+        matplotlib.figure.Figure or SubFigure
+            The figure drawn into.
+
+        Raises
+        ------
+        TypeError, ValueError
+            For another unit.
         """
         from floquetrod.plotting.reach_plot import draw_reach
 

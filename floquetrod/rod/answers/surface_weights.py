@@ -101,6 +101,16 @@ class SurfaceWeights(Printed, ByContent, InUnits):
             Unit of depths, such as "ft"; by default as in the question, see `floquetrod.units.AnswerUnits`, else m.
         force : str, optional
             Unit of forces, such as "lbf", else kN.
+
+        Returns
+        -------
+        Report
+            Its text is ``str(report)``; a notebook shows it as a table.
+
+        Raises
+        ------
+        TypeError, ValueError
+            For another unit.
         """
         shown = self._units(depth, force)
         lines = [("string", weight_in_words(self.weight_per_length, self.fluids, shown))]
@@ -139,7 +149,7 @@ class SurfaceWeights(Printed, ByContent, InUnits):
         return (*ASSUMED[:-1], "the hook or the injector carries the string alone: no blocks, no tension of a reel")
 
     def plot(self, ax: Any = None, *, depth: str | None = None, force: str | None = None) -> Any:
-        """Draw the weights over the depth, which grows downwards, into axes of matplotlib, which are returned.
+        """Draw the weights over the depth, which grows downwards.
 
         Parameters
         ----------
@@ -149,6 +159,16 @@ class SurfaceWeights(Printed, ByContent, InUnits):
             Unit of depths, as in `report`.
         force : str, optional
             Unit of forces, as in `report`.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+            The axes drawn into.
+
+        Raises
+        ------
+        TypeError, ValueError
+            For another unit.
         """
         from floquetrod.plotting.weights_plot import draw_weights
 
@@ -158,6 +178,11 @@ class SurfaceWeights(Printed, ByContent, InUnits):
         """Return everything as numbers for JSON, units in the keys; a row of ``weights`` for each factor and depth.
 
         None where a weight is infinite.
+
+        Returns
+        -------
+        dict of str
+            Numbers, texts and lists by name.
         """
         rows = [
             {"friction": str(factor), "depth_m": depth, "pick_up_N": up, "slack_off_N": down, "free_N": free}

@@ -132,11 +132,33 @@ class FrictionalRodStability(Reported, Verdict):
         return self.linear.has_quick_margins
 
     def margins(self, seconds: float = MARGIN_SECONDS, progress: Progress | None = None) -> dict[Quantity, Margin]:
-        """Return the margins of ``linear``, see `RodStability.margins`."""
+        """Return the margins of ``linear``, see `RodStability.margins`.
+
+        Returns
+        -------
+        dict of str to Margin
+            By "mean", "amplitude" and "frequency".
+
+        Raises
+        ------
+        ValueError
+            For ``seconds`` of zero or less.
+        """
         return self.linear.margins(seconds, progress)
 
     def plot(self, ax: Any = None) -> Any:
-        """Draw the verdict ``linear``."""
+        """Draw the verdict ``linear``.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+            The axes drawn into.
+
+        Raises
+        ------
+        ValueError
+            Where modes are independent and none grows.
+        """
         return self.linear.plot(ax)
 
     def report(
@@ -188,6 +210,11 @@ class FrictionalRodStability(Reported, Verdict):
         """Return the verdicts with and without friction as numbers for JSON, units in the keys.
 
         None stands for infinite or unknown numbers; ``margins`` are the margins of ``linear``.
+
+        Returns
+        -------
+        dict of str
+            Two dicts, ``with_friction`` and ``without_friction``.
         """
         modes = [
             {"mode": mode, "critical_kick_m_per_s": plain(self.critical_kicks[mode]), "fate": fate.status}

@@ -95,7 +95,13 @@ class AxialResponse:
     section: int | None = None
 
     def as_dict(self) -> dict[str, Any]:
-        """Return the numbers for JSON, in SI units; None where one is infinite or unknown."""
+        """Return the numbers for JSON, in SI units; None where one is infinite or unknown.
+
+        Returns
+        -------
+        dict of str
+            Among them ``resonances``, a list with a dict for each.
+        """
         resonances = [by_keys(r, "frequency_rad_per_s frequency_Hz=hertz harmonic factor") for r in self.resonances]
         numbers = by_keys(self, "amplitude_N largest_N position_m factor critical_forces") | {"resonances": resonances}
         return numbers if self.section is None else numbers | {"section": self.section}

@@ -351,7 +351,18 @@ class Load(units.InUnits, TellsAttributes, ABC):
 
     @classmethod
     def hertz(cls, mean: float, amplitude: float, frequency: float, **others: Any) -> Self:
-        """Return a load whose frequency, where it has no unit with it, is given in Hz."""
+        """Return a load whose frequency, where it has no unit with it, is given in Hz.
+
+        Returns
+        -------
+        AxialLoad or AxialWave
+            Of the class on which it is called; its ``frequency`` is in rad/s.
+
+        Raises
+        ------
+        TypeError, ValueError
+            As the class.
+        """
         in_hertz = validate.positive("frequency", _hertz("frequency", frequency), "give it in Hz")
         load = cls(mean, amplitude, 2.0 * math.pi * in_hertz, **others)
         return load.given_in(load.given_units._replace(frequency="Hz"))
@@ -385,6 +396,11 @@ class AxialLoad(Load):
         Amplitude in N and frequency in rad/s, or each with a unit, ``("0.1N", "37Hz")``, of a second sine, as of a
         second tool; with a phase in rad as a third number it is amplitude sin(frequency t + phase).  The phase matters
         only where the ratio of both frequencies is a fraction of small numbers.  None by default.
+
+    Raises
+    ------
+    TypeError, ValueError
+        For numbers out of these ranges, and for other units.
 
     Examples
     --------
@@ -484,6 +500,11 @@ class AxialWave(Load):
     axial_damping : float
         Decay rate c_a of free axial waves in 1/s, zero or more, by default 0: u_tt + 2 c_a u_t = c_0^2 u_ss.
 
+    Raises
+    ------
+    TypeError, ValueError
+        For numbers out of these ranges, for other units, and for noise.
+
     Notes
     -----
     With kappa = sqrt(omega^2 - 2 i c_a omega) / c_0 the vibration is the amplitude times cos kappa(L - s) / cos kappa L
@@ -520,7 +541,13 @@ class AxialWave(Load):
         object.__setattr__(self, "axial_damping", LOAD["axial_damping"].number(self.axial_damping))
 
     def profile(self, wave_speed: float, length: float, s: NDArray[np.float64], frequency: float) -> NDArray[Any]:
-        """Return the vibration of unit amplitude along a rod of one section; real without axial damping."""
+        """Return the vibration of unit amplitude along a rod of one section; real without axial damping.
+
+        Returns
+        -------
+        ndarray
+            In the shape of ``s``.
+        """
         kappa = np.sqrt(complex(frequency * frequency, -2.0 * self.axial_damping * frequency)) / wave_speed
 
         def decayed(distance: Any) -> Any:

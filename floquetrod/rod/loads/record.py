@@ -195,6 +195,11 @@ class ForceRecord(LoadSource, ByContent):
         frequency : float, optional
             In rad/s, as for `ForceRecord`.
 
+        Returns
+        -------
+        ForceRecord
+            With the fit.
+
         Raises
         ------
         TypeError, ValueError
@@ -276,13 +281,30 @@ class ForceRecord(LoadSource, ByContent):
         return tuple((self.harmonics[: self.harmonic_numbers[-1]] / self.amplitude).tolist())
 
     def force(self, t: Any) -> Any:
-        """Return the fitted force, mean and harmonics, in N at times in s, in their shape."""
+        """Return the fitted force, mean and harmonics, in N at times in s, in their shape.
+
+        Returns
+        -------
+        float or ndarray
+            In N, in the shape of ``t``.
+
+        Raises
+        ------
+        TypeError, ValueError
+            For times that are not finite, and for other units.
+        """
         times = units.array("t", t, "time", -_LATEST, _LATEST)
         values = self.mean + self._vibration(self.frequency * times)
         return shaped(np.asarray(values), times.shape)
 
     def plot(self, ax: Any = None) -> Any:
-        """Draw the record with the fit, and the spectrum with the noise, on two matplotlib axes; return these."""
+        """Draw the record with the fit, and the spectrum with the noise, on two matplotlib axes.
+
+        Returns
+        -------
+        sequence of two matplotlib.axes.Axes
+            The axes drawn into.
+        """
         from floquetrod.plotting.record_plot import draw_record
 
         return draw_record(self, ax)
@@ -291,6 +313,11 @@ class ForceRecord(LoadSource, ByContent):
         """Return frequencies in Hz, up to half of the sampling rate, and amplitudes in N of record and residual there.
 
         Those of the record without its mean and trend, and of the residual of the fit.
+
+        Returns
+        -------
+        tuple of three ndarrays
+            Frequencies in Hz, amplitudes of the record and of the residual in N.
         """
         samples = Samples.of(self.time, self.samples)
         level = self.samples - self.mean - self.trend * (self.time - samples.centre)

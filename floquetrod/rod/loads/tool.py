@@ -45,6 +45,11 @@ class VibrationTool(units.InUnits):
     above_end : float or str
         Distance of the tool from the lower end of the string in m, or with a unit; by default 0.
 
+    Raises
+    ------
+    TypeError, ValueError
+        For numbers out of range, and for other units.
+
     Examples
     --------
     >>> tool = VibrationTool("5kN", "18Hz", "30m")
@@ -75,12 +80,24 @@ class VibrationTool(units.InUnits):
         return self.frequency / (2.0 * math.pi)
 
     def in_words(self, shown: units.AnswerUnits) -> str:
-        """Return what the tool does and where it is, in units."""
+        """Return what the tool does and where it is, in units.
+
+        Returns
+        -------
+        str
+            On one line.
+        """
         shakes = f"{shown.force.show(self.amplitude)} at {shown.frequency.show(self.frequency)}"
         return f"{shakes}, {shown.length.show(self.above_end)} above the lower end"
 
     def as_dict(self) -> dict[str, float]:
-        """Return the parameters in SI units."""
+        """Return the parameters in SI units.
+
+        Returns
+        -------
+        dict of str to float
+            By the names of the parameters.
+        """
         return {name: getattr(self, name) for name in TOOL}
 
 

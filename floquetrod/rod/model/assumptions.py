@@ -22,7 +22,7 @@ _MATTERS = 0.1  # of the largest harmonic, above which another one counts (a cho
 
 
 class Assumption(str):
-    """What is assumed, with how far that holds: numbers from docs/theory/trust.md and bends.md."""
+    """What is assumed, with how far that holds: numbers from the pages `theory/trust` and `theory/bends`."""
 
     limit: str
 

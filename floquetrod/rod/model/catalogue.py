@@ -163,6 +163,13 @@ class CataloguePipe(NamedTuple):
 def pipes() -> tuple[CataloguePipe, ...]:
     """Return every pipe and rod of the catalogue, without a grade.
 
+    Returns
+    -------
+    tuple of CataloguePipe
+        In the order of products and sizes.
+
+    Examples
+    --------
     >>> [pipe.name for pipe in pipes() if pipe.product == "sucker rod"]
     ['5/8 rod', '3/4 rod', '7/8 rod', '1 rod', '1-1/8 rod']
     """
@@ -263,7 +270,18 @@ class Catalogue:
 
 
 def catalogue(beginning: str = "") -> Catalogue:
-    """Return the catalogue, or the pipes and rods whose names begin so; ValueError where there is none."""
+    """Return the catalogue, or the pipes and rods whose names begin so.
+
+    Returns
+    -------
+    Catalogue
+        Its text is a table.
+
+    Raises
+    ------
+    ValueError
+        Where no name begins so.
+    """
     chosen = tuple(row for row in pipes() if row.name.startswith(beginning.strip()))
     if not chosen:
         diameters = ", ".join(dict.fromkeys(row.name.partition("x")[0] for row in pipes()))
@@ -297,6 +315,11 @@ def pipe(name: str) -> CataloguePipe:
     name : str
         Outer diameter x wall thickness, then the grade: "2.00x0.156 CT90", "2 in x .156 in" or "2-7/8x0.217 n-80"; of
         sucker rods "3/4 rod D".  Where several products have a size, the grade tells which is meant.
+
+    Returns
+    -------
+    CataloguePipe
+        With sizes in m and, with a grade, its yield strength in Pa.
 
     Raises
     ------

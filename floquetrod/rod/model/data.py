@@ -216,6 +216,11 @@ class RodData(units.InUnits, TellsAttributes):
 
         The paper's text calls 9.4 mm the channel radius; its own critical force (1.70 N) and mode (6) hold only if that
         is the diameter, so the radius here is 4.7 mm.
+
+        Returns
+        -------
+        Rod
+            Without damping.
         """
         return cls(youngs_modulus=68e9, density=6500.0, radius=0.8e-3, length=3.1, channel_radius=4.7e-3)
 
@@ -225,16 +230,24 @@ class RodData(units.InUnits, TellsAttributes):
 
         Keys are the parameters of `floquetrod.Rod`, or diameters and a wall in place of radii; values are numbers in SI
         units, or strings with a unit such as "68GPa", "0.8mm", "2.375in" or "60deg".  With ``catalogue``, the name of a
-        pipe, and ``bore`` they are the arguments of `catalogue`.  Raises ValueError, naming file and key, for keys that
-        cannot be read, are missing or unknown.
+        pipe, and ``bore`` they are the arguments of `catalogue`.
+
+        Returns
+        -------
+        Rod
+            The rod.
+
+        Raises
+        ------
+        TypeError, ValueError
+            For a file that cannot be read, and for keys that are missing, unknown or refused; the message names
+            file and key.
         """
         return read_rod(path, cls)
 
     @classmethod
     def catalogue(cls, name: str, *, bore: float | str, length: float | str, **changes: Any) -> Self:
         """Return a steel pipe of the catalogue, `floquetrod.rod.model.catalogue.pipes`, in a hole.
-
-        Raises ValueError or TypeError for names outside the catalogue and where `Rod` does.
 
         Parameters
         ----------
@@ -248,6 +261,16 @@ class RodData(units.InUnits, TellsAttributes):
         **changes
             Other parameters of a rod, which replace the pipe's; also with a unit.
 
+        Returns
+        -------
+        Rod
+            The pipe in the hole.
+
+        Raises
+        ------
+        TypeError, ValueError
+            For names outside the catalogue, and as `Rod`.
+
         Examples
         --------
         >>> pipe = RodData.catalogue("2.00x0.156 CT90", bore="4.778in", length="200ft", inclination="60deg")
@@ -257,7 +280,18 @@ class RodData(units.InUnits, TellsAttributes):
         return cls(**pipe_in_a_hole(name, bore, length, changes))
 
     def replace(self, **changes: Any) -> Self:
-        """Return a copy with some parameters changed, also by ``diameter``, ``wall_thickness`` and so on."""
+        """Return a copy with some parameters changed, also by ``diameter``, ``wall_thickness`` and so on.
+
+        Returns
+        -------
+        Rod
+            Of the same class.
+
+        Raises
+        ------
+        TypeError, ValueError
+            For a name that is no parameter, and as `Rod`.
+        """
         replaced = {INSTEAD[name] for name in changes if name in INSTEAD}
         if changes.get("path") is not None:
             replaced |= set(OF_A_LINE)
@@ -276,6 +310,13 @@ class RodData(units.InUnits, TellsAttributes):
 
         Parameters of tubes, fluids, inclined channels and ends are left out where they have their defaults.
 
+        Returns
+        -------
+        dict of str
+            ``Rod(**sheet)`` is an equal rod.
+
+        Examples
+        --------
         >>> list(RodData.nitinol().replace(inner_radius=0.4e-3).as_dict())[-2:]
         ['damping_rate', 'inner_radius']
         """
@@ -346,7 +387,18 @@ class RodData(units.InUnits, TellsAttributes):
         return (0.0, *(part.end / self.length for part in self.uniform_parts[:-1]), 1.0)
 
     def along(self, x: Any) -> PropertiesAlong:
-        """Return what the mode equations need of the rod at places x = s / L, at an edge of the part below it."""
+        """Return what the mode equations need of the rod at places x = s / L, at an edge of the part below it.
+
+        Returns
+        -------
+        PropertiesAlong
+            An array of each property, in the shape of ``x``.
+
+        Raises
+        ------
+        TypeError, ValueError
+            For places that are not finite numbers.
+        """
         x = validate.array("x", x)
         index = np.searchsorted(self.edges[1:-1], x, side="right")
         every = [part.rod for part in self.uniform_parts]
@@ -602,8 +654,20 @@ class RodData(units.InUnits, TellsAttributes):
         """Return how far a string of this section, of any length, can be pushed down the channel from its upper end.
 
         ``friction`` is its coefficient along the channel, and ``far_force`` the effective compression at the lower end
-        in N, negative for a pull; ValueError or TypeError for other values.
+        in N, negative for a pull.
 
+        Returns
+        -------
+        LockUp
+            Its ``length`` in m is infinite where the weight carries the string.
+
+        Raises
+        ------
+        TypeError, ValueError
+            For friction that is negative, a force that is not finite, and in a channel that bends.
+
+        Examples
+        --------
         >>> RodData.nitinol().lock_up(friction=0.2)
         <locks up 103.9 m from the far end with friction 0.2>
         """
@@ -652,6 +716,11 @@ class RodData(units.InUnits, TellsAttributes):
             reflected, by continuity of force and velocity, and ``section`` is the number of that at ``position``.
             The force of an `AxialLoad` is uniform and has none.
 
+        Raises
+        ------
+        TypeError, ValueError
+            For anything but a load.
+
         Examples
         --------
         >>> import floquetrod as fr
@@ -678,12 +747,29 @@ class RodData(units.InUnits, TellsAttributes):
         Stress
             Its ``largest`` in Pa at ``position`` in m, and ``share_of_yield``.  Before the rod moves: growth or
             buckling bends it further.  Pressures inside and outside are taken as equal.
+
+        Raises
+        ------
+        TypeError, ValueError
+            For anything but a load.
         """
         require_known(self, ROD, "stress")
         return stress(self, require_load("load", load))
 
     def natural_frequency(self, mode: Any) -> Any:
-        """Return the frequency in rad/s of free motion in a mode, without axial force or damping."""
+        """Return the frequency in rad/s of free motion in a mode, without axial force or damping.
+
+        Returns
+        -------
+        float or ndarray
+            In rad/s, in the shape of ``mode``.
+
+        Raises
+        ------
+        TypeError, ValueError
+            For negative modes, and with ends other than hinged for all but whole numbers from 1; of a rod that varies
+            along.
+        """
         self._require_uniform("natural_frequency")
         bending = self.flexural_rigidity / self.mass_per_length * wavenumber(self, mode) ** 4
         return (bending + self.pendulum_frequency**2) ** 0.5

@@ -80,6 +80,16 @@ class LockUp(units.InUnits, Printed):
         """Return the effective compression in N at distances in m from the far end, infinite from `length` on.
 
         At the distance of the pushed end, this is the force that it takes to push a string so long.
+
+        Returns
+        -------
+        float or ndarray
+            In N, in the shape of ``distance``.
+
+        Raises
+        ------
+        TypeError, ValueError
+            For negative distances, and for other units.
         """
         distances = units.array("distance", distance, "length", 0.0, _LARGEST)
         scaled = [self._force(x) for x in (distances.ravel() / self.critical_force).tolist()]
@@ -89,6 +99,16 @@ class LockUp(units.InUnits, Printed):
         """Return the greatest length in m that forces (N) at the upper end can push.
 
         Zero where the force is less than that at the far end, and infinite where weight carries the string.
+
+        Returns
+        -------
+        float or ndarray
+            In m, in the shape of ``force``.
+
+        Raises
+        ------
+        TypeError, ValueError
+            For forces that are not finite, and for other units.
         """
         forces = units.array("force", force, "force", -_LARGEST, _LARGEST)
         scaled = [self._length(f) for f in (forces.ravel() / self.critical_force).tolist()]

@@ -50,6 +50,11 @@ class Section(units.InUnits, TellsAttributes):
     weight : float or str, optional
         Weight in air per length in N/m, or with a unit such as "22.6lb/ft", joints included.
 
+    Raises
+    ------
+    TypeError, ValueError
+        For numbers out of these ranges, other units, a name outside the catalogue, and two arguments for one size.
+
     Examples
     --------
     >>> Section("2.00x0.156 CT90", length="1200m")
@@ -98,7 +103,13 @@ class Section(units.InUnits, TellsAttributes):
         return f"Section({', '.join((*first, *(f'{k}={v!r}' for k, v in self.as_dict().items() if k != 'name')))})"
 
     def as_dict(self) -> dict[str, Any]:
-        """Return the arguments that make an equal section, numbers in SI units; without what its name gives."""
+        """Return the arguments that make an equal section, numbers in SI units; without what its name gives.
+
+        Returns
+        -------
+        dict of str
+            ``Section(**sheet)`` is an equal section.
+        """
         default = Section(self.name, length=self.length) if self.name else None
         sheet = {f.name: getattr(self, f.name) for f in fields(self) if f.name not in ("name", "length")}
         if default is not None:

@@ -20,7 +20,7 @@ from floquetrod.floquet.status import STABLE, UNDECIDED, UNSTABLE
 def flux_bound(kappa: float, p: float, slow: float, fast: float, enough: float) -> float:
     """Return a bound in 1/s on the growth of every mode with at least this kappa, at most this p, omega in a range.
 
-    That of docs/theory/regions.md, the lowest of a few K for each parity, or the first that is at most ``enough``;
+    That of the page `theory/regions`, the lowest of a few K for each parity, or the first that is at most ``enough``;
     infinite where there is none.
     """
     # docs/theory/regions.md: cut the waves exp(+-i k omega t / 2) at an index K beyond which nothing resonates.  What
