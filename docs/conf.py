@@ -36,9 +36,12 @@ extensions = [
     "formulas",
     "kernels",
     "method_list",
+    "name_index",
+    "page_links",
     "parameter_list",
     "parameters",
     "search_excerpts",
+    "source_pages",
 ]
 exclude_patterns = ["_build", "gallery/*.ipynb", "paper"]  # notebooks are for download, the paper is for a journal
 
@@ -61,9 +64,10 @@ def mathjax() -> Path:
     raise FileNotFoundError("sphinx-mathjax-offline holds no tex-svg-full.js; install the docs extra: .[docs]")
 
 
-html_static_path = [str(mathjax()), "custom.css", "search_excerpts.js", "names.js"]
+html_static_path = [str(mathjax()), "copy.js", "custom.css", "search_excerpts.js", "names.js"]
+html_search_scorer = str(HERE / "search_order.js")
 html_css_files = ["custom.css"]
-html_js_files = [("names.js", {"defer": "defer"})]
+html_js_files = [("names.js", {"defer": "defer"}), ("copy.js", {"defer": "defer"})]
 mathjax_path = "tex-svg-full.js"
 mathjax3_config = {"svg": {"fontCache": "global"}, "options": {"enableMenu": False}}
 

@@ -289,13 +289,6 @@ def test_derivations_are_folded(page: str) -> None:
         assert not derives or re.match(r":tags: \[(hide-input|remove-cell)\]", cell), cell
 
 
-def test_every_public_name_has_a_place_in_the_reference() -> None:
-    text = "\n".join(map(reference_text, DOCS.glob("reference/*.*")))
-    shown = set(re.findall(r":: floquetrod\.(?:results\.)?(\w+)", text))
-    modules = {"conventions": "equations", "results": "index", "simulation": "simulation"}
-    assert {*fr.__all__, *fr.results.__all__} - shown - modules.keys() == {"SquareWave", "__version__"}
-
-
 @pytest.mark.slow
 @needs_sphinx
 def test_every_formula_typeset_is_one_that_a_docstring_writes() -> None:
