@@ -18,7 +18,8 @@ examples:
 
 Without a size one line a diameter, its walls and its grades with their yield strengths; with the beginning of a name
 one line a pipe, in inches and mm, with the weight in air of its body, of sucker rods with their couplings.  Commands on
-rods take a whole name: lock-up --rod '2.00x0.156 CT90' --bore 4.778in --length 200ft --friction 0.3.
+rods take a whole name: lock-up --rod '2.00x0.156 CT90' --bore 4.778in --length 200ft --friction 0.3.  A rod of your own
+is a TOML file; floquetrod example writes some to begin with.
 """
 
 

@@ -165,11 +165,36 @@ def test_a_page_reads_files_that_it_writes_or_that_are_examples(page: str) -> No
         there |= written
 
 
-LINES = {line: name for name, lines in HELP.items() for line in lines}
-LINES |= {line: page for page, lines in ON_PAGES.items() for line in lines if files_of(line)[0] <= set(names())}
-"""Commands of help texts, and those of pages that read examples alone, each with where it stands."""
+TEXTS = HELP | {page: [line for line in lines if files_of(line)[0] <= set(names())] for page, lines in ON_PAGES.items()}
+"""Commands of help texts, and those of pages that read examples alone."""
 
 
-@pytest.mark.parametrize("line", LINES)
-def test_every_command_shown_is_understood(line: str) -> None:
-    _parser().parse_args(shlex.split(line)[1:])
+@pytest.mark.parametrize("where", TEXTS)
+def test_every_command_shown_is_understood(where: str) -> None:
+    for line in TEXTS[where]:
+        assert _parser().parse_args(shlex.split(line)[1:]).command in _COMMANDS
+
+
+SMALLER = {"map": ["--points", "12x9"], "lobes": ["--points", "12x9"], "simulate": ["--duration", "5ms"]}
+"""Options that make a command quick; the last one given counts."""
+
+QUICK = {"catalogue", "certify", "compare", "example", "lock-up"}
+"""Texts whose commands take a second or two."""
+
+
+@pytest.mark.parametrize(
+    "where", [pytest.param(name, marks=[pytest.mark.slow] * (name not in QUICK)) for name in TEXTS]
+)
+def test_every_command_shown_works(where: str, capsys: pytest.CaptureFixture[str]) -> None:
+    if where in ON_PAGES:
+        said(capsys, "--all")
+    for line in TEXTS[where]:
+        words = shlex.split(line)[1:]
+        if "--web" in words:  # serves until it is stopped
+            continue
+        if words[0] == "explore" and "--out" not in words:
+            words += ["--out", "explorer.png"]
+        if words[0] == "example" and len(words) > 1 and "--overwrite" not in words:
+            words += ["--overwrite"]
+        status = cli.main([*words, *SMALLER.get(words[0], [])])
+        assert status == 0 or "--exit-code" in words, (line, capsys.readouterr().err)

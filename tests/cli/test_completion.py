@@ -45,6 +45,8 @@ def printed(shell: str, capsys: pytest.CaptureFixture[str]) -> str:
         (["check", "--rod", "nitinol", "--force", "re"], {"record.csv"}, {"notes.txt"}),
         (["map", "--rod", "nitinol", "--out", "no"], {"notes.txt"}, set()),
         (["ensemble", "my"], {"my_rod.toml"}, set()),
+        (["example", "w"], {"well.toml", "wire.toml"}, {"notes.txt"}),
+        (["example", "wire.toml", "--out", ""], {"rods"}, {"notes.txt"}),
         (["--print-completion", "z"], {"zsh"}, {"bash"}),
     ],
 )

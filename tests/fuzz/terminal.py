@@ -45,6 +45,8 @@ LINES = (
     "ensemble study.toml",
     "ensemble study.toml --store runs.npz --resume --confidence 0.9 --json",
     "explore --rod nitinol --mean 0.3 --amplitude 0.3 --frequency 24Hz --out explorer.png",
+    "example",
+    "example my_rod.toml survey.csv --out tried --overwrite --json",
     "--version",
     "--help",
 )
