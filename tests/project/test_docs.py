@@ -295,8 +295,17 @@ def test_every_formula_typeset_is_one_that_a_docstring_writes() -> None:
     module = runpy.run_path(str(DOCS / "formulas.py"))
     lines = [line for _, _, text in docstrings() for line in text.splitlines()]
     met = {found for line in lines for found in module["_ANY"].findall(line)}
-    assert set(module["FORMULAS"]) - met == set()
-    assert module["typeset"]("p(tau) = beta + alpha sin tau; x") == r":math:`p(\tau) = \beta + \alpha \sin\tau`; x"
+    assert module["PLAIN"] - met == set()
+    assert module["typeset"]("p(tau) = beta + alpha sin tau; x").replace(" ", "") == (
+        r":math:`p(\tau)=\beta+\alpha\sin\tau`;x"
+    )
+    written = {
+        "exp(-2 c period)": r"e^{-2c\,\mathtt{period}}",
+        "d_k = D_k - a - q^2 / d_(k-1)": r"d_{k}=D_{k}-a-q^{2}/d_{k-1}",
+        "0 <= C T^-1 C* <= C C* / delta": r"0\leCT^{-1}\,C^*\leCC^*/\delta",
+        "F_cr = 2 sqrt(E I w_e sin(inclination) / R)": r"F_{cr}=2\sqrt{EIw_{e}\,\sin(\mathtt{inclination})/R}",
+    }
+    assert {plain: module["latex"](plain).replace(" ", "") for plain in written} == written
 
 
 @pytest.mark.slow
