@@ -6,9 +6,10 @@ help() shows both as they are written.
 from __future__ import annotations
 
 import re
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-import sphinx.application
+if TYPE_CHECKING:
+    import sphinx.application
 
 PAGE = re.compile(r"(?<!`)`((?:how_to|reference|start|theory)/\w+)`(?!`)")
 

@@ -13,9 +13,10 @@ import sys
 from collections import defaultdict
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
-import sphinx.application
+if TYPE_CHECKING:
+    import sphinx.application
 
 
 class Written(NamedTuple):

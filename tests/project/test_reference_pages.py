@@ -26,14 +26,19 @@ CHECK = re.compile(
 DRAWN_INTO = {"ax", "figure", "progress"}  # objects of others, and what is called back
 
 
+def extension(name: str) -> Any:
+    """Return a module of the site."""
+    sys.path.insert(0, str(DOCS))
+    try:
+        return importlib.import_module(name)
+    finally:
+        sys.path.remove(str(DOCS))
+
+
 @pytest.fixture(scope="module")
 def index() -> Any:
     """Return the module that makes the index of the reference."""
-    sys.path.insert(0, str(DOCS))
-    try:
-        return importlib.import_module("name_index")
-    finally:
-        sys.path.remove(str(DOCS))
+    return extension("name_index")
 
 
 def function_of(thing: Any) -> Any:
@@ -109,3 +114,31 @@ def test_pages_named_in_docstrings_exist() -> None:
         named |= set(re.findall(r"(?<!`)`((?:how_to|reference|start|theory)/\w+)`", text))
     assert [page for page in named if not any((DOCS / f"{page}.{kind}").is_file() for kind in ("md", "rst"))] == []
     assert len(named) > 10
+
+
+def test_every_name_of_the_index_leads_to_its_source(index: Any) -> None:
+    written = extension("source_pages").written
+    for entry in index.documented():
+        place = written(entry.name)
+        path = Path(str(sys.modules[place.module].__file__))
+        near = path.read_text(encoding="utf-8").splitlines()[place.line - 1 :][:20]
+        word = place.name.rpartition(".")[2]
+        assert any(re.match(rf"\s*(def|class) {word}\b", line) for line in near), entry.name
+    assert written("floquetrod.Rod.nitinol").name == "RodData.nitinol"
+    assert written("floquetrod.Rod.length") is None
+
+
+def test_short_names_in_docstrings_are_links(index: Any) -> None:
+    links = extension("links")
+    names = [entry.name for entry in index.documented()]
+    meant = {
+        "stability": "floquetrod.stability",
+        "fr.response": "floquetrod.response",
+        "MathieuAQ": "floquetrod.equations.MathieuAQ",
+        "RodStability.margin": "floquetrod.results.RodStability.margin",
+        "as_dict": None,
+        "nothing": None,
+    }
+    assert {short: links.chosen(short, names) for short in meant} == meant
+    assert links.linked("(page `theory/ranges`)") == "(page :doc:`/theory/ranges`)"
+    assert links.linked("``theory/ranges``, `Rod`") == "``theory/ranges``, `Rod`"
