@@ -13,7 +13,7 @@ from floquetrod.cli.output import Output, output
 from floquetrod.cli.parser import Parser
 
 _HELP = """\
-Write files that the examples of --help and of the pages use: rods, wells, a measured force, a system, a tool, a study.
+Write the files that the examples of --help and of the documentation use: rods, a well, a measured force, and others.
 
 examples:
   floquetrod example
@@ -21,8 +21,9 @@ examples:
   floquetrod example tubing.toml survey.csv --out trial
   floquetrod example --all --overwrite
 
-Without a name one line a file says what is in it.  A file that is there already is not touched: --overwrite replaces
-it, and --out writes into another folder, which is made if it is not there.
+Without a name it lists the files, a line each; with names it writes them and shows commands to try.  A file that is
+there already is not touched: --overwrite replaces it, and --out writes into another folder, which is made if it is not
+there.
 """
 
 
