@@ -44,7 +44,8 @@ def written(name: str) -> Written | None:
     module = getattr(thing, "__module__", None) or ""
     if not module.startswith("floquetrod") or not (inspect.isclass(thing) or inspect.isfunction(thing)):
         return None
-    return Written(module, thing.__qualname__, inspect.getsourcelines(thing)[1])
+    line = thing.__code__.co_firstlineno if inspect.isfunction(thing) else inspect.getsourcelines(thing)[1]
+    return Written(module, thing.__qualname__, line)
 
 
 def link(app: sphinx.application.Sphinx, tree: Any) -> None:

@@ -36,9 +36,9 @@ def extension(name: str) -> Any:
 
 
 @pytest.fixture(scope="module")
-def index() -> Any:
-    """Return the module that makes the index of the reference."""
-    return extension("name_index")
+def documented() -> list[Any]:
+    """Return what the pages of the reference document."""
+    return list(extension("name_index").documented())
 
 
 def function_of(thing: Any) -> Any:
@@ -68,8 +68,8 @@ def refuses(function: Any) -> bool:
     return refused or any(CHECK.fullmatch(text) for text in checks)
 
 
-def test_every_public_name_is_in_the_index(index: Any) -> None:
-    names = [entry.name for entry in index.documented()]
+def test_every_public_name_is_in_the_index(documented: list[Any]) -> None:
+    names = [entry.name for entry in documented]
     assert len(names) == len(set(names))
     short = {name.rpartition(".")[2] for name in names}
     modules = {name for name in fr.__all__ if inspect.ismodule(getattr(fr, name))}
@@ -78,29 +78,30 @@ def test_every_public_name_is_in_the_index(index: Any) -> None:
     assert [name for name in modules if f"``fr.{name}``" not in text] == []
 
 
-def test_every_summary_is_one_sentence(index: Any) -> None:
-    said = {entry.name: index.summary(inspect.getdoc(entry.thing) or "") for entry in index.documented()}
+def test_every_summary_is_one_sentence(documented: list[Any]) -> None:
+    summary = extension("name_index").summary
+    said = {entry.name: summary(inspect.getdoc(entry.thing) or "") for entry in documented}
     assert {name: text for name, text in said.items() if not re.match(r"[A-Z].*[.?]$", text)} == {}
     assert max(map(len, said.values())) <= 120
 
 
-def test_every_function_says_what_it_returns(index: Any) -> None:
+def test_every_function_says_what_it_returns(documented: list[Any]) -> None:
     """All that the reference documents, but what returns nothing."""
     lacking = []
-    for entry in index.documented():
+    for entry in documented:
         function = function_of(entry.thing)
         if entry.kind != "class" and inspect.signature(function).return_annotation not in (None, "None"):
             lacking += [] if {"Returns", "Yields"} & sections(function) else [entry.name]
     assert lacking == []
 
 
-def test_what_refuses_arguments_says_what_it_raises(index: Any) -> None:
+def test_what_refuses_arguments_says_what_it_raises(documented: list[Any]) -> None:
     """What the attack by junk calls with more than axes, and what has a statement that raises or checks."""
     lacking = []
     for name, thing in called_by_people():
         parameters = inspect.signature(thing).parameters.keys() - {"self", "cls"}
         lacking += [name] if parameters - DRAWN_INTO and "Raises" not in sections(function_of(thing)) else []
-    for entry in index.documented():
+    for entry in documented:
         function = function_of(entry.thing)
         if entry.kind != "class" and refuses(function) and "Raises" not in sections(function):
             lacking.append(entry.name)
@@ -116,9 +117,9 @@ def test_pages_named_in_docstrings_exist() -> None:
     assert len(named) > 10
 
 
-def test_every_name_of_the_index_leads_to_its_source(index: Any) -> None:
+def test_every_name_of_the_index_leads_to_its_source(documented: list[Any]) -> None:
     written = extension("source_pages").written
-    for entry in index.documented():
+    for entry in documented:
         place = written(entry.name)
         path = Path(str(sys.modules[place.module].__file__))
         near = path.read_text(encoding="utf-8").splitlines()[place.line - 1 :][:20]
@@ -128,9 +129,9 @@ def test_every_name_of_the_index_leads_to_its_source(index: Any) -> None:
     assert written("floquetrod.Rod.length") is None
 
 
-def test_short_names_in_docstrings_are_links(index: Any) -> None:
+def test_short_names_in_docstrings_are_links(documented: list[Any]) -> None:
     links = extension("links")
-    names = [entry.name for entry in index.documented()]
+    names = [entry.name for entry in documented]
     meant = {
         "stability": "floquetrod.stability",
         "fr.response": "floquetrod.response",
