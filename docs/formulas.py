@@ -113,6 +113,7 @@ x(t) = Re sum_k Z_k exp(i k w t)
 x' = A(t) x + sum_j B_j(t) x(t - tau_j)
 x' = A(t) x + (d.z) G x
 x' = A(t) x + B eta
+x' = A(t) x + f(t)
 x' = A(t) x + f
 x' = A(t) x
 x' = f(t, x, p)
@@ -311,9 +312,10 @@ def word(name: str) -> str:
 
 
 PLAIN = {*FORMULAS.strip().splitlines(), *FRACTIONS}
+_EITHER = "|".join(map(re.escape, sorted(PLAIN, key=len, reverse=True)))
 _ANY = re.compile(
-    "|".join(rf"(?<![\w`'^]){re.escape(plain)}(?![\w`'^])" for plain in sorted(PLAIN, key=len, reverse=True))
-)
+    rf"(?<![^\s\"(\[{{<\-/:])(?:{_EITHER})(?![^\s\")\]}}>\-/:.,;!?])"
+)  # between what a role may stand between
 
 
 def typeset(text: str) -> str:
