@@ -26,7 +26,7 @@ DEEP := FLOQUETROD_TEST_DEPTH=deep
 unexport PYTHONDONTWRITEBYTECODE
 
 .DELETE_ON_ERROR:
-.PHONY: demo help test quick interpreted lint slow bite fuzz coverage bench agreement reproduce docs look dist compatibility clean
+.PHONY: demo help test quick interpreted lint slow bite fuzz coverage bench agreement reproduce docs pages look dist compatibility clean
 
 demo: $(READY)  ## a verdict and a map of the reference rod
 	@$(BIN)/floquetrod check --rod nitinol --mean 0.2Fcr --amplitude 0.2Fcr --frequency 150rad/s
@@ -78,6 +78,11 @@ coverage: $(READY)  ## lines the suite reaches, kernels interpreted: at least 95
 docs: $(DOCS_READY)  ## the site, all of it executed, into docs/_build/html
 	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m sphinx -W --keep-going -T -b html -d docs/_build/doctrees docs docs/_build/html
 	$(BIN)/python docs/check_site.py docs/_build/html
+
+# The same pages for those who read them on a forge, from what `make docs` executed or else executed now; after a
+# change of prose alone python docs/forge_pages.py --prose takes seconds.
+pages: $(DOCS_READY)  ## the pages in docs/pages, plain Markdown with outputs and pictures: after a change of a page
+	OPENBLAS_NUM_THREADS=1 $(BIN)/python docs/forge_pages.py
 
 # Every page of that site in a browser, on a desktop, on a phone and in the dark; pictures of all into docs/_build/look.
 # Needs a Chromium, on the path or in $CHROMIUM.

@@ -43,7 +43,7 @@ extensions = [
     "search_excerpts",
     "source_pages",
 ]
-exclude_patterns = ["_build", "gallery/*.ipynb", "paper"]  # notebooks are for download, the paper is for a journal
+exclude_patterns = ["_build", "gallery/*.ipynb", "pages", "paper"]  # for download, forges, a journal
 
 # --- look -------------------------------------------------------------------------------------------------------------
 # Furo: one column that fits a phone, light and dark, search on the spot, no fonts or scripts from elsewhere.

@@ -19,7 +19,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).parents[1]
 DIST = ROOT / "dist"
-NOT_SHIPPED = (".ci/", ".github/")
+NOT_SHIPPED = (".ci/", ".github/", ".readthedocs.yaml")
 """Tracked files that only the repository needs."""
 
 RECORDS = {"METADATA", "RECORD", "WHEEL", "entry_points.txt", "licenses/LICENSE"}

@@ -23,7 +23,10 @@ from tests.conftest import depth
 
 ROOT = Path(__file__).parents[2]
 DOCS = ROOT / "docs"
-WRITTEN = [path for path in sorted(DOCS.rglob("*.md")) if not {"_build", "gallery"} & set(path.relative_to(DOCS).parts)]
+MADE = {"_build", "gallery", "pages"}
+"""Folders of what is made from the pages."""
+
+WRITTEN = [path for path in sorted(DOCS.rglob("*.md")) if not MADE & set(path.relative_to(DOCS).parts)]
 PAGES = [path.relative_to(DOCS).as_posix() for path in WRITTEN if "{code-cell}" in path.read_text(encoding="utf-8")]
 # Signs and factors wrong, one at a time, in each derivation: page, what it says, what it must not.
 MISTAKES = [

@@ -55,7 +55,8 @@ def texts() -> Iterator[Path]:
     yield ROOT / "README.md"
     for folder, endings in (("docs", "*.md *.rst"), ("examples", "*.py"), ("floquetrod", "*.py"), ("studies", "*.py")):
         for path in (path for ending in endings.split() for path in (ROOT / folder).rglob(ending)):
-            if not {"_build", "gallery", "kernels"} & set(path.relative_to(ROOT).parts) and path.name != "changelog.md":
+            folders = set(path.relative_to(ROOT).parts)
+            if not {"_build", "gallery", "kernels", "pages"} & folders and path.name != "changelog.md":
                 yield path
 
 
