@@ -34,6 +34,7 @@ _CELL = re.compile(
 _HEADER = re.compile(r"\A---\n.*?^---\n+", re.DOTALL | re.MULTILINE)
 _PROSE = re.compile(
     r"""^```\{literalinclude\}\ (?P<file>\S+)\n(?P<choice>.*?)^```
+    | ^```\{image\}\ (?P<image>\S+)\n:alt:\ (?P<alt>.*?)\n(?::class:\ only-(?P<theme>\w+)\n)?.*?^```
     | (?P<kept>^```.*?^``` | (?<!\})`[^`]+`)
     | \{doc\}`(?P<link>[^`]+)`
     | \{(?:class|func|meth)\}`[^`]*?(?P<name>\w+)`
@@ -105,6 +106,16 @@ def link(text: str, page: str) -> str:
     return words
 
 
+def image(path: str, alt: str, theme: str | None, page: str) -> str:
+    """Return a picture of the pages, one with a light and a dark form with that which suits the reader's page."""
+    there = (HERE / page).parent / path
+    address = Path(os.path.relpath(there, (PAGES / page).parent)).as_posix()
+    if theme is None:
+        return f"![{alt}]({address})"
+    dark = f'<source media="(prefers-color-scheme: dark)" srcset="{address.replace("_light", "_dark")}">'
+    return "" if theme == "dark" else f'<picture>{dark}<img src="{address}" width="460" alt="{alt}"></picture>'
+
+
 def in_markdown(prose: str, page: str) -> str:
     """Return prose of a page with links, formulas and included files as forges write them."""
 
@@ -114,6 +125,8 @@ def in_markdown(prose: str, page: str) -> str:
             path = (HERE / page).parent / found["file"]
             lines = path.read_text(encoding="utf-8").splitlines()[int(first[1]) - 1 if first else 0 :]
             return "\n".join([f"```{path.suffix.removeprefix('.')}", *lines, "```"])
+        if found["image"]:
+            return image(found["image"], found["alt"], found["theme"], page)
         if found["link"]:
             return link(found["link"], page)
         if found["name"]:

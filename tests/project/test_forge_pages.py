@@ -43,12 +43,20 @@ def test_nothing_but_markdown_is_left_and_links_and_pictures_are_there() -> None
     shown = set()
     for path in PAGES.rglob("*.md"):
         text = path.read_text(encoding="utf-8")
-        assert not re.search(r"\{(?:code-cell|doc|class|func|meth|literalinclude|container)\}|file_format: mystnb|^:tags:", text, re.M)
+        assert not re.search(
+            r"\{(?:code-cell|doc|class|func|meth|literalinclude|image|container)\}|file_format: mystnb|^:tags:",
+            text,
+            re.M,
+        )
         prose = re.sub(r"^```.*?^```$|`[^`]*`", "", text, flags=re.DOTALL | re.MULTILINE)
         targets = [target for target in re.findall(r"\]\(([^)\s#]+)[^)\s]*\)", prose) if "://" not in target]
+        targets += re.findall(r'src(?:set)?="([^"]+)"', text)
         assert [target for target in targets if not (path.parent / target).exists()] == [], path.name
-        shown |= {(path.parent / target).resolve() for target in targets if target.endswith(".png")}
-    assert {path.resolve() for path in PAGES.rglob("*.png")} == shown
+        shown |= {(path.parent / target).resolve() for target in targets if target.endswith((".png", ".svg"))}
+    assert {path.resolve() for path in PAGES.rglob("*.png")} <= shown
+    assert {path.name for path in shown if path.suffix == ".svg"} == {
+        path.name for path in (ROOT / "docs").glob("*.svg")
+    }
     assert sum(path.stat().st_size for path in PAGES.rglob("*")) < 3_000_000
 
 
@@ -88,9 +96,11 @@ def test_outputs_in_markdown(given: dict[str, Any], shown: str) -> None:
 
 
 def test_prose_in_markdown() -> None:
-    prose = "See {doc}`/theory/bends`, {doc}`how\n</how_to/reach>`, `$x$`, {class}`floquetrod.Rod` and $a\n< b$:\n\n$$\\theta_{ss}$$\n"
-    made = FORGE.in_markdown(prose, "how_to/well")
-    assert made.startswith(f"See [{FORGE.title('theory/bends')}](../theory/bends.md), [how](reach.md), `$x$`, `Rod` and")
+    links = "See {doc}`/theory/bends`, {doc}`how\n</how_to/reach>`, `$x$`, {class}`floquetrod.Rod`"
+    made = FORGE.in_markdown(f"{links} and $a\n< b$:\n\n$$\\theta_{{ss}}$$\n", "how_to/well")
+    assert made.startswith(
+        f"See [{FORGE.title('theory/bends')}](../theory/bends.md), [how](reach.md), `$x$`, `Rod` and"
+    )
     assert made.endswith(" $`a < b`$:\n\n```math\n\\theta_{ss}\n```\n")
 
 
