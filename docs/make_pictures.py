@@ -112,6 +112,7 @@ def draw_system(axes: Any, oscillators: Any) -> None:
 if __name__ == "__main__":
     names = first_page()
     figure, panels = pyplot.subplots(1, 3, figsize=(12.0, 3.3), layout="constrained")
+    figure.get_layout_engine().set(wspace=0.05)  # so that each panel is cut out with nothing of its neighbour
     draw_reach(panels[0], names["tubing"], names["well"], names["reach"])
     draw_equation(panels[1])
     draw_system(panels[2], names["oscillators"])
