@@ -313,9 +313,8 @@ def word(name: str) -> str:
 
 PLAIN = {*FORMULAS.strip().splitlines(), *FRACTIONS}
 _EITHER = "|".join(map(re.escape, sorted(PLAIN, key=len, reverse=True)))
-_ANY = re.compile(
-    rf"(?<![^\s\"(\[{{<\-/:])(?:{_EITHER})(?![^\s\")\]}}>\-/:.,;!?])"
-)  # between what a role may stand between
+# Between what Sphinx lets a role stand: not before "(", say, where the formula goes on.
+_ANY = re.compile(rf"(?<![^\s\"(\[{{<\-/:])(?:{_EITHER})(?![^\s\")\]}}>\-/:.,;!?])")
 
 
 def typeset(text: str) -> str:
