@@ -105,7 +105,19 @@ class Report:
         return "".join(fragments) + ("" if self.rest is None else self.rest._repr_html_())
 
 
-class Reported:
+class Shown:
+    """A value that a notebook shows as a report."""
+
+    @abstractmethod
+    def _at_hand(self) -> Report:
+        """Return the report that a notebook shows unasked, which must not take long."""
+
+    def _repr_html_(self) -> str:
+        """Return the report as a small table for a notebook."""
+        return self._at_hand()._repr_html_()
+
+
+class Reported(Shown):
     """A result with a `report` in lines and tables, which notebooks show, and with ``as_dict()`` in numbers."""
 
     _keys: ClassVar[str]
@@ -128,10 +140,6 @@ class Reported:
     def _at_hand(self) -> Report:
         """Return the report that a notebook shows unasked, which must not take long."""
         return self.report()
-
-    def _repr_html_(self) -> str:
-        """Return the report as a small table for a notebook."""
-        return self._at_hand()._repr_html_()
 
 
 class Printed(Reported):

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from abc import ABC, abstractmethod
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from fractions import Fraction
 from typing import Any, ClassVar
 
@@ -17,6 +17,7 @@ import numpy as np
 from floquetrod._util import validate
 from floquetrod._util.arrays import Floats, shaped
 from floquetrod._util.calling import TellsAttributes
+from floquetrod._util.result_report import Report, Shown
 from floquetrod.equations.hill_system import HillSystem
 from floquetrod.equations.pieces import Varying, one_of_mean_and_start, refuse_mean_with_slope
 
@@ -76,7 +77,7 @@ class Piece:
         return not self.harmonics and self.slope == 0.0
 
 
-class Equation(TellsAttributes, ABC):
+class Equation(Shown, TellsAttributes, ABC):
     """Base of the scalar equations A'' + 2 c A' = p(tau) A.
 
     A new equation is a frozen dataclass with ``period`` (in the unit of tau), ``damping`` (c, zero or more) and
@@ -106,6 +107,13 @@ class Equation(TellsAttributes, ABC):
         tuple of Piece
             From tau = 0 on.
         """
+
+    def _at_hand(self) -> Report:
+        """Return the numbers of the equation for a notebook."""
+        value: Any = self
+        numbers = [(each.name, str(getattr(self, each.name))) for each in fields(value)]
+        known = {name for name, _ in numbers}
+        return Report(self.title, numbers + ([] if "period" in known else [("period", f"{self.period:.6g}")]))
 
     def half(self) -> tuple[Piece, ...] | None:
         """Return the coefficient over half a period from an instant about which it is even; None if none is known.

@@ -13,6 +13,7 @@ from floquetrod._util import validate
 from floquetrod._util.arrays import Complexes, Floats
 from floquetrod._util.caching import cached_property
 from floquetrod._util.content import ByContent
+from floquetrod._util.result_report import Report, Shown
 
 Matrix = NDArray[np.float64]
 """Of float64; of a complex `PeriodicSystem` also of complex128."""
@@ -31,7 +32,7 @@ _MOST_ENTRIES = 1 << 28  # of a matrix over a whole batch, two gigabytes (a choi
 _LEAST_PERIOD = 1e-100
 
 
-class PeriodicMatrixSystem(ByContent):
+class PeriodicMatrixSystem(ByContent, Shown):
     """Base of systems with a periodic matrix, a Fourier series or in pieces: ``MEAN`` names the field of its mean.
 
     Its arrays are closed to writing, as are the arrays of its copies, unpickled ones among them.
@@ -117,6 +118,14 @@ class PeriodicMatrixSystem(ByContent):
     def __setstate__(self, state: dict[str, Any]) -> None:
         """Take over the arrays, closed to writing."""
         self._take(state)
+
+    def _at_hand(self) -> Report:
+        """Return the matrices of the system for a notebook, large ones by their shape, pieces by their number."""
+        value: Any = self
+        names = [field.name for field in fields(value) if field.name != "pieces"]
+        return Report(
+            f"{type(self).__name__} of order {value.order}, {self.variation}", arguments_in_words(self, names)
+        )
 
     def __repr__(self) -> str:
         """Return the call that makes the system, large matrices by their shape."""
@@ -348,6 +357,12 @@ def require_one(system: Any, name: str = "system") -> None:
 
 def constructor_call(system: Any, names: list[str]) -> str:
     """Return the call that constructs a system, without arguments at their default."""
+    arguments = (f"{name}={text}" for name, text in arguments_in_words(system, names))
+    return f"{type(system).__name__}({', '.join(arguments)})"
+
+
+def arguments_in_words(system: Any, names: list[str]) -> list[tuple[str, str]]:
+    """Return arguments of a system by their names, those at their default left out, large matrices by their shape."""
     arguments = []
     for name in names:
         value = getattr(system, name)
@@ -357,5 +372,5 @@ def constructor_call(system: Any, names: list[str]) -> str:
             text = described(value)
         else:
             text = "" if value in (None, 0.0) else f"{value:.17g}"
-        arguments += [f"{name}={text}"] if text else []
-    return f"{type(system).__name__}({', '.join(arguments)})"
+        arguments += [(name, text)] if text else []
+    return arguments

@@ -210,6 +210,12 @@ class Bands(NoTruthValue, ByContent):
         names = ("growth_tolerance", "tongues_left_out", "accuracy", "resolution")
         return xarray.Dataset(data, attrs={name: getattr(self, name) for name in names})
 
+    def _repr_png_(self) -> bytes:
+        """Return the picture that a notebook shows."""
+        from floquetrod.plotting.chart_plot import picture
+
+        return picture(self)
+
     def plot(self, ax: Any = None) -> Any:
         """Draw the bands as shapes, orange, thin ones as lines, named where there is room.
 

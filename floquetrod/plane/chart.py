@@ -243,6 +243,12 @@ class Chart(units.InUnits, NoTruthValue, ByContent):
         """Return the caption, axes included."""
         return f"<{self.y.name} over {self.x.name}; {self.caption}>"
 
+    def _repr_png_(self) -> bytes:
+        """Return the picture that a notebook shows."""
+        from floquetrod.plotting.chart_plot import picture
+
+        return picture(self)
+
     def plot(self, ax: Any = None, *, bands: bool | None = None) -> Any:
         """Draw the chart, orange where unstable (darker the faster, if growth is known).
 

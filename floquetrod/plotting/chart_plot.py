@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import math
 import textwrap
 from collections.abc import Mapping, Sequence
@@ -270,6 +271,16 @@ def new_axes() -> Any:
     from matplotlib import pyplot
 
     return pyplot.subplots(figsize=(7.0, 5.0), layout="constrained")[1]
+
+
+def picture(drawn: Any) -> bytes:
+    """Return a chart or its bands as PNG, without a figure of pyplot, which a notebook would show a second time."""
+    from matplotlib.figure import Figure
+
+    figure, file = Figure(figsize=(7.0, 5.0), layout="constrained"), io.BytesIO()
+    drawn.plot(figure.subplots())
+    figure.savefig(file, format="png", bbox_inches="tight")
+    return file.getvalue()
 
 
 def axes_or_new(ax: Any) -> Any:

@@ -12,6 +12,7 @@ from floquetrod._util import validate
 from floquetrod._util.arrays import shaped
 from floquetrod._util.calling import call_hints
 from floquetrod._util.progress import Progress
+from floquetrod._util.result_report import Report, Shown
 from floquetrod.equations import HillSystem
 from floquetrod.floquet.proof.proof import MAX_BOXES
 from floquetrod.floquet.status import are
@@ -25,6 +26,7 @@ from floquetrod.rod.model.constants import SLOW_GROWTH
 from floquetrod.rod.model.data import RodData
 from floquetrod.rod.model.parameters import friction_coefficient
 from floquetrod.rod.model.possible_rod import require_known_to_verdicts
+from floquetrod.rod.model.rod_in_words import rod_report
 from floquetrod.rod.modes.independent import IndependentModel
 from floquetrod.rod.modes.mode_model import ModeModel
 
@@ -76,7 +78,7 @@ _loads_hints = call_hints("give numbers and arrays by name: mean=, amplitude=, f
 
 
 @dataclass(frozen=True, init=False, repr=False)
-class Rod(RodData):
+class Rod(RodData, Shown):
     """An elastic rod or tube of circular section on the floor of a circular channel, straight or bent.
 
     Parameters
@@ -197,6 +199,10 @@ class Rod(RodData):
     """
 
     # --- modes ---
+
+    def _at_hand(self) -> Report:
+        """Return the rod for a notebook."""
+        return rod_report(self)
 
     def _modes_under(self, template: AnyLoad | None = None) -> ModeModel:
         """Return the model of the modes under any load of the kind of the template, by default a sine.

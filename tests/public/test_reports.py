@@ -48,20 +48,24 @@ RESULTS = {
 }
 
 
-class _Reader(HTMLParser):
+class Reader(HTMLParser):
     """Collects the words of a page, and which tags are open."""
 
     def __init__(self) -> None:
+        """Begin with nothing read."""
         super().__init__()
         self.words, self.open = "", list[str]()
 
     def handle_starttag(self, tag: str, attrs: Any) -> None:
+        """Open a tag."""
         self.open.append(tag)
 
     def handle_endtag(self, tag: str) -> None:
+        """Close the tag opened last."""
         assert self.open.pop() == tag
 
     def handle_data(self, data: str) -> None:
+        """Take words."""
         self.words += f" {data}"
 
 
@@ -69,7 +73,7 @@ class _Reader(HTMLParser):
 def test_a_result_says_itself(name: str) -> None:
     result = RESULTS[name]()
     report = result.report()
-    reader = _Reader()
+    reader = Reader()
     reader.feed(result._repr_html_())
     assert not reader.open
     assert reader.words.split()[:3] == str(report).split()[:3]
@@ -88,7 +92,7 @@ def test_a_long_title_does_not_shift_its_column() -> None:
 def test_a_notebook_takes_no_words_for_tags() -> None:
     table = Table([("<b>", ""), ("&", ">4")], [("<i>", "1")], "<u>")
     html = Report("1 < 2", [("<p>", "a & b")], table, Report("<br>"))._repr_html_()
-    reader = _Reader()
+    reader = Reader()
     reader.feed(html)
     assert reader.words.split() == ["1", "<", "2", "<p>", "a", "&", "b", "<b>", "&", "<i>", "1", "<u>", "<br>"]
 

@@ -18,6 +18,7 @@ from floquetrod._util.arguments import Mention
 from floquetrod._util.arrays import broadcast
 from floquetrod._util.calling import TellsAttributes, constructor_hints
 from floquetrod._util.progress import Progress
+from floquetrod._util.result_report import Report, Shown
 from floquetrod.parameter import EVERYWHERE, NAMES, Option, Parameter, Subsystem, by_name
 
 Quantity: TypeAlias = Literal["mean", "amplitude", "frequency"]
@@ -243,7 +244,7 @@ RESONANT = 1e-6  # denominator of an axial wave below which rounding leaves it t
 
 
 @dataclass(frozen=True, repr=False)
-class Load(units.InUnits, TellsAttributes, ABC):
+class Load(units.InUnits, Shown, TellsAttributes, ABC):
     """What every load has: F(s, t) = mean + w_e cos(inclination) (s - mean_at L) + the vibration, compression positive.
 
     Parameters
@@ -333,6 +334,14 @@ class Load(units.InUnits, TellsAttributes, ABC):
         if self.second is not None:
             features.append(second_in_words(self.second))
         return ", ".join(features)
+
+    def _at_hand(self) -> Report:
+        """Return the load in the units in which it was given, for a notebook."""
+        force = units.AnswerUnits.named(given=self.given_units).force
+        frequency = units.unit(self.given_units.frequency, "frequency", "frequency")
+        shown = {"mean": force, "amplitude": force, "frequency": frequency}
+        lines = [(LOAD[name].words, unit.show(getattr(self, name))) for name, unit in shown.items()]
+        return Report(type(self).__name__, [*lines, *([("", self.features)] if self.features else [])])
 
     def kind_as_dict(self) -> dict[str, Any]:
         """Return everything but mean, amplitude and frequency, as words and numbers for a file."""

@@ -9,6 +9,7 @@ from typing import Any
 from floquetrod import units
 from floquetrod._util import validate
 from floquetrod._util.calling import constructor_hints
+from floquetrod._util.result_report import Report, Shown
 from floquetrod.parameter import Parameter, by_name
 from floquetrod.rod.loads.load import LOAD
 
@@ -30,7 +31,7 @@ TOOL = by_name(
 
 @constructor_hints(at="the distance from the lower end is above_end", tool_at="the distance is above_end")
 @dataclass(frozen=True)
-class VibrationTool(units.InUnits):
+class VibrationTool(units.InUnits, Shown):
     """A tool in a string that pushes and pulls it along its axis with a sine.
 
     Inside the string half the force goes each way, at its lower end all of it up.  The ends of the string reflect the
@@ -89,6 +90,10 @@ class VibrationTool(units.InUnits):
         """
         shakes = f"{shown.force.show(self.amplitude)} at {shown.frequency.show(self.frequency)}"
         return f"{shakes}, {shown.length.show(self.above_end)} above the lower end"
+
+    def _at_hand(self) -> Report:
+        """Return the tool in the units in which it was given, for a notebook."""
+        return Report(f"vibration tool: {self.in_words(units.AnswerUnits.named(given=self.given_units))}")
 
     def as_dict(self) -> dict[str, float]:
         """Return the parameters in SI units.

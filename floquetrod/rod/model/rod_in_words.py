@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from floquetrod import units
 from floquetrod._util.interchange import plain
-from floquetrod._util.result_report import Table
+from floquetrod._util.result_report import Report, Table
 from floquetrod._util.suggest import listed
 from floquetrod.rod.model.data import RodData, UniformPart
 from floquetrod.rod.model.parameters import OF_A_LINE, ROD
@@ -91,6 +91,26 @@ def table_of_parts(rod: RodData, shown: units.AnswerUnits) -> Table | None:
     widths = [max(map(len, column)) for column in zip(columns, *rows, strict=True)]
     sides = ("<" if title == "size" else ">" for title in columns)
     return Table([(title, f"{side}{width}") for title, side, width in zip(columns, sides, widths, strict=True)], rows)
+
+
+def rod_report(rod: RodData) -> Report:
+    """Return a report of a rod in the units in which it was given: size, material, weight, when it buckles, parts."""
+    shown = units.AnswerUnits.named(given=rod.given_units)
+    lines = []
+    if not rod.sections:
+        names = ["youngs_modulus", "density", *(["yield_strength"] if rod.yield_strength else [])]
+        material = (" ".join(ROD[name].in_words(getattr(rod, name), shown)) for name in names)
+        weight = shown.per_length.show(rod.weight_per_length, 4)
+        rigidity = shown.rigidity.show(rod.flexural_rigidity, 4)
+        lines = [("material", ", ".join(material)), ("section", f"weight in fluid {weight}, E I {rigidity}")]
+    where = f" in {section_in_words(rod, rod.weakest_at, shown)}" if rod.varies else ""
+    half_wave = shown.length.show(rod.critical_half_wave, 4)
+    critical = (
+        f"force {shown.force.show(rod.critical_force, 4)}{where}, mode {rod.critical_mode:.3g}, half wave {half_wave}"
+    )
+    special = special_parameters(rod, shown)
+    lines += [("critical", critical), *([("also", special)] if special else [])]
+    return Report(size_in_words(rod, shown), lines, table_of_parts(rod, shown))
 
 
 def _strength(part: UniformPart, shown: units.AnswerUnits) -> str:
