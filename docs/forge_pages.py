@@ -35,6 +35,7 @@ _HEADER = re.compile(r"\A---\n.*?^---\n+", re.DOTALL | re.MULTILINE)
 _PROSE = re.compile(
     r"""^```\{literalinclude\}\ (?P<file>\S+)\n(?P<choice>.*?)^```
     | ^```\{image\}\ (?P<image>\S+)\n:alt:\ (?P<alt>.*?)\n(?::class:\ only-(?P<theme>\w+)\n)?.*?^```
+    | ^```\{eval-rst\}\n(?P<reference>.*?)^```
     | (?P<kept>^```.*?^``` | (?<!\})`[^`]+`)
     | \{doc\}`(?P<link>[^`]+)`
     | \{(?:class|func|meth)\}`[^`]*?(?P<name>\w+)`
@@ -127,6 +128,9 @@ def in_markdown(prose: str, page: str) -> str:
             return "\n".join([f"```{path.suffix.removeprefix('.')}", *lines, "```"])
         if found["image"]:
             return image(found["image"], found["alt"], found["theme"], page)
+        if found["reference"]:
+            names = ", ".join(f"`{each}`" for each in re.findall(r":: (\S+)", found["reference"]))
+            return f"On the site: {names}."
         if found["link"]:
             return link(found["link"], page)
         if found["name"]:
