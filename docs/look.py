@@ -4,7 +4,7 @@ python docs/look.py docs/_build/html pictures [page ...]
 
 Each page is opened on a desktop, on a phone and in the dark.  Reported are pages and, on the desktop, blocks of code
 that scroll sideways, formulas, pictures and tables cut off at the right, violations of accessibility found by axe-core,
-errors of scripts, and a search without excerpts.
+errors of scripts, and a search without excerpts or in the wrong order.
 Needs the extra site-check and a Chromium: that of $CHROMIUM, or the first found on the path.
 """
 
@@ -19,6 +19,12 @@ from typing import Any
 
 VIEWS = {"desktop": (1400, 900, "light"), "phone": (390, 844, "light"), "dark": (1400, 900, "dark")}
 TALLEST = 12_000  # pixels of a page in its picture
+FOUND_FIRST = {
+    "safe frequency": "/how_to/my_rod.html",
+    "own equation": "/how_to/my_equation.html",
+    "discriminant": ".html",
+}
+"""Words that are searched for, and how the address of the first result ends (search_order.js)."""
 
 SCROLLS = """() => {
   const wide = document.documentElement.scrollWidth - document.documentElement.clientWidth;
@@ -87,11 +93,15 @@ def faults(page: Any, address: str, view: str, picture: Path) -> Iterator[str]:
 
 
 def search_faults(page: Any, site: Path) -> Iterator[str]:
-    """Search for a word and yield what is wrong with the results."""
-    page.goto(f"{(site / 'search.html').as_uri()}?q=discriminant")
-    page.wait_for_timeout(1500)
+    """Search for words and yield what is wrong with the results."""
+    for words, first in FOUND_FIRST.items():
+        page.goto(f"{(site / 'search.html').as_uri()}?q={words.replace(' ', '+')}")
+        page.wait_for_timeout(1500)
+        results = page.evaluate("() => [...document.querySelectorAll('#search-results li a')].map(e => e.pathname)")
+        if not results or not results[0].endswith(first):
+            yield f"a search for {words!r} finds {results[0] if results else 'nothing'} first, not {first}"
     excerpts = page.evaluate("() => [...document.querySelectorAll('#search-results p.context')].map(e => e.innerText)")
-    if not any("discriminant" in excerpt.lower() for excerpt in excerpts):
+    if not any(words in excerpt.lower() for excerpt in excerpts):
         yield "a search from disk shows no excerpts"
 
 
