@@ -209,6 +209,17 @@ class DelaySystem(ByContent):
         delayed : sequence of (delay, function) or (delay, matrix)
             Of each term its delay and D_j, a function of t as K, or a constant matrix.
 
+        Returns
+        -------
+        DelaySystem
+            Of n equations of second order.
+
+        Raises
+        ------
+        TypeError, ValueError
+            Where K or a D_j a period later differs, and where it is not smooth between the jumps; for delays that
+            are not positive, and for matrices whose shapes do not fit.
+
         Examples
         --------
         >>> def cut(t):
@@ -253,6 +264,17 @@ class DelaySystem(ByContent):
             G, as of the system.
         delayed : sequence of (delay, table) or (delay, matrix)
             Of each term its delay and D_j, a table (N, n, n) at the same instants, or a constant matrix.
+
+        Returns
+        -------
+        DelaySystem
+            Of n equations of second order.
+
+        Raises
+        ------
+        TypeError, ValueError
+            For instants that do not increase or lie further apart than a period, for delays that are not positive,
+            and for shapes that do not fit.
 
         Examples
         --------
@@ -364,6 +386,17 @@ class DelaySystem(ByContent):
         delayed : sequence of (delay, function) or (delay, matrix)
             Of each term its delay and B_j, a function of t as A, or a constant matrix.
 
+        Returns
+        -------
+        DelaySystem
+            Of N equations of first order.
+
+        Raises
+        ------
+        TypeError, ValueError
+            Where A or a B_j a period later differs, and where it is not smooth between the jumps; for delays that
+            are not positive, and for matrices whose shapes do not fit.
+
         Examples
         --------
         >>> system = DelaySystem.first_order_from_function(
@@ -388,6 +421,17 @@ class DelaySystem(ByContent):
             Period of A and of all B_j.
         delayed : sequence of (delay, table) or (delay, matrix)
             Of each term its delay and B_j, a table (N, n, n) at the same instants, or a constant matrix.
+
+        Returns
+        -------
+        DelaySystem
+            Of N equations of first order.
+
+        Raises
+        ------
+        TypeError, ValueError
+            For instants that do not increase or lie further apart than a period, for delays that are not positive,
+            and for shapes that do not fit.
 
         Examples
         --------

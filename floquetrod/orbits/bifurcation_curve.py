@@ -122,13 +122,24 @@ class BifurcationCurve(ByContent, Printed, NoTruthValue):
         ----------
         ax : matplotlib Axes, optional
             Axes to draw into; a new figure by default.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+            The axes drawn into.
         """
         from floquetrod.plotting.branch_plot import draw_bifurcation_curve
 
         return draw_bifurcation_curve(self, ax)
 
     def report(self) -> Report:
-        """Return the curve in lines, and a table of some of its points."""
+        """Return the curve in lines, and a table of some of its points.
+
+        Returns
+        -------
+        Report
+            Its text is ``str(report)``; a notebook shows it as a table.
+        """
         reach = [
             f"{name} from {low:.6g} to {high:.6g}"
             for name, low, high in zip(self.parameters, self.values.min(axis=0), self.values.max(axis=0), strict=True)
@@ -163,7 +174,18 @@ class BifurcationCurve(ByContent, Printed, NoTruthValue):
     _keys = "kind parameters over values errors period critical outside least largest start ends notes"
 
     def to_xarray(self) -> Any:
-        """Return an xarray.Dataset over the points of the curve (needs xarray, an extra)."""
+        """Return an xarray.Dataset over the points of the curve (needs xarray, an extra).
+
+        Returns
+        -------
+        xarray.Dataset
+            Of each point of the curve.
+
+        Raises
+        ------
+        ImportError
+            Without xarray.
+        """
         xarray = extras.xarray()
         data: dict[str, Any] = {"period": ("point", self.period), "outside": ("point", self.outside)}
         data |= {f"{name}_error": ("point", self.errors[:, k]) for k, name in enumerate(self.parameters)}
