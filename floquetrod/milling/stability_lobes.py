@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import functools
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any, Literal, NamedTuple
@@ -36,6 +37,7 @@ _FARTHEST = 500.0  # times that depth up to which is searched (a choice)
 _AT_ONCE = 16  # depths tried before deeper ones are (a choice)
 _PRECISE = 1e-11  # of a critical depth, relative
 _ENOUGH = 8  # nodes more, with which a boundary is known to some ten digits (measured)
+_TRACED = 4  # nodes more, with which logarithms are known to 2e-7, with more kinks than `_MOST_BREAKS` 2e-5 (measured)
 _SHOWN_ABOVE = 2.0  # least critical depths that a range suggested for a chart shows (a choice)
 _STRONG = 0.1  # of the strongest vibration, from which others may name a lobe (a choice)
 _SAMPLED = 9  # speeds at which a critical depth is searched for where a chart has no lobe (a choice)
@@ -199,6 +201,14 @@ class CuttingPlane(Family):
     def vertex(self) -> float:
         """As near to the boundary as it takes few verdicts to come."""
         return 1e-7
+
+    @property
+    def signed_growth(self) -> Callable[[Floats, Floats], Floats]:
+        """Growth rates in 1/s at speeds and depths, with a number of nodes that verdicts need near the boundary."""
+        return self._signed_growth
+
+    def _signed_growth(self, speeds: Floats, depths: Floats) -> Floats:
+        return _logs(self.milling, speeds, depths, _TRACED) * speeds / self.milling.cycle
 
     def subject(self) -> dict[str, Any]:
         """Say what the cutter is."""
@@ -407,13 +417,13 @@ def _crossed(milling: Cutter, speeds: Floats, low: Floats, high: Floats) -> Floa
     return np.asarray(0.5 * (low + high))
 
 
-def _logs(milling: Cutter, speeds: Floats, depths: Floats) -> Floats:
-    """Return the logarithms of the largest moduli (b,), with nodes enough for some ten digits."""
+def _logs(milling: Cutter, speeds: Floats, depths: Floats, more: int = _ENOUGH) -> Floats:
+    """Return the logarithms of the largest moduli (b,), with more nodes than verdicts begin with."""
     pieces, counts = _resolution(milling, speeds, depths)
     logs = np.empty(speeds.size)
     for each, count in {*zip(pieces.tolist(), counts.tolist(), strict=True)}:
         some = np.flatnonzero((pieces == each) & (counts == count))
-        maps = _maps(milling, speeds[some], depths[some], each, count + _ENOUGH)
+        maps = _maps(milling, speeds[some], depths[some], each, count + more)
         logs[some] = np.log(delay_growth.moduli(maps))
     return logs
 

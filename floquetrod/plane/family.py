@@ -5,7 +5,8 @@ Five families are charted: problems returned by a function of the user (`systems
 (`milling/stability_lobes.py`), and verdicts returned by a function.  `floquetrod.plane.charted` makes a `Chart` of any
 of them, with verdicts at points and a source of its bands: `plane/sources.py` uses exact ones, which are polygons
 between the curves of tongues that counts find, or traces them by verdicts and states how narrow a band it may miss.
-A further kind of chart is a `Family` with `verdicts`, and with `exact_bands` where it knows them.
+A further kind of chart is a `Family` with `verdicts`, with `exact_bands` where it knows them, and with `signed_growth`
+where growth of stable places is known too, by which bands are traced in fewer places.
 """
 
 from __future__ import annotations
@@ -116,6 +117,14 @@ class Family(ABC):
     def most_judged(self) -> int:
         """Places judged at most while bands are traced."""
         return 300_000  # a choice
+
+    @property
+    def signed_growth(self) -> Callable[[Floats, Floats], Floats] | None:
+        """Function of places x, y (n,): growth rates, negative where motion decays, whose zeros bound the bands.
+
+        None where these are traced by verdicts.
+        """
+        return None
 
     @property
     def vertex(self) -> float:

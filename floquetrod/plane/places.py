@@ -29,6 +29,7 @@ class Plane:
         self.most = min(most, family.most_judged)
         self.vertex = family.vertex
         self.judged = 0
+        self._excess: dict[tuple[float, float], float] = {}  # by place, of signed growth
 
     def places(self, shares: Floats) -> Floats:
         """Return shares of the axes (n, 2) as places in their units."""
@@ -48,17 +49,25 @@ class Plane:
                 raise OutOfBudget
             self.judged += count
             place = self.places(shares[inside])
-            verdicts = self.family.verdicts(place[:, 0], place[:, 1], quick=quick)
-            unstable[inside] = verdicts.status == 0
-            excess[inside] = verdicts.growth - self.family.growth_tolerance
+            if self.family.signed_growth is None:
+                verdicts = self.family.verdicts(place[:, 0], place[:, 1], quick=quick)
+                unstable[inside] = verdicts.status == 0
+                excess[inside] = verdicts.growth - self.family.growth_tolerance
+            else:
+                excess[inside] = self.family.signed_growth(*place.T) - self.family.growth_tolerance
+                unstable[inside] = excess[inside] > 0.0
+                self._excess.update(zip(map(tuple, shares[inside].tolist()), excess[inside].tolist(), strict=True))
         return unstable, excess
 
     def boundary(self, inside: Floats, outside: Floats) -> Floats:
         """Return a place of the boundary on each line from an unstable place to one that is not, (n, 2).
 
-        Where growth is known, it is interpolated, inversely so that the boundary may be a root of growth or of its
-        square; the bracket itself is of verdicts only.
+        Where growth is known of stable places too, it is a zero of growth.  Where it is known of unstable ones, it is
+        interpolated, inversely so that the boundary may be a root of growth or of its square; the bracket itself is of
+        verdicts only.
         """
+        if self.family.signed_growth is not None:
+            return self._at_edges(self._zeros(inside, outside))
         # A place on line k is inside + t (outside - inside), t from 0 to 1, (n,) of them side by side; low is the
         # largest t known unstable, high the least that is not.  t where growth vanishes is predicted from the last
         # three unstable places (`_extrapolated`); the next place lies off the prediction by as much as that changed
@@ -95,9 +104,53 @@ class Plane:
             new = active[unstable & (excess > 0.0)]
             known_t[new] = np.column_stack([known_t[new, 1:], t[unstable & (excess > 0.0)]])
             known_g[new] = np.column_stack([known_g[new, 1:], excess[unstable & (excess > 0.0)]])
-        result: Floats = inside + (0.5 * (low + high))[:, None] * span
-        near = (np.abs(result) < 2.0 * self.vertex, np.abs(result - 1.0) < 2.0 * self.vertex)
-        return np.where(near[0], 0.0, np.where(near[1], 1.0, result))
+        return self._at_edges(inside + (0.5 * (low + high))[:, None] * span)
+
+    def _zeros(self, inside: Floats, outside: Floats) -> Floats:
+        """Return the places of `boundary` as zeros of signed growth, bracketed and interpolated inversely.
+
+        T. R. Chandrupatla, Adv. Eng. Softw. 28 (1997) 145, doi:10.1016/S0965-9978(96)00051-8.
+        """
+        # A place on line k is inside + t (outside - inside), t from 0 to 1, with growth g.  Columns of t, g (n, 3): the
+        # last place, the other end of the bracket, and the place before.  First a straight line through the ends
+        # predicts the zero, then a parabola, t over g, through all three, where it is monotonic; else, and where growth
+        # is not known, the bracket is halved.  A place keeps half the accuracy away from both ends, so that the bracket
+        # closes from both sides.  It ends when the bracket is shorter than ``vertex`` in the plane.
+        span = outside - inside
+        least = 0.5 * self.vertex / np.maximum(np.hypot(*span.T), self.vertex)
+        t = np.tile([0.0, 1.0, np.nan], (len(span), 1))
+        g = np.column_stack([self._growth(inside), self._growth(outside), np.full(len(span), np.nan)])
+        last_unstable = np.ones(len(span), dtype=np.bool_)
+        for _ in range(2 * _HALVINGS):
+            width = t[:, 1] - t[:, 0]
+            active = np.flatnonzero(np.abs(width) > 2.0 * least)
+            if not active.size:
+                break
+            nearest = least[active] / np.abs(width[active])
+            share = np.clip(_share(t[active], g[active]), nearest, 1.0 - nearest)
+            place = t[active, 0] + share * width[active]
+            unstable, excess = self.unstable(inside[active] + place[:, None] * span[active])
+            same = (unstable == last_unstable[active])[:, None]
+            for values, new in ((t, place), (g, excess)):
+                one, other, _ = values[active].T
+                values[active] = np.where(same, np.column_stack([new, other, one]), np.column_stack([new, one, other]))
+            last_unstable[active] = unstable
+        t[:, 2] = np.nan  # so that the last bracket is crossed by a straight line
+        zero = t[:, 0] + np.clip(_share(t, g), 0.0, 1.0) * (t[:, 1] - t[:, 0])
+        return np.asarray(inside + zero[:, None] * span)
+
+    def _growth(self, shares: Floats) -> Floats:
+        """Return signed growth at places, most of which were judged before; NaN beyond the plane."""
+        places = list(map(tuple, shares.tolist()))
+        new = [place for place in places if place not in self._excess]
+        if new:
+            self.unstable(np.array(new))  # keeps growth, but beyond the plane
+        return np.array([self._excess.get(place, np.nan) for place in places])
+
+    def _at_edges(self, shares: Floats) -> Floats:
+        """Return places with those on the edges that are nearer to them than vertices are accurate."""
+        near = (np.abs(shares) < 2.0 * self.vertex, np.abs(shares - 1.0) < 2.0 * self.vertex)
+        return np.where(near[0], 0.0, np.where(near[1], 1.0, shares))
 
     def march(
         self, start: Floats, along: Floats, first: Floats, most: Floats, colour: Bools
@@ -138,4 +191,16 @@ def _extrapolated(t: Floats, g: Floats) -> Floats:
         d1, d2 = (t1 - t0) / (g1 - g0), (t2 - t1) / (g2 - g1)
         three = t2 - g2 * d2 + g2 * g1 * (d2 - d1) / (g2 - g0)
         result: Floats = np.where(np.isfinite(three), three, two)
-    return result
+    return np.where(np.isfinite(result), result, np.nan)
+
+
+def _share(t: Floats, g: Floats) -> Floats:
+    """Return the part of the way from the last place to the other end of the bracket after which growth vanishes."""
+    (t1, t2, t3), (g1, g2, g3) = t.T, g.T
+    with np.errstate(all="ignore"):
+        straight = np.where(np.isnan(t3), g1 / (g1 - g2), 0.5)
+        part, rise = (t1 - t2) / (t3 - t2), (g1 - g2) / (g3 - g2)
+        monotonic = (1.0 - np.sqrt(1.0 - part) < rise) & (rise < np.sqrt(part))
+        curved = g1 / (g2 - g1) * g3 / (g2 - g3) + (t3 - t1) / (t2 - t1) * g1 / (g3 - g1) * g2 / (g3 - g2)
+    share = np.where(monotonic, curved, straight)
+    return np.asarray(np.where(np.isfinite(share), share, 0.5))

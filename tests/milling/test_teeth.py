@@ -216,6 +216,23 @@ def test_lobes_of_uneven_teeth_agree_with_single_verdicts() -> None:
             assert (verdict.status == "stable") == bool(lobes.chart.stable[i, j])
 
 
+@pytest.mark.parametrize("helical", [False, pytest.param(True, marks=pytest.mark.slow)])
+def test_bands_of_uneven_teeth_lie_on_the_boundary(helical: bool) -> None:
+    bent = {"helix": "30deg", "diameter": "12mm"} if helical else {}
+    mill = milling(teeth=4, pitch=["80deg", "100deg", "85deg", "95deg"], immersion=0.5, **bent)
+    lobes = mill.lobes(("10000rpm", "12000rpm", 5), ("0mm", "2mm", 4), growth=True)
+    bands, rate = lobes.chart.find_bands(0.03), lobes.chart.growth_rate
+    assert rate is not None
+    assert rate.min() == 0.0
+    for band in bands:
+        inner = (band.y < 1.999) & (band.x > 10001.0) & (band.x < 11999.0)
+        speeds, depths = band.x[inner] * math.pi / 30.0, 1e-3 * band.y[inner]
+        slope = judged(mill, speeds, depths * 1.001, growth=True).growth
+        logs = judged(mill, speeds, depths, growth=True).growth
+        assert np.abs(logs).max() < (2e-5 if helical else 1e-6)
+        assert np.abs(logs / (slope - logs)).max() < 0.1  # of a thousandth of a depth
+
+
 @pytest.mark.parametrize(
     ("given", "message"),
     [

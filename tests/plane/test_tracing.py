@@ -16,7 +16,7 @@ import floquetrod as fr
 from floquetrod.mathieu.mathieu_charts import MathieuPlane
 from floquetrod.plane import Axis, Band, Bands, charted
 from floquetrod.plane.contours import crossings
-from floquetrod.plane.family import Judged
+from floquetrod.plane.family import Family, Judged, Verdicts
 from floquetrod.plane.polygons import area, contains
 from tests.conftest import depth
 
@@ -233,6 +233,61 @@ def test_everything_stable_unstable_or_undecided() -> None:
     # an undecided strip belongs to no band
     (band,) = traced(lambda a, b: np.where(a < 0.5, 0, np.where(a < 0.7, -1, 1)), *plane)
     assert band.x.max() == pytest.approx(0.5, abs=1e-9)
+
+
+class Decaying(Family):
+    """A family of which growth is known of stable places too, or their verdicts alone; it counts places judged."""
+
+    growth_unit, growth_tolerance, judged = "per tau", 0.0, 0
+
+    def __init__(self, rate: Callable[[Floats, Floats], Floats], signed: bool) -> None:
+        self.rate, self.signed = rate, signed
+
+    def verdicts(self, x: Floats, y: Floats, *, growth: bool = False, quick: bool = False) -> Verdicts:
+        """Return verdicts, and growth where something grows."""
+        rate = self._judged(*np.broadcast_arrays(x, y))
+        return Verdicts(np.where(rate > 0.0, 0, 1), np.maximum(rate, 0.0))
+
+    @property
+    def signed_growth(self) -> Callable[[Floats, Floats], Floats] | None:
+        """Return the function of growth, if it is known everywhere."""
+        return self._judged if self.signed else None
+
+    def _judged(self, x: Floats, y: Floats) -> Floats:
+        self.judged += x.size
+        return self.rate(x, y)
+
+
+def _lobes(x: Floats, y: Floats) -> Floats:
+    """Return growth above lobes that meet at corners."""
+    return np.maximum(y - 0.5 - 0.35 * np.sin(7.0 * x), np.log(0.2 + y) + 0.2 * np.cos(11.0 * x))
+
+
+def _ring(x: Floats, y: Floats) -> Floats:
+    """Return growth in a ring about the middle, which reaches over the edge of the plane."""
+    return 0.04 - (np.hypot(x - 0.4, y - 0.5) - 0.45) ** 2
+
+
+def _cliff(x: Floats, y: Floats) -> Floats:
+    """Return growth that jumps at an oblique line, and is not known beyond another."""
+    return np.where(y > 0.3 + 0.4 * x, 3.0, np.where(y > 0.1 + 0.4 * x, -1e-3, -np.inf))
+
+
+@pytest.mark.parametrize("rate", [_lobes, _ring, _cliff])
+def test_bands_by_signed_growth_are_those_by_verdicts(rate: Callable[[Floats, Floats], Floats]) -> None:
+    families = [Decaying(rate, signed) for signed in (True, False)]
+    signed, plain = (charted(family, *axes((0.0, 1.0, 14), (0.0, 1.0, 12))).bands for family in families)
+    assert len(signed) == len(plain)
+    for bands in (signed, plain):
+        agree(bands, lambda a, b: rate(a, b) <= 0.0)
+    for band, other in zip(signed, plain, strict=True):
+        inner = (np.minimum(band.x, band.y) > 0.0) & (np.maximum(band.x, band.y) < 1.0)
+        if rate is not _cliff:
+            assert np.abs(rate(band.x[inner], band.y[inner])).max() < 1e-9
+        assert area_of(band) == pytest.approx(area_of(other), rel=1e-3)
+        assert band.largest_growth == pytest.approx(other.largest_growth)
+    if rate is not _cliff:
+        assert families[0].judged < 0.9 * families[1].judged
 
 
 def test_a_budget_that_is_too_small_is_said() -> None:
