@@ -12,7 +12,7 @@ from typing import Any, NamedTuple, NoReturn, TypeVar
 import numpy as np
 
 from floquetrod._util import validate
-from floquetrod._util.arrays import EPS, Bools, Complexes, Floats
+from floquetrod._util.arrays import EPS, Bools, Complexes, Floats, Ints
 from floquetrod._util.calling import constructor_hints
 from floquetrod._util.content import ByContent
 from floquetrod.equations import matrices
@@ -191,7 +191,7 @@ class PieceArrays(NamedTuple):
         sizes = np.abs(self.mean) + np.abs(self.harmonics).sum(axis=2)
         return np.asarray(sizes if self.slope is None else sizes + np.abs(self.slope) * self.length[..., None, None])
 
-    def some(self, chosen: slice | Bools) -> PieceArrays:
+    def some(self, chosen: slice | Bools | Ints) -> PieceArrays:
         """Return the pieces of the systems ``chosen``."""
         mean, slope, harmonics, length, period = self
         slope = None if slope is None else slope[chosen]

@@ -10,7 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from floquetrod._util import validate
-from floquetrod._util.arrays import Bools, Complexes, Floats, shaped
+from floquetrod._util.arrays import Bools, Complexes, Floats, Ints, shaped
+from floquetrod._util.caching import cached_property
 from floquetrod._util.compilation import cores, in_threads
 from floquetrod._util.progress import Progress
 from floquetrod.equations import HillSystem, PeriodicSystem
@@ -19,6 +20,7 @@ from floquetrod.equations.batches import System, pick
 from floquetrod.equations.hill_system import EvenForm
 from floquetrod.equations.matrices import flat
 from floquetrod.floquet.dispatch import judge
+from floquetrod.floquet.kernels.constant_pieces import piece_pairs
 from floquetrod.floquet.kernels.system_even import pair_numbers
 from floquetrod.floquet.multiplier_pairs import logarithms
 from floquetrod.floquet.multipliers import half_period_maps, many_verdicts, whole_period_maps
@@ -262,7 +264,7 @@ class _FirstOrderBatch(_Batch):
         self.uncertainty, self.paired, self.damping = system.coefficient_error, paired, damping
         self.order, self.keeps_norm, self.is_complex = system.order, system.keeps_norm, system.is_complex
 
-    def _maps(self, chunk: slice) -> PeriodMaps:
+    def _maps(self, chunk: slice | Ints) -> PeriodMaps:
         """Return the maps over a period, with infinite error where they would take too long."""
         pieces = self.pieces.some(chunk)
         long = np.asarray(whole_period_maps.seconds_needed(pieces) > MOST_SECONDS)
@@ -289,13 +291,52 @@ class _FirstOrderBatch(_Batch):
             values[doubtful] = np.where(many_verdicts.touch_zero(discs), np.nan, discs.values)
         return values
 
-    def verdicts(self, chunk: slice) -> ManyVerdicts:
+    def verdicts(self, chunk: slice | Ints) -> ManyVerdicts:
         if self.keeps_norm:
             count = len(self.period[chunk])
             return ManyVerdicts(np.full(count, STABLE, dtype=np.int8), np.zeros(count))
         maps = self._maps(chunk)
         discs = many_verdicts.many_discs(maps.matrix, maps.error)
         return many_verdicts.multiplier_verdicts(discs, self.period[chunk], paired=self.paired, damping=self.damping)
+
+
+class _ConstantPieceBatch(_Batch):
+    """One or two equations u'' + K u = 0, K symmetric and constant on each piece: verdicts by maps in closed form."""
+
+    def __init__(self, system: HillSystem, damping: float) -> None:
+        n, shape = system.order, system.shape
+        self.system, self.damping, self.order = system, damping, 2 * n
+        if system.mass is None:
+            pieces, error = by_pieces.of_batch(system), system.error_norm
+            self.stiffness = pieces.mean
+        else:
+            pieces, error = by_pieces.of_batch(self._first_order_system), n * self._first_order_system.coefficient_error
+            self.stiffness = -pieces.mean[:, :, n:, :n]
+        self.length, self.period, self.uncertainty = pieces.length, pieces.period, flat(error, shape, 0)
+
+    @cached_property
+    def _first_order_system(self) -> PeriodicSystem:
+        """The same systems in first order, of mass 1."""
+        return self.system.as_periodic_system()
+
+    @cached_property
+    def _first_order(self) -> _FirstOrderBatch:
+        """The batch of the same systems for multipliers, and for verdicts that the closed form leaves open."""
+        return _FirstOrderBatch(self._first_order_system, self.damping, paired=True)
+
+    def multipliers(self, chunk: slice) -> Complexes:
+        return self._first_order.multipliers(chunk)
+
+    def verdicts(self, chunk: slice) -> ManyVerdicts:
+        inputs = (self.stiffness[chunk], self.length[chunk], self.uncertainty[chunk])
+        values, radii = piece_pairs(*inputs)
+        period = self.period[chunk]
+        status, growth = many_verdicts.pair_verdicts(many_verdicts.pair_discs(values, radii), period, self.damping)
+        left = status == UNDECIDED
+        if left.any():
+            rows = np.arange(len(self.period))[chunk][left]
+            status[left], growth[left] = self._first_order.verdicts(rows)
+        return ManyVerdicts(status, growth)
 
 
 def _eigenvalues(matrices: NDArray[Any]) -> Complexes:
@@ -323,8 +364,16 @@ def _batch(systems: Any) -> _Batch:
     if isinstance(subject, HillSystem):
         if pairs is not None and subject.even_form is not None:
             return _EvenBatch(subject, subject.even_form, damping)
+        if pairs is not None and subject.order <= 2 and _has_constant_pieces(subject):
+            return _ConstantPieceBatch(subject, damping)
         subject = subject.as_periodic_system()
     return _FirstOrderBatch(subject, damping, paired=pairs is not None)
+
+
+def _has_constant_pieces(system: HillSystem) -> bool:
+    """Return whether K is symmetric and constant on every piece, without gyroscopic forces."""
+    constant = bool(system.pieces) and all(value.is_constant for _, value in system.pieces)
+    return constant and system.is_symmetric and system.gyroscopic is None
 
 
 def _over(

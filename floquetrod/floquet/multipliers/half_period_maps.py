@@ -71,6 +71,7 @@ def pair_matrices(
         return _numbers(half, error, left, left_error)
 
 
+@np.errstate(over="ignore", invalid="ignore")  # of maps that overflow, whose errors are then not finite
 def of_pieces(
     pieces: PieceArrays, next_half: PieceArrays, uncertainty: float, rtol: float, *, symmetric: bool
 ) -> PairMatrices:
