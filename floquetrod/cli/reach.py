@@ -40,7 +40,7 @@ _SPEED = "0.05m/s"  # where none is given
 _EVEN = 10  # depths between two ends
 
 _HELP = """\
-Compute how far a string of this section can be pushed into a well, without and with a vibration tool.
+Compute how far a string, also a tapered one, can be pushed into a well, without and with a vibration tool.
 
 examples:
   floquetrod example survey.csv tubing.toml
@@ -113,7 +113,8 @@ def add_helical(command: argparse.ArgumentParser) -> None:
         "--helical",
         choices=("energy", "loading", "alone", "always"),
         default="energy",
-        help="when it becomes a helix: from sqrt(2), 1.83 or 2 sqrt(2) times the force at which it snakes, or always",
+        help="when it becomes a helix: from sqrt(2), 1.83 or 2 sqrt(2) times the force at which it snakes, or always "
+        "(default: energy, the first)",
     )
 
 

@@ -213,8 +213,9 @@ class FloquetVerdict(ByContent, Reported, Verdict):
         grows at larger rates among those tried, which are two, four and eight times the growth rate, and those from the
         fastest frequency down in 12 steps by halves.  Damping can destabilise: of a stable system it need not be 0.
 
-        Infinite where the mean stiffness alone is unstable, the delayed terms' added, which damping only slows
-        down.  NaN where the search would take more than about a minute, where growth is not known, or cannot be
+        Infinite where the mean stiffness alone is unstable, the delayed terms' added, even of a stable system:
+        strong damping then only slows its motion away from rest down, while a weak rate may stabilise it. NaN
+        where the search would take more than about a minute, where growth is not known, or cannot be
         distinguished from none at some rate.
 
         Examples

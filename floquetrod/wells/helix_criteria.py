@@ -7,3 +7,11 @@ In a straight channel the compression F is then sqrt(2) (Chen, Lin & Cheatham 19
 2 sqrt(2) (Mitchell 1996) times the critical force.  The first follows by energy in bends too
 (page `theory/mean_force`), the other two are taken to keep their ratio to it.
 """
+
+HELIX_RULES = {
+    "energy": "taken to begin at sqrt(2) times the force at which it snakes (energy)",
+    "loading": "taken to begin at 1.83 times the force at which it snakes (loading)",
+    "alone": "taken to begin at 2 sqrt(2) times the force at which it snakes (alone)",
+    "always": "taken to be one wherever it is pushed (always)",
+}
+"""The criteria in words, each with its name."""

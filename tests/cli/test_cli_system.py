@@ -103,7 +103,7 @@ def test_a_system_of_first_order(tmp_path: Path, capsys: pytest.CaptureFixture[s
 
 def test_no_damping_suffices_for_an_unstable_mean(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     path = written(tmp_path, "[system]\nstiffness = [[-1.0, 0.0], [0.0, 1.0]]\nperiod = 2.0")
-    assert "damping   no damping suffices: the mean stiffness alone is unstable" in said(capsys, path)
+    assert "strong damping does not stabilise it, as the mean stiffness alone is unstable" in said(capsys, path)
     assert json.loads(said(capsys, path, "--json"))["damping_to_stabilise_per_unit_time"] is None
 
 

@@ -179,7 +179,10 @@ class SystemStability(FloquetVerdict):
         if not rate > 0.0:
             return []
         if math.isinf(rate):
-            return [("damping", "no damping suffices: the mean stiffness alone is unstable")]
+            if self.status == "stable":
+                return []
+            text = "strong damping does not stabilise it, as the mean stiffness alone is unstable; weak damping may"
+            return [("damping", text)]
         if isinstance(self.system, PeriodicSystem):
             return [("damping", f"stable at uniform rates above {rate:.6g} per unit time: A - {rate:.6g} I")]
         added = f"C + {2.0 * rate:.6g} {'M' if getattr(self.system, 'mass', None) is not None else 'I'}"

@@ -166,8 +166,8 @@ def _by_discs(discs: EigenvalueDiscs, *, paired: bool) -> _Finding:
     undecided = ~(discs.on_circle() if paired else discs.high < 0.0)
     if not undecided.any():
         statement = (
-            "every multiplier is simple and lies on the unit circle, as with it 1 / conj(multiplier) is one, "
-            "so every solution is bounded, also after any small change that keeps the pairing"
+            "every multiplier mu is alone in a small disc; 1 / conj(mu) is a multiplier in that disc, thus mu itself, "
+            "on the unit circle, so every solution is bounded, also after any small change that keeps the pairing"
         )
         together = discs.radii[:, None] + discs.radii[None, :]
         farthest = up(discs.gaps + 2.0 * together).min()

@@ -457,7 +457,8 @@ class RodStability(Reported, Verdict):
             if not evidence.has_exact_margins:
                 lines.append(("", "found by sampling: two changes close together may be missed"))
             if math.isinf(damping := self.damping_to_stabilise):
-                lines.append(("damping", "no damping suffices: the mean force alone buckles a mode"))
+                text = "strong damping does not stabilise it, as the mean force alone buckles a mode; weak damping may"
+                lines.append(("damping", text))
             elif damping > 0.0:
                 rates = "any rate" if evidence.has_exact_margins else "every rate tried"
                 lines.append(("damping", f"stable at {rates} above {damping:.6g} 1/s"))

@@ -61,6 +61,7 @@ from floquetrod.rod.model.wellhead import Wellhead
 from floquetrod.units import AnswerUnits, Unit
 from floquetrod.wells import strings
 from floquetrod.wells.drag import Drag, Friction, WellGeometry
+from floquetrod.wells.helix_criteria import HELIX_RULES
 from floquetrod.wells.kernels.wall_contact import MOST_PRESSED
 from floquetrod.wells.path import WellPath
 
@@ -338,7 +339,9 @@ class Reach(units.InUnits, Printed, ByContent):
         gained = far(self.reach_shaken, unit, less=self.reach)
         text = f"{far(self.reach_shaken, unit)} {unit.name} instead of {far(self.reach, unit)} ({gained} {unit.name})"
         ended = self._ended(self.reach_shaken, self.limit_shaken, self.lock_up_shaken, shown)
-        return f"Does the tool help? {'Yes' if self.gain > 0.0 else 'No'}: {text}{ended}."
+        if not self.gain > 0.0:
+            return f"Does the tool help? No: {text}{ended}."
+        return f"Does the tool help? Yes, sliding at {shown.speed.show(self.sliding, 3)}: {text}{ended}."
 
     def _ended(self, depth: float, limit: str, lock_up: float, shown: AnswerUnits) -> str:
         """Return what limits a reach, and the depth that would be reached whatever the stress and the push."""
@@ -415,8 +418,9 @@ class Reach(units.InUnits, Printed, ByContent):
             lines.append(("bend", f"{pressed}; held straight it adds {bending} of bending stress"))
         lines += [("speed", self._speeds_in_words(shown))] if self.tool else []
         pushed = f"pushed to {far(along.depth[-1], unit)} {unit.name}{' with the tool' * (self.tool is not None)}"
-        for name, is_so in (("snaking", along.is_snaking), ("helix", along.is_helix)):
-            lines.append((name, f"{_listed(along.depth, is_so, unit)} when {pushed}"))
+        lines.append(("snaking", f"{_listed(along.depth, along.is_snaking, unit)} when {pushed}"))
+        rule = HELIX_RULES[self._pushing.drag.helical]
+        lines.append(("helix", f"{_listed(along.depth, along.is_helix, unit)} when {pushed}; {rule}"))
         lines += self._stress_lines(shown, pushed)
         if self.tool is not None:
             lines += [("tool", self._vibration_in_words(shown)), ("waves", self._growth_in_words(shown))]

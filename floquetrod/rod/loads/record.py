@@ -85,6 +85,8 @@ class ForceRecord(LoadSource, ByContent):
         Harmonics and samples left out, limits, and where the noise is not white.
     force_unit_named : bool
         Whether the unit of force is known: False for a file that names none and was read without ``force_unit``.
+    time_unit_named : bool
+        Whether the unit of time is known, as it is of dates and clock times.
 
     Raises
     ------
@@ -126,6 +128,7 @@ class ForceRecord(LoadSource, ByContent):
     noise: float
     note: str
     force_unit_named: ClassVar[bool] = True
+    time_unit_named: ClassVar[bool] = True
 
     def __init__(self, time: Any, force: Any, harmonics: int | None = None, frequency: float | None = None) -> None:
         """Check the samples and fit them."""
@@ -223,7 +226,8 @@ class ForceRecord(LoadSource, ByContent):
             record = cls(found.time, found.force, harmonics, frequency)
         except ValueError as error:  # about the samples, not about which columns hold them
             raise ValueError(f"force record {path}: {error}") from None
-        object.__setattr__(record, "force_unit_named", found.has_unit)
+        object.__setattr__(record, "force_unit_named", found.has_force_unit)
+        object.__setattr__(record, "time_unit_named", found.has_time_unit)
         return record
 
     @property
@@ -354,7 +358,10 @@ class ForceRecord(LoadSource, ByContent):
         )
         in_newtons, said = (_trend(self.trend, self.trend_error, each) for each in (_NEWTON, force))
         note = self.note.replace(in_newtons, said) if self.trend else self.note
-        return f"{text}; {note}" if note else text
+        named = {"time is taken in s": self.time_unit_named, "force is taken in N": self.force_unit_named}
+        taken = " and ".join(words for words, is_named in named.items() if not is_named)
+        notes = [f"without a unit in the file {taken}"] * bool(taken) + [note] * bool(note)
+        return "; ".join([text, *notes])
 
     def _vibration(self, angle: NDArray[np.float64]) -> NDArray[np.float64]:
         return series(angle, self.harmonic_numbers, self.harmonics[np.array(self.harmonic_numbers) - 1])

@@ -35,11 +35,12 @@ _TOGETHER = 20_000  # lines read at once; where one is not plain numbers, each i
 
 
 class Columns(NamedTuple):
-    """Times in s and forces in N, NaN where a cell is empty, and whether a unit of force was named."""
+    """Times in s and forces in N, NaN where a cell is empty, and whether units of force and of time were named."""
 
     time: NDArray[np.float64]
     force: NDArray[np.float64]
-    has_unit: bool
+    has_force_unit: bool
+    has_time_unit: bool
 
 
 class _Measured(NamedTuple):
@@ -80,7 +81,8 @@ def read_columns(
     if not numbers.size:
         raise ValueError("it holds no samples below its headings")
     times, forces = (numbers * [column.size for column in chosen]).T
-    return Columns(times, forces, units_named[1][1])
+    is_clock = _date(head) is not None or any(":" in cell for cell in row.cells)
+    return Columns(times, forces, units_named[1][1], units_named[0][1] or is_clock)
 
 
 def _wanted(name: str, column: str | int | None, unit: str | None) -> Wanted:
