@@ -151,7 +151,7 @@ class BifurcationCurve(ByContent, Printed, NoTruthValue):
         lines = [
             ("curve", f"{len(self.orbits)} points: {'; '.join(reach)}"),
             ("period", f"{self.period.min():.6g} to {self.period.max():.6g}"),
-            ("error", f"{', '.join(worst)} at most, across the curve"),
+            ("error", f"{', '.join(worst)} across the curve, the largest along it"),
             ("outside", f"points by other multipliers outside the unit circle: {', '.join(counts)}"),
             ("begins", self.ends[0]),
             ("ends", self.ends[1]),
@@ -161,14 +161,31 @@ class BifurcationCurve(ByContent, Printed, NoTruthValue):
 
     def _table(self) -> Table:
         first, second = self.parameters
-        columns = (("", ">4"), (first, "<16"), (second, "<16"), ("period", ">10"), ("mu", "<26"))
+        columns = (
+            ("", ">4"),
+            (first, "<16"),
+            (second, "<16"),
+            (f"{first} error", ">10"),
+            (f"{second} error", ">10"),
+            ("period", ">10"),
+            ("multiplier", "<26"),
+        )
         listed = np.unique(np.linspace(0, len(self.orbits) - 1, min(_LISTED, len(self.orbits))).round().astype(int))
         rows = []
         for i in listed.tolist():
             a, b = self.values[i]
             mu = complex(self.critical[i])
             sign = f"{mu.real:.6f}" + (f" +- {mu.imag:.6f} i" if self.kind == "Neimark-Sacker" else "")
-            rows.append((str(i), f"{a:.10g}", f"{b:.10g}", f"{self.period[i]:.6g}", sign))
+            rows.append(
+                (
+                    str(i),
+                    f"{a:.10g}",
+                    f"{b:.10g}",
+                    *(f"{error:.1g}" for error in self.errors[i]),
+                    f"{self.period[i]:.6g}",
+                    sign,
+                )
+            )
         return Table(columns, rows)
 
     _keys = "kind parameters over values errors period critical outside least largest start ends notes"

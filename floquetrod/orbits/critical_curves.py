@@ -20,6 +20,7 @@ from floquetrod._util.progress import Progress
 from floquetrod.orbits import critical_orbits, finding, orbit_mesh
 from floquetrod.orbits.bifurcation_curve import BifurcationCurve
 from floquetrod.orbits.critical_orbits import CriticalEquations, CriticalOrbit, Solved, Values
+from floquetrod.orbits.crossings import multipliers_of
 from floquetrod.orbits.newton import Corrected, NoOrbitError
 from floquetrod.orbits.orbit import PeriodicOrbit
 from floquetrod.orbits.orbit_extent import extremes, returns_after
@@ -34,6 +35,9 @@ _MOST_MESHES = 4
 _REST = 1e-4  # motion as a fraction of the largest on the curve, below which an orbit has shrunk to a state of rest
 _PARTED = 1e-6  # of the states, by which orbits at a branch point may miss their equations (a choice)
 _RESONANT = 2e-3  # angle of a pair, from a resonance, up to which its curve is followed (a choice)
+_CLOSE = 1e-3  # of the critical multiplier to its place on the circle: what is farther is another thing
+_KNOWN = 0.1  # error of the critical multiplier beyond which it is not known, or distance of another (a choice)
+_HIDDEN = 0.01  # of the states, which an error of g changes: where more, nothing is known of the curve (a choice)
 _SAME = 1e-6  # of the ranges and the states, by which two points of a curve are distinguished (a choice)
 _CLOSED = "the curve closes on itself"
 _RESONANCES = {3: 2.0 * math.pi / 3.0, 4: 0.5 * math.pi}
@@ -117,7 +121,7 @@ def _begun(point: SpecialPoint, task: CurveTask) -> tuple[CriticalEquations, _Sa
             value = orbit.system.parameters[held]
             solved = equations.corrected(solved.orbit, solved.linear.borders, solved.direction, (held, value))
         return equations, _sampled(equations, solved, None)
-    except (NoOrbitError, np.linalg.LinAlgError) as error:
+    except (NoOrbitError, np.linalg.LinAlgError, _Ended) as error:
         raise ValueError(
             f"orbit must be a point at which one multiplier, or one pair, crosses by itself, got {point}: {error}"
         ) from None
@@ -334,14 +338,8 @@ def _sampled(equations: CriticalEquations, solved: Solved, pinned: tuple[str, fl
     if pinned is not None:  # Newton's last step may miss it by rounding
         fine = critical_orbits.with_values(fine, fine.point, {pinned[0]: pinned[1]})
     gaps = finding.rounding_gaps(fine.collocation, fine.point, finer.linear.condensed)
-    n, maps = len(equations.scale), finer.linear.condensed.maps
-    states, _ = _moved(equations, finer, gaps, 0.0)
-    _, doubted = finding.doubts(fine.collocation, fine.point, finer.linear.condensed, states)
-    doubted = doubted + 8.0 * n * EPS * np.abs(maps)
-    blur = float((finer.linear.blur * doubted / equations.scale[:, None] * equations.scale).sum())
-    states, scalars = _moved(equations, finer, gaps, blur)
     names = equations.scalars(fine)
-    of_scalars = dict(zip(names, scalars.tolist(), strict=True))
+    states, scalars = _moved(equations, finer, gaps, 0.0)
     compared = finding.comparison(
         given,
         coarse.point,
@@ -349,20 +347,91 @@ def _sampled(equations: CriticalEquations, solved: Solved, pinned: tuple[str, fl
         fine.collocation,
         Corrected(fine.point, finer.linear.condensed, finer.steps),
         states,
-        of_scalars,
+        dict(zip(names, (2.0 * np.abs(scalars[:, :-1]).max(axis=1)).tolist(), strict=True)),
     )
+    blur = _blur(equations, finer, states)
+    miss = _miss(equations, fine, finding.as_orbit(compared, 0))
+    shifted, scalars = _moved(equations, finer, gaps, blur if miss is None else min(blur, finer.linear.rate * miss))
+    shift = shifted - states
+    if miss is None and not shift <= _HIDDEN:
+        raise _hidden(equations, fine, "is not known")
+    if "period" in names:
+        compared = compared._replace(
+            period_error=compared.period_error + abs(float(scalars[names.index("period"), -1]))
+        )
+    compared = compared._replace(rounding=shifted, error=compared.error + shift)
     values = equations.values(fine)
-    pairs = zip(equations.names, values, equations.values(coarse), strict=True)
-    first, second = (2.0 * abs(a - b) + of_scalars[name] + 4.0 * EPS * abs(a) for name, a, b in pairs)
+    across = _across(equations, finer, scalars) + shift * shift
+    pairs = zip(values, equations.values(coarse), equations.widths, strict=True)
+    first, second = (2.0 * abs(a - b) + across * width + 4.0 * EPS * abs(a) for a, b, width in pairs)
     found = finding.as_orbit(compared, solved.steps + finer.steps)
     return _Sample(solved, found, values, (first, second), fine.extra)
 
 
+def _blur(equations: CriticalEquations, solved: Solved, states: float) -> float:
+    """Return a bound of the error of g by errors of the maps, of derivatives and of states, and by rounding."""
+    condensed, scale = solved.linear.condensed, equations.scale
+    _, doubted = finding.doubts(solved.orbit.collocation, solved.orbit.point, condensed, states)
+    doubted = doubted + 8.0 * len(scale) * EPS * np.abs(condensed.maps)
+    return float((solved.linear.blur * doubted / scale[:, None] * scale).sum())
+
+
+def _miss(equations: CriticalEquations, critical: CriticalOrbit, orbit: PeriodicOrbit) -> float | None:
+    """Return how far the critical multiplier is from 1, -1 or its place on the circle, its error added.
+
+    None where it is not known, or where another one is so near that g does not change in proportion.  Raises _Ended
+    where it is not there.
+    """
+    values, errors = multipliers_of(orbit)
+    there = equations.multiplier(critical)
+    apart = np.where(np.isfinite(values), np.abs(values - there), np.inf)
+    which = int(apart.argmin())
+    miss, error = float(apart[which]), float(errors[which])
+    if not error <= _KNOWN:
+        return None
+    if miss > _CLOSE + 10.0 * error:
+        mu = complex(values[which])
+        size = f"{mu.real:.4g}" if mu.imag == 0.0 else f"{abs(mu):.4g} in magnitude"
+        raise _hidden(equations, critical, f"is {size}, not {_wanted(there)}")
+    return None if int(np.count_nonzero(apart < _KNOWN)) > 1 else miss + error
+
+
+def _wanted(there: complex) -> str:
+    return "on the unit circle" if there.imag else f"{there.real:g}"
+
+
+def _hidden(equations: CriticalEquations, critical: CriticalOrbit, said: str) -> _Ended:
+    """Return that the multiplier is not where the equations of the curve have it."""
+    wanted = _wanted(equations.multiplier(critical))
+    pairs = zip(equations.names, equations.values(critical), strict=True)
+    where = ", ".join(f"{name} = {value:.9g}" for name, value in pairs)
+    return _Ended(
+        f"at {where} the multiplier of the {equations.kind} {said}: rounding of the parameters hides "
+        f"where it is {wanted}, as where a canard grows, and the curve cannot be followed here"
+    )
+
+
+def _across(equations: CriticalEquations, solved: Solved, scalars: Floats) -> float:
+    """Return the distance from the curve, in units of the ranges, to which changes of the scalars (S, k + 1) lead.
+
+    Changes along the curve lead to other points of it.
+    """
+    names = equations.scalars(solved.orbit)
+    rows = [names.index(name) for name in equations.names]
+    along = np.array(_rates(equations, solved))
+    size = float(np.linalg.norm(along))
+    changes = scalars[rows] / np.array(equations.widths)[:, None]
+    if size > 1e-3:
+        distances = np.abs(along[0] * changes[1] - along[1] * changes[0]) / size
+    else:  # the curve hardly moves in the plane of the parameters
+        distances = np.linalg.norm(changes, axis=0)
+    return 2.0 * float(distances[:-1].max()) + float(distances[-1])
+
+
 def _moved(equations: CriticalEquations, solved: Solved, gaps: Floats, blur: float) -> tuple[float, Floats]:
-    """Return the largest changes of the states, relative, and of the scalars by gaps and by an error of g."""
+    """Return the largest change of the states, relative, and changes of the scalars, by gaps and by an error of g."""
     nodes, scalars = equations.changes(solved, gaps, blur)
-    sizes = np.abs(scalars)
-    return 2.0 * float(nodes[:-1].max()) + float(nodes[-1]), 2.0 * sizes[:, :-1].max(axis=1) + sizes[:, -1]
+    return 2.0 * float(nodes[:-1].max()) + float(nodes[-1]), scalars
 
 
 def _passed(march: _March, last: _Sample, sample: _Sample) -> list[str]:

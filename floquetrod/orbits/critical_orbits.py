@@ -96,6 +96,7 @@ class Linear(NamedTuple):
     condensed: Condensed
     borders: Borders  # the null vectors, for the next step
     blur: Floats  # (N, n, n), weights of errors of the maps in g
+    rate: float  # magnitude of the derivative of g with the logarithm of the critical multiplier
 
 
 class Solved(NamedTuple):
@@ -241,8 +242,23 @@ class CriticalEquations:
         if self.kind == "Neimark-Sacker":
             n = len(scale)
             left, right = np.hypot(left[:, :n], left[:, n:]), np.hypot(right[:, :n], right[:, n:])
-        blur = left[:, :, None] * right[:, None, :]
-        return Linear(maps, driven * units, gaps, inner, units, rows, corner * units, targets, condensed, vectors, blur)
+        blur, rate = left[:, :, None] * right[:, None, :], self._rate(orbit, null, maps)
+        corner = corner * units
+        return Linear(maps, driven * units, gaps, inner, units, rows, corner, targets, condensed, vectors, blur, rate)
+
+    def _rate(self, orbit: CriticalOrbit, null: _Null, maps: Floats) -> float:
+        """Return |dg / d log rho| = |w . V(1) / rho| at the end of the period."""
+        n, nodes, left = len(self.scale), null.nodes[-1, :, 0], null.left[-1, :, 0]
+        end = self._closing(orbit) @ (nodes.reshape(-1, n) @ maps[-1].T).ravel()
+        if self.kind != "Neimark-Sacker":
+            return abs(float(left @ end))
+        return math.hypot(float(left @ end), float(left @ np.concatenate([end[n:], -end[:n]])))
+
+    def multiplier(self, orbit: CriticalOrbit) -> complex:
+        """Return the critical multiplier: 1, -1, or exp(i angle)."""
+        if self.kind == "Neimark-Sacker":
+            return complex(math.cos(orbit.extra), math.sin(orbit.extra))
+        return -1.0 + 0.0j if self.kind == "period doubling" else 1.0 + 0.0j
 
     def tangent(self, orbit: CriticalOrbit, linear: Linear) -> Vector:
         """Return a direction of the curve of length 1."""

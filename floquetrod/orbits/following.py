@@ -16,7 +16,7 @@ from floquetrod.orbits.bifurcation_curve import BifurcationCurve
 from floquetrod.orbits.branch import Branch
 from floquetrod.orbits.continuation import Continuation, Ended, Sample, Task, lowered, sampled, started
 from floquetrod.orbits.critical_orbits import Values
-from floquetrod.orbits.locating_special_points import Watch
+from floquetrod.orbits.locating_special_points import Watch, settled
 from floquetrod.orbits.newton import NoOrbitError
 from floquetrod.orbits.orbit import PeriodicOrbit
 from floquetrod.orbits.orbit_extent import returns_after
@@ -260,6 +260,7 @@ def _joined(task: Task, backward: _Way, middle: _Way, forward: _Way) -> Branch:
 def _followed(march: Continuation, start: Sample, steps: int, progress: Progress | None, before: int) -> _Way:
     """Return the orbits in one direction, special points numbered by the orbits before them."""
     watch = Watch(march.sample, march.measure)
+    samples = [march.sample]
     orbits: list[PeriodicOrbit] = []
     points: list[SpecialPoint] = []
     notes: list[str] = []
@@ -270,6 +271,7 @@ def _followed(march: Continuation, start: Sample, steps: int, progress: Progress
             sample = march.advanced()
             if march.task.until is not None and (reason := march.task.until(last.orbit, sample.orbit)):
                 raise Ended(reason)
+            samples.append(sample)
             special = watch.located(sample, march.measure)
             points += [replace(point, after=len(orbits)) for point in special.points]
             notes += special.notes
@@ -286,7 +288,8 @@ def _followed(march: Continuation, start: Sample, steps: int, progress: Progress
         end = str(ended)
     except KeyboardInterrupt:
         end = _INTERRUPTED
-    return _Way(orbits, points, end, tuple(notes))
+    told = settled(points, samples)
+    return _Way(orbits, told.points, end, (*notes, *told.notes))
 
 
 def _passes(march: Continuation, start: Sample, last: Sample, sample: Sample) -> bool:

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import contextlib
+import math
 from collections.abc import Sequence
+from dataclasses import replace
 from functools import partial
 from typing import Any, NamedTuple
 
@@ -24,6 +26,7 @@ from floquetrod.orbits.special_points import Kind, SpecialPoint
 _ROOT = 1e-12  # length along the branch to which a test function's zero is found
 _NEAR = 0.02  # distance of the places about a branch point from which it is interpolated, part of a step (a choice)
 _MOST_STEPS = 25  # of Newton's method, which is slow where the equations are nearly singular
+_HIDDEN = 20.0  # times the error of the parameter, up to which rounding decides the sign of its rate (a choice)
 _SIDES = np.array([-4.0, -3.0, -2.0, -1.0, 1.0, 2.0, 3.0, 4.0])
 _FAILURES = (ValueError, ArithmeticError, RuntimeError, np.linalg.LinAlgError)
 _CLOSE = 1e-3  # of a multiplier to where it should be: what is farther is another thing that changes the sign
@@ -121,6 +124,44 @@ class Watch:
         kinds += [("period doubling", "minus")] if "minus" in changed else []
         kinds += [("Neimark-Sacker", "pairs")] if "pairs" in changed else []
         return [Crossing(kind, test, changed[test][0], sample, changed[test][1]) for kind, test in kinds]
+
+
+def turning_sign(sample: Sample) -> float:
+    """Return the sign of the parameter's rate along the branch; 0 where rounding of the parameter hides it."""
+    rate = sample.tests.turning
+    return 0.0 if abs(rate) <= _HIDDEN * sample.value_error else math.copysign(1.0, rate)
+
+
+def settled(points: Sequence[SpecialPoint], samples: Sequence[Sample]) -> Located:
+    """Return special points, ``after`` the samples before them, with folds told from branch points by all samples.
+
+    Where a multiplier passes 1 and rounding hides whether the parameter turns, as where a canard grows, the nearest
+    samples at which its direction is known decide; where several points lie between these, nothing is decided.
+    """
+    signs = [turning_sign(sample) for sample in samples]
+    passed = [crossings.value(sample.multipliers, "plus") for sample in samples]
+    spans: list[tuple[int, int] | None] = []
+    for point in points:
+        i = point.after
+        hidden = point.kind in ("fold", "branch point") and i + 1 < len(signs) and 0.0 in signs[i : i + 2]
+        if not hidden or not passed[i] * passed[i + 1] < 0.0:
+            spans.append(None)
+            continue
+        before = next((k for k in range(i, -1, -1) if signs[k]), -1)
+        spans.append((before, next((k for k in range(i + 1, len(signs)) if signs[k]), len(signs))))
+    kept, notes = [], []
+    for point, span in zip(points, spans, strict=True):
+        if span is None:
+            kept.append(point)
+        elif span[0] >= 0 and span[1] < len(signs) and spans.count(span) == 1:
+            turned = signs[span[0]] != signs[span[1]]
+            kept.append(replace(point, kind="fold" if turned else "branch point"))
+        else:
+            notes.append(
+                f"a multiplier passes 1 at {point.parameter} = {point.value:.10g}, a fold or a branch point: rounding "
+                f"of {point.parameter} hides whether the branch turns there"
+            )
+    return Located(kept, notes)
 
 
 def _explains(changes: int, crossed: Ranks) -> bool:
