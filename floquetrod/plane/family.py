@@ -120,7 +120,7 @@ class Family(ABC):
 
     @property
     def signed_growth(self) -> Callable[[Floats, Floats], Floats] | None:
-        """Function of places x, y (n,): growth rates, negative where motion decays, whose zeros bound the bands.
+        """Function of places x, y (n,) that returns growth, negative where motion decays, whose zeros bound the bands.
 
         None where these are traced by verdicts.
         """

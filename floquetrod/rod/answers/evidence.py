@@ -232,7 +232,7 @@ class TwoFrequencyEvidence(_ModeByMode):
 
     @property
     def resonances(self) -> tuple[Resonance, ...]:
-        """No resonance: tongues of two frequencies have two orders."""
+        """No resonance, as tongues of two frequencies have two orders."""
         return ()
 
     def fastest_mode(self, growth_rate: float) -> int | None:
