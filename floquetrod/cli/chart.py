@@ -24,9 +24,10 @@ _HELP = """\
 Draw the stability of a family of systems, whose matrices depend on parameters, over two of these.
 
 examples:
-  floquetrod chart --system examples/family.toml
-  floquetrod chart --system examples/family.toml --growth --points 300x200 --out tongues.pdf
-  floquetrod chart --system examples/family.toml --pixels --out chart.png --out chart.npz --json
+  floquetrod example family.toml
+  floquetrod chart --system family.toml
+  floquetrod chart --system family.toml --growth --points 300x200 --out tongues.pdf
+  floquetrod chart --system family.toml --pixels --out chart.png --out chart.npz --json
 
 The file has a table [system], as for floquetrod check --system, in which a text may stand in place of any number: a
 formula of parameters.  The table [parameters] gives two of these a range, the first to be drawn to the right, and any

@@ -39,6 +39,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from floquetrod._util.arrays import Floats
+from floquetrod._util.content import ByContent
 from floquetrod.orbits import bordered, orbit_mesh
 from floquetrod.orbits.collocation import Collocation, Condensed, Point, gauss
 from floquetrod.orbits.newton import NoOrbitError
@@ -117,8 +118,8 @@ class _Null(NamedTuple):
     left: Floats  # (N, q, 1 or 2)
 
 
-@dataclass(frozen=True)
-class CriticalEquations:
+@dataclass(frozen=True, eq=False)
+class CriticalEquations(ByContent):
     """Equations of critical orbits of a kind, with two parameters by name, their ranges, and magnitudes of states."""
 
     kind: Kind

@@ -14,7 +14,7 @@ import floquetrod as fr
 from floquetrod import cli
 from tests.conftest import depth
 
-EXAMPLE = Path(__file__).parents[2] / "examples/family.toml"
+EXAMPLE = Path(__file__).parents[2] / "floquetrod/examples/family.toml"
 TEXT = EXAMPLE.read_text(encoding="utf-8")
 
 

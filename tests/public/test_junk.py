@@ -247,7 +247,7 @@ CALLS: list[tuple[Callable[..., Any], dict[str, Any]]] = [
     (fr.FiniteTimeCriterion, {"periods": 10, "limit": 1e6, "by": "exact", "step": 0.01}),
     (fr.FiniteTimeCriterion().growth, ALL),
     (fr.FiniteTimeCriterion().is_stable, ALL),
-    (fr.AxialLoad, LOADS | {"mean_at": 0.3, "waveform": (0.5 - 1j, 0.2), "noise": 0.1}),
+    (fr.AxialLoad, LOADS | {"mean_at": 0.3, "waveform": (0.5 - 1j, 0.2), "noise": 0.0, "second": (0.1, 37.0)}),
     (fr.AxialLoad.hertz, LOADS),
     (fr.VibrationTool, {"amplitude": 5e3, "frequency": 100.0, "above_end": 30.0}),
     (
