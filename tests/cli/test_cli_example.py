@@ -103,10 +103,10 @@ def test_a_file_is_replaced_on_request_only_and_all_are_written_or_none(
 @pytest.mark.parametrize(
     ("words", "expected"),
     [
-        ("wire", "NAME must be one of my_rod.toml, record.csv,"),
+        ("wire", "NAME must be one of family.toml, my_rod.toml, record.csv,"),
         ("wire", "got 'wire'; did you mean wire.toml?"),
         ("wire.toml --force", "unknown option --force; did you mean --overwrite?"),
-        ("--out folder", "--out needs the name of a file, such as my_rod.toml, or --all"),
+        ("--out folder", "--out needs the name of a file, such as family.toml, or --all"),
         ("--overwrite", "--overwrite needs the name of a file"),
         ("wire.toml --all", "--all writes every file, got wire.toml beside it"),
         ("wire.toml --out file", "--out must be a folder, and 'file' is a file"),
