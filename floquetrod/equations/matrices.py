@@ -351,7 +351,8 @@ def require_one(system: Any, name: str = "system") -> None:
     """Raise ValueError for a batch of systems."""
     if system.shape:
         raise ValueError(
-            f"{name} must be a single system, got a batch of shape {system.shape}; floquetrod.systems takes batches"
+            f"{name} must be a single system, got a batch of shape {system.shape}; a batch is for functions such as "
+            "floquetrod.systems.multipliers(batch)"
         )
 
 

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from floquetrod._util import validate
-from floquetrod._util.arrays import Floats
 from floquetrod._util.calling import TellsAttributes, constructor_hints
 from floquetrod._util.content import ByContent
 from floquetrod.equations import matrices
@@ -36,7 +36,7 @@ class TwoFrequencies(TellsAttributes, ByContent):
     frequency : float
         w, the second one, in radians per unit of time; within 1e-6 and 1e6 times the first.
     cosines : sequence of float or array_like (n, n)
-        a_k, real, from the first harmonic on; none by default.
+        a_k, from the first harmonic on; none by default.  Those of a `PeriodicSystem` may be complex.
     sines : sequence of float or array_like (n, n)
         b_k, likewise.
 
@@ -52,6 +52,13 @@ class TwoFrequencies(TellsAttributes, ByContent):
     >>> import floquetrod as fr
     >>> TwoFrequencies(fr.Hill(-0.25, cosines=(-0.2,)), 2.0**0.5, cosines=(-0.2,))
     <Hill of frequency 1 with a second frequency 1.41421>
+
+    A qubit with two drives, A = -i H:
+
+    >>> import numpy as np
+    >>> qubit = fr.PeriodicSystem(-0.5j * np.diag([1, -1]), cosines=[-0.25j * np.array([[0, 1], [1, 0]])])
+    >>> TwoFrequencies(qubit, 2.0**0.5, cosines=[-0.25j * np.diag([1, -1])])
+    <PeriodicSystem of frequency 1 with a second frequency 1.41421>
     """
 
     equation: Equation | HillSystem | PeriodicSystem
@@ -81,7 +88,8 @@ class TwoFrequencies(TellsAttributes, ByContent):
         for name in ("cosines", "sines"):
             given = validate.sequence(name, getattr(self, name))
             listed = validate.listed(name, given, matrices.MOST_HARMONICS, "harmonics")
-            checked = tuple(_matrix(f"{name}[{k}]", value, self.order) for k, value in enumerate(listed))
+            complex_too = isinstance(problem, PeriodicSystem)
+            checked = tuple(_matrix(f"{name}[{k}]", a, self.order, complex_too) for k, a in enumerate(listed))
             object.__setattr__(self, name, checked)
         if not self.cosines and not self.sines:
             raise ValueError("cosines or sines of the second frequency must be given, got none; without, use stability")
@@ -107,11 +115,11 @@ class TwoFrequencies(TellsAttributes, ByContent):
         return f"<{kind} of frequency {self.first:.6g} with a second frequency {self.frequency:.6g}>"
 
 
-def _matrix(name: str, value: Any, order: int) -> Floats:
+def _matrix(name: str, value: Any, order: int, complex_too: bool) -> NDArray[Any]:
     """Return a matrix of the order of a problem, or the number of a scalar equation."""
-    array = validate.array(name, value)
+    array = validate.complex_array(name, value) if complex_too else validate.array(name, value)
     if array.shape not in ((order, order), *(((),) if order == 1 else ())):
         raise ValueError(f"{name} must be {order} x {order}, got shape {array.shape}")
-    matrix = np.array(array, dtype=float).reshape(order, order)
+    matrix = np.array(array).reshape(order, order)
     matrix.flags.writeable = False
     return matrix

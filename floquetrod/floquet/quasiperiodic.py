@@ -9,6 +9,9 @@ fraction meets is narrower than their distance from phi, and so is the growth in
 error is w_1 abs(p / q - phi).
 
 Maps over the phase are a Fourier series, from maps at equally spaced phases: all fractions share it.
+
+Where A(t) and the matrices of the second frequency are skew-Hermitian, entry by entry, every solution keeps its norm:
+the rate is 0, without approximants.
 """
 
 from __future__ import annotations
@@ -24,7 +27,8 @@ from numpy.typing import NDArray
 from floquetrod._util import validate
 from floquetrod._util.arrays import EPS, Bools, Complexes, Floats
 from floquetrod._util.compilation import over_chunks
-from floquetrod.equations import Equation, HillSystem, TwoFrequencies
+from floquetrod.equations import Equation, HillSystem, PeriodicSystem, TwoFrequencies
+from floquetrod.equations.complex_form import real_matrix
 from floquetrod.equations.matrices import mass_matrix, velocity_matrix
 from floquetrod.floquet.kernels.phase_maps import orbit_products_fill, phase_maps_fill
 from floquetrod.floquet.status import STABLE, UNDECIDED, UNSTABLE, Status
@@ -50,11 +54,13 @@ class QuasiperiodicGrowth(NamedTuple):
     rate : float
         Largest rate of growth per unit of time, the Lyapunov exponent; negative where solutions decay.
     error : float
-        Estimate: twice the change from one fraction to the next, and the error of the exponents.
+        Estimate: twice the change from one fraction to the next, and the error of the exponents; 0 where every
+        solution keeps its norm.
     tolerance : float
         Growth per unit of time up to which it counts as none.
     approximants : tuple of (Fraction, float)
-        Fractions p / q in place of the ratio of the frequencies, and the growth rate with each.
+        Fractions p / q in place of the ratio of the frequencies, and the growth rate with each; none where every
+        solution keeps its norm.
     """
 
     rate: float
@@ -64,9 +70,10 @@ class QuasiperiodicGrowth(NamedTuple):
 
     @property
     def status(self) -> Status:
-        """Unstable where it grows faster than the tolerance, stable where it does not; never proved.
+        """Unstable where it grows faster than the tolerance, stable where it does not.
 
-        Tongues are everywhere: where growth is below the tolerance, a thinner one may be there.
+        Tongues are everywhere: where growth is below the tolerance, a thinner one may be there.  Only where every
+        solution keeps its norm, ``error`` 0, does nothing grow at all.
         """
         if self.rate - self.error > self.tolerance:
             return "unstable"
@@ -74,6 +81,8 @@ class QuasiperiodicGrowth(NamedTuple):
 
     def __repr__(self) -> str:
         """Return the answer as a sentence."""
+        if self.error == 0.0:
+            return "<keeps its norm: nothing grows>"
         ratio = self.approximants[-1][0] if self.approximants else None
         words = {
             "unstable": f"grows at {self.rate:.9g} +- {self.error:.1g} per unit of time",
@@ -101,7 +110,8 @@ def quasiperiodic_growth(
     -------
     QuasiperiodicGrowth
         Rate, its estimated error, and the approximants.  Where the frequencies are commensurate, with a denominator
-        that small, the last approximant is exact, for the phases given; elsewhere phases do not matter.
+        that small, the last approximant is exact, for the phases given; elsewhere phases do not matter.  Where A(t)
+        and the second matrices are skew-Hermitian every solution keeps its norm: rate and error are 0.
 
     Raises
     ------
@@ -131,7 +141,8 @@ def quasiperiodic_growth(
 
 def require_tolerance(name: str, value: Any) -> float:
     """Return a growth rate that counts as none, greater than zero."""
-    return validate.positive(name, value, "0 has no answer under two frequencies: tongues are everywhere")
+    hint = "give a small one such as 1e-3: 0 has no answer under two frequencies, tongues are everywhere"
+    return validate.positive(name, value, hint)
 
 
 class ManyGrowths(NamedTuple):
@@ -190,11 +201,12 @@ def growth_of_many(
     apart = {value: [float(each - Fraction(value)) for each in listed[value]] for value in listed}
     fractions = [listed[value] for value in ratio.tolist()]
     longest = max(map(len, fractions), default=0)
-    series = _phase_series(problems, ratio, workers)
+    left = np.array([not _keeps_norm(problem) for problem in problems], dtype=np.bool_)
+    series = _phase_series(problems, ratio, left, workers)
     x, values = np.full((count, longest), np.nan), np.full((count, longest), np.nan)
     counted, flat = np.zeros((count, longest), dtype=np.bool_), np.zeros((count, longest), dtype=np.bool_)
-    rate, error = np.full(count, np.nan), np.full(count, np.inf)
-    used, left = np.zeros(count, dtype=np.intp), np.ones(count, dtype=np.bool_)
+    rate, error = np.where(left, np.nan, 0.0), np.where(left, np.inf, 0.0)
+    used = np.zeros(count, dtype=np.intp)
     for k in range(longest):
         here = np.flatnonzero(left & np.array([len(each) > k for each in fractions]))
         if not here.size:
@@ -240,6 +252,13 @@ def _at_zero(x: Floats, values: Floats, counted: Bools) -> Floats:
     return np.asarray(values[:, 0])
 
 
+def _keeps_norm(problem: TwoFrequencies) -> bool:
+    """Return whether A(t) and the matrices of the second frequency are skew-Hermitian, entry by entry."""
+    subject = problem.equation
+    second = [*problem.cosines, *problem.sines]
+    return isinstance(subject, PeriodicSystem) and subject.keeps_norm and all((a == -a.conj().T).all() for a in second)
+
+
 class _FirstOrder(NamedTuple):
     """x' = A x in time scaled to a first frequency of 1: mean (N, N), waves (2, H, N, N) of both frequencies.
 
@@ -258,8 +277,8 @@ def _first_order(problem: TwoFrequencies) -> _FirstOrder:
     subject: Any = problem.equation
     second = _side_by_side(problem.cosines, problem.sines, problem.order)
     if not isinstance(subject, Equation | HillSystem):
-        if subject.is_complex:
-            subject, second = subject.doubled, np.asarray(np.kron(np.eye(2), second), dtype=float)
+        if subject.is_complex or second.dtype.kind == "c":
+            subject, second = subject.doubled, real_matrix(second)
         own = _side_by_side(subject.cosines, subject.sines, subject.order)
         mean, own, second = (each / problem.first for each in (subject.mean, own, second))
         return _FirstOrder(mean, own, second, 0, subject.order)
@@ -287,7 +306,7 @@ def _first_order(problem: TwoFrequencies) -> _FirstOrder:
     return _FirstOrder(mean, lower(own), lower(second), n, n)
 
 
-def _side_by_side(cosines: Sequence[Any], sines: Sequence[Any], order: int) -> Floats:
+def _side_by_side(cosines: Sequence[Any], sines: Sequence[Any], order: int) -> NDArray[Any]:
     """Return two lists of matrices, the shorter one filled up with zeros, (2, H, n, n)."""
     series = np.zeros((2, max(len(cosines), len(sines)), order, order), dtype=np.result_type(0.0, *cosines, *sines))
     for row, values in zip(series, (cosines, sines), strict=True):
@@ -296,16 +315,19 @@ def _side_by_side(cosines: Sequence[Any], sines: Sequence[Any], order: int) -> F
     return series
 
 
-def _phase_series(problems: Sequence[TwoFrequencies], ratio: Floats, workers: int | None) -> list[Complexes]:
+def _phase_series(
+    problems: Sequence[TwoFrequencies], ratio: Floats, wanted: Bools, workers: int | None
+) -> list[Complexes]:
     """Return of each problem the maps over a period of the first frequency, a Fourier series (K, N, N) in the phase.
 
-    Empty where more than `_MOST_PHASES` harmonics would be needed, or the maps overflow.
+    Empty where it is not ``wanted`` (b,), where more than `_MOST_PHASES` harmonics would be needed, and where the maps
+    overflow.
     """
     forms = [_first_order(problem) for problem in problems]
     series: list[Complexes] = [np.zeros((0, *form.mean.shape), dtype=complex) for form in forms]
     groups: dict[tuple[int, int], list[int]] = {}
-    for i, form in enumerate(forms):
-        groups.setdefault((len(form.mean), form.top), []).append(i)
+    for i in np.flatnonzero(wanted).tolist():
+        groups.setdefault((len(forms[i].mean), forms[i].top), []).append(i)
     for (n, top), members in groups.items():
         phases, left = _FEW_PHASES, np.array(members)
         while left.size and phases <= _MOST_PHASES:

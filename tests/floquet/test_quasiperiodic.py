@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
 
 import floquetrod as fr
 
@@ -41,7 +42,9 @@ def test_growth_is_that_of_the_shared_truth(
 def test_what_does_not_grow_is_never_simply_stable() -> None:
     growth = fr.quasiperiodic_growth(fr.TwoFrequencies(hill(0.85, 0.25), GOLDEN, cosines=(-0.25,)))
     assert growth.status == "stable"
-    assert repr(growth).startswith("<does not grow faster than 0.0001 per unit of time")
+    for text in (repr(growth), str(growth), f"{growth}"):
+        assert text.startswith("<does not grow faster than 0.0001 per unit of time")
+        assert "stable" not in text
     finest = growth.approximants[-1][0]
     assert growth.error >= abs(float(finest) - GOLDEN)
     finer = fr.quasiperiodic_growth(fr.TwoFrequencies(hill(0.85, 0.25), GOLDEN, cosines=(-0.25,)), tolerance=1e-9)
@@ -130,6 +133,76 @@ def test_a_complex_system_grows_as_its_real_form() -> None:
     assert one.rate == pytest.approx(other.rate, abs=1e-10)
 
 
+SX, SZ = np.array([[0.0, 1.0], [1.0, 0.0]]), np.diag([1.0, -1.0])
+LOSSES = np.diag([0.02, 0.6])
+
+
+def real_form(matrix: Any) -> Any:
+    """Return [[P, -Q], [Q, P]] of P + i Q."""
+    return np.block([[matrix.real, -matrix.imag], [matrix.imag, matrix.real]])
+
+
+def long_rate(mean: Any, first: Any, cosine: Any, sine: Any, periods: int) -> float:
+    """Return the weighted mean growth of a complex solution over periods of 1, with the weights of `integrated`."""
+
+    def slope(t: float, x: Any) -> Any:
+        wave = np.cos(t) * first + np.cos(GOLDEN * t) * cosine + np.sin(GOLDEN * t) * sine
+        return (mean + wave) @ x
+
+    state, logs = np.array([1.0, 0.3j]), np.empty(periods)
+    for k in range(periods):
+        ends = 2.0 * math.pi * k, 2.0 * math.pi * (k + 1)
+        state = solve_ivp(slope, ends, state, method="DOP853", rtol=1e-9, atol=1e-12).y[:, -1]
+        size = float(np.linalg.norm(state))
+        logs[k], state = math.log(size), state / size
+    s = (np.arange(periods) + 0.5) / periods
+    weights = np.exp(-1.0 / (s * (1.0 - s)))
+    return float(weights @ logs / weights.sum() / (2.0 * math.pi))
+
+
+@pytest.mark.parametrize("gain", [0.0, 0.4])
+def test_complex_second_terms_grow_as_a_long_integration_and_as_the_real_form(gain: float) -> None:
+    mean = -0.5j * SZ - LOSSES + gain * SX
+    first, cosine, sine = -0.25j * SX, -0.2j * SZ, (0.1 - 0.15j) * SX
+    system = fr.PeriodicSystem(mean, cosines=[first])
+    growth = fr.quasiperiodic_growth(fr.TwoFrequencies(system, GOLDEN, cosines=[cosine], sines=[sine]))
+    doubled = fr.PeriodicSystem(real_form(mean), cosines=[real_form(first)])
+    by_hand = fr.TwoFrequencies(doubled, GOLDEN, cosines=[real_form(cosine)], sines=[real_form(sine)])
+    assert growth.rate == pytest.approx(fr.quasiperiodic_growth(by_hand).rate, abs=1e-10)
+    assert growth.rate == pytest.approx(long_rate(mean, first, cosine, sine, 80), abs=1e-8)
+    assert growth.status == ("unstable" if gain else "stable")
+
+
+def test_a_real_system_takes_complex_second_terms() -> None:
+    mean, wave = np.array([[0.0, 1.0], [-0.3, -0.1]]), np.array([[0.0, 0.0], [0.2 + 0.3j, 0.0]])
+    growth = fr.quasiperiodic_growth(fr.TwoFrequencies(fr.PeriodicSystem(mean), GOLDEN, cosines=[wave]))
+    by_hand = fr.TwoFrequencies(fr.PeriodicSystem(real_form(mean)), GOLDEN, cosines=[real_form(wave)])
+    assert growth.rate == pytest.approx(fr.quasiperiodic_growth(by_hand).rate, abs=1e-10)
+
+
+@pytest.mark.parametrize("mean", [-0.5j * SZ, np.array([[0.0, 0.7], [-0.7, 0.0]])])
+def test_nothing_grows_where_the_norm_is_kept(mean: Any) -> None:
+    problem = fr.TwoFrequencies(fr.PeriodicSystem(mean), GOLDEN, cosines=[-0.25j * SX], sines=[-0.1j * SZ])
+    growth = fr.quasiperiodic_growth(problem, tolerance=1e-12)
+    assert (growth.rate, growth.error, growth.approximants) == (0.0, 0.0, ())
+    assert str(growth) == "<keeps its norm: nothing grows>"
+    lossy = fr.PeriodicSystem(mean - 1e-3 * np.eye(2))
+    decaying = fr.quasiperiodic_growth(fr.TwoFrequencies(lossy, GOLDEN, cosines=[-0.25j * SX], sines=[-0.1j * SZ]))
+    assert decaying.rate == pytest.approx(-1e-3, abs=1e-8)
+    assert decaying.approximants
+
+
+def test_a_chart_of_complex_second_terms_says_what_single_points_say() -> None:
+    def family(loss: float, e: float) -> fr.TwoFrequencies:
+        system = fr.PeriodicSystem(-0.5j * SZ - loss * np.eye(2), cosines=[-0.2j * SX])
+        return fr.TwoFrequencies(system, GOLDEN, cosines=[-1j * e * SZ])
+
+    axes = {"loss": np.array([-0.1, 0.0, 0.1]), "e": np.array([0.1, 0.3])}
+    chart = fr.chart(family, axes, growth_tolerance=1e-3)
+    assert chart.stable.tolist() == [[False, True, True]] * 2
+    assert str(fr.quasiperiodic_growth(family(0.0, 0.1))) == "<keeps its norm: nothing grows>"
+
+
 @pytest.mark.parametrize(("p", "q"), [(1, 2), (3, 1), (3, 2), (5, 7)])
 def test_commensurate_frequencies_are_one_equation_with_harmonics(p: int, q: int) -> None:
     series = np.zeros((2, max(p, q)))
@@ -184,7 +257,7 @@ def test_charts_and_verdicts_without_a_tolerance_are_refused() -> None:
         return fr.TwoFrequencies(hill(d, e), GOLDEN, cosines=(-0.3,))
 
     axes = {"d": (0.1, 0.2, 2), "e": (0.1, 0.2, 2)}
-    with pytest.raises(ValueError, match=r"growth_tolerance must be greater than zero.*tongues are everywhere"):
+    with pytest.raises(ValueError, match=r"growth_tolerance must be greater than zero.*such as 1e-3: 0 has no answer"):
         fr.chart(family, axes)
     with pytest.raises(TypeError, match=r"second frequency; give it to fr\.quasiperiodic_growth"):
         fr.stability(family(0.1, 0.1))  # type: ignore[call-overload]
@@ -219,6 +292,7 @@ def test_growth_under_slow_beats_is_its_average_over_the_phase() -> None:
         ({"cosines": ()}, "cosines or sines of the second frequency must be given"),
         ({"cosines": ([[1.0, 0.0]],)}, r"cosines\[0\] must be 1 x 1, got shape"),
         ({"cosines": (math.inf,)}, r"cosines\[0\]"),
+        ({"cosines": (0.1j,)}, r"cosines\[0\] must hold real numbers"),
         ({"cosines": 0.2}, "cosines"),
         ({"tolerance": 0.0}, "tolerance must be greater than zero.*tongues are everywhere"),
         ({"most": 5}, "most must be"),
