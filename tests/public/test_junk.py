@@ -297,7 +297,8 @@ CALLS: list[tuple[Callable[..., Any], dict[str, Any]]] = [
     (fr.ForceRecord(TIME, 3.0 + np.sin(40.0 * TIME)).force, {"t": 0.5}),
     (
         fr.AxialWave,
-        PUSH | {"far_end": "held", "axial_damping": 0.5, "mean_at": 0.3, "waveform": "sine", "noise": 0.0},
+        PUSH
+        | {"far_end": "held", "axial_damping": 0.5, "mean_at": 0.3, "waveform": "sine", "noise": 0.0, "second": None},
     ),
     (fr.AxialWave.hertz, LOADS),
     (fr.Rod, dataclasses.asdict(ROD)),
