@@ -143,7 +143,7 @@ def floquet_solutions(equation: Problem) -> tuple[FloquetMode, ...]:
     >>> delayed = fr.DelaySystem([[3.0]], [[[2.0]]], damping=[[0.1]], delayed=[(40.0 * math.pi, [[0.2]])])
     >>> mode = floquet_solutions(delayed)[0]
     >>> error = mode(1.0 + 2.0 * math.pi) - mode(1.0) * np.exp(2.0 * math.pi * mode.exponent)
-    >>> abs(error[0]) < 1e-12, mode.error < 1e-9
+    >>> bool(abs(error[0]) < 1e-12), mode.error < 1e-9
     (True, True)
     """
     require_problem(equation)

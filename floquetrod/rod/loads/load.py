@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from abc import ABC, abstractmethod
 from collections.abc import Iterator, Mapping
@@ -679,7 +680,11 @@ def _second(value: Any) -> Second | None:
     """Return a second sine, checked, without a phase of zero."""
     if value is None:
         return None
-    if isinstance(value, str) or not validate.iterable(value) or len(parts := tuple(value)) not in (2, 3):
+    if (
+        isinstance(value, str)
+        or not validate.iterable(value)
+        or len(parts := tuple(itertools.islice(value, 4))) not in (2, 3)
+    ):
         raise validate.wrong_type(
             "second", f"must be (amplitude, frequency), or these and a phase, got {validate.short(value)}"
         )

@@ -358,9 +358,9 @@ class ForceRecord(LoadSource, ByContent):
         )
         in_newtons, said = (_trend(self.trend, self.trend_error, each) for each in (_NEWTON, force))
         note = self.note.replace(in_newtons, said) if self.trend else self.note
-        named = {"time is taken in s": self.time_unit_named, "force is taken in N": self.force_unit_named}
+        named = {"time is in seconds": self.time_unit_named, "force is in newtons": self.force_unit_named}
         taken = " and ".join(words for words, is_named in named.items() if not is_named)
-        notes = [f"without a unit in the file {taken}"] * bool(taken) + [note] * bool(note)
+        notes = [f"the file names no unit, so {taken}"] * bool(taken) + [note] * bool(note)
         return "; ".join([text, *notes])
 
     def _vibration(self, angle: NDArray[np.float64]) -> NDArray[np.float64]:
