@@ -105,7 +105,7 @@ class Report:
         return "".join(fragments) + ("" if self.rest is None else self.rest._repr_html_())
 
 
-class Shown:
+class ShownInNotebook:
     """A value that a notebook shows as a report."""
 
     @abstractmethod
@@ -117,7 +117,7 @@ class Shown:
         return self._at_hand()._repr_html_()
 
 
-class Reported(Shown):
+class Reported(ShownInNotebook):
     """A result with a `report` in lines and tables, which notebooks show, and with ``as_dict()`` in numbers."""
 
     _keys: ClassVar[str]

@@ -17,7 +17,7 @@ import numpy as np
 from floquetrod._util import validate
 from floquetrod._util.arrays import Floats, shaped
 from floquetrod._util.calling import TellsAttributes
-from floquetrod._util.result_report import Report, Shown
+from floquetrod._util.result_report import Report, ShownInNotebook
 from floquetrod.equations.hill_system import HillSystem
 from floquetrod.equations.pieces import Varying, one_of_mean_and_start, refuse_mean_with_slope
 
@@ -77,7 +77,7 @@ class Piece:
         return not self.harmonics and self.slope == 0.0
 
 
-class Equation(Shown, TellsAttributes, ABC):
+class Equation(ShownInNotebook, TellsAttributes, ABC):
     """Base of the scalar equations A'' + 2 c A' = p(tau) A.
 
     A new equation is a frozen dataclass with ``period`` (in the unit of tau), ``damping`` (c, zero or more) and

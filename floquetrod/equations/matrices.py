@@ -13,7 +13,7 @@ from floquetrod._util import validate
 from floquetrod._util.arrays import Complexes, Floats
 from floquetrod._util.caching import cached_property
 from floquetrod._util.content import ByContent
-from floquetrod._util.result_report import Report, Shown
+from floquetrod._util.result_report import Report, ShownInNotebook
 
 Matrix = NDArray[np.float64]
 """Of float64; of a complex `PeriodicSystem` also of complex128."""
@@ -32,7 +32,7 @@ _MOST_ENTRIES = 1 << 28  # of a matrix over a whole batch, two gigabytes (a choi
 _LEAST_PERIOD = 1e-100
 
 
-class PeriodicMatrixSystem(ByContent, Shown):
+class PeriodicMatrixSystem(ByContent, ShownInNotebook):
     """Base of systems with a periodic matrix, a Fourier series or in pieces: ``MEAN`` names the field of its mean.
 
     Its arrays are closed to writing, as are the arrays of its copies, unpickled ones among them.

@@ -12,7 +12,7 @@ from floquetrod._util import validate
 from floquetrod._util.arrays import shaped
 from floquetrod._util.calling import call_hints
 from floquetrod._util.progress import Progress
-from floquetrod._util.result_report import Report, Shown
+from floquetrod._util.result_report import Report, ShownInNotebook
 from floquetrod.equations import HillSystem
 from floquetrod.floquet.proof.proof import MAX_BOXES
 from floquetrod.floquet.status import are
@@ -78,7 +78,7 @@ _loads_hints = call_hints("give numbers and arrays by name: mean=, amplitude=, f
 
 
 @dataclass(frozen=True, init=False, repr=False)
-class Rod(RodData, Shown):
+class Rod(RodData, ShownInNotebook):
     """An elastic rod or tube of circular section on the floor of a circular channel, straight or bent.
 
     Parameters

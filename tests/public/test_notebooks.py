@@ -8,7 +8,7 @@ import pytest
 from matplotlib import pyplot
 
 import floquetrod as fr
-from floquetrod._util.result_report import Shown
+from floquetrod._util.result_report import ShownInNotebook
 from tests.public.test_reports import Reader
 
 WELL = fr.WellPath([0.0, 900.0, 1800.0], ["0deg", "0deg", "90deg"])
@@ -60,7 +60,7 @@ def test_a_value_shows_itself(name: str) -> None:
     assert not reader.open
     shown = " ".join(reader.words.split())
     assert [each for each in words if each not in shown] == []
-    assert value._repr_html_.__func__ is Shown._repr_html_
+    assert value._repr_html_.__func__ is ShownInNotebook._repr_html_
 
 
 def test_a_notebook_takes_nothing_in_an_equation_for_tags() -> None:

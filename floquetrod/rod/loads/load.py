@@ -19,7 +19,7 @@ from floquetrod._util.arguments import Mention
 from floquetrod._util.arrays import broadcast
 from floquetrod._util.calling import TellsAttributes, constructor_hints
 from floquetrod._util.progress import Progress
-from floquetrod._util.result_report import Report, Shown
+from floquetrod._util.result_report import Report, ShownInNotebook
 from floquetrod.parameter import EVERYWHERE, NAMES, Option, Parameter, Subsystem, by_name
 
 Quantity: TypeAlias = Literal["mean", "amplitude", "frequency"]
@@ -245,7 +245,7 @@ RESONANT = 1e-6  # denominator of an axial wave below which rounding leaves it t
 
 
 @dataclass(frozen=True, repr=False)
-class Load(units.InUnits, Shown, TellsAttributes, ABC):
+class Load(units.InUnits, ShownInNotebook, TellsAttributes, ABC):
     """What every load has: F(s, t) = mean + w_e cos(inclination) (s - mean_at L) + the vibration, compression positive.
 
     Parameters

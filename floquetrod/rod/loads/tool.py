@@ -9,7 +9,7 @@ from typing import Any
 from floquetrod import units
 from floquetrod._util import validate
 from floquetrod._util.calling import constructor_hints
-from floquetrod._util.result_report import Report, Shown
+from floquetrod._util.result_report import Report, ShownInNotebook
 from floquetrod.parameter import Parameter, by_name
 from floquetrod.rod.loads.load import LOAD
 
@@ -31,7 +31,7 @@ TOOL = by_name(
 
 @constructor_hints(at="the distance from the lower end is above_end", tool_at="the distance is above_end")
 @dataclass(frozen=True)
-class VibrationTool(units.InUnits, Shown):
+class VibrationTool(units.InUnits, ShownInNotebook):
     """A tool in a string that pushes and pulls it along its axis with a sine.
 
     Inside the string half the force goes each way, at its lower end all of it up.  The ends of the string reflect the
