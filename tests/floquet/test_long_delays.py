@@ -275,6 +275,20 @@ def test_charts_of_long_delays_have_the_verdicts_of_their_points() -> None:
             assert bool(chart.stable[j, i]) == (fr.stability(family(p, b)).status == "stable")
 
 
+@pytest.mark.parametrize(
+    ("p", "q", "c", "b", "r"),
+    [
+        (0.40692, 1.0398, 0.24942, -0.073691, 37),
+        (0.50773, 1.56457, 0.072275, -0.087683, 20),
+        (0.35445, 1.2057, 0.12226, -0.0090162, 9),
+    ],
+)
+def test_a_search_that_begins_without_zeros_goes_on(p: float, q: float, c: float, b: float, r: int) -> None:
+    terms = [(r * Fraction(TURN), [[b]])]  # exactly, as proofs need it
+    system = fr.DelaySystem([[p]], [[[q]]], damping=[[c]], delayed=terms)
+    assert fr.stability(system, "winding").status == fr.certify(system).status
+
+
 def test_what_is_not_served_is_said() -> None:
     system = fr.DelaySystem([[1.0]], [[[0.5]]], damping=[[0.1]], period=1.0, delayed=[])
     with pytest.raises(TypeError, match="system must have delays for winding"):

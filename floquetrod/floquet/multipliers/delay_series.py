@@ -212,6 +212,8 @@ def _by_newton(series: DelaySeries, logs: Complexes, log_radius: float) -> tuple
     left, done = np.arange(len(logs)), np.zeros(len(logs), dtype=np.bool_)
     last = np.full(len(logs), math.inf)
     for _ in range(_ROUNDS):
+        if not left.size:
+            break
         step = -1.0 / _traces(series, logs[left])
         logs[left] += step
         width = np.abs(step)
@@ -220,8 +222,6 @@ def _by_newton(series: DelaySeries, logs: Complexes, log_radius: float) -> tuple
         last[left] = width
         lost = ~np.isfinite(logs[left]) | (logs[left].real > log_radius + 4.0 / series.longest)
         left = left[~ended & ~lost]
-        if not left.size:
-            break
     done[left[last[left] < 1e-9 / series.longest]] = True
     return done, np.asarray(logs[done])
 
