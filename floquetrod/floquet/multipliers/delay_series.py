@@ -203,7 +203,8 @@ def _iterated(series: DelaySeries, log_radius: float, cell: float, innermost: fl
     near = np.abs(step) < 1.5 * max(size, half_turn / (len(angles) - 1))
     alone = np.linalg.eigvals(series.matrices[0]) if series.exponents[0] == 1 else np.zeros(0)
     alone = -np.log(alone[np.abs(alone) > 0.0].astype(complex))
-    logs = np.concatenate([(points + step)[near], alone[alone.imag >= 0.0]])
+    alone = alone.real + 1j * np.abs(alone.imag)  # of a negative mu the logarithm lies at -pi
+    logs = np.concatenate([(points + step)[near], alone])
     return _by_newton(series, logs, log_radius)[1]
 
 
