@@ -8,7 +8,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from floquetrod._util.arrays import Bools, Floats
+from floquetrod._util.arrays import Bools, Floats, Ints
+from floquetrod._util.roots import roots
 from floquetrod.plane.family import Family
 from floquetrod.plane.plane_axes import Axis
 
@@ -107,36 +108,15 @@ class Plane:
         return self._at_edges(inside + (0.5 * (low + high))[:, None] * span)
 
     def _zeros(self, inside: Floats, outside: Floats) -> Floats:
-        """Return the places of `boundary` as zeros of signed growth, bracketed and interpolated inversely.
-
-        T. R. Chandrupatla, Adv. Eng. Softw. 28 (1997) 145, doi:10.1016/S0965-9978(96)00051-8.
-        """
-        # A place on line k is inside + t (outside - inside), t from 0 to 1, with growth g.  Columns of t, g (n, 3): the
-        # last place, the other end of the bracket, and the place before.  First a straight line through the ends
-        # predicts the zero, then a parabola, t over g, through all three, where it is monotonic; else, and where growth
-        # is not known, the bracket is halved.  A place keeps half the accuracy away from both ends, so that the bracket
-        # closes from both sides.  It ends when the bracket is shorter than ``vertex`` in the plane.
+        """Return the places of `boundary` as zeros of signed growth."""
         span = outside - inside
-        least = 0.5 * self.vertex / np.maximum(np.hypot(*span.T), self.vertex)
-        t = np.tile([0.0, 1.0, np.nan], (len(span), 1))
-        g = np.column_stack([self._growth(inside), self._growth(outside), np.full(len(span), np.nan)])
-        last_unstable = np.ones(len(span), dtype=np.bool_)
-        for _ in range(2 * _HALVINGS):
-            width = t[:, 1] - t[:, 0]
-            active = np.flatnonzero(np.abs(width) > 2.0 * least)
-            if not active.size:
-                break
-            nearest = least[active] / np.abs(width[active])
-            share = np.clip(_share(t[active], g[active]), nearest, 1.0 - nearest)
-            place = t[active, 0] + share * width[active]
-            unstable, excess = self.unstable(inside[active] + place[:, None] * span[active])
-            same = (unstable == last_unstable[active])[:, None]
-            for values, new in ((t, place), (g, excess)):
-                one, other, _ = values[active].T
-                values[active] = np.where(same, np.column_stack([new, other, one]), np.column_stack([new, one, other]))
-            last_unstable[active] = unstable
-        t[:, 2] = np.nan  # so that the last bracket is crossed by a straight line
-        zero = t[:, 0] + np.clip(_share(t, g), 0.0, 1.0) * (t[:, 1] - t[:, 0])
+        accuracy = 0.5 * self.vertex / np.maximum(np.hypot(*span.T), self.vertex)  # as parts of the lines
+
+        def growth(part: Floats, line: Ints) -> Floats:
+            return self.unstable(inside[line] + part[:, None] * span[line])[1]
+
+        ends = np.zeros(len(span)), np.ones(len(span))
+        zero = roots(growth, *ends, self._growth(inside), self._growth(outside), accuracy)
         return np.asarray(inside + zero[:, None] * span)
 
     def _growth(self, shares: Floats) -> Floats:
@@ -192,15 +172,3 @@ def _extrapolated(t: Floats, g: Floats) -> Floats:
         three = t2 - g2 * d2 + g2 * g1 * (d2 - d1) / (g2 - g0)
         result: Floats = np.where(np.isfinite(three), three, two)
     return np.where(np.isfinite(result), result, np.nan)
-
-
-def _share(t: Floats, g: Floats) -> Floats:
-    """Return the part of the way from the last place to the other end of the bracket after which growth vanishes."""
-    (t1, t2, t3), (g1, g2, g3) = t.T, g.T
-    with np.errstate(all="ignore"):
-        straight = np.where(np.isnan(t3), g1 / (g1 - g2), 0.5)
-        part, rise = (t1 - t2) / (t3 - t2), (g1 - g2) / (g3 - g2)
-        monotonic = (1.0 - np.sqrt(1.0 - part) < rise) & (rise < np.sqrt(part))
-        curved = g1 / (g2 - g1) * g3 / (g2 - g3) + (t3 - t1) / (t2 - t1) * g1 / (g3 - g1) * g2 / (g3 - g2)
-    share = np.where(monotonic, curved, straight)
-    return np.asarray(np.where(np.isfinite(share), share, 0.5))

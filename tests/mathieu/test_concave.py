@@ -93,6 +93,9 @@ def test_roots(place: float, width: float, power: float) -> None:
     low, high = np.array([place - width]), np.array([place + 2.0 * width])
     (found,) = roots(function, low, high, function(low, None), function(high, None))
     assert abs(found - place) <= 1e-14 * (abs(place) + width)
+    accuracy = np.array([1e-6 * width])
+    (near,) = roots(function, low, high, function(low, None), function(high, None), accuracy)
+    assert abs(near - place) <= 2.0 * accuracy[0]
 
 
 def test_a_statement_is_bisected_to_where_it_ceases_to_hold() -> None:
