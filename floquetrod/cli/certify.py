@@ -51,7 +51,7 @@ _STATUS = {"stable": 0, "unstable": 1, "mixed": 1, "undecided": 3}
 def add(certify: Parser) -> None:
     """Add help and options of the command to its parser."""
     describe_command(certify, _HELP, _certify, ("system", *ROD_AND_LOAD), has_assumptions=True)
-    add_question(certify, add_subject(certify), ranges=True)
+    add_question(certify, add_subject(certify), subsystem="proofs", ranges=True)
     certify.set_defaults(growth_tolerance=f"{SLOW_GROWTH:g}")
     certify.add_argument(
         "--vary",

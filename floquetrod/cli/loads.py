@@ -22,6 +22,7 @@ from floquetrod.cli.common import (
     read_units,
 )
 from floquetrod.cli.messages import option
+from floquetrod.parameter import Subsystem, unknown
 from floquetrod.rod import reading
 from floquetrod.rod.loads.load import LOAD, QUANTITIES, Load, Quantity
 from floquetrod.rod.model.plausibility import suspicion_of_hertz, warn_of_load
@@ -31,17 +32,21 @@ def add_question(
     command: argparse.ArgumentParser,
     subject: Any = None,
     *,
+    subsystem: Subsystem = "modes",
     classified: bool = True,
     friction: bool = False,
     ranges: bool = False,
 ) -> None:
-    """Add the options of a question about a rod and its load, which may be ``ranges``; the rest as in `add_rod`."""
+    """Add the options of a question about a rod and its load, which may be ``ranges``; the rest as in `add_rod`.
+
+    Options for what the ``subsystem`` that answers would ignore are left out.
+    """
     add_rod(command, subject, classified=classified)
     if friction:
         add_friction(command)
     add_units(command)
     _add_load(command, ranges)
-    _add_kind(command)
+    _add_kind(command, subsystem)
 
 
 def _add_load(command: argparse.ArgumentParser, ranges: bool) -> None:
@@ -68,10 +73,10 @@ def _units() -> str:
     return "\n".join(lines)
 
 
-def _add_kind(command: argparse.ArgumentParser) -> None:
+def _add_kind(command: argparse.ArgumentParser, subsystem: Subsystem) -> None:
     """Add the options that say what kind of load it is."""
     for name, parameter in LOAD.items():
-        if parameter.option is not None and name not in QUANTITIES:
+        if parameter.option is not None and name not in QUANTITIES and parameter not in unknown(LOAD, subsystem):
             help_, metavar, *_, named, choices = parameter.option
             command.add_argument(option(named or name), metavar=metavar, choices=choices, help=help_)
     command.add_argument(

@@ -85,7 +85,7 @@ def add(command: Parser) -> None:
         type=Path,
         help="a run in a .npz file, to be made longer by --duration, or brought to its end where it was interrupted",
     )
-    add_question(command, subject, classified=False)
+    add_question(command, subject, subsystem="simulation", classified=False)
     command.add_argument(
         "--feed-speed", metavar="SPEED", help="speed at which the upper end is moved down the channel, such as 10mm/s"
     )

@@ -23,7 +23,8 @@ from floquetrod._util.tables import read_toml, require_keys
 from floquetrod.ensembles.ensemble import ensemble
 from floquetrod.ensembles.tasks import Summary
 from floquetrod.ensembles.varied_axes import LAYOUTS, MOST_RUNS, RUN_KINDS, VARIED_KINDS, names_of
-from floquetrod.rod.loads.load import FAR_ENDS, QUANTITIES
+from floquetrod.parameter import unknown
+from floquetrod.rod.loads.load import FAR_ENDS, LOAD, QUANTITIES
 from floquetrod.rod.model.plausibility import suspicion_of_hertz, warn_of_load
 from floquetrod.rod.model.rod_file import rod_of
 from floquetrod.rod.reading import (
@@ -42,7 +43,8 @@ from floquetrod.simulation.start_text import read_perturbation
 from floquetrod.units import Unit
 
 _TABLES = ("rod", "load", "run", "start", "over", "ensemble")
-_LOAD = (*QUANTITIES, *LOAD_OPTIONS)
+_IGNORED = {parameter.name for parameter in unknown(LOAD, "simulation")}
+_LOAD = (*QUANTITIES, *(name for name in LOAD_OPTIONS if name not in _IGNORED))
 _COUNTS = ("segments", "frames")
 _START = ("kick", "random", "seed", "case")
 _RUN = (*RUN_KINDS, *_COUNTS, "stop_early", "natural_curvature", "tool")

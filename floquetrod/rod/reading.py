@@ -118,10 +118,11 @@ def read_kind(given: Mapping[str, Any], record: ForceRecord | None, named: Argum
         )
     at = 0.5 if given["mean_at"] is None else _fraction(given["mean_at"], named("mean_at"))
     load = replace(kind(record), mean_at=at)
-    if given["noise"] is not None:
-        load = replace(load, noise=_noise(given["noise"], record, named))
-    if given["second"] is not None:
-        load = replace(load, second=_second_sine(given["second"], named("second")))
+    noise, second = given.get("noise"), given.get("second")  # which not every subsystem knows
+    if noise is not None:
+        load = replace(load, noise=_noise(noise, record, named))
+    if second is not None:
+        load = replace(load, second=_second_sine(second, named("second")))
     if wave is None:
         return load
     rate = units.quantity(

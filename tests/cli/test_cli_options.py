@@ -7,7 +7,7 @@ import re
 
 import pytest
 
-from floquetrod.cli.main import _parser
+from floquetrod.cli.main import _parser, main
 
 _COMMANDS = next(a for a in _parser()._actions if isinstance(a, argparse._SubParsersAction)).choices
 
@@ -37,6 +37,21 @@ def test_an_option_has_the_same_words_in_every_command(option: str) -> None:
     helps = {re.sub(r", or a range such as [^;]+|\s*\(default[^)]*\)", "", str(action.help)) for _, action in uses}
     assert len(helps) <= 1
     assert len({(action.metavar, action.type, str(action.choices)) for _, action in uses}) <= 1
+
+
+@pytest.mark.parametrize(
+    ("name", "ignored"),
+    [("check", set()), ("certify", {"--second"}), ("simulate", {"--noise", "--second"})],
+)
+def test_a_command_has_no_option_for_what_it_would_ignore(
+    name: str, ignored: set[str], capsys: pytest.CaptureFixture[str]
+) -> None:
+    options = {option for action in _COMMANDS[name]._actions for option in action.option_strings}
+    assert {"--noise", "--second"} - options == ignored
+    for option in ignored:
+        point = ["--rod", "nitinol", "--mean", "0N", "--amplitude", "0N", "--frequency", "1Hz"]
+        assert main([name, *point, option, "1"]) == 2
+        assert f"unknown option {option}; floquetrod check has it" in capsys.readouterr().err
 
 
 def test_no_two_options_of_a_command_say_the_same() -> None:

@@ -67,3 +67,10 @@ def test_a_bare_frequency_is_suspected(own: str, over: str, typed: str | None, t
     assert [text.partition("frequency ")[2].split()[0] for text in texts] == [typed] * (typed is not None)
     assert all("is taken in rad/s: at " in text and f"write {typed}rad/s or {typed}Hz" in text for text in texts)
     assert all(each.filename == __file__ for each in told)
+
+
+@pytest.mark.parametrize("key", ["noise", "second"])
+def test_a_load_has_no_key_for_what_a_simulation_would_ignore(key: str, tmp_path: Path) -> None:
+    path = _written(tmp_path, f'"24Hz"\n{key} = "1"', "seed = [1, 2]")
+    with pytest.raises(ValueError, match=rf"\[load\] unknown key '{key}'"):
+        fr.Study.from_toml(path)
