@@ -76,6 +76,11 @@ def blocks(text: str) -> Iterator[str | Cell]:
     yield text[end:]
 
 
+def cells(text: str) -> list[Cell]:
+    """Return the cells of a page."""
+    return [block for block in blocks(text) if isinstance(block, Cell)]
+
+
 def title(name: str) -> str:
     """Return the title of a page or of an example of the gallery, "" where there is none of this name."""
     example = HERE.parent / f"examples/{name.removeprefix('gallery/')}.py"
@@ -144,7 +149,7 @@ def in_markdown(prose: str, page: str) -> str:
 
 def head(name: str) -> str:
     """Return the first line of a page in Markdown, which names its source and identifies the code of that."""
-    code = "".join(block.code for block in blocks(source(name)) if isinstance(block, Cell))
+    code = "".join(cell.code for cell in cells(source(name)))
     digest = hashlib.sha256(code.encode()).hexdigest()[:16]
     return f"<!-- `make pages` writes this page from docs/{name}.md: edit that file. Its code: {digest} -->"
 
@@ -185,9 +190,8 @@ def outputs_in_markdown(name: str, outputs: Sequence[Sequence[Any]], save: Calla
     save : callable
         Takes a picture and returns the address that the page has it at.
     """
-    cells = [block for block in blocks(source(name)) if isinstance(block, Cell)]
     made = {}
-    for number, (cell, of_cell) in enumerate(zip(cells, outputs, strict=True), 1):
+    for number, (cell, of_cell) in enumerate(zip(cells(source(name)), outputs, strict=True), 1):
         texts = (output_in_markdown(output, cell, save) for output in merged(of_cell))
         made[number] = "\n\n".join(filter(None, texts))
     return made

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import contextlib
 import io
-import re
 from pathlib import Path
 from typing import Any
 
@@ -18,6 +17,7 @@ import numpy as np
 
 mpl.use("Agg")
 
+import forge_pages
 from matplotlib import pyplot
 from PIL import Image
 
@@ -41,10 +41,9 @@ def save(figure: Any, name: str, dpi: int, panel: Any = None) -> None:
 def first_page() -> dict[str, Any]:
     """Return the names that the code of the first page makes."""
     names: dict[str, Any] = {}
-    text = (HERE / "index.md").read_text("utf-8")
-    for code in re.findall(r"^```\{code-cell\}\n(.*?)^```", text, re.MULTILINE | re.DOTALL):
+    for cell in forge_pages.cells(forge_pages.source("index")):
         with contextlib.redirect_stdout(io.StringIO()):
-            exec(code, names)
+            exec(cell.code, names)
     return names
 
 

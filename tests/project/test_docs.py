@@ -14,6 +14,7 @@ import subprocess
 import sys
 from collections.abc import Iterator
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
@@ -67,10 +68,13 @@ MISTAKES = [
 ]
 
 
-def cells(text: str) -> Iterator[str]:
-    """Yield the code of a page, cell by cell, without the options that begin with a colon."""
-    for cell in re.findall(r"^```\{code-cell\}.*?\n(.*?)^```", text, re.DOTALL | re.MULTILINE):
-        yield "".join(line for line in cell.splitlines(keepends=True) if not line.startswith(":"))
+BLOCKS = SimpleNamespace(**runpy.run_path(str(DOCS / "forge_pages.py")))
+"""What reads the prose and the cells of a page."""
+
+
+def cells(text: str) -> list[str]:
+    """Return the code of a page, cell by cell."""
+    return [cell.code for cell in BLOCKS.cells(text)]
 
 
 @contextlib.contextmanager
@@ -90,7 +94,7 @@ def namespace() -> Iterator[dict[str, object]]:
 def execute(text: str) -> dict[str, object]:
     """Run all cells of a page in one namespace, as its notebook would, and return it."""
     with namespace() as names:
-        continued(names, list(cells(text)))
+        continued(names, cells(text))
     return names
 
 
@@ -170,7 +174,7 @@ def with_mistake(page: str, right: str, wrong: str) -> str:
 def test_a_page_executes_and_each_mistake_in_its_derivations_is_found(page: str) -> None:
     # What precedes a mistake is run once: before a cell is run, so is each wrong one in its place, and what follows it.
     text = (DOCS / page).read_text(encoding="utf-8")
-    code, every = list(cells(text)), [row[1:] for row in MISTAKES if row[0] == page]
+    code, every = cells(text), [row[1:] for row in MISTAKES if row[0] == page]
     assert all(text.count(right) == 1 for right, _ in every)
     left = every[: depth(len(every), 1)]
     with namespace() as names:
@@ -287,9 +291,9 @@ def test_code_fits_its_column(path: Path) -> None:
 @pytest.mark.parametrize("page", [page for page in PAGES if page.startswith("theory/")])
 def test_derivations_are_folded(page: str) -> None:
     text = (DOCS / page).read_text(encoding="utf-8")
-    for cell in re.findall(r"^```\{code-cell\}.*?\n(.*?)^```", text, re.DOTALL | re.MULTILINE):
-        derives = "assert" in cell or "sp." in cell
-        assert not derives or re.match(r":tags: \[(hide-input|remove-cell)\]", cell), cell
+    for cell in BLOCKS.cells(text):
+        derives = "assert" in cell.code or "sp." in cell.code
+        assert not derives or cell.tags in ({"hide-input"}, {"remove-cell"}), cell.code
 
 
 @pytest.mark.slow

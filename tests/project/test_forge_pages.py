@@ -26,8 +26,7 @@ def page(name: str) -> str:
 def test_a_page_has_the_text_of_its_source(name: str) -> None:
     outputs = FORGE.kept_outputs(page(name))
     assert page(name) == FORGE.written(name, outputs), f"docs/{name}.md has changed: {REMEDY}"
-    cells = [block for block in FORGE.blocks(FORGE.source(name)) if not isinstance(block, str)]
-    for number, cell in enumerate(cells, 1):
+    for number, cell in enumerate(FORGE.cells(FORGE.source(name)), 1):
         prints = re.search(r"^print\(", cell.code, re.MULTILINE) and "remove-cell" not in cell.tags
         assert not prints or "```text" in outputs[number], cell.code
 

@@ -16,7 +16,7 @@ from scipy import special
 from scipy.integrate import quad, solve_ivp
 from scipy.optimize import brentq
 
-from tests.project.test_docs import STORIES, execute
+from tests.project.test_docs import BLOCKS, STORIES, execute
 from tests.project.test_snippets import in_this_process, require_as_shown
 
 HOW_TO = Path(__file__).parents[2] / "docs/how_to"
@@ -43,12 +43,12 @@ def ran(tmp_path_factory: pytest.TempPathFactory) -> Ran:
 def own_code(page: str) -> Iterator[tuple[str, list[str]]]:
     """Yield the heading over each code cell and its lines, imports aside; cells tagged "data" make input files."""
     heading = ""
-    pattern = r"^(?:#+ (?P<title>[^\n]*)|```\{code-cell\}.*?\n(?P<code>.*?)^```)"
-    for match in re.finditer(pattern, page, re.DOTALL | re.MULTILINE):
-        heading = match["title"] or heading
-        if match["code"] and "data" not in match["code"].partition("\n")[0]:
-            lines = [line for line in match["code"].splitlines() if line.strip()]
-            yield heading, [line for line in lines if not line.lstrip().startswith((":", "#", "import ", "from "))]
+    for block in BLOCKS.blocks(page):
+        if isinstance(block, str):
+            heading = [heading, *re.findall(r"^#+ (.*)$", block, re.MULTILINE)][-1]
+        elif "data" not in block.tags:
+            lines = [line for line in block.code.splitlines() if line.strip()]
+            yield heading, [line for line in lines if not line.lstrip().startswith(("#", "import ", "from "))]
 
 
 @pytest.mark.parametrize("story", STORIES)
