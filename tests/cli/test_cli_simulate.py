@@ -108,7 +108,7 @@ def test_real_rods_and_loads(tmp_path: Path, capsys: pytest.CaptureFixture[str])
     text = capsys.readouterr().out
     for line in (
         r"BUCKLED: mode \d+ leads",
-        r"rod       inner diameter .* mm, .*ends clamped-hinged",
+        r"rod       inner diameter .* in, .*ends clamped-hinged",
         r"          axial waves, lower end held, axial damping 0\.5 1/s, mean force at 1 of the length",
         r"          mean force 0\.3\d+ Fcr at the upper end, 0\.5 Fcr at the lower",
         r"theory    unstable: mode",
