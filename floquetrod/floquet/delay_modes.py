@@ -12,6 +12,7 @@ delays are.  J. Sieber and R. Szalai, SIAM J. Appl. Dyn. Syst. 10 (2011) 129, do
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from typing import Any, NamedTuple
@@ -27,10 +28,10 @@ from floquetrod.floquet.multipliers.system_stability import SystemStability
 
 _NODES = (14, 19, 25, 32, 40)  # in a piece (a choice)
 _MOST_ROWS = 1200  # of collocation (a choice: a second)
-_RADIANS = 12.0  # that solutions turn by in a piece, about, those that decay fastest among them (a choice)
+_RADIANS = 12.0  # that solutions turn by in a piece, about, at the rate of the fastest decay too (a choice)
 _UNCHANGED = 1e-12  # change to more nodes at which refinement ends
 _STEPS = 4  # of Newton's method, from a multiplier of ten digits or so
-_SIMILAR = 1e-6  # of the next singular value, that of a null vector of several equal multipliers
+_SIMILAR = 1e-6  # singular value of a null vector of several equal multipliers, over the next one (a choice)
 
 
 class Periodicity(NamedTuple):
@@ -72,7 +73,7 @@ class _Null(NamedTuple):
     rounding: float
 
 
-@np.errstate(all="ignore")  # of what overflows: it is refused
+@np.errstate(all="ignore")  # solutions that overflow are refused
 def delayed_solutions(system: DelaySystem, verdict: SystemStability) -> list[Periodicity] | None:
     """Return the solutions of the multipliers of a verdict; None where they are not resolved, or not independent."""
     exponents = np.asarray(verdict.exponents)
@@ -130,30 +131,72 @@ class ExponentialSolution:
         return ExponentialSolution(self.exponent.conjugate(), self.vector.conj(), self.error)
 
 
-def _characteristic(equations: _Equations, root: complex, count: int) -> list[Periodicity] | None:
+class _Linear(NamedTuple):
+    """A matrix Delta at one exponent, or at one logarithm of a multiplier."""
+
+    delta: Complexes  # (N, N)
+    slope: Complexes  # (N, N), its derivative
+    unknowns: Complexes  # (F n, N), the highest derivatives at the nodes for unit states; of collocation only
+    size: float  # of its entries, in place of the next singular value where all are zero
+
+
+class _Singular(NamedTuple):
+    """A zero of det Delta, and the null vectors (m, N) of Delta there."""
+
+    zero: complex
+    linear: _Linear
+    vectors: Complexes
+    rate: float  # of the smallest singular value along the derivative
+    gap: float  # to the next singular value
+    rest: float  # largest singular value of several null vectors; 0 of one
+
+
+def _singular(linearised: Callable[[complex], _Linear | None], near: complex, count: int) -> _Singular | None:
+    """Return the zero of det Delta near a value, by Newton's method for one null vector, the value itself for several.
+
+    None where Delta overflows, and where it does not have ``count`` null vectors.
+    """
+    # With Delta = sum_i u_i s_i v_i^H, s_N smallest, the zero is at s_N / (u_N^H Delta' v_N) less, to first order.
+    zero = near
+    for _ in range(_STEPS):
+        attempt = linearised(zero)
+        if attempt is None or count > len(attempt.delta) or not np.isfinite(attempt.delta).all():
+            return None
+        linear = attempt
+        left, sizes, right = np.linalg.svd(linear.delta)
+        rate = complex(left[:, -1].conj() @ linear.slope @ right[-1].conj())
+        step = sizes[-1] / rate
+        if count > 1 or not abs(step) > 4.0 * EPS * (1.0 + abs(zero)):
+            break
+        zero = complex(zero - step)
+    gap = float(sizes[-count - 1]) if count < len(sizes) else linear.size
+    rest = float(sizes[-count]) if count > 1 else 0.0
+    if count > 1 and not rest <= _SIMILAR * gap:
+        return None
+    return _Singular(zero, linear, right[-count:].conj(), abs(rate), gap, rest)
+
+
+def _characteristic(equations: _Equations, exponent: complex, count: int) -> list[Periodicity] | None:
     """Return ``count`` solutions of constant coefficients near a characteristic root."""
     system = equations.system
-    if count > system.order:
-        return None
-    for _ in range(_STEPS):
-        matrix, slope = (
-            matrices[0] for matrices in delay_roots.characteristic(system, np.array([root], dtype=complex), rate=True)
+
+    def linearised(root: complex) -> _Linear:
+        at = np.array([root], dtype=complex)
+        delta, slope = (matrices[0] for matrices in delay_roots.characteristic(system, at, rate=True))
+        return _Linear(
+            delta, slope, np.empty((0, len(delta)), dtype=complex), float(np.abs(delta).max() + np.abs(slope).max())
         )
-        ours, sizes, theirs = np.linalg.svd(matrix)
-        step = sizes[-1] / complex(ours[:, -1].conj() @ slope @ theirs[-1].conj())
-        if count > 1 or not abs(step) > 4.0 * EPS * (1.0 + abs(root)):
-            break
-        root = complex(root - step)
-    size = float(np.abs(matrix).max() + np.abs(slope).max())
-    wide = float(sizes[-count - 1]) if count < system.order else size
-    if count > 1 and not sizes[-count] <= _SIMILAR * wide:
+
+    singular = _singular(linearised, exponent, count)
+    if singular is None:
         return None
+    root = singular.zero
     off = sum(math.exp(min(-root.real * float(delay), 300.0)) for delay in system.delays) + 1.0
     off *= system.order * system.coefficient_error
-    turned = (8.0 * EPS * size + off + (float(sizes[-count]) if count > 1 else 0.0)) / wide
-    moved = off / float(np.abs(ours[:, -1].conj() @ slope @ theirs[-1].conj())) * system.period
+    turned = (8.0 * EPS * singular.linear.size + off + singular.rest) / singular.gap
+    moved = off / singular.rate * system.period
     modes = []
-    for vector in theirs[-count:].conj():
+    for vector in singular.vectors:
         norm = np.linalg.norm(vector) * (math.hypot(1.0, abs(root)) if system.is_second_order else 1.0)
         largest = vector[np.argmax(np.abs(vector))]
         vector = vector * (np.conj(largest) / (np.abs(largest) * norm))
@@ -260,33 +303,27 @@ def _collocated(system: DelaySystem, laid: delay_maps.PeriodPieces, nodes: int, 
 
 
 def _null_vectors(collocated: _Collocated, log: complex, count: int) -> _Null | None:
-    """Return ``count`` null vectors of Delta near a multiplier, that of a single one sought by Newton's method."""
+    """Return ``count`` null vectors of Delta near the logarithm of a multiplier."""
     from scipy.linalg import lu_factor, lu_solve
 
-    total = len(collocated.end_state)
-    if count > total:
-        return None
-    for _ in range(_STEPS):
+    one = np.eye(len(collocated.end_state))
+
+    def linearised(log: complex) -> _Linear | None:
         left, start, left_rate, start_rate = collocated.sums(log)
         if not (np.isfinite(left).all() and np.isfinite(start).all()):
             return None
         factors = lu_factor(np.eye(len(left)) - left, check_finite=False)
         unknowns = lu_solve(factors, start, check_finite=False)
-        mu = np.exp(log)
-        delta = collocated.end @ unknowns + collocated.end_state - mu * np.eye(total)
-        if not np.isfinite(delta).all():
-            return None
-        ours, sizes, theirs = np.linalg.svd(delta)
+        delta = collocated.end @ unknowns + collocated.end_state - np.exp(log) * one
         slope = collocated.end @ lu_solve(factors, left_rate @ unknowns + start_rate, check_finite=False)
-        slope = slope - mu * np.eye(total)
-        step = sizes[-1] / complex(ours[:, -1].conj() @ slope @ theirs[-1].conj())
-        if count > 1 or not abs(step) > 4.0 * EPS:
-            break
-        log = complex(log - step)
-    wide = float(sizes[-count - 1]) if count < total else 1.0 + float(np.abs(unknowns).max())
-    if count > 1 and not sizes[-count] <= _SIMILAR * wide:
+        slope = slope - np.exp(log) * one
+        return _Linear(delta, slope, unknowns, 1.0 + float(np.abs(unknowns).max()))
+
+    singular = _singular(linearised, log, count)
+    if singular is None:
         return None
+    unknowns = singular.linear.unknowns
     scale = 1.0 + float(np.abs(collocated.end).sum(axis=1).max() * np.abs(unknowns).max())
-    states: NDArray[Any] = theirs[-count:].conj().T
-    rounding = EPS * math.sqrt(len(left)) * scale / wide + (float(sizes[-count]) / wide if count > 1 else 0.0)
-    return _Null(log, states, unknowns @ states, rounding)
+    rounding = EPS * math.sqrt(len(unknowns)) * scale / singular.gap + singular.rest / singular.gap
+    states: NDArray[Any] = singular.vectors.T
+    return _Null(singular.zero, states, unknowns @ states, rounding)
