@@ -39,6 +39,7 @@ from floquetrod.units import AnswerUnits, Unit, unit
 from floquetrod.wells.path import WellPath
 
 _POINTS = {True: (160, 120), False: (64, 48)}  # of the map, where bands are exact and where loads take milliseconds
+_MAP_SECONDS, _FEWEST = 20.0, 12  # a map may take, and rows below which there is none (a choice)
 _STEEP = 0.25 * math.pi  # inclination in rad up to which criteria of vertical wells are told (a choice)
 _NO_ROW = ("path", "sections", "bores")  # parameters that are told in words
 _ROOM = 1.25  # about the load, in terms of it
@@ -349,13 +350,27 @@ def _shape(verdict: RodStability) -> list[Illustration]:
     return [Illustration(lambda figure: verdict.plot(figure.subplots()), caption, 0.5)]
 
 
+def _points(verdict: RodStability) -> tuple[int, int]:
+    """Return columns and rows of the map, fewer where a verdict takes long."""
+    evidence, (columns, rows) = verdict.evidence, _POINTS[verdict.evidence.has_exact_margins]
+    if not isinstance(evidence, NoisyCoupledEvidence | TwoFrequencyEvidence):
+        return columns, rows
+    share = min(1.0, math.sqrt(_MAP_SECONDS / (columns * rows * evidence.seconds)))
+    return int(share * columns), int(share * rows)
+
+
 def _map(verdict: RodStability, shown: Mapping[str, Unit]) -> list[Illustration]:
-    """Return the map about the load; none without vibration, whose stability no frequency changes."""
+    """Return the map about the load.
+
+    None where it would take long, and without vibration, whose stability no frequency changes.
+    """
     rod: Any = verdict.rod
     load = verdict.load
     if load.amplitude == 0.0:
         return []
-    columns, rows = _POINTS[verdict.evidence.has_exact_margins]
+    columns, rows = _points(verdict)
+    if rows < _FEWEST:
+        return []
     largest = _ROOM * max(rod.critical_force, abs(load.mean))
 
     def draw(figure: Any) -> Any:

@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from floquetrod.rod.mode_equations.coupled_systems import CoupledEquations
 
 _SHAPE_POINTS, _SHAPE_INSTANTS = 12, 48  # for each mode, and in a period
+_SECONDS_PER_MODE, _FEW_PERIODS = 5e-4, 5.0  # of two frequencies, as measured
 
 
 class Shape(NamedTuple):
@@ -214,6 +215,19 @@ class TwoFrequencyEvidence(_ModeByMode):
     mode_growth_errors: Floats = field(compare=False)
     left_out_bound: float
     mode_equations: tuple[TwoFrequencies, ...] = field(compare=False)
+
+    @property
+    def seconds(self) -> float:
+        """About how long a verdict takes, one of many."""
+        return self.seconds_with(1.0)
+
+    def seconds_with(self, longest: float) -> float:
+        """Return about how long a verdict takes, one of many, with a first period ``longest`` times as long.
+
+        Many periods of the second frequency in one of the first take as many steps.
+        """
+        ratio = longest * self.mode_equations[0].frequency
+        return _SECONDS_PER_MODE * len(self.modes) * max(1.0, ratio / _FEW_PERIODS)
 
     @property
     def references(self) -> tuple[str, ...]:

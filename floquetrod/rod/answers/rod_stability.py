@@ -406,7 +406,9 @@ class RodStability(Reported, Verdict):
 
     @property
     def has_quick_margins(self) -> bool:
-        """Whether margins take some seconds at most, as they do except for many coupled modes."""
+        """Whether margins take some seconds at most, as they do except for many modes without exact margins."""
+        if isinstance(self.evidence, TwoFrequencyEvidence):
+            return self.evidence.seconds <= _QUICK
         return self.evidence.has_exact_margins or self.modes_checked <= FEW_MODES
 
     @property

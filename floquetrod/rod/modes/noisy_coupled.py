@@ -139,14 +139,8 @@ class NoisyCoupledModel(NoisyModel):
     # --- searches ---
 
     def margin_counts(self, verdict: RodStability, seconds: float, longest: float) -> VerdictCounts:
-        """Return as many verdicts as time allows: none where that is less than the least number of samples."""
-        of_verdict = cast(NoisyCoupledEvidence, verdict.evidence).seconds * longest
-        verdicts = min(seconds / of_verdict, 1000.0)
-        if verdicts < _LEAST.samples:
-            return VerdictCounts(0, 0)
-        samples = max(_LEAST.samples, min(_MOST.samples, int(0.5 * verdicts)))
-        halvings = max(_LEAST.halvings, min(_MOST.halvings, int(verdicts) - samples))
-        return VerdictCounts(samples, halvings, of_verdict)
+        """Return as many verdicts as time allows."""
+        return _MOST.in_time(seconds, cast(NoisyCoupledEvidence, verdict.evidence).seconds * longest, _LEAST)
 
     def damping_required(self, load: Load, growth_tolerance: float) -> float:
         """Return the damping rate in 1/s at which second moments no longer grow faster than a tolerance."""

@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from floquetrod.rod.mode_equations.coupled_systems import CoupledEquations
 
 _AT_ONCE = 256  # loads whose modes are examined at once (a choice)
-_MARGIN_SAMPLES, _HALVINGS = 33, 20  # of each piece of a search for a margin: a verdict takes milliseconds (a choice)
+_LEAST, _MOST = VerdictCounts(5, 8), VerdictCounts(33, 20)  # for a part of a search for a margin (a choice)
 
 ASSUMED = Assumption(
     "two frequencies: growth from periodic approximants, which is no proof",
@@ -209,8 +209,8 @@ class TwoFrequencyModel(SampledModel):
     # --- margins ---
 
     def margin_counts(self, verdict: RodStability, seconds: float, longest: float) -> VerdictCounts:
-        """Return how many verdicts a piece of a search for a margin takes."""
-        return VerdictCounts(_MARGIN_SAMPLES, _HALVINGS)
+        """Return as many verdicts as time allows."""
+        return _MOST.in_time(seconds, cast(TwoFrequencyEvidence, verdict.evidence).seconds_with(longest), _LEAST)
 
     def buckles(self, load: Load, growth_tolerance: float) -> bool:
         """Return whether the mean force alone buckles a mode."""

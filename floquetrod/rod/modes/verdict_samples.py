@@ -27,6 +27,15 @@ class VerdictCounts(NamedTuple):
     halvings: int
     seconds_each: float = 0.0
 
+    def in_time(self, seconds: float, seconds_each: float, least: VerdictCounts) -> VerdictCounts:
+        """Return as many verdicts as time allows, no more than these, and none where that is less than the least."""
+        verdicts = min(seconds / seconds_each, 1000.0)
+        if verdicts < least.samples:
+            return VerdictCounts(0, 0)
+        samples = max(least.samples, min(self.samples, int(0.5 * verdicts)))
+        halvings = max(least.halvings, min(self.halvings, int(verdicts) - samples))
+        return VerdictCounts(samples, halvings, seconds_each)
+
     @property
     def seconds(self) -> float:
         """The duration of the search, as estimated."""
