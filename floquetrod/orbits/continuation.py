@@ -8,6 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from floquetrod._util.arrays import Floats
 from floquetrod.orbits import arclength, finding, orbit_mesh
 from floquetrod.orbits.arclength import CurvePoint, Measure
 from floquetrod.orbits.collocation import Collocation, Point
@@ -16,12 +17,20 @@ from floquetrod.orbits.finding import Compared
 from floquetrod.orbits.newton import NoOrbitError
 from floquetrod.orbits.orbit import PeriodicOrbit
 
-_FIRST = 0.01  # length of the first step (a choice)
-_LEAST = 1e-7  # length of a step below which the branch is given up
-_TURN = 0.9  # cosine of the angle between directions below which a step is made shorter (a choice)
-_GENTLE = 0.985  # above which the next one is longer
+FIRST_LENGTH = 0.01
+"""Length of the first step along a branch or a curve (a choice)."""
+
+LEAST_LENGTH = 1e-7
+"""Length of a step below which a branch or a curve is given up."""
+
+SHARPEST_TURN = 0.9
+"""Cosine of the angle between directions below which a step is made shorter (a choice)."""
+
+MOST_MESHES = 4
+"""Meshes on which a point is solved, one after the other."""
+
+_GENTLE = 0.985  # cosine of the angle between directions above which the next step is longer (a choice)
 _FEW = 4  # steps of Newton's method up to which the next step is longer
-_MOST_MESHES = 4
 HOPF = "a Hopf point"
 """What a branch's end says where its orbits shrink to a state of rest."""
 
@@ -60,7 +69,7 @@ class Sample(NamedTuple):
 
 
 class Ended(Exception):
-    """The branch cannot be followed on; the message says why."""
+    """The branch or the curve cannot be followed on; the message says why."""
 
 
 def sampled(place: CurvePoint, measure: Measure, value: float | None = None) -> Sample:
@@ -94,12 +103,35 @@ def started(orbit: PeriodicOrbit, task: Task, measure: Measure) -> CurvePoint:
     return arclength.placed(collocation, point, row, row, measure)
 
 
+def next_length(length: float, longest: float, newton_steps: int, cosine: float) -> float:
+    """Return the length of the next step, from Newton's steps in this one and the cosine of its turn."""
+    if newton_steps <= _FEW and cosine > _GENTLE:
+        return min(1.5 * length, longest)
+    return 0.7 * length if newton_steps > _FEW + 2 else length
+
+
+def has_shrunk(before: PeriodicOrbit, orbit: PeriodicOrbit, scale: Floats) -> bool:
+    """Return whether an orbit of an autonomous system has shrunk to a state of rest, or passed through one.
+
+    ``before`` is the orbit before it on the branch, ``scale`` (n,) the magnitudes of the states along the branch.
+    """
+    was, now = before.segments.flow, orbit.segments.flow
+    if was is None or now is None:
+        return False
+    if float((np.ptp(orbit.point.nodes, axis=0) / scale).max()) < _REST:
+        return True
+    mesh, shares = before.collocation.mesh, orbit.collocation.mesh
+    if mesh is not shares:
+        was = np.stack([np.interp(shares[:-1], mesh[:-1], column, period=1.0) for column in was.T], axis=1)
+    return float((was * now / scale**2).sum()) < 0.0
+
+
 class Continuation:
     """The march along a branch from a place; it changes its own place, step and units."""
 
     def __init__(self, task: Task, start: Sample, measure: Measure, direction: float) -> None:
         """Begin at a sample, in its direction or against it."""
-        self.task, self.measure, self.length = task, measure, min(_FIRST, task.longest)
+        self.task, self.measure, self.length = task, measure, min(FIRST_LENGTH, task.longest)
         step = arclength.scaled(start.place.direction, direction)
         place = start.place._replace(direction=step)
         self.sample = start._replace(place=place, tests=start.tests._replace(turning=direction * start.tests.turning))
@@ -129,7 +161,7 @@ class Continuation:
     def _stepped(self) -> CurvePoint:
         """Return the place a step on, the step as long as Newton's method and the branch's bends allow."""
         said = ""
-        while self.length >= _LEAST:
+        while self.length >= LEAST_LENGTH:
             try:
                 place = self.corrected(self.length)
             except (NoOrbitError, ValueError, ArithmeticError) as error:
@@ -139,14 +171,11 @@ class Continuation:
             before = self.sample.place
             row = self.measure.row(before.collocation, before.point, before.direction)
             cosine = arclength.product(row, place.direction)
-            if cosine < _TURN:
+            if cosine < SHARPEST_TURN:
                 said = "it bends too sharply"
                 self.length *= 0.5
                 continue
-            if place.steps <= _FEW and cosine > _GENTLE:
-                self.length = min(1.5 * self.length, self.task.longest)
-            elif place.steps > _FEW + 2:
-                self.length *= 0.7
+            self.length = next_length(self.length, self.task.longest, place.steps, cosine)
             return place
         raise Ended(
             f"no orbit was found beyond {self.task.parameter} = {self.sample.value:.9g}, however short the step: {said}"
@@ -181,14 +210,10 @@ class Continuation:
 
     def _resolved(self, place: CurvePoint) -> CurvePoint:
         """Return the place on a mesh that resolves it, and is not much finer."""
-        for _ in range(_MOST_MESHES):
-            given, errors = place.collocation, orbit_mesh.interior_errors(place.collocation, place.point)
-            jacobians = place.point.period * place.condensed.jacobians
-            least = orbit_mesh.least_density(given, jacobians, self.task.tolerance)
-            mesh = orbit_mesh.equidistributed(given, errors, 0.3 * self.task.tolerance, least)
-            rough = float(errors.max()) > self.task.tolerance or float((least * given.steps).max()) > finding.FOLLOWED
-            rough = rough and len(errors) < orbit_mesh.MOST
-            if not rough and len(mesh) > 0.6 * len(place.collocation.mesh):
+        for _ in range(MOST_MESHES):
+            jacobians = place.condensed.jacobians
+            mesh = orbit_mesh.adapted(place.collocation, place.point, jacobians, self.task.tolerance)
+            if mesh is None:
                 return place
             collocation, point, row = arclength.moved_to(place, mesh, self.measure)
             last = arclength.pinned(collocation, point, point.value, self.measure) if self.at_end else row
@@ -202,16 +227,7 @@ class Continuation:
 
     def _require_motion(self, sample: Sample) -> None:
         """Raise Ended where an orbit of an autonomous system has shrunk to a state of rest, or passed through one."""
-        place, before = sample.place, self.sample.place
-        was, now = self.sample.compared.segments.flow, sample.compared.segments.flow
-        if was is None or now is None:
-            return
-        moves = float((np.ptp(place.point.nodes, axis=0) / self.measure.scale).max())
-        mesh, shares = before.collocation.mesh, place.collocation.mesh
-        if mesh is not shares:
-            was = np.stack([np.interp(shares[:-1], mesh[:-1], column, period=1.0) for column in was.T], axis=1)
-        along = float((was * now / self.measure.scale**2).sum())
-        if moves < _REST or along < 0.0:
+        if has_shrunk(self.sample.orbit, sample.orbit, self.measure.scale):
             where = f"{self.task.parameter} = {self._rest(sample):.6g}"
             raise Ended(f"the orbit shrinks to a state of rest ({HOPF}) near {where}")
 

@@ -17,8 +17,9 @@ import numpy as np
 
 from floquetrod._util.arrays import EPS, Floats
 from floquetrod._util.progress import Progress
-from floquetrod.orbits import critical_orbits, finding, orbit_mesh
+from floquetrod.orbits import continuation, critical_orbits, finding, orbit_mesh
 from floquetrod.orbits.bifurcation_curve import BifurcationCurve
+from floquetrod.orbits.continuation import Ended
 from floquetrod.orbits.critical_orbits import CriticalEquations, CriticalOrbit, Solved, Values
 from floquetrod.orbits.crossings import multipliers_of
 from floquetrod.orbits.newton import Corrected, NoOrbitError
@@ -26,13 +27,6 @@ from floquetrod.orbits.orbit import PeriodicOrbit
 from floquetrod.orbits.orbit_extent import extremes, returns_after
 from floquetrod.orbits.special_points import SpecialPoint, deviation_scale
 
-_FIRST = 0.01  # length of the first step (a choice)
-_LEAST = 1e-7  # length of a step below which the curve is given up
-_TURN = 0.9  # cosine of the angle between directions below which a step is made shorter (a choice)
-_GENTLE = 0.985  # above which the next one is longer
-_FEW = 4  # steps of Newton's method up to which the next step is longer
-_MOST_MESHES = 4
-_REST = 1e-4  # motion as a fraction of the largest on the curve, below which an orbit has shrunk to a state of rest
 _PARTED = 1e-6  # of the states, by which orbits at a branch point may miss their equations (a choice)
 _RESONANT = 2e-3  # angle of a pair, from a resonance, up to which its curve is followed (a choice)
 _CLOSE = 1e-3  # of the critical multiplier to its place on the circle: what is farther is another thing
@@ -69,10 +63,6 @@ class _Side(NamedTuple):
     samples: list[_Sample]
     end: str
     notes: list[str]
-
-
-class _Ended(Exception):
-    """The curve cannot be followed on; the message says why."""
 
 
 def followed(point: SpecialPoint, task: CurveTask, steps: int, progress: Progress | None) -> BifurcationCurve:
@@ -121,7 +111,7 @@ def _begun(point: SpecialPoint, task: CurveTask) -> tuple[CriticalEquations, _Sa
             value = orbit.system.parameters[held]
             solved = equations.corrected(solved.orbit, solved.linear.borders, solved.direction, (held, value))
         return equations, _sampled(equations, solved, None)
-    except (NoOrbitError, np.linalg.LinAlgError, _Ended) as error:
+    except (NoOrbitError, np.linalg.LinAlgError, Ended) as error:
         raise ValueError(
             f"orbit must be a point at which one multiplier, or one pair, crosses by itself, got {point}: {error}"
         ) from None
@@ -137,7 +127,7 @@ def _one_way(march: _March, start: _Sample, steps: int, progress: Progress | Non
             last = march.sample
             sample = march.advanced()
             if march.task.until is not None and (reason := march.task.until(last.orbit, sample.orbit)):
-                raise _Ended(reason)
+                raise Ended(reason)
             samples.append(sample)
             notes += _passed(march, last, sample)
             if progress is not None:
@@ -145,7 +135,7 @@ def _one_way(march: _March, start: _Sample, steps: int, progress: Progress | Non
             if len(samples) > 3 and _passes(march, start, last, sample):
                 samples[-1], end = start, _CLOSED
                 break
-    except _Ended as ended:
+    except Ended as ended:
         end = str(ended)
     except KeyboardInterrupt:
         end = "interrupted"
@@ -157,7 +147,7 @@ class _March:
 
     def __init__(self, equations: CriticalEquations, task: CurveTask, start: _Sample, sign: float) -> None:
         """Begin at a sample, in its direction or against it."""
-        self.equations, self.task, self.length = equations, task, min(_FIRST, task.longest)
+        self.equations, self.task, self.length = equations, task, min(continuation.FIRST_LENGTH, task.longest)
         direction = critical_orbits.Vector(*(sign * part for part in start.solved.direction))
         self.sample = start._replace(solved=start.solved._replace(direction=direction))
         self.at_end = ""
@@ -168,9 +158,9 @@ class _March:
                 self.at_end = f"{name} = {value:.6g} is the end of the range"
 
     def advanced(self) -> _Sample:
-        """Return the next sample, on the end of a range where the curve leaves it.  Raises _Ended."""
+        """Return the next sample, on the end of a range where the curve leaves it.  Raises Ended."""
         if self.at_end:
-            raise _Ended(self.at_end)
+            raise Ended(self.at_end)
         if self.equations.kind == "branch point":
             self._turn_across()
         solved = self._stepped()
@@ -181,7 +171,7 @@ class _March:
         try:
             sample = _sampled(self.equations, self._resolved(solved, pinned), pinned)
         except (NoOrbitError, np.linalg.LinAlgError, ValueError) as error:
-            raise _Ended(f"the orbit at {self._where(solved.orbit)} was lost: {error}") from None
+            raise Ended(f"the orbit at {self._where(solved.orbit)} was lost: {error}") from None
         self._require_motion(sample)
         self._require_crossing(sample)
         self.sample = sample
@@ -198,7 +188,7 @@ class _March:
         """Return the point a step on, the step as long as Newton's method and the curve's bends allow."""
         said = ""
         before = self.sample.solved
-        while self.length >= _LEAST:
+        while self.length >= continuation.LEAST_LENGTH:
             try:
                 guess = self.equations.ahead(before, self.length)
                 solved = self.equations.corrected(guess, before.linear.borders, before.direction)
@@ -207,7 +197,7 @@ class _March:
                 self.length *= 0.5
                 continue
             cosine = self.equations.product(before.orbit, before.direction, solved.direction)
-            if cosine < _TURN:
+            if cosine < continuation.SHARPEST_TURN:
                 said = "it bends too sharply"
                 self.length *= 0.5
                 continue
@@ -215,15 +205,12 @@ class _March:
                 self._end_resonant(solved)
                 self.length *= 0.5
                 continue
-            if solved.steps <= _FEW and cosine > _GENTLE:
-                self.length = min(1.5 * self.length, self.task.longest)
-            elif solved.steps > _FEW + 2:
-                self.length *= 0.7
+            self.length = continuation.next_length(self.length, self.task.longest, solved.steps, cosine)
             return solved
-        raise _Ended(f"no orbit was found beyond {self._where(before.orbit)}, however short the step: {said}")
+        raise Ended(f"no orbit was found beyond {self._where(before.orbit)}, however short the step: {said}")
 
     def _end_resonant(self, solved: Solved) -> None:
-        """Raise _Ended where the angle of a pair has come to 0 or pi, at which curves of pairs end."""
+        """Raise Ended where the angle of a pair has come to 0 or pi, at which curves of pairs end."""
         angle, there = self.sample.extra, solved.orbit.extra
         end, name = (0.0, "1:1") if there <= 0.0 else (math.pi, "1:2")
         if abs(angle - end) > _RESONANT:
@@ -234,7 +221,7 @@ class _March:
         pairs = zip(self.sample.values, self.equations.values(solved.orbit), strict=True)
         where = [f"{name} = {a + share * (b - a):.4g}" for name, (a, b) in zip(self.task.names, pairs, strict=True)]
         said = "two multipliers +1" if end == 0.0 else "two multipliers -1"
-        raise _Ended(f"the pair meets on the real axis ({name} resonance, {said}) near {', '.join(where)}")
+        raise Ended(f"the pair meets on the real axis ({name} resonance, {said}) near {', '.join(where)}")
 
     def _where(self, orbit: CriticalOrbit) -> str:
         """Return the values of both parameters, in words."""
@@ -279,18 +266,14 @@ class _March:
         try:
             return self.equations.corrected(guess, solved.linear.borders, solved.direction, pinned)
         except (NoOrbitError, np.linalg.LinAlgError) as error:
-            raise _Ended(f"no orbit was found at the end of the range: {error}") from None
+            raise Ended(f"no orbit was found at the end of the range: {error}") from None
 
     def _resolved(self, solved: Solved, pinned: tuple[str, float] | None) -> Solved:
         """Return the point on a mesh that resolves it, and is not much finer."""
-        for _ in range(_MOST_MESHES):
-            given, point = solved.orbit.collocation, solved.orbit.point
-            errors = orbit_mesh.interior_errors(given, point)
-            least = orbit_mesh.least_density(given, point.period * given.jacobians(point), self.task.tolerance)
-            mesh = orbit_mesh.equidistributed(given, errors, 0.3 * self.task.tolerance, least)
-            rough = float(errors.max()) > self.task.tolerance or float((least * given.steps).max()) > finding.FOLLOWED
-            rough = rough and len(errors) < orbit_mesh.MOST
-            if not rough and len(mesh) > 0.6 * len(given.mesh):
+        for _ in range(continuation.MOST_MESHES):
+            given, jacobians = solved.orbit.collocation, solved.linear.condensed.jacobians
+            mesh = orbit_mesh.adapted(given, solved.orbit.point, jacobians, self.task.tolerance)
+            if mesh is None:
                 return solved
             orbit, borders, direction = self.equations.carried(
                 solved.orbit, solved.linear.borders, solved.direction, mesh, given.degree
@@ -299,21 +282,14 @@ class _March:
         return solved
 
     def _require_motion(self, sample: _Sample) -> None:
-        """Raise _Ended where an orbit of an autonomous system has shrunk to a state of rest, or passed through one."""
-        given, old = sample.solved.orbit, self.sample.solved.orbit
-        if given.collocation.turns:
-            return
-        moves = float((np.ptp(given.point.nodes, axis=0) / self.equations.scale).max())
-        shares, was = given.collocation.mesh[:-1], old.collocation.rates_at_mesh(old.point)
-        before = np.stack([np.interp(shares, old.collocation.mesh[:-1], each, period=1.0) for each in was.T], axis=1)
-        here = given.collocation.rates_at_mesh(given.point)
-        if moves < _REST or float((before * here / self.equations.scale**2).sum()) < 0.0:
-            raise _Ended(f"the orbit shrinks to a state of rest near {self._where(given)}")
+        """Raise Ended where an orbit of an autonomous system has shrunk to a state of rest, or passed through one."""
+        if continuation.has_shrunk(self.sample.orbit, sample.orbit, self.equations.scale):
+            raise Ended(f"the orbit shrinks to a state of rest near {self._where(sample.solved.orbit)}")
 
     def _require_crossing(self, sample: _Sample) -> None:
-        """Raise _Ended where the branches of a branch point do not cross any more."""
+        """Raise Ended where the branches of a branch point do not cross any more."""
         if self.equations.kind == "branch point" and abs(sample.extra) > _PARTED:
-            raise _Ended(
+            raise Ended(
                 f"the branches that cross part beyond {self._where(self.sample.solved.orbit)}: no symmetry and no "
                 "invariant plane keeps the branch point; follow a fold of one of them"
             )
@@ -379,7 +355,7 @@ def _blur(equations: CriticalEquations, solved: Solved, states: float) -> float:
 def _miss(equations: CriticalEquations, critical: CriticalOrbit, orbit: PeriodicOrbit) -> float | None:
     """Return how far the critical multiplier is from 1, -1 or its place on the circle, its error added.
 
-    None where it is not known, or where another one is so near that g does not change in proportion.  Raises _Ended
+    None where it is not known, or where another one is so near that g does not change in proportion.  Raises Ended
     where it is not there.
     """
     values, errors = multipliers_of(orbit)
@@ -400,12 +376,12 @@ def _wanted(there: complex) -> str:
     return "on the unit circle" if there.imag else f"{there.real:g}"
 
 
-def _hidden(equations: CriticalEquations, critical: CriticalOrbit, said: str) -> _Ended:
+def _hidden(equations: CriticalEquations, critical: CriticalOrbit, said: str) -> Ended:
     """Return that the multiplier is not where the equations of the curve have it."""
     wanted = _wanted(equations.multiplier(critical))
     pairs = zip(equations.names, equations.values(critical), strict=True)
     where = ", ".join(f"{name} = {value:.9g}" for name, value in pairs)
-    return _Ended(
+    return Ended(
         f"at {where} the multiplier of the {equations.kind} {said}: rounding of the parameters hides "
         f"where it is {wanted}, as where a canard grows, and the curve cannot be followed here"
     )

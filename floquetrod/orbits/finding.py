@@ -21,7 +21,6 @@ from floquetrod.orbits.orbit_multipliers import Segments
 
 _DEGREES = ((24, 8), (10**9, 6))  # Gauss points of systems of up to so many equations (a choice)
 MORE = 2  # points of the finer of the two orbits that are compared
-FOLLOWED = 1.5  # lengths of intervals, of those that follow deviations to about 1e-12
 _FIRST = (24, 120)  # intervals of the first mesh, tried in turn
 _JUMPING = (480, orbit_mesh.MOST)  # likewise, of motion that jumps
 _LEAST_STEPS = 0.1  # of the mean density of an integrator's steps that there is everywhere (a choice)
@@ -255,7 +254,7 @@ def orbit_of(collocation: Collocation, point: Point, tolerance: float = 1e-10) -
         jacobians = point.period * coarse.condensed.jacobians
         least = orbit_mesh.least_density(collocation, jacobians, tolerance)
         last = turn == _MOST_MESHES - 1 or len(errors) >= orbit_mesh.MOST
-        followed = float((least * collocation.steps).max()) <= FOLLOWED
+        followed = float((least * collocation.steps).max()) <= orbit_mesh.FOLLOWED
         if last or (float(errors.max()) <= tolerance and followed):
             finer = compared(collocation, coarse.point, coarse.condensed, _phase(collocation, coarse.point))
             steps, errors = steps + finer.steps, finer.errors

@@ -18,6 +18,9 @@ FEWEST, MOST = 8, 1024
 _REACHES = {8: 2.5, 6: 1.2}
 """Rate times length of an interval that a degree follows to about 1e-12: the error of its Pade approximant."""
 
+FOLLOWED = 1.5
+"""Rate times length of an interval, in the unit of `_REACHES`, up to which deviations are followed to about 1e-12."""
+
 _USUAL = 1e-10  # tolerance of the states up to which they are followed that well
 
 _FLOOR = 0.15  # of the mean density that there is everywhere (a choice)
@@ -88,6 +91,20 @@ def least_density(collocation: Collocation, jacobians: Floats, tolerance: float)
     longer = max(1.0, tolerance / _USUAL) ** (1.0 / (2 * collocation.degree + 1))
     density = sizes / (_REACHES[collocation.degree] * longer)
     return np.asarray(density * min(1.0, 0.5 * MOST / max(float((density * collocation.steps).sum()), 1e-300)))
+
+
+def adapted(collocation: Collocation, point: Point, jacobians: Floats, tolerance: float) -> Floats | None:
+    """Return a mesh that resolves an orbit and is not much finer; None where its own mesh does.
+
+    ``jacobians`` (N, m, n, n) are the derivatives of f at the Gauss points.
+    """
+    errors = interior_errors(collocation, point)
+    least = least_density(collocation, point.period * jacobians, tolerance)
+    mesh = equidistributed(collocation, errors, 0.3 * tolerance, least)
+    rough = float(errors.max()) > tolerance or float((least * collocation.steps).max()) > FOLLOWED
+    if (rough and len(errors) < MOST) or len(mesh) <= 0.6 * len(collocation.mesh):
+        return mesh
+    return None
 
 
 def equidistributed(collocation: Collocation, errors: Floats, tolerance: float, least: Floats) -> Floats:
