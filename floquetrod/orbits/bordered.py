@@ -83,6 +83,25 @@ def solve(
     return _of_core(unknowns, core, known)
 
 
+class Balanced(NamedTuple):
+    """Equations with a border in which scalars and rows have size 1."""
+
+    rows: Floats  # (S, N, n)
+    corner: Floats  # (S, S)
+    columns: Floats  # (N, n, S)
+    units: Floats  # (S,), of the scalars
+    sizes: Floats  # (S,), by which rows and their targets are multiplied
+
+
+def balanced(rows: Floats, corner: Floats, columns: Floats, smallest: float = 1e-300) -> Balanced:
+    """Return equations in units of the scalars and of the rows; a scalar counts as one that changes ``smallest``."""
+    # Where an orbit does not depend on the parameter its column is rounding; the rows tell its unit then.
+    ends = np.abs(corner).max(axis=0, initial=0.0)
+    units = 1.0 / np.maximum(np.maximum(np.abs(columns).sum(axis=(0, 1)), ends), smallest)
+    sizes = 1.0 / np.maximum(np.abs(rows).sum(axis=(1, 2)) + np.abs(corner * units).sum(axis=1), 1e-300)
+    return Balanced(rows * sizes[:, None, None], corner * units * sizes[:, None], columns * units, units, sizes)
+
+
 def solve_by(
     run: Callable[..., Any],
     maps: Floats,

@@ -408,20 +408,16 @@ class Collocation(ByContent):
     ) -> tuple[bordered.BorderedSolution, Floats]:
         """Return the solution in components, scalars and rows of size 1, and the units of the scalars."""
         ties, corner = self._border(condensed, rows)
-        ties, columns = ties * scale, condensed.columns / scale[:, None]
-        # Where an orbit does not depend on the parameter its column is rounding; the rows tell its unit then.
-        ends = np.abs(corner).max(axis=0, initial=0.0)
-        units = 1.0 / np.maximum(np.maximum(np.abs(columns).sum(axis=(0, 1)), ends), 1e-300)
-        sizes = 1.0 / np.maximum(np.abs(ties).sum(axis=(1, 2)) + np.abs(corner * units).sum(axis=1), 1e-300)
+        balanced = bordered.balanced(ties * scale, corner, condensed.columns / scale[:, None])
         solution = bordered.solve(
             condensed.maps * scale / scale[:, None],
-            columns * units,
+            balanced.columns,
             gaps / scale[:, None],
-            ties * sizes[:, None, None],
-            corner * units * sizes[:, None],
-            targets * sizes[:, None],
+            balanced.rows,
+            balanced.corner,
+            targets * balanced.sizes[:, None],
         )
-        return solution, units
+        return solution, balanced.units
 
     def _step(
         self,

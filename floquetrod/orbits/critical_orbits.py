@@ -41,16 +41,15 @@ from numpy.typing import NDArray
 from floquetrod._util.arrays import Floats
 from floquetrod._util.content import ByContent
 from floquetrod.orbits import bordered, orbit_mesh
+from floquetrod.orbits.arclength import MOST_STEPS
 from floquetrod.orbits.collocation import Collocation, Condensed, Point, gauss
-from floquetrod.orbits.newton import NoOrbitError
+from floquetrod.orbits.newton import ENOUGH, NEARLY, NoOrbitError
 from floquetrod.orbits.special_points import Kind
 
-MOST_STEPS = 9  # of Newton's method, before a shorter step along the curve is tried
-_ENOUGH = 1e-10  # of a step, relative: what the next one would change is rounding
-_NEARLY = 1e-7  # of a step, from which on one that does not shrink any more is rounding
 _STEP = 1e-5  # of central differences along V and in the parameters, relative
-_LARGEST = 1e6  # of a step, relative: what is larger leads nowhere
-_SMALLEST = 1e-6  # size of what a scalar changes: what is less is rounding, of a parameter on which nothing depends
+_SECOND_STEP = 1e-4  # of central differences in the parameters of quantities that are differences themselves, relative
+_LARGEST = 1e6  # of a step of Newton's method, relative, beyond which it is given up
+_SMALLEST = 1e-6  # change of the equations by a scalar, relative: smaller ones are rounding, they do not depend on it
 
 Values = tuple[float, float]
 
@@ -155,7 +154,6 @@ class CriticalEquations(ByContent):
         borders: Borders,
         direction: Vector | None = None,
         pinned: tuple[str, float] | None = None,
-        most_steps: int = MOST_STEPS,
     ) -> Solved:
         """Return the critical orbit near one across a direction, or with one parameter pinned to a value.
 
@@ -163,7 +161,7 @@ class CriticalEquations(ByContent):
         """
         before = np.inf
         with np.errstate(all="ignore"):
-            for count in range(1, most_steps + 1):
+            for count in range(1, MOST_STEPS + 1):
                 linear = self.linearised(orbit, borders)
                 direction = self.tangent(orbit, linear) if direction is None else direction
                 row, target = self._last_row(orbit, direction, pinned)
@@ -174,7 +172,7 @@ class CriticalEquations(ByContent):
                 orbit = self.moved(orbit, linear, step)
                 if orbit.point.period <= 0.0:
                     break
-                if size <= _ENOUGH or (size <= _NEARLY and size > 0.3 * before):
+                if size <= ENOUGH or (size <= NEARLY and size > 0.3 * before):
                     linear = self.linearised(orbit, borders)
                     return Solved(orbit, self._unit(orbit, onward, direction), linear, count)
                 before = size
@@ -447,7 +445,7 @@ class CriticalEquations(ByContent):
                 scalars[k] += float(np.real(factors * change).sum())
             elif name in self.names:
                 which = self.names.index(name)
-                step = 1e-4 * self.widths[which] if driven else _STEP * self.widths[which]
+                step = (_SECOND_STEP if driven else _STEP) * self.widths[which]
                 sides = [
                     self._drive(self._shifted(orbit, which, sign * step), stages, period, direction)
                     for sign in (-1.0, 1.0)
@@ -467,9 +465,9 @@ class CriticalEquations(ByContent):
         if period:
             drive = drive + period * orbit.collocation.rates(point)
         if direction.any():
-            sides = [self._along(orbit, sign * 1e-4 * direction) for sign in (-1.0, 1.0)]
+            sides = [self._along(orbit, sign * _SECOND_STEP * direction) for sign in (-1.0, 1.0)]
             every = [side.point.period * side.collocation.rates(side.point) for side in sides]
-            drive = drive + (every[1] - every[0]) / 2e-4
+            drive = drive + (every[1] - every[0]) / (2.0 * _SECOND_STEP)
         return drive
 
     def _along(self, orbit: CriticalOrbit, shift: Floats) -> CriticalOrbit:
@@ -490,9 +488,9 @@ class CriticalEquations(ByContent):
         if period:
             total = total + period * collocation.jacobians(point)
         if direction.any():
-            ends = [self._along(orbit, sign * 1e-4 * direction) for sign in (-1.0, 1.0)]
+            ends = [self._along(orbit, sign * _SECOND_STEP * direction) for sign in (-1.0, 1.0)]
             every = [end.point.period * end.collocation.jacobians(end.point) for end in ends]
-            total = total + (every[1] - every[0]) / 2e-4
+            total = total + (every[1] - every[0]) / (2.0 * _SECOND_STEP)
         return total
 
     def _adjoint_stages(self, orbit: CriticalOrbit, adjoint: NDArray[Any]) -> NDArray[Any]:
@@ -537,11 +535,8 @@ def _transposed(maps: Floats, columns: Floats, rows: Floats, corner: Floats) -> 
     return turned, np.ascontiguousarray(driven), -np.moveaxis(columns[::-1], 2, 0), corner.T
 
 
-def _balanced(linear: Linear, last: Vector) -> tuple[Floats, Floats, Floats, Floats, Floats]:
-    """Return rows, corner and columns of size 1, the units of the scalars and the factors of the rows."""
+def _balanced(linear: Linear, last: Vector) -> bordered.Balanced:
+    """Return the linearised equations with a last row, scalars and rows of size 1."""
     rows = np.concatenate([linear.rows, last.nodes[None]])
     corner = np.concatenate([linear.corner, last.scalars[None]])
-    ends = np.abs(corner).max(axis=0)
-    units = 1.0 / np.maximum(np.maximum(np.abs(linear.columns).sum(axis=(0, 1)), ends), _SMALLEST)
-    sizes = 1.0 / np.maximum(np.abs(rows).sum(axis=(1, 2)) + np.abs(corner * units).sum(axis=1), 1e-300)
-    return rows * sizes[:, None, None], corner * units * sizes[:, None], linear.columns * units, units, sizes
+    return bordered.balanced(rows, corner, linear.columns, _SMALLEST)

@@ -11,11 +11,15 @@ import numpy as np
 from floquetrod._util.arrays import Floats
 from floquetrod.orbits.collocation import BorderRow, Collocation, Condensed, Point, Step
 
+ENOUGH = 1e-10
+"""Size of a step, relative, after which the next one would change rounding only."""
+
+NEARLY = 1e-7
+"""Size of a step, relative, below which one that does not shrink any more is rounding."""
+
 _MOST_STEPS = 40
-_ENOUGH = 1e-10  # of a step, relative: what the next one would change is rounding
-_NEARLY = 1e-7  # of a step, from which on one that does not shrink any more is rounding
 _SMALL = 2e-2  # of a step, up to which it is made whole where steps contract, whatever the residual (a choice)
-_CLOSE = 1e-4  # of a step, from which on matrices are kept: the next ones shrink by about as much (a choice)
+_CLOSE = 1e-4  # of a step, below which matrices are kept: the next ones shrink by about as much (a choice)
 _CONTRACTED = 1e-2  # of the step before, beyond which they are computed again (a choice)
 _ROUNDING = 1e-14  # of a step that changes nothing
 _LEAST_SHARE = 2.0**-12  # of a step, below which there is none that leads on
@@ -56,11 +60,11 @@ def corrected(
             scale = point.scale
             step = _step(collocation, condensed, rows, point, scale, count)
             size = step_size(step, point, scale)
-            sure = _NEARLY < size <= _SMALL and size < 0.5 * before
+            sure = NEARLY < size <= _SMALL and size < 0.5 * before
             start = point
             point, rates, residual = _followed(collocation, point, step, condensed, scale, count, sure)
             rest = size / before * size if chord else 0.0  # of the chord method, whose steps shrink by one factor
-            if (size <= _ENOUGH and rest <= _ROUNDING) or (size <= _NEARLY and size > 0.3 * before):
+            if (size <= ENOUGH and rest <= _ROUNDING) or (size <= NEARLY and size > 0.3 * before):
                 if chord or stage_size(step, start, scale) > _ROUNDING:
                     condensed = collocation.linearised(point, rates, residual)
                 return Corrected(point, condensed, count)
