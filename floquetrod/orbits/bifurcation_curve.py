@@ -27,7 +27,7 @@ class BifurcationCurve(ByContent, Printed, NoTruthValue):
     Attributes
     ----------
     kind : {"fold", "branch point", "period doubling", "Neimark-Sacker"}
-        As of the special point that the curve goes through.
+        Kind of the special point that the curve goes through.
     parameters : (str, str)
         Names of the parameters.
     over : ((float, float), (float, float))
@@ -37,13 +37,13 @@ class BifurcationCurve(ByContent, Printed, NoTruthValue):
     errors : ndarray (k, 2)
         Estimates of the errors of both parameters, across the curve: of the orbit, of the multiplier and of rounding.
     start : int
-        Which of the points is the one that the curve was begun with.
+        Index of the special point that the curve was begun with.
     ends : (str, str)
         Why the curve ends where it does, before its first point and after its last.
     tolerance : float
         Error of the states for which the meshes were chosen.
     notes : tuple of str
-        Where more than one number is critical on the curve: cusps of folds, and strong resonances of a pair.
+        Where the curve passes cusps of folds, and strong resonances of a pair.
     """
 
     ask = ".outside, an array with the number of other multipliers outside the unit circle"
@@ -85,19 +85,19 @@ class BifurcationCurve(ByContent, Printed, NoTruthValue):
 
     @cached_property
     def critical(self) -> Complexes:
-        """The multiplier on the circle (k,), of a pair that with the positive imaginary part; NaN where unknown."""
+        """Critical multiplier (k,), of a pair the one with positive imaginary part; NaN where unknown."""
         return np.array([self._critical(i)[1] for i in range(len(self.orbits))])
 
     @cached_property
     def outside(self) -> NDArray[np.int64]:
-        """How many other multipliers lie outside the unit circle (k,), -1 where an error covers the circle.
+        """Number of other multipliers outside the unit circle (k,), -1 where an error covers the circle.
 
-        Where there are none, the orbit is stable to one side of the curve.
+        Where it is 0, orbits to one side of the curve are stable.
         """
         return np.array([self._outside(i) for i in range(len(self.orbits))])
 
     def _critical(self, i: int) -> tuple[list[int], complex]:
-        """Return which multipliers of an orbit are on the circle, and the one that is named."""
+        """Return the indices of the critical multipliers of an orbit, and the one with positive imaginary part."""
         multipliers = multipliers_of(self.orbits[i])
         if not np.isfinite(multipliers.values).all():
             return [], complex(np.nan)
@@ -196,7 +196,7 @@ class BifurcationCurve(ByContent, Printed, NoTruthValue):
         Returns
         -------
         xarray.Dataset
-            Of each point of the curve.
+            Parameters, errors, period, least and largest states and multipliers of each point of the curve.
 
         Raises
         ------

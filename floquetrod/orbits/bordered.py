@@ -114,7 +114,7 @@ def solve_by(
 ) -> tuple[Floats, Floats]:
     """Return the unknowns (N, n, q) and the scalars (S, q) by the kernel, which scales the states by ``scale`` (n,).
 
-    The other arguments are those of `solve`.
+    Other arguments as in `solve`.
     """
     n, scalars, count = maps.shape[1], columns.shape[2], right.shape[2]
     equations, border = np.concatenate([maps, columns, right], axis=2), np.concatenate([corner, targets], axis=1)
@@ -130,7 +130,7 @@ def solve_by(
 
 
 def _of_core(unknowns: Floats, core: Floats, known: Floats) -> BorderedSolution:
-    """Return the solution from what is left of the equations in x_0 and the scalars."""
+    """Return the solution from the last equations, in x_0 and the scalars."""
     answer, kernel = _least(core, known)
     n, free = unknowns.shape[1], len(core)
     nodes = unknowns[:, :, :free] @ answer + unknowns[:, :, free:]

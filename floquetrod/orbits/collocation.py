@@ -42,7 +42,7 @@ from floquetrod.orbits import bordered, kernels
 from floquetrod.orbits.kernels import gauss_points, interval_cycle, machine_code, machine_code_in_use
 
 _MOST_ITERATIONS = 8
-_FEW = 8  # systems with other values of the parameter that are kept
+_FEW = 8  # systems with other values of the parameter that are cached
 _PARAMETER_STEP = 1e-5  # of central differences in a parameter, relative: good to about 10 digits
 
 
@@ -174,7 +174,7 @@ class Collocation(ByContent):
 
     @cached_property
     def _systems(self) -> dict[float, NonlinearSystem]:
-        """The systems that were asked for last, by the value of the parameter."""
+        """Systems with recent values of the parameter, by value."""
         return {}
 
     def with_value(self, value: float) -> Collocation:
@@ -306,7 +306,7 @@ class Collocation(ByContent):
         return point
 
     def recondensed(self, condensed: Condensed, point: Point, rates: Floats, residual: Floats) -> Condensed:
-        """Return the equations with the residual at another point, all else as it was: those of the chord method."""
+        """Return the equations of the chord method: the residual at another point, the same matrices."""
         method, (count, m, n) = gauss(self.degree), rates.shape
         lengths, inner = point.period * self.steps, condensed.inner.copy()
         run = None if condensed.pivots is None else machine_code(gauss_points.constants_fill)

@@ -27,18 +27,18 @@ from floquetrod.orbits.orbit import PeriodicOrbit
 from floquetrod.orbits.orbit_extent import extremes, returns_after
 from floquetrod.orbits.special_points import SpecialPoint, deviation_scale
 
-_PARTED = 1e-6  # of the states, by which orbits at a branch point may miss their equations (a choice)
+_PARTED = 1e-6  # residual of orbits at a branch point, of the states, above which branches do not cross (a choice)
 _RESONANT = 2e-3  # angle of a pair, from a resonance, up to which its curve is followed (a choice)
-_CLOSE = 1e-3  # of the critical multiplier to its place on the circle: what is farther is another thing
+_CLOSE = 1e-3  # distance of the critical multiplier from its place on the circle, beyond which it is not critical
 _KNOWN = 0.1  # error of the critical multiplier beyond which it is not known, or distance of another (a choice)
-_HIDDEN = 0.01  # of the states, which an error of g changes: where more, nothing is known of the curve (a choice)
-_SAME = 1e-6  # of the ranges and the states, by which two points of a curve are distinguished (a choice)
+_HIDDEN = 0.01  # change of the states by an error of g, beyond which the curve is not known (a choice)
+_SAME = 1e-6  # difference of two points of a curve that are the same, of the ranges and the states (a choice)
 _CLOSED = "the curve closes on itself"
 _RESONANCES = {3: 2.0 * math.pi / 3.0, 4: 0.5 * math.pi}
 
 
 class CurveTask(NamedTuple):
-    """What is followed: two parameters by name, their ranges, the tolerance of the states, the longest step."""
+    """Two parameters by name, their ranges, the tolerance of the states, the longest step, and when to stop."""
 
     names: tuple[str, str]
     over: tuple[Values, Values]
@@ -58,7 +58,7 @@ class _Sample(NamedTuple):
 
 
 class _Side(NamedTuple):
-    """Samples to one side of the start, why they end, and notes."""
+    """Samples to one side of the start, the reason of their end, and notes."""
 
     samples: list[_Sample]
     end: str
@@ -186,19 +186,19 @@ class _March:
 
     def _stepped(self) -> Solved:
         """Return the point a step on, the step as long as Newton's method and the curve's bends allow."""
-        said = ""
+        reason = ""
         before = self.sample.solved
         while self.length >= continuation.LEAST_LENGTH:
             try:
                 guess = self.equations.ahead(before, self.length)
                 solved = self.equations.corrected(guess, before.linear.borders, before.direction)
             except (ValueError, ArithmeticError, np.linalg.LinAlgError) as error:
-                said = str(error)
+                reason = str(error)
                 self.length *= 0.5
                 continue
             cosine = self.equations.product(before.orbit, before.direction, solved.direction)
             if cosine < continuation.SHARPEST_TURN:
-                said = "it bends too sharply"
+                reason = "it bends too sharply"
                 self.length *= 0.5
                 continue
             if self.equations.kind == "Neimark-Sacker" and not 0.0 < solved.orbit.extra < math.pi:
@@ -207,7 +207,7 @@ class _March:
                 continue
             self.length = continuation.next_length(self.length, self.task.longest, solved.steps, cosine)
             return solved
-        raise Ended(f"no orbit was found beyond {self._where(before.orbit)}, however short the step: {said}")
+        raise Ended(f"no orbit was found beyond {self._where(before.orbit)}, however short the step: {reason}")
 
     def _end_resonant(self, solved: Solved) -> None:
         """Raise Ended where the angle of a pair has come to 0 or pi, at which curves of pairs end."""
@@ -220,11 +220,11 @@ class _March:
         share = share if abs(share) < 10.0 else 0.0
         pairs = zip(self.sample.values, self.equations.values(solved.orbit), strict=True)
         where = [f"{name} = {a + share * (b - a):.4g}" for name, (a, b) in zip(self.task.names, pairs, strict=True)]
-        said = "two multipliers +1" if end == 0.0 else "two multipliers -1"
-        raise Ended(f"the pair meets on the real axis ({name} resonance, {said}) near {', '.join(where)}")
+        pair = "two multipliers +1" if end == 0.0 else "two multipliers -1"
+        raise Ended(f"the pair meets on the real axis ({name} resonance, {pair}) near {', '.join(where)}")
 
     def _where(self, orbit: CriticalOrbit) -> str:
-        """Return the values of both parameters, in words."""
+        """Return names and values of both parameters as text."""
         numbers = zip(self.task.names, self.equations.values(orbit), self.equations.widths, strict=True)
         return ", ".join(
             f"{name} = {value if abs(value) > 1e-12 * width else 0.0:.9g}" for name, value, width in numbers
@@ -376,21 +376,21 @@ def _wanted(there: complex) -> str:
     return "on the unit circle" if there.imag else f"{there.real:g}"
 
 
-def _hidden(equations: CriticalEquations, critical: CriticalOrbit, said: str) -> Ended:
-    """Return that the multiplier is not where the equations of the curve have it."""
+def _hidden(equations: CriticalEquations, critical: CriticalOrbit, observed: str) -> Ended:
+    """Return the end of a curve at a point whose multiplier, computed by itself, is not critical."""
     wanted = _wanted(equations.multiplier(critical))
     pairs = zip(equations.names, equations.values(critical), strict=True)
     where = ", ".join(f"{name} = {value:.9g}" for name, value in pairs)
     return Ended(
-        f"at {where} the multiplier of the {equations.kind} {said}: rounding of the parameters hides "
+        f"at {where} the multiplier of the {equations.kind} {observed}: rounding of the parameters hides "
         f"where it is {wanted}, as where a canard grows, and the curve cannot be followed here"
     )
 
 
 def _across(equations: CriticalEquations, solved: Solved, scalars: Floats) -> float:
-    """Return the distance from the curve, in units of the ranges, to which changes of the scalars (S, k + 1) lead.
+    """Return the distance from the curve that changes of the scalars (S, k + 1) cause, in units of the ranges.
 
-    Changes along the curve lead to other points of it.
+    Changes along the curve are left out, as they lead to other points of it.
     """
     names = equations.scalars(solved.orbit)
     rows = [names.index(name) for name in equations.names]
@@ -411,7 +411,7 @@ def _moved(equations: CriticalEquations, solved: Solved, gaps: Floats, blur: flo
 
 
 def _passed(march: _March, last: _Sample, sample: _Sample) -> list[str]:
-    """Return notes on points between two samples at which more than one number is critical."""
+    """Return notes on cusps of folds and strong resonances of pairs between two samples."""
     if march.equations.kind == "Neimark-Sacker":
         start, end = last.extra, sample.extra
         shares = {f"1:{k} resonance": (angle - start) / (end - start or 1.0) for k, angle in _RESONANCES.items()}

@@ -55,7 +55,7 @@ Values = tuple[float, float]
 
 
 class CriticalOrbit(NamedTuple):
-    """An orbit, its parameters known, and the angle of a pair or what its equations are missed by."""
+    """An orbit, its parameters known, and the angle of a pair, or e of a branch point."""
 
     collocation: Collocation  # of the system with the values of both parameters
     point: Point
@@ -206,7 +206,7 @@ class CriticalEquations(ByContent):
     def carried(
         self, orbit: CriticalOrbit, borders: Borders, direction: Vector, mesh: Floats, degree: int
     ) -> tuple[CriticalOrbit, Borders, Vector]:
-        """Return everything on another mesh or of another degree."""
+        """Return an orbit, borders and a direction on another mesh or of another degree."""
         given = orbit.collocation
         collocation, point = orbit_mesh.carried(given, orbit.point, mesh, degree)
         at = np.clip(np.searchsorted(given.mesh, mesh[:-1], side="right") - 1, 0, len(given.mesh) - 2)
@@ -269,10 +269,9 @@ class CriticalEquations(ByContent):
         return self._unit(orbit, Vector(nodes, scalars * units), None)
 
     def changes(self, solved: Solved, gaps: Floats, blur: float) -> tuple[Floats, Floats]:
-        """Return what gaps (N, n, k) in the equations and an error of g and h make of an orbit and its scalars.
+        """Return the changes of an orbit and its scalars by gaps (N, n, k) in the equations and by an error of g and h.
 
-        The largest change of a state, relative, (k + 1,), and changes of the scalars (S, k + 1), those of the error
-        last.
+        The largest change of a state, relative, (k + 1,), and changes of the scalars (S, k + 1), by the error last.
         """
         linear, direction = solved.linear, solved.direction
         row, _ = self._last_row(solved.orbit, direction, None)
@@ -311,7 +310,7 @@ class CriticalEquations(ByContent):
         return Vector(found.nodes[:, :, 0], scalars[:, 0]), Vector(found.nodes[:, :, 1], scalars[:, 1])
 
     def _unit(self, orbit: CriticalOrbit, vector: Vector, like: Vector | None) -> Vector:
-        """Return a vector of length 1, in the direction of another."""
+        """Return a vector scaled to length 1, its sign such that the product with another is positive."""
         length = math.sqrt(self.product(orbit, vector, vector))
         sign = 1.0 if like is None or self.product(orbit, vector, like) >= 0.0 else -1.0
         return Vector(*(sign / max(length, 1e-300) * part for part in vector))

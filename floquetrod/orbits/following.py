@@ -65,7 +65,7 @@ def follow(
 ) -> Branch | BifurcationCurve:
     """Return the branch of periodic orbits on which one lies, over a range of a parameter, with its special points.
 
-    Of a special point, return the curve of such points over two parameters.
+    From a special point, return the curve of points of its kind over two parameters.
 
     By pseudo-arclength, so that the branch is followed round folds, too: from the orbit to both sides, until it leaves
     the range, closes on itself, shrinks to a state of rest, or cannot be continued; `Branch.ends` says which.  Meshes
@@ -76,8 +76,8 @@ def follow(
 
     The curve of a special point is followed by pseudo-arclength in the orbit and both parameters, round folds and past
     cusps: the multiplier stays on the unit circle, and at a Neimark-Sacker point its angle is another unknown.  Points
-    at which several multipliers cross together have no such curve, nor have branch points that neither a symmetry nor
-    an invariant plane keeps.
+    at which several multipliers cross together have no such curve, and branch points have one only where a symmetry or
+    an invariant plane keeps them.
 
     Parameters
     ----------
@@ -288,8 +288,8 @@ def _followed(march: Continuation, start: Sample, steps: int, progress: Progress
         end = str(ended)
     except KeyboardInterrupt:
         end = _INTERRUPTED
-    told = settled(points, samples)
-    return _Way(orbits, told.points, end, (*notes, *told.notes))
+    decided = settled(points, samples)
+    return _Way(orbits, decided.points, end, (*notes, *decided.notes))
 
 
 def _passes(march: Continuation, start: Sample, last: Sample, sample: Sample) -> bool:

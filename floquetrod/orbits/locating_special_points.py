@@ -133,7 +133,7 @@ def turning_sign(sample: Sample) -> float:
 
 
 def settled(points: Sequence[SpecialPoint], samples: Sequence[Sample]) -> Located:
-    """Return special points, ``after`` the samples before them, with folds told from branch points by all samples.
+    """Return special points, ``after`` the samples before them, with folds and branch points decided by all samples.
 
     Where a multiplier passes 1 and rounding hides whether the parameter turns, as where a canard grows, the nearest
     samples at which its direction is known decide; where several points lie between these, nothing is decided.

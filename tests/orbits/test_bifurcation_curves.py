@@ -306,7 +306,7 @@ def test_drawn_points_of_curves_are_those_that_branches_have(name: str, seed: in
     assert abs(by_curve - by_branch) < 1e-8
 
 
-def test_a_curve_is_said_and_drawn() -> None:
+def test_report_and_plot_of_a_curve() -> None:
     curve = curve_of("cycle in a plane")
     assert curve.report().headline == "branch point curve of periodic orbits"
     assert repr(curve).startswith("<branch point curve of ")
@@ -320,18 +320,18 @@ def test_a_curve_is_said_and_drawn() -> None:
     assert "error" in str(curve)
 
 
-def test_a_curve_is_followed_until_something_is_told() -> None:
-    known, told = KNOWN["ring"], list[tuple[int, int]]()
+def test_a_curve_ends_by_until_steps_and_ctrl_c() -> None:
+    known, calls = KNOWN["ring"], list[tuple[int, int]]()
 
     def until(before: fr.results.PeriodicOrbit, orbit: fr.results.PeriodicOrbit) -> str:
         return "far enough" if abs(orbit.system.parameters["q"]) > 0.5 else ""
 
     branch = fr.follow(fr.periodic_orbit(known.system, known.start), {"p": known.first}, longest=0.3)
     (point,) = branch.special_points
-    curve = fr.follow(point, known.over, longest=0.2, until=until, progress=lambda *done: told.append(done))
+    curve = fr.follow(point, known.over, longest=0.2, until=until, progress=lambda *done: calls.append(done))
     assert curve.ends == ("far enough", "far enough")
     assert np.abs(curve.values[:, 1]).max() <= 0.5
-    assert told[-1] == (len(curve.orbits) - 1, 800)
+    assert calls[-1] == (len(curve.orbits) - 1, 800)
 
     def stop(done: int, total: int) -> None:
         raise KeyboardInterrupt

@@ -72,7 +72,7 @@ def test_kind_at_which_rounding_hides_the_turn_is_decided_by_samples_beside(
 ) -> None:
     system = fr.NonlinearSystem(lambda t, x, p: (p - x[0] + np.cos(t),), period=2.0 * math.pi, parameters={"p": 0.0})
     orbit = fr.periodic_orbit(system, [0.0])
-    unused: Any = None  # neither its direction nor its units are asked for
+    unused: Any = None  # `settled` reads neither direction nor units
     point = fr.results.SpecialPoint(
         "branch point", "p", 0.0, 1e-15, 1.0 + 0.0j, orbit, after=1, direction=unused, measure=unused
     )
