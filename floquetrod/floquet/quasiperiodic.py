@@ -202,7 +202,7 @@ def growth_of_many(
     fractions = [listed[value] for value in ratio.tolist()]
     longest = max(map(len, fractions), default=0)
     left = np.array([not _keeps_norm(problem) for problem in problems], dtype=np.bool_)
-    series = _phase_series(problems, ratio, left, workers)
+    series, map_errors = _phase_series(problems, ratio, left, workers)
     x, values = np.full((count, longest), np.nan), np.full((count, longest), np.nan)
     counted, flat = np.zeros((count, longest), dtype=np.bool_), np.zeros((count, longest), dtype=np.bool_)
     rate, error = np.where(left, np.nan, 0.0), np.where(left, np.inf, 0.0)
@@ -213,7 +213,7 @@ def growth_of_many(
             break
         chosen = [fractions[i][k] for i in here]
         q = np.array([each.denominator for each in chosen])
-        logarithm = _logarithms(series, here, chosen, workers)
+        logarithm, relative = _logarithms(series, map_errors, here, chosen, workers)
         values[here, k] = logarithm * first[here] / (2.0 * math.pi * q)
         flat[here, k] = logarithm < _FLAT
         counted[here, k] = q >= _FIRST
@@ -228,7 +228,11 @@ def growth_of_many(
         exact = distance <= _ROUNDED * ratio[here]
         rate[here] = np.where(exact, values[here, k], rate[here])
         change = np.where(exact, 0.0, change)
-        error[here] = _FACTOR * change + _FLAT * first[here] / (2.0 * math.pi * q) * np.where(recent, 1.0, 1e-6)
+        # Next to an edge a multiplier is about 1 + sqrt(x), x off by the relative error e of the product, so that its
+        # logarithm l is off by about e / l, at most by the root of e.
+        relative = np.maximum(relative, _FLAT**2)
+        slip = relative / np.clip(np.where(recent, 0.0, logarithm), np.sqrt(relative), 1.0)
+        error[here] = _FACTOR * change + np.where(relative < 1.0, slip, np.inf) * first[here] / (2.0 * math.pi * q)
         error[here[np.isnan(rate[here])]] = np.inf
         used[here] = k + 1
         enough = error[here] < _SHARE * np.maximum(np.abs(rate[here]), tolerance[here]) if precise else True
@@ -317,14 +321,15 @@ def _side_by_side(cosines: Sequence[Any], sines: Sequence[Any], order: int) -> N
 
 def _phase_series(
     problems: Sequence[TwoFrequencies], ratio: Floats, wanted: Bools, workers: int | None
-) -> list[Complexes]:
-    """Return of each problem the maps over a period of the first frequency, a Fourier series (K, N, N) in the phase.
+) -> tuple[list[Complexes], Floats]:
+    """Return the maps over a period of the first frequency, Fourier series (K, N, N) in the phase, and their errors.
 
-    Empty where it is not ``wanted`` (b,), where more than `_MOST_PHASES` harmonics would be needed, and where the maps
-    overflow.
+    The errors (b,), of the largest entry at any phase, are of the last harmonics and of rounding.  A series is empty
+    where it is not ``wanted`` (b,), where it needs more than `_MOST_PHASES` harmonics, and where the maps overflow.
     """
     forms = [_first_order(problem) for problem in problems]
     series: list[Complexes] = [np.zeros((0, *form.mean.shape), dtype=complex) for form in forms]
+    errors = np.full(len(forms), np.inf)
     groups: dict[tuple[int, int], list[int]] = {}
     for i in np.flatnonzero(wanted).tolist():
         groups.setdefault((len(forms[i].mean), forms[i].top), []).append(i)
@@ -340,13 +345,15 @@ def _phase_series(
             harmonics = np.moveaxis(np.fft.rfft(maps, axis=-1) / phases, -1, 1)
             sizes = np.abs(harmonics).max(axis=(2, 3))
             with np.errstate(invalid="ignore"):
-                ends = sizes[:, -4:].max(axis=1) < _NEGLIGIBLE * sizes.max(axis=1)
+                last = sizes[:, -4:].max(axis=1)
+                ends = last < _NEGLIGIBLE * sizes.max(axis=1)
             known = np.isfinite(out[:, -1])
             harmonics[:, 1:] *= 2.0
             for place in np.flatnonzero(ends & known):
                 series[left[place]] = harmonics[place, :-1]
+                errors[left[place]] = 4.0 * last[place] + (4.0 * EPS + out[place, -1]) * sizes[place].sum()
             left, phases = left[~ends & known], 2 * phases
-    return series
+    return series, errors
 
 
 def _padded(arrays: Sequence[Floats]) -> Floats:
@@ -359,10 +366,17 @@ def _padded(arrays: Sequence[Floats]) -> Floats:
 
 
 def _logarithms(
-    series: Sequence[Complexes], places: NDArray[np.intp], fractions: Sequence[Fraction], workers: int | None
-) -> Floats:
-    """Return the logarithm of the largest multiplier of approximants of some problems; NaN where it is not known."""
-    logarithms = np.full(places.size, np.nan)
+    series: Sequence[Complexes],
+    errors: Floats,
+    places: NDArray[np.intp],
+    fractions: Sequence[Fraction],
+    workers: int | None,
+) -> tuple[Floats, Floats]:
+    """Return logarithms of the largest multipliers of approximants, and the products' errors over these multipliers.
+
+    A logarithm is NaN, and its error infinite, where the product is not known.
+    """
+    logarithms, relative = np.full(places.size, np.nan), np.full(places.size, np.inf)
     groups: dict[tuple[int, ...], list[int]] = {}
     for at, i in enumerate(places.tolist()):
         if len(series[i]):
@@ -370,15 +384,16 @@ def _logarithms(
     for (_, n, _), members in groups.items():
         waves = np.array([series[places[at]] for at in members])
         pairs = np.array([[fractions[at].numerator, fractions[at].denominator] for at in members], dtype=float)
-        out = np.empty((len(members), n * n + 1))
+        out = np.empty((len(members), n * n + 2))
         inputs = [waves.real.copy(), waves.imag.copy(), pairs]
         over_chunks(orbit_products_fill, inputs, out, n, workers=workers, chunk=64, interpret_up_to=0)
-        products, taken = out[:, :-1].reshape(-1, n, n), out[:, -1]
+        products, taken, stretch = out[:, :-2].reshape(-1, n, n), out[:, -2], out[:, -1]
         known = np.isfinite(taken) & np.isfinite(products).all(axis=(1, 2))
         radius = np.abs(np.linalg.eigvals(np.where(known[:, None, None], products, 0.0))).max(axis=1)
-        with np.errstate(divide="ignore"):
+        with np.errstate(divide="ignore", over="ignore", invalid="ignore"):
             logarithms[members] = np.where(known, np.log(radius) + taken, np.nan)
-    return logarithms
+            relative[members] = errors[places[members]] * np.exp(stretch - logarithms[members])
+    return logarithms, relative
 
 
 def _fractions(ratio: float, most: int) -> Iterator[Fraction]:

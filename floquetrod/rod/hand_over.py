@@ -24,6 +24,7 @@ from floquetrod.floquet.references import references
 from floquetrod.plotting import chart_plot, document, reach_plot
 from floquetrod.plotting.document import Document, DocumentSection, Illustration
 from floquetrod.plotting.record_plot import draw_record
+from floquetrod.rod.answers.evidence import NoisyCoupledEvidence, TwoFrequencyEvidence
 from floquetrod.rod.answers.reports import answer_units, load_lines, shown_in
 from floquetrod.rod.answers.rod_stability import RodStability
 from floquetrod.rod.answers.steady_motion import SteadyMotion
@@ -39,7 +40,7 @@ from floquetrod.units import AnswerUnits, Unit, unit
 from floquetrod.wells.path import WellPath
 
 _POINTS = {True: (160, 120), False: (64, 48)}  # of the map, where bands are exact and where loads take milliseconds
-_MAP_SECONDS, _FEWEST = 20.0, 12  # a map may take, and rows below which there is none (a choice)
+_MAP_SECONDS, _FEWEST = 10.0, 12  # a map may take, and the fewest rows of one (a choice)
 _STEEP = 0.25 * math.pi  # inclination in rad up to which criteria of vertical wells are told (a choice)
 _NO_ROW = ("path", "sections", "bores")  # parameters that are told in words
 _ROOM = 1.25  # about the load, in terms of it

@@ -215,6 +215,30 @@ def test_commensurate_frequencies_are_one_equation_with_harmonics(p: int, q: int
     assert growth.status == fr.stability(one).status
 
 
+@pytest.mark.parametrize(
+    ("p", "q", "edge", "first", "second"),
+    [
+        (3, 2, -0.8233454447331807, 0.07004693007977626, 0.5573519299907256),
+        (7, 5, -0.4937003475021119, 0.5502000188731133, 0.2661337441753649),
+        (2, 1, -0.41543315537931625, 0.4799657675448516, 0.25397841591351794),
+    ],
+)
+def test_errors_hold_next_to_an_edge(p: int, q: int, edge: float, first: float, second: float) -> None:
+    # Growth leaves zero as a square root there, by which the rounding of the maps' product enters.
+    cosines = [0.0] * max(p, q)
+    cosines[q - 1] += first
+    cosines[p - 1] += second
+    for exponent in (8, 10, 12, 14):
+        for off in (10.0**-exponent, -(10.0**-exponent)):
+            hill = fr.Hill(edge + off, cosines=tuple(cosines), period=2.0 * math.pi * q)
+            exact = fr.stability(hill, method="reference", digits=40).growth_rate
+            equation = fr.TwoFrequencies(fr.Hill(edge + off, cosines=(first,)), p / q, cosines=(second,))
+            growth = fr.quasiperiodic_growth(equation, tolerance=1e-9)
+            assert exact is not None
+            assert abs(growth.rate - exact) <= growth.error
+            assert growth.error < 1e-6
+
+
 @pytest.mark.parametrize("name", ["Hill", "HillSystem"])
 def test_a_chart_says_what_single_points_say(name: str) -> None:
     def family(d: float, e: float) -> fr.TwoFrequencies:

@@ -24,6 +24,7 @@ def add_waves(table: Any, waves: Any, size: float, rate: float, time: float, spr
     The tables (powers, rows, columns, phases) have a phase ``spread`` times 0, 1, ... besides; ``waves`` are cosines
     and sines (2, H, rows, columns), and t counts in steps.
     """
+    # cos(k rate (time + t)) has the coefficients cos, -sin, -cos, sin of the angle in turn, times (k rate)^i / i!.
     phases = table.shape[3]
     for k in range(waves.shape[1]):
         order = k + 1.0
@@ -82,6 +83,9 @@ def phase_maps_fill(mean: Any, own: Any, second: Any, ratio: Any, out: Any, phas
     cosines and sines (2, H, N, N), in rows from ``top`` and columns below ``right`` alone.  The phases y are equally
     spaced; a row is (N, N, phases) and the error, infinite where maps overflow.
     """
+    # A step times the largest row sum of A, or the rate of the fastest wave, is `_REACH`; it is halved until the last
+    # terms of its Taylor series (`series_step`) are within the accuracy.  Tables hold the series of the waves in A:
+    # ``shared`` of the first frequency, equal for all phases, ``table`` of both.
     n = len(mean[0])
     a, x = np.empty((n, n)), np.empty((ORDER + 1, n, n, phases))
     shared, table = np.empty((ORDER + 1, n - top, right, 1)), np.empty((ORDER + 1, n - top, right, phases))
@@ -137,11 +141,13 @@ def phase_maps_fill(mean: Any, own: Any, second: Any, ratio: Any, out: Any, phas
 
 @kernel
 def orbit_products_fill(real: Any, imag: Any, fraction: Any, out: Any, n: int) -> None:
-    """Fill rows of ``out`` with the product of the maps at the phases 2 pi j p / q, j = 0 to q - 1, and a logarithm.
+    """Fill rows of ``out`` with the product of the maps at the phases 2 pi j p / q, j = 0 to q - 1, and two logarithms.
 
-    The maps are Re sum_k (real + i imag)[k] exp(i k phase), (K, N, N); the product is the first N N numbers times the
-    exponential of the last.
+    The maps are Re sum_k (real + i imag)[k] exp(i k phase), (K, N, N).  The product is the first N N numbers times the
+    exponential of the next; the last is the logarithm by which an error of a map, the same for all, grows in it.
     """
+    # P = M_(q-1) ... M_0.  An error e of every map changes P by sum_j |M_(q-1) ... M_(j+1)| e |M_(j-1) ... M_0|, to
+    # first order; |M| is N times the largest entry.  Products before M_j come first, then those after it, downwards.
     for b in range(len(out)):
         p, q, count = int(fraction[b][0]), int(fraction[b][1]), len(real[b])
         waves = np.empty((2, count, n, n))
@@ -150,36 +156,74 @@ def orbit_products_fill(real: Any, imag: Any, fraction: Any, out: Any, n: int) -
                 for j in range(n):
                     waves[0, k, i, j] = real[b][k][i][j]
                     waves[1, k, i, j] = imag[b][k][i][j]
-        total, here, product = np.eye(n), np.empty((n, n)), np.empty((n, n))
+        maps, before = np.zeros((q, n, n)), np.zeros(q)
+        total, product = np.eye(n), np.empty((n, n))
         taken = 0.0
         for turn in range(q):
             angle = 2.0 * math.pi * ((turn * p) % q) / q
             cosine, sine, c, s = math.cos(angle), math.sin(angle), 1.0, 0.0
-            here[:] = 0.0
             for k in range(count):
                 for i in range(n):
                     for j in range(n):
-                        here[i, j] += c * waves[0, k, i, j] - s * waves[1, k, i, j]
+                        maps[turn, i, j] += c * waves[0, k, i, j] - s * waves[1, k, i, j]
                 c, s = c * cosine - s * sine, s * cosine + c * sine
-            largest = 0.0
-            for i in range(n):
-                for j in range(n):
-                    value = 0.0
-                    for m in range(n):
-                        value += here[i, m] * total[m, j]
-                    product[i, j] = value
-                    largest = max(largest, abs(value))
-            if not 0.0 < largest < math.inf:
-                taken = math.nan
+            before[turn] = taken + log_of_largest(total)
+            taken += times_in_range(maps[turn], total, product)
+            if not taken < math.inf:
                 break
-            scale = 1.0
-            if not 1e-100 < largest < 1e100:
-                scale = 1.0 / largest
-                taken += math.log(largest)
-            for i in range(n):
-                for j in range(n):
-                    total[i, j] = scale * product[i, j]
         for i in range(n):
             for j in range(n):
                 out[b, i * n + j] = total[i, j]
-        out[b, n * n] = taken
+        out[b, n * n], out[b, n * n + 1] = taken, math.inf
+        if not taken < math.inf:
+            out[b, n * n] = math.nan
+            continue
+        for i in range(n):
+            for j in range(n):
+                total[i, j] = 1.0 if i == j else 0.0
+        after, largest, whole = 0.0, -math.inf, 0.0
+        for step in range(q):
+            turn = q - 1 - step
+            growth = after + log_of_largest(total) + before[turn]
+            if growth > largest:
+                whole = 1.0 + (whole * math.exp(largest - growth) if step else 0.0)
+                largest = growth
+            else:
+                whole += math.exp(growth - largest)
+            for i in range(n):
+                for j in range(i):
+                    maps[turn, i, j], maps[turn, j, i] = maps[turn, j, i], maps[turn, i, j]
+            after += times_in_range(maps[turn], total, product)  # transposes, so that the new map comes first
+        out[b, n * n + 1] = largest + math.log(whole) + 2.0 * math.log(n)
+
+
+@kernel
+def log_of_largest(matrix: Any) -> float:
+    """Return the logarithm of the largest entry."""
+    largest = 0.0
+    for i in range(len(matrix)):
+        for j in range(len(matrix)):
+            largest = max(largest, abs(matrix[i, j]))
+    return math.log(largest) if largest > 0.0 else -math.inf
+
+
+@kernel
+def times_in_range(matrix: Any, total: Any, product: Any) -> float:
+    """Set ``total`` to the product of a matrix and it, kept in range; return the logarithm taken out, inf if lost."""
+    n = len(matrix)
+    largest = 0.0
+    for i in range(n):
+        for j in range(n):
+            value = 0.0
+            for m in range(n):
+                value += matrix[i, m] * total[m, j]
+            product[i, j] = value
+            largest = max(largest, abs(value))
+    if not 0.0 < largest < math.inf:
+        return math.inf
+    inside = 1e-100 < largest < 1e100
+    scale = 1.0 if inside else 1.0 / largest
+    for i in range(n):
+        for j in range(n):
+            total[i, j] = scale * product[i, j]
+    return 0.0 if inside else math.log(largest)

@@ -58,6 +58,7 @@ _OF_ONE_KIND = ("mode_verdicts", "mode_growth_rates", "mode_equations", "whole",
 """Names that are defined for one kind of modes only."""
 
 _QUICK_SHAPE = 150  # functions of coupled modes up to which a report finds the shape, in about two seconds
+_QUICK_VERDICT = 0.05  # s, of two frequencies: some hundred verdicts for all margins
 _LISTED_RESONANCES = 10  # in a report, the fastest
 _LISTED_MODES = 5  # in a report besides the modes that grow: those next to growth
 
@@ -408,7 +409,7 @@ class RodStability(Reported, Verdict):
     def has_quick_margins(self) -> bool:
         """Whether margins take some seconds at most, as they do except for many modes without exact margins."""
         if isinstance(self.evidence, TwoFrequencyEvidence):
-            return self.evidence.seconds <= _QUICK
+            return self.evidence.seconds <= _QUICK_VERDICT
         return self.evidence.has_exact_margins or self.modes_checked <= FEW_MODES
 
     @property
