@@ -21,7 +21,7 @@ from benchmarks.measure import Row
 HELPERS = {"__main__", "cosserat", "measure", "peers"}
 PACKAGES = (
     *("floquetrod", "numpy", "scipy", "numba", "mpmath"),
-    *("skhippr", "pyelastica", "welleng", "torque_drag", "bifpy"),  # the peers, where they are installed
+    *("skhippr", "pyelastica", "welleng", "torque_drag", "qutip", "bifpy"),  # the peers, where they are installed
 )
 _COLUMNS = ("what", "value", "unit", "peer takes", "of", "target", "met")
 
