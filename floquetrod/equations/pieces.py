@@ -242,6 +242,8 @@ def total(durations: list[Any]) -> float | Floats:
     if not shape:
         return float(sum(map(Fraction, durations)))
     lengths = np.array([np.broadcast_to(float(d) if isinstance(d, Fraction) else d, shape) for d in durations])
+    if len(lengths) <= 2:
+        return np.asarray(lengths.sum(axis=0))
     return np.array([math.fsum(column) for column in lengths.reshape(len(lengths), -1).T.tolist()]).reshape(shape)
 
 

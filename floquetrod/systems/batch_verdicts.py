@@ -17,23 +17,25 @@ from floquetrod._util.progress import Progress
 from floquetrod.equations import HillSystem, PeriodicSystem
 from floquetrod.equations import pieces as by_pieces
 from floquetrod.equations.batches import System, pick
-from floquetrod.equations.hill_system import EvenForm
+from floquetrod.equations.hill_system import EvenForm, in_first_order, states
 from floquetrod.equations.matrices import flat
 from floquetrod.floquet.dispatch import judge
+from floquetrod.floquet.kernels.constant_matrices import MOST_ROWS, piece_multipliers
 from floquetrod.floquet.kernels.constant_pieces import piece_pairs
 from floquetrod.floquet.kernels.system_even import pair_numbers
-from floquetrod.floquet.multiplier_pairs import logarithms
+from floquetrod.floquet.multiplier_pairs import logarithms, slopes
 from floquetrod.floquet.multipliers import half_period_maps, many_verdicts, whole_period_maps
 from floquetrod.floquet.multipliers.classification import MOST_SECONDS
 from floquetrod.floquet.multipliers.many_verdicts import ManyVerdicts
 from floquetrod.floquet.multipliers.whole_period_maps import PeriodMaps
 from floquetrod.floquet.problems import undamped_pairs
-from floquetrod.floquet.status import STABLE, STATUS_CODES, UNDECIDED, are
+from floquetrod.floquet.status import STABLE, STATUS_CODES, UNDECIDED, UNSTABLE, are
 
 _ACCURACY = 1e-12
 _MOST_DIGITS = 60  # for an undecided system: the square of a double's last digit and as much again (a choice)
 _SMALL = 1e-8  # of the largest multiplier, below which errors are computed (a choice: half the digits of a double)
 _VAGUE = 0.5  # of max(1, abs(y)): error of y above which its multipliers are not known (a choice)
+_SURE = 1e-7  # of a growth rate: bound of its error up to which it is taken (a choice)
 _AT_ONCE = 1 << 14  # entries of maps in a thread at a time (heuristic): some milliseconds of work
 _REPORTS = 50  # calls of ``progress`` by the quick rules (a choice)
 
@@ -135,7 +137,8 @@ def multipliers(systems: System, *, workers: int | None = None, progress: Progre
         order = np.argsort(-np.abs(values), axis=1, kind="stable")
         largest_first[chunk] = values[np.arange(len(values))[:, None], order]
 
-    _over(batch, fill, workers, progress)
+    size = len(batch.period)
+    _over(size, batch, fill, workers, progress and (lambda stop: progress(stop, size)))
     return largest_first.reshape(*systems.shape, batch.order)
 
 
@@ -157,7 +160,18 @@ def verdicts(
     def fill(chunk: slice) -> None:
         status[chunk], growth[chunk] = batch.verdicts(chunk)
 
-    _over(batch, fill, workers, progress, lambda stop: stop if quick else int((status[:stop] != UNDECIDED).sum()))
+    def done(stop: int) -> None:
+        if progress is not None:
+            progress(int((status[:stop] != UNDECIDED).sum()), size)
+
+    _over(size, batch, fill, workers, progress and done)
+    if isinstance(batch, _ConstantPieceBatch) and (left := np.flatnonzero(status == UNDECIDED)).size:
+        general = batch.general
+
+        def fill_left(chunk: slice) -> None:
+            status[left[chunk]], growth[left[chunk]] = general.verdicts(left[chunk])
+
+        _over(left.size, batch, fill_left, workers, progress and (lambda _: done(size)))
     # One after another, and not in threads: their many digits are Python's, and Ctrl-C is heard at once.
     open_ones = () if quick else np.flatnonzero(status == UNDECIDED).tolist()
     decided = size - len(open_ones)
@@ -167,6 +181,8 @@ def verdicts(
         growth[i] = result.growth_rate
         if progress is not None:
             progress(decided + judged, size)
+    if quick and progress is not None:
+        progress(size, size)
     return ManyVerdicts(status, growth)
 
 
@@ -301,42 +317,75 @@ class _FirstOrderBatch(_Batch):
 
 
 class _ConstantPieceBatch(_Batch):
-    """One or two equations u'' + K u = 0, K symmetric and constant on each piece: verdicts by maps in closed form."""
+    """Systems of few equations, constant on each piece: verdicts by compiled maps, multipliers by the general ones."""
+
+    def __init__(self, system: System, damping: float, *, paired: bool) -> None:
+        self.system, self.damping, self.paired = system, damping, paired
+        self.order = states(system)
+
+    @cached_property
+    def _first_order_system(self) -> PeriodicSystem:
+        """The same systems in first order, of mass 1."""
+        return in_first_order(self.system)
+
+    @cached_property
+    def general(self) -> _FirstOrderBatch:
+        """The batch of the same systems for multipliers, and for verdicts that the compiled maps leave open."""
+        return _FirstOrderBatch(self._first_order_system, self.damping, paired=self.paired)
+
+    def multipliers(self, chunk: slice) -> Complexes:
+        return self.general.multipliers(chunk)
+
+
+class _OscillatorPieceBatch(_ConstantPieceBatch):
+    """One or two equations u'' + K u = 0, K symmetric and constant on each piece: maps in closed form."""
 
     def __init__(self, system: HillSystem, damping: float) -> None:
-        n, shape = system.order, system.shape
-        self.system, self.damping, self.order = system, damping, 2 * n
+        super().__init__(system, damping, paired=True)
+        n = system.order
         if system.mass is None:
             pieces, error = by_pieces.of_batch(system), system.error_norm
             self.stiffness = pieces.mean
         else:
             pieces, error = by_pieces.of_batch(self._first_order_system), n * self._first_order_system.coefficient_error
             self.stiffness = -pieces.mean[:, :, n:, :n]
-        self.length, self.period, self.uncertainty = pieces.length, pieces.period, flat(error, shape, 0)
-
-    @cached_property
-    def _first_order_system(self) -> PeriodicSystem:
-        """The same systems in first order, of mass 1."""
-        return self.system.as_periodic_system()
-
-    @cached_property
-    def _first_order(self) -> _FirstOrderBatch:
-        """The batch of the same systems for multipliers, and for verdicts that the closed form leaves open."""
-        return _FirstOrderBatch(self._first_order_system, self.damping, paired=True)
-
-    def multipliers(self, chunk: slice) -> Complexes:
-        return self._first_order.multipliers(chunk)
+        self.length, self.period, self.uncertainty = pieces.length, pieces.period, flat(error, system.shape, 0)
 
     def verdicts(self, chunk: slice) -> ManyVerdicts:
-        inputs = (self.stiffness[chunk], self.length[chunk], self.uncertainty[chunk])
-        values, radii = piece_pairs(*inputs)
+        values, radii = piece_pairs(self.stiffness[chunk], self.length[chunk], self.uncertainty[chunk])
+        return many_verdicts.pair_verdicts(many_verdicts.pair_discs(values, radii), self.period[chunk], self.damping)
+
+
+class _MatrixPieceBatch(_ConstantPieceBatch):
+    """Up to four equations x' = A x, A constant on each piece: exponentials by series, multipliers by polynomials."""
+
+    def __init__(self, system: PeriodicSystem, damping: float, *, paired: bool) -> None:
+        super().__init__(system, damping, paired=paired)
+        pieces = by_pieces.of_batch(system)
+        self.matrices, self.length, self.period = pieces.mean, pieces.length, pieces.period
+        entries = whole_period_maps.uncertain_entries(pieces.mean)
+        self.uncertainty: Floats = np.where(entries, system.coefficient_error, 0.0)
+
+    def verdicts(self, chunk: slice) -> ManyVerdicts:
         period = self.period[chunk]
-        status, growth = many_verdicts.pair_verdicts(many_verdicts.pair_discs(values, radii), period, self.damping)
-        left = status == UNDECIDED
-        if left.any():
-            rows = np.arange(len(self.period))[chunk][left]
-            status[left], growth[left] = self._first_order.verdicts(rows)
-        return ManyVerdicts(status, growth)
+        found = piece_multipliers(self.matrices[chunk], self.length[chunk], self.uncertainty, paired=self.paired)
+        if found is None:
+            return ManyVerdicts(np.full(len(period), UNDECIDED, dtype=np.int8), np.zeros(len(period)))
+        values, radii = found
+        discs = many_verdicts.pair_discs(values, radii)
+        if self.paired:
+            judged = many_verdicts.pair_verdicts(discs, period, self.damping)
+            sizes, errors = np.abs(logarithms(values).real), slopes(values, 1.0 + values, radii)
+        else:
+            judged = many_verdicts.multiplier_verdicts(discs, period, paired=False, damping=0.0)
+            sizes = np.abs(values)
+            with np.errstate(divide="ignore", invalid="ignore"):
+                errors = radii / sizes
+        fastest = np.arange(len(sizes)), sizes.argmax(axis=1)
+        with np.errstate(over="ignore", invalid="ignore"):
+            vague = np.logical_not(errors[fastest] <= _SURE * judged.growth * period)
+        judged.status[vague & (judged.status == UNSTABLE)] = UNDECIDED
+        return judged
 
 
 def _eigenvalues(matrices: NDArray[Any]) -> Complexes:
@@ -364,33 +413,31 @@ def _batch(systems: Any) -> _Batch:
     if isinstance(subject, HillSystem):
         if pairs is not None and subject.even_form is not None:
             return _EvenBatch(subject, subject.even_form, damping)
-        if pairs is not None and subject.order <= 2 and _has_constant_pieces(subject):
-            return _ConstantPieceBatch(subject, damping)
+        symmetric = subject.is_symmetric and subject.gyroscopic is None
+        if pairs is not None and subject.order <= 2 and symmetric and _has_constant_pieces(subject):
+            return _OscillatorPieceBatch(subject, damping)
         subject = subject.as_periodic_system()
+    few = subject.order * (1 + subject.is_complex) <= MOST_ROWS
+    if few and _has_constant_pieces(subject) and not subject.keeps_norm:
+        return _MatrixPieceBatch(subject, damping, paired=pairs is not None)
     return _FirstOrderBatch(subject, damping, paired=pairs is not None)
 
 
-def _has_constant_pieces(system: HillSystem) -> bool:
-    """Return whether K is symmetric and constant on every piece, without gyroscopic forces."""
-    constant = bool(system.pieces) and all(value.is_constant for _, value in system.pieces)
-    return constant and system.is_symmetric and system.gyroscopic is None
+def _has_constant_pieces(system: System) -> bool:
+    """Return whether the matrix of the system is constant on every piece."""
+    return bool(system.pieces) and all(value.is_constant for _, value in system.pieces)
 
 
 def _over(
-    batch: _Batch,
-    fill: Callable[[slice], None],
-    workers: int | None,
-    progress: Progress | None,
-    done: Callable[[int], int] = int,
+    size: int, batch: _Batch, fill: Callable[[slice], None], workers: int | None, done: Callable[[int], Any] | None
 ) -> None:
-    """Call ``fill`` with parts of a batch, in threads if it pays; ``done`` says how many of the first count as done."""
-    size = len(batch.period)
+    """Call ``fill`` with parts of ``size`` systems, in threads if it pays; ``done`` hears how many are done."""
     step = max(1, _AT_ONCE // batch.order**2)
     chunks = [(slice(start, min(size, start + step)),) for start in range(0, size, step)]
     threads = workers or cores()
-    together = len(chunks) if progress is None else max(4 * threads, len(chunks) // _REPORTS)
+    together = len(chunks) if done is None else max(4 * threads, len(chunks) // _REPORTS)
     for first in range(0, len(chunks), max(1, together)):
         group = chunks[first : first + together]
         in_threads(fill, group, threads)
-        if progress is not None:
-            progress(done(group[-1][0].stop), size)
+        if done is not None:
+            done(group[-1][0].stop)

@@ -14,5 +14,7 @@ which also runs interpreted (`floquet/kernels/taylor.py`), one for systems (`flo
 for half a period of even systems (`floquet/kernels/system_even*.py`): 20,000 pairs of equations take 39 ms, over the
 whole period 850.  Three serve other purposes: `floquet/kernels/phase_maps.py` carries one equation at many phases of
 a second frequency side by side, `floquet/solve.py` computes a solution up to any time, and
-`floquet/methods/leapfrog.py` is the published study's integrator.
+`floquet/methods/leapfrog.py` is the published study's integrator.  Of pieces with constant
+coefficients batches take exponentials: `floquet/kernels/constant_pieces.py` in closed form, `constant_matrices.py` by
+series.
 """

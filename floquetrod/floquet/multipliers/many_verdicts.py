@@ -110,7 +110,8 @@ def multiplier_verdicts(discs: ManyDiscs, period: Floats, *, paired: bool, dampi
         growth = np.log(sizes)
         low, high = np.log(np.maximum(sizes - radii, 0.0)), np.log(sizes + radii)
     limit = (damping * period)[:, None] if paired else 0.0
-    unstable = ((low > limit) & (apart | (low > limit).all(axis=1, keepdims=True))).any(axis=1)
+    outside = low > limit
+    unstable = _reduce(np.logical_or, outside & (apart | _reduce(np.logical_and, outside)[:, None]))
     decays = high < limit
     if paired and damping == 0.0:
         # A disc on the circle that meets no other, nor another's mirror image, holds one multiplier on it exactly.
@@ -118,7 +119,8 @@ def multiplier_verdicts(discs: ManyDiscs, period: Floats, *, paired: bool, dampi
         bounded = _apart(values, radii + mirrored) & (low <= 0.0) & (high >= 0.0) & (radii < 0.5)
         growth = np.where(bounded, 0.0, growth)
         decays = bounded
-    return _verdicts(decays.all(axis=1), unstable, growth.max(axis=1) / period - (damping if paired else 0.0))
+    fastest = _reduce(np.maximum, growth)
+    return _verdicts(_reduce(np.logical_and, decays), unstable, fastest / period - (damping if paired else 0.0))
 
 
 def _reduce(join: np.ufunc, rows: NDArray[Any]) -> NDArray[Any]:

@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from floquetrod._util.arrays import Complexes, Floats, norms
+from floquetrod._util.arrays import Bools, Complexes, Floats, norms
 from floquetrod.equations.complex_form import complex_matrix
 from floquetrod.equations.pieces import PieceArrays
 from floquetrod.floquet.kernels.system_maps import SegmentMaps, product, segment_maps
@@ -215,18 +215,26 @@ def _spread(scaling: Floats) -> Floats:
     return np.asarray(scaling.max(axis=-1) / scaling.min(axis=-1))
 
 
-def error_stretch(means: Floats, scaling: Floats) -> Floats:
-    """Return the largest growth of errors of the coefficients in coordinates x / scaling.
+def uncertain_entries(means: Floats) -> Bools:
+    """Return which entries (N, N) of A with the means (b, P, N, N) its error may be in.
 
-    Where positions change at the rate of velocities, [0, 1] in the upper half of the means (b, P, 2n, 2n), nothing is
-    in error there, nor in a lower right block that is zero.
+    Where positions change at the rate of velocities, [0, 1] in the upper half of the means, nothing is in error there,
+    nor in a lower right block that is zero.
     """
     n = means.shape[-1] // 2
-    every = _spread(scaling)
+    entries = np.ones(means.shape[-2:], dtype=np.bool_)
     if means.shape[-1] % 2 or not ((means[..., :n, n:] == np.eye(n)).all() and not means[..., :n, :n].any()):
-        return every
-    columns = scaling if means[..., n:, n:].any() else scaling[:, :n]
-    return np.asarray(columns.max(axis=-1) / scaling[:, n:].min(axis=-1))
+        return entries
+    entries[:n] = False
+    entries[n:, n:] = means[..., n:, n:].any()
+    return entries
+
+
+def error_stretch(means: Floats, scaling: Floats) -> Floats:
+    """Return the largest growth of errors of the coefficients in coordinates x / scaling."""
+    entries = uncertain_entries(means)
+    columns, rows = scaling[:, entries.any(axis=0)], scaling[:, entries.any(axis=1)]
+    return np.asarray(columns.max(axis=-1) / rows.min(axis=-1))
 
 
 def _paired_scaling(sizes: Floats) -> Floats:
