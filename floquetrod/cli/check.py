@@ -24,7 +24,7 @@ from floquetrod.cli.common import (
     read_units,
     write_figures,
 )
-from floquetrod.cli.loads import add_question, is_record_alone, read_question, warn_of_hertz
+from floquetrod.cli.loads import add_question, read_question, warn_of_hertz
 from floquetrod.cli.output import Output, output
 from floquetrod.cli.parser import Parser
 from floquetrod.floquet.margins import Margin
@@ -34,7 +34,7 @@ from floquetrod.parameter import REQUIRED
 from floquetrod.rod.answers.reports import shown_in
 from floquetrod.rod.answers.rod_stability import RodStability
 from floquetrod.rod.answers.search_pieces import FEW_MODES
-from floquetrod.rod.loads.load import Load, Quantity
+from floquetrod.rod.loads.load import Load, LoadSource, Quantity
 from floquetrod.rod.model.beam import CONDITIONS
 from floquetrod.rod.model.parameters import INSTEAD, ROD
 
@@ -145,16 +145,16 @@ def _check(options: argparse.Namespace) -> Output:
             f"--method belongs to --system, got {options.method!r} with --rod: the methods for a rod follow from its "
             "load"
         )
-    rod, record, load = read_question(options)
+    rod, record, load, source = read_question(options)
     question = _Question(
         rod,
         record,
-        is_record_alone(options),
         load,
+        source,
         _modes(options.modes),
         read_tolerance(options),
         read_friction(options),
-        read_units(options, rod),
+        read_units(options, rod, load),
         options.margins,
     )
     result = _verdict(question)
@@ -203,8 +203,8 @@ _NOT_SEARCHED = "not searched, because this takes hundreds of verdicts; add --ma
 class _Question(NamedTuple):
     rod: fr.Rod
     force: fr.ForceRecord | None
-    record_alone: bool  # whether the record says all about the load
     load: Load
+    source: Load | LoadSource  # of the load: the measured force with its noise
     modes: list[int] | None
     tolerance: float
     mu_and_kick: tuple[float, float] | None
@@ -220,11 +220,9 @@ def _verdict(question: _Question) -> RodStability | fr.results.FrictionalRodStab
             return question.rod.stability(
                 question.load, modes=question.modes, growth_tolerance=question.tolerance, friction=mu, kick=speed
             )
-    # A record as it is, so that its noise counts; its fit where options say more about the load.
-    force = question.force if question.force is not None and question.record_alone else question.load
     with Waiting("deciding stability", "verdicts") as progress:
         return question.rod.stability(
-            force, modes=question.modes, growth_tolerance=question.tolerance, progress=progress
+            question.source, modes=question.modes, growth_tolerance=question.tolerance, progress=progress
         )
 
 
@@ -281,13 +279,12 @@ def _sine_beside(question: _Question) -> tuple[list[tuple[str, str]], dict[str, 
     with Waiting("comparing with a sine"):
         sine = _sine(question)
     shown = shown_in(question.shown, question.rod)
-    left_out = "" if question.record_alone else "; the error leaves out its noise, because options change the load"
     lines = [
         ("sine", f"of the same mean, amplitude and frequency: {sine.status}{_growing(sine)}"),
-        ("record", f"{question.force.in_words(shown['force'], shown['frequency'])}{left_out}"),
+        ("record", question.force.in_words(shown["force"], shown["frequency"])),
     ]
     numbers = {
-        "force_record": question.force.as_dict() | {"noise_in_error": question.record_alone},
+        "force_record": question.force.as_dict() | {"noise_in_error": True},
         "sine_of_the_same_amplitude": {"status": sine.status, "growth_rate_per_s": sine.growth_rate},
     }
     return lines, numbers
@@ -316,7 +313,7 @@ def _draw(
         drawn = result.plot() if record is None else draw_record_and_shape(record, result, force)
     except ValueError as error:
         undrawn = [("shape", f"not drawn: {error}")]
-        return ([] if record is None else write_figures(paths, lambda: draw_record(record, force=force)[0])), undrawn
+        return ([] if record is None else write_figures(paths, lambda: draw_record(record, None, force)[0])), undrawn
     return write_figures(paths, lambda: drawn), []
 
 

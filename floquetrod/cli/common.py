@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import logging
+import math
 import os
 import re
 import shlex
@@ -17,6 +18,8 @@ from typing import TYPE_CHECKING, Any
 import floquetrod as fr
 from floquetrod import units
 from floquetrod._util.arguments import argument_of, wrong_value
+from floquetrod._util.interchange import with_unit
+from floquetrod._util.result_report import number
 from floquetrod._util.suggest import did_you_mean
 from floquetrod._util.waiting import Waiting, say
 from floquetrod.cli.messages import option
@@ -219,9 +222,15 @@ def read_quantity(text: str, name: load.Quantity, rod: fr.Rod, given: str | None
     """Return a quantity of the load in SI units; messages quote ``given`` in place of the text."""
     from floquetrod.rod import reading
 
-    if given is None and ":" in text:
-        raise ValueError(f"--{name} must be one value here, got {text!r}; ranges, map and certify take ranges")
+    if given is None:
+        require_one_value(text, name)
     return reading.read_quantity(text, name, rod, option, given)
+
+
+def require_one_value(text: str | None, name: load.Quantity) -> None:
+    """Raise ValueError for a range of a quantity of the load."""
+    if text is not None and ":" in text:
+        raise ValueError(f"--{name} must be one value here, got {text!r}; ranges, map and certify take ranges")
 
 
 def read_force(text: str, name: str, rod: fr.Rod) -> float:
@@ -290,27 +299,29 @@ def _typed_unit(text: str) -> str | None:
     return units.unit_of(re.split("[:,]", text)[-1])
 
 
-def read_units(options: argparse.Namespace, rod: fr.Rod) -> dict[str, str]:
+def read_units(options: argparse.Namespace, rod: fr.Rod, like: load.Load | None = None) -> dict[str, str]:
     """Return the unit of each quantity in the answer: that of --unit, else the one it was given in, else SI.
 
-    The end of a range without a unit has that of the other.  The options may have no --kick; its unit is then mm/s.  A
-    frequency that a record tells is in Hz, as its spectrum is.  Other forces, lengths and pressures are among them
-    where something tells their unit.
+    The end of a range without a unit has that of the other.  The options may have no --kick; its unit is then mm/s.
+    Quantities that no option gives, but the load ``like`` of a measured force, are in the unit in which another force
+    was typed, else in the record's.
+    Other forces, lengths and pressures are among them where something tells their unit.
     """
     from floquetrod.rod.loads.load import LOAD, QUANTITIES
 
-    chosen = units_asked(options.unit)
+    chosen, typed_units = units_asked(options.unit), units_typed(options)
+    of_record = {} if like is None else {**like.given_units._asdict(), **typed_units}
     found: dict[str, str] = {}
     for name, kind in [*((name, LOAD[name].kind) for name in QUANTITIES), ("kick", "speed")]:
         text = getattr(options, name, None)
         typed = _typed_unit(text) if isinstance(text, str) else None
-        unasked = "Hz" if name == "frequency" and getattr(options, "force", None) else _UNASKED.get(kind, "")
+        unasked = of_record.get(kind) or _UNASKED.get(kind, "")
         wanted = chosen.get(kind, unasked if typed is None else typed)
         found[name] = units.unit(wanted, f"--{name}", kind, rod.force_unit).name
     asked = {kind: name for kind, name in chosen.items() if kind in ("force", "length", "pressure")}
     if not units.is_unit(asked.get("force", ""), "force"):  # critical forces, of which one is said in another unit
         asked.pop("force", None)
-    more = {kind: units.unit(name, "--unit", kind).name for kind, name in {**units_typed(options), **asked}.items()}
+    more = {kind: units.unit(name, "--unit", kind).name for kind, name in {**typed_units, **asked}.items()}
     return {**found, **more}
 
 
@@ -439,6 +450,55 @@ def find_bands(options: argparse.Namespace, chart: fr.Chart) -> bool:
     with Waiting("finding bands", "steps along boundaries") as progress:
         chart.find_bands(progress=progress)
     return True
+
+
+_LISTED_BANDS = 12  # of a chart that are listed in the terminal, the fastest growing ones (a choice)
+
+
+def bands_listed(bands: fr.results.Bands) -> str:
+    """Return the caption of bands, and a table of the fastest growing ones with their ranges along both axes."""
+    from floquetrod._util.result_report import Table
+
+    if not len(bands):
+        return bands.caption
+    x, y = (f"{axis.name} / {axis.unit}" if axis.unit else axis.name for axis in (bands.x, bands.y))
+    columns = ("unstable", x, y, f"largest growth {_rate(bands.growth_unit)}", "at")
+    fastest = sorted(bands, key=lambda band: 0.0 if math.isnan(band.largest_growth) else -band.largest_growth)
+    rows = [
+        (
+            band.name or "band",
+            *(f"{values.min():.5g} to {values.max():.5g}" for values in (band.x, band.y)),
+            "not known" if math.isnan(band.largest_growth) else f"{band.largest_growth:.5g}",
+            f"{band.place[0]:.5g}, {band.place[1]:.5g}",
+        )
+        for band in fastest[:_LISTED_BANDS]
+    ]
+    more = len(bands) - _LISTED_BANDS
+    rest = f"and {more:,} more, which grow more slowly: --json lists all" if more > 0 else ""
+    return f"{bands.caption}\n\n{Table([(title, '<') for title in columns], rows, rest)}"
+
+
+def _rate(unit: str) -> str:
+    return unit if unit.startswith("per ") else f"/ ({unit})"
+
+
+def bands_in_numbers(bands: fr.results.Bands) -> list[dict[str, Any]]:
+    """Return bands for JSON: their resonances, their ranges along both axes, and where they grow fastest."""
+    x, y = (with_unit(axis.name, axis.unit) for axis in (bands.x, bands.y))
+    growth = f"largest_growth_{bands.growth_unit.replace('1/s', 'per s').replace(' ', '_')}"
+    return [
+        {
+            "name": band.name,
+            "mode": band.mode,
+            "partner": band.partner,
+            "tongue": band.tongue,
+            x: [float(band.x.min()), float(band.x.max())],
+            y: [float(band.y.min()), float(band.y.max())],
+            growth: number(band.largest_growth),
+            "at": list(band.place),
+        }
+        for band in bands
+    ]
 
 
 def read_points(text: str) -> tuple[int, int]:

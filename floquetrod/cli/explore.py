@@ -65,7 +65,7 @@ def _explore(options: argparse.Namespace) -> Output:
     _require_web(options)
     rod, load, is_given = _given(options)
     warn_of_hertz("--frequency", options.frequency, rod, [load])
-    names = read_units(options, rod)
+    names = read_units(options, rod, load)
     shown = shown_in(names, rod)
     if not is_given:  # begin in the middle of things
         first = Scale.of(rod).first_load(shown)
@@ -104,7 +104,7 @@ def _given(options: argparse.Namespace) -> tuple[fr.Rod, Load, bool]:
     given = [name for name in QUANTITIES if getattr(options, name) is not None]
     if given and len(given) < len(QUANTITIES) and options.force is None:
         raise ValueError(f"--mean, --amplitude and --frequency go together; got only --{', --'.join(given)}")
-    rod, record, load = read_question(options, required=False)
+    rod, record, load, _ = read_question(options, required=False)
     return rod, load, bool(given) or record is not None
 
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 import argparse
 import itertools
 from collections.abc import Iterable
-from dataclasses import replace
 from typing import Any, NamedTuple
 
 import floquetrod as fr
@@ -15,16 +14,16 @@ from floquetrod.cli.common import (
     add_friction,
     add_rod,
     add_units,
-    read_quantity,
     read_range,
     read_rod,
     read_tolerance,
     read_units,
+    require_one_value,
 )
 from floquetrod.cli.messages import option
 from floquetrod.parameter import Subsystem, unknown
 from floquetrod.rod import reading
-from floquetrod.rod.loads.load import LOAD, QUANTITIES, Load, Quantity
+from floquetrod.rod.loads.load import LOAD, QUANTITIES, Load, LoadSource, Quantity
 from floquetrod.rod.model.plausibility import suspicion_of_hertz, warn_of_load
 
 
@@ -124,21 +123,42 @@ def _require_quantities(options: argparse.Namespace) -> None:
         )
 
 
-def read_question(options: argparse.Namespace, *, required: bool = True) -> tuple[fr.Rod, fr.ForceRecord | None, Load]:
-    """Return the rod, the measured force, None without any, and the load, whose quantities may be ``required``."""
+class Question(NamedTuple):
+    """A rod, a measured force, None without any, a load, and what verdicts are about: the force with its noise."""
+
+    rod: fr.Rod
+    record: fr.ForceRecord | None
+    load: Load
+    source: Load | LoadSource
+
+
+def read_question(options: argparse.Namespace, *, required: bool = True) -> Question:
+    """Return the rod and the load, whose quantities may be ``required``.
+
+    Where options change a measured force, the errors of its other numbers count in verdicts.
+    """
     if required:
         _require_quantities(options)
     rod = read_rod(options)
     record, like = _read_kind(options, rod)
-    texts = {name: text for name in QUANTITIES if (text := getattr(options, name)) is not None}
-    numbers: dict[str, Any] = {name: read_quantity(text, name, rod) for name, text in texts.items()}
-    return rod, record, replace(like, **numbers)
+    for name in QUANTITIES:
+        require_one_value(getattr(options, name), name)
+    load = reading.read_load(vars(options), rod, like, option)
+    if record is None:
+        return Question(rod, None, load, load)
+    from floquetrod.rod.loads.record import ChangedRecord
+
+    def change(fit: Load) -> Load:
+        like = reading.read_kind(vars(options), record, option, fit)
+        return reading.read_load(vars(options), rod, like, option)
+
+    return Question(rod, record, load, record if _is_record_alone(options) else ChangedRecord(record, change))
 
 
-def is_record_alone(options: argparse.Namespace) -> bool:
-    """Return whether a measured force says all about the load: then its noise counts."""
+def _is_record_alone(options: argparse.Namespace) -> bool:
+    """Return whether a measured force says all about the load."""
     own = {*QUANTITIES, *reading.LOAD_OPTIONS} - {"force", *reading.RECORD_OPTIONS}
-    return all(getattr(options, name) is None for name in own)
+    return all(getattr(options, name, None) is None for name in own)
 
 
 class Ranges(NamedTuple):
@@ -174,7 +194,7 @@ def read_ranges(options: argparse.Namespace) -> Ranges:
     _, like = _read_kind(options, rod)
     texts = {name: getattr(options, name) for name in QUANTITIES}
     values = {n: [getattr(like, n)] if text is None else read_range(text, n, rod) for n, text in texts.items()}
-    return Ranges(rod, like, values, read_tolerance(options), read_units(options, rod))
+    return Ranges(rod, like, values, read_tolerance(options), read_units(options, rod, like))
 
 
 def warn_of_hertz(

@@ -19,7 +19,7 @@ from floquetrod.cli.common import (
     read_units,
     write_each,
 )
-from floquetrod.cli.loads import add_question, is_record_alone, read_question
+from floquetrod.cli.loads import add_question, read_question
 from floquetrod.cli.output import Output, output
 from floquetrod.cli.parser import Parser
 from floquetrod.rod.model.wellhead import WELLHEAD
@@ -59,12 +59,11 @@ def add(command: Parser) -> None:
 
 def _report(options: argparse.Namespace) -> Output:
     _require_well(options)
-    rod, record, load = read_question(options)
-    tolerance, shown = read_tolerance(options), read_units(options, rod)
+    rod, record, load, source = read_question(options)
+    tolerance, shown = read_tolerance(options), read_units(options, rod, load)
     pushed = None if options.well is None else reach.read_reach(options, rod)
     with Waiting("deciding stability", "verdicts") as progress:
-        force = record if record is not None and is_record_alone(options) else load
-        verdict = rod.stability(force, growth_tolerance=tolerance, progress=progress)
+        verdict = rod.stability(source, growth_tolerance=tolerance, progress=progress)
     motion = None
     if options.motion:
         with Waiting(f"{verdict.status}; following the motion"):

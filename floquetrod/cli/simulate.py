@@ -139,13 +139,13 @@ def add(command: Parser) -> None:
 def _simulate(options: argparse.Namespace) -> Output:
     if options.earlier is not None:
         return _continue(options)
-    rod, _, load = read_question(options)
+    rod, _, load, _ = read_question(options)
     feed = None if options.feed_speed is None else units.quantity(options.feed_speed, "--feed-speed", "speed")
     far = None if options.far_force is None else read_force(options.far_force, "--far-force", rod)
     friction: Any = read_friction(options.friction, "--friction")
     duration = units.quantity(options.duration or "2s", "--duration", "time")
     step = None if options.time_step is None else units.quantity(options.time_step, "--time-step", "time")
-    perturbation, shown = _perturbation(options), read_units(options, rod)
+    perturbation, shown = _perturbation(options), read_units(options, rod, load)
     _require_writers(options.out, options.checkpoint)
     warn_of_hertz("--frequency", options.frequency, rod, [load])
     problem = fr.SimulationProblem(

@@ -8,16 +8,16 @@ import numpy as np
 
 from floquetrod._util import validate
 from floquetrod.plotting.chart_plot import axes_or_new
-from floquetrod.units import Unit, unit
+from floquetrod.units import Unit
 
 _SHOWN = 8  # periods drawn of a record (a choice)
 _BEYOND = 3.0  # times the frequency of the last harmonic kept, up to which the spectrum is drawn (a choice)
 
 
-def draw_record(record: Any, ax: Any = None, force: Unit | None = None) -> Any:
+def draw_record(record: Any, ax: Any, force: Unit) -> Any:
     """Draw a `floquetrod.ForceRecord` on two axes: its first periods with the fit, and its spectrum with the noise.
 
-    Forces are in N, or in the unit ``force``.
+    Forces are in the unit ``force``; without axes they are those of a new figure.
     """
     from matplotlib import pyplot
 
@@ -27,16 +27,15 @@ def draw_record(record: Any, ax: Any = None, force: Unit | None = None) -> Any:
     if len(chosen) != 2:
         raise validate.wrong_type("ax", f"must be two axes of matplotlib, got {validate.short(ax)}")
     above, below = (axes_or_new(each) for each in chosen)
-    shown = force or unit("N", "", "force")
-    _draw_fit(record, above, shown)
-    _draw_spectrum(record, below, shown)
+    _draw_fit(record, above, force)
+    _draw_spectrum(record, below, force)
     return ax
 
 
-def draw_record_and_shape(record: Any, verdict: Any, force: Unit | None = None) -> Any:
+def draw_record_and_shape(record: Any, verdict: Any, force: Unit) -> Any:
     """Return a figure of a record with, below, the shape that grows under it; ValueError where there is none.
 
-    Forces are in N, or in the unit ``force``.
+    Forces are in the unit ``force``.
     """
     from matplotlib import pyplot
 

@@ -108,8 +108,10 @@ def _survey_columns(text: Any, name: str) -> list[str | int | None]:
     return [*(column_text(part) for part in parts), *[None] * (3 - len(parts))]
 
 
-def read_kind(given: Mapping[str, Any], record: ForceRecord | None, named: ArgumentName = str) -> Load:
-    """Return a load of the kind described by ``given``, with the numbers of the record."""
+def read_kind(
+    given: Mapping[str, Any], record: ForceRecord | None, named: ArgumentName = str, fit: Load | None = None
+) -> Load:
+    """Return a load of the kind described by ``given``, with the numbers of ``fit``, by default the record's."""
     damping, wave = given["axial_damping"], given["wave"]
     if damping is not None and wave is None:
         raise ValueError(
@@ -117,18 +119,19 @@ def read_kind(given: Mapping[str, Any], record: ForceRecord | None, named: Argum
             f"same all along the rod; add {named('wave')} held, free or driven"
         )
     at = 0.5 if given["mean_at"] is None else _fraction(given["mean_at"], named("mean_at"))
-    load = replace(kind(record), mean_at=at)
+    template = kind(record if fit is None else fit)
+    load = replace(template, mean_at=at)
     noise, second = given.get("noise"), given.get("second")  # which not every subsystem knows
     if noise is not None:
         load = replace(load, noise=_noise(noise, record, named))
     if second is not None:
         load = replace(load, second=_second_sine(second, named("second")))
     if wave is None:
-        return load
+        return load.given_in(template.given_units)
     rate = units.quantity(
         "0" if damping is None else damping, named("axial_damping"), "rate", least=0.0, largest=_LARGEST
     )
-    return AxialWave(**load.as_dict(), far_end=wave, axial_damping=rate)
+    return AxialWave(**load.as_dict(), far_end=wave, axial_damping=rate).given_in(template.given_units)
 
 
 def _second_sine(text: str, name: str) -> Any:
@@ -166,7 +169,8 @@ def read_load(given: Mapping[str, Any], rod: Rod, like: _L, named: ArgumentName 
     """Return a load of the kind of ``like``, which gives the numbers left out."""
     texts = {name: given[name] for name in QUANTITIES if given[name] is not None}
     numbers: dict[str, Any] = {name: read_quantity(text, name, rod, named) for name, text in texts.items()}
-    return replace(like, **numbers)
+    typed = units.GivenUnits.of(force=(texts.get("mean"), texts.get("amplitude")), frequency=texts.get("frequency"))
+    return replace(like, **numbers).given_in(typed.or_else(like.given_units))
 
 
 def read_quantity(value: Any, name: Quantity, rod: Rod, named: ArgumentName = str, quoted: str | None = None) -> float:

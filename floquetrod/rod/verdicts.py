@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import TYPE_CHECKING, Any, cast
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -22,7 +22,6 @@ from floquetrod.rod.modes.mode_model import ModeModel
 # Loaded by what needs them: a first verdict takes a quarter of the package.
 if TYPE_CHECKING:
     from floquetrod.rod.friction.kicks import FrictionalRodStability
-    from floquetrod.rod.loads.record import ForceRecord
 
 
 def stability(
@@ -39,7 +38,7 @@ def stability(
     friction_kick = friction_and_kick(friction, kick)
     tolerance = units.tolerance("growth_tolerance", growth_tolerance)
     validate.progress(progress)
-    record = cast("ForceRecord", source) if isinstance(source, LoadSource) else None
+    record = source if isinstance(source, LoadSource) else None
     warn_unless_uniform(rod, load)
     warn_of_load(rod, load if record is None or record.force_unit_named else record)
     if friction is not None:

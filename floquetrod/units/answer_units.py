@@ -3,8 +3,8 @@
 Kind by kind of quantity the unit is the first of these:
 
 1. the one that was asked for, ``--unit ft,lbf`` or ``report(force="kN")``;
-2. the one in which the question gave such a quantity: in the arguments of the call, then in the load or the tool, the
-   survey, the rod.  A number alone, a percentage and a critical force give none;
+2. the one in which the question gave such a quantity: in the arguments of the call, then in the load, the measured
+   force or the tool, the survey, the rod.  A number alone, a percentage and a critical force give none;
 3. the one usual beside the lengths of the answer: beside feet and inches pounds-force, ksi, ft/min, ppg and deg/100ft.
    Where no length was given, pounds-force count as feet.
 

@@ -8,7 +8,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Iterator, Mapping
 from dataclasses import MISSING, dataclass, field, fields, replace
 from itertools import pairwise
-from typing import Any, Literal, NamedTuple, Self, TypeAlias
+from typing import Any, ClassVar, Literal, NamedTuple, Self, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -431,12 +431,18 @@ class AxialLoad(Load):
 
 
 class LoadSource(ABC):
-    """What a load can be made of, and stands for it as an argument."""
+    """A measured force, or one that differs from it in some numbers: as an argument it stands for its load."""
+
+    force_unit_named: ClassVar[bool] = True
 
     @property
     @abstractmethod
     def load(self) -> Load:
         """The load."""
+
+    @abstractmethod
+    def _within_errors(self, count: int) -> Iterator[Load]:
+        """Yield loads drawn within the errors of the load, the same ones in every call."""
 
 
 AnyLoad: TypeAlias = Load | LoadSource

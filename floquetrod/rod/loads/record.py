@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, ClassVar, Self
@@ -18,7 +19,7 @@ from floquetrod._util.caching import cached_property
 from floquetrod._util.calling import constructor_hints
 from floquetrod._util.content import ByContent
 from floquetrod._util.interchange import by_keys
-from floquetrod.rod.loads.load import LOAD, AxialLoad, LoadSource, load_number
+from floquetrod.rod.loads.load import LOAD, AxialLoad, Load, LoadSource, load_number
 from floquetrod.rod.loads.record_file import read_columns
 from floquetrod.rod.loads.record_fit import Samples, series
 from floquetrod.rod.loads.record_period import PeriodicFit, find, power_spectrum
@@ -29,12 +30,14 @@ _LATEST = 1e12  # s
 _FEWEST = 12  # samples
 _BANDS, _IN_A_BAND = 32, 16  # of the spectrum of the noise, and independent frequencies in each (a choice)
 _NEWTON = units.unit("N", "", "force")
+_HERTZ = "Hz"  # in which a record's frequency is said, as its spectrum is drawn
+_ERRORS = 2.0  # standard errors by which drawn loads depart from the fit: 95 %
 _MOST_HARMONICS = 1000  # largest value of ``harmonics`` (a choice)
 
 
 @constructor_hints()
 @dataclass(frozen=True, eq=False, init=False, repr=False)
-class ForceRecord(LoadSource, ByContent):
+class ForceRecord(units.InUnits, LoadSource, ByContent):
     """Force measured over time, with noise and over any number of periods, fitted by a mean and a Fourier series.
 
     It can be given in place of a load; its `load` is then used.
@@ -104,6 +107,8 @@ class ForceRecord(LoadSource, ByContent):
     significantly higher than white noise, they grow with it.  Aliases of frequencies above half the sampling rate
     cannot be distinguished from the harmonics that they coincide with.
 
+    Answers about a record are in its unit of force and in Hz.
+
     Examples
     --------
     >>> t = np.arange(730) / 1600.0
@@ -151,6 +156,7 @@ class ForceRecord(LoadSource, ByContent):
             if isinstance(value, np.ndarray):
                 value.flags.writeable = False
             object.__setattr__(self, name, value)
+        self.given_in(units.GivenUnits.of(force=force)._replace(frequency=_HERTZ))
 
     @classmethod
     def from_csv(
@@ -226,9 +232,9 @@ class ForceRecord(LoadSource, ByContent):
             record = cls(found.time, found.force, harmonics, frequency)
         except ValueError as error:  # about the samples, not about which columns hold them
             raise ValueError(f"force record {path}: {error}") from None
-        object.__setattr__(record, "force_unit_named", found.has_force_unit)
+        object.__setattr__(record, "force_unit_named", bool(found.force_unit))
         object.__setattr__(record, "time_unit_named", found.has_time_unit)
-        return record
+        return record.given_in(record.given_units._replace(force=found.force_unit))
 
     @property
     def period(self) -> float:
@@ -241,9 +247,15 @@ class ForceRecord(LoadSource, ByContent):
         return float(self.time[-1] - self.time[0]) / self.period
 
     @property
+    def _force_unit(self) -> Unit:
+        """Unit of forces in words and figures."""
+        return units.AnswerUnits.named(given=self.given_units).force
+
+    @property
     def load(self) -> AxialLoad:
         """The fitted force as a load, the same all along a rod; its harmonics are the waveform."""
-        return AxialLoad(self.mean, self.amplitude, self.frequency, waveform=self.waveform)
+        load = AxialLoad(self.mean, self.amplitude, self.frequency, waveform=self.waveform)
+        return load.given_in(self.given_units)
 
     @cached_property
     def noise_spectrum(self) -> tuple[tuple[float, float], ...]:
@@ -261,13 +273,26 @@ class ForceRecord(LoadSource, ByContent):
         parts = zip(np.array_split(hertz, bands), np.array_split(2.0 / rate * found.power, bands), strict=True)
         return tuple((float(at.mean()), float(density.mean())) for at, density in parts)
 
+    def _within_errors(self, count: int) -> Iterator[AxialLoad]:
+        """Yield loads whose numbers are drawn about those of the fit, with twice their standard errors."""
+        random, fit, kept = np.random.default_rng(0), self.load, np.array(self.harmonic_numbers) - 1
+        slowest = LOAD["frequency"].least
+        for _ in range(count):
+            shift = random.standard_normal((kept.size, 2)) @ np.array([1.0, 1j])
+            harmonics = self.harmonics.copy()
+            harmonics[kept] += _ERRORS * self.harmonic_errors[kept] * shift
+            spread = _ERRORS * self.mean_error, _ERRORS * self.frequency_error
+            mean, omega = random.normal((fit.mean, fit.frequency), spread).tolist()
+            waveform = tuple((harmonics[: len(self.waveform)] / self.amplitude).tolist())
+            yield replace(fit, mean=mean, frequency=max(omega, slowest), waveform=waveform)
+
     @property
     def noisy_load(self) -> AxialLoad:
         """The `load` with the spectrum of the residual as its noise, so that verdicts are those in mean square.
 
         With the record itself, or its `load`, in place of a load the noise only makes the verdict uncertain.
         """
-        return replace(self.load, noise=self.noise_spectrum)
+        return replace(self.load, noise=self.noise_spectrum).given_in(self.given_units)
 
     @cached_property
     def harmonic_numbers(self) -> tuple[int, ...]:
@@ -304,6 +329,8 @@ class ForceRecord(LoadSource, ByContent):
     def plot(self, ax: Any = None) -> Any:
         """Draw the record with the fit, and the spectrum with the noise, on two matplotlib axes.
 
+        Forces are in the unit of the record.
+
         Returns
         -------
         sequence of two matplotlib.axes.Axes
@@ -311,7 +338,7 @@ class ForceRecord(LoadSource, ByContent):
         """
         from floquetrod.plotting.record_plot import draw_record
 
-        return draw_record(self, ax)
+        return draw_record(self, ax, self._force_unit)
 
     def spectrum(self) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
         """Return frequencies in Hz, up to half of the sampling rate, and amplitudes in N of record and residual there.
@@ -341,7 +368,7 @@ class ForceRecord(LoadSource, ByContent):
 
     def __repr__(self) -> str:
         """Return the fit as a sentence."""
-        return f"<{self.in_words(_NEWTON)}>"
+        return f"<{self.in_words(self._force_unit)}>"
 
     def in_words(self, force: Unit, frequency: Unit | None = None) -> str:
         """Return the fit as a sentence, with a unit of frequency that in place of the period."""
@@ -377,6 +404,25 @@ class ForceRecord(LoadSource, ByContent):
             if bend < 0.0:
                 angle -= slope / bend
         return max(float(values.max()), sign * float(self._vibration(np.array(angle))))
+
+
+@dataclass(frozen=True)
+class ChangedRecord(LoadSource):
+    """A measured force with some numbers, or the kind of load, changed: ``change`` makes its load of the record's.
+
+    The errors of what is not changed count in verdicts.
+    """
+
+    record: ForceRecord
+    change: Callable[[Load], Load]
+
+    @property
+    def load(self) -> Load:
+        """The changed load."""
+        return self.change(self.record.load)
+
+    def _within_errors(self, count: int) -> Iterator[Load]:
+        return map(self.change, self.record._within_errors(count))
 
 
 def _checked(time: Any, force: Any) -> tuple[NDArray[np.float64], NDArray[np.float64], int]:

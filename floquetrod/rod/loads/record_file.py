@@ -35,11 +35,11 @@ _TOGETHER = 20_000  # lines read at once; where one is not plain numbers, each i
 
 
 class Columns(NamedTuple):
-    """Times in s and forces in N, NaN where a cell is empty, and whether units of force and of time were named."""
+    """Times in s and forces in N, NaN where a cell is empty; the file's unit of force, "" where it names none."""
 
     time: NDArray[np.float64]
     force: NDArray[np.float64]
-    has_force_unit: bool
+    force_unit: str
     has_time_unit: bool
 
 
@@ -68,9 +68,10 @@ def read_columns(
     wanted = [_wanted("time", time, time_unit), _wanted("force", force, force_unit)]
     head, rows = _head(lines, delimiter, wanted)
     row = rows[head.first] if head.first < len(rows) else Row(0, [], "")
-    units_named = [_size(column, each, row) for column, each in zip(head.columns, wanted, strict=True)]
+    in_units = [_unit(column, each, row) for column, each in zip(head.columns, wanted, strict=True)]
     chosen = [
-        _Measured(column.name, column.place, size) for column, (size, _) in zip(head.columns, units_named, strict=True)
+        _Measured(column.name, column.place, 1.0 if unit is None else unit.size)
+        for column, unit in zip(head.columns, in_units, strict=True)
     ]
     reader = _Rows(chosen, _date(head), head.delimiter, Clock(time_unit))
     above = next((i for i, (number, _) in enumerate(lines) if number == row.line), len(lines))
@@ -82,7 +83,8 @@ def read_columns(
         raise ValueError("it holds no samples below its headings")
     times, forces = (numbers * [column.size for column in chosen]).T
     is_clock = _date(head) is not None or any(":" in cell for cell in row.cells)
-    return Columns(times, forces, units_named[1][1], units_named[0][1] or is_clock)
+    of_time, of_force = in_units
+    return Columns(times, forces, "" if of_force is None else of_force.name, of_time is not None or is_clock)
 
 
 def _wanted(name: str, column: str | int | None, unit: str | None) -> Wanted:
@@ -150,21 +152,21 @@ def _parts(heading: str, name: str) -> tuple[str, str | None]:
     return (heading, None) if heading.casefold() in _USUAL[name] else units.heading(heading, name)
 
 
-def _size(column: Column, wanted: Wanted, row: Row) -> tuple[float, bool]:
-    """Return the size of a column's unit in SI, and whether a unit was named."""
+def _unit(column: Column, wanted: Wanted, row: Row) -> units.Unit | None:
+    """Return the unit of a column, None where none was named: its numbers are then in SI."""
     name, unit = wanted.name, wanted.unit
     if name == "time" and unit is None and column.place < len(row.cells) and CLOCK.fullmatch(row.cells[column.place]):
-        return 1.0, True
+        return units.unit("s", "", name)
     if unit is not None:
-        return units.unit(unit, f"{name}_unit", name).size, True
+        return units.unit(unit, f"{name}_unit", name)
     if column.unit is None:
-        return 1.0, False
+        return None
     if not units.is_unit(column.unit, name):
         raise validate.wrong_value(
             f"{name}_unit",
             f"must be given, one of {', '.join(units.units_of(name))}: the heading {column.heading!r} names none",
         )
-    return units.unit(column.unit, "", name).size, True
+    return units.unit(column.unit, "", name)
 
 
 def _date(head: Head) -> int | None:

@@ -513,7 +513,7 @@ def test_units_in_headings_may_be_the_last_or_the_only_word_in_any_case(
     path = tmp_path / "force.csv"
     path.write_text(f"{heading}\n0.0,1.0\n0.5,2.0\n", encoding="utf-8")
     found = record_file.read_columns(path, None, None, None, None, None)
-    assert found.has_force_unit
+    assert found.force_unit
     assert found.time.tolist() == [0.0, 0.5]
     assert found.force.tolist() == [size, 2.0 * size]
 
@@ -568,7 +568,7 @@ def test_dates_and_headings_as_loggers_write_them(head: str, row: str, mark: str
     found = record_file.read_columns(path, None, None, None, None, None)
     assert np.allclose(found.time - found.time[0], seconds, rtol=0.0, atol=1e-9)
     assert found.force[1] == 4.4482216152605
-    assert found.has_force_unit
+    assert found.force_unit == "lbf"
 
 
 @pytest.mark.parametrize(

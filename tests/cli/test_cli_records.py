@@ -1,0 +1,121 @@
+"""A measured force in the terminal: its units are those of the answer, as in Python, and its noise counts."""
+
+from __future__ import annotations
+
+import json
+import re
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import floquetrod as fr
+from floquetrod import cli, units
+from floquetrod.rod.loads.record import ChangedRecord
+from floquetrod.rod.record_verdict import NOISE_DRAWS
+from tests.conftest import depth
+
+ROD = fr.Rod.nitinol().replace(damping_rate=0.3)
+MEAN, AMPLITUDE, OMEGA = 0.3 * ROD.critical_force, 0.05 * ROD.critical_force, 150.0
+UNITS = units.units_of("force")
+
+
+def written(folder: Path, unit: str, noise: float = 0.02) -> Path:
+    """Write a record in a unit of force, with a first and a second harmonic, and return its file."""
+    t = np.arange(0.0, 0.5, 1e-3)
+    clean = MEAN + AMPLITUDE * (np.sin(OMEGA * t) + 0.3 * np.cos(2.0 * OMEGA * t))
+    force = clean + noise * AMPLITUDE * np.random.default_rng(0).standard_normal(t.size)
+    path = folder / f"force_{unit}.csv"
+    np.savetxt(path, np.c_[t, force / UNITS[unit]], "%.9g", ",", header=f"time / s,force / {unit}", comments="")
+    return path
+
+
+def forces(text: str) -> set[str]:
+    """Return the units of force in the lines on the load and the record."""
+    lines = [line for line in text.splitlines() if line.startswith(("load", "record", "          critical force"))]
+    return set(re.findall(r"[\d.]+ (\w*(?:N|lbf|kgf|tf|kip))\b(?!/)", " ".join(lines)))
+
+
+@pytest.mark.parametrize("unit", UNITS)
+def test_a_record_is_shown_in_its_own_unit(unit: str, tmp_path: Path) -> None:
+    record = fr.ForceRecord.from_csv(written(tmp_path, unit))
+    assert record.given_units.force == unit
+    assert record.load.given_units == record.noisy_load.given_units == record.given_units
+    assert f" {unit} " in repr(record)
+    above, below = record.plot()
+    assert (above.get_ylabel(), below.get_ylabel()) == (f"force $F$ / {unit}", f"amplitude / {unit}")
+
+
+@pytest.mark.parametrize("unit", ["lbf", "mN", *UNITS][: depth(99, 2)])
+def test_terminal_and_python_answer_in_its_unit(unit: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = written(tmp_path, unit)
+    record = fr.ForceRecord.from_csv(path)
+    arguments = ["check", "--rod", "nitinol", "--damping-rate", "0.3", "--force", str(path), "--modes", "1-4"]
+    assert cli.main(arguments) == 0
+    text = capsys.readouterr().out
+    report = str(ROD.stability(record, modes=range(1, 5)).report())
+    assert forces(text) == forces(report) == {unit}
+    loads = [next(line for line in each.splitlines() if line.startswith("load")) for each in (text, report)]
+    assert loads[0] == loads[1]
+    assert " Hz (" in loads[0]
+
+
+def test_what_is_typed_comes_before_the_unit_of_a_record(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = str(written(tmp_path, "lbf"))
+    for more, expected in ((["--mean", "300mN"], "mN"), (["--unit", "kgf"], "kgf"), (["--mean", "0.3Fcr"], "lbf")):
+        assert cli.main(["check", "--rod", "nitinol", "--modes", "1-4", "--force", path, *more]) == 0
+        text = capsys.readouterr().out
+        assert forces(text) == {expected}
+
+
+def test_a_record_without_a_unit_and_arrays_are_in_newtons(tmp_path: Path) -> None:
+    path = written(tmp_path, "N")
+    path.write_text(path.read_text(encoding="utf-8").replace(" / N", ""), encoding="utf-8")
+    record = fr.ForceRecord.from_csv(path)
+    assert (record.given_units.force, record.given_units.frequency) == ("", "Hz")
+    again = fr.ForceRecord(record.time, record.samples)
+    assert (again, again.given_units) == (record, record.given_units)
+    assert " N " in repr(again)
+
+
+OPTIONS = {"mean": "0.25Fcr", "amplitude": "0.06Fcr", "frequency": "25Hz", "wave": "held", "mean_at": "none"}
+
+
+def loads_drawn(capsys: pytest.CaptureFixture[str], arguments: list[str], monkeypatch: pytest.MonkeyPatch) -> Any:
+    """Return the JSON of an answer, and what the verdict was about."""
+    asked: list[Any] = []
+    stability = fr.Rod.stability
+
+    def noted(rod: fr.Rod, load: Any, *given: Any, **named: Any) -> Any:
+        asked.append(load)
+        return stability(rod, load, *given, **named)
+
+    with monkeypatch.context() as patch:
+        patch.setattr(fr.Rod, "stability", noted)
+        assert cli.main([*arguments, "--json"]) == 0
+    return json.loads(capsys.readouterr().out), asked[0]
+
+
+@pytest.mark.parametrize("name", OPTIONS)
+def test_the_noise_of_a_record_counts_whatever_an_option_changes(
+    name: str, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = written(tmp_path, "lbf", 0.2)
+    arguments = ["check", "--rod", "nitinol", "--modes", "1-4", "--force", str(path)]
+    told, source = loads_drawn(capsys, [*arguments, f"--{name.replace('_', '-')}", OPTIONS[name]], monkeypatch)
+    assert told["force_record"]["noise_in_error"]
+    assert "noise in the record" in told["note"]
+    record = fr.ForceRecord.from_csv(path)
+    assert isinstance(source, ChangedRecord)
+    changed = list(source._within_errors(NOISE_DRAWS))
+    own = list(record._within_errors(NOISE_DRAWS))
+    assert len(changed) == NOISE_DRAWS
+    for load, drawn in zip(changed, own, strict=True):  # all but the option is drawn as without it
+        for each in ("mean", "amplitude", "frequency"):
+            assert getattr(load, each) == (getattr(source.load, each) if each == name else getattr(drawn, each))
+        assert load.waveform == drawn.waveform
+        assert (type(load).__name__ == "AxialWave") == (name == "wave")
+        assert load.mean_at == (None if name == "mean_at" else 0.5)
+    verdict = ROD.replace(damping_rate=0.0).stability(source, modes=range(1, 5))
+    assert (told["status"], told["growth_rate_error_per_s"]) == (verdict.status, verdict.error)
