@@ -10,6 +10,8 @@ from floquetrod._util.tables import require_file
 from floquetrod._util.waiting import Waiting
 from floquetrod.cli.common import (
     add_picture,
+    bands_in_numbers,
+    bands_listed,
     describe_command,
     find_bands,
     read_points,
@@ -48,6 +50,9 @@ Formulas have + - * / **, brackets, pi, sqrt, exp, log, sin, cos and tan; in fir
 complex entries.  They are computed, not run: a file from elsewhere can do no harm.  Equations with delays and with
 coefficients in pieces are taken likewise.
 
+The unstable bands are listed, and in the figure a label 1+2·1 says modes 1 + 2, tongue 1: tongue m is where the
+frequency is about 2/m times that of one mode, or 1/m of the sum, or the difference, of two.
+
 A .png, .pdf or .svg file is a figure, a .csv file the vertices of the bands, a .npz file all the numbers
 (floquetrod.Chart.load reads it); give --out twice for both.  Growth is per unit of time, the unit of the period.
 """
@@ -83,8 +88,9 @@ def _chart(options: argparse.Namespace) -> Output:
         "undecided": chart.undecided,
         "bands": len(chart.bands) if bands else None,
         "tongues_left_out": chart.bands.tongues_left_out if bands else None,
+        "unstable": bands_in_numbers(chart.bands) if bands else None,
     }
-    lines = [chart.caption, *([chart.bands.caption] if bands else [])]
+    lines = [chart.caption, *([bands_listed(chart.bands)] if bands else [])]
     return output(options, lambda: "\n".join(lines), lambda: record, written=written)
 
 

@@ -10,6 +10,8 @@ from floquetrod._util.waiting import Waiting
 from floquetrod.cli.common import (
     ROD_AND_LOAD,
     add_picture,
+    bands_in_numbers,
+    bands_listed,
     describe_command,
     find_bands,
     read_friction,
@@ -39,8 +41,9 @@ examples:
   floquetrod map --rod wire.toml --frequency 20Hz --mean 0:1Fcr --amplitude 0:0.5Fcr --points 60x40
   floquetrod map --rod well.toml --frequency 4Hz --mean 0:1Fcr --amplitude 0:0.5Fcr --wave free --points 40x30
 
-The unstable bands are drawn as shapes between their boundaries; a label 7·1 says mode 7, tongue 1.  With --pixels the
-verdicts at the --points are drawn instead.
+The unstable bands are drawn as shapes between their boundaries; a label 7·1 says mode 7, tongue 1:
+tongue m is where the frequency is about 2/m times the mode's.  With --pixels the verdicts at the --points are drawn
+instead.
 
 A .png, .pdf or .svg file is a figure, a .csv file the vertices of the bands, a .npz file all the numbers
 (floquetrod.Chart.load reads it); give --out twice for both.  Axes, caption and .csv are in the units of the ranges, or
@@ -131,8 +134,9 @@ def _map(options: argparse.Namespace) -> Output:
         "with_large_motion": int(chart.carries_large_motion.sum()) if options.large_motion else None,
         "bands": len(chart.bands) if bands else None,
         "tongues_left_out": chart.bands.tongues_left_out if bands else None,
+        "unstable": bands_in_numbers(chart.bands) if bands else None,
     }
-    lines = [drawn.caption, *([drawn.bands.caption] if bands else [])]
+    lines = [drawn.caption, *([bands_listed(drawn.bands)] if bands else [])]
     return output(options, lambda: "\n".join(lines), lambda: record, written=written)
 
 

@@ -36,8 +36,8 @@ def explanation(bands: Sequence[Any]) -> str:
     both = [band for band in known if band.mode is not None and band.tongue is not None]
     if both:
         shown = max(both, key=lambda band: (band.tongue > 0, _area(band)))  # tongue 0 has no room for its name at times
-        return f"{label(shown)}: {shown.name}"
-    return "numbers: modes" if known[0].mode is not None else "numbers: tongues"
+        return f"labels mode·tongue: {label(shown)} is {shown.name}"
+    return "labels: modes" if known[0].mode is not None else "labels: tongues"
 
 
 def add_labels(ax: Any, bands: Sequence[Any], *, halo: bool, note: Callable[[str], str] | None = None) -> None:

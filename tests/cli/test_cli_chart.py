@@ -12,6 +12,7 @@ import pytest
 
 import floquetrod as fr
 from floquetrod import cli
+from floquetrod.cli.common import bands_listed
 from tests.conftest import depth
 
 EXAMPLE = Path(__file__).parents[2] / "floquetrod/examples/family.toml"
@@ -64,6 +65,23 @@ def test_bands_are_found_unless_pixels_are_wanted(capsys: pytest.CaptureFixture[
         assert np.abs(band.x - same.x).max() < 1e-9
         assert np.abs(band.y - same.y).max() < 1e-9
     assert vertices.stat().st_size > 500
+    for listed, band in zip(said["unstable"], chart.bands, strict=True):
+        assert (listed["name"], listed["mode"], listed["partner"], listed["tongue"]) == (
+            band.name,
+            band.mode,
+            band.partner,
+            band.tongue,
+        )
+        assert (listed["omega"], listed["epsilon"]) == ([band.x.min(), band.x.max()], [band.y.min(), band.y.max()])
+        assert listed["largest_growth_per_unit_time"] == pytest.approx(band.largest_growth)
+    text = bands_listed(chart.bands)
+    assert text.startswith(chart.bands.caption)
+    fastest = max(chart.bands, key=lambda band: band.largest_growth)
+    assert text.splitlines()[3].startswith(fastest.name)
+    assert len(text.splitlines()) == 3 + len(chart.bands)
+    before = str(chart)
+    chart.plot()
+    assert str(chart) == before
 
 
 def test_growth_up_to_a_tolerance_counts_as_stable(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:

@@ -195,7 +195,8 @@ def test_a_chart_draws_bands_where_it_knows_them(tmp_path: Path) -> None:
         pyplot.close(ax.figure)
         return note(ax)
 
-    assert said() == said(bands=True) == "squares, friction 0.25: 1 unstable band; 7·1: mode 7, tongue 1"
+    expected = "squares, friction 0.25: 1 unstable band; labels mode·tongue: 7·1 is mode 7, tongue 1"
+    assert said() == said(bands=True) == expected
     assert "points stable" in said(bands=False)
     chart.find_bands()
     kept = replace(chart, source=None)
@@ -236,9 +237,9 @@ def test_labels_name_what_is_known() -> None:
         band = box(0.0, 1.0, 0.0, 1.0, *names)
         return labels.label(band), labels.explanation([band])
 
-    assert said(12, 3) == ("12·3", "12·3: mode 12, tongue 3")
-    assert said(12, None) == ("12", "numbers: modes")
-    assert said(None, 0) == ("0", "numbers: tongues")
+    assert said(12, 3) == ("12·3", "labels mode·tongue: 12·3 is mode 12, tongue 3")
+    assert said(12, None) == ("12", "labels: modes")
+    assert said(None, 0) == ("0", "labels: tongues")
     assert said(None, None) == ("", "")
     both = replace(box(0.0, 1.0, 0.0, 1.0, 1, 3), partner=2)
     assert (labels.label(both), both.name) == ("1+2·3", "modes 1 + 2, tongue 3")
