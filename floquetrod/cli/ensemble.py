@@ -17,8 +17,9 @@ from typing import Any
 
 import floquetrod as fr
 from floquetrod._util.interchange import with_unit
+from floquetrod._util.result_report import Table
 from floquetrod._util.tables import require_file
-from floquetrod._util.waiting import Waiting
+from floquetrod._util.waiting import Waiting, roughly
 from floquetrod.cli.common import describe_command, table_or_figure, warnings_at_once, write_each
 from floquetrod.cli.output import Output, output
 from floquetrod.cli.parser import Parser, ratio, whole_number
@@ -98,7 +99,7 @@ def _ensemble(options: argparse.Namespace) -> Output:
     study = fr.Study.from_toml(options.study)
     if store is None and study.options.get("frames"):
         raise ValueError(f"study file {options.study}: [ensemble] frames needs a --store to keep them in")
-    _require_draws(study, options.out or ())
+    _require_picture(study, options.out or ())
     progress, started = Waiting("simulating", "runs", longest=_LOGGED), time.monotonic()
     with warnings_at_once(), _stopped_by_signals() as stopped, progress:
         try:
@@ -128,38 +129,42 @@ def _ensemble(options: argparse.Namespace) -> Output:
         "store": None if store is None else str(store),
         "continue": None if complete else _command(options),
         "seconds": time.monotonic() - started,
+        "seconds_of_all_runs": summary.wall_time,
     }
     said = "\n".join(_report(summary, record, study, options))
     written = write_each(options.out, lambda path: _write(path, found, study, options.confidence))
     return output(options, lambda: said, lambda: record, 0 if complete else 130, written)
 
 
-def _require_draws(study: fr.Study, paths: Iterable[Path]) -> None:
-    """Refuse a figure of probabilities, before anything runs, where a study draws nothing."""
+def _require_picture(study: fr.Study, paths: Iterable[Path]) -> None:
+    """Refuse a figure, before anything runs, where a study has nothing to be drawn."""
     from floquetrod.ensembles.shares import RANDOM
     from floquetrod.ensembles.varied_axes import LAYOUTS, dims_of
 
-    dims = dims_of(study.over, study.options.get("layout", LAYOUTS[0])).values()
+    dims = dims_of(study.over, study.options.get("layout", LAYOUTS[0]))
+    chosen = [name for name, dim in dims.items() if dim not in RANDOM and len(set(study.over[name])) > 1]
+    if len(chosen) in (1, 2) or set(RANDOM) & set(dims.values()):
+        return
     for path in paths:
-        if path.suffix != ".csv" and not set(RANDOM) & set(dims):
+        if path.suffix != ".csv":
             raise ValueError(
-                f"--out {path} needs runs that are drawn, for a probability: vary the seed or a distribution in [over] "
-                f"of {study.path}, or write a .csv file"
+                f"--out {path} needs one or two quantities that vary, or runs that are drawn, got "
+                f"{', '.join(chosen) or 'none'} in [over] of {study.path}: give the others one value, vary the seed or "
+                "a distribution, or write a .csv file"
             )
 
 
 def _write(path: Path, found: Any, study: fr.Study, confidence: float) -> None:
-    """Write a table of the runs, or a figure of the probability of buckling in the units of the study."""
+    """Write a table of the runs, or a figure of the share that buckled in the units of the study."""
+    from floquetrod.ensembles.pictures import draw
     from floquetrod.ensembles.runs import Runs
-    from floquetrod.ensembles.shares import shares_along
-    from floquetrod.plotting import chart_plot, ensemble_plot
+    from floquetrod.plotting import chart_plot
 
     runs = found if isinstance(found, Runs) else Runs.of_each_run(found)
     if path.suffix == ".csv":
         runs.to_csv(path)
     else:
-        shares = shares_along(runs, "buckled", confidence)
-        chart_plot.save_figure(ensemble_plot.draw_shares(shares, "buckled", confidence, study.units), path)
+        chart_plot.save_figure(draw(runs, "buckled", confidence, study.units), path)
 
 
 def _part(options: argparse.Namespace) -> tuple[int, int] | None:
@@ -219,12 +224,22 @@ def _report(summary: Overview, record: dict[str, Any], study: fr.Study, options:
         yield f"{'' if place else 'failed':<8}  {count:,}: {reason}"
     if len(summary.reasons) > _REASONS:
         yield f"{'':<8}  and others, {len(summary.reasons) - _REASONS} kinds: {_named(options)}"
-    yield f"cost      {record['seconds']:.3g} s"
+    yield f"cost      {record['seconds']:.3g} s{_whole_cost(summary)}"
     yield f"store     {options.store}" if options.store is not None else "store     none: name one with --store"
     if not record["complete"]:
         yield _onwards(options)
     if summary.done:
         yield from _table(summary.rows, study, options)
+
+
+def _whole_cost(summary: Overview) -> str:
+    """Return how long all runs done took, each by itself, and about how long the pending ones will."""
+    if not summary.done:
+        return ""
+    each = summary.wall_time / summary.done
+    text = f"; all {summary.done:,} runs done took {roughly(summary.wall_time)}, one after the other"
+    left = f", the {summary.pending:,} pending about {roughly(each * summary.pending)}" if summary.pending else ""
+    return f"{text}{left}"
 
 
 def _others(summary: Overview) -> str:
@@ -250,15 +265,22 @@ def _table(rows: list[BucklingShare], study: fr.Study, options: argparse.Namespa
     if not rows:
         return
     yield ""
-    named = "".join(f"  {name:<16}" for name in rows[0].at)
-    yield f"{named}  {'runs':>6}  {'buckle':>7}  {100.0 * options.confidence:g} % interval"
+    heads = ("runs done", "share that buckled", f"{100.0 * options.confidence:g} % interval")
+    columns = [(name.replace("_", " "), ">1") for name in rows[0].at] + [(head, ">1") for head in heads]
+    listed = []
     for row in rows[:_ROWS]:
-        values = "".join(f"  {study.units[name].show(value, 4):<16}" for name, value in row.at.items())
         share, low, high = ("-" if part is None else f"{part:.3f}" for part in row.shares.values())
         failed = f", {row.counts['failed']:,} failed" if row.counts["failed"] else ""
-        yield f"{values}  {row.counts['done']:>6,}  {share:>7}  {low} to {high}{failed}"
-    if len(rows) > _ROWS:
-        yield f"  and {len(rows) - _ROWS:,} more: --json lists them all"
+        listed.append(
+            (
+                *(study.units[name].show(value, 4) for name, value in row.at.items()),
+                f"{row.counts['done']:,}{failed}",
+                share,
+                f"{low} to {high}",
+            )
+        )
+    more = len(rows) - _ROWS
+    yield str(Table(columns, listed, f"and {more:,} more: --json lists them all" if more > 0 else ""))
 
 
 def _onwards(options: argparse.Namespace) -> str:

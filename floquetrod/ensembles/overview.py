@@ -38,14 +38,14 @@ class Overview(NamedTuple):
     reasons: list[tuple[str, int]]
     rows: list[BucklingShare]
     units: dict[str, str]
+    wall_time: float  # s that all runs done took, one after the other
 
     @classmethod
     def of(cls, result: Any, confidence: float) -> Overview:
         """Return it from what `floquetrod.ensemble` returned."""
         if not isinstance(result, Runs):
-            result = result[
-                ["status", "reason", "buckled", "outcome", "angle_in_the_end"]
-            ]  # frames stay where they are
+            names = ["status", "reason", "buckled", "outcome", "angle_in_the_end", "wall_time"]
+            result = result[names]  # frames stay where they are
         runs = require_runs("runs", result)
         status = runs["status"]
         done, failed, pending = (int((status == kind).sum()) for kind in (DONE, FAILED, PENDING))
@@ -65,6 +65,7 @@ class Overview(NamedTuple):
             _counted(runs["reason"][status == FAILED]),
             rows,
             runs.units,
+            float(np.nansum(runs["wall_time"][status == DONE])),
         )
 
 

@@ -16,7 +16,6 @@ from floquetrod._util import extras, sealed_files, validate
 from floquetrod._util.content import ByContent, NoTruthValue
 from floquetrod._util.result_report import Table
 from floquetrod._util.sealed_files import atomic_file
-from floquetrod.ensembles.shares import shares_along
 from floquetrod.ensembles.variables import DONE, FAILED, PENDING, Variable
 
 _FORMAT = "floquetrod runs 1"
@@ -91,10 +90,11 @@ class Runs(NoTruthValue, ByContent):
         return str(Table(columns, [[f"{x:.6g}" if isinstance(x, float) else str(x) for x in row] for row in values]))
 
     def plot(self, name: str = "buckled", *, confidence: float = 0.95, figure: Any = None) -> Any:
-        """Draw the probability of a result over each quantity that varies, with its interval; return the figure.
+        """Draw the share of runs with a result over the quantities that vary; return the figure.
 
-        Over one quantity it is averaged over all others, as `floquetrod.probability` does; values that were drawn are
-        put into bins.
+        Where two quantities are chosen it is over both of them.  Where runs are drawn it is also over each quantity,
+        averaged over all others, as `floquetrod.ensembles.probability` does, with its interval; values that were drawn
+        are put into bins.  Over one chosen quantity each run is a point.
 
         Parameters
         ----------
@@ -113,16 +113,18 @@ class Runs(NoTruthValue, ByContent):
         Raises
         ------
         ValueError
-            Where no runs are drawn, and for a result that is neither true nor false.
+            Where no runs are drawn and none or more than two quantities are chosen, and for a result that is neither
+            true nor false.
         """
-        from floquetrod.plotting.ensemble_plot import draw_shares
+        from floquetrod.ensembles.pictures import draw
 
-        return draw_shares(shares_along(self, name, confidence), name, confidence, figure=figure)
+        return draw(self, name, confidence, figure=figure)
 
     def to_csv(self, path: str | Path) -> Path:
         """Write a table with one row for each run: its varied quantities and its results, units in the headings.
 
-        What has dimensions of its own, such as frames, is left out.
+        Words stand for the status and the outcome, nothing for results of runs that are not done.  What has dimensions
+        of its own, such as frames, is left out.
 
         Returns
         -------
@@ -138,21 +140,32 @@ class Runs(NoTruthValue, ByContent):
         """
         dims = self.variables["status"].dims if "status" in self.variables else tuple(self.dims)
         shape = tuple(self.dims[dim] for dim in dims)
-        columns = {
-            f"{name} ({unit})" if (unit := self.units[name]) != "1" else name: np.broadcast_to(
-                v.values[tuple(slice(None) if dim in v.dims else None for dim in dims)], shape
-            ).ravel()
-            for name, v in (self.coords | self.variables).items()
-            if v.dims == tuple(dim for dim in dims if dim in v.dims)
-        }
+        columns = {}
+        for name, v in (self.coords | self.variables).items():
+            if v.dims == tuple(dim for dim in dims if dim in v.dims):
+                at = tuple(slice(None) if dim in v.dims else None for dim in dims)
+                heading = f"{name} ({unit})" if (unit := self.units[name]) != "1" else name
+                columns[heading] = self._cells(name, np.broadcast_to(v.values[at], shape).ravel())
         text = io.StringIO(newline="")
         writer = csv.writer(text, lineterminator="\n")
         writer.writerow(columns)
-        writer.writerows(zip(*(values.tolist() for values in columns.values()), strict=True))
+        writer.writerows(zip(*columns.values(), strict=True))
         path = validate.path("path", path)
         with atomic_file(path) as file:
             file.write(text.getvalue().encode())
         return path
+
+    def _cells(self, name: str, values: NDArray[Any]) -> list[Any]:
+        """Return the values of a variable in each run for a table: words where its numbers stand for some."""
+        cells: list[Any] = values.tolist()
+        attrs = self.variables[name].attrs if name in self.variables else {}
+        if "flag_meanings" in attrs:
+            words = dict(zip(np.ravel(attrs["flag_values"]).tolist(), attrs["flag_meanings"].split(), strict=True))
+            cells = [words.get(value, str(value)).replace("_", " ") for value in cells]
+        if name in self.variables and name != "status" and values.dtype.kind in "bi" and "status" in self.variables:
+            done = self["status"].ravel() == DONE
+            cells = [cell if is_done else "" for cell, is_done in zip(cells, done.tolist(), strict=True)]
+        return cells
 
     def to_xarray(self) -> Any:
         """Return an xarray.Dataset (needs xarray, an extra: pip install floquetrod[ensemble]).

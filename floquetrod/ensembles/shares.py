@@ -41,15 +41,13 @@ class ShareAlong(NamedTuple):
 def shares_along(runs: Any, name: str, confidence: Any) -> list[ShareAlong]:
     """Return the share of runs with a result along each quantity that varies, averaged over all others.
 
-    Chosen values are points; values that are drawn are put into bins of as many runs each.
+    Chosen values are points; values that are drawn are put into bins of as many runs each.  Empty where nothing is
+    drawn.
     """
     dims = runs.variables["status"].dims
-    drawn = [dim for dim in dims if dim in RANDOM]
-    if not drawn:
-        raise validate.wrong_value(
-            "runs", f"must vary along {', '.join(RANDOM[:-1])} or {RANDOM[-1]}, along which runs are drawn"
-        )
-    found = []
+    found: list[ShareAlong] = []
+    if not any(dim in RANDOM for dim in dims):
+        return found
     for dim in dims:
         others = [other for other in dims if other != dim]
         for quantity, variable in runs.coords.items():
@@ -72,6 +70,47 @@ def shares_along(runs: Any, name: str, confidence: Any) -> list[ShareAlong]:
             unit = variable.attrs.get("units", "1")
             found.append(ShareAlong(quantity, unit, *map(np.asarray, ends), *columns))
     return found
+
+
+class SharePlane(NamedTuple):
+    """The share of runs with a result over two chosen quantities in their SI units, NaN where none is done.
+
+    ``share`` has a row for each value of ``y``; ``is_drawn`` says whether runs are averaged over.
+    """
+
+    names: tuple[str, str]
+    units: tuple[str, str]
+    x: Floats
+    y: Floats
+    share: Floats
+    is_drawn: bool
+
+
+def chosen_quantities(runs: Any) -> dict[str, str]:
+    """Return the chosen quantities that vary, in their order, each with its dimension."""
+    chosen: dict[str, str] = {}
+    for dim in runs.variables["status"].dims:
+        if dim not in RANDOM:
+            named = (name for name, v in runs.coords.items() if v.dims == (dim,) and v.values.dtype.kind in "iuf")
+            chosen |= {name: dim for name in named if np.unique(runs[name]).size > 1}
+    return chosen
+
+
+def share_over(runs: Any, name: str) -> SharePlane | None:
+    """Return the share of runs with a result over the two chosen quantities; None where there are not two."""
+    chosen = chosen_quantities(runs)
+    if len(chosen) != 2 or len(set(chosen.values())) != 2:
+        return None
+    (first, along), (second, up) = chosen.items()
+    dims, done = runs.variables["status"].dims, runs["status"] == DONE
+    averaged = tuple(i for i, dim in enumerate(dims) if dim not in (along, up))
+    counts = done.sum(axis=averaged)
+    share = np.where(counts, (done & (runs[name] == 1)).sum(axis=averaged) / np.maximum(counts, 1), np.nan)
+    units = runs.units
+    order_x, order_y = np.argsort(runs[first]), np.argsort(runs[second])
+    share = (share.T if dims.index(along) < dims.index(up) else share)[np.ix_(order_y, order_x)]
+    x, y = (np.sort(runs[each].astype(float)) for each in (first, second))
+    return SharePlane((first, second), (units[first], units[second]), x, y, share, any(d in RANDOM for d in dims))
 
 
 def _bins(values: Floats) -> Iterator[NDArray[np.intp]]:
@@ -111,7 +150,7 @@ def probability_of(runs: Any, name: str, over: Any, confidence: Any) -> Any:
             "name", f"must be a result of every run, got {name!r}, which has {runs.variables[name].dims}"
         )
     averaged = [over] if isinstance(over, str) else validate.sequence("over", over, "('seed',)")
-    places = tuple(sorted({dims.index(validate.choice("over", dim, dims)) for dim in averaged}))
+    places = tuple(sorted({dims.index(_dimension(runs, dims, dim)) for dim in averaged}))
     if not places:
         raise validate.wrong_value("over", f"must name at least one of {', '.join(dims)}, got none")
     status, values = runs["status"], runs[name]
@@ -167,6 +206,20 @@ def probability_of(runs: Any, name: str, over: Any, confidence: Any) -> Any:
     )
 
 
+def _dimension(runs: Any, dims: tuple[str, ...], name: Any) -> str:
+    """Return the name of a dimension of the runs; ValueError for another."""
+    if name in dims:
+        return str(name)
+    drawn = [dim for dim in dims if dim in RANDOM] or [*dims]
+    remedy = f"give over={drawn[0]!r}"
+    if name in runs.coords:
+        along = ", ".join(runs.coords[name].dims)
+        remedy = f"which varies along {along}; {remedy}"
+    raise validate.wrong_value(
+        "over", f"must name a dimension of these runs, {', '.join(dims)}, got {validate.short(name)}; {remedy}"
+    )
+
+
 def _groups(runs: Any, dims: tuple[str, ...], places: tuple[int, ...]) -> NDArray[np.int64]:
     """Return to which group each run averaged over belongs, in the order of the dimensions; groups are independent.
 
@@ -177,8 +230,8 @@ def _groups(runs: Any, dims: tuple[str, ...], places: tuple[int, ...]) -> NDArra
     if not drawn:
         raise validate.wrong_value(
             "over",
-            f"must name a dimension along which runs are drawn, {', '.join(RANDOM)}, got {', '.join(averaged)}, whose "
-            'values are chosen; where you drew them yourself give them as a list, layout="list", or as a distribution',
+            f"must name a dimension along which runs are drawn, got {', '.join(averaged)}, whose values are chosen; "
+            f"{_drawn_remedy([dim for dim in dims if dim in RANDOM])}",
         )
     if len(drawn) > 1 and RUN_SEED not in runs.coords:
         raise validate.wrong_value(
@@ -192,6 +245,16 @@ def _groups(runs: Any, dims: tuple[str, ...], places: tuple[int, ...]) -> NDArra
     if drawn == ["run"] and seeds is not None:
         _, number = np.unique(seeds.values, return_inverse=True)
     return np.asarray(number, dtype=np.int64)
+
+
+def _drawn_remedy(drawn: list[str]) -> str:
+    """Return what to give in place of dimensions of chosen values, where runs have ``drawn`` ones, and where not."""
+    if drawn:
+        return f"add {drawn[0]}, as in over=({drawn[0]!r}, ...)"
+    return (
+        "these runs have none: vary the seed, or where you drew the values yourself give them as a list, "
+        'layout="list", or as a distribution'
+    )
 
 
 def _interval(

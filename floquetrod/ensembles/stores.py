@@ -20,6 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from floquetrod._util.caching import cached_property
+from floquetrod._util.suggest import short
 from floquetrod._util.version import __version__
 from floquetrod.ensembles.runs import Runs
 from floquetrod.ensembles.variables import DONE, FAILED, PENDING, Variable
@@ -31,6 +32,7 @@ _RUNS_IN_A_CHUNK = 256  # at most: files of kilobytes, written again with each s
 _SECONDS_BETWEEN = 1.0  # of wall time, between saves: what a kill costs
 _LONGER = 50.0  # times the duration of a save until the next one: saves take at most a fiftieth
 MOST_MEMORY = 1 << 32  # bytes of frames in memory, half of what a laptop has
+_LISTED = 3  # differences of studies that a message lists (a choice)
 REASON = 240  # characters of a reason that are stored: two lines of a terminal, and part of the format of stores
 DIED = "its worker process died"  # begins the reason of a run that had no error of its own
 _PASSING = (MemoryError, OSError)
@@ -207,8 +209,39 @@ def require_same(place: Path, attrs: Mapping[str, Any], study: Design, frames: b
             f"store {place} was made with {', '.join(other)}; continue it where that is installed, or give another path"
         )
     if wrong:
-        raise ValueError(f"store {place} holds another study, with another {', '.join(wrong)}; give another path")
+        parts = [_axes_apart(theirs.get("axes", []), ours["axes"])] if "axes" in wrong else []
+        there, here = ({name: of.get(name) for name in wrong if name != "axes"} for of in (theirs, ours))
+        parts += _apart(there, here)
+        more = f" and {len(parts) - _LISTED} more" if len(parts) > _LISTED else ""
+        raise ValueError(
+            f"store {place} holds another study: {'; '.join(parts[:_LISTED])}{more}; give another path, or ask for the "
+            "study there"
+        )
     return names
+
+
+def _axes_apart(theirs: list[list[str]], ours: list[list[str]]) -> str:
+    """Return in words how what is varied in a store differs from this study."""
+    there, here = ({name: values for name, *values in axes} for axes in (theirs, ours))
+    if there.keys() != here.keys():
+        return f"it varies {', '.join(there) or 'nothing'}, and this one {', '.join(here) or 'nothing'}"
+    other = [name for name in here if there[name][-1] != here[name][-1]]
+    if other:
+        return f"it has other values of {', '.join(other)}"
+    if there == here:
+        return "it varies the same in another order"
+    return "it combines them in another layout, grid or list"
+
+
+def _apart(theirs: Any, ours: Any, name: str = "") -> list[str]:
+    """Return in words the entries of plain data in which two studies differ."""
+    if isinstance(theirs, Mapping) and isinstance(ours, Mapping):
+        both = dict.fromkeys([*ours, *theirs])
+        return [each for key in both for each in _apart(theirs.get(key), ours.get(key), str(key))]
+    if theirs == ours:
+        return []
+    there, here = ("none" if value is None else short(value) for value in (theirs, ours))
+    return [f"{name.replace('_', ' ')} {there} there, {here} here"]
 
 
 def chunk_shape(shape: tuple[int, ...], parts: int) -> tuple[int, ...]:

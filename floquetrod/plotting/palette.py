@@ -45,6 +45,11 @@ POINT: dict[str, Any] = {"marker": "o", "color": "black", "markerfacecolor": STA
 """Style of a load, or of a mode that does not grow; one that grows is filled with black."""
 
 
+def shares() -> Any:
+    """Return the map of colours for shares of runs, white for none and orange for all."""
+    return _colours([STABLE, UNSTABLE], 256)
+
+
 def verdicts() -> Any:
     """Return the map of colours for arrays with 0 where stable and 1 where not."""
     return _colours([STABLE, UNSTABLE], 2)

@@ -423,7 +423,7 @@ def test_probability_is_that_of_binomial_tests() -> None:
     [
         ({"name": "colour"}, ValueError, "name must be one of"),
         ({"name": "largest_angle"}, ValueError, "true or false"),
-        ({"over": "kick"}, ValueError, "over must be one of 'seed'"),
+        ({"over": "kick"}, ValueError, "over must name a dimension of these runs, seed, got 'kick'; give over='seed'"),
         ({"over": []}, ValueError, "over must name at least one"),
         ({"over": 3}, TypeError, "over must be a sequence"),
         ({"confidence": 1.0}, ValueError, "confidence must be less than 1"),

@@ -64,18 +64,18 @@ def test_failures_stay_recorded(kind: str, tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("changed", "match"),
     [
-        ({"problem": PROBLEM.replace(friction=0.1)}, "another study, with another problem"),
-        ({"over": {"seed": [1, 2, 4]}}, "another study, with another axes"),
-        ({"over": {"friction": [1, 2, 3]}}, "another study, with another axes"),
-        ({"layout": "list"}, "another study, with another axes"),
-        ({"frames": True}, "another study, with another frames"),
+        ({"problem": PROBLEM.replace(friction=0.1)}, "another study: friction .* there, 0.1 here; give another path"),
+        ({"over": {"seed": [1, 2, 4]}}, "another study: it has other values of seed; give"),
+        ({"over": {"friction": [1, 2, 3]}}, "another study: it varies seed, and this one friction; give"),
+        ({"layout": "list"}, "another study: it combines them in another layout, grid or list; give"),
+        ({"frames": True}, "another study: frames False there, True here; give"),
         ({"summary": depth}, "another study, with another summary"),
     ],
 )
 def test_a_store_of_another_study_is_refused(kind: str, changed: dict[str, Any], match: str, tmp_path: Path) -> None:
     same: dict[str, Any] = {"problem": PROBLEM, "over": {"seed": [1, 2, 3]}, "store": tmp_path / kind}
     before = fr.ensemble(**same)
-    with pytest.raises(ValueError, match=f"store .*{kind} holds {match}; give another path"):
+    with pytest.raises(ValueError, match=f"store .*{kind} holds {match}.* another path"):
         fr.ensemble(**(same | changed))
     assert_same(fr.ensemble(**same), before)
 

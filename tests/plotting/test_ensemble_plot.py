@@ -60,11 +60,89 @@ def test_a_table_has_a_row_for_each_run(tmp_path: Path) -> None:
     assert list(rows[0]) == ["kick (m/s)", "length (m)", "status", "buckled"]
     assert len(rows) == runs["status"].size
     assert [float(row["length (m)"]) for row in rows[:40]] == runs["length"].tolist()
-    assert [row["buckled"] == "True" for row in rows] == runs["buckled"].ravel().tolist()
+    done = runs["status"].ravel() == 1
+    assert [row["buckled"] == "True" for row in rows] == (runs["buckled"].ravel() & done).tolist()
 
 
-def test_without_draws_there_is_no_probability() -> None:
-    runs = drawn_runs(0)
-    chosen = {name: v._replace(dims=("kick", "amplitude")) for name, v in runs.variables.items() if name != "frames"}
-    with pytest.raises(ValueError, match="runs must vary along sample, run or seed"):
-        Runs(chosen, {}, {}).plot()
+def test_words_stand_for_codes_and_nothing_for_runs_that_are_not_done(tmp_path: Path) -> None:
+    runs = drawn_runs(1)
+    status = runs.variables["status"]
+    codes = {"flag_values": [0, 1, 2], "flag_meanings": "quiet at_rest buckled"}
+    outcome = Variable(status.dims, np.arange(status.values.size).reshape(status.values.shape) % 3, codes)
+    named = status._replace(attrs={"flag_values": [0, 1, 2], "flag_meanings": "pending done failed"})
+    written = Runs({**runs.variables, "status": named, "outcome": outcome}, runs.coords, {}).to_csv(
+        tmp_path / "runs.csv"
+    )
+    with written.open(encoding="utf-8", newline="") as file:
+        rows = list(csv.DictReader(file))
+    for row, code, true, kind in zip(
+        rows, status.values.ravel(), runs["buckled"].ravel(), outcome.values.ravel(), strict=True
+    ):
+        done = code == 1
+        assert row["status"] == ("done" if done else "failed")
+        assert row["outcome"] == (["quiet", "at rest", "buckled"][kind] if done else "")
+        assert row["buckled"] == (str(bool(true)) if done else "")
+
+
+def chosen_runs(*shape: int, seed: int = 0) -> Runs:
+    """Return runs over chosen kicks, amplitudes and lengths, as many as ``shape`` has, in no order; some failed."""
+    rng = np.random.default_rng([55, seed])
+    names = ("kick", "amplitude", "length")[: len(shape)]
+    return Runs(
+        {
+            "status": Variable(names, rng.choice([1, 1, 1, 2], shape), {}),
+            "buckled": Variable(names, rng.random(shape) < 0.5, {}),
+        },
+        {
+            name: Variable((name,), rng.permutation(n) + 1.0, {"units": "m"})
+            for name, n in zip(names, shape, strict=True)
+        },
+        {},
+    )
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_two_chosen_quantities_make_a_plane(seed: int) -> None:
+    runs = chosen_runs(4, 3, seed=seed)
+    (ax,) = runs.plot().axes
+    assert (ax.get_xlabel(), ax.get_ylabel()) == ("kick / m", "amplitude / m")
+    drawn = ax.collections[0].get_array().reshape(3, 4)
+    for i, kick in enumerate(np.argsort(runs["kick"])):
+        for j, amplitude in enumerate(np.argsort(runs["amplitude"])):
+            is_done = runs["status"][kick, amplitude] == 1
+            assert drawn.mask[j, i] == (not is_done)
+            assert not is_done or drawn[j, i] == runs["buckled"][kick, amplitude]
+    assert [text.get_text() for text in ax.get_legend().get_texts()] == ["buckled", "not buckled", "no run done"]
+    pyplot.close("all")
+
+
+def test_two_chosen_quantities_with_drawn_runs_have_a_plane_and_panels() -> None:
+    rng, shape, dims = np.random.default_rng(3), (3, 2, 20), ("kick", "amplitude", "seed")
+    coords = {
+        "kick": Variable(("kick",), np.arange(3.0), {}),
+        "amplitude": Variable(("amplitude",), np.arange(2.0), {}),
+    }
+    variables = {
+        "status": Variable(dims, np.ones(shape, dtype=int), {}),
+        "buckled": Variable(dims, rng.random(shape) < 0.5, {}),
+    }
+    runs = Runs(variables, coords, {})
+    plane, _, *panels = runs.plot().axes
+    assert plane.collections[0].get_array().reshape(2, 3).tolist() == runs["buckled"].mean(axis=2).T.tolist()
+    assert [ax.get_xlabel() for ax in panels] == ["kick", "amplitude"]
+    pyplot.close("all")
+
+
+def test_one_chosen_quantity_shows_each_run() -> None:
+    runs = chosen_runs(5)
+    (ax,) = runs.plot().axes
+    done = runs["status"] == 1
+    assert ax.lines[0].get_xydata().tolist() == [
+        [kick, float(true)] for kick, true in zip(runs["kick"][done], runs["buckled"][done], strict=True)
+    ]
+    pyplot.close("all")
+
+
+def test_three_chosen_quantities_without_draws_are_refused() -> None:
+    with pytest.raises(ValueError, match=r"runs must vary with one or two .*got kick, amplitude, length; give all but"):
+        chosen_runs(2, 2, 2).plot()
