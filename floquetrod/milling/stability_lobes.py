@@ -64,9 +64,9 @@ class Lobe(NamedTuple):
     number : int
         Whole vibrations between two teeth, on average of uneven ones.
     speeds : (float, float)
-        Spindle speeds between which, in rad/s.
+        Spindle speeds, in rad/s, of its first and its last column of the chart: its edges lie up to a column beyond.
     depth : float
-        Its least critical depth in m.
+        Its least critical depth at a column, in m.
     at : float
         The speed there, in rad/s.
     frequency : float
@@ -138,15 +138,24 @@ class Lobes(Reported, NoTruthValue, ByContent):
         rows = [
             (
                 "" if str(lobe) == str(before) else str(lobe),
-                f"{_rpm(lobe.speeds[0]):.6g} to {_rpm(lobe.speeds[1]):.6g}",
+                " to ".join(dict.fromkeys(f"{_rpm(speed):.6g}" for speed in lobe.speeds)),
                 f"{1e3 * lobe.depth:.6g}",
                 f"{_rpm(lobe.at):.6g}",
                 f"{lobe.frequency / (2.0 * math.pi):.6g}",
             )
             for before, lobe in zip(begins, listed, strict=True)
         ]
-        head = ("lobe", "speeds / rpm", "least depth / mm", "at / rpm", "chatter / Hz")
-        return Report(repr(self.milling).strip("<>"), (), Table([(title, "<") for title in head], rows))
+        head = ("lobe", "columns / rpm", "least depth / mm", "at / rpm", "chatter / Hz")
+        rest = (
+            f"Columns of the chart are {_rpm(self._width):.4g} rpm apart: edges of lobes lie up to so much beyond, and "
+            "depths between columns may be less."
+        )
+        return Report(repr(self.milling).strip("<>"), (), Table([(title, "<") for title in head], rows, rest))
+
+    @property
+    def _width(self) -> float:
+        """Distance of the columns of the chart in rad/s."""
+        return float(self.speeds[1] - self.speeds[0])
 
     @cached_property
     def none_in_range(self) -> str:
@@ -179,6 +188,7 @@ class Lobes(Reported, NoTruthValue, ByContent):
         return {
             "lobes": [{"name": str(lobe), **lobe._asdict()} for lobe in self.lobes],
             "speeds_rad_per_s": self.speeds.tolist(),
+            "column_width_rad_per_s": self._width,
             "critical_depths_m": [depth if math.isfinite(depth) else None for depth in self.depths.tolist()],
             "stable_share": float(self.chart.stable.mean()),
             "undecided": self.chart.undecided,

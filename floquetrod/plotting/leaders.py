@@ -1,4 +1,4 @@
-"""Labels beside the points they name, joined to them by a line; laid out again whenever a figure is drawn."""
+"""Labels beside the points they name, joined to them by a dotted line; laid out again whenever a figure is drawn."""
 
 from __future__ import annotations
 
@@ -17,6 +17,10 @@ _CELL = 2.0  # side in points of the cells in which room is searched for (a choi
 _ROOM = 4.0  # points around a label (a choice)
 _NEAR = 9.0  # points up to which a label needs no line (a choice)
 _CENTRED = 1e-3  # weight of the distance from its middle (a choice)
+_LEADER: dict[str, Any] = {"color": "black", "linewidth": 0.7, "linestyle": (0.0, (1.0, 2.0))}
+_END: dict[str, Any] = {"color": "black", "marker": "o", "markersize": 2.0, "linestyle": "none"}
+"""Styles of a line and of its end at the point: dotted, as no boundary of a chart is."""
+
 _COVERED = 1e3  # weight of a cell that is covered, against a cell of distance (a choice)
 
 
@@ -118,9 +122,10 @@ def _artist() -> Any:
                     continue
                 take(free, middle, size + _ROOM / _CELL)
                 if away > _NEAR:
-                    line = Line2D(*(corner + cell * (np.array([point, end]) + 0.5)).T, color="0.35", linewidth=0.6)
-                    line.set_figure(self.figure)
-                    line.draw(renderer)
+                    x, y = (corner + cell * (np.array([point, end]) + 0.5)).T
+                    for line in (Line2D(x, y, **_LEADER), Line2D(x[:1], y[:1], **_END)):
+                        line.set_figure(self.figure)
+                        line.draw(renderer)
                 text.set_position(corner + cell * (middle + 0.5))
                 text.draw(renderer)
 

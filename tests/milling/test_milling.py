@@ -101,7 +101,10 @@ def test_lobes_are_named_and_agree_with_single_verdicts() -> None:
     assert {lobe.kind for lobe in lobes.lobes} == {"Hopf", "flip"}
     first = max(lobes.lobes, key=lambda lobe: lobe.speeds[1] - lobe.speeds[0])
     assert str(first) == "Hopf lobe 1"
-    assert lobes.report().table is not None
+    table = lobes.report().table
+    assert table is not None
+    width = 30.0 / np.pi * (lobes.speeds[1] - lobes.speeds[0])
+    assert f"Columns of the chart are {width:.4g} rpm apart" in table.rest
     assert pickle.loads(pickle.dumps(lobes)) == lobes
     rng = np.random.default_rng(5)
     for i, j in zip(rng.integers(0, 8, 4), rng.integers(0, 16, 4), strict=True):
