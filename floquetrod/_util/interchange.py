@@ -6,7 +6,7 @@ import dataclasses
 import json
 import math
 import re
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from numbers import Integral, Real
 from operator import attrgetter
 from typing import Any
@@ -77,8 +77,8 @@ def to_pandas(result: Any) -> Any:
 
     A row for each depth of a string in a well, interval of a range, method of a comparison, station of a path, point of
     a chart, orbit of a branch, band, or run of an ensemble, with units in the names of the columns where they are
-    known.  Several values of a row, such as the multipliers of an orbit, are in columns counted from 0; vertices of
-    bands and frames of runs are in ``to_xarray()`` only.
+    known.  Several values of a row, such as the multipliers of an orbit, are in columns counted from 0, and complex
+    values in two columns, _re and _im; vertices of bands and frames of runs are in ``to_xarray()`` only.
 
     Parameters
     ----------
@@ -113,11 +113,22 @@ def to_pandas(result: Any) -> Any:
     lists = {name: value for name, value in numbers.items() if isinstance(value, list) and len(value) > 0}
     rows = next((value for value in lists.values() if all(isinstance(row, dict) for row in value)), None)
     if rows is not None:
-        return pandas.DataFrame(rows)
+        return pandas.DataFrame([dict(_cells(row)) for row in rows])
     columns = {name: value for name, value in lists.items() if len(value) == len(next(iter(lists.values())))}
     if not columns or any(isinstance(cell, list | dict) for value in columns.values() for cell in value):
         raise validate.wrong_type("result", f"must have a table, got {validate.short(result)}; fr.to_json takes all")
     return pandas.DataFrame(columns)
+
+
+def _cells(row: Mapping[str, Any], before: str = "") -> Iterator[tuple[str, Any]]:
+    """Yield the names and values of a row, one for each element of a list or a mapping in it."""
+    for name, value in row.items():
+        if isinstance(value, list):
+            value = {str(i): element for i, element in enumerate(value)}
+        if isinstance(value, Mapping):
+            yield from _cells(value, f"{before}{name}_")
+        else:
+            yield f"{before}{name}", value
 
 
 def _rows(dataset: Any, pandas: Any) -> Any:
@@ -131,7 +142,12 @@ def _rows(dataset: Any, pandas: Any) -> Any:
             columns[column] = variable.broadcast_like(first).transpose(*first.dims).values.ravel()
         elif variable.dims[:-1] == first.dims and variable.dims[-1] in _SEVERAL:
             columns |= {f"{column}_{i}": variable[..., i].values.ravel() for i in range(variable.shape[-1])}
-    return pandas.DataFrame(columns)
+    return pandas.DataFrame(dict(pair for name, values in columns.items() for pair in _real(name, values)))
+
+
+def _real(name: str, values: Any) -> list[tuple[str, Any]]:
+    """Return a column by its name, complex values as two columns."""
+    return [(f"{name}_re", values.real), (f"{name}_im", values.imag)] if values.dtype.kind == "c" else [(name, values)]
 
 
 def with_unit(name: str, unit: str) -> str:

@@ -21,6 +21,7 @@ from floquetrod.cli.common import bare_numbers_typed, compiling_told, require_wr
 from floquetrod.cli.completion import add_completion
 from floquetrod.cli.messages import in_options
 from floquetrod.cli.parser import Parser
+from floquetrod.rod.model.parameters import MEANT
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -188,7 +189,7 @@ _COMMANDS = {
     "map": "draw stability over two quantities of the load",
     "chart": "draw the stability of a family of systems over two of its parameters",
     "explore": "show stability while sliders move the load",
-    "compare": "compare all methods on one equation",
+    "compare": "decide one Mathieu equation by every method",
     "simulate": "simulate a rod and compare it with theory",
     "ensemble": "simulate a rod many times, with statistics",
     "lock-up": "say how far a string can be pushed down a straight channel",
@@ -235,6 +236,8 @@ def _elsewhere(name: str, option: str) -> str:
     own = _options(name)
     if meant := next((right for right, typed in _MEANT.items() if option in typed and right in own), None):
         return f"; did you mean {meant}?"
+    if "--rod" in own and (remedy := MEANT.get(option[2:].replace("-", "_"))):
+        return f"; {remedy.replace('damping_rate in', '--damping-rate in')}"
     commands = (other for other in _COMMANDS if other != name and option in _options(other))
     return next((f"; floquetrod {other} has it" for other in commands), "")
 

@@ -139,6 +139,11 @@ class Equation(ShownInNotebook, TellsAttributes, ABC):
         return type(self).__name__
 
     @property
+    def _formula(self) -> str:
+        """The equation with its numbers, as one writes it; "" where it is too long for a line."""
+        return ""
+
+    @property
     def level(self) -> Fraction | None:
         """The coefficient where it is constant, exactly; None where it varies."""
         pieces = self.pieces()
@@ -321,3 +326,13 @@ def times(tau: Any, period: float, name: str = "tau") -> Floats:
 def set_field(equation: object, name: str, value: object) -> None:
     """Set a field of a frozen dataclass while it is made."""
     object.__setattr__(equation, name, value)
+
+
+def signed(number: float) -> str:
+    """Return a number with its sign apart, as a term of a sum: "- 0.5"."""
+    return f"{'-' if number < 0.0 else '+'} {abs(number):.10g}"
+
+
+def written(motion: str, damping: float) -> str:
+    """Return the left side A'' + 2 c A' of an equation in a motion A, without damping A''."""
+    return f"{motion}'' {signed(2.0 * damping)} {motion}'" if damping else f"{motion}''"

@@ -12,9 +12,47 @@ import numpy as np
 from floquetrod._util import validate
 from floquetrod._util.arrays import shaped
 from floquetrod._util.calling import constructor_hints
-from floquetrod.equations.base import Alternating, Equation, Piece, damping_rate, set_field, times
+from floquetrod.equations.base import Alternating, Equation, Piece, damping_rate, set_field, signed, times, written
 from floquetrod.equations.conventions import other_forms
 from floquetrod.equations.hill import Hill
+from floquetrod.parameter import Option, Parameter, by_name
+
+
+def _number(name: str, most: float, text: str) -> Parameter:
+    """Return the record of a dimensionless number of magnitude up to ``most``."""
+    return Parameter(name=name, symbol=name, kind="ratio", least=-most, largest=most, option=Option(text, "NUMBER"))
+
+
+_DAMPING = Parameter(
+    name="damping",
+    symbol="c",
+    kind="ratio",
+    least=0.0,
+    largest=validate.LARGEST,
+    default=0.0,
+    option=Option("decay rate of the free motion per unit of tau, z or t (default 0)", "RATE"),
+)
+
+MATHIEU = by_name(
+    _number("alpha", validate.LARGEST, "with --beta: A'' + 2 c A' = (beta + alpha sin tau) A"),
+    _number("beta", validate.LARGEST, "with --alpha; -0.25, say"),
+    _DAMPING,
+)
+"""Parameters of Mathieu's equation by their names."""
+
+MATHIEU_AQ = by_name(
+    _number("a", 4.0 * validate.LARGEST, "with --q: y'' + 2 c y' + (a - 2 q cos 2z) y = 0"),
+    _number("q", 2.0 * validate.LARGEST, "with --a"),
+    _DAMPING,
+)
+"""Parameters of its standard form (DLMF 28.2.1) by their names."""
+
+MATHIEU_DELTA = by_name(
+    _number("delta", validate.LARGEST, "with --epsilon: x'' + 2 c x' + (delta + epsilon cos t) x = 0"),
+    _number("epsilon", validate.LARGEST, "with --delta"),
+    _DAMPING,
+)
+"""Arguments of `Mathieu.from_delta_epsilon` by their names."""
 
 
 @constructor_hints(**other_forms("Mathieu", "makes the equation"))
@@ -101,6 +139,11 @@ class Mathieu(Alternating):
         """Name of the equation in charts."""
         return "Mathieu's equation"
 
+    @property
+    def _formula(self) -> str:
+        """The equation with its numbers."""
+        return f"{written('A', self.damping)} = ({self.beta:.10g} {signed(self.alpha)} sin tau) A"
+
     def pieces(self) -> tuple[Piece, ...]:
         """Return the coefficient over one period from tau = 0."""
         return (Piece(Fraction(1), self.beta, (complex(0.0, -self.alpha),) if self.alpha else ()),)
@@ -161,9 +204,9 @@ class MathieuAQ(Equation):
 
     def __post_init__(self) -> None:
         """Check and clean the parameters."""
-        for name, times_largest in (("a", 4.0), ("q", 2.0)):
-            most, value = times_largest * validate.LARGEST, validate.finite(name, getattr(self, name))
-            set_field(self, name, validate.within(name, value, -most, most))
+        for name in ("a", "q"):
+            record, value = MATHIEU_AQ[name], validate.finite(name, getattr(self, name))
+            set_field(self, name, validate.within(name, value, record.least, record.largest))
         set_field(self, "damping", damping_rate(self.damping))
 
     def __repr__(self) -> str:
@@ -174,6 +217,11 @@ class MathieuAQ(Equation):
     def title(self) -> str:
         """Name of the equation in charts."""
         return "Mathieu's equation"
+
+    @property
+    def _formula(self) -> str:
+        """The equation with its numbers."""
+        return f"{written('y', self.damping)} + ({self.a:.10g} {signed(-2.0 * self.q)} cos 2z) y = 0"
 
     @property
     def period(self) -> float:

@@ -10,7 +10,7 @@ import numpy as np
 
 from floquetrod._util.arrays import shaped
 from floquetrod._util.calling import constructor_hints
-from floquetrod.equations.base import Alternating, Piece, times
+from floquetrod.equations.base import Alternating, Piece, signed, times, written
 
 _SQUARE = "in x'' + (delta + epsilon sign(sin t)) x = 0 alpha is -epsilon and beta is -delta"
 
@@ -43,6 +43,11 @@ class Meissner(Alternating):
     def title(self) -> str:
         """Name of the equation in charts."""
         return "Meissner's equation (square wave)"
+
+    @property
+    def _formula(self) -> str:
+        """The equation with its numbers."""
+        return f"{written('A', self.damping)} = ({self.beta:.10g} {signed(self.alpha)} sign(sin tau)) A"
 
     @property
     def levels(self) -> tuple[Fraction, Fraction]:

@@ -129,7 +129,9 @@ class Comparison(SideBySide):
             for r, seconds in zip(self.results, self.seconds, strict=True)
         ]
         rest = "\n".join([*(f"  {r.method}: {r.note}" for r in self.results if r.note), *self._agreement()])
-        return Report(repr(self.equation), (), Table([(title, "<") for title in head], rows, rest))
+        formula = getattr(self.equation, "_formula", "")
+        headline = f"{self.equation!r}: {formula}" if formula else repr(self.equation)
+        return Report(headline, (), Table([(title, "<") for title in head], rows, rest))
 
     def _agreement(self) -> list[str]:
         if self.agree:

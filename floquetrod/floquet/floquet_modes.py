@@ -84,8 +84,11 @@ class FloquetMode(ByContent):
         return shaped(values, values.shape)
 
     def __repr__(self) -> str:
-        """Return the equation and the exponent."""
-        return f"<Floquet solution of {type(self.equation).__name__}, exponent {self.exponent:.6g}, {self.error:.1g}>"
+        """Return the equation, the exponent and the error of the solution."""
+        return (
+            f"<Floquet solution of {type(self.equation).__name__}, exponent {self.exponent:.6g}, values +- "
+            f"{self.error:.1g} of the largest>"
+        )
 
 
 def _joined(parts: Sequence[NDArray[Any]]) -> Complexes:

@@ -21,6 +21,7 @@ import numpy as np
 from floquetrod._util.arrays import EPS
 from floquetrod._util.caching import cached_property
 from floquetrod._util.content import ByContent, NoTruthValue
+from floquetrod._util.interchange import plain
 from floquetrod._util.result_report import Report, Reported, number
 from floquetrod.equations import DelaySystem, Equation, PeriodicSystem
 from floquetrod.floquet import multiplier_pairs
@@ -312,8 +313,15 @@ class Stability(FloquetVerdict):
         """Return the verdict in lines: growth, discriminant, method."""
         where = "" if self.interval is None else f": {self.interval}"
         lines = [("equation", repr(self.equation))]
+        if formula := self.equation._formula:
+            lines.append(("", formula))
         if self.growth_rate > 0.0:
             lines.append(("growth", f"{self.growth_rate:.6g} per unit {self.unit}"))
+        if self.decay_rate > 0.0:
+            lines.append(("decay", f"{self.decay_rate:.6g} per unit {self.unit}, the slowest motion"))
+        if self.exponents:
+            both = " and ".join(f"{each.real + 0.0:.6g} {each.imag:+.6g}i" for each in self.exponents)
+            lines.append(("exponent", f"{both} per unit {self.unit}, each +- {self.exponent_errors[0]:.1g}"))
         lines.append(("trace", f"discriminant {self._size} +- {self.error:.1g} relative"))
         lines.append(("method", f"{self.method}, {self.cost}"))
         return Report(self.status.upper() + where, lines + ([("note", self.note)] if self.note else []))
@@ -324,6 +332,9 @@ class Stability(FloquetVerdict):
             "method": self.method,
             "status": self.status,
             f"growth_rate_per_{self.unit}": number(self.growth_rate),
+            f"decay_rate_per_{self.unit}": self.decay_rate,
+            f"exponents_per_{self.unit}": plain(self.exponents),
+            f"exponent_error_per_{self.unit}": number(max(self.exponent_errors, default=math.nan)),
             "discriminant": number(self.discriminant),
             "log_abs_discriminant": number(self.log_abs_discriminant),
             "discriminant_relative_error": number(self.error),

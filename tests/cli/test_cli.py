@@ -17,6 +17,7 @@ from pathlib import Path
 from typing import Any
 
 import matplotlib as mpl
+import numpy as np
 import pytest
 from matplotlib import pyplot
 
@@ -25,6 +26,7 @@ from floquetrod import cli
 from floquetrod._util import waiting
 from floquetrod.cli.main import _parser as parser
 from floquetrod.floquet.registry import applicable
+from tests.conftest import depth
 from tests.seams import Forbidden
 
 mpl.use("Agg")
@@ -45,8 +47,9 @@ def test_check_tells_all_a_user_needs(capsys: pytest.CaptureFixture[str]) -> Non
         r"margins   mean force  stable 0\.1256 Fcr lower or 0\.0743\d Fcr higher\n",
         r"          amplitude   stable 0\.1461 Fcr lower\n",
         r"          frequency   stable 11\.34 rad/s lower or 6\.332 rad/s higher\n",
-        r"damping   stable at any rate above 4\.20579 1/s",
+        r"damping   stable with a damping_rate above 4\.20579 1/s",
         r"checked   modes 1 to 23: every higher mode grows at less than \de-\d+ per second",
+        r"          the table lists the modes that grow and the nearest to growth\n",
         r"method    spectral; discriminants good to \de-13 relative",
         r"   7    0\.058051    -0\.242143  tongue 1 +4\.236",
     ):
@@ -207,6 +210,51 @@ def test_compare(capsys: pytest.CaptureFixture[str]) -> None:
     assert {"monodromy", "square_wave", "leapfrog", "reference"} <= set(names)
 
 
+FORMS: dict[tuple[str, str], Any] = {
+    ("a", "q"): fr.Mathieu.from_aq,
+    ("alpha", "beta"): fr.Mathieu,
+    ("delta", "epsilon"): fr.Mathieu.from_delta_epsilon,
+}
+
+
+@pytest.mark.parametrize("names", FORMS)
+@pytest.mark.parametrize("seed", range(depth(10, 2)))
+def test_compare_takes_every_form_of_mathieus_equation(
+    names: tuple[str, str], seed: int, capsys: pytest.CaptureFixture[str]
+) -> None:
+    rng = np.random.default_rng([55, seed])
+    numbers = dict(zip(names, rng.uniform(-1.5, 1.5, 2).round(4).tolist(), strict=True)) | {"damping": 0.05}
+    words = [word for name, value in numbers.items() for word in (f"--{name}", str(value))]
+    equation = FORMS[names](**numbers)
+    assert cli.main(["compare", *words, "--json"]) == 0
+    methods = {row["method"]: row for row in json.loads(capsys.readouterr().out)["methods"]}
+    verdict = fr.stability(equation, method="monodromy")
+    assert methods["monodromy"]["status"] == verdict.status
+    assert methods["monodromy"][f"growth_rate_per_{verdict.unit}"] == verdict.growth_rate
+    assert methods["monodromy"][f"decay_rate_per_{verdict.unit}"] == verdict.decay_rate
+    assert cli.main(["compare", *words]) == 0
+    assert capsys.readouterr().out.startswith(f"{equation!r}: {equation._formula}\n")
+
+
+def test_an_equation_is_written_with_its_numbers() -> None:
+    written = {
+        fr.Mathieu.from_aq(1.2, 0.9): "y'' + (1.2 - 1.8 cos 2z) y = 0",
+        fr.Mathieu.from_aq(-0.2, -0.7, 0.05): "y'' + 0.1 y' + (-0.2 + 1.4 cos 2z) y = 0",
+        fr.Mathieu(0.5, -0.25): "A'' = (-0.25 + 0.5 sin tau) A",
+        fr.Meissner(-0.5, 0.25, 0.1): "A'' + 0.2 A' = (0.25 - 0.5 sign(sin tau)) A",
+        fr.Hill(-0.3, cosines=(0.1,)): "",
+    }
+    for equation, formula in written.items():
+        report = str(fr.stability(equation).report())
+        assert f"equation  {equation!r}\n" + (f"          {formula}\n" if formula else "") in report
+    decays = fr.stability(fr.Mathieu.from_aq(0.2, 0.3, 0.05))
+    lines = dict(decays.report().lines)
+    assert lines["decay"] == f"{decays.decay_rate:.6g} per unit z, the slowest motion"
+    one, other = decays.exponents
+    assert lines["exponent"].startswith(f"{one.real:.6g} {one.imag:+.6g}i and {other.real:.6g} {other.imag:+.6g}i per ")
+    assert "growth" not in lines
+
+
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
@@ -237,6 +285,25 @@ def test_compare(capsys: pytest.CaptureFixture[str]) -> None:
         (["compare", "--alpha", "x", "--beta", "0"], "--alpha must be a number such as 0.5, got 'x'"),
         (["compare", "--alpha=--", "--beta", "0"], "--alpha needs a value, got '--'"),
         (["compare", "--alpha", "nan", "--beta", "0"], "--alpha must be finite"),
+        (
+            ["compare", "--a", "1"],
+            "the equation needs --a and --q, or --alpha and --beta, or --delta and --epsilon, got --a",
+        ),
+        (["compare", "--a", "1", "--beta", "2"], "or --delta and --epsilon, got --a and --beta"),
+        (["compare"], "or --delta and --epsilon, got none of them"),
+        (["compare", "--a", "1", "--q", "1e30"], r"--q must lie between -2e\+09 and 2e\+09, got 1e\+30"),
+        (
+            ["compare", "--a", "1", "--q", "1", "--waveform", "square"],
+            "--waveform square needs --alpha and --beta, got",
+        ),
+        (
+            ["check", "--rod", "nitinol", "--damping-ratio", "1%", *LOAD],
+            "give --damping-rate in 1/s, the ratio times the",
+        ),
+        (
+            ["check", "--rod", "nitinol", "--damping-rate", "1%", *LOAD],
+            "a ratio of critical damping is a rate only times",
+        ),
     ],
 )
 def test_errors_are_one_line_and_status_2(

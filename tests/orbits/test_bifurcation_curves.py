@@ -312,6 +312,9 @@ def test_report_and_plot_of_a_curve() -> None:
     assert repr(curve).startswith("<branch point curve of ")
     assert curve.as_dict()["kind"] == "branch point"
     assert curve.to_xarray()["p_error"].shape == curve.period.shape
+    assert fr.to_pandas(curve).describe()["multipliers_0_re"]["mean"] == pytest.approx(
+        curve.multipliers[:, 0].real.mean()
+    )
     with pytest.raises(TypeError, match="outside"):
         bool(curve)
     ax = curve.plot()

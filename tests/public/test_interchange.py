@@ -147,7 +147,10 @@ def test_tables_of_pandas() -> None:
     assert fr.to_pandas(LEVEL)["depth"].tolist() == [0.0, 300.0]
     ranges = ALL["ranges"]()
     assert fr.to_pandas(ranges).iloc[:, :2].to_numpy().tolist() == [[each.low, each.high] for each in ranges]
-    assert set(fr.to_pandas(ALL["comparison"]())["method"]) >= {"reference", "monodromy"}
+    compared = ALL["comparison"]()
+    methods = fr.to_pandas(compared)
+    assert set(methods["method"]) >= {"reference", "monodromy"}
+    assert methods["exponents_per_tau_0_re"].tolist() == [each.exponents[0].real for each in compared.results]
     chart = ALL["chart"]()
     points = fr.to_pandas(chart)
     assert points["stable"].tolist() == chart.stable.ravel().tolist()
@@ -170,7 +173,9 @@ def test_a_branch_is_a_table_with_a_row_for_each_orbit() -> None:
     table = fr.to_pandas(branch)
     assert table["size"].tolist() == branch.values.tolist()
     assert table["largest_1"].tolist() == branch.largest[:, 1].tolist()
-    assert np.array_equal(table["multipliers_0"], branch.multipliers[:, 0])
+    first = branch.multipliers[:, 0]
+    assert np.array_equal(table["multipliers_0_re"], first.real)
+    assert np.array_equal(table["multipliers_0_im"], first.imag)
 
 
 def test_neither_pandas_nor_pint_is_imported() -> None:

@@ -37,6 +37,13 @@ MISTAKES: list[tuple[Call, str, str, str]] = [
     (lambda: fr.Rod(young_modulus=68e9, density=6500, **SIZES), "Rod()", "'young_modulus'", "youngs_modulus?"),
     (lambda: fr.Rod(68e9, 6500, **SIZES, dampingrate=1), "Rod()", "'dampingrate'", "did you mean damping_rate?"),
     (lambda: ROD.replace(lenght=3), "Rod()", "'lenght'", "did you mean length?"),
+    (
+        lambda: ROD.replace(damping_ratio=0.01),
+        "Rod()",
+        "'damping_ratio'",
+        "give damping_rate in 1/s, the ratio times the",
+    ),
+    (lambda: ROD.replace(log_decrement=0.06), "Rod()", "'log_decrement'", "the decrement times the frequency in Hz"),
     (lambda: ROD.replace(outer_diameter=1e-3), "Rod()", "'outer_diameter'", "the outer diameter is diameter"),
     (lambda: ROD.replace(length=-3), "length", "-3", "give it in m"),
     (lambda: ROD.replace(length=True), "length", "True", "give it in m"),

@@ -20,6 +20,8 @@ from floquetrod._util.suggest import short
 from floquetrod.cli.check import rod_file_in_words
 from floquetrod.cli.main import main
 from floquetrod.ensembles.varied_axes import names_of
+from floquetrod.equations import MathieuAQ
+from floquetrod.equations.mathieu import MATHIEU, MATHIEU_AQ
 from floquetrod.milling.cutter import CUTTER, TOOL_MODE
 from floquetrod.parameter import NAMES, REQUIRED, Parameter, Subsystem, require_known
 from floquetrod.rod.loads.tool import TOOL
@@ -37,6 +39,8 @@ TABLES: dict[type, Mapping[str, Parameter]] = {
     Wellhead: WELLHEAD,
     fr.Milling: CUTTER,
     fr.ToolMode: TOOL_MODE,
+    fr.Mathieu: MATHIEU,
+    MathieuAQ: MATHIEU_AQ,
 }
 EVERY = [(kind, name) for kind, table in TABLES.items() for name in table]
 

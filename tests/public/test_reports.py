@@ -123,7 +123,7 @@ def test_margins_are_said_with_the_damping_that_stabilises() -> None:
     assert margins["mean"] == verdict.mean_force_margin
     lines = dict(verdict.report(margins=margins).lines)
     assert lines["margins"].startswith("mean force  stable ")
-    assert lines["damping"].startswith(f"stable at any rate above {verdict.damping_to_stabilise:.6g} 1/s")
+    assert lines["damping"].startswith(f"stable with a damping_rate above {verdict.damping_to_stabilise:.6g} 1/s")
     assert verdict.as_dict(margins)["mean_force_margin_below_N"] == margins["mean"].below
     assert "mean_force_margin_below_N" not in verdict.as_dict()
 

@@ -184,9 +184,11 @@ class SystemStability(FloquetVerdict):
             text = "strong damping does not stabilise it, as the mean stiffness alone is unstable; weak damping may"
             return [("damping", text)]
         if isinstance(self.system, PeriodicSystem):
-            return [("damping", f"stable at uniform rates above {rate:.6g} per unit time: A - {rate:.6g} I")]
+            text = f"every motion must decay faster by {rate:.6g} per unit time to be stable: A - {rate:.6g} I"
+            return [("damping", text)]
         added = f"C + {2.0 * rate:.6g} {'M' if getattr(self.system, 'mass', None) is not None else 'I'}"
-        return [("damping", f"stable at uniform rates above {rate:.6g} per unit time, as far as tried: {added}")]
+        text = f"stable with a decay rate above {rate:.6g} per unit time added to every motion: {added}"
+        return [("damping", f"{text}; larger rates were tried, not all")]
 
     @property
     def _headline(self) -> str:

@@ -463,11 +463,14 @@ class RodStability(Reported, Verdict):
                 text = "strong damping does not stabilise it, as the mean force alone buckles a mode; weak damping may"
                 lines.append(("damping", text))
             elif damping > 0.0:
-                rates = "any rate" if evidence.has_exact_margins else "every rate tried"
-                lines.append(("damping", f"stable at {rates} above {damping:.6g} 1/s"))
-        lines += [("checked", self.cutoff), ("method", _method(self))]
-        lines += [("note", self.note)] if self.note else []
+                rates = "a damping_rate" if evidence.has_exact_margins else "every damping_rate tried"
+                lines.append(("damping", f"stable with {rates} above {damping:.6g} 1/s"))
         table = table_of_parts(self.rod, answer_units(shown)) if self.rod.varies else _mode_table(evidence)
+        lines.append(("checked", self.cutoff))
+        if table is not None and not self.rod.varies:
+            lines.append(("", "the table lists the modes that grow and the nearest to growth"))
+        lines.append(("method", _method(self)))
+        lines += [("note", self.note)] if self.note else []
         return Report(_headline(self), lines, table, assumptions=self.assumptions)
 
     @property

@@ -281,12 +281,22 @@ OF_A_LINE = ("inclination", "curvature")
 
 _MAY_BE_NONE = ("inner_radius", *OF_A_LINE, "yield_strength")  # arguments that are None where they are not given
 
+_RATIO_OF_DAMPING = (
+    "give damping_rate in 1/s, the ratio times the angular frequency of the mode it was measured on: 1 % at 8 Hz is "
+    "0.01 * 2 pi * 8 Hz = 0.5 1/s"
+)
+
 MEANT = {
     "outer_diameter": "the outer diameter is diameter",
     "outer_radius": "the outer radius is radius",
     "od": "the outer diameter is diameter",
     "id": "the inner diameter is inner_diameter",
     "wall": "did you mean wall_thickness?",
+    **dict.fromkeys(("damping_ratio", "zeta"), _RATIO_OF_DAMPING),
+    **dict.fromkeys(
+        ("log_decrement", "logarithmic_decrement"),
+        "give damping_rate in 1/s, the decrement times the frequency in Hz of the mode it was measured on",
+    ),
     "clearance": "give channel_radius, that of the rod and the clearance together",
 }
 """What is often written for a parameter of a rod, with the remedy."""
