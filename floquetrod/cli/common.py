@@ -18,8 +18,6 @@ from typing import TYPE_CHECKING, Any
 import floquetrod as fr
 from floquetrod import units
 from floquetrod._util.arguments import argument_of, wrong_value
-from floquetrod._util.interchange import with_unit
-from floquetrod._util.result_report import number
 from floquetrod._util.suggest import did_you_mean
 from floquetrod._util.waiting import Waiting, say
 from floquetrod.cli.messages import option
@@ -484,6 +482,9 @@ def _rate(unit: str) -> str:
 
 def bands_in_numbers(bands: fr.results.Bands) -> list[dict[str, Any]]:
     """Return bands for JSON: their resonances, their ranges along both axes, and where they grow fastest."""
+    from floquetrod._util.interchange import with_unit
+    from floquetrod._util.result_report import number
+
     x, y = (with_unit(axis.name, axis.unit) for axis in (bands.x, bands.y))
     growth = f"largest_growth_{bands.growth_unit.replace('1/s', 'per s').replace(' ', '_')}"
     return [

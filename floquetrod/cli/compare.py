@@ -74,6 +74,9 @@ def _equation(options: argparse.Namespace) -> Equation:
                 f"--waveform square needs --alpha and --beta, got {_and(names)}: its coefficient is beta + alpha "
                 "sign(sin tau)"
             )
+        missing = [name for name in _required(parameters) if name not in names]
+        if names and set(names) < set(_required(parameters)):
+            raise ValueError(f"{_and(missing)} is required with {_and(names)} (see floquetrod compare --help)")
     pairs = ", or ".join(_and(_required(parameters)) for parameters, _ in _FORMS)
     raise ValueError(f"the equation needs {pairs}, got {_and(names) or 'none of them'}")
 

@@ -21,7 +21,6 @@ from floquetrod.cli.common import bare_numbers_typed, compiling_told, require_wr
 from floquetrod.cli.completion import add_completion
 from floquetrod.cli.messages import in_options
 from floquetrod.cli.parser import Parser
-from floquetrod.rod.model.parameters import MEANT
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -236,6 +235,8 @@ def _elsewhere(name: str, option: str) -> str:
     own = _options(name)
     if meant := next((right for right, typed in _MEANT.items() if option in typed and right in own), None):
         return f"; did you mean {meant}?"
+    from floquetrod.rod.model.parameters import MEANT
+
     if "--rod" in own and (remedy := MEANT.get(option[2:].replace("-", "_"))):
         return f"; {remedy.replace('damping_rate in', '--damping-rate in')}"
     commands = (other for other in _COMMANDS if other != name and option in _options(other))

@@ -20,7 +20,7 @@ from floquetrod.parameter import Option, Parameter, by_name
 
 def _number(name: str, most: float, text: str) -> Parameter:
     """Return the record of a dimensionless number of magnitude up to ``most``."""
-    return Parameter(name=name, symbol=name, kind="ratio", least=-most, largest=most, option=Option(text, "NUMBER"))
+    return Parameter(name=name, symbol=name, kind="ratio", least=-most, largest=most, option=Option(text))
 
 
 _DAMPING = Parameter(
@@ -30,7 +30,7 @@ _DAMPING = Parameter(
     least=0.0,
     largest=validate.LARGEST,
     default=0.0,
-    option=Option("decay rate of the free motion per unit of tau, z or t (default 0)", "RATE"),
+    option=Option("decay rate of the free motion per unit of tau, z or t (default 0)"),
 )
 
 MATHIEU = by_name(

@@ -233,7 +233,7 @@ def hint(name: str, units: Iterable[str]) -> str:
     """Return what may be meant by a unit that is not one of ``units``."""
     if re.match(r"-?\d*/\d", name, re.ASCII):
         return "; fractions are those of inches and feet, such as 3/4in, 2-3/8in or 2 3/8in; else write decimals"
-    if name == "%" and "1/s" in units:
+    if name == "%" and "/s" in units:
         return "; a ratio of critical damping is a rate only times the angular frequency of its mode, 1 % at 8 Hz 0.5/s"
     if name == "%":
         return "; a percentage needs something it is a part of, such as the critical force of a rod"

@@ -287,7 +287,7 @@ def test_an_equation_is_written_with_its_numbers() -> None:
         (["compare", "--alpha", "nan", "--beta", "0"], "--alpha must be finite"),
         (
             ["compare", "--a", "1"],
-            "the equation needs --a and --q, or --alpha and --beta, or --delta and --epsilon, got --a",
+            "--q is required with --a",
         ),
         (["compare", "--a", "1", "--beta", "2"], "or --delta and --epsilon, got --a and --beta"),
         (["compare"], "or --delta and --epsilon, got none of them"),

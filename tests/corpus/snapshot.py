@@ -222,8 +222,10 @@ def _files() -> Iterator[tuple[str, str]]:
 def changes(old: dict[str, str], new: dict[str, str]) -> tuple[list[str], list[str]]:
     """Return what breaks a caller, and what is only more: new names, and parameters that may be left out."""
     broken = [f"{name}: has disappeared, was {old[name]}" for name in old if name not in new]
-    broken += [f"{name}: was {old[name]}, is {new[name]}" for name in old if name in new and new[name] != old[name]]
-    more = []
+    other = [name for name in old if name in new and new[name] != old[name]]
+    may_be_left_out = [name for name in other if new[name] == old[name].removesuffix(", required")]
+    broken += [f"{name}: was {old[name]}, is {new[name]}" for name in other if name not in may_be_left_out]
+    more = [f"{name}: may be left out" for name in may_be_left_out]
     for name in new.keys() - old.keys():
         owner, _, parameter = name.partition("(")
         needed = bool(parameter) and owner in old and "=" not in new[name] and new[name] not in ("others", "all")

@@ -64,7 +64,7 @@ def test_failures_stay_recorded(kind: str, tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("changed", "match"),
     [
-        ({"problem": PROBLEM.replace(friction=0.1)}, "another study: friction .* there, 0.1 here; give another path"),
+        ({"problem": PROBLEM.replace(friction=0.1)}, "another study: friction .* there, 0.1 here; give"),
         ({"over": {"seed": [1, 2, 4]}}, "another study: it has other values of seed; give"),
         ({"over": {"friction": [1, 2, 3]}}, "another study: it varies seed, and this one friction; give"),
         ({"layout": "list"}, "another study: it combines them in another layout, grid or list; give"),
