@@ -77,7 +77,7 @@ class RateFunction:
         elif self.complex_steps:
             self.complex_steps = self._takes_complex(times, trials, parameters)
 
-    def values(self, times: Floats, states: Floats, parameters: Parameters) -> Floats:
+    def values(self, times: Floats, states: NDArray[Any], parameters: Parameters) -> Floats:
         """Return the rates (k, n) at times (k,) and states (k, n), which may be complex."""
         self.start(float(times[0]), states[0].real, parameters)
         with np.errstate(all="ignore"):
@@ -144,9 +144,14 @@ class RateFunction:
     def _by_complex_steps(self, times: Floats, states: Floats, parameters: Parameters) -> Floats:
         """Return the derivatives as imaginary parts of the function of complex states."""
         count, n = states.shape
-        moved = states[None] + 1j * _COMPLEX_STEP * np.eye(n)[:, None]
-        values = self.values(np.tile(times, n), moved.reshape(-1, n), parameters)
-        return np.ascontiguousarray(values.imag.reshape(n, count, n).transpose(1, 2, 0) / _COMPLEX_STEP)
+        moved = np.empty((n, n, count), dtype=np.complex128)  # component, then the one that a step is made in
+        moved.real, moved.imag = states.T[:, None], 0.0
+        moved.imag[range(n), range(n)] = _COMPLEX_STEP
+        instants = np.concatenate([times] * n)
+        values = self.values(instants, moved.reshape(n, n * count).T, parameters)
+        derivatives = np.empty((count, n, n))
+        np.divide(values.imag.reshape(n, count, n).transpose(1, 2, 0), _COMPLEX_STEP, out=derivatives)
+        return derivatives
 
     def _takes_complex(self, times: Floats, states: Floats, parameters: Parameters) -> bool:
         """Return whether the function of complex states gives its derivatives."""
@@ -209,13 +214,13 @@ class RateFunction:
 
 def _fill(array: NDArray[Any], nested: Any, depth: int) -> None:
     """Write nested sequences of arrays or numbers into an array; ValueError where lengths differ."""
-    if depth == 0:
-        array[...] = nested
-        return
     if len(nested) != len(array):
         raise ValueError("lengths differ")
     for row, value in zip(array, nested, strict=True):
-        _fill(row, value, depth - 1)
+        if depth > 1:
+            _fill(row, value, depth - 1)
+        else:
+            row[...] = value
 
 
 def _array(name: str, returned: Any, kind: Any, time: float, state: NDArray[Any]) -> NDArray[Any]:

@@ -9,7 +9,6 @@ largest magnitude, the period only where it is unknown, and the parameter as a f
 from __future__ import annotations
 
 import math
-from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -17,7 +16,7 @@ import numpy as np
 from floquetrod._util.arrays import Floats
 from floquetrod.orbits import orbit_mesh
 from floquetrod.orbits.collocation import BorderRow, Collocation, Condensed, Point, Step
-from floquetrod.orbits.newton import corrected
+from floquetrod.orbits.newton import Corrected, corrected
 
 MOST_STEPS = 9  # of Newton's method, before a shorter step along the branch is tried
 
@@ -35,14 +34,16 @@ class Measure(NamedTuple):
 
     def row(self, collocation: Collocation, point: Point, direction: Step) -> BorderRow:
         """Return the product with a direction as a row that vanishes at a point."""
+        return through(collocation, point, self._across(collocation, point, direction))
+
+    def _across(self, collocation: Collocation, point: Point, direction: Step) -> BorderRow:
+        """Return the product with a direction as a row."""
         nodes = collocation.weights[:, None] * direction.nodes / self.scale**2
-        scalars = direction.scalars / self.units(collocation, point) ** 2
-        return through(collocation, point, BorderRow(nodes, scalars, 0.0))
+        return BorderRow(nodes, direction.scalars / self.units(collocation, point) ** 2, 0.0)
 
     def length(self, collocation: Collocation, point: Point, step: Step) -> float:
         """Return the length of a step."""
-        row = self.row(collocation, point, step)
-        return math.sqrt(max(product(row, step), 0.0))
+        return math.sqrt(max(product(self._across(collocation, point, step), step), 0.0))
 
     def unit(self, collocation: Collocation, point: Point, step: Step) -> Step:
         """Return a step of length 1 in the same direction."""
@@ -56,7 +57,8 @@ class Measure(NamedTuple):
 class CurvePoint(NamedTuple):
     """A point that satisfies the equations, and the equations linearised there.
 
-    With the direction, of length 1, in which the branch goes on, and the steps of Newton's method that it took.
+    With the direction, of length 1, in which the branch goes on, the steps of Newton's method that it took, and the
+    rates of change of the states, None of a forced system.
     """
 
     collocation: Collocation
@@ -64,11 +66,12 @@ class CurvePoint(NamedTuple):
     condensed: Condensed
     direction: Step
     steps: int
+    flow: Step | None
 
 
 def product(row: BorderRow, step: Step) -> float:
     """Return the product of a row and a step."""
-    return float((row.nodes * step.nodes).sum() + row.scalars @ step.scalars)
+    return float(np.vdot(row.nodes, step.nodes) + row.scalars @ step.scalars)
 
 
 def scaled(step: Step, factor: float) -> Step:
@@ -84,7 +87,7 @@ def between(collocation: Collocation, start: Point, end: Point) -> Step:
 
 def through(collocation: Collocation, point: Point, row: BorderRow) -> BorderRow:
     """Return a row whose equation holds at a point."""
-    return row._replace(target=float((row.nodes * point.nodes).sum() + row.scalars @ collocation.values(point)))
+    return row._replace(target=float(np.vdot(row.nodes, point.nodes) + row.scalars @ collocation.values(point)))
 
 
 def pinned(collocation: Collocation, point: Point, value: float, measure: Measure) -> BorderRow:
@@ -93,9 +96,24 @@ def pinned(collocation: Collocation, point: Point, value: float, measure: Measur
     return BorderRow(np.zeros_like(point.nodes), scalars, value / measure.width)
 
 
-def rows_of(collocation: Collocation, reference: Point, last: BorderRow, measure: Measure) -> list[BorderRow]:
-    """Return a phase condition, where the orbit is autonomous, and a last row."""
-    return [last] if collocation.turns else [collocation.phase(reference, measure.scale), last]
+def rows_of(
+    collocation: Collocation, reference: Point, last: BorderRow, measure: Measure, flow: Step | None = None
+) -> list[BorderRow]:
+    """Return a phase condition, where the orbit is autonomous, and a last row.
+
+    ``flow`` is that of the reference, if it is known.
+    """
+    if collocation.turns:
+        return [last]
+    return [collocation.phase(reference, measure.scale, None if flow is None else flow.nodes), last]
+
+
+def flow_of(collocation: Collocation, solution: Corrected) -> Step | None:
+    """Return the rates of change of the states, None of a forced system."""
+    if collocation.turns:
+        return None
+    still = np.zeros(len(collocation.scalars))
+    return Step(collocation.rates_at_mesh(solution.point), solution.condensed.rates, still)
 
 
 def placed(
@@ -105,27 +123,59 @@ def placed(
     onward: BorderRow,
     measure: Measure,
     most_steps: int = MOST_STEPS,
+    closer: Point | None = None,
 ) -> CurvePoint:
     """Return the place near a guess where a row holds, its direction that in which the row ``onward`` grows.
 
-    Raises NoOrbitError where Newton's method finds none.
+    The guess sets the phase; Newton's method begins there, or where a ``closer`` one is known, at that.  Raises
+    NoOrbitError where it finds no orbit.
     """
-    solution = corrected(collocation, guess, rows_of(collocation, guess, last, measure), most_steps)
-    rows = rows_of(collocation, solution.point, onward, measure)
+    rows = rows_of(collocation, guess, last, measure)
+    solution = corrected(collocation, guess if closer is None else closer, rows, most_steps)
+    flow = flow_of(collocation, solution)
+    rows = rows_of(collocation, solution.point, onward, measure, flow)
     direction = collocation.tangent(solution.condensed, rows, solution.point.scale)
     unit = measure.unit(collocation, solution.point, direction)
-    return CurvePoint(collocation, solution.point, solution.condensed, unit, solution.steps)
+    return CurvePoint(collocation, solution.point, solution.condensed, unit, solution.steps, flow)
 
 
-def moved_to(place: CurvePoint, mesh: Floats, measure: Measure) -> tuple[Collocation, Point, BorderRow]:
-    """Return the equations on another mesh, the point there, and the row of the direction."""
-    collocation, point = orbit_mesh.carried(place.collocation, place.point, mesh, place.collocation.degree)
-    direction = carried_step(place.collocation, place.direction, mesh, place.collocation.degree)
-    return collocation, point, measure.row(collocation, point, direction)
+def extrapolated(before: CurvePoint, last: CurvePoint, row: BorderRow, length: float) -> Point:
+    """Return the point at a length beyond the last of two on one mesh, by the cubic through both in their directions.
+
+    Lengths are those along the direction at the last point, the product with ``row``: the cubic is of the curve itself
+    by them, and its error of the fourth order in the steps.  Directions do not change the phase; points do, by as much
+    as the phase condition about a guess along the tangent makes of every step, and so the cubic has that rate, too.
+    """
+    collocation = last.collocation
+    change = between(collocation, last.point, before.point)
+    back = -product(row, change)
+    share, slope, later = length / back, product(row, before.direction), 0.0
+    if before.flow is not None and last.flow is not None:
+        flow = before.flow.nodes + last.flow.nodes
+        weighed = collocation.weights[:, None] * flow / last.point.scale**2
+        missed = change.nodes + 0.5 * back * (before.direction.nodes + last.direction.nodes)
+        later = -2.0 * float(np.vdot(weighed, missed)) / (float(np.vdot(weighed, flow)) * back)
+        slope += later * product(row, before.flow)
+    old, new = length * share * (1.0 + share) / slope, length * (1.0 + share) ** 2
+    terms = [(share**2 * (3.0 + 2.0 * share), change), (old, before.direction), (new, last.direction)]
+    if before.flow is not None and last.flow is not None:
+        terms += [(old * later, before.flow), (new * later, last.flow)]
+    nodes, stages, scalars = (np.asarray(sum(factor * step[k] for factor, step in terms)) for k in range(3))
+    return collocation.moved(last.point, Step(nodes, stages, scalars))
 
 
-def carried_step(collocation: Collocation, step: Step, mesh: Floats, degree: int) -> Step:
-    """Return a step on another mesh or of another degree."""
-    as_point = Point(step.nodes, step.stages, 1.0)
-    values = orbit_mesh.carried(replace(collocation, parameter=None), as_point, mesh, degree)[1]
-    return Step(values.nodes, values.stages, step.scalars)
+def on_mesh(place: CurvePoint, mesh: Floats) -> CurvePoint:
+    """Return a place on another mesh, to go on from: its linearised equations stay those on the old one."""
+    point, direction, flow = place.point, place.direction, place.flow
+    every = [point, direction] if flow is None else [point, direction, flow]
+    nodes, stages = (np.concatenate([each[k] for each in every], axis=-1) for k in (0, 1))
+    given, together = place.collocation, point._replace(nodes=nodes, stages=stages)
+    collocation, there = orbit_mesh.carried(given, together, mesh, given.degree)
+    parts = [[np.ascontiguousarray(x) for x in np.split(there[k], len(every), axis=-1)] for k in (0, 1)]
+    moved = [{"nodes": at_mesh, "stages": inside} for at_mesh, inside in zip(*parts, strict=True)]
+    return place._replace(
+        collocation=collocation,
+        point=point._replace(**moved[0]),
+        direction=direction._replace(**moved[1]),
+        flow=None if flow is None else flow._replace(**moved[2]),
+    )

@@ -117,10 +117,10 @@ def solve_by(
     Other arguments as in `solve`.
     """
     n, scalars, count = maps.shape[1], columns.shape[2], right.shape[2]
-    equations, border = np.concatenate([maps, columns, right], axis=2), np.concatenate([corner, targets], axis=1)
-    states, left, units = np.empty(equations.shape), np.empty((n + scalars, equations.shape[2])), np.empty(scalars)
+    width = n + scalars + count
+    states, left, units = np.empty((len(maps), n, width)), np.empty((n + scalars, width)), np.empty(scalars)
     nodes, free = np.empty(right.shape), np.empty((scalars, count))
-    outcome = run(equations, rows, border, scale, states, left, units, nodes, free)
+    outcome = run(maps, columns, right, rows, corner, targets, scale, states, left, units, nodes, free)
     if outcome == interval_cycle.SINGULAR:
         raise np.linalg.LinAlgError("singular")
     if outcome == interval_cycle.NEARLY_SINGULAR:

@@ -27,7 +27,8 @@ Unit of the mesh: the orbit's period, so that time is t = period s, 0 <= s <= 1.
 from __future__ import annotations
 
 import functools
-from collections.abc import Callable, Sequence
+import math
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
@@ -41,7 +42,9 @@ from floquetrod.equations.nonlinear_system import NonlinearSystem
 from floquetrod.orbits import bordered, kernels
 from floquetrod.orbits.kernels import gauss_points, interval_cycle, machine_code, machine_code_in_use
 
+_LEAST_SCALE = 1e-6  # of a state, part of the largest
 _MOST_ITERATIONS = 8
+_ROUNDING = 4.0 * EPS  # of a change of the states
 _FEW = 8  # systems with other values of the parameter that are cached
 _PARAMETER_STEP = 1e-5  # of central differences in a parameter, relative: good to about 10 digits
 
@@ -91,11 +94,11 @@ class Point(NamedTuple):
         run = machine_code_in_use(gauss_points.largest_fill)
         if run is not None:
             sizes = np.empty(n)
-            run(self.nodes, self.stages, sizes)
-        else:
-            every = np.concatenate([self.nodes, self.stages.reshape(-1, n)])
-            sizes = np.maximum(every.max(axis=0), -every.min(axis=0))
-        return np.asarray(np.maximum(sizes, max(1e-6 * float(sizes.max()), 1e-150)))
+            run(self.nodes, self.stages, _LEAST_SCALE, sizes)
+            return sizes
+        every = np.concatenate([self.nodes, self.stages.reshape(-1, n)])
+        sizes = np.maximum(every.max(axis=0), -every.min(axis=0))
+        return np.asarray(np.maximum(sizes, max(_LEAST_SCALE * float(sizes.max()), 1e-150)))
 
 
 class BorderRow(NamedTuple):
@@ -120,6 +123,7 @@ class Condensed(NamedTuple):
     jacobians: Floats  # (N, m, n, n), its derivatives
     matrices: Floats  # (N, m n, m n), of the equations at the Gauss points of each interval, factored or not
     pivots: NDArray[np.int64] | None  # (N, m n), rows exchanged in factored matrices; None where they are not factored
+    drives: Floats  # (N, m, n, S), how each free scalar changes the rates in physical time, at the Gauss points
 
 
 class Step(NamedTuple):
@@ -141,7 +145,7 @@ class Collocation(ByContent):
     parameter: str | None = None  # name of a parameter that is unknown
     winding: tuple[float, ...] = ()  # by how much each state grows in a period (n,), such as 2 pi; () where none does
 
-    @property
+    @cached_property
     def scalars(self) -> tuple[str, ...]:
         """Names of the free scalars, in their order, such as "period", "parameter"."""
         return (*(() if self.turns else ("period",)), *(() if self.parameter is None else ("parameter",)))
@@ -190,31 +194,37 @@ class Collocation(ByContent):
 
     def rates(self, point: Point) -> Floats:
         """Return f at the Gauss points (N, m, n)."""
-        return self._of(point, self.system_at(point.value).rates)
+        return self._of(point, self.system.evaluated.values)
 
     def jacobians(self, point: Point) -> Floats:
         """Return the derivatives of f at the Gauss points (N, m, n, n)."""
-        return self._of(point, self.system_at(point.value).jacobians)
+        return self._of(point, self.system.evaluated.derivatives)
 
-    def _of(self, point: Point, call: Callable[[Floats, Floats], Floats]) -> Floats:
-        n = point.nodes.shape[1]
-        values = call((point.period * self.shares).ravel(), point.stages.reshape(-1, n))
-        return np.asarray(values.reshape(*self.shares.shape, *values.shape[1:]))
+    def _of(self, point: Point, call: Callable[[Floats, Floats, Mapping[str, float]], Floats]) -> Floats:
+        times, states = (point.period * self.shares).ravel(), point.stages.reshape(-1, point.nodes.shape[1])
+        values = call(times, states, self._parameters(point.value))
+        return values.reshape(*self.shares.shape, *values.shape[1:])
 
     def rates_at_mesh(self, point: Point) -> Floats:
         """Return f at the beginnings of the intervals (N, n)."""
-        return np.asarray(self.system_at(point.value).rates(point.period * self.mesh[:-1], point.nodes))
+        times, parameters = point.period * self.mesh[:-1], self._parameters(point.value)
+        return self.system.evaluated.values(times, point.nodes, parameters)
+
+    def _parameters(self, value: float) -> Mapping[str, float]:
+        """Return the parameters with this value of the unknown one."""
+        known = self.system.parameters
+        return known if self.parameter is None else {**known, self.parameter: value}
 
     def by_parameter(self, point: Point) -> Floats:
         """Return the derivative of period times f with the parameter, per period, at the Gauss points (N, m, n)."""
         step = _PARAMETER_STEP * max(abs(point.value), 1e-3)
         states = point.stages.reshape(-1, point.nodes.shape[1])
-        evaluated, known = self.system.evaluated, self.system.parameters
+        evaluated = self.system.evaluated
         sides: list[Floats] = []
         for value in (point.value - step, point.value + step):
             period = self.period_at(point._replace(value=value)) if self.turns else point.period
-            parameters = {**known, str(self.parameter): value}
-            sides.append(period * evaluated.values((period * self.shares).ravel(), states, parameters))
+            times = (period * self.shares).ravel()
+            sides.append(period * evaluated.values(times, states, self._parameters(value)))
         return np.asarray((sides[1] - sides[0]).reshape(point.stages.shape) / (2.0 * step * point.period))
 
     def residual(self, point: Point, rates: Floats | None = None) -> Floats:
@@ -235,12 +245,21 @@ class Collocation(ByContent):
         missed[:, -1] = ends - point.nodes - lengths[:, None] * (method.weights @ rates)
         return missed
 
-    def linearised(self, point: Point, rates: Floats | None = None, residual: Floats | None = None) -> Condensed:
-        """Return the residual and the Jacobian matrix, condensed to the mesh."""
+    def linearised(
+        self,
+        point: Point,
+        rates: Floats | None = None,
+        residual: Floats | None = None,
+        by_parameter: Floats | None = None,
+    ) -> Condensed:
+        """Return the residual and the Jacobian matrix, condensed to the mesh.
+
+        Rates, residual and derivatives with the parameter are computed where they are not known.
+        """
         jacobians = self.jacobians(point)
         rates = self.rates(point) if rates is None else rates
         residual = self.residual(point, rates) if residual is None else residual
-        drives = self._drives(point, rates)  # (N, m, n, S), of the right side of x' = f per unit of physical time
+        drives = self._drives(point, rates, by_parameter)
         run = self._kernel(gauss_points.condense_fill, point)
         way = self._condensed_together if run is None else functools.partial(self._condensed_by, run)
         return way(point.period * self.steps, residual, rates, jacobians, drives)
@@ -257,12 +276,13 @@ class Collocation(ByContent):
         """Return the equations condensed by the kernel, interval by interval."""
         method, (count, m, n, scalars) = gauss(self.degree), drives.shape
         matrices, pivots = np.empty((count, m * n, m * n)), np.empty((count, m * n), dtype=np.int64)
-        inner, ends = np.empty((count, m * n, n + 1 + scalars)), np.empty((count, n, n + 1 + scalars))
-        if run(lengths, method.integrals, method.weights, jacobians, drives, residual, matrices, pivots, inner, ends):
+        inner = np.empty((count, m * n, n + 1 + scalars))
+        maps, gaps, columns = np.empty((count, n, n)), np.empty((count, n)), np.empty((count, n, scalars))
+        ends = maps, gaps, columns
+        if run(lengths, method.integrals, method.weights, jacobians, drives, residual, matrices, pivots, inner, *ends):
             raise np.linalg.LinAlgError("singular")
-        maps, gaps, columns = ends[:, :, :n].copy(), ends[:, :, n].copy(), ends[:, :, n + 1 :].copy()
         changes = inner.reshape(count, m, n, n + 1 + scalars)
-        return Condensed(maps, gaps, columns, changes, residual, rates, jacobians, matrices, pivots)
+        return Condensed(maps, gaps, columns, changes, residual, rates, jacobians, matrices, pivots, drives)
 
     def _condensed_together(
         self, lengths: Floats, residual: Floats, rates: Floats, jacobians: Floats, drives: Floats
@@ -285,25 +305,26 @@ class Collocation(ByContent):
         maps = bent[:, :, :n] + np.eye(n)
         gaps = bent[:, :, n] - residual[:, -1]
         inner = np.asarray(changes.reshape(right.shape), dtype=np.float64)
-        return Condensed(maps, gaps, bent[:, :, n + 1 :], inner, residual, rates, jacobians, matrices, None)
+        return Condensed(maps, gaps, bent[:, :, n + 1 :], inner, residual, rates, jacobians, matrices, None, drives)
 
-    def settled(self, point: Point) -> Point:
+    def settled(self, point: Point) -> tuple[Point, Floats, Floats]:
         """Return a point whose states at the Gauss points satisfy the equations from its states at the mesh.
 
-        By iteration, as far as it contracts: where intervals are short enough, it does so by several digits a time.
+        With the rates and the residual there.  By iteration, as far as it contracts: where intervals are short enough,
+        it does so by several digits a time.
         """
-        method, lengths = gauss(self.degree), (point.period * self.steps)[:, None, None]
         before, scale = np.inf, point.scale
         with np.errstate(all="ignore"):
+            rates = self.rates(point)
+            residual = self.residual(point, rates)
             for _ in range(_MOST_ITERATIONS):
-                stages = point.nodes[:, None] + lengths * (method.integrals @ self.rates(point))
-                change = float((np.abs(stages - point.stages) / scale).max())
-                if not change < 0.3 * before:
+                change = float((np.abs(residual[:, :-1]) / scale).max())
+                if not _ROUNDING < change < 0.3 * before:
                     break
-                point, before = point._replace(stages=stages), change
-                if change <= EPS:
-                    break
-        return point
+                trial = point._replace(stages=point.stages - residual[:, :-1])
+                there = self.rates(trial)
+                point, rates, residual, before = trial, there, self.residual(trial, there), change
+        return point, rates, residual
 
     def recondensed(self, condensed: Condensed, point: Point, rates: Floats, residual: Floats) -> Condensed:
         """Return the equations of the chord method: the residual at another point, the same matrices."""
@@ -336,21 +357,25 @@ class Collocation(ByContent):
         few = self.parameter is not None and point.nodes.shape[1] <= kernels.MOST_EQUATIONS
         return machine_code(function) if few else None
 
-    def _drives(self, point: Point, rates: Floats) -> Floats:
+    def _drives(self, point: Point, rates: Floats, by_parameter: Floats | None) -> Floats:
         """Return how each free scalar changes the rates of change in physical time (N, m, n, S)."""
-        every = {"period": lambda: rates / point.period, "parameter": lambda: self.by_parameter(point)}
-        drives = [every[name]() for name in self.scalars]
-        return np.stack(drives, axis=-1) if drives else np.zeros((*rates.shape, 0))
+        drives = np.empty((*rates.shape, len(self.scalars)))
+        if not self.turns:
+            np.divide(rates, point.period, out=drives[..., 0])
+        if self.parameter is not None:
+            drives[..., -1] = self.by_parameter(point) if by_parameter is None else by_parameter
+        return drives
 
-    def phase(self, reference: Point, scale: Floats | None = None) -> BorderRow:
+    def phase(self, reference: Point, scale: Floats | None = None, flow: Floats | None = None) -> BorderRow:
         """Return the phase condition: the mean distance from a reference orbit, along its velocity, is zero.
 
         ``scale`` (n,) holds a unit for each state, by default ``reference.scale``; along a branch it must not change
-        where a state passes through zero.
+        where a state passes through zero.  ``flow`` (N, n) is the velocity at the mesh, if it is known.
         """
         scale = reference.scale if scale is None else scale
-        nodes = self.weights[:, None] * self.rates_at_mesh(reference) / scale**2
-        nodes = nodes / np.linalg.norm(nodes * scale)
+        nodes = self.weights[:, None] * (self.rates_at_mesh(reference) if flow is None else flow) / scale**2
+        scaled = nodes * scale
+        nodes = nodes / math.sqrt(float(np.vdot(scaled, scaled)))
         return BorderRow(nodes, np.zeros(len(self.scalars)), float(np.vdot(nodes, reference.nodes)))
 
     def values(self, point: Point) -> Floats:

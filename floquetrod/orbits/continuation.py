@@ -11,7 +11,7 @@ import numpy as np
 from floquetrod._util.arrays import Floats
 from floquetrod.orbits import arclength, finding, orbit_mesh
 from floquetrod.orbits.arclength import CurvePoint, Measure
-from floquetrod.orbits.collocation import Collocation, Point
+from floquetrod.orbits.collocation import BorderRow, Collocation, Point
 from floquetrod.orbits.crossings import OrbitMultipliers, Tests, multipliers_of, tests
 from floquetrod.orbits.finding import Compared
 from floquetrod.orbits.newton import NoOrbitError
@@ -82,7 +82,9 @@ def sampled(place: CurvePoint, measure: Measure, value: float | None = None) -> 
         row = measure.row(collocation, point, place.direction)
     else:
         row = arclength.pinned(collocation, point, value, measure)
-    finer = finding.compared(collocation, point, place.condensed, arclength.rows_of(collocation, point, row, measure))
+    finer = finding.compared(
+        collocation, point, place.condensed, arclength.rows_of(collocation, point, row, measure, place.flow)
+    )
     if value is not None:  # Newton's last step may miss it by rounding
         exact = finer.point._replace(value=value)
         finer = finer._replace(point=exact._replace(period=finer.collocation.period_at(exact)))
@@ -137,6 +139,7 @@ class Continuation:
         self.sample = start._replace(place=place, tests=start.tests._replace(turning=direction * start.tests.turning))
         outward = task.high - start.value if step.scalars[-1] > 0.0 else start.value - task.low
         self.at_end = outward <= 1e-12 * (task.high - task.low)
+        self._behind: CurvePoint | None = None
 
     def advanced(self) -> Sample:
         """Return the next sample, on the end of the range where the branch leaves it.  Raises Ended."""
@@ -155,21 +158,21 @@ class Continuation:
         self.measure = self.measure.grown(sample.place.point)
         place = sample.place
         unit = self.measure.unit(place.collocation, place.point, place.direction)  # which has other units now
+        self._behind = self.sample.place
         self.sample = sample._replace(place=place._replace(direction=unit))
         return self.sample
 
     def _stepped(self) -> CurvePoint:
         """Return the place a step on, the step as long as Newton's method and the branch's bends allow."""
-        said = ""
+        said, before = "", self.sample.place
+        row = self.measure.row(before.collocation, before.point, before.direction)
         while self.length >= LEAST_LENGTH:
             try:
-                place = self.corrected(self.length)
+                place = self._corrected(row, self.length)
             except (NoOrbitError, ValueError, ArithmeticError) as error:
                 said = str(error)
                 self.length *= 0.5
                 continue
-            before = self.sample.place
-            row = self.measure.row(before.collocation, before.point, before.direction)
             cosine = arclength.product(row, place.direction)
             if cosine < SHARPEST_TURN:
                 said = "it bends too sharply"
@@ -181,14 +184,23 @@ class Continuation:
             f"no orbit was found beyond {self.task.parameter} = {self.sample.value:.9g}, however short the step: {said}"
         )
 
-    def corrected(self, length: float, guess: Point | None = None) -> CurvePoint:
-        """Return the place at a length along the present direction."""
+    def _corrected(self, row: BorderRow, length: float) -> CurvePoint:
+        """Return the place at a length along the present direction, the product with ``row``."""
         before = self.sample.place
-        collocation, point = before.collocation, before.point
-        row = self.measure.row(collocation, point, before.direction)
         ahead = row._replace(target=row.target + length)
-        guess = collocation.moved(point, before.direction, length) if guess is None else guess
-        return arclength.placed(collocation, guess, ahead, row, self.measure)
+        guess = before.collocation.moved(before.point, before.direction, length)
+        closer = self._extrapolated(row, length)
+        return arclength.placed(before.collocation, guess, ahead, row, self.measure, closer=closer)
+
+    def _extrapolated(self, row: BorderRow, length: float) -> Point | None:
+        """Return the point at a length along the present direction, from the place before, too; None at the start."""
+        here, behind = self.sample.place, self._behind
+        if behind is None:
+            return None
+        mesh = here.collocation.mesh
+        if behind.collocation.mesh is not mesh:
+            behind = self._behind = arclength.on_mesh(behind, mesh)
+        return arclength.extrapolated(behind, here, row, length)
 
     def _bound_passed(self, value: float) -> float | None:
         """Return the end of the range beyond which a value lies; None inside."""
@@ -215,7 +227,8 @@ class Continuation:
             mesh = orbit_mesh.adapted(place.collocation, place.point, jacobians, self.task.tolerance)
             if mesh is None:
                 return place
-            collocation, point, row = arclength.moved_to(place, mesh, self.measure)
+            collocation, point, *_ = place = arclength.on_mesh(place, mesh)
+            row = self.measure.row(collocation, point, place.direction)
             last = arclength.pinned(collocation, point, point.value, self.measure) if self.at_end else row
             try:
                 place = arclength.placed(collocation, point, last, row, self.measure)

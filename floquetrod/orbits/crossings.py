@@ -58,9 +58,7 @@ def multipliers_of(orbit: PeriodicOrbit) -> OrbitMultipliers:
 
 def tests(multipliers: OrbitMultipliers, turning: float) -> Tests:
     """Return the test functions, from multipliers and the rate of the parameter; 0 where an error covers the sign."""
-    every = (_factors(multipliers, name) for name in ("plus", "minus", "pairs"))
-    signed = [_product(x) if len(x) and (np.abs(1.0 - x) > errors).all() else 0.0 for x, errors in every]
-    return Tests(turning, *signed)
+    return Tests(turning, *(_sure_product(*_factors(multipliers, name)) for name in ("plus", "minus", "pairs")))
 
 
 def outside(multipliers: OrbitMultipliers) -> int | None:
@@ -111,6 +109,16 @@ def _factors(multipliers: OrbitMultipliers, test: str) -> tuple[Complexes, Float
 def _product(x: Complexes) -> float:
     """Return the product of 1 - x, each part of 1 + |x|."""
     return float(np.prod((1.0 - x) / (1.0 + np.abs(x))).real)
+
+
+def _sure_product(x: Complexes, errors: Floats) -> float:
+    """Return the product of 1 - x likewise, 0 where an error covers a factor, and of none."""
+    product = 1.0 + 0.0j
+    for each, error in zip(x.tolist(), errors.tolist(), strict=True):
+        if not abs(1.0 - each) > error:
+            return 0.0
+        product *= (1.0 - each) / (1.0 + abs(each))
+    return product.real if len(x) else 0.0
 
 
 def nearest(multipliers: OrbitMultipliers, kind: str) -> int:

@@ -15,7 +15,7 @@ from floquetrod._util.arrays import EPS, Floats
 from floquetrod.equations import NonlinearSystem
 from floquetrod.orbits import orbit_guesses, orbit_mesh
 from floquetrod.orbits.collocation import BorderRow, Collocation, Condensed, Point, gauss
-from floquetrod.orbits.newton import Corrected, NoOrbitError, corrected
+from floquetrod.orbits.newton import Corrected, Known, NoOrbitError, corrected
 from floquetrod.orbits.orbit import PeriodicOrbit
 from floquetrod.orbits.orbit_multipliers import Segments
 
@@ -320,7 +320,9 @@ class Compared(NamedTuple):
 def compared(collocation: Collocation, point: Point, condensed: Condensed, rows: list[BorderRow]) -> Compared:
     """Return the orbit of a degree two higher on the same mesh where rows hold, with errors from the difference."""
     fine, start = orbit_mesh.carried(collocation, point, collocation.mesh, collocation.degree + MORE)
-    finer = corrected(fine, fine.settled(start), rows)
+    start, rates, residual = fine.settled(start)
+    by_parameter = None if fine.parameter is None else orbit_mesh.between_points(condensed.drives[..., -1], fine.degree)
+    finer = corrected(fine, start, rows, known=Known(rates, residual, by_parameter))
     gaps = rounding_gaps(fine, finer.point, finer.condensed)
     targets, scale = np.zeros((len(rows), gaps.shape[2])), finer.point.scale
     nodes, scalars = fine.responses(finer.condensed, rows, scale, gaps, targets)
@@ -384,8 +386,7 @@ def _signs(shape: tuple[int, ...]) -> Floats:
 
 def _trace(collocation: Collocation, matrices: Floats) -> float:
     """Return the mean over the period of the trace of matrices at the Gauss points."""
-    weights = collocation.steps[:, None] * gauss(collocation.degree).weights
-    return float((weights * np.trace(matrices, axis1=2, axis2=3)).sum())
+    return float(collocation.steps @ np.einsum("ikaa->ik", matrices) @ gauss(collocation.degree).weights)
 
 
 def doubts(collocation: Collocation, point: Point, condensed: Condensed, rounding: float) -> tuple[Floats, Floats]:

@@ -45,19 +45,34 @@ class Corrected(NamedTuple):
     steps: int
 
 
+class Known(NamedTuple):
+    """Rates and residual at a point, and derivatives with the parameter at all points near it; None for not known."""
+
+    rates: Floats | None = None
+    residual: Floats | None = None
+    by_parameter: Floats | None = None
+
+
 def corrected(
-    collocation: Collocation, point: Point, rows: Sequence[BorderRow], most_steps: int = _MOST_STEPS
+    collocation: Collocation,
+    point: Point,
+    rows: Sequence[BorderRow],
+    most_steps: int = _MOST_STEPS,
+    known: Known | None = None,
 ) -> Corrected:
-    """Return the solution of the equations and rows near a point; `NoOrbitError` where Newton's method finds none."""
-    before, rates, residual, chord = np.inf, None, None, False
+    """Return the solution of the equations and rows near a point; `NoOrbitError` where Newton's method finds none.
+
+    ``known`` holds what is known at the point.
+    """
+    (rates, residual, by_parameter), before, chord = known or Known(), np.inf, False
     condensed: Condensed | None = None
+    scale = point.scale
     with np.errstate(all="ignore"):
         for count in range(1, most_steps + 1):
             if chord and condensed is not None and rates is not None and residual is not None:
                 condensed = collocation.recondensed(condensed, point, rates, residual)
             else:
-                condensed = collocation.linearised(point, rates, residual)
-            scale = point.scale
+                condensed, scale = collocation.linearised(point, rates, residual, by_parameter), point.scale
             step = _step(collocation, condensed, rows, point, scale, count)
             size = step_size(step, point, scale)
             sure = NEARLY < size <= _SMALL and size < 0.5 * before
@@ -66,7 +81,7 @@ def corrected(
             rest = size / before * size if chord else 0.0  # of the chord method, whose steps shrink by one factor
             if (size <= ENOUGH and rest <= _ROUNDING) or (size <= NEARLY and size > 0.3 * before):
                 if chord or stage_size(step, start, scale) > _ROUNDING:
-                    condensed = collocation.linearised(point, rates, residual)
+                    condensed = collocation.linearised(point, rates, residual, by_parameter)
                 return Corrected(point, condensed, count)
             chord = size <= _CLOSE and (size < _CONTRACTED * before or not chord)
             before = size
@@ -105,15 +120,16 @@ def _followed(
     With the rates and the residual there.  Where motion jumps, a residual of 1e-8 may mean a step of 1e-2: it says less
     than steps that contract.
     """
-    missed = _missed(condensed.residual, scale)
     share = 1.0
     while share >= _LEAST_SHARE:
         trial = collocation.moved(point, step, share)
         if trial.period > 0.0 and np.isfinite(trial.nodes).all():
             rates = collocation.rates(trial)
             residual = collocation.residual(trial, rates)
+            if sure:
+                return trial, rates, residual
             missed_there = _missed(residual, scale)
-            if sure or missed_there <= (1.0 - 0.25 * share) * missed or missed_there <= 1e-11:
+            if missed_there <= 1e-11 or missed_there <= (1.0 - 0.25 * share) * _missed(condensed.residual, scale):
                 return trial, rates, residual
         share *= 0.5
     raise _lost(collocation, point, f"in step {count}, which makes the residual larger however short it is")

@@ -47,13 +47,27 @@ def _factors(degree: int, shares: tuple[float, ...]) -> Floats:
     return weights_at(degree, np.array(shares))
 
 
+def between_points(values: Floats, degree: int) -> Floats:
+    """Return values (N, m, n) at the Gauss points at those of another degree, by the polynomials through them."""
+    return np.asarray(_point_factors(values.shape[1], degree) @ values)
+
+
+@functools.cache
+def _point_factors(degree: int, other: int) -> Floats:
+    from numpy.polynomial import legendre
+
+    given, wanted = (legendre.legvander(2.0 * gauss(each).points - 1.0, degree - 1) for each in (degree, other))
+    return np.asarray(wanted @ np.linalg.inv(given))
+
+
 def carried(collocation: Collocation, point: Point, mesh: Floats, degree: int) -> tuple[Collocation, Point]:
     """Return the equations on another mesh or of another degree, and a point there with the same states."""
     other = replace(collocation, mesh=mesh, degree=degree)
     if mesh is collocation.mesh:
         return other, point._replace(stages=evaluated_within(point, tuple(gauss(degree).points.tolist())))
-    stages = evaluated(collocation, point, other.shares.ravel()).reshape(*other.shares.shape, -1)
-    return other, point._replace(nodes=evaluated(collocation, point, mesh[:-1]), stages=stages)
+    count = len(mesh) - 1
+    values = evaluated(collocation, point, np.concatenate([mesh[:-1], other.shares.ravel()]))
+    return other, point._replace(nodes=values[:count], stages=values[count:].reshape(count, degree, -1))
 
 
 def interior_errors(collocation: Collocation, point: Point) -> Floats:
@@ -63,12 +77,12 @@ def interior_errors(collocation: Collocation, point: Point) -> Floats:
     (C. de Boor, Lecture Notes in Math. 363 (1974) 12).
     """
     m, steps = collocation.degree, collocation.steps
-    values = np.concatenate([point.nodes[:, None], point.stages], axis=1) / point.scale
-    last = np.einsum("j,ijn->in", gauss(m).to_series[-1], values)
+    series = gauss(m).to_series[-1]
+    last = (series[0] * point.nodes + np.einsum("j,ijn->in", series[1:], point.stages)) / point.scale
     leading = math.comb(2 * m, m) / 2.0**m * math.factorial(m)  # of the Legendre polynomial's derivative
-    top = last * leading * (2.0 / steps[:, None]) ** m
-    jumps = np.abs(top - np.roll(top, 1, axis=0)) / (0.5 * (steps + np.roll(steps, 1)))[:, None]
-    next_one = np.maximum(jumps, np.roll(jumps, -1, axis=0)).max(axis=1)
+    top = last * (leading * (2.0 / steps) ** m)[:, None]
+    jumps = np.abs(np.diff(top, axis=0, prepend=top[-1:])).max(axis=1) / collocation.weights
+    next_one = np.maximum(jumps, np.append(jumps[1:], jumps[0]))
     return np.asarray(_constant(m) * steps ** (m + 1) * next_one)
 
 
@@ -115,9 +129,10 @@ def equidistributed(collocation: Collocation, errors: Floats, tolerance: float, 
     power = 1.0 / (collocation.degree + 1)
     share = (np.maximum(errors, 1e-18) / tolerance) ** power
     density = np.maximum(share / collocation.steps, least)
-    smooth = np.maximum(density, 0.5 * np.maximum(np.roll(density, 1), np.roll(density, -1)))
-    smooth = smooth + _FLOOR * float((smooth * collocation.steps).sum())
-    wanted = min(_SAFETY * float((smooth * collocation.steps).sum()), max(64.0, 2.0 * len(errors)))
+    beside = np.maximum(np.append(density[-1:], density[:-1]), np.append(density[1:], density[0]))
+    smooth = np.maximum(density, 0.5 * beside)
+    smooth = smooth + _FLOOR * float(smooth @ collocation.steps)
+    wanted = min(_SAFETY * float(smooth @ collocation.steps), max(64.0, 2.0 * len(errors)))
     return of_density(collocation.mesh, smooth, wanted)
 
 

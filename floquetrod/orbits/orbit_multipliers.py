@@ -81,11 +81,12 @@ def spectrum(segments: Segments, is_hamiltonian: Callable[[], bool]) -> OrbitSpe
     across the motion: their multipliers are all but the trivial one, however close to 1 another one is.
     ``is_hamiltonian`` tells the structure of the linearised system, of a forced one with large errors.
     """
+    across = segments.maps.shape[1] - (segments.flow is not None)
+    if across == 1:
+        return OrbitSpectrum(_alone(segments), None, _along(segments), len(segments.maps))
     scales, maps, errors, trivial = _scaled(segments)
     logs, solutions = None, None
-    if maps.shape[1] == 1:
-        logs = independent_solutions.log_discs(_alone(segments), 0.0)
-    elif np.isfinite(maps).all():
+    if np.isfinite(maps).all():
         solutions = cyclic_matrix.solutions(*_merged(maps, errors), scales)
         logs = None if solutions is None else independent_solutions.log_discs(solutions, 0.0)
         rough = solutions is None or float(solutions.radii.max()) >= _SURE
@@ -111,10 +112,21 @@ def _scaled(segments: Segments) -> tuple[Floats, Floats, Floats, float | None]:
     return np.ones(maps.shape[1]), maps, errors, trivial
 
 
-def _alone(segments: Segments) -> Solutions:
-    """Return the one solution where there is but one multiplier, by Liouville's formula."""
+def _alone(segments: Segments) -> LogDiscs:
+    """Return the logarithm where there is but one multiplier, by Liouville's formula."""
     error = segments.trace_error + 4.0 * EPS * abs(segments.trace)
-    return Solutions(np.array([segments.trace + 0.0j]), np.array([error]), np.ones((1, 1), dtype=np.complex128))
+    return LogDiscs.about(np.array([segments.trace + 0.0j]), np.array([error]), (np.array([0]),))
+
+
+def _along(segments: Segments) -> float | None:
+    """Return how far from 1 the multiplier along an autonomous orbit's motion is; None of a forced system."""
+    if segments.flow is None:
+        return None
+    scales = np.maximum(np.abs(segments.flow).max(axis=0), 1e-300)
+    ahead = np.concatenate([segments.flow[1:], segments.flow[:1]]) / scales
+    moved = (segments.maps @ segments.flow[:, :, None])[:, :, 0] / scales
+    shares = (ahead * moved).sum(axis=1) / (ahead * ahead).sum(axis=1)
+    return abs(math.expm1(float(np.log(np.abs(shares)).sum())))
 
 
 def _split(maps: Floats, errors: Floats) -> LogDiscs:
@@ -176,6 +188,17 @@ def _across(maps: Floats, errors: Floats, flow: Floats) -> tuple[Floats, Floats,
     return turned[:, 1:, 1:], errors + leaks, abs(math.expm1(float(np.log(np.abs(along)).sum())))
 
 
+def _conditions(maps: Floats) -> Floats:
+    """Return the condition numbers of maps in the 2-norm, of two rows by norm and determinant."""
+    if maps.shape[1] != 2:
+        return np.asarray(np.linalg.cond(maps))
+    with np.errstate(all="ignore"):
+        square = np.square(maps).sum(axis=(1, 2))
+        area = 2.0 * np.abs(maps[:, 0, 0] * maps[:, 1, 1] - maps[:, 0, 1] * maps[:, 1, 0])
+        ratios = (square + np.sqrt(np.maximum(square - area, 0.0) * (square + area))) / area
+    return np.asarray(np.where(area > 0.0, ratios, np.inf))
+
+
 def _merged(maps: Floats, errors: Floats) -> tuple[Floats, Floats]:
     """Return products of neighbouring maps, as many as are well conditioned, and their errors."""
     limit = _LARGEST_CONDITION
@@ -183,13 +206,16 @@ def _merged(maps: Floats, errors: Floats) -> tuple[Floats, Floats]:
         pairs = len(maps) // 2
         first, second = maps[: 2 * pairs : 2], maps[1::2]
         ahead, behind = errors[: 2 * pairs : 2], errors[1::2]
-        products = second @ first
+        products, sizes = second @ first, norms(maps)
         finite = np.isfinite(products).all(axis=(1, 2))
         conditions = np.full(pairs, np.inf)
-        conditions[finite] = np.linalg.cond(products[finite])
+        conditions[finite] = _conditions(products[finite])
         joined = np.flatnonzero(conditions <= limit)
         if joined.size:
-            bounds = behind * norms(first) + norms(second) * ahead + behind * ahead + _rounding(products)
+            bounds = behind * sizes[: 2 * pairs : 2] + sizes[1::2] * ahead + behind * ahead + _rounding(products)
+        if joined.size == pairs:
+            maps, errors = (np.concatenate(x) for x in ((products, maps[2 * pairs :]), (bounds, errors[2 * pairs :])))
+        elif joined.size:
             maps, errors = maps.copy(), errors.copy()
             maps[2 * joined], errors[2 * joined] = products[joined], bounds[joined]
             maps, errors = np.delete(maps, 2 * joined + 1, axis=0), np.delete(errors, 2 * joined + 1)

@@ -17,6 +17,7 @@ R. M. M. Mattheij and R. D. Russell, doi:10.1137/1.9781611971231, chapter 3).
 
 from __future__ import annotations
 
+import math
 from typing import NamedTuple
 
 import numpy as np
@@ -62,6 +63,12 @@ def _triangular(maps: Floats) -> tuple[Floats, Floats]:
 
     The last map leads to the first frame, which the iteration returns to up to errors: they stay below the diagonal.
     """
+    frames, logs = _iterated_plane(maps) if maps.shape[1] == 2 else _iterated(maps)
+    return np.swapaxes(np.roll(frames, -1, axis=0), 1, 2) @ maps @ frames, logs.sum(axis=0)
+
+
+def _iterated(maps: Floats) -> tuple[Floats, Floats]:
+    """Return the frames (N, n, n) of orthogonal iteration, and the logarithms (N, n) of growth along their axes."""
     count, n, _ = maps.shape
     frames, logs = np.empty((count, n, n)), np.empty((count, n))
     frame = np.eye(n)
@@ -70,7 +77,28 @@ def _triangular(maps: Floats) -> tuple[Floats, Floats]:
             frames[i] = frame
             frame, triangle = np.linalg.qr(maps[i] @ frame)
             logs[i] = np.log(np.maximum(np.abs(np.diag(triangle)), 1e-300))
-    return np.swapaxes(np.roll(frames, -1, axis=0), 1, 2) @ maps @ frames, logs.sum(axis=0)
+    return frames, logs
+
+
+def _iterated_plane(maps: Floats) -> tuple[Floats, Floats]:
+    """Return the same of maps of the plane, whose frames are turned by one angle each, in plain numbers."""
+    axes: list[tuple[float, float]] = []
+    sizes: list[float] = []
+    x, y = 1.0, 0.0
+    entries = maps.reshape(-1, 4).tolist()
+    for _ in range(_ROUNDS):
+        axes, sizes = [], []
+        for a, b, c, d in entries:
+            axes.append((x, y))
+            u, v = a * x + b * y, c * x + d * y
+            size = math.hypot(u, v)
+            sizes.append(size or 1e-300)
+            if size:
+                x, y = u / size, v / size
+    first, grown = np.array(axes), np.array(sizes)
+    areas = np.abs(maps[:, 0, 0] * maps[:, 1, 1] - maps[:, 0, 1] * maps[:, 1, 0])
+    frames = np.stack([first, np.stack([-first[:, 1], first[:, 0]], axis=1)], axis=2)
+    return frames, np.log(np.maximum(np.stack([grown, areas / grown], axis=1), 1e-300))
 
 
 def _split(turned: Floats, errors: Floats, first: int) -> tuple[Block, Block] | None:

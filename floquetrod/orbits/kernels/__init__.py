@@ -6,6 +6,7 @@ is found before numba is loaded.  So the digits of an answer do not depend on wh
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Callable
 from typing import Any
 
@@ -17,6 +18,7 @@ MOST_EQUATIONS = 4
 _IN_USE: set[Any] = set()
 
 
+@functools.cache
 def machine_code(function: Callable[..., Any]) -> Callable[..., Any] | None:
     """Return the machine code of a kernel; None where nothing is compiled, with NUMBA_DISABLE_JIT."""
     run = compiled(function)

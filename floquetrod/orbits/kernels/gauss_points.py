@@ -19,6 +19,8 @@ from __future__ import annotations
 
 from typing import Any
 
+import numpy as np
+
 from floquetrod._util.compilation import kernel
 
 
@@ -73,9 +75,13 @@ def solve_factored(matrix: Any, pivots: Any, right: Any) -> None:
 
 
 @kernel
-def largest_fill(nodes: Any, stages: Any, sizes: Any) -> None:
-    """Fill ``sizes`` (n,) with the largest magnitude of each state at the mesh and at the Gauss points; NaN stays."""
+def largest_fill(nodes: Any, stages: Any, least_share: float, sizes: Any) -> None:
+    """Fill ``sizes`` (n,) with the largest magnitude of each state at the mesh and at the Gauss points; NaN stays.
+
+    Not less than ``least_share`` of the largest of all.
+    """
     count, m, n = stages.shape
+    most = 1e-150
     for a in range(n):
         largest = 0.0
         for i in range(count):
@@ -85,6 +91,11 @@ def largest_fill(nodes: Any, stages: Any, sizes: Any) -> None:
                 if not abs(stages[i, j, a]) <= largest:
                     largest = abs(stages[i, j, a])
         sizes[a] = largest
+        if least_share * largest > most:
+            most = least_share * largest
+    for a in range(n):
+        if sizes[a] < most:
+            sizes[a] = most
 
 
 @kernel
@@ -127,16 +138,18 @@ def residual_fill(
 @kernel
 def condense_fill(
     lengths: Any, integrals: Any, weights: Any, jacobians: Any, drives: Any, residual: Any,
-    factors: Any, pivots: Any, inner: Any, ends: Any,
+    factors: Any, pivots: Any, inner: Any, maps: Any, gaps: Any, columns: Any,
 ) -> bool:  # fmt: skip
-    """Fill ``factors`` (N, m n, m n), ``pivots``, ``inner`` (N, m n, n + 1 + S) and ``ends`` (N, n, n + 1 + S).
+    """Fill ``factors`` (N, m n, m n), ``pivots``, ``inner`` (N, m n, n + 1 + S) and what is left at the mesh.
 
-    ``ends`` holds the maps, the gaps and the columns of the scalars.  Return whether a matrix is singular.
+    That is the maps (N, n, n), the gaps (N, n) and the columns of the scalars (N, n, S).  Return whether a matrix is
+    singular.
     """
     count, m, n, scalars = drives.shape
     width = n + 1 + scalars
+    end = np.empty((n, width))
     for i in range(count):
-        matrix, right, end = factors[i], inner[i], ends[i]
+        matrix, right = factors[i], inner[i]
         for j in range(m):
             for k in range(m):
                 share = lengths[i] * integrals[j, k]
@@ -170,10 +183,12 @@ def condense_fill(
                 for s in range(scalars):
                     end[a, n + 1 + s] += weights[k] * drives[i, k, a, s]
         for a in range(n):
-            for c in range(width):
-                end[a, c] *= lengths[i]
-            end[a, a] += 1.0
-            end[a, n] -= residual[i, m, a]
+            for c in range(n):
+                maps[i, a, c] = lengths[i] * end[a, c]
+            maps[i, a, a] += 1.0
+            gaps[i, a] = lengths[i] * end[a, n] - residual[i, m, a]
+            for s in range(scalars):
+                columns[i, a, s] = lengths[i] * end[a, n + 1 + s]
     return False
 
 

@@ -149,39 +149,45 @@ def cycle_fill(equations: Any, states: Any, left: Any) -> bool:
 
 @kernel
 def bordered_fill(
-    equations: Any, rows: Any, border: Any, scale: Any, states: Any, left: Any, units: Any, nodes: Any, free: Any
-) -> int:
+    maps: Any, columns: Any, gaps: Any, rows: Any, corner: Any, targets: Any, scale: Any,
+    states: Any, left: Any, units: Any, nodes: Any, free: Any,
+) -> int:  # fmt: skip
     """Solve the equations with a border: fill ``nodes`` (N, n, q) and ``free`` (S, q).
 
-    The border is rows (S, N, n) times the states plus the first S columns of ``border`` (S, S + q) times the scalars,
-    equal to its others.  On the way ``equations`` are written in units of ``scale`` (n,) for the states and of
-    ``units`` (S,) for the scalars, in which their columns have the sum 1, and each row of the border in one in which
-    its sum is 1: ``states`` as in `cycle_fill`, ``left`` (n + S, w) with left y = 0.  Return SINGULAR where a block is,
+    The maps (N, n, n), the columns of the scalars (N, n, S) and the right sides ``gaps`` (N, n, q) are those of the
+    equations; the border is rows (S, N, n) times the states plus ``corner`` (S, S) times the scalars, equal to
+    ``targets`` (S, q).  On the way the equations are written in units of ``scale`` (n,) for the states and of ``units``
+    (S,) for the scalars, in which their columns have the sum 1, and each row of the border in one in which its sum is
+    1: ``states`` as in `cycle_fill`, ``left`` (n + S, w) with left y = 0.  Return SINGULAR where a block is,
     NEARLY_SINGULAR where the last equations may be and ``nodes`` and ``free`` are not filled, else 0.
     """
-    count, n, width = equations.shape
-    scalars = len(units)
+    count, n, scalars = columns.shape
     size = n + scalars
+    width = size + gaps.shape[2]
+    equations = np.empty((count, n, width))
     # Where an orbit does not depend on the parameter its column is rounding; the rows tell its unit then.
     for s in range(scalars):
         total, largest = 0.0, 1e-300
         for i in range(count):
             for a in range(n):
-                total += abs(equations[i, a, n + s]) / scale[a]
+                total += abs(columns[i, a, s]) / scale[a]
         for r in range(scalars):
-            largest = max(largest, abs(border[r, s]))
+            largest = max(largest, abs(corner[r, s]))
         units[s] = 1.0 / max(total, largest)
     for i in range(count):
         for a in range(n):
-            for c in range(width):
-                unit = scale[c] if c < n else (units[c - n] if c < size else 1.0)
-                equations[i, a, c] *= unit / scale[a]
+            for c in range(n):
+                equations[i, a, c] = maps[i, a, c] * (scale[c] / scale[a])
+            for s in range(scalars):
+                equations[i, a, n + s] = columns[i, a, s] * (units[s] / scale[a])
+            for q in range(width - size):
+                equations[i, a, size + q] = gaps[i, a, q] / scale[a]
     if cycle_fill(equations, states, left):
         return SINGULAR
     for r in range(scalars):
         total = 1e-300
         for c in range(n, width):
-            value = border[r, c - n] * units[c - n] if c < size else -border[r, c - n]
+            value = corner[r, c - n] * units[c - n] if c < size else -targets[r, c - size]
             total += abs(value) if c < size else 0.0
             left[n + r, c] = value
         for c in range(n):
