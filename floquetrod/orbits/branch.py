@@ -176,7 +176,7 @@ class Branch(ByContent, Printed, NoTruthValue):
             (self.parameter, "<16"),
             ("error", ">8"),
             ("period", ">10"),
-            ("mu", "<24"),
+            ("multiplier", "<24"),
         )
         rows = [
             (str(i), point.kind, f"{point.value:.11g}", f"{point.error:.0e}", f"{point.orbit.period:.6g}", _mu(point))
