@@ -5,6 +5,7 @@ from __future__ import annotations
 from floquetrod.equations.base import Equation, Piece, require
 from floquetrod.equations.batches import in_batches, stack
 from floquetrod.equations.delay_system import DelayedTerm, DelaySystem
+from floquetrod.equations.delayed_moments import DelayedMoments, DelayedNoise
 from floquetrod.equations.hill import Hill
 from floquetrod.equations.hill_system import HillSystem
 from floquetrod.equations.mathieu import FrictionalMathieu, Mathieu, MathieuAQ, in_tau
@@ -17,6 +18,8 @@ from floquetrod.equations.two_frequencies import TwoFrequencies
 
 __all__ = [
     "DelaySystem",
+    "DelayedMoments",
+    "DelayedNoise",
     "DelayedTerm",
     "Equation",
     "FrictionalMathieu",

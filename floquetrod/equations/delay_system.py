@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from typing import Any, ClassVar, NamedTuple, TypeVar
@@ -556,10 +556,15 @@ class DelaySystem(ByContent):
         return f"<DelaySystem of {self.present!r}, delayed by {{{terms}}}>"
 
 
+def with_terms(system: DelaySystem, present: HillSystem | PeriodicSystem, terms: Sequence[DelayedTerm]) -> DelaySystem:
+    """Return a system with another one in place of its undelayed part, and with more delayed terms."""
+    return DelaySystem._made(present, (*system.delayed, *terms))
+
+
 def _by_series(delayed: Any, present: HillSystem | PeriodicSystem) -> tuple[DelayedTerm, ...]:
     """Return the delayed terms of a system whose coefficients are Fourier series."""
     terms = []
-    for name, given in _listed(delayed, (2, 3, 4), _SERIES):
+    for name, given in terms_of(delayed, (2, 3, 4), _SERIES):
         delay, mean, *series = given
         matrix = matrices.square(f"{name}[1]", mean, present.order, present.MEAN)
         parts = [
@@ -567,14 +572,14 @@ def _by_series(delayed: Any, present: HillSystem | PeriodicSystem) -> tuple[Dela
             for k, values in enumerate(series, 2)
         ]
         coefficient = PeriodicSystem(matrix, *parts, period=present.period)
-        terms.append(DelayedTerm(_delay(f"{name}[0]", delay), coefficient))
+        terms.append(DelayedTerm(delay_of(f"{name}[0]", delay), coefficient))
     return tuple(terms)
 
 
 def _by_pieces(delayed: Any, present: HillSystem | PeriodicSystem) -> tuple[DelayedTerm, ...]:
     """Return the delayed terms of a system whose coefficients are in pieces."""
     terms = []
-    for name, (delay, pieces) in _listed(delayed, (2,), _PIECES):
+    for name, (delay, pieces) in terms_of(delayed, (2,), _PIECES):
         try:
             coefficient = PeriodicSystem.from_pieces(pieces)
         except (TypeError, ValueError) as error:
@@ -583,7 +588,7 @@ def _by_pieces(delayed: Any, present: HillSystem | PeriodicSystem) -> tuple[Dela
             raise ValueError(f"{name}[1] must be {present.order} x {present.order} as the other pieces are")
         if np.shape(coefficient.period) == () and coefficient.period != present.period:
             raise ValueError(f"{name}[1] must add up to the period {present.period!r}, got {coefficient.period!r}")
-        terms.append(DelayedTerm(_delay(f"{name}[0]", delay), coefficient))
+        terms.append(DelayedTerm(delay_of(f"{name}[0]", delay), coefficient))
     return tuple(terms)
 
 
@@ -613,7 +618,7 @@ def _with_errors(
 ) -> tuple[Present, tuple[DelayedTerm, ...]]:
     """Return a system and its delayed terms; ``varying`` makes a coefficient, or None of a constant matrix."""
     terms, error = [], present.coefficient_error
-    for name, (delay, value) in _listed(delayed, (2,), example):
+    for name, (delay, value) in terms_of(delayed, (2,), example):
         try:
             coefficient = varying(value)
         except (TypeError, ValueError) as refusal:
@@ -624,25 +629,26 @@ def _with_errors(
         if coefficient.order != present.order:
             raise ValueError(f"{name}[1] must be {present.order} x {present.order} as {present.MEAN} is")
         error = max(error, coefficient.coefficient_error)
-        terms.append(DelayedTerm(_delay(f"{name}[0]", delay), replace(coefficient, coefficient_error=0.0)))
+        terms.append(DelayedTerm(delay_of(f"{name}[0]", delay), replace(coefficient, coefficient_error=0.0)))
     return replace(present, coefficient_error=error), tuple(terms)
 
 
-def _listed(delayed: Any, lengths: tuple[int, ...], example: str) -> list[tuple[str, Any]]:
-    """Return the terms with their names, each of one of the lengths."""
+def terms_of(delayed: Any, lengths: tuple[int, ...], example: str, name: str = "delayed") -> list[tuple[str, Any]]:
+    """Return delayed terms with their names, each of one of the lengths."""
     if isinstance(delayed, str | bytes) or not validate.iterable(delayed):
-        raise TypeError(f"delayed must be a sequence of {example}, got {validate.short(delayed)}")
+        raise TypeError(f"{name} must be a sequence of {example}, got {validate.short(delayed)}")
     terms = []
-    for j, given in enumerate(validate.listed("delayed", delayed, MOST_DELAYS, "terms")):
+    for j, given in enumerate(validate.listed(name, delayed, MOST_DELAYS, "terms")):
         if not isinstance(given, tuple | list) or len(given) not in lengths:
-            raise TypeError(f"delayed must be a sequence of {example}, got {validate.short(given)} as delayed[{j}]")
-        terms.append((f"delayed[{j}]", given))
+            raise TypeError(f"{name} must be a sequence of {example}, got {validate.short(given)} as {name}[{j}]")
+        terms.append((f"{name}[{j}]", given))
     return terms
 
 
-def _delay(name: str, value: Any) -> float | Fraction:
+def delay_of(
+    name: str, value: Any, hint: str = "terms without a delay belong to the stiffness, or to the matrix A"
+) -> float | Fraction:
     """Return a delay, exactly: a double, or a Fraction where it is none."""
-    hint = "terms without a delay belong to the stiffness, or to the matrix A"
     number = validate.within(
         name, float(value) if isinstance(value, Fraction) else value, 1.0 / _LONGEST, _LONGEST, hint
     )

@@ -193,6 +193,11 @@ def of_first_order(system: Any) -> PeriodicSystem:
         system = system.as_system()
     if isinstance(system, SecondMoments):
         raise TypeError("system must be the system that noise acts on, not second moments, which noise changed already")
+    if isinstance(system, DelaySystem):
+        raise TypeError(
+            "system must be without delays here; of one with delays fr.stability(system, noise=...) and "
+            "fr.critical_noise(system, noise) decide whether second moments grow"
+        )
     if not isinstance(system, HillSystem | PeriodicSystem):
         kinds = "an Equation, such as Mathieu, Meissner or Hill, or a HillSystem or PeriodicSystem"
         raise TypeError(f"system must be {kinds}, got {validate.short(system)}")
@@ -215,17 +220,25 @@ def sources_of(system: Any, noise: Any) -> list[NoiseSource]:
         system = system.as_system()
         if not validate.iterable(noise) or isinstance(noise, str | bytes):
             noise = [([[1.0]], validate.nonnegative("noise", noise, "its square is a density"))]
+    return [
+        source(system, matrix, strength, (name, f"{name}[0]", f"{name}[1]"))
+        for name, (matrix, strength) in given_sources(noise, (2,), _EXAMPLE)
+    ]
+
+
+def given_sources(noise: Any, lengths: tuple[int, ...], example: str) -> list[tuple[str, Any]]:
+    """Return the sources of noise as they were given, with their names, each of one of the lengths."""
     if isinstance(noise, str | bytes) or not validate.iterable(noise):
-        raise TypeError(f"noise must be a sequence {_EXAMPLE}, got {validate.short(noise)}")
+        raise TypeError(f"noise must be a sequence {example}, got {validate.short(noise)}")
     listed = validate.listed("noise", noise, validate.MOST_NUMBERS, "sources")
     if not listed:
-        raise ValueError(f"noise must be a sequence {_EXAMPLE} of one source at least, got none; leave it out")
+        raise ValueError(f"noise must be a sequence {example} of one source at least, got none; leave it out")
     sources = []
-    for i, pair in enumerate(listed):
+    for i, given in enumerate(listed):
         name = f"noise[{i}]"
-        if not isinstance(pair, tuple | list) or len(pair) != 2:
-            raise TypeError(f"noise must be a sequence {_EXAMPLE}, got {validate.short(pair)} as {name}")
-        sources.append(source(system, pair[0], pair[1], (name, f"{name}[0]", f"{name}[1]")))
+        if not isinstance(given, tuple | list) or len(given) not in lengths:
+            raise TypeError(f"noise must be a sequence {example}, got {validate.short(given)} as {name}")
+        sources.append((name, given))
     return sources
 
 
@@ -236,6 +249,16 @@ def source(
     if isinstance(system, Equation):
         system = system.as_system()
     assert not isinstance(system, DelaySystem)  # noqa: S101  # `of_first_order` has refused it
+    matrix, intensity = checked_source(system, given, strength, names)
+    if not isinstance(system, HillSystem):
+        return NoiseSource(matrix, 0.0, intensity)
+    return NoiseSource(*_on_positions(system, matrix), intensity)
+
+
+def checked_source(
+    system: HillSystem | PeriodicSystem, given: Any, strength: Any, names: tuple[str, str, str]
+) -> tuple[Matrix, Floats]:
+    """Return a matrix of noise as it was given and its intensity, checked; ``names`` as of `source`."""
     matrix = matrices.square(names[1], given, system.order, system.MEAN)
     intensity = validate.array(names[2], strength, least=-math.inf, largest=math.inf)
     if intensity.size and not (float(intensity.min()) >= 0.0 and float(intensity.max()) <= _LARGEST_INTENSITY):
@@ -248,9 +271,7 @@ def source(
     except ValueError:
         shapes = f"matrix {matrix.shape[:-2]}, intensity {intensity.shape}, system {system.shape}"
         raise ValueError(f"{names[0]} must have a leading shape that fits the system's, got {shapes}") from None
-    if not isinstance(system, HillSystem):
-        return NoiseSource(matrix, 0.0, intensity)
-    return NoiseSource(*_on_positions(system, matrix), intensity)
+    return matrix, intensity
 
 
 def _on_positions(system: HillSystem, matrix: Matrix) -> tuple[Matrix, float]:

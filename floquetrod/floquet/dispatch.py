@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING, Any, overload
 import numpy as np
 
 from floquetrod._util import validate
-from floquetrod.equations import DelaySystem, Equation, HillSystem, PeriodicSystem
+from floquetrod.equations import DelayedMoments, DelaySystem, Equation, HillSystem, PeriodicSystem
+from floquetrod.equations.delayed_moments import delayed_moments
 from floquetrod.equations.hill_system import states
 from floquetrod.equations.second_moments import balanced_moments
 from floquetrod.floquet.problems import Problem, kind_of, require_problem
@@ -76,7 +77,9 @@ def stability(
         undecided.
     noise : sequence of (matrix, intensity), or float, optional
         White noise in the coefficients, as `floquetrod.second_moments` takes it, whose system is then classified: the
-        verdict is in mean square; growth and exponents belong to the second moments.
+        verdict is in mean square; growth and exponents belong to the second moments.  Of a system with delays,
+        (matrix, intensity, [(delay, matrix), ...]) is a source that acts on delayed values as well; the one exponent
+        is the growth rate of all second moments.
     interpretation : {"ito", "stratonovich"}
         Of the noise.
     terms : int, optional
@@ -119,18 +122,18 @@ def stability(
     """
     if not isinstance(equation, Equation):  # whose pieces every method checks
         require_problem(equation)
-    equation = under_noise(equation, noise, interpretation)
-    validate.choice("method", method, names_of(equation))
+    subject: Any = under_noise(equation, noise, interpretation)
+    validate.choice("method", method, names_of(subject))
     given = terms, rtol, step, periods, limit, digits, most_digits, above
     options = {name: value for name, value in zip(_OPTIONS, given, strict=True) if value is not None}
     if method != "auto":
-        named: Stability | SystemStability = run(method, equation, **options)
+        named: Stability | SystemStability = run(method, subject, **options)
         return named
     if options:
         raise TypeError(f"method='auto' accepts no options, got {', '.join(options)}; name a method to pass them to")
-    judged = judge(equation)
+    judged = judge(subject)
     automatic: Stability | SystemStability = judged
-    return automatic if isinstance(equation, Equation | DelaySystem) else _resolved(equation, judged)
+    return automatic if isinstance(subject, Equation | DelaySystem | DelayedMoments) else _resolved(subject, judged)
 
 
 if stability.__doc__:
@@ -138,9 +141,11 @@ if stability.__doc__:
     stability.__doc__ = stability.__doc__.replace("the name of one of `floquetrod.floquet.registry.METHODS`.", _wrapped)
 
 
-def under_noise(problem: Problem, noise: Any, interpretation: str) -> Problem:
+def under_noise(problem: Problem, noise: Any, interpretation: str) -> Problem | DelayedMoments:
     """Return the second moments of an equation or a system where there is noise, itself where there is none."""
     if noise is not None:
+        if isinstance(problem, DelaySystem):
+            return delayed_moments(problem, noise, interpretation)
         return balanced_moments(problem, noise, interpretation)
     if interpretation != "ito":
         raise TypeError(f"interpretation={validate.short(interpretation)} is that of noise, which must be given, too")
@@ -163,7 +168,7 @@ def _resolved(system: HillSystem | PeriodicSystem, judged: SystemStability) -> S
     return judged
 
 
-def judge(problem: Problem, known: FloquetVerdict | None = None, **last: Any) -> Any:
+def judge(problem: Problem | DelayedMoments, known: FloquetVerdict | None = None, **last: Any) -> Any:
     """Return the verdict of "auto", one method after another; the last one, with many digits, takes the options
     ``last``.
 
@@ -186,7 +191,7 @@ def judge(problem: Problem, known: FloquetVerdict | None = None, **last: Any) ->
     return result
 
 
-def _is_beyond_maps(problem: Problem, result: Verdict | None) -> bool:
+def _is_beyond_maps(problem: Problem | DelayedMoments, result: Verdict | None) -> bool:
     """Return whether maps resolve no multiplier of a system, as where solutions grow or decay beyond doubles."""
     if result is None or not isinstance(problem, HillSystem | PeriodicSystem) or refusal(problem, "spectral"):
         return False
@@ -202,7 +207,7 @@ def _better(result: Any, later: Any) -> Any:
 
 
 @np.errstate(under="ignore")  # what is too small for a double is 0 to all methods, whatever a caller lets numpy raise
-def run(method: str, problem: Problem, **options: Any) -> Any:
+def run(method: str, problem: Problem | DelayedMoments, **options: Any) -> Any:
     """Call the method of this name, of a scalar equation or of a system."""
     file = f"{kind_of(problem).prefix}{method}"
     call = getattr(import_module(f"floquetrod.floquet.methods.{file}"), method)

@@ -6,7 +6,15 @@ from collections.abc import Callable, Mapping
 from typing import Any, NamedTuple
 
 from floquetrod._util import validate
-from floquetrod.equations import DelaySystem, Equation, HillSystem, PeriodicSystem, TwoFrequencies, matrices
+from floquetrod.equations import (
+    DelayedMoments,
+    DelaySystem,
+    Equation,
+    HillSystem,
+    PeriodicSystem,
+    TwoFrequencies,
+    matrices,
+)
 from floquetrod.equations import require as require_equation
 from floquetrod.floquet import references
 
@@ -30,11 +38,14 @@ KINDS = (
     ProblemKind("scalar equations", "equations", "", (references.DLMF, references.THEORY)),
     ProblemKind("systems", "systems", "system_", (references.THEORY, references.BOTT, references.RUMP)),
     ProblemKind("systems with delays", "delays", "delay_", (references.GU, references.SIEBER)),
+    ProblemKind("second moments of systems with delays", "delayed_moments", "moments_", ()),
 )
 
 
 def kind_of(problem: Any) -> ProblemKind:
     """Return the kind of a problem."""
+    if isinstance(problem, DelayedMoments):
+        return KINDS[3]
     return KINDS[0 if isinstance(problem, Equation) else 2 if isinstance(problem, DelaySystem) else 1]
 
 
@@ -53,13 +64,13 @@ def require_problem(problem: Any) -> None:
 
 def require_without_delays(problem: Any, what: str) -> None:
     """Raise TypeError for a system with delays, where ``what`` is not implemented for them."""
-    if isinstance(problem, DelaySystem):
+    if isinstance(problem, DelaySystem | DelayedMoments):
         raise TypeError(f"equation must be without delays for {what}, got {validate.short(problem)}")
 
 
-def undamped_pairs(system: System | DelaySystem) -> tuple[System, float] | None:
+def undamped_pairs(system: System | DelaySystem | DelayedMoments) -> tuple[System, float] | None:
     """Return the system without its uniform damping c, and c, where its multipliers come in mu, 1 / mu; else None."""
-    if isinstance(system, DelaySystem):
+    if isinstance(system, DelaySystem | DelayedMoments):
         return None
     freed = system.undamped if isinstance(system, HillSystem) else (system, 0.0)
     return freed if freed is not None and freed[0].structure in ("hamiltonian", "reversible") else None

@@ -43,6 +43,7 @@ GU = (
 )
 SIEBER = "J. Sieber and R. Szalai, SIAM J. Appl. Dyn. Syst. 10 (2011) 129, doi:10.1137/100796455"
 BREDA = "D. Breda, S. Maset and R. Vermiglio, SIAM J. Numer. Anal. 50 (2012) 1456, doi:10.1137/100815505"
+KUCHLER = "U. Kuechler and B. Mensch, Stochastics and Stochastic Reports 40 (1992) 23"
 
 NOISE = (ARNOLD,)
 """Sources of the second moments of a system under noise."""

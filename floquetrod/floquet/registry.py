@@ -10,7 +10,16 @@ from collections.abc import Callable
 from typing import Any, NamedTuple
 
 from floquetrod._util import validate
-from floquetrod.equations import DelaySystem, Equation, HillSystem, Mathieu, MathieuAQ, Meissner, PeriodicSystem
+from floquetrod.equations import (
+    DelayedMoments,
+    DelaySystem,
+    Equation,
+    HillSystem,
+    Mathieu,
+    MathieuAQ,
+    Meissner,
+    PeriodicSystem,
+)
 from floquetrod.equations import require as require_equation
 from floquetrod.floquet import references
 from floquetrod.floquet.problems import KINDS, Problem, kind_of, undamped_pairs
@@ -84,13 +93,15 @@ class Method(NamedTuple):
     """A method, and what it does for each kind of problem that it serves; None for the kinds it does not.
 
     Its function has its name, in the file of `floquetrod.floquet.methods` named after it: ``spectral`` for equations,
-    ``system_spectral`` for systems, ``delay_spectral`` for systems with delays.
+    ``system_spectral`` for systems, ``delay_spectral`` for systems with delays,
+    ``moments_spectral`` for second moments of those.
     """
 
     name: str
     equations: Service | None = None
     systems: Service | None = None
     delays: Service | None = None
+    delayed_moments: Service | None = None
 
     def service(self, problem: Problem) -> Service | None:
         """Return what the method does for problems of this kind, None where it does not serve the kind."""
@@ -176,6 +187,14 @@ METHODS = (
         "semi_discretisation",
         delays=Service("short steps with constant coefficients, extrapolated", (references.INSPERGER,), accuracy=1e-5),
     ),
+    Method(
+        "renewal",
+        delayed_moments=Service(
+            "the renewal equation of the products of noise, by responses to kicks",
+            (references.KUCHLER, references.BREDA),
+            accuracy=1e-9,
+        ),
+    ),
 )
 """Every method there is, in the order in which `floquetrod.compare` runs them."""
 
@@ -184,7 +203,7 @@ BY_NAME = {method.name: method for method in METHODS}
 
 
 def methods_for(kind: str) -> tuple[Method, ...]:
-    """Return the methods that serve problems of a kind: "equations", "systems" or "delays"."""
+    """Return the methods that serve problems of a kind: "equations", "systems", "delays" or "delayed_moments"."""
     return tuple(method for method in METHODS if getattr(method, kind) is not None)
 
 
@@ -246,10 +265,12 @@ def require(equation: Any, method: str) -> None:
         raise TypeError(f"{needed}, got {validate.short(equation)}")
 
 
-def in_turn(problem: Problem) -> tuple[str, ...]:
+def in_turn(problem: Problem | DelayedMoments) -> tuple[str, ...]:
     """Return the methods that "auto" tries one after another, the fastest trustworthy one first."""
     if isinstance(problem, DelaySystem):
         return ("winding", "collocation") if _is_long(problem) else ("collocation",)
+    if isinstance(problem, DelayedMoments):
+        return ("renewal",)
     if isinstance(problem, Mathieu | MathieuAQ):
         return "spectral", "reference"
     if isinstance(problem, Meissner):

@@ -23,7 +23,7 @@ from floquetrod._util.caching import cached_property
 from floquetrod._util.content import ByContent, NoTruthValue
 from floquetrod._util.interchange import plain
 from floquetrod._util.result_report import Report, Reported, number
-from floquetrod.equations import DelaySystem, Equation, PeriodicSystem
+from floquetrod.equations import DelayedMoments, DelaySystem, Equation, PeriodicSystem
 from floquetrod.floquet import multiplier_pairs
 from floquetrod.floquet.references import references
 from floquetrod.floquet.registry import sources
@@ -216,8 +216,8 @@ class FloquetVerdict(ByContent, Reported, Verdict):
 
         Infinite where the mean stiffness alone is unstable, the delayed terms' added, even of a stable system:
         strong damping then only slows its motion away from rest down, while a weak rate may stabilise it. NaN
-        where the search would take more than about a minute, where growth is not known, or cannot be
-        distinguished from none at some rate.
+        of second moments with delays, where the search would take more than about a minute, and where growth is not
+        known, or cannot be distinguished from none at some rate.
 
         Examples
         --------
@@ -228,6 +228,8 @@ class FloquetVerdict(ByContent, Reported, Verdict):
         """
         if isinstance(self.equation, PeriodicSystem) or math.isnan(self.growth_rate):
             return self.growth_rate
+        if isinstance(self.equation, DelayedMoments):
+            return math.nan
         from floquetrod.floquet.multipliers.stabilising_damping import damping_of_delayed, damping_to_stabilise
 
         if isinstance(self.equation, DelaySystem):

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from floquetrod._util.arrays import EPS, Bools, Complexes, Floats
-from floquetrod.equations import DelaySystem, HillSystem, PeriodicSystem
+from floquetrod.equations import DelayedMoments, DelaySystem, HillSystem, PeriodicSystem
 from floquetrod.equations import pieces as by_pieces
 from floquetrod.equations.batches import System
 from floquetrod.equations.hill_system import in_first_order
@@ -30,7 +30,7 @@ from floquetrod.floquet.problems import undamped_pairs
 from floquetrod.floquet.verdict import Cost, Status, static_status
 
 Krein = Callable[[NDArray[np.intp]], int]
-AnySystem = System | DelaySystem
+AnySystem = System | DelaySystem | DelayedMoments
 
 _MIXED = "{} multipliers near {} cannot be distinguished, nor are their Krein signs known to be equal"
 _CLUSTER = "{} multipliers that cannot be distinguished are within {:.1g} of the unit circle"
@@ -396,7 +396,7 @@ def _verdict(
         status, strongly = "stable", True if stays else None
     else:
         status, strongly = "undecided", None
-        if not isinstance(system, DelaySystem):
+        if not isinstance(system, DelaySystem | DelayedMoments):
             status = _status_of_matrices(system) or "undecided"
     reason = next(
         (verdict.reason for verdict in verdicts if verdict.reason), "growth equals the damping within the error"

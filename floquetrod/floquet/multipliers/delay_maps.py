@@ -70,18 +70,18 @@ def period_pieces(system: DelaySystem, jumps: set[Fraction] | None = None) -> Pe
     exact = max(Fraction(delay) for delay in system.delays) if fixed else by_pieces.exact_period(system.present)
     matrices = () if fixed else (system.present, *(term.coefficient for term in system.delayed))
     own = {piece.begin / exact for matrix in matrices if matrix.pieces for piece in by_pieces.in_time(matrix)}
-    breaks = _with_images(own | (jumps or set()), [Fraction(delay) / exact for delay in system.delays])
-    edges = _apart(sorted(map(float, breaks | {Fraction(0)})))
+    breaks = with_images(own | (jumps or set()), [Fraction(delay) / exact for delay in system.delays])
+    edges = distinct(sorted(map(float, breaks | {Fraction(0)})))
     turn = rate(system) * float(exact)
     fine = [0.0]
     for low, high in pairwise(edges):
         fine += np.linspace(low, high, max(1, math.ceil((high - low) * turn / _PHASE)) + 1)[1:].tolist()
     middles = np.asarray([0.5 * (low + high) for low, high in pairwise(fine)]) * float(exact)
-    active = tuple(tuple(_present(term.coefficient, middles)) for term in system.delayed)
+    active = tuple(tuple(presence(term.coefficient, middles)) for term in system.delayed)
     return PeriodPieces(float(exact), tuple(fine), active)
 
 
-def _with_images(jumps: set[Fraction], delays: list[Fraction]) -> set[Fraction]:
+def with_images(jumps: set[Fraction], delays: list[Fraction]) -> set[Fraction]:
     """Return jumps, as parts of the period, and their images under delays while they are few."""
     images = fresh = set(jumps)
     while fresh:
@@ -92,7 +92,7 @@ def _with_images(jumps: set[Fraction], delays: list[Fraction]) -> set[Fraction]:
     return images
 
 
-def _apart(edges: list[float]) -> list[float]:
+def distinct(edges: list[float]) -> list[float]:
     """Return the edges, and 1; of edges apart by rounding alone the first."""
     distinct = [0.0]
     for edge in edges:
@@ -101,7 +101,7 @@ def _apart(edges: list[float]) -> list[float]:
     return [*distinct, 1.0]
 
 
-def _present(coefficient: Any, times: Floats) -> list[bool]:
+def presence(coefficient: Any, times: Floats) -> list[bool]:
     """Return of each time whether a matrix is not zero all over the piece about it."""
     pieces = by_pieces.in_time(coefficient)
     ends = [float(piece.begin + piece.length) for piece in pieces]

@@ -87,10 +87,17 @@ def rule(count: int) -> tuple[Floats, Floats]:
 
 def integral(count: int, at: Floats, times: int) -> Floats:
     """Return rows, over values at ``count`` nodes, of the interpolant integrated from -1 ``times`` times."""
+    coefficients = _integrated(count, times)
+    return np.asarray(legendre.legvander(at, len(coefficients) - 1) @ coefficients)
+
+
+@functools.lru_cache(maxsize=128)
+def _integrated(count: int, times: int) -> Floats:
+    """Return the matrix from values at nodes to coefficients of the interpolant integrated from -1 ``times`` times."""
     coefficients: NDArray[Any] = rule(count)[1]
     for _ in range(times):
         coefficients = legendre.legint(coefficients, lbnd=-1, axis=0)
-    return np.asarray(legendre.legvander(at, len(coefficients) - 1) @ coefficients)
+    return np.asarray(coefficients)
 
 
 class _Collocation(NamedTuple):

@@ -22,6 +22,54 @@ class LeadingMultipliers(NamedTuple):
     all_values: Complexes  # (S,), every eigenvalue of the map
 
 
+class LeadingSubspace(NamedTuple):
+    """The invariant subspace of the leading eigenvalues of a map, in balanced coordinates."""
+
+    basis: Floats  # (S, p), orthonormal
+    block: Floats  # (p, p), the map within the subspace
+    largest: float  # modulus of all eigenvalues
+    balanced: Floats  # (S, S), the map
+    scales: Floats  # (S,), of the states: those given are ``scales`` times balanced ones
+
+
+class _OrderedForm(NamedTuple):
+    """Real Schur form of a balanced map, its leading eigenvalues first."""
+
+    form: Floats
+    vectors: Floats
+    leading: int  # how many eigenvalues, with the other one of a pair
+    spectrum: Complexes  # of the map, in any order
+    balanced: Floats
+    scales: Floats
+
+
+def _ordered_form(matrix: Floats, smallest: float, share: float = 0.999) -> _OrderedForm | None:
+    """Return the form with eigenvalues above ``smallest`` first, and above a share of the largest; None if it fails."""
+    from scipy.linalg import lapack
+
+    scales = balance(np.abs(matrix))
+    balanced = matrix * scales[None, :] / scales[:, None]
+    form, _, real, imaginary, vectors, _, failed = lapack.dgees(lambda *_: False, balanced)
+    spectrum = real + 1j * imaginary
+    sizes = np.abs(spectrum)
+    edge = _gap_below(sizes, min(smallest, share * float(sizes.max(initial=0.0))))
+    count = 0
+    if not failed and edge > 0.0:
+        lwork = max(1, len(form))
+        form, vectors, _, _, count, _, _, failed = lapack.dtrsen(sizes > edge, form, vectors, job="N", lwork=lwork)
+    return None if failed else _OrderedForm(form, vectors, int(count), spectrum, balanced, scales)
+
+
+def leading_subspace(matrix: Floats, share: float) -> LeadingSubspace | None:
+    """Return the subspace of eigenvalues of modulus above a share of the largest; None where there is no Schur form."""
+    ordered = _ordered_form(matrix, np.inf, share)
+    if ordered is None:
+        return None
+    count, largest = ordered.leading, float(np.abs(ordered.spectrum).max(initial=0.0))
+    basis, block = ordered.vectors[:, :count], ordered.form[:count, :count]
+    return LeadingSubspace(basis, block, largest, ordered.balanced, ordered.scales)
+
+
 @np.errstate(over="ignore", invalid="ignore")  # an overflow is then not finite
 def leading(matrix: Floats, smallest: float) -> LeadingMultipliers | None:
     """Return the eigenvalues of modulus above ``smallest``, the largest in any case; None where they are too uncertain.
@@ -29,29 +77,23 @@ def leading(matrix: Floats, smallest: float) -> LeadingMultipliers | None:
     With T11 the block of an ordered Schur form of the invariant subspace and P the spectral projector upon it, a change
     E of the map moves T11 by P E to first order, at most |P| |E|: G. W. Stewart, J.-G. Sun, Matrix Perturbation Theory.
     """
-    from scipy.linalg import lapack, solve_sylvester
+    from scipy.linalg import solve_sylvester
 
-    if not np.isfinite(matrix).all():
+    ordered = _ordered_form(matrix, smallest) if np.isfinite(matrix).all() else None
+    if ordered is None:
         return None
-    scales = balance(np.abs(matrix))
-    balanced = matrix * scales[None, :] / scales[:, None]
-    form, _, real, imaginary, vectors, _, failed = lapack.dgees(lambda *_: False, balanced)
-    spectrum = real + 1j * imaginary
-    sizes = np.abs(spectrum)
-    edge = _gap_below(sizes, min(smallest, 0.999 * float(sizes.max(initial=0.0))))
-    if failed or not edge > 0.0:
-        return None if failed else LeadingMultipliers(np.zeros(1, dtype=complex), np.full(1, _ROUNDING), spectrum)
-    form, _, _, _, count, _, _, failed = lapack.dtrsen(sizes > edge, form, vectors, job="N", lwork=max(1, len(form)))
-    if failed or not count:
-        return None
+    form, count = ordered.form, ordered.leading
+    if not count:
+        zero = LeadingMultipliers(np.zeros(1, dtype=complex), np.full(1, _ROUNDING), ordered.spectrum)
+        return None if ordered.spectrum.any() else zero
     block, rest, coupling = form[:count, :count], form[count:, count:], form[:count, count:]
     projector = 1.0
     if count < len(form):
         projector = float(np.hypot(1.0, np.linalg.norm(solve_sylvester(block, -rest, coupling), 2)))
     rounding = _ROUNDING + 4.0 * EPS * float(np.sqrt(len(matrix)))
-    error = projector * rounding * float(np.linalg.norm(balanced, 2))
+    error = projector * rounding * float(np.linalg.norm(ordered.balanced, 2))
     discs = spectra.diagonalised_discs(block, error)
-    return None if discs is None else LeadingMultipliers(discs.values, discs.radii, spectrum)
+    return None if discs is None else LeadingMultipliers(discs.values, discs.radii, ordered.spectrum)
 
 
 def _gap_below(sizes: Floats, smallest: float) -> float:

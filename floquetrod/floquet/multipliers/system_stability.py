@@ -10,7 +10,7 @@ import numpy as np
 
 from floquetrod._util.caching import cached_property
 from floquetrod._util.result_report import Report, Table, number
-from floquetrod.equations import DelaySystem, PeriodicSystem
+from floquetrod.equations import DelayedMoments, DelaySystem, PeriodicSystem
 from floquetrod.equations.matrices import Structure
 from floquetrod.equations.pieces import real_form
 from floquetrod.floquet.multipliers import resonance_names
@@ -20,10 +20,12 @@ from floquetrod.floquet.verdict import FloquetVerdict
 _LISTED = 40
 """Multipliers in a report, the largest; all are among the numbers."""
 
+_DELAYED = DelaySystem | DelayedMoments
+
 
 def _second_order(system: Any) -> bool:
     """Return whether a system is of second order."""
-    return system.is_second_order if isinstance(system, DelaySystem) else not isinstance(system, PeriodicSystem)
+    return system.is_second_order if isinstance(system, _DELAYED) else not isinstance(system, PeriodicSystem)
 
 
 @dataclass(frozen=True, kw_only=True, repr=False, eq=False)
@@ -269,7 +271,7 @@ class SystemStability(FloquetVerdict):
             **({"quasienergies": [*self.quasienergies]} if self.structure == "unitary" else {}),
             "harmonics": 0 if self.system.pieces else int(real_form(self.system).harmonics.shape[-3]),
             **({"pieces": len(self.system.pieces)} if self.system.pieces else {}),
-            **({"delays": [*map(float, self.system.delays)]} if isinstance(self.system, DelaySystem) else {}),
+            **({"delays": [*map(float, self.system.delays)]} if isinstance(self.system, _DELAYED) else {}),
             "period": self.period,
             "method": self.method,
             "relative_error": number(self.error),

@@ -16,7 +16,7 @@ from floquetrod.equations import DelaySystem, Equation, HillSystem, Mathieu, Per
 from floquetrod.equations.base import require
 from floquetrod.equations.matrices import require_one
 from floquetrod.floquet.dispatch import under_noise
-from floquetrod.floquet.problems import Problem
+from floquetrod.floquet.problems import Problem, require_without_delays
 from floquetrod.floquet.proof.delayed import certify_delayed
 from floquetrod.floquet.proof.digits import FIRST
 from floquetrod.floquet.proof.exact_equation import (
@@ -170,7 +170,9 @@ def certify(
 
 def _under_noise(problem: Problem, noise: Any, interpretation: str, max_digits: int) -> Proof:
     """Prove a verdict on an equation or a system, in mean square where there is noise."""
-    subject = under_noise(problem, noise, interpretation)
+    if noise is not None:
+        require_without_delays(problem, "a proof under noise")
+    subject: Any = under_noise(problem, noise, interpretation)
     proof = _of_value(subject, max_digits)
     if subject is problem or not isinstance(problem, Equation):
         return proof
