@@ -38,7 +38,7 @@ KINDS = ("quiet", "buckled", "at rest", "dying out", "swinging")
 
 DEFINITION = (
     "beyond 5 degrees in the last quarter of the run, and neither at rest where friction holds, nor dying out, nor "
-    "swinging on by no more than twice what the kick alone does"
+    "swinging at most twice as far as the kick alone makes it swing, in a run too short for that to end"
 )
 """When a rod has buckled, in words."""
 
