@@ -66,7 +66,7 @@ def half_period_map(
     symmetric = _symmetric(stiffness, amplitudes)
     omega = 2.0 * math.pi / period
     s = np.diagonal(stiffness, axis1=-2, axis2=-1).copy()
-    q, f, first, slack = np.broadcast_to(np.eye(n), stiffness.shape), amplitudes, 1, 2.0 * ROUNDING
+    q, f, first, slack = np.eye(n)[None], amplitudes, 1, 2.0 * ROUNDING
     if not are_diagonal(stiffness):
         if symmetric:
             s, q = np.linalg.eigh(stiffness)
@@ -77,7 +77,7 @@ def half_period_map(
             first = 0
     out = np.empty((batch, 4 * n * n + n + 1))
     constants = (first, accuracy, reach(accuracy), symmetric, slack)
-    many = batch > 1 or _milliseconds(stiffness, amplitudes, period) > _PRODUCTS_UP_TO
+    many = n > _EXPLICIT_UP_TO and (batch > 1 or _milliseconds(stiffness, amplitudes, period) > _PRODUCTS_UP_TO)
     if n <= (_MANY_UP_TO if many else _EXPLICIT_UP_TO):
         run = run_of(half_period_fill, _COMPILE_AFTER, lambda: _milliseconds(stiffness, amplitudes, period))
         inputs = s, f, omega

@@ -88,8 +88,9 @@ def classify_pairs(
     errors = multiplier_pairs.log_errors(discs.values, digits.above, discs.radii)
     net, outside = digits.net.copy(), multiplier_pairs.outside(discs.values, digits.above)
     vague = _are_vague(discs.values, discs.radii)
-    net[vague], errors[vague] = multiplier_pairs.vague_growth(discs.values[vague], discs.radii[vague])
-    net[vague] -= limit
+    if vague.any():
+        net[vague], errors[vague] = multiplier_pairs.vague_growth(discs.values[vague], discs.radii[vague])
+        net[vague] -= limit
     whole_errors = errors
     if len(discs.clusters) < len(discs.values):
         whole_errors = np.fmax(errors, _errors_of_clusters(discs, digits.above, net + limit))
@@ -402,15 +403,16 @@ def _verdict(
         (verdict.reason for verdict in verdicts if verdict.reason), "growth equals the damping within the error"
     )
     lost = np.logical_not(np.isfinite(errors) & np.isfinite(net))
-    errors, net = np.where(lost, math.inf, errors), np.where(lost, 0.0, net)
-    exponents = np.where(lost, complex(math.nan, math.nan), net / period)
+    known, unknown_below = errors, -math.inf
+    if some_lost := bool(lost.any()):
+        errors, net, known = np.where(lost, math.inf, errors), np.where(lost, 0.0, net), errors[~lost]
+        unknown_below = math.inf if highest is None else float(highest[lost].max()) / period
+    exponents = net / period
+    fastest = max(0.0, float(exponents.real.max(initial=0.0))) if known.size else math.nan
+    if some_lost:
+        exponents = np.where(lost, complex(math.nan, math.nan), exponents)
     # By falling growth, then by rising frequency.
     order = np.lexsort((exponents.imag, -exponents.real))
-    known = exponents.real[~lost]
-    fastest = max(0.0, float(known.max(initial=0.0))) if known.size else math.nan
-    unknown_below = -math.inf if not lost.any() or highest is None else float(highest[lost].max()) / period
-    if lost.any() and highest is None:
-        unknown_below = math.inf
     texts = [text for text in (note, reason if status == "undecided" else "", _not_known(lost, unknown_below)) if text]
     return SystemStability(
         equation=system,
@@ -424,7 +426,7 @@ def _verdict(
         unknown_below=unknown_below,
         growth_below=max((verdict.high for verdict in verdicts), default=math.inf) / period,
         period=period,
-        error=float(errors[~lost].max(initial=0.0)) if known.size else math.inf,
+        error=float(known.max(initial=0.0)) if known.size else math.inf,
         cost=cost,
         note="; ".join(texts),
     )

@@ -98,6 +98,8 @@ def _whole(
     whole = joined(half)
     size = _sizes(whole)
     stretch = np.square(size)  # of an error on the way to the end of the half period, the way there included
+    if not np.any(uncertainty) and np.isfinite(stretch).all():
+        return whole, half.error
     slip = 0.5 * period * uncertainty * _sizes(half.basis) ** 2 * stretch
     fast = (size > _FAST) & np.isfinite(stretch)
     if fast.any():

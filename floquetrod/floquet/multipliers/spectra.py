@@ -125,14 +125,14 @@ def normal_discs(matrix: NDArray[Any], error: float) -> Discs | None:
 def _discs_of_vectors(matrix: NDArray[Any], error: float, known: Eigen | None) -> Discs | None:
     """Return Gershgorin's discs in the coordinates of the eigenvectors."""
     n = len(matrix)
-    decomposition = (known or eigen(matrix)) if np.isfinite(error) else None
+    decomposition = (known or eigen(matrix)) if math.isfinite(error) else None
     if decomposition is None:
         return None
     values, right, left = decomposition
     total = error + 4.0 * n * EPS * spectral_norm(matrix)
     conditions = np.linalg.norm(left, axis=1)
     uncertainty = n * EPS * float(np.linalg.norm(conditions))
-    if not uncertainty < 0.1 or not np.isfinite(total):  # the inverse is not one
+    if not uncertainty < 0.1 or not math.isfinite(total):  # the inverse is not one
         return None
     many = float(n) if n < LARGE else min(n, math.sqrt(n) * spectral_norm(right))
     whole = many * conditions * total * (1.0 + 2.0 * uncertainty)
