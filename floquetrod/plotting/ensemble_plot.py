@@ -30,7 +30,9 @@ def draw_share_plane(plane: Any, result: str, units: Mapping[str, Unit] | None =
 
         corners = (across[0], up[0]), across[-1] - across[0], up[-1] - up[0]
         ax.add_patch(Rectangle(*corners, **palette.OPEN, zorder=0.5))
-    mesh = ax.pcolormesh(across, up, shown, cmap=palette.shares(), vmin=0.0, vmax=1.0, edgecolors="0.6", linewidth=0.3)
+    mesh = ax.pcolormesh(
+        across, up, shown, cmap=palette.shares(), vmin=0.0, vmax=1.0, edgecolors=palette.NEUTRAL, linewidth=0.3
+    )
     ax.set_xlabel(label_x)
     ax.set_ylabel(label_y)
     handles = [patch("no run done", palette.OPEN)] if shown.mask.any() else []
