@@ -111,6 +111,23 @@ def test_discs_hold_the_multipliers_in_many_digits(n: int) -> None:
 
 
 @pytest.mark.kernels
+def test_discs_hold_where_a_fast_neighbour_halves_the_steps_of_all() -> None:
+    rng = np.random.default_rng(4)
+    batch = 160
+    matrices, length = rng.normal(size=(batch, 2, 1, 1)) * 0.02, rng.uniform(0.5, 1.5, (batch, 2))
+    matrices[::8] *= 1500.0
+    values, radii = interpreted(multipliers_fill, matrices, length, np.zeros((1, 1)))
+    errors = []
+    for i in range(batch):
+        with mpmath.workdps(40):
+            exponent = sum(mpmath.mpf(h) * mpmath.mpf(a) for h, a in zip(length[i], matrices[i].ravel(), strict=True))
+            errors.append(float(abs(mpmath.exp(exponent) - mpmath.mpc(complex(values[i, 0])))))
+    shares = np.array(errors) / radii[:, 0]
+    assert shares.max() <= 1.0
+    assert shares.max() > 0.01
+
+
+@pytest.mark.kernels
 @pytest.mark.parametrize("n", [1, 2])
 def test_pairs_hold_the_numbers_of_a_hamiltonian_system(n: int) -> None:
     rng = np.random.default_rng(20 + n)

@@ -19,6 +19,9 @@ from floquetrod.floquet.kernels.system_series import ROUNDING, run_of
 MOST_ROWS = 4
 """Equations of first order: of more the polynomial of the multipliers keeps too few digits (a choice)."""
 
+_TERMS = tuple(1.0 / math.factorial(k) for k in range(17))
+"""Coefficients of the exponential series, each rounded once: squaring doubles what 1 would be off."""
+
 _REACH = 0.8
 """Norm up to which a Taylor polynomial of degree 16 has a remainder below rounding."""
 
@@ -307,24 +310,25 @@ def lane_exponential(x: Any, out: Any, small: Any, v: Any) -> None:
     lane_multiply(first, first, second)
     lane_multiply(first, second, third)
     lane_multiply(second, second, fourth)
-    # Blocks of four terms of T - 1, from the last: c X^4 + c' X^3 + c'' X^2 + c''' X with c = 1 / k!.
-    c = 1.0 / 20922789888000.0
+    # Blocks of four terms of T, from the last.
     for i in range(n):
         for q in range(n):
             for lane in range(LANES):
-                out[i, q, lane] = c * fourth[i, q, lane]
+                out[i, q, lane] = _TERMS[16] * fourth[i, q, lane]
     for block in range(3, -1, -1):
-        three = c * (4.0 * block + 4.0)
-        two = three * (4.0 * block + 3.0)
-        one = two * (4.0 * block + 2.0)
-        c = one * (4.0 * block + 1.0)
+        constant, one, two, three = (
+            _TERMS[4 * block],
+            _TERMS[4 * block + 1],
+            _TERMS[4 * block + 2],
+            _TERMS[4 * block + 3],
+        )
         for i in range(n):
             for q in range(n):
                 for lane in range(LANES):
                     terms = two * second[i, q, lane] + one * first[i, q, lane]
                     out[i, q, lane] += three * third[i, q, lane] + terms
             for lane in range(LANES):
-                out[i, i, lane] += c
+                out[i, i, lane] += constant
         if block > 0:
             lane_multiply(fourth, out, other)
             lane_copy(other, out)
