@@ -189,7 +189,9 @@ def read_push(options: argparse.Namespace, rod: fr.Rod) -> tuple[float, float | 
 def add_tool(command: argparse.ArgumentParser) -> None:
     """Add the option for a vibration tool, which `reading.read_tool` reads."""
     command.add_argument(
-        "--tool", metavar="FORCE@FREQUENCY[@LENGTH]", help="a vibration tool, this far above the lower end"
+        "--tool",
+        metavar="FORCE@FREQUENCY[@LENGTH]",
+        help="a vibration tool, this far above the lower end; 5kN@18Hz@30m+3kN@29Hz has a second sine",
     )
 
 

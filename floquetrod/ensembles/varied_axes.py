@@ -16,7 +16,7 @@ from floquetrod._util.caching import cached_property
 from floquetrod.parameter import unknown
 from floquetrod.rod.distributions import quantile_function, quantiles
 from floquetrod.rod.loads.load import LOAD
-from floquetrod.rod.loads.tool import TOOL
+from floquetrod.rod.loads.tool import NUMBERS_OF_TOOL
 from floquetrod.rod.model.parameters import GIVEN, INSTEAD, NUMBERS, ROD
 from floquetrod.simulation.simulation_problem import SimulationProblem
 from floquetrod.simulation.start import Perturbation
@@ -38,7 +38,7 @@ RUN_KINDS = {
 }
 """Kinds of the quantities of a problem; `floquetrod.units` has the units of each kind."""
 
-TOOL_KINDS = {f"tool_{name}": parameter.kind for name, parameter in TOOL.items()}
+TOOL_KINDS = {f"tool_{name}": parameter.kind for name, parameter in NUMBERS_OF_TOOL.items()}
 VARIED_KINDS = {
     **{name: parameter.kind for name, parameter in GIVEN.items() if parameter.kind},
     **{name: parameter.kind for name, parameter in LOAD.items() if parameter.kind},
@@ -48,7 +48,7 @@ VARIED_KINDS = {
 }
 """Kinds of the quantities that may be varied; integers have none."""
 
-OF_TOOL = {f"tool_{name}": name for name in TOOL}
+OF_TOOL = {f"tool_{name}": name for name in NUMBERS_OF_TOOL}
 START = ("kick", "seed")
 RUN_SEED = "run_seed"
 """Name of the seeds of runs where every sample has seeds of its own."""

@@ -209,14 +209,23 @@ _OF_TOOLS = {"force": "kN", "length": "ft"}
 
 
 def read_tool(text: str, name: str) -> VibrationTool:
-    """Return a tool written as amplitude@frequency, or amplitude@frequency@distance from the lower end."""
-    parts = text.split("@")
+    """Return a tool written as amplitude@frequency, or amplitude@frequency@distance from the lower end.
+
+    A second sine follows a plus sign, as amplitude@frequency or amplitude@frequency@phase.
+    """
+    first, plus, more = text.partition("+")
+    parts = first.split("@")
     if len(parts) not in (2, 3):
         raise ValueError(f"{name} must be such as 5kN@18Hz or, 30 m above the end, 5kN@18Hz@30m, got {short(text)}")
-    written = zip(("amplitude", "frequency", "distance"), parts, ("force", "frequency", "length"), strict=False)
+    written = [*zip(("amplitude", "frequency", "distance"), parts, ("force", "frequency", "length"), strict=False)]
+    second = more.split("@") if plus else []
+    if plus and len(second) not in (2, 3):
+        raise ValueError(f"{name} must be such as 5kN@18Hz@30m+3kN@29Hz with a second sine, got {short(text)}")
+    names = "second amplitude", "second frequency", "phase"
+    written += zip(names, second, ("force", "frequency", "angle"), strict=False)
     for number in bare_numbers((Written(*each) for each in written), _OF_TOOLS):
         raise ValueError(f"{name} {short(text)}: its {number.quantity.name} {number.problem}")
-    return VibrationTool(*parts)  # type: ignore[arg-type]
+    return VibrationTool(*parts, second=tuple(second) if plus else None)  # type: ignore[arg-type]
 
 
 def read_friction(text: str, name: str) -> float | list[tuple[float | str, float]]:

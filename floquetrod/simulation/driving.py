@@ -160,8 +160,9 @@ class Driving:
             forces.append((frequency, first + (last - first) * s / self.rod.length, np.minimum(amplitude, most)))
         if self.tool is not None:  # of which half goes each way, as far as no end reflects it
             s = np.linspace(0.0, self.rod.length, places)
-            shaken = np.full(places, self.tool.share * self.tool.amplitude)
-            forces.append((self.tool.frequency, first + (last - first) * s / self.rod.length, shaken))
+            for size, frequency in self.tool.sines:
+                shaken = np.full(places, self.tool.share * size)
+                forces.append((frequency, first + (last - first) * s / self.rod.length, shaken))
         return forces
 
     def _profile(self, s: NDArray[np.float64], frequency: float) -> NDArray[np.float64]:
@@ -185,8 +186,9 @@ def half_waves(rod: RodData, load: Load, tool: VibrationTool | None = None) -> f
     motion at half the frequency of the load, or of a tool, which is in resonance first.  Of a rod that varies along, as
     many as along one that is like the part with the shortest.
     """
-    shaken = 0.0 if tool is None else tool.share * tool.amplitude
-    fastest = max(load.frequency if load.amplitude > 0.0 else 0.0, tool.frequency if tool is not None else 0.0)
+    shaken = 0.0 if tool is None else tool.share * sum(amplitude for amplitude, _ in tool.sines)
+    tool_frequencies = () if tool is None else (frequency for _, frequency in tool.sines)
+    fastest = max(load.frequency if load.amplitude > 0.0 else 0.0, *tool_frequencies, 0.0)
     most = 0.0
     for like in uniform_rods(rod):
         strongest = (abs(load.mean) + load.amplitude + shaken) / like.critical_force

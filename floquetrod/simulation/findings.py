@@ -291,8 +291,8 @@ def _ends(run: Any, shown: Mapping[str, Unit]) -> list[str]:
     if problem.far_force is not None:
         lines.append(f"lower end pushed by {shown['mean'].show(problem.far_force)}")
     if (tool := problem.tool) is not None:
-        size, often = shown["mean"].show(tool.amplitude), shown["frequency"].show(tool.frequency)
-        lines.append(f"tool of {size} at {often}, {shown['length'].show(tool.above_end)} above the lower end")
+        sines = (f"{shown['mean'].show(size)} at {shown['frequency'].show(often)}" for size, often in tool.sines)
+        lines.append(f"tool of {' and '.join(sines)}, {shown['length'].show(tool.above_end)} above the lower end")
     return lines
 
 

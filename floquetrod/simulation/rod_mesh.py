@@ -325,7 +325,9 @@ class DiscreteRod:
             return None
         place = (self.rod.length - tool.above_end) / self.segment_length
         node = min(int(place), self.segments - 1)
-        return ToolForce(tool.amplitude, tool.frequency, node, place - node)
+        amplitude, frequency, *phase = (0.0, 0.0) if tool.second is None else tool.second
+        second = amplitude, frequency, phase[0] if phase else 0.0
+        return ToolForce(tool.amplitude, tool.frequency, node, place - node, *second)
 
     @property
     def record_type(self) -> np.dtype[np.void]:

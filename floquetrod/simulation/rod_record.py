@@ -87,12 +87,15 @@ class End(NamedTuple):
 
 
 class ToolForce(NamedTuple):
-    """A tool in the rod that pushes it down and pulls it up with a sine."""
+    """A tool in the rod that pushes it down and pulls it up with two sines, the second perhaps of amplitude 0."""
 
     amplitude: float
     frequency: float
     node: int  # the last one above it
     beyond: float  # its distance from there, in segments
+    second_amplitude: float
+    second_frequency: float
+    phase: float  # of the second, in rad
 
 
 class Well(NamedTuple):

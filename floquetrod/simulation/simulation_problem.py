@@ -386,7 +386,8 @@ class SimulationProblem:
         """Return the parameters as plain data, for files, which JSON preserves."""
         load = self.load.kind_as_dict() | {name: getattr(self.load, name) for name in QUANTITIES}
         start = None if self.start is None else self.start.as_dict()
-        values = asdict(self) | {"rod": self.rod.as_dict(), "load": load, "start": start}
+        tool = None if self.tool is None else self.tool.as_dict()
+        values = asdict(self) | {"rod": self.rod.as_dict(), "load": load, "start": start, "tool": tool}
         plain: dict[str, Any] = json.loads(json.dumps(values))
         for name, usual in (("natural_curvature", 0.0), ("tool", None), ("start", None)):
             if plain[name] == usual:
@@ -434,7 +435,8 @@ class SimulationProblem:
     def _frames_in_a_period(self) -> int:
         """The least number of frames that cover a period of the force and of the tool, at most all there are."""
         between = self.time_steps.per_frame * self.time_steps.size
-        slowest = self.load.frequency if self.tool is None else min(self.load.frequency, self.tool.frequency)
+        sines = () if self.tool is None else self.tool.sines
+        slowest = min([self.load.frequency, *(frequency for _, frequency in sines)])
         return math.ceil(min(2.0 * math.pi / (slowest * between), float(self.frames)))
 
     def _fair_segments(self) -> int:
@@ -511,7 +513,8 @@ class SimulationProblem:
     def _require_small_strain(self) -> None:
         """Raise ValueError for a load beyond linear elasticity."""
         force = max(map(abs, self.driving.mean_forces)) + self.load.amplitude * np.abs(self.load.harmonics).sum()
-        strain = (force + (0.0 if self.tool is None else self.tool.amplitude)) / least_axial_rigidity(self.rod)
+        shaken = 0.0 if self.tool is None else sum(amplitude for amplitude, _ in self.tool.sines)
+        strain = (force + shaken) / least_axial_rigidity(self.rod)
         if strain > LARGEST_STRAIN:
             raise validate.wrong_value(
                 "load" if self.tool is None else "load with its tool",

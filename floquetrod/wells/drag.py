@@ -24,9 +24,11 @@ import numpy as np
 from floquetrod import units
 from floquetrod._util.arrays import Bools, Floats, Ints
 from floquetrod._util.caching import cached_property
+from floquetrod._util.compilation import compiled
 from floquetrod._util.content import ByContent
 from floquetrod.wells.helix_criteria import HELIX_RATIOS
 from floquetrod.wells.kernels import wall_contact
+from floquetrod.wells.kernels.tool_wave import friction_shares
 from floquetrod.wells.kernels.wall_contact import LOCKED
 from floquetrod.wells.minimum_curvature import Points
 from floquetrod.wells.path import WellPath
@@ -192,24 +194,36 @@ class Shaking:
     wave_speed: float  # of axial waves in m/s, of several sections the slowest
     damping: float  # rate in 1/s at which the string's own damping, without friction, makes waves decay
     speed: float  # v, at which the string slides, in m/s
+    second: tuple[float, float] | None = None  # amplitude and frequency of a second sine of the force
 
     def of(self, size: int, strings: Ints) -> Shaking:
         """Return the tool of the ``strings`` of ``size``, each with its own frequency."""
         return replace(self, frequency=np.broadcast_to(self.frequency, size)[strings])
 
     @property
+    def sines(self) -> tuple[tuple[float, Any], ...]:
+        """Amplitude in N and frequency in rad/s of each sine of its force."""
+        first = self.amplitude, self.frequency
+        return (first,) if self.second is None else (first, self.second)
+
+    @property
     def length(self) -> Floats:
-        """Of a wave in m, of each string."""
-        return np.asarray(2.0 * math.pi * self.wave_speed / self.frequency)
+        """Of the shorter wave in m, of each string."""
+        fastest = self.frequency if self.second is None else np.maximum(self.frequency, self.second[1])
+        return np.asarray(2.0 * math.pi * self.wave_speed / fastest)
 
     @property
     def divided(self) -> Floats:
         """Length in m divided into cells, a wave, or less of a long one, along which friction changes."""
         return np.minimum(self.length, _DIVIDED)
 
-    def left(self, speed: Floats) -> Floats:
-        """Return mean friction over that without vibration, (2 / pi) asin(v / V), for V in m/s."""
-        return np.asarray(2.0 / math.pi * np.arcsin(self.speed / np.maximum(speed, self.speed)))
+    def left(self, speed: Floats, other: Floats | None = None) -> Floats:
+        """Return mean friction over that without vibration, (2 / pi) asin(v / V), for V in m/s, or beside another V."""
+        if other is None:
+            return np.asarray(2.0 / math.pi * np.arcsin(self.speed / np.maximum(speed, self.speed)))
+        share = np.empty(speed.size)
+        compiled(friction_shares)(self.speed, speed, other, share)
+        return share
 
 
 class Strings(NamedTuple):

@@ -1,4 +1,4 @@
-"""A string that a tool shakes: its pieces, the nodes of its wave, and both at any depth once they have settled."""
+"""A string that a tool shakes: its pieces, the nodes of its waves, and all at any depth once they have settled."""
 
 from __future__ import annotations
 
@@ -14,17 +14,20 @@ from floquetrod.wells.minimum_curvature import Points
 
 _LEAST = 1e-6  # damping ratio: without friction and damping a resonance is infinite (a choice)
 
+_SOFT = 1e-4  # least rounding of the corner of friction of two waves, of which the other one rounds it more
+
 
 class ShakenString:
     """A string with a tool, between measured depths ``top`` and ``bottom`` in m, with y at its lower end.
 
-    ``nodes`` (n + 1,) are the heights of the nodes of the wave above the lower end in m, and ``q`` (n + 1,) their
-    velocities, complex, in m/s; friction has a mean along each of ``pieces``.
+    ``nodes`` (n + 1,) are the heights of the nodes of its waves above the lower end in m, one wave for each frequency;
+    friction has a mean along each of ``pieces``.
     """
 
     def __init__(self, drag: Drag, shaking: Shaking, top: float, bottom: float, y: float, fineness: Fineness) -> None:
         """Set pieces and nodes, ``fineness.cells`` to a wave, or to 300 m of a long one; nodes where sections meet."""
-        self.shaking, self.soft, self.bottom = shaking, fineness.soft, bottom
+        self.shaking, self.bottom = shaking, bottom
+        self.soft = fineness.soft if shaking.second is None else max(fineness.soft, _SOFT)
         self.sliding, self.pieces = drag.sliding, _pieces(drag, shaking, top, bottom, fineness.cells)
         length, size = bottom - top, self.pieces.friction.size
         longest = float(np.minimum(shaking.divided, length)) / fineness.cells
@@ -35,12 +38,18 @@ class ShakenString:
         stretches = zip(ends[:-1], ends[1:], number, strict=True)
         self.nodes = np.append(np.concatenate([np.linspace(a, b, n + 1)[:-1] for a, b, n in stretches]), length)
         below = int(np.searchsorted(self.nodes, shaking.above_end))
-        self.tool = tool_wave.ShakingForce(shaking.amplitude, shaking.speed, shaking.impedance, below)
         self.impedance, self.wave_speed = _along(drag, shaking, bottom, 0.5 * (ends[:-1] + ends[1:]))
-        self.cells = _cells(shaking, number, np.diff(ends) / number, self.impedance, self.wave_speed)
+        cells = number, np.diff(ends) / number, self.impedance, self.wave_speed
         low, high, helix, pressed = np.zeros((4, size))
         self.marched = kernels.Marched(np.full(size + 1, y), low, high, helix, pressed, np.full(size, fineness.share))
-        self.q, self.balance = np.zeros(self.nodes.size, complex), tool_wave.empty_balance(self.nodes.size - 1)
+        balance = tool_wave.empty_balance(self.nodes.size - 1)
+        waves = []
+        for amplitude, frequency in shaking.sines:
+            force = tool_wave.ShakingForce(amplitude, shaking.speed, shaking.impedance, below)
+            own = tool_wave.empty_balance(self.nodes.size - 1)._replace(most=balance.most)
+            q = np.zeros(self.nodes.size, complex)
+            waves.append(tool_wave.Wave(_cells(shaking, frequency, *cells), force, q, own))
+        self.waves = tuple(waves)
 
     @property
     def edges(self) -> Floats:
@@ -49,11 +58,10 @@ class ShakenString:
         return np.append(inner.ravel(), self.nodes[-1])
 
     def settle(self, stays: float, turns: int) -> bool:
-        """Compute force and wave; return whether both have settled, y to ``stays``, in at most ``turns`` turns."""
+        """Compute force and waves; return whether all have settled, y to ``stays``, in at most ``turns`` turns."""
         run = compiled(kernels.settle)
         tuning = self.soft, stays, turns
-        state = self.marched, self.q, self.balance
-        return bool(run(self.sliding, self.pieces, self.cells, self.tool, self.edges, *tuning, *state))
+        return bool(run(self.sliding, self.pieces, self.waves, self.edges, *tuning, self.marched))
 
     def y_at(self, depth: Floats) -> Floats:
         """Return y at measured depths, NaN where the string is not, by cubics within pieces."""
@@ -67,33 +75,43 @@ class ShakenString:
         return np.where(self._has(up), y_there, np.nan)
 
     def wave_at(self, depth: Floats) -> Floats:
-        """Return the amplitudes of the velocity in m/s and of the force in N at measured depths, (2, m), else NaN."""
-        up, q = self.bottom - depth, self.q
+        """Return velocity in m/s, force in N and share of friction left at measured depths, (3, m), else NaN.
+
+        Velocity and force are the largest: amplitudes, of two waves their sums.
+        """
+        up = self.bottom - depth
+        frequencies = (frequency for _, frequency in self.shaking.sines)
+        amplitudes = [self._amplitudes(*each, up) for each in zip(self.waves, frequencies, strict=True)]
+        share = self.shaking.left(*(speed for speed, _ in amplitudes))
+        return np.where(self._has(up), [*np.sum(amplitudes, axis=0), share], np.nan)
+
+    def _amplitudes(self, wave: tool_wave.Wave, frequency: float, up: Floats) -> Floats:
+        """Return the amplitudes of the velocity in m/s and of the force in N at heights above the lower end, (2, m)."""
+        q = wave.q
         cell = np.clip(np.searchsorted(self.nodes, up, side="right") - 1, 0, self.nodes.size - 2)
-        kind = self.cells.kind[cell]
-        wavenumber = self.shaking.frequency / self.wave_speed[kind]
+        kind = wave.cells.kind[cell]
+        wavenumber = frequency / self.wave_speed[kind]
         low, high = q[cell], q[cell + 1]
         done, whole = wavenumber * (up - self.nodes[cell]), wavenumber * np.diff(self.nodes)[cell]
         left = whole - done
         speed = low * np.sin(left) + high * np.sin(done)
         force = self.impedance[kind] * (high * np.cos(done) - low * np.cos(left))
-        lower, upper = self._held
+        lower, upper = _forces_by_damping(wave)
         damped = 1j * (upper[cell] * done - lower[cell] * left) / whole
-        amplitudes = np.abs([speed / np.sin(whole), force / np.sin(whole) + damped])
-        return np.where(self._has(up), amplitudes, np.nan)
-
-    @property
-    def _held(self) -> Complexes:
-        """Forces in N by damping in the cells at their lower and upper ends, complex, (2, n)."""
-        kind = self.cells.kind
-        below, above = self.cells.below[kind], self.cells.above[kind]
-        within = below * self.q[:-1, None] + above * self.q[1:, None]
-        force = (self.balance.damping.reshape(within.shape) + self.cells.loss[kind][:, None]) * within
-        return np.array([np.sum(basis * force, axis=1) for basis in (below, above)])
+        return np.abs([speed / np.sin(whole), force / np.sin(whole) + damped])
 
     def _has(self, up: Floats) -> Bools:
         """Return where the string is, of heights above its lower end."""
         return np.asarray((up >= 0.0) & (up <= self.nodes[-1]))
+
+
+def _forces_by_damping(wave: tool_wave.Wave) -> Complexes:
+    """Return forces in N by damping in the cells of a wave at their lower and upper ends, complex, (2, n)."""
+    kind = wave.cells.kind
+    below, above = wave.cells.below[kind], wave.cells.above[kind]
+    within = below * wave.q[:-1, None] + above * wave.q[1:, None]
+    force = (wave.balance.damping.reshape(within.shape) + wave.cells.loss[kind][:, None]) * within
+    return np.array([np.sum(basis * force, axis=1) for basis in (below, above)])
 
 
 def _pieces(drag: Drag, shaking: Shaking, top: float, bottom: float, cells: int) -> kernels.Pieces:
@@ -128,10 +146,12 @@ def _along(drag: Drag, shaking: Shaking, bottom: float, up: Floats) -> tuple[Flo
     return drag.assembly.impedance[section], drag.assembly.wave_speed[section]
 
 
-def _cells(shaking: Shaking, number: Ints, length: Floats, z: Floats, wave_speed: Floats) -> tool_wave.Cells:
+def _cells(
+    shaking: Shaking, frequency: float, number: Ints, length: Floats, z: Floats, wave_speed: Floats
+) -> tool_wave.Cells:
     """Return cells of several kinds, a number of each, of a length in m and with an impedance and a wave speed."""
-    wavenumber = shaking.frequency / wave_speed
-    damping = max(shaking.damping, _LEAST * shaking.frequency)
+    wavenumber = frequency / wave_speed
+    damping = max(shaking.damping, _LEAST * frequency)
     loss = 2.0 * damping * z / wave_speed * length / tool_wave.PARTS
     parts, phase = (np.arange(tool_wave.PARTS) + 0.5) / tool_wave.PARTS, np.maximum(wavenumber * length, 1e-9)[:, None]
     below, above = np.sin(phase * (1.0 - parts)) / np.sin(phase), np.sin(phase * parts) / np.sin(phase)

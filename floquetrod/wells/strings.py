@@ -20,7 +20,7 @@ from floquetrod.wells import march
 from floquetrod.wells.drag import Drag, Fineness, Shaking, Strings
 from floquetrod.wells.shaken_string import ShakenString
 
-_TURNS = 30  # at most: seven are usual
+_TURNS = 30  # at most: seven are usual; of two waves, which settle beside each other, three times as many
 _STAYS = 1e-7, 10.0  # largest change of y in the last turn: at least, and over the tolerance
 _MOST_WAVES = 500  # along a string (a choice): tools make some twenty
 
@@ -28,9 +28,9 @@ _MOST_WAVES = 500  # along a string (a choice): tools make some twenty
 class Run(NamedTuple):
     """Y of strings at depths, (m, n), at their upper ends, (n,), and where j + 1 sections meet, (j, n).
 
-    Beside these the amplitudes of their tools' waves, of the velocity in m/s and of the force in N, (2, m, n), 0
-    without a tool, and of the force where sections meet; and whether forces and waves have settled, (n,), without
-    which y is meaningless.
+    Beside these what their tools' waves do, (3, m, n): the amplitudes of the velocity in m/s and of the force in N, of
+    two waves their sums, 0 without a tool, and the share of friction left; the amplitude of the force where sections
+    meet; and whether forces and waves have settled, (n,), without which y is meaningless.
     """
 
     depth: Floats
@@ -50,7 +50,7 @@ def run(drag: Drag, top: float, bottoms: Floats, far_force: Any, depths: Floats,
     size, depths = bottoms.size, np.unique(depths)
     start = np.array(drag.y_of(drag.above_end(far_force, bottoms)))
     strings = Strings(np.full(size, top), bottoms, start)
-    y, wave = np.empty((depths.size, size)), np.zeros((2, depths.size, size))
+    y, wave = np.empty((depths.size, size)), np.empty((3, depths.size, size))
     joints = np.zeros((2, 0 if drag.assembly is None else drag.assembly.inner.size, size))
     states = Run(depths, y, np.empty(size), wave, np.ones(size, bool), *joints)
     works = np.zeros(size, bool)
@@ -63,7 +63,8 @@ def run(drag: Drag, top: float, bottoms: Floats, far_force: Any, depths: Floats,
                 run_of_group = _shaken(drag, drag.shaking.of(size, i), group, depths, fineness)
             else:
                 group_y, top_y, joint_y = march.up(drag, group, depths, fineness)
-                still = np.zeros((2, *group_y.shape)), np.ones(i.size, bool), joint_y, np.zeros(joint_y.shape)
+                no_wave = np.array([0.0, 0.0, 1.0])[:, None, None] + np.zeros(group_y.shape)
+                still = no_wave, np.ones(i.size, bool), joint_y, np.zeros(joint_y.shape)
                 run_of_group = Run(depths, group_y, top_y, *still)
             states.y[:, i], states.top_y[i] = run_of_group.y, run_of_group.top_y
             states.wave[..., i], states.is_settled[i] = run_of_group.wave, run_of_group.is_settled
@@ -80,14 +81,14 @@ def _shaken(drag: Drag, shaking: Shaking, strings: Strings, depths: Floats, fine
             "tool", f"must make {_MOST_WAVES} waves along the string at most, got {number:.4g}: give a lower frequency"
         )
     inner = np.empty(0) if drag.assembly is None else drag.assembly.inner
-    y, wave = np.empty((depths.size, size)), np.empty((2, depths.size, size))
+    y, wave = np.empty((depths.size, size)), np.empty((3, depths.size, size))
     states = Run(depths, y, np.empty(size), wave, np.empty(size, bool), *np.empty((2, inner.size, size)))
     frequency = np.broadcast_to(shaking.frequency, size).tolist()
 
     def settle(k: int) -> None:
         top, bottom, y = (float(column[k]) for column in strings)
         string = ShakenString(drag, replace(shaking, frequency=frequency[k]), top, bottom, y, fineness)
-        states.is_settled[k] = string.settle(stays, _TURNS)
+        states.is_settled[k] = string.settle(stays, _TURNS if shaking.second is None else 3 * _TURNS)
         states.top_y[k] = string.marched.y[-1]
         if depths.size:
             states.y[:, k], states.wave[..., k] = string.y_at(depths), string.wave_at(depths)

@@ -534,7 +534,9 @@ def _of_wells() -> dict[str, Call]:
         "pressure_inside": 27e6,
     }
     return {
-        "VibrationTool": Call(fr.VibrationTool, {"amplitude": 5e3, "frequency": 113.0, "above_end": 30.0}),
+        "VibrationTool": Call(
+            fr.VibrationTool, {"amplitude": 5e3, "frequency": 113.0, "above_end": 30.0, "second": None}
+        ),
         "Rod.mean_force": Call(ROD.mean_force, along),
         "Rod.reach": Call(TUBE.reach, pushed),
         "Rod.surface_weights": Call(

@@ -249,7 +249,7 @@ CALLS: list[tuple[Callable[..., Any], dict[str, Any]]] = [
     (fr.FiniteTimeCriterion().is_stable, ALL),
     (fr.AxialLoad, LOADS | {"mean_at": 0.3, "waveform": (0.5 - 1j, 0.2), "noise": 0.0, "second": (0.1, 37.0)}),
     (fr.AxialLoad.hertz, LOADS),
-    (fr.VibrationTool, {"amplitude": 5e3, "frequency": 100.0, "above_end": 30.0}),
+    (fr.VibrationTool, {"amplitude": 5e3, "frequency": 100.0, "above_end": 30.0, "second": (0.1, 37.0)}),
     (
         ROD.mean_force,
         {"path": WELL, "friction": 0.2, "motion": "pushed", "far_force": 0.1, "bottom": 20.0, "depth": [10.0]}

@@ -233,17 +233,23 @@ def test_a_helix_presses_with_its_own_force_alone_in_bends_too(build: float, tur
 
 
 def shaken(
-    speed: float, above_end: float, friction: float = 0.3, frequency: float = 20.0
+    speed: float,
+    above_end: float,
+    friction: float = 0.3,
+    frequency: float = 20.0,
+    second: tuple[float, float] | None = None,
 ) -> tuple[fr.Simulation, fr.results.MeanForce, float]:
     """Return a pipe of 60 m fed at a speed, its tool's wave beginning with 0.1 m/s, by theory too, and what damps it.
 
-    The last is the force in N that its little damping takes at the top.
+    ``second`` are the speed with which another wave begins and its frequency in Hz.  The last is the force in N its
+    little damping takes at the top.
     """
     damping, length = 0.2 if friction > 0.2 else 0.5, 60.0
     rod = PIPE.replace(length=length, damping_rate=damping)
     path = fr.WellPath.straight(length=length + 5.0, inclination=0.5 * math.pi)
     amplitude = rod.mass_along * rod.wave_speed * 0.1 * (2.0 if above_end else 1.0)
-    tool = fr.VibrationTool(amplitude, 2.0 * math.pi * frequency, above_end)
+    other = None if second is None else (10.0 * second[0] * amplitude, 2.0 * math.pi * second[1])
+    tool = fr.VibrationTool(amplitude, 2.0 * math.pi * frequency, above_end, second=other)
     run = fr.simulate(
         rod,
         fr.AxialLoad(0.0, 0.0, 1.0),
@@ -286,6 +292,26 @@ def test_friction_takes_from_a_wave_what_theory_says_until_the_string_sticks(spe
     top = run.end_forces[-1200:, 0].mean() - drag
     assert 0.9 * theory.at_top < top < theory.at_top < PLAIN
     assert 1.05 < (PLAIN - top) / (PLAIN - theory.at_top) < 1.2
+
+
+@pytest.mark.filterwarnings("ignore::floquetrod.ResolutionWarning")
+@pytest.mark.parametrize("seed", range(2))
+def test_friction_takes_from_two_waves_what_theory_says(seed: int) -> None:
+    """Where they move the string more than seven times as fast as it slides: else it sticks, as with one."""
+    rng = np.random.default_rng([11, seed])
+    speed, size, faster = rng.uniform(0.01, 0.02), rng.uniform(0.04, 0.1), 20.0 * rng.uniform(1.55, 1.7)
+    run, theory, drag = shaken(speed, 0.0, second=(size, faster))
+    phase = 2.0 * math.pi * np.arange(1200) / 20.0
+    waves = [wave(x) for x in (phase, phase * faster / 20.0) for wave in (np.cos, np.sin)]
+    moving = run.velocities[-1201:-1, :, 0]
+    _, a, b, c, d = np.linalg.lstsq(np.array([np.ones(1200), *waves]).T, moving, rcond=None)[0]
+    found = np.hypot(a, b) + np.hypot(c, d)
+    strong = theory.speed > 7.0 * speed
+    assert strong.sum() > 100
+    np.testing.assert_allclose(found[strong], theory.speed[strong], atol=0.05 * (0.1 + size))
+    assert found[-1] == pytest.approx(theory.speed[-1], rel=0.01)
+    top = run.end_forces[-1200:, 0].mean() - drag
+    assert 0.8 * theory.at_top < top < theory.at_top < PLAIN
 
 
 def test_a_tool_inside_the_string_saves_more_than_theory_says() -> None:

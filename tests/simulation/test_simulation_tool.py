@@ -130,6 +130,23 @@ def test_resumes_saves_and_loads_to_the_bit(tmp_path: Path, tuned: Tuned) -> Non
     assert whole.as_dict()["tool"] == {"amplitude": 0.4, "frequency": 700.0, "above_end": 1.0}
 
 
+def test_two_sines_move_the_rod_as_each_of_them_together(tmp_path: Path) -> None:
+    tools = (
+        None,
+        fr.VibrationTool(0.4, 700.0, 1.0),
+        fr.VibrationTool(0.3, 1100.0, 1.0),
+        fr.VibrationTool(0.4, 700.0, 1.0, second=(0.3, 1100.0)),
+    )
+    still, one, other, together = (both(tool=tool, friction=0.0, duration=5e-3).run() for tool in tools)
+    moved = [run.positions[-1, :, 0] - still.positions[-1, :, 0] for run in (one, other, together)]
+    assert abs(moved[1]).max() > 0.1 * abs(moved[0]).max()
+    np.testing.assert_allclose(moved[0] + moved[1], moved[2], atol=1e-3 * abs(moved[2]).max())
+    assert fr.Simulation.load(together.save(tmp_path / "run.npz")) == together
+    said = str(together.findings().report())
+    assert "tool of 0.4 N at 700 rad/s and 0.3 N at 1100 rad/s, 1 m above the lower end" in said
+    assert together.as_dict()["tool"]["second"] == [0.3, 1100.0]
+
+
 @pytest.mark.slow
 def test_a_run_without_does_not_continue_one_with_a_natural_curvature(tmp_path: Path) -> None:
     bent = fr.SimulationProblem(ROD.replace(path=WELL), STILL, duration=1e-3, segments=56, natural_curvature="path")
@@ -147,6 +164,8 @@ def test_a_study_file_takes_both(tmp_path: Path) -> None:
     assert problem.tool == fr.VibrationTool(0.4, 700.0, 1.0)
     file.write_text(text + ("friction = [[0, 0.2], [1, 0.5]]"))
     assert Study.from_toml(file).problem.friction == problem.friction
+    file.write_text(text + ('tool = "0.4N@700rad/s@1m+0.3N@1100rad/s@90deg"'))
+    assert Study.from_toml(file).problem.tool == fr.VibrationTool(0.4, 700.0, 1.0, second=(0.3, 1100.0, 0.5 * math.pi))
     file.write_text(text + ('tool = "0.4N@700rad/s@4m"'))
     with pytest.raises(ValueError, match=r"\[run\] tool must lie in the rod, less than its length 3\.1 m above"):
         Study.from_toml(file)

@@ -21,7 +21,7 @@ from floquetrod._util.result_report import Printed, Report
 from floquetrod._util.spans import runs
 from floquetrod.parameter import require_known
 from floquetrod.rod.answers.assembly import assembly_of, at_the_wellhead, numbers_along, require_depth
-from floquetrod.rod.loads.tool import VibrationTool
+from floquetrod.rod.loads.tool import VibrationTool, independent_sines
 from floquetrod.rod.model.data import RodData
 from floquetrod.rod.model.parameters import ROD, friction_coefficient
 from floquetrod.rod.model.wellhead import OPEN, Wellhead
@@ -66,9 +66,9 @@ class MeanForce(Printed, ByContent):
     friction : ndarray (n,)
         Mean coefficient of friction, smaller where a tool vibrates the string.
     speed : ndarray (n,)
-        Amplitude in m/s of the axial vibration, 0 without a tool.
+        Amplitude in m/s of the axial vibration, 0 without a tool; with two frequencies the sum of both amplitudes.
     vibration : ndarray (n,)
-        Amplitude in N of the vibration of the force.
+        Amplitude in N of the vibration of the force, with two frequencies likewise.
     is_snaking : ndarray of bool (n,)
         Whether the string is buckled, into waves or a helix.
     is_helix : ndarray of bool (n,)
@@ -205,8 +205,9 @@ def drag_of(
         waves = (rod.mass_along * rod.wave_speed, rod.wave_speed)
         if assembly is not None:
             waves = float(assembly.impedance.min()), float(assembly.wave_speed.min())
+        (amplitude, frequency), *second = independent_sines(tool)
         along = *waves, rod.damping_rate, sliding
-        shaking = Shaking(tool.amplitude, tool.frequency, tool.above_end, *along)
+        shaking = Shaking(amplitude, frequency, tool.above_end, *along, *second)
     return Drag(
         path,
         StringProperties(rod.flexural_rigidity, rod.weight_per_length, rod.radial_clearance)
@@ -287,7 +288,7 @@ def _refined_wave(
 
 def _largest(wave: Floats) -> Floats:
     """Return the largest sizes of speed and vibration (2,) along one string."""
-    return np.asarray(np.fmax.reduce(np.abs(wave[..., 0]), axis=1, initial=0.0))
+    return np.asarray(np.fmax.reduce(np.abs(wave[:2, :, 0]), axis=1, initial=0.0))
 
 
 def mean_forces(drag: Drag, far_force: float, bottoms: Floats, spacing: float) -> list[MeanForce | None]:
@@ -317,13 +318,13 @@ def _along(
     # and, where it is wound, of a helix, and the friction that the wave leaves, mu times the share at its speed.  F is
     # infinite where the string is locked up: contact forces are computed with F = 0 there, and replaced by infinity.
     there = np.isfinite(strings_run.y[:, k])
-    depth, y, (speed, vibration) = strings_run.depth[there], strings_run.y[there, k], strings_run.wave[:, there, k]
+    depth, y = strings_run.depth[there], strings_run.y[there, k]
+    speed, vibration, left = strings_run.wave[:, there, k]
     force, positions = drag.force(y), WellGeometry.at(drag.path.arcs.at(depth))
     finite_force, string = np.where(np.isfinite(force), force, 0.0), drag.at(depth, np.asarray(bottom))
     lying = string.pipe.lying(finite_force, positions)
     is_helix = string.is_helix(positions, y) | np.isinf(force)
     contact = lying + np.where(is_helix, string.pipe.helix(finite_force), 0.0)
-    left = np.ones(depth.size) if drag.shaking is None else drag.shaking.left(speed)
     return MeanForce(
         depth=depth,
         force=force,

@@ -73,6 +73,10 @@ _FREQUENCIES = np.linspace(0.25, 2.0, 22)  # of the tool's, which is among them
 _WAY = np.array([0.2, 0.45, 0.7, 0.95])  # fractions of the gain at which they are examined (a choice)
 _SPACING = 10.0  # m along the string then (a choice)
 _BITS = 12  # depths for which the force at the lower end is sought
+_FREE_PHASES = (
+    "the phases of the tool's two frequencies are independent; friction is a mean over both, and damps each wave by "
+    "its component at the frequency of that wave; stress is that of the sum of both amplitudes"
+)
 _SPEEDS = np.array([0.4, 1.0, 4.0])  # of the speed of sliding, at which a tool's gain is told
 
 
@@ -151,7 +155,8 @@ class Reach(units.InUnits, Printed, ByContent):
     sliding : float
         Speed in m/s at which the string slides down.
     growth : ndarray
-        Fastest growth in 1/s there of a lateral wave caused by the vibration, whose velocity is that at which the
+        NaN, as the three that follow, with a tool of two frequencies, under which it is not computed: fastest growth in
+        1/s there of a lateral wave caused by the vibration, whose velocity is that at which the
         string slides, with the rod's damping rate and the friction of a sliding string.  0 where no wave grows, and
         where the mean force has buckled the string.
     growth_free : ndarray
@@ -161,7 +166,7 @@ class Reach(units.InUnits, Printed, ByContent):
     speed_to_grow : ndarray
         Lateral velocity in m/s above which a wave grows there against friction; infinite where none does.
     frequencies : ndarray
-        Frequencies of the tool in rad/s that were examined.
+        Frequencies of the tool in rad/s that were examined; none of a tool of two.
     frequency_depth : ndarray
         Measured depths in m of the lower end then, on the way from ``reach`` to ``reach_shaken``, 95 % of it the last.
     frequency_growth : ndarray
@@ -469,6 +474,11 @@ class Reach(units.InUnits, Printed, ByContent):
         return f"by the speed at which the string slides, the tool gains {', '.join(texts)}"
 
     @property
+    def _has_one_frequency(self) -> bool:
+        shaking = self._pushing.drag.shaking
+        return shaking is None or shaking.second is None
+
+    @property
     def assumptions(self) -> tuple[str, ...]:
         """The assumptions, speeds in m/s."""
         return self.assumptions_in(units.unit("m/s", "", "speed"))
@@ -479,7 +489,7 @@ class Reach(units.InUnits, Printed, ByContent):
             "growth is that of a long string under the force at each depth, with the rod's damping and with friction, "
             f"which damps a lateral wave less if it moves faster: here {speed.show(self.sliding, 3)}"
         )
-        more = (local,) if self.tool else ()
+        more = () if self.tool is None else (local,) if self._has_one_frequency else (_FREE_PHASES,)
         pressed = "equal pressures" if self.wellhead.pressure_inside is None else "fluids at rest"
         return (*ASSUMED, *more, f"linear elasticity, beyond yield too; stress with {pressed} inside and outside")
 
@@ -500,6 +510,8 @@ class Reach(units.InUnits, Printed, ByContent):
         return f"{tool}the force vibrates by at most {most}, and friction falls to {smallest:.3g} at least"
 
     def _growth_in_words(self, shown: AnswerUnits) -> str:
+        if not self._has_one_frequency:
+            return "not examined: growth under a tool of two frequencies is not computed; ask with each of them alone"
         grows, unit = self.growth > _GROWS, shown.length
         if not grows.any():
             return f"no lateral wave grows; {self._held_in_words(shown)}"
@@ -526,6 +538,8 @@ class Reach(units.InUnits, Printed, ByContent):
     def _frequency_in_words(self, units_of: AnswerUnits) -> str:
         """Return the frequencies with which the tool gains depth while no lateral wave grows."""
         shown, length, every = units_of.frequency, units_of.length, self.frequencies
+        if not self._has_one_frequency:
+            return "not examined with a tool of two frequencies"
         if self.tool is None or not self.gain > 0.0:
             return "not examined, because the tool gains no depth at its own frequency"
         tried = f"of {every.size} frequencies tried from {shown.of(every[0]):.3g} to {shown.show(every[-1], 3)}"
@@ -847,15 +861,17 @@ class _GrowthAlong(NamedTuple):
 def _growth_with_tool(rod: RodData, drag: Drag, along: MeanForce, tool: VibrationTool | None) -> _GrowthAlong:
     """Return the growth of lateral waves along a string with a tool."""
     size = along.depth.size
+    if drag.shaking is not None and drag.shaking.second is not None:
+        return _GrowthAlong(*np.full((4, size), math.nan))
     none = np.zeros((3, size))
     growth = _GrowthAlong(none[0], none[1], none[2], np.full(size, math.inf))
     chosen = np.flatnonzero(~along.is_snaking & np.isfinite(along.force) & (along.vibration > 0.0))
     if tool is None or drag.shaking is None or not chosen.size:
         return growth
-    places = _Places.of(rod, drag, along, chosen)
+    places, frequency = _Places.of(rod, drag, along, chosen), drag.shaking.frequency
     for part, there in StringCells.of(rod, places.cell).groups():
         at, i = places.some(there), chosen[there]
-        growth.free[i], growth.half_wave[i] = growth_along(part, at.place, at.force, at.vibration, tool.frequency)
+        growth.free[i], growth.half_wave[i] = growth_along(part, at.place, at.force, at.vibration, frequency)
     growth.net[chosen] = np.maximum(growth.free[chosen] - places.lost, 0.0)
     growth.least_speed[chosen] = least_speed(growth.free[chosen], places.pressed, drag.shaking.speed, places.speed)
     return growth
@@ -907,7 +923,7 @@ class _OtherFrequencies(NamedTuple):
 
 def _other_frequencies(rod: RodData, drag: Drag, far_force: float, depth: Floats) -> _OtherFrequencies:
     """Return growth and speed of a string to measured depths in m with other frequencies of its tool."""
-    if drag.shaking is None or not depth[-1] > depth[0]:
+    if drag.shaking is None or drag.shaking.second is not None or not depth[-1] > depth[0]:
         return _OtherFrequencies(np.empty(0), np.empty(0), np.empty(0), np.empty(0))
     frequency = drag.shaking.frequency * _FREQUENCIES
     frequency = frequency[frequency <= strings.highest_frequency(drag.shaking, depth[-1] - drag.path.start)]

@@ -284,7 +284,7 @@ class Load(units.InUnits, ShownInNotebook, TellsAttributes, ABC):
             object.__setattr__(self, "mean_at", validate.within("mean_at", self.mean_at, 0.0, 1.0, _POSITION))
         object.__setattr__(self, "waveform", _waveform(self.waveform))
         object.__setattr__(self, "noise", noise_density("noise", self.noise))
-        object.__setattr__(self, "second", _second(self.second))
+        object.__setattr__(self, "second", second_sine(self.second))
         if self.second is not None and self.noise:
             raise validate.wrong_value(
                 "second",
@@ -682,7 +682,7 @@ def noise_in_words(noise: Noise) -> str:
     return f"noise of up to {max(density for _, density in noise):.4g} N^2/Hz below {noise[-1][0]:.4g} Hz"
 
 
-def _second(value: Any) -> Second | None:
+def second_sine(value: Any) -> Second | None:
     """Return a second sine, checked, without a phase of zero."""
     if value is None:
         return None

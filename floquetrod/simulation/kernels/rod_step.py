@@ -131,6 +131,7 @@ def _tool_force(tool: Any, time: float, segments: int) -> Any:
     if tool is None:
         return 0.0, 0.0, 0.0
     force = tool.amplitude * math.sin(tool.frequency * time)
+    force += tool.second_amplitude * math.sin(tool.second_frequency * time + tool.phase)
     upper = (1.0 - tool.beyond) * force if tool.node == 0 else 0.0
     lower = -tool.beyond * force if tool.node + 1 == segments else 0.0
     return force, upper, lower

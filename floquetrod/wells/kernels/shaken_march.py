@@ -12,7 +12,7 @@ import math
 from typing import Any, NamedTuple
 
 from floquetrod._util.compilation import kernel
-from floquetrod.wells.kernels.tool_wave import PARTS, Balance, Cells, ShakingForce, find_wave
+from floquetrod.wells.kernels.tool_wave import PARTS, Wave, amplitude_at, find_waves, friction_share
 from floquetrod.wells.kernels.wall_contact import (
     LOCKED,
     MOST_PRESSED,
@@ -172,44 +172,40 @@ def means(edges: Any, values: Any, to: Any, out: Any) -> None:
 
 
 @kernel
-def friction_left(cells: Cells, tool: ShakingForce, q: Any, left: Any) -> None:
-    """Fill in the mean share of friction left in each part of the cells, (2 / pi) asin(v / V)."""
+def friction_left(waves: Any, left: Any) -> None:
+    """Fill in the mean share of friction left by one wave or two in each part of the cells, as `friction_share`."""
     # A point that slides with v + V cos(phase), V > v, has the mean direction (2 / pi) asin(v / V) over a period: that
     # share of Coulomb's friction resists the mean motion, all of it where V <= v.
-    for c in range(len(q) - 1):
-        kind = cells.kind[c]
+    for c in range(len(waves[0].q) - 1):
         for p in range(PARTS):
-            below, above = cells.below[kind, p], cells.above[kind, p]
-            fast = abs(below * q[c] + above * q[c + 1])
-            left[PARTS * c + p] = 2.0 / math.pi * math.asin(tool.speed / max(fast, tool.speed))
+            other = amplitude_at(waves[-1], c, p) if len(waves) > 1 else 0.0
+            left[PARTS * c + p] = friction_share(waves[0].tool.speed, amplitude_at(waves[0], c, p), other)
 
 
 @kernel
 def settle(
     sliding: SlidingString,
     pieces: Pieces,
-    cells: Cells,
-    tool: ShakingForce,
+    waves: tuple[Wave, ...],
     edges: Any,
     soft: float,
     stays: float,
     turns: int,
     marched: Marched,
-    q: Any,
-    balance: Balance,
 ) -> bool:
-    """Fill in the force from its first y, and the wave; return whether both have settled.
+    """Fill in the force from its first y, and the waves; return whether all have settled.
 
-    ``edges`` are the heights of the parts of cells above the lower end in m; y has settled where it moves by less than
-    ``stays`` in a turn.  ``marched.left`` is the share of friction left before the wave is known.
+    ``waves`` are one or two, of two frequencies, with one array of forces ``most``; ``edges`` are the heights of the
+    parts of cells above the lower end in m; y has settled where it moves by less than ``stays`` in a turn.
+    ``marched.left`` is the share of friction left before the wave is known.
     """
     # Fixed-point turns between the two halves of the problem, each exact for the other as it was:
     #     y -> mu N in the middle of pieces (`press`) -> 4 mu N ds / pi of the parts of cells (`means`)
-    #       -> wave q by Newton's method (`find_wave`) -> share (2 / pi) asin(v / V) of friction (`friction_left`)
+    #       -> waves q by Newton's method (`find_waves`) -> share (2 / pi) asin(v / V) of friction (`friction_left`)
     #       -> means over pieces -> y by Runge-Kutta steps (`march`).
     # More wave leaves less friction, and less friction a lower force with less contact: the turns contract, except
     # where the string locks up, which ends them after `_LOCKS` turns in a row.
-    most, last = balance.most, len(pieces.friction)
+    most, left, last = waves[0].balance.most, waves[0].balance.left, len(pieces.friction)
     march(sliding, pieces, marched)
     locks = 0
     for _ in range(turns):
@@ -217,9 +213,9 @@ def settle(
         means(pieces.up, marched.pressed, edges, most)
         for k in range(len(most)):
             most[k] *= 4.0 / math.pi * (edges[k + 1] - edges[k])
-        is_known = find_wave(cells, tool, soft, q, balance)
-        friction_left(cells, tool, q, balance.left)
-        means(edges, balance.left, pieces.up, marched.left)
+        is_known = find_waves(waves, soft)
+        friction_left(waves, left)
+        means(edges, left, pieces.up, marched.left)
         moved = march(sliding, pieces, marched)
         if is_known and moved <= stays:
             return True

@@ -10,9 +10,18 @@ friction, by harmonic balance:
 
     f(V) = (4 / pi) mu N sqrt(1 - v^2 / V^2)    where V > v, else 0.
 
-It grows with V, so that no more than one wave solves this.  Between nodes the wave is a combination of two waves
-without damping, the basis functions of a Galerkin method, which is exact without damping; friction acts at the
-midpoints of the parts of each cell.  The equations of the nodes are solved by Newton's method.
+It grows with V, so that no more than one wave solves this.  Of a tool with two frequencies, whose phases take all pairs
+of values, each wave obeys this equation with the mean of f over the phase of the other wave, whose velocity V' cos is
+added to v:
+
+    f_i = 2 mu N dG/dV_i,    G(V_1, V_2) = mean of |v + V_1 cos(phi_1) + V_2 cos(phi_2)|,
+
+which is convex, so that again no more than one pair of waves solves both (a dual-input describing function: Gelb and
+Vander Velde, Multiple-Input Describing Functions, 1968, chapter 5).  Each is computed against the other in turns.
+
+Between nodes a wave is a combination of two waves without damping, the basis functions of a Galerkin method, which is
+exact without damping; friction acts at the midpoints of the parts of each cell.  The equations of the nodes are solved
+by Newton's method.
 
 Nodes go from the lower to the upper end, whose velocity is 0; velocities q are complex, (n + 1,), in m/s.
 """
@@ -30,7 +39,15 @@ PARTS = 4  # of a cell, at whose midpoints friction acts
 
 _CLOSE, _ROUNDING = 1e-9, 1e-13  # residual over the force of the tool, and over the largest forces between nodes
 _STEPS, _SHRINKS = 60, 30  # of Newton's method at most, and of a step: ten are usual
+_AGREES = 1e-3, 1e-6  # change of two waves in a turn, over the speed of sliding and over the largest velocity
+_TURNS = 2  # between two waves, before the force is marched again
+_FAINT = 1e-150  # m/s: its square is no normal number, and friction is linear there
 _SOFTER = 1e-1  # rounding of the corner of friction from which it begins again where it has not converged
+
+_X, _WEIGHTS = np.polynomial.legendre.leggauss(8)
+_ANGLES = 0.5 * math.pi * (1.0 + _X)
+NODES, WEIGHTS = -np.cos(_ANGLES), 0.25 * math.pi * _WEIGHTS * np.sin(_ANGLES)
+"""Of means over (-1, 1) of functions with square roots at the ends: those of Gauss and Legendre in acos(-x)."""
 
 
 class ShakingForce(NamedTuple):
@@ -60,6 +77,7 @@ class Balance(NamedTuple):
     """
 
     most: Any  # (PARTS n,), of parts of cells: 4 mu N / pi times their length in N
+    other: Any  # (PARTS n,), amplitude of the velocity of the wave of another frequency in m/s, 0 without
     damping: Any  # (PARTS n,), friction over velocity in N s/m
     left: Any  # (PARTS n,), mean friction over that without vibration
     residual: Any  # (n + 1,), sum of the forces at a node in N
@@ -69,12 +87,21 @@ class Balance(NamedTuple):
     trial: Any  # (n + 1,), velocities after a share of the step
 
 
+class Wave(NamedTuple):
+    """The wave of one frequency."""
+
+    cells: Cells
+    tool: ShakingForce
+    q: Any  # (n + 1,), complex velocities of the nodes in m/s
+    balance: Balance
+
+
 def empty_balance(size: int) -> Balance:
     """Return the balance of ``size`` cells, all zero."""
-    most, damping, left = np.zeros((3, PARTS * size))
+    most, other, damping, left = np.zeros((4, PARTS * size))
     residual, step, trial = np.zeros((3, size + 1), complex)
     own, beside = np.zeros((2, size + 1, 2), complex)
-    return Balance(most, damping, left, residual, own, beside, step, trial)
+    return Balance(most, other, damping, left, residual, own, beside, step, trial)
 
 
 @kernel
@@ -84,17 +111,77 @@ def square(z: Any) -> Any:
 
 
 @kernel
-def friction(most: float, speed: float, soft: float, size: float) -> tuple[float, float]:
-    """Return f(V) / V in N s/m and df/dV for V = size.
+def _corner(x: float, soft: float) -> tuple[float, float]:
+    """Return the square root of x rounded at 0, where its slope is infinite, and ``wide``: its slope is root / 2 wide.
 
-    The slope is infinite at V = v, and is rounded there: x = 1 - v^2 / V^2 becomes (x + hypot(x, 2 soft)) / 2.
+    x becomes (x + wide) / 2 with wide = hypot(x, 2 soft).
     """
-    ratio_to_sliding = max(size / speed, 1e-12)
-    x = 1.0 - 1.0 / (ratio_to_sliding * ratio_to_sliding)
     wide = math.sqrt(x * x + 4.0 * soft * soft)
-    root = math.sqrt(0.5 * (x + wide) if x > 0.0 else 2.0 * soft * soft / (wide - x))
-    ratio = most * root / (ratio_to_sliding * speed)
-    return ratio, ratio / (wide * ratio_to_sliding * ratio_to_sliding)
+    return math.sqrt(0.5 * (x + wide) if x > 0.0 else 2.0 * soft * soft / (wide - x)), wide
+
+
+@kernel
+def friction(most: float, speed: float, soft: float, size: float, other: float) -> tuple[float, float]:
+    """Return f(V) / V in N s/m and df/dV for V = size, beside a wave of another frequency whose velocity is ``other``.
+
+    The slope is infinite at V = v, and is rounded there.
+    """
+    if other == 0.0:
+        ratio_to_sliding = max(size / speed, 1e-12)
+        root, wide = _corner(1.0 - 1.0 / (ratio_to_sliding * ratio_to_sliding), soft)
+        ratio = most * root / (ratio_to_sliding * speed)
+        return ratio, ratio / (wide * ratio_to_sliding * ratio_to_sliding)
+    # The mean over the phase p of the other wave, with v + V' cos p in place of v, piece by piece between the phases at
+    # which that is V or -V.
+    fast = max(size, 1e-12 * speed)
+    begin, end = turning_phases(speed, fast, other)
+    total, slopes = 0.0, 0.0
+    for low, high in ((0.0, begin), (begin, end), (end, math.pi)):
+        middle, half = 0.5 * (low + high), 0.5 * (high - low)
+        if half > 0.0:
+            for k in range(len(NODES)):
+                share = (speed + other * math.cos(middle + half * NODES[k])) / fast
+                root, wide = _corner(1.0 - share * share, soft)
+                total += half * WEIGHTS[k] * root
+                slopes += half * WEIGHTS[k] * root * share * share / wide
+    most *= 2.0 / (math.pi * fast)
+    return most * total, most * slopes
+
+
+@kernel
+def turning_phases(speed: float, size: float, other: float) -> tuple[float, float]:
+    """Return the phases p in (0, pi) at which v + V' cos p is V and -V, between which a wave V turns the motion back.
+
+    V is ``size`` and V' ``other``; without such a phase 0 or pi.
+    """
+    begin = math.acos(min(max((size - speed) / other, -1.0), 1.0))
+    return begin, math.acos(min(max((-size - speed) / other, -1.0), 1.0))
+
+
+@kernel
+def friction_share(speed: float, one: float, other: float) -> float:
+    """Return mean friction over that without vibration, under waves whose velocities are ``one`` and ``other``.
+
+    (2 / pi) asin(v / V) of one, V > v; of two the mean of this over the phase of the weaker one, whose velocity is
+    added to v, from -1 where that is less than -V to 1.
+    """
+    fast, slow = max(one, other), min(one, other)
+    if slow == 0.0:
+        return 2.0 / math.pi * math.asin(speed / max(fast, speed))
+    begin, end = turning_phases(speed, fast, slow)
+    middle, half = 0.5 * (begin + end), 0.5 * (end - begin)
+    total = 0.0
+    for k in range(len(NODES)):
+        share = (speed + slow * math.cos(middle + half * NODES[k])) / fast
+        total += WEIGHTS[k] * math.asin(min(max(share, -1.0), 1.0))
+    return (begin - (math.pi - end) + 4.0 / math.pi * half * total) / math.pi
+
+
+@kernel
+def friction_shares(speed: float, one: Any, other: Any, out: Any) -> None:
+    """Fill in `friction_share` at places."""
+    for k in range(len(out)):
+        out[k] = friction_share(speed, one[k], other[k])
 
 
 @kernel
@@ -124,11 +211,12 @@ def residuals(cells: Cells, tool: ShakingForce, soft: float, q: Any, balance: Ba
             below, above = cells.below[kind, p], cells.above[kind, p]
             moves = below * low + above * high
             fast = math.sqrt(square(moves))
-            ratio, slope = friction(balance.most[PARTS * c + p], tool.speed, soft, fast)
-            balance.damping[PARTS * c + p] = ratio
+            part = PARTS * c + p
+            ratio, slope = friction(balance.most[part], tool.speed, soft, fast, balance.other[part])
+            balance.damping[part] = ratio
             ratio += cells.loss[kind]
             curl = 0.5 * (slope + cells.loss[kind] - ratio)
-            direction = (1.0 / max(fast, 1e-300)) * moves
+            direction = (1.0 / fast if fast > _FAINT else 0.0) * moves
             turned = curl * direction * direction
             residual[c] += below * ratio * moves
             residual[c + 1] += above * ratio * moves
@@ -220,3 +308,33 @@ def find_wave(cells: Cells, tool: ShakingForce, soft: float, q: Any, balance: Ba
         if is_solved and stage % 2 == 1:
             return True
     return False
+
+
+@kernel
+def amplitude_at(wave: Wave, c: int, p: int) -> Any:
+    """Return the amplitude of the velocity in m/s at the midpoint of part p of cell c."""
+    kind = wave.cells.kind[c]
+    below, above = wave.cells.below[kind, p], wave.cells.above[kind, p]
+    return abs(below * wave.q[c] + above * wave.q[c + 1])
+
+
+@kernel
+def find_waves(waves: Any, soft: float) -> bool:
+    """Fill in one wave, or two of different frequencies on the same cells; return whether they have converged."""
+    # In turns, each wave against the other.  With the linearised friction A, B, B', D of the two and the elastic forces
+    # i S, i S', a turn multiplies errors by (i S + A)^-1 B (i S' + D)^-1 B', whose norm in A and D is 1 at most, since
+    # the second derivatives of G are positive.
+    if len(waves) == 1:
+        return find_wave(waves[0].cells, waves[0].tool, soft, waves[0].q, waves[0].balance)
+    is_known = False
+    for _ in range(_TURNS):
+        moved, largest, is_known = 0.0, 0.0, True
+        for w in range(2):
+            other = waves[w].balance.other
+            for k in range(len(other)):
+                fast = amplitude_at(waves[1 - w], k // PARTS, k % PARTS)
+                moved, largest = max(moved, abs(fast - other[k])), max(largest, fast)
+                other[k] = fast
+            is_known &= find_wave(waves[w].cells, waves[w].tool, soft, waves[w].q, waves[w].balance)
+        is_known &= moved <= _AGREES[0] * waves[0].tool.speed + _AGREES[1] * largest
+    return is_known
