@@ -17,6 +17,11 @@ from floquetrod.rod.modes.mode_model import ModeModel
 NOISE_DRAWS = 20
 """Forces drawn (a choice)."""
 
+NOISE_OF_SENSOR = (
+    "noise taken as the sensor's; if the force itself is random: --noise spectrum (in Python record.noisy_load)"
+)
+"""What a verdict on the fit of a record, without noise on the rod, takes the noise for."""
+
 
 def record_verdict(
     model: ModeModel,
@@ -60,6 +65,8 @@ def record_verdict(
         note = f"noise in the record: no mode grows at {NOISE_DRAWS} forces within its errors either"
     if others:
         note = f"{note}; the fit is {verdict.status}, but {others} of {NOISE_DRAWS} forces within its errors are not"
+    if not record.load.noise:
+        note = f"{note}; {NOISE_OF_SENSOR}"
     return replace(
         verdict,
         status="undecided" if others else verdict.status,

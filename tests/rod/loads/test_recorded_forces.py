@@ -104,7 +104,17 @@ def test_where_nothing_grows_the_note_does_not_tell_of_an_error_of_zero() -> Non
     load = fr.AxialLoad(0.1 * FCR, 0.005 * FCR, 150.0, waveform=(-1j, 0.5))
     verdict = ROD.stability(recorded(load, np.random.default_rng(8)))
     assert verdict.status == "stable"
-    assert verdict.note == "noise in the record: no mode grows at 20 forces within its errors either"
+    assert verdict.note.split("; ")[0] == "noise in the record: no mode grows at 20 forces within its errors either"
+
+
+def test_a_verdict_without_noise_on_the_rod_says_what_it_takes_the_noise_for() -> None:
+    load = fr.AxialLoad(0.1 * FCR, 0.005 * FCR, 150.0, waveform=(-1j, 0.5))
+    record = recorded(load, np.random.default_rng(8))
+    verdict, noisy = ROD.stability(record), ROD.stability(record.noisy_load)
+    said = "noise taken as the sensor's; if the force itself is random: --noise spectrum (in Python record.noisy_load)"
+    assert verdict.note.endswith(said)
+    assert said in " ".join(str(verdict.report()).split())
+    assert said not in noisy.note
 
 
 def test_the_noise_of_chosen_modes_is_that_of_these_modes() -> None:
