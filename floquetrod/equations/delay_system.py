@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import contextlib
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
+from functools import partial
 from typing import Any, ClassVar, NamedTuple, TypeVar
 
 import numpy as np
@@ -26,6 +27,7 @@ MOST_DELAYS = 64
 """Most delayed terms of a system (a choice)."""
 
 _LONGEST = 1e100
+_ENTRY_BY_ENTRY = 4  # equations up to which each entry of a coefficient is moved by itself (a choice)
 _SERIES = "(delay, matrix), (delay, matrix, cosines) or (delay, matrix, cosines, sines)"
 _PIECES = "(delay, pieces), pieces a sequence of (duration, matrix)"
 _FUNCTIONS = "(delay, function) or (delay, matrix)"
@@ -554,6 +556,32 @@ class DelaySystem(ByContent):
         """Return the system without delay and the delayed terms."""
         terms = ", ".join(f"{float(term.delay):.17g}: {term.coefficient!r}" for term in self.delayed)
         return f"<DelaySystem of {self.present!r}, delayed by {{{terms}}}>"
+
+
+def moved(system: DelaySystem) -> Iterator[DelaySystem]:
+    """Yield the system with one entry of one coefficient larger by the coefficient error, for each entry.
+
+    Of more than `_ENTRY_BY_ENTRY` equations with all entries of a cyclic diagonal.  The sum of the changes of a
+    multiplier is the error of it that errors of the coefficients make, if they are constant and to first order.
+    """
+    n, size = system.order, system.coefficient_error
+    rows, columns = np.divmod(np.arange(n * n), n)
+    groups = np.arange(n * n) if n <= _ENTRY_BY_ENTRY else (columns - rows) % n
+    for group in np.unique(groups):
+        shift = np.where(groups == group, size, 0.0).reshape(n, n)
+        yield DelaySystem._made(_shifted(system.present, shift), system.delayed)
+        exact = _shifted(system.present, np.zeros((n, n)))
+        for j, (delay, coefficient) in enumerate(system.delayed):
+            other = DelayedTerm(delay, mapped(PeriodicSystem, coefficient, partial(np.add, shift)))
+            yield DelaySystem._made(exact, (*system.delayed[:j], other, *system.delayed[j + 1 :]))
+
+
+def _shifted(present: HillSystem | PeriodicSystem, shift: Any) -> HillSystem | PeriodicSystem:
+    """Return a system without delays with a constant matrix added to its K or A, and no coefficient error."""
+    if isinstance(present, HillSystem):
+        others = {name: getattr(present, name) for name in ("mass", "damping", "gyroscopic")}
+        return mapped(HillSystem, present, partial(np.add, shift), **others)
+    return mapped(PeriodicSystem, present, partial(np.add, shift))
 
 
 def with_terms(system: DelaySystem, present: HillSystem | PeriodicSystem, terms: Sequence[DelayedTerm]) -> DelaySystem:

@@ -22,6 +22,7 @@ from numpy.typing import NDArray
 
 from floquetrod._util.arrays import EPS, Complexes, Floats
 from floquetrod.equations import DelaySystem
+from floquetrod.equations.delay_system import moved
 from floquetrod.floquet.delay_solve import DelaySolution, joined_series
 from floquetrod.floquet.multipliers import delay_maps, delay_mesh, delay_roots, spectra
 from floquetrod.floquet.multipliers.system_stability import SystemStability
@@ -82,7 +83,7 @@ def delayed_solutions(system: DelaySystem, verdict: SystemStability) -> list[Per
     solved: list[Periodicity] = []
     laid = delay_maps.period_pieces(system, set())
     turning = delay_maps.rate(system, max(0.0, -float(exponents.real.min()))) * laid.period * laid.longest
-    equations = _Equations(system, laid.cut(min(max(1, math.ceil(turning / _RADIANS)), _MOST_ROWS)), {})
+    equations = _Equations.of(system, laid.cut(min(max(1, math.ceil(turning / _RADIANS)), _MOST_ROWS)))
     for cluster in spectra.touching(np.abs(values[:, None] - values[None, :]), radii):
         center = complex(exponents[cluster].mean())
         if center.imag < 0.0:
@@ -100,18 +101,20 @@ class _Equations(NamedTuple):
 
     system: DelaySystem
     laid: delay_maps.PeriodPieces
-    collocated: dict[tuple[int, float], _Collocated | None]
+    collocated: dict[int, _Collocated | None]
+    moved: tuple[_Equations, ...]  # of the system with coefficients larger by their error, one after another
 
-    def of(self, nodes: int, off: float = 0.0) -> _Collocated | None:
-        """Return the equations with so many nodes in each piece, coefficients larger by ``off``."""
-        if (nodes, off) not in self.collocated:
-            self.collocated[nodes, off] = _collocated(self.system, self.laid, nodes, off)
-        return self.collocated[nodes, off]
+    @staticmethod
+    def of(system: DelaySystem, laid: delay_maps.PeriodPieces) -> _Equations:
+        """Return the equations of a system, none collocated yet."""
+        others = moved(system) if system.coefficient_error and not system.is_constant else ()
+        return _Equations(system, laid, {}, tuple(_Equations(other, laid, {}, ()) for other in others))
 
-    @property
-    def inverse(self) -> float:
-        """The norm of the inverse of the mass."""
-        return float(np.abs(delay_maps.inverse_mass(self.system)).sum(axis=1).max())
+    def with_nodes(self, nodes: int) -> _Collocated | None:
+        """Return the equations with so many nodes in each piece."""
+        if nodes not in self.collocated:
+            self.collocated[nodes] = _collocated(self.system, self.laid, nodes)
+        return self.collocated[nodes]
 
 
 @dataclass(frozen=True)
@@ -210,7 +213,7 @@ def _converged(equations: _Equations, exponent: complex, count: int) -> list[Per
     before: list[Periodicity] | None = None
     last = 0
     for nodes in _NODES:
-        modes = _modes(equations, nodes, 0.0, exponent, count)
+        modes = _modes(equations, nodes, exponent, count)
         if modes is None:
             break
         if before is not None:
@@ -221,13 +224,14 @@ def _converged(equations: _Equations, exponent: complex, count: int) -> list[Per
             if _worst(best) <= _UNCHANGED:
                 break
         before = modes
-    system = equations.system
-    if best is None or not system.coefficient_error:
-        return best
-    power = 2 if system.is_second_order else 1
-    off = equations.laid.period**power * system.coefficient_error * equations.inverse
-    moved = _modes(equations, last, off, best[0].exponent, count)
-    return None if moved is None else [_with_change(one, other) for one, other in zip(best, moved, strict=True)]
+    if best is None:
+        return None
+    for other in equations.moved:
+        modes = _modes(other, last, best[0].exponent, count)
+        if modes is None:
+            return None
+        best = [_with_change(one, near) for one, near in zip(best, modes, strict=True)]
+    return best
 
 
 def _worst(modes: list[Periodicity]) -> float:
@@ -245,10 +249,10 @@ def _with_change(mode: Periodicity, other: Periodicity) -> Periodicity:
     return mode._replace(solution=replace(solution, error=solution.error + 2.0 * (change + turned)))
 
 
-def _modes(equations: _Equations, nodes: int, off: float, exponent: complex, count: int) -> list[Periodicity] | None:
-    """Return ``count`` solutions with so many nodes, coefficients larger by ``off``."""
+def _modes(equations: _Equations, nodes: int, exponent: complex, count: int) -> list[Periodicity] | None:
+    """Return ``count`` solutions with so many nodes."""
     system, laid = equations.system, equations.laid
-    collocated = equations.of(nodes, off)
+    collocated = equations.with_nodes(nodes)
     null = None if collocated is None else _null_vectors(collocated, exponent * system.period, count)
     if null is None:
         return None
@@ -268,7 +272,7 @@ def _modes(equations: _Equations, nodes: int, off: float, exponent: complex, cou
     return modes
 
 
-def _collocated(system: DelaySystem, laid: delay_maps.PeriodPieces, nodes: int, off: float) -> _Collocated | None:
+def _collocated(system: DelaySystem, laid: delay_maps.PeriodPieces, nodes: int) -> _Collocated | None:
     """Return the equations of collocation; None of too many."""
     n, derivatives = system.order, 2 if system.is_second_order else 1
     if n * nodes * (len(laid.breaks) - 1) > _MOST_ROWS:
@@ -280,15 +284,15 @@ def _collocated(system: DelaySystem, laid: delay_maps.PeriodPieces, nodes: int, 
     def placed(coefficient: Floats, rows: Floats) -> Floats:
         return np.asarray(np.einsum("fij,fg->figj", coefficient[0], rows).reshape(size, -1))
 
-    left = placed(given.value + off, mesh.value)
-    start = placed(given.value + off, mesh.value_state)
+    left = placed(given.value, mesh.value)
+    start = placed(given.value, mesh.value_state)
     if given.rate is not None:
         left, start = left + placed(given.rate, mesh.rate), start + placed(given.rate, mesh.rate_state)
     powers: dict[int, list[Floats]] = {0: [left, start]}
     for coefficient, source in zip(given.delayed, sources, strict=True):
         for back in np.unique(source.periods[source.active]).tolist():
             here = (source.active & (source.periods == back))[:, None]
-            terms = placed(coefficient - off, source.value * here), placed(coefficient - off, source.state * here)
+            terms = placed(coefficient, source.value * here), placed(coefficient, source.state * here)
             if back in powers:
                 terms = terms[0] + powers[back][0], terms[1] + powers[back][1]
             powers[back] = list(terms)

@@ -8,11 +8,10 @@ from __future__ import annotations
 import numpy as np
 
 from floquetrod._util import validate
-from floquetrod._util.arrays import Complexes
 from floquetrod.equations import DelaySystem
+from floquetrod.equations.delay_system import moved
 from floquetrod.floquet.multipliers import delay_maps, delay_roots, delay_spectra
 from floquetrod.floquet.multipliers.classification import classify_multipliers
-from floquetrod.floquet.multipliers.delay_mesh import Mesh
 from floquetrod.floquet.multipliers.delay_spectra import LeadingMultipliers
 from floquetrod.floquet.multipliers.system_stability import SystemStability
 from floquetrod.floquet.verdict import Cost
@@ -106,15 +105,11 @@ def _converged(
         count += max(4, count // 4)
     if best is None:
         return None, rows
-    moved = _moved(system, laid, on, least) if system.coefficient_error else None
-    return best[1] if moved is None else delay_spectra.with_change(best[1], moved), rows
-
-
-def _moved(system: DelaySystem, laid: delay_maps.PeriodPieces, on: Mesh, least: float) -> Complexes | None:
-    """Return the eigenvalues of the map with coefficients off by what they may be."""
-    given = delay_maps.coefficients(system, laid.period, on.nodes)
-    power = 2 if system.is_second_order else 1
-    off = laid.period**power * system.coefficient_error * np.abs(delay_maps.inverse_mass(system)).sum(axis=1)[:, None]
-    moved = given._replace(value=given.value + off, delayed=tuple(each - off for each in given.delayed))
-    multipliers = delay_spectra.leading(delay_maps.period_maps(on, moved)[0], least)
-    return None if multipliers is None else multipliers.all_values
+    _, accurate = best
+    for other in moved(system) if system.coefficient_error else ():
+        given = delay_maps.coefficients(other, laid.period, on.nodes)
+        near = delay_spectra.leading(delay_maps.period_maps(on, given)[0], least)
+        if near is None:
+            return None, rows
+        accurate = delay_spectra.with_change(accurate, near.all_values)
+    return accurate, rows

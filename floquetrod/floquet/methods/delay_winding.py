@@ -14,6 +14,7 @@ import numpy as np
 from floquetrod._util import validate
 from floquetrod._util.arrays import Complexes, Floats
 from floquetrod.equations import DelaySystem
+from floquetrod.equations.delay_system import moved
 from floquetrod.floquet import registry
 from floquetrod.floquet.multipliers import (
     delay_blocks,
@@ -89,13 +90,13 @@ def winding(system: DelaySystem, *, above: float = 0.5) -> SystemStability:
     if found is None:
         note = "solutions grow too fast within a period, or multipliers cannot be distinguished from each other"
         return SystemStability.declined(system, "winding", cost, note)
-    if error := system.coefficient_error:
-        shifted = delay_steps.series(delay_steps.step_pieces(system, laid, error), _BESIDE[-1] * found.reach)
-        found = found._replace(zeros=_moved(found.zeros, shifted))
+    for other in moved(system) if system.coefficient_error else ():
+        shifted = delay_steps.series(delay_steps.step_pieces(other, laid), _BESIDE[-1] * found.reach)
+        found = found._replace(zeros=_with_change(found.zeros, shifted))
     return _classified(system, found, float(pieces.period), cost)
 
 
-def _moved(zeros: Zeros, shifted: DelaySeries | None) -> Zeros:
+def _with_change(zeros: Zeros, shifted: DelaySeries | None) -> Zeros:
     """Return zeros whose discs hold twice the change to those of another series as well."""
     values = None if shifted is None else delay_series.followed(shifted, zeros.values)
     changes = math.inf if values is None else np.abs(values - zeros.values)
@@ -143,11 +144,8 @@ def _by_collocation(system: DelaySystem, above: float) -> SystemStability:
         return SystemStability.declined(system, "winding", cost, note)
     zeros = delay_series.discs(best.series, best.values)
     zeros = zeros._replace(radii=zeros.radii + 2.0 * best.changes)
-    if system.coefficient_error:
-        power = 2 if system.is_second_order else 1
-        inverse = float(np.abs(delay_maps.inverse_mass(system)).sum(axis=1).max())
-        off = laid.period**power * system.coefficient_error * inverse
-        zeros = _moved(zeros, delay_blocks.series(system, laid, best.nodes, off))
+    for other in moved(system) if system.coefficient_error else ():
+        zeros = _with_change(zeros, delay_blocks.series(other, laid, best.nodes))
     return _classified(system, _Largest(best.series, zeros, reach), laid.period, cost)
 
 

@@ -17,8 +17,8 @@ from floquetrod.floquet.multipliers.independent_solutions import balance
 _MOST_ROWS, _MOST_KEPT = 240, 3000  # of a period, and of the history (a choice: some seconds)
 
 
-def series(system: DelaySystem, laid: delay_maps.PeriodPieces, count: int, change: float = 0.0) -> DelaySeries | None:
-    """Return K(v) with ``count`` nodes in each piece, every coefficient larger by ``change``; None of too many rows."""
+def series(system: DelaySystem, laid: delay_maps.PeriodPieces, count: int) -> DelaySeries | None:
+    """Return K(v) with ``count`` nodes in each piece; None of too many rows."""
     n = system.order
     if n * (len(laid.breaks) - 1) * count > 2 * _MOST_ROWS:
         return None
@@ -27,7 +27,6 @@ def series(system: DelaySystem, laid: delay_maps.PeriodPieces, count: int, chang
     if made > _MOST_ROWS or n * mesh.size > _MOST_KEPT:
         return None
     given = delay_maps.coefficients(system, laid.period, mesh.nodes)
-    given = given._replace(value=given.value + change, delayed=tuple(each - change for each in given.delayed))
     new, kept = delay_maps.period_maps(mesh, given)[0][:made], made - n * mesh.value_state.shape[1]
     exponents, matrices = [1], [new[:, :made]]
     for back in range(1, mesh.periods):

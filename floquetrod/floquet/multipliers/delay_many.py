@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from floquetrod._util.arrays import Floats
 from floquetrod.equations import DelaySystem
+from floquetrod.equations.delay_system import moved
 from floquetrod.floquet.multipliers import delay_growth, delay_maps, delay_series, delay_steps, whole_steps
 from floquetrod.floquet.multipliers.many_verdicts import ManyVerdicts
 from floquetrod.floquet.status import STABLE, UNDECIDED, UNSTABLE
@@ -57,6 +58,23 @@ def of_systems(systems: Sequence[DelaySystem], *, growth: bool = False) -> ManyV
     Systems whose pieces and delays are the same parts of their periods are judged together; long delays, of which only
     the status is wanted, by the number of multipliers outside the unit circle.
     """
+    verdicts = _of_exact(systems, growth)
+    for i, system in enumerate(systems):
+        if system.coefficient_error * float(system.period) > _ROUNDING:
+            _include_errors(verdicts, i, system)
+    return verdicts
+
+
+def _include_errors(verdicts: ManyVerdicts, i: int, system: DelaySystem) -> None:
+    """Leave a verdict undecided whose growth is within twice its changes by errors of coefficients."""
+    growth = _of_exact([system, *moved(system)], growth=True).growth
+    error = 2.0 * float(np.abs(growth[1:] - growth[0]).sum())
+    if not abs(growth[0]) > error:
+        verdicts.status[i] = UNDECIDED
+
+
+def _of_exact(systems: Sequence[DelaySystem], growth: bool) -> ManyVerdicts:
+    """Return verdicts on systems as `of_systems`, coefficients taken to be exact."""
     verdicts = ManyVerdicts(np.empty(len(systems), dtype=np.int8), np.full(len(systems), np.nan))
     pieces = [delay_maps.period_pieces(system) for system in systems]
     groups: dict[Any, list[int]] = {}
@@ -81,7 +99,7 @@ def of_systems(systems: Sequence[DelaySystem], *, growth: bool = False) -> ManyV
 
 def _by_count(system: DelaySystem) -> int | None:
     """Return the status of a system whose long delays are whole numbers of a step; None of other systems."""
-    laid = whole_steps.steps(system) if whole_steps.is_long(system) and not system.coefficient_error else None
+    laid = whole_steps.steps(system) if whole_steps.is_long(system) else None
     series = None if laid is None else delay_steps.series(delay_steps.step_pieces(system, laid), 1.0)
     if series is None:
         return None

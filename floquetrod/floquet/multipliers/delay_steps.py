@@ -52,11 +52,11 @@ class StepPieces(NamedTuple):
         return int(self.present.mean.shape[-1])
 
 
-def step_pieces(system: DelaySystem, laid: Steps, change: float = 0.0) -> StepPieces:
-    """Return the coefficients of all parts over a step, K or A larger by ``change``, D_j or B_j smaller."""
+def step_pieces(system: DelaySystem, laid: Steps) -> StepPieces:
+    """Return the coefficients of all parts over a step."""
     inverse = delay_maps.inverse_mass(system)
-    first = [_first_order(system, system.present, inverse, change, present=True)]
-    first += [_first_order(system, term.coefficient, inverse, -change, present=False) for term in system.delayed]
+    first = [_first_order(system, system.present, inverse, present=True)]
+    first += [_first_order(system, term.coefficient, inverse, present=False) for term in system.delayed]
     if system.is_constant:
         first = [(piece[0]._replace(begin=Fraction(0), length=laid.period, origin=Fraction(0)),) for piece in first]
     step = laid.period / laid.parts
@@ -81,11 +81,9 @@ def step_pieces(system: DelaySystem, laid: Steps, change: float = 0.0) -> StepPi
     return StepPieces(laid.period, laid.parts, present, terms, rounding, missed)
 
 
-def _first_order(
-    system: DelaySystem, coefficient: Any, inverse: Floats, change: float, *, present: bool
-) -> tuple[TimedPiece, ...]:
+def _first_order(system: DelaySystem, coefficient: Any, inverse: Floats, *, present: bool) -> tuple[TimedPiece, ...]:
     """Return the pieces of a coefficient in the equations of first order, for q and q' where they are of second."""
-    pieces = tuple(piece._replace(mean=piece.mean + change) for piece in by_pieces.in_time(coefficient))
+    pieces = by_pieces.in_time(coefficient)
     if not isinstance(system.present, HillSystem):
         return pieces
     n = system.order

@@ -20,6 +20,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from fractions import Fraction
 from itertools import pairwise
 from typing import NamedTuple, Self
@@ -30,6 +31,7 @@ from numpy.polynomial import legendre
 from floquetrod._util.arrays import EPS, Floats
 from floquetrod.equations import DelayedMoments, DelaySystem
 from floquetrod.equations import pieces as by_pieces
+from floquetrod.equations.delay_system import moved
 from floquetrod.floquet.multipliers import delay_maps, delay_spectra
 from floquetrod.floquet.multipliers.delay_maps import rate
 from floquetrod.floquet.multipliers.delay_mesh import DelayRows, Mesh, mesh, rule
@@ -242,10 +244,9 @@ class _Layout(NamedTuple):
     delays: tuple[float | Fraction, ...]  # of the terms of the system, and then of noise
     jumps: tuple[Fraction, ...]  # of coefficients, and their images by delays in both directions
     images: tuple[Fraction, ...]  # of the kick
-    moved: int | None  # the term that is larger by the error of coefficients: 0 without delay, 1 the first delayed one
 
     @classmethod
-    def of(cls, moments: DelayedMoments, moved: int | None) -> Self:
+    def of(cls, moments: DelayedMoments) -> Self:
         system, products = moments.system, _Products.of(moments)
         others = tuple(delay for delay, _ in products.delayed if delay not in system.delays)
         delays = (*system.delays, *others)
@@ -261,7 +262,7 @@ class _Layout(NamedTuple):
         apart = [Fraction(delay) / exact for delay in delays]
         jumps = delay_maps.with_images(own, apart) | delay_maps.with_images(own, [-delay for delay in apart])
         images = delay_maps.with_images({Fraction(0)}, apart)
-        return cls(moments, products, exact, delays, tuple(jumps), tuple(images), moved)
+        return cls(moments, products, exact, delays, tuple(jumps), tuple(images))
 
     @property
     def turn(self) -> float:
@@ -287,7 +288,7 @@ class _Layout(NamedTuple):
     def kick(self, place: float, on: Mesh, count: int) -> _Kick | None:
         """Return the responses to kicks at an instant; None where they are not finite."""
         system, period, n = self.moments.system, float(self.exact), self.moments.order
-        given = _coefficients(system, period, on.nodes + place, self.moved)
+        given = delay_maps.coefficients(system, period, on.nodes + place)
         silent = (np.zeros_like(given.value),) * (len(self.delays) - len(system.delays))
         history = delay_maps.period_map(on, given._replace(delayed=(*given.delayed, *silent)))
         matrix = history.maps[0]
@@ -302,18 +303,6 @@ class _Layout(NamedTuple):
             kicks[:n] = self.products.kicks
         weights = (0.5 * np.diff(on.breaks)[:, None] * legendre.leggauss(count)[1]).ravel() * period
         return _kick(matrix, rows, kicks, on.nodes, weights, on.periods + 3)
-
-
-def _coefficients(system: DelaySystem, period: float, nodes: Floats, moved: int | None) -> delay_maps.Coefficients:
-    """Return the coefficients at nodes, of one term larger by their error."""
-    given = delay_maps.coefficients(system, period, nodes)
-    if moved is None:
-        return given
-    size = period ** (2 if system.is_second_order else 1) * system.coefficient_error
-    change = size * np.abs(delay_maps.inverse_mass(system)).sum(axis=1)[:, None]
-    terms = [given.value, *given.delayed]
-    terms[moved] = terms[moved] + change
-    return given._replace(value=terms[0], delayed=tuple(terms[1:]))
 
 
 def _solution(unknowns: Floats, rows: Floats, state_rows: Floats) -> Floats:
@@ -378,12 +367,9 @@ def _cut(edges: Sequence[float], turn: float) -> list[float]:
     return fine
 
 
-def renewal_equation(moments: DelayedMoments, count: int, moved: int | None = None) -> RenewalEquation | None:
-    """Return the equation with ``count`` nodes in a piece; None if it is too large.
-
-    With ``moved`` one term is larger by the error of coefficients: 0 without delay, 1 the first delayed one.
-    """
-    layout = _Layout.of(moments, moved)
+def renewal_equation(moments: DelayedMoments, count: int) -> RenewalEquation | None:
+    """Return the equation with ``count`` nodes in a piece; None if it is too large."""
+    layout = _Layout.of(moments)
     instants = _Instants.of(layout.jumps, layout.turn, _waves(moments.system), count)
     kicks, rows = [], 0
     for place in instants.places.tolist():
@@ -422,7 +408,7 @@ def refined(moments: DelayedMoments, number: Callable[[RenewalEquation, float], 
     """Return a number of the equation, with more nodes until it stays; None where it takes too much or is not known.
 
     ``number`` gets the equation and the number with fewer nodes, NaN at first.  The error is twice the last change,
-    twice the change by each term off by the error of coefficients, and rounding.
+    twice the change by each coefficient larger by its error, and rounding.
     """
     best: Refined | None = None
     before, count = math.nan, 0
@@ -445,8 +431,7 @@ def refined(moments: DelayedMoments, number: Callable[[RenewalEquation, float], 
     if best is None:
         return None
     error = 2.0 * best.error + _ROUNDING * max(1.0, abs(best.value))
-    if moments.system.coefficient_error:
-        for term in range(1 + len(moments.system.delayed)):
-            moved = renewal_equation(moments, count, term)
-            error += math.inf if moved is None else 2.0 * abs(number(moved, best.value) - best.value)
+    for system in moved(moments.system) if moments.system.coefficient_error else ():
+        near = renewal_equation(replace(moments, system=system), count)
+        error += math.inf if near is None else 2.0 * abs(number(near, best.value) - best.value)
     return best._replace(error=error)
