@@ -33,6 +33,7 @@ CONSTANTS = {
     "milliseconds_to_load_numba": ("rod.mode_equations.modal_systems._LOADING",),
     "maps_compiled_after": ("floquet.kernels.system_even._COMPILE_AFTER", "floquet.kernels.system_maps._COMPILE_AFTER"),
     "functions_compiled_after": ("mathieu.array_functions._COMPILE_AFTER",),
+    "leapfrog_compiled_after": ("floquet.methods.leapfrog._COMPILE_AFTER",),
     # files
     "bytes_of_a_sealed_file": ("_util.sealed_files._LARGEST",),
     "bytes_of_a_system_file": ("equations.system_files._LARGEST",),

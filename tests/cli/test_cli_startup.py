@@ -73,6 +73,11 @@ def test_a_command_imports_no_other(line: str, absent: set[str]) -> None:
     assert {each for each in others if f"floquetrod.cli.{each}" in loaded} == {line.split()[0]}
 
 
+def test_one_equation_by_every_method_compiles_nothing() -> None:
+    """Loading numba takes seconds on a busy machine, longer than all methods together."""
+    assert "numba" not in loaded_after("compare", "--a", "1.2", "--q", "0.9", "--damping", "0.1")
+
+
 def test_a_check_of_a_rod_imports_what_it_uses() -> None:
     """Neither drawing nor records, systems or maps of many equations, nor numpy's masked arrays, which cost time."""
     loaded = loaded_after(*CHECK.removesuffix(" --no-margins").split())

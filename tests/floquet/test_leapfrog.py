@@ -13,6 +13,7 @@ from floquetrod._util.compilation import compiled
 from floquetrod.methods import leapfrog
 from tests.conftest import JIT, depth
 from tests.inside import leapfrog_map_fill
+from tests.seams import Tuned
 from tests.strategies import decades, hills, mathieus, square_waves
 
 EQUATIONS = [
@@ -45,6 +46,17 @@ def test_thin_tongues_are_invisible() -> None:
         assert fr.stability(fr.Mathieu(alpha, -0.25)).status == "unstable"
     assert leapfrog(fr.Mathieu(0.06, -0.25)).status == "unstable"
     assert "0.022 per unit tau" in leapfrog(fr.Mathieu(0.03, -0.25)).note
+
+
+@pytest.mark.kernels
+@pytest.mark.parametrize("equation", EQUATIONS, ids=repr)
+def test_machine_code_gives_the_bits_of_the_interpreter(
+    equation: fr.Mathieu | fr.Meissner | fr.Hill, tuned: Tuned
+) -> None:
+    tuned(leapfrog_compiled_after=10**9)
+    interpreted = leapfrog(equation)
+    tuned(leapfrog_compiled_after=-1)
+    assert leapfrog(equation) == interpreted
 
 
 def test_claims_about_the_chart() -> None:

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import math
 from fractions import Fraction
+from typing import Any
 
 import numpy as np
 
 from floquetrod import equations
 from floquetrod._util import validate
 from floquetrod._util.arrays import EPS, Floats
-from floquetrod._util.compilation import compiled
+from floquetrod._util.compilation import runner
 from floquetrod.equations import Equation, Piece
 from floquetrod.equations.base import value_on
 from floquetrod.floquet.kernels.leapfrog_map import leapfrog_map_fill
@@ -20,6 +21,8 @@ from floquetrod.floquet.verdict import Cost, Stability, Status, classify, discri
 _MOST_STEPS = 100_000_000  # steps of a run, a choice: a fraction of a second to a second
 _FINEST_GRID = 4096  # steps of a period that pieces may ask for so that they meet at steps (a choice)
 _STEPS_A_WAVE = 16  # fewest steps to a wave of the highest harmonic, a multiple of four (heuristic)
+_INTERPRETED_STEPS = 1000  # left to the interpreter: two milliseconds (measured)
+_COMPILE_AFTER = 200  # times as many before anything is compiled: half a second, as long as numba takes to load
 _LARGEST_REACH = 1e50  # step^2 times coefficient: what one step multiplies by, beyond any useful step, yet in range
 
 
@@ -87,7 +90,7 @@ def leapfrog(equation: Equation, *, step: float = 5e-4, periods: int = 100, limi
         )
     maps = np.array([_map(table[::stride], equation) for stride in (1, 2, 4)])
     reached = np.empty(1)
-    compiled(displacement_fill)(maps[:1], reached, periods)
+    displacement_fill(maps[:1].tolist(), reached, periods)
     log_growth = math.log(10.0) * float(reached[0])
     time = periods * equation.period
     traces = [(float(one[0] + one[3]), float(one[4])) for one in maps]
@@ -159,6 +162,10 @@ def _table(equation: Equation, pieces: tuple[Piece, ...], count: int) -> Floats:
 def _map(table: Floats, equation: Equation) -> Floats:
     """Return the scheme's map over a period (5,), as `leapfrog_map_fill` does."""
     out = np.empty((1, 5))
+    fill = runner(leapfrog_map_fill, len(table), interpret_up_to=_INTERPRETED_STEPS, compile_after=_COMPILE_AFTER)
     one, damping = np.ones(1), np.array([equation.damping])
-    compiled(leapfrog_map_fill)(one, 0.0 * one, damping, out, np.ascontiguousarray(table), equation.period)
+    inputs: Any = (one, 0.0 * one, damping, out, np.ascontiguousarray(table))
+    if fill is leapfrog_map_fill:  # interpreted: plain floats are faster than numpy's
+        inputs = one.tolist(), [0.0], damping.tolist(), out, table.tolist()
+    fill(*inputs, equation.period)
     return np.asarray(out[0])
