@@ -41,6 +41,16 @@ _FORMS: tuple[tuple[Mapping[str, Parameter], Callable[..., Equation]], ...] = (
 _EVERY = {name: parameter for parameters, _ in _FORMS for name, parameter in parameters.items()}
 
 
+_EXAMPLES = {"a": "--a 1.2 --q 0.9", "alpha": "--alpha 0.5 --beta -0.25", "delta": "--delta 0.25 --epsilon 0.5"}
+"""Options with which each form is asked about, by its first parameter."""
+
+
+def with_parameter(typed: str) -> str:
+    """Return an example of the form that has a parameter, by its option; "" for the options that all forms have."""
+    forms = (_required(parameters) for parameters, _ in _FORMS)
+    return next((_EXAMPLES[names[0]] for names in forms if typed in map(option, names)), "")
+
+
 def add(compare: Parser) -> None:
     """Add help and options of the command to its parser."""
     describe_command(compare, _HELP, _compare, ("a", "q", "alpha", "beta", "damping"))

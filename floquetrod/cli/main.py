@@ -239,8 +239,13 @@ def _elsewhere(name: str, option: str) -> str:
 
     if "--rod" in own and (remedy := MEANT.get(option[2:].replace("-", "_"))):
         return f"; {remedy.replace('damping_rate in', '--damping-rate in')}"
-    commands = (other for other in _COMMANDS if other != name and option in _options(other))
-    return next((f"; floquetrod {other} has it" for other in commands), "")
+    other = next((other for other in _COMMANDS if other != name and option in _options(other)), None)
+    if other == "compare":
+        from floquetrod.cli.compare import with_parameter
+
+        if example := with_parameter(option):
+            return f"; a verdict on Mathieu's equation is floquetrod compare {example}"
+    return "" if other is None else f"; floquetrod {other} has it"
 
 
 def _options(name: str) -> tuple[str, ...]:

@@ -123,10 +123,11 @@ class Parser(argparse.ArgumentParser):
             return
         typed = written[1] + written[2]
         begun = [option for option in known if typed.startswith("--") and option.startswith(typed)]
-        if begun:
-            self.error(f"unknown option {typed}; did you mean {' or '.join(begun[:3])}?")
         option = "--" + written[2].replace("_", "-")
-        of_another = "" if option in known else self.elsewhere(option)
+        is_letter = len(option) == 3  # with which many options begin
+        of_another = "" if option in known or (begun and not is_letter) else self.elsewhere(option)
+        if begun and not of_another:
+            self.error(f"unknown option {typed}; did you mean {' or '.join(begun[:3])}?")
         self.error(f"unknown option {typed}{of_another or did_you_mean(option, known)}")
 
 

@@ -73,6 +73,10 @@ MISTAKES = [
     (f"{CHECK} \N{EN DASH}kick 1mm/s", "option", "\N{EN DASH}kick", "did you mean --kick?"),
     (f"{CHECK} frequency=24Hz", "option", "'frequency=24Hz'", "did you mean --frequency=24Hz?"),
     (f"{CHECK} --largest", "option", "--largest", "floquetrod certify has it"),
+    ("check --a 1.2 --q 0.9", "option", "--a", "a verdict on Mathieu's equation is floquetrod compare --a 1.2 --q 0.9"),
+    ("report --q 0.9 --a 1.2 --out a.html", "option", "--q", "floquetrod compare --a 1.2 --q 0.9"),
+    ("check --beta=-0.25 --alpha 0.5", "option", "--beta", "floquetrod compare --alpha 0.5 --beta -0.25"),
+    (f"{CHECK} --f 0.1", "option", "--f", "or --friction?"),
     (
         "reach --well survey.csv --rod nitinol --friction 0.3 --figure reach.png",
         "option",
