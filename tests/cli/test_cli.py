@@ -387,7 +387,7 @@ LONG = (
     "systems_coupled", "uncertainty", "vibration_and_drag", "real_guidewire", "real_inclined", "thin_tongues",
     "friction", "real_clamped", "systems_ground", "orbit_duffing", "orbit_van_der_pol", "orbit_period_doubling",
     "well_bends", "systems_noise", "milling_lobes", "milling_variable_pitch", "systems_damping",
-    "simulation", "rod_backbone", "simulation_stepped_load",
+    "simulation", "rod_backbone", "simulation_stepped_load", "rod_not_straight", "systems_bands",
 )  # fmt: skip
 """Examples of many runs or verdicts, which `make slow` and `make docs` run."""
 

@@ -156,7 +156,7 @@ def family(kind: str, rng: np.random.Generator) -> tuple[str, Callable[..., Any]
 def test_drawn_families_have_the_same_chart_in_the_terminal_and_in_python(
     kind: str, rng: np.random.Generator, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    for _ in range(depth(2, 12)):
+    for _ in range(depth(12, 2)):
         text, function = family(kind, rng)
         _, chart = charted(capsys, tmp_path, text + PARAMETERS, "--points", "4x3", "--growth", "--pixels")
         alike(chart, fr.chart(function, over=OVER, growth=True))

@@ -178,7 +178,7 @@ def test_every_command_shown_is_understood(where: str) -> None:
 SMALLER = {"map": ["--points", "12x9"], "lobes": ["--points", "12x9"], "simulate": ["--duration", "5ms"]}
 """Options that make a command quick; the last one given counts."""
 
-QUICK = {"catalogue", "certify", "compare", "example", "lock-up"}
+QUICK = {"catalogue", "compare", "example", "lock-up"}
 """Texts whose commands take a second or two."""
 
 

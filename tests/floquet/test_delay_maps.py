@@ -12,7 +12,7 @@ from tests.conftest import depth
 
 @pytest.mark.parametrize("derivatives", [1, 2])
 def test_maps_by_piece_are_those_of_all_unknowns_at_once(derivatives: int, rng: np.random.Generator) -> None:
-    for _ in range(depth(6, 300)):
+    for _ in range(depth(300, 50)):
         pieces, count, n, batch = (int(rng.integers(*ends)) for ends in ((1, 7), (3, 9), (1, 4), (1, 4)))
         breaks = (0.0, *np.sort(rng.uniform(0.05, 0.95, pieces - 1)).tolist(), 1.0)
         # Delays shorter than a piece, than the period, and longer than two.

@@ -211,7 +211,7 @@ def mathieu_branch(a: float, b: float, c: float, over: tuple[float, float]) -> f
         (0.05, "period doubling", 0.05),
         pytest.param(0.05, "period doubling", 0.0, marks=pytest.mark.slow),
         pytest.param(0.75, "branch point", 0.05, marks=pytest.mark.slow),
-        (0.75, "branch point", 0.0),
+        pytest.param(0.75, "branch point", 0.0, marks=pytest.mark.slow),
     ],
 )
 def test_edges_of_mathieus_tongues(a: float, kind: str, c: float) -> None:
@@ -289,7 +289,9 @@ def points_by_both_ways(family: Drawn, share: float, longest: float) -> tuple[fl
     return by_curve, by_branch.value, errors
 
 
-@pytest.mark.parametrize("name", DRAWN)
+@pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=[pytest.mark.slow] * (name == "roessler")) for name in DRAWN]
+)
 def test_a_point_of_a_curve_is_the_one_that_a_branch_has(name: str) -> None:
     by_curve, by_branch, errors = points_by_both_ways(DRAWN[name], 0.37, 0.3)
     assert abs(by_curve - by_branch) <= errors + 1e-12

@@ -11,6 +11,7 @@ import pytest
 
 import floquetrod as fr
 from floquetrod.orbits.locating_special_points import settled
+from tests.conftest import depth
 
 
 def fitzhugh_nagumo(t: Any, x: Any, I: float, eps: float) -> Any:  # noqa: E741
@@ -39,7 +40,7 @@ def test_curve_ends_where_the_multiplier_of_its_fold_is_not_1() -> None:
 def test_errors_along_a_curve_of_folds_agree_with_folds_of_branches() -> None:
     curve = fr.follow(fold(0.15), {"I": (0.3, 1.0), "eps": (0.13, 0.16)}, longest=0.1)
     assert curve.errors.max() < 1e-10
-    for row, eps in ((0, 0.13), (-1, 0.16)):
+    for row, eps in ((0, 0.13), (-1, 0.16))[depth(0, 1) :]:
         assert curve.values[row, 1] == eps
         point = fold(eps)
         assert abs(curve.values[row, 0] - point.value) <= curve.errors[row, 0] + point.error

@@ -146,6 +146,10 @@ LONG = {
     "theory/maps.md",
     "theory/leapfrog.md",
     "theory/ranges.md",
+    "how_to/tapered_string.md",
+    "theory/response.md",
+    "theory/bands.md",
+    "how_to/questions.md",
 }
 """Pages that take a second and more; `make slow` and `make docs` execute them."""
 

@@ -18,7 +18,7 @@ import sys
 from collections.abc import Callable, Iterator
 from dataclasses import fields
 from pathlib import Path
-from types import FrameType
+from types import CodeType, FrameType
 from typing import Any
 
 import numpy as np
@@ -96,12 +96,17 @@ class Called:
 
     def __init__(self) -> None:
         self.functions: dict[tuple[Path, str], dict[str, Any]] = {}
+        self.known: set[CodeType] = set()
 
     def __call__(self, frame: FrameType, event: str, argument: Any) -> None:
-        """Note a call."""
-        path, is_function = Path(frame.f_code.co_filename), frame.f_code.co_flags & inspect.CO_OPTIMIZED
-        if event == "call" and path.is_relative_to(PACKAGE) and is_function:
-            self.functions[path, frame.f_code.co_qualname.partition(".<locals>")[0]] = frame.f_globals
+        """Note the first call of each function."""
+        code = frame.f_code
+        if event != "call" or code in self.known:
+            return
+        self.known.add(code)
+        path = Path(code.co_filename)
+        if path.is_relative_to(PACKAGE) and code.co_flags & inspect.CO_OPTIMIZED:
+            self.functions[path, code.co_qualname.partition(".<locals>")[0]] = frame.f_globals
 
     def by(self, work: Callable[[], object]) -> None:
         """Note what a piece of work calls."""

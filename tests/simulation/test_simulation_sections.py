@@ -177,7 +177,10 @@ def test_bending_frequencies_are_those_of_elements_to_second_order(string: fr.Ro
         assert np.abs(found / expected - 1.0).max() < 1.0 / n**2
 
 
-@pytest.mark.parametrize("ends", ["hinged", "clamped", "guided-free", "free-clamped"])
+@pytest.mark.parametrize(
+    "ends",
+    ["guided-free", "free-clamped", *(pytest.param(ends, marks=pytest.mark.slow) for ends in ("hinged", "clamped"))],
+)
 def test_linearised_forces_are_symmetric_and_the_step_is_stable(ends: str) -> None:
     string = wire(ends=ends)
     mesh = DiscreteRod(string, 61, contact_damping=0.0)
@@ -193,8 +196,16 @@ def test_linearised_forces_are_symmetric_and_the_step_is_stable(ends: str) -> No
     assert critical_time_step(mesh)[0] > 0.5 * SAFETY * 2.0 / max(fastest)
 
 
-@pytest.mark.parametrize("path", [None, SURVEY])
-@pytest.mark.parametrize("ends", ["hinged", "clamped", "free-guided"])
+@pytest.mark.parametrize(
+    ("ends", "path"),
+    [
+        ("hinged", None),
+        ("clamped", SURVEY),
+        ("free-guided", SURVEY),
+        *(pytest.param(*case, marks=pytest.mark.slow) for case in (("hinged", SURVEY), ("clamped", None))),
+        pytest.param("free-guided", None, marks=pytest.mark.slow),
+    ],
+)
 def test_forces_are_the_gradient_of_the_energy(ends: str, path: Any) -> None:
     """Of bending, stretch, weight and contact, on a wall with a step and a string with steps of its own."""
     string = wire(bores=STEPPED, ends=ends, path=path)
@@ -262,8 +273,15 @@ def test_a_string_turned_round_moves_as_its_mirror_image() -> None:
     np.testing.assert_allclose(other.axial_force[:, ::-1], one.axial_force, rtol=0.0, atol=1e-7)
 
 
-@pytest.mark.parametrize("path", [None, SURVEY])
-@pytest.mark.parametrize(("friction", "ends"), [(0.0, "hinged"), (0.15, "free-clamped")])
+@pytest.mark.parametrize(
+    ("friction", "ends", "path"),
+    [
+        (0.0, "hinged", None),
+        (0.15, "free-clamped", SURVEY),
+        pytest.param(0.0, "hinged", SURVEY, marks=pytest.mark.slow),
+        pytest.param(0.15, "free-clamped", None, marks=pytest.mark.slow),
+    ],
+)
 def test_the_error_of_the_energy_balance_is_of_second_order(path: Any, friction: float, ends: str) -> None:
     string = wire(bores=STEPPED, damping_rate=0.5, ends=ends, path=path)
     load, kick = fr.AxialLoad(0.3, 0.2, 130.0, mean_at=0.0), fr.Perturbation.random(0.05, seed=2)

@@ -104,7 +104,7 @@ def test_a_buckled_rod_is_said_to_be_so_until_it_is_at_rest(buckled: fr.Simulati
 
 def test_what_is_said_of_a_run_is_what_comes_of_the_rod(buckled: fr.Simulation, rng: np.random.Generator) -> None:
     """Of loads that are drawn: what is dying out comes to rest, what stays large was buckled all the time."""
-    for _ in range(depth(40, 5)):
+    for _ in range(depth(40, 3)):
         rod = ROD.replace(damping_rate=float(rng.choice([0.0, 1.0, 4.0])))
         load = fr.AxialLoad(rng.uniform(0.0, 0.9) * FORCE, rng.uniform(0.0, 0.8) * FORCE, rng.uniform(80.0, 200.0))
         options = {"friction": float(rng.choice([0.0, 0.0, 0.1])), "frames": 81}

@@ -12,6 +12,7 @@ from scipy.integrate import quad
 from scipy.optimize import brentq
 
 import floquetrod as fr
+from tests.conftest import depth
 
 PRINTED = fr.Hill(0.0, cosines=(2.0, 0.0, -0.4), sines=(0.0, 0.6))
 COUPLED = fr.HillSystem(
@@ -99,7 +100,7 @@ def test_free_waves() -> None:
 
 
 def test_drawn_potentials(rng: np.random.Generator) -> None:
-    check(rng, 6)
+    check(rng, depth(6, 3))
 
 
 @pytest.mark.slow

@@ -155,6 +155,7 @@ def test_no_unstable_band_wider_than_the_resolution_is_stepped_over(
     assert rod.stability(fr.AxialLoad(critical * 1.01, amplitude, frequency)).status == "unstable"
 
 
+@pytest.mark.slow
 def test_ranges_begin_with_the_interval_up_to_the_critical_load() -> None:
     for seed in (12, *range(depth(60, 0))):
         question = drawn(np.random.default_rng([77, seed]))

@@ -17,6 +17,8 @@ from floquetrod.rod.model.section_basis import Profile, section_basis
 from tests.inside import CoupledModes
 
 TRUTH: list[dict[str, Any]] = json.loads((Path(__file__).parents[2] / "data" / "sections_truth.json").read_text())
+CONFIRMATIONS = (1, 2, 5, 6, 9, 10)
+"""Cases of `make slow`: the other of two loads, one that grows and one that does not, on each string."""
 IDS = [f"{i}-{each['name']}".replace(" ", "-") for i, each in enumerate(TRUTH)]
 OF_TRUTH = 1e-6
 """By which two meshes of the truth agree, relative."""
@@ -40,7 +42,10 @@ def rod_of(case: dict[str, Any]) -> fr.Rod:
     )
 
 
-@pytest.mark.parametrize("case", TRUTH, ids=IDS)
+@pytest.mark.parametrize(
+    "case",
+    [pytest.param(each, id=IDS[k], marks=[pytest.mark.slow] * (k in CONFIRMATIONS)) for k, each in enumerate(TRUTH)],
+)
 def test_growth_and_static_limit_are_those_of_finite_elements(case: dict[str, Any]) -> None:
     rod = rod_of(case)
     load = fr.AxialLoad(case["mean"], case["amplitude"], case["frequency"], mean_at=0.0)
@@ -137,7 +142,7 @@ def test_a_string_is_a_value() -> None:
 
 
 @pytest.mark.parametrize("ends", ["hinged", "clamped", "free", "guided", "free-hinged", "clamped-free", "guided-free"])
-@pytest.mark.parametrize("count", [12, 60, 210])
+@pytest.mark.parametrize("count", [12, 60, pytest.param(210, marks=pytest.mark.slow)])
 def test_the_basis_is_orthonormal_and_holds_its_ends(ends: str, count: int) -> None:
     rod = STRING.replace(ends=ends, bores=[(0.0, 0.12), (30.0 + 1e-5, 0.15)], channel_diameter=None)
     profile = Profile.of(rod)

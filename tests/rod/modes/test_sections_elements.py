@@ -12,6 +12,7 @@ import pytest
 
 import floquetrod as fr
 from floquetrod import LeavesWallError
+from tests.conftest import depth as depth_of_draws
 from tests.string_elements import StringModel, part
 
 ROUNDING = 1e-11  # 1/s, of a rate that is 0 without damping
@@ -91,7 +92,7 @@ def compared(seed: int) -> str:
     return "agree"
 
 
-@pytest.mark.parametrize("seed", range(6))
+@pytest.mark.parametrize("seed", range(depth_of_draws(6, 3)))
 def test_verdicts_agree_with_elements(seed: int) -> None:
     compared(seed)
 

@@ -12,7 +12,8 @@ from numpy.typing import NDArray
 
 import floquetrod as fr
 from floquetrod.cli import main
-from tests.conftest import depth
+from tests.conftest import DEEP, depth
+from tests.seams import Tuned
 
 ROD = fr.Rod.nitinol()
 FCR = ROD.critical_force
@@ -152,7 +153,9 @@ def test_a_verdict_says_its_tolerance() -> None:
     assert json.loads(json.dumps(tolerated.as_dict()))["load"]["second"] == [0.01 * FCR, GOLDEN * OMEGA]
 
 
-def test_searches_agree_with_verdicts() -> None:
+def test_searches_agree_with_verdicts(tuned: Tuned) -> None:
+    if not DEEP:
+        tuned(samples_of_ranges=65)
     rod = ROD.replace(damping_rate=2.0)
     found = rod.ranges("mean", TWO, (0.0, 0.12 * FCR), growth_tolerance=0.0)
     assert len(found) > 0
