@@ -25,6 +25,7 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 import numpy as np
 import pytest
 from hypothesis import HealthCheck, is_hypothesis_test, settings
+from hypothesis.internal.conjecture import providers
 
 SEED = "FLOQUETROD_TEST_SEED"
 QUICK_SEED = 104031710  # of `make test`; any other does
@@ -61,6 +62,10 @@ settings.register_profile(
 JIT = os.environ.get("NUMBA_DISABLE_JIT", "0") != "1"
 needs_jit = pytest.mark.skipif(not JIT, reason="nothing is compiled with NUMBA_DISABLE_JIT=1")
 settings.load_profile("default" if JIT else "interpreted")
+if not DEEP:
+    # Hypothesis reads the numbers that stand in the code, for seconds in each worker, to draw some of them: after every
+    # change of the code, other ones.
+    providers._get_local_constants = lambda: providers._local_constants
 
 
 def pytest_configure(config: pytest.Config) -> None:

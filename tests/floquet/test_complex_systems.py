@@ -16,6 +16,7 @@ from scipy.optimize import linear_sum_assignment
 import floquetrod as fr
 from floquetrod.equations.complex_form import complex_matrix, real_matrix
 from floquetrod.equations.system_files import read_system
+from tests.conftest import depth
 
 SX, SY, SZ = np.array([[0, 1], [1, 0]]), np.array([[0, -1j], [1j, 0]]), np.diag([1, -1])
 UP = np.array([[0, 1], [0, 0]])
@@ -141,7 +142,7 @@ def test_an_energy_on_the_edge_is_half_the_frequency() -> None:
 
 @pytest.mark.parametrize("unitary", [True, False])
 def test_drawn_systems(unitary: bool, rng: np.random.Generator) -> None:
-    check(rng, unitary=unitary, count=15)
+    check(rng, unitary=unitary, count=depth(15, 8))
 
 
 @pytest.mark.slow

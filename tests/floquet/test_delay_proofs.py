@@ -220,7 +220,7 @@ def check_long(count: int, seed: int) -> dict[str, int]:
 
 
 def test_long_delays_drawn_are_counted_as_they_are_found() -> None:
-    statuses = check_long(8, 3)
+    statuses = check_long(depth(8, 5), 3)
     assert statuses["undecided"] <= 2
 
 

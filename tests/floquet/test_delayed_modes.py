@@ -58,7 +58,9 @@ SYSTEMS = {
 }
 
 
-@pytest.mark.parametrize("name", SYSTEMS)
+@pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=[pytest.mark.slow] * (name in ("e periods", "constant"))) for name in SYSTEMS]
+)
 def test_modes_are_solutions_of_their_own_histories(name: str) -> None:
     system = SYSTEMS[name]
     verdict, modes = fr.stability(system), fr.floquet_solutions(system)

@@ -188,7 +188,9 @@ def drawn_lobes(seed: int) -> Any:
     low = beat * rng.uniform(0.15, 0.5)
     high = low * rng.uniform(1.1, 4.0)
     deep = 20.0 * min(2.0 * mode.damping_ratio * mode.stiffness for mode in cutter.modes) / 6e8
-    return cutter.lobes((low, high, int(rng.integers(12, 24 * DEEP + 16))), (0.0, deep * rng.uniform(0.2, 1.5), 12))
+    return cutter.lobes(
+        (low, high, int(rng.integers(12, 24 * DEEP + 16))), (0.0, deep * rng.uniform(0.2, 1.5), depth(12, 8))
+    )
 
 
 @pytest.mark.parametrize("seed", range(depth(60, 1)))
@@ -219,7 +221,7 @@ def test_names_in_a_chart_of_lobes_are_led_to_the_least_depths_of_the_widest(see
 
 
 def test_no_name_in_the_chart_of_the_slot_covers_a_lobe() -> None:
-    lobes = cutter().lobes(("5000rpm", "25000rpm", depth(120, 60)), ("0mm", "4mm", depth(60, 30)))
+    lobes = cutter().lobes(("5000rpm", "25000rpm", depth(120, 40)), ("0mm", "4mm", depth(60, 20)))
     ax = lobes.plot()
     ax.figure.canvas.draw()
     (artist,) = (each for each in ax.artists if hasattr(each, "points"))

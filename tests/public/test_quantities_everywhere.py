@@ -108,7 +108,7 @@ ARRAYS |= {"Milling.cutting"}
 """Callables whose physical arguments may be arrays."""
 
 SLOW = {"Rod.follow", "Rod.certify", "Rod.largest_safe_box", "probability_of_reach", "simulate"}
-SLOW |= {"RodStability.margin", "RodStability.margins", "SimulationProblem.replace"}
+SLOW |= {"RodStability.margin", "RodStability.margin (coupled)", "RodStability.margins", "SimulationProblem.replace"}
 SLOW |= {f"Rod.{name} (coupled)" for name in ("critical", "stability", "modes_needed")}
 SLOW |= {"Rod.critical (coupled, amplitude)"}
 

@@ -122,7 +122,7 @@ def test_what_cannot_be_pushed_is_refused(friction: Any, changes: dict[str, Any]
 
 
 @pytest.mark.filterwarnings("ignore::floquetrod.PlausibilityWarning")
-@pytest.mark.parametrize("seed", [1, *(pytest.param(k, marks=pytest.mark.slow) for k in range(20) if k != 1)])
+@pytest.mark.parametrize("seed", [16, *(pytest.param(k, marks=pytest.mark.slow) for k in range(20) if k != 16)])
 def test_with_a_tool_a_string_is_stopped_where_its_reach_says(seed: int) -> None:
     """Whatever depths are asked for: all before them count, those at which the tool alone adds too much stress, too."""
     rng = np.random.default_rng([48, 3, seed])

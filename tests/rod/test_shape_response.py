@@ -98,7 +98,7 @@ def integrated(system: fr.HillSystem, damping: float, force: Floats) -> Floats:
     return np.asarray(motion[:n])
 
 
-@pytest.mark.parametrize("ends", ["clamped", "hinged-clamped", "guided"])
+@pytest.mark.parametrize("ends", ["clamped", "hinged-clamped", pytest.param("guided", marks=pytest.mark.slow)])
 def test_coupled_modes_move_as_their_equations_integrated_in_time(ends: str) -> None:
     rod = shaped({3: 2e-4, 5: -1e-4}, ends=ends, length=1.2)
     load = fr.AxialLoad(0.2 * UNIT, 0.3 * UNIT, 75.0, waveform=(-1j, 0.3))

@@ -45,6 +45,7 @@ def test_a_panel_has_the_points_that_are_drawn(tmp_path: Path, monkeypatch: pyte
     )
 
 
+@pytest.mark.slow
 def test_a_whole_figure_has_the_data_of_every_panel(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     rows = drawn("2", tmp_path, monkeypatch)
     assert list(dict.fromkeys(row["panel"] for row in rows)) == ["a", "b", "c", "d"]
