@@ -44,7 +44,7 @@ def test_drawn_systems(seed: int) -> None:
 
 
 def test_charts_count_them() -> None:
-    """The boundary is at b = 1: nothing is decided within the errors of both terms, in a chart as in single verdicts."""
+    """The boundary is at b = 1: nothing is decided within the errors of both terms, in charts as in single verdicts."""
     axes = {"b": np.array([0.9, 0.995]), "c": np.array([0.0, 1e-9])}
     chart = fr.chart(lambda b, c: hayes(-1.0 + c, b, 1e-2), axes)
     assert chart.undecided == 2
