@@ -63,7 +63,7 @@ def _lobes(options: argparse.Namespace) -> Output:
 
 def _critical_depth(options: argparse.Namespace, mill: fr.Milling) -> Output:
     speed = spindle_speed(options.at, "--at", 1e-6)
-    depth = mill.critical_depth(speed)
+    depth = mill.critical_depth(f"{speed!r}rad/s")
     known = math.isfinite(depth)
     said = f"chatters from a depth of {1e3 * depth:.6g} mm on" if known else "does not chatter at any depth tried"
     text = f"{mill.in_words()}\n{repr(mill).strip('<>')}: at {30.0 * speed / math.pi:.6g} rpm it {said}"
@@ -76,7 +76,8 @@ def _chart(options: argparse.Namespace, mill: fr.Milling) -> Output:
     columns, rows = read_points(options.points)
     ranges = {name: _range(options, name) for name in _READERS}
     with Waiting("deciding stability"):
-        lobes = mill.lobes((*ranges["speed"], columns), (*ranges["depth"], rows), growth=options.growth)
+        speeds = [f"{speed!r}rad/s" for speed in ranges["speed"]]
+        lobes = mill.lobes((*speeds, columns), (*ranges["depth"], rows), growth=options.growth)
     with Waiting("finding the boundary"):
         lobes.chart.find_bands()
     written = write_charts(options.out, lobes.chart, lobes.chart, lobes.plot)

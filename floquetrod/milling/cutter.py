@@ -23,6 +23,7 @@ from floquetrod._util.caching import cached_property
 from floquetrod._util.calling import constructor_hints, level_of_caller
 from floquetrod._util.content import ByContent
 from floquetrod._util.plausibility_warning import SILENCE, PlausibilityWarning, is_typed
+from floquetrod.bare_numbers import Quantity
 from floquetrod.equations import DelaySystem, PeriodicSystem, Varying
 from floquetrod.floquet.dispatch import stability
 from floquetrod.floquet.multipliers.system_stability import SystemStability
@@ -31,6 +32,7 @@ from floquetrod.milling.teeth import Arc
 from floquetrod.parameter import Parameter, by_name
 
 _SOFTEST = 1e5  # Pa: foam takes ten times as much to cut (a choice)
+_FASTEST = 3000.0  # rad/s: 28,648 rpm, and machines show speeds of this size in rpm (a choice)
 _EDGE = 1e-12  # rad: a tooth so close to entering or leaving counts as beyond
 _WHOLE_TURN = math.radians(1e-3)  # by which pitches may miss it, rounded as on drawings (a choice)
 _MOST_TURNS = 4  # of a helix over the depth of cut (a choice)
@@ -307,7 +309,7 @@ class Cutter(ByContent):
         Parameters
         ----------
         speed : str or float
-            Such as "5000rpm"; a number is in rad/s.
+            Such as "5000rpm"; a number is in rad/s, with a `PlausibilityWarning` where it may be meant in rpm.
         depth : str or float
             Such as "0.5mm"; a number is in m.
 
@@ -404,8 +406,17 @@ def _warn_of_soft(tangential: float) -> None:
 
 
 def read_speed(value: Any, name: str = "speed") -> float:
-    """Return a spindle speed in rad/s."""
-    return units.quantity(value, name, "frequency", least=1e-6, largest=1e9)
+    """Return a spindle speed in rad/s, with a warning of a number alone that is probably in rpm."""
+    speed = units.quantity(value, name, "frequency", least=1e-6, largest=1e9)
+    typed = Quantity(name, value, "frequency")
+    if typed.unit == "" and (isinstance(value, str) or (is_typed(speed) and speed >= _FASTEST)):
+        number = str(value).strip()
+        text = (
+            f"{name} = {number} rad/s is {30.0 * speed / math.pi:.6g} rpm; was it in rpm? A number is taken in rad/s: "
+            f'write "{number}rpm" or "{number}rad/s"'
+        )
+        warnings.warn(Message(text, SILENCE), PlausibilityWarning, stacklevel=level_of_caller())
+    return speed
 
 
 def read_depth(value: Any, name: str = "depth") -> float:

@@ -20,6 +20,8 @@ def test_it_says_the_critical_depth(capsys: pytest.CaptureFixture[str]) -> None:
     assert capsys.readouterr().out.endswith(f"at 15000 rpm it chatters from a depth of {1e3 * depth:.6g} mm on\n")
     assert cli.main(["lobes", str(TOOL), "--at", "15000rpm", "--json"]) == 0
     assert json.loads(capsys.readouterr().out)["critical_depth_m"] == depth
+    assert cli.main(["lobes", str(TOOL), "--at", "5000rad/s"]) == 0
+    assert capsys.readouterr().err == ""  # a unit was typed: nothing to warn of
 
 
 @pytest.mark.slow

@@ -140,6 +140,21 @@ def test_critical_depths_of_many_speeds_are_those_of_each() -> None:
     assert critical_depths(mill, speeds) == pytest.approx([mill.critical_depth(s) for s in speeds], rel=1e-9)
 
 
+def test_a_speed_without_a_unit_that_may_be_in_rpm_is_warned_of_with_both_readings() -> None:
+    for value, number in (("900", "900"), (6000, "6000"), (6000.0, "6000.0"), ("6000", "6000")):
+        with pytest.warns(fr.PlausibilityWarning) as caught:
+            assert read_speed(value) == float(value)
+        assert [each.category for each in caught] == [fr.PlausibilityWarning]
+        found = re.match(r'speed = (\S+) rad/s is (\S+) rpm; .*: write "(.*)rpm" or "(.*)rad/s"', str(caught[0].message))
+        assert found is not None
+        assert found.group(1, 3, 4) == (number,) * 3
+        assert float(found[2]) == pytest.approx(float(value) * 30.0 / math.pi, rel=1e-5)
+    for silent in ("6000rad/s", "6000rpm", 628.3185307179587, 6283.185307179587, 900.0):
+        read_speed(silent)  # warnings are errors
+    with pytest.warns(fr.PlausibilityWarning, match=r"speed\[1\] = 6000 rad/s is 57295\.8 rpm"):
+        cutter().lobes(("5900rad/s", 6000, 2), ("0mm", "0.1mm", 2))
+
+
 @pytest.mark.parametrize(
     ("call", "message"),
     [
