@@ -84,12 +84,19 @@ class QuasiperiodicGrowth(NamedTuple):
         if self.error == 0.0:
             return "<keeps its norm: nothing grows>"
         ratio = self.approximants[-1][0] if self.approximants else None
+        bounded = f"does not grow faster than {self.tolerance:.3g}"
         words = {
             "unstable": f"grows at {self.rate:.9g} +- {self.error:.1g} per unit of time",
-            "stable": f"does not grow faster than {self.tolerance:.3g} per unit of time",
+            "stable": f"{bounded if self.rate + self.error >= 0.0 else self._decay} per unit of time",
             "undecided": f"growth {self.rate:.3g} +- {self.error:.1g} per unit of time, tolerance {self.tolerance:.3g}",
         }[self.status]
-        return f"<{words}; ratio of frequencies up to {ratio}>"
+        return f"<{words}; ratio of frequencies taken as {ratio}>"
+
+    @property
+    def _decay(self) -> str:
+        """How fast solutions decay, to the second digit of the error."""
+        digits = math.ceil(math.log10(-self.rate / self.error)) + 2
+        return f"decays at {-self.rate:.{min(max(digits, 2), 9)}g} +- {self.error:.2g}"
 
 
 def quasiperiodic_growth(
@@ -131,7 +138,7 @@ def quasiperiodic_growth(
     >>> import floquetrod as fr
     >>> golden = (1.0 + math.sqrt(5.0)) / 2.0
     >>> fr.quasiperiodic_growth(fr.TwoFrequencies(fr.Hill(-0.25, cosines=(-0.2,)), golden, cosines=(-0.2,)))
-    <grows at 0.09813918... +- ... per unit of time; ratio of frequencies up to ...>
+    <grows at 0.09813918... +- ... per unit of time; ratio of frequencies taken as ...>
     """
     validate.instance("equation", equation, TwoFrequencies, "give fr.TwoFrequencies(equation, frequency, cosines=...)")
     tolerance = require_tolerance("tolerance", tolerance)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from fractions import Fraction
 from typing import Any
 
@@ -49,6 +50,20 @@ def test_what_does_not_grow_is_never_simply_stable() -> None:
     assert growth.error >= abs(float(finest) - GOLDEN)
     finer = fr.quasiperiodic_growth(fr.TwoFrequencies(hill(0.85, 0.25), GOLDEN, cosines=(-0.25,)), tolerance=1e-9)
     assert finer.status == "undecided"  # a thinner tongue may be there
+
+
+@pytest.mark.parametrize("damping", [1e-3, 0.0065, 0.3])
+@pytest.mark.parametrize("ratio", [1.5, math.sqrt(2.0), GOLDEN])
+def test_decay_is_told_with_its_error(damping: float, ratio: float) -> None:
+    growth = fr.quasiperiodic_growth(fr.TwoFrequencies(hill(0.85, 0.05, damping), ratio, cosines=(-0.05,)))
+    words = r"<decays at (\S+) \+- (\S+) per unit of time; ratio of frequencies taken as (\S+)>"
+    match = re.fullmatch(words, repr(growth))
+    assert match is not None
+    rate, error = float(match[1]), float(match[2])
+    assert abs(rate + growth.rate) <= max(0.1 * growth.error, 1e-8 * rate)
+    assert abs(rate - damping) <= error + 1e-8 * rate  # between tongues the solutions decay at the damping
+    assert Fraction(match[3]) == growth.approximants[-1][0]
+    assert (Fraction(match[3]) == Fraction(3, 2)) == (ratio == 1.5)
 
 
 def integrated(d: float, e1: float, e2: float, ratio: float, periods: int) -> float:
