@@ -92,7 +92,8 @@ def _read(text: str, imaginary: bool) -> Formula:
         names: dict[str, None] = {}
         value_of = _value_of(ast.parse(python, mode="eval").body, names, imaginary)
     except (SyntaxError, ValueError, ArithmeticError, RecursionError, MemoryError):
-        raise ValueError(f"{short(text)}: not a formula") from None
+        power = "; write ** for powers" if "^" in text else ""
+        raise ValueError(f"{short(text)}: not a formula{power}") from None
     return Formula(text, tuple(names), imaginary, value_of)
 
 

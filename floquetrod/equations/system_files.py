@@ -274,7 +274,7 @@ def _with_formulas(table: Any, parameters: set[str], named: set[str], key: str =
         return {name: _with_formulas(value, parameters, named, name) for name, value in table.items()}
     if isinstance(table, list):
         return [_with_formulas(entry, parameters, named, key) for entry in table]
-    if not isinstance(table, str) or (key in _QUANTITIES and units.unit_of(table)):
+    if not isinstance(table, str) or (key in _QUANTITIES and _has_unit(table)):
         return table
     try:
         formula = Formula.read(table, imaginary=key in _COMPLEX)
@@ -283,6 +283,12 @@ def _with_formulas(table: Any, parameters: set[str], named: set[str], key: str =
         raise ValueError(f"{key} must hold numbers or formulas such as '0.5*epsilon', got {error}") from None
     named.update(formula.names)
     return formula
+
+
+def _has_unit(text: str) -> bool:
+    """Return whether a text is a number with a unit; in "2*pi*24" an operator, no unit, follows the number."""
+    unit = units.unit_of(text)
+    return bool(unit) and str(unit)[0] not in "+-*/"
 
 
 def _with_values(table: Any, numbers: Mapping[str, float]) -> Any:

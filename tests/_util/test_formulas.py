@@ -65,6 +65,12 @@ def test_other_texts_are_none(text: str) -> None:
         Formula.read(text).value({"a": 1.0})
 
 
+@pytest.mark.parametrize("text", ["a*omega^2", "2^a", "(a + 1) ^ 2"])
+def test_a_caret_is_led_to_powers(text: str) -> None:
+    with pytest.raises(ValueError, match=r"not a formula; write \*\* for powers$"):
+        Formula.read(text)
+
+
 @pytest.mark.parametrize(
     ("text", "message"),
     [

@@ -13,6 +13,7 @@ import pytest
 import floquetrod as fr
 from floquetrod import cli
 from floquetrod.cli.common import bands_listed
+from floquetrod.equations.system_files import read_family
 from tests.conftest import depth
 
 EXAMPLE = Path(__file__).parents[2] / "floquetrod/examples/family.toml"
@@ -160,6 +161,15 @@ def test_drawn_families_have_the_same_chart_in_the_terminal_and_in_python(
         text, function = family(kind, rng)
         _, chart = charted(capsys, tmp_path, text + PARAMETERS, "--points", "4x3", "--growth", "--pixels")
         alike(chart, fr.chart(function, over=OVER, growth=True))
+
+
+@pytest.mark.parametrize(
+    ("value", "expected"), [("2*pi*1.5", 3.0 * np.pi), ("omega*2/3", 3.4 / 3.0), ("2**2*omega", 6.8), ("2*omega", 3.4)]
+)
+def test_a_frequency_may_be_a_formula_that_begins_with_a_number(value: str, expected: float, tmp_path: Path) -> None:
+    (tmp_path / "family.toml").write_text(TEXT.replace('frequency = "omega"', f'frequency = "{value} + 0*omega"'))
+    system = read_family(tmp_path / "family.toml").system(omega=1.7, epsilon=0.1)
+    assert 2.0 * np.pi / system.period == pytest.approx(expected, rel=1e-14)
 
 
 # --- files that are none ---
