@@ -200,9 +200,11 @@ def _bounded(value: float, name: str, units: dict[str, float], least: float, lar
     if value < 0.0 == least:
         raise wrong_value(name, f"must be zero or more, got {given}")
     if not least <= value <= largest:
-        raise wrong_value(
-            name, f"must lie between {least:g} and {largest:g} {next(iter(units))}, got {given}; check its unit"
-        )
+        unit = next(iter(units))
+        within = " ".join(filter(None, [f"must lie between {least:g} and {largest:g}", unit]))
+        in_percent = 2.0 <= value <= 100.0 and "%" not in given and least <= value / 100.0 <= largest
+        percent = f'; write "{value:g}%" for percent' if in_percent else ""
+        raise wrong_value(name, f"{within}, got {given}{'; check its unit' if unit else percent}")
     return value
 
 

@@ -145,7 +145,9 @@ def test_a_speed_without_a_unit_that_may_be_in_rpm_is_warned_of_with_both_readin
         with pytest.warns(fr.PlausibilityWarning) as caught:
             assert read_speed(value) == float(value)
         assert [each.category for each in caught] == [fr.PlausibilityWarning]
-        found = re.match(r'speed = (\S+) rad/s is (\S+) rpm; .*: write "(.*)rpm" or "(.*)rad/s"', str(caught[0].message))
+        found = re.match(
+            r'speed = (\S+) rad/s is (\S+) rpm; .*: write "(.*)rpm" or "(.*)rad/s"', str(caught[0].message)
+        )
         assert found is not None
         assert found.group(1, 3, 4) == (number,) * 3
         assert float(found[2]) == pytest.approx(float(value) * 30.0 / math.pi, rel=1e-5)

@@ -199,6 +199,25 @@ def test_bounds_quote_what_was_typed(text: object, bounds: dict[str, float], mes
         quantity(text, "--mean", "force", **bounds)
 
 
+@pytest.mark.parametrize(
+    ("value", "bounds", "message"),
+    [
+        (50, (1e-6, 1.0), 'x must lie between 1e-06 and 1, got 50; write "50%" for percent'),
+        ("12.5", (0.0, 0.999), "x must lie between 0 and 0.999, got '12.5'; write \"12.5%\" for percent"),
+        ("150%", (0.0, 1.0), "x must lie between 0 and 1, got '150%'"),
+        (1.2, (0.0, 1.0), "x must lie between 0 and 1, got 1.2"),
+        (5000, (0.0, 1.0), "x must lie between 0 and 1, got 5000"),
+        (50, (0.6, 1.0), "x must lie between 0.6 and 1, got 50"),
+        (-50, (-1.0, 1.0), "x must lie between -1 and 1, got -50"),
+    ],
+)
+def test_what_has_no_unit_is_led_to_percent(value: object, bounds: tuple[float, float], message: str) -> None:
+    with pytest.raises(ValueError, match=f"^{re.escape(message)}$"):
+        quantity(value, "x", "ratio", least=bounds[0], largest=bounds[1])
+    if "write" in message:
+        assert bounds[0] <= quantity(re.findall('"(.*)"', message)[0], "x", "ratio") <= bounds[1]
+
+
 @given(st.floats(-1e6, 1e6), st.sampled_from(["Hz", "rpm", "rad/s", "1/s"]))
 def test_a_unit_shows_what_quantity_reads(value: float, name: str) -> None:
     shown = unit(name, "x", "frequency")
