@@ -10,6 +10,7 @@ import pytest
 
 import floquetrod as fr
 from floquetrod import cli
+from floquetrod.milling import read_speed
 
 TOOL = Path(__file__).parents[2] / "floquetrod/examples/tool.toml"
 
@@ -74,7 +75,19 @@ def test_bad_files_are_refused(
     assert message in capsys.readouterr().err
 
 
-def test_uneven_teeth_are_read_from_a_file(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_uneven_teeth_are_read_from_a_file(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    search, answers = fr.Milling.critical_depth, {}
+
+    def searched_once(mill: fr.Milling, speed: float | str) -> float:
+        """Return the critical depth of one cutter at one speed, searched once, for the terminal and for Python."""
+        question = mill, read_speed(speed)
+        if question not in answers:
+            answers[question] = search(mill, speed)
+        return answers[question]
+
+    monkeypatch.setattr(fr.Milling, "critical_depth", searched_once)
     path = tmp_path / "uneven.toml"
     uneven = 'teeth = 2\npitch = ["170deg", "190deg"]\nhelix = "30deg"\ndiameter = "12mm"\n'
     text = TOOL.read_text(encoding="utf-8").replace("teeth = 2\n", uneven)

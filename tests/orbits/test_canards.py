@@ -47,6 +47,7 @@ def test_errors_along_a_curve_of_folds_agree_with_folds_of_branches() -> None:
     assert "I error" in str(curve.report())
 
 
+@pytest.mark.slow
 def test_fold_of_a_canard_is_no_branch_point() -> None:
     (point,) = branch(0.03840985).special_points
     assert point.kind == "fold"

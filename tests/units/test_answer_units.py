@@ -58,7 +58,9 @@ def test_equality_and_arguments_do_not_depend_on_units() -> None:
     assert fr.WellPath(["0m", "100m"], 0.5) == fr.WellPath([0.0, 100.0], 0.5)
 
 
-@pytest.mark.parametrize(("length", "force", "weight"), [("ft", "lbf", "lbf/ft"), ("m", "kN", "N/m")])
+@pytest.mark.parametrize(
+    ("length", "force", "weight"), [("ft", "lbf", "lbf/ft"), pytest.param("m", "kN", "N/m", marks=pytest.mark.slow)]
+)
 def test_a_survey_says_in_which_units_a_reach_is_answered(length: str, force: str, weight: str) -> None:
     size = units_of("length")[length]
     depths = [f"{depth / size!r}{length}" for depth in (0.0, 900.0, 1200.0, 2400.0)]

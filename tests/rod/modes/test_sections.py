@@ -122,6 +122,7 @@ def test_a_scalar_and_an_array_are_judged_alike() -> None:
         assert growth[i] == pytest.approx(verdict.growth_rate, rel=1e-6, abs=1e-7)
 
 
+@pytest.mark.slow
 def test_one_critical_force_by_all_doors() -> None:
     load = fr.AxialLoad(0.0, 0.25 * UNIT, 16.0)
     critical = float(STRING.critical("mean", load))
