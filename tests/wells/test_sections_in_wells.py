@@ -6,6 +6,7 @@ import itertools
 import json
 import math
 import re
+from dataclasses import replace
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -307,6 +308,9 @@ def test_a_reach_says_which_section_limits_it_and_where() -> None:
     assert found.limit == "lock-up"
     assert found.limiting_section == found.as_dict()["limiting_section"] == 0
     assert "where it locks up, most by the helix of section 1 (2.00x0.109) from " in repr(found)
+    only_snaking = replace(found, along=replace(found.along, is_helix=np.zeros_like(found.along.is_helix)))
+    assert only_snaking.limiting_section is None
+    assert repr(only_snaking).splitlines()[0].endswith("m, where it locks up.>")
     weak = fr.Section(diameter="2in", inner_diameter="1.6in", length="600m", yield_strength="30MPa")
     strong = fr.Section(diameter="2in", inner_diameter="1.7in", length="2600m", yield_strength="700MPa")
     found = fr.Rod(sections=[strong, weak], bores=[("0m", "4.778in")], **water).reach(WELL, 0.2, depth=["3000m"])

@@ -291,7 +291,7 @@ class Reach(units.InUnits, Printed, ByContent):
         """Number of the section, from the upper end, that limits how deep the string goes, with the tool if it has one.
 
         At yield the section whose stress is nearest to it; at lock-up that whose helix takes most friction.  None where
-        neither limits the reach, and of a string of one section.
+        neither limits the reach, where no helix is seen just above lock-up, and of a string of one section.
         """
         along, section = self.along, self.along.section
         if section is None or self.limit_shaken not in (YIELD, LOCK_UP):
@@ -300,8 +300,8 @@ class Reach(units.InUnits, Printed, ByContent):
             return int(section[self._most_stressed])
         cells, force = cells_of(self.rod, along), np.where(np.isfinite(along.force), along.force, 0.0)
         pressed = force**2 * cells.column("radial_clearance") / (4.0 * cells.column("flexural_rigidity"))
-        rubs = np.where(along.is_helix, along.friction * pressed, 0.0) * np.gradient(along.depth)
-        return int(np.argmax(np.bincount(section, rubs)))
+        rubs = np.bincount(section, np.where(along.is_helix, along.friction * pressed, 0.0) * np.gradient(along.depth))
+        return int(np.argmax(rubs)) if rubs.any() else None
 
     def _limiting_in_words(self, unit: Unit) -> str:
         """Return the section that limits the reach, and where; "" for none."""
