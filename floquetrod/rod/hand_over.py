@@ -28,7 +28,7 @@ from floquetrod.rod.answers.evidence import NoisyCoupledEvidence, TwoFrequencyEv
 from floquetrod.rod.answers.reports import answer_units, load_lines, shown_in
 from floquetrod.rod.answers.rod_stability import RodStability
 from floquetrod.rod.answers.steady_motion import SteadyMotion
-from floquetrod.rod.answers.string_reach import Reach
+from floquetrod.rod.answers.string_reach import Reach, frequency_table
 from floquetrod.rod.large_orbits import grown
 from floquetrod.rod.loads.record import ForceRecord
 from floquetrod.rod.model.assumptions import IMMERSED, SHAPE, UniformForceWarning
@@ -483,7 +483,9 @@ def _reach(reach: Reach, options: _Options) -> list[DocumentSection]:
     if has_tool:
         caption = "Growth of lateral waves along the string, and the fastest growth with other frequencies of the tool."
         illustrations.append(_drawn(reach_plot.draw_growth, reach, shown, caption, 0.72))
-    return [DocumentSection("Reach", replace(_of_reach(reach, options), headline=""), illustrations)]
+    sections = [DocumentSection("Reach", replace(_of_reach(reach, options), headline=""), illustrations)]
+    table = frequency_table(reach, shown)
+    return sections + ([] if table is None else [DocumentSection("Frequencies of the tool", Report("", [], table))])
 
 
 def _drawn(draw: Any, reach: Reach, shown: AnswerUnits, caption: str, height: float) -> Illustration:

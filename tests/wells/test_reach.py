@@ -20,7 +20,7 @@ from floquetrod import units
 from floquetrod.plotting.reach_plot import draw_lower_end, draw_wall, draw_well
 from floquetrod.rod.answers import pushing, string_reach
 from floquetrod.rod.answers.growth_along import growth_along
-from floquetrod.rod.answers.string_reach import far
+from floquetrod.rod.answers.string_reach import far, frequency_table
 from floquetrod.units import AnswerUnits
 from floquetrod.wells.drag import Drag, WellGeometry
 from tests.conftest import depth as depth_of_draws
@@ -309,7 +309,17 @@ def test_a_tool_gains_reach_and_says_where_it_hurts() -> None:
     assert (shaken.speed_to_grow[held] > shaken.sliding).all()
     assert np.isinf(shaken.speed_to_grow[~held]).all()
     assert shaken.useful_frequencies == ()
-    assert "all with growing lateral waves" in str(shaken.report())  # where it hangs free, without damping
+    said = str(shaken.report())
+    assert "all with growing lateral waves" in said  # where it hangs free, without damping
+    best = int(np.nanargmax(shaken.reach_at_frequencies))
+    hertz = f"{shaken.frequencies[best] / (2.0 * math.pi):.3g}Hz"
+    assert f"best: {hertz[:-2]} Hz, " in said
+    alone = TUBING.reach(WELL, 0.3, tool=fr.VibrationTool(TOOL.amplitude, hertz, TOOL.above_end), depth=DEPTHS)
+    assert shaken.reach_at_frequencies[best] == pytest.approx(alone.reach_shaken, rel=2e-3)
+    table = frequency_table(shaken, shaken._units(None, None, None, None))
+    assert table is not None
+    assert len(table.rows) == shaken.frequencies.size
+    assert (np.isnan(shaken.reach_at_frequencies) == np.isinf(shaken.frequency_growth)).all()
     damped = TUBING.replace(damping_rate=0.6).reach(WELL, 0.3, tool=TOOL, depth=DEPTHS)
     assert damped.useful_frequencies == damped.stable_frequencies != ()
     assert still.useful_frequencies == ()

@@ -60,7 +60,7 @@ from floquetrod.rod.model.stress import Stress
 from floquetrod.rod.model.wellhead import Wellhead
 from floquetrod.units import AnswerUnits, Unit
 from floquetrod.wells import strings
-from floquetrod.wells.drag import Drag, Friction, WellGeometry
+from floquetrod.wells.drag import SOUGHT, Drag, Friction, WellGeometry
 from floquetrod.wells.helix_criteria import HELIX_RULES
 from floquetrod.wells.kernels.wall_contact import MOST_PRESSED
 from floquetrod.wells.path import WellPath
@@ -69,6 +69,7 @@ _DEPTHS = 100  # where none are asked for
 _ERROR = 5e-4  # of a reach with a tool, measured
 _FEW = 3  # lengths of a string that are listed one by one (a choice)
 _GROWS = 1e-6  # 1/s: tenfold in a month (a choice)
+_FIFTHS = 5  # of a depth still unknown, tried at once (a choice)
 _FREQUENCIES = np.linspace(0.25, 2.0, 22)  # of the tool's, which is among them
 _WAY = np.array([0.2, 0.45, 0.7, 0.95])  # fractions of the gain at which they are examined (a choice)
 _SPACING = 10.0  # m along the string then (a choice)
@@ -252,6 +253,32 @@ class Reach(units.InUnits, Printed, ByContent):
                 string = replace(self._pushing, drag=drag_at_speed)
                 depth[k] = string.reached(float(self.depth[-1]), self._limits).depth
         return depth
+
+    @cached_property
+    def reach_at_frequencies(self) -> Floats:
+        """Reach in m with the tool at each of ``frequencies``; computed when it is first asked for.
+
+        NaN where ``frequency_growth`` is infinite: the string is stopped before.  Some 1e-3 of it are not known, and a
+        string that is stopped and goes on again between two fifths of the rest of the well is not seen to be.
+        """
+        reach = np.full(self.frequencies.size, math.nan)
+        chosen = np.flatnonzero(np.isfinite(self.frequency_growth))
+        drag = self._pushing.drag
+        if drag.shaking is None or not chosen.size:
+            return reach
+        # A string goes to ``low`` and is stopped at ``high``, frequency by frequency.
+        low = np.full(chosen.size, float(self.frequency_depth[-1]))
+        high, columns = np.maximum(low, float(self.depth[-1])), np.arange(chosen.size)
+        while (high - low > _ERROR * high).any():
+            depth = np.linspace(low, high, _FIFTHS + 1)
+            frequency = np.broadcast_to(self.frequencies[chosen], depth[1:].shape).ravel()
+            string = replace(self._pushing, drag=replace(drag, shaking=replace(drag.shaking, frequency=frequency)))
+            goes = string.pushed(depth[1:].ravel(), SOUGHT, self._limits).within(self._limits)
+            last = np.cumprod(goes.reshape(depth[1:].shape), axis=0).sum(axis=0)
+            low, high = depth[last, columns], depth[np.minimum(last + 1, _FIFTHS), columns]
+        reach[chosen] = low
+        reach[np.isclose(self.frequencies, drag.shaking.frequency)] = self.reach_shaken
+        return reach
 
     @property
     def gain_at_speeds(self) -> Floats:
@@ -543,16 +570,23 @@ class Reach(units.InUnits, Printed, ByContent):
         if self.tool is None or not self.gain > 0.0:
             return "not examined, because the tool gains no depth at its own frequency"
         tried = f"of {every.size} frequencies tried from {shown.of(every[0]):.3g} to {shown.show(every[-1], 3)}"
-        depth = f"{far(self.frequency_depth[-1], length)} {length.name}"
-        ranges = ", ".join(f"{_range(shown.of(a), shown.of(b))} {shown.name}" for a, b in self.useful_frequencies)
-        if ranges:
-            return f"{tried}, {ranges} push the string to {depth} without lateral waves"
+        gains = f"at least {100.0 * _WAY[-1]:.0f} % of its {length.show(self.gain, 3)}"
         pushing = np.count_nonzero(np.isfinite(self.frequency_growth))
         if not pushing:
-            return f"{tried}, none pushes the string to {depth}"
-        k = int(np.argmin(self.frequency_growth))
-        slowest = f"{self.frequency_growth[k]:.3g} 1/s at {shown.show(every[k], 3)}"
-        return f"{tried}, {pushing} push the string to {depth}, all with growing lateral waves, by at least {slowest}"
+            return f"{tried}, none gains {gains}"
+        reach, growth = self.reach_at_frequencies, self.frequency_growth
+        k, slowest = int(np.nanargmax(reach)), int(np.argmin(growth))
+        waves = f"lateral waves of {growth[k]:.3g} 1/s{', the slowest too' if k == slowest else ''}"
+        best = (
+            f"best: {shown.show(every[k], 3)}, {far(reach[k], length)} {length.name} "
+            f"({far(reach[k], length, less=self.reach)} {length.name}), "
+            f"{waves if growth[k] > _GROWS else 'without lateral waves'}"
+        )
+        ranges = ", ".join(f"{_range(shown.of(a), shown.of(b))} {shown.name}" for a, b in self.useful_frequencies)
+        if ranges:
+            return f"{best}; {tried}, {ranges} gain {gains} without lateral waves"
+        slow = "" if k == slowest else f", by at least {growth[slowest]:.3g} 1/s at {shown.show(every[slowest], 3)}"
+        return f"{best}; {tried}, {pushing} gain {gains}, all with growing lateral waves{slow}"
 
     def _table(self, shown: AnswerUnits) -> Table:
         depth, force = shown.length, shown.force
@@ -615,6 +649,7 @@ class Reach(units.InUnits, Printed, ByContent):
                 "growth_without_friction_per_s=growth_free half_wave_m speed_to_grow_m_per_s "
                 "weight_N_per_m=weight_per_length fluids_kg_per_m3=fluids sliding_m_per_s "
                 "frequencies_rad_per_s frequency_depth_m "
+                "reach_by_frequency_m=reach_at_frequencies "
                 "growth_by_frequency_per_s=frequency_growth speed_by_frequency_m_per_s=frequency_speed "
                 "useful_frequencies_rad_per_s assumptions",
             ),
@@ -668,6 +703,27 @@ class Reach(units.InUnits, Printed, ByContent):
 def _argument(name: str) -> str:
     """Return how `Reach.report` calls a unit."""
     return {"length": "depth"}.get(name, name)
+
+
+def frequency_table(reach: Reach, shown: AnswerUnits) -> Table | None:
+    """Return reach, gain and growth of lateral waves by the frequency of the tool; None where none was examined."""
+    if not np.isfinite(reach.frequency_growth).any():
+        return None
+    of, length = shown.frequency, shown.length
+    columns = (
+        (of.name, ">9"),
+        (f"reach {length.name}", ">14"),
+        (f"gain {length.name}", ">12"),
+        ("lateral waves 1/s", ">18"),
+    )
+    rows = []
+    for frequency, depth, growth in zip(
+        reach.frequencies, reach.reach_at_frequencies, reach.frequency_growth, strict=True
+    ):
+        goes = (far(depth, length), far(depth, length, less=reach.reach), f"{growth:.3g}")
+        less = (f"< {far(reach.frequency_depth[-1], length)}", "-", "not examined")
+        rows.append((f"{of.of(frequency):.3g}", *(goes if math.isfinite(depth) else less)))
+    return Table(columns, rows)
 
 
 def weight_in_words(
