@@ -259,31 +259,18 @@ def test_the_doors_agree(seed: int, tmp_path: Path) -> None:
     """Python, the terminal and the mean force just before and beyond the depth reached."""
     tool = drawn_tool(200 + seed)
     (amplitude, frequency), (second, faster) = tool.sines
-    survey, rod = tmp_path / "survey.csv", tmp_path / "rod.toml"
+    survey = tmp_path / "survey.csv"
     survey.write_text("MD (m), Inc (deg), Azi (deg)\n0,0,0\n1000,0,0\n1450,90,0\n5000,90,0\n")
-    TUBING.to_toml(rod)
     well = fr.WellPath.from_csv(survey)
     found = TUBING.reach(well, 0.3, tool=tool, depth=[5000.0])
     for off, is_locked in ((-2.0, False), (2.0, True)):
         there = TUBING.mean_force(well, 0.3, bottom=found.reach_shaken + off, tool=tool, depth=[0.0])
         assert (there.is_locked or math.isinf(there.error)) == is_locked
-    text = f"{amplitude!r}N@{frequency!r}rad/s@{tool.above_end!r}m+{second!r}N@{faster!r}rad/s"
-    words = [
-        "reach",
-        "--well",
-        survey,
-        "--rod",
-        rod,
-        "--friction",
-        "0.3",
-        "--depths",
-        "5000m",
-        "--tool",
-        text,
-        "--json",
-    ]
+    words = ["reach", "--well", str(survey), "--rod", "2.00x0.156", "--bore", "4.778in", "--friction", "0.3"]
+    words += ["--fluid-inside", "1000kg/m3", "--fluid-outside", "1000kg/m3", "--depths", "5000m"]
+    words += ["--tool", f"{amplitude!r}N@{frequency!r}rad/s@{tool.above_end!r}m+{second!r}N@{faster!r}rad/s"]
     with contextlib.redirect_stdout(io.StringIO()) as said:
-        assert cli.main([*map(str, words), "--json"]) == 0
+        assert cli.main([*words, "--json"]) == 0
     answer = json.loads(said.getvalue())
     assert answer["reach_with_tool_m"] == pytest.approx(found.reach_shaken, rel=1e-9)
     assert answer["tool"]["second"] == pytest.approx([second, faster], rel=1e-12)
