@@ -24,7 +24,7 @@ from floquetrod.cli.messages import option
 from floquetrod.parameter import Subsystem, unknown
 from floquetrod.rod import reading
 from floquetrod.rod.loads.load import LOAD, QUANTITIES, Load, LoadSource, Quantity
-from floquetrod.rod.model.plausibility import suspicion_of_hertz, warn_of_load
+from floquetrod.rod.model.plausibility import suspicion_of_hertz, warn_of_record
 
 
 def add_question(
@@ -101,8 +101,8 @@ def _read_record(options: argparse.Namespace, rod: fr.Rod) -> fr.ForceRecord | N
         return reading.read_record(vars(options), option)
     with Waiting(f"reading and fitting {options.force}"):
         record = reading.read_record(vars(options), option)
-    if record is not None and not record.force_unit_named:
-        warn_of_load(rod, record)
+    if record is not None:
+        warn_of_record(rod, record)
     return record
 
 

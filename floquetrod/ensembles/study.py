@@ -25,7 +25,7 @@ from floquetrod.ensembles.tasks import Summary
 from floquetrod.ensembles.varied_axes import LAYOUTS, MOST_RUNS, RUN_KINDS, VARIED_KINDS, names_of
 from floquetrod.parameter import unknown
 from floquetrod.rod.loads.load import FAR_ENDS, LOAD, QUANTITIES
-from floquetrod.rod.model.plausibility import suspicion_of_hertz, warn_of_load
+from floquetrod.rod.model.plausibility import suspicion_of_hertz, warn_of_record
 from floquetrod.rod.model.rod_file import rod_of
 from floquetrod.rod.reading import (
     LOAD_OPTIONS,
@@ -261,8 +261,8 @@ def _load(path: Path, table: Mapping[str, Any], rod: Rod) -> Any:
     force = None if given["force"] is None else str(path.parent / str(given["force"]))
     words: dict[str, Any] = given | texts | {"force": force}
     record = read_record(words)
-    if record is not None and not record.force_unit_named:
-        warn_of_load(rod, record)
+    if record is not None:
+        warn_of_record(rod, record)
     return read_load(words, rod, read_kind(words, record))
 
 

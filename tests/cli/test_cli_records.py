@@ -69,6 +69,21 @@ def test_what_is_typed_comes_before_the_unit_of_a_record(tmp_path: Path, capsys:
         assert forces(text) == {expected}
 
 
+def test_a_record_without_a_unit_of_force_is_warned_of(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = written(tmp_path, "N")
+    asked = ["check", "--rod", "nitinol", "--damping-rate", "0.3", "--no-margins", "--force", str(path)]
+    told = "floquetrod: warning: the record names no unit of force: taken in N; give --force-unit, such as N or lbf\n"
+    for heading, more, expected in (
+        ("Force / N", [], False),
+        ("Force", [], True),
+        ("Force", ["--force-unit", "N"], False),
+    ):
+        lines = path.read_text(encoding="utf-8").splitlines()
+        path.write_text("\n".join([f"time / s,{heading}", *lines[1:]]), encoding="utf-8")
+        assert cli.main([*asked, *more]) == 0
+        assert (told in capsys.readouterr().err) == expected
+
+
 def test_a_record_without_a_unit_and_arrays_are_in_newtons(tmp_path: Path) -> None:
     path = written(tmp_path, "N")
     path.write_text(path.read_text(encoding="utf-8").replace(" / N", ""), encoding="utf-8")

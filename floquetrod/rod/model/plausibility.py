@@ -286,6 +286,16 @@ def warn_of_load(rod: Any, load: Any) -> None:
         warnings.warn(Message(suspicion, SILENCE), PlausibilityWarning, stacklevel=level_of_caller())
 
 
+def warn_of_record(rod: Any, record: Any) -> None:
+    """Warn of a record whose file names no unit of force: it is read in N, whatever was meant."""
+    if record.force_unit_named:
+        return
+    suspicions = [] if rod.force_unit is None else list(suspicions_of_record(rod, record))
+    general = "the record names no unit of force: taken in N; give "
+    for suspicion in suspicions or [Message(general, Mention("force_unit"), ", such as N or lbf")]:
+        warnings.warn(Message(suspicion, SILENCE), PlausibilityWarning, stacklevel=level_of_caller())
+
+
 def _verdict(rod: Any, load: Any, frequency: float, growth_tolerance: float) -> int:
     """Return the verdict on a load of independent modes at another frequency."""
     found = rod.verdicts(load, frequency=frequency, growth_tolerance=growth_tolerance)
