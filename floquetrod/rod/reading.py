@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from pathlib import Path
@@ -9,6 +10,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias, TypeVar
 
 from floquetrod import units
 from floquetrod._util.arguments import Message, argument_of, error_in
+from floquetrod._util.plausibility_warning import PlausibilityWarning
 from floquetrod._util.suggest import short
 from floquetrod._util.tables import require_file
 from floquetrod.bare_numbers import Quantity as Written
@@ -225,6 +227,15 @@ def read_tool(text: str, name: str) -> VibrationTool:
     written += zip(names, second, ("force", "frequency", "angle"), strict=False)
     for number in bare_numbers((Written(*each) for each in written), _OF_TOOLS):
         raise ValueError(f"{name} {short(text)}: its {number.quantity.name} {number.problem}")
+    bare = parts[1].strip()
+    if units.unit_of(bare) == "":
+        hertz = units.unit("Hz", name, "frequency").show(units.quantity(bare, name, "frequency"), 3)
+        typed = f"{parts[0].strip()}N@{bare}"
+        warnings.warn(
+            f"{name} {text.strip()} is taken in N and rad/s, that is, at {hertz}; write {typed}rad/s or {typed}Hz",
+            PlausibilityWarning,
+            stacklevel=2,
+        )
     return VibrationTool(*parts, second=tuple(second) if plus else None)  # type: ignore[arg-type]
 
 
