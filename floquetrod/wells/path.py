@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from floquetrod.wells.survey_file import SurveyFile
 
 _ROUNDING = 1e-9  # of a depth, by which it may miss the ends of the path
+_PROJECTED = 0.1  # of the length of a survey, beyond which a straight piece is doubted (a choice)
 _SHOWN = 40  # stations of a report
 
 
@@ -427,6 +428,11 @@ class WellPath(units.InUnits, Reported, ByContent, TellsAttributes):
         TypeError, ValueError
             For a depth that does not lie below the last station, and for other units.
 
+        Warns
+        -----
+        PlausibilityWarning
+            Of a straight piece longer than a tenth of the survey.
+
         Examples
         --------
         >>> well = WellPath([0.0, 1000.0, 1450.0], ["0deg", "0deg", "90deg"])
@@ -449,6 +455,11 @@ class WellPath(units.InUnits, Reported, ByContent, TellsAttributes):
         )
         path = type(self).__new__(type(self))._keep(*columns).given_in(self.given_units)
         note = f"projected straight from {length.of(self.end):.6g} to {length.show(depth)}"
+        share = (depth - self.end) / (self.end - self.start)
+        if share > _PROJECTED:
+            text = f"to = {length.show(depth)} is {length.show(depth - self.end, 4)} straight on below the last station"
+            more = f"{100.0 * share:.0f} % of the survey's length: is that its unit?"
+            warnings.warn(Message(f"{text}, {more}", SILENCE), PlausibilityWarning, stacklevel=level_of_caller())
         object.__setattr__(path, "note", "; ".join(filter(None, [self.note, note])))
         return path
 

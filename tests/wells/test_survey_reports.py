@@ -163,6 +163,14 @@ def test_a_well_says_where_it_begins_and_to_which_depth_it_is_projected() -> Non
         well.projected(1300.0)
 
 
+def test_a_depth_far_below_a_survey_is_doubted() -> None:
+    """As one in metres is below a survey in feet."""
+    well = WELL.part(0.0, 1400.0)
+    well.projected(1530.0)
+    with pytest.warns(fr.PlausibilityWarning, match=r"^to = 4593 m is 3193 m straight on below .* station, 228 % of"):
+        assert well.projected(4593.0).end == 4593.0
+
+
 @pytest.mark.parametrize(
     ("text", "words"),
     [
