@@ -12,7 +12,9 @@ from typing import Any
 from floquetrod._util.content import NoTruthValue
 from floquetrod._util.result_report import Report, Reported, Table
 from floquetrod.equations import Equation
+from floquetrod.floquet import registry
 from floquetrod.floquet.dispatch import run
+from floquetrod.floquet.equation_margins import in_one_line
 from floquetrod.floquet.multipliers.system_stability import SystemStability
 from floquetrod.floquet.problems import Problem, require_problem
 from floquetrod.floquet.references import united
@@ -53,9 +55,8 @@ class SideBySide(Reported, NoTruthValue):
         }
 
     def __repr__(self) -> str:
-        """Return the table."""
-        report = self.report()
-        return f"{report.headline}\n{report.table}"
+        """Return the report."""
+        return str(self.report())
 
 
 @dataclass(frozen=True, repr=False)
@@ -99,13 +100,21 @@ class Comparison(SideBySide):
         return tuple(result.method for result in self.results if is_approximation(self.equation, result.method))
 
     @property
+    def _of_another_equation(self) -> tuple[str, ...]:
+        """The approximations whose equation has another coefficient."""
+        return tuple(r.method for r in self.results if registry.solves_another(self.equation, r.method))
+
+    @property
     def left_out(self) -> tuple[tuple[str, str], ...]:
         """The methods that do not apply, each with the reason."""
         refusals = ((method.name, method.refusal(self.equation)) for method in METHODS)
         return tuple((name, refusal) for name, refusal in refusals if refusal is not None)
 
     def report(self) -> Report:
-        """Return the table of methods, and whether they agree.
+        """Return the verdict in a line, the table of methods, and whether they agree.
+
+        Of Mathieu's equation and of Meissner's the verdict has the damping that stabilises it and the forcing that
+        changes it.
 
         Returns
         -------
@@ -118,7 +127,7 @@ class Comparison(SideBySide):
         head = ("method", "verdict", f"growth per {unit}", what, "error", "cost", "ms")
         rows = [
             (
-                r.method,
+                f"{r.method} (another equation)" if r.method in self._of_another_equation else r.method,
                 r.status,
                 f"{r.growth_rate:.6g}",
                 f"{r.discriminant:.12g}" if isinstance(r, Stability) else r.structure,
@@ -129,9 +138,19 @@ class Comparison(SideBySide):
             for r, seconds in zip(self.results, self.seconds, strict=True)
         ]
         rest = "\n".join([*(f"  {r.method}: {r.note}" for r in self.results if r.note), *self._agreement()])
-        formula = getattr(self.equation, "_formula", "")
-        headline = f"{self.equation!r}: {formula}" if formula else repr(self.equation)
-        return Report(headline, (), Table([(title, "<") for title in head], rows, rest))
+        lines = [("equation" if isinstance(self.equation, Equation) else "system", repr(self.equation))]
+        if formula := getattr(self.equation, "_formula", ""):
+            lines.append(("", formula))
+        return Report(self._headline, lines, Table([(title, "<") for title in head], rows, rest))
+
+    @property
+    def _headline(self) -> str:
+        """The verdict of the first method that decides, approximations aside."""
+        if not self.agree:
+            return "METHODS DISAGREE"
+        judged = [result for result in self.results if result.method not in self.approximations]
+        verdict = next((result for result in judged if result.status != "undecided"), judged[0])
+        return in_one_line(verdict) if isinstance(verdict, Stability) else verdict._headline
 
     def _agreement(self) -> list[str]:
         if self.agree:
@@ -149,10 +168,12 @@ class Comparison(SideBySide):
             if r.method in self.approximations and r.status != "undecided" and verdicts and r.status not in verdicts
         ]
         vague = [r.method for r in deciding if any(e != e for e in r.exponents)]
-        agreeing = [r.method for r in self.results if r.method not in (*undecided, *others)]
+        another = self._of_another_equation
+        agreeing = [r.method for r in self.results if r.method not in (*undecided, *others, *another)]
         everything = not (undecided or others) or not agreeing
         text = "all methods agree" if everything else f"{', '.join(agreeing)} agree"
         text = "no method decides" if not agreeing else text
+        text += f"; {', '.join(another)} solves another equation" if another and everything else ""
         for what, names in (
             ("undecided", undecided),
             ("approximations that say otherwise", others),

@@ -87,6 +87,8 @@ class Service(NamedTuple):
     """Error of growth and multipliers, relative, on problems of moderate size and with the default options."""
     approximates: Callable[[Any], bool] = _never
     """Of a problem: whether the stated error leaves out how far the method's own equation is from it."""
+    another: Callable[[Any], bool] = _never
+    """Of a problem: whether the method's own equation has another coefficient."""
 
 
 class Method(NamedTuple):
@@ -149,7 +151,11 @@ METHODS = (
     Method(
         "square_wave",
         equations=Service(
-            "the closed form of a coefficient with two values", (references.STUDY,), _two_levels, approximates=_is_sine
+            "the closed form of a coefficient with two values",
+            (references.STUDY,),
+            _two_levels,
+            approximates=_is_sine,
+            another=_is_sine,
         ),
     ),
     Method(
@@ -242,6 +248,11 @@ def service(problem: Problem, method: str) -> Service:
 def is_approximation(problem: Problem, method: str) -> bool:
     """Return whether the method solves an equation near the problem, whose distance its errors do not include."""
     return service(problem, method).approximates(problem)
+
+
+def solves_another(problem: Problem, method: str) -> bool:
+    """Return whether the method solves an equation with another coefficient."""
+    return service(problem, method).another(problem)
 
 
 def sources(problem: Problem, method: str) -> tuple[str, ...]:

@@ -13,6 +13,7 @@ import subprocess
 import sys
 import threading
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -233,7 +234,40 @@ def test_compare_takes_every_form_of_mathieus_equation(
     assert methods["monodromy"][f"growth_rate_per_{verdict.unit}"] == verdict.growth_rate
     assert methods["monodromy"][f"decay_rate_per_{verdict.unit}"] == verdict.decay_rate
     assert cli.main(["compare", *words]) == 0
-    assert capsys.readouterr().out.startswith(f"{equation!r}: {equation._formula}\n")
+    printed = capsys.readouterr().out
+    assert printed.startswith(verdict.status.upper())
+    assert f"\n\nequation  {equation!r}\n          {equation._formula}\n\n" in printed
+
+
+def test_compare_begins_with_the_verdict_and_what_changes_it(capsys: pytest.CaptureFixture[str]) -> None:
+    assert cli.main(["compare", "--a", "1.2", "--q", "0.9", "--damping", "0.1"]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert lines[0] == (
+        "UNSTABLE: grows at 0.280198 per unit z, tenfold in 8.218 z; stable with a damping above 0.410143 per unit z, "
+        "0.310143 more; changes with q at 0.29116 (0.6088 lower), not higher up to 3.6, in steps of 0.042"
+    )
+    assert sum(line.startswith("square_wave (another equation)") for line in lines) == 1
+    assert lines[-1] == "all methods agree; square_wave solves another equation"
+    assert cli.main(["compare", "--a", "1", "--q", "0"]) == 0
+    assert "on a boundary: changes with q as soon as its magnitude differs from 0\n" in capsys.readouterr().out
+    assert cli.main(["compare", "--a", "-3", "--q", "-1.5"]) == 0
+    head = capsys.readouterr().out.partition("\n")[0]
+    assert "strong damping does not stabilise it" in head
+    assert head.endswith("no change with -q from 0 to 6, in steps of 0.07")
+
+
+@pytest.mark.parametrize("forcing", [0.9, -0.9])
+@pytest.mark.parametrize(
+    ("family", "name"), [(partial(fr.Mathieu.from_aq, 1.2), "q"), (lambda q, c: fr.Mathieu(q, -0.3, c), "alpha")]
+)
+def test_numbers_in_the_verdict_of_compare_change_it(family: Any, name: str, forcing: float) -> None:
+    text = str(fr.compare(family(forcing, 0.1)).report()).partition("\n")[0]
+    needed = float(re.search(r"a damping above (\S+) per", text)[1])  # type: ignore[index]
+    assert [fr.stability(family(forcing, needed + d)).stable for d in (-1e-4, 1e-4)] == [False, True]
+    sign, edge = re.search(rf"changes with (-?){name} at (\S+)", text).groups()  # type: ignore[union-attr]
+    assert (sign == "-") == (forcing < 0.0)
+    sides = [fr.stability(family(math.copysign(float(edge) + d, forcing), 0.1)).stable for d in (-1e-4, 1e-4)]
+    assert sorted(sides) == [False, True]
 
 
 def test_an_equation_is_written_with_its_numbers() -> None:

@@ -241,7 +241,8 @@ def test_comparison_is_a_table() -> None:
     assert names == [method.name for method in applicable(comparison.equation)]
     assert {"spectral", "determinant", "monodromy", "square_wave", "leapfrog", "reference"} <= set(names)
     lines = repr(comparison).splitlines()
-    assert lines[1].split()[:2] == ["method", "verdict"]
+    assert lines[0].startswith("UNSTABLE: grows at ")
+    assert lines[5].split()[:2] == ["method", "verdict"]
     assert "all methods agree" in lines[-1]
     # A tongue that the 100-period test cannot see: an approximation says otherwise, with the reason.
     thin = fr.compare(fr.Mathieu(0.01, -0.25))
